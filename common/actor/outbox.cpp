@@ -1,0 +1,36 @@
+#include "common/actor/outbox.hpp"
+
+namespace trb {
+
+void Outbox::command(std::string target, Body body, std::uint16_t flags) {
+  sends.push_back({.type = MessageType::command, .target = std::move(target), .flags = flags, .body = std::move(body)});
+}
+
+void Outbox::request(std::string target, Body body) {
+  sends.push_back({.type = MessageType::request, .target = std::move(target), .body = std::move(body)});
+}
+
+void Outbox::information(std::string target, Body body) {
+  sends.push_back({.type = MessageType::information, .target = std::move(target), .body = std::move(body)});
+}
+
+void Outbox::reply(const Inbound& to, Body body) {
+  if (!to.wants_answer()) return;
+  sends.push_back({.type = MessageType::information, .target = to.source, .reply_to = to.id, .body = std::move(body)});
+}
+
+void Outbox::nack(const Inbound& to, const Error& error) {
+  const bool answer = to.reply_to != 0 || to.type == MessageType::information || std::holds_alternative<Nack>(to.body);
+  if (answer || to.id == 0) return;
+  Nack nack{std::string(errc_name(error.code)), std::string(subtype_of(to.body)), to.target, error.what.substr(0, 1024),
+            error.cure.substr(0, 1024)};
+  sends.push_back({.type = MessageType::information, .target = to.source, .reply_to = to.id, .body = std::move(nack)});
+}
+
+bool Outbox::empty() const {
+  return journal.empty() && sends.empty() && writes.empty() && closes.empty() && logs.empty() && counts.empty();
+}
+
+void Outbox::clear() { *this = Outbox{}; }
+
+}  // namespace trb

@@ -1,0 +1,39 @@
+#include <doctest/doctest.h>
+
+#include "common/base/hex.hpp"
+#include "common/base/ids.hpp"
+#include "common/base/time.hpp"
+
+using namespace trb;
+
+TEST_CASE("hexadecimal goes there and back, and refuses what is none") {
+  CHECK(to_hex(std::string("\x00\xff\x10", 3)) == "00ff10");
+  CHECK(*from_hex("00FF10") == std::string("\x00\xff\x10", 3));
+  CHECK(from_hex("0").error().code == Errc::malformed);
+  CHECK(from_hex("0g").error().code == Errc::malformed);
+}
+
+TEST_CASE("an id is short, lower-case and starts with a letter") {
+  CHECK(is_valid_id("ur3"));
+  CHECK(is_valid_id("pioneer-1_b"));
+  for (const char* bad : {"", "3ur", "UR3", "a b", "a/b", "*"}) CHECK_FALSE(is_valid_id(bad));
+  CHECK_FALSE(is_valid_id(std::string(65, 'a')));
+  CHECK(is_valid_word("goTo"));
+  CHECK(check_id("node.json: id", "A").error().text().find("node.json: id") != std::string::npos);
+}
+
+TEST_CASE("UTC prints as ISO 8601") {
+  CHECK(to_iso8601({0}) == "1970-01-01T00:00:00.000Z");
+  CHECK(to_iso8601({1'772'366'400'250'000'000}) == "2026-03-01T12:00:00.250Z");
+  CHECK(to_iso8601({-1'000'000}) == "1969-12-31T23:59:59.999Z");
+}
+
+TEST_CASE("the earlier deadline wins, none loses") {
+  CHECK(earlier(std::nullopt, MonotonicTime{5})->ns == 5);
+  CHECK(earlier(MonotonicTime{4}, MonotonicTime{5})->ns == 4);
+  CHECK_FALSE(earlier(std::nullopt, std::nullopt));
+}
+
+TEST_CASE("an error names its code, its field and its cure") {
+  CHECK(fail(Errc::missing, "node.json: id", "add it").text() == "missing: node.json: id; add it");
+}

@@ -1,0 +1,17 @@
+#include "common/base/config_fault.hpp"
+
+namespace trb {
+
+std::string to_text(const ConfigFaults& faults) {
+  std::string out;
+  for (const ConfigFault& fault : faults) {
+    out += fault.file + ": ";
+    if (!fault.key.empty()) out += fault.key + ": ";
+    out += fault.what;
+    if (!fault.cure.empty()) out += "; " + fault.cure;
+    out += '\n';
+  }
+  return out;
+}
+
+}  // namespace trb

@@ -1,0 +1,86 @@
+// A node's folder: node.json, Appendix A's three files, the description and the places, read and checked as one.
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/base/result.hpp"
+#include "common/fleet/description.hpp"
+
+namespace trb {
+
+enum class Mode : std::uint8_t { none = 0, interpreter, direct, ros };
+constexpr auto enum_names(Mode) {
+  return std::array<std::string_view, 4>{"none", "interpreter", "direct", "ros"};
+}
+
+/// A peer that is dialled without having been heard: address and link key (hexadecimal, from `trb fleet show`).
+struct Seed {
+  std::string address;  ///< HOST:PORT
+  std::string key;      ///< 32 raw bytes
+};
+
+struct RobotLink {
+  std::string host;       ///< the robot's address: dialled in direct mode, the only one let in on TCP_PORT
+  std::string interface;  ///< an interface or a local address: where TCP_PORT is bound
+};
+
+/// network.json, Appendix A's Figure A2.
+struct Network {
+  std::uint16_t udp_port = 50000;      ///< beacons
+  std::uint16_t tcp_port_ext = 45000;  ///< other routers
+  std::uint16_t tcp_port = 40000;      ///< the node's robot
+  std::string host_int;                ///< an interface or an address
+  std::string vpn_int;
+  // resolved from the interfaces of this machine by check_node_dir:
+  std::string address;    ///< of host_int
+  std::string broadcast;  ///< of host_int's network
+  std::string robot_address;  ///< of robot.interface, or `address`
+};
+
+/// What a vendor's monitor connection tells (state, completion, errors).
+struct Monitor {
+  std::string protocol;  ///< "ur-primary"
+  std::uint16_t port = 0;
+};
+
+/// One vendor's part of commands.json, Appendix A's Figure A3.
+struct VendorCommands {
+  std::optional<std::uint16_t> port;
+  std::string transport = "tcp-text";
+  std::string language = "plain";          ///< how text and lists are written: "plain" or "urscript"
+  std::string wrap;                        ///< "urscript-program": commands become a named program, so that its end is told
+  std::map<std::string, std::string> commands;  ///< subtype -> the vendor's words with {data} or {0}, {1} …
+  std::map<std::string, std::string> requests;  ///< subtype -> a name that the monitor reports, for example "joints"
+  std::optional<Monitor> monitor;
+};
+
+struct NodeConfig {
+  std::string dir;  ///< absolute
+  std::string id;
+  std::string framework;  ///< empty for a node without a robot
+  Mode mode{};
+  std::vector<std::string> services;
+  RobotLink robot;
+  std::vector<Seed> seeds;
+  bool beacon = true;
+  Network network;
+  Description description;
+  Places places;
+  VendorCommands commands;  ///< of `framework`; empty for the interpreter mode without an entry
+
+  [[nodiscard]] bool has_service(std::string_view name) const;
+};
+
+/// Reads and checks a node's folder. Every fault of every file is returned at once; nothing is started, no port stays bound.
+/// Also checks what the files refer to: keys present with mode 0600, certificate valid for the id, interfaces that exist,
+/// ports that are free (skipped with `running`), a mode that this build has.
+struct NodeCheck {
+  NodeConfig config;
+  ConfigFaults faults;
+};
+NodeCheck check_node_dir(const std::string& dir, bool running);
+
+}  // namespace trb

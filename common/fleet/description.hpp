@@ -1,0 +1,105 @@
+// A robot's description, config/robots/*.json: what it can do, in which units, and how each skill ends.
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/base/config_fault.hpp"
+#include "common/fleet/places.hpp"
+#include "proto/bodies/link.hpp"
+#include "proto/value.hpp"
+
+namespace trb {
+
+enum class ParameterType : std::uint8_t { number = 0, integer, text, boolean, place, numbers };
+constexpr auto enum_names(ParameterType) {
+  return std::array<std::string_view, 6>{"number", "integer", "text", "bool", "place", "numbers"};
+}
+
+/// A typed parameter of a skill. Numbers are in SI units; the description's units turn them into the vendor's.
+struct Parameter {
+  std::string name;
+  ParameterType type{};
+  bool required = true;
+  std::string unit;                  ///< "m", "rad", "s", "m/s" … or empty
+  std::optional<double> minimum;
+  std::optional<double> maximum;
+  std::vector<std::string> one_of;   ///< for text: the words allowed; empty: any
+  std::optional<std::size_t> count;  ///< for numbers: how many
+  std::optional<Value> preset;       ///< used when an optional parameter is not given
+};
+
+/// How a skill is known to have ended.
+enum class EndKind : std::uint8_t { acknowledgement = 0, state, position, time };
+constexpr auto enum_names(EndKind) {
+  return std::array<std::string_view, 4>{"acknowledgement", "state", "position", "time"};
+}
+
+struct SkillEnd {
+  EndKind kind{};
+  std::string state;        ///< kind state: a name that the monitor reports, for example "robot_mode"
+  double equals = 0;        ///< kind state: the value to wait for
+  double tolerance = 0.01;  ///< kind position: how near to the target, in the monitor's unit
+  std::string target;       ///< kind position: the parameter that holds the target
+  double duration_s = 0;    ///< kind time
+};
+
+/// An action already implemented on the robot. It is sent as a command of `subtype` whose data is `data` with its
+/// placeholders filled: {NAME} a parameter, {NAME.x|y|z|yaw} a coordinate of a place in the robot's frame and units.
+struct Skill {
+  std::string name;
+  std::string capability;
+  std::vector<Parameter> parameters;
+  std::string subtype;
+  std::string data;
+  SkillEnd end;
+  double timeout_s = 60;
+  bool repeatable = false;
+};
+
+enum class Framing : std::uint8_t { newline = 0, length, delay };
+constexpr auto enum_names(Framing) { return std::array<std::string_view, 3>{"newline", "length", "delay"}; }
+enum class Encoding : std::uint8_t { text = 0, numeric };
+constexpr auto enum_names(Encoding) { return std::array<std::string_view, 2>{"text", "numeric"}; }
+
+/// The settings of proto/FIELD_CHANNEL.md.
+struct FieldChannel {
+  Framing framing{};
+  Encoding encoding{};
+  bool acknowledge = true;
+  double ack_timeout_s = 2;
+  std::uint32_t chunk_bytes = 0;
+  double delay_s = 0.002;
+  std::map<std::string, std::int64_t> subtype_codes;
+  std::map<std::string, std::int64_t> id_codes;
+};
+
+/// How the robot's units and frame relate to the hall's (metres, radians).
+struct RobotFrame {
+  double length = 1;  ///< vendor units a metre: 1000 for mm
+  double angle = 1;   ///< vendor units a radian: 57.29577951308232 for degrees
+  Pose origin;        ///< the robot's origin in the hall's frame
+};
+
+struct Description {
+  std::string maker;
+  std::string model;
+  std::vector<std::string> capabilities;
+  std::vector<Skill> skills;
+  RobotFrame frame;
+  std::map<std::string, Value> places;  ///< the robot's own words for a place (joints, a station's number); wins over the pose
+  FieldChannel field_channel;
+
+  [[nodiscard]] const Skill* find_skill(std::string_view name) const;
+};
+
+/// Reads a description; every fault is added to `faults` and the rest read on. Skills without an end, of an unknown
+/// capability, with placeholders that name no parameter, or twice the same name are faults.
+Description read_description(const Value& json, const std::string& file, ConfigFaults& faults);
+
+/// The part of a description that the fleet is told.
+std::vector<SkillInfo> skill_infos(const Description& description);
+
+}  // namespace trb

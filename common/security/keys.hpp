@@ -1,0 +1,71 @@
+// Keys, signatures, certificates: libsodium behind named functions.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "common/base/bytes.hpp"
+#include "common/base/result.hpp"
+#include "common/base/time.hpp"
+#include "proto/bodies/signed.hpp"
+
+namespace trb {
+
+/// Must be called once before anything else here; throws std::runtime_error if libsodium cannot start.
+void init_crypto();
+
+/// 32 bytes public, 64 bytes secret (Ed25519).
+struct SigningKey {
+  Bytes public_key;
+  Bytes secret_key;
+};
+
+/// 32 bytes each (X25519, as CURVE uses them).
+struct LinkKey {
+  Bytes public_key;
+  Bytes secret_key;
+};
+
+SigningKey make_signing_key();
+LinkKey make_link_key();
+Bytes random_bytes(std::size_t count);
+std::uint64_t random_u64();
+
+/// BLAKE2b-256.
+Bytes digest(BytesView bytes);
+
+/// The fleet's id: the first 16 bytes of the digest of the authority's public key.
+Bytes fleet_id(BytesView authority_key);
+
+/// Signs payload for a purpose (a kSigned… word) within a fleet (16-byte id).
+SignedRecord sign(std::string_view purpose, std::string_view signer, BytesView fleet, Bytes payload,
+                  const SigningKey& key);
+
+/// True if the record is of that purpose and fleet and was made with that public key.
+bool verify(const SignedRecord& record, std::string_view purpose, BytesView fleet, BytesView public_key);
+
+/// The public half of the fleet: what every node knows of its authority.
+struct FleetAuthority {
+  std::string name;
+  Bytes public_key;  ///< Ed25519
+  [[nodiscard]] Bytes id() const { return fleet_id(public_key); }
+};
+
+/// Opens a certificate: signed by the authority, well-formed, valid now. Errors: malformed, foreign_fleet (made for
+/// another authority), bad_signature, cert_not_yet_valid, cert_expired.
+Result<Certificate> open_certificate(const SignedRecord& record, const FleetAuthority& authority, UtcTime now);
+
+/// The same without looking at the clock.
+Result<Certificate> open_certificate_any_time(const SignedRecord& record, const FleetAuthority& authority);
+
+/// Opens a signed record of a member: its certificate's id must be record.signer. Errors: bad_signature, malformed.
+template <class T>
+Result<T> open_record(const SignedRecord& record, std::string_view purpose, const Certificate& signer);
+
+/// Compares in constant time; false for different lengths.
+bool same_secret(BytesView a, BytesView b);
+
+/// May this role sign records of that purpose? One table, default deny.
+bool may_sign(Role role, std::string_view purpose);
+
+}  // namespace trb

@@ -1,0 +1,32 @@
+// The keys of a node's folder: keys/identity.key, keys/link.key (0600), keys/certificate.json.
+#pragma once
+
+#include <string>
+
+#include "common/base/config_fault.hpp"
+#include "common/security/beacon_key.hpp"
+#include "common/security/keys.hpp"
+
+namespace trb {
+
+struct NodeKeys {
+  SigningKey identity;
+  LinkKey link;
+  SignedRecord certificate_record;
+  Certificate certificate;
+  FleetAuthority authority;
+  BeaconKey beacon;
+};
+
+/// Makes identity and link key in NODE_DIR/keys, if not there, and writes keys/request.json for `trb fleet sign`.
+/// Errors: bad_value (id), io_error.
+Status make_request(const std::string& node_dir, const std::string& id, Role role);
+
+/// Reads the keys. Errors: missing, not_permitted (mode is not 0600), malformed, wrong_key (the certificate is for other
+/// keys), and those of open_certificate_any_time.
+Result<NodeKeys> load_node_keys(const std::string& node_dir);
+
+/// The same as faults of a `trb check`: also an id or role that differs from node.json's, and an expired certificate.
+void check_node_keys(const std::string& node_dir, const std::string& id, UtcTime now, ConfigFaults& faults);
+
+}  // namespace trb

@@ -1,0 +1,61 @@
+// The public library for services: a service's link to its node's router and its one loop. A core is run by it; an
+// operator's own Layer 2 service uses nothing else.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/actor/core.hpp"
+#include "common/base/result.hpp"
+
+namespace trb {
+
+struct ServiceOptions {
+  std::string node_dir;               ///< the node's folder; becomes the working directory
+  std::string name;                   ///< as in node.json, for example "scheduler"
+  std::vector<std::string> subtypes;  ///< what it takes
+  bool own_log = true;                ///< log to NODE_DIR/log/NAME.log; false: to standard error
+};
+
+/// Runs one core. Everything happens on the thread that calls run().
+class Service {
+ public:
+  using Effect = std::function<void(Now, Outbox&)>;
+
+  /// Connects to the node's router (which may come later). Errors: io_error, bad_value.
+  static Result<std::unique_ptr<Service>> open(ServiceOptions options);
+
+  Service() = default;
+  Service(const Service&) = delete;
+  Service& operator=(const Service&) = delete;
+  virtual ~Service() = default;
+
+  /// This process's instance: random, new at each start.
+  [[nodiscard]] virtual std::uint64_t instance() const = 0;
+
+  /// Commits the records of one step; a failure ends the process, because nothing may be sent on an unwritten record.
+  virtual void on_journal(std::function<Status(const std::vector<Journal>&)> commit) = 0;
+  /// Carries out the RobotWrites and RobotCloses of a step, after its sends.
+  virtual void on_robot(std::function<void(const Outbox&)> output) = 0;
+
+  /// Calls `ready` in the loop when the descriptor has any of the poll(2) events. One watch a descriptor; calling again
+  /// with other events replaces it.
+  virtual void watch(int fd, short events, std::function<void(short revents)> ready) = 0;
+  virtual void unwatch(int fd) = 0;
+  /// A deadline besides the core's: the loop wakes at next() and calls tick().
+  virtual void timer(std::function<std::optional<MonotonicTime>()> next, std::function<void(Now)> tick) = 0;
+
+  /// Runs an effect on the core as one step of the loop: journal, sends, robot. For io that has heard something.
+  virtual void step(const Effect& effect) = 0;
+
+  /// Runs until SIGTERM or SIGINT, or until SIGHUP finds `idle` true (0 = orderly, 75 = asked to start again).
+  virtual int run(Core& core, std::function<bool()> idle = {}) = 0;
+};
+
+/// Reads both clocks.
+Now now();
+
+}  // namespace trb

@@ -1,0 +1,156 @@
+// Bodies of a node's own bus: between a service (or a `trb` probe) and its router.
+#pragma once
+
+#include "proto/field.hpp"
+
+namespace trb {
+
+/// A service's first message: what it takes. Answered by ServiceWelcome or a Nack (already_claimed).
+struct ServiceHello {
+  static constexpr std::string_view kSubtype = "service_hello";
+  std::string service;
+  std::vector<std::string> subtypes;
+  std::uint64_t instance = 0;  ///< random, new at each start of the process
+  std::uint32_t pid = 0;
+  std::string version;
+  static constexpr auto fields() {
+    return std::tuple{field("service", &ServiceHello::service, 64), field("subtypes", &ServiceHello::subtypes, 64),
+                      field("instance", &ServiceHello::instance), field("pid", &ServiceHello::pid),
+                      field("version", &ServiceHello::version, 32)};
+  }
+};
+
+struct ServiceWelcome {
+  static constexpr std::string_view kSubtype = "service_welcome";
+  std::string node;
+  std::string role;
+  std::uint16_t slot = 0;  ///< the upper 16 bits of every message id that this connection makes
+  std::uint64_t router_instance = 0;
+  std::uint64_t boot = 0;  ///< the node's boot counter
+  static constexpr auto fields() {
+    return std::tuple{field("node", &ServiceWelcome::node, 64), field("role", &ServiceWelcome::role, 32),
+                      field("slot", &ServiceWelcome::slot), field("router_instance", &ServiceWelcome::router_instance),
+                      field("boot", &ServiceWelcome::boot)};
+  }
+};
+
+/// Sent by a service once a second; the answer shows the service that its router still knows it.
+struct ServiceAlive {
+  static constexpr std::string_view kSubtype = "service_alive";
+  std::uint64_t instance = 0;
+  static constexpr auto fields() { return std::tuple{field("instance", &ServiceAlive::instance)}; }
+};
+
+struct ServiceAliveSeen {
+  static constexpr std::string_view kSubtype = "service_alive_seen";
+  std::uint64_t router_instance = 0;
+  static constexpr auto fields() { return std::tuple{field("router_instance", &ServiceAliveSeen::router_instance)}; }
+};
+
+/// The router does not know this connection (it was restarted): say ServiceHello again.
+struct HelloWanted {
+  static constexpr std::string_view kSubtype = "hello_wanted";
+  static constexpr auto fields() { return std::tuple{}; }
+};
+
+/// The negative answer to any command or request, and to information that could not be delivered. Never Nacked itself.
+struct Nack {
+  static constexpr std::string_view kSubtype = "nack";
+  std::string code;     ///< an errc_name()
+  std::string subtype;  ///< of the message that failed
+  std::string target;   ///< of the message that failed
+  std::string what;
+  std::string cure;
+  static constexpr auto fields() {
+    return std::tuple{field("code", &Nack::code, 64), field("subtype", &Nack::subtype, 64),
+                      field("target", &Nack::target, 64), field("what", &Nack::what, 1024),
+                      field("cure", &Nack::cure, 1024)};
+  }
+};
+
+/// The positive answer to a command.
+struct Ack {
+  static constexpr std::string_view kSubtype = "ack";
+  std::string state;  ///< how far it has come: "handed_over", "started", "stopped", "released", "accepted"
+  std::string text;
+  static constexpr auto fields() { return std::tuple{field("state", &Ack::state, 32), field("text", &Ack::text, 1024)}; }
+};
+
+/// Asks the router to sign a record of its kind; only the one service that may make that kind is served.
+struct SignRequest {
+  static constexpr std::string_view kSubtype = "sign_request";
+  std::string kind;  ///< a kSigned… purpose, proto/bodies/signed.hpp
+  Blob payload;
+  static constexpr auto fields() {
+    return std::tuple{field("kind", &SignRequest::kind, 32), field("payload", &SignRequest::payload, 1U << 19U)};
+  }
+};
+
+struct RouteListRequest {
+  static constexpr std::string_view kSubtype = "route_list";
+  static constexpr auto fields() { return std::tuple{}; }
+};
+
+struct ServiceListRequest {
+  static constexpr std::string_view kSubtype = "service_list";
+  static constexpr auto fields() { return std::tuple{}; }
+};
+
+struct ServiceEntry {
+  std::string service;
+  std::string state;  ///< "up", "silent" (3 s without a word), "down"
+  std::uint32_t pid = 0;
+  std::uint64_t instance = 0;
+  std::string version;
+  double up_s = 0;
+  double last_heard_s = 0;
+  std::vector<std::string> subtypes;
+  static constexpr auto fields() {
+    return std::tuple{field("service", &ServiceEntry::service, 64), field("state", &ServiceEntry::state, 16),
+                      field("pid", &ServiceEntry::pid), field("instance", &ServiceEntry::instance),
+                      field("version", &ServiceEntry::version, 32), field("up_s", &ServiceEntry::up_s),
+                      field("last_heard_s", &ServiceEntry::last_heard_s),
+                      field("subtypes", &ServiceEntry::subtypes, 64)};
+  }
+};
+
+struct ServiceTable {
+  static constexpr std::string_view kSubtype = "service_table";
+  std::string node;
+  std::vector<ServiceEntry> services;
+  static constexpr auto fields() {
+    return std::tuple{field("node", &ServiceTable::node, 64), field("services", &ServiceTable::services, 32)};
+  }
+};
+
+/// Asks a router for its counters ("sent.SUBTYPE", "refused.REASON" …).
+struct RouterCountersRequest {
+  static constexpr std::string_view kSubtype = "router_counters";
+  static constexpr auto fields() { return std::tuple{}; }
+};
+
+struct AdapterCountersRequest {
+  static constexpr std::string_view kSubtype = "adapter_counters";
+  static constexpr auto fields() { return std::tuple{}; }
+};
+
+struct Counter {
+  std::string name;
+  std::uint64_t value = 0;
+  static constexpr auto fields() {
+    return std::tuple{field("name", &Counter::name, 128), field("value", &Counter::value)};
+  }
+};
+
+struct Counters {
+  static constexpr std::string_view kSubtype = "counters";
+  std::string node;
+  std::string service;
+  std::vector<Counter> values;
+  static constexpr auto fields() {
+    return std::tuple{field("node", &Counters::node, 64), field("service", &Counters::service, 64),
+                      field("values", &Counters::values, 1024)};
+  }
+};
+
+}  // namespace trb

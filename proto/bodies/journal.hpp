@@ -1,0 +1,75 @@
+// Records of the scheduler's journal. Never sent; the field rules (append only) hold for them too.
+#pragma once
+
+#include "proto/bodies/run.hpp"
+
+namespace trb {
+
+/// The run is known here: the signed RunStart.
+struct JournalRun {
+  static constexpr std::string_view kSubtype = "journal_run";
+  SignedRecord start;
+  bool submitted_here = false;  ///< this scheduler owes the batons to the first actors
+  static constexpr auto fields() {
+    return std::tuple{field("start", &JournalRun::start), field("submitted_here", &JournalRun::submitted_here)};
+  }
+};
+
+/// Written before the robot is commanded.
+struct JournalStart {
+  static constexpr std::string_view kSubtype = "journal_start";
+  AttemptKey key;
+  std::uint32_t epoch = 1;
+  std::uint64_t instance = 0;  ///< of the mode-adapter that is to execute it
+  std::int64_t time = 0;       ///< UTC ns
+  static constexpr auto fields() {
+    return std::tuple{field("key", &JournalStart::key), field("epoch", &JournalStart::epoch),
+                      field("instance", &JournalStart::instance), field("time", &JournalStart::time)};
+  }
+};
+
+/// A signed result: this node's own, or another's.
+struct JournalResult {
+  static constexpr std::string_view kSubtype = "journal_result";
+  SignedRecord result;
+  static constexpr auto fields() { return std::tuple{field("result", &JournalResult::result)}; }
+};
+
+/// Another node has journaled what this one owed it.
+struct JournalDelivered {
+  static constexpr std::string_view kSubtype = "journal_delivered";
+  std::string run;
+  std::string to;
+  std::string what;  ///< "baton", "results", "abort"
+  std::vector<std::uint16_t> tasks;
+  std::uint32_t epoch = 1;
+  static constexpr auto fields() {
+    return std::tuple{field("run", &JournalDelivered::run, 64), field("to", &JournalDelivered::to, 64),
+                      field("what", &JournalDelivered::what, 16), field("tasks", &JournalDelivered::tasks, kMaxTasks),
+                      field("epoch", &JournalDelivered::epoch)};
+  }
+};
+
+/// The run was aborted: the signed AbortOrder.
+struct JournalAbort {
+  static constexpr std::string_view kSubtype = "journal_abort";
+  SignedRecord order;
+  bool ordered_here = false;  ///< this scheduler owes the order to the members
+  static constexpr auto fields() {
+    return std::tuple{field("order", &JournalAbort::order), field("ordered_here", &JournalAbort::ordered_here)};
+  }
+};
+
+/// The run is over; its records are dropped, and anything that still comes for it is refused until `until`.
+struct JournalTombstone {
+  static constexpr std::string_view kSubtype = "journal_tombstone";
+  std::string run;
+  RunState state{};
+  std::int64_t until = 0;  ///< UTC ns
+  static constexpr auto fields() {
+    return std::tuple{field("run", &JournalTombstone::run, 64), field("state", &JournalTombstone::state),
+                      field("until", &JournalTombstone::until)};
+  }
+};
+
+}  // namespace trb

@@ -1,0 +1,182 @@
+#include "proto/message.hpp"
+
+#include <cstring>
+#include <msgpack/parse.hpp>
+#include <msgpack/null_visitor.hpp>
+#include <msgpack/pack.hpp>
+#include <msgpack/unpack.hpp>
+
+#include "common/base/ids.hpp"
+
+namespace trb {
+namespace {
+
+constexpr std::uint32_t kHeaderFields = 6;
+
+template <class T>
+void put(char* at, T value) {
+  for (std::size_t i = 0; i < sizeof(T); ++i) at[i] = static_cast<char>(value >> (8 * (sizeof(T) - 1 - i)));
+}
+
+template <class T>
+T get(const char* at) {
+  T value = 0;
+  for (std::size_t i = 0; i < sizeof(T); ++i) value = static_cast<T>(value << 8U) | static_cast<unsigned char>(at[i]);
+  return value;
+}
+
+template <>
+std::uint8_t get<std::uint8_t>(const char* at) {
+  return static_cast<std::uint8_t>(*at);
+}
+
+/// Takes exactly one array of three texts and three numbers; anything else stops the parser.
+class HeaderVisitor : public msgpack::null_visitor {
+ public:
+  explicit HeaderVisitor(HeaderView& out) : out_(out) {}
+
+  bool start_array(std::uint32_t count) {
+    if (depth_++ != 0 || count < kHeaderFields) return false;
+    count_ = count;
+    return true;
+  }
+  bool visit_str(const char* text, std::uint32_t size) {
+    if (depth_ != 1 || size > kMaxIdSize) return false;
+    const std::string_view view(text, size);
+    switch (index_++) {
+      case 0:
+        out_.subtype = view;
+        return true;
+      case 1:
+        out_.source = view;
+        return true;
+      case 2:
+        out_.target = view;
+        return true;
+      default:
+        return index_ > kHeaderFields;
+    }
+  }
+  bool visit_positive_integer(std::uint64_t number) {
+    if (depth_ != 1) return false;
+    switch (index_++) {
+      case 3:
+        out_.id = number;
+        return true;
+      case 4:
+        out_.reply_to = number;
+        return true;
+      case 5:
+        size_ = number;
+        return true;
+      default:
+        return index_ > kHeaderFields;
+    }
+  }
+  bool visit_negative_integer(std::int64_t) { return false; }
+  bool visit_nil() { return false; }
+  bool visit_boolean(bool) { return false; }
+  bool visit_float32(float) { return false; }
+  bool visit_float64(double) { return false; }
+  bool visit_bin(const char*, std::uint32_t) { return false; }
+  bool visit_ext(const char*, std::uint32_t) { return false; }
+  bool start_map(std::uint32_t) { return false; }
+  void parse_error(std::size_t, std::size_t) {}
+  void insufficient_bytes(std::size_t, std::size_t) {}
+
+  [[nodiscard]] bool complete() const { return index_ == count_ && count_ >= kHeaderFields; }
+  [[nodiscard]] std::uint64_t size() const { return size_; }
+
+ private:
+  HeaderView& out_;
+  std::uint32_t depth_ = 0;
+  std::uint32_t count_ = 0;
+  std::uint32_t index_ = 0;
+  std::uint64_t size_ = 0;
+};
+
+/// Appends straight to a std::string, the packer's buffer concept.
+struct StringBuffer {
+  std::string& out;
+  void write(const char* data, std::size_t size) { out.append(data, size); }
+};
+
+Status read_prefix(BytesView frame, HeaderView& view) {
+  if (frame.size() > kMaxFrameSize) return fail(Errc::too_large, "frame of " + std::to_string(frame.size()) + " bytes");
+  if (frame.size() < kPrefixSize) return fail(Errc::malformed, "frame shorter than its prefix");
+  if (get<std::uint8_t>(frame.data()) != kWireVersion) {
+    return fail(Errc::version_mismatch, "wire version " + std::to_string(get<std::uint8_t>(frame.data())),
+                "update the older node");
+  }
+  const auto type = get<std::uint8_t>(frame.data() + 1);
+  if (type < 1 || type > 3) return fail(Errc::bad_value, "type " + std::to_string(type));
+  view.type = static_cast<MessageType>(type);
+  view.flags = get<std::uint16_t>(frame.data() + 2);
+  view.remaining_ms = get<std::uint32_t>(frame.data() + 4);
+  view.link = get<std::uint64_t>(frame.data() + 8);
+  view.sequence = get<std::uint64_t>(frame.data() + 16);
+  return Done{};
+}
+
+}  // namespace
+
+Bytes encode_frame(const Message& message) {
+  Bytes frame;
+  frame.reserve(kPrefixSize + 64 + message.data.size());
+  frame.resize(kPrefixSize);
+  put<std::uint8_t>(frame.data(), kWireVersion);
+  put<std::uint8_t>(frame.data() + 1, static_cast<std::uint8_t>(message.type));
+  put<std::uint16_t>(frame.data() + 2, message.flags);
+  stamp_link(frame.data(), 0, 0, message.remaining_ms);
+  StringBuffer buffer{frame};
+  msgpack::packer<StringBuffer> packer(buffer);
+  const auto text = [&packer](const std::string& value) {
+    packer.pack_str(static_cast<std::uint32_t>(value.size()));
+    packer.pack_str_body(value.data(), static_cast<std::uint32_t>(value.size()));
+  };
+  packer.pack_array(kHeaderFields);
+  text(message.subtype);
+  text(message.source);
+  text(message.target);
+  packer.pack_uint64(message.id);
+  packer.pack_uint64(message.reply_to);
+  packer.pack_uint64(message.data.size());
+  frame += message.data;
+  return frame;
+}
+
+Result<HeaderView> decode_frame(BytesView frame) {
+  HeaderView view;
+  if (Status prefix = read_prefix(frame, view); !prefix) return prefix.error();
+  HeaderVisitor visitor(view);
+  std::size_t offset = kPrefixSize;
+  const bool parsed = msgpack::parse(frame.data(), frame.size(), offset, visitor);
+  if (!parsed || !visitor.complete()) return fail(Errc::malformed, "header is no array of three texts and three numbers");
+  if (!is_valid_word(view.subtype)) return fail(Errc::bad_value, "subtype is no word");
+  if (visitor.size() != frame.size() - offset) return fail(Errc::malformed, "size differs from the data's length");
+  if (visitor.size() > kMaxDataSize) return fail(Errc::too_large, "data of " + std::to_string(visitor.size()) + " bytes");
+  view.data = frame.substr(offset);
+  return view;
+}
+
+Message to_message(const HeaderView& view) {
+  Message message;
+  message.type = view.type;
+  message.flags = view.flags;
+  message.remaining_ms = view.remaining_ms;
+  message.subtype = view.subtype;
+  message.source = view.source;
+  message.target = view.target;
+  message.id = view.id;
+  message.reply_to = view.reply_to;
+  message.data = view.data;
+  return message;
+}
+
+void stamp_link(char* frame, std::uint64_t link, std::uint64_t sequence, std::uint32_t remaining_ms) {
+  put<std::uint32_t>(frame + 4, remaining_ms);
+  put<std::uint64_t>(frame + 8, link);
+  put<std::uint64_t>(frame + 16, sequence);
+}
+
+}  // namespace trb

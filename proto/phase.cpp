@@ -1,0 +1,77 @@
+#include "proto/phase.hpp"
+
+#include <algorithm>
+#include <utility>
+
+namespace trb {
+namespace {
+
+using Row = std::pair<std::string_view, Phase>;
+
+constexpr auto kRows = [] {
+  std::array rows{
+      Row{"service_hello", Phase::boot},
+      Row{"service_welcome", Phase::boot},
+      Row{"run_submit", Phase::boot},
+      Row{"beacon", Phase::identification},
+      Row{"hello", Phase::identification},
+      Row{"node_profile", Phase::devices},
+      Row{"execute", Phase::task},
+      Row{"outcome", Phase::task},
+      Row{"results", Phase::task},
+      Row{"adapter_state", Phase::task},
+      Row{"baton", Phase::forward},
+      Row{"definition", Phase::forward},
+      Row{"need_definition", Phase::forward},
+      Row{"need_results", Phase::forward},
+      Row{"robot_fault", Phase::fail},
+      Row{"robot_connection", Phase::fail},
+      Row{"run_abort", Phase::fail},
+      Row{"stop", Phase::fail},
+      Row{"release", Phase::fail},
+      Row{"ack", Phase::upkeep},
+      Row{"nack", Phase::upkeep},
+      Row{"service_alive", Phase::upkeep},
+      Row{"service_alive_seen", Phase::upkeep},
+      Row{"hello_wanted", Phase::upkeep},
+      Row{"sign_request", Phase::upkeep},
+      Row{"signed_record", Phase::upkeep},
+      Row{"route_list", Phase::upkeep},
+      Row{"route_table", Phase::upkeep},
+      Row{"service_list", Phase::upkeep},
+      Row{"service_table", Phase::upkeep},
+      Row{"router_counters", Phase::upkeep},
+      Row{"adapter_counters", Phase::upkeep},
+      Row{"counters", Phase::upkeep},
+      Row{"keep_alive", Phase::upkeep},
+      Row{"goodbye", Phase::upkeep},
+      Row{"peer_joined", Phase::upkeep},
+      Row{"peer_expired", Phase::fail},
+      Row{"cancel_execution", Phase::fail},
+      Row{"execution_query", Phase::upkeep},
+      Row{"execution_state", Phase::upkeep},
+      Row{"outcome_journaled", Phase::upkeep},
+      Row{"adapter_state_request", Phase::upkeep},
+      Row{"run_accepted", Phase::upkeep},
+      Row{"baton_journaled", Phase::upkeep},
+      Row{"results_journaled", Phase::upkeep},
+      Row{"task_progress", Phase::upkeep},
+      Row{"abort_confirmed", Phase::upkeep},
+      Row{"run_query", Phase::upkeep},
+      Row{"run_view", Phase::upkeep},
+      Row{"run_list", Phase::upkeep},
+      Row{"run_table", Phase::upkeep},
+  };
+  std::sort(rows.begin(), rows.end(), [](const Row& a, const Row& b) { return a.first < b.first; });
+  return rows;
+}();
+
+}  // namespace
+
+Phase phase_of(std::string_view subtype) {
+  const auto at = std::lower_bound(kRows.begin(), kRows.end(), subtype,
+                                   [](const Row& row, std::string_view word) { return row.first < word; });
+  return at != kRows.end() && at->first == subtype ? at->second : Phase::task;
+}
+
+}  // namespace trb

@@ -1,0 +1,21 @@
+// Which phase of Equation 12 a message belongs to, by its subtype.
+#pragma once
+
+#include <array>
+#include <string_view>
+
+#include "proto/field.hpp"
+
+namespace trb {
+
+/// The terms of Equation 12. `upkeep` is what the paper does not count: keep-alives, lists, signatures, proofs of delivery.
+enum class Phase : unsigned char { boot = 0, identification, devices, task, forward, sensor, fail, upkeep };
+constexpr auto enum_names(Phase) {
+  return std::array<std::string_view, 8>{"boot",    "identification", "devices", "task",
+                                         "forward", "sensor",         "fail",    "upkeep"};
+}
+
+/// The phase of a message by its subtype; a word of the user's own counts as `task`.
+Phase phase_of(std::string_view subtype);
+
+}  // namespace trb

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "services/virtual-robots/support/socket.hpp"
+
+namespace trb::virtual_robots {
+
+/** Seconds of the steady clock. */
+double wall_seconds();
+
+/** Asks for SIGTERM when the parent dies. False when the parent is already another one than `parent`. */
+bool die_with_parent(int parent);
+
+/** Ignores SIGPIPE and turns SIGTERM and SIGINT into a readable descriptor, so that they end the poll loop. */
+Fd catch_end_signals();
+
+/** One line on stdout, flushed: a program that waits for it must not wait for a buffer. */
+void print_line(std::string_view line);
+
+/** The poll time-out in milliseconds until `deadline`, rounded up so that the deadline has passed after it. */
+int poll_timeout(double now, double deadline);
+
+/** Complete lines of stdin, read when poll says so. After the end of stdin its descriptor is -1, which poll skips. */
+class StdinLines {
+ public:
+  int fd() const { return ended_ ? -1 : 0; }
+  std::vector<std::string> read();
+
+ private:
+  std::string buffer_;
+  bool ended_ = false;
+};
+
+}  // namespace trb::virtual_robots

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace trb::virtual_robots {
+
+/** A finite decimal number that takes the whole text; nothing otherwise. Independent of the locale. */
+std::optional<double> parse_number(std::string_view text);
+
+/** A whole number in decimal that takes the whole text. */
+std::optional<long long> parse_integer(std::string_view text);
+
+std::string format_fixed(double value, int decimals);
+
+/** The text on one line: \\, \n, \r, \t and \xHH stand for what would break or garble a line. */
+std::string escape_line(std::string_view text);
+
+/** Undoes escape_line for \\, \n, \r and \t; any other backslash stays as it is. */
+std::string unescape_line(std::string_view text);
+
+/** The pieces between the separators; an empty text is one empty piece. */
+std::vector<std::string> split(std::string_view text, char separator);
+
+/** Takes the first word off the text, with the one space behind it. */
+std::string_view take_word(std::string_view& text);
+
+std::string_view trim(std::string_view text);
+
+}  // namespace trb::virtual_robots

@@ -1,0 +1,83 @@
+#pragma once
+
+#include <array>
+#include <map>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+namespace trb::virtual_robots::ur {
+
+inline constexpr std::size_t kJointCount = 6;
+using Joints = std::array<double, kJointCount>;
+
+struct Pose {
+  std::array<double, 6> values{};
+};
+
+using Value = std::variant<double, bool, std::string, std::vector<double>, Pose>;
+using Variables = std::map<std::string, Value, std::less<>>;
+
+/** movej or movel; a time above 0 wins over the speed. */
+struct MoveStep {
+  std::string function;
+  std::variant<Joints, Pose> target;
+  double speed = 0;
+  double time = 0;
+};
+
+struct SleepStep {
+  double seconds = 0;
+};
+
+struct DigitalOutStep {
+  int index = 0;
+  bool on = false;
+};
+
+struct TextStep {
+  std::string text;
+};
+
+/** stopj, stopl: a straight-line program is never in motion when it gets there, so only the event is left. */
+struct HaltStep {};
+
+/** set_tcp, set_payload: checked and accepted, without an effect that a client could see. */
+struct SettingStep {
+  std::string function;
+};
+
+using Step = std::variant<MoveStep, SleepStep, DigitalOutStep, TextStep, HaltStep, SettingStep>;
+
+struct Program {
+  std::string name;
+  bool secondary = false;
+  std::vector<Step> steps;
+};
+
+/** What is wrong with a script and where; lines and columns count from 1. */
+struct ScriptError {
+  int line = 0;
+  int column = 0;
+  std::string text;
+};
+
+/** The error on its way out of the compiler. */
+struct CompileFailure {
+  ScriptError error;
+};
+
+/** Where a line stands in its script, for the errors about it. */
+struct ScriptLine {
+  int number = 1;
+  std::string_view text;
+};
+
+[[noreturn]] void fail_syntax(const ScriptLine& line, int column);
+[[noreturn]] void fail_with(const ScriptLine& line, int column, std::string text);
+
+/** Compiles `def NAME(): ... end`, `sec NAME(): ... end`, or one bare statement, which gets the name `unnamed`. */
+std::variant<Program, ScriptError> compile(std::string_view text);
+
+}  // namespace trb::virtual_robots::ur

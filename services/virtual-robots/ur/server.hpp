@@ -1,0 +1,70 @@
+#pragma once
+
+#include <poll.h>
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "services/virtual-robots/support/socket.hpp"
+#include "services/virtual-robots/ur/intake.hpp"
+
+namespace trb::virtual_robots::ur {
+
+/** The four ports of a controller and the clients on them. It never waits: the loop around it polls. */
+class Server {
+ public:
+  static constexpr std::size_t kMostClients = 16;
+  static constexpr std::size_t kLargestOutput = 1024 * 1024;
+
+  /** Listens on base+1, +2, +11 and +12; without a base, on the first such four that are free. */
+  Server(const std::string& address, std::optional<std::uint16_t> base);
+
+  std::uint16_t primary_port() const { return port_of(ports_[0].listener); }
+  std::uint16_t secondary_port() const { return port_of(ports_[1].listener); }
+
+  void add_to_poll(std::vector<pollfd>& polled);
+
+  /** Serves what poll found, beginning at the place add_to_poll began; returns the scripts received, in order. */
+  std::vector<std::string> serve(const std::vector<pollfd>& polled);
+
+  void send_to_primary(std::string_view packet) { send(packet, true); }
+  void send_to_all(std::string_view packet) { send(packet, false); }
+
+  /** Packets for the clients that are new since the last call. */
+  void greet(std::string_view packets);
+
+ private:
+  struct Port {
+    Fd listener;
+    bool primary = false;
+    bool read_only = false;
+  };
+
+  struct Client {
+    Fd socket;
+    bool primary = false;
+    bool read_only = false;
+    bool greeted = false;
+    bool gone = false;
+    Intake intake;
+    std::string output;
+  };
+
+  bool listen_from(const std::string& address, std::uint16_t base);
+  void accept_from(const Port& port);
+  void read_from(Client& client, std::vector<std::string>& scripts);
+  void queue(Client& client, std::string_view packet);
+  void flush(Client& client);
+  void drop(Client& client, std::string_view reason);
+  void send(std::string_view packet, bool primary_only);
+  void forget_gone();
+
+  std::vector<Port> ports_;
+  std::vector<Client> clients_;
+  std::size_t poll_begin_ = 0;
+};
+
+}  // namespace trb::virtual_robots::ur
