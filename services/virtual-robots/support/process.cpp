@@ -1,5 +1,7 @@
 #include "services/virtual-robots/support/process.hpp"
 
+#include <limits.h>
+#include <poll.h>
 #include <sys/prctl.h>
 #include <sys/signalfd.h>
 #include <unistd.h>
@@ -9,10 +11,60 @@
 #include <chrono>
 #include <cmath>
 #include <csignal>
-#include <cstdio>
 #include <system_error>
 
 namespace trb::virtual_robots {
+namespace {
+
+/** The lines on their way to stdout. */
+class LineWriter {
+ public:
+  void add(std::string_view line) {
+    constexpr std::size_t kMostKept = std::size_t{4} * 1024 * 1024;
+    if (broken_) return;
+    flush();
+    if (kept_.size() + line.size() > kMostKept) {
+      ++lost_;
+      return;
+    }
+    if (lost_ > 0) kept_ += "lines_lost " + std::to_string(lost_) + "\n";
+    lost_ = 0;
+    kept_.append(line).append("\n");
+    flush();
+  }
+
+  void flush() {
+    std::size_t written = 0;
+    while (written < kept_.size() && takes_more()) {
+      // A pipe that poll calls writable takes this much without waiting.
+      const ssize_t count = ::write(1, kept_.data() + written, std::min<std::size_t>(kept_.size() - written, PIPE_BUF));
+      if (count < 0 && errno != EINTR && errno != EAGAIN) broken_ = true;
+      if (count <= 0) break;
+      written += static_cast<std::size_t>(count);
+    }
+    kept_.erase(0, broken_ ? kept_.size() : written);
+  }
+
+  bool waiting() const { return !kept_.empty(); }
+
+ private:
+  static bool takes_more() {
+    pollfd entry{1, POLLOUT, 0};
+    return ::poll(&entry, 1, 0) == 1 && (entry.revents & (POLLOUT | POLLERR)) != 0;
+  }
+
+  std::string kept_;
+  std::size_t lost_ = 0;
+  bool broken_ = false;
+};
+
+/** One for the process, as there is one stdout. */
+LineWriter& stdout_lines() {
+  static LineWriter writer;
+  return writer;
+}
+
+}  // namespace
 
 double wall_seconds() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
@@ -37,9 +89,15 @@ Fd catch_end_signals() {
 }
 
 void print_line(std::string_view line) {
-  std::fwrite(line.data(), 1, line.size(), stdout);
-  std::fputc('\n', stdout);
-  std::fflush(stdout);
+  stdout_lines().add(line);
+}
+
+int stdout_to_poll() {
+  return stdout_lines().waiting() ? 1 : -1;
+}
+
+void flush_lines() {
+  stdout_lines().flush();
 }
 
 int poll_timeout(double now, double deadline) {

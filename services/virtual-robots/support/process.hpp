@@ -17,8 +17,17 @@ bool die_with_parent(int parent);
 /** Ignores SIGPIPE and turns SIGTERM and SIGINT into a readable descriptor, so that they end the poll loop. */
 Fd catch_end_signals();
 
-/** One line on stdout, flushed: a program that waits for it must not wait for a buffer. */
+/**
+ * One line on stdout, at once if stdout takes it. It never waits for a reader: what is not taken is kept up to a
+ * bound, and then lines are lost, which `lines_lost N` tells.
+ */
 void print_line(std::string_view line);
+
+/** 1 while lines are kept, for a poll entry with POLLOUT; otherwise -1, which poll skips. */
+int stdout_to_poll();
+
+/** Writes what stdout takes of the kept lines. */
+void flush_lines();
 
 /** The poll time-out in milliseconds until `deadline`, rounded up so that the deadline has passed after it. */
 int poll_timeout(double now, double deadline);

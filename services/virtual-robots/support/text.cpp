@@ -1,5 +1,6 @@
 #include "services/virtual-robots/support/text.hpp"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <cstdio>
@@ -15,6 +16,17 @@ std::optional<Number> parse_whole(std::string_view text) {
   return value;
 }
 
+/** Length of the UTF-8 character of two to four bytes at the front; 0 where there is none. */
+std::size_t wide_character(std::string_view text) {
+  const auto first = static_cast<unsigned char>(text.front());
+  const std::size_t length = first >= 0xf0 && first <= 0xf4 ? 4 : first >= 0xe0 ? 3 : first >= 0xc2 ? 2 : 0;
+  if (first > 0xf4 || length > text.size()) return 0;
+  for (std::size_t i = 1; i < length; ++i) {
+    if ((static_cast<unsigned char>(text[i]) & 0xc0) != 0x80) return 0;
+  }
+  return length;
+}
+
 void append_escaped(std::string& out, char character) {
   const auto byte = static_cast<unsigned char>(character);
   if (character == '\\') {
@@ -25,7 +37,7 @@ void append_escaped(std::string& out, char character) {
     out += "\\r";
   } else if (character == '\t') {
     out += "\\t";
-  } else if (byte < 0x20 || byte == 0x7f) {
+  } else if (byte < 0x20 || byte >= 0x7f) {
     char hex[5];
     std::snprintf(hex, sizeof hex, "\\x%02x", static_cast<unsigned>(byte));
     out += hex;
@@ -56,7 +68,15 @@ std::string format_fixed(double value, int decimals) {
 std::string escape_line(std::string_view text) {
   std::string out;
   out.reserve(text.size());
-  for (char character : text) append_escaped(out, character);
+  while (!text.empty()) {
+    const std::size_t wide = wide_character(text);
+    if (wide > 0) {
+      out += text.substr(0, wide);
+    } else {
+      append_escaped(out, text.front());
+    }
+    text.remove_prefix(std::max<std::size_t>(wide, 1));
+  }
   return out;
 }
 

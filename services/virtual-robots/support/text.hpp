@@ -15,7 +15,7 @@ std::optional<long long> parse_integer(std::string_view text);
 
 std::string format_fixed(double value, int decimals);
 
-/** The text on one line: \\, \n, \r, \t and \xHH stand for what would break or garble a line. */
+/** The text on one line of UTF-8: \\, \n, \r, \t and \xHH stand for what would break or garble it. */
 std::string escape_line(std::string_view text);
 
 /** Undoes escape_line for \\, \n, \r and \t; any other backslash stays as it is. */

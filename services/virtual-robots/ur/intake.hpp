@@ -9,8 +9,8 @@ namespace trb::virtual_robots::ur {
 /** Cuts the bytes of one client into what the controller acts on: whole programs and single lines. */
 class Intake {
  public:
-  static constexpr std::size_t kLongestLine = 64 * 1024;
-  static constexpr std::size_t kLongestProgram = 1024 * 1024;
+  static constexpr std::size_t kLongestLine = std::size_t{64} * 1024;
+  static constexpr std::size_t kLongestProgram = std::size_t{1024} * 1024;
 
   /** The scripts that have become complete, in order. */
   std::vector<std::string> take(std::string_view bytes);

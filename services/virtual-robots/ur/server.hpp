@@ -17,7 +17,7 @@ namespace trb::virtual_robots::ur {
 class Server {
  public:
   static constexpr std::size_t kMostClients = 16;
-  static constexpr std::size_t kLargestOutput = 1024 * 1024;
+  static constexpr std::size_t kLargestOutput = std::size_t{1024} * 1024;
 
   /** Listens on base+1, +2, +11 and +12; without a base, on the first such four that are free. */
   Server(const std::string& address, std::optional<std::uint16_t> base);

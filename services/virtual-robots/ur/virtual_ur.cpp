@@ -15,11 +15,12 @@ VirtualUr::VirtualUr(const Settings& settings)
 void VirtualUr::run(const Fd& end) {
   print_line("ready " + std::to_string(server_.primary_port()) + " " + std::to_string(server_.secondary_port()));
   for (;;) {
-    std::vector<pollfd> polled{{end.get(), POLLIN, 0}, {console_.fd(), POLLIN, 0}};
+    std::vector<pollfd> polled{{end.get(), POLLIN, 0}, {console_.fd(), POLLIN, 0}, {stdout_to_poll(), POLLOUT, 0}};
     server_.add_to_poll(polled);
     const int found = ::poll(polled.data(), polled.size(), poll_timeout(wall_seconds(), next_deadline()));
     if (polled[0].revents != 0) return;
     if (found > 0) serve(polled, polled[1].revents != 0);
+    flush_lines();
     controller_.advance(robot_now());
     tell_events();
     send_state();

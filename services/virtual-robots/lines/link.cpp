@@ -1,0 +1,54 @@
+#include "services/virtual-robots/lines/link.hpp"
+
+#include <algorithm>
+#include <system_error>
+
+namespace trb::virtual_robots::lines {
+namespace {
+
+constexpr double kShortestBackOff = 0.1;
+constexpr double kLongestBackOff = 1.0;
+
+}  // namespace
+
+void Link::dial(double now) {
+  if (state_ != State::Waiting || now < retry_at_) return;
+  try {
+    socket_ = start_connect(node_, source_);
+    state_ = State::Connecting;
+  } catch (const std::system_error&) {
+    // A source address that is not there yet, or a refusal on the spot: the same as a refusal later.
+    close(now);
+  }
+}
+
+bool Link::finish_dial(double now) {
+  if (connect_result(socket_) != 0) {
+    close(now);
+    return false;
+  }
+  state_ = State::Up;
+  back_off_ = 0;
+  return true;
+}
+
+void Link::close(double now) {
+  socket_.reset();
+  output_.clear();
+  state_ = State::Waiting;
+  back_off_ = std::clamp(back_off_ * 2, kShortestBackOff, kLongestBackOff);
+  retry_at_ = now + back_off_;
+}
+
+bool Link::flush() {
+  const Transfer transfer = write_some(socket_, output_);
+  output_.erase(0, transfer.bytes);
+  return transfer.kind != Transfer::Kind::Closed;
+}
+
+bool Link::read(std::string& bytes) {
+  constexpr std::size_t kMost = 16384;
+  return read_some(socket_, bytes, kMost).kind != Transfer::Kind::Closed;
+}
+
+}  // namespace trb::virtual_robots::lines

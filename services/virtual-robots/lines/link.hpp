@@ -1,0 +1,49 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "services/virtual-robots/support/socket.hpp"
+
+namespace trb::virtual_robots::lines {
+
+/** The dialled connection to the node: connects, writes, reads, and dials again with back-off. */
+class Link {
+ public:
+  enum class State { Waiting, Connecting, Up };
+
+  Link(Endpoint node, std::string source) : node_(std::move(node)), source_(std::move(source)) {}
+
+  State state() const { return state_; }
+  int fd() const { return socket_.get(); }
+  double retry_at() const { return retry_at_; }
+
+  /** Dials when it is time to. */
+  void dial(double now);
+
+  /** After the connecting socket has become writable; true when the connection is up. */
+  bool finish_dial(double now);
+
+  void close(double now);
+
+  /** Bytes that wait for the socket to take them. */
+  bool has_output() const { return !output_.empty(); }
+  void add_output(std::string_view bytes) { output_ += bytes; }
+
+  /** Writes what the socket takes; false when the connection is gone. */
+  bool flush();
+
+  /** Reads what is there, up to a bound; false when the connection is gone. */
+  bool read(std::string& bytes);
+
+ private:
+  Endpoint node_;
+  std::string source_;
+  Fd socket_;
+  State state_ = State::Waiting;
+  double back_off_ = 0;
+  double retry_at_ = 0;
+  std::string output_;
+};
+
+}  // namespace trb::virtual_robots::lines

@@ -1,0 +1,147 @@
+#include "services/virtual-robots/lines/virtual_lines.hpp"
+
+#include <algorithm>
+#include <array>
+
+#include "services/virtual-robots/lines/reports.hpp"
+#include "services/virtual-robots/support/text.hpp"
+
+namespace trb::virtual_robots::lines {
+namespace {
+
+/** Messages kept while there is no connection; the oldest go first. */
+constexpr std::size_t kMostHeld = 64;
+
+}  // namespace
+
+VirtualLines::VirtualLines(const Settings& settings)
+    : settings_(settings), link_(settings.node, settings.source), session_(settings.session), body_(settings.body) {}
+
+void VirtualLines::run(const Fd& end) {
+  print_line("ready");
+  while (!quit_) {
+    link_.dial(wall_seconds());
+    std::array<pollfd, 4> polled{pollfd{end.get(), POLLIN, 0}, pollfd{console_.fd(), POLLIN, 0}, poll_entry(),
+                                 pollfd{stdout_to_poll(), POLLOUT, 0}};
+    ::poll(polled.data(), polled.size(), poll_timeout(wall_seconds(), next_deadline()));
+    if (polled[0].revents != 0) return;
+    if (polled[2].revents != 0) serve_link(polled[2].revents);
+    if (polled[1].revents != 0) {
+      for (const std::string& line : console_.read()) take_console_line(line);
+    }
+    flush_lines();
+    step();
+  }
+}
+
+pollfd VirtualLines::poll_entry() const {
+  if (link_.state() == Link::State::Connecting) return {link_.fd(), POLLOUT, 0};
+  const int reading = may_read() ? POLLIN : 0;
+  const int writing = link_.has_output() ? POLLOUT : 0;
+  // A slow reader must not see a hang-up before its time, or poll would return at once again and again.
+  const bool asleep = reading == 0 && writing == 0 && !session_.hung();
+  return {asleep ? -1 : link_.fd(), static_cast<short>(reading | writing), 0};
+}
+
+void VirtualLines::serve_link(short found) {
+  if (link_.state() == Link::State::Connecting) {
+    if (!link_.finish_dial(wall_seconds())) return;
+    session_.restart();
+    print_line("connected");
+    for (const Message& message : std::exchange(held_, {})) session_.send(message);
+  } else if (may_read() && (found & (POLLIN | POLLHUP | POLLERR))) {
+    read_link();
+  } else if (found & (POLLHUP | POLLERR)) {
+    disconnect("closed_by_node");
+  }
+}
+
+void VirtualLines::read_link() {
+  std::string bytes;
+  const bool alive = link_.read(bytes);
+  next_read_ = wall_seconds() + settings_.slow_read_s;
+  session_.receive(bytes, wall_seconds());
+  if (!alive) disconnect("closed_by_node");
+}
+
+void VirtualLines::disconnect(std::string_view reason) {
+  take_session_events();
+  link_.close(wall_seconds());
+  session_.restart();
+  print_line("disconnected " + std::string(reason));
+}
+
+void VirtualLines::take_console_line(const std::string& line) {
+  std::string_view words = line;
+  const std::string_view order = take_word(words);
+  std::optional<Message> message;
+  if (order == "quit") {
+    quit_ = true;
+    return;
+  }
+  if (order == "drop") {
+    if (link_.state() == Link::State::Up) disconnect("dropped");
+    return;
+  }
+  if (order == "say") message = parse_say(words);
+  if (order == "fault") message = parse_fault(words, settings_.session.vocabulary);
+  if (message) {
+    say(*message);
+  } else {
+    print_line("unknown_line");
+  }
+}
+
+void VirtualLines::say(const Message& message) {
+  if (link_.state() == Link::State::Up) return session_.send(message);
+  held_.push_back(message);
+  if (held_.size() <= kMostHeld) return;
+  print_line("lost " + escape_line(held_.front().subtype) + " " + escape_line(held_.front().data));
+  held_.pop_front();
+}
+
+void VirtualLines::step() {
+  session_.advance(wall_seconds());
+  take_session_events();
+  body_.advance(robot_now());
+  take_body_events();
+  take_session_events();
+  if (link_.state() == Link::State::Up) write_link();
+}
+
+void VirtualLines::take_session_events() {
+  for (const SessionEvent& event : session_.take_events()) {
+    print_line(line_of(event));
+    if (const auto* received = std::get_if<MessageReceived>(&event)) body_.take(received->message, robot_now());
+    if (std::holds_alternative<StopReceived>(event)) body_.stop(robot_now());
+    if (std::holds_alternative<ReleaseReceived>(event)) body_.release();
+    take_body_events();
+  }
+}
+
+void VirtualLines::take_body_events() {
+  for (const BodyEvent& event : body_.take_events()) {
+    if (const auto line = line_of(event)) print_line(*line);
+    if (const auto message = message_of(event, settings_.session.vocabulary)) say(*message);
+  }
+}
+
+void VirtualLines::write_link() {
+  if (!link_.has_output()) link_.add_output(session_.take_output(wall_seconds()));
+  if (!link_.flush()) return disconnect("closed_by_node");
+  if (!session_.fault().empty()) disconnect(std::string(session_.fault()));
+}
+
+double VirtualLines::next_deadline() const {
+  constexpr double kNever = 1e9;
+  double deadline = wall_seconds() + kNever;
+  if (const auto body = body_.next_deadline()) deadline = std::min(deadline, begin_ + *body / settings_.speed);
+  if (link_.state() == Link::State::Waiting) return std::min(deadline, link_.retry_at());
+  if (link_.state() == Link::State::Connecting) return deadline;
+  if (const auto session = session_.next_deadline(); session && !link_.has_output()) {
+    deadline = std::min(deadline, *session);
+  }
+  return session_.hung() || may_read() ? deadline : std::min(deadline, next_read_);
+}
+
+}  // namespace trb::virtual_robots::lines

@@ -1,0 +1,58 @@
+#pragma once
+
+#include <poll.h>
+
+#include <deque>
+#include <string>
+
+#include "services/virtual-robots/lines/body.hpp"
+#include "services/virtual-robots/lines/link.hpp"
+#include "services/virtual-robots/lines/session.hpp"
+#include "services/virtual-robots/support/process.hpp"
+
+namespace trb::virtual_robots::lines {
+
+struct Settings {
+  Endpoint node;
+  std::string source;
+  double speed = 1.0;
+  double slow_read_s = 0;
+  SessionSettings session;
+  BodySettings body;
+};
+
+/** Link, session and body in one loop. The session lives in wall time, the body in robot time. */
+class VirtualLines {
+ public:
+  explicit VirtualLines(const Settings& settings);
+
+  /** Runs until `end` becomes readable or `quit` is read. */
+  void run(const Fd& end);
+
+ private:
+  pollfd poll_entry() const;
+  void serve_link(short found);
+  void read_link();
+  void disconnect(std::string_view reason);
+  void take_console_line(const std::string& line);
+  void say(const Message& message);
+  void step();
+  void take_session_events();
+  void take_body_events();
+  void write_link();
+  double next_deadline() const;
+  bool may_read() const { return !session_.hung() && wall_seconds() >= next_read_; }
+  double robot_now() const { return (wall_seconds() - begin_) * settings_.speed; }
+
+  Settings settings_;
+  double begin_ = wall_seconds();
+  Link link_;
+  Session session_;
+  Body body_;
+  StdinLines console_;
+  std::deque<Message> held_;
+  double next_read_ = 0;
+  bool quit_ = false;
+};
+
+}  // namespace trb::virtual_robots::lines
