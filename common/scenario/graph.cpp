@@ -1,0 +1,124 @@
+#include "common/scenario/graph.hpp"
+
+#include <algorithm>
+#include <set>
+
+#include "common/base/ids.hpp"
+
+namespace trb {
+namespace {
+
+Status check_task(const Scenario& scenario, std::size_t index, std::set<std::string>& ids) {
+  const Task& task = scenario.tasks[index];
+  if (auto id = check_id("task", task.id); !id) return id.error();
+  if (!ids.insert(task.id).second) return fail(Errc::duplicate, "task '" + task.id + "' occurs twice", "rename one");
+  std::set<TaskIndex> seen;
+  for (const TaskIndex before : task.after) {
+    if (before >= scenario.tasks.size() || before == index) {
+      return fail(Errc::bad_value,
+                  "task '" + task.id + "': predecessor " + std::to_string(before) + " is no other task");
+    }
+    if (!seen.insert(before).second) {
+      return fail(Errc::duplicate, "task '" + task.id + "': predecessor " + std::to_string(before) + " occurs twice");
+    }
+  }
+  return Done{};
+}
+
+/// Kahn's algorithm: what cannot be taken away is on a cycle or behind one.
+Status check_acyclic(const Scenario& scenario) {
+  const auto successors = successors_of(scenario);
+  std::vector<std::size_t> open(scenario.tasks.size());
+  std::vector<TaskIndex> free;
+  for (std::size_t i = 0; i < open.size(); ++i) {
+    open[i] = scenario.tasks[i].after.size();
+    if (open[i] == 0) free.push_back(static_cast<TaskIndex>(i));
+  }
+  std::size_t taken = 0;
+  for (; taken < free.size(); ++taken) {
+    for (const TaskIndex next : successors[free[taken]]) {
+      if (--open[next] == 0) free.push_back(next);
+    }
+  }
+  if (taken == open.size()) return Done{};
+  const auto stuck = std::find_if(open.begin(), open.end(), [](std::size_t count) { return count != 0; });
+  return fail(
+      Errc::bad_value,
+      "task '" + scenario.tasks[static_cast<std::size_t>(stuck - open.begin())].id + "' waits for a cycle of tasks",
+      "remove one predecessor of the cycle");
+}
+
+}  // namespace
+
+Status check_graph(const Scenario& scenario) {
+  if (scenario.tasks.empty()) return fail(Errc::bad_value, "the scenario has no task");
+  if (scenario.tasks.size() > kMaxTasks)
+    return fail(Errc::too_large, "more than " + std::to_string(kMaxTasks) + " tasks");
+  std::set<std::string> ids;
+  for (std::size_t i = 0; i < scenario.tasks.size(); ++i) {
+    if (auto task = check_task(scenario, i, ids); !task) return task;
+  }
+  return check_acyclic(scenario);
+}
+
+std::vector<std::vector<TaskIndex>> successors_of(const Scenario& scenario) {
+  std::vector<std::vector<TaskIndex>> out(scenario.tasks.size());
+  for (std::size_t i = 0; i < scenario.tasks.size(); ++i) {
+    for (const TaskIndex before : scenario.tasks[i].after) out[before].push_back(static_cast<TaskIndex>(i));
+  }
+  return out;
+}
+
+bool predecessors_final(const Task& task, const std::vector<bool>& final_tasks) {
+  return std::all_of(task.after.begin(), task.after.end(), [&](TaskIndex before) { return final_tasks[before]; });
+}
+
+std::vector<TaskIndex> ready_tasks(const Scenario& scenario, const std::vector<bool>& final_tasks) {
+  std::vector<TaskIndex> out;
+  for (std::size_t i = 0; i < scenario.tasks.size(); ++i) {
+    const bool ready = !final_tasks[i] && predecessors_final(scenario.tasks[i], final_tasks);
+    if (ready) out.push_back(static_cast<TaskIndex>(i));
+  }
+  return out;
+}
+
+Bytes to_bitmap(const std::vector<bool>& final_tasks) {
+  Bytes out((final_tasks.size() + 7) / 8, '\0');
+  for (std::size_t i = 0; i < final_tasks.size(); ++i) {
+    if (!final_tasks[i]) continue;
+    out[i / 8] = static_cast<char>(static_cast<unsigned char>(out[i / 8]) | (1U << (i % 8)));
+  }
+  return out;
+}
+
+Result<std::vector<bool>> from_bitmap(BytesView bitmap, std::size_t tasks) {
+  std::vector<bool> out(tasks, false);
+  for (std::size_t i = 0; i < bitmap.size() * 8; ++i) {
+    if ((static_cast<unsigned char>(bitmap[i / 8]) >> (i % 8) & 1U) == 0) continue;
+    if (i >= tasks) return fail(Errc::too_large, "final_tasks: bit " + std::to_string(i) + " is beyond the last task");
+    out[i] = true;
+  }
+  return out;
+}
+
+Blocks blocks_of(const std::vector<std::string>& robots) {
+  Blocks blocks;
+  for (std::size_t i = 0; i < robots.size();) {
+    std::size_t end = i + 1;
+    while (end < robots.size() && robots[end] == robots[i]) ++end;
+    if (end - i > 1) {
+      ++blocks.k;
+      blocks.sum_m += end - i;
+    }
+    i = end;
+  }
+  return blocks;
+}
+
+std::size_t forward_messages(const std::vector<std::string>& robots) {
+  if (robots.empty()) return 0;
+  const Blocks blocks = blocks_of(robots);
+  return robots.size() - blocks.sum_m + blocks.k - 1;
+}
+
+}  // namespace trb

@@ -1,0 +1,48 @@
+// A scenario as a graph: what is ready, what follows, what is final, and the blocks of Equation 8.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "common/base/bytes.hpp"
+#include "common/base/result.hpp"
+#include "proto/bodies/run.hpp"
+
+namespace trb {
+
+/// A task's place in Scenario::tasks.
+using TaskIndex = std::uint16_t;
+
+/// Checks what can be checked without knowing the robots: 1 to kMaxTasks tasks, valid and unique ids, predecessors that
+/// exist and occur once, no cycle. Errors: too_large, bad_value, duplicate; each names the task.
+Status check_graph(const Scenario& scenario);
+
+/// The direct successors of every task, ascending. The scenario must have passed check_graph.
+std::vector<std::vector<TaskIndex>> successors_of(const Scenario& scenario);
+
+/// True if every direct predecessor is final.
+bool predecessors_final(const Task& task, const std::vector<bool>& final_tasks);
+
+/// The tasks that are not final while all their predecessors are, ascending.
+std::vector<TaskIndex> ready_tasks(const Scenario& scenario, const std::vector<bool>& final_tasks);
+
+/// Baton::final_tasks: task i is bit i%8 of byte i/8; one byte for every eight tasks begun.
+Bytes to_bitmap(const std::vector<bool>& final_tasks);
+
+/// The inverse, for a scenario of `tasks` tasks; a shorter bitmap means "not final" for the rest. Errors: too_large
+/// (bits beyond the last task).
+Result<std::vector<bool>> from_bitmap(BytesView bitmap, std::size_t tasks);
+
+/// Equation 8 of the paper: the blocks of at least two consecutive tasks of one actor, in the order of the file.
+struct Blocks {
+  std::size_t k = 0;      ///< how many blocks
+  std::size_t sum_m = 0;  ///< how many tasks they hold together
+  bool operator==(const Blocks&) const = default;
+};
+Blocks blocks_of(const std::vector<std::string>& robots);
+
+/// N_task - sum m_j + k - 1: how often the actor changes, which is the number of forward messages.
+std::size_t forward_messages(const std::vector<std::string>& robots);
+
+}  // namespace trb

@@ -1,0 +1,71 @@
+#include "common/scenario/graph.hpp"
+
+#include <doctest/doctest.h>
+
+using namespace trb;
+
+namespace {
+
+Task task(std::string id, std::vector<TaskIndex> after = {}) {
+  Task out;
+  out.id = std::move(id);
+  out.after = std::move(after);
+  return out;
+}
+
+Scenario diamond() {
+  Scenario scenario;
+  scenario.tasks = {task("a"), task("b", {0}), task("c", {0}), task("d", {1, 2})};
+  return scenario;
+}
+
+Errc fault_of(std::vector<Task> tasks) {
+  Scenario scenario;
+  scenario.tasks = std::move(tasks);
+  const auto status = check_graph(scenario);
+  return status ? Errc::ok : status.error().code;
+}
+
+}  // namespace
+
+TEST_CASE("a graph may fork and join, and nothing else") {
+  CHECK(check_graph(diamond()).ok());
+  CHECK(fault_of({}) == Errc::bad_value);
+  CHECK(fault_of({task("a"), task("a")}) == Errc::duplicate);
+  CHECK(fault_of({task("A")}) == Errc::bad_value);
+  CHECK(fault_of({task("a", {1})}) == Errc::bad_value);
+  CHECK(fault_of({task("a", {0})}) == Errc::bad_value);
+  CHECK(fault_of({task("a"), task("b", {0, 0})}) == Errc::duplicate);
+  CHECK(fault_of({task("a", {2}), task("b", {0}), task("c", {1})}) == Errc::bad_value);
+  CHECK(fault_of(std::vector<Task>(kMaxTasks + 1)) == Errc::too_large);
+}
+
+TEST_CASE("a join is ready once all its predecessors are final") {
+  const Scenario scenario = diamond();
+  CHECK(ready_tasks(scenario, {false, false, false, false}) == std::vector<TaskIndex>{0});
+  CHECK(ready_tasks(scenario, {true, false, false, false}) == std::vector<TaskIndex>{1, 2});
+  CHECK(ready_tasks(scenario, {true, true, false, false}) == std::vector<TaskIndex>{2});
+  CHECK(ready_tasks(scenario, {true, true, true, false}) == std::vector<TaskIndex>{3});
+  CHECK(ready_tasks(scenario, {true, true, true, true}).empty());
+  CHECK(successors_of(scenario)[0] == std::vector<TaskIndex>{1, 2});
+  CHECK(successors_of(scenario)[3].empty());
+}
+
+TEST_CASE("a bitmap goes there and back, and refuses bits beyond the last task") {
+  std::vector<bool> bits(9, false);
+  bits[0] = bits[7] = bits[8] = true;
+  CHECK(to_bitmap(bits) == std::string("\x81\x01", 2));
+  CHECK(*from_bitmap(to_bitmap(bits), 9) == bits);
+  CHECK(*from_bitmap("", 2) == std::vector<bool>{false, false});
+  CHECK(from_bitmap("\x04", 2).error().code == Errc::too_large);
+  CHECK(from_bitmap(std::string(2, '\0'), 2).ok());
+}
+
+TEST_CASE("Equation 8 gives the paper's seven forward messages for twelve tasks in three blocks") {
+  const std::vector<std::string> robots{"a", "b", "b", "c", "d", "d", "d", "a", "b", "c", "c", "a"};
+  CHECK(blocks_of(robots) == Blocks{3, 7});
+  CHECK(forward_messages(robots) == 7);
+  CHECK(forward_messages({"a", "a"}) == 0);
+  CHECK(forward_messages({"a"}) == 0);
+  CHECK(forward_messages({}) == 0);
+}

@@ -1,0 +1,104 @@
+#include "common/scenario/run_start.hpp"
+
+#include <algorithm>
+#include <set>
+
+#include "common/base/hex.hpp"
+#include "common/base/ids.hpp"
+#include "common/scenario/graph.hpp"
+#include "common/security/keys.hpp"
+#include "proto/body.hpp"
+
+namespace trb {
+namespace {
+
+bool is_run_id(const std::string& run) {
+  const auto digit = [](char c) { return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'f'); };
+  return run.size() == 32 && std::all_of(run.begin(), run.end(), digit);
+}
+
+/// The role that a member's certificate names; whoever relies on it opens the certificate with the authority's key.
+bool says_cloud(const Member& member) {
+  const auto certificate = decode<Certificate>(member.certificate.payload.bytes);
+  return certificate.ok() && certificate->role == Role::cloud;
+}
+
+Result<std::set<std::string>> check_members(const RunStart& start) {
+  std::set<std::string> ids;
+  for (const Member& member : start.members) {
+    if (auto id = check_id("members", member.id); !id) return id.error();
+    if (!ids.insert(member.id).second) return fail(Errc::duplicate, "member '" + member.id + "' occurs twice");
+  }
+  if (!ids.contains(start.submitter)) return fail(Errc::bad_value, "submitter '" + start.submitter + "' is no member");
+  std::set<std::string> electors;
+  for (const std::string& elector : start.electorate) {
+    if (!ids.contains(elector)) return fail(Errc::bad_value, "elector '" + elector + "' is no member");
+    if (!electors.insert(elector).second) return fail(Errc::duplicate, "elector '" + elector + "' occurs twice");
+  }
+  if (electors.empty()) return fail(Errc::bad_value, "electorate is empty");
+  return ids;
+}
+
+Status check_assignment(const RunStart& start, const std::set<std::string>& members) {
+  const auto& robots = start.first.robots;
+  if (start.first.epoch != 1)
+    return fail(Errc::conflict, "epoch " + std::to_string(start.first.epoch) + " is not the first");
+  if (robots.size() != start.scenario.tasks.size()) return fail(Errc::bad_value, "first: not one robot for every task");
+  for (std::size_t i = 0; i < robots.size(); ++i) {
+    const Task& task = start.scenario.tasks[i];
+    if (!members.contains(robots[i])) {
+      return fail(Errc::bad_value, "task '" + task.id + "': robot '" + robots[i] + "' is no member");
+    }
+    if (!task.robot.empty() && task.robot != robots[i]) {
+      return fail(Errc::conflict,
+                  "task '" + task.id + "' is for '" + task.robot + "', assigned to '" + robots[i] + "'");
+    }
+  }
+  return Done{};
+}
+
+}  // namespace
+
+std::vector<std::string> robots_of(const Assignment& assignment) {
+  std::vector<std::string> out;
+  std::set<std::string> seen;
+  for (const std::string& robot : assignment.robots) {
+    if (seen.insert(robot).second) out.push_back(robot);
+  }
+  return out;
+}
+
+RunStart build_run_start(Scenario scenario, std::vector<Member> members, std::string submitter, UtcTime now,
+                         UtcTime expires, std::string run) {
+  RunStart start;
+  start.run = std::move(run);
+  start.digest.bytes = digest(encode(scenario));
+  for (const Task& task : scenario.tasks) start.first.robots.push_back(task.robot);
+  start.electorate = robots_of(start.first);
+  if (start.electorate.size() % 2 == 0) {
+    const auto cloud = std::find_if(members.begin(), members.end(), says_cloud);
+    if (cloud != members.end()) start.electorate.push_back(cloud->id);
+  }
+  start.scenario = std::move(scenario);
+  start.members = std::move(members);
+  start.submitter = std::move(submitter);
+  start.created = now.ns;
+  start.expires = expires.ns;
+  return start;
+}
+
+Status check_run_start(const RunStart& start) {
+  if (!is_run_id(start.run)) {
+    return fail(Errc::bad_value, "run '" + start.run + "' is no id", "use 32 lower-case hexadecimal digits");
+  }
+  if (auto graph = check_graph(start.scenario); !graph) return graph;
+  if (start.digest.bytes != digest(encode(start.scenario))) {
+    return fail(Errc::conflict, "run " + start.run + ": the digest is not the scenario's");
+  }
+  const auto members = check_members(start);
+  if (!members) return members.error();
+  if (start.created >= start.expires) return fail(Errc::bad_value, "run " + start.run + " ends before it begins");
+  return check_assignment(start, *members);
+}
+
+}  // namespace trb
