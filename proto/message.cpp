@@ -173,6 +173,8 @@ Message to_message(const HeaderView& view) {
   return message;
 }
 
+std::uint32_t decode_remaining(BytesView frame) { return get<std::uint32_t>(frame.data() + 4); }
+
 void stamp_link(char* frame, std::uint64_t link, std::uint64_t sequence, std::uint32_t remaining_ms) {
   put<std::uint32_t>(frame + 4, remaining_ms);
   put<std::uint64_t>(frame + 8, link);

@@ -72,6 +72,9 @@ Result<HeaderView> decode_frame(BytesView frame);
 /// A message of its own from a view.
 Message to_message(const HeaderView& view);
 
+/// The remaining time of a frame that decode_frame accepted.
+std::uint32_t decode_remaining(BytesView frame);
+
 /// Rewrites link, sequence and remaining time in a frame that decode_frame accepted.
 void stamp_link(char* frame, std::uint64_t link, std::uint64_t sequence, std::uint32_t remaining_ms);
 

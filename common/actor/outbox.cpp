@@ -20,8 +20,9 @@ void Outbox::reply(const Inbound& to, Body body) {
 }
 
 void Outbox::nack(const Inbound& to, const Error& error) {
-  const bool answer = to.reply_to != 0 || to.type == MessageType::information || std::holds_alternative<Nack>(to.body);
-  if (answer || to.id == 0) return;
+  // Of information only a user's own words are Nacked: nobody waits for the middleware's.
+  const bool silent = to.type == MessageType::information && !std::holds_alternative<Opaque>(to.body);
+  if (silent || to.reply_to != 0 || to.id == 0) return;
   Nack nack{std::string(errc_name(error.code)), std::string(subtype_of(to.body)), to.target, error.what.substr(0, 1024),
             error.cure.substr(0, 1024)};
   sends.push_back({.type = MessageType::information, .target = to.source, .reply_to = to.id, .body = std::move(nack)});

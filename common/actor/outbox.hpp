@@ -65,7 +65,8 @@ class Outbox {
   void information(std::string target, Body body);
   /// The answer to `to`, if that wants one.
   void reply(const Inbound& to, Body body);
-  /// The negative answer to a command or request, even if that wanted no positive one; never answers a Nack or an answer.
+  /// The negative answer to a command or request, even if that wanted no positive one, and to a user's information that
+  /// could not be delivered; never answers an answer.
   void nack(const Inbound& to, const Error& error);
   void record(Body body) { journal.push_back({std::move(body)}); }
   void write(Channel channel, Bytes bytes) { writes.push_back({channel, std::move(bytes)}); }

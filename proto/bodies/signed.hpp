@@ -7,6 +7,7 @@ namespace trb {
 
 // Purposes: part of what is signed, so that one kind never passes for another.
 constexpr std::string_view kSignedCertificate = "certificate";
+constexpr std::string_view kSignedRequest = "certificate_request";
 constexpr std::string_view kSignedBeacon = "beacon";
 constexpr std::string_view kSignedRunStart = "run_start";
 constexpr std::string_view kSignedRunAbort = "run_abort";

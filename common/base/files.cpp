@@ -1,0 +1,90 @@
+#include "common/base/files.hpp"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+
+namespace trb {
+namespace {
+
+Error io_fault(const std::string& path, const std::string& doing) {
+  return fail(Errc::io_error, path + ": cannot " + doing + ": " + std::strerror(errno));
+}
+
+/// Closes at the end of the scope.
+struct Descriptor {
+  int fd = -1;
+  ~Descriptor() {
+    if (fd >= 0) ::close(fd);
+  }
+};
+
+bool write_all(int fd, BytesView bytes) {
+  while (!bytes.empty()) {
+    const ssize_t count = ::write(fd, bytes.data(), bytes.size());
+    if (count < 0 && errno == EINTR) continue;
+    if (count < 0) return false;
+    bytes.remove_prefix(static_cast<std::size_t>(count));
+  }
+  return true;
+}
+
+void sync_folder(const std::string& path) {
+  const std::string folder = std::filesystem::path(path).parent_path().string();
+  const Descriptor dir{::open(folder.empty() ? "." : folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)};
+  if (dir.fd >= 0) ::fsync(dir.fd);
+}
+
+}  // namespace
+
+Result<Bytes> read_file(const std::string& path, std::size_t max) {
+  const Descriptor file{::open(path.c_str(), O_RDONLY | O_CLOEXEC)};
+  if (file.fd < 0) {
+    if (errno == ENOENT) return fail(Errc::missing, path + ": no such file");
+    return io_fault(path, "open");
+  }
+  Bytes out;
+  char buffer[65536];
+  for (;;) {
+    const ssize_t count = ::read(file.fd, buffer, sizeof buffer);
+    if (count < 0 && errno == EINTR) continue;
+    if (count < 0) return io_fault(path, "read");
+    if (count == 0) return out;
+    out.append(buffer, static_cast<std::size_t>(count));
+    if (out.size() > max) return fail(Errc::too_large, path + ": over " + std::to_string(max) + " bytes");
+  }
+}
+
+Status write_file(const std::string& path, BytesView bytes, unsigned mode) {
+  const std::string beside = path + ".new" + std::to_string(::getpid());
+  {
+    const Descriptor file{::open(beside.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, mode)};
+    if (file.fd < 0) return io_fault(beside, "create");
+    // The umask must not widen or narrow what was asked for.
+    if (::fchmod(file.fd, mode) != 0 || !write_all(file.fd, bytes) || ::fsync(file.fd) != 0) {
+      const Error problem = io_fault(beside, "write");
+      ::unlink(beside.c_str());
+      return problem;
+    }
+  }
+  if (std::rename(beside.c_str(), path.c_str()) != 0) return io_fault(path, "replace");
+  sync_folder(path);
+  return Done{};
+}
+
+Status make_dir(const std::string& path, unsigned mode) {
+  std::error_code problem;
+  std::filesystem::create_directories(path, problem);
+  if (problem) return fail(Errc::io_error, path + ": cannot make the folder: " + problem.message());
+  if (::chmod(path.c_str(), mode) != 0) return io_fault(path, "set the mode of");
+  return Done{};
+}
+
+bool file_exists(const std::string& path) { return ::access(path.c_str(), F_OK) == 0; }
+
+}  // namespace trb

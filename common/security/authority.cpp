@@ -1,0 +1,156 @@
+#include "common/security/authority.hpp"
+
+#include <sodium.h>
+#include <sys/stat.h>
+
+#include "common/base/files.hpp"
+#include "common/base/hex.hpp"
+#include "common/base/ids.hpp"
+#include "proto/body.hpp"
+#include "proto/value.hpp"
+
+namespace trb {
+namespace {
+
+// A node whose clock is a little behind must not find its new certificate "not yet valid".
+constexpr Duration kClockLeeway = std::chrono::minutes(5);
+constexpr std::size_t kSecretSize = 64 + 32;  // signing key, beacon key
+
+const unsigned char* raw(BytesView bytes) { return reinterpret_cast<const unsigned char*>(bytes.data()); }
+unsigned char* raw(Bytes& bytes) { return reinterpret_cast<unsigned char*>(bytes.data()); }
+
+std::string key_path(const std::string& dir) { return dir + "/authority.key"; }
+std::string fleet_path(const std::string& dir) { return dir + "/fleet.json"; }
+
+Result<Bytes> stretch(const std::string& passphrase, BytesView salt) {
+  Bytes key(crypto_secretbox_KEYBYTES, '\0');
+  if (crypto_pwhash(raw(key), key.size(), passphrase.data(), passphrase.size(), raw(salt),
+                    crypto_pwhash_OPSLIMIT_MODERATE, crypto_pwhash_MEMLIMIT_INTERACTIVE, crypto_pwhash_ALG_ARGON2ID13) != 0) {
+    return fail(Errc::io_error, "not enough memory to stretch the passphrase");
+  }
+  return key;
+}
+
+Status write_secret(const std::string& dir, const Authority& authority, const std::string& passphrase) {
+  const Bytes salt = random_bytes(crypto_pwhash_SALTBYTES);
+  auto key = stretch(passphrase, salt);
+  if (!key) return key.error();
+  const Bytes nonce = random_bytes(crypto_secretbox_NONCEBYTES);
+  Bytes plain = authority.key.secret_key + authority.beacon.secret;
+  Bytes box(plain.size() + crypto_secretbox_MACBYTES, '\0');
+  crypto_secretbox_easy(raw(box), raw(plain), plain.size(), raw(nonce), raw(*key));
+  sodium_memzero(plain.data(), plain.size());
+  return write_file(key_path(dir), to_hex(salt + nonce + box) + "\n", 0600);
+}
+
+Result<Bytes> read_secret(const std::string& dir, const std::string& passphrase) {
+  struct stat facts {};
+  const std::string path = key_path(dir);
+  if (::stat(path.c_str(), &facts) != 0) return fail(Errc::missing, path + ": no such file", "run trb fleet init " + dir);
+  if ((facts.st_mode & 077U) != 0) return fail(Errc::not_permitted, path + ": others may read it", "run chmod 600 " + path);
+  auto text = read_file(path, 4096);
+  if (!text) return text.error();
+  auto bytes = from_hex(std::string_view(*text).substr(0, text->find('\n')));
+  constexpr std::size_t kHead = crypto_pwhash_SALTBYTES + crypto_secretbox_NONCEBYTES;
+  if (!bytes || bytes->size() != kHead + kSecretSize + crypto_secretbox_MACBYTES) return fail(Errc::malformed, path + ": damaged");
+  auto key = stretch(passphrase, BytesView(*bytes).substr(0, crypto_pwhash_SALTBYTES));
+  if (!key) return key.error();
+  Bytes plain(kSecretSize, '\0');
+  if (crypto_secretbox_open_easy(raw(plain), raw(BytesView(*bytes).substr(kHead)), bytes->size() - kHead,
+                                 raw(BytesView(*bytes).substr(crypto_pwhash_SALTBYTES)), raw(*key)) != 0) {
+    return fail(Errc::not_permitted, path + ": the passphrase is wrong", "try again, or see README: a lost authority key");
+  }
+  return plain;
+}
+
+Status write_fleet(const std::string& dir, const Authority& authority) {
+  Value::Object out;
+  out.emplace_back("name", Value{authority.fleet.name});
+  out.emplace_back("authority_key", Value{to_hex(authority.fleet.public_key)});
+  out.emplace_back("fleet", Value{to_hex(authority.fleet.id())});
+  out.emplace_back("beacon_key_number", Value{static_cast<std::int64_t>(authority.beacon.number)});
+  out.emplace_back("next_serial", Value{static_cast<std::int64_t>(authority.next_serial)});
+  return write_file(fleet_path(dir), dump_json(Value{std::move(out)}) + "\n");
+}
+
+Result<Value> read_fleet_json(const std::string& dir) {
+  auto text = read_file(fleet_path(dir), 65536);
+  if (!text) return fail(text.error().code, text.error().what, "run trb fleet init " + dir);
+  auto json = parse_json(*text);
+  if (!json) return fail(json.error().code, fleet_path(dir) + ": " + json.error().what);
+  return json;
+}
+
+}  // namespace
+
+Result<Authority> make_authority(const std::string& dir, const std::string& name, const std::string& passphrase) {
+  if (Status good = check_id("name", name); !good) return good.error();
+  if (passphrase.size() < kMinPassphrase) {
+    return fail(Errc::bad_value, "passphrase: under " + std::to_string(kMinPassphrase) + " characters", "take a longer one");
+  }
+  if (file_exists(key_path(dir)) || file_exists(fleet_path(dir))) {
+    return fail(Errc::conflict, dir + ": holds a fleet authority already", "name another folder");
+  }
+  if (Status made = make_dir(dir, 0700); !made) return made.error();
+  Authority authority;
+  authority.key = make_signing_key();
+  authority.fleet = {name, authority.key.public_key};
+  authority.beacon = {1, random_bytes(32)};
+  if (Status s = write_secret(dir, authority, passphrase); !s) return s.error();
+  if (Status s = write_fleet(dir, authority); !s) return s.error();
+  return authority;
+}
+
+Result<FleetAuthority> read_fleet(const std::string& dir) {
+  auto json = read_fleet_json(dir);
+  if (!json) return json.error();
+  const Value* name = json->find("name");
+  const Value* key = json->find("authority_key");
+  if (name == nullptr || !name->is_text() || key == nullptr || !key->is_text()) {
+    return fail(Errc::malformed, fleet_path(dir) + ": name or authority_key missing");
+  }
+  auto bytes = from_hex(key->text());
+  if (!bytes || bytes->size() != 32) return fail(Errc::malformed, fleet_path(dir) + ": authority_key: not 32 bytes");
+  return FleetAuthority{name->text(), *bytes};
+}
+
+Result<Authority> open_authority(const std::string& dir, const std::string& passphrase) {
+  auto fleet = read_fleet(dir);
+  if (!fleet) return fleet.error();
+  auto secret = read_secret(dir, passphrase);
+  if (!secret) return secret.error();
+  auto json = read_fleet_json(dir);
+  const Value* serial = json->find("next_serial");
+  const Value* number = json->find("beacon_key_number");
+  if (serial == nullptr || !serial->is_integer() || number == nullptr || !number->is_integer()) {
+    return fail(Errc::malformed, fleet_path(dir) + ": next_serial or beacon_key_number missing");
+  }
+  Authority authority;
+  authority.fleet = *fleet;
+  authority.key = {secret->substr(32, 32), secret->substr(0, 64)};
+  authority.beacon = {static_cast<std::uint32_t>(number->integer()), secret->substr(64)};
+  authority.next_serial = static_cast<std::uint64_t>(serial->integer());
+  if (authority.key.public_key != fleet->public_key) {
+    return fail(Errc::wrong_key, dir + ": fleet.json and authority.key do not belong together");
+  }
+  return authority;
+}
+
+Result<CertificateFile> sign_request(Authority& authority, const std::string& dir, const SignedRecord& record, UtcTime now,
+                                     Duration validity) {
+  auto request = decode<CertificateRequest>(record.payload.bytes);
+  if (!request) return request.error();
+  if (Status good = check_id("id", request->id); !good) return good.error();
+  if (!verify(record, kSignedRequest, {}, request->identity_key.bytes) || request->link_key.bytes.size() != 32) {
+    return fail(Errc::bad_signature, "request of '" + request->id + "' was not signed with the key it names",
+                "run trb fleet request on the node again");
+  }
+  Certificate certificate{{authority.fleet.id()}, authority.next_serial, request->id, request->role,
+                          request->identity_key,  request->link_key,     (now - kClockLeeway).ns, (now + validity).ns};
+  ++authority.next_serial;
+  if (Status stored = write_fleet(dir, authority); !stored) return stored.error();
+  const SignedRecord signed_record = sign(kSignedCertificate, "", authority.fleet.id(), encode(certificate), authority.key);
+  return make_certificate_file(signed_record, authority.fleet, authority.beacon, request->link_key.bytes);
+}
+
+}  // namespace trb

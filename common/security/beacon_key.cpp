@@ -1,0 +1,49 @@
+#include "common/security/beacon_key.hpp"
+
+#include <sodium.h>
+
+#include "common/security/keys.hpp"
+
+namespace trb {
+namespace {
+
+constexpr BytesView kMagic = "TRBB";
+constexpr std::size_t kHintSize = 4;
+constexpr std::size_t kHeaderSize = 4 + 4 + kHintSize;
+constexpr std::size_t kNonceSize = crypto_secretbox_NONCEBYTES;
+
+const unsigned char* raw(BytesView bytes) { return reinterpret_cast<const unsigned char*>(bytes.data()); }
+unsigned char* raw(Bytes& bytes) { return reinterpret_cast<unsigned char*>(bytes.data()); }
+
+Bytes number_bytes(std::uint32_t number) {
+  Bytes out;
+  for (const unsigned shift : {24U, 16U, 8U, 0U}) out += static_cast<char>(number >> shift);
+  return out;
+}
+
+}  // namespace
+
+Bytes seal_beacon(const BeaconKey& key, BytesView fleet, BytesView plain) {
+  const Bytes nonce = random_bytes(kNonceSize);
+  Bytes box(plain.size() + crypto_secretbox_MACBYTES, '\0');
+  crypto_secretbox_easy(raw(box), raw(plain), plain.size(), raw(nonce), raw(key.secret));
+  return Bytes(kMagic) + number_bytes(key.number) + Bytes(fleet.substr(0, kHintSize)) + nonce + box;
+}
+
+Result<Bytes> open_beacon(const BeaconKey& key, BytesView fleet, BytesView datagram) {
+  constexpr std::size_t kLeast = kHeaderSize + kNonceSize + crypto_secretbox_MACBYTES;
+  if (datagram.size() < kLeast || datagram.substr(0, 4) != kMagic) return fail(Errc::malformed, "no beacon");
+  if (datagram.substr(8, kHintSize) != fleet.substr(0, kHintSize)) return fail(Errc::foreign_fleet, "beacon of another fleet");
+  if (datagram.substr(4, 4) != number_bytes(key.number)) {
+    return fail(Errc::wrong_key, "beacon under another key number", "sign the older node's request again");
+  }
+  const BytesView nonce = datagram.substr(kHeaderSize, kNonceSize);
+  const BytesView box = datagram.substr(kHeaderSize + kNonceSize);
+  Bytes plain(box.size() - crypto_secretbox_MACBYTES, '\0');
+  if (crypto_secretbox_open_easy(raw(plain), raw(box), box.size(), raw(nonce), raw(key.secret)) != 0) {
+    return fail(Errc::bad_signature, "beacon does not open with the fleet's key");
+  }
+  return plain;
+}
+
+}  // namespace trb

@@ -1,0 +1,29 @@
+// keys/certificate.json: what `trb fleet sign` gives back to a node. No secret in it is readable without the node's link
+// key, so the file may travel by any road.
+#pragma once
+
+#include <string>
+
+#include "common/security/beacon_key.hpp"
+#include "common/security/keys.hpp"
+
+namespace trb {
+
+struct CertificateFile {
+  SignedRecord certificate;
+  FleetAuthority authority;
+  std::uint32_t beacon_number = 0;
+  Bytes sealed_beacon;  ///< the beacon key in a sealed box to the node's link key
+};
+
+CertificateFile make_certificate_file(const SignedRecord& certificate, const FleetAuthority& authority,
+                                      const BeaconKey& beacon, BytesView link_key);
+std::string certificate_file_to_json(const CertificateFile& file);
+
+/// Errors: missing, malformed; each names the path.
+Result<CertificateFile> read_certificate_file(const std::string& path);
+
+/// Errors: wrong_key if the box was made for another link key.
+Result<BeaconKey> open_beacon_key(const CertificateFile& file, const LinkKey& link);
+
+}  // namespace trb

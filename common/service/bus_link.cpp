@@ -1,0 +1,96 @@
+#include "common/service/bus_link.hpp"
+
+namespace trb {
+namespace {
+
+constexpr Duration kHelloInterval = std::chrono::milliseconds(100);
+constexpr Duration kAliveInterval = std::chrono::seconds(1);
+constexpr Duration kRouterLease = std::chrono::seconds(3);
+
+}  // namespace
+
+BusLink::BusLink(Context& context, const std::string& socket_name, ServiceHello hello)
+    : socket_(Socket::bus_client(context, "ipc://bus/" + socket_name + ".ipc")), hello_(std::move(hello)) {
+  next_ = MonotonicTime{0};
+}
+
+std::optional<Message> BusLink::receive(Now now) {
+  Frame frame;
+  if (!socket_.receive(frame)) return std::nullopt;
+  socket_.skip_rest(frame);
+  auto view = decode_frame(view_of(frame));
+  if (!view) return std::nullopt;
+  Message message = to_message(*view);
+  if (consume(message, now)) return std::nullopt;
+  return message;
+}
+
+bool BusLink::consume(const Message& message, Now now) {
+  if (message.subtype == ServiceWelcome::kSubtype) {
+    if (auto body = decode<ServiceWelcome>(message.data)) {
+      welcome_ = std::move(*body);
+      newly_welcomed = true;
+      refusal_.clear();
+      last_seen_ = now.mono;
+      next_ = now.mono + kAliveInterval;
+    }
+    return true;
+  }
+  if (message.subtype == ServiceAliveSeen::kSubtype) {
+    last_seen_ = now.mono;
+    return true;
+  }
+  if (message.subtype == HelloWanted::kSubtype) {
+    welcome_.reset();
+    next_ = now.mono;
+    return true;
+  }
+  if (message.subtype == Nack::kSubtype && !welcome_) {
+    if (auto body = decode<Nack>(message.data)) refusal_ = body->code + ": " + body->what;
+    return true;
+  }
+  return false;
+}
+
+std::uint64_t BusLink::send(const Send& send) {
+  Message message;
+  message.type = send.type;
+  message.flags = send.flags;
+  message.remaining_ms = send.remaining_ms;
+  message.subtype = subtype_of(send.body);
+  message.target = send.target;
+  message.reply_to = send.reply_to;
+  message.data = encode_body(send.body);
+  return this->send(std::move(message));
+}
+
+std::uint64_t BusLink::send(Message message) {
+  if (!welcome_) return 0;
+  message.source = welcome_->node;
+  message.id = static_cast<std::uint64_t>(welcome_->slot) << 48U | ++counter_;
+  const Bytes frame = encode_frame(message);
+  return socket_.send(to_frame(frame)) == SendResult::sent ? message.id : 0;
+}
+
+void BusLink::say_hello() {
+  Message message;
+  message.type = MessageType::command;
+  message.subtype = ServiceHello::kSubtype;
+  message.id = 1;
+  message.data = encode(hello_);
+  socket_.send(to_frame(encode_frame(message)));
+}
+
+void BusLink::tick(Now now) {
+  if (!next_ || now.mono < *next_) return;
+  if (welcome_ && now.mono - last_seen_ > kRouterLease) welcome_.reset();
+  if (!welcome_) {
+    say_hello();
+    next_ = now.mono + kHelloInterval;
+    return;
+  }
+  send(Send{.type = MessageType::information, .target = welcome_->node, .body = ServiceAlive{hello_.instance}});
+  next_ = now.mono + kAliveInterval;
+}
+
+}  // namespace trb

@@ -1,0 +1,52 @@
+// A service's (or a probe's) one link to its node's router: hello, keep-alive, ids, and frames to and from messages.
+// No policy of the service is here, and no loop: the owner reads and calls tick().
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/actor/core.hpp"
+#include "common/transport/socket.hpp"
+
+namespace trb {
+
+class BusLink {
+ public:
+  /// `socket_name` is the ipc socket's: the service's own, or "probe".
+  BusLink(Context& context, const std::string& socket_name, ServiceHello hello);
+
+  /// Takes one message if there is one: the link's own are dealt with, the others returned.
+  std::optional<Message> receive(Now now);
+  /// True while the socket has more; see Loop::add_socket.
+  [[nodiscard]] void* handle() { return socket_.handle(); }
+
+  /// Sends; the id given is returned, or 0 if the link is not up or full (the message is lost, as on any road).
+  std::uint64_t send(const Send& send);
+  std::uint64_t send(Message message);
+
+  void tick(Now now);
+  [[nodiscard]] std::optional<MonotonicTime> next_deadline() const { return next_; }
+
+  [[nodiscard]] bool up() const { return welcome_.has_value(); }
+  [[nodiscard]] const std::optional<ServiceWelcome>& welcome() const { return welcome_; }
+  /// Why the router refused this service, if it did.
+  [[nodiscard]] const std::string& refusal() const { return refusal_; }
+  /// Set at each welcome, cleared by the caller.
+  bool newly_welcomed = false;
+
+ private:
+  bool consume(const Message& message, Now now);
+  void say_hello();
+
+  Socket socket_;
+  ServiceHello hello_;
+  std::optional<ServiceWelcome> welcome_;
+  std::string refusal_;
+  std::uint64_t counter_ = 0;
+  MonotonicTime last_seen_;
+  std::optional<MonotonicTime> next_;
+};
+
+}  // namespace trb

@@ -1,0 +1,211 @@
+#include "common/service/service.hpp"
+
+#include <csignal>
+#include <filesystem>
+#include <map>
+#include <unistd.h>
+
+#include "common/base/files.hpp"
+#include "common/log/log.hpp"
+#include "common/security/keys.hpp"
+#include "common/service/bus_link.hpp"
+#include "common/service/version.hpp"
+#include "common/transport/loop.hpp"
+#include "common/transport/signals.hpp"
+
+namespace trb {
+namespace {
+
+constexpr int kAgain = 75;       ///< EX_TEMPFAIL: the supervisor starts the service again at once
+constexpr int kJournalLost = 74; ///< EX_IOERR
+constexpr int kRefused = 73;     ///< EX_CANTCREAT: another process is this service
+constexpr int kBatch = 256;
+constexpr Duration kIdleCheck = std::chrono::milliseconds(200);
+
+Level to_level(LogLevel level) { return static_cast<Level>(level); }
+
+class ServiceShell final : public Service {
+ public:
+  explicit ServiceShell(ServiceOptions options)
+      : options_(std::move(options)),
+        instance_(random_u64()),
+        link_(context_, options_.name,
+              ServiceHello{options_.name, options_.subtypes, instance_, static_cast<std::uint32_t>(::getpid()), kVersion}) {}
+
+  [[nodiscard]] std::uint64_t instance() const override { return instance_; }
+  void on_journal(std::function<Status(const std::vector<Journal>&)> commit) override { commit_ = std::move(commit); }
+  void on_robot(std::function<void(const Outbox&)> output) override { robot_ = std::move(output); }
+  void watch(int fd, short events, std::function<void(short)> ready) override { loop_.add_fd(fd, events, std::move(ready)); }
+  void unwatch(int fd) override { loop_.remove_fd(fd); }
+  void timer(std::function<std::optional<MonotonicTime>()> next, std::function<void(Now)> tick) override {
+    loop_.add_timer(std::move(next), std::move(tick));
+  }
+
+  void step(const Effect& effect) override {
+    outbox_.clear();
+    effect(read_clocks(), outbox_);
+    Outbox out = std::move(outbox_);
+    outbox_ = Outbox{};
+    carry_out(out);
+  }
+
+  int run(Core& core, std::function<bool()> idle) override {
+    core_ = &core;
+    idle_ = std::move(idle);
+    Signals signals(loop_, [this](int signal) { on_signal(signal); });
+    loop_.add_socket(link_.handle(), [this] { drain(); });
+    loop_.add_timer([this] { return link_.next_deadline(); }, [this](Now now) { tick_link(now); });
+    loop_.add_timer([this] { return core_->next_deadline(); },
+                    [this](Now) { step([this](Now now, Outbox& out) { core_->tick(now, out); }); });
+    loop_.add_timer([this] { return reload_check_; }, [this](Now now) { try_reload(now); });
+    loop_.run();
+    loop_.remove_socket(link_.handle());
+    return exit_;
+  }
+
+ private:
+  void on_signal(int signal) {
+    if (signal == SIGHUP) {
+      reload_check_ = MonotonicTime{0};
+      return;
+    }
+    log_event(Level::info, "stopping", "signal " + std::to_string(signal));
+    loop_.stop();
+  }
+
+  void try_reload(Now now) {
+    if (idle_ && !idle_()) {
+      reload_check_ = now.mono + kIdleCheck;
+      return;
+    }
+    log_event(Level::info, "reloading", "idle: ends, to be started again with the new files");
+    exit_ = kAgain;
+    loop_.stop();
+  }
+
+  void tick_link(Now now) {
+    link_.tick(now);
+    if (link_.refusal().empty()) return;
+    log_event(Level::error, "refused_by_router", link_.refusal());
+    exit_ = kRefused;
+    loop_.stop();
+  }
+
+  void drain() {
+    for (int i = 0; i < kBatch; ++i) {
+      const Now now = read_clocks();
+      bool got_any = false;
+      std::optional<Message> message = receive(now, got_any);
+      if (!got_any) return;
+      if (message) deliver(*message);
+    }
+  }
+
+  std::optional<Message> receive(Now now, bool& got_any) {
+    std::uint32_t events = 0;
+    std::size_t size = sizeof events;
+    zmq_getsockopt(link_.handle(), ZMQ_EVENTS, &events, &size);
+    got_any = (events & ZMQ_POLLIN) != 0;
+    if (!got_any) return std::nullopt;
+    std::optional<Message> message = link_.receive(now);
+    if (link_.newly_welcomed) {
+      link_.newly_welcomed = false;
+      welcomed();
+    }
+    return message;
+  }
+
+  void welcomed() {
+    const ServiceWelcome& welcome = *link_.welcome();
+    node_ = welcome.node;
+    log_event(Level::info, "welcomed", "node " + welcome.node + ", slot " + std::to_string(welcome.slot));
+    const Role role = welcome.role == name_of(Role::cloud) ? Role::cloud : Role::robot;
+    step([&](Now now, Outbox& out) { core_->on_welcome({welcome.node, role, welcome.boot}, now, out); });
+  }
+
+  void deliver(Message& message) {
+    auto body = decode_body(message.subtype, message.data);
+    Inbound inbound{message.type,  std::move(message.source), std::move(message.target), message.id, message.reply_to,
+                    message.flags, message.remaining_ms,      Opaque{message.subtype, {}}};
+    if (!body) {
+      step([&](Now, Outbox& out) {
+        out.count("refused.malformed_body");
+        out.log(LogLevel::warning, "malformed_body", "from " + inbound.source + ": " + body.error().text());
+        out.nack(inbound, body.error());
+      });
+      return;
+    }
+    inbound.body = std::move(*body);
+    if (std::holds_alternative<AdapterCountersRequest>(inbound.body)) {
+      step([&](Now, Outbox& out) { out.reply(inbound, counters()); });
+      return;
+    }
+    step([&](Now now, Outbox& out) { core_->on(inbound, now, out); });
+  }
+
+  Counters counters() const {
+    Counters out{node_, options_.name, {}};
+    for (const auto& [name, value] : counts_) out.values.push_back({name, value});
+    return out;
+  }
+
+  void carry_out(const Outbox& out) {
+    if (!out.journal.empty() && !commit(out.journal)) return;
+    for (const Send& send : out.sends) {
+      if (link_.send(send) == 0) count("dropped.no_router");
+    }
+    if (robot_ && !(out.writes.empty() && out.closes.empty())) robot_(out);
+    for (const std::string& name : out.counts) count(name);
+    for (const Log& line : out.logs) {
+      log_limited(limit_, read_clocks().mono, to_level(line.level), line.event, line.text);
+    }
+  }
+
+  bool commit(const std::vector<Journal>& records) {
+    const Status done = commit_ ? commit_(records) : Status(fail(Errc::io_error, "no journal"));
+    if (done) return true;
+    log_event(Level::error, "journal_failed", done.error().text() + " (the process ends: nothing may rest on it)");
+    exit_ = kJournalLost;
+    loop_.stop();
+    return false;
+  }
+
+  void count(const std::string& name) {
+    if (counts_.size() < 1000 || counts_.count(name) != 0) ++counts_[name];
+  }
+
+  ServiceOptions options_;
+  std::uint64_t instance_;
+  Context context_;
+  Loop loop_;
+  BusLink link_;
+  std::string node_;
+  Core* core_ = nullptr;
+  Outbox outbox_;
+  std::function<Status(const std::vector<Journal>&)> commit_;
+  std::function<void(const Outbox&)> robot_;
+  std::function<bool()> idle_;
+  std::optional<MonotonicTime> reload_check_;
+  std::map<std::string, std::uint64_t> counts_;
+  RateLimit limit_{20, std::chrono::seconds(10)};
+  int exit_ = 0;
+};
+
+}  // namespace
+
+Now now() { return read_clocks(); }
+
+Result<std::unique_ptr<Service>> Service::open(ServiceOptions options) {
+  init_crypto();
+  block_signals();
+  if (::chdir(options.node_dir.c_str()) != 0) {
+    return fail(Errc::missing, options.node_dir + ": no such folder", "name a node's folder");
+  }
+  if (Status made = make_dir("log"); !made) return made.error();
+  if (Status made = make_dir("state", 0700); !made) return made.error();
+  open_log(options.name, options.own_log ? "log/" + options.name + ".log" : "");
+  std::unique_ptr<Service> service = std::make_unique<ServiceShell>(std::move(options));
+  return service;
+}
+
+}  // namespace trb

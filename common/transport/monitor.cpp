@@ -1,0 +1,73 @@
+#include "common/transport/monitor.hpp"
+
+#include <atomic>
+#include <cstring>
+#include <optional>
+
+namespace trb {
+namespace {
+
+constexpr int kEvents = ZMQ_EVENT_HANDSHAKE_SUCCEEDED | ZMQ_EVENT_HANDSHAKE_FAILED_NO_DETAIL |
+                        ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL | ZMQ_EVENT_HANDSHAKE_FAILED_AUTH | ZMQ_EVENT_DISCONNECTED |
+                        ZMQ_EVENT_CLOSED | ZMQ_EVENT_CONNECT_RETRIED;
+
+std::string make_endpoint() {
+  static std::atomic<unsigned> count{0};
+  return "inproc://monitor-" + std::to_string(++count);
+}
+
+std::string start_monitor(Socket& socket) {
+  const std::string endpoint = make_endpoint();
+  socket.monitor(endpoint, kEvents);
+  return endpoint;
+}
+
+std::optional<LinkEvent> to_event(std::uint16_t event, std::uint32_t value) {
+  switch (event) {
+    case ZMQ_EVENT_HANDSHAKE_SUCCEEDED:
+      return LinkEvent::connected;
+    case ZMQ_EVENT_DISCONNECTED:
+      return LinkEvent::disconnected;
+    case ZMQ_EVENT_CLOSED:
+    case ZMQ_EVENT_CONNECT_RETRIED:
+    case ZMQ_EVENT_HANDSHAKE_FAILED_NO_DETAIL:
+      return LinkEvent::failed;
+    case ZMQ_EVENT_HANDSHAKE_FAILED_AUTH:
+      return LinkEvent::refused_key;
+    case ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL:
+      if (value == ZMQ_PROTOCOL_ERROR_ZMTP_CRYPTOGRAPHIC) return LinkEvent::wrong_server_key;
+      if (value == ZMQ_PROTOCOL_ERROR_ZMTP_MECHANISM_MISMATCH) return LinkEvent::no_curve;
+      return LinkEvent::protocol_error;
+    default:
+      return std::nullopt;
+  }
+}
+
+}  // namespace
+
+SocketMonitor::SocketMonitor(Context& context, Loop& loop, Socket& socket, std::function<void(LinkEvent)> on_event)
+    : loop_(loop), socket_(socket), pair_(Socket::pair_client(context, start_monitor(socket))), on_event_(std::move(on_event)) {
+  loop_.add_socket(pair_.handle(), [this] { serve(); });
+}
+
+SocketMonitor::~SocketMonitor() {
+  loop_.remove_socket(pair_.handle());
+  zmq_socket_monitor(socket_.handle(), nullptr, 0);
+}
+
+void SocketMonitor::serve() {
+  Frame frame;
+  // One event a call: the handler may destroy this monitor.
+  if (!pair_.receive(frame) || frame.size() < 6) return;
+  std::uint16_t event = 0;
+  std::uint32_t value = 0;
+  std::memcpy(&event, frame.data(), sizeof event);
+  std::memcpy(&value, static_cast<const char*>(frame.data()) + sizeof event, sizeof value);
+  pair_.skip_rest(frame);
+  if (const auto known = to_event(event, value)) {
+    const auto handler = on_event_;
+    handler(*known);
+  }
+}
+
+}  // namespace trb

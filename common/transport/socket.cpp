@@ -1,0 +1,136 @@
+#include "common/transport/socket.hpp"
+
+#include <sys/stat.h>
+
+namespace trb {
+namespace {
+
+constexpr int kEnforceDomain = 93;  // ZMQ_ZAP_ENFORCE_DOMAIN, a draft name in Debian's header
+constexpr std::int64_t kMaxMessage = (1 << 20) + 1024;
+
+zmq::socket_t make(Context& context, zmq::socket_type type) {
+  zmq::socket_t socket(context.zmq(), type);
+  socket.set(zmq::sockopt::linger, 0);
+  socket.set(zmq::sockopt::sndhwm, kHighWaterMark);
+  socket.set(zmq::sockopt::rcvhwm, kHighWaterMark);
+  socket.set(zmq::sockopt::maxmsgsize, kMaxMessage);
+  return socket;
+}
+
+Result<Socket> refused(const std::string& endpoint, const zmq::error_t& problem) {
+  return fail(Errc::io_error, endpoint + ": cannot bind: " + problem.what(),
+              problem.num() == EADDRINUSE ? "stop the other process on that address, or take another one" : "");
+}
+
+}  // namespace
+
+Context::Context() : context_(1) { context_.set(zmq::ctxopt::ipv6, 1); }
+
+Socket Socket::bus_client(Context& context, const std::string& endpoint) {
+  zmq::socket_t socket = make(context, zmq::socket_type::dealer);
+  socket.set(zmq::sockopt::immediate, true);
+  socket.set(zmq::sockopt::reconnect_ivl, 50);
+  socket.set(zmq::sockopt::reconnect_ivl_max, 500);
+  socket.connect(endpoint);
+  return Socket(std::move(socket));
+}
+
+Result<Socket> Socket::bus_server(Context& context, const std::string& endpoint) {
+  try {
+    zmq::socket_t socket = make(context, zmq::socket_type::router);
+    socket.set(zmq::sockopt::router_mandatory, true);
+    socket.bind(endpoint);
+    return Socket(std::move(socket));
+  } catch (const zmq::error_t& problem) {
+    return refused(endpoint, problem);
+  }
+}
+
+Result<Socket> Socket::inbox(Context& context, const std::string& endpoint, const CurveKeys& keys) {
+  try {
+    zmq::socket_t socket = make(context, zmq::socket_type::router);
+    socket.set(zmq::sockopt::router_mandatory, true);
+    socket.set(zmq::sockopt::curve_server, true);
+    socket.set(zmq::sockopt::curve_secretkey, keys.secret_key);
+    socket.set(zmq::sockopt::zap_domain, "talkrobots");
+    const int on = 1;
+    if (zmq_setsockopt(socket.handle(), kEnforceDomain, &on, sizeof on) != 0) throw zmq::error_t();
+    socket.set(zmq::sockopt::handshake_ivl, 2000);
+    socket.bind(endpoint);
+    return Socket(std::move(socket));
+  } catch (const zmq::error_t& problem) {
+    return refused(endpoint, problem);
+  }
+}
+
+Socket Socket::dialler(Context& context, const CurveKeys& keys, BytesView server_key) {
+  zmq::socket_t socket = make(context, zmq::socket_type::dealer);
+  // One connection is one link: libzmq must never reconnect behind the core's back.
+  socket.set(zmq::sockopt::immediate, true);
+  socket.set(zmq::sockopt::reconnect_ivl, -1);
+  socket.set(zmq::sockopt::connect_timeout, 1000);
+  socket.set(zmq::sockopt::handshake_ivl, 2000);
+  socket.set(zmq::sockopt::curve_publickey, keys.public_key);
+  socket.set(zmq::sockopt::curve_secretkey, keys.secret_key);
+  socket.set(zmq::sockopt::curve_serverkey, Bytes(server_key));
+  return Socket(std::move(socket));
+}
+
+void Socket::dial(const std::string& endpoint) { socket_.connect(endpoint); }
+
+Result<Socket> Socket::tap_server(Context& context, const std::string& endpoint) {
+  try {
+    zmq::socket_t socket = make(context, zmq::socket_type::xpub);
+    socket.bind(endpoint);
+    return Socket(std::move(socket));
+  } catch (const zmq::error_t& problem) {
+    return refused(endpoint, problem);
+  }
+}
+
+Socket Socket::tap_client(Context& context, const std::string& endpoint) {
+  zmq::socket_t socket = make(context, zmq::socket_type::sub);
+  socket.set(zmq::sockopt::subscribe, "");
+  socket.connect(endpoint);
+  return Socket(std::move(socket));
+}
+
+Socket Socket::pair_client(Context& context, const std::string& endpoint) {
+  zmq::socket_t socket = make(context, zmq::socket_type::pair);
+  socket.connect(endpoint);
+  return Socket(std::move(socket));
+}
+
+bool Socket::receive(Frame& frame) { return socket_.recv(frame, zmq::recv_flags::dontwait).has_value(); }
+
+void Socket::skip_rest(const Frame& last) {
+  bool more = last.more();
+  Frame frame;
+  while (more && receive(frame)) more = frame.more();
+}
+
+SendResult Socket::send(Frame&& frame, bool more) {
+  const auto flags = more ? zmq::send_flags::dontwait | zmq::send_flags::sndmore : zmq::send_flags::dontwait;
+  return socket_.send(std::move(frame), flags) ? SendResult::sent : SendResult::full;
+}
+
+SendResult Socket::send_to(BytesView routing_id, Frame&& frame) {
+  try {
+    if (send(to_frame(routing_id), true) != SendResult::sent) return SendResult::full;
+    return send(std::move(frame));
+  } catch (const zmq::error_t& problem) {
+    if (problem.num() == EHOSTUNREACH) return SendResult::unroutable;
+    throw;
+  }
+}
+
+void Socket::monitor(const std::string& endpoint, int events) {
+  if (zmq_socket_monitor(socket_.handle(), endpoint.c_str(), events) != 0) throw zmq::error_t();
+}
+
+std::string_view user_id(const Frame& frame) {
+  const char* value = zmq_msg_gets(frame.handle(), "User-Id");
+  return value == nullptr ? std::string_view() : std::string_view(value);
+}
+
+}  // namespace trb

@@ -1,0 +1,74 @@
+// ZeroMQ sockets as this project uses them: never blocking, never lingering, every refusal visible.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <string_view>
+#include <zmq.hpp>
+
+#include "common/base/bytes.hpp"
+#include "common/base/result.hpp"
+
+namespace trb {
+
+using Frame = zmq::message_t;
+
+inline BytesView view_of(const Frame& frame) { return {static_cast<const char*>(frame.data()), frame.size()}; }
+inline Frame to_frame(BytesView bytes) { return {bytes.data(), bytes.size()}; }
+
+/// One context a process, one I/O thread.
+class Context {
+ public:
+  Context();
+  zmq::context_t& zmq() { return context_; }
+
+ private:
+  zmq::context_t context_;
+};
+
+struct CurveKeys {
+  Bytes public_key;  ///< 32 bytes
+  Bytes secret_key;
+};
+
+enum class SendResult { sent, full, unroutable };
+
+/// How many messages may wait in a socket, each way. A full one refuses (queue_full), it never blocks.
+constexpr int kHighWaterMark = 1000;
+
+class Socket {
+ public:
+  /// A service's link to its router, or its router's end for that service (ipc://bus/NAME.ipc).
+  static Socket bus_client(Context& context, const std::string& endpoint);
+  static Result<Socket> bus_server(Context& context, const std::string& endpoint);
+  /// The one door for other routers. ZAP must be bound before (zap.hpp).
+  static Result<Socket> inbox(Context& context, const std::string& endpoint, const CurveKeys& keys);
+  /// A dialled link: one connection, never made again by libzmq. Connect with dial() after the monitor is attached.
+  static Socket dialler(Context& context, const CurveKeys& keys, BytesView server_key);
+  void dial(const std::string& endpoint);
+  /// The tap: XPUB, so that nothing is published while nobody listens.
+  static Result<Socket> tap_server(Context& context, const std::string& endpoint);
+  static Socket tap_client(Context& context, const std::string& endpoint);
+  static Socket pair_client(Context& context, const std::string& endpoint);
+
+  /// The next frame if there is one. For ROUTER sockets the first frame is the routing id.
+  bool receive(Frame& frame);
+  /// Drops the rest of a message of several frames.
+  void skip_rest(const Frame& last);
+  SendResult send(Frame&& frame, bool more = false);
+  /// ROUTER: routing id and one frame. `unroutable`: that connection is gone.
+  SendResult send_to(BytesView routing_id, Frame&& frame);
+
+  [[nodiscard]] void* handle() { return socket_.handle(); }
+  void monitor(const std::string& endpoint, int events);
+  [[nodiscard]] std::string last_endpoint() const { return socket_.get(zmq::sockopt::last_endpoint); }
+
+ private:
+  explicit Socket(zmq::socket_t socket) : socket_(std::move(socket)) {}
+  zmq::socket_t socket_;
+};
+
+/// The 32-byte CURVE key of the connection that a frame came on, as ZAP's User-Id gives it (hexadecimal); empty without.
+std::string_view user_id(const Frame& frame);
+
+}  // namespace trb

@@ -1,0 +1,41 @@
+#include "common/transport/zap.hpp"
+
+#include "common/base/hex.hpp"
+
+namespace trb {
+
+ZapServer::ZapServer(Context& context, Loop& loop, std::function<bool(BytesView)> admit)
+    : loop_(loop), socket_(context.zmq(), zmq::socket_type::router), admit_(std::move(admit)) {
+  socket_.set(zmq::sockopt::linger, 0);
+  socket_.bind("inproc://zeromq.zap.01");
+  loop_.add_socket(socket_.handle(), [this] { serve(); });
+}
+
+ZapServer::~ZapServer() { loop_.remove_socket(socket_.handle()); }
+
+void ZapServer::serve() {
+  // reply path, "", version, request id, domain, address, identity, mechanism, credentials ...
+  std::vector<Frame> parts;
+  do {
+    parts.emplace_back();
+    if (!socket_.recv(parts.back(), zmq::recv_flags::dontwait)) return;
+  } while (parts.back().more());
+  std::size_t start = 0;
+  while (start < parts.size() && parts[start].size() != 0) ++start;
+  ++start;
+  if (parts.size() < start + 6) return;
+  const bool curve = view_of(parts[start + 5]) == "CURVE" && parts.size() > start + 6 && parts[start + 6].size() == 32;
+  const Bytes key = curve ? Bytes(view_of(parts[start + 6])) : Bytes();
+  const bool good = view_of(parts[start]) == "1.0" && curve && admit_(key);
+  const Bytes request_id(view_of(parts[start + 1]));
+  for (std::size_t i = 0; i < start; ++i) {
+    Frame copy = to_frame(view_of(parts[i]));
+    socket_.send(std::move(copy), zmq::send_flags::sndmore);
+  }
+  const Bytes answer[] = {"1.0", request_id, good ? "200" : "400", good ? "OK" : "no such key", good ? to_hex(key) : "", ""};
+  for (std::size_t i = 0; i < 6; ++i) {
+    socket_.send(to_frame(answer[i]), i < 5 ? zmq::send_flags::sndmore : zmq::send_flags::none);
+  }
+}
+
+}  // namespace trb

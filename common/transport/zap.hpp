@@ -1,0 +1,26 @@
+// The ZAP handler (RFC 27): who may connect by CURVE. It must be bound before any inbox, or libzmq lets every key in.
+#pragma once
+
+#include <functional>
+
+#include "common/transport/loop.hpp"
+#include "common/transport/socket.hpp"
+
+namespace trb {
+
+class ZapServer {
+ public:
+  /// `admit(key)` gets the client's 32-byte public key; an admitted connection's frames carry it as User-Id (hexadecimal).
+  ZapServer(Context& context, Loop& loop, std::function<bool(BytesView key)> admit);
+  ~ZapServer();
+  ZapServer(const ZapServer&) = delete;
+  ZapServer& operator=(const ZapServer&) = delete;
+
+ private:
+  void serve();
+  Loop& loop_;
+  zmq::socket_t socket_;
+  std::function<bool(BytesView)> admit_;
+};
+
+}  // namespace trb

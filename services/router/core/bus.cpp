@@ -1,0 +1,144 @@
+// The node's own bus: services come and go, ask the router, have records signed.
+#include "services/router/core/router_core.hpp"
+
+namespace trb::router {
+namespace {
+
+Message to_service(const std::string& node, std::uint64_t id, std::uint64_t reply_to, const Body& body) {
+  Message message;
+  message.type = MessageType::information;
+  message.subtype = subtype_of(body);
+  message.source = node;
+  message.target = node;
+  message.id = id;
+  message.reply_to = reply_to;
+  message.data = encode_body(body);
+  return message;
+}
+
+}  // namespace
+
+void RouterCore::on_service_hello(ConnectionId from, const ServiceHello& hello, bool probe, Now now, Effects& out) {
+  auto slot = services_.welcome(from, hello, probe, now.mono);
+  if (!slot) {
+    out.count("refused." + std::string(errc_name(slot.error().code)));
+    out.log(LogLevel::warning, "service_refused", hello.service + " (pid " + std::to_string(hello.pid) + "): " + slot.error().what);
+    const Nack nack{std::string(errc_name(slot.error().code)), std::string(ServiceHello::kSubtype), config_.id,
+                    slot.error().what, "stop the other process first: trb service list"};
+    out.add(BusSend{from, to_service(config_.id, ++message_count_, 1, nack)});
+    return;
+  }
+  if (!probe) out.log(LogLevel::info, "service_up", hello.service + " (pid " + std::to_string(hello.pid) + ")");
+  const ServiceWelcome welcome{config_.id, std::string(name_of(config_.role)), *slot, config_.instance, config_.boot};
+  out.add(BusSend{from, to_service(config_.id, ++message_count_, 1, welcome)});
+}
+
+void RouterCore::on_connection_gone(ConnectionId connection, Now, Effects& out) {
+  const Connection* known = services_.find(connection);
+  if (known == nullptr) return;
+  if (!known->probe) out.log(LogLevel::warning, "service_gone", known->hello.service + " (pid " + std::to_string(known->hello.pid) + ")");
+  services_.forget(connection);
+}
+
+void RouterCore::on_bus_message(ConnectionId from, const Message& message, Now now, Effects& out) {
+  const Connection* connection = services_.find(from);
+  if (connection == nullptr) return;
+  auto body = decode_body(message.subtype, message.data);
+  if (!body) return deny(from, message, body.error(), out);
+  if (std::holds_alternative<ServiceAlive>(*body)) {
+    services_.heard(from, now.mono);
+    out.add(BusSend{from, to_service(config_.id, ++message_count_, message.id, ServiceAliveSeen{config_.instance})});
+  } else if (const auto* request = std::get_if<SignRequest>(&*body)) {
+    sign_for(from, message, *request, out);
+  } else if (const auto* profile = std::get_if<NodeProfile>(&*body)) {
+    if (connection->hello.service == "mode-adapter") on_own_profile(*profile, out);
+  } else if (auto reply = answer_to(message, now)) {
+    answer(from, message, *reply, out);
+  } else {
+    deny(from, message, reply.error(), out);
+  }
+}
+
+Result<Body> RouterCore::answer_to(const Message& message, Now now) const {
+  if (message.type == MessageType::request) {
+    if (message.subtype == RouteListRequest::kSubtype) return Body{route_table(now)};
+    if (message.subtype == ServiceListRequest::kSubtype) return Body{service_table(now)};
+    if (message.subtype == RouterCountersRequest::kSubtype) return Body{counters()};
+  }
+  return fail(Errc::bad_value, message.subtype + " is not for a router in this way");
+}
+
+void RouterCore::answer(ConnectionId to, const Message& asked, const Body& body, Effects& out) {
+  out.add(BusSend{to, to_service(config_.id, ++message_count_, asked.id, body)});
+}
+
+void RouterCore::deny(ConnectionId to, const Message& asked, const Error& error, Effects& out) {
+  out.count("refused." + std::string(errc_name(error.code)));
+  if (asked.type == MessageType::information || asked.reply_to != 0) return;
+  answer(to, asked, Nack{std::string(errc_name(error.code)), asked.subtype, asked.target, error.what, error.cure}, out);
+}
+
+Status RouterCore::may_sign_for(const Connection& from, const SignRequest& request) const {
+  // One maker a kind: results are the scheduler's, starts and aborts those of whoever a person works with.
+  const bool scheduler = from.hello.service == "scheduler" && !from.probe;
+  const bool right_service = request.kind == kSignedResult ? scheduler
+                             : request.kind == kSignedRunStart || request.kind == kSignedRunAbort ? from.probe || !scheduler
+                                                                                                  : false;
+  if (!right_service || from.hello.service == "mode-adapter" || !may_sign(config_.role, request.kind)) {
+    return fail(Errc::not_permitted, "service '" + from.hello.service + "' of a " + std::string(name_of(config_.role)) +
+                                         " node may not have a '" + request.kind + "' signed");
+  }
+  std::string maker;
+  if (request.kind == kSignedResult) {
+    if (auto body = decode<TaskResult>(request.payload.bytes)) maker = body->robot;
+  } else if (request.kind == kSignedRunStart) {
+    if (auto body = decode<RunStart>(request.payload.bytes)) maker = body->submitter;
+  } else if (auto body = decode<AbortOrder>(request.payload.bytes)) {
+    maker = body->by;
+  }
+  if (maker != config_.id) return fail(Errc::source_mismatch, "the record names '" + maker + "', this node is '" + config_.id + "'");
+  return Done{};
+}
+
+void RouterCore::sign_for(ConnectionId from, const Message& message, const SignRequest& request, Effects& out) {
+  const Status good = may_sign_for(*services_.find(from), request);
+  if (!good) return deny(from, message, good.error(), out);
+  answer(from, message, sign(request.kind, config_.id, config_.authority.id(), request.payload.bytes, config_.identity), out);
+}
+
+void RouterCore::on_own_profile(const NodeProfile& profile, Effects& out) {
+  if (profile == profile_) return;
+  profile_ = profile;
+  for (const LinkId id : up_links()) link_send(links_.at(id), profile_, out);
+}
+
+ServiceTable RouterCore::service_table(Now now) const {
+  ServiceTable table{config_.id, {}};
+  table.services.push_back({"router", "up", 0, config_.instance, config_.version, 0, 0, {}});
+  for (const std::string& name : config_.services) {
+    if (name == "router") continue;
+    ServiceEntry entry{name, "down", 0, 0, "", 0, 0, {}};
+    if (const auto holder = services_.holder(name)) {
+      const Connection& connection = *services_.find(*holder);
+      const Duration quiet = now.mono - connection.last_heard;
+      entry = {name, quiet > config_.timing.service_silent ? "silent" : "up", connection.hello.pid, connection.hello.instance,
+               connection.hello.version, to_seconds(now.mono - connection.since), to_seconds(quiet), connection.hello.subtypes};
+    }
+    table.services.push_back(std::move(entry));
+  }
+  return table;
+}
+
+Counters RouterCore::counters() const {
+  Counters out{config_.id, "router", {}};
+  for (const auto& [name, value] : counts_) out.values.push_back({name, value});
+  return out;
+}
+
+void RouterCore::tell_services(Body body, Effects& out) {
+  if (const auto taker = services_.by_subtype(subtype_of(body))) {
+    out.add(BusSend{*taker, to_service(config_.id, ++message_count_, 0, body)});
+  }
+}
+
+}  // namespace trb::router

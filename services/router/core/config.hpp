@@ -1,0 +1,52 @@
+// What a router is told at its start.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "common/base/time.hpp"
+#include "common/security/keys.hpp"
+
+namespace trb::router {
+
+struct SeedAddress {
+  std::string address;  ///< HOST:PORT
+  Bytes key;            ///< CURVE public key, 32 bytes
+};
+
+struct Timing {
+  Duration lease = std::chrono::seconds(10);
+  Duration keep_alive = std::chrono::milliseconds(2500);  ///< four in a lease
+  Duration handshake = std::chrono::seconds(2);           ///< from dial or candidate to Hello
+  Duration redial_first = std::chrono::milliseconds(200);
+  Duration redial_most = std::chrono::seconds(2);
+  Duration yield = std::chrono::milliseconds(1000);       ///< the greater id lets the smaller one dial first
+  Duration beacon = std::chrono::seconds(5);
+  Duration denied = std::chrono::seconds(10);             ///< how long a refused key stays out
+  Duration service_silent = std::chrono::seconds(3);
+};
+
+struct RouterConfig {
+  std::string id;
+  Role role{};
+  FleetAuthority authority;
+  SignedRecord certificate;
+  Certificate own;
+  SigningKey identity;
+  std::string address;  ///< HOST:PORT of the inbox
+  std::uint64_t boot = 1;
+  std::uint64_t instance = 1;
+  std::uint16_t first_slot = 1;
+  std::string version;
+  std::vector<SeedAddress> seeds;
+  std::vector<std::string> services;  ///< that may claim subtypes
+  bool beacon = true;
+  Timing timing;
+};
+
+constexpr std::size_t kMaxCandidates = 32;
+constexpr std::size_t kMaxHelloSize = 4096;
+constexpr std::size_t kMaxPeers = 1024;
+constexpr std::size_t kMaxConnections = 64;  ///< on the node's own bus
+
+}  // namespace trb::router

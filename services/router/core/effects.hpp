@@ -1,0 +1,68 @@
+// What the router's core wants its shell to do. Values, so that tests and simulations read them.
+#pragma once
+
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "common/actor/outbox.hpp"
+#include "proto/message.hpp"
+
+namespace trb::router {
+
+using ConnectionId = std::uint32_t;  ///< a connection on the node's own bus, numbered by the shell from 1
+using LinkId = std::uint64_t;
+
+struct BusSend {
+  ConnectionId to = 0;
+  Message message;
+};
+/// The shell stamps link and sequence.
+struct LinkSend {
+  LinkId link = 0;
+  std::uint64_t sequence = 0;
+  Message message;
+};
+struct Dial {
+  LinkId link = 0;
+  std::string address;
+  Bytes server_key;
+};
+/// Dialled: the socket is closed. Accepted: the routing id is forgotten.
+struct CloseLink {
+  LinkId link = 0;
+};
+/// An accepted link: bind this link id to the inbox connection that said Hello.
+struct AcceptLink {
+  LinkId link = 0;
+};
+struct SendBeacon {
+  Bytes plain;
+};
+/// A Goodbye to a candidate that has no link yet: to the inbox connection whose message is being handled.
+struct RefuseCandidate {
+  LinkId link = 0;
+  Message message;
+};
+
+using Effect = std::variant<BusSend, LinkSend, Dial, CloseLink, AcceptLink, SendBeacon, RefuseCandidate, Log>;
+
+struct Effects {
+  std::vector<Effect> list;
+  std::vector<std::string> counts;
+  void add(Effect effect) { list.push_back(std::move(effect)); }
+  void log(LogLevel level, std::string event, std::string text) {
+    list.emplace_back(Log{level, std::move(event), std::move(text)});
+  }
+  void count(std::string name) { counts.push_back(std::move(name)); }
+};
+
+/// Where a message goes.
+struct Decision {
+  enum class To : unsigned char { drop, service, peer, every_peer, router } to = To::drop;
+  ConnectionId connection = 0;
+  LinkId link = 0;
+  Errc reason = Errc::ok;  ///< for drop
+};
+
+}  // namespace trb::router

@@ -1,0 +1,141 @@
+// What time does: keep-alives, leases, dialling again, beacons, candidates that said nothing.
+#include "services/router/core/router_core.hpp"
+
+namespace trb::router {
+
+std::optional<MonotonicTime> RouterCore::next_deadline() const {
+  std::optional<MonotonicTime> next = next_beacon_;
+  for (const auto& [id, link] : links_) {
+    const MonotonicTime lapse = std::min(link.last_heard, link.confirmed) + config_.timing.lease;
+    next = earlier(next, link.up ? std::min(link.next_keep_alive, lapse) : link.opened + config_.timing.handshake);
+  }
+  for (const auto& [id, peer] : peers_) {
+    if (peer.link != 0) continue;
+    next = earlier(next, peer.redial.at);
+    if (peer.lost && !peer.expired) next = earlier(next, *peer.lost + config_.timing.lease);
+  }
+  for (const Seed& seed : seeds_) next = earlier(next, seed.redial.at);
+  for (const auto& [key, until] : candidates_) next = earlier(next, until);
+  return next;
+}
+
+void RouterCore::tick(Now now, Effects& out) {
+  tick_links(now, out);
+  tick_peers(now, out);
+  tick_seeds(now, out);
+  tick_beacon(now, out);
+  tick_candidates(now);
+}
+
+void RouterCore::tick_links(Now now, Effects& out) {
+  std::vector<std::pair<LinkId, std::string>> lapsed;
+  for (auto& [id, link] : links_) {
+    if (!link.up) {
+      if (now.mono >= link.opened + config_.timing.handshake) lapsed.emplace_back(id, "no Hello in time");
+    } else if (now.mono >= link.last_heard + config_.timing.lease) {
+      lapsed.emplace_back(id, "nothing heard for a lease");
+    } else if (now.mono >= link.confirmed + config_.timing.lease) {
+      lapsed.emplace_back(id, "not heard by the other side for a lease");
+    } else if (now.mono >= link.next_keep_alive) {
+      link.next_keep_alive = now.mono + config_.timing.keep_alive;
+      link_send(link, KeepAlive{link.heard}, out);
+      link.unconfirmed.push_back(link.sent);
+    }
+  }
+  for (const auto& [id, why] : lapsed) drop_link(id, why, true, now, out);
+}
+
+void RouterCore::tick_peers(Now now, Effects& out) {
+  for (auto& [id, peer] : peers_) {
+    if (peer.link != 0) continue;
+    if (peer.lost && !peer.expired && now.mono >= *peer.lost + config_.timing.lease) expire(peer, "lease ended", out);
+    if (peer.redial.at && now.mono >= *peer.redial.at) {
+      dial(peer.redial, peer.address, peer.certificate.link_key.bytes, now, out);
+    }
+  }
+}
+
+void RouterCore::expire(Peer& peer, const std::string& reason, Effects& out) {
+  peer.expired = true;
+  out.count("peer_expired");
+  out.log(LogLevel::warning, "peer_expired", peer.id + ": " + reason);
+  tell_services(PeerExpired{peer.id, reason}, out);
+}
+
+void RouterCore::tick_seeds(Now now, Effects& out) {
+  for (Seed& seed : seeds_) {
+    if (!seed.redial.at || now.mono < *seed.redial.at) continue;
+    const auto peer = peers_.find(seed.peer);
+    if (peer != peers_.end() && (peer->second.link != 0 || peer->second.redial.link != 0)) {
+      // The link is there, or the peer's own dialling sees to it; look again later, in case its address is lost.
+      seed.redial.at = now.mono + config_.timing.redial_most;
+    } else {
+      dial(seed.redial, seed.address, seed.key, now, out);
+    }
+  }
+}
+
+void RouterCore::tick_beacon(Now now, Effects& out) {
+  if (!next_beacon_ || now.mono < *next_beacon_) return;
+  constexpr Duration kBurst = std::chrono::milliseconds(300);
+  next_beacon_ = now.mono + (early_beacons_ > 0 ? kBurst : config_.timing.beacon);
+  if (early_beacons_ > 0) --early_beacons_;
+  last_beacon_ = now.mono;
+  const Beacon beacon{config_.certificate, config_.address, config_.boot, now.utc.ns, ++beacon_count_};
+  const SignedRecord record = sign(kSignedBeacon, config_.id, config_.authority.id(), encode(beacon), config_.identity);
+  out.count("sent.beacon");
+  out.add(SendBeacon{encode(record)});
+}
+
+void RouterCore::tick_candidates(Now now) {
+  for (auto at = candidates_.begin(); at != candidates_.end();) {
+    if (now.mono < at->second) {
+      ++at;
+      continue;
+    }
+    count("refused.no_hello");
+    if (denied_.size() < 8 * kMaxCandidates) denied_[at->first] = now.mono + config_.timing.denied;
+    at = candidates_.erase(at);
+  }
+  std::erase_if(denied_, [&](const auto& row) { return now.mono >= row.second; });
+}
+
+void RouterCore::on_beacon(BytesView plain, Now now, Effects& out) {
+  auto record = decode<SignedRecord>(plain);
+  if (!record) return out.count("beacon.malformed");
+  if (record->signer == config_.id) return;
+  auto outer = decode<Beacon>(record->payload.bytes);
+  if (!outer) return out.count("beacon.malformed");
+  auto certificate = open_certificate(outer->certificate, config_.authority, checked_utc(now.utc));
+  if (!certificate) return out.count("beacon." + std::string(errc_name(certificate.error().code)));
+  if (auto proven = open_record<Beacon>(*record, kSignedBeacon, *certificate); !proven) {
+    return out.count("beacon." + std::string(errc_name(proven.error().code)));
+  }
+  if (peers_.size() >= kMaxPeers && peers_.count(certificate->id) == 0) return out.count("beacon.too_many_peers");
+  const auto known = peers_.find(certificate->id);
+  if (known != peers_.end()) {
+    const Peer& peer = known->second;
+    const bool old = outer->boot < peer.boot || (outer->boot == peer.boot && outer->count <= peer.beacon_count) ||
+                     certificate->serial < peer.certificate.serial;
+    if (old) return out.count("beacon.replayed");
+    if (peer.link != 0 && peer.boot == outer->boot) {
+      known->second.beacon_count = outer->count;
+      return;
+    }
+  }
+  Peer& peer = make_peer(*certificate, outer->certificate);
+  peer.beacon_count = outer->count;
+  if (peer.link == 0 || outer->boot > peer.boot) peer.address = outer->address;
+  if (peer.redial.link != 0) return;
+  // Unlinked, or linked to a process that is gone: the smaller id dials now, the greater answers with a beacon of its own.
+  const bool stale = peer.link != 0;
+  if (stale) drop_link(peer.link, "its node was started again", false, now, out);
+  peer.redial.wait = {};
+  peer.redial.at = now.mono + (own_is_smaller(peer.id) ? Duration{} : config_.timing.yield);
+  constexpr Duration kAnswer = std::chrono::milliseconds(200);
+  if (!own_is_smaller(peer.id) && config_.beacon && now.mono - last_beacon_ > 2 * kAnswer) {
+    next_beacon_ = std::min(next_beacon_.value_or(now.mono + kAnswer), now.mono + kAnswer);
+  }
+}
+
+}  // namespace trb::router

@@ -1,0 +1,71 @@
+// The routing table of section 3.2.1 and the links behind it: who is known, by which link, until when.
+#pragma once
+
+#include <deque>
+#include <map>
+#include <optional>
+#include <string>
+
+#include "common/base/time.hpp"
+#include "common/security/keys.hpp"
+#include "proto/bodies/link.hpp"
+#include "services/router/core/effects.hpp"
+
+namespace trb::router {
+
+/// One CURVE connection. Down = not in the table.
+struct Link {
+  LinkId id = 0;
+  bool dialled = false;  ///< by this node
+  std::string peer;      ///< empty until its Hello was accepted
+  Bytes key;             ///< the other side's CURVE key
+  bool up = false;       ///< Hello heard and accepted
+  bool hello_sent = false;
+  std::uint64_t boot = 0;       ///< the peer's boot counter, from its Hello
+  std::uint64_t sent = 0;       ///< last sequence sent
+  std::uint64_t heard = 0;      ///< last sequence heard
+  MonotonicTime opened;
+  MonotonicTime last_heard;
+  MonotonicTime confirmed;      ///< when the peer was last known to hear us
+  MonotonicTime next_keep_alive;
+  std::deque<std::uint64_t> unconfirmed;  ///< sequences of our keep-alives not yet echoed
+};
+
+/// When to dial, and how patient to be.
+struct Redial {
+  std::optional<MonotonicTime> at;
+  Duration wait{};
+  LinkId link = 0;  ///< being dialled now
+};
+
+struct Peer {
+  std::string id;
+  SignedRecord certificate_record;
+  Certificate certificate;
+  std::string address;
+  std::uint64_t boot = 0;
+  std::uint64_t beacon_count = 0;
+  std::string version;
+  bool clock_verified = true;
+  NodeProfile profile;
+  LinkId link = 0;  ///< the link that is up, or 0
+  bool expired = false;
+  bool met = false;  ///< was linked at least once
+  std::optional<MonotonicTime> lost;  ///< when the last link went down
+  MonotonicTime last_heard;
+  Redial redial;
+};
+
+struct Seed {
+  std::string address;
+  Bytes key;
+  std::string peer;  ///< whose key it is, once known
+  Redial redial;
+};
+
+/// Of two links to one peer: does the new one take the old one's place? Both sides come to the same answer.
+/// A higher boot counter wins (the old process is gone); else the link dialled by the smaller id; else, dialled by the
+/// same side, the newer: a dialler makes a second link only when its first is dead.
+bool new_link_wins(const Link& old_link, const Link& new_link, bool own_id_is_smaller);
+
+}  // namespace trb::router

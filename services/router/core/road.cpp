@@ -1,0 +1,162 @@
+// The road of a message: decided on the header alone.
+#include <algorithm>
+
+#include "services/router/core/router_core.hpp"
+
+namespace trb::router {
+namespace {
+
+// Sorted: the router itself takes these.
+constexpr std::string_view kOwnSubtypes[] = {
+    Goodbye::kSubtype,      Hello::kSubtype,        KeepAlive::kSubtype,   NodeProfile::kSubtype,
+    RouteListRequest::kSubtype, RouterCountersRequest::kSubtype, ServiceAlive::kSubtype,
+    ServiceHello::kSubtype, ServiceListRequest::kSubtype, SignRequest::kSubtype,
+};
+static_assert(std::is_sorted(std::begin(kOwnSubtypes), std::end(kOwnSubtypes)));
+
+// Sorted: between services of one node; never taken from another node.
+constexpr std::string_view kLocalOnly[] = {
+    AdapterState::kSubtype,   AdapterStateRequest::kSubtype, CancelExecution::kSubtype,
+    Execute::kSubtype,        ExecutionQuery::kSubtype,      ExecutionState::kSubtype,
+    Outcome::kSubtype,        OutcomeJournaled::kSubtype,    RunSubmit::kSubtype,
+    ServiceAlive::kSubtype,   ServiceHello::kSubtype,        SignRequest::kSubtype,
+};
+static_assert(std::is_sorted(std::begin(kLocalOnly), std::end(kLocalOnly)));
+
+template <std::size_t N>
+bool contains(const std::string_view (&words)[N], std::string_view word) {
+  return std::binary_search(std::begin(words), std::end(words), word);
+}
+
+Decision drop(Errc reason) { return {.reason = reason}; }
+
+std::string_view cure_of(Errc reason) {
+  switch (reason) {
+    case Errc::unknown_target:
+      return "see trb route list for the nodes that were heard";
+    case Errc::peer_expired:
+    case Errc::peer_unreachable:
+      return "see trb route list; check the node's power and cable";
+    case Errc::queue_full:
+      return "send less, or wait";
+    case Errc::no_service:
+      return "see trb service list on the target; is the service in its node.json?";
+    default:
+      return "";
+  }
+}
+
+}  // namespace
+
+Decision RouterCore::route_local(ConnectionId from, const HeaderView& header) {
+  const Connection* connection = services_.find(from);
+  if (connection == nullptr) return drop(Errc::no_service);
+  if (header.source != config_.id) return drop(Errc::source_mismatch);
+  if (header.id >> 48U != connection->slot) return drop(Errc::malformed);
+  if (header.remaining_ms == 0) return drop(Errc::expired);
+  if (header.target == config_.id) return route_to_self(header);
+  if (header.target == kEveryNode) {
+    const bool good = header.type == MessageType::information;
+    return good ? Decision{.to = Decision::To::every_peer} : drop(Errc::bad_value);
+  }
+  const auto peer = peers_.find(header.target);
+  if (peer == peers_.end()) return drop(Errc::unknown_target);
+  if (peer->second.link == 0) return drop(peer->second.expired ? Errc::peer_expired : Errc::peer_unreachable);
+  return {.to = Decision::To::peer, .link = peer->second.link};
+}
+
+Decision RouterCore::route_peer(LinkId id, const HeaderView& header, Now now, Effects& out) {
+  const auto at = links_.find(id);
+  if (at == links_.end()) return drop(Errc::unknown_peer_key);
+  Link& link = at->second;
+  if (header.sequence != link.heard + 1 && link.up) {
+    out.count("refused.sequence");
+    drop_link(id, "sequence " + std::to_string(header.sequence) + " after " + std::to_string(link.heard), true, now, out);
+    return drop(Errc::conflict);
+  }
+  link.heard = header.sequence;
+  link.last_heard = now.mono;
+  if (!link.up) return {.to = Decision::To::router};
+  if (header.source != link.peer) {
+    out.log(LogLevel::warning, "source_mismatch", "link of " + link.peer + " carried source " + std::string(header.source));
+    return drop(Errc::source_mismatch);
+  }
+  if (header.target != config_.id && header.target != kEveryNode) return drop(Errc::unknown_target);
+  if (contains(kLocalOnly, header.subtype) && header.reply_to == 0) return drop(Errc::not_permitted);
+  if (header.remaining_ms == 0) return drop(Errc::expired);
+  return route_to_self(header);
+}
+
+Decision RouterCore::route_to_self(const HeaderView& header) const {
+  const auto to_service = [](std::optional<ConnectionId> connection) {
+    if (!connection) return drop(Errc::no_service);
+    return Decision{.to = Decision::To::service, .connection = *connection};
+  };
+  if (header.reply_to != 0) return to_service(services_.by_slot(static_cast<std::uint16_t>(header.reply_to >> 48U)));
+  if (contains(kOwnSubtypes, header.subtype)) return {.to = Decision::To::router};
+  if (const auto claimed = services_.by_subtype(header.subtype)) return to_service(claimed);
+  if (is_typed(header.subtype)) return drop(Errc::no_service);
+  return to_service(services_.holder("mode-adapter"));
+}
+
+std::uint64_t RouterCore::take_sequence(LinkId link) {
+  const auto at = links_.find(link);
+  return at == links_.end() ? 0 : ++at->second.sent;
+}
+
+void RouterCore::give_back_sequence(LinkId link) {
+  if (const auto at = links_.find(link); at != links_.end()) --at->second.sent;
+}
+
+std::vector<LinkId> RouterCore::up_links() const {
+  std::vector<LinkId> out;
+  for (const auto& [id, peer] : peers_) {
+    if (peer.link != 0) out.push_back(peer.link);
+  }
+  return out;
+}
+
+Message RouterCore::make_nack(const HeaderView& header, Errc reason) const {
+  const std::string target(header.target);
+  const Nack body{std::string(errc_name(reason)), std::string(header.subtype), target,
+                  "router of " + config_.id + ": " + std::string(header.subtype) + " for '" + target + "' not delivered",
+                  std::string(cure_of(reason))};
+  Message message;
+  message.type = MessageType::information;
+  message.subtype = Nack::kSubtype;
+  message.source = config_.id;
+  message.target = header.source;
+  message.reply_to = header.id;
+  message.data = encode(body);
+  return message;
+}
+
+namespace {
+
+/// Nobody waits for an answer to an answer, or to the middleware's own information.
+bool deserves_nack(const HeaderView& header) {
+  if (header.reply_to != 0 || header.id == 0) return false;
+  return header.type != MessageType::information || !is_typed(header.subtype);
+}
+
+}  // namespace
+
+void RouterCore::nack_local(ConnectionId from, const HeaderView& header, Errc reason, Effects& out) {
+  out.count("dropped." + std::string(errc_name(reason)));
+  if (!deserves_nack(header)) return;
+  Message message = make_nack(header, reason);
+  message.id = ++message_count_;
+  out.add(BusSend{from, std::move(message)});
+}
+
+void RouterCore::nack_peer(LinkId from, const HeaderView& header, Errc reason, Effects& out) {
+  out.count((reason == Errc::source_mismatch || reason == Errc::not_permitted || reason == Errc::unknown_peer_key ? "refused." : "dropped.") +
+            std::string(errc_name(reason)));
+  const auto at = links_.find(from);
+  if (at == links_.end() || !at->second.up || header.source != at->second.peer || !deserves_nack(header)) return;
+  Message message = make_nack(header, reason);
+  message.id = ++message_count_;
+  out.add(LinkSend{from, ++at->second.sent, std::move(message)});
+}
+
+}  // namespace trb::router

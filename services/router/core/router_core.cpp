@@ -1,0 +1,57 @@
+#include "services/router/core/router_core.hpp"
+
+namespace trb::router {
+
+RouterCore::RouterCore(RouterConfig config) : config_(std::move(config)), services_(config_.first_slot) {
+  for (const SeedAddress& seed : config_.seeds) {
+    if (seed.key != config_.own.link_key.bytes) seeds_.push_back({seed.address, seed.key, {}, {}});
+  }
+}
+
+void RouterCore::start(Now now, Effects& out) {
+  out.log(LogLevel::info, "started", config_.id + " at " + config_.address + ", boot " + std::to_string(config_.boot));
+  for (Seed& seed : seeds_) seed.redial.at = now.mono;
+  if (config_.beacon) next_beacon_ = now.mono;
+}
+
+const Link* RouterCore::find_link(LinkId id) const {
+  const auto at = links_.find(id);
+  return at == links_.end() ? nullptr : &at->second;
+}
+
+std::uint64_t RouterCore::counter(std::string_view name) const {
+  const auto at = counts_.find(name);
+  return at == counts_.end() ? 0 : at->second;
+}
+
+void RouterCore::count(std::string_view name) {
+  const auto at = counts_.find(name);
+  if (at != counts_.end()) {
+    ++at->second;
+  } else if (counts_.size() < 1000) {
+    counts_.emplace(name, 1);
+  }
+}
+
+UtcTime RouterCore::checked_utc(UtcTime utc) const {
+  // A clock before its own certificate's beginning is wrong: take the beginning as the lower bound of the time.
+  return std::max(utc, UtcTime{config_.own.not_before});
+}
+
+RouteTable RouterCore::route_table(Now now) const {
+  RouteTable table{config_.id, {}};
+  const bool verified = checked_utc(now.utc) == now.utc;
+  table.routes.push_back({config_.id, config_.role, config_.address, "self", 0, config_.boot, 0, "", config_.version,
+                          verified ? "verified" : "unverified", config_.certificate, profile_});
+  for (const auto& [id, peer] : peers_) {
+    const Link* link = find_link(peer.link);
+    const std::string state = link != nullptr ? "ONLINE" : peer.expired || !peer.met ? "OFFLINE" : "CONNECTION_BROKEN";
+    const MonotonicTime heard = link != nullptr ? link->last_heard : peer.last_heard;
+    table.routes.push_back({id, peer.certificate.role, peer.address, state, to_seconds(now.mono - heard), peer.boot, peer.link,
+                            link == nullptr ? "" : link->dialled ? config_.id : id, peer.version,
+                            peer.clock_verified ? "verified" : "unverified", peer.certificate_record, peer.profile});
+  }
+  return table;
+}
+
+}  // namespace trb::router

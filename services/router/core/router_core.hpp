@@ -1,0 +1,131 @@
+// The router's state machine: registration, routing table, leases, local delivery. Message or time in, effects out.
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "proto/body.hpp"
+#include "services/router/core/config.hpp"
+#include "services/router/core/peers.hpp"
+#include "services/router/core/services.hpp"
+
+namespace trb::router {
+
+/// How a dialled link ended.
+enum class LinkEnd : unsigned char { failed, disconnected, refused_key, no_curve, wrong_server_key, protocol_error };
+constexpr auto enum_names(LinkEnd) {
+  return std::array<std::string_view, 6>{"failed",   "disconnected",     "refused_key",
+                                         "no_curve", "wrong_server_key", "protocol_error"};
+}
+
+class RouterCore {
+ public:
+  explicit RouterCore(RouterConfig config);
+
+  void start(Now now, Effects& out);
+  void tick(Now now, Effects& out);
+  [[nodiscard]] std::optional<MonotonicTime> next_deadline() const;
+
+  // ---- the road of a message: decided on its header alone, nothing is copied
+
+  /// A message of a service or probe. Refused (drop) with a reason; the caller Nacks.
+  Decision route_local(ConnectionId from, const HeaderView& header);
+  /// A message that came by a link; that it came on that link's own connection is proven by the shell (socket, or routing
+  /// id and User-Id). The sequence and the source are checked here.
+  Decision route_peer(LinkId link, const HeaderView& header, Now now, Effects& out);
+  /// The next sequence of a link, for a message that is about to be sent; give it back if it could not be.
+  std::uint64_t take_sequence(LinkId link);
+  void give_back_sequence(LinkId link);
+  [[nodiscard]] std::vector<LinkId> up_links() const;
+  /// The answer to a message that could not be delivered.
+  void nack_local(ConnectionId from, const HeaderView& header, Errc reason, Effects& out);
+  void nack_peer(LinkId from, const HeaderView& header, Errc reason, Effects& out);
+
+  // ---- the node's own bus
+
+  void on_service_hello(ConnectionId from, const ServiceHello& hello, bool probe, Now now, Effects& out);
+  void on_connection_gone(ConnectionId connection, Now now, Effects& out);
+  [[nodiscard]] std::optional<ConnectionId> holder_of(std::string_view service) const { return services_.holder(service); }
+  [[nodiscard]] bool knows(ConnectionId connection) const { return services_.find(connection) != nullptr; }
+  /// A message for the router itself, from the bus.
+  void on_bus_message(ConnectionId from, const Message& message, Now now, Effects& out);
+
+  // ---- links
+
+  /// ZAP: may this key connect? Members may; of strangers 32 at a time, for 2 s.
+  bool admit(BytesView key, MonotonicTime now, Effects& out);
+  void on_dial_connected(LinkId link, Now now, Effects& out);
+  void on_link_ended(LinkId link, LinkEnd how, Now now, Effects& out);
+  /// A message for the router itself, or the first one (Hello), that came by a link.
+  void on_link_message(LinkId link, BytesView key, const Message& message, std::uint64_t sequence, Now now, Effects& out);
+  void on_beacon(BytesView plain, Now now, Effects& out);
+
+  [[nodiscard]] RouteTable route_table(Now now) const;
+  [[nodiscard]] const std::map<std::string, Peer, std::less<>>& peers() const { return peers_; }
+  [[nodiscard]] const Link* find_link(LinkId id) const;
+  [[nodiscard]] const RouterConfig& config() const { return config_; }
+  [[nodiscard]] std::uint64_t counter(std::string_view name) const;
+  /// Raises a counter; the shell calls it for Effects::counts.
+  void count(std::string_view name);
+
+ private:
+  // road.cpp
+  [[nodiscard]] Decision route_to_self(const HeaderView& header) const;
+  [[nodiscard]] Message make_nack(const HeaderView& header, Errc reason) const;
+
+  // bus.cpp
+  void answer(ConnectionId to, const Message& asked, const Body& body, Effects& out);
+  void deny(ConnectionId to, const Message& asked, const Error& error, Effects& out);
+  void sign_for(ConnectionId from, const Message& message, const SignRequest& request, Effects& out);
+  Status may_sign_for(const Connection& from, const SignRequest& request) const;
+  void on_own_profile(const NodeProfile& profile, Effects& out);
+  [[nodiscard]] ServiceTable service_table(Now now) const;
+  [[nodiscard]] Counters counters() const;
+  Result<Body> answer_to(const Message& message, Now now) const;
+  void tell_services(Body body, Effects& out);
+
+  // links.cpp
+  void dial(Redial& redial, const std::string& address, BytesView key, Now now, Effects& out);
+  void send_hello(Link& link, Now now, Effects& out);
+  void on_hello(LinkId id, BytesView key, const Message& message, std::uint64_t sequence, Now now, Effects& out);
+  Result<Certificate> check_hello(const Link& link, const Message& message, const Hello& hello, Now now) const;
+  void link_up(Link& link, const Certificate& certificate, const Hello& hello, Now now, Effects& out);
+  bool settle_double(Link& link, Peer& peer, Now now, Effects& out);
+  void drop_link(LinkId id, const std::string& why, bool say_goodbye, Now now, Effects& out);
+  void refuse_candidate(LinkId id, BytesView key, const Error& error, Now now, Effects& out);
+  void link_send(Link& link, const Body& body, Effects& out, const Message* asked = nullptr);
+  void on_keep_alive(Link& link, const KeepAlive& body, Now now);
+  void redial_later(Redial& redial, Now now, Duration at_least = {});
+  void redial_failed(LinkId id, Now now);
+  Peer& make_peer(const Certificate& certificate, const SignedRecord& record);
+
+  // leases.cpp
+  void tick_links(Now now, Effects& out);
+  void tick_peers(Now now, Effects& out);
+  void tick_seeds(Now now, Effects& out);
+  void tick_beacon(Now now, Effects& out);
+  void tick_candidates(Now now);
+  void expire(Peer& peer, const std::string& reason, Effects& out);
+  [[nodiscard]] bool own_is_smaller(std::string_view other) const { return config_.id < other; }
+  [[nodiscard]] UtcTime checked_utc(UtcTime utc) const;
+
+  RouterConfig config_;
+  Services services_;
+  NodeProfile profile_;
+  std::map<std::string, Peer, std::less<>> peers_;
+  std::map<Bytes, std::string, std::less<>> peers_by_key_;
+  std::map<LinkId, Link> links_;
+  std::vector<Seed> seeds_;
+  std::map<Bytes, MonotonicTime, std::less<>> candidates_;  ///< key -> until when a Hello must have come
+  std::map<Bytes, MonotonicTime, std::less<>> denied_;      ///< key -> until when it stays out
+  std::optional<MonotonicTime> next_beacon_;
+  MonotonicTime last_beacon_;
+  std::uint32_t early_beacons_ = 3;  ///< a burst at the start
+  std::uint64_t beacon_count_ = 0;
+  std::map<std::string, std::uint64_t, std::less<>> counts_;
+  std::uint64_t message_count_ = 0;
+};
+
+}  // namespace trb::router

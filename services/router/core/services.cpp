@@ -1,0 +1,63 @@
+#include "services/router/core/services.hpp"
+
+#include "common/base/ids.hpp"
+#include "services/router/core/config.hpp"
+
+namespace trb::router {
+
+Result<std::uint16_t> Services::welcome(ConnectionId connection, const ServiceHello& hello, bool probe, MonotonicTime now) {
+  forget(connection);
+  if (connections_.size() >= kMaxConnections) return fail(Errc::queue_full, "too many connections on the bus");
+  if (!probe) {
+    if (holder(hello.service)) return fail(Errc::already_claimed, "service '" + hello.service + "' is running already");
+    for (const std::string& subtype : hello.subtypes) {
+      if (!is_valid_word(subtype)) return fail(Errc::bad_value, "subtypes: '" + subtype + "' is no word");
+      if (by_subtype(subtype)) return fail(Errc::already_claimed, "subtype '" + subtype + "' is taken by another service");
+    }
+  }
+  do {
+    if (++next_slot_ == 0) next_slot_ = 1;
+  } while (slots_.count(next_slot_) != 0);
+  connections_[connection] = {hello, probe, next_slot_, now, now};
+  slots_[next_slot_] = connection;
+  if (!probe) {
+    services_[hello.service] = connection;
+    for (const std::string& subtype : hello.subtypes) subtypes_[subtype] = connection;
+  }
+  return next_slot_;
+}
+
+void Services::forget(ConnectionId connection) {
+  const auto at = connections_.find(connection);
+  if (at == connections_.end()) return;
+  slots_.erase(at->second.slot);
+  std::erase_if(subtypes_, [&](const auto& row) { return row.second == connection; });
+  std::erase_if(services_, [&](const auto& row) { return row.second == connection; });
+  connections_.erase(at);
+}
+
+void Services::heard(ConnectionId connection, MonotonicTime now) {
+  if (const auto at = connections_.find(connection); at != connections_.end()) at->second.last_heard = now;
+}
+
+const Connection* Services::find(ConnectionId connection) const {
+  const auto at = connections_.find(connection);
+  return at == connections_.end() ? nullptr : &at->second;
+}
+
+std::optional<ConnectionId> Services::holder(std::string_view service) const {
+  const auto at = services_.find(service);
+  return at == services_.end() ? std::nullopt : std::optional(at->second);
+}
+
+std::optional<ConnectionId> Services::by_subtype(std::string_view subtype) const {
+  const auto at = subtypes_.find(subtype);
+  return at == subtypes_.end() ? std::nullopt : std::optional(at->second);
+}
+
+std::optional<ConnectionId> Services::by_slot(std::uint16_t slot) const {
+  const auto at = slots_.find(slot);
+  return at == slots_.end() ? std::nullopt : std::optional(at->second);
+}
+
+}  // namespace trb::router

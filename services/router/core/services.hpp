@@ -1,0 +1,46 @@
+// The node's own bus: which connection is which service, and who takes which subtype.
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+
+#include "common/base/time.hpp"
+#include "proto/bodies/bus.hpp"
+#include "services/router/core/effects.hpp"
+
+namespace trb::router {
+
+struct Connection {
+  ServiceHello hello;
+  bool probe = false;
+  std::uint16_t slot = 0;
+  MonotonicTime since;
+  MonotonicTime last_heard;
+};
+
+class Services {
+ public:
+  explicit Services(std::uint16_t first_slot) : next_slot_(first_slot) {}
+
+  /// Takes a connection in. Errors: already_claimed (the holder of the service or of a subtype is still there),
+  /// queue_full. The caller has to have freed a holder whose connection is gone.
+  Result<std::uint16_t> welcome(ConnectionId connection, const ServiceHello& hello, bool probe, MonotonicTime now);
+  void forget(ConnectionId connection);
+  void heard(ConnectionId connection, MonotonicTime now);
+
+  [[nodiscard]] const Connection* find(ConnectionId connection) const;
+  [[nodiscard]] std::optional<ConnectionId> holder(std::string_view service) const;
+  [[nodiscard]] std::optional<ConnectionId> by_subtype(std::string_view subtype) const;
+  [[nodiscard]] std::optional<ConnectionId> by_slot(std::uint16_t slot) const;
+  [[nodiscard]] const std::map<ConnectionId, Connection>& all() const { return connections_; }
+
+ private:
+  std::map<ConnectionId, Connection> connections_;
+  std::map<std::string, ConnectionId, std::less<>> subtypes_;
+  std::map<std::string, ConnectionId, std::less<>> services_;
+  std::map<std::uint16_t, ConnectionId> slots_;
+  std::uint16_t next_slot_;
+};
+
+}  // namespace trb::router

@@ -1,0 +1,124 @@
+// The node's own bus: one ROUTER socket for each service of node.json, one for probes.
+#include "services/router/io/router_shell.hpp"
+
+namespace trb::router {
+namespace {
+
+constexpr int kBatch = 256;
+
+}  // namespace
+
+void RouterShell::drain_bus(BusSocket& bus) {
+  Frame routing_id;
+  Frame frame;
+  for (int i = 0; i < kBatch; ++i) {
+    if (!bus.socket.receive(routing_id)) return;
+    if (!routing_id.more() || !bus.socket.receive(frame)) continue;
+    if (frame.more()) {
+      bus.socket.skip_rest(frame);
+      core_.count("refused.malformed");
+      continue;
+    }
+    on_bus_frame(bus, view_of(routing_id), frame);
+  }
+}
+
+ConnectionId RouterShell::connection_of(BusSocket& bus, BytesView routing_id) {
+  const auto at = bus.connections.find(routing_id);
+  if (at != bus.connections.end()) return at->second;
+  const ConnectionId id = ++next_connection_;
+  bus.connections.emplace(Bytes(routing_id), id);
+  connections_[id] = {&bus, Bytes(routing_id)};
+  return id;
+}
+
+void RouterShell::on_bus_frame(BusSocket& bus, BytesView routing_id, Frame& frame) {
+  const auto header = decode_frame(view_of(frame));
+  const ConnectionId from = connection_of(bus, routing_id);
+  if (!header) {
+    core_.count("refused." + std::string(errc_name(header.error().code)));
+    return;
+  }
+  if (header->subtype == ServiceHello::kSubtype) return on_bus_hello(bus, from, *header);
+  if (!core_.knows(from)) return want_hello(from);
+  count_sent(header->subtype);
+  const Decision decision = core_.route_local(from, *header);
+  Effects effects;
+  switch (decision.to) {
+    case Decision::To::peer:
+      return forward_to_link(from, decision.link, *header, std::move(frame));
+    case Decision::To::service:
+      tap('=', view_of(frame));
+      if (send_bus(decision.connection, std::move(frame)) == SendResult::sent) return;
+      // A send that failed has left the frame, and the header that points into it, alone.
+      core_.nack_local(from, *header, Errc::no_service, effects);
+      break;
+    case Decision::To::every_peer:
+      return forward_to_all(frame, *header);
+    case Decision::To::router:
+      core_.on_bus_message(from, to_message(*header), read_clocks(), effects);
+      break;
+    case Decision::To::drop:
+      core_.nack_local(from, *header, decision.reason, effects);
+      break;
+  }
+  carry_out(effects);
+}
+
+void RouterShell::on_bus_hello(BusSocket& bus, ConnectionId from, const HeaderView& header) {
+  auto hello = decode<ServiceHello>(header.data);
+  Effects effects;
+  if (!hello) {
+    effects.count("refused.malformed");
+  } else {
+    free_dead_holder(*hello, effects);
+    core_.on_service_hello(from, *hello, bus.probe, read_clocks(), effects);
+  }
+  carry_out(effects);
+}
+
+void RouterShell::free_dead_holder(const ServiceHello& hello, Effects& effects) {
+  const auto holder = core_.holder_of(hello.service);
+  if (holder && is_gone(*holder)) forget_connection(*holder, effects);
+}
+
+bool RouterShell::is_gone(ConnectionId connection) {
+  // A mandatory send is refused at once if the process at the other end has ended.
+  Message ping;
+  ping.type = MessageType::information;
+  ping.subtype = ServiceAliveSeen::kSubtype;
+  ping.data = encode(ServiceAliveSeen{core_.config().instance});
+  return send_bus(connection, to_frame(encode_frame(ping))) == SendResult::unroutable;
+}
+
+void RouterShell::want_hello(ConnectionId to) {
+  Message message;
+  message.type = MessageType::information;
+  message.subtype = HelloWanted::kSubtype;
+  message.source = core_.config().id;
+  message.target = core_.config().id;
+  message.data = encode(HelloWanted{});
+  send_bus(to, to_frame(encode_frame(message)));
+}
+
+void RouterShell::forget_connection(ConnectionId connection, Effects& effects) {
+  core_.on_connection_gone(connection, read_clocks(), effects);
+  const auto at = connections_.find(connection);
+  if (at == connections_.end()) return;
+  at->second.socket->connections.erase(at->second.routing_id);
+  connections_.erase(at);
+}
+
+SendResult RouterShell::send_bus(ConnectionId to, Frame&& frame) {
+  const auto at = connections_.find(to);
+  if (at == connections_.end()) return SendResult::unroutable;
+  const SendResult result = at->second.socket->socket.send_to(at->second.routing_id, std::move(frame));
+  if (result == SendResult::unroutable) {
+    Effects effects;
+    forget_connection(to, effects);
+    carry_out(effects);
+  }
+  return result;
+}
+
+}  // namespace trb::router

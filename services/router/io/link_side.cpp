@@ -1,0 +1,196 @@
+// Links to other routers: the inbox (accepted) and a DEALER for each dialled one.
+#include "common/base/hex.hpp"
+#include "services/router/io/router_shell.hpp"
+
+namespace trb::router {
+namespace {
+
+constexpr int kBatch = 256;
+
+std::optional<LinkEnd> to_end(LinkEvent event) {
+  switch (event) {
+    case LinkEvent::connected:
+      return std::nullopt;
+    case LinkEvent::failed:
+      return LinkEnd::failed;
+    case LinkEvent::disconnected:
+      return LinkEnd::disconnected;
+    case LinkEvent::refused_key:
+      return LinkEnd::refused_key;
+    case LinkEvent::no_curve:
+      return LinkEnd::no_curve;
+    case LinkEvent::wrong_server_key:
+      return LinkEnd::wrong_server_key;
+    case LinkEvent::protocol_error:
+      return LinkEnd::protocol_error;
+  }
+  return LinkEnd::failed;
+}
+
+}  // namespace
+
+void RouterShell::drain_inbox() {
+  Frame routing_id;
+  Frame frame;
+  for (int i = 0; i < kBatch; ++i) {
+    if (!inbox_->receive(routing_id)) return;
+    if (!routing_id.more() || !inbox_->receive(frame)) continue;
+    if (frame.more()) {
+      inbox_->skip_rest(frame);
+      core_.count("refused.malformed");
+      continue;
+    }
+    on_inbox_frame(view_of(routing_id), frame);
+  }
+}
+
+void RouterShell::on_inbox_frame(BytesView routing_id, Frame& frame) {
+  const auto header = decode_frame(view_of(frame));
+  if (!header) {
+    core_.count("refused." + std::string(errc_name(header.error().code)));
+    return;
+  }
+  const std::string_view user = user_id(frame);
+  const auto link = accepted_.find(header->link);
+  const bool proven = link != accepted_.end() && link->second.routing_id == routing_id && link->second.user == user;
+  if (proven) return on_link_frame(header->link, {}, *header, frame);
+  const auto key = from_hex(user);
+  if (!key || key->size() != 32) return core_.count("refused.no_key");
+  origin_ = {Bytes(routing_id), Bytes(user)};
+  Effects effects;
+  if (link != accepted_.end()) {
+    // Another connection names a link that is not its own.
+    effects.count("refused.link_theft");
+    effects.log(LogLevel::warning, "link_theft", "a connection used another one's link id");
+  } else {
+    core_.on_link_message(header->link, *key, to_message(*header), header->sequence, read_clocks(), effects);
+  }
+  carry_out(effects);
+  origin_ = {};
+}
+
+void RouterShell::on_link_frame(LinkId link, BytesView key, const HeaderView& header, Frame& frame) {
+  Effects effects;
+  const Decision decision = core_.route_peer(link, header, read_clocks(), effects);
+  if (decision.to != Decision::To::drop) tap('<', view_of(frame));
+  switch (decision.to) {
+    case Decision::To::service:
+      if (send_bus(decision.connection, std::move(frame)) == SendResult::sent) break;
+      core_.nack_peer(link, header, Errc::no_service, effects);
+      break;
+    case Decision::To::router:
+      core_.on_link_message(link, key, to_message(header), header.sequence, read_clocks(), effects);
+      break;
+    default:
+      core_.nack_peer(link, header, decision.reason, effects);
+      break;
+  }
+  if (!effects.list.empty() || !effects.counts.empty()) carry_out(effects);
+}
+
+void RouterShell::drain_dialled(LinkId link) {
+  Frame frame;
+  for (int i = 0; i < kBatch; ++i) {
+    const auto at = dialled_.find(link);
+    if (at == dialled_.end() || !at->second.socket->receive(frame)) return;
+    if (frame.more()) {
+      at->second.socket->skip_rest(frame);
+      core_.count("refused.malformed");
+      continue;
+    }
+    const auto header = decode_frame(view_of(frame));
+    const Link* known = core_.find_link(link);
+    if (!header || known == nullptr || header->link != link) {
+      core_.count("refused.malformed");
+      continue;
+    }
+    // The dialling side's proof is the pinned server key.
+    const Bytes key = known->key;
+    on_link_frame(link, key, *header, frame);
+  }
+}
+
+void RouterShell::dial(const Dial& effect) {
+  Dialled dialled;
+  dialled.socket = std::make_unique<Socket>(Socket::dialler(context_, options_.link_keys, effect.server_key));
+  const LinkId link = effect.link;
+  dialled.monitor = std::make_unique<SocketMonitor>(context_, loop_, *dialled.socket, [this, link](LinkEvent event) {
+    Effects effects;
+    const auto end = to_end(event);
+    if (end) {
+      core_.on_link_ended(link, *end, read_clocks(), effects);
+    } else {
+      core_.on_dial_connected(link, read_clocks(), effects);
+    }
+    carry_out(effects);
+  });
+  loop_.add_socket(dialled.socket->handle(), [this, link] { drain_dialled(link); });
+  Socket* socket = dialled.socket.get();
+  dialled_[link] = std::move(dialled);
+  try {
+    socket->dial("tcp://" + effect.address);
+  } catch (const zmq::error_t& problem) {
+    log_limited(limit_, read_clocks().mono, Level::warning, "dial_failed", effect.address + ": " + problem.what());
+  }
+}
+
+void RouterShell::close_link(LinkId link) {
+  accepted_.erase(link);
+  const auto at = dialled_.find(link);
+  if (at == dialled_.end()) return;
+  loop_.remove_socket(at->second.socket->handle());
+  closed_.push_back(std::move(at->second));
+  dialled_.erase(at);
+}
+
+SendResult RouterShell::send_link(LinkId link, std::uint64_t sequence, Frame&& frame) {
+  stamp_link(static_cast<char*>(frame.data()), link, sequence, decode_remaining(view_of(frame)));
+  if (const auto at = dialled_.find(link); at != dialled_.end()) return at->second.socket->send(std::move(frame));
+  const auto at = accepted_.find(link);
+  if (at == accepted_.end()) return SendResult::unroutable;
+  return inbox_->send_to(at->second.routing_id, std::move(frame));
+}
+
+void RouterShell::forward_to_link(ConnectionId from, LinkId link, const HeaderView& header, Frame&& frame) {
+  tap('>', view_of(frame));
+  const SendResult result = send_link(link, core_.take_sequence(link), std::move(frame));
+  if (result == SendResult::sent) return;
+  core_.give_back_sequence(link);
+  Effects effects;
+  core_.nack_local(from, header, result == SendResult::full ? Errc::queue_full : Errc::peer_unreachable, effects);
+  carry_out(effects);
+}
+
+void RouterShell::forward_to_all(Frame& frame, const HeaderView&) {
+  for (const LinkId link : core_.up_links()) {
+    tap('>', view_of(frame));
+    if (send_link(link, core_.take_sequence(link), to_frame(view_of(frame))) == SendResult::sent) continue;
+    core_.give_back_sequence(link);
+    core_.count("dropped.queue_full");
+  }
+}
+
+void RouterShell::on_inbox_event(LinkEvent event) {
+  switch (event) {
+    case LinkEvent::no_curve:
+      core_.count("refused.no_curve");
+      log_limited(limit_, read_clocks().mono, Level::warning, "no_curve", "a client without CURVE was refused");
+      break;
+    case LinkEvent::wrong_server_key:
+      core_.count("refused.wrong_server_key");
+      log_limited(limit_, read_clocks().mono, Level::warning, "wrong_server_key", "a client dialled with a wrong server key");
+      break;
+    case LinkEvent::refused_key:
+      core_.count("refused.key");
+      break;
+    case LinkEvent::protocol_error:
+    case LinkEvent::failed:
+      core_.count("refused.no_zmtp");
+      break;
+    case LinkEvent::connected:
+    case LinkEvent::disconnected:
+      break;
+  }
+}
+
+}  // namespace trb::router

@@ -1,0 +1,152 @@
+#include "services/router/io/router_shell.hpp"
+
+#include <csignal>
+
+#include "common/base/files.hpp"
+
+namespace trb::router {
+namespace {
+
+constexpr int kAgain = 75;  ///< the supervisor starts the router again at once
+
+}  // namespace
+
+RouterShell::RouterShell(RouterConfig config, ShellOptions options)
+    : core_(std::move(config)), options_(std::move(options)) {}
+
+Status RouterShell::open() {
+  // ZAP first: an inbox without it would let every key in.
+  zap_ = std::make_unique<ZapServer>(context_, loop_, [this](BytesView key) {
+    Effects effects;
+    const bool good = core_.admit(key, read_clocks().mono, effects);
+    carry_out(effects);
+    return good;
+  });
+  if (Status bus = open_bus(); !bus) return bus;
+  auto inbox = Socket::inbox(context_, "tcp://" + options_.bind_address, options_.link_keys);
+  if (!inbox) return inbox.error();
+  inbox_ = std::make_unique<Socket>(std::move(*inbox));
+  inbox_monitor_ = std::make_unique<SocketMonitor>(context_, loop_, *inbox_, [this](LinkEvent event) { on_inbox_event(event); });
+  loop_.add_socket(inbox_->handle(), [this] { drain_inbox(); });
+  if (core_.config().beacon) {
+    auto beacon = BeaconSocket::open(loop_, options_.beacon_address, options_.broadcast, options_.beacon_port,
+                                     [this](BytesView datagram) { on_beacon_datagram(datagram); });
+    if (!beacon) return beacon.error();
+    beacon_ = std::move(*beacon);
+  }
+  return Done{};
+}
+
+Status RouterShell::open_bus() {
+  if (Status made = make_dir("bus", 0700); !made) return made;
+  std::vector<std::string> names = core_.config().services;
+  names.emplace_back("probe");
+  for (const std::string& name : names) {
+    if (name == "router") continue;
+    auto socket = Socket::bus_server(context_, "ipc://bus/" + name + ".ipc");
+    if (!socket) return socket.error();
+    auto& bus = buses_[name] = std::make_unique<BusSocket>(BusSocket{std::move(*socket), name == "probe", {}});
+    loop_.add_socket(bus->socket.handle(), [this, at = bus.get()] { drain_bus(*at); });
+  }
+  auto tap = Socket::tap_server(context_, "ipc://bus/tap.ipc");
+  if (!tap) return tap.error();
+  tap_ = std::make_unique<Socket>(std::move(*tap));
+  loop_.add_socket(tap_->handle(), [this] { drain_tap(); });
+  return Done{};
+}
+
+int RouterShell::run() {
+  int status = 0;
+  Signals signals(loop_, [this, &status](int signal) {
+    status = signal == SIGHUP ? kAgain : 0;
+    log_event(Level::info, "stopping", "signal " + std::to_string(signal));
+    loop_.stop();
+  });
+  Effects effects;
+  core_.start(read_clocks(), effects);
+  carry_out(effects);
+  loop_.add_timer([this] { return core_.next_deadline(); },
+                  [this](Now now) {
+                    Effects due;
+                    core_.tick(now, due);
+                    carry_out(due);
+                  });
+  while (loop_.turn()) closed_.clear();
+  return status;
+}
+
+void RouterShell::carry_out(Effects& effects) {
+  for (Effect& effect : effects.list) {
+    std::visit(Overloaded{
+                   [this](BusSend& send) {
+                     count_sent(send.message.subtype);
+                     const Bytes frame = encode_frame(send.message);
+                     tap('=', frame);
+                     send_bus(send.to, to_frame(frame));
+                   },
+                   [this](LinkSend& send) {
+                     count_sent(send.message.subtype);
+                     const Bytes frame = encode_frame(send.message);
+                     tap('>', frame);
+                     send_link(send.link, send.sequence, to_frame(frame));
+                   },
+                   [this](Dial& dial) { this->dial(dial); },
+                   [this](CloseLink& close) { close_link(close.link); },
+                   [this](AcceptLink& accept) { accepted_[accept.link] = {origin_.routing_id, origin_.user}; },
+                   [this](RefuseCandidate& refuse) {
+                     if (origin_.routing_id.empty()) return;
+                     Bytes frame = encode_frame(refuse.message);
+                     stamp_link(frame.data(), refuse.link, 1, refuse.message.remaining_ms);
+                     inbox_->send_to(origin_.routing_id, to_frame(frame));
+                   },
+                   [this](SendBeacon& beacon) {
+                     if (beacon_) beacon_->send(seal_beacon(options_.beacon_key, core_.config().authority.id(), beacon.plain));
+                   },
+                   [this](Log& line) { log_limited(limit_, read_clocks().mono, static_cast<Level>(line.level), line.event, line.text); },
+               },
+               effect);
+  }
+  for (const std::string& name : effects.counts) core_.count(name);
+}
+
+void RouterShell::tap(char direction, BytesView frame) {
+  if (tap_listeners_ == 0) return;
+  tap_->send(to_frame(std::string(1, direction)), true);
+  tap_->send(to_frame(frame));
+}
+
+void RouterShell::drain_tap() {
+  Frame frame;
+  while (tap_->receive(frame)) {
+    const BytesView word = view_of(frame);
+    if (word.empty()) continue;
+    if (word[0] == 1) {
+      ++tap_listeners_;
+    } else if (tap_listeners_ > 0) {
+      --tap_listeners_;
+    }
+  }
+}
+
+void RouterShell::count_sent(std::string_view subtype) {
+  auto at = sent_names_.find(subtype);
+  if (at == sent_names_.end()) {
+    if (sent_names_.size() >= 500) return;
+    at = sent_names_.emplace(subtype, "sent." + std::string(subtype)).first;
+  }
+  core_.count(at->second);
+}
+
+void RouterShell::on_beacon_datagram(BytesView datagram) {
+  auto plain = open_beacon(options_.beacon_key, core_.config().authority.id(), datagram);
+  Effects effects;
+  if (!plain) {
+    effects.count("beacon." + std::string(errc_name(plain.error().code)));
+    effects.log(LogLevel::warning, "beacon_refused", plain.error().text());
+  } else {
+    core_.on_beacon(*plain, read_clocks(), effects);
+  }
+  carry_out(effects);
+}
+
+}  // namespace trb::router

@@ -1,0 +1,112 @@
+// The router's sockets around its core: the bus, the inbox, the dialled links, the beacon, the tap.
+#pragma once
+
+#include <map>
+#include <memory>
+#include <string>
+
+#include "common/log/log.hpp"
+#include "common/security/beacon_key.hpp"
+#include "common/transport/loop.hpp"
+#include "common/transport/monitor.hpp"
+#include "common/transport/signals.hpp"
+#include "common/transport/socket.hpp"
+#include "common/transport/zap.hpp"
+#include "services/router/core/router_core.hpp"
+#include "services/router/io/beacon_socket.hpp"
+
+namespace trb::router {
+
+struct ShellOptions {
+  CurveKeys link_keys;
+  std::string bind_address;       ///< HOST:PORT of the inbox
+  std::string beacon_address;     ///< of host_int
+  std::string broadcast;
+  std::uint16_t beacon_port = 0;
+  BeaconKey beacon_key;
+};
+
+class RouterShell {
+ public:
+  RouterShell(RouterConfig config, ShellOptions options);
+
+  /// Binds everything. Errors: io_error naming the address.
+  Status open();
+  /// Runs until SIGTERM or SIGINT (0) or SIGHUP (75: to be started again).
+  int run();
+
+ private:
+  struct BusSocket {
+    Socket socket;
+    bool probe = false;
+    std::map<Bytes, ConnectionId, std::less<>> connections;
+  };
+  struct BusConnection {
+    BusSocket* socket = nullptr;
+    Bytes routing_id;
+  };
+  struct Dialled {
+    std::unique_ptr<Socket> socket;
+    std::unique_ptr<SocketMonitor> monitor;
+  };
+  struct Accepted {
+    Bytes routing_id;
+    Bytes user;  ///< User-Id: the key, in hexadecimal
+  };
+  /// Where the message now being handled came from, for AcceptLink and RefuseCandidate.
+  struct InboxOrigin {
+    Bytes routing_id;
+    Bytes user;
+  };
+
+  Status open_bus();
+  // bus_side.cpp
+  void drain_bus(BusSocket& bus);
+  void on_bus_frame(BusSocket& bus, BytesView routing_id, Frame& frame);
+  ConnectionId connection_of(BusSocket& bus, BytesView routing_id);
+  void on_bus_hello(BusSocket& bus, ConnectionId from, const HeaderView& header);
+  void free_dead_holder(const ServiceHello& hello, Effects& effects);
+  bool is_gone(ConnectionId connection);
+  void want_hello(ConnectionId to);
+  void forget_connection(ConnectionId connection, Effects& effects);
+  SendResult send_bus(ConnectionId to, Frame&& frame);
+  // link_side.cpp
+  void drain_inbox();
+  void on_inbox_frame(BytesView routing_id, Frame& frame);
+  void drain_dialled(LinkId link);
+  void on_link_frame(LinkId link, BytesView key, const HeaderView& header, Frame& frame);
+  void dial(const Dial& effect);
+  void close_link(LinkId link);
+  SendResult send_link(LinkId link, std::uint64_t sequence, Frame&& frame);
+  void forward_to_link(ConnectionId from, LinkId link, const HeaderView& header, Frame&& frame);
+  void forward_to_all(Frame& frame, const HeaderView& header);
+  void on_inbox_event(LinkEvent event);
+  // router_shell.cpp
+  void carry_out(Effects& effects);
+  void tap(char direction, BytesView frame);
+  void drain_tap();
+  void count_sent(std::string_view subtype);
+  void on_beacon_datagram(BytesView datagram);
+
+  RouterCore core_;
+  ShellOptions options_;
+  Context context_;
+  Loop loop_;
+  std::unique_ptr<ZapServer> zap_;
+  std::map<std::string, std::unique_ptr<BusSocket>> buses_;
+  std::map<ConnectionId, BusConnection> connections_;
+  ConnectionId next_connection_ = 0;
+  std::unique_ptr<Socket> inbox_;
+  std::unique_ptr<SocketMonitor> inbox_monitor_;
+  std::map<LinkId, Dialled> dialled_;
+  std::vector<Dialled> closed_;  ///< freed between turns: a monitor must not die inside its own call
+  std::map<LinkId, Accepted> accepted_;
+  InboxOrigin origin_;
+  std::unique_ptr<Socket> tap_;
+  unsigned tap_listeners_ = 0;
+  std::unique_ptr<BeaconSocket> beacon_;
+  RateLimit limit_{20, std::chrono::seconds(10)};
+  std::map<std::string, std::string, std::less<>> sent_names_;  ///< subtype -> "sent.SUBTYPE", made once
+};
+
+}  // namespace trb::router

@@ -1,0 +1,75 @@
+#include "services/router/io/start.hpp"
+
+#include <unistd.h>
+
+#include <cstdio>
+#include <cstdlib>
+
+#include "common/base/files.hpp"
+#include "common/config/node_config.hpp"
+#include "common/log/log.hpp"
+#include "common/security/node_keys.hpp"
+#include "common/service/version.hpp"
+#include "services/router/io/router_shell.hpp"
+
+namespace trb::router {
+namespace {
+
+/// The boot counter rises at each start and survives all of them: peers tell an old process from a new one by it.
+Result<std::uint64_t> count_boot() {
+  std::uint64_t boot = 0;
+  if (auto text = read_file("state/boot", 64)) boot = std::strtoull(text->c_str(), nullptr, 10);
+  if (Status stored = write_file("state/boot", std::to_string(++boot) + "\n"); !stored) return stored.error();
+  return boot;
+}
+
+RouterConfig make_config(const NodeConfig& node, const NodeKeys& keys, std::uint64_t boot) {
+  RouterConfig config;
+  config.id = node.id;
+  config.role = keys.certificate.role;
+  config.authority = keys.authority;
+  config.certificate = keys.certificate_record;
+  config.own = keys.certificate;
+  config.identity = keys.identity;
+  config.address = node.network.address + ":" + std::to_string(node.network.tcp_port_ext);
+  config.boot = boot;
+  config.instance = random_u64();
+  config.first_slot = static_cast<std::uint16_t>(random_u64());
+  config.version = kVersion;
+  for (const trb::Seed& seed : node.seeds) config.seeds.push_back({seed.address, seed.key});
+  config.services = node.services;
+  config.beacon = node.beacon;
+  return config;
+}
+
+int refuse(const std::string& text) {
+  std::fprintf(stderr, "trb-router: %s\n", text.c_str());
+  return 1;
+}
+
+}  // namespace
+
+int start(const std::string& node_dir) {
+  init_crypto();
+  block_signals();
+  const NodeCheck check = check_node_dir(node_dir, true);
+  if (!check.faults.empty()) return refuse("nothing started\n" + to_text(check.faults));
+  if (::chdir(node_dir.c_str()) != 0) return refuse(node_dir + ": no such folder");
+  for (const char* folder : {"log", "state"}) {
+    if (Status made = make_dir(folder, 0700); !made) return refuse(made.error().text());
+  }
+  open_log("router", "log/router.log");
+  auto keys = load_node_keys(".");
+  if (!keys) return refuse(keys.error().text());
+  auto boot = count_boot();
+  if (!boot) return refuse(boot.error().text());
+  RouterConfig config = make_config(check.config, *keys, *boot);
+  ShellOptions options{{keys->link.public_key, keys->link.secret_key}, config.address,
+                       check.config.network.address, check.config.network.broadcast,
+                       check.config.network.udp_port, keys->beacon};
+  RouterShell shell(std::move(config), std::move(options));
+  if (Status opened = shell.open(); !opened) return refuse(opened.error().text());
+  return shell.run();
+}
+
+}  // namespace trb::router
