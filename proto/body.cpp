@@ -1,7 +1,7 @@
 #include "proto/body.hpp"
 
-#include <array>
 #include <algorithm>
+#include <array>
 
 namespace trb {
 namespace {
@@ -9,10 +9,10 @@ namespace {
 /// Calls visit.template operator()<T>() for the body of that subtype; false if there is none.
 template <class Visit>
 bool with_body(std::string_view subtype, Visit visit) {
-#define TRB_CASE(Name)                     \
-  if (subtype == Name::kSubtype) {         \
-    visit.template operator()<Name>();     \
-    return true;                           \
+#define TRB_CASE(Name)                 \
+  if (subtype == Name::kSubtype) {     \
+    visit.template operator()<Name>(); \
+    return true;                       \
   }
   TRB_BODIES(TRB_CASE)
 #undef TRB_CASE
@@ -34,7 +34,9 @@ static_assert(std::adjacent_find(kTyped.begin(), kTyped.end()) == kTyped.end(), 
 
 }  // namespace
 
-bool is_typed(std::string_view subtype) { return std::binary_search(kTyped.begin(), kTyped.end(), subtype); }
+bool is_typed(std::string_view subtype) {
+  return std::binary_search(kTyped.begin(), kTyped.end(), subtype);
+}
 
 std::string_view subtype_of(const Body& body) {
   return std::visit(

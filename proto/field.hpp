@@ -35,11 +35,15 @@ constexpr Field<Owner, Member> field(std::string_view name, Member Owner::*membe
 
 /// A struct with a field list; it may be a body or a part of one.
 template <class T>
-concept Fielded = requires { T::fields(); };
+concept Fielded = requires {
+  T::fields();
+};
 
 /// An enum whose names are listed by `enum_names(E)`, in order of its values from 0.
 template <class E>
-concept NamedEnum = std::is_enum_v<E> && requires(E e) { enum_names(e); };
+concept NamedEnum = std::is_enum_v<E> && requires(E e) {
+  enum_names(e);
+};
 
 /// The name of an enum's value, as JSON, logs and the command line show it.
 template <NamedEnum E>

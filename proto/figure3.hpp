@@ -13,7 +13,8 @@ constexpr std::size_t kFigure3WordSize = 8;
 /// Errors: does_not_fit_figure_3, naming the field that is longer than 8 bytes or holds a zero.
 Result<Bytes> to_figure3(const Message& message);
 
-/// Errors: malformed (short, size differs from the data's length, bytes after a word's end), bad_value (type), too_large.
+/// Errors: malformed (short, size differs from the data's length, bytes after a word's end), bad_value (type),
+/// too_large.
 Result<Message> from_figure3(BytesView datagram);
 
 }  // namespace trb

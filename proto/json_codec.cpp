@@ -34,7 +34,8 @@ Value put(const T& value) {
     return Value{std::move(out)};
   } else {
     Value::Object out;
-    std::apply([&](const auto&... f) { (out.emplace_back(std::string(f.name), put(value.*(f.member))), ...); }, T::fields());
+    std::apply([&](const auto&... f) { (out.emplace_back(std::string(f.name), put(value.*(f.member))), ...); },
+               T::fields());
     return Value{std::move(out)};
   }
 }
@@ -46,7 +47,8 @@ struct Reader {
   Error error;
 
   bool refuse(Errc code, std::string_view what) {
-    if (error.code == Errc::ok) error = fail(code, (path.empty() ? std::string("body") : path) + ": " + std::string(what));
+    if (error.code == Errc::ok)
+      error = fail(code, (path.empty() ? std::string("body") : path) + ": " + std::string(what));
     return false;
   }
 
@@ -191,10 +193,14 @@ struct MessageForm {
   std::string data;
   Blob data_hex;
   static constexpr auto fields() {
-    return std::tuple{field("type", &MessageForm::type), field("subtype", &MessageForm::subtype, 64),
-                      field("source", &MessageForm::source, 64), field("target", &MessageForm::target, 64),
-                      field("id", &MessageForm::id), field("reply_to", &MessageForm::reply_to),
-                      field("size", &MessageForm::size), field("data", &MessageForm::data, kMaxDataSize),
+    return std::tuple{field("type", &MessageForm::type),
+                      field("subtype", &MessageForm::subtype, 64),
+                      field("source", &MessageForm::source, 64),
+                      field("target", &MessageForm::target, 64),
+                      field("id", &MessageForm::id),
+                      field("reply_to", &MessageForm::reply_to),
+                      field("size", &MessageForm::size),
+                      field("data", &MessageForm::data, kMaxDataSize),
                       field("data_hex", &MessageForm::data_hex, kMaxDataSize)};
   }
 };
@@ -221,7 +227,7 @@ Result<T> from_json(std::string_view json) {
   return read<T>(*value);
 }
 
-#define TRB_INSTANTIATE(Name)                  \
+#define TRB_INSTANTIATE(Name)                \
   template std::string to_json(const Name&); \
   template Result<Name> from_json(std::string_view);
 TRB_BODIES(TRB_INSTANTIATE)

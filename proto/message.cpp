@@ -1,9 +1,9 @@
 #include "proto/message.hpp"
 
 #include <cstring>
-#include <msgpack/parse.hpp>
 #include <msgpack/null_visitor.hpp>
 #include <msgpack/pack.hpp>
+#include <msgpack/parse.hpp>
 #include <msgpack/unpack.hpp>
 
 #include "common/base/ids.hpp"
@@ -151,10 +151,12 @@ Result<HeaderView> decode_frame(BytesView frame) {
   HeaderVisitor visitor(view);
   std::size_t offset = kPrefixSize;
   const bool parsed = msgpack::parse(frame.data(), frame.size(), offset, visitor);
-  if (!parsed || !visitor.complete()) return fail(Errc::malformed, "header is no array of three texts and three numbers");
+  if (!parsed || !visitor.complete())
+    return fail(Errc::malformed, "header is no array of three texts and three numbers");
   if (!is_valid_word(view.subtype)) return fail(Errc::bad_value, "subtype is no word");
   if (visitor.size() != frame.size() - offset) return fail(Errc::malformed, "size differs from the data's length");
-  if (visitor.size() > kMaxDataSize) return fail(Errc::too_large, "data of " + std::to_string(visitor.size()) + " bytes");
+  if (visitor.size() > kMaxDataSize)
+    return fail(Errc::too_large, "data of " + std::to_string(visitor.size()) + " bytes");
   view.data = frame.substr(offset);
   return view;
 }
@@ -173,7 +175,9 @@ Message to_message(const HeaderView& view) {
   return message;
 }
 
-std::uint32_t decode_remaining(BytesView frame) { return get<std::uint32_t>(frame.data() + 4); }
+std::uint32_t decode_remaining(BytesView frame) {
+  return get<std::uint32_t>(frame.data() + 4);
+}
 
 void stamp_link(char* frame, std::uint64_t link, std::uint64_t sequence, std::uint32_t remaining_ms) {
   put<std::uint32_t>(frame + 4, remaining_ms);

@@ -78,8 +78,8 @@ std::uint32_t decode_remaining(BytesView frame);
 /// Rewrites link, sequence and remaining time in a frame that decode_frame accepted.
 void stamp_link(char* frame, std::uint64_t link, std::uint64_t sequence, std::uint32_t remaining_ms);
 
-/// {"type":"command","subtype":…,"source":…,"target":…,"id":…,"reply_to":…,"size":…,"data":…}; data that is no UTF-8 goes
-/// as "data_hex", the data of a typed subtype as "body".
+/// {"type":"command","subtype":…,"source":…,"target":…,"id":…,"reply_to":…,"size":…,"data":…}; data that is no UTF-8
+/// goes as "data_hex", the data of a typed subtype as "body".
 std::string message_to_json(const Message& message);
 
 /// The inverse. Errors: malformed, missing, bad_value, too_large, unknown_key.

@@ -57,7 +57,8 @@ struct Reader {
   Error error;
 
   bool refuse(Errc code, std::string_view what) {
-    if (error.code == Errc::ok) error = fail(code, (path.empty() ? std::string("body") : path) + ": " + std::string(what));
+    if (error.code == Errc::ok)
+      error = fail(code, (path.empty() ? std::string("body") : path) + ": " + std::string(what));
     return false;
   }
 
@@ -78,7 +79,8 @@ struct Reader {
 
 template <class T>
 bool Reader::take_integer(const msgpack::object& from, T& out) {
-  if (from.type == msgpack::type::POSITIVE_INTEGER && from.via.u64 <= static_cast<std::uint64_t>(std::numeric_limits<T>::max())) {
+  if (from.type == msgpack::type::POSITIVE_INTEGER &&
+      from.via.u64 <= static_cast<std::uint64_t>(std::numeric_limits<T>::max())) {
     out = static_cast<T>(from.via.u64);
     return true;
   }
@@ -182,7 +184,8 @@ Result<msgpack::object_handle> parse(BytesView bytes) {
   if (bytes.size() > limits.bytes) return fail(Errc::too_large, "body of " + std::to_string(bytes.size()) + " bytes");
   try {
     std::size_t offset = 0;
-    const msgpack::unpack_limit bound(limits.items, limits.items, limits.bytes, limits.bytes, limits.bytes, limits.depth);
+    const msgpack::unpack_limit bound(limits.items, limits.items, limits.bytes, limits.bytes, limits.bytes,
+                                      limits.depth);
     const auto reference = [](msgpack::type::object_type, std::size_t, void*) { return true; };
     msgpack::object_handle handle = msgpack::unpack(bytes.data(), bytes.size(), offset, reference, nullptr, bound);
     if (offset != bytes.size()) return fail(Errc::malformed, "body: bytes after its end");
@@ -215,7 +218,7 @@ Result<T> decode(BytesView bytes) {
   return out;
 }
 
-#define TRB_INSTANTIATE(Name)           \
+#define TRB_INSTANTIATE(Name)         \
   template Bytes encode(const Name&); \
   template Result<Name> decode(BytesView);
 TRB_BODIES(TRB_INSTANTIATE)

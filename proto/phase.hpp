@@ -8,7 +8,8 @@
 
 namespace trb {
 
-/// The terms of Equation 12. `upkeep` is what the paper does not count: keep-alives, lists, signatures, proofs of delivery.
+/// The terms of Equation 12. `upkeep` is what the paper does not count: keep-alives, lists, signatures, proofs of
+/// delivery.
 enum class Phase : unsigned char { boot = 0, identification, devices, task, forward, sensor, fail, upkeep };
 constexpr auto enum_names(Phase) {
   return std::array<std::string_view, 8>{"boot",    "identification", "devices", "task",

@@ -67,12 +67,14 @@ class Builder : public nlohmann::json_sax<json> {
   }
 
   bool count() {
-    if (++values_ > limits_.values) return refuse(fail(Errc::too_large, "more than " + std::to_string(limits_.values) + " values"));
+    if (++values_ > limits_.values)
+      return refuse(fail(Errc::too_large, "more than " + std::to_string(limits_.values) + " values"));
     return true;
   }
 
   bool open(Value value) {
-    if (stack_.size() >= limits_.depth) return refuse(fail(Errc::too_large, "nested deeper than " + std::to_string(limits_.depth)));
+    if (stack_.size() >= limits_.depth)
+      return refuse(fail(Errc::too_large, "nested deeper than " + std::to_string(limits_.depth)));
     if (!count()) return false;
     stack_.push_back({std::move(value), {}});
     return true;
@@ -165,8 +167,11 @@ std::string dump_json(const Value& value) {
 bool is_utf8(std::string_view text) {
   for (std::size_t i = 0; i < text.size();) {
     const auto lead = static_cast<unsigned char>(text[i]);
-    const std::size_t more = lead < 0x80 ? 0 : lead >= 0xC2 && lead < 0xE0 ? 1 : lead >= 0xE0 && lead < 0xF0 ? 2
-                             : lead >= 0xF0 && lead < 0xF5 ? 3 : 4;
+    const std::size_t more = lead < 0x80                   ? 0
+                             : lead >= 0xC2 && lead < 0xE0 ? 1
+                             : lead >= 0xE0 && lead < 0xF0 ? 2
+                             : lead >= 0xF0 && lead < 0xF5 ? 3
+                                                           : 4;
     if (more == 4 || i + more >= text.size()) return false;
     for (std::size_t k = 1; k <= more; ++k) {
       if ((static_cast<unsigned char>(text[i + k]) & 0xC0U) != 0x80U) return false;

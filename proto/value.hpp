@@ -48,8 +48,8 @@ struct ParseLimits {
   std::size_t values = 100'000;
 };
 
-/// Parses JSON text. Keys named `_comment` may repeat and are dropped (Appendix A); any other repeated key is `duplicate`.
-/// Errors: malformed (with line and column), too_large, duplicate.
+/// Parses JSON text. Keys named `_comment` may repeat and are dropped (Appendix A); any other repeated key is
+/// `duplicate`. Errors: malformed (with line and column), too_large, duplicate.
 Result<Value> parse_json(std::string_view text, const ParseLimits& limits = {});
 
 /// Compact JSON; text that is no UTF-8 has its bad bytes replaced.

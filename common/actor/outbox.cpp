@@ -32,6 +32,8 @@ bool Outbox::empty() const {
   return journal.empty() && sends.empty() && writes.empty() && closes.empty() && logs.empty() && counts.empty();
 }
 
-void Outbox::clear() { *this = Outbox{}; }
+void Outbox::clear() {
+  *this = Outbox{};
+}
 
 }  // namespace trb

@@ -28,7 +28,9 @@ struct Journal {
 
 /// A byte road to the robot. `field`: the robot dialled TCP_PORT; `command` and `monitor`: the node dials the robot.
 enum class Channel : std::uint8_t { field = 0, command, monitor };
-constexpr auto enum_names(Channel) { return std::array<std::string_view, 3>{"field", "command", "monitor"}; }
+constexpr auto enum_names(Channel) {
+  return std::array<std::string_view, 3>{"field", "command", "monitor"};
+}
 
 struct RobotWrite {
   Channel channel{};
@@ -71,7 +73,9 @@ class Outbox {
   void record(Body body) { journal.push_back({std::move(body)}); }
   void write(Channel channel, Bytes bytes) { writes.push_back({channel, std::move(bytes)}); }
   void close(Channel channel, std::string reason) { closes.push_back({channel, std::move(reason)}); }
-  void log(LogLevel level, std::string event, std::string text) { logs.push_back({level, std::move(event), std::move(text)}); }
+  void log(LogLevel level, std::string event, std::string text) {
+    logs.push_back({level, std::move(event), std::move(text)});
+  }
   void count(std::string name) { counts.push_back(std::move(name)); }
 
   [[nodiscard]] bool empty() const;

@@ -9,7 +9,7 @@ namespace trb {
 /// A fault of a configuration file, for `trb check`: all of them are told at once.
 struct ConfigFault {
   std::string file;
-  std::string key;   ///< path of the key, "skills.go_to.end.kind"; may be empty
+  std::string key;  ///< path of the key, "skills.go_to.end.kind"; may be empty
   std::string what;
   std::string cure;
 };

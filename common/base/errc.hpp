@@ -9,41 +9,41 @@ namespace trb {
 enum class Errc : std::uint8_t {
   ok = 0,
   // input
-  malformed,            ///< bytes that are no message, body or record
-  too_large,            ///< a size, count or depth over its bound
-  bad_value,            ///< well-formed, but not allowed there
-  missing,              ///< a required field, key or file is not there
-  unknown_key,          ///< a key that no schema names
-  duplicate,            ///< an id that may occur once occurs twice
-  version_mismatch,     ///< a version this build does not speak
-  does_not_fit_figure_3,///< the message is too long for the paper's datagram
+  malformed,              ///< bytes that are no message, body or record
+  too_large,              ///< a size, count or depth over its bound
+  bad_value,              ///< well-formed, but not allowed there
+  missing,                ///< a required field, key or file is not there
+  unknown_key,            ///< a key that no schema names
+  duplicate,              ///< an id that may occur once occurs twice
+  version_mismatch,       ///< a version this build does not speak
+  does_not_fit_figure_3,  ///< the message is too long for the paper's datagram
   // ways
-  unknown_target,       ///< no node of that id was ever heard of
-  peer_expired,         ///< the target's lease has run out
-  peer_unreachable,     ///< the link is down and not yet expired
-  queue_full,           ///< a bounded queue has no place left
-  no_service,           ///< the service that takes this subtype is not running
-  no_field_channel,     ///< the interpreter mode needs a robot on TCP_PORT, none is connected
-  robot_offline,        ///< the robot's own connection is down
-  timeout,              ///< the answer or the end did not come in time
-  expired,              ///< the deadline had passed on arrival
+  unknown_target,    ///< no node of that id was ever heard of
+  peer_expired,      ///< the target's lease has run out
+  peer_unreachable,  ///< the link is down and not yet expired
+  queue_full,        ///< a bounded queue has no place left
+  no_service,        ///< the service that takes this subtype is not running
+  no_field_channel,  ///< the interpreter mode needs a robot on TCP_PORT, none is connected
+  robot_offline,     ///< the robot's own connection is down
+  timeout,           ///< the answer or the end did not come in time
+  expired,           ///< the deadline had passed on arrival
   // robot
-  fenced,               ///< stopped by `stop`; `release` is needed
-  busy,                 ///< one skill at a time
-  unknown_subtype,      ///< the mode has no words for this subtype
-  unknown_skill,        ///< the description has no such skill
-  unknown_place,        ///< the hall has no such place
-  not_escapable,        ///< text that the robot's language cannot carry safely
-  robot_error,          ///< the robot refused; its own text is in the context
-  stale_instance,       ///< meant for an earlier start of the service
+  fenced,           ///< stopped by `stop`; `release` is needed
+  busy,             ///< one skill at a time
+  unknown_subtype,  ///< the mode has no words for this subtype
+  unknown_skill,    ///< the description has no such skill
+  unknown_place,    ///< the hall has no such place
+  not_escapable,    ///< text that the robot's language cannot carry safely
+  robot_error,      ///< the robot refused; its own text is in the context
+  stale_instance,   ///< meant for an earlier start of the service
   // trust
   bad_signature,
   foreign_fleet,
   wrong_key,
   cert_expired,
   cert_not_yet_valid,
-  source_mismatch,      ///< the source is not the connection's certificate's id
-  not_permitted,        ///< the role may not do that
+  source_mismatch,  ///< the source is not the connection's certificate's id
+  not_permitted,    ///< the role may not do that
   unknown_peer_key,
   // state
   unknown_run,

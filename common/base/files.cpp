@@ -85,6 +85,8 @@ Status make_dir(const std::string& path, unsigned mode) {
   return Done{};
 }
 
-bool file_exists(const std::string& path) { return ::access(path.c_str(), F_OK) == 0; }
+bool file_exists(const std::string& path) {
+  return ::access(path.c_str(), F_OK) == 0;
+}
 
 }  // namespace trb

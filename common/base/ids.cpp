@@ -5,9 +5,15 @@
 namespace trb {
 namespace {
 
-bool is_lower(char c) { return c >= 'a' && c <= 'z'; }
-bool is_upper(char c) { return c >= 'A' && c <= 'Z'; }
-bool is_tail(char c) { return is_lower(c) || (c >= '0' && c <= '9') || c == '_' || c == '-'; }
+bool is_lower(char c) {
+  return c >= 'a' && c <= 'z';
+}
+bool is_upper(char c) {
+  return c >= 'A' && c <= 'Z';
+}
+bool is_tail(char c) {
+  return is_lower(c) || (c >= '0' && c <= '9') || c == '_' || c == '-';
+}
 
 }  // namespace
 

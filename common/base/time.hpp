@@ -45,7 +45,11 @@ inline std::optional<MonotonicTime> earlier(std::optional<MonotonicTime> a, std:
   return *a < *b ? a : b;
 }
 
-inline Duration seconds(double s) { return Duration{static_cast<std::int64_t>(s * 1e9)}; }
-inline double to_seconds(Duration d) { return static_cast<double>(d.count()) * 1e-9; }
+inline Duration seconds(double s) {
+  return Duration{static_cast<std::int64_t>(s * 1e9)};
+}
+inline double to_seconds(Duration d) {
+  return static_cast<double>(d.count()) * 1e-9;
+}
 
 }  // namespace trb

@@ -16,16 +16,25 @@ namespace {
 constexpr Duration kClockLeeway = std::chrono::minutes(5);
 constexpr std::size_t kSecretSize = 64 + 32;  // signing key, beacon key
 
-const unsigned char* raw(BytesView bytes) { return reinterpret_cast<const unsigned char*>(bytes.data()); }
-unsigned char* raw(Bytes& bytes) { return reinterpret_cast<unsigned char*>(bytes.data()); }
+const unsigned char* raw(BytesView bytes) {
+  return reinterpret_cast<const unsigned char*>(bytes.data());
+}
+unsigned char* raw(Bytes& bytes) {
+  return reinterpret_cast<unsigned char*>(bytes.data());
+}
 
-std::string key_path(const std::string& dir) { return dir + "/authority.key"; }
-std::string fleet_path(const std::string& dir) { return dir + "/fleet.json"; }
+std::string key_path(const std::string& dir) {
+  return dir + "/authority.key";
+}
+std::string fleet_path(const std::string& dir) {
+  return dir + "/fleet.json";
+}
 
 Result<Bytes> stretch(const std::string& passphrase, BytesView salt) {
   Bytes key(crypto_secretbox_KEYBYTES, '\0');
   if (crypto_pwhash(raw(key), key.size(), passphrase.data(), passphrase.size(), raw(salt),
-                    crypto_pwhash_OPSLIMIT_MODERATE, crypto_pwhash_MEMLIMIT_INTERACTIVE, crypto_pwhash_ALG_ARGON2ID13) != 0) {
+                    crypto_pwhash_OPSLIMIT_MODERATE, crypto_pwhash_MEMLIMIT_INTERACTIVE,
+                    crypto_pwhash_ALG_ARGON2ID13) != 0) {
     return fail(Errc::io_error, "not enough memory to stretch the passphrase");
   }
   return key;
@@ -46,19 +55,23 @@ Status write_secret(const std::string& dir, const Authority& authority, const st
 Result<Bytes> read_secret(const std::string& dir, const std::string& passphrase) {
   struct stat facts {};
   const std::string path = key_path(dir);
-  if (::stat(path.c_str(), &facts) != 0) return fail(Errc::missing, path + ": no such file", "run trb fleet init " + dir);
-  if ((facts.st_mode & 077U) != 0) return fail(Errc::not_permitted, path + ": others may read it", "run chmod 600 " + path);
+  if (::stat(path.c_str(), &facts) != 0)
+    return fail(Errc::missing, path + ": no such file", "run trb fleet init " + dir);
+  if ((facts.st_mode & 077U) != 0)
+    return fail(Errc::not_permitted, path + ": others may read it", "run chmod 600 " + path);
   auto text = read_file(path, 4096);
   if (!text) return text.error();
   auto bytes = from_hex(std::string_view(*text).substr(0, text->find('\n')));
   constexpr std::size_t kHead = crypto_pwhash_SALTBYTES + crypto_secretbox_NONCEBYTES;
-  if (!bytes || bytes->size() != kHead + kSecretSize + crypto_secretbox_MACBYTES) return fail(Errc::malformed, path + ": damaged");
+  if (!bytes || bytes->size() != kHead + kSecretSize + crypto_secretbox_MACBYTES)
+    return fail(Errc::malformed, path + ": damaged");
   auto key = stretch(passphrase, BytesView(*bytes).substr(0, crypto_pwhash_SALTBYTES));
   if (!key) return key.error();
   Bytes plain(kSecretSize, '\0');
   if (crypto_secretbox_open_easy(raw(plain), raw(BytesView(*bytes).substr(kHead)), bytes->size() - kHead,
                                  raw(BytesView(*bytes).substr(crypto_pwhash_SALTBYTES)), raw(*key)) != 0) {
-    return fail(Errc::not_permitted, path + ": the passphrase is wrong", "try again, or see README: a lost authority key");
+    return fail(Errc::not_permitted, path + ": the passphrase is wrong",
+                "try again, or see README: a lost authority key");
   }
   return plain;
 }
@@ -86,7 +99,8 @@ Result<Value> read_fleet_json(const std::string& dir) {
 Result<Authority> make_authority(const std::string& dir, const std::string& name, const std::string& passphrase) {
   if (Status good = check_id("name", name); !good) return good.error();
   if (passphrase.size() < kMinPassphrase) {
-    return fail(Errc::bad_value, "passphrase: under " + std::to_string(kMinPassphrase) + " characters", "take a longer one");
+    return fail(Errc::bad_value, "passphrase: under " + std::to_string(kMinPassphrase) + " characters",
+                "take a longer one");
   }
   if (file_exists(key_path(dir)) || file_exists(fleet_path(dir))) {
     return fail(Errc::conflict, dir + ": holds a fleet authority already", "name another folder");
@@ -136,8 +150,8 @@ Result<Authority> open_authority(const std::string& dir, const std::string& pass
   return authority;
 }
 
-Result<CertificateFile> sign_request(Authority& authority, const std::string& dir, const SignedRecord& record, UtcTime now,
-                                     Duration validity) {
+Result<CertificateFile> sign_request(Authority& authority, const std::string& dir, const SignedRecord& record,
+                                     UtcTime now, Duration validity) {
   auto request = decode<CertificateRequest>(record.payload.bytes);
   if (!request) return request.error();
   if (Status good = check_id("id", request->id); !good) return good.error();
@@ -145,11 +159,13 @@ Result<CertificateFile> sign_request(Authority& authority, const std::string& di
     return fail(Errc::bad_signature, "request of '" + request->id + "' was not signed with the key it names",
                 "run trb fleet request on the node again");
   }
-  Certificate certificate{{authority.fleet.id()}, authority.next_serial, request->id, request->role,
-                          request->identity_key,  request->link_key,     (now - kClockLeeway).ns, (now + validity).ns};
+  Certificate certificate{{authority.fleet.id()},  authority.next_serial, request->id,
+                          request->role,           request->identity_key, request->link_key,
+                          (now - kClockLeeway).ns, (now + validity).ns};
   ++authority.next_serial;
   if (Status stored = write_fleet(dir, authority); !stored) return stored.error();
-  const SignedRecord signed_record = sign(kSignedCertificate, "", authority.fleet.id(), encode(certificate), authority.key);
+  const SignedRecord signed_record =
+      sign(kSignedCertificate, "", authority.fleet.id(), encode(certificate), authority.key);
   return make_certificate_file(signed_record, authority.fleet, authority.beacon, request->link_key.bytes);
 }
 

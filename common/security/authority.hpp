@@ -29,7 +29,7 @@ Result<FleetAuthority> read_fleet(const std::string& dir);
 
 /// Checks a request's proof of possession and signs a certificate; takes and stores the next serial number.
 /// Errors: malformed, bad_signature, bad_value, io_error.
-Result<CertificateFile> sign_request(Authority& authority, const std::string& dir, const SignedRecord& request, UtcTime now,
-                                     Duration validity);
+Result<CertificateFile> sign_request(Authority& authority, const std::string& dir, const SignedRecord& request,
+                                     UtcTime now, Duration validity);
 
 }  // namespace trb

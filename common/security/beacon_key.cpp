@@ -12,8 +12,12 @@ constexpr std::size_t kHintSize = 4;
 constexpr std::size_t kHeaderSize = 4 + 4 + kHintSize;
 constexpr std::size_t kNonceSize = crypto_secretbox_NONCEBYTES;
 
-const unsigned char* raw(BytesView bytes) { return reinterpret_cast<const unsigned char*>(bytes.data()); }
-unsigned char* raw(Bytes& bytes) { return reinterpret_cast<unsigned char*>(bytes.data()); }
+const unsigned char* raw(BytesView bytes) {
+  return reinterpret_cast<const unsigned char*>(bytes.data());
+}
+unsigned char* raw(Bytes& bytes) {
+  return reinterpret_cast<unsigned char*>(bytes.data());
+}
 
 Bytes number_bytes(std::uint32_t number) {
   Bytes out;
@@ -33,7 +37,8 @@ Bytes seal_beacon(const BeaconKey& key, BytesView fleet, BytesView plain) {
 Result<Bytes> open_beacon(const BeaconKey& key, BytesView fleet, BytesView datagram) {
   constexpr std::size_t kLeast = kHeaderSize + kNonceSize + crypto_secretbox_MACBYTES;
   if (datagram.size() < kLeast || datagram.substr(0, 4) != kMagic) return fail(Errc::malformed, "no beacon");
-  if (datagram.substr(8, kHintSize) != fleet.substr(0, kHintSize)) return fail(Errc::foreign_fleet, "beacon of another fleet");
+  if (datagram.substr(8, kHintSize) != fleet.substr(0, kHintSize))
+    return fail(Errc::foreign_fleet, "beacon of another fleet");
   if (datagram.substr(4, 4) != number_bytes(key.number)) {
     return fail(Errc::wrong_key, "beacon under another key number", "sign the older node's request again");
   }

@@ -10,14 +10,19 @@
 namespace trb {
 namespace {
 
-const unsigned char* raw(BytesView bytes) { return reinterpret_cast<const unsigned char*>(bytes.data()); }
-unsigned char* raw(Bytes& bytes) { return reinterpret_cast<unsigned char*>(bytes.data()); }
+const unsigned char* raw(BytesView bytes) {
+  return reinterpret_cast<const unsigned char*>(bytes.data());
+}
+unsigned char* raw(Bytes& bytes) {
+  return reinterpret_cast<unsigned char*>(bytes.data());
+}
 
 Result<Bytes> hex_member(const Value& json, std::string_view key, std::size_t size) {
   const Value* member = json.find(key);
   if (member == nullptr || !member->is_text()) return fail(Errc::missing, std::string(key) + ": missing");
   auto bytes = from_hex(member->text());
-  if (!bytes || bytes->size() != size) return fail(Errc::malformed, std::string(key) + ": not " + std::to_string(size) + " bytes");
+  if (!bytes || bytes->size() != size)
+    return fail(Errc::malformed, std::string(key) + ": not " + std::to_string(size) + " bytes");
   return bytes;
 }
 
@@ -77,7 +82,8 @@ Result<BeaconKey> open_beacon_key(const CertificateFile& file, const LinkKey& li
   if (file.sealed_beacon.size() != 32 + crypto_box_SEALBYTES ||
       crypto_box_seal_open(raw(key.secret), raw(file.sealed_beacon), file.sealed_beacon.size(), raw(link.public_key),
                            raw(link.secret_key)) != 0) {
-    return fail(Errc::wrong_key, "the beacon key in certificate.json was sealed for another node", "run trb fleet sign again");
+    return fail(Errc::wrong_key, "the beacon key in certificate.json was sealed for another node",
+                "run trb fleet sign again");
   }
   return key;
 }

@@ -1,5 +1,5 @@
-// keys/certificate.json: what `trb fleet sign` gives back to a node. No secret in it is readable without the node's link
-// key, so the file may travel by any road.
+// keys/certificate.json: what `trb fleet sign` gives back to a node. No secret in it is readable without the node's
+// link key, so the file may travel by any road.
 #pragma once
 
 #include <string>

@@ -9,8 +9,12 @@
 namespace trb {
 namespace {
 
-const unsigned char* raw(BytesView bytes) { return reinterpret_cast<const unsigned char*>(bytes.data()); }
-unsigned char* raw(Bytes& bytes) { return reinterpret_cast<unsigned char*>(bytes.data()); }
+const unsigned char* raw(BytesView bytes) {
+  return reinterpret_cast<const unsigned char*>(bytes.data());
+}
+unsigned char* raw(Bytes& bytes) {
+  return reinterpret_cast<unsigned char*>(bytes.data());
+}
 
 /// What is really signed: every part has its end, so that none can be shifted into another.
 Bytes signed_bytes(std::string_view purpose, BytesView fleet, BytesView payload) {
@@ -71,7 +75,9 @@ Bytes digest(BytesView bytes) {
   return out;
 }
 
-Bytes fleet_id(BytesView authority_key) { return digest(authority_key).substr(0, 16); }
+Bytes fleet_id(BytesView authority_key) {
+  return digest(authority_key).substr(0, 16);
+}
 
 SignedRecord sign(std::string_view purpose, std::string_view signer, BytesView fleet, Bytes payload,
                   const SigningKey& key) {
@@ -96,7 +102,8 @@ Result<Certificate> open_certificate_any_time(const SignedRecord& record, const 
                 "sign the node's request with this fleet's authority");
   }
   if (!verify(record, kSignedCertificate, authority.id(), authority.public_key)) {
-    return fail(Errc::bad_signature, "certificate of '" + certificate->id + "' was not signed by this fleet's authority",
+    return fail(Errc::bad_signature,
+                "certificate of '" + certificate->id + "' was not signed by this fleet's authority",
                 "sign the node's request again");
   }
   if (certificate->identity_key.bytes.size() != 32 || certificate->link_key.bytes.size() != 32) {
@@ -109,21 +116,25 @@ Result<Certificate> open_certificate(const SignedRecord& record, const FleetAuth
   auto certificate = open_certificate_any_time(record, authority);
   if (!certificate) return certificate;
   if (now.ns < certificate->not_before) {
-    return fail(Errc::cert_not_yet_valid, "certificate of '" + certificate->id + "' is valid from " +
-                                              to_iso8601({certificate->not_before}), "set the clock");
+    return fail(Errc::cert_not_yet_valid,
+                "certificate of '" + certificate->id + "' is valid from " + to_iso8601({certificate->not_before}),
+                "set the clock");
   }
   if (now.ns >= certificate->not_after) {
-    return fail(Errc::cert_expired, "certificate of '" + certificate->id + "' ended " +
-                                        to_iso8601({certificate->not_after}), "sign the node's request again");
+    return fail(Errc::cert_expired,
+                "certificate of '" + certificate->id + "' ended " + to_iso8601({certificate->not_after}),
+                "sign the node's request again");
   }
   return certificate;
 }
 
 template <class T>
 Result<T> open_record(const SignedRecord& record, std::string_view purpose, const Certificate& signer) {
-  if (record.signer != signer.id) return fail(Errc::source_mismatch, "record of '" + record.signer + "', certificate of '" + signer.id + "'");
+  if (record.signer != signer.id)
+    return fail(Errc::source_mismatch, "record of '" + record.signer + "', certificate of '" + signer.id + "'");
   if (!may_sign(signer.role, purpose)) {
-    return fail(Errc::not_permitted, "role " + std::string(name_of(signer.role)) + " may not sign a " + std::string(purpose));
+    return fail(Errc::not_permitted,
+                "role " + std::string(name_of(signer.role)) + " may not sign a " + std::string(purpose));
   }
   if (!verify(record, purpose, signer.fleet.bytes, signer.identity_key.bytes)) {
     return fail(Errc::bad_signature, std::string(purpose) + " of '" + signer.id + "' has a wrong signature");

@@ -15,12 +15,15 @@ namespace {
 constexpr std::size_t kIdentitySize = 64;
 constexpr std::size_t kLinkSize = 32;
 
-std::string keys_dir(const std::string& node_dir) { return node_dir + "/keys"; }
+std::string keys_dir(const std::string& node_dir) {
+  return node_dir + "/keys";
+}
 
 /// A secret key: raw bytes, as hexadecimal text, in a file that only its owner may read.
 Result<Bytes> read_secret(const std::string& path, std::size_t size) {
   struct stat facts {};
-  if (::stat(path.c_str(), &facts) != 0) return fail(Errc::missing, path + ": no such file", "run trb fleet request NODE_DIR");
+  if (::stat(path.c_str(), &facts) != 0)
+    return fail(Errc::missing, path + ": no such file", "run trb fleet request NODE_DIR");
   if ((facts.st_mode & 077U) != 0) {
     return fail(Errc::not_permitted, path + ": others may read this secret key", "run chmod 600 " + path);
   }
@@ -28,8 +31,9 @@ Result<Bytes> read_secret(const std::string& path, std::size_t size) {
   if (!text) return text.error();
   while (!text->empty() && text->back() == '\n') text->pop_back();
   auto key = from_hex(*text);
-  if (!key || key->size() != size) return fail(Errc::malformed, path + ": not a key of " + std::to_string(size) + " bytes",
-                                               "remove it and run trb fleet request NODE_DIR, then have it signed");
+  if (!key || key->size() != size)
+    return fail(Errc::malformed, path + ": not a key of " + std::to_string(size) + " bytes",
+                "remove it and run trb fleet request NODE_DIR, then have it signed");
   return key;
 }
 
@@ -105,7 +109,8 @@ void check_node_keys(const std::string& node_dir, const std::string& id, UtcTime
                       "run trb fleet request and trb fleet sign for this node"});
   }
   if (now.ns >= keys->certificate.not_after) {
-    faults.push_back({file, "not_after", "ended " + to_iso8601({keys->certificate.not_after}), "run trb fleet sign again"});
+    faults.push_back(
+        {file, "not_after", "ended " + to_iso8601({keys->certificate.not_after}), "run trb fleet sign again"});
   }
 }
 

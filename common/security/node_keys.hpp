@@ -22,11 +22,11 @@ struct NodeKeys {
 /// Errors: bad_value (id), io_error.
 Status make_request(const std::string& node_dir, const std::string& id, Role role);
 
-/// Reads the keys. Errors: missing, not_permitted (mode is not 0600), malformed, wrong_key (the certificate is for other
-/// keys), and those of open_certificate_any_time.
+/// Reads the keys. Errors: missing, not_permitted (mode is not 0600), malformed, wrong_key (the certificate is for
+/// other keys), and those of open_certificate_any_time.
 Result<NodeKeys> load_node_keys(const std::string& node_dir);
 
-/// The same as faults of a `trb check`: also an id or role that differs from node.json's, and an expired certificate.
+/// The same as faults of a `trb check`: also an id that differs from node.json's, and an expired certificate.
 void check_node_keys(const std::string& node_dir, const std::string& id, UtcTime now, ConfigFaults& faults);
 
 }  // namespace trb

@@ -73,7 +73,9 @@ struct Ack {
   static constexpr std::string_view kSubtype = "ack";
   std::string state;  ///< how far it has come: "handed_over", "started", "stopped", "released", "accepted"
   std::string text;
-  static constexpr auto fields() { return std::tuple{field("state", &Ack::state, 32), field("text", &Ack::text, 1024)}; }
+  static constexpr auto fields() {
+    return std::tuple{field("state", &Ack::state, 32), field("text", &Ack::text, 1024)};
+  }
 };
 
 /// Asks the router to sign a record of its kind; only the one service that may make that kind is served.
@@ -106,9 +108,12 @@ struct ServiceEntry {
   double last_heard_s = 0;
   std::vector<std::string> subtypes;
   static constexpr auto fields() {
-    return std::tuple{field("service", &ServiceEntry::service, 64), field("state", &ServiceEntry::state, 16),
-                      field("pid", &ServiceEntry::pid), field("instance", &ServiceEntry::instance),
-                      field("version", &ServiceEntry::version, 32), field("up_s", &ServiceEntry::up_s),
+    return std::tuple{field("service", &ServiceEntry::service, 64),
+                      field("state", &ServiceEntry::state, 16),
+                      field("pid", &ServiceEntry::pid),
+                      field("instance", &ServiceEntry::instance),
+                      field("version", &ServiceEntry::version, 32),
+                      field("up_s", &ServiceEntry::up_s),
                       field("last_heard_s", &ServiceEntry::last_heard_s),
                       field("subtypes", &ServiceEntry::subtypes, 64)};
   }

@@ -44,17 +44,18 @@ struct NodeProfile {
   std::vector<std::string> sensors;
   std::vector<SkillInfo> skills;
   std::vector<std::string> places;  ///< the places that the robot can be sent to
-  std::string robot;                ///< connection: "ONLINE", "OFFLINE", "CONNECTION_BROKEN", "" for a node without a robot
-  std::string detail;               ///< why, when not ONLINE
-  bool fenced = false;              ///< stopped until `release`
+  std::string robot;    ///< connection: "ONLINE", "OFFLINE", "CONNECTION_BROKEN", "" for a node without a robot
+  std::string detail;   ///< why, when not ONLINE
+  bool fenced = false;  ///< stopped until `release`
   bool operator==(const NodeProfile&) const = default;
   static constexpr auto fields() {
-    return std::tuple{field("framework", &NodeProfile::framework, 64), field("mode", &NodeProfile::mode, 16),
-                      field("transport", &NodeProfile::transport, 16), field("maker", &NodeProfile::maker, 64),
-                      field("model", &NodeProfile::model, 64), field("capabilities", &NodeProfile::capabilities, 64),
-                      field("sensors", &NodeProfile::sensors, 255), field("skills", &NodeProfile::skills, 128),
-                      field("places", &NodeProfile::places, 255), field("robot", &NodeProfile::robot, 32),
-                      field("detail", &NodeProfile::detail, 255), field("fenced", &NodeProfile::fenced)};
+    return std::tuple{
+        field("framework", &NodeProfile::framework, 64), field("mode", &NodeProfile::mode, 16),
+        field("transport", &NodeProfile::transport, 16), field("maker", &NodeProfile::maker, 64),
+        field("model", &NodeProfile::model, 64),         field("capabilities", &NodeProfile::capabilities, 64),
+        field("sensors", &NodeProfile::sensors, 255),    field("skills", &NodeProfile::skills, 128),
+        field("places", &NodeProfile::places, 255),      field("robot", &NodeProfile::robot, 32),
+        field("detail", &NodeProfile::detail, 255),      field("fenced", &NodeProfile::fenced)};
   }
 };
 
@@ -69,9 +70,12 @@ struct Hello {
   bool clock_verified = true;
   NodeProfile profile;
   static constexpr auto fields() {
-    return std::tuple{field("certificate", &Hello::certificate), field("boot", &Hello::boot),
-                      field("address", &Hello::address, 80), field("version", &Hello::version, 32),
-                      field("utc", &Hello::utc), field("clock_verified", &Hello::clock_verified),
+    return std::tuple{field("certificate", &Hello::certificate),
+                      field("boot", &Hello::boot),
+                      field("address", &Hello::address, 80),
+                      field("version", &Hello::version, 32),
+                      field("utc", &Hello::utc),
+                      field("clock_verified", &Hello::clock_verified),
                       field("profile", &Hello::profile)};
   }
 };
@@ -94,7 +98,9 @@ struct PeerJoined {
   static constexpr std::string_view kSubtype = "peer_joined";
   std::string id;
   std::uint64_t boot = 0;
-  static constexpr auto fields() { return std::tuple{field("id", &PeerJoined::id, 64), field("boot", &PeerJoined::boot)}; }
+  static constexpr auto fields() {
+    return std::tuple{field("id", &PeerJoined::id, 64), field("boot", &PeerJoined::boot)};
+  }
 };
 
 struct PeerExpired {
@@ -121,11 +127,17 @@ struct Route {
   SignedRecord certificate;
   NodeProfile profile;
   static constexpr auto fields() {
-    return std::tuple{field("id", &Route::id, 64), field("role", &Route::role), field("address", &Route::address, 80),
-                      field("state", &Route::state, 32), field("last_heard_s", &Route::last_heard_s),
-                      field("boot", &Route::boot), field("link", &Route::link),
-                      field("dialled_by", &Route::dialled_by, 64), field("version", &Route::version, 32),
-                      field("clock", &Route::clock, 16), field("certificate", &Route::certificate),
+    return std::tuple{field("id", &Route::id, 64),
+                      field("role", &Route::role),
+                      field("address", &Route::address, 80),
+                      field("state", &Route::state, 32),
+                      field("last_heard_s", &Route::last_heard_s),
+                      field("boot", &Route::boot),
+                      field("link", &Route::link),
+                      field("dialled_by", &Route::dialled_by, 64),
+                      field("version", &Route::version, 32),
+                      field("clock", &Route::clock, 16),
+                      field("certificate", &Route::certificate),
                       field("profile", &Route::profile)};
   }
 };

@@ -10,7 +10,8 @@ constexpr auto enum_names(Severity) {
   return std::array<std::string_view, 4>{"WARNING", "URGENT", "CRITICAL", "FATAL"};
 }
 
-/// How an attempt of a task ended. Only finished and skipped are final; `interrupted`: nobody knows whether it was done.
+/// How an attempt of a task ended. Only finished and skipped are final; `interrupted`: nobody knows whether it was
+/// done.
 enum class TaskOutcome : std::uint8_t { none = 0, finished, failed, retriable, interrupted, skipped };
 constexpr auto enum_names(TaskOutcome) {
   return std::array<std::string_view, 6>{"none", "finished", "failed", "retriable", "interrupted", "skipped"};
@@ -40,9 +41,9 @@ struct Execute {
   std::string data;      ///< the skill's parameters, a JSON object
   double timeout_s = 0;  ///< 0: the description's
   static constexpr auto fields() {
-    return std::tuple{field("key", &Execute::key), field("epoch", &Execute::epoch),
+    return std::tuple{field("key", &Execute::key),           field("epoch", &Execute::epoch),
                       field("instance", &Execute::instance), field("skill", &Execute::skill, 64),
-                      field("data", &Execute::data, 65536), field("timeout_s", &Execute::timeout_s)};
+                      field("data", &Execute::data, 65536),  field("timeout_s", &Execute::timeout_s)};
   }
 };
 
@@ -85,8 +86,8 @@ struct Outcome {
   std::string data;    ///< the result, JSON text or empty
   double duration_s = 0;
   static constexpr auto fields() {
-    return std::tuple{field("key", &Outcome::key), field("instance", &Outcome::instance),
-                      field("outcome", &Outcome::outcome), field("reason", &Outcome::reason, 1024),
+    return std::tuple{field("key", &Outcome::key),          field("instance", &Outcome::instance),
+                      field("outcome", &Outcome::outcome),  field("reason", &Outcome::reason, 1024),
                       field("data", &Outcome::data, 65536), field("duration_s", &Outcome::duration_s)};
   }
 };

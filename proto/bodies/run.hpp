@@ -13,19 +13,23 @@ constexpr std::uint32_t kMaxMembers = 1000;
 /// A node of the scenario's graph: a skill with data, given to a robot, or to whoever has the capabilities.
 struct Task {
   std::string id;
-  std::string robot;                  ///< empty if bound late by `requires`
-  std::vector<std::string> requires_; ///< capabilities
+  std::string robot;                   ///< empty if bound late by `requires`
+  std::vector<std::string> requires_;  ///< capabilities
   std::string skill;
-  std::string data;                      ///< the skill's parameters, a JSON object as text, or empty
-  std::vector<std::uint16_t> after;      ///< indexes of the predecessors in Scenario::tasks
-  double timeout_s = 0;                  ///< 0: the skill's own
-  bool pinned = false;                   ///< may start on a fenced node
+  std::string data;                  ///< the skill's parameters, a JSON object as text, or empty
+  std::vector<std::uint16_t> after;  ///< indexes of the predecessors in Scenario::tasks
+  double timeout_s = 0;              ///< 0: the skill's own
+  bool pinned = false;               ///< may start on a fenced node
   bool operator==(const Task&) const = default;
   static constexpr auto fields() {
-    return std::tuple{field("id", &Task::id, 64), field("robot", &Task::robot, 64),
-                      field("requires", &Task::requires_, 32), field("skill", &Task::skill, 64),
-                      field("data", &Task::data, 65536), field("after", &Task::after, kMaxTasks),
-                      field("timeout_s", &Task::timeout_s), field("pinned", &Task::pinned)};
+    return std::tuple{field("id", &Task::id, 64),
+                      field("robot", &Task::robot, 64),
+                      field("requires", &Task::requires_, 32),
+                      field("skill", &Task::skill, 64),
+                      field("data", &Task::data, 65536),
+                      field("after", &Task::after, kMaxTasks),
+                      field("timeout_s", &Task::timeout_s),
+                      field("pinned", &Task::pinned)};
   }
 };
 
@@ -62,8 +66,8 @@ struct Member {
 /// The start of a run, signed by the submitter's node (purpose "run_start").
 struct RunStart {
   static constexpr std::string_view kSubtype = "run_start";
-  std::string run;    ///< 32 hexadecimal digits
-  Blob digest;        ///< BLAKE2b-256 of the scenario's msgpack body
+  std::string run;  ///< 32 hexadecimal digits
+  Blob digest;      ///< BLAKE2b-256 of the scenario's msgpack body
   Scenario scenario;
   Assignment first;
   std::vector<Member> members;          ///< the run's robots, the submitter's node and the cloud node
@@ -72,11 +76,14 @@ struct RunStart {
   std::int64_t created = 0;  ///< UTC ns
   std::int64_t expires = 0;  ///< UTC ns
   static constexpr auto fields() {
-    return std::tuple{field("run", &RunStart::run, 64), field("digest", &RunStart::digest, 32),
-                      field("scenario", &RunStart::scenario), field("first", &RunStart::first),
+    return std::tuple{field("run", &RunStart::run, 64),
+                      field("digest", &RunStart::digest, 32),
+                      field("scenario", &RunStart::scenario),
+                      field("first", &RunStart::first),
                       field("members", &RunStart::members, kMaxMembers),
                       field("electorate", &RunStart::electorate, kMaxMembers),
-                      field("submitter", &RunStart::submitter, 64), field("created", &RunStart::created),
+                      field("submitter", &RunStart::submitter, 64),
+                      field("created", &RunStart::created),
                       field("expires", &RunStart::expires)};
   }
 };
@@ -95,11 +102,11 @@ struct TaskResult {
   std::int64_t ended = 0;    ///< UTC ns
   double duration_s = 0;     ///< by the robot's monotonic clock
   static constexpr auto fields() {
-    return std::tuple{field("key", &TaskResult::key), field("digest", &TaskResult::digest, 32),
-                      field("epoch", &TaskResult::epoch), field("robot", &TaskResult::robot, 64),
-                      field("outcome", &TaskResult::outcome), field("reason", &TaskResult::reason, 1024),
+    return std::tuple{field("key", &TaskResult::key),          field("digest", &TaskResult::digest, 32),
+                      field("epoch", &TaskResult::epoch),      field("robot", &TaskResult::robot, 64),
+                      field("outcome", &TaskResult::outcome),  field("reason", &TaskResult::reason, 1024),
                       field("data", &TaskResult::data, 65536), field("started", &TaskResult::started),
-                      field("ended", &TaskResult::ended), field("duration_s", &TaskResult::duration_s)};
+                      field("ended", &TaskResult::ended),      field("duration_s", &TaskResult::duration_s)};
   }
 };
 
@@ -135,12 +142,15 @@ struct Baton {
   std::string run;
   Blob digest;
   std::uint32_t epoch = 1;
-  Blob final_tasks;                    ///< bitmap, task i is bit i%8 of byte i/8
-  std::vector<SignedRecord> results;   ///< of the direct predecessors
-  std::vector<std::uint16_t> tasks;    ///< the receiver's tasks that this baton is for
+  Blob final_tasks;                   ///< bitmap, task i is bit i%8 of byte i/8
+  std::vector<SignedRecord> results;  ///< of the direct predecessors
+  std::vector<std::uint16_t> tasks;   ///< the receiver's tasks that this baton is for
   static constexpr auto fields() {
-    return std::tuple{field("run", &Baton::run, 64), field("digest", &Baton::digest, 32), field("epoch", &Baton::epoch),
-                      field("final_tasks", &Baton::final_tasks, 128), field("results", &Baton::results, kMaxTasks),
+    return std::tuple{field("run", &Baton::run, 64),
+                      field("digest", &Baton::digest, 32),
+                      field("epoch", &Baton::epoch),
+                      field("final_tasks", &Baton::final_tasks, 128),
+                      field("results", &Baton::results, kMaxTasks),
                       field("tasks", &Baton::tasks, kMaxTasks)};
   }
 };
@@ -199,7 +209,16 @@ struct ResultsJournaled {
 };
 
 /// VDA 5050's action states, and SKIPPED.
-enum class TaskState : std::uint8_t { waiting = 0, initializing, running, paused, retriable, finished, failed, skipped };
+enum class TaskState : std::uint8_t {
+  waiting = 0,
+  initializing,
+  running,
+  paused,
+  retriable,
+  finished,
+  failed,
+  skipped
+};
 constexpr auto enum_names(TaskState) {
   return std::array<std::string_view, 8>{"WAITING",   "INITIALIZING", "RUNNING", "PAUSED",
                                          "RETRIABLE", "FINISHED",     "FAILED",  "SKIPPED"};
@@ -249,11 +268,16 @@ struct TaskView {
   double duration_s = 0;
   std::vector<std::uint16_t> after;
   static constexpr auto fields() {
-    return std::tuple{field("id", &TaskView::id, 64), field("robot", &TaskView::robot, 64),
-                      field("skill", &TaskView::skill, 64), field("state", &TaskView::state),
-                      field("outcome", &TaskView::outcome), field("reason", &TaskView::reason, 1024),
-                      field("attempt", &TaskView::attempt), field("started", &TaskView::started),
-                      field("ended", &TaskView::ended), field("duration_s", &TaskView::duration_s),
+    return std::tuple{field("id", &TaskView::id, 64),
+                      field("robot", &TaskView::robot, 64),
+                      field("skill", &TaskView::skill, 64),
+                      field("state", &TaskView::state),
+                      field("outcome", &TaskView::outcome),
+                      field("reason", &TaskView::reason, 1024),
+                      field("attempt", &TaskView::attempt),
+                      field("started", &TaskView::started),
+                      field("ended", &TaskView::ended),
+                      field("duration_s", &TaskView::duration_s),
                       field("after", &TaskView::after, kMaxTasks)};
   }
 };
@@ -271,10 +295,10 @@ struct RunView {
   std::int64_t expires = 0;
   std::vector<TaskView> tasks;
   static constexpr auto fields() {
-    return std::tuple{field("run", &RunView::run, 64), field("name", &RunView::name, 64),
-                      field("state", &RunView::state), field("waits_for", &RunView::waits_for, 1024),
-                      field("epoch", &RunView::epoch), field("submitter", &RunView::submitter, 64),
-                      field("created", &RunView::created), field("expires", &RunView::expires),
+    return std::tuple{field("run", &RunView::run, 64),           field("name", &RunView::name, 64),
+                      field("state", &RunView::state),           field("waits_for", &RunView::waits_for, 1024),
+                      field("epoch", &RunView::epoch),           field("submitter", &RunView::submitter, 64),
+                      field("created", &RunView::created),       field("expires", &RunView::expires),
                       field("tasks", &RunView::tasks, kMaxTasks)};
   }
 };
@@ -299,9 +323,12 @@ struct RunSummary {
   std::uint32_t tasks = 0;
   std::uint32_t tasks_final = 0;
   static constexpr auto fields() {
-    return std::tuple{field("run", &RunSummary::run, 64), field("name", &RunSummary::name, 64),
-                      field("state", &RunSummary::state), field("waits_for", &RunSummary::waits_for, 1024),
-                      field("created", &RunSummary::created), field("tasks", &RunSummary::tasks),
+    return std::tuple{field("run", &RunSummary::run, 64),
+                      field("name", &RunSummary::name, 64),
+                      field("state", &RunSummary::state),
+                      field("waits_for", &RunSummary::waits_for, 1024),
+                      field("created", &RunSummary::created),
+                      field("tasks", &RunSummary::tasks),
                       field("tasks_final", &RunSummary::tasks_final)};
   }
 };

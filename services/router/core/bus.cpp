@@ -22,7 +22,8 @@ void RouterCore::on_service_hello(ConnectionId from, const ServiceHello& hello, 
   auto slot = services_.welcome(from, hello, probe, now.mono);
   if (!slot) {
     out.count("refused." + std::string(errc_name(slot.error().code)));
-    out.log(LogLevel::warning, "service_refused", hello.service + " (pid " + std::to_string(hello.pid) + "): " + slot.error().what);
+    out.log(LogLevel::warning, "service_refused",
+            hello.service + " (pid " + std::to_string(hello.pid) + "): " + slot.error().what);
     const Nack nack{std::string(errc_name(slot.error().code)), std::string(ServiceHello::kSubtype), config_.id,
                     slot.error().what, "stop the other process first: trb service list"};
     out.add(BusSend{from, to_service(config_.id, ++message_count_, 1, nack)});
@@ -36,7 +37,9 @@ void RouterCore::on_service_hello(ConnectionId from, const ServiceHello& hello, 
 void RouterCore::on_connection_gone(ConnectionId connection, Now, Effects& out) {
   const Connection* known = services_.find(connection);
   if (known == nullptr) return;
-  if (!known->probe) out.log(LogLevel::warning, "service_gone", known->hello.service + " (pid " + std::to_string(known->hello.pid) + ")");
+  if (!known->probe)
+    out.log(LogLevel::warning, "service_gone",
+            known->hello.service + " (pid " + std::to_string(known->hello.pid) + ")");
   services_.forget(connection);
 }
 
@@ -82,8 +85,9 @@ Status RouterCore::may_sign_for(const Connection& from, const SignRequest& reque
   // One maker a kind: results are the scheduler's, starts and aborts those of whoever a person works with.
   const bool scheduler = from.hello.service == "scheduler" && !from.probe;
   const bool right_service = request.kind == kSignedResult ? scheduler
-                             : request.kind == kSignedRunStart || request.kind == kSignedRunAbort ? from.probe || !scheduler
-                                                                                                  : false;
+                             : request.kind == kSignedRunStart || request.kind == kSignedRunAbort
+                                 ? from.probe || !scheduler
+                                 : false;
   if (!right_service || from.hello.service == "mode-adapter" || !may_sign(config_.role, request.kind)) {
     return fail(Errc::not_permitted, "service '" + from.hello.service + "' of a " + std::string(name_of(config_.role)) +
                                          " node may not have a '" + request.kind + "' signed");
@@ -96,14 +100,16 @@ Status RouterCore::may_sign_for(const Connection& from, const SignRequest& reque
   } else if (auto body = decode<AbortOrder>(request.payload.bytes)) {
     maker = body->by;
   }
-  if (maker != config_.id) return fail(Errc::source_mismatch, "the record names '" + maker + "', this node is '" + config_.id + "'");
+  if (maker != config_.id)
+    return fail(Errc::source_mismatch, "the record names '" + maker + "', this node is '" + config_.id + "'");
   return Done{};
 }
 
 void RouterCore::sign_for(ConnectionId from, const Message& message, const SignRequest& request, Effects& out) {
   const Status good = may_sign_for(*services_.find(from), request);
   if (!good) return deny(from, message, good.error(), out);
-  answer(from, message, sign(request.kind, config_.id, config_.authority.id(), request.payload.bytes, config_.identity), out);
+  answer(from, message, sign(request.kind, config_.id, config_.authority.id(), request.payload.bytes, config_.identity),
+         out);
 }
 
 void RouterCore::on_own_profile(const NodeProfile& profile, Effects& out) {
@@ -121,8 +127,14 @@ ServiceTable RouterCore::service_table(Now now) const {
     if (const auto holder = services_.holder(name)) {
       const Connection& connection = *services_.find(*holder);
       const Duration quiet = now.mono - connection.last_heard;
-      entry = {name, quiet > config_.timing.service_silent ? "silent" : "up", connection.hello.pid, connection.hello.instance,
-               connection.hello.version, to_seconds(now.mono - connection.since), to_seconds(quiet), connection.hello.subtypes};
+      entry = {name,
+               quiet > config_.timing.service_silent ? "silent" : "up",
+               connection.hello.pid,
+               connection.hello.instance,
+               connection.hello.version,
+               to_seconds(now.mono - connection.since),
+               to_seconds(quiet),
+               connection.hello.subtypes};
     }
     table.services.push_back(std::move(entry));
   }

@@ -20,9 +20,9 @@ struct Timing {
   Duration handshake = std::chrono::seconds(2);           ///< from dial or candidate to Hello
   Duration redial_first = std::chrono::milliseconds(200);
   Duration redial_most = std::chrono::seconds(2);
-  Duration yield = std::chrono::milliseconds(1000);       ///< the greater id lets the smaller one dial first
+  Duration yield = std::chrono::milliseconds(1000);  ///< the greater id lets the smaller one dial first
   Duration beacon = std::chrono::seconds(5);
-  Duration denied = std::chrono::seconds(10);             ///< how long a refused key stays out
+  Duration denied = std::chrono::seconds(10);  ///< how long a refused key stays out
   Duration service_silent = std::chrono::seconds(3);
 };
 

@@ -127,7 +127,8 @@ void RouterCore::on_beacon(BytesView plain, Now now, Effects& out) {
   peer.beacon_count = outer->count;
   if (peer.link == 0 || outer->boot > peer.boot) peer.address = outer->address;
   if (peer.redial.link != 0) return;
-  // Unlinked, or linked to a process that is gone: the smaller id dials now, the greater answers with a beacon of its own.
+  // Unlinked, or linked to a process that is gone: the smaller id dials now, the greater answers with a beacon of its
+  // own.
   const bool stale = peer.link != 0;
   if (stale) drop_link(peer.link, "its node was started again", false, now, out);
   peer.redial.wait = {};

@@ -18,7 +18,8 @@ void RouterCore::dial(Redial& redial, const std::string& address, BytesView key,
 
 void RouterCore::redial_later(Redial& redial, Now now, Duration at_least) {
   redial.link = 0;
-  redial.wait = redial.wait == Duration{} ? config_.timing.redial_first : std::min(redial.wait * 2, config_.timing.redial_most);
+  redial.wait =
+      redial.wait == Duration{} ? config_.timing.redial_first : std::min(redial.wait * 2, config_.timing.redial_most);
   redial.at = now.mono + std::max(redial.wait, at_least);
 }
 
@@ -39,7 +40,10 @@ void RouterCore::send_hello(Link& link, Now now, Effects& out) {
   if (link.hello_sent) return;
   link.hello_sent = true;
   const UtcTime utc = checked_utc(now.utc);
-  link_send(link, Hello{config_.certificate, config_.boot, config_.address, config_.version, utc.ns, utc == now.utc, profile_}, out);
+  link_send(
+      link,
+      Hello{config_.certificate, config_.boot, config_.address, config_.version, utc.ns, utc == now.utc, profile_},
+      out);
 }
 
 void RouterCore::link_send(Link& link, const Body& body, Effects& out, const Message* asked) {
@@ -70,7 +74,8 @@ bool RouterCore::admit(BytesView key, MonotonicTime now, Effects& out) {
   return true;
 }
 
-void RouterCore::on_link_message(LinkId id, BytesView key, const Message& message, std::uint64_t sequence, Now now, Effects& out) {
+void RouterCore::on_link_message(LinkId id, BytesView key, const Message& message, std::uint64_t sequence, Now now,
+                                 Effects& out) {
   const auto at = links_.find(id);
   if (message.subtype == Hello::kSubtype) return on_hello(id, key, message, sequence, now, out);
   if (at == links_.end() || !at->second.up) {
@@ -107,21 +112,25 @@ void RouterCore::on_keep_alive(Link& link, const KeepAlive& body, Now now) {
   }
 }
 
-Result<Certificate> RouterCore::check_hello(const Link& link, const Message& message, const Hello& hello, Now now) const {
+Result<Certificate> RouterCore::check_hello(const Link& link, const Message& message, const Hello& hello,
+                                            Now now) const {
   auto certificate = open_certificate(hello.certificate, config_.authority, checked_utc(now.utc));
   if (!certificate) return certificate;
   if (certificate->link_key.bytes != link.key) {
-    return fail(Errc::wrong_key, "certificate of '" + certificate->id + "' names another link key than the connection's");
+    return fail(Errc::wrong_key,
+                "certificate of '" + certificate->id + "' names another link key than the connection's");
   }
   if (message.source != certificate->id) {
-    return fail(Errc::source_mismatch, "Hello of '" + message.source + "' with the certificate of '" + certificate->id + "'");
+    return fail(Errc::source_mismatch,
+                "Hello of '" + message.source + "' with the certificate of '" + certificate->id + "'");
   }
   if (certificate->id == config_.id) {
     return fail(Errc::duplicate, "another node is called '" + config_.id + "' too", "give each node its own id");
   }
   const auto known = peers_.find(certificate->id);
   if (known != peers_.end() && known->second.certificate.serial > certificate->serial) {
-    return fail(Errc::conflict, "an older certificate of '" + certificate->id + "'", "use the one that was signed last");
+    return fail(Errc::conflict, "an older certificate of '" + certificate->id + "'",
+                "use the one that was signed last");
   }
   if (known != peers_.end() && known->second.boot > hello.boot) {
     return fail(Errc::conflict, "an older boot of '" + certificate->id + "'");
@@ -129,7 +138,8 @@ Result<Certificate> RouterCore::check_hello(const Link& link, const Message& mes
   return certificate;
 }
 
-void RouterCore::on_hello(LinkId id, BytesView key, const Message& message, std::uint64_t sequence, Now now, Effects& out) {
+void RouterCore::on_hello(LinkId id, BytesView key, const Message& message, std::uint64_t sequence, Now now,
+                          Effects& out) {
   const auto known = links_.find(id);
   const bool dialled = known != links_.end() && known->second.dialled && !known->second.up;
   if (known != links_.end() && !dialled) {
@@ -197,8 +207,9 @@ void RouterCore::link_up(Link& link, const Certificate& certificate, const Hello
   peer.expired = false;
   peer.lost.reset();
   peer.redial = {};
-  out.log(LogLevel::info, "peer_joined", peer.id + " at " + peer.address + ", boot " + std::to_string(peer.boot) +
-                                             (links_.at(id).dialled ? ", dialled by this node" : ", dialled by it"));
+  out.log(LogLevel::info, "peer_joined",
+          peer.id + " at " + peer.address + ", boot " + std::to_string(peer.boot) +
+              (links_.at(id).dialled ? ", dialled by this node" : ", dialled by it"));
   if (!again) tell_services(PeerJoined{peer.id, peer.boot}, out);
 }
 

@@ -21,12 +21,12 @@ struct Link {
   Bytes key;             ///< the other side's CURVE key
   bool up = false;       ///< Hello heard and accepted
   bool hello_sent = false;
-  std::uint64_t boot = 0;       ///< the peer's boot counter, from its Hello
-  std::uint64_t sent = 0;       ///< last sequence sent
-  std::uint64_t heard = 0;      ///< last sequence heard
+  std::uint64_t boot = 0;   ///< the peer's boot counter, from its Hello
+  std::uint64_t sent = 0;   ///< last sequence sent
+  std::uint64_t heard = 0;  ///< last sequence heard
   MonotonicTime opened;
   MonotonicTime last_heard;
-  MonotonicTime confirmed;      ///< when the peer was last known to hear us
+  MonotonicTime confirmed;  ///< when the peer was last known to hear us
   MonotonicTime next_keep_alive;
   std::deque<std::uint64_t> unconfirmed;  ///< sequences of our keep-alives not yet echoed
 };
@@ -50,7 +50,7 @@ struct Peer {
   NodeProfile profile;
   LinkId link = 0;  ///< the link that is up, or 0
   bool expired = false;
-  bool met = false;  ///< was linked at least once
+  bool met = false;                   ///< was linked at least once
   std::optional<MonotonicTime> lost;  ///< when the last link went down
   MonotonicTime last_heard;
   Redial redial;

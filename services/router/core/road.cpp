@@ -8,18 +8,24 @@ namespace {
 
 // Sorted: the router itself takes these.
 constexpr std::string_view kOwnSubtypes[] = {
-    Goodbye::kSubtype,      Hello::kSubtype,        KeepAlive::kSubtype,   NodeProfile::kSubtype,
-    RouteListRequest::kSubtype, RouterCountersRequest::kSubtype, ServiceAlive::kSubtype,
-    ServiceHello::kSubtype, ServiceListRequest::kSubtype, SignRequest::kSubtype,
+    Goodbye::kSubtype,
+    Hello::kSubtype,
+    KeepAlive::kSubtype,
+    NodeProfile::kSubtype,
+    RouteListRequest::kSubtype,
+    RouterCountersRequest::kSubtype,
+    ServiceAlive::kSubtype,
+    ServiceHello::kSubtype,
+    ServiceListRequest::kSubtype,
+    SignRequest::kSubtype,
 };
 static_assert(std::is_sorted(std::begin(kOwnSubtypes), std::end(kOwnSubtypes)));
 
 // Sorted: between services of one node; never taken from another node.
 constexpr std::string_view kLocalOnly[] = {
-    AdapterState::kSubtype,   AdapterStateRequest::kSubtype, CancelExecution::kSubtype,
-    Execute::kSubtype,        ExecutionQuery::kSubtype,      ExecutionState::kSubtype,
-    Outcome::kSubtype,        OutcomeJournaled::kSubtype,    RunSubmit::kSubtype,
-    ServiceAlive::kSubtype,   ServiceHello::kSubtype,        SignRequest::kSubtype,
+    AdapterState::kSubtype,   AdapterStateRequest::kSubtype, CancelExecution::kSubtype, Execute::kSubtype,
+    ExecutionQuery::kSubtype, ExecutionState::kSubtype,      Outcome::kSubtype,         OutcomeJournaled::kSubtype,
+    RunSubmit::kSubtype,      ServiceAlive::kSubtype,        ServiceHello::kSubtype,    SignRequest::kSubtype,
 };
 static_assert(std::is_sorted(std::begin(kLocalOnly), std::end(kLocalOnly)));
 
@@ -28,7 +34,9 @@ bool contains(const std::string_view (&words)[N], std::string_view word) {
   return std::binary_search(std::begin(words), std::end(words), word);
 }
 
-Decision drop(Errc reason) { return {.reason = reason}; }
+Decision drop(Errc reason) {
+  return {.reason = reason};
+}
 
 std::string_view cure_of(Errc reason) {
   switch (reason) {
@@ -71,14 +79,16 @@ Decision RouterCore::route_peer(LinkId id, const HeaderView& header, Now now, Ef
   Link& link = at->second;
   if (header.sequence != link.heard + 1 && link.up) {
     out.count("refused.sequence");
-    drop_link(id, "sequence " + std::to_string(header.sequence) + " after " + std::to_string(link.heard), true, now, out);
+    drop_link(id, "sequence " + std::to_string(header.sequence) + " after " + std::to_string(link.heard), true, now,
+              out);
     return drop(Errc::conflict);
   }
   link.heard = header.sequence;
   link.last_heard = now.mono;
   if (!link.up) return {.to = Decision::To::router};
   if (header.source != link.peer) {
-    out.log(LogLevel::warning, "source_mismatch", "link of " + link.peer + " carried source " + std::string(header.source));
+    out.log(LogLevel::warning, "source_mismatch",
+            "link of " + link.peer + " carried source " + std::string(header.source));
     return drop(Errc::source_mismatch);
   }
   if (header.target != config_.id && header.target != kEveryNode) return drop(Errc::unknown_target);
@@ -118,9 +128,10 @@ std::vector<LinkId> RouterCore::up_links() const {
 
 Message RouterCore::make_nack(const HeaderView& header, Errc reason) const {
   const std::string target(header.target);
-  const Nack body{std::string(errc_name(reason)), std::string(header.subtype), target,
-                  "router of " + config_.id + ": " + std::string(header.subtype) + " for '" + target + "' not delivered",
-                  std::string(cure_of(reason))};
+  const Nack body{
+      std::string(errc_name(reason)), std::string(header.subtype), target,
+      "router of " + config_.id + ": " + std::string(header.subtype) + " for '" + target + "' not delivered",
+      std::string(cure_of(reason))};
   Message message;
   message.type = MessageType::information;
   message.subtype = Nack::kSubtype;
@@ -150,7 +161,9 @@ void RouterCore::nack_local(ConnectionId from, const HeaderView& header, Errc re
 }
 
 void RouterCore::nack_peer(LinkId from, const HeaderView& header, Errc reason, Effects& out) {
-  out.count((reason == Errc::source_mismatch || reason == Errc::not_permitted || reason == Errc::unknown_peer_key ? "refused." : "dropped.") +
+  out.count((reason == Errc::source_mismatch || reason == Errc::not_permitted || reason == Errc::unknown_peer_key
+                 ? "refused."
+                 : "dropped.") +
             std::string(errc_name(reason)));
   const auto at = links_.find(from);
   if (at == links_.end() || !at->second.up || header.source != at->second.peer || !deserves_nack(header)) return;

@@ -47,9 +47,12 @@ RouteTable RouterCore::route_table(Now now) const {
     const Link* link = find_link(peer.link);
     const std::string state = link != nullptr ? "ONLINE" : peer.expired || !peer.met ? "OFFLINE" : "CONNECTION_BROKEN";
     const MonotonicTime heard = link != nullptr ? link->last_heard : peer.last_heard;
-    table.routes.push_back({id, peer.certificate.role, peer.address, state, to_seconds(now.mono - heard), peer.boot, peer.link,
-                            link == nullptr ? "" : link->dialled ? config_.id : id, peer.version,
-                            peer.clock_verified ? "verified" : "unverified", peer.certificate_record, peer.profile});
+    table.routes.push_back(
+        {id, peer.certificate.role, peer.address, state, to_seconds(now.mono - heard), peer.boot, peer.link,
+         link == nullptr ? ""
+         : link->dialled ? config_.id
+                         : id,
+         peer.version, peer.clock_verified ? "verified" : "unverified", peer.certificate_record, peer.profile});
   }
   return table;
 }

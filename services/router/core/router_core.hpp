@@ -32,8 +32,8 @@ class RouterCore {
 
   /// A message of a service or probe. Refused (drop) with a reason; the caller Nacks.
   Decision route_local(ConnectionId from, const HeaderView& header);
-  /// A message that came by a link; that it came on that link's own connection is proven by the shell (socket, or routing
-  /// id and User-Id). The sequence and the source are checked here.
+  /// A message that came by a link; that it came on that link's own connection is proven by the shell (socket, or
+  /// routing id and User-Id). The sequence and the source are checked here.
   Decision route_peer(LinkId link, const HeaderView& header, Now now, Effects& out);
   /// The next sequence of a link, for a message that is about to be sent; give it back if it could not be.
   std::uint64_t take_sequence(LinkId link);
@@ -47,7 +47,9 @@ class RouterCore {
 
   void on_service_hello(ConnectionId from, const ServiceHello& hello, bool probe, Now now, Effects& out);
   void on_connection_gone(ConnectionId connection, Now now, Effects& out);
-  [[nodiscard]] std::optional<ConnectionId> holder_of(std::string_view service) const { return services_.holder(service); }
+  [[nodiscard]] std::optional<ConnectionId> holder_of(std::string_view service) const {
+    return services_.holder(service);
+  }
   [[nodiscard]] bool knows(ConnectionId connection) const { return services_.find(connection) != nullptr; }
   /// A message for the router itself, from the bus.
   void on_bus_message(ConnectionId from, const Message& message, Now now, Effects& out);
@@ -59,7 +61,8 @@ class RouterCore {
   void on_dial_connected(LinkId link, Now now, Effects& out);
   void on_link_ended(LinkId link, LinkEnd how, Now now, Effects& out);
   /// A message for the router itself, or the first one (Hello), that came by a link.
-  void on_link_message(LinkId link, BytesView key, const Message& message, std::uint64_t sequence, Now now, Effects& out);
+  void on_link_message(LinkId link, BytesView key, const Message& message, std::uint64_t sequence, Now now,
+                       Effects& out);
   void on_beacon(BytesView plain, Now now, Effects& out);
 
   [[nodiscard]] RouteTable route_table(Now now) const;

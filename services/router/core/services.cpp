@@ -5,14 +5,16 @@
 
 namespace trb::router {
 
-Result<std::uint16_t> Services::welcome(ConnectionId connection, const ServiceHello& hello, bool probe, MonotonicTime now) {
+Result<std::uint16_t> Services::welcome(ConnectionId connection, const ServiceHello& hello, bool probe,
+                                        MonotonicTime now) {
   forget(connection);
   if (connections_.size() >= kMaxConnections) return fail(Errc::queue_full, "too many connections on the bus");
   if (!probe) {
     if (holder(hello.service)) return fail(Errc::already_claimed, "service '" + hello.service + "' is running already");
     for (const std::string& subtype : hello.subtypes) {
       if (!is_valid_word(subtype)) return fail(Errc::bad_value, "subtypes: '" + subtype + "' is no word");
-      if (by_subtype(subtype)) return fail(Errc::already_claimed, "subtype '" + subtype + "' is taken by another service");
+      if (by_subtype(subtype))
+        return fail(Errc::already_claimed, "subtype '" + subtype + "' is taken by another service");
     }
   }
   do {
