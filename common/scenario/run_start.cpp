@@ -1,6 +1,7 @@
 #include "common/scenario/run_start.hpp"
 
 #include <algorithm>
+#include <limits>
 #include <set>
 
 #include "common/base/hex.hpp"
@@ -37,6 +38,16 @@ Result<std::set<std::string>> check_members(const RunStart& start) {
   }
   if (electors.empty()) return fail(Errc::bad_value, "electorate is empty");
   return ids;
+}
+
+Status check_times(const RunStart& start) {
+  constexpr std::int64_t kLongest = std::chrono::nanoseconds(std::chrono::hours(24 * 366)).count();
+  constexpr std::int64_t kLatest = std::numeric_limits<std::int64_t>::max() - 2 * kLongest;
+  if (start.created < 0 || start.created > kLatest) return fail(Errc::bad_value, "created: no time of this age");
+  if (start.expires <= start.created) return fail(Errc::bad_value, "run " + start.run + " ends before it begins");
+  if (start.expires - start.created > kLongest)
+    return fail(Errc::bad_value, "expires: more than 366 days after created");
+  return Done{};
 }
 
 Status check_assignment(const RunStart& start, const std::set<std::string>& members) {
@@ -97,7 +108,7 @@ Status check_run_start(const RunStart& start) {
   }
   const auto members = check_members(start);
   if (!members) return members.error();
-  if (start.created >= start.expires) return fail(Errc::bad_value, "run " + start.run + " ends before it begins");
+  if (auto times = check_times(start); !times) return times;
   return check_assignment(start, *members);
 }
 

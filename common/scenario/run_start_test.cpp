@@ -66,4 +66,7 @@ TEST_CASE("a start that contradicts itself is refused") {
   CHECK(changed([](RunStart& start) { start.first.robots[0] = "b"; }) == Errc::conflict);
   CHECK(changed([](RunStart& start) { start.first.epoch = 2; }) == Errc::conflict);
   CHECK(changed([](RunStart& start) { start.expires = start.created; }) == Errc::bad_value);
+  CHECK(changed([](RunStart& start) { start.expires = INT64_MAX; }) == Errc::bad_value);
+  CHECK(changed([](RunStart& start) { start.created = INT64_MAX - 1; }) == Errc::bad_value);
+  CHECK(changed([](RunStart& start) { start.created = INT64_MIN; }) == Errc::bad_value);
 }

@@ -1,0 +1,97 @@
+// SchedulerCore: the end of every step: what follows from the facts and the time.
+#include "services/scheduler/core/scheduler_core.hpp"
+#include "services/scheduler/core/view.hpp"
+
+namespace trb {
+
+using namespace scheduler;
+
+void SchedulerCore::advance(Step step) {
+  if (!last_) return;  // not yet welcome: nothing can be sent
+  last_ = step.now;
+  book_.forget(step.now.utc);
+  end_runs(step);
+  permit_attempt(step);
+  executor_.tick(step.now, step.out);
+  start_next(step);
+  for (Run* run : book_.runs()) {
+    confirm_abort(*run, step);
+    pass_on(*run, step);
+    ask_needs(*run, step);
+  }
+  for (const Inbound& message : held_.take_late(step.now.mono)) {
+    refuse(message, fail(Errc::unknown_run, "its run's definition did not come"), step);
+  }
+}
+
+void SchedulerCore::end_runs(Step step) {
+  const std::vector<Run*> runs = book_.runs();  // a copy: burying changes the list
+  for (Run* run : runs) {
+    if (run->expired(step.now.utc)) end_run(*run, step);
+  }
+}
+
+/// What is still owed of it is owed a day longer; then, or once nothing is owed, it is buried.
+void SchedulerCore::end_run(Run& run, Step step) {
+  run.duties.drop(DutyKind::baton);
+  run.needs.clear();
+  const UtcTime until = run.buried_until();
+  const bool open = !run.duties.empty() && step.now.utc < until;
+  if (open || executor_.runs(run.id())) return;
+  const JournalTombstone fact{run.id(), state_of(run, executor_, step.now.utc), until.ns};
+  step.out.record(fact);
+  step.out.log(LogLevel::info, "run_over", "run " + run.id() + ": " + std::string(name_of(fact.state)));
+  book_.bury(fact);
+}
+
+void SchedulerCore::permit_attempt(Step step) {
+  if (!executor_.attempt()) return;
+  const Run* run = book_.find(executor_.attempt()->execute.key.run);
+  if (run == nullptr) return;
+  const Permit open = run->expired(step.now.utc) ? Permit::no_more : Permit::go;
+  executor_.allow(run->aborted() ? Permit::cancel : open);
+}
+
+bool SchedulerCore::may_start(const Run& run, UtcTime now) const {
+  return !run.aborted() && !run.expired(now) && run.troubles().empty();
+}
+
+void SchedulerCore::resume_attempt() {
+  if (executor_.attempt()) return;
+  for (const Run* run : book_.runs()) {
+    if (const JournalStart* open = run->open_start()) return executor_.resume(run->attempt_for(*open));
+  }
+}
+
+void SchedulerCore::start_next(Step step) {
+  executor_.want_adapter(false);
+  if (!settings_.has_robot) return;
+  resume_attempt();
+  if (executor_.attempt()) return;
+  for (Run* run : book_.runs()) {
+    if (!may_start(*run, step.now.utc)) continue;
+    for (const TaskIndex task : run->startable()) {
+      if (executor_.obstacle(run->tasks()[task].pinned).empty()) return start(*run, task, step);
+      executor_.want_adapter(true);
+    }
+  }
+}
+
+void SchedulerCore::start(Run& run, TaskIndex task, Step step) {
+  JournalStart fact;
+  fact.key = {run.id(), run.tasks()[task].id, 1, 1};
+  fact.epoch = run.start().first.epoch;
+  fact.instance = executor_.adapter()->instance;
+  fact.time = step.now.utc.ns;
+  step.out.record(fact);
+  if (auto applied = run.apply(fact); !applied)
+    return step.out.log(LogLevel::error, "not_started", applied.error().text());
+  executor_.begin(run.attempt_for(fact), step.now, step.out);
+  tell_progress(run, fact.key, TaskState::initializing, step);
+}
+
+void SchedulerCore::tell_progress(const Run& run, const AttemptKey& key, TaskState state, Step step) {
+  for (const std::string& cloud : run.clouds()) step.out.information(cloud, TaskProgress{key, settings_.node, state});
+}
+
+}  // namespace trb

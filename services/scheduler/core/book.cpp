@@ -1,0 +1,76 @@
+#include "services/scheduler/core/book.hpp"
+
+#include <algorithm>
+#include <tuple>
+
+namespace trb::scheduler {
+
+template <class Fact>
+Status Book::apply_to(const std::string& run, const Fact& fact) {
+  Run* known = find(run);
+  if (known != nullptr) return known->apply(fact);
+  return fail(Errc::conflict, "a " + std::string(Fact::kSubtype) + " of run '" + run + "', which has no journal_run");
+}
+
+Status Book::apply_start(const JournalRun& fact) {
+  auto run = open(fact.start);
+  if (!run) return run.error();
+  Run* known = find(run->id());
+  return (known != nullptr ? *known : add(std::move(*run))).apply(fact);
+}
+
+Status Book::apply(const Body& fact) {
+  return std::visit(Overloaded{
+                        [&](const JournalRun& is) { return apply_start(is); },
+                        [&](const JournalStart& is) { return apply_to(is.key.run, is); },
+                        [&](const JournalResult& is) -> Status {
+                          const auto result = decode<TaskResult>(is.result.payload.bytes);
+                          return result ? apply_to(result->key.run, is) : Status(result.error());
+                        },
+                        [&](const JournalDelivered& is) { return apply_to(is.run, is); },
+                        [&](const JournalAbort& is) -> Status {
+                          const auto order = decode<AbortOrder>(is.order.payload.bytes);
+                          return order ? apply_to(order->run, is) : Status(order.error());
+                        },
+                        [&](const JournalTombstone& is) -> Status {
+                          bury(is);
+                          return Done{};
+                        },
+                        [](const auto& other) -> Status {
+                          return fail(Errc::bad_value,
+                                      "'" + std::string(subtype_of(Body(other))) + "' is no journal record");
+                        },
+                    },
+                    fact);
+}
+
+Run& Book::add(Run run) {
+  const std::string id = run.id();
+  Run& added = runs_.emplace(id, std::move(run)).first->second;
+  const auto age = [](const Run* one) { return std::tie(one->start().created, one->id()); };
+  const auto place = std::lower_bound(by_age_.begin(), by_age_.end(), &added,
+                                      [&](const Run* a, const Run* b) { return age(a) < age(b); });
+  by_age_.insert(place, &added);
+  return added;
+}
+
+Run* Book::find(const std::string& run) {
+  const auto found = runs_.find(run);
+  return found == runs_.end() ? nullptr : &found->second;
+}
+
+void Book::bury(const JournalTombstone& tombstone) {
+  std::erase_if(by_age_, [&](const Run* run) { return run->id() == tombstone.run; });
+  runs_.erase(tombstone.run);
+  tombstones_[tombstone.run] = tombstone;
+  if (tombstones_.size() <= kMaxTombstones) return;
+  tombstones_.erase(std::min_element(tombstones_.begin(), tombstones_.end(), [](const auto& a, const auto& b) {
+    return std::tie(a.second.until, a.first) < std::tie(b.second.until, b.first);
+  }));
+}
+
+void Book::forget(UtcTime now) {
+  std::erase_if(tombstones_, [&](const auto& tombstone) { return tombstone.second.until <= now.ns; });
+}
+
+}  // namespace trb::scheduler

@@ -1,0 +1,49 @@
+// Every run that this node knows, and the tombstones of those that are over.
+#pragma once
+
+#include <map>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "proto/body.hpp"
+#include "services/scheduler/core/run.hpp"
+
+namespace trb::scheduler {
+
+class Book {
+ public:
+  static constexpr std::size_t kMaxRuns = 256;
+  static constexpr std::size_t kMaxTombstones = 4096;
+
+  Book(std::string self, FleetAuthority authority) : self_(std::move(self)), authority_(std::move(authority)) {}
+
+  /// Takes a journaled fact in, in order. Errors: bad_value, conflict, those of Run::open: the journal is not this
+  /// node's.
+  Status apply(const Body& fact);
+
+  [[nodiscard]] Result<Run> open(const SignedRecord& start) const { return Run::open(start, authority_, self_); }
+  Run& add(Run run);
+  [[nodiscard]] bool full() const { return runs_.size() >= kMaxRuns; }
+  Run* find(const std::string& run);
+  /// Oldest first.
+  [[nodiscard]] const std::vector<Run*>& runs() const { return by_age_; }
+
+  [[nodiscard]] bool is_over(const std::string& run) const { return tombstones_.contains(run); }
+  void bury(const JournalTombstone& tombstone);
+  /// Forgets tombstones whose time has come.
+  void forget(UtcTime now);
+
+ private:
+  Status apply_start(const JournalRun& fact);
+  template <class Fact>
+  Status apply_to(const std::string& run, const Fact& fact);
+
+  std::string self_;
+  FleetAuthority authority_;
+  std::map<std::string, Run> runs_;
+  std::vector<Run*> by_age_;
+  std::map<std::string, JournalTombstone> tombstones_;
+};
+
+}  // namespace trb::scheduler

@@ -1,0 +1,86 @@
+#include "services/scheduler/core/duties.hpp"
+
+#include <algorithm>
+
+namespace trb::scheduler {
+
+bool BackOff::slow() const {
+  return wait_ >= seconds(0.8);
+}
+
+void BackOff::sent(MonotonicTime now) {
+  next_ = now + wait_;
+  wait_ = std::min(wait_ * 2, seconds(2));
+}
+
+void Duties::owe(DutyKind kind, const std::string& to, const std::vector<TaskIndex>& tasks) {
+  const bool owed = std::any_of(open_.begin(), open_.end(), [&](const Duty& duty) {
+    return duty.kind == kind && duty.to == to && duty.tasks == tasks;
+  });
+  if (!owed) open_.push_back({kind, to, tasks, {}});
+}
+
+bool Duties::settle_one(DutyKind kind, const std::string& to, const std::vector<TaskIndex>& tasks) {
+  return std::erase_if(open_,
+                       [&](const Duty& duty) { return duty.kind == kind && duty.to == to && duty.tasks == tasks; }) > 0;
+}
+
+bool Duties::settle(DutyKind kind, const std::string& to, const std::vector<TaskIndex>& tasks) {
+  if (kind != DutyKind::results) return settle_one(kind, to, tasks);
+  bool any = false;
+  for (const TaskIndex task : tasks) any = settle_one(kind, to, {task}) || any;
+  return any;
+}
+
+void Duties::drop(DutyKind kind) {
+  std::erase_if(open_, [&](const Duty& duty) { return duty.kind == kind; });
+}
+
+void Duties::drop(DutyKind kind, const std::string& to) {
+  std::erase_if(open_, [&](const Duty& duty) { return duty.kind == kind && duty.to == to; });
+}
+
+Duty Duties::gather_results(const std::string& to, MonotonicTime now) {
+  Duty all{DutyKind::results, to, {}, {}};
+  for (Duty& duty : open_) {
+    const bool taken = duty.kind == DutyKind::results && duty.to == to && (duty.timer.due(now) || duty.timer.slow());
+    if (!taken) continue;
+    all.tasks.insert(all.tasks.end(), duty.tasks.begin(), duty.tasks.end());
+    duty.timer.sent(now);
+  }
+  return all;
+}
+
+std::vector<Duty> Duties::take_due(MonotonicTime now) {
+  std::vector<Duty> out;
+  for (Duty& duty : open_) {
+    if (!duty.timer.due(now)) continue;
+    if (duty.kind == DutyKind::results) {
+      out.push_back(gather_results(duty.to, now));
+    } else {
+      duty.timer.sent(now);
+      out.push_back(duty);
+    }
+  }
+  return out;
+}
+
+void Duties::restart() {
+  for (Duty& duty : open_) duty.timer.restart();
+}
+
+std::optional<MonotonicTime> Duties::next() const {
+  std::optional<MonotonicTime> out;
+  for (const Duty& duty : open_) out = earlier(out, duty.timer.next());
+  return out;
+}
+
+std::vector<std::string> Duties::creditors(DutyKind kind) const {
+  std::vector<std::string> out;
+  for (const Duty& duty : open_) {
+    if (duty.kind == kind && std::find(out.begin(), out.end(), duty.to) == out.end()) out.push_back(duty.to);
+  }
+  return out;
+}
+
+}  // namespace trb::scheduler

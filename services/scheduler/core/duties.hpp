@@ -1,0 +1,69 @@
+// What this node owes to others until they say that they have journaled it.
+#pragma once
+
+#include <limits>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/base/time.hpp"
+#include "common/scenario/graph.hpp"
+
+namespace trb::scheduler {
+
+/// When to send again: at once, then after 0.2 s, doubled up to 2 s.
+class BackOff {
+ public:
+  [[nodiscard]] bool due(MonotonicTime now) const { return next_ <= now; }
+  [[nodiscard]] MonotonicTime next() const { return next_; }
+  /// True once it has been sent twice in vain: the other side is likely away.
+  [[nodiscard]] bool slow() const;
+  void sent(MonotonicTime now);
+  void restart() { *this = BackOff{}; }
+
+ private:
+  MonotonicTime next_{std::numeric_limits<std::int64_t>::min()};
+  Duration wait_ = seconds(0.2);
+};
+
+enum class DutyKind : std::uint8_t { baton = 0, results, abort };
+constexpr auto enum_names(DutyKind) {
+  return std::array<std::string_view, 3>{"baton", "results", "abort"};
+}
+
+struct Duty {
+  DutyKind kind{};
+  std::string to;
+  std::vector<TaskIndex> tasks;  ///< baton: those it is for; results: those that ended; abort: none
+  BackOff timer;
+};
+
+class Duties {
+ public:
+  /// No effect if it is owed already. Results are owed task by task.
+  void owe(DutyKind kind, const std::string& to, const std::vector<TaskIndex>& tasks);
+  /// The other side has journaled it; false if it was not owed (late or repeated). Results may be settled in any
+  /// portion.
+  bool settle(DutyKind kind, const std::string& to, const std::vector<TaskIndex>& tasks);
+  void drop(DutyKind kind);
+  void drop(DutyKind kind, const std::string& to);
+
+  /// What is to be sent now; it is taken as sent. Results for one node are put together: those due, and with them those
+  /// that wait for a node which has been away.
+  std::vector<Duty> take_due(MonotonicTime now);
+  /// Everything is due again: after a restart of this service or its router.
+  void restart();
+
+  [[nodiscard]] bool empty() const { return open_.empty(); }
+  [[nodiscard]] std::optional<MonotonicTime> next() const;
+  /// To whom something of that kind is owed, in order of owing.
+  [[nodiscard]] std::vector<std::string> creditors(DutyKind kind) const;
+
+ private:
+  bool settle_one(DutyKind kind, const std::string& to, const std::vector<TaskIndex>& tasks);
+  Duty gather_results(const std::string& to, MonotonicTime now);
+
+  std::vector<Duty> open_;
+};
+
+}  // namespace trb::scheduler

@@ -1,0 +1,176 @@
+#include "services/scheduler/core/executor.hpp"
+
+#include <algorithm>
+
+#include "common/base/errc.hpp"
+#include "proto/body.hpp"
+
+namespace trb::scheduler {
+namespace {
+
+constexpr Duration kQuestion = std::chrono::seconds(1);
+constexpr Duration kRunningQuestion = std::chrono::seconds(5);  // only finds a restart whose word was lost
+constexpr Duration kSign = std::chrono::seconds(2);
+
+/// Refusals that pass: the attempt was not begun, and may be commanded again later.
+constexpr Errc kPassing[] = {
+    Errc::busy,         Errc::fenced,         Errc::robot_offline,    Errc::timeout,
+    Errc::expired,      Errc::queue_full,     Errc::no_service,       Errc::unknown_target,
+    Errc::peer_expired, Errc::stale_instance, Errc::peer_unreachable, Errc::no_field_channel,
+};
+
+bool passes(const std::string& code) {
+  return std::any_of(std::begin(kPassing), std::end(kPassing), [&](Errc one) { return errc_name(one) == code; });
+}
+
+}  // namespace
+
+std::string Executor::obstacle(bool pinned) const {
+  if (!adapter_) return "its mode-adapter has not been heard";
+  if (adapter_->robot != "ONLINE") return "the robot is " + (adapter_->robot.empty() ? "not there" : adapter_->robot);
+  if (adapter_->fenced && !pinned) return "the robot is stopped until 'release'";
+  if (adapter_->busy) return "the robot is busy";
+  return {};
+}
+
+void Executor::welcome(Now now, Outbox& out) {
+  adapter_.reset();
+  next_state_request_ = now.mono + kQuestion;
+  out.request(node_, AdapterStateRequest{});
+  if (!attempt_) return;
+  attempt_->next = now.mono;
+  attempt_->next_cancel = now.mono;
+}
+
+void Executor::begin(Attempt attempt, Now now, Outbox& out) {
+  attempt_ = std::move(attempt);
+  attempt_->next_cancel = now.mono;
+  command(now, out);
+}
+
+void Executor::resume(Attempt attempt) {
+  attempt_ = std::move(attempt);
+  attempt_->phase = Phase::commanded;  // ask first: only `unknown` permits another Execute
+}
+
+void Executor::command(Now now, Outbox& out) {
+  attempt_->phase = Phase::commanded;
+  attempt_->next = now.mono + kQuestion;
+  out.command(node_, attempt_->execute, 0);
+}
+
+void Executor::command_if_possible(Now now, Outbox& out) {
+  if (attempt_->permit != Permit::go) return;
+  if (obstacle(attempt_->pinned).empty()) {
+    command(now, out);
+  } else {
+    attempt_->phase = Phase::refused;
+  }
+}
+
+void Executor::allow(Permit permit) {
+  if (!attempt_) return;
+  attempt_->permit = permit;
+  // What was refused will not be commanded again; whether it has begun all the same, its `unknown` will tell.
+  if (permit != Permit::go && attempt_->phase == Phase::refused) attempt_->phase = Phase::commanded;
+}
+
+void Executor::ask(Now now, Outbox& out) {
+  attempt_->next = now.mono + (attempt_->phase == Phase::running ? kRunningQuestion : kQuestion);
+  out.request(node_, ExecutionQuery{attempt_->execute.key});
+}
+
+void Executor::interrupt_if_other(std::uint64_t instance, Now now, Outbox& out) {
+  if (!attempt_ || attempt_->phase == Phase::signing || instance == attempt_->execute.instance) return;
+  end(TaskOutcome::interrupted, "the mode-adapter was started anew, nobody knows whether the task was done", now, out);
+}
+
+void Executor::on(const AdapterState& state, Now now, Outbox& out) {
+  adapter_ = state;
+  interrupt_if_other(state.instance, now, out);
+  if (attempt_ && attempt_->phase == Phase::refused) command_if_possible(now, out);
+}
+
+void Executor::on(const ExecutionState& state, Now now, Outbox& out) {
+  interrupt_if_other(state.instance, now, out);
+  if (attempt_->phase == Phase::signing) return;
+  if (state.state == "running") {
+    attempt_->phase = Phase::running;
+    attempt_->next = now.mono + kRunningQuestion;
+  } else if (attempt_->permit != Permit::go) {
+    end(TaskOutcome::retriable, "the run ended before it was begun", now, out);
+  } else if (attempt_->phase == Phase::commanded) {
+    command_if_possible(now, out);
+  }
+}
+
+void Executor::on(const Outcome& outcome, Now now, Outbox& out) {
+  if (attempt_->phase == Phase::signing) return;
+  if (adapter_ && adapter_->instance == outcome.instance) adapter_->busy = false;
+  attempt_->result.data = outcome.data;
+  attempt_->result.duration_s = outcome.duration_s;
+  end(outcome.outcome, outcome.reason, now, out);
+}
+
+void Executor::on_refusal(const Nack& nack, Now now, Outbox& out) {
+  if (!attempt_ || attempt_->phase != Phase::commanded) return;
+  if (!passes(nack.code)) {
+    end(TaskOutcome::failed, nack.code + ": " + nack.what, now, out);
+    return;
+  }
+  // Which instance refused is asked: another than the start record's makes the attempt interrupted.
+  if (attempt_->permit == Permit::go) attempt_->phase = Phase::refused;
+  adapter_.reset();
+  next_state_request_ = std::max(next_state_request_, now.mono);
+}
+
+void Executor::end(TaskOutcome outcome, std::string reason, Now now, Outbox& out) {
+  attempt_->result.outcome = outcome;
+  attempt_->result.reason = reason.substr(0, 1024);
+  attempt_->result.ended = now.utc.ns;
+  attempt_->phase = Phase::signing;
+  attempt_->payload = encode(attempt_->result);
+  sign(now, out);
+}
+
+void Executor::sign(Now now, Outbox& out) {
+  attempt_->next = now.mono + kSign;
+  out.request(node_, SignRequest{std::string(kSignedResult), {attempt_->payload}});
+}
+
+void Executor::done(Outbox& out) {
+  out.information(node_, OutcomeJournaled{attempt_->execute.key});
+  attempt_.reset();
+}
+
+void Executor::tick(Now now, Outbox& out) {
+  const bool waits = wanted_ || (attempt_ && attempt_->phase == Phase::refused);
+  if (waits && next_state_request_ <= now.mono) {
+    next_state_request_ = now.mono + kQuestion;
+    out.request(node_, AdapterStateRequest{});
+  }
+  if (!attempt_) return;
+  const bool cancel = attempt_->permit == Permit::cancel && attempt_->phase != Phase::signing;
+  if (cancel && attempt_->next_cancel <= now.mono) {
+    attempt_->next_cancel = now.mono + kQuestion;
+    out.command(node_, CancelExecution{attempt_->execute.key, "the run is aborted"});
+  }
+  if (attempt_->next > now.mono || attempt_->phase == Phase::refused) return;
+  if (attempt_->phase == Phase::signing) {
+    sign(now, out);
+  } else {
+    ask(now, out);
+  }
+}
+
+std::optional<MonotonicTime> Executor::next_deadline() const {
+  std::optional<MonotonicTime> out;
+  if (wanted_ || (attempt_ && attempt_->phase == Phase::refused)) out = next_state_request_;
+  if (!attempt_) return out;
+  if (attempt_->phase != Phase::refused) out = earlier(out, attempt_->next);
+  if (attempt_->permit == Permit::cancel && attempt_->phase != Phase::signing)
+    out = earlier(out, attempt_->next_cancel);
+  return out;
+}
+
+}  // namespace trb::scheduler

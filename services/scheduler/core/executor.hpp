@@ -1,0 +1,75 @@
+// The robot side: one attempt at a time, from its start record to its signed result.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "common/actor/outbox.hpp"
+#include "common/base/time.hpp"
+
+namespace trb::scheduler {
+
+/// `commanded`: Execute is out and unanswered. `refused`: the mode-adapter would not begin, for now. `signing`: it has
+/// ended, the router is asked to sign the result.
+enum class Phase : std::uint8_t { commanded = 0, running, refused, signing };
+
+/// What the run allows the attempt: `no_more` (expired): end what runs, begin nothing. `cancel` (aborted): stop it.
+enum class Permit : std::uint8_t { go = 0, no_more, cancel };
+
+struct Attempt {
+  Execute execute;
+  TaskResult result;  ///< filled in to the end that is known so far
+  bool pinned = false;
+  Phase phase{};
+  Permit permit{};
+  MonotonicTime next{};  ///< of the question or resend that the phase asks for
+  MonotonicTime next_cancel{};
+  Bytes payload;  ///< signing: what the router was asked to sign
+};
+
+class Executor {
+ public:
+  explicit Executor(std::string node) : node_(std::move(node)) {}
+
+  [[nodiscard]] const std::optional<Attempt>& attempt() const { return attempt_; }
+  [[nodiscard]] bool runs(const std::string& run) const { return attempt_ && attempt_->execute.key.run == run; }
+  [[nodiscard]] const std::optional<AdapterState>& adapter() const { return adapter_; }
+  /// Why nothing can begin now, for a person; empty: it can.
+  [[nodiscard]] std::string obstacle(bool pinned) const;
+
+  /// The service has come (back) to its router: nothing is known of the mode-adapter, everything is asked again.
+  void welcome(Now now, Outbox& out);
+  /// Begins an attempt whose start record is journaled in the same step.
+  void begin(Attempt attempt, Now now, Outbox& out);
+  /// Takes up an attempt whose start record was found: it may or may not have been commanded.
+  void resume(Attempt attempt);
+  void allow(Permit permit);
+  /// A task waits for the mode-adapter: ask for its state now and then.
+  void want_adapter(bool wanted) { wanted_ = wanted; }
+
+  void on(const AdapterState& state, Now now, Outbox& out);
+  void on(const ExecutionState& state, Now now, Outbox& out);
+  void on(const Outcome& outcome, Now now, Outbox& out);
+  void on_refusal(const Nack& nack, Now now, Outbox& out);
+  /// The signed result is journaled in the same step.
+  void done(Outbox& out);
+
+  void tick(Now now, Outbox& out);
+  [[nodiscard]] std::optional<MonotonicTime> next_deadline() const;
+
+ private:
+  void command(Now now, Outbox& out);
+  void command_if_possible(Now now, Outbox& out);
+  void ask(Now now, Outbox& out);
+  void end(TaskOutcome outcome, std::string reason, Now now, Outbox& out);
+  void sign(Now now, Outbox& out);
+  void interrupt_if_other(std::uint64_t instance, Now now, Outbox& out);
+
+  std::string node_;
+  std::optional<AdapterState> adapter_;
+  std::optional<Attempt> attempt_;
+  bool wanted_ = false;
+  MonotonicTime next_state_request_{};
+};
+
+}  // namespace trb::scheduler

@@ -1,0 +1,82 @@
+// SchedulerCore: what the own node says: its mode-adapter, its router's signatures, and what could not be delivered.
+#include "services/scheduler/core/scheduler_core.hpp"
+
+namespace trb {
+
+using namespace scheduler;
+
+namespace {
+
+Error not_own(const Inbound& from) {
+  return fail(Errc::not_permitted, "'" + from.source + "' is another node: only the own one says that");
+}
+
+}  // namespace
+
+void SchedulerCore::handle(const AdapterState& body, const Inbound& from, Step step) {
+  if (from.source != settings_.node) return refuse(from, not_own(from), step);
+  executor_.on(body, step.now, step.out);
+}
+
+void SchedulerCore::handle(const ExecutionState& body, const Inbound& from, Step step) {
+  if (from.source != settings_.node) return refuse(from, not_own(from), step);
+  const auto& attempt = executor_.attempt();
+  if (!attempt || attempt->execute.key != body.key) return step.out.count("late.execution_state");
+  const Phase before = attempt->phase;
+  executor_.on(body, step.now, step.out);
+  const Run* run = book_.find(body.key.run);
+  const bool began = before != Phase::running && executor_.attempt()->phase == Phase::running;
+  if (began && run != nullptr) tell_progress(*run, body.key, TaskState::running, step);
+}
+
+void SchedulerCore::handle(const Outcome& body, const Inbound& from, Step step) {
+  if (from.source != settings_.node) return refuse(from, not_own(from), step);
+  const bool ended = body.outcome != TaskOutcome::none && body.outcome != TaskOutcome::skipped;
+  if (!ended) return refuse(from, fail(Errc::bad_value, "an outcome that is none"), step);
+  const auto& attempt = executor_.attempt();
+  if (attempt && attempt->execute.key == body.key) return executor_.on(body, step.now, step.out);
+  const Run* run = book_.find(body.key.run);
+  const auto task = run == nullptr ? std::nullopt : run->index_of(body.key.task);
+  const bool held = task && run->results().holds(*task, body.key);
+  if (!held)
+    step.out.log(LogLevel::warning, "outcome_of_no_attempt", "task '" + body.key.task + "' of run " + body.key.run);
+  step.out.count(held ? "late.outcome" : "refused.outcome.unknown_run");
+  // Whether its result is held or no run wants it: the mode-adapter need not tell it again.
+  step.out.information(settings_.node, OutcomeJournaled{body.key});
+}
+
+void SchedulerCore::handle(const SignedRecord& body, const Inbound& from, Step step) {
+  if (from.source != settings_.node) return refuse(from, not_own(from), step);
+  const auto& attempt = executor_.attempt();
+  const bool asked = attempt && attempt->phase == Phase::signing && body.kind == kSignedResult &&
+                     body.payload.bytes == attempt->payload;
+  if (!asked) return step.out.count("late.signed_record");
+  Run* run = book_.find(attempt->execute.key.run);
+  if (run == nullptr) return refuse(from, fail(Errc::unknown_run, "a signed result of no run"), step);
+  auto held = run->check_result(body);
+  if (!held) {
+    step.out.log(LogLevel::error, "own_signature_wrong", held.error().text());
+    return refuse(from, held.error(), step);
+  }
+  keep_result(*run, std::move(*held), step);
+  executor_.done(step.out);
+}
+
+void SchedulerCore::handle(const Nack& body, const Inbound& from, Step step) {
+  step.out.count("nacked." + body.subtype + "." + body.code);
+  if (from.source == settings_.node && body.subtype == Execute::kSubtype) {
+    return executor_.on_refusal(body, step.now, step.out);
+  }
+  if (from.source == settings_.node && body.subtype == SignRequest::kSubtype) {
+    return step.out.log(LogLevel::error, "not_signed", body.code + ": " + body.what);
+  }
+  // A peer has buried the run and will never journal what it is owed. Its clock alone is not believed.
+  if (body.code != errc_name(Errc::expired)) return;
+  for (Run* run : book_.runs()) {
+    const bool over = run->expired(step.now.utc) && body.what.find(run->id()) != std::string::npos;
+    if (over && body.subtype == Results::kSubtype) run->duties.drop(DutyKind::results, from.source);
+    if (over && body.subtype == RunAbort::kSubtype) run->duties.drop(DutyKind::abort, from.source);
+  }
+}
+
+}  // namespace trb

@@ -1,0 +1,103 @@
+// SchedulerCore: how a run becomes known: submitted here, or by a baton and its definition.
+#include "common/scenario/graph.hpp"
+#include "services/scheduler/core/scheduler_core.hpp"
+
+namespace trb {
+
+using namespace scheduler;
+
+void SchedulerCore::handle(const RunSubmit& body, const Inbound& from, Step step) {
+  if (from.source != settings_.node) {
+    return refuse(from, fail(Errc::not_permitted, "a run is submitted on the submitter's own node"), step);
+  }
+  auto run = book_.open(body.start);
+  if (!run) return refuse(from, run.error(), step);
+  const std::string id = run->id();
+  Run* known = book_.find(id);
+  if (book_.is_over(id)) return refuse(from, fail(Errc::expired, "run " + id + " is over"), step);
+  if (known != nullptr && known->record().payload != body.start.payload) {
+    return refuse(from, fail(Errc::conflict, "run " + id + " is known with another start", "draw a new run id"), step);
+  }
+  if (known == nullptr) {
+    if (run->expired(step.now.utc)) return refuse(from, fail(Errc::expired, "run " + id + " has expired"), step);
+    if (book_.full())
+      return refuse(from, fail(Errc::queue_full, "256 runs are known here", "wait for one to expire"), step);
+    install(std::move(*run), body.start, true, step);
+  } else if (!known->submitted_here()) {
+    const JournalRun fact{known->record(), true};
+    step.out.record(fact);
+    if (auto applied = known->apply(fact); !applied) return refuse(from, applied.error(), step);
+  }
+  step.out.reply(from, RunAccepted{id});
+}
+
+Status SchedulerCore::check_baton(const Run& run, const Baton& baton, Step step) const {
+  const std::string name = "run " + run.id() + ": baton: ";
+  if (baton.digest != run.start().digest) return fail(Errc::conflict, name + "of another definition");
+  if (baton.epoch != run.start().first.epoch) return fail(Errc::conflict, name + "of another epoch");
+  if (run.expired(step.now.utc)) return fail(Errc::expired, name + "the run has expired");
+  for (const TaskIndex task : baton.tasks) {
+    if (task >= run.tasks().size() || run.robot_of(task) != settings_.node) {
+      return fail(Errc::bad_value, name + "task " + std::to_string(task) + " is not for '" + settings_.node + "'");
+    }
+  }
+  return Done{};
+}
+
+void SchedulerCore::handle(const Baton& body, const Inbound& from, Step step) {
+  Run* run = run_or_hold(body.run, body.digest, from, step);
+  if (run == nullptr) return;
+  if (auto checked = check_baton(*run, body, step); !checked) return refuse(from, checked.error(), step);
+  const auto bits = from_bitmap(body.final_tasks.bytes, run->tasks().size());
+  if (!bits) return refuse(from, bits.error(), step);
+  std::vector<HeldResult> results;
+  for (const SignedRecord& record : body.results) {
+    auto held = run->check_result(record);
+    if (!held) return refuse(from, held.error(), step);
+    results.push_back(std::move(*held));
+  }
+  for (HeldResult& held : results) keep_result(*run, std::move(held), step);
+  step.out.information(from.source, BatonJournaled{body.run, body.epoch, body.tasks});
+  if (run->aborted()) return;
+  run->hear(*bits);
+  run->note_needs(from.source);
+}
+
+void SchedulerCore::handle(const BatonJournaled& body, const Inbound& from, Step step) {
+  Run* run = run_for(body.run, from, step);
+  if (run == nullptr) return;
+  if (body.epoch != run->start().first.epoch) {
+    return refuse(from, fail(Errc::conflict, "run " + body.run + ": of another epoch"), step);
+  }
+  delivered(*run, DutyKind::baton, from, body.tasks, step);
+}
+
+void SchedulerCore::handle(const NeedDefinition& body, const Inbound& from, Step step) {
+  const Run* run = run_for(body.run, from, step);
+  if (run == nullptr) return;
+  if (!body.digest.bytes.empty() && body.digest != run->start().digest) {
+    return refuse(from, fail(Errc::conflict, "run " + body.run + " has another definition"), step);
+  }
+  step.out.reply(from, Definition{run->record()});
+}
+
+void SchedulerCore::handle(const Definition& body, const Inbound& from, Step step) {
+  const auto claimed = decode<RunStart>(body.start.payload.bytes);
+  if (!claimed || !held_.waits(claimed->run, from.source)) {
+    return refuse(from, fail(Errc::unknown_run, "a definition that nothing waits for"), step);
+  }
+  auto run = book_.open(body.start);
+  if (run && run->expired(step.now.utc)) run = fail(Errc::expired, "run " + claimed->run + " has expired");
+  if (run && book_.full()) run = fail(Errc::queue_full, "256 runs are known here");
+  if (!run) {
+    step.out.log(LogLevel::warning, "definition_refused", "from '" + from.source + "': " + run.error().text());
+    for (const Inbound& message : held_.take(claimed->run, from.source)) refuse(message, run.error(), step);
+    return;
+  }
+  const std::string id = run->id();
+  install(std::move(*run), body.start, false, step);
+  // Nothing starts before the step's end: an abort among them comes before any start.
+  for (const Inbound& message : held_.take(id)) dispatch(message, step);
+}
+
+}  // namespace trb

@@ -1,0 +1,92 @@
+#include "services/scheduler/core/results.hpp"
+
+#include <algorithm>
+#include <tuple>
+
+namespace trb::scheduler {
+namespace {
+
+auto rank(const HeldResult& held) {
+  return std::tie(held.result.key.iteration, held.result.key.attempt, held.record.payload.bytes);
+}
+
+bool before(const HeldResult& a, const HeldResult& b) {
+  return rank(a) < rank(b);
+}
+
+}  // namespace
+
+bool is_final(TaskOutcome outcome) {
+  return outcome == TaskOutcome::finished || outcome == TaskOutcome::skipped;
+}
+
+bool ResultSet::add(TaskIndex task, HeldResult result) {
+  auto& list = by_task_[task];
+  const auto place = std::lower_bound(list.begin(), list.end(), result, before);
+  if (place != list.end() && rank(*place) == rank(result)) return false;
+  const auto index = static_cast<std::size_t>(place - list.begin());
+  if (index >= kMaxPerTask) return false;
+  list.insert(place, std::move(result));
+  if (list.size() > kMaxPerTask) list.pop_back();
+  return true;
+}
+
+void ResultSet::join(const ResultSet& other) {
+  for (const auto& [task, list] : other.by_task_) {
+    for (const HeldResult& held : list) add(task, held);
+  }
+}
+
+const HeldResult* ResultSet::of(TaskIndex task) const {
+  const auto found = by_task_.find(task);
+  if (found == by_task_.end()) return nullptr;
+  const auto& list = found->second;
+  const auto first_final =
+      std::find_if(list.begin(), list.end(), [](const HeldResult& held) { return is_final(held.result.outcome); });
+  return first_final != list.end() ? &*first_final : &list.back();
+}
+
+bool ResultSet::has_final(TaskIndex task) const {
+  const HeldResult* held = of(task);
+  return held != nullptr && is_final(held->result.outcome);
+}
+
+bool ResultSet::holds(TaskIndex task, const AttemptKey& key) const {
+  const auto found = by_task_.find(task);
+  if (found == by_task_.end()) return false;
+  return std::any_of(found->second.begin(), found->second.end(),
+                     [&](const HeldResult& held) { return held.result.key == key; });
+}
+
+bool ResultSet::finished_twice(TaskIndex task) const {
+  const auto found = by_task_.find(task);
+  if (found == by_task_.end()) return false;
+  std::map<std::uint32_t, int> finished;
+  for (const HeldResult& held : found->second) {
+    if (held.result.outcome == TaskOutcome::finished && ++finished[held.result.key.iteration] > 1) return true;
+  }
+  return false;
+}
+
+std::vector<bool> ResultSet::final_tasks(std::size_t tasks) const {
+  std::vector<bool> out(tasks, false);
+  for (const auto& [task, list] : by_task_) out[task] = has_final(task);
+  return out;
+}
+
+std::vector<TaskIndex> ResultSet::tasks() const {
+  std::vector<TaskIndex> out;
+  for (const auto& [task, list] : by_task_) out.push_back(task);
+  return out;
+}
+
+bool ResultSet::operator==(const ResultSet& other) const {
+  const auto same = [](const HeldResult& a, const HeldResult& b) { return a.record == b.record; };
+  return std::equal(by_task_.begin(), by_task_.end(), other.by_task_.begin(), other.by_task_.end(),
+                    [&](const auto& a, const auto& b) {
+                      return a.first == b.first &&
+                             std::equal(a.second.begin(), a.second.end(), b.second.begin(), b.second.end(), same);
+                    });
+}
+
+}  // namespace trb::scheduler

@@ -1,0 +1,204 @@
+#include "services/scheduler/core/run.hpp"
+
+#include <algorithm>
+
+#include "common/scenario/run_start.hpp"
+#include "proto/body.hpp"
+
+namespace trb::scheduler {
+namespace {
+
+const Member* find_member(const RunStart& start, const std::string& id) {
+  const auto found =
+      std::find_if(start.members.begin(), start.members.end(), [&](const Member& member) { return member.id == id; });
+  return found == start.members.end() ? nullptr : &*found;
+}
+
+Result<Certificate> open_member(const Member& member, const FleetAuthority& authority) {
+  auto certificate = open_certificate_any_time(member.certificate, authority);
+  if (!certificate) return certificate;
+  if (certificate->id != member.id) {
+    return fail(Errc::source_mismatch, "member '" + member.id + "' has the certificate of '" + certificate->id + "'");
+  }
+  return certificate;
+}
+
+Result<RunStart> open_signed_start(const SignedRecord& record, const FleetAuthority& authority) {
+  const auto claimed = decode<RunStart>(record.payload.bytes);
+  if (!claimed) return claimed.error();
+  if (record.signer != claimed->submitter) {
+    return fail(Errc::source_mismatch, "run_start signed by '" + record.signer + "', not by its submitter");
+  }
+  const Member* submitter = find_member(*claimed, record.signer);
+  if (submitter == nullptr)
+    return fail(Errc::not_permitted, "submitter '" + record.signer + "' is no member of the run");
+  const auto certificate = open_member(*submitter, authority);
+  if (!certificate) return certificate.error();
+  return open_record<RunStart>(record, kSignedRunStart, *certificate);
+}
+
+}  // namespace
+
+Result<Run> Run::open(const SignedRecord& record, const FleetAuthority& authority, const std::string& self) {
+  auto start = open_signed_start(record, authority);
+  if (!start) return start.error();
+  if (auto checked = check_run_start(*start); !checked) return checked.error();
+  Run run;
+  run.self_ = self;
+  run.record_ = record;
+  run.start_ = std::move(*start);
+  if (auto members = run.open_members(authority); !members) return members.error();
+  if (!run.is_member(self)) return fail(Errc::bad_value, "node '" + self + "' is no member of run " + run.id());
+  run.index_tasks();
+  return run;
+}
+
+Status Run::open_members(const FleetAuthority& authority) {
+  for (const Member& member : start_.members) {
+    auto certificate = open_member(member, authority);
+    if (!certificate) return certificate.error();
+    members_.emplace(member.id, std::move(*certificate));
+  }
+  for (std::size_t i = 0; i < tasks().size(); ++i) {
+    if (may_sign(members_.at(start_.first.robots[i]).role, kSignedResult)) continue;
+    return fail(Errc::bad_value, "task '" + tasks()[i].id + "' is assigned to '" + start_.first.robots[i] +
+                                     "', which is no robot's node");
+  }
+  return Done{};
+}
+
+void Run::index_tasks() {
+  heard_.assign(tasks().size(), false);
+  successors_ = successors_of(start_.scenario);
+  for (std::size_t i = 0; i < tasks().size(); ++i) {
+    const auto task = static_cast<TaskIndex>(i);
+    index_.emplace(tasks()[i].id, task);
+    if (robot_of(task) == self_) own_tasks_.push_back(task);
+  }
+}
+
+std::optional<TaskIndex> Run::index_of(const std::string& task) const {
+  const auto found = index_.find(task);
+  if (found == index_.end()) return std::nullopt;
+  return found->second;
+}
+
+std::vector<std::string> Run::clouds() const {
+  std::vector<std::string> out;
+  for (const Member& member : start_.members) {
+    if (member.id != self_ && members_.at(member.id).role == Role::cloud) out.push_back(member.id);
+  }
+  return out;
+}
+
+Result<HeldResult> Run::check_result(const SignedRecord& record) const {
+  const auto signer = members_.find(record.signer);
+  if (signer == members_.end()) {
+    return fail(Errc::not_permitted, "run " + id() + ": '" + record.signer + "' is no member");
+  }
+  auto result = open_record<TaskResult>(record, kSignedResult, signer->second);
+  if (!result) return result.error();
+  const auto task = index_of(result->key.task);
+  const std::string name = "run " + id() + ": result of task '" + result->key.task + "': ";
+  if (result->key.run != id() || result->digest != start_.digest) return fail(Errc::conflict, name + "of another run");
+  if (result->epoch != start_.first.epoch) return fail(Errc::conflict, name + "of another epoch");
+  if (!task) return fail(Errc::bad_value, name + "no such task");
+  if (result->key.iteration != 1 || result->key.attempt == 0 || result->outcome == TaskOutcome::none) {
+    return fail(Errc::bad_value, name + "no such attempt or outcome");
+  }
+  if (result->robot != record.signer || robot_of(*task) != record.signer) {
+    return fail(Errc::not_permitted, name + "'" + record.signer + "' is not its robot");
+  }
+  return HeldResult{record, std::move(*result)};
+}
+
+Result<AbortOrder> Run::check_abort(const SignedRecord& record) const {
+  const auto signer = members_.find(record.signer);
+  if (signer == members_.end()) {
+    return fail(Errc::not_permitted, "run " + id() + ": '" + record.signer + "' is no member");
+  }
+  auto order = open_record<AbortOrder>(record, kSignedRunAbort, signer->second);
+  if (!order) return order;
+  if (order->run != id()) return fail(Errc::conflict, "run " + id() + ": the order is for another run");
+  if (order->by != record.signer) return fail(Errc::source_mismatch, "run " + id() + ": the order names another node");
+  return order;
+}
+
+std::optional<UtcTime> Run::next_end(UtcTime now) const {
+  if (!expired(now)) return UtcTime{start_.expires};
+  if (now < buried_until()) return buried_until();
+  return std::nullopt;
+}
+
+Attempt Run::attempt_for(const JournalStart& fact) const {
+  const Task& task = tasks()[*index_of(fact.key.task)];
+  Attempt attempt;
+  attempt.pinned = task.pinned;
+  attempt.execute = {fact.key, fact.epoch, fact.instance, task.skill, task.data, task.timeout_s};
+  attempt.result.key = fact.key;
+  attempt.result.digest = start_.digest;
+  attempt.result.epoch = fact.epoch;
+  attempt.result.robot = self_;
+  attempt.result.started = fact.time;
+  return attempt;
+}
+
+bool Run::all_final() const {
+  for (std::size_t i = 0; i < tasks().size(); ++i) {
+    if (!results_.has_final(static_cast<TaskIndex>(i))) return false;
+  }
+  return true;
+}
+
+std::vector<TaskIndex> Run::troubles() const {
+  std::vector<TaskIndex> out;
+  for (const TaskIndex task : results_.tasks()) {
+    if (!results_.has_final(task) || results_.finished_twice(task)) out.push_back(task);
+  }
+  return out;
+}
+
+const JournalStart* Run::open_start() const {
+  for (const auto& [task, start] : starts_) {
+    if (!results_.holds(task, start.key)) return &start;
+  }
+  return nullptr;
+}
+
+std::vector<TaskIndex> Run::startable() const {
+  std::vector<TaskIndex> out;
+  for (const TaskIndex task : own_tasks_) {
+    if (starts_.contains(task) || results_.of(task) != nullptr) continue;
+    const auto& after = tasks()[task].after;
+    if (std::all_of(after.begin(), after.end(), [&](TaskIndex before) { return results_.has_final(before); })) {
+      out.push_back(task);
+    }
+  }
+  return out;
+}
+
+std::vector<bool> Run::known_final() const {
+  std::vector<bool> out = results_.final_tasks(tasks().size());
+  for (std::size_t i = 0; i < out.size(); ++i) out[i] = out[i] || heard_[i];
+  return out;
+}
+
+void Run::hear(const std::vector<bool>& final_tasks) {
+  for (std::size_t i = 0; i < heard_.size(); ++i) heard_[i] = heard_[i] || final_tasks[i];
+}
+
+void Run::note_needs(const std::string& giver) {
+  const std::vector<bool> known = known_final();
+  for (const TaskIndex task : own_tasks_) {
+    if (results_.of(task) != nullptr || !predecessors_final(tasks()[task], known)) continue;
+    for (const TaskIndex before : tasks()[task].after) {
+      if (!results_.has_final(before)) needs.try_emplace(before, Need{giver, {}});
+    }
+  }
+}
+
+void Run::forget_needs(const std::string& giver) {
+  std::erase_if(needs, [&](const auto& need) { return need.second.giver == giver; });
+}
+
+}  // namespace trb::scheduler

@@ -1,0 +1,103 @@
+// The scheduler: executes this node's tasks, passes the baton on, keeps what the fleet says of its runs.
+// A pure state machine; README.md has its table of states and events.
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "common/actor/core.hpp"
+#include "common/security/keys.hpp"
+#include "services/scheduler/core/book.hpp"
+#include "services/scheduler/core/executor.hpp"
+#include "services/scheduler/core/held.hpp"
+
+namespace trb {
+
+struct SchedulerSettings {
+  std::string node;          ///< the own node's id
+  FleetAuthority authority;  ///< opens the members' certificates
+  bool has_robot = true;     ///< the node has a mode-adapter
+};
+
+class SchedulerCore : public Core {
+ public:
+  explicit SchedulerCore(SchedulerSettings settings);
+
+  /// The subtypes that the service takes.
+  static std::vector<std::string> subtypes();
+
+  /// Takes in what the journal held, in order, before on_welcome. Errors: those of scheduler::Book::apply.
+  Status restore(std::span<const Body> records);
+
+  void on_welcome(const NodeIdentity& node, Now now, Outbox& out) override;
+  void on(const Inbound& message, Now now, Outbox& out) override;
+  void tick(Now now, Outbox& out) override;
+  [[nodiscard]] std::optional<MonotonicTime> next_deadline() const override;
+
+ private:
+  using Run = scheduler::Run;
+  struct Step {
+    Now now;
+    Outbox& out;
+  };
+
+  // One handler a body; on_run.cpp, on_results.cpp, on_abort.cpp, on_robot.cpp, on_query.cpp.
+  void handle(const RunSubmit& body, const Inbound& from, Step step);
+  void handle(const Baton& body, const Inbound& from, Step step);
+  void handle(const BatonJournaled& body, const Inbound& from, Step step);
+  void handle(const NeedDefinition& body, const Inbound& from, Step step);
+  void handle(const Definition& body, const Inbound& from, Step step);
+  void handle(const NeedResults& body, const Inbound& from, Step step);
+  void handle(const Results& body, const Inbound& from, Step step);
+  void handle(const ResultsJournaled& body, const Inbound& from, Step step);
+  void handle(const TaskProgress& body, const Inbound& from, Step step);
+  void handle(const RunAbort& body, const Inbound& from, Step step);
+  void handle(const AbortConfirmed& body, const Inbound& from, Step step);
+  void handle(const RunQuery& body, const Inbound& from, Step step);
+  void handle(const RunListRequest& body, const Inbound& from, Step step);
+  void handle(const AdapterState& body, const Inbound& from, Step step);
+  void handle(const ExecutionState& body, const Inbound& from, Step step);
+  void handle(const Outcome& body, const Inbound& from, Step step);
+  void handle(const SignedRecord& body, const Inbound& from, Step step);
+  void handle(const Nack& body, const Inbound& from, Step step);
+  template <class Other>
+  void handle(const Other& body, const Inbound& from, Step step);
+  void dispatch(const Inbound& message, Step step);
+
+  /// The negative answer, counted; information is only counted.
+  void refuse(const Inbound& from, const Error& error, Step step);
+  /// The run that a peer's message is about, or nullptr after a refusal.
+  Run* run_for(const std::string& run, const Inbound& from, Step step);
+  /// run_for; but what a peer says of an unknown run is kept, and the peer is asked for the definition.
+  Run* run_or_hold(const std::string& run, const Blob& digest, const Inbound& from, Step step);
+  void install(Run run, const SignedRecord& start, bool submitted_here, Step step);
+  void keep_result(Run& run, scheduler::HeldResult held, Step step);
+  Status check_baton(const Run& run, const Baton& baton, Step step) const;
+  /// Journals that another node has what it was owed.
+  void delivered(Run& run, scheduler::DutyKind kind, const Inbound& from, std::vector<TaskIndex> tasks, Step step);
+
+  // The end of every step: advance.cpp, passing.cpp.
+  void advance(Step step);
+  void end_runs(Step step);
+  void end_run(Run& run, Step step);
+  void permit_attempt(Step step);
+  void resume_attempt();
+  void start_next(Step step);
+  void start(Run& run, TaskIndex task, Step step);
+  [[nodiscard]] bool may_start(const Run& run, UtcTime now) const;
+  void tell_progress(const Run& run, const AttemptKey& key, TaskState state, Step step);
+  void pass_on(Run& run, Step step);
+  void send(const Run& run, const scheduler::Duty& duty, Step step);
+  void ask_needs(Run& run, Step step);
+  void confirm_abort(Run& run, Step step);
+
+  SchedulerSettings settings_;
+  scheduler::Book book_;
+  scheduler::Executor executor_;
+  scheduler::Held held_;
+  std::optional<Now> last_;  ///< of the last step since the welcome: relates UTC to the monotonic clock
+};
+
+}  // namespace trb

@@ -1,0 +1,158 @@
+#include "services/scheduler/core/view.hpp"
+
+#include <algorithm>
+
+namespace trb::scheduler {
+namespace {
+
+std::string trouble_text(const Run& run, TaskIndex task) {
+  const TaskResult& result = run.results().of(task)->result;
+  const std::string where = "task '" + result.key.task + "' ";
+  const std::string why = result.reason.empty() ? std::string("no reason given") : result.reason;
+  if (run.results().finished_twice(task)) {
+    return "a person: " + where + "has two different results on '" + result.robot + "' (double_execution)";
+  }
+  if (result.outcome == TaskOutcome::interrupted) {
+    return "a person has to decide: " + where + "was interrupted on '" + result.robot + "': " + why;
+  }
+  return where + (result.outcome == TaskOutcome::failed ? "failed" : "is retriable") + " on '" + result.robot +
+         "': " + why;
+}
+
+std::string abort_text(const Run& run, const Executor& executor) {
+  std::string out;
+  if (executor.runs(run.id())) out = "task '" + executor.attempt()->execute.key.task + "' to stop here";
+  const auto members = run.duties.creditors(DutyKind::abort);
+  if (members.empty()) return out;
+  out += (out.empty() ? "" : "; ") + std::string("the confirmation of");
+  for (std::size_t i = 0; i < members.size(); ++i) out += (i == 0 ? " '" : ", '") + members[i] + "'";
+  return out;
+}
+
+std::string robot_text(const Run& run, const Executor& executor) {
+  if (executor.attempt()) {
+    const Attempt& attempt = *executor.attempt();
+    if (!executor.runs(run.id()) || attempt.phase != Phase::refused) return {};
+    return "task '" + attempt.execute.key.task + "': " + executor.obstacle(attempt.pinned);
+  }
+  for (const TaskIndex task : run.startable()) {
+    const std::string obstacle = executor.obstacle(run.tasks()[task].pinned);
+    if (!obstacle.empty()) return "task '" + run.tasks()[task].id + "': " + obstacle;
+  }
+  return {};
+}
+
+TaskState state_by_outcome(TaskOutcome outcome) {
+  switch (outcome) {
+    case TaskOutcome::finished:
+      return TaskState::finished;
+    case TaskOutcome::skipped:
+      return TaskState::skipped;
+    case TaskOutcome::failed:
+      return TaskState::failed;
+    case TaskOutcome::retriable:
+    case TaskOutcome::interrupted:
+      return TaskState::retriable;
+    case TaskOutcome::none:
+      break;
+  }
+  return TaskState::waiting;
+}
+
+/// The state of a task whose result is not held.
+TaskState open_state(const Run& run, const Executor& executor, TaskIndex task, bool known_final) {
+  if (executor.runs(run.id()) && executor.attempt()->execute.key.task == run.tasks()[task].id) {
+    return executor.attempt()->phase == Phase::running ? TaskState::running : TaskState::initializing;
+  }
+  if (known_final) return TaskState::finished;
+  const auto told = run.progress.find(task);
+  return told == run.progress.end() ? TaskState::waiting : told->second;
+}
+
+TaskView task_view(const Run& run, const Executor& executor, TaskIndex task, bool known_final) {
+  const Task& is = run.tasks()[task];
+  TaskView view;
+  view.id = is.id;
+  view.robot = run.robot_of(task);
+  view.skill = is.skill;
+  view.after = is.after;
+  const HeldResult* held = run.results().of(task);
+  if (held == nullptr) {
+    view.state = open_state(run, executor, task, known_final);
+    return view;
+  }
+  const TaskResult& result = held->result;
+  view.state = state_by_outcome(result.outcome);
+  view.outcome = result.outcome;
+  view.reason = result.reason;
+  view.attempt = result.key.attempt;
+  view.started = result.started;
+  view.ended = result.ended;
+  view.duration_s = result.duration_s;
+  return view;
+}
+
+}  // namespace
+
+RunState state_of(const Run& run, const Executor& executor, UtcTime now) {
+  if (run.aborted()) {
+    const bool open = executor.runs(run.id()) || !run.duties.creditors(DutyKind::abort).empty();
+    return open ? RunState::aborting : RunState::aborted;
+  }
+  const bool trouble = !run.troubles().empty();
+  if (run.all_final() && !trouble) return RunState::finished;
+  if (run.expired(now)) return RunState::expired;
+  return trouble ? RunState::paused : RunState::running;
+}
+
+std::string waits_for(const Run& run, const Executor& executor, UtcTime now) {
+  std::string out;
+  switch (state_of(run, executor, now)) {
+    case RunState::aborting:
+      out = abort_text(run, executor);
+      break;
+    case RunState::paused:
+      out = trouble_text(run, run.troubles().front());
+      break;
+    case RunState::running:
+      out = robot_text(run, executor);
+      break;
+    case RunState::finished:
+    case RunState::aborted:
+    case RunState::expired:
+      break;
+  }
+  return out.substr(0, 1024);
+}
+
+RunView view_of(const Run& run, const Executor& executor, UtcTime now) {
+  RunView view;
+  view.run = run.id();
+  view.name = run.start().scenario.name;
+  view.state = state_of(run, executor, now);
+  view.waits_for = waits_for(run, executor, now);
+  view.epoch = run.start().first.epoch;
+  view.submitter = run.start().submitter;
+  view.created = run.start().created;
+  view.expires = run.start().expires;
+  const std::vector<bool> known = run.known_final();
+  for (std::size_t i = 0; i < run.tasks().size(); ++i) {
+    view.tasks.push_back(task_view(run, executor, static_cast<TaskIndex>(i), known[i]));
+  }
+  return view;
+}
+
+RunSummary summary_of(const Run& run, const Executor& executor, UtcTime now) {
+  RunSummary summary;
+  summary.run = run.id();
+  summary.name = run.start().scenario.name;
+  summary.state = state_of(run, executor, now);
+  summary.waits_for = waits_for(run, executor, now);
+  summary.created = run.start().created;
+  summary.tasks = static_cast<std::uint32_t>(run.tasks().size());
+  const std::vector<bool> known = run.known_final();
+  summary.tasks_final = static_cast<std::uint32_t>(std::count(known.begin(), known.end(), true));
+  return summary;
+}
+
+}  // namespace trb::scheduler
