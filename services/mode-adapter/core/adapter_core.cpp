@@ -1,0 +1,70 @@
+#include "services/mode-adapter/core/adapter_core.hpp"
+
+namespace trb::adapter {
+
+ModeAdapterCore::ModeAdapterCore(Settings settings, PersistFence persist)
+    : robot_(std::move(settings)), status_(robot_.settings), stops_(robot_, std::move(persist)), desk_(robot_) {}
+
+void ModeAdapterCore::on_welcome(const NodeIdentity&, Now, Outbox& out) {
+  status_.welcome(stops_.fenced(), desk_.busy(), out);
+}
+
+void ModeAdapterCore::on(const Inbound& message, Now now, Outbox& out) {
+  std::visit(Overloaded{
+                 [&](const Opaque& body) { on_opaque(message, body, now, out); },
+                 [&](const Execute& order) { desk_.execute(message, order, stops_.fenced(), now, out); },
+                 [&](const CancelExecution& order) { desk_.cancel(message, order, now, out); },
+                 [&](const ExecutionQuery& query) { desk_.query(message, query, out); },
+                 [&](const OutcomeJournaled& outcome) { desk_.journaled(outcome); },
+                 [&](const AdapterStateRequest&) { out.reply(message, status_.state(stops_.fenced(), desk_.busy())); },
+                 [&](const Stop& stop) {
+                   desk_.interrupt("stopped by " + message.source + ": " + stop.reason, now, out);
+                   stops_.on_stop(message, now, out);
+                 },
+                 [&](const Release&) { stops_.on_release(message, now, out); },
+                 [&](const Nack& nack) { on_nack(message, nack, now, out); },
+                 [&](const Ack&) {},
+                 [&](const auto&) {
+                   out.count("refused.unexpected");
+                   out.nack(message, fail(Errc::unknown_subtype, "the mode-adapter takes no such message"));
+                 },
+             },
+             message.body);
+  settle(now, out);
+}
+
+void ModeAdapterCore::tick(Now now, Outbox& out) {
+  // Before the modes: a stop's answer says what was known at its deadline.
+  stops_.tick(now, out);
+  robot_.for_each([&](RobotMode& mode) { mode.tick(now, robot_.to(mode, out)); });
+  settle(now, out);
+  desk_.tick(now, out);
+  expire(commands_, "the robot did not take it in time", now, out);
+  expire(requests_, "the robot did not answer in time", now, out);
+  settle(now, out);
+}
+
+std::optional<MonotonicTime> ModeAdapterCore::next_deadline() const {
+  const auto askers = earlier(commands_.next_deadline(), requests_.next_deadline());
+  return earlier(earlier(stops_.next_deadline(), desk_.next_deadline()), earlier(robot_.next_deadline(), askers));
+}
+
+void ModeAdapterCore::on_channel_up(Channel channel, Now now, Outbox& out) {
+  robot_.for_each([&](RobotMode& mode) { mode.on_up(channel, now, robot_.to(mode, out)); });
+  settle(now, out);
+}
+
+void ModeAdapterCore::on_channel_down(Channel channel, const std::string& reason, Now now, Outbox& out) {
+  const bool was_online = robot_.primary().online();
+  robot_.for_each([&](RobotMode& mode) { mode.on_down(channel, reason, now, robot_.to(mode, out)); });
+  const bool own_channel = (channel == Channel::field) != robot_.is_direct(robot_.primary());
+  if (!was_online && own_channel) status_.on_no_contact(std::string(name_of(channel)) + ": " + reason);
+  settle(now, out);
+}
+
+void ModeAdapterCore::on_bytes(Channel channel, BytesView bytes, Now now, Outbox& out) {
+  robot_.for_each([&](RobotMode& mode) { mode.on_bytes(channel, bytes, now, robot_.to(mode, out)); });
+  settle(now, out);
+}
+
+}  // namespace trb::adapter

@@ -1,0 +1,62 @@
+// The mode-adapter's core: messages to the robot and back, skills, stop and release. README.md says what it hears and
+// says.
+#pragma once
+
+#include "common/actor/core.hpp"
+#include "services/mode-adapter/core/askers.hpp"
+#include "services/mode-adapter/core/robot_side.hpp"
+#include "services/mode-adapter/core/robot_status.hpp"
+#include "services/mode-adapter/core/skill_desk.hpp"
+#include "services/mode-adapter/core/stop_control.hpp"
+
+namespace trb::adapter {
+
+class ModeAdapterCore : public Core {
+ public:
+  ModeAdapterCore(Settings settings, PersistFence persist);
+
+  void on_welcome(const NodeIdentity& node, Now now, Outbox& out) override;
+  void on(const Inbound& message, Now now, Outbox& out) override;
+  void tick(Now now, Outbox& out) override;
+  [[nodiscard]] std::optional<MonotonicTime> next_deadline() const override;
+
+  // What io hears of the robot. A channel that the core has closed itself is down at once: io does not say so again.
+  void on_channel_up(Channel channel, Now now, Outbox& out);
+  void on_channel_down(Channel channel, const std::string& reason, Now now, Outbox& out);
+  void on_bytes(Channel channel, BytesView bytes, Now now, Outbox& out);
+
+  /// True while no skill runs, so that the process may be replaced.
+  [[nodiscard]] bool idle() const { return !desk_.busy(); }
+
+ private:
+  // messages for the robot: to_robot.cpp
+  void on_opaque(const Inbound& message, const Opaque& body, Now now, Outbox& out);
+  void on_command(const Inbound& message, const Opaque& body, Now now, Outbox& out);
+  void on_request(const Inbound& message, const Opaque& body, Now now, Outbox& out);
+  void answer_from_monitor(const Inbound& message, const Opaque& body, RobotMode& mode, Now now, Outbox& out);
+  void on_nack(const Inbound& message, const Nack& nack, Now now, Outbox& out);
+  void inform(std::string_view subtype, std::string_view source, BytesView data, Now now, Outbox& out);
+  void wait_or_answer(Askers& askers, const Inbound& message, const Opaque& body, RobotMode& mode, Now now,
+                      Outbox& out);
+  [[nodiscard]] Error explain(const Error& error, std::string_view subtype) const;
+
+  // events of the modes: from_robot.cpp
+  void settle(Now now, Outbox& out);
+  void on_event(RobotMode& mode, const ModeEvent& event, Now now, Outbox& out);
+  void on_progress(Token token, const char* state, Now now, Outbox& out);
+  void on_refused(const Refused& refused, Now now, Outbox& out);
+  void on_said(RobotMode& mode, const Said& said, Now now, Outbox& out);
+  void on_fault(const FaultSaid& fault, Outbox& out);
+  void on_link_up(RobotMode& mode, Now now, Outbox& out);
+  void on_link_down(RobotMode& mode, const std::string& reason, Now now, Outbox& out);
+  void expire(Askers& askers, const char* what, Now now, Outbox& out);
+
+  RobotSide robot_;
+  RobotStatus status_;
+  StopControl stops_;
+  SkillDesk desk_;
+  Askers commands_;  ///< until the robot has them
+  Askers requests_;  ///< until the robot has answered them
+};
+
+}  // namespace trb::adapter

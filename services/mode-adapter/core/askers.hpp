@@ -1,0 +1,36 @@
+// Who waits for an answer about a message that is on its way to the robot, or at it.
+#pragma once
+
+#include <map>
+#include <optional>
+
+#include "common/actor/inbound.hpp"
+#include "common/base/time.hpp"
+#include "services/mode-adapter/core/modes/mode.hpp"
+
+namespace trb::adapter {
+
+struct Asker {
+  Inbound message;  ///< without its data
+  RobotMode* mode = nullptr;
+  MonotonicTime deadline;
+};
+
+class Askers {
+ public:
+  static constexpr std::uint32_t kLongestMs = 10'000;
+
+  [[nodiscard]] std::size_t size() const { return waiting_.size(); }
+  void add(Token token, const Inbound& message, RobotMode& mode, Now now);
+  std::optional<Inbound> take(Token token);
+  /// The oldest one that asked for that subtype from there.
+  std::optional<Inbound> take_answered(std::string_view subtype, std::string_view source);
+  std::optional<std::pair<Token, Asker>> take_expired(Now now);
+  std::optional<Inbound> take_any_of(const RobotMode* mode);
+  [[nodiscard]] std::optional<MonotonicTime> next_deadline() const;
+
+ private:
+  std::map<Token, Asker> waiting_;
+};
+
+}  // namespace trb::adapter

@@ -1,0 +1,80 @@
+// The direct mode over tcp-text: the node dials the robot and sends it the vendor's own words (commands.json); a
+// monitor connection, if there is one, tells what becomes of them.
+#pragma once
+
+#include <map>
+
+#include "common/config/node_config.hpp"
+#include "services/mode-adapter/core/modes/mode.hpp"
+#include "services/mode-adapter/core/modes/program_track.hpp"
+#include "services/mode-adapter/core/modes/ur_monitor.hpp"
+#include "services/mode-adapter/core/text/vendor_template.hpp"
+
+namespace trb::adapter {
+
+class DirectMode : public RobotMode {
+ public:
+  DirectMode(const VendorCommands& words, std::string own_id);
+
+  [[nodiscard]] bool online() const override { return command_up_ && (!has_monitor_ || heard_); }
+  [[nodiscard]] bool knows(MessageType type, std::string_view subtype) const override;
+  [[nodiscard]] bool tells_end(std::string_view subtype) const override;
+  [[nodiscard]] const RobotValue* value(std::string_view name) const override;
+
+  Result<Progress> hand_over(const Handover& message, Now now, const ModeOut& out) override;
+  void forget(Token token, Now now, const ModeOut& out) override;
+  void halt(Token token, Now now, const ModeOut& out) override;
+  Result<Token> stop(Now now, const ModeOut& out) override;
+  Result<Token> release(Now now, const ModeOut& out) override;
+  [[nodiscard]] bool told_to_stop() const override { return told_to_stop_; }
+
+  void on_up(Channel channel, Now now, const ModeOut& out) override;
+  void on_down(Channel channel, const std::string& reason, Now now, const ModeOut& out) override;
+  void on_bytes(Channel channel, BytesView bytes, Now now, const ModeOut& out) override;
+  void tick(Now now, const ModeOut& out) override;
+  [[nodiscard]] std::optional<MonotonicTime> next_deadline() const override;
+
+ private:
+  struct Command {
+    VendorTemplate words;
+    bool wrapped = false;
+  };
+
+  Status submit_program(const Handover& message, std::string_view lines, const ModeOut& out);
+  void write_line(std::string_view text, Now now, const ModeOut& out);
+  void on_event(const UrEvent& event, Now now, const ModeOut& out);
+  void on_state(const UrState& state, Now now, const ModeOut& out);
+  void report_safety(int safety, const ModeOut& out);
+  void remember(const std::string& name, std::vector<double> numbers, std::string json, Now now);
+  [[nodiscard]] bool surely_idle() const;
+  void confirm_stop(const ModeOut& out);
+  void drop_monitor(std::string_view counted, const std::string& reason, Now now, const ModeOut& out);
+
+  std::string own_id_;
+  std::map<std::string, Command, std::less<>> commands_;
+  std::map<std::string, std::string, std::less<>> requests_;
+  std::string stop_text_;
+  std::string release_text_;
+  Language language_;
+  bool wraps_;
+  bool has_monitor_;
+
+  bool command_up_ = false;
+  bool monitor_up_ = false;
+  bool heard_ = false;  ///< a state on this monitor connection
+  bool told_to_stop_ = false;
+  bool program_running_ = false;
+  int safety_ = kUrSafetyNormal;
+  MonotonicTime last_heard_;  ///< the last state, or the connection's begin
+  MonotonicTime last_state_;
+  MonotonicTime last_write_;
+  std::uint64_t programs_ = 0;
+  Token last_ticket_ = 0;
+  std::optional<Token> stop_waits_;
+  std::map<std::string, RobotValue, std::less<>> values_;
+  ProgramTrack track_;
+  UrMonitor monitor_;
+  std::vector<UrEvent> events_;
+};
+
+}  // namespace trb::adapter

@@ -1,0 +1,46 @@
+// How attempts have ended: kept until the scheduler has journaled them, remembered after that as long as there is room.
+#pragma once
+
+#include <map>
+#include <optional>
+
+#include "common/base/time.hpp"
+#include "proto/bodies/robot.hpp"
+
+namespace trb::adapter {
+
+class Outcomes {
+ public:
+  [[nodiscard]] const Outcome* find(const AttemptKey& key) const;
+
+  /// Makes room for one more by forgetting the oldest acknowledged one. False: all are still waiting to be journaled.
+  bool make_room();
+  void add(Outcome outcome, Now now);
+  void acknowledge(const AttemptKey& key);
+
+  /// Calls `send` for every outcome that has waited a second since it was last told.
+  template <class Send>
+  void resend(Now now, Send send) {
+    if (!resend_at_ || now.mono < *resend_at_) return;
+    for (const auto& [key, kept] : kept_) {
+      if (!kept.acknowledged) send(kept.outcome);
+    }
+    resend_at_ = waiting_ == 0 ? std::nullopt : std::optional(now.mono + kResend);
+  }
+  [[nodiscard]] std::optional<MonotonicTime> next_deadline() const { return resend_at_; }
+
+ private:
+  static constexpr Duration kResend = std::chrono::seconds(1);
+  struct Kept {
+    Outcome outcome;
+    std::uint64_t order = 0;
+    bool acknowledged = false;
+  };
+
+  std::map<AttemptKey, Kept> kept_;
+  std::uint64_t order_ = 0;
+  std::size_t waiting_ = 0;
+  std::optional<MonotonicTime> resend_at_;
+};
+
+}  // namespace trb::adapter

@@ -1,0 +1,28 @@
+// What the adapter's core is told once, at its start.
+#pragma once
+
+#include <functional>
+#include <string>
+
+#include "common/config/node_config.hpp"
+#include "common/fleet/description.hpp"
+#include "common/fleet/places.hpp"
+
+namespace trb::adapter {
+
+struct Settings {
+  std::string id;
+  std::string framework;
+  Mode mode = Mode::none;
+  Description description;
+  Places places;
+  VendorCommands commands;
+  std::uint64_t instance = 0;  ///< this process's, from the service
+  bool fenced = false;         ///< as the last process left it
+};
+
+/// Keeps the fence over a restart. A port and no journal record, because a robot must be told to stop even if the disk
+/// is full: the core tells the robot first, then calls this, then answers.
+using PersistFence = std::function<Status(bool fenced)>;
+
+}  // namespace trb::adapter

@@ -1,0 +1,228 @@
+#include "services/mode-adapter/core/skill_desk.hpp"
+
+#include <cmath>
+
+#include "services/mode-adapter/core/field/field_words.hpp"
+#include "services/mode-adapter/core/skill_call.hpp"
+#include "services/mode-adapter/core/text/number_text.hpp"
+
+namespace trb::adapter {
+namespace {
+
+constexpr std::size_t kMaxReason = 1024;
+constexpr std::size_t kMaxData = 65536;
+/// A monitor's state that is read this long after the command's start is certainly younger than it.
+constexpr Duration kStatePeriod = std::chrono::milliseconds(100);
+
+/// The robot's result as JSON text.
+std::string as_json(const std::string& text) {
+  if (text.empty() || parse_json(text)) return text;
+  return dump_json(Value{text});
+}
+
+/// Refusals after which the attempt is still to be made; after any other it has failed.
+bool may_be_tried_again(Errc code) {
+  return code == Errc::busy || code == Errc::queue_full || code == Errc::robot_offline ||
+         code == Errc::no_field_channel;
+}
+
+Error robot_offline() {
+  return fail(Errc::robot_offline, "the robot is not connected", "look at its power, its network and its program");
+}
+
+}  // namespace
+
+void SkillDesk::execute(const Inbound& message, const Execute& order, bool fenced, Now now, Outbox& out) {
+  const Settings& settings = robot_.settings;
+  if (message.source != settings.id) {
+    return out.nack(message, fail(Errc::not_permitted, "only the node's own scheduler gives skills to the robot",
+                                  "submit a scenario"));
+  }
+  if (order.instance != settings.instance) {
+    return out.nack(message, fail(Errc::stale_instance, "the mode-adapter was restarted since", "ask for its state"));
+  }
+  if (answer_known(message, order.key, out)) return;
+  if (const auto refused = refusal(order, fenced)) return out.nack(message, *refused);
+  begin(message, order, now, out);
+}
+
+bool SkillDesk::answer_known(const Inbound& message, const AttemptKey& key, Outbox& out) {
+  if (running_ && running_->key == key) {
+    out.reply(message, ExecutionState{key, robot_.settings.instance, "running"});
+    return true;
+  }
+  const Outcome* known = outcomes_.find(key);
+  if (known != nullptr) out.reply(message, *known);
+  return known != nullptr;
+}
+
+std::optional<Error> SkillDesk::refusal(const Execute& order, bool fenced) {
+  if (fenced) return fail(Errc::fenced, "the robot was stopped", "trb release " + robot_.settings.id);
+  if (running_) return fail(Errc::busy, "the robot carries out '" + running_->skill->name + "'", "wait for its end");
+  if (!outcomes_.make_room())
+    return fail(Errc::busy, "too many outcomes wait to be journaled", "look at the scheduler");
+  const Skill* skill = robot_.settings.description.find_skill(order.skill);
+  const RobotMode& mode = skill == nullptr ? robot_.primary() : robot_.mode_for(MessageType::command, skill->subtype);
+  if (!mode.online()) return robot_offline();
+  return std::nullopt;
+}
+
+void SkillDesk::begin(const Inbound& message, const Execute& order, Now now, Outbox& out) {
+  const Skill* skill = robot_.settings.description.find_skill(order.skill);
+  const Status begun = skill == nullptr ? Status(fail(Errc::unknown_skill, "the robot's description has no skill '" +
+                                                                               order.skill.substr(0, 64) + "'"))
+                                        : hand_over(order, *skill, now, out);
+  if (begun) return out.reply(message, ExecutionState{order.key, robot_.settings.instance, "running"});
+  if (begun.error().code == Errc::no_field_channel) return out.nack(message, robot_offline());
+  if (may_be_tried_again(begun.error().code)) return out.nack(message, begun.error());
+  Outcome outcome{order.key, robot_.settings.instance, TaskOutcome::failed, begun.error().text(), "", 0};
+  outcome.reason.resize(std::min(outcome.reason.size(), kMaxReason));
+  if (message.wants_answer()) out.reply(message, outcome);
+  outcomes_.add(std::move(outcome), now);
+}
+
+Status SkillDesk::hand_over(const Execute& order, const Skill& skill, Now now, Outbox& out) {
+  const Settings& settings = robot_.settings;
+  RobotMode& mode = robot_.mode_for(MessageType::command, skill.subtype);
+  const bool numeric = settings.description.field_channel.encoding == Encoding::numeric;
+  const CallStyle style = robot_.is_direct(mode) ? CallStyle::json : numeric ? CallStyle::numbers : CallStyle::words;
+  auto call = render_call(skill, order.data, settings.description, settings.places, style);
+  if (!call) return call.error();
+  if (skill.end.kind == EndKind::acknowledgement && !mode.tells_end(skill.subtype)) {
+    return fail(Errc::bad_value,
+                "skill '" + skill.name + "' ends with an acknowledgement, which this command never gets",
+                "give the robot a monitor and \"wrap\" in commands.json, or the skill another end");
+  }
+  const Token token = robot_.next_token();
+  const auto progress = mode.hand_over(
+      {token, MessageType::command, skill.subtype, settings.id, call->data, skill.name}, now, robot_.to(mode, out));
+  if (!progress) return progress.error();
+  const double timeout_s = order.timeout_s > 0 ? order.timeout_s : skill.timeout_s;
+  running_ = Running{order.key, &skill,
+                     token,     &mode,
+                     now.mono,  now.mono + seconds(std::min(timeout_s, 1e8)),
+                     timeout_s, std::move(call->target),
+                     {}};
+  if (*progress == Progress::handed_over) on_under_way(now);
+  return Done{};
+}
+
+void SkillDesk::cancel(const Inbound& message, const CancelExecution& order, Now now, Outbox& out) {
+  if (message.source != robot_.settings.id) {
+    return out.nack(message, fail(Errc::not_permitted, "only the node's own scheduler cancels skills", "use trb stop"));
+  }
+  const std::string reason = "cancelled: " + order.reason;
+  if (running_ && running_->key == order.key) {
+    halt(now, out);
+    end(TaskOutcome::failed, reason, {}, now, out);
+  } else if (outcomes_.find(order.key) == nullptr) {
+    if (!outcomes_.make_room()) {
+      return out.nack(message, fail(Errc::busy, "too many outcomes wait to be journaled", "look at the scheduler"));
+    }
+    keep({order.key, robot_.settings.instance, TaskOutcome::failed, reason, "", 0}, now, out);
+  }
+  answer_known(message, order.key, out);
+}
+
+void SkillDesk::query(const Inbound& message, const ExecutionQuery& query, Outbox& out) {
+  if (answer_known(message, query.key, out)) return;
+  out.reply(message, ExecutionState{query.key, robot_.settings.instance, "unknown"});
+}
+
+void SkillDesk::on_under_way(Now now) {
+  if (running_ && !running_->under_way_at) running_->under_way_at = now.mono;
+}
+
+void SkillDesk::on_ended(const Ended& ended, Now now, Outbox& out) {
+  if (!ended.well) return end(TaskOutcome::failed, ended.text, {}, now, out);
+  // A robot's `done` is taken as the end only where the description says so: "arrived" may come before the position.
+  if (running_->skill->end.kind == EndKind::acknowledgement) {
+    end(TaskOutcome::finished, {}, as_json(ended.text), now, out);
+  }
+}
+
+void SkillDesk::on_refused(const Error& error, Now now, Outbox& out) {
+  const bool nobody_knows = error.code == Errc::robot_offline || error.code == Errc::timeout;
+  end(nobody_knows ? TaskOutcome::interrupted : TaskOutcome::failed, error.what, {}, now, out);
+}
+
+void SkillDesk::on_values(const RobotMode* mode, Now now, Outbox& out) {
+  if (!running_ || running_->mode != mode || !running_->under_way_at) return;
+  const SkillEnd& wanted = running_->skill->end;
+  const bool position = wanted.kind == EndKind::position;
+  if (!position && wanted.kind != EndKind::state) return;
+  const std::string_view name = position ? std::string_view("joints") : std::string_view(wanted.state);
+  const RobotValue* value = mode->value(name);
+  if (value == nullptr || value->heard - *running_->under_way_at < kStatePeriod) return;
+  if (reached(name, value->numbers)) end(TaskOutcome::finished, {}, {}, now, out);
+}
+
+void SkillDesk::on_information(const RobotMode* mode, std::string_view subtype, BytesView data, Now now, Outbox& out) {
+  if (!running_ || running_->mode != mode || !running_->under_way_at) return;
+  const EndKind kind = running_->skill->end.kind;
+  if (kind != EndKind::state && kind != EndKind::position) return;
+  const auto numbers = read_numbers(data);
+  if (numbers && reached(subtype, *numbers)) end(TaskOutcome::finished, {}, {}, now, out);
+}
+
+bool SkillDesk::reached(std::string_view name, const std::vector<double>& numbers) const {
+  const SkillEnd& wanted = running_->skill->end;
+  if (wanted.kind == EndKind::state) {
+    return name == wanted.state && !numbers.empty() && std::abs(numbers.front() - wanted.equals) < 1e-9;
+  }
+  const auto& target = running_->target;
+  if (wanted.kind != EndKind::position || (name != "joints" && name != "position")) return false;
+  if (target.empty() || numbers.size() < target.size()) return false;
+  for (std::size_t i = 0; i < target.size(); ++i) {
+    if (std::abs(numbers[i] - target[i]) > wanted.tolerance) return false;
+  }
+  return true;
+}
+
+void SkillDesk::on_link_down(const RobotMode* mode, const std::string& reason, Now now, Outbox& out) {
+  if (running_ && running_->mode == mode) interrupt("the robot's connection was lost: " + reason, now, out);
+}
+
+void SkillDesk::interrupt(const std::string& reason, Now now, Outbox& out) {
+  if (running_) end(TaskOutcome::interrupted, reason, {}, now, out);
+}
+
+std::optional<MonotonicTime> SkillDesk::timed_end() const {
+  if (!running_ || !running_->under_way_at || running_->skill->end.kind != EndKind::time) return std::nullopt;
+  return *running_->under_way_at + seconds(running_->skill->end.duration_s);
+}
+
+void SkillDesk::halt(Now now, Outbox& out) {
+  running_->mode->halt(running_->token, now, robot_.to(*running_->mode, out));
+}
+
+void SkillDesk::end(TaskOutcome outcome, const std::string& reason, std::string data, Now now, Outbox& out) {
+  if (data.size() > kMaxData) data.clear();
+  const double duration_s = to_seconds(now.mono - running_->began);
+  Outcome ended{running_->key, robot_.settings.instance, outcome, reason.substr(0, kMaxReason), std::move(data),
+                duration_s};
+  running_.reset();
+  keep(std::move(ended), now, out);
+}
+
+void SkillDesk::keep(Outcome outcome, Now now, Outbox& out) {
+  out.information(robot_.settings.id, outcome);
+  outcomes_.add(std::move(outcome), now);
+}
+
+void SkillDesk::tick(Now now, Outbox& out) {
+  if (const auto timed = timed_end(); timed && now.mono >= *timed) end(TaskOutcome::finished, {}, {}, now, out);
+  if (running_ && now.mono >= running_->deadline) {
+    const std::string reason = "timed out after " + number_text(running_->timeout_s) + " s";
+    halt(now, out);
+    end(TaskOutcome::failed, reason, {}, now, out);
+  }
+  outcomes_.resend(now, [&](const Outcome& outcome) { out.information(robot_.settings.id, outcome); });
+}
+
+std::optional<MonotonicTime> SkillDesk::next_deadline() const {
+  const auto limit = running_ ? std::optional(running_->deadline) : std::nullopt;
+  return earlier(earlier(limit, timed_end()), outcomes_.next_deadline());
+}
+
+}  // namespace trb::adapter

@@ -1,0 +1,160 @@
+#include "services/mode-adapter/core/stop_control.hpp"
+
+#include <algorithm>
+
+namespace trb::adapter {
+namespace {
+
+constexpr std::size_t kMaxPending = 64;
+constexpr Duration kConfirmation = std::chrono::seconds(2);
+constexpr Duration kSaveAgain = std::chrono::seconds(1);
+constexpr const char* kLookAtRobot = "look at the robot, and use its emergency stop if it moves";
+
+}  // namespace
+
+StopControl::StopControl(RobotSide& robot, PersistFence persist)
+    : robot_(robot), persist_(std::move(persist)), fenced_(robot.settings.fenced) {}
+
+void StopControl::on_stop(const Inbound& message, Now now, Outbox& out) {
+  if (!fenced_) save_at_ = now.mono;
+  fenced_ = true;
+  Pending pending{message, false, now.mono + kConfirmation, {}, {}, true};
+  robot_.for_each([&](RobotMode& mode) { tell_stop(pending, mode, now, out); });
+  out.log(LogLevel::warning, "stopped", "by " + message.source);
+  if (try_answer(pending, out)) return;
+  if (pending_.size() >= kMaxPending) {
+    out.nack(message, fail(Errc::queue_full, "fenced and told to stop, but too many wait for the robot to confirm it"));
+    return;
+  }
+  pending_.push_back(std::move(pending));
+}
+
+void StopControl::tell_stop(Pending& pending, RobotMode& mode, Now now, Outbox& out) {
+  const auto ticket = mode.stop(now, robot_.to(mode, out));
+  if (ticket) {
+    pending.told.push_back({&mode, *ticket, false});
+  } else if (&mode == &robot_.primary()) {
+    const bool offline = ticket.error().code != Errc::unknown_subtype;
+    pending.refused =
+        offline ? fail(Errc::robot_offline, "the node is fenced, but the robot is not connected and was told nothing",
+                       std::string(kLookAtRobot) + "; it will be told when it connects")
+                : ticket.error();
+  }
+}
+
+void StopControl::on_release(const Inbound& message, Now now, Outbox& out) {
+  if (Status saved = persist_(false); !saved) return out.nack(message, saved.error());
+  fenced_ = false;
+  save_at_.reset();
+  save_error_.reset();
+  for (const Pending& pending : pending_) {
+    if (pending.release) continue;
+    out.nack(pending.message,
+             fail(Errc::conflict, "released by " + message.source + " before the robot confirmed the stop"));
+  }
+  std::erase_if(pending_, [](const Pending& pending) { return !pending.release; });
+  out.log(LogLevel::info, "released", "by " + message.source);
+  Pending pending{message, true, now.mono + kConfirmation, {}, {}, true};
+  robot_.for_each([&](RobotMode& mode) {
+    if (const auto ticket = mode.release(now, robot_.to(mode, out))) pending.told.push_back({&mode, *ticket, false});
+  });
+  if (!try_answer(pending, out) && pending_.size() < kMaxPending) pending_.push_back(std::move(pending));
+}
+
+void StopControl::on_stopped(const RobotMode* mode, const Stopped& stopped, Outbox& out) {
+  confirm(mode, stopped.ticket, false, stopped.by_robot, out);
+}
+
+void StopControl::on_released(const RobotMode* mode, const Released& released, Outbox& out) {
+  confirm(mode, released.ticket, true, true, out);
+}
+
+void StopControl::confirm(const RobotMode* mode, Token ticket, bool release, bool by_robot, Outbox& out) {
+  for (Pending& pending : pending_) {
+    if (pending.release != release) continue;
+    for (Told& told : pending.told) {
+      if (told.mode != mode || told.ticket > ticket) continue;
+      told.confirmed = true;
+      pending.by_robot = pending.by_robot && by_robot;
+    }
+  }
+  answer_ready(out);
+}
+
+void StopControl::on_link_up(RobotMode& mode, Now now, Outbox& out) {
+  const ModeOut to = robot_.to(mode, out);
+  Result<Token> told = fail(Errc::ok, {});
+  if (fenced_) {
+    told = mode.stop(now, to);
+  } else if (mode.told_to_stop()) {
+    told = mode.release(now, to);
+  }
+  if (!told && told.error().code != Errc::ok) out.log(LogLevel::error, "not_told", told.error().text());
+}
+
+void StopControl::tick(Now now, Outbox& out) {
+  if (save_at_ && now.mono >= *save_at_) save_fence(now, out);
+  answer_ready(out);
+  answer_late(now, out);
+}
+
+void StopControl::save_fence(Now now, Outbox& out) {
+  const Status saved = persist_(true);
+  save_at_ = saved ? std::nullopt : std::optional(now.mono + kSaveAgain);
+  save_error_ = saved ? std::nullopt : std::optional(saved.error());
+  if (!saved) out.log(LogLevel::error, "fence_not_saved", saved.error().text());
+}
+
+void StopControl::answer_ready(Outbox& out) {
+  std::erase_if(pending_, [&](const Pending& pending) { return try_answer(pending, out); });
+}
+
+bool StopControl::try_answer(const Pending& pending, Outbox& out) const {
+  if (!pending.release && save_error_) {
+    out.nack(pending.message, fail(save_error_->code,
+                                   "fenced, and the robot was told to stop, but the fence is not on disk and would be "
+                                   "lost in a restart: " +
+                                       save_error_->what,
+                                   save_error_->cure));
+    return true;
+  }
+  if (!pending.release && save_at_) return false;
+  if (pending.refused) {
+    out.nack(pending.message, *pending.refused);
+    return true;
+  }
+  if (!std::all_of(pending.told.begin(), pending.told.end(), [](const Told& told) { return told.confirmed; }))
+    return false;
+  const std::string none = pending.told.empty() ? "the robot is not connected" : "";
+  const std::string text = pending.by_robot ? none : "the robot was told; it has no monitor that could confirm it";
+  out.reply(pending.message, Ack{pending.release ? "released" : "stopped", text});
+  return true;
+}
+
+void StopControl::answer_late(Now now, Outbox& out) {
+  std::erase_if(pending_, [&](const Pending& pending) {
+    if (now.mono < pending.deadline) return false;
+    out.nack(pending.message, late(pending));
+    return true;
+  });
+}
+
+Error StopControl::late(const Pending& pending) const {
+  if (pending.release) {
+    return fail(Errc::timeout, "the fence is lifted, but the robot did not confirm the release within 2 s",
+                "look at the robot's program");
+  }
+  const bool online = robot_.primary().online();
+  return fail(online ? Errc::timeout : Errc::robot_offline,
+              online ? "the node is fenced, but the robot did not confirm the stop within 2 s"
+                     : "the node is fenced, but the robot's connection was lost before it confirmed the stop",
+              kLookAtRobot);
+}
+
+std::optional<MonotonicTime> StopControl::next_deadline() const {
+  std::optional<MonotonicTime> next = save_at_;
+  for (const Pending& pending : pending_) next = earlier(next, pending.deadline);
+  return next;
+}
+
+}  // namespace trb::adapter

@@ -1,0 +1,58 @@
+// Stop, release and the fence between them.
+#pragma once
+
+#include <vector>
+
+#include "services/mode-adapter/core/robot_side.hpp"
+
+namespace trb::adapter {
+
+/// A stop goes to the robot first, then to the disk, then is answered; a release goes to the disk first.
+class StopControl {
+ public:
+  StopControl(RobotSide& robot, PersistFence persist);
+
+  [[nodiscard]] bool fenced() const { return fenced_; }
+  void on_stop(const Inbound& message, Now now, Outbox& out);
+  void on_release(const Inbound& message, Now now, Outbox& out);
+
+  void on_stopped(const RobotMode* mode, const Stopped& stopped, Outbox& out);
+  void on_released(const RobotMode* mode, const Released& released, Outbox& out);
+  /// A robot that comes back is told again what it may have missed.
+  void on_link_up(RobotMode& mode, Now now, Outbox& out);
+
+  void tick(Now now, Outbox& out);
+  [[nodiscard]] std::optional<MonotonicTime> next_deadline() const;
+
+ private:
+  struct Told {
+    const RobotMode* mode = nullptr;
+    Token ticket = 0;
+    bool confirmed = false;
+  };
+  struct Pending {
+    Inbound message;
+    bool release = false;
+    MonotonicTime deadline;
+    std::vector<Told> told;
+    std::optional<Error> refused;  ///< the robot cannot be told
+    bool by_robot = true;
+  };
+
+  void tell_stop(Pending& pending, RobotMode& mode, Now now, Outbox& out);
+  void confirm(const RobotMode* mode, Token ticket, bool release, bool by_robot, Outbox& out);
+  void save_fence(Now now, Outbox& out);
+  void answer_ready(Outbox& out);
+  [[nodiscard]] bool try_answer(const Pending& pending, Outbox& out) const;
+  void answer_late(Now now, Outbox& out);
+  [[nodiscard]] Error late(const Pending& pending) const;
+
+  RobotSide& robot_;
+  PersistFence persist_;
+  bool fenced_;
+  std::optional<MonotonicTime> save_at_;  ///< set while the fence is not on disk
+  std::optional<Error> save_error_;
+  std::vector<Pending> pending_;
+};
+
+}  // namespace trb::adapter

@@ -1,0 +1,38 @@
+// The vendor's words for a subtype (commands.json) with their placeholders: {data} whole, {0} {1} … items of a list.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "common/base/bytes.hpp"
+#include "common/base/result.hpp"
+
+namespace trb::adapter {
+
+enum class Language : std::uint8_t { plain, urscript };
+
+class VendorTemplate {
+ public:
+  explicit VendorTemplate(std::string_view text);
+
+  /// Errors: bad_value (naming what is expected), not_escapable.
+  [[nodiscard]] Result<std::string> fill(BytesView data, Language language) const;
+
+ private:
+  static constexpr int kNone = -2;
+  static constexpr int kWhole = -1;
+  struct Part {
+    std::string literal;
+    int hole = kNone;  ///< what follows the literal: an item's number, kWhole or kNone
+  };
+
+  [[nodiscard]] Result<std::string> fill_plain(BytesView data) const;
+  [[nodiscard]] Result<std::string> fill_urscript(BytesView data) const;
+
+  std::vector<Part> parts_;
+  bool has_holes_ = false;
+  bool has_items_ = false;
+};
+
+}  // namespace trb::adapter

@@ -1,0 +1,99 @@
+// Messages for the robot: which mode takes them, and what their sender is answered.
+#include <algorithm>
+
+#include "services/mode-adapter/core/adapter_core.hpp"
+
+namespace trb::adapter {
+namespace {
+
+constexpr std::size_t kMaxRequests = 64;
+constexpr Duration kStale = std::chrono::seconds(2);
+
+}  // namespace
+
+void ModeAdapterCore::on_opaque(const Inbound& message, const Opaque& body, Now now, Outbox& out) {
+  if (message.type == MessageType::information) return inform(body.subtype, message.source, body.data, now, out);
+  if (message.remaining_ms == 0) {
+    return out.nack(message, fail(Errc::expired, "its deadline had passed when it came to the robot's node"));
+  }
+  if (message.type == MessageType::command) return on_command(message, body, now, out);
+  on_request(message, body, now, out);
+}
+
+void ModeAdapterCore::on_command(const Inbound& message, const Opaque& body, Now now, Outbox& out) {
+  if (stops_.fenced()) {
+    out.count("refused.fenced");
+    return out.nack(message, fail(Errc::fenced, "the robot was stopped", "trb release " + robot_.settings.id));
+  }
+  wait_or_answer(commands_, message, body, robot_.mode_for(MessageType::command, body.subtype), now, out);
+}
+
+void ModeAdapterCore::on_request(const Inbound& message, const Opaque& body, Now now, Outbox& out) {
+  RobotMode& mode = robot_.mode_for(MessageType::request, body.subtype);
+  if (robot_.is_direct(mode)) return answer_from_monitor(message, body, mode, now, out);
+  if (requests_.size() >= kMaxRequests) {
+    return out.nack(message, fail(Errc::queue_full, "too many requests wait for the robot's answer", "ask less often"));
+  }
+  wait_or_answer(requests_, message, body, mode, now, out);
+}
+
+void ModeAdapterCore::wait_or_answer(Askers& askers, const Inbound& message, const Opaque& body, RobotMode& mode,
+                                     Now now, Outbox& out) {
+  const Token token = robot_.next_token();
+  const auto progress =
+      mode.hand_over({token, message.type, body.subtype, message.source, body.data, {}}, now, robot_.to(mode, out));
+  if (!progress) {
+    out.count("refused." + std::string(errc_name(progress.error().code)));
+    out.nack(message, explain(progress.error(), body.subtype));
+  } else if (*progress == Progress::handed_over) {
+    out.reply(message, Ack{"handed_over", ""});
+  } else {
+    askers.add(token, message, mode, now);
+  }
+}
+
+Error ModeAdapterCore::explain(const Error& error, std::string_view subtype) const {
+  if (error.code != Errc::no_field_channel || robot_.settings.mode != Mode::direct) return error;
+  const std::string word(subtype);
+  return fail(error.code,
+              "commands.json has no words for '" + word + "' (" + robot_.settings.framework +
+                  "), and the interpreter mode needs a robot connected to TCP_PORT: none is",
+              "add '" + word + "' to commands.json, or start the robot's program that dials TCP_PORT");
+}
+
+void ModeAdapterCore::answer_from_monitor(const Inbound& message, const Opaque& body, RobotMode& mode, Now now,
+                                          Outbox& out) {
+  const RobotValue* value = mode.value(body.subtype);
+  if (value != nullptr && now.mono - value->heard <= kStale) {
+    return out.reply(message, Opaque{body.subtype, value->json});
+  }
+  if (!mode.online()) {
+    return out.nack(message, fail(Errc::robot_offline, "the robot's controller is not connected",
+                                  "look at its power, network and address"));
+  }
+  out.nack(message, fail(Errc::timeout, "the robot's monitor has not told '" + body.subtype + "' for 2 s",
+                         "look whether commands.json maps it to a value that the monitor reports"));
+}
+
+void ModeAdapterCore::inform(std::string_view subtype, std::string_view source, BytesView data, Now now, Outbox& out) {
+  RobotMode& mode = robot_.field();
+  const Handover message{robot_.next_token(), MessageType::information, subtype, source, data, {}};
+  const auto progress = mode.hand_over(message, now, robot_.to(mode, out));
+  if (!progress) out.count("refused." + std::string(errc_name(progress.error().code)));
+}
+
+void ModeAdapterCore::on_nack(const Inbound& message, const Nack& nack, Now now, Outbox& out) {
+  // What the adapter itself has sent in vain is counted, only the robot's own words come back to the robot.
+  if (is_typed(nack.subtype)) return out.count("refused.nack_" + nack.subtype);
+  inform(Nack::kSubtype, message.source, nack.code + " " + nack.what, now, out);
+}
+
+void ModeAdapterCore::expire(Askers& askers, const char* what, Now now, Outbox& out) {
+  while (auto expired = askers.take_expired(now)) {
+    Asker& asker = expired->second;
+    out.nack(asker.message, fail(Errc::timeout, what, "look at the robot's program"));
+    asker.mode->forget(expired->first, now, robot_.to(*asker.mode, out));
+  }
+}
+
+}  // namespace trb::adapter

@@ -1,0 +1,87 @@
+// The robot's TCP connections: the one that it dials (TCP_PORT) and those that the node dials (commands, monitor).
+#pragma once
+
+#include <array>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "common/service/service.hpp"
+#include "services/mode-adapter/core/adapter_core.hpp"
+#include "services/mode-adapter/io/tcp.hpp"
+
+namespace trb::adapter {
+
+struct RobotIoSettings {
+  std::string listen_address;
+  std::uint16_t listen_port = 0;
+  std::string robot_host;  ///< empty: TCP_PORT takes the connection from anywhere
+  std::optional<std::uint16_t> command_port;
+  std::optional<std::uint16_t> monitor_port;
+};
+
+class RobotIo {
+ public:
+  /// Listens, dials and does the core's RobotWrites and RobotCloses from now on. `service` and `core` must outlive it.
+  /// Errors: bad_value, io_error.
+  static Result<std::unique_ptr<RobotIo>> open(const RobotIoSettings& settings, Service& service,
+                                               ModeAdapterCore& core);
+  RobotIo(const RobotIo&) = delete;
+  RobotIo& operator=(const RobotIo&) = delete;
+  ~RobotIo();
+
+  [[nodiscard]] std::uint16_t listen_port() const { return local_port(listener_.get()); }
+
+ private:
+  enum class State : std::uint8_t { down, connecting, up };
+  struct Road {
+    Channel channel{};
+    std::optional<std::uint16_t> port;  ///< dialled; none: the robot dials
+    Descriptor fd;
+    State state = State::down;
+    Bytes output;
+    std::size_t written = 0;  ///< bytes of output that are out
+    bool wants_write = false;
+    std::optional<MonotonicTime> due;  ///< down: when to dial; connecting: when to give up
+    Duration back_off{};
+    std::string last_failure;
+  };
+  struct Notice {
+    Channel channel{};
+    std::string reason;
+  };
+
+  RobotIo(const RobotIoSettings& settings, Service& service, ModeAdapterCore& core, Descriptor listener);
+  Road& road(Channel channel) { return roads_[static_cast<std::size_t>(channel)]; }
+
+  void accept_all();
+  void take_in(Accepted accepted);
+  void dial(Road& road);
+  void on_dialled(Road& road);
+  void come_up(Road& road);
+  void on_ready(Road& road, short revents);
+  void read(Road& road);
+  void go_down(Road& road, const std::string& reason);
+  void close(Road& road);
+  void retry_later(Road& road);
+
+  void carry_out(const Outbox& out);
+  void write(Road& road, BytesView bytes);
+  bool flush(Road& road);
+  void watch(Road& road);
+  void notice_loss(Road& road, const std::string& reason);
+
+  [[nodiscard]] std::optional<MonotonicTime> next_deadline() const;
+  void tick(Now now);
+  void tell_losses();
+
+  RobotIoSettings settings_;
+  Service& service_;
+  ModeAdapterCore& core_;
+  Descriptor listener_;
+  std::array<Road, 3> roads_;
+  std::vector<Notice> losses_;  ///< noticed while the core's output was written, told to it in a step of their own
+  Bytes buffer_;
+};
+
+}  // namespace trb::adapter

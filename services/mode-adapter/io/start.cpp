@@ -1,0 +1,58 @@
+#include "services/mode-adapter/io/start.hpp"
+
+#include <cstdio>
+
+#include "common/config/node_config.hpp"
+#include "services/mode-adapter/io/fence_file.hpp"
+#include "services/mode-adapter/io/robot_io.hpp"
+
+namespace trb::adapter {
+namespace {
+
+std::vector<std::string> subtypes() {
+  // Words without a body come to the mode-adapter anyway: it takes what no other service claims.
+  return {std::string(Execute::kSubtype),
+          std::string(CancelExecution::kSubtype),
+          std::string(ExecutionQuery::kSubtype),
+          std::string(OutcomeJournaled::kSubtype),
+          std::string(AdapterStateRequest::kSubtype),
+          std::string(AdapterCountersRequest::kSubtype),
+          std::string(Stop::kSubtype),
+          std::string(Release::kSubtype)};
+}
+
+RobotIoSettings io_settings(const NodeConfig& config) {
+  RobotIoSettings settings{config.network.robot_address, config.network.tcp_port, config.robot.host, {}, {}};
+  if (config.mode != Mode::direct) return settings;
+  settings.command_port = config.commands.port;
+  if (config.commands.monitor) settings.monitor_port = config.commands.monitor->port;
+  return settings;
+}
+
+Settings core_settings(NodeConfig config, std::uint64_t instance, bool fenced) {
+  return {std::move(config.id),     std::move(config.framework), config.mode, std::move(config.description),
+          std::move(config.places), std::move(config.commands),  instance,    fenced};
+}
+
+int complain(const std::string& text) {
+  std::fprintf(stderr, "%s\n", text.c_str());
+  return 1;
+}
+
+}  // namespace
+
+int start(const std::string& node_dir) {
+  NodeCheck check = check_node_dir(node_dir, true);
+  if (!check.faults.empty()) return complain(to_text(check.faults));
+  auto service = Service::open({check.config.dir, "mode-adapter", subtypes()});
+  if (!service) return complain(service.error().text());
+  const FenceFile fence(check.config.dir);
+  const RobotIoSettings roads = io_settings(check.config);
+  ModeAdapterCore core(core_settings(std::move(check.config), (*service)->instance(), fence.set()),
+                       [&fence](bool fenced) { return fence.save(fenced); });
+  const auto io = RobotIo::open(roads, **service, core);
+  if (!io) return complain(io.error().text());
+  return (*service)->run(core, [&core] { return core.idle(); });
+}
+
+}  // namespace trb::adapter

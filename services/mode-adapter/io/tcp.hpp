@@ -1,0 +1,59 @@
+// Non-blocking TCP: the few calls that the robot's connections need.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "common/base/bytes.hpp"
+#include "common/base/result.hpp"
+
+namespace trb::adapter {
+
+/// A descriptor that closes itself.
+class Descriptor {
+ public:
+  Descriptor() = default;
+  explicit Descriptor(int fd) : fd_(fd) {}
+  Descriptor(Descriptor&& other) noexcept : fd_(other.release()) {}
+  Descriptor& operator=(Descriptor&& other) noexcept;
+  Descriptor(const Descriptor&) = delete;
+  Descriptor& operator=(const Descriptor&) = delete;
+  ~Descriptor() { reset(); }
+
+  [[nodiscard]] int get() const { return fd_; }
+  explicit operator bool() const { return fd_ >= 0; }
+  void reset();
+
+ private:
+  int release();
+  int fd_ = -1;
+};
+
+/// Errors: bad_value (no IPv4 address), io_error.
+Result<Descriptor> tcp_listen(const std::string& address, std::uint16_t port);
+/// The port that a listener has got; for tests that bind port 0.
+std::uint16_t local_port(int fd);
+/// Begins to connect; the descriptor becomes writable once it is known how it ended.
+Result<Descriptor> tcp_dial(const std::string& address, std::uint16_t port);
+/// How a connect ended.
+Status tcp_connected(int fd);
+
+struct Accepted {
+  Descriptor fd;
+  std::string peer;
+};
+/// A waiting connection; none: an empty descriptor.
+Accepted tcp_accept(int listener);
+
+/// No Nagle, and a peer that has vanished is noticed within some 5 s, whether or not something is sent to it.
+void watch_over(int fd);
+
+/// What could be read or written at once. Errors: io_error, with the system's words.
+struct Transfer {
+  std::size_t bytes = 0;
+  bool closed = false;  ///< by the peer
+};
+Result<Transfer> tcp_read(int fd, char* buffer, std::size_t size);
+Result<Transfer> tcp_write(int fd, BytesView bytes);
+
+}  // namespace trb::adapter
