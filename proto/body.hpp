@@ -13,19 +13,19 @@
 #include "proto/bodies/signed.hpp"
 
 // One line a body; the order means nothing on the wire.
-#define TRB_BODIES(X)                                                                                                  \
-  X(ServiceHello)                                                                                                      \
-  X(ServiceWelcome) X(ServiceAlive) X(ServiceAliveSeen) X(HelloWanted) X(Nack) X(Ack) X(SignRequest) X(SignedRecord)   \
-      X(RouteListRequest) X(RouteTable) X(ServiceListRequest) X(ServiceTable) X(RouterCountersRequest)                 \
-          X(AdapterCountersRequest) X(Counters) X(Certificate) X(CertificateRequest) X(Beacon) X(NodeProfile) X(Hello) \
-              X(KeepAlive) X(Goodbye) X(PeerJoined) X(PeerExpired) X(Execute) X(CancelExecution) X(ExecutionQuery)     \
-                  X(ExecutionState) X(Outcome) X(OutcomeJournaled) X(AdapterState) X(AdapterStateRequest)              \
-                      X(RobotFault) X(RobotConnection) X(Stop) X(Release) X(Scenario) X(RunStart) X(TaskResult)        \
-                          X(AbortOrder) X(RunSubmit) X(RunAccepted) X(Baton) X(BatonJournaled) X(NeedDefinition)       \
-                              X(Definition) X(NeedResults) X(Results) X(ResultsJournaled) X(TaskProgress) X(RunAbort)  \
-                                  X(AbortConfirmed) X(RunQuery) X(RunView) X(RunListRequest) X(RunTable) X(JournalRun) \
-                                      X(JournalStart) X(JournalResult) X(JournalDelivered) X(JournalAbort)             \
-                                          X(JournalTombstone)
+// clang-format off
+#define TRB_BODIES(X)                                                                                              \
+  X(ServiceHello) X(ServiceWelcome) X(ServiceAlive) X(ServiceAliveSeen) X(HelloWanted) X(Nack) X(Ack)              \
+  X(SignRequest) X(SignedRecord) X(RouteListRequest) X(RouteTable) X(ServiceListRequest) X(ServiceTable)           \
+  X(RouterCountersRequest) X(AdapterCountersRequest) X(Counters)                                                   \
+  X(Certificate) X(CertificateRequest) X(Beacon) X(NodeProfile) X(Hello) X(KeepAlive) X(Goodbye) X(PeerJoined)     \
+  X(PeerExpired) X(Execute) X(CancelExecution) X(ExecutionQuery) X(ExecutionState) X(Outcome) X(OutcomeJournaled)  \
+  X(AdapterState) X(AdapterStateRequest) X(RobotFault) X(RobotConnection) X(Stop) X(Release)                       \
+  X(Scenario) X(RunStart) X(TaskResult) X(AbortOrder) X(RunSubmit) X(RunAccepted) X(Baton) X(BatonJournaled)       \
+  X(NeedDefinition) X(Definition) X(NeedResults) X(Results) X(ResultsJournaled) X(TaskProgress) X(RunAbort)        \
+  X(AbortConfirmed) X(RunQuery) X(RunView) X(RunListRequest) X(RunTable)                                           \
+  X(JournalRun) X(JournalStart) X(JournalResult) X(JournalDelivered) X(JournalAbort) X(JournalTombstone)
+// clang-format on
 
 namespace trb {
 

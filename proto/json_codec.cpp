@@ -1,9 +1,13 @@
 // The JSON codec of every body (see body.hpp), and of the message itself.
+#include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "common/base/hex.hpp"
+#include "common/base/ids.hpp"
 #include "proto/body.hpp"
 #include "proto/message.hpp"
 #include "proto/value.hpp"
@@ -74,11 +78,10 @@ bool Reader::take_integer(const Value& from, T& out) {
   if constexpr (std::is_same_v<T, std::uint64_t>) {
     if (from.is_text()) {
       const std::string& text = from.text();
-      if (text.empty() || text.size() > 20 || text.find_first_not_of("0123456789") != std::string::npos) {
-        return refuse(Errc::malformed, "no whole number");
-      }
-      out = std::strtoull(text.c_str(), nullptr, 10);
-      return true;
+      const char* const end = text.data() + text.size();
+      const auto [stop, problem] = std::from_chars(text.data(), end, out);
+      if (stop != end || problem == std::errc::invalid_argument) return refuse(Errc::malformed, "no whole number");
+      return problem == std::errc{} || refuse(Errc::bad_value, text + " is out of range");
     }
   }
   if (!from.is_integer()) return refuse(Errc::malformed, "needs a whole number, got " + std::string(from.kind()));
@@ -255,13 +258,53 @@ std::string message_to_json(const Message& message) {
   return dump_json(Value{std::move(out)});
 }
 
+namespace {
+
+/// Takes the member of that key out of an object.
+std::optional<Value> take_member(Value& from, std::string_view key) {
+  auto* members = std::get_if<Value::Object>(&from.is);
+  if (members == nullptr) return std::nullopt;
+  const auto at = std::find_if(members->begin(), members->end(), [&](const auto& m) { return m.first == key; });
+  if (at == members->end()) return std::nullopt;
+  Value out = std::move(at->second);
+  members->erase(at);
+  return out;
+}
+
+/// Data as text, as hexadecimal or as a typed body: one of them.
+Result<Bytes> data_of(MessageForm& form, const std::optional<Value>& body, bool sized) {
+  if (body) {
+    if (!form.data.empty() || !form.data_hex.bytes.empty()) {
+      return fail(Errc::bad_value, "body: comes with data", "keep one");
+    }
+    auto bytes = body_from_json(form.subtype, dump_json(*body));
+    if (!bytes) return fail(bytes.error().code, "body: " + bytes.error().what, bytes.error().cure);
+    return bytes;  // its size is msgpack's, which a writer of JSON need not know
+  }
+  if (!form.data.empty() && !form.data_hex.bytes.empty()) {
+    return fail(Errc::bad_value, "data_hex: comes with data", "keep one");
+  }
+  Bytes bytes = form.data_hex.bytes.empty() ? std::move(form.data) : std::move(form.data_hex.bytes);
+  if (sized && form.size != bytes.size()) {
+    return fail(Errc::bad_value,
+                "size: " + std::to_string(form.size) + ", but the data has " + std::to_string(bytes.size()) + " bytes");
+  }
+  return bytes;
+}
+
+}  // namespace
+
 Result<Message> message_from_json(std::string_view json) {
   auto value = parse_json(json, {.bytes = 4 * kMaxDataSize});
   if (!value) return value.error();
+  const std::optional<Value> body = take_member(*value, "body");
   auto form = read<MessageForm>(*value);
   if (!form) return form.error();
   if (form->type == MessageType::none) return fail(Errc::missing, "type: missing or none");
   if (form->subtype.empty()) return fail(Errc::missing, "subtype: missing");
+  if (!is_valid_word(form->subtype)) return fail(Errc::bad_value, "subtype: '" + form->subtype + "' is no word");
+  auto data = data_of(*form, body, value->find("size") != nullptr);
+  if (!data) return data.error();
   Message message;
   message.type = form->type;
   message.subtype = std::move(form->subtype);
@@ -269,11 +312,7 @@ Result<Message> message_from_json(std::string_view json) {
   message.target = std::move(form->target);
   message.id = form->id;
   message.reply_to = form->reply_to;
-  message.data = form->data_hex.bytes.empty() ? std::move(form->data) : std::move(form->data_hex.bytes);
-  if (value->find("size") != nullptr && form->size != message.data.size()) {
-    return fail(Errc::bad_value, "size: " + std::to_string(form->size) + ", but the data has " +
-                                     std::to_string(message.data.size()) + " bytes");
-  }
+  message.data = std::move(*data);
   return message;
 }
 

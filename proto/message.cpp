@@ -7,6 +7,7 @@
 #include <msgpack/unpack.hpp>
 
 #include "common/base/ids.hpp"
+#include "proto/value.hpp"
 
 namespace trb {
 namespace {
@@ -154,6 +155,8 @@ Result<HeaderView> decode_frame(BytesView frame) {
   if (!parsed || !visitor.complete())
     return fail(Errc::malformed, "header is no array of three texts and three numbers");
   if (!is_valid_word(view.subtype)) return fail(Errc::bad_value, "subtype is no word");
+  // They go into logs and Nacks.
+  if (!is_utf8(view.source) || !is_utf8(view.target)) return fail(Errc::malformed, "source or target is not UTF-8");
   if (visitor.size() != frame.size() - offset) return fail(Errc::malformed, "size differs from the data's length");
   if (visitor.size() > kMaxDataSize)
     return fail(Errc::too_large, "data of " + std::to_string(visitor.size()) + " bytes");

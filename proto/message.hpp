@@ -82,7 +82,8 @@ void stamp_link(char* frame, std::uint64_t link, std::uint64_t sequence, std::ui
 /// goes as "data_hex", the data of a typed subtype as "body".
 std::string message_to_json(const Message& message);
 
-/// The inverse. Errors: malformed, missing, bad_value, too_large, unknown_key.
+/// The inverse; flags and remaining time are not in JSON. Errors: malformed, missing, bad_value, too_large,
+/// unknown_key.
 Result<Message> message_from_json(std::string_view json);
 
 }  // namespace trb

@@ -66,12 +66,21 @@ constexpr auto kRows = [] {
   return rows;
 }();
 
+const Row* find(std::string_view subtype) {
+  const auto* at = std::lower_bound(kRows.begin(), kRows.end(), subtype,
+                                    [](const Row& row, std::string_view word) { return row.first < word; });
+  return at != kRows.end() && at->first == subtype ? at : nullptr;
+}
+
 }  // namespace
 
+bool has_phase(std::string_view subtype) {
+  return find(subtype) != nullptr;
+}
+
 Phase phase_of(std::string_view subtype) {
-  const auto at = std::lower_bound(kRows.begin(), kRows.end(), subtype,
-                                   [](const Row& row, std::string_view word) { return row.first < word; });
-  return at != kRows.end() && at->first == subtype ? at->second : Phase::task;
+  const Row* row = find(subtype);
+  return row == nullptr ? Phase::task : row->second;
 }
 
 }  // namespace trb

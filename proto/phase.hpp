@@ -16,6 +16,9 @@ constexpr auto enum_names(Phase) {
                                          "forward", "sensor",         "fail",    "upkeep"};
 }
 
+/// True if the subtype has a row of its own in the table: every typed subtype that is sent has one.
+bool has_phase(std::string_view subtype);
+
 /// The phase of a message by its subtype; a word of the user's own counts as `task`.
 Phase phase_of(std::string_view subtype);
 

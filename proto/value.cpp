@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
+#include <set>
 
 namespace trb {
 namespace {
@@ -30,8 +31,7 @@ class Builder : public nlohmann::json_sax<json> {
   bool end_array() override { return close(); }
 
   bool key(std::string& name) override {
-    const auto& members = std::get<Value::Object>(stack_.back().value.is);
-    const bool again = std::any_of(members.begin(), members.end(), [&](const auto& m) { return m.first == name; });
+    const bool again = !stack_.back().keys.insert(name).second;
     if (again && name != kComment) return refuse(fail(Errc::duplicate, "key '" + name + "' occurs twice", "keep one"));
     stack_.back().key = std::move(name);
     return true;
@@ -59,6 +59,7 @@ class Builder : public nlohmann::json_sax<json> {
   struct Level {
     Value value;
     std::string key;
+    std::set<std::string> keys;  ///< a large object is checked for repeated keys in a moment
   };
 
   bool refuse(Error error) {
@@ -76,7 +77,7 @@ class Builder : public nlohmann::json_sax<json> {
     if (stack_.size() >= limits_.depth)
       return refuse(fail(Errc::too_large, "nested deeper than " + std::to_string(limits_.depth)));
     if (!count()) return false;
-    stack_.push_back({std::move(value), {}});
+    stack_.push_back({std::move(value), {}, {}});
     return true;
   }
 

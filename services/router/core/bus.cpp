@@ -1,4 +1,6 @@
 // The node's own bus: services come and go, ask the router, have records signed.
+#include <algorithm>
+
 #include "services/router/core/router_core.hpp"
 
 namespace trb::router {
@@ -16,10 +18,22 @@ Message to_service(const std::string& node, std::uint64_t id, std::uint64_t repl
   return message;
 }
 
+/// Results are the scheduler's; starts and aborts come from where a person works. Default deny.
+bool is_maker(const Connection& from, std::string_view kind) {
+  if (kind == kSignedResult) return !from.probe && from.hello.service == "scheduler";
+  if (kind == kSignedRunStart || kind == kSignedRunAbort) return from.probe || from.hello.service == "cloud-gateway";
+  return false;
+}
+
 }  // namespace
 
 void RouterCore::on_service_hello(ConnectionId from, const ServiceHello& hello, bool probe, Now now, Effects& out) {
-  auto slot = services_.welcome(from, hello, probe, now.mono);
+  forget_silent_probes(now, out);
+  const bool named =
+      probe || std::find(config_.services.begin(), config_.services.end(), hello.service) != config_.services.end();
+  auto slot =
+      named ? services_.welcome(from, hello, probe, now.mono)
+            : Result<std::uint16_t>(fail(Errc::not_permitted, "service '" + hello.service + "' is not in node.json"));
   if (!slot) {
     out.count("refused." + std::string(errc_name(slot.error().code)));
     out.log(LogLevel::warning, "service_refused",
@@ -34,6 +48,18 @@ void RouterCore::on_service_hello(ConnectionId from, const ServiceHello& hello, 
   out.add(BusSend{from, to_service(config_.id, ++message_count_, 1, welcome)});
 }
 
+void RouterCore::forget_silent_probes(Now now, Effects& out) {
+  // Nobody tells when a probe ends. One that lives says hello again; to one that is gone the send fails.
+  std::vector<ConnectionId> silent;
+  for (const auto& [id, connection] : services_.all()) {
+    if (connection.probe && now.mono - connection.last_heard > config_.timing.lease) silent.push_back(id);
+  }
+  for (const ConnectionId id : silent) {
+    services_.forget(id);
+    out.add(BusSend{id, to_service(config_.id, ++message_count_, 0, HelloWanted{})});
+  }
+}
+
 void RouterCore::on_connection_gone(ConnectionId connection, Now, Effects& out) {
   const Connection* known = services_.find(connection);
   if (known == nullptr) return;
@@ -46,15 +72,15 @@ void RouterCore::on_connection_gone(ConnectionId connection, Now, Effects& out) 
 void RouterCore::on_bus_message(ConnectionId from, const Message& message, Now now, Effects& out) {
   const Connection* connection = services_.find(from);
   if (connection == nullptr) return;
+  services_.heard(from, now.mono);
   auto body = decode_body(message.subtype, message.data);
   if (!body) return deny(from, message, body.error(), out);
   if (std::holds_alternative<ServiceAlive>(*body)) {
-    services_.heard(from, now.mono);
     out.add(BusSend{from, to_service(config_.id, ++message_count_, message.id, ServiceAliveSeen{config_.instance})});
   } else if (const auto* request = std::get_if<SignRequest>(&*body)) {
     sign_for(from, message, *request, out);
   } else if (const auto* profile = std::get_if<NodeProfile>(&*body)) {
-    if (connection->hello.service == "mode-adapter") on_own_profile(*profile, out);
+    if (connection->hello.service == "mode-adapter" && !connection->probe) on_own_profile(*profile, out);
   } else if (auto reply = answer_to(message, now)) {
     answer(from, message, *reply, out);
   } else {
@@ -82,13 +108,7 @@ void RouterCore::deny(ConnectionId to, const Message& asked, const Error& error,
 }
 
 Status RouterCore::may_sign_for(const Connection& from, const SignRequest& request) const {
-  // One maker a kind: results are the scheduler's, starts and aborts those of whoever a person works with.
-  const bool scheduler = from.hello.service == "scheduler" && !from.probe;
-  const bool right_service = request.kind == kSignedResult ? scheduler
-                             : request.kind == kSignedRunStart || request.kind == kSignedRunAbort
-                                 ? from.probe || !scheduler
-                                 : false;
-  if (!right_service || from.hello.service == "mode-adapter" || !may_sign(config_.role, request.kind)) {
+  if (!is_maker(from, request.kind) || !may_sign(config_.role, request.kind)) {
     return fail(Errc::not_permitted, "service '" + from.hello.service + "' of a " + std::string(name_of(config_.role)) +
                                          " node may not have a '" + request.kind + "' signed");
   }
@@ -115,7 +135,8 @@ void RouterCore::sign_for(ConnectionId from, const Message& message, const SignR
 void RouterCore::on_own_profile(const NodeProfile& profile, Effects& out) {
   if (profile == profile_) return;
   profile_ = profile;
-  for (const LinkId id : up_links()) link_send(links_.at(id), profile_, out);
+  ++profile_number_;
+  for (const LinkId id : up_links()) tell_profile(links_.at(id), out);
 }
 
 ServiceTable RouterCore::service_table(Now now) const {

@@ -30,7 +30,9 @@ void RouterCore::tick(Now now, Effects& out) {
 void RouterCore::tick_links(Now now, Effects& out) {
   std::vector<std::pair<LinkId, std::string>> lapsed;
   for (auto& [id, link] : links_) {
-    if (!link.up) {
+    if (link.up && checked_utc(now.utc).ns >= peers_.at(link.peer).certificate.not_after) {
+      lapsed.emplace_back(id, "its certificate has ended");
+    } else if (!link.up) {
       if (now.mono >= link.opened + config_.timing.handshake) lapsed.emplace_back(id, "no Hello in time");
     } else if (now.mono >= link.last_heard + config_.timing.lease) {
       lapsed.emplace_back(id, "nothing heard for a lease");
@@ -50,6 +52,10 @@ void RouterCore::tick_peers(Now now, Effects& out) {
     if (peer.link != 0) continue;
     if (peer.lost && !peer.expired && now.mono >= *peer.lost + config_.timing.lease) expire(peer, "lease ended", out);
     if (peer.redial.at && now.mono >= *peer.redial.at) {
+      if (dialling(peer.certificate.link_key.bytes)) {
+        peer.redial.at = now.mono + config_.timing.redial_first;
+        continue;
+      }
       dial(peer.redial, peer.address, peer.certificate.link_key.bytes, now, out);
     }
   }
@@ -66,8 +72,8 @@ void RouterCore::tick_seeds(Now now, Effects& out) {
   for (Seed& seed : seeds_) {
     if (!seed.redial.at || now.mono < *seed.redial.at) continue;
     const auto peer = peers_.find(seed.peer);
-    if (peer != peers_.end() && (peer->second.link != 0 || peer->second.redial.link != 0)) {
-      // The link is there, or the peer's own dialling sees to it; look again later, in case its address is lost.
+    if ((peer != peers_.end() && peer->second.link != 0) || dialling(seed.key)) {
+      // The link is there, or is being dialled by another way; look again later, in case that address is lost.
       seed.redial.at = now.mono + config_.timing.redial_most;
     } else {
       dial(seed.redial, seed.address, seed.key, now, out);
@@ -115,15 +121,18 @@ void RouterCore::on_beacon(BytesView plain, Now now, Effects& out) {
   const auto known = peers_.find(certificate->id);
   if (known != peers_.end()) {
     const Peer& peer = known->second;
-    const bool old = outer->boot < peer.boot || (outer->boot == peer.boot && outer->count <= peer.beacon_count) ||
+    const bool old = outer->boot < peer.boot ||
+                     std::pair(outer->boot, outer->count) <= std::pair(peer.beacon_boot, peer.beacon_count) ||
                      certificate->serial < peer.certificate.serial;
     if (old) return out.count("beacon.replayed");
     if (peer.link != 0 && peer.boot == outer->boot) {
+      known->second.beacon_boot = outer->boot;
       known->second.beacon_count = outer->count;
       return;
     }
   }
   Peer& peer = make_peer(*certificate, outer->certificate);
+  peer.beacon_boot = outer->boot;
   peer.beacon_count = outer->count;
   if (peer.link == 0 || outer->boot > peer.boot) peer.address = outer->address;
   if (peer.redial.link != 0) return;

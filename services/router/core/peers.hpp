@@ -21,9 +21,10 @@ struct Link {
   Bytes key;             ///< the other side's CURVE key
   bool up = false;       ///< Hello heard and accepted
   bool hello_sent = false;
-  std::uint64_t boot = 0;   ///< the peer's boot counter, from its Hello
-  std::uint64_t sent = 0;   ///< last sequence sent
-  std::uint64_t heard = 0;  ///< last sequence heard
+  std::uint64_t profile = 0;  ///< number of this node's profile that the other side was last told
+  std::uint64_t boot = 0;     ///< the peer's boot counter, from its Hello
+  std::uint64_t sent = 0;     ///< last sequence sent
+  std::uint64_t heard = 0;    ///< last sequence heard
   MonotonicTime opened;
   MonotonicTime last_heard;
   MonotonicTime confirmed;  ///< when the peer was last known to hear us
@@ -44,6 +45,7 @@ struct Peer {
   Certificate certificate;
   std::string address;
   std::uint64_t boot = 0;
+  std::uint64_t beacon_boot = 0;
   std::uint64_t beacon_count = 0;
   std::string version;
   bool clock_verified = true;
@@ -51,7 +53,7 @@ struct Peer {
   LinkId link = 0;  ///< the link that is up, or 0
   bool expired = false;
   bool met = false;                   ///< was linked at least once
-  std::optional<MonotonicTime> lost;  ///< when the last link went down
+  std::optional<MonotonicTime> lost;  ///< since when the lease runs: the last sign of life on the link that went down
   MonotonicTime last_heard;
   Redial redial;
 };

@@ -29,6 +29,11 @@ constexpr std::string_view kLocalOnly[] = {
 };
 static_assert(std::is_sorted(std::begin(kLocalOnly), std::end(kLocalOnly)));
 
+// Sorted: between the two routers of a link; never from a service to another node.
+constexpr std::string_view kLinkOnly[] = {Goodbye::kSubtype, Hello::kSubtype, KeepAlive::kSubtype,
+                                          NodeProfile::kSubtype};
+static_assert(std::is_sorted(std::begin(kLinkOnly), std::end(kLinkOnly)));
+
 template <std::size_t N>
 bool contains(const std::string_view (&words)[N], std::string_view word) {
   return std::binary_search(std::begin(words), std::end(words), word);
@@ -63,6 +68,7 @@ Decision RouterCore::route_local(ConnectionId from, const HeaderView& header) {
   if (header.id >> 48U != connection->slot) return drop(Errc::malformed);
   if (header.remaining_ms == 0) return drop(Errc::expired);
   if (header.target == config_.id) return route_to_self(header);
+  if (contains(kLinkOnly, header.subtype)) return drop(Errc::not_permitted);
   if (header.target == kEveryNode) {
     const bool good = header.type == MessageType::information;
     return good ? Decision{.to = Decision::To::every_peer} : drop(Errc::bad_value);
@@ -92,7 +98,7 @@ Decision RouterCore::route_peer(LinkId id, const HeaderView& header, Now now, Ef
     return drop(Errc::source_mismatch);
   }
   if (header.target != config_.id && header.target != kEveryNode) return drop(Errc::unknown_target);
-  if (contains(kLocalOnly, header.subtype) && header.reply_to == 0) return drop(Errc::not_permitted);
+  if (contains(kLocalOnly, header.subtype)) return drop(Errc::not_permitted);
   if (header.remaining_ms == 0) return drop(Errc::expired);
   return route_to_self(header);
 }
@@ -102,6 +108,8 @@ Decision RouterCore::route_to_self(const HeaderView& header) const {
     if (!connection) return drop(Errc::no_service);
     return Decision{.to = Decision::To::service, .connection = *connection};
   };
+  // Only information answers: else a peer could bring a command past the claims, straight to a service of its choice.
+  if (header.reply_to != 0 && header.type != MessageType::information) return drop(Errc::bad_value);
   if (header.reply_to != 0) return to_service(services_.by_slot(static_cast<std::uint16_t>(header.reply_to >> 48U)));
   if (contains(kOwnSubtypes, header.subtype)) return {.to = Decision::To::router};
   if (const auto claimed = services_.by_subtype(header.subtype)) return to_service(claimed);

@@ -82,6 +82,7 @@ class RouterCore {
   void answer(ConnectionId to, const Message& asked, const Body& body, Effects& out);
   void deny(ConnectionId to, const Message& asked, const Error& error, Effects& out);
   void sign_for(ConnectionId from, const Message& message, const SignRequest& request, Effects& out);
+  void forget_silent_probes(Now now, Effects& out);
   Status may_sign_for(const Connection& from, const SignRequest& request) const;
   void on_own_profile(const NodeProfile& profile, Effects& out);
   [[nodiscard]] ServiceTable service_table(Now now) const;
@@ -89,9 +90,12 @@ class RouterCore {
   Result<Body> answer_to(const Message& message, Now now) const;
   void tell_services(Body body, Effects& out);
 
-  // links.cpp
+  // links.cpp, hello.cpp
   void dial(Redial& redial, const std::string& address, BytesView key, Now now, Effects& out);
   void send_hello(Link& link, Now now, Effects& out);
+  void on_early_message(LinkId id, BytesView key, const Message& message, Now now, Effects& out);
+  void on_peer_message(Link& link, const Message& message, Now now, Effects& out);
+  [[nodiscard]] Result<Hello> read_hello(LinkId id, BytesView key, const Message& message) const;
   void on_hello(LinkId id, BytesView key, const Message& message, std::uint64_t sequence, Now now, Effects& out);
   Result<Certificate> check_hello(const Link& link, const Message& message, const Hello& hello, Now now) const;
   void link_up(Link& link, const Certificate& certificate, const Hello& hello, Now now, Effects& out);
@@ -102,6 +106,8 @@ class RouterCore {
   void on_keep_alive(Link& link, const KeepAlive& body, Now now);
   void redial_later(Redial& redial, Now now, Duration at_least = {});
   void redial_failed(LinkId id, Now now);
+  void tell_profile(Link& link, Effects& out);
+  [[nodiscard]] bool dialling(BytesView key) const;
   Peer& make_peer(const Certificate& certificate, const SignedRecord& record);
 
   // leases.cpp
@@ -117,6 +123,7 @@ class RouterCore {
   RouterConfig config_;
   Services services_;
   NodeProfile profile_;
+  std::uint64_t profile_number_ = 1;  ///< rises with each change
   std::map<std::string, Peer, std::less<>> peers_;
   std::map<Bytes, std::string, std::less<>> peers_by_key_;
   std::map<LinkId, Link> links_;

@@ -1,0 +1,161 @@
+// Hello: proven by certificate and key; of two links of one pair of nodes one stays.
+#include "services/router/core/router_core.hpp"
+
+namespace trb::router {
+
+void RouterCore::send_hello(Link& link, Now now, Effects& out) {
+  if (link.hello_sent) return;
+  link.hello_sent = true;
+  const UtcTime utc = checked_utc(now.utc);
+  Hello hello{config_.certificate, config_.boot, config_.address, config_.version, utc.ns, utc == now.utc, profile_};
+  link.profile = profile_number_;
+  if (encode(hello).size() > kMaxHelloSize) {
+    // A stranger's Hello is bounded; the profile follows when the link is up.
+    hello.profile = {};
+    link.profile = 0;
+  }
+  link_send(link, hello, out);
+}
+
+void RouterCore::tell_profile(Link& link, Effects& out) {
+  if (link.profile == profile_number_) return;
+  link.profile = profile_number_;
+  link_send(link, profile_, out);
+}
+
+Result<Certificate> RouterCore::check_hello(const Link& link, const Message& message, const Hello& hello,
+                                            Now now) const {
+  auto certificate = open_certificate(hello.certificate, config_.authority, checked_utc(now.utc));
+  if (!certificate) return certificate;
+  if (certificate->link_key.bytes != link.key) {
+    return fail(Errc::wrong_key,
+                "certificate of '" + certificate->id + "' names another link key than the connection's");
+  }
+  if (message.source != certificate->id) {
+    return fail(Errc::source_mismatch,
+                "Hello of '" + message.source + "' with the certificate of '" + certificate->id + "'");
+  }
+  if (certificate->id == config_.id) {
+    return fail(Errc::duplicate, "another node is called '" + config_.id + "' too", "give each node its own id");
+  }
+  const auto known = peers_.find(certificate->id);
+  if (known == peers_.end() && peers_.size() >= kMaxPeers) return fail(Errc::queue_full, "the routing table is full");
+  if (known != peers_.end() && known->second.certificate.serial > certificate->serial) {
+    return fail(Errc::conflict, "an older certificate of '" + certificate->id + "'",
+                "use the one that was signed last");
+  }
+  if (known != peers_.end() && known->second.boot > hello.boot) {
+    return fail(Errc::conflict, "an older boot of '" + certificate->id + "'");
+  }
+  return certificate;
+}
+
+Result<Hello> RouterCore::read_hello(LinkId id, BytesView key, const Message& message) const {
+  if (id == 0) return fail(Errc::malformed, "Hello without a link id");
+  if (message.data.size() > kMaxHelloSize && peers_by_key_.count(key) == 0) {
+    return fail(Errc::too_large, "Hello over 4 kB");
+  }
+  return decode<Hello>(message.data);
+}
+
+void RouterCore::on_hello(LinkId id, BytesView key, const Message& message, std::uint64_t sequence, Now now,
+                          Effects& out) {
+  const auto known = links_.find(id);
+  const bool dialled = known != links_.end() && known->second.dialled && !known->second.up;
+  if (known != links_.end() && !dialled) return out.count("refused.repeated_hello");
+  Link fresh;
+  fresh.id = id;
+  fresh.key = key;
+  fresh.opened = now.mono;
+  auto hello = read_hello(id, key, message);
+  auto certificate =
+      hello ? check_hello(dialled ? known->second : fresh, message, *hello, now) : Result<Certificate>(hello.error());
+  if (!certificate) {
+    if (!dialled) return refuse_candidate(id, key, certificate.error(), now, out);
+    out.count("refused." + std::string(errc_name(certificate.error().code)));
+    return drop_link(id, certificate.error().text(), false, now, out);
+  }
+  candidates_.erase(Bytes(key));
+  if (!dialled) {
+    links_.emplace(id, fresh);
+    out.add(AcceptLink{id});
+  }
+  Link& link = links_.at(id);
+  link.heard = sequence;
+  make_peer(*certificate, hello->certificate);
+  link_up(link, *certificate, *hello, now, out);
+}
+
+Peer& RouterCore::make_peer(const Certificate& certificate, const SignedRecord& record) {
+  Peer& peer = peers_[certificate.id];
+  if (!peer.certificate.link_key.bytes.empty() && peer.certificate.link_key != certificate.link_key) {
+    peers_by_key_.erase(peer.certificate.link_key.bytes);
+  }
+  peer.id = certificate.id;
+  peer.certificate = certificate;
+  peer.certificate_record = record;
+  peers_by_key_[certificate.link_key.bytes] = certificate.id;
+  for (Seed& seed : seeds_) {
+    if (seed.key == certificate.link_key.bytes) seed.peer = certificate.id;
+  }
+  return peer;
+}
+
+void RouterCore::link_up(Link& link, const Certificate& certificate, const Hello& hello, Now now, Effects& out) {
+  Peer& peer = peers_.at(certificate.id);
+  link.peer = certificate.id;
+  link.boot = hello.boot;
+  link.up = true;
+  link.last_heard = now.mono;
+  link.confirmed = now.mono;
+  link.next_keep_alive = now.mono + config_.timing.keep_alive;
+  send_hello(link, now, out);
+  const LinkId id = link.id;
+  if (peer.link != 0 && !settle_double(link, peer, now, out)) return;
+  const bool again = peer.boot == hello.boot && peer.met && !peer.expired;
+  peer.boot = hello.boot;
+  peer.address = hello.address;
+  peer.version = hello.version;
+  peer.clock_verified = hello.clock_verified;
+  peer.profile = hello.profile;
+  peer.link = id;
+  peer.met = true;
+  peer.expired = false;
+  peer.lost.reset();
+  peer.redial = {};
+  out.log(LogLevel::info, "peer_joined",
+          peer.id + " at " + peer.address + ", boot " + std::to_string(peer.boot) +
+              (links_.at(id).dialled ? ", dialled by this node" : ", dialled by it"));
+  if (!again) tell_services(PeerJoined{peer.id, peer.boot}, out);
+  tell_profile(links_.at(id), out);
+}
+
+bool RouterCore::settle_double(Link& link, Peer& peer, Now now, Effects& out) {
+  const auto old = links_.find(peer.link);
+  if (old == links_.end() || new_link_wins(old->second, link, own_is_smaller(peer.id))) {
+    const LinkId gone = peer.link;
+    peer.link = 0;
+    drop_link(gone, "a better link to " + peer.id + " came up", true, now, out);
+    return true;
+  }
+  drop_link(link.id, "a better link to " + peer.id + " is up", true, now, out);
+  return false;
+}
+
+void RouterCore::refuse_candidate(LinkId id, BytesView key, const Error& error, Now now, Effects& out) {
+  out.count("refused." + std::string(errc_name(error.code)));
+  out.log(LogLevel::warning, "candidate_refused", error.text());
+  if (peers_by_key_.count(key) == 0) {
+    candidates_.erase(Bytes(key));
+    if (denied_.size() < 8 * kMaxCandidates) denied_[Bytes(key)] = now.mono + config_.timing.denied;
+  }
+  Message message;
+  message.type = MessageType::information;
+  message.subtype = Goodbye::kSubtype;
+  message.source = config_.id;
+  message.id = ++message_count_;
+  message.data = encode(Goodbye{std::string(errc_name(error.code))});
+  out.add(RefuseCandidate{id, std::move(message)});
+}
+
+}  // namespace trb::router
