@@ -35,8 +35,8 @@ struct Network {
   std::string host_int;                ///< an interface or an address
   std::string vpn_int;
   // resolved from the interfaces of this machine by check_node_dir:
-  std::string address;    ///< of host_int
-  std::string broadcast;  ///< of host_int's network
+  std::string address;        ///< of host_int
+  std::string broadcast;      ///< of host_int's network
   std::string robot_address;  ///< of robot.interface, or `address`
 };
 
@@ -50,8 +50,8 @@ struct Monitor {
 struct VendorCommands {
   std::optional<std::uint16_t> port;
   std::string transport = "tcp-text";
-  std::string language = "plain";          ///< how text and lists are written: "plain" or "urscript"
-  std::string wrap;                        ///< "urscript-program": commands become a named program, so that its end is told
+  std::string language = "plain";  ///< how text and lists are written: "plain" or "urscript"
+  std::string wrap;                ///< "urscript-program": commands become a named program, so that its end is told
   std::map<std::string, std::string> commands;  ///< subtype -> the vendor's words with {data} or {0}, {1} …
   std::map<std::string, std::string> requests;  ///< subtype -> a name that the monitor reports, for example "joints"
   std::optional<Monitor> monitor;
@@ -60,6 +60,7 @@ struct VendorCommands {
 struct NodeConfig {
   std::string dir;  ///< absolute
   std::string id;
+  Role role{};
   std::string framework;  ///< empty for a node without a robot
   Mode mode{};
   std::vector<std::string> services;
@@ -74,9 +75,9 @@ struct NodeConfig {
   [[nodiscard]] bool has_service(std::string_view name) const;
 };
 
-/// Reads and checks a node's folder. Every fault of every file is returned at once; nothing is started, no port stays bound.
-/// Also checks what the files refer to: keys present with mode 0600, certificate valid for the id, interfaces that exist,
-/// ports that are free (skipped with `running`), a mode that this build has.
+/// Reads and checks a node's folder. Every fault of every file is returned at once; nothing is started, no port stays
+/// bound. Also checks what the files refer to: keys present with mode 0600, certificate valid for the id, interfaces
+/// that exist, ports that are free (skipped with `running`), a mode that this build has.
 struct NodeCheck {
   NodeConfig config;
   ConfigFaults faults;

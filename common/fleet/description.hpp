@@ -23,10 +23,10 @@ struct Parameter {
   std::string name;
   ParameterType type{};
   bool required = true;
-  std::string unit;                  ///< "m", "rad", "s", "m/s" … or empty
+  std::string unit;  ///< "m", "rad", "s", "m/s" … or empty
   std::optional<double> minimum;
   std::optional<double> maximum;
-  std::vector<std::string> one_of;   ///< for text: the words allowed; empty: any
+  std::vector<std::string> one_of;   ///< for text and place: the words allowed; empty: any
   std::optional<std::size_t> count;  ///< for numbers: how many
   std::optional<Value> preset;       ///< used when an optional parameter is not given
 };
@@ -60,9 +60,13 @@ struct Skill {
 };
 
 enum class Framing : std::uint8_t { newline = 0, length, delay };
-constexpr auto enum_names(Framing) { return std::array<std::string_view, 3>{"newline", "length", "delay"}; }
+constexpr auto enum_names(Framing) {
+  return std::array<std::string_view, 3>{"newline", "length", "delay"};
+}
 enum class Encoding : std::uint8_t { text = 0, numeric };
-constexpr auto enum_names(Encoding) { return std::array<std::string_view, 2>{"text", "numeric"}; }
+constexpr auto enum_names(Encoding) {
+  return std::array<std::string_view, 2>{"text", "numeric"};
+}
 
 /// The settings of proto/FIELD_CHANNEL.md.
 struct FieldChannel {
@@ -89,8 +93,10 @@ struct Description {
   std::vector<std::string> capabilities;
   std::vector<Skill> skills;
   RobotFrame frame;
-  std::map<std::string, Value> places;  ///< the robot's own words for a place (joints, a station's number); wins over the pose
+  std::map<std::string, Value>
+      places;  ///< the robot's own words for a place (joints, a station's number); wins over the pose
   FieldChannel field_channel;
+  bool has_field_channel = false;  ///< the file has that key: the robot can talk in fields, whatever its mode
 
   [[nodiscard]] const Skill* find_skill(std::string_view name) const;
 };
@@ -101,5 +107,9 @@ Description read_description(const Value& json, const std::string& file, ConfigF
 
 /// The part of a description that the fleet is told.
 std::vector<SkillInfo> skill_infos(const Description& description);
+
+/// The places that the robot can be sent to: the hall's and those it has words of its own for, sorted
+/// (NodeProfile::places).
+std::vector<std::string> place_names(const Description& description, const Places& places);
 
 }  // namespace trb

@@ -1,0 +1,266 @@
+// The golden set of bad files: what is wrong, in which file, at which key, and that a cure is given.
+#include <arpa/inet.h>
+#include <doctest/doctest.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include "common/config/node_folder.hpp"
+
+using namespace trb;
+
+namespace {
+
+void check_cures(const ConfigFaults& faults) {
+  for (const ConfigFault& fault : faults) {
+    CAPTURE(to_text({fault}));
+    CHECK_FALSE(fault.cure.empty());
+  }
+}
+
+/// The folder's only fault, besides the missing keys.
+ConfigFault only_fault(const NodeFolder& folder, bool running = true) {
+  const ConfigFaults faults = without_keys(folder.check(running).faults);
+  REQUIRE_MESSAGE(faults.size() == 1, to_text(faults));
+  check_cures(faults);
+  return faults[0];
+}
+
+struct Change {
+  std::string file, from, to, key, what;
+};
+
+/// Each change of a good folder makes this one fault.
+void check_changes(const std::string& framework, const std::vector<Change>& changes) {
+  for (const Change& one : changes) {
+    CAPTURE(one.to);
+    const NodeFolder folder(framework);
+    folder.change(one.file, one.from, one.to);
+    const ConfigFault fault = only_fault(folder);
+    CHECK(fault.file == one.file);
+    CHECK(fault.key == one.key);
+    CHECK_MESSAGE(fault.what.find(one.what) != std::string::npos, fault.what);
+  }
+}
+
+/// Listens on a free port of 127.0.77.1 as long as it lives.
+class Listener {
+ public:
+  Listener() : fd_(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
+    sockaddr_in where{};
+    where.sin_family = AF_INET;
+    inet_pton(AF_INET, "127.0.77.1", &where.sin_addr);
+    socklen_t size = sizeof where;
+    REQUIRE(::bind(fd_, reinterpret_cast<sockaddr*>(&where), size) == 0);
+    REQUIRE(::listen(fd_, 1) == 0);
+    REQUIRE(::getsockname(fd_, reinterpret_cast<sockaddr*>(&where), &size) == 0);
+    port_ = ntohs(where.sin_port);
+  }
+  Listener(const Listener&) = delete;
+  Listener& operator=(const Listener&) = delete;
+  ~Listener() { ::close(fd_); }
+  [[nodiscard]] std::string port() const { return std::to_string(port_); }
+
+ private:
+  int fd_;
+  std::uint16_t port_ = 0;
+};
+
+}  // namespace
+
+TEST_CASE("no folder, and an empty one") {
+  const NodeCheck nowhere = check_node_dir("/nowhere/at/all", true);
+  REQUIRE(nowhere.faults.size() == 1);
+  CHECK(nowhere.faults[0].file == "/nowhere/at/all");
+  check_cures(nowhere.faults);
+  const NodeFolder folder;
+  folder.remove("node.json");
+  folder.remove("network.json");
+  const ConfigFaults faults = folder.check().faults;
+  REQUIRE_MESSAGE(faults.size() == 2, to_text(faults));
+  CHECK(faults[0].file == "node.json");
+  CHECK(faults[1].file == "network.json");
+  check_cures(faults);
+}
+
+TEST_CASE("a file that is missing") {
+  for (const char* file : {"network.json", "profile.json", "commands.json", "places.json", "robots/r.json"}) {
+    CAPTURE(file);
+    const NodeFolder folder("ur");
+    folder.remove(file);
+    const ConfigFault fault = only_fault(folder);
+    CHECK(fault.file == file);
+    CHECK(fault.what.find("no such file") != std::string::npos);
+  }
+}
+
+TEST_CASE("a file that is malformed is told with line and column") {
+  for (const char* file :
+       {"node.json", "network.json", "profile.json", "commands.json", "places.json", "robots/r.json"}) {
+    CAPTURE(file);
+    const NodeFolder folder("ur");
+    folder.write(file, "{\n  \"a\": 1\n  \"b\": 2\n}");
+    const ConfigFaults faults = without_keys(folder.check().faults);
+    REQUIRE_FALSE(faults.empty());
+    CHECK(faults[0].file == file);
+    CHECK(faults[0].what.find("line 3, column 5") != std::string::npos);
+    check_cures(faults);
+  }
+}
+
+TEST_CASE("a file that is empty, a list, too large, not UTF-8, too deep, or a folder") {
+  for (const std::string& text :
+       {std::string(), std::string("[]"), std::string((1U << 20U) + 1, ' '), std::string("{\"a\xff\": 1}"),
+        std::string(1000, '['), std::string("{\"a\":1,\"a\":2}")}) {
+    for (const char* file :
+         {"node.json", "network.json", "profile.json", "commands.json", "places.json", "robots/r.json"}) {
+      CAPTURE(file);
+      CAPTURE(text.substr(0, 20));
+      const NodeFolder folder("ur");
+      folder.write(file, text);
+      const ConfigFaults faults = without_keys(folder.check().faults);
+      REQUIRE_FALSE(faults.empty());
+      CHECK(faults[0].file == file);
+      check_cures(faults);
+    }
+  }
+  const NodeFolder folder;
+  folder.change("node.json", "robots/r.json", "robots");
+  CHECK(only_fault(folder).file == "robots");
+}
+
+TEST_CASE("node.json: values") {
+  const std::string key(64, '0');
+  check_changes(
+      "lines", {{"node.json", R"("id": "r1")", R"("id": "R 1")", "id", "is no id"},
+                {"node.json", R"("id": "r1", )", "", "id", "is missing"},
+                {"node.json", R"("id": "r1")", R"("id": 7)", "id", "whole number"},
+                {"node.json", R"("beacon": true)", R"("beacon": "yes")", "beacon", "is a text"},
+                {"node.json", R"("beacon": true)", R"("becon": true)", "becon", "no key"},
+                {"node.json", R"("framework": "lines")", R"("framework": "line")", "framework", "not in profile.json"},
+                {"node.json", R"("framework": "lines", )", "", "framework", "is missing"},
+                {"node.json", R"("description": "robots/r.json",)", "", "description", "is missing"},
+                {"node.json", R"("id": "r1")", R"("id": "r1", "role": "boss")", "role", "'boss'"},
+                {"node.json", R"("127.0.77.9")", R"("the-robot")", "robot.host", "no IPv4 address"},
+                {"node.json", R"("host": "127.0.77.9", )", "", "robot.host", "is missing"},
+                {"node.json", R"("interface": "lo")", R"("interface": "eth99")", "robot.interface", "no interface"},
+                {"node.json", R"("scheduler"])", R"("resilience"])", "services", "no service of this version"},
+                {"node.json", R"("scheduler"])", R"("router"])", "services[2]", "occurs twice"},
+                {"node.json", R"(["router", )", "[", "services", "has no \"router\""},
+                {"node.json", R"("seeds": [])", R"("seeds": [{"address": "10.0.0.1", "key": ")" + key + "\"}]",
+                 "seeds[0].address", "no HOST:PORT"},
+                {"node.json", R"("seeds": [])", R"("seeds": [{"address": "10.0.0.1:70000", "key": ")" + key + "\"}]",
+                 "seeds[0].address", "no HOST:PORT"},
+                {"node.json", R"("seeds": [])", R"("seeds": [{"address": "10.0.0.1:1", "key": "12"}])", "seeds[0].key",
+                 "no link key"},
+                {"node.json", R"("seeds": [])",
+                 R"("seeds": [{"address": "a:1", "key": ")" + key + R"("}, {"address": "a:1", "key": ")" + key + "\"}]",
+                 "seeds[1].address", "occurs twice"}});
+}
+
+TEST_CASE("node.json: a cloud node has no robot") {
+  const NodeFolder folder("cloud");
+  folder.write("node.json", R"({"id":"cloud","role":"cloud","framework":"ur","services":["router","mode-adapter"]})");
+  const ConfigFaults faults = without_keys(folder.check().faults);
+  REQUIRE(faults.size() == 2);
+  CHECK(faults[0].key == "framework");
+  CHECK(faults[1].key == "services");
+  check_cures(faults);
+}
+
+TEST_CASE("network.json: values") {
+  check_changes("lines",
+                {{"network.json", "50000", "0", "UDP_PORT", "out of range"},
+                 {"network.json", "45000", "70000", "TCP_PORT_EXT", "out of range"},
+                 {"network.json", "40000", "\"40000\"", "TCP_PORT", "is a text"},
+                 {"network.json", "40000", "45000", "TCP_PORT", "the same as TCP_PORT_EXT"},
+                 {"network.json", "\"127.0.77.1\"", "3", "HOST_INT", "whole number"},
+                 {"network.json", "\"HOST_INT\"", "\"HOST_INTERFACE\": 1, \"HOST_INT\"", "HOST_INTERFACE", "no key"},
+                 {"network.json", "127.0.77.1", "eth99", "HOST_INT", "no interface or address 'eth99'"},
+                 {"network.json", "127.0.77.1", "203.0.113.77", "HOST_INT", "no interface or address '203.0.113.77'"},
+                 {"network.json", "127.0.77.1", "Wi-Fi", "HOST_INT", "Windows"}});
+}
+
+TEST_CASE("an interface that does not exist is told with those that do") {
+  const NodeFolder folder;
+  folder.change("network.json", "127.0.77.1", "eth99");
+  CHECK(only_fault(folder).cure.find("lo (127.0.0.1)") != std::string::npos);
+}
+
+TEST_CASE("profile.json: unknown modes, and the one that is not in this build") {
+  check_changes("lines",
+                {{"profile.json", R"("abb": "interpreter")", R"("abb": "interpretor")", "abb", "'interpretor'"},
+                 {"profile.json", R"("lines": "interpreter")", R"("lines": "ros")", "lines", "not in this build"},
+                 {"profile.json", R"("lines": "interpreter")", R"("lines": "none")", "lines", "'none'"},
+                 {"profile.json", R"("lines": "interpreter")", R"("lines": 1)", "lines", "whole number"}});
+  const NodeFolder folder;
+  folder.change("profile.json", R"("lines": "interpreter")", R"("lines": "serial")");
+  CHECK(only_fault(folder).cure == "use one of: interpreter, direct, ros");
+}
+
+TEST_CASE("commands.json: values") {
+  check_changes("ur",
+                {{"commands.json", R"("stop": "stop program", )", "", "ur.commands.stop",
+                  "every vendor must say how it is stopped"},
+                 {"commands.json", R"("stop program")", R"("")", "ur.commands.stop", "no words"},
+                 {"commands.json", R"("port": 30002, )", "", "ur.port", "is missing"},
+                 {"commands.json", "30002", "99999", "ur.port", "out of range"},
+                 {"commands.json", "ur-primary", "ur-rtde", "ur.monitor.protocol", "'ur-rtde'"},
+                 {"commands.json", "urscript-program", "program", "ur.wrap", "'program'"},
+                 {"commands.json", R"("language": "urscript")", R"("language": "plain")", "ur.wrap", "wraps URScript"},
+                 {"commands.json", R"("port": 30002)", R"("port": 30002, "transport": "modbus")", "ur.transport",
+                  "not in this build"},
+                 {"commands.json", R"("port": 30002)", R"("port": 30002, "transport": "tcp")", "ur.transport", "'tcp'"},
+                 {"commands.json", R"("port": 30002)", R"("prt": 1, "port": 30002)", "ur.prt", "no key"},
+                 {"commands.json", "{data}", "{joints}", "ur.commands.move", "no placeholder"},
+                 {"commands.json", R"("go":)", R"("goo":)", "ur.commands.go", "skill 'go' sends it"},
+                 {"commands.json", R"("go":)", R"("go": 1, "go2":)", "ur.commands.go", "whole number"},
+                 {"commands.json", R"("monitor": {"protocol": "ur-primary", "port": 30001},)", "", "ur.requests",
+                  "there is none"},
+                 {"commands.json", R"("ur":)", R"("kuka":)", "ur", "needs the vendor's words"}});
+}
+
+TEST_CASE("places and descriptions: the fault names the file as node.json does") {
+  check_changes("lines", {{"places.json", R"("x": 1)", R"("x": true)", "places.dock.x", "true or false"},
+                          {"robots/r.json", R"("end": {"kind": "acknowledgement"})", R"("timeout_s": 5)",
+                           "skills.go.end", "has no end"},
+                          {"robots/r.json", "{place.x}", "{plaze.x}", "skills.go.command.data", "no parameter"}});
+}
+
+TEST_CASE("a port in use") {
+  const Listener listener;
+  const NodeFolder folder;
+  folder.change("network.json", "45000", listener.port());
+  const ConfigFaults before = without_keys(folder.check(true).faults);
+  CHECK_MESSAGE(before.empty(), to_text(before));
+  folder.change("node.json", R"(, "interface": "lo")", "");
+  folder.change("node.json", R"("mode-adapter", )", "");
+  const ConfigFault fault = only_fault(folder, false);
+  CHECK(fault.file == "network.json");
+  CHECK(fault.key == "TCP_PORT_EXT");
+  CHECK(fault.what == "TCP 127.0.77.1:" + listener.port() + " is in use by another program");
+}
+
+TEST_CASE("the robot's port is tried only where a mode-adapter will bind it") {
+  const Listener listener;
+  const Listener free_once;  // its number stays free of others as long as it lives
+  const NodeFolder folder;
+  folder.change("node.json", R"(, "interface": "lo")", "");
+  folder.change("network.json", "40000", listener.port());
+  folder.change("network.json", "127.0.77.1", "127.0.77.1");
+  CHECK(only_fault(folder, false).key == "TCP_PORT");
+  folder.change("node.json", R"("mode-adapter", )", "");
+  CHECK(without_keys(folder.check(false).faults).empty());
+}
+
+TEST_CASE("every fault of every file at once") {
+  const NodeFolder folder("ur");
+  folder.change("node.json", R"("beacon": true)", R"("beacon": 1)");
+  folder.change("network.json", "50000", "0");
+  folder.change("profile.json", R"("abb": "interpreter")", R"("abb": "x")");
+  folder.change("commands.json", R"("stop": "stop program", )", "");
+  folder.change("places.json", R"("x": 1)", R"("x": "1")");
+  folder.change("robots/r.json", R"("maker": "m", )", "");
+  const ConfigFaults faults = folder.check().faults;
+  CHECK_MESSAGE(faults.size() == 7, to_text(faults));
+  check_cures(without_keys(faults));
+}

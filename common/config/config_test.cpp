@@ -1,0 +1,126 @@
+#include <doctest/doctest.h>
+
+#include "common/config/interfaces.hpp"
+#include "common/config/node_folder.hpp"
+#include "common/security/node_keys.hpp"
+
+using namespace trb;
+
+TEST_CASE("a robot's node in the interpreter mode") {
+  const NodeFolder folder;
+  folder.sign("r1", Role::robot);
+  const NodeCheck check = folder.check();
+  REQUIRE(to_text(check.faults) == "");
+  const NodeConfig& config = check.config;
+  CHECK(config.dir == folder.path());
+  CHECK(config.id == "r1");
+  CHECK(config.role == Role::robot);
+  CHECK(config.framework == "lines");
+  CHECK(config.mode == Mode::interpreter);
+  CHECK(config.robot.host == "127.0.77.9");
+  CHECK(config.beacon);
+  CHECK(config.has_service("mode-adapter"));
+  CHECK_FALSE(config.has_service("resilience"));
+  CHECK(config.network.udp_port == 50000);
+  CHECK(config.network.tcp_port_ext == 45000);
+  CHECK(config.network.tcp_port == 40000);
+  CHECK(config.network.address == "127.0.77.1");
+  CHECK(config.network.broadcast == "127.255.255.255");
+  CHECK(config.network.robot_address == "127.0.0.1");
+  CHECK(config.places.at("dock").y == 2);
+  CHECK(config.description.find_skill("go") != nullptr);
+  CHECK(config.commands.commands.empty());
+}
+
+TEST_CASE("a robot's node in the direct mode has its vendor's words") {
+  const NodeFolder folder("ur");
+  const NodeCheck check = folder.check();
+  REQUIRE(to_text(without_keys(check.faults)) == "");
+  CHECK(check.config.mode == Mode::direct);
+  const VendorCommands& words = check.config.commands;
+  CHECK(words.port == 30002);
+  CHECK(words.transport == "tcp-text");
+  CHECK(words.language == "urscript");
+  CHECK(words.wrap == "urscript-program");
+  CHECK(words.commands.at("move") == "movej({data})");
+  CHECK(words.commands.at("release").empty());
+  CHECK(words.requests.at("position") == "joints");
+  CHECK(words.monitor->port == 30001);
+}
+
+TEST_CASE("the cloud's node has no robot, and needs no file about one") {
+  const NodeFolder folder("cloud");
+  folder.sign("cloud", Role::cloud);
+  const NodeCheck check = folder.check();
+  REQUIRE(to_text(check.faults) == "");
+  CHECK(check.config.role == Role::cloud);
+  CHECK(check.config.mode == Mode::none);
+  CHECK(check.config.framework.empty());
+  CHECK_FALSE(check.config.has_service("mode-adapter"));
+}
+
+TEST_CASE("what need not be said") {
+  const NodeFolder folder;
+  folder.write("node.json", R"({"id":"r1","framework":"lines","description":")" + folder.path() + R"(/robots/r.json",
+                               "robot":{"host":"127.0.77.9"}})");
+  folder.write("network.json", R"({"HOST_INT": "127.0.77.1"})");
+  folder.remove("commands.json");
+  const NodeCheck check = folder.check();
+  REQUIRE(to_text(without_keys(check.faults)) == "");
+  CHECK(check.config.services == std::vector<std::string>{"router", "mode-adapter", "scheduler"});
+  CHECK(check.config.network.robot_address == "127.0.77.1");
+  CHECK(check.config.network.tcp_port_ext == 45000);
+  CHECK(check.config.description.maker == "m");
+}
+
+TEST_CASE("seeds: an address and a key") {
+  const NodeFolder folder;
+  const std::string key(64, 'a');
+  folder.change("node.json", R"("seeds": [])", R"("seeds": [{"address": "10.0.0.1:45000", "key": ")" + key + "\"}]");
+  const NodeCheck check = folder.check();
+  REQUIRE(to_text(without_keys(check.faults)) == "");
+  CHECK(check.config.seeds.at(0).address == "10.0.0.1:45000");
+  CHECK(check.config.seeds.at(0).key == std::string(32, '\xaa'));
+}
+
+TEST_CASE("keys: missing, for another id, for another role") {
+  const NodeFolder folder;
+  CHECK(to_text(folder.check().faults).starts_with("keys"));
+  folder.sign("r2", Role::cloud);
+  const ConfigFaults faults = folder.check().faults;
+  REQUIRE_FALSE(faults.empty());
+  CHECK(faults[0].file == "keys/certificate.json");
+  const NodeFolder other;
+  other.sign("r1", Role::cloud);
+  const ConfigFaults roles = other.check().faults;
+  REQUIRE_MESSAGE(roles.size() == 1, to_text(roles));
+  CHECK(roles[0].key == "role");
+}
+
+TEST_CASE("interfaces: names and addresses of this machine") {
+  const std::vector<Interface> known = interfaces();
+  REQUIRE_FALSE(known.empty());
+  CHECK(resolve_interface("lo", known).address == "127.0.0.1");
+  CHECK(resolve_interface("127.3.2.1", known).address == "127.3.2.1");
+  CHECK(resolve_interface("127.3.2.1", known).broadcast == "127.255.255.255");
+  for (const Interface& one : known) {
+    if (one.up && !one.address.empty()) CHECK(resolve_interface(one.address, known).address == one.address);
+  }
+}
+
+TEST_CASE("interfaces: what cannot be used says why") {
+  const std::vector<Interface> known = {{"eth0", "10.0.0.5", "10.0.0.255", true},
+                                        {"eth1", "", "", true},
+                                        {"eth2", "10.0.1.5", "10.0.1.255", false},
+                                        {"tun0", "10.8.0.2", "", true}};
+  CHECK(resolve_interface("eth0", known).broadcast == "10.0.0.255");
+  CHECK(resolve_interface("10.0.0.5", known).address == "10.0.0.5");
+  CHECK(resolve_interface("tun0", known).broadcast.empty());
+  CHECK(resolve_interface("eth1", known).what.find("no IPv4 address") != std::string::npos);
+  CHECK(resolve_interface("eth2", known).what.find("is down") != std::string::npos);
+  CHECK(resolve_interface("127.255.255.255", known).what.find("no address of one node") != std::string::npos);
+  const Resolved missing = resolve_interface("10.0.0.6", known);
+  CHECK(missing.what == "there is no interface or address '10.0.0.6' here");
+  CHECK(missing.cure == "use one of: eth0 (10.0.0.5), eth1 (no IPv4), eth2 (10.0.1.5, down), tun0 (10.8.0.2)");
+  CHECK(resolve_interface("Wi-Fi", known).cure.find("usually 'eth0'") != std::string::npos);
+}

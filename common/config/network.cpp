@@ -1,0 +1,57 @@
+#include "common/config/interfaces.hpp"
+#include "common/config/readers.hpp"
+
+namespace trb {
+namespace {
+
+constexpr std::int64_t kLastPort = 65535;
+
+std::uint16_t read_port(ObjectReader& reader, std::string_view key, std::uint16_t otherwise) {
+  return static_cast<std::uint16_t>(reader.integer(key, Need::optional, 1, kLastPort).value_or(otherwise));
+}
+
+Resolved resolve(const std::string& name, const FileFaults& faults, const std::string& key,
+                 const std::vector<Interface>& known) {
+  Resolved out = resolve_interface(name, known);
+  if (!out.what.empty()) faults.add(key, out.what, out.cure);
+  return out;
+}
+
+}  // namespace
+
+Network read_network(const Value& json, const FileFaults& faults) {
+  ObjectReader reader(json, "", faults);
+  Network network;
+  network.udp_port = read_port(reader, "UDP_PORT", network.udp_port);
+  network.tcp_port_ext = read_port(reader, "TCP_PORT_EXT", network.tcp_port_ext);
+  network.tcp_port = read_port(reader, "TCP_PORT", network.tcp_port);
+  network.host_int = reader.text("HOST_INT", Need::required, 64).value_or("");
+  network.vpn_int = reader.text("VPN_INT", Need::optional, 64).value_or("");
+  reader.refuse_unknown_keys();
+  if (network.tcp_port == network.tcp_port_ext) {
+    faults.add("TCP_PORT", "is the same as TCP_PORT_EXT: the robot and the other routers cannot share a port",
+               "use two different ports, for example 40000 and 45000");
+  }
+  return network;
+}
+
+void resolve_network(NodeConfig& config, ConfigFaults& faults) {
+  const std::vector<Interface> known = interfaces();
+  Network& network = config.network;
+  if (!network.host_int.empty()) {
+    const FileFaults file("network.json", faults);
+    const Resolved host = resolve(network.host_int, file, "HOST_INT", known);
+    network.address = host.address;
+    network.broadcast = host.broadcast;
+    if (config.beacon && host.what.empty() && host.broadcast.empty()) {
+      file.add("HOST_INT", "'" + network.host_int + "' has no broadcast, so no beacon can be heard there",
+               "set \"beacon\" to false in node.json and name the peers in \"seeds\", or use another interface");
+    }
+  }
+  network.robot_address = network.address;
+  if (config.robot.interface.empty()) return;
+  network.robot_address =
+      resolve(config.robot.interface, FileFaults("node.json", faults), "robot.interface", known).address;
+}
+
+}  // namespace trb

@@ -1,0 +1,139 @@
+#include <algorithm>
+#include <charconv>
+
+#include "common/base/hex.hpp"
+#include "common/base/ids.hpp"
+#include "common/config/interfaces.hpp"
+#include "common/config/readers.hpp"
+#include "common/fleet/did_you_mean.hpp"
+
+namespace trb {
+namespace {
+
+constexpr std::size_t kMaxSeeds = 1000;
+constexpr std::size_t kMaxServices = 16;
+constexpr std::size_t kKeySize = 32;
+const std::vector<std::string> kRobotServices = {"router", "mode-adapter", "scheduler"};
+const std::vector<std::string> kCloudServices = {"router", "scheduler"};
+
+bool is_address(std::string_view address) {
+  const std::size_t colon = address.rfind(':');
+  if (colon == std::string_view::npos || colon == 0) return false;
+  const std::string_view host = address.substr(0, colon);
+  const std::string_view digits = address.substr(colon + 1);
+  std::uint16_t port = 0;
+  const auto [end, problem] = std::from_chars(digits.data(), digits.data() + digits.size(), port);
+  if (problem != std::errc() || end != digits.data() + digits.size() || port == 0) return false;
+  return host.find_first_not_of("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789.-_") ==
+         std::string_view::npos;
+}
+
+Seed read_seed(const Value& json, const std::string& path, const FileFaults& faults) {
+  ObjectReader reader(json, path, faults);
+  Seed seed;
+  seed.address = reader.text("address", Need::required, 80).value_or("");
+  if (!seed.address.empty() && !is_address(seed.address)) {
+    faults.add(path + ".address", in_quotes(seed.address) + " is no HOST:PORT", "write it as 10.0.0.1:45000");
+  }
+  if (const auto text = reader.text("key", Need::required)) {
+    auto key = from_hex(*text);
+    if (key && key->size() == kKeySize) {
+      seed.key = std::move(*key);
+    } else {
+      faults.add(path + ".key", "is no link key of 64 hexadecimal digits", "copy it from trb fleet show");
+    }
+  }
+  reader.refuse_unknown_keys();
+  return seed;
+}
+
+void read_seeds(ObjectReader& reader, NodeConfig& config) {
+  const auto* items = reader.list("seeds", Need::optional, kMaxSeeds);
+  if (items == nullptr) return;
+  for (std::size_t i = 0; i < items->size(); ++i) {
+    const std::string path = "seeds[" + std::to_string(i) + "]";
+    Seed seed = read_seed((*items)[i], path, reader.faults());
+    const bool again = std::any_of(config.seeds.begin(), config.seeds.end(),
+                                   [&](const Seed& other) { return other.address == seed.address; });
+    if (again && !seed.address.empty()) {
+      reader.faults().add(path + ".address", in_quotes(seed.address) + " occurs twice", "keep one of them");
+    }
+    config.seeds.push_back(std::move(seed));
+  }
+}
+
+void read_robot(ObjectReader& node, NodeConfig& config) {
+  const Value* json = node.value("robot", Need::required);
+  if (json == nullptr) return;
+  ObjectReader reader(*json, "robot", node.faults());
+  config.robot.host = reader.text("host", Need::required, 64).value_or("");
+  config.robot.interface = reader.text("interface", Need::optional, 64).value_or("");
+  reader.refuse_unknown_keys();
+  if (config.robot.host.empty() || is_ipv4(config.robot.host)) return;
+  node.faults().add("robot.host", in_quotes(config.robot.host) + " is no IPv4 address",
+                    "use the robot's address, for example 192.168.1.20");
+}
+
+void check_service(const std::string& name, const std::vector<std::string>& known, Role role,
+                   const FileFaults& faults) {
+  if (std::find(known.begin(), known.end(), name) != known.end()) return;
+  if (role == Role::cloud && name == "mode-adapter") {
+    return faults.add("services", "a cloud node has no robot, so no mode-adapter", "remove \"mode-adapter\"");
+  }
+  faults.add("services", in_quotes(name) + " is no service of this version", did_you_mean(name, known, "use some of"));
+}
+
+void read_services(ObjectReader& reader, NodeConfig& config) {
+  const auto& known = config.role == Role::cloud ? kCloudServices : kRobotServices;
+  if (reader.value("services", Need::optional) == nullptr) {
+    config.services = known;
+    return;
+  }
+  config.services = reader.texts("services", Need::required, kMaxServices);
+  for (const std::string& name : config.services) check_service(name, known, config.role, reader.faults());
+  if (config.has_service("router")) return;
+  reader.faults().add("services", "has no \"router\", the node's only door", "add \"router\"");
+}
+
+void refuse_robot(ObjectReader& reader) {
+  for (const char* key : {"framework", "robot", "description"}) {
+    if (reader.value(key, Need::optional) == nullptr) continue;
+    reader.faults().add(key, "a cloud node has no robot", "remove it, or set \"role\" to \"robot\"");
+  }
+}
+
+void read_id(ObjectReader& reader, NodeConfig& config, NodeFile& file) {
+  const auto id = reader.text("id", Need::required);
+  if (!id) return;
+  config.id = *id;
+  const Status good = check_id("id", *id);
+  file.usable = good.ok();
+  if (!good) reader.faults().add("id", good.error().what, good.error().cure);
+}
+
+}  // namespace
+
+NodeFile read_node(const Value& json, NodeConfig& config, const FileFaults& faults) {
+  ObjectReader reader(json, "", faults);
+  NodeFile file;
+  read_id(reader, config, file);
+  config.role = reader.one_of<Role>("role", Need::optional).value_or(Role::robot);
+  if (config.role == Role::cloud) {
+    refuse_robot(reader);
+  } else {
+    config.framework = reader.text("framework", Need::required, kMaxIdSize).value_or("");
+    file.description = reader.text("description", Need::required, 4096).value_or("");
+    read_robot(reader, config);
+  }
+  read_seeds(reader, config);
+  config.beacon = reader.boolean("beacon", Need::optional).value_or(true);
+  read_services(reader, config);
+  reader.refuse_unknown_keys();
+  return file;
+}
+
+bool NodeConfig::has_service(std::string_view name) const {
+  return std::find(services.begin(), services.end(), name) != services.end();
+}
+
+}  // namespace trb

@@ -1,0 +1,172 @@
+#include "common/config/node_config.hpp"
+
+#include <chrono>
+#include <filesystem>
+
+#include "common/config/files.hpp"
+#include "common/config/ports.hpp"
+#include "common/config/readers.hpp"
+#include "common/fleet/did_you_mean.hpp"
+#include "common/security/node_keys.hpp"
+
+namespace trb {
+namespace {
+
+UtcTime utc_now() {
+  const auto since = std::chrono::system_clock::now().time_since_epoch();
+  return {std::chrono::duration_cast<std::chrono::nanoseconds>(since).count()};
+}
+
+/// Reads a node's folder file by file; each member function is one file, and none stops at a fault.
+class Checker {
+ public:
+  explicit Checker(const std::string& dir) { out_.config.dir = absolute(dir); }
+
+  NodeCheck check(bool running) && {
+    std::error_code problem;
+    if (!std::filesystem::is_directory(out_.config.dir, problem)) {
+      sink(out_.config.dir).add("", "is no folder", "give the folder that holds node.json");
+      return std::move(out_);
+    }
+    const NodeFile node = node_json();
+    network_json();
+    places_json();
+    description(node);
+    mode();
+    if (node.usable) keys();
+    if (!running) ports();
+    return std::move(out_);
+  }
+
+ private:
+  static std::string absolute(const std::string& dir) {
+    std::string out = std::filesystem::absolute(dir).lexically_normal().string();
+    if (out.size() > 1 && out.back() == '/') out.pop_back();
+    return out;
+  }
+
+  FileFaults sink(const std::string& file) { return {file, out_.faults}; }
+
+  /// `cure` is for a file that is not there; an empty one means that it need not be.
+  std::optional<Value> load(const std::string& name, const std::string& cure) {
+    const std::string path = (std::filesystem::path(out_.config.dir) / name).string();
+    if (cure.empty() && !file_exists(path)) return std::nullopt;
+    const auto bytes = read_file(path);
+    if (!bytes) {
+      const bool missing = bytes.error().code == Errc::missing;
+      sink(name).add("", missing ? "there is no such file: " + path : bytes.error().what,
+                     missing ? cure : "it must be a readable file of at most 1 MiB");
+      return std::nullopt;
+    }
+    auto json = parse_json(*bytes);
+    if (json) return std::move(*json);
+    const std::string& known_cure = json.error().cure;
+    sink(name).add("", json.error().what, known_cure.empty() ? "make the file simpler" : known_cure);
+    return std::nullopt;
+  }
+
+  /// A file that only a robot's node needs.
+  std::string for_robot(const std::string& cure) const { return out_.config.framework.empty() ? "" : cure; }
+
+  NodeFile node_json() {
+    const auto json =
+        load("node.json", R"(write it: {"id": …, "framework": …, "description": …, "robot": {"host": …}})");
+    return json ? read_node(*json, out_.config, sink("node.json")) : NodeFile{};
+  }
+
+  void network_json() {
+    const auto json = load("network.json", "copy config/network.json to it and set HOST_INT");
+    if (!json) return;
+    out_.config.network = read_network(*json, sink("network.json"));
+    resolve_network(out_.config, out_.faults);
+  }
+
+  void places_json() {
+    const auto json = load("places.json", for_robot("copy config/places.json to it"));
+    if (json) out_.config.places = read_places(*json, "places.json", out_.faults);
+  }
+
+  void description(const NodeFile& node) {
+    if (node.description.empty()) return;
+    const auto json =
+        load(node.description, "correct \"description\" in node.json, or copy a file of config/robots to it");
+    if (json) out_.config.description = read_description(*json, node.description, out_.faults);
+  }
+
+  void mode() {
+    NodeConfig& config = out_.config;
+    const auto profile_json = load("profile.json", for_robot("copy config/profile.json to it"));
+    if (!profile_json) return commands(false);
+    const Profile profile = read_profile(*profile_json, sink("profile.json"));
+    if (config.framework.empty()) return commands(false);
+    const auto at = profile.find(config.framework);
+    if (at == profile.end()) {
+      std::vector<std::string> frameworks;
+      for (const auto& [framework, ignored] : profile) frameworks.push_back(framework);
+      sink("node.json")
+          .add("framework", in_quotes(config.framework) + " is not in profile.json",
+               did_you_mean(config.framework, frameworks, "add it there with its mode, or use one of"));
+      return commands(false);
+    }
+    config.mode = at->second;
+    if (config.mode == Mode::ros) {
+      sink("profile.json")
+          .add(config.framework, "the ros mode is not in this build",
+               "use \"interpreter\" with a client on TCP_PORT, or \"direct\" if the robot takes text");
+    }
+    commands(config.mode == Mode::direct);
+  }
+
+  void commands(bool needed) {
+    NodeConfig& config = out_.config;
+    const auto json = load("commands.json", needed ? "copy config/commands.json to it" : "");
+    if (!json) return;
+    const AllCommands all = read_commands(*json, sink("commands.json"));
+    const auto at = all.find(config.framework);
+    if (at != all.end()) config.commands = at->second;
+    if (!needed) return;
+    if (at != all.end()) return check_direct(config, sink("commands.json"));
+    sink("commands.json")
+        .add(config.framework, "is missing: the direct mode needs the vendor's words",
+             "add \"" + config.framework + R"(": {"port": …, "commands": {"stop": …}})");
+  }
+
+  void keys() {
+    const NodeConfig& config = out_.config;
+    const std::size_t before = out_.faults.size();
+    init_crypto();
+    check_node_keys(config.dir, config.id, utc_now(), out_.faults);
+    if (out_.faults.size() != before) return;
+    const auto keys = load_node_keys(config.dir);
+    if (!keys || keys->certificate.role == config.role) return;
+    sink("keys/certificate.json")
+        .add("role",
+             "is " + in_quotes(name_of(keys->certificate.role)) + ", node.json says " + in_quotes(name_of(config.role)),
+             "correct \"role\" in node.json, or run trb fleet request and trb fleet sign again");
+  }
+
+  void ports() {
+    const NodeConfig& config = out_.config;
+    port("TCP_PORT_EXT", config.network.address, config.network.tcp_port_ext);
+    const bool fields = config.mode == Mode::interpreter || config.mode == Mode::direct;
+    if (fields && config.has_service("mode-adapter")) {
+      port("TCP_PORT", config.network.robot_address, config.network.tcp_port);
+    }
+  }
+
+  void port(const std::string& key, const std::string& address, std::uint16_t number) {
+    if (address.empty()) return;
+    const Status free = check_tcp_port(address, number);
+    if (!free) sink("network.json").add(key, free.error().what, free.error().cure);
+  }
+
+  NodeCheck out_;
+};
+
+}  // namespace
+
+NodeCheck check_node_dir(const std::string& dir, bool running) {
+  return Checker(dir).check(running);
+}
+
+}  // namespace trb

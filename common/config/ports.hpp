@@ -1,0 +1,15 @@
+// Is a port free? Tried by binding it; the socket is closed again at once.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "common/base/result.hpp"
+
+namespace trb {
+
+/// Errors: conflict (in use), not_permitted (below 1024 without the right), io_error. A port that only waits for its
+/// last connections to die (TIME_WAIT) counts as free.
+Status check_tcp_port(const std::string& address, std::uint16_t port);
+
+}  // namespace trb

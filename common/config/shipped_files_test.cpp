@@ -1,0 +1,93 @@
+// The files under config/ are read by what reads a user's.
+#include <doctest/doctest.h>
+
+#include <filesystem>
+
+#include "common/config/files.hpp"
+#include "common/config/node_folder.hpp"
+#include "common/scenario/definition.hpp"
+
+using namespace trb;
+
+namespace {
+
+const std::string kConfig = std::string(TRB_SOURCE_DIR) + "/config/";
+
+std::string text_of(const std::string& name) {
+  auto bytes = read_file(kConfig + name);
+  REQUIRE_MESSAGE(bytes.ok(), name);
+  return *bytes;
+}
+
+Value json_of(const std::string& name) {
+  auto json = parse_json(text_of(name));
+  REQUIRE_MESSAGE(json.ok(), name);
+  return *json;
+}
+
+/// A node with the shipped files; only HOST_INT is this machine's.
+NodeCheck check_shipped(const std::string& id, const std::string& framework, const std::string& robot) {
+  const NodeFolder folder(framework);
+  for (const char* file : {"network.json", "profile.json", "commands.json", "places.json"})
+    folder.write(file, text_of(file));
+  folder.write("robots/r.json", text_of("robots/" + robot));
+  folder.change("network.json", "\"eth0\"", "\"127.0.77.1\"");
+  folder.change("node.json", "\"r1\"", "\"" + id + "\"");
+  return folder.check();
+}
+
+NodeProfile profile_of(const NodeConfig& config) {
+  NodeProfile profile;
+  profile.skills = skill_infos(config.description);
+  profile.places = place_names(config.description, config.places);
+  return profile;
+}
+
+}  // namespace
+
+TEST_CASE("every shipped description is good") {
+  std::size_t count = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(kConfig + "robots")) {
+    if (entry.path().extension() != ".json") continue;
+    const std::string name = entry.path().filename().string();
+    ConfigFaults faults;
+    read_description(json_of("robots/" + name), name, faults);
+    CHECK_MESSAGE(faults.empty(), to_text(faults));
+    ++count;
+  }
+  CHECK(count == 7);
+}
+
+TEST_CASE("the paper's scenario can be done by the shipped robots") {
+  std::map<std::string, NodeProfile> profiles;
+  for (const char* id : {"ridgeback", "conveyor", "drone", "turtlebot"}) {
+    const NodeCheck check = check_shipped(id, "lines", std::string(id) + ".json");
+    CHECK_MESSAGE(without_keys(check.faults).empty(), to_text(check.faults));
+    profiles[id] = profile_of(check.config);
+  }
+  const NodeCheck ur3 = check_shipped("ur3", "ur", "ur3.json");
+  CHECK_MESSAGE(without_keys(ur3.faults).empty(), to_text(ur3.faults));
+  profiles["ur3"] = profile_of(ur3.config);
+  ConfigFaults faults;
+  const Scenario scenario = read_scenario(json_of("scenarios/paper-nine-tasks.json"), "paper-nine-tasks.json", faults);
+  CHECK(scenario.tasks.size() == 9);
+  check_scenario(scenario, profiles, "paper-nine-tasks.json", faults);
+  CHECK_MESSAGE(faults.empty(), to_text(faults));
+}
+
+TEST_CASE("a scenario's faults: a cycle, an unknown robot, skill and place") {
+  const NodeCheck check = check_shipped("ridgeback", "lines", "ridgeback.json");
+  const auto json = parse_json(R"({"name": "n", "tasks": [
+    {"id": "a", "robot": "ridgebak", "skill": "go_to", "data": {"place": "dock"}, "after": ["b"]},
+    {"id": "b", "robot": "ridgeback", "skill": "go_too", "after": ["a"]},
+    {"id": "c", "robot": "ridgeback", "skill": "go_to", "data": {"place": "dok"}}]})");
+  REQUIRE(json.ok());
+  ConfigFaults faults;
+  const Scenario scenario = read_scenario(*json, "s.json", faults);
+  check_scenario(scenario, {{"ridgeback", profile_of(check.config)}}, "s.json", faults);
+  REQUIRE_MESSAGE(faults.size() == 4, to_text(faults));
+  CHECK(faults[0].what.find("a -> b -> a") != std::string::npos);
+  CHECK(faults[1].cure == "did you mean 'ridgeback'?");
+  CHECK(faults[2].cure == "did you mean 'go_to'?");
+  CHECK(faults[3].cure == "did you mean 'dock'?");
+}

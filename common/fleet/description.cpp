@@ -1,0 +1,103 @@
+#include "common/fleet/description.hpp"
+
+#include <algorithm>
+
+#include "common/base/ids.hpp"
+#include "common/fleet/description_parts.hpp"
+#include "common/fleet/did_you_mean.hpp"
+
+namespace trb {
+namespace {
+
+constexpr double kMillimetres = 1000;
+constexpr double kDegrees = 57.29577951308232;
+
+RobotFrame read_frame(const Value& json, const FileFaults& faults) {
+  ObjectReader reader(json, "frame", faults);
+  RobotFrame frame;
+  if (reader.choice("length_unit", Need::optional, {"m", "mm"}) == 1U) frame.length = kMillimetres;
+  if (reader.choice("angle_unit", Need::optional, {"rad", "deg"}) == 1U) frame.angle = kDegrees;
+  if (const Value* origin = reader.value("origin", Need::optional)) {
+    frame.origin = read_pose(*origin, "frame.origin", Need::optional, faults);
+  }
+  reader.refuse_unknown_keys();
+  return frame;
+}
+
+std::vector<std::string> read_capabilities(ObjectReader& reader) {
+  std::vector<std::string> capabilities = reader.texts("capabilities", Need::required, kMaxCapabilities);
+  for (const std::string& capability : capabilities) {
+    if (is_valid_word(capability)) continue;
+    reader.faults().add("capabilities", in_quotes(capability) + " is no capability",
+                        "use a letter, then letters, digits, '_' or '-', 64 at most");
+  }
+  return capabilities;
+}
+
+void read_own_places(ObjectReader& reader, Description& description) {
+  const auto* members = reader.object("places", Need::optional, kMaxRobotPlaces);
+  if (members == nullptr) return;
+  for (const auto& [name, words] : *members) {
+    if (check_place_name(name, "places." + name, reader.faults())) description.places[name] = words;
+  }
+}
+
+void read_skills(ObjectReader& reader, Description& description) {
+  const auto* members = reader.object("skills", Need::required, kMaxSkills);
+  if (members == nullptr) return;
+  for (const auto& [name, json] : *members) {
+    description.skills.push_back(read_skill(name, json, description.capabilities, reader.faults()));
+  }
+}
+
+ParameterInfo info_of(const Parameter& parameter) {
+  return {parameter.name, std::string(name_of(parameter.type)), parameter.required, parameter.unit};
+}
+
+}  // namespace
+
+const Skill* Description::find_skill(std::string_view name) const {
+  const auto at = std::find_if(skills.begin(), skills.end(), [&](const Skill& skill) { return skill.name == name; });
+  return at == skills.end() ? nullptr : &*at;
+}
+
+Description read_description(const Value& json, const std::string& file, ConfigFaults& faults) {
+  const FileFaults sink(file, faults);
+  ObjectReader reader(json, "", sink);
+  Description description;
+  description.maker = reader.text("maker", Need::required, 64).value_or("");
+  description.model = reader.text("model", Need::required, 64).value_or("");
+  description.capabilities = read_capabilities(reader);
+  if (const Value* frame = reader.value("frame", Need::optional)) description.frame = read_frame(*frame, sink);
+  read_own_places(reader, description);
+  if (const Value* channel = reader.value("field_channel", Need::optional)) {
+    description.has_field_channel = true;
+    description.field_channel = read_field_channel(*channel, sink);
+  }
+  read_skills(reader, description);
+  check_numeric(description, sink);
+  reader.refuse_unknown_keys();
+  return description;
+}
+
+std::vector<SkillInfo> skill_infos(const Description& description) {
+  std::vector<SkillInfo> infos;
+  for (const Skill& skill : description.skills) {
+    SkillInfo info{skill.name, skill.capability, {}, skill.repeatable, skill.timeout_s};
+    std::transform(skill.parameters.begin(), skill.parameters.end(), std::back_inserter(info.parameters), info_of);
+    infos.push_back(std::move(info));
+  }
+  return infos;
+}
+
+std::vector<std::string> place_names(const Description& description, const Places& places) {
+  std::vector<std::string> names;
+  for (const auto& [name, ignored] : description.places) names.push_back(name);
+  for (const auto& [name, ignored] : places) {
+    if (!description.places.contains(name)) names.push_back(name);
+  }
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+}  // namespace trb

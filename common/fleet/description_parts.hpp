@@ -1,0 +1,30 @@
+// The readers of a description's parts; only for description.cpp and its neighbours.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "common/fleet/description.hpp"
+#include "common/fleet/object_reader.hpp"
+
+namespace trb {
+
+// Bounds of NodeProfile, in which a description travels.
+constexpr std::size_t kMaxCapabilities = 64;
+constexpr std::size_t kMaxSkills = 128;
+constexpr std::size_t kMaxParameters = 32;
+constexpr std::size_t kMaxRobotPlaces = 255;
+
+/// {"x","y","z","yaw"}; `need` is for x and y.
+Pose read_pose(const Value& json, const std::string& path, Need need, const FileFaults& faults);
+bool check_place_name(const std::string& name, const std::string& path, const FileFaults& faults);
+
+Parameter read_parameter(const std::string& name, const Value& json, const std::string& path, const FileFaults& faults);
+Skill read_skill(const std::string& name, const Value& json, const std::vector<std::string>& capabilities,
+                 const FileFaults& faults);
+FieldChannel read_field_channel(const Value& json, const FileFaults& faults);
+
+/// What the numeric encoding asks of the skills: a code for every word that travels, and data of numbers.
+void check_numeric(const Description& description, const FileFaults& faults);
+
+}  // namespace trb

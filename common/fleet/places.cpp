@@ -1,0 +1,47 @@
+#include "common/fleet/places.hpp"
+
+#include "common/base/ids.hpp"
+#include "common/fleet/description_parts.hpp"
+
+namespace trb {
+namespace {
+
+constexpr std::size_t kMaxPlaces = 1000;
+constexpr double kFarthest = 1e6;  // metres: more is a slip of units
+
+}  // namespace
+
+Pose read_pose(const Value& json, const std::string& path, Need need, const FileFaults& faults) {
+  ObjectReader reader(json, path, faults);
+  const Range metres{-kFarthest, kFarthest};
+  const Range turns{-100, 100};
+  Pose pose;
+  pose.x = reader.number("x", need, metres).value_or(0);
+  pose.y = reader.number("y", need, metres).value_or(0);
+  pose.z = reader.number("z", Need::optional, metres).value_or(0);
+  pose.yaw = reader.number("yaw", Need::optional, turns).value_or(0);
+  reader.refuse_unknown_keys();
+  return pose;
+}
+
+bool check_place_name(const std::string& name, const std::string& path, const FileFaults& faults) {
+  const Status named = check_id("place", name);
+  if (!named) faults.add(path, named.error().what, named.error().cure);
+  return named.ok();
+}
+
+Places read_places(const Value& json, const std::string& file, ConfigFaults& faults) {
+  const FileFaults sink(file, faults);
+  ObjectReader reader(json, "", sink);
+  Places places;
+  if (const auto* members = reader.object("places", Need::required, kMaxPlaces)) {
+    for (const auto& [name, pose] : *members) {
+      const std::string path = "places." + name;
+      if (check_place_name(name, path, sink)) places[name] = read_pose(pose, path, Need::required, sink);
+    }
+  }
+  reader.refuse_unknown_keys();
+  return places;
+}
+
+}  // namespace trb
