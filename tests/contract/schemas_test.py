@@ -1,0 +1,125 @@
+"""The schemas under config/schemas accept every shipped file and the examples here, and refuse what is wrong."""
+
+import copy
+import json
+import pathlib
+import sys
+
+try:
+    import jsonschema
+except ImportError:
+    print("skipped: /usr/bin/python3 has no jsonschema (Debian: python3-jsonschema)")
+    sys.exit(77)
+
+CONFIG = pathlib.Path(__file__).resolve().parents[2] / "config"
+
+SHIPPED = {
+    "network": ["network.json"],
+    "profile": ["profile.json"],
+    "commands": ["commands.json"],
+    "places": ["places.json"],
+    "robot": sorted(path.relative_to(CONFIG) for path in (CONFIG / "robots").glob("*.json")),
+    "scenario": sorted(path.relative_to(CONFIG) for path in (CONFIG / "scenarios").glob("*.json")),
+}
+
+ROBOT_NODE = {
+    "id": "ur3",
+    "framework": "ur",
+    "description": "robots/ur3.json",
+    "robot": {"host": "192.168.1.20", "interface": "eth1"},
+    "seeds": [{"address": "10.0.0.1:45000", "key": "0" * 64}],
+    "beacon": True,
+    "services": ["router", "mode-adapter", "scheduler"],
+}
+CLOUD_NODE = {"id": "cloud", "role": "cloud", "services": ["router", "scheduler"]}
+
+# Schema, good file (or document), path of the value, its bad replacement (None: removed).
+BAD = [
+    ("node", ROBOT_NODE, ["id"], "R 1"),
+    ("node", ROBOT_NODE, ["framework"], None),
+    ("node", ROBOT_NODE, ["becon"], True),
+    ("node", ROBOT_NODE, ["robot", "host"], "the-robot"),
+    ("node", ROBOT_NODE, ["seeds", 0, "key"], "12"),
+    ("node", ROBOT_NODE, ["services"], ["scheduler"]),
+    ("node", ROBOT_NODE, ["services"], ["router", "resilience"]),
+    ("node", CLOUD_NODE, ["framework"], "ur"),
+    ("node", CLOUD_NODE, ["services"], ["router", "mode-adapter"]),
+    ("network", "network.json", ["TCP_PORT"], 70000),
+    ("network", "network.json", ["HOST_INT"], None),
+    ("network", "network.json", ["HOST_INTERFACE"], "eth0"),
+    ("profile", "profile.json", ["ur"], "serial"),
+    ("commands", "commands.json", ["ur", "port"], "30002"),
+    ("commands", "commands.json", ["ur", "language"], "plain"),
+    ("commands", "commands.json", ["ur", "monitor", "port"], None),
+    ("commands", "commands.json", ["ur", "comands"], {}),
+    ("commands", "commands.json", ["ur", "commands", "move"], 1),
+    ("places", "places.json", ["places", "dock", "x"], None),
+    ("places", "places.json", ["places", "Dock"], {"x": 0, "y": 0}),
+    ("robot", "robots/ridgeback.json", ["skills", "go_to", "end"], None),
+    ("robot", "robots/ridgeback.json", ["skills", "go_to", "end", "kind"], "ready"),
+    ("robot", "robots/ridgeback.json", ["skills", "go_to", "end", "duration_s"], 1),
+    ("robot", "robots/ridgeback.json", ["skills", "go_to", "timeout_s"], 0),
+    ("robot", "robots/ridgeback.json", ["skills", "go_to", "command", "subtype"], "stop"),
+    ("robot", "robots/ridgeback.json", ["skills", "go_to", "parameters", "place", "minimum"], 1),
+    ("robot", "robots/ridgeback.json", ["field_channel", "framing"], "tab"),
+    ("robot", "robots/drone.json", ["skills", "hover", "parameters", "duration", "unit"], "deg"),
+    ("robot", "robots/abb-numeric-example.json", ["field_channel", "chunk_bytes"], 1),
+    ("robot", "robots/abb-numeric-example.json", ["field_channel", "codes", "subtypes", "done"], 0),
+    ("scenario", "scenarios/paper-nine-tasks.json", ["tasks", 0, "robot"], None),
+    ("scenario", "scenarios/paper-nine-tasks.json", ["tasks", 0, "requires"], ["mobile"]),
+    ("scenario", "scenarios/paper-nine-tasks.json", ["tasks", 1, "after"], "fetch_box"),
+    ("scenario", "scenarios/paper-nine-tasks.json", ["tasks"], []),
+]
+
+failures = []
+
+
+def load(name):
+    with open(CONFIG / name, encoding="utf-8") as file:
+        return json.load(file)
+
+
+def validator(name):
+    schema = load(f"schemas/{name}.schema.json")
+    jsonschema.Draft202012Validator.check_schema(schema)
+    return jsonschema.Draft202012Validator(schema)
+
+
+def expect_good(name, what, document):
+    for error in validator(name).iter_errors(document):
+        failures.append(f"{what}: {error.json_path}: {error.message}")
+
+
+def expect_bad(name, good, path, value):
+    document = copy.deepcopy(good) if isinstance(good, dict) else load(good)
+    place = document
+    for key in path[:-1]:
+        place = place[key]
+    if value is None:
+        del place[path[-1]]
+    else:
+        place[path[-1]] = value
+    if validator(name).is_valid(document):
+        failures.append(f"schema {name}: {path} = {value!r} was not refused")
+
+
+def main():
+    count = 0
+    for name, files in SHIPPED.items():
+        for file in files:
+            expect_good(name, str(file), load(file))
+            count += 1
+    for what, node in (("a robot's node", ROBOT_NODE), ("a cloud node", CLOUD_NODE)):
+        expect_good("node", what, node)
+    for case in BAD:
+        expect_bad(*case)
+    known = {f"{name}.schema.json" for name in (*SHIPPED, "node")}
+    for path in (CONFIG / "schemas").iterdir():
+        if path.name not in known:
+            failures.append(f"{path.name}: no test reads this schema")
+    print("\n".join(failures) or f"{count} files and {len(BAD)} faults: all as expected")
+    return 1 if failures else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
