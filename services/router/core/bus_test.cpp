@@ -1,0 +1,112 @@
+// The node's own bus: claims, probes, and who may have what signed.
+#include <doctest/doctest.h>
+
+#include "services/router/core/test_fleet.hpp"
+
+using namespace trb;
+using namespace trb::router;
+using Seconds = std::chrono::seconds;
+
+namespace {
+
+struct Bus {
+  TestFleet fleet;
+  TestNode& ant = fleet.start("ant", {.beacon = false});
+
+  std::string hello(ConnectionId from, const std::string& service, std::vector<std::string> subtypes = {},
+                    bool probe = false) {
+    Effects effects;
+    ant.core->on_service_hello(from, {service, std::move(subtypes), 5, 100, "1"}, probe, fleet.now, effects);
+    fleet.carry_out(ant, effects);
+    const Message& last = ant.bus.back().message;
+    return last.subtype == Nack::kSubtype ? decode<Nack>(last.data)->code : last.subtype;
+  }
+  void gone(ConnectionId from) {
+    Effects effects;
+    ant.core->on_connection_gone(from, fleet.now, effects);
+    fleet.carry_out(ant, effects);
+  }
+  template <class T>
+  std::string ask(ConnectionId from, const T& body) {
+    Effects effects;
+    ant.core->on_bus_message(from, make_message(MessageType::request, "ant", "ant", body), fleet.now, effects);
+    fleet.carry_out(ant, effects);
+    const Message& last = ant.bus.back().message;
+    return last.subtype == Nack::kSubtype ? decode<Nack>(last.data)->code : last.subtype;
+  }
+};
+
+Bytes payload_of(std::string_view kind, const std::string& node) {
+  if (kind == kSignedResult) {
+    TaskResult result;
+    result.robot = node;
+    return encode(result);
+  }
+  if (kind == kSignedRunStart) {
+    RunStart start;
+    start.submitter = node;
+    return encode(start);
+  }
+  return encode(AbortOrder{"r", node, "", 0});
+}
+
+}  // namespace
+
+TEST_CASE("a service and a subtype have one holder; when that is gone, the next may come") {
+  Bus bus;
+  CHECK(bus.hello(1, "scheduler", {"baton"}) == "service_welcome");
+  CHECK(bus.hello(2, "scheduler") == "already_claimed");
+  CHECK(bus.hello(3, "resilience", {"baton"}) == "already_claimed");
+  CHECK(bus.hello(4, "resilience", {"no word"}) == "bad_value");
+  CHECK(bus.hello(5, "stranger") == "not_permitted");
+  bus.gone(1);
+  CHECK(bus.hello(2, "scheduler", {"baton"}) == "service_welcome");
+}
+
+TEST_CASE("probes that ended unnoticed do not fill the bus for ever") {
+  Bus bus;
+  for (ConnectionId id = 1; id <= kMaxConnections; ++id) CHECK(bus.hello(id, "trb", {}, true) == "service_welcome");
+  CHECK(bus.hello(100, "scheduler") == "queue_full");
+  bus.fleet.run(Seconds(11));
+  CHECK(bus.hello(100, "scheduler") == "service_welcome");
+  CHECK(bus.ant.told(HelloWanted::kSubtype) == kMaxConnections);
+}
+
+TEST_CASE("each kind of record is signed for its one maker") {
+  Bus bus;
+  const std::vector<std::string> services = {"scheduler", "mode-adapter", "resilience", "sensor-bus", "cloud-gateway"};
+  ConnectionId id = 0;
+  for (const std::string& service : services) REQUIRE(bus.hello(++id, service) == "service_welcome");
+  REQUIRE(bus.hello(++id, "scheduler", {}, true) == "service_welcome");  // a probe, whatever it calls itself
+  const auto asks = [&](ConnectionId from, std::string_view kind) {
+    return bus.ask(from, SignRequest{std::string(kind), {payload_of(kind, "ant")}});
+  };
+  for (ConnectionId from = 1; from <= 6; ++from) {
+    CAPTURE(from);
+    const bool person = from == 5 || from == 6;
+    CHECK(asks(from, kSignedResult) == (from == 1 ? "signed_record" : "not_permitted"));
+    CHECK(asks(from, kSignedRunStart) == (person ? "signed_record" : "not_permitted"));
+    CHECK(asks(from, kSignedRunAbort) == (person ? "signed_record" : "not_permitted"));
+    for (const auto kind : {kSignedCertificate, kSignedRequest, kSignedBeacon})
+      CHECK(asks(from, kind) == "not_permitted");
+  }
+}
+
+TEST_CASE("a record that names another node, or nothing that can be read, is not signed") {
+  Bus bus;
+  REQUIRE(bus.hello(1, "scheduler") == "service_welcome");
+  CHECK(bus.ask(1, SignRequest{std::string(kSignedResult), {payload_of(kSignedResult, "bee")}}) == "source_mismatch");
+  CHECK(bus.ask(1, SignRequest{std::string(kSignedResult), {"noise"}}) == "source_mismatch");
+}
+
+TEST_CASE("the tables are for requests, and only the mode-adapter tells the profile") {
+  Bus bus;
+  REQUIRE(bus.hello(1, "mode-adapter", {}, true) == "service_welcome");
+  CHECK(bus.ask(1, RouteListRequest{}) == "route_table");
+  CHECK(bus.ask(1, ServiceListRequest{}) == "service_table");
+  CHECK(bus.ask(1, RouterCountersRequest{}) == "counters");
+  NodeProfile profile;
+  profile.maker = "forged";
+  bus.ask(1, profile);
+  CHECK(bus.ant.core->route_table(bus.fleet.now).routes.at(0).profile.maker.empty());
+}

@@ -1,0 +1,131 @@
+// Strangers at the inbox: candidates, Hellos that do not hold, link ids that are not theirs.
+#include <doctest/doctest.h>
+
+#include "services/router/core/test_fleet.hpp"
+
+using namespace trb;
+using namespace trb::router;
+using std::chrono::milliseconds;
+using Seconds = std::chrono::seconds;
+
+namespace {
+
+Bytes key_number(int number) {
+  return Bytes(31, 'k') + static_cast<char>(number);
+}
+
+struct Inbox {
+  TestFleet fleet;
+  TestNode& ant = fleet.start("ant", {.beacon = false});
+  TestKeys bee = fleet.keys("bee");
+
+  Hello hello(const TestKeys& keys) const { return {keys.record, 3, "bee", "1", kStartUtc, true, {}}; }
+
+  void say(LinkId link, const Bytes& key, const Message& message, std::uint64_t sequence = 1) {
+    Effects effects;
+    ant.core->on_link_message(link, key, message, sequence, fleet.now, effects);
+    fleet.carry_out(ant, effects);
+  }
+  void say_hello(LinkId link, const TestKeys& keys, const std::string& source = "bee") {
+    say(link, keys.link.public_key, make_message(MessageType::information, source, "", hello(keys)));
+  }
+  bool admit(const Bytes& key) {
+    Effects effects;
+    const bool good = ant.core->admit(key, fleet.now.mono, effects);
+    fleet.carry_out(ant, effects);
+    return good;
+  }
+};
+
+}  // namespace
+
+TEST_CASE("of strangers thirty-two are let in, the next is refused, and a silent one is denied after two seconds") {
+  Inbox inbox;
+  for (int i = 0; i < 32; ++i) CHECK(inbox.admit(key_number(i)));
+  CHECK_FALSE(inbox.admit(key_number(32)));
+  CHECK(inbox.ant.count("refused.too_many_candidates") == 1);
+  inbox.fleet.run(milliseconds(1900));
+  CHECK(inbox.admit(key_number(0)));  // again: this buys no time
+  inbox.fleet.run(milliseconds(200));
+  CHECK(inbox.ant.count("refused.no_hello") == 32);
+  CHECK_FALSE(inbox.admit(key_number(0)));
+  CHECK(inbox.ant.count("refused.denied_key") == 1);
+  CHECK(inbox.admit(key_number(32)));
+  inbox.fleet.run(Seconds(11));
+  CHECK(inbox.admit(key_number(0)));
+}
+
+TEST_CASE("a Hello that does not hold is refused, and its reason is counted") {
+  Inbox inbox;
+  TestKeys thief = inbox.bee;
+  thief.link = make_link_key();
+  TestAuthority other_fleet;
+  const TestKeys foreign = other_fleet.sign_node("bee");
+  const TestKeys namesake = inbox.fleet.authority.sign_node("ant");
+  inbox.say_hello(1, thief);
+  CHECK(inbox.ant.count("refused.wrong_key") == 1);
+  inbox.say_hello(2, foreign);
+  CHECK(inbox.ant.count("refused.foreign_fleet") == 1);
+  inbox.say_hello(3, namesake, "ant");
+  CHECK(inbox.ant.count("refused.duplicate") == 1);
+  inbox.say_hello(4, inbox.bee, "cat");
+  CHECK(inbox.ant.count("refused.source_mismatch") == 1);
+  CHECK(inbox.ant.refused.size() == 4);
+  CHECK(inbox.ant.core->peers().empty());
+  inbox.say_hello(5, thief);
+  CHECK(inbox.ant.count("refused.denied_key") == 1);
+  CHECK(inbox.ant.refused.size() == 4);
+}
+
+TEST_CASE("a stranger's Hello is bounded, needs a link id, and comes first") {
+  Inbox inbox;
+  Message large = make_message(MessageType::information, "bee", "", inbox.hello(inbox.bee));
+  large.data.resize(kMaxHelloSize + 1);
+  inbox.say(1, inbox.bee.link.public_key, large);
+  CHECK(inbox.ant.count("refused.too_large") == 1);
+  inbox.say_hello(0, inbox.fleet.keys("cat"), "cat");
+  CHECK(inbox.ant.count("refused.malformed") == 1);
+  inbox.say(2, inbox.fleet.keys("dog").link.public_key,
+            make_message(MessageType::information, "dog", "", KeepAlive{1}));
+  CHECK(inbox.ant.count("refused.unknown_peer_key") == 1);
+  CHECK(inbox.ant.core->peers().empty());
+}
+
+TEST_CASE("a good Hello is accepted once") {
+  Inbox inbox;
+  inbox.say_hello(9, inbox.bee);
+  CHECK(inbox.ant.link_to("bee") == 9);
+  inbox.say_hello(9, inbox.bee);
+  CHECK(inbox.ant.count("refused.repeated_hello") == 1);
+  CHECK(inbox.ant.link_to("bee") == 9);
+}
+
+TEST_CASE("nobody speaks on another one's link, also on one that this node dialled") {
+  TestFleet fleet;
+  TestNode& ant = fleet.start("ant");
+  fleet.start("bee");
+  fleet.run(Seconds(1));
+  const LinkId link = ant.link_to("bee");
+  REQUIRE(ant.core->find_link(link)->dialled);
+  Effects effects;
+  const Message goodbye = make_message(MessageType::information, "bee", "ant", Goodbye{"forged"});
+  ant.core->on_link_message(link, fleet.keys("cat").link.public_key, goodbye, 99, fleet.now, effects);
+  fleet.carry_out(ant, effects);
+  CHECK(ant.count("refused.link_theft") == 1);
+  CHECK(ant.link_to("bee") == link);
+}
+
+TEST_CASE("a dialler that is refused hears so, does not shut the other out, and tries again") {
+  TestFleet fleet;
+  const TestKeys good = fleet.keys("bee");
+  fleet.keys("ant").record.signature.bytes[0] ^= 1;
+  fleet.start("bee", {.beacon = false});
+  TestNode& ant = fleet.start("ant", {.beacon = false, .seeds = {"bee"}});
+  fleet.run(milliseconds(500));
+  CHECK(ant.count("dial.refused") == 1);
+  CHECK(fleet.at("bee").count("refused.bad_signature") == 1);
+  Effects effects;
+  CHECK(ant.core->admit(good.link.public_key, fleet.now.mono, effects));
+  fleet.run(Seconds(6));
+  CHECK(ant.dials.size() >= 4);
+}

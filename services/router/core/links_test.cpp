@@ -1,0 +1,213 @@
+// Links between nodes: found, dialled, doubled, lost, found again. Time is injected, nothing sleeps.
+#include <doctest/doctest.h>
+
+#include "services/router/core/test_fleet.hpp"
+
+using namespace trb;
+using namespace trb::router;
+using std::chrono::milliseconds;
+using Seconds = std::chrono::seconds;
+
+namespace {
+
+void check_linked(TestFleet& fleet, const std::string& a, const std::string& b) {
+  CAPTURE(a);
+  CAPTURE(b);
+  CHECK(fleet.at(a).link_to(b) != 0);
+  CHECK(fleet.at(a).link_to(b) == fleet.at(b).link_to(a));
+}
+
+}  // namespace
+
+TEST_CASE("two nodes meet by beacon: the smaller id dials, the greater waits") {
+  TestFleet fleet;
+  fleet.start("ant");
+  fleet.start("bee");
+  fleet.run(milliseconds(500));
+  check_linked(fleet, "ant", "bee");
+  CHECK(fleet.at("ant").dials.size() == 1);
+  CHECK(fleet.at("bee").dials.empty());
+}
+
+TEST_CASE("two nodes meet by a seed on one side only, whichever side that is") {
+  for (const bool smaller_knows : {true, false}) {
+    TestFleet fleet;
+    fleet.start("ant", {.beacon = false,
+                        .seeds = smaller_knows ? std::vector<std::string>{"bee"} : std::vector<std::string>{}});
+    fleet.start("bee", {.beacon = false,
+                        .seeds = smaller_knows ? std::vector<std::string>{} : std::vector<std::string>{"ant"}});
+    fleet.run(Seconds(3));
+    check_linked(fleet, "ant", "bee");
+  }
+}
+
+TEST_CASE("ten nodes that all dial each other at once end with one link a pair, the same on both sides") {
+  TestFleet fleet;
+  std::vector<std::string> ids;
+  for (char c = 'a'; c < 'a' + 10; ++c) ids.push_back(std::string("node-") + c);
+  for (const std::string& id : ids) fleet.start(id, {.seeds = ids});
+  fleet.run(Seconds(5));
+  for (const std::string& a : ids) {
+    for (const std::string& b : ids) {
+      if (a < b) check_linked(fleet, a, b);
+    }
+    CHECK(fleet.at(a).core->up_links().size() == ids.size() - 1);
+  }
+  const std::size_t closed = fleet.at("node-a").closed.size();
+  fleet.run(Seconds(30));
+  CHECK(fleet.at("node-a").closed.size() == closed);
+}
+
+TEST_CASE("a seed and a beacon that name one node make one link, not two") {
+  TestFleet fleet;
+  fleet.start("ant", {.seeds = {"bee", "bee"}});
+  fleet.start("bee");
+  fleet.run(Seconds(4));
+  check_linked(fleet, "ant", "bee");
+  CHECK(fleet.at("bee").core->up_links().size() == 1);
+}
+
+TEST_CASE("a cut, two-way or one-way, ends the lease after ten seconds on both sides") {
+  for (const bool one_way : {false, true}) {
+    TestFleet fleet;
+    fleet.start("ant");
+    fleet.start("bee");
+    fleet.run(Seconds(1));
+    fleet.cut("ant", "bee");
+    if (!one_way) fleet.cut("bee", "ant");
+    fleet.run(Seconds(7));
+    CHECK(fleet.at("ant").link_to("bee") != 0);
+    fleet.run(milliseconds(6200));  // what was under way may have renewed the lease once
+    for (const char* id : {"ant", "bee"}) {
+      const TestNode& node = fleet.at(id);
+      CHECK(node.link_to(std::string(id) == "ant" ? "bee" : "ant") == 0);
+      CHECK(node.count("peer_expired") == 1);
+    }
+  }
+}
+
+TEST_CASE("whoever takes peer_expired is told of it, and the peer is welcome again afterwards") {
+  TestFleet fleet;
+  TestNode& ant = fleet.start("ant");
+  fleet.start("bee");
+  Effects effects;
+  ant.core->on_service_hello(1, {"resilience", {"peer_expired", "peer_joined"}, 5, 100, "1"}, false, fleet.now,
+                             effects);
+  fleet.carry_out(ant, effects);
+  fleet.run(Seconds(1));
+  CHECK(ant.told("peer_joined") == 1);
+  fleet.stop("bee");
+  fleet.run(Seconds(11));
+  CHECK(ant.told("peer_expired") == 1);
+  CHECK(ant.peer("bee")->expired);
+  fleet.start("bee", {.boot = 2});
+  fleet.run(Seconds(4));
+  check_linked(fleet, "ant", "bee");
+  CHECK(ant.told("peer_joined") == 2);
+  CHECK_FALSE(ant.peer("bee")->expired);
+}
+
+TEST_CASE("a cut of minutes heals: no peer is ever given up") {
+  TestFleet fleet;
+  fleet.start("ant", {.beacon = false, .seeds = {"bee"}});
+  fleet.start("bee", {.beacon = false});
+  fleet.run(Seconds(1));
+  fleet.cut("ant", "bee");
+  fleet.cut("bee", "ant");
+  fleet.run(Seconds(120));
+  CHECK(fleet.at("ant").link_to("bee") == 0);
+  fleet.heal();
+  fleet.run(Seconds(5));
+  check_linked(fleet, "ant", "bee");
+}
+
+TEST_CASE("a node that was started again replaces its old link at once; an old boot is refused") {
+  TestFleet fleet;
+  fleet.start("ant", {.boot = 7});
+  fleet.start("bee");
+  fleet.run(Seconds(1));
+  fleet.cut("ant", "bee");  // bee hears nothing of the end
+  fleet.stop("ant");
+  fleet.heal();
+  fleet.start("ant", {.boot = 8, .seeds = {"bee"}});
+  fleet.run(milliseconds(100));
+  check_linked(fleet, "ant", "bee");
+  CHECK(fleet.at("bee").peer("ant")->boot == 8);
+  fleet.stop("ant");
+  fleet.start("ant", {.boot = 6});
+  fleet.run(Seconds(5));
+  CHECK(fleet.at("bee").link_to("ant") == 0);
+  CHECK(fleet.at("bee").count("beacon.replayed") > 0);
+}
+
+TEST_CASE("replayed, foreign and damaged beacons are counted and lead nowhere") {
+  TestFleet fleet;
+  TestNode& ant = fleet.start("ant");
+  fleet.start("bee");
+  fleet.run(Seconds(1));
+  Effects effects;
+  const Bytes first = fleet.at("bee").beacons.front();
+  ant.core->on_beacon(first, fleet.now, effects);
+  TestFleet other;
+  other.start("cat");
+  other.run(milliseconds(100));
+  ant.core->on_beacon(other.at("cat").beacons.front(), fleet.now, effects);
+  ant.core->on_beacon("noise", fleet.now, effects);
+  Bytes changed = first;
+  changed.back() = static_cast<char>(changed.back() ^ 1);
+  ant.core->on_beacon(changed, fleet.now, effects);
+  fleet.carry_out(ant, effects);
+  CHECK(ant.count("beacon.replayed") == 1);
+  CHECK(ant.count("beacon.foreign_fleet") == 1);
+  CHECK(ant.count("beacon.malformed") == 1);
+  CHECK(ant.count("beacon.bad_signature") == 1);
+  CHECK(ant.core->peers().size() == 1);
+}
+
+TEST_CASE("a beacon of an earlier boot stays a replay while the later one is not linked yet") {
+  TestFleet fleet;
+  TestNode& ant = fleet.start("ant", {.beacon = false});
+  fleet.start("bee", {.boot = 1});
+  fleet.run(milliseconds(400));
+  const Bytes old = fleet.at("bee").beacons.front();
+  fleet.stop("bee");
+  fleet.start("bee", {.boot = 2});
+  fleet.cut("bee", "ant");
+  fleet.run(milliseconds(20));
+  Effects effects;
+  ant.core->on_beacon(fleet.at("bee").beacons.front(), fleet.now, effects);
+  ant.core->on_beacon(fleet.at("bee").beacons.front(), fleet.now, effects);
+  ant.core->on_beacon(old, fleet.now, effects);
+  fleet.carry_out(ant, effects);
+  CHECK(ant.count("beacon.replayed") == 2);
+}
+
+TEST_CASE("a profile that changes while the Hello is under way, or is too large for one, arrives all the same") {
+  TestFleet fleet;
+  TestNode& ant = fleet.start("ant");
+  fleet.start("bee");
+  Effects effects;
+  ant.core->on_service_hello(1, {"mode-adapter", {}, 5, 100, "1"}, false, fleet.now, effects);
+  NodeProfile profile;
+  profile.maker = "Maker";
+  for (int i = 0; i < 120; ++i)
+    profile.skills.push_back({"skill_with_a_long_name_" + std::to_string(i), "grab", {}, true, 2});
+  ant.core->on_bus_message(1, make_message(MessageType::information, "ant", "ant", profile), fleet.now, effects);
+  fleet.carry_out(ant, effects);
+  fleet.run(Seconds(2));
+  check_linked(fleet, "ant", "bee");
+  CHECK(fleet.at("bee").peer("ant")->profile == profile);
+}
+
+TEST_CASE("a certificate that ends takes its link with it") {
+  TestFleet fleet;
+  fleet.keys("bee").certificate.not_after = kStartUtc + 5'000'000'000;
+  TestKeys& keys = fleet.keys("bee");
+  keys.record = sign(kSignedCertificate, "", fleet.authority.fleet.id(), encode(keys.certificate), fleet.authority.key);
+  fleet.start("ant");
+  fleet.start("bee");
+  fleet.run(Seconds(1));
+  check_linked(fleet, "ant", "bee");
+  fleet.run(Seconds(8));
+  CHECK(fleet.at("ant").link_to("bee") == 0);
+}

@@ -1,0 +1,166 @@
+#include "services/router/core/test_fleet.hpp"
+
+namespace trb::router {
+
+TestKeys& TestFleet::keys(const std::string& id) {
+  const auto at = keys_.find(id);
+  return at != keys_.end() ? at->second : keys_.emplace(id, authority.sign_node(id)).first->second;
+}
+
+TestNode& TestFleet::start(const std::string& id, const Options& options) {
+  auto node = std::make_unique<TestNode>();
+  node->id = id;
+  node->keys = keys(id);
+  RouterConfig config;
+  config.id = id;
+  config.authority = authority.fleet;
+  config.certificate = node->keys.record;
+  config.own = node->keys.certificate;
+  config.identity = node->keys.identity;
+  config.address = id;  // the cables know a node by its id
+  config.boot = options.boot;
+  config.beacon = options.beacon;
+  config.services = {"router", "mode-adapter", "scheduler", "resilience", "sensor-bus", "cloud-gateway"};
+  for (const std::string& seed : options.seeds) config.seeds.push_back({seed, keys(seed).link.public_key});
+  node->core = std::make_unique<RouterCore>(std::move(config));
+  TestNode& out = *node;
+  nodes_[id] = std::move(node);
+  Effects effects;
+  out.core->start(now, effects);
+  carry_out(out, effects);
+  return out;
+}
+
+void TestFleet::stop(const std::string& id) {
+  nodes_.erase(id);
+  std::erase_if(bound_, [&](const auto& row) { return row.first == id; });
+  std::vector<LinkId> broken;
+  for (const auto& [link, wire] : wires_) {
+    if (wire.open && (wire.dialler == id || wire.acceptor == id)) broken.push_back(link);
+  }
+  for (const LinkId link : broken) break_wire(link);
+}
+
+void TestFleet::break_wire(LinkId link) {
+  Wire& wire = wires_.at(link);
+  wire.open = false;
+  const auto dialler = nodes_.find(wire.dialler);
+  if (dialler == nodes_.end()) return;
+  Effects effects;
+  dialler->second->core->on_link_ended(link, LinkEnd::disconnected, now, effects);
+  carry_out(*dialler->second, effects);
+}
+
+void TestFleet::carry_out(TestNode& node, Effects& effects) {
+  std::vector<Dial> dials;
+  for (Effect& effect : effects.list) {
+    std::visit(Overloaded{
+                   [&](BusSend& send) { node.bus.push_back(send); },
+                   [&](LinkSend& send) {
+                     const auto wire = wires_.find(send.link);
+                     if (wire == wires_.end() || !wire->second.open) return;
+                     const std::string to =
+                         wire->second.dialler == node.id ? wire->second.acceptor : wire->second.dialler;
+                     packets_.push_back({node.id, to, send.link, send.sequence, send.message});
+                   },
+                   [&](Dial& dial) { dials.push_back(dial); },
+                   [&](CloseLink& close) {
+                     node.closed.push_back(close.link);
+                     bound_.erase({node.id, close.link});
+                   },
+                   [&](AcceptLink& accept) {
+                     bound_.insert({node.id, accept.link});
+                   },
+                   [&](SendBeacon& beacon) {
+                     node.beacons.push_back(beacon.plain);
+                     beacons_.emplace_back(node.id, beacon.plain);
+                   },
+                   [&](RefuseCandidate& refuse) {
+                     node.refused.push_back(refuse);
+                     if (!origin_.empty()) packets_.push_back({node.id, origin_, refuse.link, 1, refuse.message});
+                   },
+                   [](Log&) {},
+               },
+               effect);
+  }
+  for (const std::string& name : effects.counts) ++node.counts[name];
+  for (const Dial& dial : dials) connect(node, dial);
+}
+
+void TestFleet::connect(TestNode& node, const Dial& dial) {
+  node.dials.push_back(dial);
+  const auto other = nodes_.find(dial.address);
+  Effects there;
+  Effects here;
+  const bool cut = cuts_.count({node.id, dial.address}) + cuts_.count({dial.address, node.id}) > 0;
+  if (cut) return;  // nobody answers: the core's own patience ends it
+  if (other == nodes_.end() || other->second->keys.link.public_key != dial.server_key) {
+    node.core->on_link_ended(dial.link, LinkEnd::failed, now, here);
+  } else if (!other->second->core->admit(node.keys.link.public_key, now.mono, there)) {
+    node.core->on_link_ended(dial.link, LinkEnd::refused_key, now, here);
+  } else {
+    wires_[dial.link] = {node.id, dial.address, true};
+    node.core->on_dial_connected(dial.link, now, here);
+  }
+  if (other != nodes_.end()) carry_out(*other->second, there);
+  carry_out(node, here);
+}
+
+Decision TestFleet::arrive(TestNode& node, LinkId link, std::uint64_t sequence, const Message& message) {
+  Effects effects;
+  const HeaderView header = header_of(message, sequence);
+  const Decision decision = node.core->route_peer(link, header, now, effects);
+  if (decision.to == Decision::To::router) {
+    const Link* known = node.core->find_link(link);
+    node.core->on_link_message(link, known == nullptr ? Bytes() : known->key, message, sequence, now, effects);
+  } else if (decision.to == Decision::To::drop) {
+    node.core->nack_peer(link, header, decision.reason, effects);
+  }
+  carry_out(node, effects);
+  return decision;
+}
+
+void TestFleet::deliver(const Packet& packet) {
+  const auto node = nodes_.find(packet.to);
+  if (node == nodes_.end() || cuts_.count({packet.from, packet.to}) != 0) return;
+  const auto wire = wires_.find(packet.link);
+  if (wire == wires_.end() || !wire->second.open) return;
+  const bool dialled_here = wire->second.dialler == packet.to;
+  if (dialled_here ? node->second->core->find_link(packet.link) != nullptr
+                   : bound_.count({packet.to, packet.link}) != 0) {
+    arrive(*node->second, packet.link, packet.sequence, packet.message);
+    return;
+  }
+  if (dialled_here) return;  // the socket is closed
+  origin_ = packet.from;
+  Effects effects;
+  const Bytes key = keys(packet.from).link.public_key;
+  node->second->core->on_link_message(packet.link, key, packet.message, packet.sequence, now, effects);
+  carry_out(*node->second, effects);
+  origin_.clear();
+}
+
+void TestFleet::run(Duration time) {
+  const MonotonicTime end = now.mono + time;
+  while (now.mono < end) {
+    now = {now.mono + kStep, now.utc + kStep};
+    for (auto& [id, node] : nodes_) {
+      Effects effects;
+      if (const auto due = node->core->next_deadline(); due && *due <= now.mono) node->core->tick(now, effects);
+      carry_out(*node, effects);
+    }
+    auto packets = std::exchange(packets_, {});
+    for (const Packet& packet : packets) deliver(packet);
+    auto beacons = std::exchange(beacons_, {});
+    for (const auto& [from, plain] : beacons) {
+      for (auto& [id, node] : nodes_) {
+        if (id == from || cuts_.count({from, id}) != 0) continue;
+        Effects effects;
+        node->core->on_beacon(plain, now, effects);
+        carry_out(*node, effects);
+      }
+    }
+  }
+}
+
+}  // namespace trb::router

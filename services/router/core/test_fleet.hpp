@@ -1,0 +1,162 @@
+// A fleet of router cores in memory, for tests: cables that carry LinkSend effects, a clock that moves when told.
+#pragma once
+
+#include <algorithm>
+#include <deque>
+#include <map>
+#include <memory>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "services/router/core/router_core.hpp"
+
+namespace trb::router {
+
+constexpr std::int64_t kStartUtc = 1'772'366'400'000'000'000;
+constexpr Duration kStep = std::chrono::milliseconds(10);
+
+/// What a fleet authority would have given a node.
+struct TestKeys {
+  SigningKey identity = make_signing_key();
+  LinkKey link = make_link_key();
+  SignedRecord record;
+  Certificate certificate;
+};
+
+struct TestAuthority {
+  SigningKey key = make_signing_key();
+  FleetAuthority fleet{"hall", key.public_key};
+
+  TestKeys sign_node(const std::string& id, Role role = Role::robot, std::uint64_t serial = 1) const {
+    TestKeys keys;
+    keys.certificate = {{fleet.id()},
+                        serial,
+                        id,
+                        role,
+                        {keys.identity.public_key},
+                        {keys.link.public_key},
+                        kStartUtc - 1'000'000'000,
+                        kStartUtc + 86'400'000'000'000};
+    keys.record = sign(kSignedCertificate, "", fleet.id(), encode(keys.certificate), key);
+    return keys;
+  }
+};
+
+/// One node: its core, and what its shell would have written down.
+struct TestNode {
+  std::string id;
+  TestKeys keys;
+  std::unique_ptr<RouterCore> core;
+  std::map<std::string, std::uint64_t> counts;
+  std::vector<BusSend> bus;
+  std::vector<RefuseCandidate> refused;
+  std::vector<LinkId> closed;
+  std::vector<Dial> dials;
+  std::vector<Bytes> beacons;
+
+  [[nodiscard]] std::uint64_t count(const std::string& name) const {
+    const auto at = counts.find(name);
+    return (at == counts.end() ? 0 : at->second) + core->counter(name);
+  }
+  [[nodiscard]] const Peer* peer(const std::string& other) const {
+    const auto at = core->peers().find(other);
+    return at == core->peers().end() ? nullptr : &at->second;
+  }
+  [[nodiscard]] LinkId link_to(const std::string& other) const {
+    return peer(other) == nullptr ? 0 : peer(other)->link;
+  }
+  [[nodiscard]] std::size_t told(std::string_view subtype) const {
+    return static_cast<std::size_t>(
+        std::count_if(bus.begin(), bus.end(), [&](const BusSend& send) { return send.message.subtype == subtype; }));
+  }
+};
+
+class TestFleet {
+ public:
+  TestFleet() { init_crypto(); }
+
+  TestAuthority authority;
+  Now now{{1'000'000'000}, {kStartUtc}};
+
+  struct Options {
+    std::uint64_t boot = 1;
+    bool beacon = true;
+    std::vector<std::string> seeds{};
+  };
+
+  TestNode& start(const std::string& id, const Options& options);
+  TestNode& start(const std::string& id) { return start(id, Options{}); }
+  TestNode& at(const std::string& id) { return *nodes_.at(id); }
+  /// The keys of a node that may not have been started yet.
+  TestKeys& keys(const std::string& id);
+
+  /// Lets time pass in small steps; every message that is due arrives.
+  void run(Duration time);
+  /// Nothing sent from one node arrives at the other any more; nobody is told.
+  void cut(const std::string& from, const std::string& to) { cuts_.insert({from, to}); }
+  void heal() { cuts_.clear(); }
+  /// The process ends: its connections break.
+  void stop(const std::string& id);
+
+  void carry_out(TestNode& node, Effects& effects);
+  /// Hands a message to a node as one that came by a link, through the road that the shell takes.
+  Decision arrive(TestNode& node, LinkId link, std::uint64_t sequence, const Message& message);
+
+ private:
+  struct Wire {
+    std::string dialler;
+    std::string acceptor;
+    bool open = true;
+  };
+  struct Packet {
+    std::string from;
+    std::string to;
+    LinkId link = 0;
+    std::uint64_t sequence = 0;
+    Message message;
+  };
+  void connect(TestNode& node, const Dial& dial);
+  void deliver(const Packet& packet);
+  void hand_over(TestNode& node, const Packet& packet, Effects& effects);
+  void break_wire(LinkId link);
+
+  std::map<std::string, std::unique_ptr<TestNode>> nodes_;
+  std::map<std::string, TestKeys> keys_;
+  std::map<LinkId, Wire> wires_;
+  std::set<std::pair<std::string, LinkId>> bound_;  ///< (node, link): accepted by its shell
+  std::deque<Packet> packets_;
+  std::deque<std::pair<std::string, Bytes>> beacons_;
+  std::set<std::pair<std::string, std::string>> cuts_;
+  std::string origin_;
+};
+
+inline HeaderView header_of(const Message& message, std::uint64_t sequence = 0) {
+  HeaderView view;
+  view.type = message.type;
+  view.flags = message.flags;
+  view.remaining_ms = message.remaining_ms;
+  view.sequence = sequence;
+  view.subtype = message.subtype;
+  view.source = message.source;
+  view.target = message.target;
+  view.id = message.id;
+  view.reply_to = message.reply_to;
+  view.data = message.data;
+  return view;
+}
+
+template <class T>
+Message make_message(MessageType type, const std::string& source, const std::string& target, const T& body) {
+  Message message;
+  message.type = type;
+  message.subtype = T::kSubtype;
+  message.source = source;
+  message.target = target;
+  message.id = 77;
+  message.data = encode(body);
+  return message;
+}
+
+}  // namespace trb::router
