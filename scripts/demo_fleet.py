@@ -1,0 +1,183 @@
+"""The demonstration's second half: everything is built; make the fleet, run the scenario, show what happened."""
+import argparse
+import fcntl
+import json
+import os
+import pathlib
+import signal
+import subprocess
+import sys
+import time
+
+import trb_fleet
+
+PHASES = ["boot", "identification", "devices", "task", "forward", "sensor", "fail", "upkeep"]
+SCENARIO = trb_fleet.REPO / "config" / "scenarios" / "paper-nine-tasks.json"
+
+
+def say(text=""):
+    print(text, flush=True)
+
+
+def add_counts(into, counters):
+    for row in counters["phases"]:
+        into[row["phase"]] = into.get(row["phase"], 0) + row["value"]
+
+
+def observed_messages(fleet):
+    """Every message that the fleet's routers took in or made, and all that robots and adapters said to each other."""
+    total = dict.fromkeys(PHASES, 0)
+    for node in fleet.node_names:
+        add_counts(total, fleet.json("service", "counters", "router", node=node))
+        if node in fleet.robots:
+            add_counts(total, fleet.json("service", "counters", "mode-adapter", node=node))
+    total["total"] = sum(total.values())
+    return total
+
+
+def equation12(n, k, sum_m, direct, interpreted):
+    """Equation 12 by its terms (Equations 1, 2, 3, 7, 8, 10, 11) for s = 0 sensors, no requests and no faults."""
+    tasks = direct + interpreted
+    terms = {
+        "boot": 3 * n + 1,
+        "identification": n * (n + 1) // 2,
+        "devices": 0,
+        "task": 4 * direct + 8 * interpreted,
+        "forward": tasks - sum_m + k - 1,
+        "sensor": 0,
+        "fail": 0,
+    }
+    terms["total"] = sum(terms.values())
+    return terms
+
+
+def print_table(rows):
+    widths = [max(len(str(row[i])) for row in rows) for i in range(len(rows[0]))]
+    for row in rows:
+        say("  " + "  ".join(str(cell).ljust(width) for cell, width in zip(row, widths)).rstrip())
+
+
+def run_scenario(fleet):
+    """Submits and follows the run; progress goes straight to the person. Returns the final view."""
+    command = [fleet.programs / "trb", "scenario", "run", SCENARIO, "--watch", "--until-paused", "--timeout", "120",
+               "--node", fleet.dir(trb_fleet.CLOUD)]
+    child = subprocess.Popen(command, preexec_fn=trb_fleet.end_with_parent)
+    while child.poll() is None:
+        fleet.pump()
+        time.sleep(0.02)
+    return fleet.json("scenario", "watch", "--once", node=trb_fleet.CLOUD, check=False)
+
+
+def wait_acknowledged(fleet):
+    """The robots' last upkeep (proofs of delivery) may still be under way when the last task has ended."""
+    fleet.pump()
+    time.sleep(0.5)
+
+
+def report(fleet, view, wall_s):
+    rows = [["#", "TASK", "ROBOT", "SKILL", "MODE", "TRANSPORT", "STATE", "DURATION"]]
+    for i, task in enumerate(view["tasks"], 1):
+        rows.append([i, task["id"], task["robot"], task["skill"], task.get("mode", ""), task.get("transport", ""),
+                     task["state"], f"{task['duration_s']:.2f} s"])
+    say(f"\n== the run {view['state']}" + (f": {view['waits_for']}" if view["waits_for"] else ""))
+    print_table(rows)
+    direct = sum(task.get("mode") == "direct" for task in view["tasks"])
+    n, k, sum_m = len(fleet.robots), view["blocks_k"], view["blocks_sum_m"]
+    observed = observed_messages(fleet)
+    model = equation12(n, k, sum_m, direct, len(view["tasks"]) - direct)
+    say(f"\n== messages by phase, beside Equation 12 for n={n}, k={k}, sum m={sum_m}, "
+        f"N_d={direct}, N_i={len(view['tasks']) - direct}, s=0, R=0, N_f=0")
+    print_table([["PHASE", "OBSERVED", "EQUATION 12"]] + [[p, observed[p], model.get(p, "-")] for p in PHASES + ["total"]])
+    say(f"  without upkeep: {observed['total'] - observed['upkeep']}. Observed counts every message that a router took in or\n"
+        "  made and every field or word between robot and node. More than the model: services join their own bus (boot),\n"
+        "  both ends of a link say Hello and nodes repeat their beacon (identification), nodes tell what their robots can\n"
+        "  do (devices), a robot acknowledges each field (task), definitions are fetched by digest (forward); upkeep is\n"
+        "  keep-alives, signatures, proofs of delivery and these lists, which the model leaves out.")
+    say(f"\n== {wall_s:.1f} s from the first process to the end of the run")
+    fields = ["id", "robot", "skill", "mode", "transport", "state", "duration_s"]
+    return {"run": {"id": view["run"], "state": view["state"],
+                    "tasks": [{f: task.get(f, "") for f in fields} for task in view["tasks"]]},
+            "messages": {"observed": observed, "equation12": model}, "wall_s": round(wall_s, 2)}
+
+
+def print_next_steps(fleet):
+    bin_dir = os.path.relpath(fleet.programs)
+    say("\n== the fleet stays up until Ctrl-C. Try in another terminal, from this folder:")
+    say(f"  export PATH=$PWD/{bin_dir}:$PATH TRB_NODE=$PWD/{os.path.relpath(fleet.dir('cloud'))}")
+    for line in ["trb robot list", "trb send ur3 command move '[0.5,-1.2,1.0,-1.4,-1.57,0]'", "trb request ur3 position",
+                 "trb send pioneer1 command wave 'hello'", "trb tap", "trb scenario run config/scenarios/paper-nine-tasks.json --watch",
+                 "trb stop --all", "trb release --all", "trb help"]:
+        say("  " + line)
+
+
+def take_lock(root):
+    """One demonstration at a time in this folder: the next one would pull the floor from under it."""
+    root.parent.mkdir(parents=True, exist_ok=True)
+    lock = open(root.with_name(root.name + ".lock"), "w")
+    try:
+        fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except OSError:
+        sys.exit(f"scripts/demo: another demonstration is running in {root}; stop it first (Ctrl-C there)")
+    return lock
+
+
+def parse():
+    parser = argparse.ArgumentParser(
+        prog="scripts/demo", description="Starts a fleet of eight nodes on this machine (127.0.1.x) and runs the paper's nine-task scenario.",
+        epilog="examples:  scripts/demo      scripts/demo --once --json run.json      scripts/demo --speed 4")
+    parser.add_argument("--once", action="store_true", help="end after the run; exit 0 only if it FINISHED")
+    parser.add_argument("--json", metavar="FILE", help="write the run, the message counts and the time as JSON")
+    parser.add_argument("--speed", type=float, default=1.0, help="how much faster than real the robots move (1)")
+    parser.add_argument("--programs", required=True, help=argparse.SUPPRESS)
+    parser.add_argument("--root", required=True, help=argparse.SUPPRESS)
+    arguments = parser.parse_args()
+    if not 0 < arguments.speed <= 100:
+        parser.error("--speed: between 0 and 100")
+    return arguments
+
+
+def start(fleet):
+    say(f"== making the fleet '{fleet.name}': an authority, {len(fleet.node_names)} nodes, their keys and certificates")
+    fleet.make()
+    say("== starting the virtual robots and the nodes, each service a process of its own")
+    fleet.start()
+    seconds = fleet.wait_formed()
+    say(f"== every node knows every other ({seconds:.1f} s); the cloud node's table:")
+    for line in fleet.trb("route", "list", node=trb_fleet.CLOUD).stdout.splitlines():
+        say("  " + line)
+    for line in fleet.trb("robot", "list", node=trb_fleet.CLOUD).stdout.splitlines():
+        say("  " + line)
+
+
+def main():
+    arguments = parse()
+    root = pathlib.Path(arguments.root)
+    lock = take_lock(root)
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))
+    began = time.monotonic()
+    with trb_fleet.Fleet(root, arguments.programs, speed=arguments.speed) as fleet:
+        start(fleet)
+        say(f"\n== the scenario {SCENARIO.relative_to(trb_fleet.REPO)}")
+        view = run_scenario(fleet)
+        wall_s = time.monotonic() - began
+        wait_acknowledged(fleet)
+        result = report(fleet, view, wall_s)
+        if arguments.json:
+            pathlib.Path(arguments.json).write_text(json.dumps(result, indent=2) + "\n")
+        if not arguments.once:
+            print_next_steps(fleet)
+            while True:
+                fleet.pump()
+                time.sleep(0.2)
+    lock.close()
+    return 0 if result["run"]["state"] == "FINISHED" else 1
+
+
+if __name__ == "__main__":
+    try:
+        sys.exit(main())
+    except KeyboardInterrupt:
+        say("\n== stopped")
+        sys.exit(130)
+    except (RuntimeError, TimeoutError) as problem:
+        sys.exit(f"scripts/demo: {problem}")

@@ -1,0 +1,36 @@
+# shellcheck shell=bash
+# Installs what the project needs from Debian 12 and builds it. Sourced by scripts/demo and scripts/test.
+repo="$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)"
+
+base_packages=(
+  build-essential cmake ninja-build ccache mold pkg-config git ca-certificates
+  libzmq3-dev cppzmq-dev libsodium-dev libmsgpack-cxx-dev nlohmann-json3-dev libsqlite3-dev libspdlog-dev doctest-dev
+  python3 procps
+)
+
+install_packages() {
+  local missing=()
+  for package in "$@"; do
+    dpkg-query -W -f='${Status}' "$package" 2>/dev/null | grep -q 'install ok installed' || missing+=("$package")
+  done
+  [ ${#missing[@]} -eq 0 ] && return 0
+  echo "== installing from Debian: ${missing[*]}"
+  local as_root=()
+  [ "$(id -u)" -eq 0 ] || as_root=(sudo)
+  export DEBIAN_FRONTEND=noninteractive
+  "${as_root[@]}" apt-get update -qq
+  "${as_root[@]}" apt-get install -y -qq --no-install-recommends --no-remove "${missing[@]}" >/dev/null
+}
+
+# build PRESET TARGET...: configures and builds below build/PRESET
+build() {
+  local preset="$1"
+  shift
+  echo "== building ($preset)"
+  mkdir -p "$repo/build"
+  if ! (cd "$repo" && cmake --preset "$preset") >"$repo/build/configure-$preset.log" 2>&1; then
+    cat "$repo/build/configure-$preset.log"
+    return 1
+  fi
+  (cd "$repo" && cmake --build --preset "$preset" -j "$(nproc)" ${1:+--target "$@"})
+}

@@ -1,0 +1,265 @@
+"""A fleet on one machine: node folders, keys, services and virtual robots, for the demo and the end-to-end tests.
+
+Each node has its own address 127.0.BLOCK.i, each virtual robot 127.0.BLOCK+1.i, so that every node uses the same ports.
+Everything that is started ends with this process, however it ends.
+"""
+import ctypes
+import json
+import os
+import pathlib
+import secrets
+import select
+import shutil
+import signal
+import subprocess
+import time
+
+REPO = pathlib.Path(__file__).resolve().parent.parent
+ROBOTS = {
+    # name: (framework, description, arguments of its virtual robot)
+    "ridgeback": ("lines", "ridgeback", ["--skill", "fetch=4", "--skill", "load_out=2", "--pose", "0,0,0"]),
+    "ur3": ("ur", "ur3", []),
+    "pioneer1": ("lines", "pioneer", ["--pose", "1,3,0"]),
+    "pioneer2": ("lines", "pioneer", ["--pose", "2,3,0"]),
+    "turtlebot": ("lines", "turtlebot", ["--pose", "3,3,0"]),
+    "drone": ("lines", "drone", ["--skill", "take_off=2", "--skill", "land=2", "--skill", "hover=2"]),
+    "conveyor": ("lines", "conveyor", ["--skill", "run=3"]),
+}
+CLOUD = "cloud"
+
+
+def end_with_parent():
+    """In a child: SIGTERM when the parent ends."""
+    ctypes.CDLL(None).prctl(1, signal.SIGTERM)
+
+
+class Process:
+    """A child whose standard output is read line by line, with deadlines."""
+
+    def __init__(self, arguments, log_path, stdin=subprocess.DEVNULL, env=None):
+        self.log = open(log_path, "ab", buffering=0)
+        self.child = subprocess.Popen(
+            [str(a) for a in arguments], stdin=stdin, stdout=subprocess.PIPE, stderr=self.log, env=env,
+            preexec_fn=end_with_parent)
+        self.lines = []
+        self.rest = b""
+
+    def pump(self, wait):
+        """Reads what there is, waiting at most so long. False at the end of the output."""
+        ready, _, _ = select.select([self.child.stdout], [], [], max(wait, 0))
+        if not ready:
+            return True
+        data = os.read(self.child.stdout.fileno(), 65536)
+        self.log.write(data)
+        *lines, self.rest = (self.rest + data).split(b"\n")
+        self.lines += [line.decode(errors="replace") for line in lines]
+        return bool(data)
+
+    def wait_line(self, wanted, timeout, start=0):
+        """Waits for a line that contains `wanted`; returns (line, index after it)."""
+        end = time.monotonic() + timeout
+        index = start
+        while True:
+            while index < len(self.lines):
+                index += 1
+                if wanted in self.lines[index - 1]:
+                    return self.lines[index - 1], index
+            left = end - time.monotonic()
+            if left <= 0:
+                raise TimeoutError(f"{self.child.args[0]}: no line with {wanted!r} in {timeout} s; last: {self.lines[-5:]}")
+            if not self.pump(min(left, 0.5)) and self.child.poll() is not None and index == len(self.lines):
+                raise RuntimeError(f"{self.child.args[0]} ended with {self.child.returncode}; see {self.log.name}")
+
+    def say(self, text):
+        self.child.stdin.write((text + "\n").encode())
+        self.child.stdin.flush()
+
+    def stop(self, how=signal.SIGTERM, timeout=8):
+        if self.child.poll() is None:
+            self.child.send_signal(how)
+        end = time.monotonic() + timeout
+        while self.child.poll() is None and time.monotonic() < end:
+            self.pump(0.05)
+        if self.child.poll() is None:
+            self.child.kill()
+        self.child.wait()
+        self.child.stdout.close()
+        if self.child.stdin:
+            self.child.stdin.close()
+        self.log.close()
+
+
+class Fleet:
+    def __init__(self, root, programs, block=1, udp_port=50000, robots=None, speed=1.0, name="demo", cloud=True):
+        self.root = pathlib.Path(root)
+        self.programs = pathlib.Path(programs)
+        self.block = block
+        self.udp_port = udp_port
+        self.robots = dict(ROBOTS if robots is None else robots)
+        self.speed = speed
+        self.name = name
+        self.node_names = list(self.robots) + ([CLOUD] if cloud else [])
+        self.nodes = {}
+        self.virtual = {}
+
+    # ---- paths and addresses
+
+    def dir(self, node):
+        return self.root / "nodes" / node
+
+    def authority_dir(self):
+        return self.root / "authority"
+
+    def number(self, node):
+        return self.node_names.index(node) + 1
+
+    def address(self, node):
+        return f"127.0.{self.block}.{self.number(node)}"
+
+    def robot_address(self, node):
+        return f"127.0.{self.block + 1}.{self.number(node)}"
+
+    # ---- the command line
+
+    def trb(self, *arguments, node=None, check=True, timeout=60):
+        command = [str(self.programs / "trb"), *map(str, arguments)]
+        if node:
+            command += ["--node", str(self.dir(node))]
+        env = dict(os.environ, TRB_PASSPHRASE=self.passphrase())
+        env.pop("TRB_NODE", None)
+        done = subprocess.run(command, capture_output=True, text=True, timeout=timeout, env=env)
+        if check and done.returncode != 0:
+            raise RuntimeError(f"{' '.join(command)}: exit {done.returncode}\n{done.stdout}{done.stderr}")
+        return done
+
+    def json(self, *arguments, node=None, check=True, timeout=60):
+        return json.loads(self.trb(*arguments, "--json", node=node, check=check, timeout=timeout).stdout)
+
+    def passphrase(self):
+        path = self.root / "passphrase"
+        return path.read_text().strip() if path.exists() else ""
+
+    # ---- making the fleet
+
+    def make(self):
+        """Folders, keys and certificates of every node."""
+        shutil.rmtree(self.root, ignore_errors=True)
+        self.root.mkdir(parents=True)
+        path = self.root / "passphrase"
+        path.touch(mode=0o600)
+        path.write_text(secrets.token_urlsafe(24) + "\n")
+        self.trb("fleet", "init", self.authority_dir(), "--name", self.name)
+        for node in self.node_names:
+            self.make_node(node)
+        requests = [self.dir(node) / "keys" / "request.json" for node in self.node_names]
+        self.trb("fleet", "sign", self.authority_dir(), *requests)
+
+    def make_node(self, node):
+        folder = self.dir(node)
+        folder.mkdir(parents=True)
+        config = REPO / "config"
+        for name in ("profile.json", "commands.json", "places.json"):
+            shutil.copy(config / name, folder / name)
+        network = {"UDP_PORT": self.udp_port, "TCP_PORT_EXT": 45000, "TCP_PORT": 40000,
+                   "HOST_INT": self.address(node), "VPN_INT": "tun0"}
+        (folder / "network.json").write_text(json.dumps(network, indent=2) + "\n")
+        (folder / "node.json").write_text(json.dumps(self.node_json(node), indent=2) + "\n")
+        if node in self.robots:
+            (folder / "robots").mkdir()
+            description = f"robots/{self.robots[node][1]}.json"
+            shutil.copy(config / description, folder / description)
+        self.trb("fleet", "request", folder)
+
+    def node_json(self, node):
+        if node not in self.robots:
+            return {"id": node, "role": "cloud", "services": ["router", "scheduler"]}
+        framework, description, _ = self.robots[node]
+        return {"id": node, "framework": framework, "description": f"robots/{description}.json",
+                "robot": {"host": self.robot_address(node), "interface": self.address(node)},
+                "services": ["router", "mode-adapter", "scheduler"]}
+
+    # ---- starting and stopping
+
+    def start_robot(self, node, *more):
+        framework, _, arguments = self.robots[node]
+        log = self.root / f"robot-{node}.log"
+        if framework == "ur":
+            command = [self.programs / "trb-virtual-ur", "--address", self.robot_address(node)]
+        else:
+            command = [self.programs / "trb-virtual-lines-robot", "--node", f"{self.address(node)}:40000",
+                       "--from", self.robot_address(node), "--name", node, *arguments]
+        command += ["--speed", str(self.speed), "--die-with-parent", *more]
+        self.virtual[node] = Process(command, log, stdin=subprocess.PIPE)
+        self.virtual[node].wait_line("ready", 10)
+
+    def start_node(self, node):
+        log = self.root / f"up-{node}.log"
+        self.nodes[node] = Process([self.programs / "trb", "up", self.dir(node), "--die-with-parent"], log)
+
+    def start(self):
+        for node in self.robots:
+            self.start_robot(node)
+        for node in self.node_names:
+            self.start_node(node)
+        for node in self.node_names:
+            self.nodes[node].wait_line("ready", 20)
+
+    def pump(self):
+        """Keeps the children's output flowing."""
+        for process in [*self.nodes.values(), *self.virtual.values()]:
+            process.pump(0)
+
+    def wait(self, what, condition, timeout):
+        """Waits for a condition on the fleet, with a deadline; returns how long it took."""
+        start = time.monotonic()
+        while True:
+            value = condition()
+            if value:
+                return time.monotonic() - start
+            if time.monotonic() - start > timeout:
+                raise TimeoutError(f"{what}: not within {timeout} s")
+            self.pump()
+            select.select([], [], [], 0.05)
+
+    def formed(self, node=CLOUD):
+        """True if the node's table has every node ONLINE and every robot connected."""
+        done = self.trb("route", "list", "--json", node=node, check=False)
+        if done.returncode != 0:
+            return False
+        routes = json.loads(done.stdout)["routes"]
+        online = [r for r in routes if r["state"] in ("self", "ONLINE")]
+        robots = [r for r in routes if r["role"] == "robot" and r["profile"]["robot"] == "ONLINE"]
+        return len(online) == len(self.node_names) and len(robots) == len(self.robots)
+
+    def wait_formed(self, timeout=15):
+        return self.wait("the fleet forms", lambda: all(self.formed(n) for n in self.node_names), timeout)
+
+    def services(self, node):
+        return {s["service"]: s for s in self.json("service", "list", node=node)["services"]}
+
+    def pid(self, node, service):
+        """The pid of a service, found among the children of the node's supervisor."""
+        parent = self.nodes[node].child.pid
+        for path in pathlib.Path("/proc").glob("[0-9]*/stat"):
+            try:
+                name, rest = path.read_text().split(") ", 1)
+            except OSError:
+                continue
+            if int(rest.split()[1]) == parent and f"trb-{service}"[:15] == name.split("(", 1)[1]:
+                return int(path.parent.name)
+        return None
+
+    def stop(self):
+        for process in [*self.nodes.values(), *self.virtual.values()]:
+            if process.child.poll() is None:
+                process.child.send_signal(signal.SIGTERM)
+        for process in [*self.nodes.values(), *self.virtual.values()]:
+            process.stop()
+        self.nodes.clear()
+        self.virtual.clear()
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.stop()

@@ -1,0 +1,27 @@
+// One entry of trb: its words, what it takes, what it does.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "services/cli/core/arguments.hpp"
+
+namespace trb::cli {
+
+struct Command {
+  std::vector<std::string> name;  ///< {"route", "list"}
+  Usage usage;
+  int (*run)(const Arguments&) = nullptr;
+};
+
+// The commands, a file each group.
+std::vector<Command> node_commands();
+std::vector<Command> message_commands();
+std::vector<Command> list_commands();
+std::vector<Command> scenario_commands();
+std::vector<Command> fleet_commands();
+
+/// `trb help TOPIC`; the empty topic lists them. Empty if there is no such topic.
+std::string topic_text(const std::string& topic);
+
+}  // namespace trb::cli

@@ -1,0 +1,169 @@
+// fleet init, request, sign, show.
+#include <termios.h>
+#include <unistd.h>
+
+#include <cstdlib>
+#include <iostream>
+
+#include "common/base/files.hpp"
+#include "common/base/hex.hpp"
+#include "common/security/authority.hpp"
+#include "common/security/node_keys.hpp"
+#include "common/transport/loop.hpp"
+#include "proto/body.hpp"
+#include "services/cli/commands/command.hpp"
+#include "services/cli/io/print.hpp"
+
+namespace trb::cli {
+namespace {
+
+/// A typed line that the terminal does not show.
+std::string ask_passphrase(const std::string& prompt) {
+  termios before{};
+  const bool terminal = ::tcgetattr(STDIN_FILENO, &before) == 0;
+  termios silent = before;
+  silent.c_lflag &= ~static_cast<tcflag_t>(ECHO);
+  std::cerr << prompt << ": " << std::flush;
+  if (terminal) ::tcsetattr(STDIN_FILENO, TCSAFLUSH, &silent);
+  std::string line;
+  std::getline(std::cin, line);
+  if (terminal) ::tcsetattr(STDIN_FILENO, TCSAFLUSH, &before);
+  std::cerr << "\n";
+  return line;
+}
+
+/// --passphrase-file, else TRB_PASSPHRASE, else the terminal (twice for a new one).
+Result<std::string> passphrase(const Arguments& arguments, bool fresh) {
+  if (arguments.has("--passphrase-file")) {
+    auto text = read_file(arguments.get("--passphrase-file"), 4096);
+    if (!text) return text.error();
+    return text->substr(0, text->find('\n'));
+  }
+  if (const char* set = std::getenv("TRB_PASSPHRASE")) return std::string(set);
+  if (::isatty(STDIN_FILENO) != 1) {
+    return fail(Errc::missing, "no passphrase", "give --passphrase-file FILE, or set TRB_PASSPHRASE, or use a terminal");
+  }
+  std::string first = ask_passphrase("passphrase of the fleet's authority");
+  if (fresh && ask_passphrase("once more") != first) return fail(Errc::bad_value, "the two passphrases differ", "try again");
+  return first;
+}
+
+int run_init(const Arguments& arguments) {
+  init_crypto();
+  auto secret = passphrase(arguments, true);
+  if (!secret) return print_error(arguments, secret.error());
+  const std::string dir = arguments.words[0];
+  auto authority = make_authority(dir, arguments.get("--name", "fleet"), *secret);
+  if (!authority) return print_error(arguments, authority.error());
+  print_line("made the fleet '" + authority->fleet.name + "', id " + to_hex(authority->fleet.id()) + ", in " + dir);
+  print_line("keep this folder off every node, and a copy of it and of the passphrase in a safe place");
+  return kGood;
+}
+
+Result<std::string> text_member(const Value& json, const std::string& key, const std::string& otherwise) {
+  const Value* member = json.find(key);
+  if (member == nullptr) return otherwise;
+  if (!member->is_text()) return fail(Errc::bad_value, "node.json: " + key + ": needs text");
+  return member->text();
+}
+
+int run_request(const Arguments& arguments) {
+  init_crypto();
+  const std::string dir = arguments.words[0];
+  auto file = read_file(dir + "/node.json");
+  if (!file) return print_error(arguments, fail(file.error().code, file.error().what, "write node.json first: its id goes into the request"));
+  auto json = parse_json(*file);
+  if (!json) return print_error(arguments, fail(json.error().code, dir + "/node.json: " + json.error().what, json.error().cure));
+  auto id = text_member(*json, "id", "");
+  auto role = text_member(*json, "role", "robot");
+  if (!id || !role) return print_error(arguments, (id ? role : id).error());
+  if (*role != "robot" && *role != "cloud") return print_error(arguments, fail(Errc::bad_value, "node.json: role: '" + *role + "'", "use robot or cloud"));
+  const Status made = make_request(dir, *id, *role == "cloud" ? Role::cloud : Role::robot);
+  if (!made) return print_error(arguments, made.error());
+  print_line("wrote " + dir + "/keys/request.json; the secret keys stay in " + dir + "/keys");
+  print_line("next, where the authority's folder is: trb fleet sign FLEET_DIR " + dir + "/keys/request.json");
+  return kGood;
+}
+
+Result<CertificateFile> sign_file(Authority& authority, const Arguments& arguments, const std::string& path) {
+  auto text = read_file(path, 65536);
+  if (!text) return text.error();
+  auto record = from_json<SignedRecord>(*text);
+  if (!record) return fail(record.error().code, path + ": " + record.error().what, "run trb fleet request again");
+  const auto days = arguments.number("--days", 365);
+  if (!days) return days.error();
+  return sign_request(authority, arguments.words[0], *record, read_clocks().utc, seconds(*days * 86400));
+}
+
+int run_sign(const Arguments& arguments) {
+  init_crypto();
+  auto secret = passphrase(arguments, false);
+  if (!secret) return print_error(arguments, secret.error());
+  auto authority = open_authority(arguments.words[0], *secret);
+  if (!authority) return print_error(arguments, authority.error());
+  for (std::size_t i = 1; i < arguments.words.size(); ++i) {
+    const std::string& path = arguments.words[i];
+    auto signed_file = sign_file(*authority, arguments, path);
+    if (!signed_file) return print_error(arguments, signed_file.error());
+    const auto slash = path.rfind('/');
+    const std::string out = (slash == std::string::npos ? "" : path.substr(0, slash + 1)) + "certificate.json";
+    if (Status written = write_file(out, certificate_file_to_json(*signed_file)); !written) return print_error(arguments, written.error());
+    print_line("wrote " + out);
+  }
+  return kGood;
+}
+
+int show_certificate(const Arguments& arguments, const std::string& path) {
+  auto file = read_certificate_file(path);
+  if (!file) return print_error(arguments, file.error());
+  auto certificate = open_certificate_any_time(file->certificate, file->authority);
+  if (!certificate) return print_error(arguments, certificate.error());
+  if (arguments.has("--json")) {
+    print_line(to_json(*certificate));
+    return kGood;
+  }
+  print_line("node      " + certificate->id + " (" + std::string(name_of(certificate->role)) + ")");
+  print_line("fleet     " + file->authority.name + ", id " + to_hex(certificate->fleet.bytes));
+  print_line("serial    " + std::to_string(certificate->serial));
+  print_line("valid     " + to_iso8601({certificate->not_before}) + " to " + to_iso8601({certificate->not_after}));
+  print_line("link key  " + to_hex(certificate->link_key.bytes) + "   (the \"key\" of a seed)");
+  print_line("identity  " + to_hex(certificate->identity_key.bytes));
+  return kGood;
+}
+
+int run_show(const Arguments& arguments) {
+  init_crypto();
+  const std::string& path = arguments.words[0];
+  if (file_exists(path + "/keys/certificate.json")) return show_certificate(arguments, path + "/keys/certificate.json");
+  if (!file_exists(path + "/fleet.json")) return show_certificate(arguments, path);
+  auto fleet = read_fleet(path);
+  if (!fleet) return print_error(arguments, fleet.error());
+  if (arguments.has("--json")) {
+    print_json(Value{Value::Object{{"name", Value{fleet->name}}, {"fleet", Value{to_hex(fleet->id())}}, {"authority_key", Value{to_hex(fleet->public_key)}}}});
+  } else {
+    print_line("fleet          " + fleet->name + ", id " + to_hex(fleet->id()));
+    print_line("authority key  " + to_hex(fleet->public_key));
+  }
+  return kGood;
+}
+
+const std::string kPassphrase = "--passphrase-file FILE|its first line (else TRB_PASSPHRASE, else the terminal)";
+const std::string kJson = "--json|for programs";
+
+}  // namespace
+
+std::vector<Command> fleet_commands() {
+  return {
+      {{"fleet", "init"}, {"fleet init FLEET_DIR", "Makes a fleet: its authority's key, encrypted with a passphrase, and its beacon key.",
+        {"--name NAME|the fleet's name (fleet)", kPassphrase, kJson}, {"trb fleet init ~/hall-3-authority --name hall3"}, 1, 1}, run_init},
+      {{"fleet", "request"}, {"fleet request NODE_DIR", "Makes the node's keys, which stay there, and a request to be signed.",
+        {kJson}, {"trb fleet request nodes/ur3"}, 1, 1}, run_request},
+      {{"fleet", "sign"}, {"fleet sign FLEET_DIR REQUEST ...", "Signs requests; writes certificate.json beside each.",
+        {"--days N|how long the certificate is valid (365)", kPassphrase, kJson},
+        {"trb fleet sign ~/hall-3-authority nodes/*/keys/request.json"}, 2, 1000}, run_sign},
+      {{"fleet", "show"}, {"fleet show PATH", "Shows a fleet's folder, a node's folder or a certificate.json.",
+        {kJson}, {"trb fleet show nodes/ur3", "trb fleet show ~/hall-3-authority --json"}, 1, 1}, run_show},
+  };
+}
+
+}  // namespace trb::cli

@@ -1,0 +1,129 @@
+// robot list, route list, service list, service counters.
+#include <cstdio>
+
+#include "services/cli/commands/command.hpp"
+#include "services/cli/core/phases.hpp"
+#include "services/cli/core/table.hpp"
+#include "services/cli/io/print.hpp"
+#include "services/cli/io/probe.hpp"
+
+namespace trb::cli {
+namespace {
+
+std::string join(const std::vector<std::string>& words) {
+  std::string out;
+  for (const std::string& word : words) out += (out.empty() ? "" : ",") + word;
+  return out.empty() ? "-" : out;
+}
+
+std::string short_seconds(double s) {
+  char out[32];
+  std::snprintf(out, sizeof out, "%.1f s", s);
+  return out;
+}
+
+std::string or_dash(const std::string& text) { return text.empty() ? "-" : text; }
+
+/// Asks, prints as JSON if wanted, else as the table that `rows` makes.
+template <class Answer, class Question, class Rows>
+int show(const Arguments& arguments, Question question, Rows rows) {
+  auto probe = open_probe(arguments);
+  if (!probe) return kFailed;
+  auto answer = probe->ask_node<Answer>(std::move(question));
+  if (!answer) return print_error(arguments, answer.error());
+  if (arguments.has("--json")) {
+    print_line(to_json(*answer));
+  } else {
+    print(format_table(rows(*answer)));
+  }
+  return kGood;
+}
+
+int run_robots(const Arguments& arguments) {
+  return show<RouteTable>(arguments, RouteListRequest{}, [](const RouteTable& table) {
+    std::vector<std::vector<std::string>> rows{{"ROBOT", "NODE", "ROBOT IS", "FENCED", "MODE", "TRANSPORT", "MODEL", "CAPABILITIES"}};
+    for (const Route& route : table.routes) {
+      if (route.role != Role::robot) continue;
+      const NodeProfile& p = route.profile;
+      const std::string robot = p.robot + (p.detail.empty() ? "" : " (" + p.detail + ")");
+      rows.push_back({route.id, route.state == "self" ? "ONLINE" : route.state, or_dash(robot), p.fenced ? "yes" : "no",
+                      or_dash(p.mode), or_dash(p.transport), or_dash(p.maker + " " + p.model), join(p.capabilities)});
+    }
+    return rows;
+  });
+}
+
+int run_routes(const Arguments& arguments) {
+  return show<RouteTable>(arguments, RouteListRequest{}, [](const RouteTable& table) {
+    std::vector<std::vector<std::string>> rows{{"NODE", "ROLE", "ADDRESS", "STATE", "HEARD", "DIALLED BY", "BOOT", "VERSION", "CLOCK", "SENSORS", "CAPABILITIES"}};
+    for (const Route& route : table.routes) {
+      rows.push_back({route.id, std::string(name_of(route.role)), route.address, route.state,
+                      route.state == "self" ? "-" : short_seconds(route.last_heard_s), or_dash(route.dialled_by),
+                      std::to_string(route.boot), or_dash(route.version), route.clock, join(route.profile.sensors),
+                      join(route.profile.capabilities)});
+    }
+    return rows;
+  });
+}
+
+int run_services(const Arguments& arguments) {
+  return show<ServiceTable>(arguments, ServiceListRequest{}, [](const ServiceTable& table) {
+    std::vector<std::vector<std::string>> rows{{"SERVICE", "STATE", "PID", "UP", "HEARD", "TAKES"}};
+    for (const ServiceEntry& entry : table.services) {
+      rows.push_back({entry.service, entry.state, entry.pid == 0 ? "-" : std::to_string(entry.pid),
+                      short_seconds(entry.up_s), short_seconds(entry.last_heard_s), join(entry.subtypes)});
+    }
+    return rows;
+  });
+}
+
+std::vector<std::vector<std::string>> counter_rows(const Counters& counters) {
+  std::vector<std::vector<std::string>> rows{{"COUNTER", "VALUE"}};
+  for (const Counter& counter : counters.values) rows.push_back({counter.name, std::to_string(counter.value)});
+  return rows;
+}
+
+/// The counters as JSON, and beside them the sums by phase of Equation 12.
+Value counters_json(const Counters& counters) {
+  Value json = *parse_json(to_json(counters));
+  Value::List phases;
+  for (const auto& [phase, value] : count_phases(counters)) {
+    phases.push_back(Value{Value::Object{{"phase", Value{std::string(name_of(phase))}}, {"value", Value{static_cast<std::int64_t>(value)}}}});
+  }
+  std::get<Value::Object>(json.is).emplace_back("phases", Value{std::move(phases)});
+  return json;
+}
+
+int run_counters(const Arguments& arguments) {
+  const std::string service = arguments.words[0];
+  const bool router = service == "router";
+  if (router || service == "mode-adapter") {
+    auto probe = open_probe(arguments);
+    if (!probe) return kFailed;
+    auto counters = router ? probe->ask_node<Counters>(RouterCountersRequest{}) : probe->ask_node<Counters>(AdapterCountersRequest{});
+    if (!counters) return print_error(arguments, counters.error());
+    if (arguments.has("--json")) {
+      print_json(counters_json(*counters));
+    } else {
+      print(format_table(counter_rows(*counters)));
+    }
+    return kGood;
+  }
+  return print_error(arguments, fail(Errc::bad_value, "SERVICE: '" + service + "'", "use router or mode-adapter"));
+}
+
+const std::string kNode = "--node DIR|the node to ask (else TRB_NODE, else this folder)";
+const std::string kJson = "--json|for programs";
+
+}  // namespace
+
+std::vector<Command> list_commands() {
+  return {
+      {{"robot", "list"}, {"robot list", "The fleet's robots: are they there, can they be commanded, what can they do?", {kNode, kJson}, {"trb robot list"}, 0, 0}, run_robots},
+      {{"route", "list"}, {"route list", "The node's routing table: every node of the fleet that it has heard of.", {kNode, kJson}, {"trb route list --json"}, 0, 0}, run_routes},
+      {{"service", "list"}, {"service list", "The node's services: which run, since when, what they take.", {kNode, kJson}, {"trb service list --node nodes/ur3"}, 0, 0}, run_services},
+      {{"service", "counters"}, {"service counters SERVICE", "What a router or mode-adapter has counted: messages, refusals.", {kNode, kJson}, {"trb service counters router"}, 1, 1}, run_counters},
+  };
+}
+
+}  // namespace trb::cli

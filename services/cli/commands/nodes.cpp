@@ -1,0 +1,191 @@
+// up, check, reload, logs.
+#include <poll.h>
+#include <sys/inotify.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <filesystem>
+#include <fstream>
+#include <iostream>
+#include <optional>
+
+#include "common/base/files.hpp"
+#include "common/config/node_config.hpp"
+#include "common/transport/signals.hpp"
+#include "services/cli/commands/command.hpp"
+#include "services/cli/io/print.hpp"
+#include "services/cli/io/probe.hpp"
+#include "services/cli/io/supervisor.hpp"
+
+namespace trb::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string absolute(const std::string& path) { return fs::weakly_canonical(fs::absolute(path)).string(); }
+
+int run_check(const Arguments& arguments) {
+  const std::string dir = absolute(arguments.words[0]);
+  const bool running = NodeLock::holder(dir).ok();
+  const NodeCheck check = check_node_dir(dir, running);
+  if (!check.faults.empty()) return print_faults(arguments, check.faults);
+  if (arguments.has("--json")) {
+    print_json(Value{Value::Object{{"faults", Value{Value::List{}}}}});
+  } else {
+    print_line(arguments.words[0] + ": no faults" + (running ? " (the node is up: its ports were not tried)" : ""));
+  }
+  return kGood;
+}
+
+void block_child_signal() {
+  block_signals();
+  sigset_t set;
+  sigemptyset(&set);
+  sigaddset(&set, SIGCHLD);
+  ::sigprocmask(SIG_BLOCK, &set, nullptr);
+}
+
+/// True once the router says that every service of node.json is up.
+class ReadyCheck {
+ public:
+  explicit ReadyCheck(std::string dir) : dir_(std::move(dir)) {}
+  bool operator()() {
+    if (!probe_) {
+      auto probe = file_exists(dir_ + "/bus/probe.ipc") ? Probe::open(dir_) : Result<std::unique_ptr<Probe>>(Error{});
+      if (!probe) return false;
+      probe_ = std::move(*probe);
+    }
+    auto table = probe_->ask_node<ServiceTable>(ServiceListRequest{}, std::chrono::milliseconds(200));
+    if (!table) return false;
+    for (const ServiceEntry& entry : table->services) {
+      if (entry.state != "up") return false;
+    }
+    probe_.reset();
+    return true;
+  }
+
+ private:
+  std::string dir_;
+  std::unique_ptr<Probe> probe_;
+};
+
+int run_up(const Arguments& arguments) {
+  if (arguments.has("--die-with-parent")) die_with_parent();
+  const std::string dir = absolute(arguments.words[0]);
+  // Before the check: a node that is up holds its ports, and that is not what is wrong.
+  if (const auto pid = NodeLock::holder(dir)) {
+    return print_error(arguments, fail(Errc::conflict, dir + " is up already (pid " + std::to_string(*pid) + ")", "stop that one first, or use trb reload"));
+  }
+  const NodeCheck check = check_node_dir(dir, false);
+  if (!check.faults.empty()) return print_faults(arguments, check.faults);
+  auto held = NodeLock::take(dir);
+  if (!held) return print_error(arguments, held.error());
+  block_child_signal();
+  const std::string id = check.config.id;
+  Supervisor supervisor(dir, program_dir(), check.config.services, [&id](const std::string& text) { print_line(id + ": " + text); });
+  const auto reload_ok = [&dir, &arguments] {
+    const NodeCheck again = check_node_dir(dir, true);
+    if (!again.faults.empty()) print_faults(arguments, again.faults);
+    return again.faults.empty();
+  };
+  ReadyCheck is_ready(dir);
+  return supervisor.run(reload_ok, std::ref(is_ready));
+}
+
+int run_reload(const Arguments& arguments) {
+  const std::string dir = absolute(arguments.words[0]);
+  const NodeCheck check = check_node_dir(dir, true);
+  if (!check.faults.empty()) return print_faults(arguments, check.faults);
+  auto pid = NodeLock::holder(dir);
+  if (!pid) return print_error(arguments, pid.error());
+  if (::kill(*pid, SIGHUP) != 0) return print_error(arguments, fail(Errc::io_error, "cannot signal pid " + std::to_string(*pid)));
+  print_line(check.config.id + ": each service takes the new files once it is idle");
+  return kGood;
+}
+
+// ---- logs
+
+std::vector<fs::path> log_files(const std::string& dir, const std::string& service) {
+  std::vector<fs::path> out;
+  std::error_code none;
+  for (const auto& entry : fs::directory_iterator(dir + "/log", none)) {
+    const std::string name = entry.path().filename().string();
+    const bool current = entry.path().extension() == ".log" && name.find('.') == name.size() - 4;
+    if (current && (service.empty() || name == service + ".log")) out.push_back(entry.path());
+  }
+  std::sort(out.begin(), out.end());
+  return out;
+}
+
+/// The last lines of all files, in the order of their times, which every line begins with.
+std::vector<std::string> last_lines(const std::vector<fs::path>& files, std::size_t most) {
+  std::vector<std::string> lines;
+  for (const fs::path& path : files) {
+    std::ifstream in(path);
+    std::vector<std::string> own;
+    for (std::string line; std::getline(in, line);) own.push_back(std::move(line));
+    if (own.size() > most) own.erase(own.begin(), own.end() - static_cast<std::ptrdiff_t>(most));
+    lines.insert(lines.end(), own.begin(), own.end());
+  }
+  std::stable_sort(lines.begin(), lines.end());
+  if (lines.size() > most) lines.erase(lines.begin(), lines.end() - static_cast<std::ptrdiff_t>(most));
+  return lines;
+}
+
+int follow(const std::vector<fs::path>& files) {
+  const int watch = ::inotify_init1(IN_CLOEXEC);
+  std::vector<std::ifstream> streams;
+  for (const fs::path& path : files) {
+    ::inotify_add_watch(watch, path.c_str(), IN_MODIFY);
+    streams.emplace_back(path, std::ios::ate);
+  }
+  for (pollfd item{watch, POLLIN, 0}; ::poll(&item, 1, -1) > 0;) {
+    char events[4096];
+    if (::read(watch, events, sizeof events) <= 0) break;
+    for (std::ifstream& stream : streams) {
+      stream.clear();
+      for (std::string line; std::getline(stream, line);) print_line(line);
+    }
+  }
+  ::close(watch);
+  return kFailed;
+}
+
+int run_logs(const Arguments& arguments) {
+  const std::string service = arguments.words.size() > 1 ? arguments.words[1] : "";
+  const auto files = log_files(arguments.words[0], service);
+  if (files.empty()) {
+    return print_error(arguments, fail(Errc::missing, arguments.words[0] + "/log: no log" + (service.empty() ? "" : " of " + service),
+                                       "name a node's folder that was up, and one of its services"));
+  }
+  const auto most = arguments.number("--lines", 50);
+  if (!most) return print_error(arguments, most.error());
+  for (const std::string& line : last_lines(files, static_cast<std::size_t>(*most))) print_line(line);
+  return arguments.has("--follow") ? follow(files) : kGood;
+}
+
+const std::string kJson = "--json|for programs";
+
+}  // namespace
+
+std::vector<Command> node_commands() {
+  return {
+      {{"up"},
+       {"up NODE_DIR", "Checks a node's folder, starts its services and keeps them running until Ctrl-C or SIGTERM.\nSays 'ID: ready' once all of them are up.",
+        {"--die-with-parent|end when the starting process ends, however it ends", kJson}, {"trb up nodes/ur3"}, 1, 1},
+       run_up},
+      {{"check"},
+       {"check NODE_DIR", "Reads every file of a node's folder and tells every fault at once: file, key, cure. Starts nothing.",
+        {kJson}, {"trb check nodes/ur3", "trb check nodes/ur3 --json"}, 1, 1},
+       run_check},
+      {{"reload"},
+       {"reload NODE_DIR", "Checks the changed files; if they are good, each service takes them as soon as it is idle.", {kJson}, {"trb reload nodes/ur3"}, 1, 1},
+       run_reload},
+      {{"logs"},
+       {"logs NODE_DIR [SERVICE]", "Shows the services' logs, newest last.",
+        {"--lines N|how many (50)", "--follow|go on with what comes", kJson}, {"trb logs nodes/ur3 router --lines 200"}, 1, 2},
+       run_logs},
+  };
+}
+
+}  // namespace trb::cli

@@ -1,0 +1,86 @@
+// The offline help topics.
+#include <map>
+
+#include "services/cli/commands/command.hpp"
+
+namespace trb::cli {
+namespace {
+
+const std::map<std::string, std::string> kTopics = {
+    {"node",
+     R"(A node is a computer of the fleet: one robot's PC, or the cloud. Its folder holds
+
+  node.json       id, framework, description, the robot's address, seeds, services
+  network.json    HOST_INT (interface or address), UDP_PORT, TCP_PORT_EXT, TCP_PORT
+  profile.json    which mode reaches which framework
+  commands.json   which of the vendor's words belong to which subtype
+  places.json     named poses in the hall (metres, radians)
+  keys/           secret keys (0600) and the certificate
+  state/, log/    written by the services
+
+  trb check DIR   tells every fault of these files; trb up DIR starts the node
+)"},
+    {"fleet",
+     R"(A fleet is what one authority's key has signed. To add a node:
+
+  1. on the node:            trb fleet request NODE_DIR
+  2. where the authority is: trb fleet sign FLEET_DIR request.json
+  3. on the node:            put certificate.json into NODE_DIR/keys, then trb up NODE_DIR
+
+The secret keys never leave the node; the authority's folder is on no node.
+)"},
+    {"scenario",
+     R"(A scenario is a JSON file with a graph of tasks. A task is a skill with data, done by a robot, after others:
+
+  {"name": "two-steps", "tasks": [
+    {"id": "fetch", "robot": "ridgeback", "skill": "go_to", "data": {"place": "table_1"}},
+    {"id": "move",  "robot": "conveyor",  "skill": "run",   "after": ["fetch"]}]}
+
+The run goes from robot to robot; the computer that submitted it may be switched off.
+Task states: WAITING INITIALIZING RUNNING PAUSED RETRIABLE FINISHED FAILED SKIPPED.
+'interrupted' means: nobody knows whether it was done. It is never repeated silently.
+)"},
+    {"modes",
+     R"(Three modes reach any robot (profile.json):
+
+  interpreter  messages field by field over TCP_PORT, for robots that parse no strings
+  direct       the vendor's own commands from commands.json
+  ros          ROS topics (not in this version)
+
+A subtype that commands.json does not know falls back to fields; that needs a robot connected on TCP_PORT.
+`stop` never falls back.
+)"},
+    {"stop",
+     R"(trb stop ROBOT ... | --all stops robots and fences them: nothing is commanded until trb release.
+For each robot it tells
+
+  confirmed    the robot said that it stands
+  sent         its node has fenced it, but the robot did not confirm in time
+  unreachable  its node was not reached
+
+A software stop is not a safety function (ISO 13850, ISO 10218). Use the emergency stop of the machine.
+)"},
+    {"errors",
+     R"(Every error has a code, what it concerns, and a cure. Some of them:
+
+  no_field_channel  the subtype is not in commands.json and no robot is connected on TCP_PORT
+  unknown_target    no node of that name was heard: trb route list
+  peer_unreachable  its link is down; peer_expired: and has been for its lease of 10 s
+  no_service        the service that takes the subtype is not running: trb service list
+  fenced            the robot was stopped: trb release ROBOT
+  robot_offline     the robot itself is not connected to its node
+)"},
+};
+
+}  // namespace
+
+std::string topic_text(const std::string& topic) {
+  const auto at = kTopics.find(topic);
+  if (at != kTopics.end()) return at->second;
+  if (!topic.empty()) return {};
+  std::string out = "Topics:";
+  for (const auto& [name, text] : kTopics) out += " " + name;
+  return out + "\n";
+}
+
+}  // namespace trb::cli

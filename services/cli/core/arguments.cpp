@@ -1,0 +1,88 @@
+#include "services/cli/core/arguments.hpp"
+
+#include <cstdlib>
+
+namespace trb::cli {
+namespace {
+
+std::string option_name(const std::string& spec) { return spec.substr(0, spec.find_first_of(" |")); }
+
+bool takes_value(const std::string& spec) {
+  const auto space = spec.find(' ');
+  return space != std::string::npos && space < spec.find('|');
+}
+
+const std::string* find_option(const Usage& usage, const std::string& name) {
+  for (const std::string& spec : usage.options) {
+    if (option_name(spec) == name) return &spec;
+  }
+  return nullptr;
+}
+
+Error unknown_option(const Usage& usage, const std::string& word) {
+  std::string known;
+  for (const std::string& spec : usage.options) known += " " + option_name(spec);
+  return fail(Errc::bad_value, "unknown option '" + word + "'", known.empty() ? "this command has no options" : "use one of" + known);
+}
+
+}  // namespace
+
+std::string Arguments::get(const std::string& option, const std::string& otherwise) const {
+  const auto at = options.find(option);
+  return at == options.end() ? otherwise : at->second;
+}
+
+Result<double> Arguments::number(const std::string& option, double otherwise) const {
+  if (!has(option)) return otherwise;
+  const std::string text = get(option);
+  char* end = nullptr;
+  const double value = std::strtod(text.c_str(), &end);
+  const bool good = !text.empty() && *end == '\0' && value > 0 && value < 1e9;
+  if (!good) return fail(Errc::bad_value, option + ": '" + text + "' is no positive number");
+  return value;
+}
+
+Result<Arguments> parse_arguments(const Usage& usage, const std::vector<std::string>& given) {
+  Arguments out;
+  for (std::size_t i = 0; i < given.size(); ++i) {
+    const std::string& word = given[i];
+    if (word.rfind("--", 0) != 0) {
+      out.words.push_back(word);
+      continue;
+    }
+    const auto equals = word.find('=');
+    const std::string name = word.substr(0, equals);
+    const std::string* spec = find_option(usage, name);
+    if (spec == nullptr) return unknown_option(usage, name);
+    if (!takes_value(*spec)) {
+      out.options[name] = "";
+    } else if (equals != std::string::npos) {
+      out.options[name] = word.substr(equals + 1);
+    } else if (i + 1 < given.size()) {
+      out.options[name] = given[++i];
+    } else {
+      return fail(Errc::missing, name + ": needs a value", "write " + spec->substr(0, spec->find('|')));
+    }
+  }
+  if (out.words.size() < usage.least) return fail(Errc::missing, "too few words", "trb " + usage.words);
+  if (out.words.size() > usage.most) {
+    return fail(Errc::bad_value, "'" + out.words[usage.most] + "' is one word too many", "trb " + usage.words);
+  }
+  return out;
+}
+
+std::string help_text(const Usage& usage) {
+  std::string out = "trb " + usage.words + "\n\n" + usage.summary + "\n";
+  if (!usage.options.empty()) out += "\nOptions:\n";
+  for (const std::string& spec : usage.options) {
+    const auto bar = spec.find('|');
+    std::string left = "  " + spec.substr(0, bar);
+    left.resize(std::max<std::size_t>(left.size() + 1, 22), ' ');
+    out += left + (bar == std::string::npos ? "" : spec.substr(bar + 1)) + "\n";
+  }
+  if (!usage.examples.empty()) out += "\nExamples:\n";
+  for (const std::string& example : usage.examples) out += "  " + example + "\n";
+  return out;
+}
+
+}  // namespace trb::cli

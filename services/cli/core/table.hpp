@@ -1,0 +1,14 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace trb::cli {
+
+/// Rows of text in aligned columns, two spaces apart; the first row is the heading. Empty without rows.
+std::string format_table(const std::vector<std::vector<std::string>>& rows);
+
+/// Terminal columns that UTF-8 text takes (one a code point).
+std::size_t width_of(const std::string& text);
+
+}  // namespace trb::cli

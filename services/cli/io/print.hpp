@@ -1,0 +1,30 @@
+// What a command prints: text for people, JSON for programs, colour only on a terminal.
+#pragma once
+
+#include <string>
+
+#include "common/base/config_fault.hpp"
+#include "proto/value.hpp"
+#include "services/cli/core/arguments.hpp"
+
+namespace trb::cli {
+
+constexpr int kGood = 0;
+constexpr int kFailed = 1;
+constexpr int kWrongUse = 2;
+
+void print(const std::string& text);
+void print_line(const std::string& text);
+void print_json(const Value& value);
+
+/// To standard error, or with --json as {"error":{"code","what","cure"}} to standard output. Returns kFailed.
+int print_error(const Arguments& arguments, const Error& error);
+
+/// The same for a list of faults.
+int print_faults(const Arguments& arguments, const ConfigFaults& faults);
+
+enum class Colour { plain, good, bad, dim };
+/// Wraps the text in the terminal's colour, if standard output is one and NO_COLOR is not set.
+std::string coloured(Colour colour, const std::string& text);
+
+}  // namespace trb::cli

@@ -1,0 +1,108 @@
+#include "services/cli/io/probe.hpp"
+
+#include <unistd.h>
+
+#include <cstdlib>
+
+#include "common/base/files.hpp"
+#include "common/security/keys.hpp"
+#include "common/service/version.hpp"
+#include "common/transport/loop.hpp"
+#include "services/cli/io/print.hpp"
+
+namespace trb::cli {
+namespace {
+
+constexpr Duration kWelcomeWait = std::chrono::seconds(2);
+
+}  // namespace
+
+Result<std::string> find_node(const Arguments& arguments) {
+  std::string dir = arguments.get("--node");
+  if (dir.empty()) {
+    const char* set = std::getenv("TRB_NODE");  // NOLINT(concurrency-mt-unsafe): one thread
+    if (set != nullptr) dir = set;
+  }
+  if (dir.empty() && file_exists("node.json")) dir = ".";
+  if (dir.empty()) return fail(Errc::missing, "which node?", "give --node NODE_DIR, set TRB_NODE, or go into a node's folder");
+  if (!file_exists(dir + "/node.json")) return fail(Errc::missing, dir + ": no node.json there", "name a node's folder");
+  return dir;
+}
+
+Probe::Probe() {
+  const auto pid = static_cast<std::uint32_t>(::getpid());
+  link_ = std::make_unique<BusLink>(context_, "probe", ServiceHello{"cli", {}, random_u64(), pid, kVersion});
+}
+
+Result<std::unique_ptr<Probe>> Probe::open(const std::string& node_dir) {
+  init_crypto();
+  if (::chdir(node_dir.c_str()) != 0) return fail(Errc::missing, node_dir + ": no such folder", "name a node's folder");
+  std::unique_ptr<Probe> probe(new Probe());
+  if (Status welcome = probe->wait_welcome(); !welcome) {
+    return fail(Errc::timeout, "the router of " + node_dir + " does not answer", "start the node: trb up " + node_dir);
+  }
+  return probe;
+}
+
+Status Probe::wait_welcome() {
+  const MonotonicTime end = read_clocks().mono + kWelcomeWait;
+  while (!link_->up()) {
+    if (read_clocks().mono >= end) return fail(Errc::timeout, "no welcome");
+    receive(std::chrono::milliseconds(20));
+  }
+  return Done{};
+}
+
+std::optional<Message> Probe::receive(Duration wait) {
+  const MonotonicTime end = read_clocks().mono + wait;
+  for (;;) {
+    const Now now = read_clocks();
+    link_->tick(now);
+    if (auto message = link_->receive(now)) return message;
+    const Duration left = end - now.mono;
+    if (left <= Duration::zero()) return std::nullopt;
+    const Duration turn = std::min<Duration>(left, std::chrono::milliseconds(100));
+    zmq::pollitem_t item{link_->handle(), 0, ZMQ_POLLIN, 0};
+    zmq::poll(&item, 1, std::chrono::ceil<std::chrono::milliseconds>(turn));
+  }
+}
+
+Result<Message> Probe::ask(const Send& send, Duration wait) {
+  const std::uint64_t id = link_->send(send);
+  if (id == 0) return fail(Errc::queue_full, "the router takes no message now", "see trb service list");
+  const MonotonicTime end = read_clocks().mono + wait;
+  for (;;) {
+    const Duration left = end - read_clocks().mono;
+    if (left <= Duration::zero()) {
+      return fail(Errc::timeout, "no answer from '" + send.target + "' to " + std::string(subtype_of(send.body)),
+                  "see trb route list and trb service list");
+    }
+    auto message = receive(left);
+    if (!message || message->reply_to != id) continue;
+    if (message->subtype != Nack::kSubtype) return std::move(*message);
+    auto nack = decode<Nack>(message->data);
+    if (!nack) return nack.error();
+    return nack_error(*nack);
+  }
+}
+
+Error nack_error(const Nack& nack) {
+  for (int code = 1; code < 256; ++code) {
+    if (errc_name(static_cast<Errc>(code)) == nack.code) return fail(static_cast<Errc>(code), nack.what, nack.cure);
+  }
+  return fail(Errc::bad_value, nack.code + ": " + nack.what, nack.cure);
+}
+
+std::unique_ptr<Probe> open_probe(const Arguments& arguments) {
+  auto dir = find_node(arguments);
+  if (!dir) {
+    print_error(arguments, dir.error());
+    return nullptr;
+  }
+  auto probe = Probe::open(*dir);
+  if (probe) return std::move(*probe);
+  print_error(arguments, probe.error());
+  return nullptr;
+}
+
+}  // namespace trb::cli
