@@ -1,0 +1,132 @@
+#!/usr/bin/env python3
+"""Checks who includes whom, and what must not stand in a core or in a test. Exit 0 if all is well.
+
+    scripts/check_layers.py          checks the repository it stands in
+    scripts/check_layers.py --list   prints the layers
+"""
+import pathlib
+import re
+import sys
+
+REPO = pathlib.Path(__file__).resolve().parent.parent
+
+# A part may include itself, everything its line names, and what those may include.
+LAYERS = {
+    "common/base": [],
+    "proto": ["common/base"],
+    "common/actor": ["proto"],
+    "common/fleet": ["proto"],
+    "common/security": ["proto"],
+    "common/log": ["common/base"],
+    "common/metrics": ["common/base"],
+    "common/ranking": ["proto"],
+    "common/consensus": ["proto", "common/security"],
+    "common/scenario": ["common/fleet", "common/security"],
+    "common/config": ["common/fleet", "common/security"],
+    "common/transport": ["common/base"],
+    "common/service": ["common/actor", "common/log", "common/security", "common/transport"],
+    "services": ["common/service", "common/config", "common/scenario", "common/ranking", "common/consensus",
+                 "common/metrics"],
+}
+CORE_FORBIDDEN = [
+    (r'<zmq', "zmq"), (r'<nlohmann', "a JSON library"), (r'<spdlog', "a logger"), (r'<sqlite3', "a database"),
+    (r'<sys/socket|<netinet|<arpa/inet|<poll\.h|<unistd\.h|<sys/epoll', "sockets or descriptors"),
+    (r'<thread>|<mutex>|<condition_variable>|<atomic>|<future>', "threads"),
+    (r'<fstream>|<filesystem>|<cstdio>.*FILE|common/base/files\.hpp', "files"),
+    (r'<unordered_|<random>', "an order or randomness that differs between machines"),
+    (r'common/transport|common/service|common/log|common/config/files', "a shell's library"),
+]
+CORE_CALLS = [(r'\b(system|steady|high_resolution)_clock::now|clock_gettime|\btime\(nullptr\)', "a clock")]
+ZMQ_HEADER = re.compile(r'<zmq')
+INCLUDE = re.compile(r'^\s*#\s*include\s*([<"][^>"]+[>"])')
+# The loop and the bus link are handles of libzmq; services reach them through common/transport's headers.
+MAY_INCLUDE_ZMQ = ("common/transport/",)
+
+
+def allowed(part):
+    out, todo = {part}, list(LAYERS[part])
+    while todo:
+        name = todo.pop()
+        if name not in out:
+            out.add(name)
+            todo += LAYERS[name]
+    return out
+
+
+def part_of(path):
+    if path.startswith("services/"):
+        return "services"
+    if path.startswith("proto/"):
+        return "proto"
+    return "/".join(path.split("/")[:2])
+
+
+def service_of(path):
+    return path.split("/")[1] if path.startswith("services/") else None
+
+
+def is_core(path):
+    """Pure code: every core/, and the libraries below the shells. Tests beside it may use more."""
+    return "/core/" in path and not path.endswith("_test.cpp") and "virtual-robots" not in path
+
+
+def check_include(path, line, included, faults):
+    where = f"{path}:{line}"
+    if is_core(path):
+        for pattern, what in CORE_FORBIDDEN:
+            if re.search(pattern, included):
+                faults.append(f"{where}: a core includes {included}: {what}")
+    if ZMQ_HEADER.search(included) and not path.startswith(MAY_INCLUDE_ZMQ):
+        faults.append(f"{where}: {included} belongs to common/transport alone")
+    if path.startswith("common/service/service.hpp") and re.search(r'zmq|nlohmann|spdlog|transport|/log', included):
+        faults.append(f"{where}: the public header must not show {included}")
+    if not included.startswith('"'):
+        return
+    target = included.strip('"')
+    mine, theirs = part_of(path), part_of(target)
+    if theirs not in LAYERS:
+        return
+    if mine in LAYERS and theirs not in allowed(mine) and not is_test(path):
+        faults.append(f"{where}: {mine} may not include {theirs} ({target})")
+    if service_of(path) == "virtual-robots" and theirs != "services":
+        faults.append(f"{where}: a virtual robot shares no code with the middleware ({target})")
+    if service_of(path) and service_of(target) and service_of(path) != service_of(target):
+        faults.append(f"{where}: a service includes another one ({target})")
+
+
+def check_file(path, faults):
+    text = (REPO / path).read_text(errors="replace")
+    for number, line in enumerate(text.splitlines(), 1):
+        match = INCLUDE.match(line)
+        if match:
+            check_include(path, number, match.group(1), faults)
+        elif is_core(path):
+            for pattern, what in CORE_CALLS:
+                if re.search(pattern, line.split("//")[0]):
+                    faults.append(f"{path}:{number}: a core reads {what}")
+        if is_test(path) and re.search(r'sleep_for|sleep_until|\busleep\(|nanosleep', line.split('//')[0]):
+            faults.append(f"{path}:{number}: a test sleeps; wait on an event with a deadline")
+
+
+def is_test(path):
+    return path.startswith("tests/") and "/bench/" not in path or path.endswith("_test.cpp")
+
+
+def main():
+    if "--list" in sys.argv:
+        for part in LAYERS:
+            print(part, "<-", ", ".join(sorted(allowed(part) - {part})) or "nothing")
+        return 0
+    faults = []
+    files = [p.relative_to(REPO).as_posix() for top in ("common", "proto", "services", "tests")
+             for p in sorted((REPO / top).rglob("*")) if p.suffix in (".hpp", ".cpp")]
+    for path in files:
+        check_file(path, faults)
+    for fault in faults:
+        print(fault)
+    print(f"check_layers: {len(files)} files, {len(faults)} faults")
+    return 1 if faults else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
