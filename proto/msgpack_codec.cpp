@@ -1,4 +1,5 @@
 // The msgpack codec of every body (see body.hpp).
+#include <bit>
 #include <cmath>
 #include <limits>
 #include <msgpack.hpp>
@@ -13,7 +14,21 @@ struct StringBuffer {
   std::string& out;
   void write(const char* data, std::size_t size) { out.append(data, size); }
 };
-using Packer = msgpack::packer<StringBuffer>;
+class Packer : public msgpack::packer<StringBuffer> {
+ public:
+  explicit Packer(StringBuffer& buffer) : packer(buffer), out_(buffer.out) {}
+
+  /// Always as float 64: the library packs 1.0 as the integer 1 and loses the sign of -0.0, and digests rest on the
+  /// bytes.
+  void put_double(double value) {
+    const auto bits = std::bit_cast<std::uint64_t>(value);
+    out_ += '\xcb';
+    for (int shift = 56; shift >= 0; shift -= 8) out_ += static_cast<char>(bits >> static_cast<unsigned>(shift));
+  }
+
+ private:
+  Bytes& out_;
+};
 
 // ---- packing
 
@@ -24,7 +39,7 @@ void put(Packer& packer, const T& value) {
   } else if constexpr (std::is_enum_v<T>) {
     packer.pack_uint64(static_cast<std::uint64_t>(value));
   } else if constexpr (std::is_floating_point_v<T>) {
-    packer.pack_double(value);
+    packer.put_double(value);
   } else if constexpr (std::is_integral_v<T>) {
     if constexpr (std::is_signed_v<T>) {
       packer.pack_int64(value);

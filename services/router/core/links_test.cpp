@@ -134,6 +134,7 @@ TEST_CASE("a node that was started again replaces its old link at once; an old b
   check_linked(fleet, "ant", "bee");
   CHECK(fleet.at("bee").peer("ant")->boot == 8);
   fleet.stop("ant");
+  fleet.run(Seconds(11));
   fleet.start("ant", {.boot = 6});
   fleet.run(Seconds(5));
   CHECK(fleet.at("bee").link_to("ant") == 0);

@@ -1,0 +1,161 @@
+// The bytes on the wire, written down. A field that is moved, removed or changes its type fails here.
+#include <doctest/doctest.h>
+
+#include "common/base/hex.hpp"
+#include "proto/body.hpp"
+#include "proto/figure3.hpp"
+#include "proto/message.hpp"
+
+using namespace trb;
+
+namespace {
+
+const SignedRecord kRecord{"result", "ur3", {"p"}, {"s"}};
+constexpr const char* kRecordHex = "94a6726573756c74a3757233c40170c40173";
+
+Message example() {
+  return {.type = MessageType::request,
+          .flags = kFlagNoAnswer,
+          .remaining_ms = 500,
+          .subtype = "move",
+          .source = "ur3",
+          .target = "pioneer",
+          .id = 0x0002000000000007,
+          .reply_to = 1,
+          .data = "1 2"};
+}
+
+}  // namespace
+
+TEST_CASE("the frame of a message: 24 bytes of prefix, six header fields, the data") {
+  Bytes frame = encode_frame(example());
+  CHECK(to_hex(frame) ==
+        "01020001000001f400000000000000000000000000000000"  // version type flags remaining link sequence
+        "96a46d6f7665a3757233a770696f6e656572cf00020000000000070103"
+        "312032");
+  stamp_link(frame.data(), 0x0102030405060708, 9, 499);
+  CHECK(to_hex(frame.substr(0, kPrefixSize)) == "01020001000001f301020304050607080000000000000009");
+  CHECK(decode_frame(frame)->sequence == 9);
+  CHECK(to_message(*decode_frame(encode_frame(example()))) == example());
+}
+
+TEST_CASE("the datagram of Figure 3: 32 bytes of header, the data") {
+  Message message = example();
+  message.flags = 0;
+  CHECK(to_hex(*to_figure3(message)) ==
+        "00000002"
+        "6d6f766500000000"
+        "7572330000000000"
+        "70696f6e65657200"
+        "00000003"
+        "312032");
+}
+
+TEST_CASE("a node's profile") {
+  const NodeProfile profile{
+      "ur",  "direct", "tcp-text", "UR",
+      "UR3", {"grab"}, {"t1"},     {{"go_to", "mobile", {{"place", "place", true, "m"}}, true, 2.5}},
+      {"a"}, "ONLINE", "d",        true};
+  CHECK(to_hex(encode(profile)) ==
+        "9c"
+        "a27572"
+        "a6646972656374"
+        "a87463702d74657874"
+        "a25552"
+        "a3555233"
+        "91a467726162"
+        "91a27431"
+        "9195"
+        "a5676f5f746f"
+        "a66d6f62696c65"
+        "9194a5706c616365a5706c616365c3a16d"
+        "c3"
+        "cb4004000000000000"
+        "91a161"
+        "a64f4e4c494e45"
+        "a164"
+        "c3");
+}
+
+TEST_CASE("the start of a run") {
+  RunStart start{"r", {"d"}, {"s", "t", {}}, {2, {"ur3"}}, {{"ur3", kRecord}}, {"ur3"}, "cloud", 5, -6};
+  start.scenario.tasks.push_back({"a", "ur3", {"grab"}, "go_to", "{}", {0, 300}, 1.0, true});
+  CHECK(to_hex(encode(start)) == std::string("99"
+                                             "a172"
+                                             "c40164"
+                                             "93a173a174"
+                                             "9198"
+                                             "a161"
+                                             "a3757233"
+                                             "91a467726162"
+                                             "a5676f5f746f"
+                                             "a27b7d"
+                                             "9200cd012c"
+                                             "cb3ff0000000000000"
+                                             "c3"
+                                             "9202"
+                                             "91a3757233"
+                                             "9192a3757233") +
+                                     kRecordHex +
+                                     "91a3757233"
+                                     "a5636c6f7564"
+                                     "05"
+                                     "fa");
+}
+
+TEST_CASE("a baton and a task's result") {
+  CHECK(to_hex(encode(Baton{"r", {"d"}, 3, {"\x05"}, {kRecord}, {1, 2}})) == std::string("96"
+                                                                                         "a172"
+                                                                                         "c40164"
+                                                                                         "03"
+                                                                                         "c40105"
+                                                                                         "91") +
+                                                                                 kRecordHex + "920102");
+  const TaskResult result{{"r", "t", 1, 2}, {"d"}, 3, "ur3", TaskOutcome::failed, "why", "7", 10, 20, -0.0};
+  CHECK(to_hex(encode(result)) ==
+        "9a"
+        "94a172a1740102"
+        "c40164"
+        "03"
+        "a3757233"
+        "02"
+        "a3776879"
+        "a137"
+        "0a"
+        "14"
+        "cb8000000000000000");
+}
+
+TEST_CASE("bodies of link and bus") {
+  CHECK(to_hex(encode(KeepAlive{300})) == "91cd012c");
+  CHECK(to_hex(encode(Goodbye{"x"})) == "91a178");
+  CHECK(to_hex(encode(HelloWanted{})) == "90");
+  CHECK(to_hex(encode(ServiceHello{"s", {"a"}, 1, 2, "v"})) == "95a17391a1610102a176");
+  CHECK(to_hex(encode(ServiceWelcome{"n", "robot", 3, 4, 5})) == "95a16ea5726f626f74030405");
+  CHECK(to_hex(encode(Hello{kRecord, 1, "h:1", "v", 2, false, {}})) == std::string("97") + kRecordHex +
+                                                                           "01a3683a31a17602c2"
+                                                                           "9ca0a0a0a0a090909090a0a0c2");
+  CHECK(to_hex(encode(Beacon{kRecord, "h:1", 1, 2, 3})) == std::string("95") + kRecordHex + "a3683a31010203");
+  CHECK(to_hex(encode(Nack{"c", "s", "t", "w", "u"})) == "95a163a173a174a177a175");
+}
+
+TEST_CASE("the JSON of a message, with text, with bytes, with a body") {
+  Message message = example();
+  CHECK(
+      message_to_json(message) ==
+      R"({"type":"request","subtype":"move","source":"ur3","target":"pioneer","id":562949953421319,"reply_to":1,"size":3,"data":"1 2"})");
+  message.data = "\xff";
+  message.reply_to = 0;
+  message.id = ~std::uint64_t{0};
+  CHECK(
+      message_to_json(message) ==
+      R"({"type":"request","subtype":"move","source":"ur3","target":"pioneer","id":"18446744073709551615","size":1,"data_hex":"ff"})");
+  message.subtype = "stop";
+  message.data = encode(Stop{"now"});
+  CHECK(
+      message_to_json(message) ==
+      R"({"type":"request","subtype":"stop","source":"ur3","target":"pioneer","id":"18446744073709551615","size":5,"body":{"reason":"now"}})");
+  CHECK(to_json(RobotFault{"grab", Severity::fatal, "t"}) == R"({"capability":"grab","severity":"FATAL","text":"t"})");
+  CHECK(to_json(AbortOrder{"r", "b", "", -1}) == R"({"run":"r","by":"b","reason":"","time":-1})");
+  CHECK(to_json(NeedDefinition{"r", {"\xab"}}) == R"({"run":"r","digest":"ab"})");
+}
