@@ -9,7 +9,6 @@ using namespace scheduler;
 void SchedulerCore::advance(Step step) {
   if (!last_) return;  // not yet welcome: nothing can be sent
   last_ = step.now;
-  book_.forget(step.now.utc);
   end_runs(step);
   permit_attempt(step);
   executor_.tick(step.now, step.out);

@@ -63,7 +63,7 @@ void SchedulerCore::handle(const SignedRecord& body, const Inbound& from, Step s
 }
 
 void SchedulerCore::handle(const Nack& body, const Inbound& from, Step step) {
-  step.out.count("nacked." + body.subtype + "." + body.code);
+  step.out.count("nacked." + std::string(is_typed(body.subtype) ? body.subtype : "opaque"));
   if (from.source == settings_.node && body.subtype == Execute::kSubtype) {
     return executor_.on_refusal(body, step.now, step.out);
   }

@@ -44,6 +44,7 @@ void SchedulerCore::on_welcome(const NodeIdentity& node, Now now, Outbox& out) {
 
 void SchedulerCore::on(const Inbound& message, Now now, Outbox& out) {
   const Step step{now, out};
+  book_.forget(now.utc);
   dispatch(message, step);
   advance(step);
 }
@@ -74,7 +75,9 @@ void SchedulerCore::handle(const Other& body, const Inbound& from, Step step) {
 }
 
 void SchedulerCore::refuse(const Inbound& from, const Error& error, Step step) {
-  step.out.count("refused." + std::string(subtype_of(from.body)) + "." + std::string(errc_name(error.code)));
+  // A counter for every subtype that a peer makes up would be a leak.
+  const std::string subtype(std::holds_alternative<Opaque>(from.body) ? "opaque" : subtype_of(from.body));
+  step.out.count("refused." + subtype + "." + std::string(errc_name(error.code)));
   step.out.nack(from, error);
 }
 

@@ -1,0 +1,88 @@
+#include "services/scheduler/tests/fake_adapter.hpp"
+
+namespace trb::scheduler::test {
+
+void FakeAdapter::hear(const Inbound& message, MonotonicTime now) {
+  if (const auto* is = std::get_if<Execute>(&message.body)) execute(*is, message, now);
+  if (const auto* is = std::get_if<ExecutionQuery>(&message.body)) query(is->key, message.id);
+  if (std::holds_alternative<AdapterStateRequest>(message.body)) tell_state(message.id);
+  if (const auto* is = std::get_if<OutcomeJournaled>(&message.body)) outcomes_.erase(is->key);
+  const auto* cancel = std::get_if<CancelExecution>(&message.body);
+  if (cancel != nullptr && running_ && running_->key == cancel->key) {
+    end(TaskOutcome::failed, "cancelled");
+    resend_ = now + seconds(1);
+  }
+}
+
+void FakeAdapter::execute(const Execute& execute, const Inbound& message, MonotonicTime now) {
+  if (execute.instance != instance) return refuse(message, Errc::stale_instance);
+  ++commanded[{instance, execute.key}];
+  if (begun.contains({instance, execute.key})) return query(execute.key, message.id);
+  if (!online_) return refuse(message, Errc::robot_offline);
+  if (fenced_) return refuse(message, Errc::fenced);
+  if (running_) return refuse(message, Errc::busy);
+  ++begun[{instance, execute.key}];
+  running_ = Running{execute.key, now + skill_time};
+  said_.push_back({message.id, ExecutionState{execute.key, instance, "running"}});
+  tell_state();
+}
+
+void FakeAdapter::query(const AttemptKey& key, std::uint64_t id) {
+  if (const auto outcome = outcomes_.find(key); outcome != outcomes_.end()) {
+    said_.push_back({id, outcome->second});
+  } else {
+    const bool runs = running_ && running_->key == key;
+    said_.push_back({id, ExecutionState{key, instance, runs ? "running" : "unknown"}});
+  }
+}
+
+void FakeAdapter::end(TaskOutcome outcome, const std::string& reason) {
+  Outcome told{running_->key, instance, outcome, reason, R"({"done":true})", to_seconds(skill_time)};
+  outcomes_[running_->key] = told;
+  running_.reset();
+  said_.push_back({0, told});
+  tell_state();
+}
+
+void FakeAdapter::tick(MonotonicTime now) {
+  if (running_ && running_->until <= now) {
+    end(ending, ending == TaskOutcome::finished ? "" : "the gripper is stuck");
+    resend_ = now + seconds(1);
+  }
+  if (!resend_ || *resend_ > now) return;
+  for (const auto& [key, outcome] : outcomes_) said_.push_back({0, outcome});
+  resend_ = outcomes_.empty() ? std::nullopt : std::optional(now + seconds(1));
+}
+
+std::optional<MonotonicTime> FakeAdapter::next() const {
+  return earlier(running_ ? std::optional(running_->until) : std::nullopt, resend_);
+}
+
+std::vector<FakeAdapter::Said> FakeAdapter::take() {
+  std::vector<Said> out;
+  out.swap(said_);
+  return out;
+}
+
+void FakeAdapter::restart() {
+  ++instance;
+  running_.reset();
+  outcomes_.clear();
+  tell_state();
+}
+
+void FakeAdapter::set(bool online, bool is_fenced) {
+  online_ = online;
+  fenced_ = is_fenced;
+  tell_state();
+}
+
+void FakeAdapter::tell_state(std::uint64_t reply_to) {
+  said_.push_back({reply_to, AdapterState{instance, online_ ? "ONLINE" : "OFFLINE", fenced_, running_.has_value()}});
+}
+
+void FakeAdapter::refuse(const Inbound& message, Errc code) {
+  said_.push_back({message.id, Nack{std::string(errc_name(code)), "execute", message.target, "not now", ""}});
+}
+
+}  // namespace trb::scheduler::test

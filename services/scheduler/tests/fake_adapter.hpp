@@ -1,0 +1,57 @@
+// A mode-adapter for tests: every skill takes the same time and succeeds, unless a test says otherwise.
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/actor/inbound.hpp"
+#include "common/base/time.hpp"
+
+namespace trb::scheduler::test {
+
+class FakeAdapter {
+ public:
+  struct Said {
+    std::uint64_t reply_to = 0;
+    Body body;
+  };
+
+  void hear(const Inbound& message, MonotonicTime now);
+  void tick(MonotonicTime now);
+  [[nodiscard]] std::optional<MonotonicTime> next() const;
+  /// What it has to say since the last call, in order.
+  std::vector<Said> take();
+
+  /// A new process: it knows nothing of what it was doing.
+  void restart();
+  void set(bool online, bool is_fenced);
+
+  std::uint64_t instance = 100;
+  Duration skill_time = seconds(1);
+  TaskOutcome ending = TaskOutcome::finished;
+  /// How often each attempt was begun, by instance; and how often it was commanded.
+  std::map<std::pair<std::uint64_t, AttemptKey>, int> begun;
+  std::map<std::pair<std::uint64_t, AttemptKey>, int> commanded;
+
+ private:
+  void execute(const Execute& execute, const Inbound& message, MonotonicTime now);
+  void query(const AttemptKey& key, std::uint64_t id);
+  void end(TaskOutcome outcome, const std::string& reason);
+  void tell_state(std::uint64_t reply_to = 0);
+  void refuse(const Inbound& message, Errc code);
+
+  struct Running {
+    AttemptKey key;
+    MonotonicTime until;
+  };
+  bool online_ = true;
+  bool fenced_ = false;
+  std::optional<Running> running_;
+  std::map<AttemptKey, Outcome> outcomes_;
+  std::optional<MonotonicTime> resend_;
+  std::vector<Said> said_;
+};
+
+}  // namespace trb::scheduler::test

@@ -1,0 +1,280 @@
+#include "services/scheduler/tests/fleet.hpp"
+
+#include <doctest/doctest.h>
+
+#include "common/scenario/run_start.hpp"
+
+namespace trb::scheduler::test {
+
+Fleet::Fleet(std::uint64_t seed) : random_state_(seed) {
+  init_crypto();
+  authority_key_ = make_signing_key();
+  authority_ = {"test", authority_key_.public_key};
+}
+
+std::uint64_t Fleet::random(std::uint64_t below) {
+  random_state_ = random_state_ * 6364136223846793005U + 1442695040888963407U;
+  return (random_state_ >> 33U) % below;
+}
+
+Node& Fleet::add(const std::string& id, Role role) {
+  Node& node = nodes_[id];
+  node.id = id;
+  node.role = role;
+  node.key = make_signing_key();
+  Certificate certificate;
+  certificate.fleet.bytes = authority_.id();
+  certificate.id = id;
+  certificate.role = role;
+  certificate.identity_key.bytes = node.key.public_key;
+  certificate.link_key.bytes = Bytes(32, 'l');
+  node.certificate = trb::sign(kSignedCertificate, "", authority_.id(), encode(certificate), authority_key_);
+  start(id);
+  return node;
+}
+
+Member Fleet::member(const std::string& id) const {
+  return {id, nodes_.at(id).certificate};
+}
+
+std::vector<Member> Fleet::members() const {
+  std::vector<Member> out;
+  for (const auto& [id, node] : nodes_) out.push_back({id, node.certificate});
+  return out;
+}
+
+SignedRecord Fleet::sign(const std::string& id, std::string_view purpose, Bytes payload) const {
+  return trb::sign(purpose, id, authority_.id(), std::move(payload), nodes_.at(id).key);
+}
+
+SignedRecord Fleet::sign_order(const std::string& by, const std::string& run) const {
+  return sign(by, kSignedRunAbort, encode(AbortOrder{run, by, "enough", now().utc.ns}));
+}
+
+SignedRecord Fleet::make_start(const Scenario& scenario, const std::string& submitter, Duration life,
+                               const std::string& run) const {
+  const RunStart start = build_run_start(scenario, members(), submitter, now().utc, now().utc + life, run);
+  return sign(submitter, kSignedRunStart, encode(start));
+}
+
+void Fleet::post(Event event, Duration delay) {
+  events_[{now_.ns + delay.count(), ++count_}] = std::move(event);
+}
+
+void Fleet::ask(const std::string& node, MessageType type, Body body) {
+  Inbound message{type, node, node, ++count_, 0, 0, kDefaultRemainingMs, std::move(body)};
+  asked_.insert(message.id);
+  happen({node, false, false, std::move(message)});
+}
+
+Outbox Fleet::tell(const std::string& node, const std::string& source, MessageType type, Body body,
+                   std::uint64_t reply_to) {
+  Outbox out;
+  Node& to = nodes_.at(node);
+  to.core->on({type, source, node, ++count_, reply_to, 0, kDefaultRemainingMs, std::move(body)}, now(), out);
+  for (const Journal& record : out.journal) to.journal.push_back(record.record);
+  return out;
+}
+
+RunView Fleet::view(const std::string& node, const std::string& run) {
+  run_adapter(nodes_.at(node));
+  Outbox out;
+  nodes_.at(node).core->on({MessageType::request, node, node, ++count_, 0, 0, 1000, RunQuery{run}}, now(), out);
+  const auto views = sent<RunView>(out);
+  if (views.empty()) return {};
+  std::erase_if(out.sends, [](const Send& send) { return std::holds_alternative<RunView>(send.body); });
+  carry_out(nodes_.at(node), out);
+  return views.front();
+}
+
+void Fleet::stop(const std::string& node) {
+  nodes_.at(node).core.reset();
+  nodes_.at(node).up = false;
+}
+
+void Fleet::start(const std::string& id) {
+  Node& node = nodes_.at(id);
+  node.core = std::make_unique<SchedulerCore>(SchedulerSettings{id, authority_, node.role == Role::robot});
+  const Status restored = node.core->restore(node.journal);
+  REQUIRE_MESSAGE(restored.ok(), (restored ? "" : restored.error().text()));
+  node.up = true;
+  run_core(node, [&](SchedulerCore& core, Outbox& out) { core.on_welcome({id, node.role, 1}, now(), out); });
+}
+
+void Fleet::run_core(Node& node, const std::function<void(SchedulerCore&, Outbox&)>& step) {
+  if (!node.up) return;
+  Outbox out;
+  step(*node.core, out);
+  carry_out(node, out);
+}
+
+bool Fleet::commit(Node& node, const Outbox& out) {
+  for (const std::string& name : out.counts) ++counted[name];
+  if (out.journal.empty()) return true;
+  for (const Journal& record : out.journal) {
+    node.journal.push_back(*decode_body(subtype_of(record.record), encode_body(record.record)));
+  }
+  return ++node.commits != node.crash_at;
+}
+
+void Fleet::carry_out(Node& node, const Outbox& out) {
+  const bool crashed = !commit(node, out);
+  if (!crashed || node.crash_after_sends) {
+    for (const Send& one : out.sends) send(node, one);
+  }
+  if (!crashed) return;
+  stop(node.id);
+  post({node.id, false, true, {}}, seconds(0.3));
+}
+
+void Fleet::send(Node& node, const Send& send) {
+  auto body = decode_body(subtype_of(send.body), encode_body(send.body));
+  REQUIRE_MESSAGE(body.ok(), (body ? "" : body.error().text()));
+  Inbound message{send.type, node.id, send.target, ++count_, send.reply_to, send.flags, send.remaining_ms, *body};
+  if (send.reply_to != 0 && asked_.contains(send.reply_to)) {
+    answers.push_back(message.body);
+  } else if (send.target == node.id) {
+    send_local(node, message);
+  } else {
+    send_away(node, message);
+  }
+}
+
+void Fleet::send_local(Node& node, const Inbound& message) {
+  if (chance(weather.local_loss)) return;
+  if (const auto* request = std::get_if<SignRequest>(&message.body)) {
+    REQUIRE(may_sign(node.role, request->kind));
+    Inbound answer{MessageType::information,
+                   node.id,
+                   node.id,
+                   ++count_,
+                   message.id,
+                   0,
+                   1000,
+                   sign(node.id, request->kind, request->payload.bytes)};
+    post({node.id, false, false, answer}, seconds(0.002));
+  } else {
+    post({node.id, true, false, message}, seconds(0.001));
+  }
+}
+
+void Fleet::nack(Node& node, const Inbound& message, Errc code) {
+  if (message.type == MessageType::information || message.reply_to != 0) return;
+  Nack body{std::string(errc_name(code)), std::string(subtype_of(message.body)), message.target, "not delivered", ""};
+  post({node.id, false, false, {MessageType::information, node.id, node.id, ++count_, message.id, 0, 1000, body}},
+       seconds(0.001));
+}
+
+void Fleet::send_away(Node& node, const Inbound& message) {
+  const auto target = nodes_.find(message.target);
+  REQUIRE(target != nodes_.end());
+  ++carried[std::string(subtype_of(message.body))];
+  if (node.cut || target->second.cut) return nack(node, message, Errc::peer_unreachable);
+  if (!target->second.up) return nack(node, message, Errc::no_service);
+  const int copies = chance(weather.loss) ? 0 : (chance(weather.twice) ? 2 : 1);
+  for (int i = 0; i < copies; ++i) {
+    const auto extra = weather.scatter.count() == 0 ? 0 : random(static_cast<std::uint64_t>(weather.scatter.count()));
+    post({message.target, false, false, message}, seconds(0.005) + Duration{static_cast<std::int64_t>(extra)});
+  }
+}
+
+void Fleet::happen(Event event) {
+  Node& node = nodes_.at(event.node);
+  if (event.starts) return start(event.node);
+  if (event.to_adapter) {
+    node.adapter.hear(event.message, now_);
+    return run_adapter(node);
+  }
+  run_core(node, [&](SchedulerCore& core, Outbox& out) { core.on(event.message, now(), out); });
+}
+
+void Fleet::run_adapter(Node& node) {
+  node.adapter.tick(now_);
+  for (FakeAdapter::Said& said : node.adapter.take()) {
+    if (chance(weather.local_loss)) continue;
+    const MessageType type = MessageType::information;
+    post({node.id, false, false, {type, node.id, node.id, ++count_, said.reply_to, 0, 1000, std::move(said.body)}},
+         seconds(0.001));
+  }
+}
+
+bool Fleet::next_moment(MonotonicTime limit) {
+  std::optional<MonotonicTime> next;
+  if (!events_.empty()) next = MonotonicTime{events_.begin()->first.first};
+  for (const auto& [id, node] : nodes_) {
+    next = earlier(next, node.adapter.next());
+    if (node.up) next = earlier(next, node.core->next_deadline());
+  }
+  if (!next || *next > limit) return false;
+  now_ = std::max(now_, *next);
+  if (!events_.empty() && events_.begin()->first.first <= now_.ns) {
+    Event event = std::move(events_.begin()->second);
+    events_.erase(events_.begin());
+    happen(std::move(event));
+  }
+  for (auto& [id, node] : nodes_) {
+    run_adapter(node);
+    const bool due = node.up && node.core->next_deadline().value_or(limit + seconds(1)) <= now_;
+    if (due) run_core(node, [&](SchedulerCore& core, Outbox& out) { core.tick(now(), out); });
+  }
+  return true;
+}
+
+bool Fleet::until(const std::function<bool()>& done, Duration limit) {
+  const MonotonicTime end = now_ + limit;
+  while (!done()) {
+    if (!next_moment(end)) return done();
+  }
+  return true;
+}
+
+void Fleet::pass(Duration time) {
+  const MonotonicTime end = now_ + time;
+  while (next_moment(end)) {
+  }
+  now_ = end;
+}
+
+Scenario nine_tasks() {
+  Scenario scenario;
+  scenario.name = "demonstration";
+  const auto add = [&](const char* id, const char* robot, const char* skill, std::vector<TaskIndex> after) {
+    Task task;
+    task.id = id;
+    task.robot = robot;
+    task.skill = skill;
+    task.after = std::move(after);
+    scenario.tasks.push_back(std::move(task));
+  };
+  add("bring_box", "ridgeback", "go_to", {});
+  add("move_box", "conveyor", "run_belt", {0});
+  add("put_down", "ur3", "grab", {1});
+  add("approach", "pioneer", "go_to", {2});
+  add("take_off", "drone", "take_off", {3});
+  add("pick", "ur3", "grab_left", {3});
+  add("go_back", "pioneer", "go_to", {4, 5});
+  add("land", "drone", "land", {6});
+  add("load_out", "ridgeback", "go_to", {6});
+  return scenario;
+}
+
+Scenario chain(const std::vector<std::string>& robots) {
+  Scenario scenario;
+  scenario.name = "chain";
+  for (std::size_t i = 0; i < robots.size(); ++i) {
+    Task task;
+    task.id = "task-" + std::to_string(i);
+    task.robot = robots[i];
+    task.skill = "go_to";
+    if (i > 0) task.after = {static_cast<TaskIndex>(i - 1)};
+    scenario.tasks.push_back(std::move(task));
+  }
+  return scenario;
+}
+
+void add_demonstration(Fleet& fleet) {
+  fleet.add("cloud", Role::cloud);
+  for (const char* robot : {"conveyor", "drone", "pioneer", "ridgeback", "ur3"}) fleet.add(robot, Role::robot);
+}
+
+}  // namespace trb::scheduler::test
