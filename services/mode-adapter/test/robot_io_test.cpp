@@ -1,0 +1,227 @@
+// The robot's connections over real loopback sockets: every wait is a poll with a deadline.
+#include "services/mode-adapter/io/robot_io.hpp"
+
+#include <poll.h>
+#include <unistd.h>
+
+#include <filesystem>
+
+#include "services/mode-adapter/io/fence_file.hpp"
+#include "services/mode-adapter/test/bench.hpp"
+
+using namespace trb;
+using namespace trb::adapter;
+
+namespace {
+
+constexpr const char* kLoopback = "127.0.0.1";
+
+/// As much of a service as the connections need: watches, timers, steps, and turns that the test asks for.
+class FakeService : public Service {
+ public:
+  [[nodiscard]] std::uint64_t instance() const override { return kInstance; }
+  void on_journal(std::function<Status(const std::vector<Journal>&)>) override {}
+  void on_robot(std::function<void(const Outbox&)> output) override { output_ = std::move(output); }
+  void watch(int fd, short events, std::function<void(short)> ready) override {
+    watches_[fd] = {events, std::make_shared<std::function<void(short)>>(std::move(ready))};
+  }
+  void unwatch(int fd) override { watches_.erase(fd); }
+  void timer(std::function<std::optional<MonotonicTime>()> next, std::function<void(Now)> tick) override {
+    timers_.push_back({std::move(next), std::move(tick)});
+  }
+  void step(const Effect& effect) override {
+    Outbox out;
+    effect(trb::now(), out);
+    if (output_) output_(out);
+    for (std::string& name : out.counts) counts.push_back(std::move(name));
+  }
+  int run(Core&, std::function<bool()>) override { return 0; }
+
+  /// Turns until it is true, for 5 s at most.
+  template <class Condition>
+  bool until(Condition condition) {
+    const MonotonicTime end = trb::now().mono + seconds(5);
+    while (!condition()) {
+      if (end < trb::now().mono) return false;
+      turn();
+    }
+    return true;
+  }
+
+  std::vector<std::string> counts;
+
+ private:
+  struct Watch {
+    short events = 0;
+    std::shared_ptr<std::function<void(short)>> ready;
+  };
+  struct Timer {
+    std::function<std::optional<MonotonicTime>()> next;
+    std::function<void(Now)> tick;
+  };
+
+  void turn() {
+    std::vector<pollfd> fds;
+    for (const auto& [fd, watch] : watches_) fds.push_back({fd, watch.events, 0});
+    ::poll(fds.data(), fds.size(), 5);
+    for (const pollfd& fd : fds) {
+      const auto watch = watches_.find(fd.fd);
+      if (fd.revents == 0 || watch == watches_.end()) continue;
+      const auto ready = watch->second.ready;
+      (*ready)(fd.revents);
+    }
+    for (const Timer& timer : timers_) {
+      const auto next = timer.next();
+      if (next && *next <= trb::now().mono) timer.tick(trb::now());
+    }
+  }
+
+  std::map<int, Watch> watches_;
+  std::vector<Timer> timers_;
+  std::function<void(const Outbox&)> output_;
+};
+
+struct Node {
+  explicit Node(Settings settings, RobotIoSettings roads = {kLoopback, 0, kLoopback, {}, {}})
+      : core(std::move(settings), [](bool) { return Status(Done{}); }), io(*RobotIo::open(roads, service, core)) {}
+
+  [[nodiscard]] bool online() {
+    std::string state;
+    service.step([&](Now at, Outbox& out) {
+      core.on({MessageType::request, "pioneer", "", 1, 0, 0, 1000, AdapterStateRequest{}}, at, out);
+      state = sent<AdapterState>(out).at(0).robot;
+    });
+    return state == "ONLINE";
+  }
+  void command(const std::string& subtype, const std::string& data) {
+    service.step([&](Now at, Outbox& out) {
+      core.on({MessageType::command, "operator", "", 1, 0, 0, 10'000, Opaque{subtype, data}}, at, out);
+    });
+  }
+
+  FakeService service;
+  ModeAdapterCore core;
+  std::unique_ptr<RobotIo> io;
+};
+
+/// The other end of a connection.
+struct Peer {
+  explicit Peer(Descriptor descriptor) : fd(std::move(descriptor)) {}
+  explicit Peer(std::uint16_t port) : fd(std::move(*tcp_dial(kLoopback, port))) {}
+
+  void say(BytesView bytes) const { CHECK(::write(fd.get(), bytes.data(), bytes.size()) == ssize_t(bytes.size())); }
+  /// Everything heard so far.
+  const std::string& heard() {
+    char buffer[65536];
+    while (!closed) {
+      const auto got = tcp_read(fd.get(), buffer, sizeof buffer);
+      closed = !got || got->closed;
+      if (closed || got->bytes == 0) break;
+      text.append(buffer, got->bytes);
+    }
+    return text;
+  }
+  bool is_closed() { return heard(), closed; }
+
+  Descriptor fd;
+  std::string text;
+  bool closed = false;
+};
+
+}  // namespace
+
+TEST_CASE("io: a robot dials in, takes a message field by field and says one itself") {
+  Node node(pioneer());
+  Peer robot(node.io->listen_port());
+  REQUIRE(node.service.until([&] { return node.online(); }));
+  node.command("move", "1 2");
+  const std::vector<std::string> fields = {"command\n", "move\n", "operator\n", "3\n", "1 2\n"};
+  std::string expected;
+  for (const std::string& field : fields) {
+    expected += field;
+    REQUIRE(node.service.until([&] { return robot.heard() == expected; }));
+    robot.say("ok\n");
+  }
+  robot.say("information\nheat\nur3\n1\n7\n");
+  CHECK(node.service.until(
+      [&] { return std::count(node.service.counts.begin(), node.service.counts.end(), "from_robot.heat") == 1; }));
+}
+
+TEST_CASE("io: TCP_PORT takes one connection, and only the robot's") {
+  Node node(pioneer());
+  Peer robot(node.io->listen_port());
+  REQUIRE(node.service.until([&] { return node.online(); }));
+  Peer second(node.io->listen_port());
+  REQUIRE(node.service.until([&] { return second.is_closed(); }));
+  CHECK(node.online());
+  CHECK(std::count(node.service.counts.begin(), node.service.counts.end(), "refused.field_client") == 1);
+  robot.fd.reset();
+  REQUIRE(node.service.until([&] { return !node.online(); }));
+  Peer again(node.io->listen_port());
+  CHECK(node.service.until([&] { return node.online(); }));
+
+  Node strict(pioneer(), {kLoopback, 0, "127.0.0.2", {}, {}});
+  Peer stranger(strict.io->listen_port());
+  REQUIRE(strict.service.until([&] { return stranger.is_closed(); }));
+  CHECK_FALSE(strict.online());
+}
+
+TEST_CASE("io: a robot that does not read is let go, one message of a megabyte is not too much") {
+  Settings settings = pioneer();
+  settings.description.field_channel.acknowledge = false;
+  Node node(settings);
+  Peer robot(node.io->listen_port());
+  REQUIRE(node.service.until([&] { return node.online(); }));
+  node.command("map", std::string(kMaxDataSize, 'm'));
+  REQUIRE(node.service.until([&] { return robot.heard().size() > kMaxDataSize; }));
+  for (int i = 0; i < 32; ++i) node.command("map", std::string(kMaxDataSize, 'm'));
+  CHECK(node.service.until([&] { return !node.online(); }));
+}
+
+TEST_CASE("io: a controller is dialled until it is there, and again when it is lost") {
+  Descriptor commands = std::move(*tcp_listen(kLoopback, 0));
+  Descriptor monitor = std::move(*tcp_listen(kLoopback, 0));
+  const auto monitor_port = local_port(monitor.get());
+  monitor.reset();  // refused at first
+  Node node(ur3(), {kLoopback, 0, kLoopback, local_port(commands.get()), monitor_port});
+  Accepted command_side;
+  REQUIRE(node.service.until([&] { return bool((command_side = tcp_accept(commands.get())).fd); }));
+  monitor = std::move(*tcp_listen(kLoopback, monitor_port));
+  for (int round = 0; round < 2; ++round) {
+    Accepted monitor_side;
+    REQUIRE(node.service.until([&] { return bool((monitor_side = tcp_accept(monitor.get())).fd); }));
+    Peer controller(std::move(monitor_side.fd));
+    controller.say(ur_state());
+    REQUIRE(node.service.until([&] { return node.online(); }));
+    if (round == 0) {
+      node.command("move", "[0,0,0,0,0,0]");
+      Peer arm(std::move(command_side.fd));
+      CHECK(node.service.until([&] { return arm.heard().starts_with("def trb_1():\n  movej([0, 0, 0, 0, 0, 0])"); }));
+      command_side.fd = std::move(arm.fd);
+    }
+    controller.fd.reset();
+    REQUIRE(node.service.until([&] { return !node.online(); }));
+  }
+}
+
+TEST_CASE("io: an address that is in use, or none, is said when opening") {
+  FakeService service;
+  ModeAdapterCore core(pioneer(), {});
+  const Descriptor taken = std::move(*tcp_listen(kLoopback, 0));
+  CHECK(RobotIo::open({kLoopback, local_port(taken.get()), "", {}, {}}, service, core).error().code == Errc::io_error);
+  CHECK(RobotIo::open({"eth0", 0, "", {}, {}}, service, core).error().code == Errc::bad_value);
+}
+
+TEST_CASE("io: the fence is a file, and lifting it twice is fine") {
+  const std::string folder = std::filesystem::temp_directory_path() / ("trb_fence_" + std::to_string(::getpid()));
+  std::filesystem::create_directories(folder + "/state");
+  const FenceFile fence(folder);
+  CHECK_FALSE(fence.set());
+  CHECK(fence.save(true));
+  CHECK(FenceFile(folder).set());
+  CHECK(fence.save(false));
+  CHECK(fence.save(false));
+  CHECK_FALSE(fence.set());
+  CHECK_FALSE(FenceFile(folder + "/nowhere").save(true));
+  std::filesystem::remove_all(folder);
+}
