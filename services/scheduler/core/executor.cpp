@@ -105,6 +105,8 @@ void Executor::on(const ExecutionState& state, Now now, Outbox& out) {
 }
 
 void Executor::on(const Outcome& outcome, Now now, Outbox& out) {
+  // A later instance has an outcome only because it was told to cancel what it never knew.
+  interrupt_if_other(outcome.instance, now, out);
   if (attempt_->phase == Phase::signing) return;
   if (adapter_ && adapter_->instance == outcome.instance) adapter_->busy = false;
   attempt_->result.data = outcome.data;

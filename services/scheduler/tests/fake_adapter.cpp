@@ -7,11 +7,17 @@ void FakeAdapter::hear(const Inbound& message, MonotonicTime now) {
   if (const auto* is = std::get_if<ExecutionQuery>(&message.body)) query(is->key, message.id);
   if (std::holds_alternative<AdapterStateRequest>(message.body)) tell_state(message.id);
   if (const auto* is = std::get_if<OutcomeJournaled>(&message.body)) outcomes_.erase(is->key);
-  const auto* cancel = std::get_if<CancelExecution>(&message.body);
-  if (cancel != nullptr && running_ && running_->key == cancel->key) {
+  if (const auto* is = std::get_if<CancelExecution>(&message.body)) cancel(is->key, now);
+}
+
+void FakeAdapter::cancel(const AttemptKey& key, MonotonicTime now) {
+  if (running_ && running_->key == key) {
     end(TaskOutcome::failed, "cancelled");
-    resend_ = now + seconds(1);
+  } else if (!outcomes_.contains(key)) {
+    outcomes_[key] = {key, instance, TaskOutcome::failed, "cancelled before it began", "", 0};
+    said_.push_back({0, outcomes_[key]});
   }
+  resend_ = now + seconds(1);
 }
 
 void FakeAdapter::execute(const Execute& execute, const Inbound& message, MonotonicTime now) {

@@ -37,6 +37,7 @@ class FakeAdapter {
 
  private:
   void execute(const Execute& execute, const Inbound& message, MonotonicTime now);
+  void cancel(const AttemptKey& key, MonotonicTime now);
   void query(const AttemptKey& key, std::uint64_t id);
   void end(TaskOutcome outcome, const std::string& reason);
   void tell_state(std::uint64_t reply_to = 0);
