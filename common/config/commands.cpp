@@ -102,7 +102,9 @@ void check_words(const VendorCommands& vendor, const std::string& name, const Fi
   }
   for (const auto& [subtype, words] : vendor.commands) {
     if (!words.empty() || subtype == "release") continue;
-    faults.add(name + ".commands." + subtype, "has no words, the robot would be sent nothing",
+    std::string key = name;
+    key.append(".commands.").append(subtype);
+    faults.add(key, "has no words, the robot would be sent nothing",
                "write the vendor's words, or remove it; only \"release\" may be empty");
   }
   if (vendor.requests.empty() || vendor.monitor) return;

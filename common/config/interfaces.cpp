@@ -38,6 +38,7 @@ Interface interface_of(const ifaddrs& entry) {
 
 std::string list_of(const std::vector<Interface>& known) {
   std::vector<std::string> words;
+  words.reserve(known.size());
   for (const Interface& interface : known) {
     words.push_back(interface.name + " (" + (interface.address.empty() ? "no IPv4" : interface.address) +
                     (interface.up ? ")" : ", down)"));

@@ -93,6 +93,7 @@ Index index_tasks(const std::vector<ReadTask>& tasks, const FileFaults& faults) 
 /// Turns the names of the predecessors into indexes.
 void link(std::vector<ReadTask>& tasks, const Index& index, const FileFaults& faults) {
   std::vector<std::string> ids;
+  ids.reserve(tasks.size());
   for (const ReadTask& read : tasks) ids.push_back(read.task.id);
   for (std::size_t i = 0; i < tasks.size(); ++i) {
     for (const std::string& name : tasks[i].after) {
