@@ -97,9 +97,11 @@ void Executor::on(const ExecutionState& state, Now now, Outbox& out) {
   if (state.state == "running") {
     attempt_->phase = Phase::running;
     attempt_->next = now.mono + kRunningQuestion;
+  } else if (attempt_->phase != Phase::commanded) {
+    return;  // what runs is not unknown to the same instance
   } else if (attempt_->permit != Permit::go) {
     end(TaskOutcome::retriable, "the run ended before it was begun", now, out);
-  } else if (attempt_->phase == Phase::commanded) {
+  } else {
     command_if_possible(now, out);
   }
 }
