@@ -49,8 +49,9 @@ struct DecodeLimits {
   std::size_t items = 100'000;
 };
 
-/// msgpack: an array in declared order. Decoding ignores an unknown tail and fills a missing one with defaults.
-/// Errors: malformed, too_large, bad_value; the text names the field by its path ("tasks[3].id").
+/// msgpack: an array in declared order. Encoding cuts a text that is over its bound. Decoding ignores an unknown tail
+/// and fills a missing one with defaults. Errors: malformed, too_large, bad_value; the text names the field by its path
+/// ("tasks[3].id").
 template <class T>
 Bytes encode(const T& body);
 template <class T>

@@ -32,8 +32,15 @@ class Packer : public msgpack::packer<StringBuffer> {
 
 // ---- packing
 
+/// What is sent can be read: a text over its bound (a robot's long error) is cut, and bytes that are no UTF-8 replaced.
+void put_text(Packer& packer, const std::string& value, std::uint32_t max) {
+  if (value.size() > max || !is_utf8(value)) return put_text(packer, cut_utf8(value, max), max);
+  packer.pack_str(static_cast<std::uint32_t>(value.size()));
+  packer.pack_str_body(value.data(), static_cast<std::uint32_t>(value.size()));
+}
+
 template <class T>
-void put(Packer& packer, const T& value) {
+void put(Packer& packer, const T& value, std::uint32_t max) {
   if constexpr (std::is_same_v<T, bool>) {
     value ? packer.pack_true() : packer.pack_false();
   } else if constexpr (std::is_enum_v<T>) {
@@ -47,19 +54,18 @@ void put(Packer& packer, const T& value) {
       packer.pack_uint64(value);
     }
   } else if constexpr (std::is_same_v<T, std::string>) {
-    packer.pack_str(static_cast<std::uint32_t>(value.size()));
-    packer.pack_str_body(value.data(), static_cast<std::uint32_t>(value.size()));
+    put_text(packer, value, max);
   } else if constexpr (std::is_same_v<T, Blob>) {
     packer.pack_bin(static_cast<std::uint32_t>(value.bytes.size()));
     packer.pack_bin_body(value.bytes.data(), static_cast<std::uint32_t>(value.bytes.size()));
   } else if constexpr (IsVector<T>::value) {
     packer.pack_array(static_cast<std::uint32_t>(value.size()));
-    for (const auto& item : value) put(packer, item);
+    for (const auto& item : value) put(packer, item, kDefaultMaxSize);
   } else {
     std::apply(
         [&](const auto&... fields) {
           packer.pack_array(sizeof...(fields));
-          (put(packer, value.*(fields.member)), ...);
+          (put(packer, value.*(fields.member), fields.max), ...);
         },
         T::fields());
   }
@@ -219,7 +225,7 @@ Bytes encode(const T& body) {
   Bytes out;
   StringBuffer buffer{out};
   Packer packer(buffer);
-  put(packer, body);
+  put(packer, body, kDefaultMaxSize);
   return out;
 }
 

@@ -136,6 +136,10 @@ OrderedJson to_json(const Value& value) {
 
 }  // namespace
 
+bool Value::operator==(const Value& other) const {
+  return is == other.is;
+}
+
 double Value::number() const {
   if (const auto* integer = std::get_if<std::int64_t>(&is)) return static_cast<double>(*integer);
   return std::get<double>(is);
@@ -184,6 +188,21 @@ bool is_utf8(std::string_view text) {
     i += more + 1;
   }
   return true;
+}
+
+std::string cut_utf8(std::string_view text, std::size_t most) {
+  std::string out(text.substr(0, most));
+  // A continuation byte right behind the cut belongs to a character that began before it.
+  const auto continues = [](char c) { return (static_cast<unsigned char>(c) & 0xC0U) == 0x80U; };
+  if (text.size() > most && continues(text[most])) {
+    while (!out.empty() && continues(out.back())) out.pop_back();
+    if (!out.empty()) out.pop_back();
+  }
+  if (is_utf8(out)) return out;
+  for (char& c : out) {
+    if (static_cast<unsigned char>(c) >= 0x80U) c = '?';
+  }
+  return out;
 }
 
 }  // namespace trb

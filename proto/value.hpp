@@ -17,7 +17,7 @@ struct Value {
   using Object = std::vector<std::pair<std::string, Value>>;  ///< in the document's order
   std::variant<std::nullptr_t, bool, std::int64_t, double, std::string, List, Object> is;
 
-  bool operator==(const Value&) const = default;
+  bool operator==(const Value& other) const;
 
   [[nodiscard]] bool is_object() const { return std::holds_alternative<Object>(is); }
   [[nodiscard]] bool is_list() const { return std::holds_alternative<List>(is); }
@@ -57,5 +57,8 @@ std::string dump_json(const Value& value);
 
 /// True for well-formed UTF-8 without surrogates or overlong forms.
 bool is_utf8(std::string_view text);
+
+/// The beginning of a text, at most so many bytes, without cutting a character; bytes that are no UTF-8 become '?'.
+std::string cut_utf8(std::string_view text, std::size_t most);
 
 }  // namespace trb

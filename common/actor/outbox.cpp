@@ -1,5 +1,7 @@
 #include "common/actor/outbox.hpp"
 
+#include "proto/value.hpp"
+
 namespace trb {
 
 void Outbox::command(std::string target, Body body, std::uint16_t flags) {
@@ -23,8 +25,8 @@ void Outbox::nack(const Inbound& to, const Error& error) {
   // Of information only a user's own words are Nacked: nobody waits for the middleware's.
   const bool silent = to.type == MessageType::information && !std::holds_alternative<Opaque>(to.body);
   if (silent || to.reply_to != 0 || to.id == 0) return;
-  Nack nack{std::string(errc_name(error.code)), std::string(subtype_of(to.body)), to.target, error.what.substr(0, 1024),
-            error.cure.substr(0, 1024)};
+  Nack nack{std::string(errc_name(error.code)), std::string(subtype_of(to.body)), to.target, cut_utf8(error.what, 1024),
+            cut_utf8(error.cure, 1024)};
   sends.push_back({.type = MessageType::information, .target = to.source, .reply_to = to.id, .body = std::move(nack)});
 }
 

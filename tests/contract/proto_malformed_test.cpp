@@ -78,7 +78,7 @@ TEST_CASE("a body's JSON that is cut anywhere is refused") {
 TEST_CASE("wrong types, sizes and values are told apart, and the field is named by its path") {
   check_refused(decode<Stop>(std::string("\x91\x01", 2)), Errc::malformed);
   check_refused(decode<Stop>("\x91\xa1\xff"), Errc::malformed);
-  check_refused(decode<Stop>(encode(Stop{std::string(256, 'a')})), Errc::too_large);
+  check_refused(decode<Stop>(std::string("\x91\xda\x01\x00", 4) + std::string(256, 'a')), Errc::too_large);
   check_refused(decode<KeepAlive>("\x91\xff"), Errc::malformed);
   check_refused(decode<RobotFault>(std::string("\x92\xa1x\x04", 4)), Errc::bad_value);
   ServiceHello many;
@@ -89,8 +89,10 @@ TEST_CASE("wrong types, sizes and values are told apart, and the field is named 
   check_refused(decode<SignedRecord>(encode(record)), Errc::too_large);
   Scenario scenario;
   scenario.tasks.resize(4);
+  scenario.tasks[3].requires_.resize(33);
+  CHECK(decode<Scenario>(encode(scenario)).error().what.find("tasks[3].requires") == 0);
+  scenario.tasks[3].requires_.clear();
   scenario.tasks[3].id.assign(65, 'a');
-  CHECK(decode<Scenario>(encode(scenario)).error().what.find("tasks[3].id") == 0);
   CHECK(from_json<Scenario>(to_json(scenario)).error().what.find("tasks[3].id") == 0);
 }
 
