@@ -18,7 +18,7 @@ Scenario read_scenario(const Value& json, const std::string& file, ConfigFaults&
 
 /// Checks a scenario against what the nodes say of themselves (profiles by node id): unknown robots, skills and places;
 /// parameters that are missing, unknown or of the wrong type.
-void check_scenario(const Scenario& scenario, const std::map<std::string, NodeProfile>& profiles, const std::string& file,
-                    ConfigFaults& faults);
+void check_scenario(const Scenario& scenario, const std::map<std::string, NodeProfile>& profiles,
+                    const std::string& file, ConfigFaults& faults);
 
 }  // namespace trb

@@ -1,9 +1,9 @@
 #include "common/service/service.hpp"
 
+#include <unistd.h>
 #include <csignal>
 #include <filesystem>
 #include <map>
-#include <unistd.h>
 
 #include "common/base/files.hpp"
 #include "common/log/log.hpp"
@@ -16,13 +16,15 @@
 namespace trb {
 namespace {
 
-constexpr int kAgain = 75;       ///< EX_TEMPFAIL: the supervisor starts the service again at once
-constexpr int kJournalLost = 74; ///< EX_IOERR
-constexpr int kRefused = 73;     ///< EX_CANTCREAT: another process is this service
+constexpr int kAgain = 75;        ///< EX_TEMPFAIL: the supervisor starts the service again at once
+constexpr int kJournalLost = 74;  ///< EX_IOERR
+constexpr int kRefused = 73;      ///< EX_CANTCREAT: another process is this service
 constexpr int kBatch = 256;
 constexpr Duration kIdleCheck = std::chrono::milliseconds(200);
 
-Level to_level(LogLevel level) { return static_cast<Level>(level); }
+Level to_level(LogLevel level) {
+  return static_cast<Level>(level);
+}
 
 class ServiceShell final : public Service {
  public:
@@ -30,12 +32,15 @@ class ServiceShell final : public Service {
       : options_(std::move(options)),
         instance_(random_u64()),
         link_(context_, options_.name,
-              ServiceHello{options_.name, options_.subtypes, instance_, static_cast<std::uint32_t>(::getpid()), kVersion}) {}
+              ServiceHello{options_.name, options_.subtypes, instance_, static_cast<std::uint32_t>(::getpid()),
+                           kVersion}) {}
 
   [[nodiscard]] std::uint64_t instance() const override { return instance_; }
   void on_journal(std::function<Status(const std::vector<Journal>&)> commit) override { commit_ = std::move(commit); }
   void on_robot(std::function<void(const Outbox&)> output) override { robot_ = std::move(output); }
-  void watch(int fd, short events, std::function<void(short)> ready) override { loop_.add_fd(fd, events, std::move(ready)); }
+  void watch(int fd, short events, std::function<void(short)> ready) override {
+    loop_.add_fd(fd, events, std::move(ready));
+  }
   void unwatch(int fd) override { loop_.remove_fd(fd); }
   void timer(std::function<std::optional<MonotonicTime>()> next, std::function<void(Now)> tick) override {
     loop_.add_timer(std::move(next), std::move(tick));
@@ -125,7 +130,7 @@ class ServiceShell final : public Service {
 
   void deliver(Message& message) {
     auto body = decode_body(message.subtype, message.data);
-    Inbound inbound{message.type,  std::move(message.source), std::move(message.target), message.id, message.reply_to,
+    Inbound inbound{message.type,  std::move(message.source), std::move(message.target),  message.id, message.reply_to,
                     message.flags, message.remaining_ms,      Opaque{message.subtype, {}}};
     if (!body) {
       step([&](Now, Outbox& out) {
@@ -193,7 +198,9 @@ class ServiceShell final : public Service {
 
 }  // namespace
 
-Now now() { return read_clocks(); }
+Now now() {
+  return read_clocks();
+}
 
 Result<std::unique_ptr<Service>> Service::open(ServiceOptions options) {
   init_crypto();

@@ -26,7 +26,9 @@ short from_zmq(short events) {
 
 }  // namespace
 
-Now read_clocks() { return {{read_clock(CLOCK_MONOTONIC)}, {read_clock(CLOCK_REALTIME)}}; }
+Now read_clocks() {
+  return {{read_clock(CLOCK_MONOTONIC)}, {read_clock(CLOCK_REALTIME)}};
+}
 
 void Loop::add_socket(void* socket, Ready ready) {
   sockets_[socket] = std::make_shared<Entry>(Entry{socket, -1, ZMQ_POLLIN, std::move(ready), {}});
@@ -82,9 +84,8 @@ void Loop::call_ready() {
     if (items_[i].revents == 0) continue;
     const std::shared_ptr<Entry> entry = entries_[i];
     // A handler called before this one may have removed it.
-    const bool alive = entry->socket != nullptr
-                           ? sockets_.count(entry->socket) != 0 && sockets_[entry->socket] == entry
-                           : fds_.count(entry->fd) != 0 && fds_[entry->fd] == entry;
+    const bool alive = entry->socket != nullptr ? sockets_.count(entry->socket) != 0 && sockets_[entry->socket] == entry
+                                                : fds_.count(entry->fd) != 0 && fds_[entry->fd] == entry;
     if (!alive) continue;
     if (entry->socket != nullptr) {
       entry->ready();

@@ -46,7 +46,10 @@ std::optional<LinkEvent> to_event(std::uint16_t event, std::uint32_t value) {
 }  // namespace
 
 SocketMonitor::SocketMonitor(Context& context, Loop& loop, Socket& socket, std::function<void(LinkEvent)> on_event)
-    : loop_(loop), socket_(socket), pair_(Socket::pair_client(context, start_monitor(socket))), on_event_(std::move(on_event)) {
+    : loop_(loop),
+      socket_(socket),
+      pair_(Socket::pair_client(context, start_monitor(socket))),
+      on_event_(std::move(on_event)) {
   loop_.add_socket(pair_.handle(), [this] { serve(); });
 }
 

@@ -10,13 +10,13 @@
 namespace trb {
 
 enum class LinkEvent {
-  connected,           ///< the handshake is done: both sides hold their keys
-  failed,              ///< no TCP connection, or it broke before the handshake
+  connected,  ///< the handshake is done: both sides hold their keys
+  failed,     ///< no TCP connection, or it broke before the handshake
   disconnected,
-  refused_key,         ///< the other side's ZAP said no
-  no_curve,            ///< the other side does not speak CURVE
-  wrong_server_key,    ///< the handshake's cryptography failed
-  protocol_error,      ///< anything else that is no ZMTP
+  refused_key,       ///< the other side's ZAP said no
+  no_curve,          ///< the other side does not speak CURVE
+  wrong_server_key,  ///< the handshake's cryptography failed
+  protocol_error,    ///< anything else that is no ZMTP
 };
 
 /// Watches one socket; the events come on the loop's thread.

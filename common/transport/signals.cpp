@@ -31,7 +31,8 @@ Signals::Signals(Loop& loop, std::function<void(int)> on_signal) : loop_(loop) {
   if (fd_ < 0) throw std::runtime_error("signalfd failed");
   loop_.add_fd(fd_, POLLIN, [this, handler = std::move(on_signal)](short) {
     signalfd_siginfo info{};
-    while (::read(fd_, &info, sizeof info) == static_cast<ssize_t>(sizeof info)) handler(static_cast<int>(info.ssi_signo));
+    while (::read(fd_, &info, sizeof info) == static_cast<ssize_t>(sizeof info))
+      handler(static_cast<int>(info.ssi_signo));
   });
 }
 

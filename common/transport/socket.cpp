@@ -24,7 +24,9 @@ Result<Socket> refused(const std::string& endpoint, const zmq::error_t& problem)
 
 }  // namespace
 
-Context::Context() : context_(1) { context_.set(zmq::ctxopt::ipv6, 1); }
+Context::Context() : context_(1) {
+  context_.set(zmq::ctxopt::ipv6, 1);
+}
 
 Socket Socket::bus_client(Context& context, const std::string& endpoint) {
   zmq::socket_t socket = make(context, zmq::socket_type::dealer);
@@ -76,7 +78,9 @@ Socket Socket::dialler(Context& context, const CurveKeys& keys, BytesView server
   return Socket(std::move(socket));
 }
 
-void Socket::dial(const std::string& endpoint) { socket_.connect(endpoint); }
+void Socket::dial(const std::string& endpoint) {
+  socket_.connect(endpoint);
+}
 
 Result<Socket> Socket::tap_server(Context& context, const std::string& endpoint) {
   try {
@@ -101,7 +105,9 @@ Socket Socket::pair_client(Context& context, const std::string& endpoint) {
   return Socket(std::move(socket));
 }
 
-bool Socket::receive(Frame& frame) { return socket_.recv(frame, zmq::recv_flags::dontwait).has_value(); }
+bool Socket::receive(Frame& frame) {
+  return socket_.recv(frame, zmq::recv_flags::dontwait).has_value();
+}
 
 void Socket::skip_rest(const Frame& last) {
   bool more = last.more();

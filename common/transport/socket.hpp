@@ -13,8 +13,12 @@ namespace trb {
 
 using Frame = zmq::message_t;
 
-inline BytesView view_of(const Frame& frame) { return {static_cast<const char*>(frame.data()), frame.size()}; }
-inline Frame to_frame(BytesView bytes) { return {bytes.data(), bytes.size()}; }
+inline BytesView view_of(const Frame& frame) {
+  return {static_cast<const char*>(frame.data()), frame.size()};
+}
+inline Frame to_frame(BytesView bytes) {
+  return {bytes.data(), bytes.size()};
+}
 
 /// One context a process, one I/O thread.
 class Context {
@@ -68,7 +72,8 @@ class Socket {
   zmq::socket_t socket_;
 };
 
-/// The 32-byte CURVE key of the connection that a frame came on, as ZAP's User-Id gives it (hexadecimal); empty without.
+/// The 32-byte CURVE key of the connection that a frame came on, as ZAP's User-Id gives it (hexadecimal); empty
+/// without.
 std::string_view user_id(const Frame& frame);
 
 }  // namespace trb

@@ -11,7 +11,9 @@ ZapServer::ZapServer(Context& context, Loop& loop, std::function<bool(BytesView)
   loop_.add_socket(socket_.handle(), [this] { serve(); });
 }
 
-ZapServer::~ZapServer() { loop_.remove_socket(socket_.handle()); }
+ZapServer::~ZapServer() {
+  loop_.remove_socket(socket_.handle());
+}
 
 void ZapServer::serve() {
   // reply path, "", version, request id, domain, address, identity, mechanism, credentials ...
@@ -32,7 +34,8 @@ void ZapServer::serve() {
     Frame copy = to_frame(view_of(parts[i]));
     socket_.send(std::move(copy), zmq::send_flags::sndmore);
   }
-  const Bytes answer[] = {"1.0", request_id, good ? "200" : "400", good ? "OK" : "no such key", good ? to_hex(key) : "", ""};
+  const Bytes answer[] = {"1.0", request_id, good ? "200" : "400", good ? "OK" : "no such key", good ? to_hex(key) : "",
+                          ""};
   for (std::size_t i = 0; i < 6; ++i) {
     socket_.send(to_frame(answer[i]), i < 5 ? zmq::send_flags::sndmore : zmq::send_flags::none);
   }

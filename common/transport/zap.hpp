@@ -10,7 +10,8 @@ namespace trb {
 
 class ZapServer {
  public:
-  /// `admit(key)` gets the client's 32-byte public key; an admitted connection's frames carry it as User-Id (hexadecimal).
+  /// `admit(key)` gets the client's 32-byte public key; an admitted connection's frames carry it as User-Id
+  /// (hexadecimal).
   ZapServer(Context& context, Loop& loop, std::function<bool(BytesView key)> admit);
   ~ZapServer();
   ZapServer(const ZapServer&) = delete;

@@ -41,10 +41,12 @@ Result<std::string> passphrase(const Arguments& arguments, bool fresh) {
   }
   if (const char* set = std::getenv("TRB_PASSPHRASE")) return std::string(set);
   if (::isatty(STDIN_FILENO) != 1) {
-    return fail(Errc::missing, "no passphrase", "give --passphrase-file FILE, or set TRB_PASSPHRASE, or use a terminal");
+    return fail(Errc::missing, "no passphrase",
+                "give --passphrase-file FILE, or set TRB_PASSPHRASE, or use a terminal");
   }
   std::string first = ask_passphrase("passphrase of the fleet's authority");
-  if (fresh && ask_passphrase("once more") != first) return fail(Errc::bad_value, "the two passphrases differ", "try again");
+  if (fresh && ask_passphrase("once more") != first)
+    return fail(Errc::bad_value, "the two passphrases differ", "try again");
   return first;
 }
 
@@ -71,13 +73,17 @@ int run_request(const Arguments& arguments) {
   init_crypto();
   const std::string dir = arguments.words[0];
   auto file = read_file(dir + "/node.json");
-  if (!file) return print_error(arguments, fail(file.error().code, file.error().what, "write node.json first: its id goes into the request"));
+  if (!file)
+    return print_error(
+        arguments, fail(file.error().code, file.error().what, "write node.json first: its id goes into the request"));
   auto json = parse_json(*file);
-  if (!json) return print_error(arguments, fail(json.error().code, dir + "/node.json: " + json.error().what, json.error().cure));
+  if (!json)
+    return print_error(arguments, fail(json.error().code, dir + "/node.json: " + json.error().what, json.error().cure));
   auto id = text_member(*json, "id", "");
   auto role = text_member(*json, "role", "robot");
   if (!id || !role) return print_error(arguments, (id ? role : id).error());
-  if (*role != "robot" && *role != "cloud") return print_error(arguments, fail(Errc::bad_value, "node.json: role: '" + *role + "'", "use robot or cloud"));
+  if (*role != "robot" && *role != "cloud")
+    return print_error(arguments, fail(Errc::bad_value, "node.json: role: '" + *role + "'", "use robot or cloud"));
   const Status made = make_request(dir, *id, *role == "cloud" ? Role::cloud : Role::robot);
   if (!made) return print_error(arguments, made.error());
   print_line("wrote " + dir + "/keys/request.json; the secret keys stay in " + dir + "/keys");
@@ -107,7 +113,8 @@ int run_sign(const Arguments& arguments) {
     if (!signed_file) return print_error(arguments, signed_file.error());
     const auto slash = path.rfind('/');
     const std::string out = (slash == std::string::npos ? "" : path.substr(0, slash + 1)) + "certificate.json";
-    if (Status written = write_file(out, certificate_file_to_json(*signed_file)); !written) return print_error(arguments, written.error());
+    if (Status written = write_file(out, certificate_file_to_json(*signed_file)); !written)
+      return print_error(arguments, written.error());
     print_line("wrote " + out);
   }
   return kGood;
@@ -139,7 +146,9 @@ int run_show(const Arguments& arguments) {
   auto fleet = read_fleet(path);
   if (!fleet) return print_error(arguments, fleet.error());
   if (arguments.has("--json")) {
-    print_json(Value{Value::Object{{"name", Value{fleet->name}}, {"fleet", Value{to_hex(fleet->id())}}, {"authority_key", Value{to_hex(fleet->public_key)}}}});
+    print_json(Value{Value::Object{{"name", Value{fleet->name}},
+                                   {"fleet", Value{to_hex(fleet->id())}},
+                                   {"authority_key", Value{to_hex(fleet->public_key)}}}});
   } else {
     print_line("fleet          " + fleet->name + ", id " + to_hex(fleet->id()));
     print_line("authority key  " + to_hex(fleet->public_key));
@@ -154,15 +163,38 @@ const std::string kJson = "--json|for programs";
 
 std::vector<Command> fleet_commands() {
   return {
-      {{"fleet", "init"}, {"fleet init FLEET_DIR", "Makes a fleet: its authority's key, encrypted with a passphrase, and its beacon key.",
-        {"--name NAME|the fleet's name (fleet)", kPassphrase, kJson}, {"trb fleet init ~/hall-3-authority --name hall3"}, 1, 1}, run_init},
-      {{"fleet", "request"}, {"fleet request NODE_DIR", "Makes the node's keys, which stay there, and a request to be signed.",
-        {kJson}, {"trb fleet request nodes/ur3"}, 1, 1}, run_request},
-      {{"fleet", "sign"}, {"fleet sign FLEET_DIR REQUEST ...", "Signs requests; writes certificate.json beside each.",
+      {{"fleet", "init"},
+       {"fleet init FLEET_DIR",
+        "Makes a fleet: its authority's key, encrypted with a passphrase, and its beacon key.",
+        {"--name NAME|the fleet's name (fleet)", kPassphrase, kJson},
+        {"trb fleet init ~/hall-3-authority --name hall3"},
+        1,
+        1},
+       run_init},
+      {{"fleet", "request"},
+       {"fleet request NODE_DIR",
+        "Makes the node's keys, which stay there, and a request to be signed.",
+        {kJson},
+        {"trb fleet request nodes/ur3"},
+        1,
+        1},
+       run_request},
+      {{"fleet", "sign"},
+       {"fleet sign FLEET_DIR REQUEST ...",
+        "Signs requests; writes certificate.json beside each.",
         {"--days N|how long the certificate is valid (365)", kPassphrase, kJson},
-        {"trb fleet sign ~/hall-3-authority nodes/*/keys/request.json"}, 2, 1000}, run_sign},
-      {{"fleet", "show"}, {"fleet show PATH", "Shows a fleet's folder, a node's folder or a certificate.json.",
-        {kJson}, {"trb fleet show nodes/ur3", "trb fleet show ~/hall-3-authority --json"}, 1, 1}, run_show},
+        {"trb fleet sign ~/hall-3-authority nodes/*/keys/request.json"},
+        2,
+        1000},
+       run_sign},
+      {{"fleet", "show"},
+       {"fleet show PATH",
+        "Shows a fleet's folder, a node's folder or a certificate.json.",
+        {kJson},
+        {"trb fleet show nodes/ur3", "trb fleet show ~/hall-3-authority --json"},
+        1,
+        1},
+       run_show},
   };
 }
 

@@ -22,7 +22,9 @@ std::string short_seconds(double s) {
   return out;
 }
 
-std::string or_dash(const std::string& text) { return text.empty() ? "-" : text; }
+std::string or_dash(const std::string& text) {
+  return text.empty() ? "-" : text;
+}
 
 /// Asks, prints as JSON if wanted, else as the table that `rows` makes.
 template <class Answer, class Question, class Rows>
@@ -41,7 +43,8 @@ int show(const Arguments& arguments, Question question, Rows rows) {
 
 int run_robots(const Arguments& arguments) {
   return show<RouteTable>(arguments, RouteListRequest{}, [](const RouteTable& table) {
-    std::vector<std::vector<std::string>> rows{{"ROBOT", "NODE", "ROBOT IS", "FENCED", "MODE", "TRANSPORT", "MODEL", "CAPABILITIES"}};
+    std::vector<std::vector<std::string>> rows{
+        {"ROBOT", "NODE", "ROBOT IS", "FENCED", "MODE", "TRANSPORT", "MODEL", "CAPABILITIES"}};
     for (const Route& route : table.routes) {
       if (route.role != Role::robot) continue;
       const NodeProfile& p = route.profile;
@@ -55,7 +58,8 @@ int run_robots(const Arguments& arguments) {
 
 int run_routes(const Arguments& arguments) {
   return show<RouteTable>(arguments, RouteListRequest{}, [](const RouteTable& table) {
-    std::vector<std::vector<std::string>> rows{{"NODE", "ROLE", "ADDRESS", "STATE", "HEARD", "DIALLED BY", "BOOT", "VERSION", "CLOCK", "SENSORS", "CAPABILITIES"}};
+    std::vector<std::vector<std::string>> rows{{"NODE", "ROLE", "ADDRESS", "STATE", "HEARD", "DIALLED BY", "BOOT",
+                                                "VERSION", "CLOCK", "SENSORS", "CAPABILITIES"}};
     for (const Route& route : table.routes) {
       rows.push_back({route.id, std::string(name_of(route.role)), route.address, route.state,
                       route.state == "self" ? "-" : short_seconds(route.last_heard_s), or_dash(route.dialled_by),
@@ -88,7 +92,8 @@ Value counters_json(const Counters& counters) {
   Value json = *parse_json(to_json(counters));
   Value::List phases;
   for (const auto& [phase, value] : count_phases(counters)) {
-    phases.push_back(Value{Value::Object{{"phase", Value{std::string(name_of(phase))}}, {"value", Value{static_cast<std::int64_t>(value)}}}});
+    phases.push_back(Value{Value::Object{{"phase", Value{std::string(name_of(phase))}},
+                                         {"value", Value{static_cast<std::int64_t>(value)}}}});
   }
   std::get<Value::Object>(json.is).emplace_back("phases", Value{std::move(phases)});
   return json;
@@ -100,7 +105,8 @@ int run_counters(const Arguments& arguments) {
   if (router || service == "mode-adapter") {
     auto probe = open_probe(arguments);
     if (!probe) return kFailed;
-    auto counters = router ? probe->ask_node<Counters>(RouterCountersRequest{}) : probe->ask_node<Counters>(AdapterCountersRequest{});
+    auto counters = router ? probe->ask_node<Counters>(RouterCountersRequest{})
+                           : probe->ask_node<Counters>(AdapterCountersRequest{});
     if (!counters) return print_error(arguments, counters.error());
     if (arguments.has("--json")) {
       print_json(counters_json(*counters));
@@ -119,10 +125,38 @@ const std::string kJson = "--json|for programs";
 
 std::vector<Command> list_commands() {
   return {
-      {{"robot", "list"}, {"robot list", "The fleet's robots: are they there, can they be commanded, what can they do?", {kNode, kJson}, {"trb robot list"}, 0, 0}, run_robots},
-      {{"route", "list"}, {"route list", "The node's routing table: every node of the fleet that it has heard of.", {kNode, kJson}, {"trb route list --json"}, 0, 0}, run_routes},
-      {{"service", "list"}, {"service list", "The node's services: which run, since when, what they take.", {kNode, kJson}, {"trb service list --node nodes/ur3"}, 0, 0}, run_services},
-      {{"service", "counters"}, {"service counters SERVICE", "What a router or mode-adapter has counted: messages, refusals.", {kNode, kJson}, {"trb service counters router"}, 1, 1}, run_counters},
+      {{"robot", "list"},
+       {"robot list",
+        "The fleet's robots: are they there, can they be commanded, what can they do?",
+        {kNode, kJson},
+        {"trb robot list"},
+        0,
+        0},
+       run_robots},
+      {{"route", "list"},
+       {"route list",
+        "The node's routing table: every node of the fleet that it has heard of.",
+        {kNode, kJson},
+        {"trb route list --json"},
+        0,
+        0},
+       run_routes},
+      {{"service", "list"},
+       {"service list",
+        "The node's services: which run, since when, what they take.",
+        {kNode, kJson},
+        {"trb service list --node nodes/ur3"},
+        0,
+        0},
+       run_services},
+      {{"service", "counters"},
+       {"service counters SERVICE",
+        "What a router or mode-adapter has counted: messages, refusals.",
+        {kNode, kJson},
+        {"trb service counters router"},
+        1,
+        1},
+       run_counters},
   };
 }
 

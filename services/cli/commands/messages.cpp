@@ -12,11 +12,14 @@
 namespace trb::cli {
 namespace {
 
-Value text(const std::string& value) { return Value{value}; }
+Value text(const std::string& value) {
+  return Value{value};
+}
 
 /// The body for a subtype given by a person: JSON for a typed one, the words as they are otherwise.
 Result<Body> body_of(const std::string& subtype, const std::string& data) {
-  if (!is_valid_word(subtype)) return fail(Errc::bad_value, "SUBTYPE: '" + subtype + "' is no word", "letters, digits, '_' and '-'");
+  if (!is_valid_word(subtype))
+    return fail(Errc::bad_value, "SUBTYPE: '" + subtype + "' is no word", "letters, digits, '_' and '-'");
   if (data.size() > kMaxDataSize) return fail(Errc::too_large, "DATA: over 1 MiB");
   if (!is_typed(subtype)) return Body{Opaque{subtype, data}};
   auto bytes = body_from_json(subtype, data.empty() ? "{}" : data);
@@ -53,7 +56,8 @@ int ask_and_print(const Arguments& arguments, const std::string& target, Message
   // Information has no answer; a Nack, if there is one, is quick.
   const std::uint64_t id = probe->send(send);
   while (auto message = probe->receive(std::chrono::milliseconds(300))) {
-    const auto nack = message->reply_to == id && message->subtype == Nack::kSubtype ? decode<Nack>(message->data) : Result<Nack>(Error{});
+    const auto nack = message->reply_to == id && message->subtype == Nack::kSubtype ? decode<Nack>(message->data)
+                                                                                    : Result<Nack>(Error{});
     if (nack) return print_error(arguments, nack_error(*nack));
   }
   if (!arguments.has("--json")) print_line(target + ": sent (information has no answer)");
@@ -65,7 +69,8 @@ int run_send(const Arguments& arguments) {
       {"command", MessageType::command}, {"request", MessageType::request}, {"information", MessageType::information}};
   const auto type = kTypes.find(arguments.words[1]);
   if (type == kTypes.end()) {
-    return print_error(arguments, fail(Errc::bad_value, "TYPE: '" + arguments.words[1] + "'", "use command, request or information"));
+    return print_error(
+        arguments, fail(Errc::bad_value, "TYPE: '" + arguments.words[1] + "'", "use command, request or information"));
   }
   const std::string data = arguments.words.size() > 3 ? arguments.words[3] : "";
   return ask_and_print(arguments, arguments.words[0], type->second, arguments.words[2], data);
@@ -79,14 +84,15 @@ int run_request(const Arguments& arguments) {
 // ---- tap
 
 std::string one_line(const HeaderView& header, char direction) {
-  auto body = is_typed(header.subtype) ? body_to_json(header.subtype, header.data) : Result<std::string>(Bytes(header.data));
+  auto body =
+      is_typed(header.subtype) ? body_to_json(header.subtype, header.data) : Result<std::string>(Bytes(header.data));
   std::string shown = body ? *body : body.error().text();
   if (!is_utf8(shown)) shown = std::to_string(header.data.size()) + " bytes";
   constexpr std::size_t kShown = 160;
   if (shown.size() > kShown) shown = shown.substr(0, kShown) + "...";
-  return to_iso8601(read_clocks().utc).substr(11, 12) + " " + direction + " " + std::string(name_of(header.type)) + " " +
-         std::string(header.subtype) + "  " + std::string(header.source) + " -> " + std::string(header.target) + "  " +
-         std::to_string(header.data.size()) + " B  " + shown;
+  return to_iso8601(read_clocks().utc).substr(11, 12) + " " + direction + " " + std::string(name_of(header.type)) +
+         " " + std::string(header.subtype) + "  " + std::string(header.source) + " -> " + std::string(header.target) +
+         "  " + std::to_string(header.data.size()) + " B  " + shown;
 }
 
 bool wanted(const Arguments& arguments, const HeaderView& header) {
@@ -112,7 +118,8 @@ int run_tap(const Arguments& arguments) {
     while (shown < *most && tap.receive(direction) && direction.more() && tap.receive(frame)) {
       const auto header = decode_frame(view_of(frame));
       if (!header || direction.size() != 1 || !wanted(arguments, *header)) continue;
-      print_line(arguments.has("--json") ? message_to_json(to_message(*header)) : one_line(*header, view_of(direction)[0]));
+      print_line(arguments.has("--json") ? message_to_json(to_message(*header))
+                                         : one_line(*header, view_of(direction)[0]));
       ++shown;
     }
   }
@@ -151,12 +158,14 @@ void take_answer(const Message& message, StopReport& report) {
 }
 
 /// Sends to all first, then gathers: one robot that is silent must not delay another's stop.
-std::vector<StopReport> order_all(Probe& probe, const std::vector<std::string>& targets, const Body& body, Duration wait) {
+std::vector<StopReport> order_all(Probe& probe, const std::vector<std::string>& targets, const Body& body,
+                                  Duration wait) {
   std::map<std::uint64_t, std::size_t> asked;
   std::vector<StopReport> reports;
   for (const std::string& target : targets) {
     const std::uint64_t id = probe.send(Send{.type = MessageType::command, .target = target, .body = body});
-    reports.push_back({target, id == 0 ? "unreachable" : "sent", id == 0 ? "the router takes no message" : "no answer in time"});
+    reports.push_back(
+        {target, id == 0 ? "unreachable" : "sent", id == 0 ? "the router takes no message" : "no answer in time"});
     if (id != 0) asked[id] = reports.size() - 1;
   }
   const MonotonicTime end = read_clocks().mono + wait;
@@ -189,7 +198,8 @@ int order(const Arguments& arguments, const Body& body, const std::string& done)
   for (const StopReport& report : reports) {
     all = all && report.state == "confirmed";
     rows.push_back({report.robot, report.state, report.text});
-    list.push_back(Value{Value::Object{{"robot", text(report.robot)}, {"state", text(report.state)}, {"text", text(report.text)}}});
+    list.push_back(Value{
+        Value::Object{{"robot", text(report.robot)}, {"state", text(report.state)}, {"text", text(report.text)}}});
   }
   if (arguments.has("--json")) {
     print_json(Value{Value::Object{{"robots", Value{std::move(list)}}}});
@@ -199,8 +209,12 @@ int order(const Arguments& arguments, const Body& body, const std::string& done)
   return all ? kGood : kFailed;
 }
 
-int run_stop(const Arguments& arguments) { return order(arguments, Stop{arguments.get("--reason", "trb stop")}, "STOP"); }
-int run_release(const Arguments& arguments) { return order(arguments, Release{arguments.get("--reason", "trb release")}, "RELEASE"); }
+int run_stop(const Arguments& arguments) {
+  return order(arguments, Stop{arguments.get("--reason", "trb stop")}, "STOP");
+}
+int run_release(const Arguments& arguments) {
+  return order(arguments, Release{arguments.get("--reason", "trb release")}, "RELEASE");
+}
 
 const std::string kNode = "--node DIR|the node to speak from (else TRB_NODE, else this folder)";
 const std::string kJson = "--json|for programs";
@@ -211,29 +225,47 @@ const std::string kTimeout = "--timeout S|how long to wait for an answer (5)";
 std::vector<Command> message_commands() {
   return {
       {{"send"},
-       {"send TARGET TYPE SUBTYPE [DATA]", "Sends one message and prints the answer. TYPE is command, request or information.",
+       {"send TARGET TYPE SUBTYPE [DATA]",
+        "Sends one message and prints the answer. TYPE is command, request or information.",
         {kNode, kTimeout, kJson},
-        {"trb send ur3 command move '[0.5,-1.2,1.0,-1.4,-1.57,0]'", "trb send pioneer1 information greeting 'hello'"}, 3, 4},
+        {"trb send ur3 command move '[0.5,-1.2,1.0,-1.4,-1.57,0]'", "trb send pioneer1 information greeting 'hello'"},
+        3,
+        4},
        run_send},
       {{"request"},
-       {"request TARGET SUBTYPE [DATA]", "Asks a robot and prints what it answers.", {kNode, kTimeout, kJson},
-        {"trb request ur3 position", "trb request pioneer1 battery --json"}, 2, 3},
+       {"request TARGET SUBTYPE [DATA]",
+        "Asks a robot and prints what it answers.",
+        {kNode, kTimeout, kJson},
+        {"trb request ur3 position", "trb request pioneer1 battery --json"},
+        2,
+        3},
        run_request},
       {{"tap"},
-       {"tap", "Shows the messages that pass a node's router: < in, > out, = within the node.",
+       {"tap",
+        "Shows the messages that pass a node's router: < in, > out, = within the node.",
         {kNode, kJson, "--subtype WORD|this subtype alone", "--all|also keep-alives, lists, proofs of delivery",
          "--count N|end after N messages", "--timeout S|end after S seconds"},
-        {"trb tap --node nodes/ur3", "trb tap --subtype baton --json"}, 0, 0},
+        {"trb tap --node nodes/ur3", "trb tap --subtype baton --json"},
+        0,
+        0},
        run_tap},
       {{"stop"},
-       {"stop [ROBOT ...]", "Stops robots and fences them until `trb release`. A software stop is no safety function (ISO 13850).",
-        {kNode, "--all|every robot of the fleet", "--reason TEXT|for the record", "--timeout S|how long to wait for confirmations (3)", kJson},
-        {"trb stop --all", "trb stop ur3 --reason 'hand in the cell'"}, 0, 1000},
+       {"stop [ROBOT ...]",
+        "Stops robots and fences them until `trb release`. A software stop is no safety function (ISO 13850).",
+        {kNode, "--all|every robot of the fleet", "--reason TEXT|for the record",
+         "--timeout S|how long to wait for confirmations (3)", kJson},
+        {"trb stop --all", "trb stop ur3 --reason 'hand in the cell'"},
+        0,
+        1000},
        run_stop},
       {{"release"},
-       {"release [ROBOT ...]", "Lifts the fence of robots that were stopped.",
-        {kNode, "--all|every robot of the fleet", "--reason TEXT|for the record", "--timeout S|how long to wait for confirmations (3)", kJson},
-        {"trb release --all", "trb release ur3"}, 0, 1000},
+       {"release [ROBOT ...]",
+        "Lifts the fence of robots that were stopped.",
+        {kNode, "--all|every robot of the fleet", "--reason TEXT|for the record",
+         "--timeout S|how long to wait for confirmations (3)", kJson},
+        {"trb release --all", "trb release ur3"},
+        0,
+        1000},
        run_release},
   };
 }

@@ -22,7 +22,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::string absolute(const std::string& path) { return fs::weakly_canonical(fs::absolute(path)).string(); }
+std::string absolute(const std::string& path) {
+  return fs::weakly_canonical(fs::absolute(path)).string();
+}
 
 int run_check(const Arguments& arguments) {
   const std::string dir = absolute(arguments.words[0]);
@@ -74,7 +76,8 @@ int run_up(const Arguments& arguments) {
   const std::string dir = absolute(arguments.words[0]);
   // Before the check: a node that is up holds its ports, and that is not what is wrong.
   if (const auto pid = NodeLock::holder(dir)) {
-    return print_error(arguments, fail(Errc::conflict, dir + " is up already (pid " + std::to_string(*pid) + ")", "stop that one first, or use trb reload"));
+    return print_error(arguments, fail(Errc::conflict, dir + " is up already (pid " + std::to_string(*pid) + ")",
+                                       "stop that one first, or use trb reload"));
   }
   const NodeCheck check = check_node_dir(dir, false);
   if (!check.faults.empty()) return print_faults(arguments, check.faults);
@@ -82,7 +85,8 @@ int run_up(const Arguments& arguments) {
   if (!held) return print_error(arguments, held.error());
   block_child_signal();
   const std::string id = check.config.id;
-  Supervisor supervisor(dir, program_dir(), check.config.services, [&id](const std::string& text) { print_line(id + ": " + text); });
+  Supervisor supervisor(dir, program_dir(), check.config.services,
+                        [&id](const std::string& text) { print_line(id + ": " + text); });
   const auto reload_ok = [&dir, &arguments] {
     const NodeCheck again = check_node_dir(dir, true);
     if (!again.faults.empty()) print_faults(arguments, again.faults);
@@ -98,7 +102,8 @@ int run_reload(const Arguments& arguments) {
   if (!check.faults.empty()) return print_faults(arguments, check.faults);
   auto pid = NodeLock::holder(dir);
   if (!pid) return print_error(arguments, pid.error());
-  if (::kill(*pid, SIGHUP) != 0) return print_error(arguments, fail(Errc::io_error, "cannot signal pid " + std::to_string(*pid)));
+  if (::kill(*pid, SIGHUP) != 0)
+    return print_error(arguments, fail(Errc::io_error, "cannot signal pid " + std::to_string(*pid)));
   print_line(check.config.id + ": each service takes the new files once it is idle");
   return kGood;
 }
@@ -155,8 +160,9 @@ int run_logs(const Arguments& arguments) {
   const std::string service = arguments.words.size() > 1 ? arguments.words[1] : "";
   const auto files = log_files(arguments.words[0], service);
   if (files.empty()) {
-    return print_error(arguments, fail(Errc::missing, arguments.words[0] + "/log: no log" + (service.empty() ? "" : " of " + service),
-                                       "name a node's folder that was up, and one of its services"));
+    return print_error(
+        arguments, fail(Errc::missing, arguments.words[0] + "/log: no log" + (service.empty() ? "" : " of " + service),
+                        "name a node's folder that was up, and one of its services"));
   }
   const auto most = arguments.number("--lines", 50);
   if (!most) return print_error(arguments, most.error());
@@ -171,19 +177,37 @@ const std::string kJson = "--json|for programs";
 std::vector<Command> node_commands() {
   return {
       {{"up"},
-       {"up NODE_DIR", "Checks a node's folder, starts its services and keeps them running until Ctrl-C or SIGTERM.\nSays 'ID: ready' once all of them are up.",
-        {"--die-with-parent|end when the starting process ends, however it ends", kJson}, {"trb up nodes/ur3"}, 1, 1},
+       {"up NODE_DIR",
+        "Checks a node's folder, starts its services and keeps them running until Ctrl-C or SIGTERM.\nSays 'ID: ready' "
+        "once all of them are up.",
+        {"--die-with-parent|end when the starting process ends, however it ends", kJson},
+        {"trb up nodes/ur3"},
+        1,
+        1},
        run_up},
       {{"check"},
-       {"check NODE_DIR", "Reads every file of a node's folder and tells every fault at once: file, key, cure. Starts nothing.",
-        {kJson}, {"trb check nodes/ur3", "trb check nodes/ur3 --json"}, 1, 1},
+       {"check NODE_DIR",
+        "Reads every file of a node's folder and tells every fault at once: file, key, cure. Starts nothing.",
+        {kJson},
+        {"trb check nodes/ur3", "trb check nodes/ur3 --json"},
+        1,
+        1},
        run_check},
       {{"reload"},
-       {"reload NODE_DIR", "Checks the changed files; if they are good, each service takes them as soon as it is idle.", {kJson}, {"trb reload nodes/ur3"}, 1, 1},
+       {"reload NODE_DIR",
+        "Checks the changed files; if they are good, each service takes them as soon as it is idle.",
+        {kJson},
+        {"trb reload nodes/ur3"},
+        1,
+        1},
        run_reload},
       {{"logs"},
-       {"logs NODE_DIR [SERVICE]", "Shows the services' logs, newest last.",
-        {"--lines N|how many (50)", "--follow|go on with what comes", kJson}, {"trb logs nodes/ur3 router --lines 200"}, 1, 2},
+       {"logs NODE_DIR [SERVICE]",
+        "Shows the services' logs, newest last.",
+        {"--lines N|how many (50)", "--follow|go on with what comes", kJson},
+        {"trb logs nodes/ur3 router --lines 200"},
+        1,
+        2},
        run_logs},
   };
 }

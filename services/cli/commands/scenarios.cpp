@@ -22,7 +22,8 @@ namespace {
 Scenario read_file_scenario(const std::string& path, ConfigFaults& faults) {
   auto text = read_file(path);
   if (!text) {
-    faults.push_back({path, "", text.error().what, "name a scenario file, for example config/scenarios/paper-nine-tasks.json"});
+    faults.push_back(
+        {path, "", text.error().what, "name a scenario file, for example config/scenarios/paper-nine-tasks.json"});
     return {};
   }
   auto json = parse_json(*text);
@@ -72,7 +73,8 @@ Result<std::vector<Member>> members_of(const Scenario& scenario, const RouteTabl
   for (const Route& route : table.routes) {
     if (wanted.erase(route.id) != 0 || route.role == Role::cloud) out.push_back({route.id, route.certificate});
   }
-  if (!wanted.empty()) return fail(Errc::unknown_target, "node '" + *wanted.begin() + "' was never heard", "see trb route list");
+  if (!wanted.empty())
+    return fail(Errc::unknown_target, "node '" + *wanted.begin() + "' was never heard", "see trb route list");
   return out;
 }
 
@@ -80,7 +82,8 @@ Result<std::string> submit(Probe& probe, Scenario scenario, const RouteTable& ta
   auto members = members_of(scenario, table);
   if (!members) return members.error();
   const UtcTime utc = read_clocks().utc;
-  const RunStart start = build_run_start(std::move(scenario), std::move(*members), probe.node(), utc, utc + seconds(hours * 3600), to_hex(random_bytes(16)));
+  const RunStart start = build_run_start(std::move(scenario), std::move(*members), probe.node(), utc,
+                                         utc + seconds(hours * 3600), to_hex(random_bytes(16)));
   auto record = probe.ask_node<SignedRecord>(SignRequest{std::string(kSignedRunStart), {encode(start)}});
   if (!record) return record.error();
   auto answer = probe.ask(Send{.type = MessageType::command, .target = probe.node(), .body = RunSubmit{*record}});
@@ -90,7 +93,9 @@ Result<std::string> submit(Probe& probe, Scenario scenario, const RouteTable& ta
   return accepted->run;
 }
 
-bool is_over(RunState state) { return state == RunState::finished || state == RunState::aborted || state == RunState::expired; }
+bool is_over(RunState state) {
+  return state == RunState::finished || state == RunState::aborted || state == RunState::expired;
+}
 
 std::string duration_text(const TaskView& task) {
   if (task.ended == 0) return "";
@@ -147,7 +152,8 @@ int print_end(const Arguments& arguments, Probe& probe, const RunView& view) {
     print_json(view_json(view, table ? *table : RouteTable{}));
   } else {
     const bool good = view.state == RunState::finished;
-    print_line("run " + view.run.substr(0, 8) + " " + coloured(good ? Colour::good : Colour::bad, std::string(name_of(view.state))));
+    print_line("run " + view.run.substr(0, 8) + " " +
+               coloured(good ? Colour::good : Colour::bad, std::string(name_of(view.state))));
   }
   return view.state == RunState::finished ? kGood : kFailed;
 }
@@ -165,7 +171,8 @@ int watch(const Arguments& arguments, Probe& probe, const std::string& run) {
       if (!arguments.has("--json")) print_changes(before, *view);
       before = std::move(*view);
       const bool stuck = arguments.has("--until-paused") && before.state == RunState::paused;
-      if (is_over(before.state) || stuck || arguments.has("--once") || read_clocks().mono >= end) return print_end(arguments, probe, before);
+      if (is_over(before.state) || stuck || arguments.has("--once") || read_clocks().mono >= end)
+        return print_end(arguments, probe, before);
     }
     probe.receive(std::chrono::milliseconds(150));
   }
@@ -212,8 +219,9 @@ int run_list(const Arguments& arguments) {
   }
   std::vector<std::vector<std::string>> rows{{"RUN", "NAME", "STATE", "TASKS", "SINCE", "WAITS FOR"}};
   for (const RunSummary& run : table->runs) {
-    rows.push_back({run.run.substr(0, 8), run.name, std::string(name_of(run.state)), std::to_string(run.tasks_final) + "/" + std::to_string(run.tasks),
-                    to_iso8601({run.created}), run.waits_for});
+    rows.push_back({run.run.substr(0, 8), run.name, std::string(name_of(run.state)),
+                    std::to_string(run.tasks_final) + "/" + std::to_string(run.tasks), to_iso8601({run.created}),
+                    run.waits_for});
   }
   print(format_table(rows));
   return kGood;
@@ -224,7 +232,8 @@ int run_abort(const Arguments& arguments) {
   if (!probe) return kFailed;
   auto view = probe->ask_node<RunView>(RunQuery{arguments.words[0]});
   if (!view) return print_error(arguments, view.error());
-  const AbortOrder order{view->run, probe->node(), arguments.get("--reason", "trb scenario abort"), read_clocks().utc.ns};
+  const AbortOrder order{view->run, probe->node(), arguments.get("--reason", "trb scenario abort"),
+                         read_clocks().utc.ns};
   auto record = probe->ask_node<SignedRecord>(SignRequest{std::string(kSignedRunAbort), {encode(order)}});
   if (!record) return print_error(arguments, record.error());
   auto answer = probe->ask(Send{.type = MessageType::command, .target = probe->node(), .body = RunAbort{*record}});
@@ -242,7 +251,8 @@ int run_abort(const Arguments& arguments) {
   if (arguments.has("--json")) {
     print_line(to_json(*view));
   } else {
-    print_line("run " + view->run.substr(0, 8) + " " + std::string(name_of(view->state)) + (done ? ": every member has confirmed" : ": waits for " + view->waits_for));
+    print_line("run " + view->run.substr(0, 8) + " " + std::string(name_of(view->state)) +
+               (done ? ": every member has confirmed" : ": waits for " + view->waits_for));
   }
   return done ? kGood : kFailed;
 }
@@ -255,17 +265,42 @@ const std::string kUntilPaused = "--until-paused|also end when the run waits for
 
 std::vector<Command> scenario_commands() {
   return {
-      {{"scenario", "check"}, {"scenario check FILE", "Tells every fault of a scenario; with a node also unknown robots, skills, places and wrong parameters.",
-        {kNode, kJson}, {"trb scenario check config/scenarios/paper-nine-tasks.json"}, 1, 1}, run_check},
-      {{"scenario", "run"}, {"scenario run FILE", "Checks, signs and submits a scenario. The run goes on without this command.",
-        {"--watch|follow it to its end", kUntilPaused, "--expires-h H|nothing of it starts later than that (24)", "--timeout S|stop following after S seconds", kNode, kJson},
-        {"trb scenario run config/scenarios/paper-nine-tasks.json --watch"}, 1, 1}, run_run},
-      {{"scenario", "list"}, {"scenario list", "The runs that the node's scheduler knows.", {kNode, kJson}, {"trb scenario list"}, 0, 0}, run_list},
-      {{"scenario", "watch"}, {"scenario watch [RUN]", "Follows a run (the newest, or by the beginning of its id) to its end; exit 0 only if it FINISHED.",
+      {{"scenario", "check"},
+       {"scenario check FILE",
+        "Tells every fault of a scenario; with a node also unknown robots, skills, places and wrong parameters.",
+        {kNode, kJson},
+        {"trb scenario check config/scenarios/paper-nine-tasks.json"},
+        1,
+        1},
+       run_check},
+      {{"scenario", "run"},
+       {"scenario run FILE",
+        "Checks, signs and submits a scenario. The run goes on without this command.",
+        {"--watch|follow it to its end", kUntilPaused, "--expires-h H|nothing of it starts later than that (24)",
+         "--timeout S|stop following after S seconds", kNode, kJson},
+        {"trb scenario run config/scenarios/paper-nine-tasks.json --watch"},
+        1,
+        1},
+       run_run},
+      {{"scenario", "list"},
+       {"scenario list", "The runs that the node's scheduler knows.", {kNode, kJson}, {"trb scenario list"}, 0, 0},
+       run_list},
+      {{"scenario", "watch"},
+       {"scenario watch [RUN]",
+        "Follows a run (the newest, or by the beginning of its id) to its end; exit 0 only if it FINISHED.",
         {"--once|show it as it is and end", kUntilPaused, "--timeout S|stop following after S seconds", kNode, kJson},
-        {"trb scenario watch", "trb scenario watch 3f2a --once --json"}, 0, 1}, run_watch},
-      {{"scenario", "abort"}, {"scenario abort RUN", "Ends a run for good; waits until every member has confirmed.",
-        {"--reason TEXT|for the record", "--timeout S|how long to wait (5)", kNode, kJson}, {"trb scenario abort 3f2a --reason 'wrong box'"}, 1, 1}, run_abort},
+        {"trb scenario watch", "trb scenario watch 3f2a --once --json"},
+        0,
+        1},
+       run_watch},
+      {{"scenario", "abort"},
+       {"scenario abort RUN",
+        "Ends a run for good; waits until every member has confirmed.",
+        {"--reason TEXT|for the record", "--timeout S|how long to wait (5)", kNode, kJson},
+        {"trb scenario abort 3f2a --reason 'wrong box'"},
+        1,
+        1},
+       run_abort},
   };
 }
 

@@ -5,7 +5,9 @@
 namespace trb::cli {
 namespace {
 
-std::string option_name(const std::string& spec) { return spec.substr(0, spec.find_first_of(" |")); }
+std::string option_name(const std::string& spec) {
+  return spec.substr(0, spec.find_first_of(" |"));
+}
 
 bool takes_value(const std::string& spec) {
   const auto space = spec.find(' ');
@@ -22,7 +24,8 @@ const std::string* find_option(const Usage& usage, const std::string& name) {
 Error unknown_option(const Usage& usage, const std::string& word) {
   std::string known;
   for (const std::string& spec : usage.options) known += " " + option_name(spec);
-  return fail(Errc::bad_value, "unknown option '" + word + "'", known.empty() ? "this command has no options" : "use one of" + known);
+  return fail(Errc::bad_value, "unknown option '" + word + "'",
+              known.empty() ? "this command has no options" : "use one of" + known);
 }
 
 }  // namespace

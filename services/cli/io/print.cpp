@@ -12,17 +12,23 @@ void print(const std::string& text) {
   std::fflush(stdout);
 }
 
-void print_line(const std::string& text) { print(text + "\n"); }
+void print_line(const std::string& text) {
+  print(text + "\n");
+}
 
-void print_json(const Value& value) { print_line(dump_json(value)); }
+void print_json(const Value& value) {
+  print_line(dump_json(value));
+}
 
 int print_error(const Arguments& arguments, const Error& error) {
   if (arguments.has("--json")) {
-    Value::Object inner{{"code", Value{std::string(errc_name(error.code))}}, {"what", Value{error.what}}, {"cure", Value{error.cure}}};
+    Value::Object inner{
+        {"code", Value{std::string(errc_name(error.code))}}, {"what", Value{error.what}}, {"cure", Value{error.cure}}};
     print_json(Value{Value::Object{{"error", Value{std::move(inner)}}}});
   } else {
     const std::string cure = error.cure.empty() ? "" : "\n     " + error.cure;
-    std::fprintf(stderr, "trb: %s: %s%s\n", std::string(errc_name(error.code)).c_str(), error.what.c_str(), cure.c_str());
+    std::fprintf(stderr, "trb: %s: %s%s\n", std::string(errc_name(error.code)).c_str(), error.what.c_str(),
+                 cure.c_str());
   }
   return kFailed;
 }
@@ -31,7 +37,10 @@ int print_faults(const Arguments& arguments, const ConfigFaults& faults) {
   if (arguments.has("--json")) {
     Value::List list;
     for (const ConfigFault& fault : faults) {
-      list.push_back(Value{Value::Object{{"file", Value{fault.file}}, {"key", Value{fault.key}}, {"what", Value{fault.what}}, {"cure", Value{fault.cure}}}});
+      list.push_back(Value{Value::Object{{"file", Value{fault.file}},
+                                         {"key", Value{fault.key}},
+                                         {"what", Value{fault.what}},
+                                         {"cure", Value{fault.cure}}}});
     }
     print_json(Value{Value::Object{{"faults", Value{std::move(list)}}}});
   } else {

@@ -24,8 +24,10 @@ Result<std::string> find_node(const Arguments& arguments) {
     if (set != nullptr) dir = set;
   }
   if (dir.empty() && file_exists("node.json")) dir = ".";
-  if (dir.empty()) return fail(Errc::missing, "which node?", "give --node NODE_DIR, set TRB_NODE, or go into a node's folder");
-  if (!file_exists(dir + "/node.json")) return fail(Errc::missing, dir + ": no node.json there", "name a node's folder");
+  if (dir.empty())
+    return fail(Errc::missing, "which node?", "give --node NODE_DIR, set TRB_NODE, or go into a node's folder");
+  if (!file_exists(dir + "/node.json"))
+    return fail(Errc::missing, dir + ": no node.json there", "name a node's folder");
   return dir;
 }
 

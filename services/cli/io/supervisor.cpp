@@ -18,12 +18,15 @@ namespace {
 
 constexpr Duration kFirstWait = std::chrono::milliseconds(100);
 constexpr Duration kMostWait = std::chrono::seconds(2);
-constexpr Duration kSettled = std::chrono::seconds(10);  ///< up for so long: the next fall starts with a short wait again
+constexpr Duration kSettled =
+    std::chrono::seconds(10);  ///< up for so long: the next fall starts with a short wait again
 constexpr Duration kGrace = std::chrono::seconds(3);
 constexpr Duration kReadyCheck = std::chrono::milliseconds(100);
 constexpr int kAgain = 75;
 
-std::string lock_path(const std::string& node_dir) { return node_dir + "/state/up.lock"; }
+std::string lock_path(const std::string& node_dir) {
+  return node_dir + "/state/up.lock";
+}
 
 /// Waits for one of the blocked signals; 0 if none came in time.
 int wait_signal(Duration wait) {
@@ -139,7 +142,8 @@ void Supervisor::ended(Child& child, int status, Now now) {
   if (asked || now.mono - child.started > kSettled) child.wait = Duration{};
   child.start_at = now.mono + child.wait;
   child.wait = child.wait == Duration{} ? kFirstWait : std::min(child.wait * 2, kMostWait);
-  const std::string how = WIFSIGNALED(status) ? "signal " + std::to_string(WTERMSIG(status)) : "status " + std::to_string(WEXITSTATUS(status));
+  const std::string how = WIFSIGNALED(status) ? "signal " + std::to_string(WTERMSIG(status))
+                                              : "status " + std::to_string(WEXITSTATUS(status));
   say_(child.service + (asked ? " starts again with the new files" : " ended (" + how + "), starting it again"));
 }
 
@@ -163,7 +167,9 @@ void Supervisor::end_all() {
   signal_all(SIGKILL);
 }
 
-std::string program_dir() { return std::filesystem::read_symlink("/proc/self/exe").parent_path().string(); }
+std::string program_dir() {
+  return std::filesystem::read_symlink("/proc/self/exe").parent_path().string();
+}
 
 void die_with_parent() {
   const pid_t parent = ::getppid();

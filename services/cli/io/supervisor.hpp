@@ -37,8 +37,8 @@ class Supervisor {
   Supervisor(std::string node_dir, std::string program_dir, std::vector<std::string> services,
              std::function<void(const std::string&)> say);
 
-  /// Starts all and keeps them running until SIGTERM or SIGINT. `reload_ok` is asked at SIGHUP; if it agrees, every service
-  /// is asked to start again once it is idle. Signals must be blocked (block_signals plus SIGCHLD) before.
+  /// Starts all and keeps them running until SIGTERM or SIGINT. `reload_ok` is asked at SIGHUP; if it agrees, every
+  /// service is asked to start again once it is idle. Signals must be blocked (block_signals plus SIGCHLD) before.
   int run(const std::function<bool()>& reload_ok, const std::function<bool()>& is_ready);
 
  private:

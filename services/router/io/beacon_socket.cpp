@@ -38,16 +38,19 @@ int bound_socket(const std::string& host, std::uint16_t port) {
 
 }  // namespace
 
-Result<std::unique_ptr<BeaconSocket>> BeaconSocket::open(Loop& loop, const std::string& address, const std::string& broadcast,
-                                                         std::uint16_t port, std::function<void(BytesView)> on_datagram) {
+Result<std::unique_ptr<BeaconSocket>> BeaconSocket::open(Loop& loop, const std::string& address,
+                                                         const std::string& broadcast, std::uint16_t port,
+                                                         std::function<void(BytesView)> on_datagram) {
   const int in = bound_socket(broadcast, port);
   if (in < 0) {
-    return fail(Errc::io_error, "UDP " + broadcast + ":" + std::to_string(port) + ": cannot listen: " + std::strerror(errno),
+    return fail(Errc::io_error,
+                "UDP " + broadcast + ":" + std::to_string(port) + ": cannot listen: " + std::strerror(errno),
                 "change UDP_PORT in network.json");
   }
   const int out = bound_socket(address, 0);
   if (out < 0) {
-    const Error problem = fail(Errc::io_error, "UDP from " + address + ": " + std::strerror(errno), "check HOST_INT in network.json");
+    const Error problem =
+        fail(Errc::io_error, "UDP from " + address + ": " + std::strerror(errno), "check HOST_INT in network.json");
     ::close(in);
     return problem;
   }

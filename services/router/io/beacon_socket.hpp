@@ -13,8 +13,9 @@ namespace trb::router {
 class BeaconSocket {
  public:
   /// Listens on broadcast:port and on every address of the machine that a broadcast may be addressed to.
-  static Result<std::unique_ptr<BeaconSocket>> open(Loop& loop, const std::string& address, const std::string& broadcast,
-                                                    std::uint16_t port, std::function<void(BytesView)> on_datagram);
+  static Result<std::unique_ptr<BeaconSocket>> open(Loop& loop, const std::string& address,
+                                                    const std::string& broadcast, std::uint16_t port,
+                                                    std::function<void(BytesView)> on_datagram);
   ~BeaconSocket();
   BeaconSocket(const BeaconSocket&) = delete;
   BeaconSocket& operator=(const BeaconSocket&) = delete;
@@ -23,7 +24,8 @@ class BeaconSocket {
   void send(BytesView datagram);
 
  private:
-  BeaconSocket(Loop& loop, int in, int out, std::string broadcast, std::uint16_t port, std::function<void(BytesView)> handler);
+  BeaconSocket(Loop& loop, int in, int out, std::string broadcast, std::uint16_t port,
+               std::function<void(BytesView)> handler);
   void drain();
   Loop& loop_;
   int in_;

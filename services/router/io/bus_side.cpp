@@ -23,9 +23,12 @@ void RouterShell::drain_bus(BusSocket& bus) {
   }
 }
 
-ConnectionId RouterShell::connection_of(BusSocket& bus, BytesView routing_id) {
+ConnectionId RouterShell::connection_of(const BusSocket& bus, BytesView routing_id) const {
   const auto at = bus.connections.find(routing_id);
-  if (at != bus.connections.end()) return at->second;
+  return at == bus.connections.end() ? 0 : at->second;
+}
+
+ConnectionId RouterShell::add_connection(BusSocket& bus, BytesView routing_id) {
   const ConnectionId id = ++next_connection_;
   bus.connections.emplace(Bytes(routing_id), id);
   connections_[id] = {&bus, Bytes(routing_id)};
@@ -39,8 +42,10 @@ void RouterShell::on_bus_frame(BusSocket& bus, BytesView routing_id, Frame& fram
     core_.count("refused." + std::string(errc_name(header.error().code)));
     return;
   }
-  if (header->subtype == ServiceHello::kSubtype) return on_bus_hello(bus, from, *header);
-  if (!core_.knows(from)) return want_hello(from);
+  if (header->subtype == ServiceHello::kSubtype) {
+    return on_bus_hello(bus, from != 0 ? from : add_connection(bus, routing_id), *header);
+  }
+  if (!core_.knows(from)) return want_hello(bus, routing_id);
   count_sent(header->subtype);
   const Decision decision = core_.route_local(from, *header);
   Effects effects;
@@ -75,6 +80,18 @@ void RouterShell::on_bus_hello(BusSocket& bus, ConnectionId from, const HeaderVi
     core_.on_service_hello(from, *hello, bus.probe, read_clocks(), effects);
   }
   carry_out(effects);
+  forget_unknown();
+}
+
+void RouterShell::forget_unknown() {
+  // Those that were refused just now, and probes that have been silent for long.
+  std::vector<ConnectionId> unknown;
+  for (const auto& [id, connection] : connections_) {
+    if (!core_.knows(id)) unknown.push_back(id);
+  }
+  Effects effects;
+  for (const ConnectionId id : unknown) forget_connection(id, effects);
+  carry_out(effects);
 }
 
 void RouterShell::free_dead_holder(const ServiceHello& hello, Effects& effects) {
@@ -91,14 +108,14 @@ bool RouterShell::is_gone(ConnectionId connection) {
   return send_bus(connection, to_frame(encode_frame(ping))) == SendResult::unroutable;
 }
 
-void RouterShell::want_hello(ConnectionId to) {
+void RouterShell::want_hello(BusSocket& bus, BytesView routing_id) {
   Message message;
   message.type = MessageType::information;
   message.subtype = HelloWanted::kSubtype;
   message.source = core_.config().id;
   message.target = core_.config().id;
   message.data = encode(HelloWanted{});
-  send_bus(to, to_frame(encode_frame(message)));
+  bus.socket.send_to(routing_id, to_frame(encode_frame(message)));
 }
 
 void RouterShell::forget_connection(ConnectionId connection, Effects& effects) {

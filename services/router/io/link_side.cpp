@@ -158,6 +158,7 @@ void RouterShell::forward_to_link(ConnectionId from, LinkId link, const HeaderVi
   core_.give_back_sequence(link);
   Effects effects;
   core_.nack_local(from, header, result == SendResult::full ? Errc::queue_full : Errc::peer_unreachable, effects);
+  if (result == SendResult::unroutable) lost_links_.push_back(link);
   carry_out(effects);
 }
 
@@ -178,7 +179,8 @@ void RouterShell::on_inbox_event(LinkEvent event) {
       break;
     case LinkEvent::wrong_server_key:
       core_.count("refused.wrong_server_key");
-      log_limited(limit_, read_clocks().mono, Level::warning, "wrong_server_key", "a client dialled with a wrong server key");
+      log_limited(limit_, read_clocks().mono, Level::warning, "wrong_server_key",
+                  "a client dialled with a wrong server key");
       break;
     case LinkEvent::refused_key:
       core_.count("refused.key");

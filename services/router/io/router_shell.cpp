@@ -26,7 +26,8 @@ Status RouterShell::open() {
   auto inbox = Socket::inbox(context_, "tcp://" + options_.bind_address, options_.link_keys);
   if (!inbox) return inbox.error();
   inbox_ = std::make_unique<Socket>(std::move(*inbox));
-  inbox_monitor_ = std::make_unique<SocketMonitor>(context_, loop_, *inbox_, [this](LinkEvent event) { on_inbox_event(event); });
+  inbox_monitor_ =
+      std::make_unique<SocketMonitor>(context_, loop_, *inbox_, [this](LinkEvent event) { on_inbox_event(event); });
   loop_.add_socket(inbox_->handle(), [this] { drain_inbox(); });
   if (core_.config().beacon) {
     auto beacon = BeaconSocket::open(loop_, options_.beacon_address, options_.broadcast, options_.beacon_port,
@@ -76,6 +77,7 @@ int RouterShell::run() {
 }
 
 void RouterShell::carry_out(Effects& effects) {
+  std::map<LinkId, std::uint64_t> unsent;
   for (Effect& effect : effects.list) {
     std::visit(Overloaded{
                    [this](BusSend& send) {
@@ -84,15 +86,12 @@ void RouterShell::carry_out(Effects& effects) {
                      tap('=', frame);
                      send_bus(send.to, to_frame(frame));
                    },
-                   [this](LinkSend& send) {
-                     count_sent(send.message.subtype);
-                     const Bytes frame = encode_frame(send.message);
-                     tap('>', frame);
-                     send_link(send.link, send.sequence, to_frame(frame));
-                   },
+                   [&](LinkSend& send) { send_own(send, unsent); },
                    [this](Dial& dial) { this->dial(dial); },
                    [this](CloseLink& close) { close_link(close.link); },
-                   [this](AcceptLink& accept) { accepted_[accept.link] = {origin_.routing_id, origin_.user}; },
+                   [this](AcceptLink& accept) {
+                     accepted_[accept.link] = {origin_.routing_id, origin_.user};
+                   },
                    [this](RefuseCandidate& refuse) {
                      if (origin_.routing_id.empty()) return;
                      Bytes frame = encode_frame(refuse.message);
@@ -100,13 +99,43 @@ void RouterShell::carry_out(Effects& effects) {
                      inbox_->send_to(origin_.routing_id, to_frame(frame));
                    },
                    [this](SendBeacon& beacon) {
-                     if (beacon_) beacon_->send(seal_beacon(options_.beacon_key, core_.config().authority.id(), beacon.plain));
+                     if (beacon_)
+                       beacon_->send(seal_beacon(options_.beacon_key, core_.config().authority.id(), beacon.plain));
                    },
-                   [this](Log& line) { log_limited(limit_, read_clocks().mono, static_cast<Level>(line.level), line.event, line.text); },
+                   [this](Log& line) {
+                     log_limited(limit_, read_clocks().mono, static_cast<Level>(line.level), line.event, line.text);
+                   },
                },
                effect);
   }
   for (const std::string& name : effects.counts) core_.count(name);
+  end_lost_links();
+}
+
+void RouterShell::end_lost_links() {
+  // An accepted link whose connection is gone shows it at the next send.
+  while (!lost_links_.empty()) {
+    const LinkId link = lost_links_.back();
+    lost_links_.pop_back();
+    Effects effects;
+    core_.on_link_ended(link, LinkEnd::disconnected, read_clocks(), effects);
+    carry_out(effects);
+  }
+}
+
+void RouterShell::send_own(LinkSend& send, std::map<LinkId, std::uint64_t>& unsent) {
+  count_sent(send.message.subtype);
+  const Bytes frame = encode_frame(send.message);
+  tap('>', frame);
+  // The core has numbered them all; one that does not leave must not leave a gap.
+  const auto missing = unsent.find(send.link);
+  const SendResult result =
+      send_link(send.link, send.sequence - (missing == unsent.end() ? 0 : missing->second), to_frame(frame));
+  if (result == SendResult::sent) return;
+  ++unsent[send.link];
+  core_.give_back_sequence(send.link);
+  core_.count(result == SendResult::full ? "dropped.queue_full" : "dropped.closed_link");
+  if (result == SendResult::unroutable) lost_links_.push_back(send.link);
 }
 
 void RouterShell::tap(char direction, BytesView frame) {

@@ -19,8 +19,8 @@ namespace trb::router {
 
 struct ShellOptions {
   CurveKeys link_keys;
-  std::string bind_address;       ///< HOST:PORT of the inbox
-  std::string beacon_address;     ///< of host_int
+  std::string bind_address;    ///< HOST:PORT of the inbox
+  std::string beacon_address;  ///< of host_int
   std::string broadcast;
   std::uint16_t beacon_port = 0;
   BeaconKey beacon_key;
@@ -63,11 +63,13 @@ class RouterShell {
   // bus_side.cpp
   void drain_bus(BusSocket& bus);
   void on_bus_frame(BusSocket& bus, BytesView routing_id, Frame& frame);
-  ConnectionId connection_of(BusSocket& bus, BytesView routing_id);
+  ConnectionId connection_of(const BusSocket& bus, BytesView routing_id) const;  ///< 0: none
+  ConnectionId add_connection(BusSocket& bus, BytesView routing_id);
   void on_bus_hello(BusSocket& bus, ConnectionId from, const HeaderView& header);
   void free_dead_holder(const ServiceHello& hello, Effects& effects);
   bool is_gone(ConnectionId connection);
-  void want_hello(ConnectionId to);
+  void want_hello(BusSocket& bus, BytesView routing_id);
+  void forget_unknown();
   void forget_connection(ConnectionId connection, Effects& effects);
   SendResult send_bus(ConnectionId to, Frame&& frame);
   // link_side.cpp
@@ -83,6 +85,8 @@ class RouterShell {
   void on_inbox_event(LinkEvent event);
   // router_shell.cpp
   void carry_out(Effects& effects);
+  void end_lost_links();
+  void send_own(LinkSend& send, std::map<LinkId, std::uint64_t>& unsent);
   void tap(char direction, BytesView frame);
   void drain_tap();
   void count_sent(std::string_view subtype);
@@ -102,6 +106,7 @@ class RouterShell {
   std::vector<Dialled> closed_;  ///< freed between turns: a monitor must not die inside its own call
   std::map<LinkId, Accepted> accepted_;
   InboxOrigin origin_;
+  std::vector<LinkId> lost_links_;
   std::unique_ptr<Socket> tap_;
   unsigned tap_listeners_ = 0;
   std::unique_ptr<BeaconSocket> beacon_;

@@ -64,9 +64,12 @@ int start(const std::string& node_dir) {
   auto boot = count_boot();
   if (!boot) return refuse(boot.error().text());
   RouterConfig config = make_config(check.config, *keys, *boot);
-  ShellOptions options{{keys->link.public_key, keys->link.secret_key}, config.address,
-                       check.config.network.address, check.config.network.broadcast,
-                       check.config.network.udp_port, keys->beacon};
+  ShellOptions options{{keys->link.public_key, keys->link.secret_key},
+                       config.address,
+                       check.config.network.address,
+                       check.config.network.broadcast,
+                       check.config.network.udp_port,
+                       keys->beacon};
   RouterShell shell(std::move(config), std::move(options));
   if (Status opened = shell.open(); !opened) return refuse(opened.error().text());
   return shell.run();
