@@ -1,7 +1,6 @@
 #include "services/mode-adapter/core/field/field_frame.hpp"
 
 #include <algorithm>
-#include <cstring>
 
 #include "proto/message.hpp"
 
@@ -65,11 +64,11 @@ std::optional<std::string_view> FieldReader::next(MonotonicTime now) {
 
 std::optional<std::string_view> FieldReader::next_line() {
   const std::size_t from = std::max(used_, searched_);
-  const void* end = std::memchr(buffer_.data() + from, '\n', buffer_.size() - from);
-  const std::size_t stop = end != nullptr ? static_cast<const char*>(end) - buffer_.data() : buffer_.size();
+  const std::size_t end = BytesView(buffer_).find('\n', from);
+  const std::size_t stop = std::min(end, buffer_.size());
   searched_ = stop;
   overflowed_ = stop - used_ > kMaxField;
-  if (overflowed_ || end == nullptr) return std::nullopt;
+  if (overflowed_ || end == BytesView::npos) return std::nullopt;
   searched_ = stop + 1;
   std::string_view line = take(used_, stop - used_, stop + 1 - used_);
   if (line.ends_with('\r')) line.remove_suffix(1);

@@ -56,7 +56,8 @@ bool read_mode(BytesView part, UrState& state) {
   const bool protective = in.u8() != 0;
   state.program_running = in.u8() != 0;
   in.skip(1);
-  state.robot_mode = static_cast<std::int8_t>(in.u8());
+  const int mode = in.u8();
+  state.robot_mode = mode < 128 ? mode : mode - 256;
   state.safety = emergency ? kUrSafetyEmergencyStop : protective ? kUrSafetyProtectiveStop : kUrSafetyNormal;
   return in.ok();
 }
@@ -91,8 +92,11 @@ void read_key(Reader& in, std::vector<UrEvent>& events) {
   const std::string title = in.text(in.u8());
   std::string text = in.rest();
   if (!in.ok()) return;
-  if (title == "PROGRAM_XXX_STARTED") events.emplace_back(UrProgramStarted{std::move(text)});
-  if (title == "PROGRAM_XXX_STOPPED") events.emplace_back(UrProgramStopped{std::move(text)});
+  if (title == "PROGRAM_XXX_STARTED") {
+    events.emplace_back(UrProgramStarted{std::move(text)});
+  } else if (title == "PROGRAM_XXX_STOPPED") {
+    events.emplace_back(UrProgramStopped{std::move(text)});
+  }
 }
 
 void read_error(Reader& in, std::vector<UrEvent>& events) {
