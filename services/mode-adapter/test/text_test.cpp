@@ -97,3 +97,16 @@ TEST_CASE("chunks together are the data, none is longer than allowed") {
   }
   CHECK(together == data);
 }
+
+TEST_CASE("no chunk of data reads as an order to stop or to release") {
+  FieldChannel settings;
+  CHECK(chunk_end("!stop", 0, settings) == 4);
+  CHECK(chunk_end("!stop", 4, settings) == 5);
+  CHECK(chunk_end("!stops", 0, settings) == 6);
+  settings.encoding = Encoding::numeric;
+  const FieldWords words(settings, "abb");
+  CHECK(words.unlike_orders("-1") == "-1.0");
+  CHECK(words.unlike_orders("-1 2") == "-1 2");
+  settings.chunk_bytes = 2;
+  CHECK(chunk_end("-1 2", 0, settings) == 1);
+}

@@ -139,7 +139,15 @@ void append_field(Bytes& out, BytesView field, Framing framing) {
   }
 }
 
-std::size_t chunk_end(BytesView data, std::size_t begin, const FieldChannel& settings) {
+namespace {
+
+/// A chunk of data that the robot would take for `!stop` or `!release`.
+bool reads_as_order(BytesView chunk, Encoding encoding) {
+  if (encoding == Encoding::numeric) return chunk == "-1" || chunk == "-2";
+  return chunk == "!stop" || chunk == "!release";
+}
+
+std::size_t limit_end(BytesView data, std::size_t begin, const FieldChannel& settings) {
   if (settings.chunk_bytes == 0) return data.size();
   const bool escapes = settings.framing == Framing::newline;
   std::size_t framed = 0;
@@ -150,6 +158,13 @@ std::size_t chunk_end(BytesView data, std::size_t begin, const FieldChannel& set
     if (framed > settings.chunk_bytes && end > begin) break;
   }
   return end;
+}
+
+}  // namespace
+
+std::size_t chunk_end(BytesView data, std::size_t begin, const FieldChannel& settings) {
+  const std::size_t end = limit_end(data, begin, settings);
+  return reads_as_order(data.substr(begin, end - begin), settings.encoding) ? end - 1 : end;
 }
 
 }  // namespace trb::adapter

@@ -46,7 +46,8 @@ class FieldReader {
 /// Adds the framed field to `out`.
 void append_field(Bytes& out, BytesView field, Framing framing);
 
-/// The end of the chunk that begins at `begin`, counted as framed; an escape is never cut.
+/// The end of the chunk that begins at `begin`, counted as framed; an escape is never cut, and no chunk reads as `!stop` or
+/// `!release` (numeric: -1, -2).
 std::size_t chunk_end(BytesView data, std::size_t begin, const FieldChannel& settings);
 
 }  // namespace trb::adapter

@@ -81,6 +81,11 @@ std::optional<std::string> FieldWords::target_of(std::string_view field) const {
   return is_valid_id(field) ? std::optional<std::string>(field) : std::nullopt;
 }
 
+Bytes FieldWords::unlike_orders(BytesView data) const {
+  const bool alike = numeric_ && (data == order(Urgent::stop) || data == order(Urgent::release));
+  return Bytes(data) + (alike ? ".0" : "");
+}
+
 std::string_view FieldWords::order(Urgent urgent) const {
   if (urgent == Urgent::stop) return numeric_ ? "-1" : "!stop";
   return numeric_ ? "-2" : "!release";

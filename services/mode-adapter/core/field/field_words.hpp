@@ -23,6 +23,9 @@ class FieldWords {
 
   [[nodiscard]] bool numeric() const { return numeric_; }
 
+  /// The data, with a lone number that would read as an order written so that it does not: -1 as -1.0.
+  [[nodiscard]] Bytes unlike_orders(BytesView data) const;
+
   /// Errors: unknown_subtype (no code for the subtype or the source), bad_value (data that is no numbers).
   [[nodiscard]] Result<FieldHead> head(MessageType type, std::string_view subtype, std::string_view source,
                                        BytesView data) const;

@@ -41,13 +41,14 @@ InterpreterMode::InterpreterMode(const FieldChannel& settings, std::string own_i
 
 Result<Progress> InterpreterMode::hand_over(const Handover& message, Now now, const ModeOut& out) {
   if (!up_) return not_connected();
-  auto head = words_.head(message.type, message.subtype, message.source, message.data);
+  Bytes data = words_.unlike_orders(message.data);
+  auto head = words_.head(message.type, message.subtype, message.source, data);
   if (!head) return head.error();
   if (!message.skill.empty()) {
     tracked_ = Tracked{message.token, std::string(message.subtype), std::string(message.skill)};
   }
   const Status taken =
-      sender_.enqueue({message.token, std::string(message.subtype), std::move(*head), Bytes(message.data)}, now, out);
+      sender_.enqueue({message.token, std::string(message.subtype), std::move(*head), std::move(data)}, now, out);
   if (taken) return Progress::queued;
   if (tracked_ && tracked_->token == message.token) tracked_.reset();
   return taken.error();

@@ -1,0 +1,148 @@
+// The bus link against a router's end that the test plays: hello, welcome, restarts, refusals.
+#include <doctest/doctest.h>
+#include <unistd.h>
+
+#include <filesystem>
+
+#include "common/security/keys.hpp"
+#include "common/service/bus_link.hpp"
+#include "common/transport/loop.hpp"
+
+using namespace trb;
+
+namespace {
+
+/// A folder of the test's own, which becomes the working directory: sockets are bus/NAME.ipc.
+struct Folder {
+  std::string path;
+  Folder() {
+    char name[] = "/tmp/trb-bus-XXXXXX";
+    path = ::mkdtemp(name);
+    std::filesystem::create_directory(path + "/bus");
+    REQUIRE(::chdir(path.c_str()) == 0);
+  }
+  ~Folder() {
+    std::filesystem::current_path("/");
+    std::filesystem::remove_all(path);
+  }
+};
+
+/// The router's end of one service's socket.
+struct Router {
+  Context context;
+  std::unique_ptr<Socket> socket;
+  Bytes peer;
+
+  Router() { socket = std::make_unique<Socket>(*Socket::bus_server(context, "ipc://bus/probe.ipc")); }
+
+  std::optional<Message> receive() {
+    Frame id;
+    Frame frame;
+    if (!socket->receive(id) || !socket->receive(frame)) return std::nullopt;
+    peer = view_of(id);
+    auto header = decode_frame(view_of(frame));
+    REQUIRE(header.ok());
+    return to_message(*header);
+  }
+  void say(const Body& body) {
+    Message message;
+    message.type = MessageType::information;
+    message.subtype = subtype_of(body);
+    message.source = message.target = "ant";
+    message.data = encode_body(body);
+    CHECK(socket->send_to(peer, to_frame(encode_frame(message))) == SendResult::sent);
+  }
+};
+
+/// Lets time pass on the link, in steps of 20 ms that do not wait, until the router's end has heard the subtype.
+std::optional<Message> hear(BusLink& link, Router& router, std::string_view subtype) {
+  const MonotonicTime end = read_clocks().mono + std::chrono::seconds(3);
+  for (Now now = read_clocks(); now.mono < end; now = read_clocks()) {
+    link.tick(now);
+    link.receive(now);
+    zmq::pollitem_t items[] = {{router.socket->handle(), 0, ZMQ_POLLIN, 0}, {link.handle(), 0, ZMQ_POLLIN, 0}};
+    zmq::poll(items, 2, std::chrono::milliseconds(20));
+    if (auto message = router.receive(); message && message->subtype == subtype) return message;
+  }
+  return std::nullopt;
+}
+
+template <class Condition>
+bool link_until(BusLink& link, Condition condition) {
+  const MonotonicTime end = read_clocks().mono + std::chrono::seconds(3);
+  while (!condition() && read_clocks().mono < end) {
+    zmq::pollitem_t item{link.handle(), 0, ZMQ_POLLIN, 0};
+    zmq::poll(&item, 1, std::chrono::milliseconds(20));
+    link.receive(read_clocks());
+  }
+  return condition();
+}
+
+ServiceHello hello() {
+  return {"cli", {"wave"}, 7, 1, "test"};
+}
+
+}  // namespace
+
+TEST_CASE("a service says hello until it is welcomed, then its messages bear its slot") {
+  init_crypto();
+  Folder folder;
+  Router router;
+  Context context;
+  BusLink link(context, "probe", hello());
+  CHECK(link.send(Send{.target = "ant", .body = Stop{}}) == 0);
+  const auto first = hear(link, router, ServiceHello::kSubtype);
+  REQUIRE(first);
+  CHECK(decode<ServiceHello>(first->data)->subtypes == std::vector<std::string>{"wave"});
+  router.say(ServiceWelcome{"ant", "robot", 0x1234, 1, 1});
+  REQUIRE(link_until(link, [&] { return link.up(); }));
+  const std::uint64_t id = link.send(Send{.type = MessageType::command, .target = "bee", .body = Stop{"x"}});
+  CHECK((id >> 48U) == 0x1234);
+  const auto heard = hear(link, router, Stop::kSubtype);
+  REQUIRE(heard);
+  CHECK(heard->source == "ant");
+  CHECK(heard->target == "bee");
+  CHECK(heard->id == id);
+}
+
+TEST_CASE("a router that was started again is told hello again") {
+  init_crypto();
+  Folder folder;
+  Context context;
+  BusLink link(context, "probe", hello());
+  {
+    Router router;
+    REQUIRE(hear(link, router, ServiceHello::kSubtype));
+    router.say(ServiceWelcome{"ant", "robot", 1, 1, 1});
+    REQUIRE(link_until(link, [&] { return link.up(); }));
+  }
+  std::filesystem::remove(folder.path + "/bus/probe.ipc");
+  Router again;
+  REQUIRE(hear(link, again, ServiceAlive::kSubtype));
+  again.say(HelloWanted{});
+  REQUIRE(hear(link, again, ServiceHello::kSubtype));
+  again.say(ServiceWelcome{"ant", "robot", 2, 2, 2});
+  REQUIRE(link_until(link, [&] { return link.up(); }));
+  CHECK(link.welcome()->slot == 2);
+}
+
+TEST_CASE("a refusal is kept for the person, an answer goes to the one who waits") {
+  init_crypto();
+  Folder folder;
+  Router router;
+  Context context;
+  BusLink link(context, "probe", hello());
+  REQUIRE(hear(link, router, ServiceHello::kSubtype));
+  router.say(Nack{"already_claimed", "service_hello", "ant", "service 'cli' is running already", ""});
+  REQUIRE(link_until(link, [&] { return !link.refusal().empty(); }));
+  CHECK(link.refusal().find("already_claimed") == 0);
+  router.say(ServiceWelcome{"ant", "robot", 1, 1, 1});
+  REQUIRE(link_until(link, [&] { return link.up(); }));
+  CHECK(link.refusal().empty());
+  router.say(Ack{"stopped", ""});
+  std::optional<Message> got;
+  const MonotonicTime end = read_clocks().mono + std::chrono::seconds(3);
+  while (!got && read_clocks().mono < end) got = link.receive(read_clocks());
+  REQUIRE(got);
+  CHECK(got->subtype == "ack");
+}

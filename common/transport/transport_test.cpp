@@ -1,0 +1,169 @@
+// The loop, CURVE with ZAP, monitors: over real sockets of this machine.
+#include <doctest/doctest.h>
+#include <poll.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <set>
+
+#include "common/base/hex.hpp"
+#include "common/security/keys.hpp"
+#include "common/transport/loop.hpp"
+#include "common/transport/monitor.hpp"
+#include "common/transport/signals.hpp"
+#include "common/transport/socket.hpp"
+#include "common/transport/zap.hpp"
+
+using namespace trb;
+
+namespace {
+
+CurveKeys make_keys() {
+  const LinkKey key = make_link_key();
+  return {key.public_key, key.secret_key};
+}
+
+/// Turns the loop until the condition holds; false after two seconds.
+template <class Condition>
+bool turn_until(Loop& loop, Condition condition) {
+  const MonotonicTime end = read_clocks().mono + std::chrono::seconds(2);
+  // The sockets that a condition reads are not the loop's: it looks again every 10 ms.
+  loop.add_timer([] { return std::optional(read_clocks().mono + std::chrono::milliseconds(10)); }, [](Now) {});
+  while (read_clocks().mono < end) {
+    if (condition()) return true;
+    loop.turn();
+  }
+  return false;
+}
+
+struct Door {
+  Context context;
+  Loop loop;
+  CurveKeys server = make_keys();
+  std::set<Bytes> members;
+  ZapServer zap{context, loop, [this](BytesView key) { return members.count(Bytes(key)) != 0; }};
+  Socket inbox = *Socket::inbox(context, "tcp://127.0.0.1:*", server);
+  std::vector<LinkEvent> events;
+  SocketMonitor watch{context, loop, inbox, [this](LinkEvent event) { events.push_back(event); }};
+
+  bool saw(LinkEvent event) const { return std::find(events.begin(), events.end(), event) != events.end(); }
+};
+
+struct Caller {
+  CurveKeys keys = make_keys();
+  Socket socket;
+  std::vector<LinkEvent> events;
+  SocketMonitor watch;
+
+  Caller(Door& door, BytesView server_key, bool member)
+      : socket(Socket::dialler(door.context, keys, server_key)),
+        watch(door.context, door.loop, socket, [this](LinkEvent event) { events.push_back(event); }) {
+    if (member) door.members.insert(keys.public_key);
+    socket.dial(door.inbox.last_endpoint());
+  }
+  bool saw(LinkEvent event) const { return std::find(events.begin(), events.end(), event) != events.end(); }
+};
+
+}  // namespace
+
+TEST_CASE("a member's frames carry its key, and the answer finds the way back") {
+  init_crypto();
+  Door door;
+  Caller member(door, door.server.public_key, true);
+  REQUIRE(turn_until(door.loop, [&] { return member.saw(LinkEvent::connected); }));
+  CHECK(member.socket.send(to_frame("hello")) == SendResult::sent);
+  Frame id;
+  Frame word;
+  REQUIRE(turn_until(door.loop, [&] { return door.inbox.receive(id) && door.inbox.receive(word); }));
+  CHECK(view_of(word) == "hello");
+  CHECK(user_id(word) == to_hex(member.keys.public_key));
+  CHECK(door.inbox.send_to(view_of(id), to_frame("back")) == SendResult::sent);
+  Frame back;
+  REQUIRE(turn_until(door.loop, [&] { return member.socket.receive(back); }));
+  CHECK(view_of(back) == "back");
+}
+
+TEST_CASE("a stranger's key and a wrong server key are told apart") {
+  init_crypto();
+  Door door;
+  Caller stranger(door, door.server.public_key, false);
+  CHECK(turn_until(door.loop, [&] { return stranger.saw(LinkEvent::refused_key); }));
+  Caller mistaken(door, make_keys().public_key, true);
+  CHECK(turn_until(door.loop, [&] { return door.saw(LinkEvent::wrong_server_key); }));
+  CHECK_FALSE(mistaken.saw(LinkEvent::connected));
+}
+
+TEST_CASE("a dialled link is never made again behind the core's back") {
+  init_crypto();
+  auto door = std::make_unique<Door>();
+  Context other;
+  Loop loop;
+  const CurveKeys keys = make_keys();
+  door->members.insert(keys.public_key);
+  Socket dialler = Socket::dialler(other, keys, door->server.public_key);
+  std::vector<LinkEvent> events;
+  SocketMonitor watch(other, loop, dialler, [&](LinkEvent event) { events.push_back(event); });
+  const std::string endpoint = door->inbox.last_endpoint();
+  dialler.dial(endpoint);
+  REQUIRE(turn_until(door->loop, [&] { return door->saw(LinkEvent::connected); }));
+  const CurveKeys server = door->server;
+  door.reset();
+  REQUIRE(turn_until(loop, [&] { return !events.empty() && events.back() == LinkEvent::disconnected; }));
+  Door again;
+  again.members.insert(keys.public_key);
+  again.server = server;
+  again.inbox = *Socket::inbox(again.context, endpoint, server);
+  CHECK(dialler.send(to_frame("stale")) == SendResult::full);
+}
+
+TEST_CASE("a send to a connection that is gone is unroutable, a full one is refused") {
+  Context context;
+  const std::string endpoint = "inproc://bus";
+  Socket server = *Socket::bus_server(context, endpoint);
+  CHECK(server.send_to("nobody", to_frame("x")) == SendResult::unroutable);
+  Socket client = Socket::bus_client(context, endpoint);
+  SendResult result = SendResult::sent;
+  for (int i = 0; i < 10 * kHighWaterMark && result == SendResult::sent; ++i) result = client.send(to_frame("x"));
+  CHECK(result == SendResult::full);
+}
+
+TEST_CASE("two servers cannot bind one address") {
+  init_crypto();
+  Door door;
+  const auto second = Socket::inbox(door.context, door.inbox.last_endpoint(), make_keys());
+  REQUIRE_FALSE(second.ok());
+  CHECK(second.error().code == Errc::io_error);
+  CHECK_FALSE(second.error().cure.empty());
+}
+
+TEST_CASE("the loop wakes for descriptors, deadlines and signals, and forgets what was removed") {
+  block_signals();
+  Loop loop;
+  int ends[2];
+  REQUIRE(::pipe(ends) == 0);
+  int reads = 0;
+  loop.add_fd(ends[0], POLLIN, [&](short events) {
+    CHECK((events & POLLIN) != 0);
+    char byte = 0;
+    reads += static_cast<int>(::read(ends[0], &byte, 1));
+  });
+  REQUIRE(::write(ends[1], "x", 1) == 1);
+  CHECK(turn_until(loop, [&] { return reads == 1; }));
+  loop.remove_fd(ends[0]);
+  int got = 0;
+  Signals signals(loop, [&](int signal) { got = signal; });
+  ::kill(::getpid(), SIGHUP);
+  CHECK(turn_until(loop, [&] { return got == SIGHUP; }));
+  REQUIRE(::write(ends[1], "x", 1) == 1);
+  std::optional<MonotonicTime> due = read_clocks().mono + std::chrono::milliseconds(5);
+  bool ticked = false;
+  loop.add_timer([&] { return due; },
+                 [&](Now) {
+                   ticked = true;
+                   due.reset();
+                 });
+  CHECK(turn_until(loop, [&] { return ticked; }));
+  CHECK(reads == 1);
+  ::close(ends[0]);
+  ::close(ends[1]);
+}
