@@ -1,0 +1,166 @@
+"""The roads that scripts/bench measures: real nodes of TalkRoBots, and bare chains of the same sockets."""
+import json
+import os
+import pathlib
+import subprocess
+import sys
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[3] / "scripts"))
+import trb_fleet  # noqa: E402  (found only with the line above)
+
+VENDOR_PORT = 30100
+ORDER_PATIENCE_S = 60
+TICKS = os.sysconf("SC_CLK_TCK")
+
+
+class Road:
+    """A driver and the processes between its two ends."""
+
+    def __init__(self, name, driver, pids):
+        self.name = name
+        self.driver = driver
+        self.pids = {"robots": driver.child.pid, **pids}
+
+    def order(self, text):
+        before = len(self.driver.lines)
+        self.driver.say(text)
+        line, _ = self.driver.wait_line("{", ORDER_PATIENCE_S, before)
+        return json.loads(line)
+
+    def usage(self):
+        """Of each process: microseconds of CPU and voluntary context switches so far."""
+        return {name: (cpu_us(pid), switches(pid)) for name, pid in self.pids.items()}
+
+
+def cpu_us(pid):
+    """All threads together; by the scheduler's nanoseconds where the kernel tells them, else by clock ticks."""
+    try:
+        tasks = pathlib.Path(f"/proc/{pid}/task").glob("*/schedstat")
+        return sum(int(task.read_text().split()[0]) for task in tasks) / 1000 or ticks_us(pid)
+    except (OSError, IndexError):
+        return ticks_us(pid)
+
+
+def ticks_us(pid):
+    fields = pathlib.Path(f"/proc/{pid}/stat").read_text().rsplit(") ", 1)[1].split()
+    return (int(fields[11]) + int(fields[12])) * 1e6 / TICKS
+
+
+def switches(pid):
+    total = 0
+    for status in pathlib.Path(f"/proc/{pid}/task").glob("*/status"):
+        for line in status.read_text().splitlines():
+            if line.startswith("voluntary_ctxt_switches"):
+                total += int(line.split()[1])
+    return total
+
+
+class Fleet(trb_fleet.Fleet):
+    """a: its robot speaks fields; b: its robot is spoken to in its own words; c: both, for the way over its own bus."""
+
+    MODES = {"a": "fields", "b": "bench", "c": "bench"}
+    FILES = {
+        "profile.json": {"bench": "direct", "fields": "interpreter"},
+        "commands.json": {"bench": {"port": VENDOR_PORT, "transport": "tcp-text", "language": "plain",
+                                    "commands": {"move": "{data}", "stop": "stop"}}},
+        "places.json": {"places": {}},
+        "robots/bench.json": {"maker": "Bench", "model": "bench", "capabilities": ["move"],
+                              "field_channel": {"framing": "newline", "encoding": "text", "acknowledge": False},
+                              "skills": {}},
+    }
+
+    def __init__(self, root, programs, octet):
+        self.octet = octet
+        super().__init__(root, programs, udp_port=50000 + octet, name="bench", cloud=False,
+                         robots={node: (mode, "bench", []) for node, mode in self.MODES.items()})
+
+    def address(self, node):
+        return f"127.{self.octet}.1.{self.number(node)}"
+
+    def robot_address(self, node):
+        return f"127.{self.octet}.2.{self.number(node)}"
+
+    def make_node(self, node):
+        folder = self.dir(node)
+        network = {"UDP_PORT": self.udp_port, "TCP_PORT_EXT": 45000, "TCP_PORT": 40000, "HOST_INT": self.address(node)}
+        own = {"node.json": self.node_json(node), "network.json": network}
+        for name, content in {**self.FILES, **own}.items():
+            path = folder / name
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_text(json.dumps(content, indent=2) + "\n")
+        self.trb("fleet", "request", folder)
+
+    def node_json(self, node):
+        return {**super().node_json(node), "services": ["router", "mode-adapter"]}
+
+
+class Roads:
+    """Builds the roads of one regime below `root`; everything ends with the `with` block."""
+
+    def __init__(self, root, programs, octet):
+        self.root = pathlib.Path(root)
+        self.program = pathlib.Path(programs).resolve() / "trb-bench-road"
+        self.octet = octet
+        self.fleet = Fleet(self.root / "fleet", pathlib.Path(programs).resolve(), octet)
+        self.processes = []
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        for process in reversed(self.processes):
+            process.stop()
+        self.fleet.stop()
+
+    def start(self, name, *arguments, until="ready"):
+        log = self.root / f"{len(self.processes)}-{name}.log"
+        process = trb_fleet.Process([self.program, name, *arguments], log, stdin=subprocess.PIPE)
+        self.processes.append(process)
+        process.first, _ = process.wait_line(until, 10)
+        return process
+
+    def routers(self, name, address):
+        """Two bare routers joined by CURVE: their processes and the sockets of their buses."""
+        buses = [self.root / f"{name}-{end}.ipc" for end in ("in", "out")]
+        second = self.start("curve-bus", address, buses[1], until="listening")
+        first = self.start("bus-curve", buses[0], address, second.first.split()[1])
+        second.wait_line("ready", 10)
+        return {"router a": first.child.pid, "router b": second.child.pid}, buses
+
+    def floor(self):
+        """DEALER - ipc - process - CURVE tcp - process - ipc - DEALER."""
+        pids, buses = self.routers("floor", f"127.{self.octet}.3.1:45001")
+        return Road("floor", self.start("drive-bus", *buses), pids)
+
+    def bare(self):
+        """The floor with a process and a TCP connection more at each end: the road without what TalkRoBots does."""
+        node, robot = f"127.{self.octet}.3.2:40000", f"127.{self.octet}.3.3:{VENDOR_PORT}"
+        pids, buses = self.routers("bare", f"127.{self.octet}.3.2:45002")
+        driver = self.start("drive-tcp", node, "", robot, until="listening")
+        first = self.start("tcp-bus", node, buses[0], until="listening")
+        last = self.start("bus-tcp", buses[1], robot)
+        driver.wait_line("ready", 10)
+        first.wait_line("ready", 10)
+        return Road("bare", driver, {"adapter a": first.child.pid, **pids, "adapter b": last.child.pid})
+
+    def nodes(self):
+        """Three real nodes: the road from a to b, and the way from c to c over its own bus."""
+        fleet = self.fleet
+        fleet.make()
+        drivers = {}
+        for begin, end in (("a", "b"), ("c", "c")):
+            drivers[begin] = self.start("drive-tcp", f"{fleet.address(begin)}:40000", fleet.robot_address(begin),
+                                        f"{fleet.robot_address(end)}:{VENDOR_PORT}", end, until="listening")
+        for node in fleet.node_names:
+            fleet.start_node(node)
+        fleet.wait_formed(30)
+        for driver in drivers.values():
+            driver.wait_line("ready", 10)
+        pid = {(service, node): fleet.pid(node, service) for node in "abc" for service in ("router", "mode-adapter")}
+        road = {"adapter a": pid["mode-adapter", "a"], "router a": pid["router", "a"],
+                "router b": pid["router", "b"], "adapter b": pid["mode-adapter", "b"]}
+        own = {"adapter c": pid["mode-adapter", "c"], "router c": pid["router", "c"]}
+        return [Road("road", drivers["a"], road), Road("own bus", drivers["c"], own)]
+
+    def all(self):
+        return [self.floor(), self.bare(), *self.nodes()]
