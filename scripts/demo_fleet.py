@@ -130,6 +130,8 @@ def parse():
     parser.add_argument("--speed", type=float, default=1.0, help="how much faster than real the robots move (1)")
     parser.add_argument("--programs", required=True, help=argparse.SUPPRESS)
     parser.add_argument("--root", required=True, help=argparse.SUPPRESS)
+    parser.add_argument("--block", type=int, default=1, help=argparse.SUPPRESS)
+    parser.add_argument("--udp-port", type=int, default=50000, help=argparse.SUPPRESS)
     arguments = parser.parse_args()
     if not 0 < arguments.speed <= 100:
         parser.error("--speed: between 0 and 100")
@@ -155,7 +157,8 @@ def main():
     lock = take_lock(root)
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))
     began = time.monotonic()
-    with trb_fleet.Fleet(root, arguments.programs, speed=arguments.speed) as fleet:
+    with trb_fleet.Fleet(root, arguments.programs, block=arguments.block, udp_port=arguments.udp_port,
+                         speed=arguments.speed) as fleet:
         start(fleet)
         say(f"\n== the scenario {SCENARIO.relative_to(trb_fleet.REPO)}")
         view = run_scenario(fleet)

@@ -239,7 +239,9 @@ class Fleet:
 
     def pid(self, node, service):
         """The pid of a service, found among the children of the node's supervisor."""
-        parent = self.nodes[node].child.pid
+        return self.pid_of_child(self.nodes[node].child.pid, service)
+
+    def pid_of_child(self, parent, service):
         for path in pathlib.Path("/proc").glob("[0-9]*/stat"):
             try:
                 name, rest = path.read_text().split(") ", 1)

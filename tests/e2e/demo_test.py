@@ -1,0 +1,113 @@
+"""scripts/demo_fleet.py: the nine tasks, the counts beside Equation 12, and that nothing of it stays behind."""
+import json
+import os
+import signal
+import subprocess
+import sys
+import unittest
+
+import support
+
+BLOCK = support.take_block(60)
+TASKS = [
+    ("fetch_box", "ridgeback", "fetch", "interpreter", "lines"),
+    ("run_conveyor", "conveyor", "run", "interpreter", "lines"),
+    ("put_box_down", "ur3", "grasp_and_put_down", "direct", "tcp-text"),
+    ("go_to_ur3", "ridgeback", "go_to", "interpreter", "lines"),
+    ("take_off", "drone", "take_off", "interpreter", "lines"),
+    ("pick_box", "ur3", "pick", "direct", "tcp-text"),
+    ("go_back", "ridgeback", "go_to", "interpreter", "lines"),
+    ("land", "drone", "land", "interpreter", "lines"),
+    ("load_out", "ridgeback", "load_out", "interpreter", "lines"),
+]
+EQUATION_12 = {"boot": 22, "identification": 28, "devices": 0, "task": 64, "forward": 8, "sensor": 0, "fail": 0,
+               "total": 122}
+
+
+class Demo(unittest.TestCase):
+    def setUp(self):
+        self.folder = support.temporary_folder()
+        self.root = self.folder / "demo"
+        self.addCleanup(self.end_all)
+
+    def end_all(self):
+        for pid in self.left():
+            support.send_signal(pid, signal.SIGKILL)
+
+    def left(self):
+        return support.processes_of(self.root, BLOCK)
+
+    def start(self, *arguments):
+        script = support.REPO / "scripts" / "demo_fleet.py"
+        command = [sys.executable, script, "--programs", support.PROGRAMS, "--root", self.root, "--block", BLOCK,
+                   "--udp-port", 50000 + BLOCK, *arguments]
+        child = subprocess.Popen([str(word) for word in command], stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
+                                 stderr=subprocess.STDOUT, text=True, start_new_session=True)
+        self.addCleanup(child.stdout.close)
+        self.addCleanup(lambda: child.poll() is None and child.kill())
+        return child
+
+    def read_until(self, child, wanted):
+        """The script's words up to a line; ctest's time limit is the deadline."""
+        seen = []
+        for line in child.stdout:
+            seen.append(line)
+            if wanted in line:
+                return
+        self.fail(f"the demonstration ended without {wanted!r}:\n" + "".join(seen))
+
+    def test_once_with_json(self):
+        out = self.folder / "run.json"
+        child = self.start("--once", "--speed", "4", "--json", out)
+        said = child.communicate(timeout=120)[0]
+        self.assertEqual(child.returncode, 0, said)
+        self.assertEqual(self.left(), {})
+        result = json.loads(out.read_text())
+        self.assertEqual(set(result), {"run", "messages", "wall_s"})
+        self.check_run(result["run"])
+        self.check_messages(result["messages"])
+        self.assertTrue(0 < result["wall_s"] < 120, result["wall_s"])
+        support.tell(f"demo --once --speed 4: {result['wall_s']} s, observed {result['messages']['observed']}")
+
+    def check_run(self, run):
+        self.assertEqual(set(run), {"id", "state", "tasks"})
+        self.assertRegex(run["id"], "^[0-9a-f]{32}$")
+        self.assertEqual(run["state"], "FINISHED")
+        fields = ("id", "robot", "skill", "mode", "transport")
+        self.assertEqual([tuple(task[f] for f in fields) for task in run["tasks"]], TASKS)
+        for task in run["tasks"]:
+            self.assertEqual(set(task), {*fields, "state", "duration_s"})
+            self.assertEqual(task["state"], "FINISHED")
+            self.assertTrue(0 < task["duration_s"] < 60, task)
+
+    def check_messages(self, messages):
+        self.assertEqual(set(messages), {"observed", "equation12"})
+        self.assertEqual(messages["equation12"], EQUATION_12)
+        observed = dict(messages["observed"])
+        total = observed.pop("total")
+        self.assertEqual(set(observed), {*EQUATION_12, "upkeep"} - {"total"})
+        self.assertEqual(total, sum(observed.values()))
+        for phase, least in EQUATION_12.items():
+            if phase != "total":
+                self.assertGreaterEqual(observed[phase], least, f"{phase}: {messages}")
+        self.assertEqual((observed["sensor"], observed["fail"]), (0, 0))
+
+    def test_ctrl_c_leaves_nothing_behind(self):
+        child = self.start("--speed", "4")
+        self.read_until(child, "== the scenario")
+        self.assertGreater(len(self.left()), 8 * 3)
+        os.killpg(child.pid, signal.SIGINT)
+        said = child.communicate(timeout=60)[0]
+        self.assertEqual(child.returncode, 130, said)
+        self.assertEqual(self.left(), {})
+
+    def test_kill_leaves_nothing_behind(self):
+        child = self.start()
+        self.read_until(child, "== the scenario")
+        child.kill()
+        child.wait()
+        support.wait_until("every process of the demonstration ends", lambda: not self.left(), 20)
+
+
+if __name__ == "__main__":
+    support.main()

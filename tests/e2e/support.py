@@ -1,0 +1,280 @@
+"""What the end-to-end tests share: a fleet of their own, taken down whole, and how to kill its parts."""
+import atexit
+import fcntl
+import json
+import os
+import pathlib
+import shutil
+import signal
+import sys
+import tempfile
+import time
+import unittest
+
+REPO = pathlib.Path(__file__).resolve().parent.parent.parent
+sys.path.insert(0, str(REPO / "scripts"))
+import trb_fleet  # noqa: E402
+
+PROGRAMS = pathlib.Path(os.environ.get("TRB_PROGRAMS", REPO / "build" / "dev" / "bin"))
+CLOUD = trb_fleet.CLOUD
+PAPER = REPO / "config" / "scenarios" / "paper-nine-tasks.json"
+QUICK_S = float(os.environ.get("TRB_QUICK_S", "1.0"))  # what a person waits for a message's effect
+HEAL_S = 5.0  # what a fleet may take to heal from the death of one process
+LONG_S = 40.0  # for what has no figure: a deadline, not a measure
+
+
+def take_block(wanted):
+    """Two numbers of 127.0.x that no other test on this machine uses: `wanted`, or else the next free ones."""
+    blocks = list(range(60, 100, 2))
+    at = blocks.index(wanted)
+    for block in blocks[at:] + blocks[:at]:
+        lock = open(pathlib.Path(tempfile.gettempdir()) / f"trb-e2e-{os.getuid()}-{block}.lock", "w")
+        try:
+            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except OSError:
+            lock.close()
+            continue
+        atexit.register(lock.close)
+        return block
+    raise RuntimeError("every address block is in use")
+
+
+def temporary_folder():
+    root = tempfile.mkdtemp(prefix="trb-e2e-")
+    atexit.register(shutil.rmtree, root, ignore_errors=True)
+    return pathlib.Path(root)
+
+
+def processes(*marks):
+    """pid -> command line of every process that has one of the marks in its command line."""
+    found = {}
+    for path in pathlib.Path("/proc").glob("[0-9]*/cmdline"):
+        try:
+            line = path.read_bytes().replace(b"\0", b" ").decode(errors="replace")
+        except OSError:
+            continue
+        if int(path.parent.name) != os.getpid() and any(str(mark) in line for mark in marks):
+            found[int(path.parent.name)] = line
+    return found
+
+
+def processes_of(root, block):
+    return processes(f"{root}/", f" 127.0.{block}.", f" 127.0.{block + 1}.")
+
+
+def wait_until(what, condition, timeout=LONG_S):
+    """Waits for a condition that needs no fleet; returns its value."""
+    end = time.monotonic() + timeout
+    while True:
+        value = condition()
+        if value:
+            return value
+        if time.monotonic() > end:
+            raise TimeoutError(f"{what}: not within {timeout} s")
+        time.sleep(0.02)
+
+
+class FleetTest(unittest.TestCase):
+    """A class of tests that share a fleet. Every one leaves it whole: all nodes up, all robots connected, none fenced."""
+
+    BLOCK = 60
+    ROBOTS = dict(trb_fleet.ROBOTS)
+    SPEED = 1.0
+    LATE = ()  # nodes and robots that a test starts itself
+
+    @classmethod
+    def setUpClass(cls):
+        cls.block = take_block(cls.BLOCK)
+        cls.root = temporary_folder()
+        cls.fleet = trb_fleet.Fleet(cls.root / "fleet", PROGRAMS, block=cls.block, udp_port=50000 + cls.block,
+                                    robots=cls.ROBOTS, speed=cls.SPEED, name="e2e")
+        cls.addClassCleanup(cls.take_down)
+        cls.fleet.make()
+        cls.fleet.start()
+        cls.fleet.wait_formed(30)
+
+    @classmethod
+    def take_down(cls):
+        for pid in processes_of(cls.root, cls.block):
+            send_signal(pid, signal.SIGCONT)  # what a failed test has left stopped could not be ended
+        cls.fleet.stop()
+        left = processes_of(cls.root, cls.block)
+        for pid in left:
+            send_signal(pid, signal.SIGKILL)
+        if left:
+            raise AssertionError(f"processes were left: {left}")
+
+    def run(self, result=None):
+        before = 0 if result is None else len(result.failures) + len(result.errors)
+        out = super().run(result)
+        if result is not None and len(result.failures) + len(result.errors) > before:
+            self.show_logs()
+        return out
+
+    def show_logs(self):
+        """What the services wrote last: all there is to find out why a test failed."""
+        for path in sorted(self.root.glob("fleet/nodes/*/log/*.log")):
+            lines = path.read_text(errors="replace").splitlines()[-8:]
+            print(f"-- {path.relative_to(self.root)}", *lines, sep="\n   ", file=sys.stderr)
+        for node, robot in self.fleet.virtual.items():
+            print(f"-- robot {node}: {robot.lines[-12:]}", file=sys.stderr)
+        for node, up in self.fleet.nodes.items():
+            print(f"-- trb up {node}: {up.lines[-8:]}", file=sys.stderr)
+
+    # ---- asking
+
+    def ask(self, *arguments, node=CLOUD):
+        """(exit status, the JSON that was printed)"""
+        done = self.fleet.trb(*arguments, "--json", node=node, check=False)
+        self.fleet.pump()
+        self.assertTrue(done.stdout.strip(), f"{arguments}: said nothing; {done.stderr}")
+        return done.returncode, json.loads(done.stdout.splitlines()[-1])
+
+    def refusal(self, *arguments, node=CLOUD):
+        """The error of a command that must fail; every one has a cure."""
+        status, answer = self.ask(*arguments, node=node)
+        self.assertEqual(status, 1, answer)
+        self.assertIn("error", answer)
+        self.assertTrue(answer["error"]["what"] and answer["error"]["cure"], answer)
+        return answer["error"]
+
+    def submit(self, scenario, node=CLOUD):
+        return self.fleet.json("scenario", "run", self.scenario_file(scenario), node=node)["run"]
+
+    def scenario_file(self, scenario):
+        if isinstance(scenario, pathlib.Path):
+            return scenario
+        path = self.root / "scenario.json"
+        path.write_text(json.dumps(scenario))
+        return path
+
+    def view(self, run, node=CLOUD):
+        status, answer = self.ask("scenario", "watch", run, "--once", node=node)
+        return answer if "tasks" in answer else {"state": "", "tasks": [], "waits_for": "", "status": status}
+
+    def wait_state(self, run, *states, node=CLOUD, timeout=LONG_S):
+        """Waits for one of the states; returns the view."""
+        seen = {}
+
+        def there():
+            seen.update(self.view(run, node))
+            return seen["state"] in states
+
+        try:
+            self.fleet.wait(f"the run is {states}", there, timeout)
+        except TimeoutError as problem:
+            raise AssertionError(f"{problem}; it is {json.dumps(seen)}") from None
+        return seen
+
+    def wait_task(self, run, task, *states, node=CLOUD):
+        def there():
+            return any(t["id"] == task and t["state"] in states for t in self.view(run, node)["tasks"])
+
+        self.fleet.wait(f"task {task} is {states}", there, LONG_S)
+
+    def works(self, robot, node=CLOUD):
+        """True if a message to the robot is answered: by the robot, or by its controller."""
+        done = self.fleet.trb("request", robot, "position", "--timeout", "1", node=node, check=False)
+        return done.returncode == 0
+
+    def robot_state(self, robot, node=CLOUD):
+        routes = self.fleet.json("route", "list", node=node)["routes"]
+        return next((r["profile"]["robot"] for r in routes if r["id"] == robot and r["state"] == "ONLINE"), "no node")
+
+    def is_fenced(self, robot, node=CLOUD):
+        routes = self.fleet.json("route", "list", node=node)["routes"]
+        return next(r["profile"]["fenced"] for r in routes if r["id"] == robot)
+
+    # ---- the virtual robots' own word
+
+    def mark(self):
+        """Where every virtual robot's output is now."""
+        self.fleet.pump()
+        return {node: (robot, len(robot.lines)) for node, robot in self.fleet.virtual.items()}
+
+    def lines_since(self, mark, node):
+        """What a virtual robot has said since; all of it if it was started since."""
+        self.fleet.pump()
+        robot, at = mark[node]
+        return self.fleet.virtual[node].lines[at if robot is self.fleet.virtual[node] else 0:]
+
+    def wait_robot(self, mark, node, wanted, timeout=LONG_S):
+        robot, at = mark[node]
+        now = self.fleet.virtual[node]
+        now.wait_line(wanted, timeout, at if robot is now else 0)
+
+    def commanded(self, mark, node):
+        """The skills (or a UR's programs) that a robot was told to begin since."""
+        out = []
+        for line in self.lines_since(mark, node):
+            words = line.split()
+            if words[0] == "start":
+                out.append(words[1])
+            elif words[0] == "program" and words[2] == "started":
+                out.append("program")
+        return out
+
+    # ---- killing
+
+    def kill_service(self, node, service):
+        """kill -9; returns the pid that was."""
+        pid = self.fleet.pid(node, service)
+        self.assertIsNotNone(pid, f"{service} of {node} does not run")
+        os.kill(pid, signal.SIGKILL)
+        return pid
+
+    def is_back(self, node, service, old):
+        pid = self.fleet.pid(node, service)
+        if pid in (None, old):
+            return False
+        done = self.fleet.trb("service", "list", "--json", node=node, check=False)
+        if done.returncode != 0:
+            return False
+        return all(s["state"] == "up" for s in json.loads(done.stdout)["services"])
+
+    def wait_back(self, node, service, old):
+        self.fleet.wait(f"{service} of {node} is back", lambda: self.is_back(node, service, old), LONG_S)
+
+    def kill_node(self, node):
+        """kill -9 of a node as a whole, as if its power failed. The supervisor is stopped first: it must start nothing."""
+        up = self.fleet.nodes.pop(node)
+        os.kill(up.child.pid, signal.SIGSTOP)
+        for service in ("scheduler", "mode-adapter", "router"):
+            pid = self.fleet.pid_of_child(up.child.pid, service)
+            if pid is not None:
+                os.kill(pid, signal.SIGKILL)
+        up.stop(signal.SIGKILL)
+
+    def start_node(self, node, timeout=20):
+        self.fleet.start_node(node)
+        self.fleet.nodes[node].wait_line("ready", timeout)
+
+    def kill_robot(self, node):
+        self.fleet.virtual.pop(node).stop(signal.SIGKILL)
+
+    def pause_robot(self, node):
+        pid = self.fleet.virtual[node].child.pid
+        os.kill(pid, signal.SIGSTOP)
+        self.addCleanup(send_signal, pid, signal.SIGCONT)
+        return pid
+
+    def pause_service(self, node, service):
+        pid = self.fleet.pid(node, service)
+        os.kill(pid, signal.SIGSTOP)
+        self.addCleanup(send_signal, pid, signal.SIGCONT)
+        return pid
+
+
+def send_signal(pid, number):
+    try:
+        os.kill(pid, number)
+    except ProcessLookupError:
+        pass
+
+
+def tell(text):
+    print(text, file=sys.stderr, flush=True)
+
+
+def main():
+    unittest.main(verbosity=2)
