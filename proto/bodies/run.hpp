@@ -19,7 +19,7 @@ struct Task {
   std::string data;                  ///< the skill's parameters, a JSON object as text, or empty
   std::vector<std::uint16_t> after;  ///< indexes of the predecessors in Scenario::tasks
   double timeout_s = 0;              ///< 0: the skill's own
-  bool pinned = false;               ///< may start on a fenced node
+  bool pinned = false;               ///< cannot be re-assigned: may start while its node hears no majority (not while it is stopped)
   bool operator==(const Task&) const = default;
   static constexpr auto fields() {
     return std::tuple{field("id", &Task::id, 64),

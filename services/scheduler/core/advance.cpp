@@ -70,7 +70,7 @@ void SchedulerCore::start_next(Step step) {
   for (Run* run : book_.runs()) {
     if (!may_start(*run, step.now.utc)) continue;
     for (const TaskIndex task : run->startable()) {
-      if (executor_.obstacle(run->tasks()[task].pinned).empty()) return start(*run, task, step);
+      if (executor_.obstacle().empty()) return start(*run, task, step);
       executor_.want_adapter(true);
     }
   }

@@ -25,10 +25,10 @@ bool passes(const std::string& code) {
 
 }  // namespace
 
-std::string Executor::obstacle(bool pinned) const {
+std::string Executor::obstacle() const {
   if (!adapter_) return "its mode-adapter has not been heard";
   if (adapter_->robot != "ONLINE") return "the robot is " + (adapter_->robot.empty() ? "not there" : adapter_->robot);
-  if (adapter_->fenced && !pinned) return "the robot is stopped until 'release'";
+  if (adapter_->fenced) return "the robot is stopped until 'release'";
   if (adapter_->busy) return "the robot is busy";
   return {};
 }
@@ -61,7 +61,7 @@ void Executor::command(Now now, Outbox& out) {
 
 void Executor::command_if_possible(Now now, Outbox& out) {
   if (attempt_->permit != Permit::go) return;
-  if (obstacle(attempt_->pinned).empty()) {
+  if (obstacle().empty()) {
     command(now, out);
   } else {
     attempt_->phase = Phase::refused;

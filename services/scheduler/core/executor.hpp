@@ -19,7 +19,6 @@ enum class Permit : std::uint8_t { go = 0, no_more, cancel };
 struct Attempt {
   Execute execute;
   TaskResult result;  ///< filled in to the end that is known so far
-  bool pinned = false;
   Phase phase{};
   Permit permit{};
   MonotonicTime next{};  ///< of the question or resend that the phase asks for
@@ -35,7 +34,7 @@ class Executor {
   [[nodiscard]] bool runs(const std::string& run) const { return attempt_ && attempt_->execute.key.run == run; }
   [[nodiscard]] const std::optional<AdapterState>& adapter() const { return adapter_; }
   /// Why nothing can begin now, for a person; empty: it can.
-  [[nodiscard]] std::string obstacle(bool pinned) const;
+  [[nodiscard]] std::string obstacle() const;
 
   /// The service has come (back) to its router: nothing is known of the mode-adapter, everything is asked again.
   void welcome(Now now, Outbox& out);

@@ -133,7 +133,6 @@ std::optional<UtcTime> Run::next_end(UtcTime now) const {
 Attempt Run::attempt_for(const JournalStart& fact) const {
   const Task& task = tasks()[*index_of(fact.key.task)];
   Attempt attempt;
-  attempt.pinned = task.pinned;
   attempt.execute = {fact.key, fact.epoch, fact.instance, task.skill, task.data, task.timeout_s};
   attempt.result.key = fact.key;
   attempt.result.digest = start_.digest;

@@ -33,10 +33,10 @@ std::string robot_text(const Run& run, const Executor& executor) {
   if (executor.attempt()) {
     const Attempt& attempt = *executor.attempt();
     if (!executor.runs(run.id()) || attempt.phase != Phase::refused) return {};
-    return "task '" + attempt.execute.key.task + "': " + executor.obstacle(attempt.pinned);
+    return "task '" + attempt.execute.key.task + "': " + executor.obstacle();
   }
   for (const TaskIndex task : run.startable()) {
-    const std::string obstacle = executor.obstacle(run.tasks()[task].pinned);
+    const std::string obstacle = executor.obstacle();
     if (!obstacle.empty()) return "task '" + run.tasks()[task].id + "': " + obstacle;
   }
   return {};

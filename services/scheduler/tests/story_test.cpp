@@ -216,8 +216,8 @@ TEST_CASE("a fenced or absent robot waits, says why, and goes on") {
   scenario.tasks[1].pinned = true;
   submit(fleet, scenario);
   fleet.pass(seconds(5));
-  // The pinned task is tried all the same; this mode-adapter refuses it, and it waits.
-  CHECK(fleet["ridgeback"].adapter.commanded.contains({100, {kRun, "task-1", 1, 1}}));
+  // A person's stop holds for a pinned task too: it is not even tried.
+  CHECK(fleet["ridgeback"].adapter.commanded.empty());
   CHECK(begun(fleet).empty());
   fleet["ridgeback"].adapter.set(false, true);
   fleet.pass(seconds(1));
