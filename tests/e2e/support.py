@@ -75,12 +75,11 @@ def wait_until(what, condition, timeout=LONG_S):
 
 
 class FleetTest(unittest.TestCase):
-    """A class of tests that share a fleet. Every one leaves it whole: all nodes up, all robots connected, none fenced."""
+    """A class of tests that share a fleet. Each finds it whole: all nodes up, all robots connected, none fenced."""
 
     BLOCK = 60
     ROBOTS = dict(trb_fleet.ROBOTS)
     SPEED = 1.0
-    LATE = ()  # nodes and robots that a test starts itself
 
     @classmethod
     def setUpClass(cls):
@@ -103,6 +102,17 @@ class FleetTest(unittest.TestCase):
             send_signal(pid, signal.SIGKILL)
         if left:
             raise AssertionError(f"processes were left: {left}")
+
+    def setUp(self):
+        """Mends what a failed test has left, so that one failure is not the next one's."""
+        robots = [robot for robot in self.fleet.robots if robot not in self.fleet.virtual]
+        nodes = [node for node in self.fleet.node_names if node not in self.fleet.nodes]
+        for robot in robots:
+            self.fleet.start_robot(robot)
+        for node in nodes:
+            self.start_node(node)
+        if robots or nodes:
+            self.fleet.wait_formed(LONG_S)
 
     def run(self, result=None):
         before = 0 if result is None else len(result.failures) + len(result.errors)
