@@ -50,14 +50,14 @@ class Late(support.FleetTest):
         for robot, task in (("conveyor", "convey"), ("ur3", "pick")):
             with self.subTest(robot=robot):
                 self.kill_robot(robot)
-                self.wait_robot_state(robot, "OFFLINE")
+                self.wait_robot_state(robot, "CONNECTION_BROKEN")
                 mark = {r: (p, len(p.lines)) for r, p in self.fleet.virtual.items()}
                 mark[robot] = (None, 0)
                 run = self.submit(SCENARIO)
 
                 def waits():
                     view = self.view(run, robot)
-                    return f"'{task}'" in view["waits_for"] and "OFFLINE" in view["waits_for"]
+                    return f"'{task}'" in view["waits_for"] and "CONNECTION_BROKEN" in view["waits_for"]
 
                 self.fleet.wait("its node says what it waits for", waits, support.LONG_S)
                 self.assertEqual(self.view(run)["state"], "RUNNING")
@@ -103,7 +103,7 @@ class Late(support.FleetTest):
         view = self.wait_state(run, "PAUSED", "FINISHED")
         self.assertEqual(view["state"], "PAUSED")
         self.assertIn("'pick' was interrupted on 'ur3'", view["waits_for"])
-        self.wait_robot_state("ur3", "OFFLINE")
+        self.wait_robot_state("ur3", "CONNECTION_BROKEN")
         os.kill(pid, signal.SIGCONT)
         self.wait_robot_state("ur3", "ONLINE")
         self.fleet.trb("scenario", "abort", run, node=CLOUD)
@@ -116,7 +116,7 @@ class Late(support.FleetTest):
                 mark = self.mark()
                 self.fleet.virtual["conveyor"].say(how)
                 if how == "quit":
-                    self.wait_robot_state("conveyor", "OFFLINE")
+                    self.wait_robot_state("conveyor", "CONNECTION_BROKEN")
                     self.assertEqual(self.refusal("send", "conveyor", "command", "wave")["code"], "no_field_channel")
                     self.fleet.virtual.pop("conveyor").stop()
                     self.fleet.start_robot("conveyor")
@@ -167,7 +167,7 @@ class Late(support.FleetTest):
 
 
 class Join(support.FleetTest):
-    """A fleet that runs already takes in a node that was made since."""
+    """A fleet that runs already takes in a node that was made since, whose robot is switched on last."""
 
     BLOCK = 72
     ROBOTS = {"ridgeback": ROBOTS["ridgeback"]}
@@ -184,11 +184,15 @@ class Join(support.FleetTest):
         self.assertIn("pioneer1", str(faults[1]))
         fleet.make_node("pioneer1")
         fleet.trb("fleet", "sign", fleet.authority_dir(), fleet.dir("pioneer1") / "keys" / "request.json")
-        fleet.start_robot("pioneer1")
         self.start_node("pioneer1")
-        support.tell(f"a new node is known to all: {fleet.wait_formed(support.LONG_S):.2f} s")
-        mark = self.mark()
+        self.fleet.wait("its node is known", lambda: self.robot_state("pioneer1") == "OFFLINE", support.HEAL_S)
         run = self.submit(scenario)
+        self.fleet.wait("its node says what it waits for", lambda: "OFFLINE" in self.view(run, "pioneer1")["waits_for"],
+                        support.LONG_S)
+        mark = self.mark()
+        mark["pioneer1"] = (None, 0)
+        fleet.start_robot("pioneer1")
+        support.tell(f"a new robot is known to all: {fleet.wait_formed(support.LONG_S):.2f} s")
         self.wait_state(run, "FINISHED")
         self.assertEqual((self.commanded(mark, "pioneer1"), self.commanded(mark, "ridgeback")), (["go_to"], ["load_out"]))
 
