@@ -1,4 +1,5 @@
 // What time does: keep-alives, leases, dialling again, beacons, candidates that said nothing.
+#include "common/base/hex.hpp"
 #include "services/router/core/router_core.hpp"
 
 namespace trb::router {
@@ -24,7 +25,7 @@ void RouterCore::tick(Now now, Effects& out) {
   tick_peers(now, out);
   tick_seeds(now, out);
   tick_beacon(now, out);
-  tick_candidates(now);
+  tick_candidates(now, out);
 }
 
 void RouterCore::tick_links(Now now, Effects& out) {
@@ -93,38 +94,46 @@ void RouterCore::tick_beacon(Now now, Effects& out) {
   out.add(SendBeacon{encode(record)});
 }
 
-void RouterCore::tick_candidates(Now now) {
+void RouterCore::tick_candidates(Now now, Effects& out) {
   for (auto at = candidates_.begin(); at != candidates_.end();) {
     if (now.mono < at->second) {
       ++at;
       continue;
     }
     count("refused.no_hello");
+    out.log(LogLevel::warning, "no_hello",
+            "the unknown key " + to_hex(at->first) + " connected and said no Hello in time");
     if (denied_.size() < 8 * kMaxCandidates) denied_[at->first] = now.mono + config_.timing.denied;
     at = candidates_.erase(at);
   }
   std::erase_if(denied_, [&](const auto& row) { return now.mono >= row.second; });
 }
 
+void RouterCore::refuse_beacon(std::string_view reason, const std::string& text, Effects& out) {
+  out.count("beacon." + std::string(reason));
+  out.log(LogLevel::warning, "beacon_refused", std::string(reason) + ": " + text);
+}
+
 void RouterCore::on_beacon(BytesView plain, Now now, Effects& out) {
+  const auto refuse = [&](const Error& error) { refuse_beacon(errc_name(error.code), error.what, out); };
   auto record = decode<SignedRecord>(plain);
-  if (!record) return out.count("beacon.malformed");
+  if (!record) return refuse(record.error());
   if (record->signer == config_.id) return;
   auto outer = decode<Beacon>(record->payload.bytes);
-  if (!outer) return out.count("beacon.malformed");
+  if (!outer) return refuse(outer.error());
   auto certificate = open_certificate(outer->certificate, config_.authority, checked_utc(now.utc));
-  if (!certificate) return out.count("beacon." + std::string(errc_name(certificate.error().code)));
-  if (auto proven = open_record<Beacon>(*record, kSignedBeacon, *certificate); !proven) {
-    return out.count("beacon." + std::string(errc_name(proven.error().code)));
+  if (!certificate) return refuse(certificate.error());
+  if (auto proven = open_record<Beacon>(*record, kSignedBeacon, *certificate); !proven) return refuse(proven.error());
+  if (peers_.size() >= kMaxPeers && peers_.count(certificate->id) == 0) {
+    return refuse_beacon("too_many_peers", "the routing table has no row for '" + certificate->id + "'", out);
   }
-  if (peers_.size() >= kMaxPeers && peers_.count(certificate->id) == 0) return out.count("beacon.too_many_peers");
   const auto known = peers_.find(certificate->id);
   if (known != peers_.end()) {
     const Peer& peer = known->second;
     const bool old = outer->boot < peer.boot ||
                      std::pair(outer->boot, outer->count) <= std::pair(peer.beacon_boot, peer.beacon_count) ||
                      certificate->serial < peer.certificate.serial;
-    if (old) return out.count("beacon.replayed");
+    if (old) return refuse_beacon("replayed", "of '" + peer.id + "', not newer than one that was heard", out);
     if (peer.link != 0 && peer.boot == outer->boot) {
       known->second.beacon_boot = outer->boot;
       known->second.beacon_count = outer->count;

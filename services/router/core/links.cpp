@@ -1,6 +1,7 @@
 // Links: dialled, admitted, heard, dropped and dialled again.
 #include <algorithm>
 
+#include "common/base/hex.hpp"
 #include "services/router/core/router_core.hpp"
 
 namespace trb::router {
@@ -61,10 +62,12 @@ bool RouterCore::admit(BytesView key, MonotonicTime now, Effects& out) {
   if (peers_by_key_.count(key) != 0) return true;
   if (const auto at = denied_.find(key); at != denied_.end() && now < at->second) {
     out.count("refused.denied_key");
+    out.log(LogLevel::warning, "denied_key", "the key " + to_hex(key) + " was refused a moment ago");
     return false;
   }
   if (candidates_.count(key) == 0 && candidates_.size() >= kMaxCandidates) {
     out.count("refused.too_many_candidates");
+    out.log(LogLevel::warning, "too_many_candidates", "no room for the unknown key " + to_hex(key));
     return false;
   }
   // Connecting again buys no more time.
@@ -103,7 +106,7 @@ void RouterCore::on_early_message(LinkId id, BytesView key, const Message& messa
 
 void RouterCore::on_peer_message(Link& link, const Message& message, Now now, Effects& out) {
   auto body = decode_body(message.subtype, message.data);
-  if (!body) return out.count("refused.malformed");
+  if (!body) return deny_peer(link, message, body.error(), out);
   if (const auto* alive = std::get_if<KeepAlive>(&*body)) return on_keep_alive(link, *alive, now);
   if (const auto* profile = std::get_if<NodeProfile>(&*body)) {
     peers_.at(link.peer).profile = *profile;
@@ -112,8 +115,16 @@ void RouterCore::on_peer_message(Link& link, const Message& message, Now now, Ef
   } else if (auto reply = answer_to(message, now)) {
     link_send(link, *reply, out, &message);
   } else {
-    out.count("refused.not_permitted");
+    deny_peer(link, message, fail(Errc::not_permitted, reply.error().what), out);
   }
+}
+
+void RouterCore::deny_peer(Link& link, const Message& message, const Error& error, Effects& out) {
+  out.count("refused." + std::string(errc_name(error.code)));
+  out.log(LogLevel::warning, "message_refused", link.peer + " sent " + message.subtype + ": " + error.text());
+  if (message.type == MessageType::information || message.reply_to != 0) return;
+  const Nack nack{std::string(errc_name(error.code)), message.subtype, message.target, error.what, error.cure};
+  link_send(link, nack, out, &message);
 }
 
 void RouterCore::on_keep_alive(Link& link, const KeepAlive& body, Now now) {

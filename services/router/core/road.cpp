@@ -54,6 +54,12 @@ std::string_view cure_of(Errc reason) {
       return "send less, or wait";
     case Errc::no_service:
       return "see trb service list on the target; is the service in its node.json?";
+    case Errc::not_permitted:
+      return "this subtype is between the services of one node, or between routers; use another word";
+    case Errc::expired:
+      return "give the message more time";
+    case Errc::bad_value:
+      return "only information goes to every node, and only information answers";
     default:
       return "";
   }
@@ -67,7 +73,12 @@ Decision RouterCore::route_local(ConnectionId from, const HeaderView& header) {
   if (header.source != config_.id) return drop(Errc::source_mismatch);
   if (header.id >> 48U != connection->slot) return drop(Errc::malformed);
   if (header.remaining_ms == 0) return drop(Errc::expired);
-  if (header.target == config_.id) return route_to_self(header);
+  if (header.target == config_.id) {
+    const Decision own = route_to_self(header);
+    // What a robot says to its own node and nobody takes must not come back to it as fields.
+    const bool echo = own.to == Decision::To::service && own.connection == from && header.reply_to == 0;
+    return echo ? drop(Errc::no_service) : own;
+  }
   if (contains(kLinkOnly, header.subtype)) return drop(Errc::not_permitted);
   if (header.target == kEveryNode) {
     const bool good = header.type == MessageType::information;
@@ -85,6 +96,7 @@ Decision RouterCore::route_peer(LinkId id, const HeaderView& header, Now now, Ef
   Link& link = at->second;
   if (header.sequence != link.heard + 1 && link.up) {
     out.count("refused.sequence");
+    out.log(LogLevel::warning, "sequence_gap", "on the link of " + link.peer);
     drop_link(id, "sequence " + std::to_string(header.sequence) + " after " + std::to_string(link.heard), true, now,
               out);
     return drop(Errc::conflict);
@@ -98,7 +110,11 @@ Decision RouterCore::route_peer(LinkId id, const HeaderView& header, Now now, Ef
     return drop(Errc::source_mismatch);
   }
   if (header.target != config_.id && header.target != kEveryNode) return drop(Errc::unknown_target);
-  if (contains(kLocalOnly, header.subtype)) return drop(Errc::not_permitted);
+  if (contains(kLocalOnly, header.subtype)) {
+    out.log(LogLevel::warning, "not_permitted",
+            link.peer + " sent " + std::string(header.subtype) + ", which is for one node's own services");
+    return drop(Errc::not_permitted);
+  }
   if (header.remaining_ms == 0) return drop(Errc::expired);
   return route_to_self(header);
 }

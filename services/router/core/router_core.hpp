@@ -103,6 +103,7 @@ class RouterCore {
   void drop_link(LinkId id, const std::string& why, bool say_goodbye, Now now, Effects& out);
   void refuse_candidate(LinkId id, BytesView key, const Error& error, Now now, Effects& out);
   void link_send(Link& link, const Body& body, Effects& out, const Message* asked = nullptr);
+  void deny_peer(Link& link, const Message& message, const Error& error, Effects& out);
   void on_keep_alive(Link& link, const KeepAlive& body, Now now);
   void redial_later(Redial& redial, Now now, Duration at_least = {});
   void redial_failed(LinkId id, Now now);
@@ -115,7 +116,8 @@ class RouterCore {
   void tick_peers(Now now, Effects& out);
   void tick_seeds(Now now, Effects& out);
   void tick_beacon(Now now, Effects& out);
-  void tick_candidates(Now now);
+  void tick_candidates(Now now, Effects& out);
+  void refuse_beacon(std::string_view reason, const std::string& text, Effects& out);
   void expire(Peer& peer, const std::string& reason, Effects& out);
   [[nodiscard]] bool own_is_smaller(std::string_view other) const { return config_.id < other; }
   [[nodiscard]] UtcTime checked_utc(UtcTime utc) const;

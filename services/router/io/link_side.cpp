@@ -48,6 +48,7 @@ void RouterShell::on_inbox_frame(BytesView routing_id, Frame& frame) {
   const auto header = decode_frame(view_of(frame));
   if (!header) {
     core_.count("refused." + std::string(errc_name(header.error().code)));
+    log_limited(limit_, read_clocks().mono, Level::warning, "frame_refused", header.error().text());
     return;
   }
   const std::string_view user = user_id(frame);
@@ -188,6 +189,8 @@ void RouterShell::on_inbox_event(LinkEvent event) {
     case LinkEvent::protocol_error:
     case LinkEvent::failed:
       core_.count("refused.no_zmtp");
+      log_limited(limit_, read_clocks().mono, Level::warning, "no_zmtp",
+                  "a client that does not speak ZMTP, or left during the handshake");
       break;
     case LinkEvent::connected:
     case LinkEvent::disconnected:
