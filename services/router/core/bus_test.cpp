@@ -66,9 +66,10 @@ TEST_CASE("a service and a subtype have one holder; when that is gone, the next 
 TEST_CASE("probes that ended unnoticed do not fill the bus for ever") {
   Bus bus;
   for (ConnectionId id = 1; id <= kMaxConnections; ++id) CHECK(bus.hello(id, "trb", {}, true) == "service_welcome");
-  CHECK(bus.hello(100, "scheduler") == "queue_full");
+  CHECK(bus.hello(100, "trb", {}, true) == "queue_full");
+  CHECK(bus.hello(101, "scheduler") == "service_welcome");
   bus.fleet.run(Seconds(11));
-  CHECK(bus.hello(100, "scheduler") == "service_welcome");
+  CHECK(bus.hello(100, "trb", {}, true) == "service_welcome");
   CHECK(bus.ant.told(HelloWanted::kSubtype) == kMaxConnections);
 }
 

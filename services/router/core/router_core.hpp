@@ -50,6 +50,7 @@ class RouterCore {
   [[nodiscard]] std::optional<ConnectionId> holder_of(std::string_view service) const {
     return services_.holder(service);
   }
+  [[nodiscard]] bool bus_is_full() const { return services_.all().size() >= kMaxConnections; }
   [[nodiscard]] bool knows(ConnectionId connection) const { return services_.find(connection) != nullptr; }
   /// A message for the router itself, from the bus.
   void on_bus_message(ConnectionId from, const Message& message, Now now, Effects& out);

@@ -8,7 +8,8 @@ namespace trb::router {
 Result<std::uint16_t> Services::welcome(ConnectionId connection, const ServiceHello& hello, bool probe,
                                         MonotonicTime now) {
   forget(connection);
-  if (connections_.size() >= kMaxConnections) return fail(Errc::queue_full, "too many connections on the bus");
+  // Services are bounded by node.json; no crowd of probes keeps one of them out.
+  if (probe && connections_.size() >= kMaxConnections) return fail(Errc::queue_full, "too many connections on the bus");
   if (!probe) {
     if (holder(hello.service)) return fail(Errc::already_claimed, "service '" + hello.service + "' is running already");
     for (const std::string& subtype : hello.subtypes) {

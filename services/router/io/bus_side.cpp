@@ -77,6 +77,7 @@ void RouterShell::on_bus_hello(BusSocket& bus, ConnectionId from, const HeaderVi
     effects.count("refused.malformed");
   } else {
     free_dead_holder(*hello, effects);
+    if (bus.probe && core_.bus_is_full()) free_dead_probes(bus, from, effects);
     core_.on_service_hello(from, *hello, bus.probe, read_clocks(), effects);
   }
   carry_out(effects);
@@ -97,6 +98,14 @@ void RouterShell::forget_unknown() {
 void RouterShell::free_dead_holder(const ServiceHello& hello, Effects& effects) {
   const auto holder = core_.holder_of(hello.service);
   if (holder && is_gone(*holder)) forget_connection(*holder, effects);
+}
+
+void RouterShell::free_dead_probes(BusSocket& bus, ConnectionId asker, Effects& effects) {
+  std::vector<ConnectionId> known;
+  for (const auto& [routing_id, connection] : bus.connections) known.push_back(connection);
+  for (const ConnectionId connection : known) {
+    if (connection != asker && is_gone(connection)) forget_connection(connection, effects);
+  }
 }
 
 bool RouterShell::is_gone(ConnectionId connection) {

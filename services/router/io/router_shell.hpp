@@ -67,6 +67,7 @@ class RouterShell {
   ConnectionId add_connection(BusSocket& bus, BytesView routing_id);
   void on_bus_hello(BusSocket& bus, ConnectionId from, const HeaderView& header);
   void free_dead_holder(const ServiceHello& hello, Effects& effects);
+  void free_dead_probes(BusSocket& bus, ConnectionId asker, Effects& effects);
   bool is_gone(ConnectionId connection);
   void want_hello(BusSocket& bus, BytesView routing_id);
   void forget_unknown();
