@@ -1,4 +1,5 @@
 // trb: the command line of TalkRoBots. See README.md.
+#include <algorithm>
 #include <cstdio>
 
 #include "services/cli/commands/command.hpp"
@@ -51,12 +52,23 @@ int help(const std::vector<Command>& commands, const std::vector<std::string>& w
   return kWrongUse;
 }
 
+/// What can be known of arguments that were not understood: should the error be told to a program?
+Arguments as_asked(const std::vector<std::string>& given) {
+  Arguments out;
+  if (std::find(given.begin(), given.end(), "--json") != given.end()) out.options["--json"] = "";
+  return out;
+}
+
 int unknown(const std::vector<Command>& commands, const std::vector<std::string>& given) {
   std::string near;
   for (const Command& command : commands) {
-    if (command.name[0] == given[0]) near += "  trb " + command.usage.words + "\n";
+    if (command.name[0] == given[0])
+      near += (near.empty() ? "use trb " : ", trb ") + given[0] + " " + command.name.back();
   }
-  std::fprintf(stderr, "trb: no command '%s'\n%s", given[0].c_str(), near.empty() ? "see trb help\n" : near.c_str());
+  const bool second = !near.empty() && given.size() > 1 && given[1].rfind("--", 0) != 0;
+  const std::string words = given[0] + (second ? " " + given[1] : "");
+  print_error(as_asked(given),
+              fail(Errc::bad_value, "no command '" + words + "'", near.empty() ? "see trb help" : near));
   return kWrongUse;
 }
 
@@ -75,7 +87,7 @@ int main_of(const std::vector<std::string>& given) {
   }
   const auto arguments = parse_arguments(command->usage, rest);
   if (arguments) return command->run(*arguments);
-  print_error({}, arguments.error());
+  print_error(as_asked(rest), arguments.error());
   return kWrongUse;
 }
 

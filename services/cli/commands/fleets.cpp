@@ -3,10 +3,12 @@
 #include <unistd.h>
 
 #include <cstdlib>
+#include <filesystem>
 #include <iostream>
 
 #include "common/base/files.hpp"
 #include "common/base/hex.hpp"
+#include "common/base/ids.hpp"
 #include "common/security/authority.hpp"
 #include "common/security/node_keys.hpp"
 #include "common/transport/loop.hpp"
@@ -36,7 +38,7 @@ std::string ask_passphrase(const std::string& prompt) {
 Result<std::string> passphrase(const Arguments& arguments, bool fresh) {
   if (arguments.has("--passphrase-file")) {
     auto text = read_file(arguments.get("--passphrase-file"), 4096);
-    if (!text) return text.error();
+    if (!text) return fail(text.error().code, text.error().what, "name a file whose first line is the passphrase");
     return text->substr(0, text->find('\n'));
   }
   if (const char* set = std::getenv("TRB_PASSPHRASE")) return std::string(set);
@@ -65,7 +67,7 @@ int run_init(const Arguments& arguments) {
 Result<std::string> text_member(const Value& json, const std::string& key, const std::string& otherwise) {
   const Value* member = json.find(key);
   if (member == nullptr) return otherwise;
-  if (!member->is_text()) return fail(Errc::bad_value, "node.json: " + key + ": needs text");
+  if (!member->is_text()) return fail(Errc::bad_value, "node.json: " + key + ": needs text", "put it in quotes");
   return member->text();
 }
 
@@ -84,6 +86,8 @@ int run_request(const Arguments& arguments) {
   if (!id || !role) return print_error(arguments, (id ? role : id).error());
   if (*role != "robot" && *role != "cloud")
     return print_error(arguments, fail(Errc::bad_value, "node.json: role: '" + *role + "'", "use robot or cloud"));
+  if (Status good = check_id("id", *id); !good)
+    return print_error(arguments, fail(good.error().code, dir + "/node.json: " + good.error().what, good.error().cure));
   const Status made = make_request(dir, *id, *role == "cloud" ? Role::cloud : Role::robot);
   if (!made) return print_error(arguments, made.error());
   print_line("wrote " + dir + "/keys/request.json; the secret keys stay in " + dir + "/keys");
@@ -93,7 +97,8 @@ int run_request(const Arguments& arguments) {
 
 Result<CertificateFile> sign_file(Authority& authority, const Arguments& arguments, const std::string& path) {
   auto text = read_file(path, 65536);
-  if (!text) return text.error();
+  if (!text)
+    return fail(text.error().code, text.error().what, "name a request.json that trb fleet request has written");
   auto record = from_json<SignedRecord>(*text);
   if (!record) return fail(record.error().code, path + ": " + record.error().what, "run trb fleet request again");
   const auto days = arguments.number("--days", 365);
@@ -142,7 +147,13 @@ int run_show(const Arguments& arguments) {
   init_crypto();
   const std::string& path = arguments.words[0];
   if (file_exists(path + "/keys/certificate.json")) return show_certificate(arguments, path + "/keys/certificate.json");
-  if (!file_exists(path + "/fleet.json")) return show_certificate(arguments, path);
+  if (!file_exists(path + "/fleet.json")) {
+    std::error_code none;
+    if (std::filesystem::is_regular_file(path, none)) return show_certificate(arguments, path);
+    return print_error(arguments,
+                       fail(Errc::missing, path + ": no fleet.json, keys/certificate.json or certificate there",
+                            "name the folder of trb fleet init, or a node's folder after trb fleet sign"));
+  }
   auto fleet = read_fleet(path);
   if (!fleet) return print_error(arguments, fleet.error());
   if (arguments.has("--json")) {

@@ -20,10 +20,14 @@ Value text(const std::string& value) {
 Result<Body> body_of(const std::string& subtype, const std::string& data) {
   if (!is_valid_word(subtype))
     return fail(Errc::bad_value, "SUBTYPE: '" + subtype + "' is no word", "letters, digits, '_' and '-'");
-  if (data.size() > kMaxDataSize) return fail(Errc::too_large, "DATA: over 1 MiB");
+  if (data.size() > kMaxDataSize) return fail(Errc::too_large, "DATA: over 1 MiB", "send it in parts");
   if (!is_typed(subtype)) return Body{Opaque{subtype, data}};
   auto bytes = body_from_json(subtype, data.empty() ? "{}" : data);
-  if (!bytes) return bytes.error();
+  if (!bytes) {
+    auto like = body_to_json(subtype, "\x90");  // an empty array: every field at its default
+    return fail(bytes.error().code, "DATA of " + subtype + ": " + bytes.error().what,
+                like ? "write it like " + *like : bytes.error().cure);
+  }
   return decode_body(subtype, *bytes);
 }
 

@@ -41,7 +41,9 @@ Result<double> Arguments::number(const std::string& option, double otherwise) co
   char* end = nullptr;
   const double value = std::strtod(text.c_str(), &end);
   const bool good = !text.empty() && *end == '\0' && value > 0 && value < 1e9;
-  if (!good) return fail(Errc::bad_value, option + ": '" + text + "' is no positive number");
+  if (!good)
+    return fail(Errc::bad_value, option + ": '" + text + "' is no positive number",
+                "write, for example, " + option + " 5");
   return value;
 }
 

@@ -41,6 +41,10 @@ Result<std::unique_ptr<Probe>> Probe::open(const std::string& node_dir) {
   if (::chdir(node_dir.c_str()) != 0) return fail(Errc::missing, node_dir + ": no such folder", "name a node's folder");
   std::unique_ptr<Probe> probe(new Probe());
   if (Status welcome = probe->wait_welcome(); !welcome) {
+    if (const std::string& refusal = probe->link_->refusal(); !refusal.empty()) {
+      return fail(Errc::conflict, "the router of " + node_dir + " refuses: " + refusal,
+                  "end other trb commands on this node, then try again");
+    }
     return fail(Errc::timeout, "the router of " + node_dir + " does not answer", "start the node: trb up " + node_dir);
   }
   return probe;
@@ -88,9 +92,31 @@ Result<Message> Probe::ask(const Send& send, Duration wait) {
   }
 }
 
+namespace {
+
+/// For a Nack that tells none: what to look at, in the words of this program.
+std::string usual_cure(Errc code) {
+  switch (code) {
+    case Errc::unknown_run:
+      return "see trb scenario list";
+    case Errc::fenced:
+      return "trb release ROBOT lifts the fence";
+    case Errc::robot_offline:
+      return "see trb robot list; start the robot or check its cable";
+    case Errc::unknown_skill:
+    case Errc::unknown_place:
+      return "see trb route list --json for what the robot can do";
+    default:
+      return "see trb help errors";
+  }
+}
+
+}  // namespace
+
 Error nack_error(const Nack& nack) {
   for (int code = 1; code < 256; ++code) {
-    if (errc_name(static_cast<Errc>(code)) == nack.code) return fail(static_cast<Errc>(code), nack.what, nack.cure);
+    const auto known = static_cast<Errc>(code);
+    if (errc_name(known) == nack.code) return fail(known, nack.what, nack.cure.empty() ? usual_cure(known) : nack.cure);
   }
   return fail(Errc::bad_value, nack.code + ": " + nack.what, nack.cure);
 }
