@@ -1,0 +1,72 @@
+"""What the integration tests share: fleets in temporary folders, a node's log and counters read as differences."""
+import os
+import pathlib
+import sys
+import tempfile
+
+REPO = pathlib.Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(REPO / "scripts"))
+
+import trb_fleet  # noqa: E402
+
+PROGRAMS = pathlib.Path(os.environ.get("TRB_BIN_DIR", REPO / "build" / "dev" / "bin"))
+
+
+def make_fleet(case, kind=trb_fleet.Fleet, **arguments):
+    """A fleet in a temporary folder; it ends, and the folder goes, with the test case or class."""
+    add_cleanup = case.addClassCleanup if isinstance(case, type) else case.addCleanup
+    folder = tempfile.TemporaryDirectory(prefix="trb-", ignore_cleanup_errors=True)
+    add_cleanup(folder.cleanup)
+    fleet = kind(pathlib.Path(folder.name) / "fleet", PROGRAMS, **arguments)
+    add_cleanup(fleet.stop)
+    fleet.make()
+    return fleet
+
+
+class RouterFleet(trb_fleet.Fleet):
+    """Nodes without robots: all are of role cloud, each with the services that are named."""
+
+    def __init__(self, root, programs, services, **more):
+        super().__init__(root, programs, robots={}, cloud=False, **more)
+        self.services_of = services
+        self.node_names = list(services)
+
+    def node_json(self, node):
+        return {"id": node, "role": "cloud", "services": self.services_of[node]}
+
+    def bring_up(self, *nodes):
+        for node in nodes:
+            self.start_node(node)
+        for node in nodes:
+            self.nodes[node].wait_line("ready", 20)
+
+
+class Watch:
+    """A node's refusals and router log since this object was made."""
+
+    def __init__(self, fleet, node):
+        self.fleet, self.node = fleet, node
+        self.log_path = fleet.dir(node) / "log" / "router.log"
+        self.start = self.log_path.stat().st_size
+        self.before = self.counters()
+
+    def counters(self):
+        rows = self.fleet.json("service", "counters", "router", node=self.node)["values"]
+        return {row["name"]: int(row["value"]) for row in rows}
+
+    def rise(self, prefixes=("refused.", "beacon.")):
+        """The counters of these names that have risen, and by how much."""
+        now = self.counters()
+        risen = {name: value - self.before.get(name, 0) for name, value in now.items() if name.startswith(prefixes)}
+        return {name: value for name, value in risen.items() if value}
+
+    def log(self):
+        with open(self.log_path, "rb") as file:
+            file.seek(self.start)
+            return file.read().decode()
+
+    def wait_counted(self, name, count=1, timeout=6):
+        self.fleet.wait(f"{name} >= {count}", lambda: self.rise().get(name, 0) >= count, timeout)
+
+    def wait_logged(self, text, timeout=3):
+        self.fleet.wait(f"{text!r} in {self.log_path}", lambda: text in self.log(), timeout)
