@@ -50,7 +50,8 @@ def run_regime(regime, arguments, plan, core):
     results = {}
     octet = 64 + os.getpid() % 128
     try:
-        with tempfile.TemporaryDirectory(prefix="trb-bench-") as root, roads.Roads(root, arguments.programs, octet) as all_roads:
+        with tempfile.TemporaryDirectory(prefix="trb-bench-") as root, \
+                roads.Roads(root, arguments.programs, octet) as all_roads:
             measured = all_roads.all()
             for number in range(arguments.rounds):
                 turn = number % len(measured)
@@ -109,14 +110,14 @@ def print_table(rows):
 def print_regime(regime, result):
     say(f"\n== {regime}: one way, medians of {len(result['floor']['rounds'])} rounds")
     rows = [["ROAD", "MEDIAN us", "P99 us", "P99/MEDIAN", "TO FLOOR", "CPU us", "MSG/s", "TO FLOOR", "CPU us", "LOST"]]
-    for name in ("floor", "bare", "road", "own bus"):
+    for name in ("floor", "bare", "road"):
         row = result[name]
         rows.append([name, f"{row['median_us']:.1f}", f"{row['p99_us']:.1f}", f"{row['p99_to_median']:.2f}",
                      f"{row['latency_to_floor']:.2f}", f"{row['latency_cpu_us']:.1f}", f"{row['per_second']:,.0f}",
                      f"{row['throughput_to_floor']:.2f}", f"{row['throughput_cpu_us']:.2f}", row["lost"]])
     print_table(rows)
     rows = [["ROAD, PROCESS", "CPU us", "SWITCHES", "CPU us", "SWITCHES", ""]]
-    for name in ("floor", "bare", "road", "own bus"):
+    for name in ("floor", "bare", "road"):
         for process, use in result[name]["processes"].items():
             rows.append([f"{name}, {process}", *[f"{value:.2f}" for value in use.values()], ""])
     say("\n  a message, with one in flight and with many: CPU and voluntary context switches")
@@ -128,7 +129,8 @@ def print_split(result):
     say("\n== where the time goes (PIN, us one way)")
     print_table([["PART", "us", "SHARE"],
                  ["floor: ipc, two processes, CURVE tcp, ipc", f"{floor:.1f}", f"{floor / road:.0%}"],
-                 ["two more processes and the robots' TCP, bare", f"{bare - floor:.1f}", f"{(bare - floor) / road:.0%}"],
+                 ["two more processes and the robots' TCP, bare", f"{bare - floor:.1f}",
+                  f"{(bare - floor) / road:.0%}"],
                  ["what the routers and mode-adapters do", f"{road - bare:.1f}", f"{(road - bare) / road:.0%}"],
                  ["the road, robot to robot", f"{road:.1f}", "100%"]])
 
@@ -164,7 +166,8 @@ def main():
     plan = QUICK if arguments.quick else FULL
     core = min(os.sched_getaffinity(0))
     began = time.monotonic()
-    say(f"== {arguments.rounds} rounds a regime, 48 bytes of data a message; PIN: everything on core {core}; FREE: unpinned")
+    say(f"== {arguments.rounds} rounds a regime, 48 bytes of data a message; "
+        f"PIN: everything on core {core}; FREE: unpinned")
     report = {"rounds": arguments.rounds, "quick": arguments.quick, "bytes": 48, "window": WINDOW, "plan": plan,
               "cores": os.cpu_count(), "kernel": platform.release(), "regimes": {}}
     for regime in ("PIN", "FREE"):

@@ -24,7 +24,11 @@ class Road:
     def order(self, text):
         before = len(self.driver.lines)
         self.driver.say(text)
-        line, _ = self.driver.wait_line("{", ORDER_PATIENCE_S, before)
+        try:
+            line, _ = self.driver.wait_line("{", ORDER_PATIENCE_S, before)
+        except RuntimeError:
+            last = pathlib.Path(self.driver.log.name).read_text().splitlines()[-1]
+            raise RuntimeError(f"{self.name}, '{text}': {last}") from None
         return json.loads(line)
 
     def usage(self):
@@ -56,9 +60,9 @@ def switches(pid):
 
 
 class Fleet(trb_fleet.Fleet):
-    """a: its robot speaks fields; b: its robot is spoken to in its own words; c: both, for the way over its own bus."""
+    """a: its robot speaks fields; b: its robot is spoken to in its own words."""
 
-    MODES = {"a": "fields", "b": "bench", "c": "bench"}
+    MODES = {"a": "fields", "b": "bench"}
     FILES = {
         "profile.json": {"bench": "direct", "fields": "interpreter"},
         "commands.json": {"bench": {"port": VENDOR_PORT, "transport": "tcp-text", "language": "plain",
@@ -143,24 +147,18 @@ class Roads:
         first.wait_line("ready", 10)
         return Road("bare", driver, {"adapter a": first.child.pid, **pids, "adapter b": last.child.pid})
 
-    def nodes(self):
-        """Three real nodes: the road from a to b, and the way from c to c over its own bus."""
+    def road(self):
+        """Two real nodes, from the robot of a to the robot of b."""
         fleet = self.fleet
         fleet.make()
-        drivers = {}
-        for begin, end in (("a", "b"), ("c", "c")):
-            drivers[begin] = self.start("drive-tcp", f"{fleet.address(begin)}:40000", fleet.robot_address(begin),
-                                        f"{fleet.robot_address(end)}:{VENDOR_PORT}", end, until="listening")
+        driver = self.start("drive-tcp", f"{fleet.address('a')}:40000", fleet.robot_address("a"),
+                            f"{fleet.robot_address('b')}:{VENDOR_PORT}", "b", until="listening")
         for node in fleet.node_names:
             fleet.start_node(node)
         fleet.wait_formed(30)
-        for driver in drivers.values():
-            driver.wait_line("ready", 10)
-        pid = {(service, node): fleet.pid(node, service) for node in "abc" for service in ("router", "mode-adapter")}
-        road = {"adapter a": pid["mode-adapter", "a"], "router a": pid["router", "a"],
-                "router b": pid["router", "b"], "adapter b": pid["mode-adapter", "b"]}
-        own = {"adapter c": pid["mode-adapter", "c"], "router c": pid["router", "c"]}
-        return [Road("road", drivers["a"], road), Road("own bus", drivers["c"], own)]
+        driver.wait_line("ready", 10)
+        return Road("road", driver, {"adapter a": fleet.pid("a", "mode-adapter"), "router a": fleet.pid("a", "router"),
+                                     "router b": fleet.pid("b", "router"), "adapter b": fleet.pid("b", "mode-adapter")})
 
     def all(self):
-        return [self.floor(), self.bare(), *self.nodes()]
+        return [self.floor(), self.bare(), self.road()]
