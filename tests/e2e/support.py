@@ -123,7 +123,8 @@ class FleetTest(unittest.TestCase):
 
     def show_logs(self):
         """What the services wrote last: all there is to find out why a test failed."""
-        for path in sorted(self.root.glob("fleet/nodes/*/log/*.log")):
+        logs = [*self.root.glob("fleet/nodes/*/log/*.log"), *self.root.glob("fleet/up-*.log")]
+        for path in sorted(logs):
             lines = path.read_text(errors="replace").splitlines()[-8:]
             print(f"-- {path.relative_to(self.root)}", *lines, sep="\n   ", file=sys.stderr)
         for node, robot in self.fleet.virtual.items():
@@ -249,11 +250,13 @@ class FleetTest(unittest.TestCase):
         """kill -9 of a node as a whole, as if its power failed. The supervisor is stopped first: it must start nothing."""
         up = self.fleet.nodes.pop(node)
         os.kill(up.child.pid, signal.SIGSTOP)
-        for service in ("scheduler", "mode-adapter", "router"):
-            pid = self.fleet.pid_of_child(up.child.pid, service)
-            if pid is not None:
-                os.kill(pid, signal.SIGKILL)
+        services = ("scheduler", "mode-adapter", "router")
+        pids = [pid for pid in (self.fleet.pid_of_child(up.child.pid, s) for s in services) if pid is not None]
+        for pid in pids:
+            os.kill(pid, signal.SIGKILL)
         up.stop(signal.SIGKILL)
+        # Only then are its ports free, for whoever starts it again at once.
+        wait_until(f"the processes of {node} end", lambda: not any(map(is_alive, pids)))
 
     def start_node(self, node, timeout=20):
         self.fleet.start_node(node)
@@ -280,6 +283,17 @@ def send_signal(pid, number):
         os.kill(pid, number)
     except ProcessLookupError:
         pass
+
+
+def is_alive(pid):
+    """A zombie that nobody has fetched holds nothing any more, once all its threads have ended."""
+    def state(path):
+        try:
+            return path.read_text().rsplit(")", 1)[1].split()[0]
+        except (FileNotFoundError, ProcessLookupError):
+            return "X"
+
+    return any(state(path) not in "ZX" for path in pathlib.Path(f"/proc/{pid}/task").glob("*/stat"))
 
 
 def tell(text):
