@@ -111,7 +111,7 @@ class RunFleet(support.FleetTest):
     # ---- the scheduler of the robot that executes
 
     def test_scheduler_before_the_baton_came(self):
-        """Stopped while its predecessor works, so that the baton waits unread; then killed: the baton is passed again."""
+        """Stopped while its predecessor works, so that the baton waits unread; then killed: it is passed again."""
         run, mark = self.started()
         self.wait_robot(mark, "ridgeback", "start fetch")
         self.pause_service("conveyor", "scheduler")
@@ -120,8 +120,8 @@ class RunFleet(support.FleetTest):
         self.assert_finished_once(run, mark)
 
     def test_scheduler_before_the_command(self):
-        """The mode-adapter is stopped before the task becomes ready: the start is on record and the command on its way, but
-        not read, when the scheduler dies. The new one asks; both words are then read in their order."""
+        """The mode-adapter is stopped before the task becomes ready: the start is on record and the command on its way,
+        but not read, when the scheduler dies. The new one asks; both words are then read in their order."""
         run, mark = self.started()
         self.wait_robot(mark, "ridgeback", "start fetch")
         adapter = self.pause_service("conveyor", "mode-adapter")

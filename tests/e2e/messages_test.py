@@ -1,4 +1,4 @@
-"""Messages between robots of different languages, and from the command line, each within the second that a person waits."""
+"""Messages between robots of different languages and from the command line, within the second that a person waits."""
 import json
 import time
 
@@ -114,7 +114,8 @@ class Messages(support.FleetTest):
 
     def test_an_unknown_word_for_the_ur_is_refused_with_a_cure(self):
         for kind in ("command", "request"):
-            error = self.quick(f"unknown {kind} for ur3", lambda k=kind: self.refusal("send", "ur3", k, "wave", "hello"))
+            error = self.quick(f"unknown {kind} for ur3",
+                               lambda k=kind: self.refusal("send", "ur3", k, "wave", "hello"))
             self.assertEqual(error["code"], "no_field_channel")
             self.assertIn("'wave'", error["what"])
             self.assertIn("commands.json", error["cure"])

@@ -1,4 +1,4 @@
-"""`trb stop` while a scenario runs: every robot stands, is fenced until it is released, and the run says what it waits for."""
+"""`trb stop` while a scenario runs: every robot stands, fenced until it is released, and the run says what it awaits."""
 import json
 import time
 

@@ -247,7 +247,7 @@ class FleetTest(unittest.TestCase):
         self.fleet.wait(f"{service} of {node} is back", lambda: self.is_back(node, service, old), LONG_S)
 
     def kill_node(self, node):
-        """kill -9 of a node as a whole, as if its power failed. The supervisor is stopped first: it must start nothing."""
+        """kill -9 of a whole node, as if its power failed. The supervisor is stopped first: it must start nothing."""
         up = self.fleet.nodes.pop(node)
         os.kill(up.child.pid, signal.SIGSTOP)
         services = ("scheduler", "mode-adapter", "router")
