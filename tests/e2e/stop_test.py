@@ -1,4 +1,4 @@
-"""`trb stop` while a scenario runs: every robot stands, fenced until it is released, and the run says what it awaits."""
+"""`trb stop` while a scenario runs: each robot stands, fenced until it is released, and the run says what it awaits."""
 import json
 import time
 
