@@ -140,7 +140,10 @@ void RouterCore::drop_link(LinkId id, const std::string& why, bool say_goodbye, 
   Link& link = at->second;
   const bool carried = link.up && peers_.count(link.peer) != 0 && peers_.at(link.peer).link == id;
   if (say_goodbye && link.up) link_send(link, Goodbye{why.substr(0, 128)}, out);
-  out.log(LogLevel::info, "link_closed", (link.peer.empty() ? "unproven" : link.peer) + ": " + why);
+  // A node that is off is dialled for ever: names apart, so that its lines do not use up what may be logged of real
+  // ends.
+  out.log(LogLevel::info, link.up ? "link_closed" : "dial_ended",
+          (link.peer.empty() ? "unproven" : link.peer) + ": " + why);
   out.add(CloseLink{id});
   const std::string name = link.peer;
   const MonotonicTime last_heard = link.last_heard;

@@ -96,9 +96,9 @@ Decision RouterCore::route_peer(LinkId id, const HeaderView& header, Now now, Ef
   Link& link = at->second;
   if (header.sequence != link.heard + 1 && link.up) {
     out.count("refused.sequence");
-    out.log(LogLevel::warning, "sequence_gap", "on the link of " + link.peer);
-    drop_link(id, "sequence " + std::to_string(header.sequence) + " after " + std::to_string(link.heard), true, now,
-              out);
+    const std::string why = "sequence " + std::to_string(header.sequence) + " after " + std::to_string(link.heard);
+    out.log(LogLevel::warning, "sequence_gap", link.peer + ": " + why);
+    drop_link(id, why, true, now, out);
     return drop(Errc::conflict);
   }
   link.heard = header.sequence;
