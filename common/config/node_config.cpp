@@ -3,7 +3,7 @@
 #include <chrono>
 #include <filesystem>
 
-#include "common/config/files.hpp"
+#include "common/base/files.hpp"
 #include "common/config/ports.hpp"
 #include "common/config/readers.hpp"
 #include "common/fleet/did_you_mean.hpp"

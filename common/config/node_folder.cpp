@@ -5,7 +5,7 @@
 
 #include <filesystem>
 
-#include "common/config/files.hpp"
+#include "common/base/files.hpp"
 #include "common/security/authority.hpp"
 #include "common/security/node_keys.hpp"
 #include "proto/body.hpp"

@@ -3,7 +3,7 @@
 
 #include <filesystem>
 
-#include "common/config/files.hpp"
+#include "common/base/files.hpp"
 #include "common/config/node_folder.hpp"
 #include "common/scenario/definition.hpp"
 
