@@ -19,6 +19,8 @@
   X(SignRequest) X(SignedRecord) X(RouteListRequest) X(RouteTable) X(ServiceListRequest) X(ServiceTable)           \
   X(RouterCountersRequest) X(AdapterCountersRequest) X(Counters)                                                   \
   X(Certificate) X(CertificateRequest) X(Beacon) X(NodeProfile) X(Hello) X(KeepAlive) X(Goodbye) X(PeerJoined)     \
+  X(RevocationList) X(Seal) X(SealedRange) X(FleetNews) X(Neighbours) X(Relayed) X(RelayedFrame)                   \
+  X(LinkTroublesRequest) X(LinkTroubles) X(EchoRequest) X(Echo)                                                    \
   X(PeerExpired) X(Execute) X(CancelExecution) X(ExecutionQuery) X(ExecutionState) X(Outcome) X(OutcomeJournaled)  \
   X(AdapterState) X(AdapterStateRequest) X(RobotFault) X(RobotConnection) X(Stop) X(Release)                       \
   X(Scenario) X(RunStart) X(TaskResult) X(AbortOrder) X(RunSubmit) X(RunAccepted) X(Baton) X(BatonJournaled)       \

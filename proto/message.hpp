@@ -29,7 +29,8 @@ constexpr std::string_view kEveryNode = "*";  ///< as target: every linked node 
 
 /// Bits of Header::flags.
 enum MessageFlags : std::uint16_t {
-  kFlagNoAnswer = 1,  ///< the sender wants no answer to this command, a Nack apart
+  kFlagNoAnswer = 1,     ///< the sender wants no answer to this command, a Nack apart
+  kFlagTakeControl = 2,  ///< this command takes the robot's control lease over from whoever has it
 };
 
 /// What a router reads. The texts point into the frame.

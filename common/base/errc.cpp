@@ -72,6 +72,16 @@ std::string_view errc_name(Errc code) {
       return "not_permitted";
     case Errc::unknown_peer_key:
       return "unknown_peer_key";
+    case Errc::cert_revoked:
+      return "cert_revoked";
+    case Errc::replayed:
+      return "replayed";
+    case Errc::downgraded:
+      return "downgraded";
+    case Errc::seal_broken:
+      return "seal_broken";
+    case Errc::control_held:
+      return "control_held";
     case Errc::unknown_run:
       return "unknown_run";
     case Errc::already_claimed:

@@ -45,6 +45,11 @@ enum class Errc : std::uint8_t {
   source_mismatch,  ///< the source is not the connection's certificate's id
   not_permitted,    ///< the role may not do that
   unknown_peer_key,
+  cert_revoked,  ///< the certificate is on the fleet's revocation list
+  replayed,      ///< not newer than one that was heard
+  downgraded,    ///< an older certificate, list or protection than what is known
+  seal_broken,   ///< a seal is missing, wrong, late or out of order
+  control_held,  ///< another one has the control lease of this robot
   // state
   unknown_run,
   already_claimed,

@@ -107,6 +107,7 @@ struct ServiceEntry {
   double up_s = 0;
   double last_heard_s = 0;
   std::vector<std::string> subtypes;
+  std::string note;  ///< what a person should know of it, as a certificate that ends soon
   static constexpr auto fields() {
     return std::tuple{field("service", &ServiceEntry::service, 64),
                       field("state", &ServiceEntry::state, 16),
@@ -115,7 +116,8 @@ struct ServiceEntry {
                       field("version", &ServiceEntry::version, 32),
                       field("up_s", &ServiceEntry::up_s),
                       field("last_heard_s", &ServiceEntry::last_heard_s),
-                      field("subtypes", &ServiceEntry::subtypes, 64)};
+                      field("subtypes", &ServiceEntry::subtypes, 64),
+                      field("note", &ServiceEntry::note)};
   }
 };
 

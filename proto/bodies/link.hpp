@@ -69,6 +69,9 @@ struct Hello {
   std::int64_t utc = 0;
   bool clock_verified = true;
   NodeProfile profile;
+  std::uint64_t revocations = 0;  ///< number of the newest revocation list that the sender holds
+  std::string seal = "behind";    ///< "behind" the delivery, or "before_delivery"
+  bool relay = false;             ///< carries messages between members that cannot reach each other
   static constexpr auto fields() {
     return std::tuple{field("certificate", &Hello::certificate),
                       field("boot", &Hello::boot),
@@ -76,8 +79,105 @@ struct Hello {
                       field("version", &Hello::version, 32),
                       field("utc", &Hello::utc),
                       field("clock_verified", &Hello::clock_verified),
-                      field("profile", &Hello::profile)};
+                      field("profile", &Hello::profile),
+                      field("revocations", &Hello::revocations),
+                      field("seal", &Hello::seal, 16),
+                      field("relay", &Hello::relay)};
   }
+};
+
+/// The sender's seal over what it sent on this link since its last one.
+struct Seal {
+  static constexpr std::string_view kSubtype = "seal";
+  SignedRecord range;  ///< a SealedRange
+  static constexpr auto fields() { return std::tuple{field("range", &Seal::range)}; }
+};
+
+/// What the authority has said since: the newest revocation list, renewed certificates. Any member may bring it, for
+/// the authority has signed it; whoever learns something new from it hands that on.
+struct FleetNews {
+  static constexpr std::string_view kSubtype = "fleet_news";
+  SignedRecord revocations;  ///< a RevocationList; an empty kind for none
+  std::vector<SignedRecord> certificates;
+  static constexpr auto fields() {
+    return std::tuple{field("revocations", &FleetNews::revocations),
+                      field("certificates", &FleetNews::certificates, 256)};
+  }
+};
+
+/// A node that a relay is linked with.
+struct Neighbour {
+  SignedRecord certificate;
+  std::uint64_t boot = 0;
+  std::string address;
+  std::string version;
+  bool clock_verified = true;
+  NodeProfile profile;
+  static constexpr auto fields() {
+    return std::tuple{field("certificate", &Neighbour::certificate),       field("boot", &Neighbour::boot),
+                      field("address", &Neighbour::address, 80),           field("version", &Neighbour::version, 32),
+                      field("clock_verified", &Neighbour::clock_verified), field("profile", &Neighbour::profile)};
+  }
+};
+
+/// A relay tells whom it reaches: all of them when a link comes up (in several messages if need be), then each change.
+struct Neighbours {
+  static constexpr std::string_view kSubtype = "neighbours";
+  std::vector<Neighbour> reached;
+  std::vector<std::string> gone;
+  static constexpr auto fields() {
+    return std::tuple{field("reached", &Neighbours::reached, 64), field("gone", &Neighbours::gone, 1024)};
+  }
+};
+
+/// A message by way of a relay.
+struct Relayed {
+  static constexpr std::string_view kSubtype = "relayed";
+  SignedRecord record;  ///< a RelayedFrame
+  static constexpr auto fields() { return std::tuple{field("record", &Relayed::record)}; }
+};
+
+/// Asks a router what has gone wrong with its links: for `trb doctor`.
+struct LinkTroublesRequest {
+  static constexpr std::string_view kSubtype = "link_troubles";
+  static constexpr auto fields() { return std::tuple{}; }
+};
+
+struct LinkTrouble {
+  std::string peer;     ///< id, if known
+  std::string address;  ///< dialled; empty if it came from outside
+  std::string code;     ///< an errc_name() or the name of a link's end, as "refused_key"
+  std::string text;
+  std::uint64_t count = 0;  ///< how often, one after the other
+  double last_s = 0;        ///< how long ago the last was
+  static constexpr auto fields() {
+    return std::tuple{field("peer", &LinkTrouble::peer, 64), field("address", &LinkTrouble::address, 80),
+                      field("code", &LinkTrouble::code, 64), field("text", &LinkTrouble::text, 512),
+                      field("count", &LinkTrouble::count),   field("last_s", &LinkTrouble::last_s)};
+  }
+};
+
+/// Bounded: the newest of each (peer, address, code).
+struct LinkTroubles {
+  static constexpr std::string_view kSubtype = "link_trouble_table";
+  std::string node;
+  std::vector<LinkTrouble> troubles;
+  static constexpr auto fields() {
+    return std::tuple{field("node", &LinkTroubles::node, 64), field("troubles", &LinkTroubles::troubles, 256)};
+  }
+};
+
+/// Answered by a router with what it got: does a message of this size pass both ways?
+struct EchoRequest {
+  static constexpr std::string_view kSubtype = "echo_request";
+  Blob pad;
+  static constexpr auto fields() { return std::tuple{field("pad", &EchoRequest::pad, 65536)}; }
+};
+
+struct Echo {
+  static constexpr std::string_view kSubtype = "echo";
+  Blob pad;
+  static constexpr auto fields() { return std::tuple{field("pad", &Echo::pad, 65536)}; }
 };
 
 /// Four in a lease. `heard` is the sequence last received, so that a one-way cut ends the lease on both sides.
@@ -126,6 +226,7 @@ struct Route {
   std::string clock;  ///< "verified" or "unverified"
   SignedRecord certificate;
   NodeProfile profile;
+  std::string via;  ///< the relay by which it is reached; empty for a link of one's own
   static constexpr auto fields() {
     return std::tuple{field("id", &Route::id, 64),
                       field("role", &Route::role),
@@ -138,7 +239,8 @@ struct Route {
                       field("version", &Route::version, 32),
                       field("clock", &Route::clock, 16),
                       field("certificate", &Route::certificate),
-                      field("profile", &Route::profile)};
+                      field("profile", &Route::profile),
+                      field("via", &Route::via, 64)};
   }
 };
 

@@ -12,6 +12,10 @@ constexpr std::string_view kSignedBeacon = "beacon";
 constexpr std::string_view kSignedRunStart = "run_start";
 constexpr std::string_view kSignedRunAbort = "run_abort";
 constexpr std::string_view kSignedResult = "result";
+constexpr std::string_view kSignedDecision = "decision";
+constexpr std::string_view kSignedRevocations = "revocation_list";
+constexpr std::string_view kSignedSeal = "seal";
+constexpr std::string_view kSignedRelayed = "relayed";
 
 /// Ed25519 over "talkrobots" 0 purpose 0 fleet payload; the fleet is 16 bytes (none in a certificate request).
 struct SignedRecord {
@@ -82,6 +86,96 @@ struct Beacon {
   static constexpr auto fields() {
     return std::tuple{field("certificate", &Beacon::certificate), field("address", &Beacon::address, 80),
                       field("boot", &Beacon::boot), field("sent", &Beacon::sent), field("count", &Beacon::count)};
+  }
+};
+
+/// One certificate that must not be taken any more.
+struct Revocation {
+  std::uint64_t serial = 0;
+  std::string id;
+  std::string reason;
+  std::int64_t at = 0;  ///< UTC ns
+  bool operator==(const Revocation&) const = default;
+  static constexpr auto fields() {
+    return std::tuple{field("serial", &Revocation::serial), field("id", &Revocation::id, 64),
+                      field("reason", &Revocation::reason, 128), field("at", &Revocation::at)};
+  }
+};
+
+/// The fleet's beacon key in a sealed box (X25519, 80 bytes) that only one node's link key opens.
+struct SealedKey {
+  std::string id;
+  Blob box;
+  bool operator==(const SealedKey&) const = default;
+  static constexpr auto fields() {
+    return std::tuple{field("id", &SealedKey::id, 64), field("box", &SealedKey::box, 80)};
+  }
+};
+
+/// What the authority says is over, numbered from 1: the newest list is the whole truth. Each revocation brings a new
+/// beacon key, sealed for every node that stays. Signed with purpose "revocation_list".
+struct RevocationList {
+  static constexpr std::string_view kSubtype = "revocation_list";
+  Blob fleet;  ///< 16 bytes
+  std::uint64_t number = 0;
+  std::int64_t issued = 0;  ///< UTC ns
+  std::vector<Revocation> revoked;
+  std::uint32_t beacon_number = 0;
+  std::vector<SealedKey> beacon_keys;
+  bool operator==(const RevocationList&) const = default;
+  static constexpr auto fields() {
+    return std::tuple{field("fleet", &RevocationList::fleet, 16),
+                      field("number", &RevocationList::number),
+                      field("issued", &RevocationList::issued),
+                      field("revoked", &RevocationList::revoked, 2000),
+                      field("beacon_number", &RevocationList::beacon_number),
+                      field("beacon_keys", &RevocationList::beacon_keys, 2000)};
+  }
+};
+
+/// What a seal states: these messages, in this order, went this way on this link. Signed with purpose "seal" by the
+/// sender.
+struct SealedRange {
+  static constexpr std::string_view kSubtype = "sealed_range";
+  std::uint64_t link = 0;
+  std::uint64_t serial = 0;       ///< of the sender's certificate
+  std::uint64_t peer_serial = 0;  ///< of the receiver's
+  bool dialled = false;           ///< the sender is the side that dialled the link
+  std::uint64_t first = 0;        ///< sequences; the seal's own is last + 1, and covered by its signature alone
+  std::uint64_t last = 0;
+  Blob previous;  ///< BLAKE2b-256 of the payload of this direction's seal before, 32 zeros for the first
+  Blob hash;      ///< BLAKE2b-256 of `previous` and, for each frame as sent, its size (u32, big-endian) and its bytes
+  std::int64_t utc = 0;
+  bool operator==(const SealedRange&) const = default;
+  static constexpr auto fields() {
+    return std::tuple{field("link", &SealedRange::link),
+                      field("serial", &SealedRange::serial),
+                      field("peer_serial", &SealedRange::peer_serial),
+                      field("dialled", &SealedRange::dialled),
+                      field("first", &SealedRange::first),
+                      field("last", &SealedRange::last),
+                      field("previous", &SealedRange::previous, 32),
+                      field("hash", &SealedRange::hash, 32),
+                      field("utc", &SealedRange::utc)};
+  }
+};
+
+/// A message that goes by a third member, because its two ends cannot reach each other. Signed by the source with
+/// purpose "relayed".
+struct RelayedFrame {
+  static constexpr std::string_view kSubtype = "relayed_frame";
+  std::string target;
+  std::uint64_t target_boot = 0;  ///< meant for this start of the target's router alone
+  std::uint64_t source_boot = 0;
+  std::uint64_t count = 0;   ///< rises within a boot of the source, for each target: an older one is a replay
+  std::int64_t expires = 0;  ///< UTC ns
+  Blob frame;                ///< the message as on any link, link and sequence 0
+  bool operator==(const RelayedFrame&) const = default;
+  static constexpr auto fields() {
+    return std::tuple{
+        field("target", &RelayedFrame::target, 64),       field("target_boot", &RelayedFrame::target_boot),
+        field("source_boot", &RelayedFrame::source_boot), field("count", &RelayedFrame::count),
+        field("expires", &RelayedFrame::expires),         field("frame", &RelayedFrame::frame, (1U << 19U) - 1024)};
   }
 };
 

@@ -132,9 +132,10 @@ TEST_CASE("bodies of link and bus") {
   CHECK(to_hex(encode(HelloWanted{})) == "90");
   CHECK(to_hex(encode(ServiceHello{"s", {"a"}, 1, 2, "v"})) == "95a17391a1610102a176");
   CHECK(to_hex(encode(ServiceWelcome{"n", "robot", 3, 4, 5})) == "95a16ea5726f626f74030405");
-  CHECK(to_hex(encode(Hello{kRecord, 1, "h:1", "v", 2, false, {}})) == std::string("97") + kRecordHex +
-                                                                           "01a3683a31a17602c2"
-                                                                           "9ca0a0a0a0a090909090a0a0c2");
+  CHECK(to_hex(encode(Hello{kRecord, 1, "h:1", "v", 2, false, {}, 3, "s", true})) == std::string("9a") + kRecordHex +
+                                                                                         "01a3683a31a17602c2"
+                                                                                         "9ca0a0a0a0a090909090a0a0c2"
+                                                                                         "03a173c3");
   CHECK(to_hex(encode(Beacon{kRecord, "h:1", 1, 2, 3})) == std::string("95") + kRecordHex + "a3683a31010203");
   CHECK(to_hex(encode(Nack{"c", "s", "t", "w", "u"})) == "95a163a173a174a177a175");
 }
