@@ -93,6 +93,12 @@ Result<Body> RouterCore::answer_to(const Message& message, Now now) const {
     if (message.subtype == RouteListRequest::kSubtype) return Body{route_table(now)};
     if (message.subtype == ServiceListRequest::kSubtype) return Body{service_table(now)};
     if (message.subtype == RouterCountersRequest::kSubtype) return Body{counters()};
+    if (message.subtype == LinkTroublesRequest::kSubtype) return Body{troubles_.table(config_.id, now.mono)};
+    if (message.subtype == EchoRequest::kSubtype) {
+      auto asked = decode<EchoRequest>(message.data);
+      if (!asked) return asked.error();
+      return Body{Echo{std::move(asked->pad)}};
+    }
   }
   return fail(Errc::bad_value, message.subtype + " is not for a router in this way");
 }
@@ -141,10 +147,10 @@ void RouterCore::on_own_profile(const NodeProfile& profile, Effects& out) {
 
 ServiceTable RouterCore::service_table(Now now) const {
   ServiceTable table{config_.id, {}};
-  table.services.push_back({"router", "up", 0, config_.instance, config_.version, 0, 0, {}});
+  table.services.push_back({"router", "up", 0, config_.instance, config_.version, 0, 0, {}, {}});
   for (const std::string& name : config_.services) {
     if (name == "router") continue;
-    ServiceEntry entry{name, "down", 0, 0, "", 0, 0, {}};
+    ServiceEntry entry{name, "down", 0, 0, "", 0, 0, {}, {}};
     if (const auto holder = services_.holder(name)) {
       const Connection& connection = *services_.find(*holder);
       const Duration quiet = now.mono - connection.last_heard;
@@ -155,7 +161,8 @@ ServiceTable RouterCore::service_table(Now now) const {
                connection.hello.version,
                to_seconds(now.mono - connection.since),
                to_seconds(quiet),
-               connection.hello.subtypes};
+               connection.hello.subtypes,
+               {}};
     }
     table.services.push_back(std::move(entry));
   }

@@ -71,7 +71,12 @@ void RouterCore::on_hello(LinkId id, BytesView key, const Message& message, std:
   auto certificate =
       hello ? check_hello(dialled ? known->second : fresh, message, *hello, now) : Result<Certificate>(hello.error());
   if (!certificate) {
-    if (!dialled) return refuse_candidate(id, key, certificate.error(), now, out);
+    if (dialled) {
+      note_trouble(id, errc_name(certificate.error().code), certificate.error().what, now);
+    } else {
+      troubles_.note(message.source, "", errc_name(certificate.error().code), certificate.error().what, now.mono);
+      return refuse_candidate(id, key, certificate.error(), now, out);
+    }
     out.count("refused." + std::string(errc_name(certificate.error().code)));
     return drop_link(id, certificate.error().text(), false, now, out);
   }
@@ -120,6 +125,7 @@ void RouterCore::link_up(Link& link, const Certificate& certificate, const Hello
   peer.profile = hello.profile;
   peer.link = id;
   peer.met = true;
+  note_up(links_.at(id), hello, now);
   peer.expired = false;
   peer.lost.reset();
   peer.redial = {};

@@ -29,23 +29,31 @@ void RouterCore::tick(Now now, Effects& out) {
 }
 
 void RouterCore::tick_links(Now now, Effects& out) {
-  std::vector<std::pair<LinkId, std::string>> lapsed;
+  struct Lapse {
+    LinkId link;
+    std::string_view code;
+    std::string why;
+  };
+  std::vector<Lapse> lapsed;
   for (auto& [id, link] : links_) {
     if (link.up && checked_utc(now.utc).ns >= peers_.at(link.peer).certificate.not_after) {
-      lapsed.emplace_back(id, "its certificate has ended");
+      lapsed.push_back({id, "cert_expired", "its certificate has ended"});
     } else if (!link.up) {
-      if (now.mono >= link.opened + config_.timing.handshake) lapsed.emplace_back(id, "no Hello in time");
+      if (now.mono >= link.opened + config_.timing.handshake) lapsed.push_back({id, "no_hello", "no Hello in time"});
     } else if (now.mono >= link.last_heard + config_.timing.lease) {
-      lapsed.emplace_back(id, "nothing heard for a lease");
+      lapsed.push_back({id, "not_heard", std::string(kUnheard)});
     } else if (now.mono >= link.confirmed + config_.timing.lease) {
-      lapsed.emplace_back(id, "not heard by the other side for a lease");
+      lapsed.push_back({id, "one_way", "not heard by the other side for a lease"});
     } else if (now.mono >= link.next_keep_alive) {
       link.next_keep_alive = now.mono + config_.timing.keep_alive;
       link_send(link, KeepAlive{link.heard}, out);
       link.unconfirmed.push_back(link.sent);
     }
   }
-  for (const auto& [id, why] : lapsed) drop_link(id, why, true, now, out);
+  for (const auto& [id, code, why] : lapsed) {
+    note_trouble(id, code, why, now);
+    drop_link(id, why, true, now, out);
+  }
 }
 
 void RouterCore::tick_peers(Now now, Effects& out) {
@@ -109,13 +117,14 @@ void RouterCore::tick_candidates(Now now, Effects& out) {
   std::erase_if(denied_, [&](const auto& row) { return now.mono >= row.second; });
 }
 
-void RouterCore::refuse_beacon(std::string_view reason, const std::string& text, Effects& out) {
+void RouterCore::refuse_beacon(std::string_view reason, const std::string& text, Now now, Effects& out) {
+  troubles_.note("", "", "beacon." + std::string(reason), text, now.mono);
   out.count("beacon." + std::string(reason));
   out.log(LogLevel::warning, "beacon_refused", std::string(reason) + ": " + text);
 }
 
 void RouterCore::on_beacon(BytesView plain, Now now, Effects& out) {
-  const auto refuse = [&](const Error& error) { refuse_beacon(errc_name(error.code), error.what, out); };
+  const auto refuse = [&](const Error& error) { refuse_beacon(errc_name(error.code), error.what, now, out); };
   auto record = decode<SignedRecord>(plain);
   if (!record) return refuse(record.error());
   if (record->signer == config_.id) return;
@@ -125,7 +134,7 @@ void RouterCore::on_beacon(BytesView plain, Now now, Effects& out) {
   if (!certificate) return refuse(certificate.error());
   if (auto proven = open_record<Beacon>(*record, kSignedBeacon, *certificate); !proven) return refuse(proven.error());
   if (peers_.size() >= kMaxPeers && peers_.count(certificate->id) == 0) {
-    return refuse_beacon("too_many_peers", "the routing table has no row for '" + certificate->id + "'", out);
+    return refuse_beacon("too_many_peers", "the routing table has no row for '" + certificate->id + "'", now, out);
   }
   const auto known = peers_.find(certificate->id);
   if (known != peers_.end()) {
@@ -133,7 +142,7 @@ void RouterCore::on_beacon(BytesView plain, Now now, Effects& out) {
     const bool old = outer->boot < peer.boot ||
                      std::pair(outer->boot, outer->count) <= std::pair(peer.beacon_boot, peer.beacon_count) ||
                      certificate->serial < peer.certificate.serial;
-    if (old) return refuse_beacon("replayed", "of '" + peer.id + "', not newer than one that was heard", out);
+    if (old) return refuse_beacon("replayed", "of '" + peer.id + "', not newer than one that was heard", now, out);
     if (peer.link != 0 && peer.boot == outer->boot) {
       known->second.beacon_boot = outer->boot;
       known->second.beacon_count = outer->count;

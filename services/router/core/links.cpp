@@ -96,6 +96,7 @@ void RouterCore::on_early_message(LinkId id, BytesView key, const Message& messa
     auto goodbye = decode<Goodbye>(message.data);
     const bool said = message.subtype == Goodbye::kSubtype && goodbye;
     out.count("dial.refused");
+    note_trouble(id, said ? "refused_us" : "no_hello", said ? goodbye->reason : "answered without Hello", now);
     return drop_link(id, said ? "refused: " + goodbye->reason : "answered without Hello", false, now, out);
   }
   // A member's may have been under way when its link was closed; a stranger's first word must be Hello.
@@ -111,6 +112,8 @@ void RouterCore::on_peer_message(Link& link, const Message& message, Now now, Ef
   if (const auto* profile = std::get_if<NodeProfile>(&*body)) {
     peers_.at(link.peer).profile = *profile;
   } else if (const auto* goodbye = std::get_if<Goodbye>(&*body)) {
+    if (goodbye->reason == kUnheard)
+      note_trouble(link.id, "one_way", "it does not hear this node, which hears it", now);
     drop_link(link.id, "the other side said goodbye: " + goodbye->reason, false, now, out);
   } else if (auto reply = answer_to(message, now)) {
     link_send(link, *reply, out, &message);
@@ -164,6 +167,7 @@ void RouterCore::on_link_ended(LinkId id, LinkEnd how, Now now, Effects& out) {
   const auto at = links_.find(id);
   if (at == links_.end()) return;
   if (how != LinkEnd::failed && how != LinkEnd::disconnected) out.count("dial." + std::string(name_of(how)));
+  if (!at->second.up) note_trouble(id, name_of(how), "the dial ended before a Hello was heard", now);
   drop_link(id, std::string(name_of(how)), false, now, out);
 }
 

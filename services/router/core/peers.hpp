@@ -13,6 +13,9 @@
 
 namespace trb::router {
 
+/// The goodbye of a lease that ended in silence: the other side learns by it that it is not heard.
+constexpr std::string_view kUnheard = "nothing heard for a lease";
+
 /// One CURVE connection. Down = not in the table.
 struct Link {
   LinkId id = 0;

@@ -8,9 +8,11 @@ namespace {
 
 // Sorted: the router itself takes these.
 constexpr std::string_view kOwnSubtypes[] = {
+    EchoRequest::kSubtype,
     Goodbye::kSubtype,
     Hello::kSubtype,
     KeepAlive::kSubtype,
+    LinkTroublesRequest::kSubtype,
     NodeProfile::kSubtype,
     RouteListRequest::kSubtype,
     RouterCountersRequest::kSubtype,

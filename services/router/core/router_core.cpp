@@ -42,7 +42,7 @@ RouteTable RouterCore::route_table(Now now) const {
   RouteTable table{config_.id, {}};
   const bool verified = checked_utc(now.utc) == now.utc;
   table.routes.push_back({config_.id, config_.role, config_.address, "self", 0, config_.boot, 0, "", config_.version,
-                          verified ? "verified" : "unverified", config_.certificate, profile_});
+                          verified ? "verified" : "unverified", config_.certificate, profile_, ""});
   for (const auto& [id, peer] : peers_) {
     const Link* link = find_link(peer.link);
     const std::string state = link != nullptr ? "ONLINE" : peer.expired || !peer.met ? "OFFLINE" : "CONNECTION_BROKEN";
@@ -52,7 +52,7 @@ RouteTable RouterCore::route_table(Now now) const {
          link == nullptr ? ""
          : link->dialled ? config_.id
                          : id,
-         peer.version, peer.clock_verified ? "verified" : "unverified", peer.certificate_record, peer.profile});
+         peer.version, peer.clock_verified ? "verified" : "unverified", peer.certificate_record, peer.profile, ""});
   }
   return table;
 }

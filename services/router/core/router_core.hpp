@@ -10,6 +10,7 @@
 #include "services/router/core/config.hpp"
 #include "services/router/core/peers.hpp"
 #include "services/router/core/services.hpp"
+#include "services/router/core/troubles.hpp"
 
 namespace trb::router {
 
@@ -65,12 +66,16 @@ class RouterCore {
   void on_link_message(LinkId link, BytesView key, const Message& message, std::uint64_t sequence, Now now,
                        Effects& out);
   void on_beacon(BytesView plain, Now now, Effects& out);
+  /// A datagram on the beacons' port that did not open.
+  void on_bad_beacon(const Error& why, Now now, Effects& out) { refuse_beacon(errc_name(why.code), why.what, now, out); }
 
   [[nodiscard]] RouteTable route_table(Now now) const;
   [[nodiscard]] const std::map<std::string, Peer, std::less<>>& peers() const { return peers_; }
   [[nodiscard]] const Link* find_link(LinkId id) const;
   [[nodiscard]] const RouterConfig& config() const { return config_; }
   [[nodiscard]] std::uint64_t counter(std::string_view name) const;
+  /// Writes down for `trb doctor` what the shell saw go wrong with a link; 0 for one that is none of ours.
+  void note_trouble(LinkId link, std::string_view code, std::string_view text, Now now);
   /// Raises a counter; the shell calls it for Effects::counts.
   void count(std::string_view name);
 
@@ -112,13 +117,16 @@ class RouterCore {
   [[nodiscard]] bool dialling(BytesView key) const;
   Peer& make_peer(const Certificate& certificate, const SignedRecord& record);
 
+  // troubles.cpp
+  void note_up(const Link& link, const Hello& hello, Now now);
+
   // leases.cpp
   void tick_links(Now now, Effects& out);
   void tick_peers(Now now, Effects& out);
   void tick_seeds(Now now, Effects& out);
   void tick_beacon(Now now, Effects& out);
   void tick_candidates(Now now, Effects& out);
-  void refuse_beacon(std::string_view reason, const std::string& text, Effects& out);
+  void refuse_beacon(std::string_view reason, const std::string& text, Now now, Effects& out);
   void expire(Peer& peer, const std::string& reason, Effects& out);
   [[nodiscard]] bool own_is_smaller(std::string_view other) const { return config_.id < other; }
   [[nodiscard]] UtcTime checked_utc(UtcTime utc) const;
@@ -139,6 +147,7 @@ class RouterCore {
   std::uint64_t beacon_count_ = 0;
   std::map<std::string, std::uint64_t, std::less<>> counts_;
   std::uint64_t message_count_ = 0;
+  Troubles troubles_;
 };
 
 }  // namespace trb::router

@@ -48,6 +48,7 @@ void RouterShell::on_inbox_frame(BytesView routing_id, Frame& frame) {
   const auto header = decode_frame(view_of(frame));
   if (!header) {
     core_.count("refused." + std::string(errc_name(header.error().code)));
+    core_.note_trouble(0, errc_name(header.error().code), header.error().what, read_clocks());
     log_limited(limit_, read_clocks().mono, Level::warning, "frame_refused", header.error().text());
     return;
   }

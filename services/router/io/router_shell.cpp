@@ -170,8 +170,7 @@ void RouterShell::on_beacon_datagram(BytesView datagram) {
   auto plain = open_beacon(options_.beacon_key, core_.config().authority.id(), datagram);
   Effects effects;
   if (!plain) {
-    effects.count("beacon." + std::string(errc_name(plain.error().code)));
-    effects.log(LogLevel::warning, "beacon_refused", plain.error().text());
+    core_.on_bad_beacon(plain.error(), read_clocks(), effects);
   } else {
     core_.on_beacon(*plain, read_clocks(), effects);
   }

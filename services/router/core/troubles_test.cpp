@@ -1,0 +1,112 @@
+// What a router remembers of its links' troubles, for `trb doctor`.
+#include <doctest/doctest.h>
+
+#include "services/router/core/test_fleet.hpp"
+
+using namespace trb;
+using namespace trb::router;
+using Seconds = std::chrono::seconds;
+
+namespace {
+
+/// Asks as `trb doctor` does.
+LinkTroubles ask(TestFleet& fleet, TestNode& node) {
+  Effects effects;
+  node.core->on_service_hello(7, {"cli", {}, 1, 1, "1"}, true, fleet.now, effects);
+  Message question = make_message(MessageType::request, node.id, node.id, LinkTroublesRequest{});
+  node.core->on_bus_message(7, question, fleet.now, effects);
+  for (const Effect& effect : effects.list) {
+    const auto* send = std::get_if<BusSend>(&effect);
+    if (send == nullptr || send->message.subtype != LinkTroubles::kSubtype) continue;
+    return *decode<LinkTroubles>(send->message.data);
+  }
+  return {};
+}
+
+bool has(const LinkTroubles& table, const std::string& peer, const std::string& code) {
+  return std::any_of(table.troubles.begin(), table.troubles.end(),
+                     [&](const LinkTrouble& row) { return row.peer == peer && row.code == code; });
+}
+
+}  // namespace
+
+TEST_CASE("a peer that cannot be dialled is told of until a link to it is up") {
+  TestFleet fleet;
+  TestNode& ant = fleet.start("ant", {.beacon = false, .seeds = {"bee"}});
+  fleet.run(Seconds(5));
+  const LinkTroubles down = ask(fleet, ant);
+  REQUIRE(down.troubles.size() == 1);
+  CHECK(down.node == "ant");
+  CHECK(down.troubles[0].code == "failed");
+  CHECK(down.troubles[0].count > 1);
+  CHECK(down.troubles[0].last_s < 3);
+  CHECK_FALSE(down.troubles[0].address.empty());
+  fleet.start("bee", {.beacon = false});
+  fleet.run(Seconds(5));
+  REQUIRE(ant.link_to("bee") != 0);
+  CHECK(ask(fleet, ant).troubles.empty());
+}
+
+TEST_CASE("a one-way cut is told apart from silence") {
+  TestFleet fleet;
+  TestNode& ant = fleet.start("ant");
+  TestNode& bee = fleet.start("bee");
+  fleet.run(Seconds(5));
+  REQUIRE(ant.link_to("bee") != 0);
+  fleet.cut("ant", "bee");
+  fleet.run(Seconds(14));
+  CHECK(has(ask(fleet, bee), "ant", "not_heard"));
+  CHECK(has(ask(fleet, ant), "bee", "one_way"));
+}
+
+TEST_CASE("a member whose clock is minutes away is told of, though its link is up") {
+  TestFleet fleet;
+  TestNode& ant = fleet.start("ant", {.beacon = false});
+  const TestKeys bee = fleet.keys("bee");
+  const auto hello = [&](std::int64_t utc) {
+    const Hello body{bee.record, 3, "bee:1", "1", utc, true, {}};
+    return make_message(MessageType::information, "bee", "", body);
+  };
+  Effects effects;
+  ant.core->on_link_message(9, bee.link.public_key, hello(kStartUtc + 300'000'000'000), 1, fleet.now, effects);
+  fleet.carry_out(ant, effects);
+  REQUIRE(ant.link_to("bee") == 9);
+  CHECK(has(ask(fleet, ant), "bee", "clock_off"));
+}
+
+TEST_CASE("a stranger's certificate and a beacon that does not open leave a row each") {
+  TestFleet fleet;
+  TestNode& ant = fleet.start("ant", {.beacon = false});
+  TestAuthority other;
+  const TestKeys foreign = other.sign_node("bee");
+  const Hello body{foreign.record, 1, "bee:1", "1", kStartUtc, true, {}};
+  Effects effects;
+  ant.core->on_link_message(5, foreign.link.public_key, make_message(MessageType::information, "bee", "", body), 1,
+                            fleet.now, effects);
+  ant.core->on_bad_beacon(fail(Errc::foreign_fleet, "beacon of another fleet"), fleet.now, effects);
+  fleet.carry_out(ant, effects);
+  const LinkTroubles table = ask(fleet, ant);
+  CHECK(has(table, "bee", "foreign_fleet"));
+  CHECK(has(table, "", "beacon.foreign_fleet"));
+}
+
+TEST_CASE("troubles are bounded, and the oldest gives way") {
+  Troubles troubles;
+  for (int i = 0; i < 300; ++i) troubles.note("", "host:" + std::to_string(i), "failed", "", MonotonicTime{i + 1});
+  const LinkTroubles table = troubles.table("ant", MonotonicTime{1000});
+  REQUIRE(table.troubles.size() == kMaxTroubles);
+  CHECK(table.troubles.front().address == "host:299");
+  CHECK(table.troubles.back().address == "host:44");
+}
+
+TEST_CASE("a router sends back what it is asked to echo") {
+  TestFleet fleet;
+  TestNode& ant = fleet.start("ant", {.beacon = false});
+  Effects effects;
+  ant.core->on_service_hello(7, {"cli", {}, 1, 1, "1"}, true, fleet.now, effects);
+  const EchoRequest question{{std::string(8000, 'x')}};
+  ant.core->on_bus_message(7, make_message(MessageType::request, "ant", "ant", question), fleet.now, effects);
+  const auto* send = std::get_if<BusSend>(&effects.list.back());
+  REQUIRE(send != nullptr);
+  CHECK(decode<Echo>(send->message.data)->pad == question.pad);
+}
