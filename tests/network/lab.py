@@ -1,0 +1,176 @@
+"""Hosts on one machine: a network namespace each, joined by the bridge of a switch that is a namespace of its own.
+
+Every name begins with trbn and the lab's tag, so that several labs stand side by side and none touches another.
+"""
+import itertools
+import pathlib
+import signal
+import subprocess
+import sys
+
+DELAY = pathlib.Path(__file__).resolve().parent / "delay.py"
+
+
+def run(*words, check=True):
+    done = subprocess.run([str(word) for word in words], capture_output=True, text=True)
+    if check and done.returncode != 0:
+        raise RuntimeError(f"{' '.join(map(str, words))}: {done.stderr.strip()}")
+    return done.stdout
+
+
+def batch(lines):
+    """Many `ip` commands; those in a row that begin with "-n SPACE" for the same space go to one process."""
+    for space, group in itertools.groupby(lines, lambda line: line.split()[1] if line.startswith("-n ") else ""):
+        words = "\n".join(line.split(" ", 2)[2] if space else line for line in group) + "\n"
+        done = subprocess.run(["ip", *(["-n", space] if space else []), "-batch", "-"], input=words, capture_output=True,
+                              text=True)
+        if done.returncode != 0:
+            raise RuntimeError(f"ip {space}: {words}: {done.stderr.strip()}")
+
+
+class Lab:
+    """A switch and its hosts. Addresses: IPv4 10.77.0.N/24 and, if asked for, IPv6 fd77::N/64."""
+
+    def __init__(self, tag):
+        self.tag = tag
+        self.switch = f"trbn{tag}-sw"
+        self.hosts = {}
+        self.helpers = []
+        self.spaces = []
+
+    def __enter__(self):
+        try:
+            self.make_space(self.switch)
+            batch([f"-n {self.switch} link set lo up", f"-n {self.switch} link add br0 type bridge",
+                   f"-n {self.switch} link set br0 up"])
+            self.nft("add table bridge lab")
+            self.nft("add chain bridge lab between { type filter hook forward priority 0; }")
+        except BaseException:
+            self.__exit__()
+            raise
+        return self
+
+    def __exit__(self, *_):
+        for helper in self.helpers:
+            helper.kill()
+            helper.wait()
+        for space in reversed(self.spaces):
+            run("ip", "netns", "del", space, check=False)
+
+    def make_space(self, name):
+        run("ip", "netns", "del", name, check=False)  # of a run that was killed
+        run("ip", "netns", "add", name)
+        self.spaces.append(name)
+        return name
+
+    def space(self, host):
+        return f"trbn{self.tag}-{host}"
+
+    def port(self, host):
+        return f"p-{host}"
+
+    def inside(self, host, *words):
+        """The command line that runs a program as on that host."""
+        return ["ip", "netns", "exec", self.space(host), *map(str, words)]
+
+    # ---- building
+
+    def add_hosts(self, names, family=4):
+        for name in names:
+            self.hosts[name] = len(self.hosts) + 1
+            self.make_space(self.space(name))
+        batch([f"link add {self.port(name)} netns {self.switch} type veth peer name eth0 netns {self.space(name)}"
+               for name in names])
+        batch([f"-n {self.switch} link set {self.port(name)} {what}" for name in names for what in ("master br0", "up")])
+        lines = []
+        for name in names:
+            at = self.space(name)
+            lines += [f"-n {at} link set lo up", f"-n {at} link set eth0 up"]
+            lines += [f"-n {at} addr add {self.address(name)}/24 brd 10.77.0.255 dev eth0"] if family == 4 else [
+                f"-n {at} addr add {self.address6(name)}/64 dev eth0 nodad"]
+        batch(lines)
+
+    def address(self, host):
+        return f"10.77.0.{self.hosts[host]}"
+
+    def address6(self, host):
+        return f"fd77::{self.hosts[host]:x}"
+
+    def add_delayed_host(self, name, delay_ms):
+        """Its cable is two taps joined by a program that holds every frame back: this kernel has no netem."""
+        self.hosts[name] = len(self.hosts) + 1
+        at = self.make_space(self.space(name))
+        helper = subprocess.Popen([sys.executable, str(DELAY), self.switch, self.port(name), at, "eth0", str(delay_ms)],
+                                  stdout=subprocess.PIPE, text=True)
+        self.helpers.append(helper)
+        if helper.stdout.readline().strip() != "ready":
+            raise RuntimeError("delay.py did not start")
+        batch([f"-n {at} link set lo up", f"-n {self.switch} link set {self.port(name)} master br0",
+               f"-n {self.switch} link set {self.port(name)} up", f"-n {at} link set eth0 up",
+               f"-n {at} addr add {self.address(name)}/24 brd 10.77.0.255 dev eth0"])
+        return helper
+
+    def add_nat_host(self, name):
+        """A host on a network of its own behind an address translator: it can dial out, nobody can dial it."""
+        gate, at = f"{name}-nat", self.make_space(self.space(name))
+        self.add_hosts([gate])
+        inner = 100 + self.hosts[gate]
+        gate_space = self.space(gate)
+        batch([f"link add in0 netns {gate_space} type veth peer name eth0 netns {at}",
+               f"-n {gate_space} addr add 192.168.{inner}.1/24 dev in0", f"-n {gate_space} link set in0 up",
+               f"-n {at} link set lo up", f"-n {at} link set eth0 up",
+               f"-n {at} addr add 192.168.{inner}.2/24 brd 192.168.{inner}.255 dev eth0",
+               f"-n {at} route add default via 192.168.{inner}.1"])
+        run("ip", "netns", "exec", gate_space, "sysctl", "-qw", "net.ipv4.ip_forward=1")
+        for words in ("add table ip nat", "add chain ip nat out { type nat hook postrouting priority 100; }",
+                      "add rule ip nat out oifname eth0 masquerade"):
+            run("ip", "netns", "exec", gate_space, "nft", *words.split())
+        return gate
+
+    # ---- what goes wrong, and heals
+
+    def nft(self, words):
+        return run("ip", "netns", "exec", self.switch, "nft", *words.split())
+
+    def pull_cable(self, host):
+        run("ip", "-n", self.switch, "link", "set", self.port(host), "down")
+
+    def plug_cable(self, host):
+        run("ip", "-n", self.switch, "link", "set", self.port(host), "up")
+
+    def switch_dies(self):
+        batch([f"-n {self.switch} link set {self.port(host)} nomaster" for host in self.hosts])
+
+    def switch_returns(self):
+        batch([f"-n {self.switch} link set {self.port(host)} master br0" for host in self.hosts])
+
+    def one_way_cut(self, host):
+        """What the host sends goes nowhere; it still hears the others."""
+        self.nft(f"add rule bridge lab between iifname {self.port(host)} drop")
+
+    def cut_between(self, one, other):
+        for a, b in ((one, other), (other, one)):
+            self.nft(f"add rule bridge lab between iifname {self.port(a)} oifname {self.port(b)} drop")
+
+    def lose(self, host, percent):
+        for side in ("iifname", "oifname"):
+            self.nft(f"add rule bridge lab between {side} {self.port(host)} numgen random mod 100 < {percent} drop")
+
+    def heal_rules(self):
+        self.nft("flush chain bridge lab between")
+
+    def change_address(self, host, old, new):
+        """As a new lease of DHCP: the old address goes, then the new one comes."""
+        at = self.space(host)
+        run("ip", "-n", at, "addr", "del", f"{old}/24", "dev", "eth0")
+        run("ip", "-n", at, "addr", "add", f"{new}/24", "brd", "10.77.0.255", "dev", "eth0")
+
+
+def end(process, how=signal.SIGTERM, wait=8):
+    if process.poll() is None:
+        process.send_signal(how)
+    try:
+        process.wait(wait)
+    except subprocess.TimeoutExpired:
+        process.kill()
+        process.wait()
