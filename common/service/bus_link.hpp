@@ -19,8 +19,10 @@ class BusLink {
 
   /// Takes one message if there is one: the link's own are dealt with, the others returned.
   std::optional<Message> receive(Now now);
-  /// True while the socket has more; see Loop::add_socket.
+  /// For Loop::add_socket.
   [[nodiscard]] void* handle() { return socket_.handle(); }
+  /// True while there may be more to receive that the handle does not tell of.
+  [[nodiscard]] bool* unseen() { return socket_.unseen(); }
 
   /// Sends; the id given is returned, or 0 if the link is not up or full (the message is lost, as on any road).
   std::uint64_t send(const Send& send);

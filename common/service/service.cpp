@@ -58,7 +58,8 @@ class ServiceShell final : public Service {
     core_ = &core;
     idle_ = std::move(idle);
     Signals signals(loop_, [this](int signal) { on_signal(signal); });
-    loop_.add_socket(link_.handle(), [this] { drain(); });
+    loop_.add_socket(
+        link_.handle(), [this] { drain(); }, link_.unseen());
     loop_.add_timer([this] { return link_.next_deadline(); }, [this](Now now) { tick_link(now); });
     loop_.add_timer([this] { return core_->next_deadline(); },
                     [this](Now) { step([this](Now now, Outbox& out) { core_->tick(now, out); }); });
@@ -98,26 +99,17 @@ class ServiceShell final : public Service {
 
   void drain() {
     for (int i = 0; i < kBatch; ++i) {
-      const Now now = read_clocks();
-      bool got_any = false;
-      std::optional<Message> message = receive(now, got_any);
-      if (!got_any) return;
-      if (message) deliver(*message);
+      std::optional<Message> message = link_.receive(read_clocks());
+      if (link_.newly_welcomed) {
+        link_.newly_welcomed = false;
+        welcomed();
+      }
+      if (message) {
+        deliver(*message);
+      } else if (!*link_.unseen()) {
+        return;
+      }
     }
-  }
-
-  std::optional<Message> receive(Now now, bool& got_any) {
-    std::uint32_t events = 0;
-    std::size_t size = sizeof events;
-    zmq_getsockopt(link_.handle(), ZMQ_EVENTS, &events, &size);
-    got_any = (events & ZMQ_POLLIN) != 0;
-    if (!got_any) return std::nullopt;
-    std::optional<Message> message = link_.receive(now);
-    if (link_.newly_welcomed) {
-      link_.newly_welcomed = false;
-      welcomed();
-    }
-    return message;
   }
 
   void welcomed() {

@@ -1,6 +1,13 @@
 #include "common/transport/loop.hpp"
 
+#include <sys/epoll.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
 #include <ctime>
+#include <stdexcept>
+#include <utility>
 
 namespace trb {
 namespace {
@@ -14,14 +21,17 @@ std::int64_t read_clock(clockid_t clock) {
 /// No deadline: look again after this long; costs nothing and guards against a clock that jumps.
 constexpr std::chrono::milliseconds kLongest{10'000};
 
-short to_zmq(short events) {
-  // zmq::pollitem uses its own names for poll(2)'s events.
-  return static_cast<short>(((events & 1) != 0 ? ZMQ_POLLIN : 0) | ((events & 4) != 0 ? ZMQ_POLLOUT : 0) | ZMQ_POLLERR);
+bool can_be_read(void* socket) {
+  int events = 0;
+  std::size_t size = sizeof events;
+  return zmq_getsockopt(socket, ZMQ_EVENTS, &events, &size) == 0 && (events & ZMQ_POLLIN) != 0;
 }
 
-short from_zmq(short events) {
-  return static_cast<short>(((events & ZMQ_POLLIN) != 0 ? 1 : 0) | ((events & ZMQ_POLLOUT) != 0 ? 4 : 0) |
-                            ((events & ZMQ_POLLERR) != 0 ? 8 : 0));
+int descriptor_of(void* socket) {
+  int fd = -1;
+  std::size_t size = sizeof fd;
+  if (zmq_getsockopt(socket, ZMQ_FD, &fd, &size) != 0) throw zmq::error_t();
+  return fd;
 }
 
 }  // namespace
@@ -30,24 +40,54 @@ Now read_clocks() {
   return {{read_clock(CLOCK_MONOTONIC)}, {read_clock(CLOCK_REALTIME)}};
 }
 
-void Loop::add_socket(void* socket, Ready ready) {
-  sockets_[socket] = std::make_shared<Entry>(Entry{socket, -1, ZMQ_POLLIN, std::move(ready), {}});
-  changed_ = true;
+Loop::Loop() : epoll_(::epoll_create1(EPOLL_CLOEXEC)) {
+  if (epoll_ < 0) throw std::runtime_error("epoll_create1 failed");
+}
+
+Loop::~Loop() {
+  ::close(epoll_);
+}
+
+void Loop::add_socket(void* socket, Ready ready, bool* unseen) {
+  remove_socket(socket);
+  auto entry = std::make_shared<Entry>(Entry{socket, descriptor_of(socket), EPOLLIN, std::move(ready), {}});
+  entry->unseen = unseen != nullptr ? unseen : &entry->used;
+  watch(*entry);
+  sockets_[socket] = std::move(entry);
 }
 
 void Loop::remove_socket(void* socket) {
-  sockets_.erase(socket);
-  changed_ = true;
+  const auto at = sockets_.find(socket);
+  if (at == sockets_.end()) return;
+  unwatch(*at->second);
+  sockets_.erase(at);
 }
 
 void Loop::add_fd(int fd, short events, ReadyEvents ready) {
-  fds_[fd] = std::make_shared<Entry>(Entry{nullptr, fd, to_zmq(events), {}, std::move(ready)});
-  changed_ = true;
+  remove_fd(fd);
+  auto entry = std::make_shared<Entry>(Entry{nullptr, fd, events, {}, std::move(ready)});
+  watch(*entry);
+  fds_[fd] = std::move(entry);
 }
 
 void Loop::remove_fd(int fd) {
-  fds_.erase(fd);
+  const auto at = fds_.find(fd);
+  if (at == fds_.end()) return;
+  unwatch(*at->second);
+  fds_.erase(at);
+}
+
+void Loop::watch(Entry& entry) {
+  // poll(2) and epoll(7) have the same bits.
+  epoll_event event{static_cast<std::uint32_t>(entry.events), {.ptr = &entry}};
+  if (::epoll_ctl(epoll_, EPOLL_CTL_ADD, entry.fd, &event) != 0) throw std::runtime_error("epoll_ctl failed");
   changed_ = true;
+}
+
+void Loop::unwatch(Entry& entry) {
+  entry.removed = true;
+  changed_ = true;
+  ::epoll_ctl(epoll_, EPOLL_CTL_DEL, entry.fd, nullptr);
 }
 
 void Loop::add_timer(std::function<std::optional<MonotonicTime>()> next, std::function<void(Now)> tick) {
@@ -57,11 +97,8 @@ void Loop::add_timer(std::function<std::optional<MonotonicTime>()> next, std::fu
 bool Loop::turn() {
   if (stopped_) return false;
   if (changed_) rebuild();
-  try {
-    zmq::poll(items_, time_out());
-  } catch (const zmq::error_t& problem) {
-    if (problem.num() != EINTR) throw;
-  }
+  const bool any = look_at_unseen();
+  wait(any ? std::chrono::milliseconds(0) : time_out());
   call_ready();
   call_timers();
   return !stopped_;
@@ -69,31 +106,47 @@ bool Loop::turn() {
 
 void Loop::rebuild() {
   changed_ = false;
-  items_.clear();
   entries_.clear();
-  const auto add = [this](const std::shared_ptr<Entry>& entry) {
-    items_.push_back({entry->socket, entry->socket != nullptr ? 0 : entry->fd, entry->events, 0});
-    entries_.push_back(entry);
-  };
-  for (const auto& [key, entry] : sockets_) add(entry);
-  for (const auto& [key, entry] : fds_) add(entry);
+  for (const auto& [key, entry] : sockets_) entries_.push_back(entry);
+  for (const auto& [key, entry] : fds_) entries_.push_back(entry);
+}
+
+bool Loop::look_at_unseen() {
+  bool any = false;
+  for (const auto& entry : entries_) {
+    if (entry->socket == nullptr || !*entry->unseen) continue;
+    *entry->unseen = can_be_read(entry->socket);
+    any = any || *entry->unseen;
+  }
+  return any;
+}
+
+void Loop::wait(std::chrono::milliseconds longest) const {
+  // zmq_poll would ask every socket twice, a system call each.
+  std::array<epoll_event, 64> events;
+  const int count =
+      ::epoll_wait(epoll_, events.data(), static_cast<int>(events.size()), static_cast<int>(longest.count()));
+  if (count < 0 && errno != EINTR) throw std::runtime_error("epoll_wait failed");
+  for (int i = 0; i < count; ++i) {
+    const epoll_event& event = events[static_cast<std::size_t>(i)];
+    static_cast<Entry*>(event.data.ptr)->revents = static_cast<short>(event.events);
+  }
 }
 
 void Loop::call_ready() {
-  for (std::size_t i = 0; i < items_.size(); ++i) {
-    if (items_[i].revents == 0) continue;
+  for (std::size_t i = 0; i < entries_.size(); ++i) {
     const std::shared_ptr<Entry> entry = entries_[i];
-    // A handler called before this one may have removed it.
-    const bool alive = entry->socket != nullptr ? sockets_.count(entry->socket) != 0 && sockets_[entry->socket] == entry
-                                                : fds_.count(entry->fd) != 0 && fds_[entry->fd] == entry;
-    if (!alive) continue;
-    if (entry->socket != nullptr) {
-      entry->ready();
-    } else {
-      entry->ready_events(from_zmq(items_[i].revents));
-    }
-    items_[i].revents = 0;
+    const short revents = std::exchange(entry->revents, short{0});
+    // A handler called before this one may have removed it, and freed what it watched.
+    if (entry->removed) continue;
+    if (revents != 0 || (entry->socket != nullptr && *entry->unseen)) call(*entry, revents);
   }
+}
+
+void Loop::call(Entry& entry, short revents) {
+  if (entry.socket == nullptr) return entry.ready_events(revents);
+  entry.used = true;
+  entry.ready();
 }
 
 void Loop::call_timers() {

@@ -20,8 +20,15 @@ class Loop {
   using Ready = std::function<void()>;
   using ReadyEvents = std::function<void(short revents)>;
 
-  /// `ready` is called while the socket can be read; it takes at most a bounded batch and returns.
-  void add_socket(void* socket, Ready ready);
+  Loop();
+  ~Loop();
+  Loop(const Loop&) = delete;
+  Loop& operator=(const Loop&) = delete;
+
+  /// `ready` is called when there may be something to read; it takes at most a bounded batch and returns. A ZeroMQ
+  /// descriptor tells of a message only until the socket is used for anything: `unseen` is true while one may wait
+  /// untold (see Socket::unseen). Without it only `ready` may use the socket.
+  void add_socket(void* socket, Ready ready, bool* unseen = nullptr);
   void remove_socket(void* socket);
   /// poll(2) events; again with the same descriptor replaces them.
   void add_fd(int fd, short events, ReadyEvents ready);
@@ -43,22 +50,31 @@ class Loop {
     short events = 0;
     Ready ready;
     ReadyEvents ready_events;
+    bool* unseen = nullptr;  ///< the socket's own, or `used`
+    short revents = 0;       ///< of this turn
+    bool removed = false;
+    bool used = true;  ///< `ready` was called since the socket was last found empty
   };
   struct Timer {
     std::function<std::optional<MonotonicTime>()> next;
     std::function<void(Now)> tick;
   };
 
+  void watch(Entry& entry);
+  void unwatch(Entry& entry);
   void rebuild();
+  bool look_at_unseen();
+  void wait(std::chrono::milliseconds longest) const;
   void call_ready();
+  static void call(Entry& entry, short revents);
   void call_timers();
   [[nodiscard]] std::chrono::milliseconds time_out() const;
 
   std::map<void*, std::shared_ptr<Entry>> sockets_;
   std::map<int, std::shared_ptr<Entry>> fds_;
   std::vector<Timer> timers_;
-  std::vector<zmq::pollitem_t> items_;
   std::vector<std::shared_ptr<Entry>> entries_;
+  int epoll_;
   bool changed_ = true;
   bool stopped_ = false;
 };

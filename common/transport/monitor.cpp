@@ -50,7 +50,8 @@ SocketMonitor::SocketMonitor(Context& context, Loop& loop, Socket& socket, std::
       socket_(socket),
       pair_(Socket::pair_client(context, start_monitor(socket))),
       on_event_(std::move(on_event)) {
-  loop_.add_socket(pair_.handle(), [this] { serve(); });
+  loop_.add_socket(
+      pair_.handle(), [this] { serve(); }, pair_.unseen());
 }
 
 SocketMonitor::~SocketMonitor() {

@@ -79,6 +79,7 @@ Socket Socket::dialler(Context& context, const CurveKeys& keys, BytesView server
 }
 
 void Socket::dial(const std::string& endpoint) {
+  *unseen_ = true;
   socket_.connect(endpoint);
 }
 
@@ -106,7 +107,8 @@ Socket Socket::pair_client(Context& context, const std::string& endpoint) {
 }
 
 bool Socket::receive(Frame& frame) {
-  return socket_.recv(frame, zmq::recv_flags::dontwait).has_value();
+  *unseen_ = socket_.recv(frame, zmq::recv_flags::dontwait).has_value();
+  return *unseen_;
 }
 
 void Socket::skip_rest(const Frame& last) {
@@ -117,6 +119,11 @@ void Socket::skip_rest(const Frame& last) {
 
 SendResult Socket::send(Frame&& frame, bool more) {
   const auto flags = more ? zmq::send_flags::dontwait | zmq::send_flags::sndmore : zmq::send_flags::dontwait;
+  *unseen_ = true;
+  if (socket_.send(std::move(frame), flags)) return SendResult::sent;
+  // A socket looks only now and then whether its peer has made room. Asked for its events it looks at once; what it has
+  // refused is still in `frame`.
+  (void)socket_.get(zmq::sockopt::events);
   return socket_.send(std::move(frame), flags) ? SendResult::sent : SendResult::full;
 }
 

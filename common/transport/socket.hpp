@@ -64,12 +64,16 @@ class Socket {
   SendResult send_to(BytesView routing_id, Frame&& frame);
 
   [[nodiscard]] void* handle() { return socket_.handle(); }
+  /// True while a message may wait of which the socket's descriptor does not tell; for Loop::add_socket. Whatever is
+  /// done to a socket may take the descriptor's word away, only a receive() that found nothing gives it back.
+  [[nodiscard]] bool* unseen() { return unseen_.get(); }
   void monitor(const std::string& endpoint, int events);
   [[nodiscard]] std::string last_endpoint() const { return socket_.get(zmq::sockopt::last_endpoint); }
 
  private:
   explicit Socket(zmq::socket_t socket) : socket_(std::move(socket)) {}
   zmq::socket_t socket_;
+  std::unique_ptr<bool> unseen_ = std::make_unique<bool>(true);
 };
 
 /// The 32-byte CURVE key of the connection that a frame came on, as ZAP's User-Id gives it (hexadecimal); empty

@@ -3,6 +3,7 @@
 #include <poll.h>
 
 #include <algorithm>
+#include <utility>
 
 namespace trb::adapter {
 namespace {
@@ -137,6 +138,7 @@ void RobotIo::close(Road& road) {
   road.state = State::down;
   road.output.clear();
   road.written = 0;
+  road.has_written = false;
   road.due.reset();
 }
 
@@ -149,6 +151,7 @@ void RobotIo::retry_later(Road& road) {
 void RobotIo::carry_out(const Outbox& out) {
   for (const RobotWrite& order : out.writes) write(road(order.channel), order.bytes);
   for (const RobotClose& order : out.closes) {
+    push(road(order.channel));
     close(road(order.channel));
     retry_later(road(order.channel));
   }
@@ -157,14 +160,26 @@ void RobotIo::carry_out(const Outbox& out) {
 void RobotIo::write(Road& road, BytesView bytes) {
   if (road.state != State::up) return;
   if (road.output.size() - road.written > kMaxWaiting) return notice_loss(road, "the robot does not read");
-  if (road.written == road.output.size()) {
+  // The first words of a turn go at once, the others together at its end: a system call a message costs more than all
+  // the rest of its way.
+  if (!std::exchange(road.has_written, true) && road.written == road.output.size()) {
     const auto put = tcp_write(road.fd.get(), bytes);
     if (!put) return notice_loss(road, put.error().what);
-    if (put->bytes == bytes.size()) return;
     bytes.remove_prefix(put->bytes);
   }
   road.output += bytes;
-  if (!std::exchange(road.wants_write, true)) watch(road);
+}
+
+/// Ends the turn's collecting. False if the connection is lost.
+bool RobotIo::push(Road& road) {
+  road.has_written = false;
+  if (road.state != State::up || road.wants_write || road.written == road.output.size()) return true;
+  if (!flush(road)) return false;
+  if (!road.output.empty()) {
+    road.wants_write = true;
+    watch(road);
+  }
+  return true;
 }
 
 bool RobotIo::flush(Road& road) {
@@ -177,8 +192,7 @@ bool RobotIo::flush(Road& road) {
   if (road.written < road.output.size()) return true;
   road.output.clear();
   road.written = 0;
-  road.wants_write = false;
-  watch(road);
+  if (std::exchange(road.wants_write, false)) watch(road);
   return true;
 }
 
@@ -199,13 +213,15 @@ void RobotIo::tell_losses() {
 }
 
 std::optional<MonotonicTime> RobotIo::next_deadline() const {
-  if (!losses_.empty()) return MonotonicTime{};
+  const bool has_written = std::any_of(roads_.begin(), roads_.end(), [](const Road& road) { return road.has_written; });
+  if (!losses_.empty() || has_written) return MonotonicTime{};
   std::optional<MonotonicTime> next;
   for (const Road& road : roads_) next = earlier(next, road.due);
   return next;
 }
 
 void RobotIo::tick(Now at) {
+  for (Road& written : roads_) push(written);
   tell_losses();
   for (Road& road : roads_) {
     if (!road.due || at.mono < *road.due) continue;

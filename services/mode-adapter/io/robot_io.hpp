@@ -42,6 +42,7 @@ class RobotIo {
     Bytes output;
     std::size_t written = 0;  ///< bytes of output that are out
     bool wants_write = false;
+    bool has_written = false;          ///< in this turn of the loop: more is collected and goes at its end
     std::optional<MonotonicTime> due;  ///< down: when to dial; connecting: when to give up
     Duration back_off{};
     std::string last_failure;
@@ -68,6 +69,7 @@ class RobotIo {
   void carry_out(const Outbox& out);
   void write(Road& road, BytesView bytes);
   bool flush(Road& road);
+  bool push(Road& road);
   void watch(Road& road);
   void notice_loss(Road& road, const std::string& reason);
 

@@ -126,7 +126,8 @@ void RouterShell::dial(const Dial& effect) {
     }
     carry_out(effects);
   });
-  loop_.add_socket(dialled.socket->handle(), [this, link] { drain_dialled(link); });
+  loop_.add_socket(
+      dialled.socket->handle(), [this, link] { drain_dialled(link); }, dialled.socket->unseen());
   Socket* socket = dialled.socket.get();
   dialled_[link] = std::move(dialled);
   try {

@@ -28,7 +28,8 @@ Status RouterShell::open() {
   inbox_ = std::make_unique<Socket>(std::move(*inbox));
   inbox_monitor_ =
       std::make_unique<SocketMonitor>(context_, loop_, *inbox_, [this](LinkEvent event) { on_inbox_event(event); });
-  loop_.add_socket(inbox_->handle(), [this] { drain_inbox(); });
+  loop_.add_socket(
+      inbox_->handle(), [this] { drain_inbox(); }, inbox_->unseen());
   if (core_.config().beacon) {
     auto beacon = BeaconSocket::open(loop_, options_.beacon_address, options_.broadcast, options_.beacon_port,
                                      [this](BytesView datagram) { on_beacon_datagram(datagram); });
@@ -47,12 +48,14 @@ Status RouterShell::open_bus() {
     auto socket = Socket::bus_server(context_, "ipc://bus/" + name + ".ipc");
     if (!socket) return socket.error();
     auto& bus = buses_[name] = std::make_unique<BusSocket>(BusSocket{std::move(*socket), name == "probe", {}});
-    loop_.add_socket(bus->socket.handle(), [this, at = bus.get()] { drain_bus(*at); });
+    loop_.add_socket(
+        bus->socket.handle(), [this, at = bus.get()] { drain_bus(*at); }, bus->socket.unseen());
   }
   auto tap = Socket::tap_server(context_, "ipc://bus/tap.ipc");
   if (!tap) return tap.error();
   tap_ = std::make_unique<Socket>(std::move(*tap));
-  loop_.add_socket(tap_->handle(), [this] { drain_tap(); });
+  loop_.add_socket(
+      tap_->handle(), [this] { drain_tap(); }, tap_->unseen());
   return Done{};
 }
 

@@ -1,0 +1,118 @@
+#include "common/transport/loop.hpp"
+
+#include <poll.h>
+#include <unistd.h>
+
+#include <doctest/doctest.h>
+#include <array>
+#include <thread>
+
+#include "common/transport/socket.hpp"
+
+using namespace trb;
+
+namespace {
+
+constexpr Duration kPatience = std::chrono::seconds(2);
+
+/// A bus of two sockets in memory: the server knows the client, and neither has anything to read.
+struct Bus {
+  Context context;
+  Socket server;
+  Socket client;
+  Bytes client_id;
+
+  Bus()
+      : server(std::move(*Socket::bus_server(context, "inproc://bus"))),
+        client(Socket::bus_client(context, "inproc://bus")) {
+    client.send(to_frame("hello"));
+    Frame frame;
+    while (!server.receive(frame)) std::this_thread::yield();
+    client_id = view_of(frame);
+    while (server.receive(frame)) {
+    }
+  }
+};
+
+/// What the socket's descriptor says, without asking the socket.
+bool can_be_read(Socket& socket) {
+  int fd = -1;
+  std::size_t size = sizeof fd;
+  REQUIRE(zmq_getsockopt(socket.handle(), ZMQ_FD, &fd, &size) == 0);
+  pollfd asked{fd, POLLIN, 0};
+  return ::poll(&asked, 1, 0) == 1;
+}
+
+/// Turns until it is true; the loop gets a deadline, so that a message that it overlooks shows as late.
+template <class F>
+bool soon(Loop& loop, const F& condition) {
+  const MonotonicTime end = read_clocks().mono + kPatience;
+  loop.add_timer([end] { return std::optional(end); }, [](Now) {});
+  while (!condition() && read_clocks().mono < end) loop.turn();
+  return condition() && read_clocks().mono < end;
+}
+
+/// One turn that does not wait.
+void turn_at_once(Loop& loop) {
+  const auto due = std::make_shared<bool>(true);
+  loop.add_timer([due] { return *due ? std::optional(MonotonicTime{}) : std::nullopt; }, [due](Now) { *due = false; });
+  loop.turn();
+}
+
+}  // namespace
+
+TEST_CASE("a message is heard whose signal a send has swallowed") {
+  Bus bus;
+  Loop loop;
+  int heard = 0;
+  const auto drain = [&] {
+    Frame frame;
+    while (bus.client.receive(frame)) ++heard;
+  };
+  loop.add_socket(bus.client.handle(), drain, bus.client.unseen());
+  turn_at_once(loop);
+  CHECK(bus.server.send_to(bus.client_id, to_frame("message")) == SendResult::sent);
+  // A send looks into the socket's mailbox only now and then, and then the descriptor is silent.
+  REQUIRE(can_be_read(bus.client));
+  while (can_be_read(bus.client)) bus.client.send(to_frame("something else"));
+  CHECK(soon(loop, [&] { return heard == 1; }));
+}
+
+TEST_CASE("a handler that takes one message a call gets them all") {
+  Bus bus;
+  Loop loop;
+  int heard = 0;
+  const auto take_one = [&] {
+    Frame frame;
+    if (bus.client.receive(frame)) ++heard;
+  };
+  SUBCASE("the socket tells of what it has not shown") {
+    loop.add_socket(bus.client.handle(), take_one, bus.client.unseen());
+  }
+  SUBCASE("the loop keeps count itself") {
+    loop.add_socket(bus.client.handle(), take_one);
+  }
+  for (int i = 0; i < 10; ++i) bus.server.send_to(bus.client_id, to_frame("message"));
+  CHECK(soon(loop, [&] { return heard == 10; }));
+}
+
+TEST_CASE("descriptors are served beside sockets, and none that was removed") {
+  Bus bus;
+  Loop loop;
+  std::array<int, 2> pipe{};
+  REQUIRE(::pipe(pipe.data()) == 0);
+  int calls = 0;
+  loop.add_socket(
+      bus.client.handle(), [] {}, bus.client.unseen());
+  loop.add_fd(pipe[0], POLLIN, [&](short events) {
+    CHECK((events & POLLIN) != 0);
+    ++calls;
+    loop.remove_fd(pipe[0]);
+  });
+  REQUIRE(::write(pipe[1], "x", 1) == 1);
+  CHECK(soon(loop, [&] { return calls == 1; }));
+  turn_at_once(loop);
+  CHECK(calls == 1);
+  ::close(pipe[0]);
+  ::close(pipe[1]);
+}
