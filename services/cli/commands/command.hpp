@@ -20,6 +20,7 @@ std::vector<Command> message_commands();
 std::vector<Command> list_commands();
 std::vector<Command> scenario_commands();
 std::vector<Command> fleet_commands();
+std::vector<Command> doctor_commands();
 
 /// `trb help TOPIC`; the empty topic lists them. Empty if there is no such topic.
 std::string topic_text(const std::string& topic);

@@ -1,0 +1,187 @@
+// doctor: looks at a node's folder, services, links and robot, and names what is wrong.
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdio>
+
+#include "common/base/files.hpp"
+#include "common/config/node_config.hpp"
+#include "common/security/node_keys.hpp"
+#include "common/transport/loop.hpp"
+#include "services/cli/commands/command.hpp"
+#include "services/cli/core/diagnosis.hpp"
+#include "services/cli/io/ports.hpp"
+#include "services/cli/io/print.hpp"
+#include "services/cli/io/probe.hpp"
+
+namespace trb::cli {
+namespace {
+
+constexpr Duration kEchoWait = std::chrono::seconds(2);
+constexpr std::size_t kSmallEcho = 32;
+constexpr std::size_t kLargeEcho = 16'000;
+constexpr std::size_t kMostProbes = 64;  ///< a fleet of hundreds is asked peer by peer
+
+/// Says on a terminal what is being waited for.
+void progress(const Arguments& arguments, const std::string& text) {
+  if (!arguments.has("--json") && ::isatty(STDERR_FILENO) == 1) std::fprintf(stderr, "trb: %s ...\n", text.c_str());
+}
+
+void look_at_folder(const std::string& dir, Observed& seen, NodeConfig& config) {
+  NodeCheck check = check_node_dir(dir, true);
+  seen.faults = std::move(check.faults);
+  config = std::move(check.config);
+  seen.node = config.id;
+  seen.beacon = config.beacon;
+  seen.seeds = config.seeds.size();
+  seen.now = read_clocks().utc;
+  if (auto keys = load_node_keys(dir)) seen.own = keys->certificate;
+}
+
+/// The node's folder is the working directory by now.
+void look_at_bus(const NodeConfig& config, Observed& seen) {
+  std::vector<std::string> names = config.services;
+  names.insert(names.end(), {"probe", "tap"});
+  for (const std::string& name : names) {
+    const std::string path = "bus/" + name + ".ipc";
+    if (name != "router" && !file_exists(path)) seen.missing_sockets.push_back(path);
+  }
+  const Network& network = config.network;
+  if (!network.address.empty())
+    seen.inbox_open = probe_port(network.address + ":" + std::to_string(network.tcp_port_ext)) == Port::zmtp;
+}
+
+void ask_router(Probe& probe, Observed& seen) {
+  seen.answers = true;
+  if (auto table = probe.ask_node<RouteTable>(RouteListRequest{})) seen.routes = std::move(*table);
+  if (auto table = probe.ask_node<ServiceTable>(ServiceListRequest{})) seen.services = std::move(*table);
+  if (auto table = probe.ask_node<LinkTroubles>(LinkTroublesRequest{})) seen.troubles = std::move(*table);
+}
+
+void collect_addresses(const NodeConfig& config, Observed& seen) {
+  const auto add = [&](const std::string& address, bool seed) {
+    for (AddressProbe& known : seen.addresses) {
+      if (known.address != address) continue;
+      known.seed = known.seed || seed;
+      return;
+    }
+    if (!address.empty() && seen.addresses.size() < kMostProbes)
+      seen.addresses.push_back({address, seed, in_own_subnet(address)});
+  };
+  for (const Route& route : seen.routes.routes) {
+    const bool wanted = seen.asked.empty() || route.id == seen.asked || route.address == seen.asked;
+    if (route.state != "self" && wanted) add(route.address, false);
+  }
+  for (const Seed& seed : config.seeds) add(seed.address, true);
+  if (seen.asked.find(':') != std::string::npos) add(seen.asked, false);
+}
+
+void try_addresses(Observed& seen) {
+  probe_ports(seen.addresses);
+  for (AddressProbe& probe : seen.addresses) {
+    // Only a way that carries something can carry too little.
+    if (probe.port == Port::zmtp && !probe.address.starts_with("127."))
+      probe.large = probe_large_datagrams(probe.address);
+  }
+}
+
+bool echoes(Probe& probe, const std::string& peer, std::size_t size) {
+  const EchoRequest question{{std::string(size, 'e')}};
+  auto answer = probe.ask(Send{.type = MessageType::request, .target = peer, .body = question}, kEchoWait);
+  return answer && decode<Echo>(answer->data) && decode<Echo>(answer->data)->pad == question.pad;
+}
+
+void try_links(Probe& probe, Observed& seen) {
+  for (const Route& route : seen.routes.routes) {
+    const bool wanted = seen.asked.empty() || route.id == seen.asked || route.address == seen.asked;
+    if (route.state != "ONLINE" || !wanted || seen.echoes.size() >= kMostProbes) continue;
+    EchoProbe echo{route.id, echoes(probe, route.id, kSmallEcho), false};
+    // A large message that is lost would take the link with it: not where datagrams have shown that already.
+    const bool lost = std::any_of(seen.addresses.begin(), seen.addresses.end(), [&](const AddressProbe& at) {
+      return at.address == route.address && at.large == LargeDatagram::lost;
+    });
+    if (echo.small && !lost) echo.large = echoes(probe, route.id, kLargeEcho);
+    seen.echoes.push_back(std::move(echo));
+  }
+}
+
+void try_robot(const NodeConfig& config, Observed& seen) {
+  if (config.mode != Mode::direct || config.robot.host.empty() || !config.commands.port) return;
+  seen.robot.address = config.robot.host + ":" + std::to_string(*config.commands.port);
+  const auto self = std::find_if(seen.routes.routes.begin(), seen.routes.routes.end(),
+                                 [](const Route& route) { return route.state == "self"; });
+  // A controller may take one connection only: it is tried when the node has none.
+  if (self != seen.routes.routes.end() && self->profile.robot != "ONLINE")
+    seen.robot.port = probe_port(seen.robot.address);
+}
+
+Value to_value(const Finding& finding) {
+  return Value{Value::Object{{"severity", Value{finding.severity == Severity::problem ? "problem" : "note"}},
+                             {"cause", Value{finding.cause}},
+                             {"subject", Value{finding.subject}},
+                             {"what", Value{finding.what}},
+                             {"cure", Value{finding.cure}}}};
+}
+
+int report(const Arguments& arguments, const Observed& seen, const std::vector<Finding>& findings) {
+  const bool well = std::none_of(findings.begin(), findings.end(),
+                                 [](const Finding& finding) { return finding.severity == Severity::problem; });
+  if (arguments.has("--json")) {
+    Value::List list;
+    for (const Finding& finding : findings) list.push_back(to_value(finding));
+    print_json(
+        Value{Value::Object{{"node", Value{seen.node}}, {"well", Value{well}}, {"findings", Value{std::move(list)}}}});
+    return well ? kGood : kFailed;
+  }
+  for (const Finding& finding : findings) {
+    const bool problem = finding.severity == Severity::problem;
+    print_line(coloured(problem ? Colour::bad : Colour::plain, problem ? "problem" : "note   ") + "  " +
+               finding.subject + ": " + finding.what + "  [" + finding.cause + "]");
+    print_line("         -> " + finding.cure);
+  }
+  const auto online = std::count_if(seen.routes.routes.begin(), seen.routes.routes.end(),
+                                    [](const Route& route) { return route.state == "ONLINE"; });
+  if (well)
+    print_line(coloured(Colour::good, "well     ") + seen.node + ": services up, linked with " +
+               std::to_string(online) + (online == 1 ? " node" : " nodes") + ", no problem found");
+  return well ? kGood : kFailed;
+}
+
+int run_doctor(const Arguments& arguments) {
+  auto dir = find_node(arguments);
+  if (!dir) return print_error(arguments, dir.error());
+  if (::chdir(dir->c_str()) != 0)
+    return print_error(arguments, fail(Errc::missing, *dir + ": no such folder", "name a node's folder"));
+  Observed seen;
+  NodeConfig config;
+  seen.asked = arguments.words.empty() ? "" : arguments.words[0];
+  look_at_folder(".", seen, config);
+  progress(arguments, "asking the router of " + seen.node);
+  auto probe = Probe::open(".");
+  if (probe) ask_router(**probe, seen);
+  look_at_bus(config, seen);
+  collect_addresses(config, seen);
+  progress(arguments, "trying " + std::to_string(seen.addresses.size()) + " addresses");
+  try_addresses(seen);
+  if (probe) try_links(**probe, seen);
+  try_robot(config, seen);
+  return report(arguments, seen, diagnose(seen));
+}
+
+}  // namespace
+
+std::vector<Command> doctor_commands() {
+  return {
+      {{"doctor"},
+       {"doctor [PEER]",
+        "Looks at the node's files, services, links and robot, and names what is wrong and the cure. PEER is an id or\n"
+        "HOST:PORT: looks at that one alone, also if it was never heard of. Exit status 0: no problem found.",
+        {"--node DIR|the node to look at (else TRB_NODE, else this folder)", "--json|for programs"},
+        {"trb doctor --node nodes/ur3", "trb doctor ridgeback", "trb doctor 10.0.2.7:45000 --json"},
+        0,
+        1},
+       run_doctor},
+  };
+}
+
+}  // namespace trb::cli
