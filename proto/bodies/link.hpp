@@ -47,6 +47,7 @@ struct NodeProfile {
   std::string robot;    ///< connection: "ONLINE", "OFFLINE", "CONNECTION_BROKEN", "" for a node without a robot
   std::string detail;   ///< why, when not ONLINE
   bool fenced = false;  ///< stopped until `release`
+  std::string control;  ///< who commands it: a node's id, or "run ID"; empty: whoever comes first
   bool operator==(const NodeProfile&) const = default;
   static constexpr auto fields() {
     return std::tuple{
@@ -55,7 +56,8 @@ struct NodeProfile {
         field("model", &NodeProfile::model, 64),         field("capabilities", &NodeProfile::capabilities, 64),
         field("sensors", &NodeProfile::sensors, 255),    field("skills", &NodeProfile::skills, 128),
         field("places", &NodeProfile::places, 255),      field("robot", &NodeProfile::robot, 32),
-        field("detail", &NodeProfile::detail, 255),      field("fenced", &NodeProfile::fenced)};
+        field("detail", &NodeProfile::detail, 255),      field("fenced", &NodeProfile::fenced),
+        field("control", &NodeProfile::control, 64)};
   }
 };
 

@@ -106,9 +106,11 @@ struct AdapterState {
   std::string robot;  ///< as NodeProfile::robot
   bool fenced = false;
   bool busy = false;
+  std::string control;  ///< who else holds the control lease, so that no skill begins; empty: nobody
   static constexpr auto fields() {
     return std::tuple{field("instance", &AdapterState::instance), field("robot", &AdapterState::robot, 32),
-                      field("fenced", &AdapterState::fenced), field("busy", &AdapterState::busy)};
+                      field("fenced", &AdapterState::fenced), field("busy", &AdapterState::busy),
+                      field("control", &AdapterState::control, 64)};
   }
 };
 

@@ -55,9 +55,9 @@ TEST_CASE("a node's profile") {
   const NodeProfile profile{
       "ur",  "direct", "tcp-text", "UR",
       "UR3", {"grab"}, {"t1"},     {{"go_to", "mobile", {{"place", "place", true, "m"}}, true, 2.5}},
-      {"a"}, "ONLINE", "d",        true};
+      {"a"}, "ONLINE", "d",        true,   "cloud"};
   CHECK(to_hex(encode(profile)) ==
-        "9c"
+        "9d"
         "a27572"
         "a6646972656374"
         "a87463702d74657874"
@@ -74,7 +74,8 @@ TEST_CASE("a node's profile") {
         "91a161"
         "a64f4e4c494e45"
         "a164"
-        "c3");
+        "c3"
+        "a5636c6f7564");
 }
 
 TEST_CASE("the start of a run") {
@@ -134,7 +135,7 @@ TEST_CASE("bodies of link and bus") {
   CHECK(to_hex(encode(ServiceWelcome{"n", "robot", 3, 4, 5})) == "95a16ea5726f626f74030405");
   CHECK(to_hex(encode(Hello{kRecord, 1, "h:1", "v", 2, false, {}, 3, "s", true})) == std::string("9a") + kRecordHex +
                                                                                          "01a3683a31a17602c2"
-                                                                                         "9ca0a0a0a0a090909090a0a0c2"
+                                                                                         "9da0a0a0a0a090909090a0a0c2a0"
                                                                                          "03a173c3");
   CHECK(to_hex(encode(Beacon{kRecord, "h:1", 1, 2, 3})) == std::string("95") + kRecordHex + "a3683a31010203");
   CHECK(to_hex(encode(Nack{"c", "s", "t", "w", "u"})) == "95a163a173a174a177a175");

@@ -12,7 +12,7 @@ TRIES = 3  # a machine that is busy otherwise may delay one try, not the fastest
 
 class Messages(support.FleetTest):
     BLOCK = 62
-    ROBOTS = {name: trb_fleet.ROBOTS[name] for name in ("ur3", "pioneer1", "pioneer2")}
+    ROBOTS = {name: trb_fleet.ROBOTS[name] for name in ("ur3", "pioneer1", "pioneer2", "turtlebot")}
 
     def quick(self, what, action):
         """Every try must work, and the fastest within the limit. Returns what the last one gave."""
@@ -133,6 +133,43 @@ class Messages(support.FleetTest):
         said = self.lines_since(mark, "ur3")
         self.assertFalse([line for line in said if "popup" in line or "program x" in line or line.startswith("move ")],
                          said)
+
+    def test_one_commands_a_robot_at_a_time(self):
+        wave = ("send", "turtlebot", "command", "wave", "hello")
+        status, answer = self.ask(*wave, "--take")
+        self.assertEqual(status, 0, answer)
+        error = self.quick("a second one is refused", lambda: self.refusal(*wave, node="ur3"))
+        self.assertEqual(error["code"], "control_held")
+        self.assertIn(f"'{CLOUD}'", error["what"])
+        self.assertIn("--take", error["cure"])
+        self.wait_control("turtlebot", CLOUD)
+        status, answer = self.ask(*wave, "--take", node="ur3")
+        self.assertEqual(status, 0, answer)
+        self.wait_control("turtlebot", "ur3")
+        self.assertEqual(self.refusal(*wave)["code"], "control_held")
+        # Whoever holds it, anyone may ask, stop and release.
+        self.assertEqual(self.ask("request", "turtlebot", "battery")[0], 0)
+        for order in ("stop", "release"):
+            self.assertEqual(self.ask(order, "turtlebot")[0], 0, order)
+        self.run_waits_for_the_holder("turtlebot", "ur3")
+
+    def run_waits_for_the_holder(self, robot, holder):
+        task = {"id": "go", "robot": robot, "skill": "go_to", "data": {"place": "dock"}}
+        run = self.submit({"name": "go", "tasks": [task]})
+        self.fleet.wait("the run says who keeps it waiting",
+                        lambda: f"controlled by '{holder}'" in self.view(run, robot)["waits_for"], support.LONG_S)
+        self.wait_state(run, "FINISHED")
+        self.wait_control(robot, f"run {run}")
+        error = self.refusal("send", robot, "command", "wave", "hello")
+        self.assertEqual((error["code"], f"'run {run}" in error["what"]), ("control_held", True))
+
+    def wait_control(self, robot, holder):
+        """Every node is told who commands the robot."""
+        def told(node):
+            routes = self.fleet.json("route", "list", node=node)["routes"]
+            return next(r["profile"]["control"] for r in routes if r["id"] == robot) == holder
+
+        self.fleet.wait(f"{holder} controls {robot}", lambda: all(map(told, self.fleet.node_names)), support.LONG_S)
 
     def test_an_unknown_target_is_refused(self):
         for words in (("send", "nobody", "command", "move", "x"), ("request", "nobody", "position"),

@@ -89,10 +89,10 @@ class Stop(support.FleetTest):
 
     def command_works(self):
         mark = self.mark()
-        status, answer = self.ask("send", "ur3", "command", "move", "[0,-1.57,0,-1.57,0,0]")
+        status, answer = self.ask("send", "ur3", "command", "move", "[0,-1.57,0,-1.57,0,0]", "--take")
         self.assertEqual(status, 0, answer)
         self.wait_robot(mark, "ur3", "move movej 0.0000 -1.5700")
-        status, answer = self.ask("send", "ridgeback", "command", "wave", "hello")
+        status, answer = self.ask("send", "ridgeback", "command", "wave", "hello", "--take")
         self.assertEqual(status, 0, answer)
         self.wait_robot(mark, "ridgeback", "message command wave")
 

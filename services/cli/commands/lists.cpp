@@ -44,13 +44,14 @@ int show(const Arguments& arguments, Question question, Rows rows) {
 int run_robots(const Arguments& arguments) {
   return show<RouteTable>(arguments, RouteListRequest{}, [](const RouteTable& table) {
     std::vector<std::vector<std::string>> rows{
-        {"ROBOT", "NODE", "ROBOT IS", "FENCED", "MODE", "TRANSPORT", "MODEL", "CAPABILITIES"}};
+        {"ROBOT", "NODE", "ROBOT IS", "FENCED", "CONTROL", "MODE", "TRANSPORT", "MODEL", "CAPABILITIES"}};
     for (const Route& route : table.routes) {
       if (route.role != Role::robot) continue;
       const NodeProfile& p = route.profile;
       const std::string robot = p.robot + (p.detail.empty() ? "" : " (" + p.detail + ")");
       rows.push_back({route.id, route.state == "self" ? "ONLINE" : route.state, or_dash(robot), p.fenced ? "yes" : "no",
-                      or_dash(p.mode), or_dash(p.transport), or_dash(p.maker + " " + p.model), join(p.capabilities)});
+                      or_dash(p.control), or_dash(p.mode), or_dash(p.transport), or_dash(p.maker + " " + p.model),
+                      join(p.capabilities)});
     }
     return rows;
   });

@@ -50,7 +50,8 @@ int ask_and_print(const Arguments& arguments, const std::string& target, Message
   auto probe = open_probe(arguments);
   if (!probe) return kFailed;
   const auto left = static_cast<std::uint32_t>(*wait * 1000);
-  const Send send{.type = type, .target = target, .remaining_ms = left, .body = std::move(*body)};
+  const std::uint16_t flags = arguments.has("--take") ? kFlagTakeControl : 0;
+  const Send send{.type = type, .target = target, .flags = flags, .remaining_ms = left, .body = std::move(*body)};
   if (type != MessageType::information) {
     auto answer = probe->ask(send, seconds(*wait));
     if (!answer) return print_error(arguments, answer.error());
@@ -231,7 +232,7 @@ std::vector<Command> message_commands() {
       {{"send"},
        {"send TARGET TYPE SUBTYPE [DATA]",
         "Sends one message and prints the answer. TYPE is command, request or information.",
-        {kNode, kTimeout, kJson},
+        {kNode, kTimeout, "--take|take the control lease over from whoever commands the robot", kJson},
         {"trb send ur3 command move '[0.5,-1.2,1.0,-1.4,-1.57,0]'", "trb send pioneer1 information greeting 'hello'"},
         3,
         4},

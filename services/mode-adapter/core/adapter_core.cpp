@@ -6,17 +6,17 @@ ModeAdapterCore::ModeAdapterCore(Settings settings, PersistFence persist)
     : robot_(std::move(settings)), status_(robot_.settings), stops_(robot_, std::move(persist)), desk_(robot_) {}
 
 void ModeAdapterCore::on_welcome(const NodeIdentity&, Now, Outbox& out) {
-  status_.welcome(stops_.fenced(), desk_.busy(), out);
+  status_.welcome(condition(), out);
 }
 
 void ModeAdapterCore::on(const Inbound& message, Now now, Outbox& out) {
   std::visit(Overloaded{
                  [&](const Opaque& body) { on_opaque(message, body, now, out); },
-                 [&](const Execute& order) { desk_.execute(message, order, stops_.fenced(), now, out); },
+                 [&](const Execute& order) { execute(message, order, now, out); },
                  [&](const CancelExecution& order) { desk_.cancel(message, order, now, out); },
                  [&](const ExecutionQuery& query) { desk_.query(message, query, out); },
                  [&](const OutcomeJournaled& outcome) { desk_.journaled(outcome); },
-                 [&](const AdapterStateRequest&) { out.reply(message, status_.state(stops_.fenced(), desk_.busy())); },
+                 [&](const AdapterStateRequest&) { out.reply(message, status_.state(condition())); },
                  [&](const Stop& stop) {
                    desk_.interrupt("stopped by " + message.source + ": " + stop.reason, now, out);
                    stops_.on_stop(message, now, out);
@@ -45,7 +45,7 @@ void ModeAdapterCore::tick(Now now, Outbox& out) {
 }
 
 std::optional<MonotonicTime> ModeAdapterCore::next_deadline() const {
-  const auto askers = earlier(commands_.next_deadline(), requests_.next_deadline());
+  const auto askers = earlier(control_.next_deadline(), earlier(commands_.next_deadline(), requests_.next_deadline()));
   return earlier(earlier(stops_.next_deadline(), desk_.next_deadline()), earlier(robot_.next_deadline(), askers));
 }
 

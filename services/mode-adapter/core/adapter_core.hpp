@@ -4,6 +4,7 @@
 
 #include "common/actor/core.hpp"
 #include "services/mode-adapter/core/askers.hpp"
+#include "services/mode-adapter/core/control_lease.hpp"
 #include "services/mode-adapter/core/robot_side.hpp"
 #include "services/mode-adapter/core/robot_status.hpp"
 #include "services/mode-adapter/core/skill_desk.hpp"
@@ -36,8 +37,16 @@ class ModeAdapterCore : public Core {
   void answer_from_monitor(const Inbound& message, const Opaque& body, RobotMode& mode, Now now, Outbox& out);
   void on_nack(const Inbound& message, const Nack& nack, Now now, Outbox& out);
   void inform(std::string_view subtype, std::string_view source, BytesView data, Now now, Outbox& out);
-  void wait_or_answer(Askers& askers, const Inbound& message, const Opaque& body, RobotMode& mode, Now now,
-                      Outbox& out);
+  /// The message's token; none: refused, and told so.
+  std::optional<Token> wait_or_answer(Askers& askers, const Inbound& message, const Opaque& body, RobotMode& mode,
+                                      Now now, Outbox& out);
+
+  // who may command it: control.cpp
+  void execute(const Inbound& message, const Execute& order, Now now, Outbox& out);
+  [[nodiscard]] std::optional<Error> barred(const Holder& by, bool take, Now now) const;
+  void take_control(const Holder& by, Now now, Outbox& out);
+  void refresh_control(Now now);
+  [[nodiscard]] Condition condition() const;
   [[nodiscard]] Error explain(const Error& error, std::string_view subtype) const;
 
   // events of the modes: from_robot.cpp
@@ -55,6 +64,11 @@ class ModeAdapterCore : public Core {
   RobotStatus status_;
   StopControl stops_;
   SkillDesk desk_;
+  ControlLease control_;
+  struct {
+    RobotMode* mode = nullptr;
+    Token token = 0;
+  } commanded_;      ///< the last command that a person has given
   Askers commands_;  ///< until the robot has them
   Askers requests_;  ///< until the robot has answered them
 };

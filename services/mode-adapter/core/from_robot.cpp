@@ -16,7 +16,8 @@ void ModeAdapterCore::settle(Now now, Outbox& out) {
     on_event(*from.mode, from.event, now, out);
   }
   robot_.events.clear();
-  status_.publish(stops_.fenced(), desk_.busy(), out);
+  refresh_control(now);
+  status_.publish(condition(), out);
 }
 
 void ModeAdapterCore::on_event(RobotMode& mode, const ModeEvent& event, Now now, Outbox& out) {

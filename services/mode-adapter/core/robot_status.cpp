@@ -40,36 +40,40 @@ std::string RobotStatus::connection_name() const {
   return connection_ == Connection::broken ? "CONNECTION_BROKEN" : "OFFLINE";
 }
 
-AdapterState RobotStatus::state(bool fenced, bool busy) const {
-  return {settings_.instance, connection_name(), fenced, busy};
+AdapterState RobotStatus::state(const Condition& condition) const {
+  return {settings_.instance, connection_name(), condition.fenced, condition.busy,
+          condition.for_runs ? "" : condition.control};
 }
 
-void RobotStatus::welcome(bool fenced, bool busy, Outbox& out) {
+void RobotStatus::welcome(const Condition& condition, Outbox& out) {
   welcomed_ = true;
-  told_ = {connection_, fenced, busy};
+  told_ = {connection_, condition};
   had_contact_ = had_contact_ || connection_ == Connection::online;
-  out.information(settings_.id, state(fenced, busy));
-  tell_profile(fenced, out);
+  out.information(settings_.id, state(condition));
+  tell_profile(condition, out);
 }
 
-void RobotStatus::publish(bool fenced, bool busy, Outbox& out) {
-  const Told now{connection_, fenced, busy};
+void RobotStatus::publish(const Condition& condition, Outbox& out) {
+  const Told now{connection_, condition};
   if (!welcomed_ || (now == told_ && !detail_changed_)) return;
   const Told before = std::exchange(told_, now);
-  if (now != before) out.information(settings_.id, state(fenced, busy));
-  if (now.connection != before.connection || now.fenced != before.fenced || detail_changed_) tell_profile(fenced, out);
+  if (now != before) out.information(settings_.id, state(condition));
+  const bool shown = now.connection != before.connection || condition.fenced != before.condition.fenced ||
+                     condition.control != before.condition.control;
+  if (shown || detail_changed_) tell_profile(condition, out);
   if (now.connection != before.connection && had_contact_) {
     out.information(std::string(kEveryNode), RobotConnection{connection_name(), detail_});
   }
   had_contact_ = had_contact_ || connection_ == Connection::online;
 }
 
-void RobotStatus::tell_profile(bool fenced, Outbox& out) {
+void RobotStatus::tell_profile(const Condition& condition, Outbox& out) {
   detail_changed_ = false;
   NodeProfile profile = profile_;
   profile.robot = connection_name();
   profile.detail = detail_;
-  profile.fenced = fenced;
+  profile.fenced = condition.fenced;
+  profile.control = condition.control;
   out.information(settings_.id, std::move(profile));
 }
 

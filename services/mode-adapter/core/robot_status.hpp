@@ -6,6 +6,15 @@
 
 namespace trb::adapter {
 
+/// What of the robot's state others than its connection make.
+struct Condition {
+  bool fenced = false;
+  bool busy = false;
+  std::string control;   ///< Holder::text(); empty: nobody
+  bool for_runs = true;  ///< false: its holder keeps the scheduler's runs out
+  bool operator==(const Condition&) const = default;
+};
+
 class RobotStatus {
  public:
   explicit RobotStatus(const Settings& settings);
@@ -15,22 +24,21 @@ class RobotStatus {
   /// Why a first contact does not come about.
   void on_no_contact(const std::string& reason);
 
-  [[nodiscard]] AdapterState state(bool fenced, bool busy) const;
+  [[nodiscard]] AdapterState state(const Condition& condition) const;
   /// Everything, as to somebody who knows nothing yet.
-  void welcome(bool fenced, bool busy, Outbox& out);
+  void welcome(const Condition& condition, Outbox& out);
   /// What has changed since it was last told.
-  void publish(bool fenced, bool busy, Outbox& out);
+  void publish(const Condition& condition, Outbox& out);
 
  private:
   enum class Connection : std::uint8_t { offline, online, broken };
   struct Told {
     Connection connection = Connection::offline;
-    bool fenced = false;
-    bool busy = false;
+    Condition condition;
     bool operator==(const Told&) const = default;
   };
 
-  void tell_profile(bool fenced, Outbox& out);
+  void tell_profile(const Condition& condition, Outbox& out);
   [[nodiscard]] std::string connection_name() const;
 
   const Settings& settings_;

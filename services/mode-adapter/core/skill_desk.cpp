@@ -32,18 +32,24 @@ Error robot_offline() {
 
 }  // namespace
 
-void SkillDesk::execute(const Inbound& message, const Execute& order, bool fenced, Now now, Outbox& out) {
+bool SkillDesk::execute(const Inbound& message, const Execute& order, const std::optional<Error>& barred, Now now,
+                        Outbox& out) {
   const Settings& settings = robot_.settings;
   if (message.source != settings.id) {
-    return out.nack(message, fail(Errc::not_permitted, "only the node's own scheduler gives skills to the robot",
-                                  "submit a scenario"));
+    out.nack(message,
+             fail(Errc::not_permitted, "only the node's own scheduler gives skills to the robot", "submit a scenario"));
+    return false;
   }
   if (order.instance != settings.instance) {
-    return out.nack(message, fail(Errc::stale_instance, "the mode-adapter was restarted since", "ask for its state"));
+    out.nack(message, fail(Errc::stale_instance, "the mode-adapter was restarted since", "ask for its state"));
+    return false;
   }
-  if (answer_known(message, order.key, out)) return;
-  if (const auto refused = refusal(order, fenced)) return out.nack(message, *refused);
-  begin(message, order, now, out);
+  if (answer_known(message, order.key, out)) return false;
+  if (const auto refused = barred ? barred : refusal(order)) {
+    out.nack(message, *refused);
+    return false;
+  }
+  return begin(message, order, now, out);
 }
 
 bool SkillDesk::answer_known(const Inbound& message, const AttemptKey& key, Outbox& out) {
@@ -56,8 +62,7 @@ bool SkillDesk::answer_known(const Inbound& message, const AttemptKey& key, Outb
   return known != nullptr;
 }
 
-std::optional<Error> SkillDesk::refusal(const Execute& order, bool fenced) {
-  if (fenced) return fail(Errc::fenced, "the robot was stopped", "trb release " + robot_.settings.id);
+std::optional<Error> SkillDesk::refusal(const Execute& order) {
   if (running_) return fail(Errc::busy, "the robot carries out '" + running_->skill->name + "'", "wait for its end");
   if (!outcomes_.make_room())
     return fail(Errc::busy, "too many outcomes wait to be journaled", "look at the scheduler");
@@ -67,18 +72,24 @@ std::optional<Error> SkillDesk::refusal(const Execute& order, bool fenced) {
   return std::nullopt;
 }
 
-void SkillDesk::begin(const Inbound& message, const Execute& order, Now now, Outbox& out) {
+bool SkillDesk::begin(const Inbound& message, const Execute& order, Now now, Outbox& out) {
   const Skill* skill = robot_.settings.description.find_skill(order.skill);
   const Status begun = skill == nullptr ? Status(fail(Errc::unknown_skill, "the robot's description has no skill '" +
                                                                                order.skill.substr(0, 64) + "'"))
                                         : hand_over(order, *skill, now, out);
-  if (begun) return out.reply(message, ExecutionState{order.key, robot_.settings.instance, "running"});
-  if (begun.error().code == Errc::no_field_channel) return out.nack(message, robot_offline());
-  if (may_be_tried_again(begun.error().code)) return out.nack(message, begun.error());
+  if (begun) {
+    out.reply(message, ExecutionState{order.key, robot_.settings.instance, "running"});
+    return true;
+  }
+  if (may_be_tried_again(begun.error().code)) {
+    out.nack(message, begun.error().code == Errc::no_field_channel ? robot_offline() : begun.error());
+    return false;
+  }
   Outcome outcome{order.key, robot_.settings.instance, TaskOutcome::failed, begun.error().text(), "", 0};
   outcome.reason.resize(std::min(outcome.reason.size(), kMaxReason));
   if (message.wants_answer()) out.reply(message, outcome);
   outcomes_.add(std::move(outcome), now);
+  return false;
 }
 
 Status SkillDesk::hand_over(const Execute& order, const Skill& skill, Now now, Outbox& out) {

@@ -15,7 +15,8 @@ class SkillDesk {
  public:
   explicit SkillDesk(RobotSide& robot) : robot_(robot) {}
 
-  void execute(const Inbound& message, const Execute& order, bool fenced, Now now, Outbox& out);
+  /// `barred`: why nothing may begin, if so. True: the skill has begun.
+  bool execute(const Inbound& message, const Execute& order, const std::optional<Error>& barred, Now now, Outbox& out);
   void cancel(const Inbound& message, const CancelExecution& order, Now now, Outbox& out);
   void query(const Inbound& message, const ExecutionQuery& query, Outbox& out);
   void journaled(const OutcomeJournaled& outcome) { outcomes_.acknowledge(outcome.key); }
@@ -50,8 +51,8 @@ class SkillDesk {
   };
 
   bool answer_known(const Inbound& message, const AttemptKey& key, Outbox& out);
-  std::optional<Error> refusal(const Execute& order, bool fenced);
-  void begin(const Inbound& message, const Execute& order, Now now, Outbox& out);
+  std::optional<Error> refusal(const Execute& order);
+  bool begin(const Inbound& message, const Execute& order, Now now, Outbox& out);
   Status hand_over(const Execute& order, const Skill& skill, Now now, Outbox& out);
   [[nodiscard]] bool reached(std::string_view name, const std::vector<double>& numbers) const;
   [[nodiscard]] std::optional<MonotonicTime> timed_end() const;

@@ -21,11 +21,21 @@ void ModeAdapterCore::on_opaque(const Inbound& message, const Opaque& body, Now 
 }
 
 void ModeAdapterCore::on_command(const Inbound& message, const Opaque& body, Now now, Outbox& out) {
-  if (stops_.fenced()) {
-    out.count("refused.fenced");
-    return out.nack(message, fail(Errc::fenced, "the robot was stopped", "trb release " + robot_.settings.id));
+  const Holder by{Holder::Kind::person, message.source};
+  const bool take = (message.flags & kFlagTakeControl) != 0;
+  RobotMode& mode = robot_.mode_for(MessageType::command, body.subtype);
+  // With no robot on the field channel the command goes nowhere, whoever gives it: that is the cause to be told.
+  const bool nobody_there = !robot_.is_direct(mode) && !mode.online();
+  if (const auto error = barred(by, take || nobody_there, now)) {
+    out.count("refused." + std::string(errc_name(error->code)));
+    return out.nack(message, *error);
   }
-  wait_or_answer(commands_, message, body, robot_.mode_for(MessageType::command, body.subtype), now, out);
+  // By word it is taken over even if the command itself is refused: whoever asks for it wants the former one silent.
+  if (take) take_control(by, now, out);
+  const auto token = wait_or_answer(commands_, message, body, mode, now, out);
+  if (!token) return;
+  take_control(by, now, out);
+  commanded_ = {&mode, *token};
 }
 
 void ModeAdapterCore::on_request(const Inbound& message, const Opaque& body, Now now, Outbox& out) {
@@ -37,19 +47,22 @@ void ModeAdapterCore::on_request(const Inbound& message, const Opaque& body, Now
   wait_or_answer(requests_, message, body, mode, now, out);
 }
 
-void ModeAdapterCore::wait_or_answer(Askers& askers, const Inbound& message, const Opaque& body, RobotMode& mode,
-                                     Now now, Outbox& out) {
+std::optional<Token> ModeAdapterCore::wait_or_answer(Askers& askers, const Inbound& message, const Opaque& body,
+                                                     RobotMode& mode, Now now, Outbox& out) {
   const Token token = robot_.next_token();
   const auto progress =
       mode.hand_over({token, message.type, body.subtype, message.source, body.data, {}}, now, robot_.to(mode, out));
   if (!progress) {
     out.count("refused." + std::string(errc_name(progress.error().code)));
     out.nack(message, explain(progress.error(), body.subtype));
-  } else if (*progress == Progress::handed_over) {
+    return std::nullopt;
+  }
+  if (*progress == Progress::handed_over) {
     out.reply(message, Ack{"handed_over", ""});
   } else {
     askers.add(token, message, mode, now);
   }
+  return token;
 }
 
 Error ModeAdapterCore::explain(const Error& error, std::string_view subtype) const {

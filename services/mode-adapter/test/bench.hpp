@@ -91,7 +91,7 @@ class Bench {
   }
   std::uint64_t deliver(MessageType type, Body body, const std::string& source = "operator",
                         std::uint64_t reply_to = 0) {
-    core.on({type, source, "robot", ++last_id, reply_to, 0, remaining_ms, std::move(body)}, now, out);
+    core.on({type, source, "robot", ++last_id, reply_to, flags, remaining_ms, std::move(body)}, now, out);
     return last_id;
   }
   void up(Channel channel) { core.on_channel_up(channel, now, out); }
@@ -182,6 +182,7 @@ class Bench {
   Now now{{1'000'000'000}, {0}};
   std::uint64_t last_id = 0;
   std::uint32_t remaining_ms = kDefaultRemainingMs;
+  std::uint16_t flags = 0;
 };
 
 inline AttemptKey attempt(std::uint32_t number = 1) {

@@ -159,6 +159,8 @@ TEST_CASE("a protective stop is a fault of everything that the arm can do") {
 TEST_CASE("an operator's program does not take the arm away from a skill") {
   UrBench bench;
   bench.deliver(MessageType::command, order("reach", R"({"joints": [0,0,0,0,0,0]})"), "ur3");
+  CHECK(bench.answer(bench.command("move", kJoints)) == "nack control_held");
+  bench.flags = kFlagTakeControl;
   CHECK(bench.answer(bench.command("move", kJoints)) == "nack busy");
   bench.monitor(ur_started("trb_1"));
   CHECK(bench.answer(bench.command("move", kJoints)) == "nack busy");

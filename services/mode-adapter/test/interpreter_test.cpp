@@ -305,6 +305,7 @@ TEST_CASE("numbers instead of words") {
   CHECK(bench.nack_of(bench.command("dance", "1")).code == "unknown_subtype");
   CHECK(bench.nack_of(bench.command("dance", "1")).cure.find("field_channel.codes") != std::string::npos);
   CHECK(bench.answer(bench.command("move", "left")) == "nack bad_value");
+  bench.flags = kFlagTakeControl;
   CHECK(bench.answer(bench.send(MessageType::command, "move", "1", "stranger")) == "nack unknown_subtype");
   bench.say("3\n99\n6\n1\n4\n");
   CHECK(bench.counted("refused.bad_subtype") == 1);

@@ -49,7 +49,7 @@ TEST_CASE("busy and fenced are told at each change, and when asked") {
   bench.out.clear();
   bench.deliver(MessageType::command, order("home", ""), "pioneer");
   CHECK(bench.one<AdapterState>().busy);
-  CHECK(bench.told<NodeProfile>().empty());
+  CHECK(bench.one<NodeProfile>().control == "run run-1");
   CHECK_FALSE(bench.core.idle());
   bench.deliver(MessageType::command, Stop{""});
   const auto stopped = bench.one<AdapterState>();

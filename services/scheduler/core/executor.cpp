@@ -17,6 +17,7 @@ constexpr Errc kPassing[] = {
     Errc::busy,         Errc::fenced,         Errc::robot_offline,    Errc::timeout,
     Errc::expired,      Errc::queue_full,     Errc::no_service,       Errc::unknown_target,
     Errc::peer_expired, Errc::stale_instance, Errc::peer_unreachable, Errc::no_field_channel,
+    Errc::control_held,
 };
 
 bool passes(const std::string& code) {
@@ -29,6 +30,9 @@ std::string Executor::obstacle() const {
   if (!adapter_) return "its mode-adapter has not been heard";
   if (adapter_->robot != "ONLINE") return "the robot is " + (adapter_->robot.empty() ? "not there" : adapter_->robot);
   if (adapter_->fenced) return "the robot is stopped until 'release'";
+  if (!adapter_->control.empty()) {
+    return "the robot is controlled by '" + adapter_->control + "', until 10 s after its last command";
+  }
   if (adapter_->busy) return "the robot is busy";
   return {};
 }

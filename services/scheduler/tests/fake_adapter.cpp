@@ -26,6 +26,7 @@ void FakeAdapter::execute(const Execute& execute, const Inbound& message, Monoto
   if (begun.contains({instance, execute.key})) return query(execute.key, message.id);
   if (!online_) return refuse(message, Errc::robot_offline);
   if (fenced_) return refuse(message, Errc::fenced);
+  if (!control_.empty()) return refuse(message, Errc::control_held);
   if (running_) return refuse(message, Errc::busy);
   ++begun[{instance, execute.key}];
   running_ = Running{execute.key, now + skill_time};
@@ -83,8 +84,14 @@ void FakeAdapter::set(bool online, bool is_fenced) {
   tell_state();
 }
 
+void FakeAdapter::set_control(const std::string& holder) {
+  control_ = holder;
+  tell_state();
+}
+
 void FakeAdapter::tell_state(std::uint64_t reply_to) {
-  said_.push_back({reply_to, AdapterState{instance, online_ ? "ONLINE" : "OFFLINE", fenced_, running_.has_value()}});
+  said_.push_back(
+      {reply_to, AdapterState{instance, online_ ? "ONLINE" : "OFFLINE", fenced_, running_.has_value(), control_}});
 }
 
 void FakeAdapter::refuse(const Inbound& message, Errc code) {

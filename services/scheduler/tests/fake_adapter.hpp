@@ -27,6 +27,8 @@ class FakeAdapter {
   /// A new process: it knows nothing of what it was doing.
   void restart();
   void set(bool online, bool is_fenced);
+  /// Another has the control lease; empty: nobody.
+  void set_control(const std::string& holder);
 
   std::uint64_t instance = 100;
   Duration skill_time = seconds(1);
@@ -49,6 +51,7 @@ class FakeAdapter {
   };
   bool online_ = true;
   bool fenced_ = false;
+  std::string control_;
   std::optional<Running> running_;
   std::map<AttemptKey, Outcome> outcomes_;
   std::optional<MonotonicTime> resend_;

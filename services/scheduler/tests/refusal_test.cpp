@@ -176,7 +176,7 @@ TEST_CASE("only the own node speaks for its robot") {
   known.pass(known.signed_by("ridgeback"));
   const AttemptKey key{kRun, "task-1", 1, 1};
   const Outcome outcome{key, 100, TaskOutcome::finished, "", "", 1};
-  for (const Body& body : {Body{outcome}, Body{AdapterState{7, "ONLINE", false, false}},
+  for (const Body& body : {Body{outcome}, Body{AdapterState{7, "ONLINE", false, false, {}}},
                            Body{ExecutionState{key, 7, "unknown"}}, Body{known.signed_by("ridgeback")}}) {
     const Outbox out = known.fleet.tell("ur3", "drone", MessageType::information, body);
     CHECK(out.journal.empty());
@@ -196,7 +196,7 @@ TEST_CASE("a refusal that passes is tried again, one that does not is the attemp
   };
   CHECK(sent<AdapterStateRequest>(refuse("busy")).size() == 1);
   const Outbox state =
-      known.fleet.tell("ur3", "ur3", MessageType::information, AdapterState{100, "ONLINE", false, false});
+      known.fleet.tell("ur3", "ur3", MessageType::information, AdapterState{100, "ONLINE", false, false, {}});
   REQUIRE(sent<Execute>(state).size() == 1);
   const Outbox end = refuse("unknown_skill");
   REQUIRE(sent<SignRequest>(end).size() == 1);

@@ -228,6 +228,34 @@ TEST_CASE("a fenced or absent robot waits, says why, and goes on") {
   CHECK(begun(fleet) == std::map<std::string, int>{{"task-0", 1}, {"task-1", 1}});
 }
 
+TEST_CASE("a robot that another commands keeps its task waiting, says who it is, and goes on") {
+  Fleet fleet;
+  add_demonstration(fleet);
+  fleet["ridgeback"].adapter.set_control("cloud");
+  fleet.pass(seconds(1));
+  submit(fleet, chain({"ridgeback", "ur3"}));
+  fleet.pass(seconds(5));
+  CHECK(begun(fleet).empty());
+  CHECK(fleet.view("ridgeback", kRun).waits_for.find("controlled by 'cloud'") != std::string::npos);
+  fleet["ridgeback"].adapter.set_control({});
+  REQUIRE(fleet.until(finished_at(fleet, "cloud")));
+  CHECK(begun(fleet) == std::map<std::string, int>{{"task-0", 1}, {"task-1", 1}});
+}
+
+TEST_CASE("a command that meets another's control lease was not begun: it is tried again") {
+  Fleet fleet;
+  add_demonstration(fleet);
+  auto& adapter = fleet["ridgeback"].adapter;
+  submit(fleet, chain({"ridgeback", "ur3"}));
+  adapter.set_control("cloud");  // its word is still on the way when the command is given
+  fleet.pass(seconds(5));
+  CHECK(begun(fleet).empty());
+  CHECK(fleet.view("ridgeback", kRun).waits_for.find("controlled by 'cloud'") != std::string::npos);
+  adapter.set_control({});
+  REQUIRE(fleet.until(finished_at(fleet, "cloud")));
+  CHECK(begun(fleet) == std::map<std::string, int>{{"task-0", 1}, {"task-1", 1}});
+}
+
 TEST_CASE("two runs share a robot, one task at a time") {
   Fleet fleet;
   add_demonstration(fleet);

@@ -22,6 +22,7 @@ class DirectMode : public RobotMode {
   [[nodiscard]] const RobotValue* value(std::string_view name) const override;
 
   Result<Progress> hand_over(const Handover& message, Now now, const ModeOut& out) override;
+  [[nodiscard]] bool runs(Token token) const override { return track_.holds(token); }
   void forget(Token token, Now now, const ModeOut& out) override;
   void halt(Token token, Now now, const ModeOut& out) override;
   Result<Token> stop(Now now, const ModeOut& out) override;

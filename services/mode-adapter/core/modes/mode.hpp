@@ -116,6 +116,8 @@ class RobotMode {
 
   /// Errors: no_field_channel, robot_offline, queue_full, unknown_subtype, bad_value, not_escapable.
   virtual Result<Progress> hand_over(const Handover& message, Now now, const ModeOut& out) = 0;
+  /// True while a command handed over, as far as the robot tells, waits or is carried out.
+  [[nodiscard]] virtual bool runs(Token) const { return false; }
   /// Nobody waits for the message any more: it is dropped unless it is on its way already.
   virtual void forget(Token token, Now now, const ModeOut& out) = 0;
   /// Ends the motion of one command, without a fence.

@@ -85,6 +85,11 @@ bool ProgramTrack::drop(Token token, const ModeOut& out) {
   return only_waited;
 }
 
+bool ProgramTrack::holds(Token token) const {
+  if ((sent_ && sent_->token == token) || (running_ && running_->program.token == token)) return true;
+  return std::any_of(waiting_.begin(), waiting_.end(), [&](const Program& program) { return program.token == token; });
+}
+
 void ProgramTrack::drop_all(const Error& why, const ModeOut& out) {
   if (sent_) out.emit(Refused{sent_->token, why});
   for (const Program& program : waiting_) out.emit(Refused{program.token, why});

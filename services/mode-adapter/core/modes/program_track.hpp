@@ -39,6 +39,8 @@ class ProgramTrack {
   /// Nobody waits for it any more; one that was sent no longer keeps the next one from being sent.
   void drop_all(const Error& why, const ModeOut& out);
 
+  /// It waits, was sent or runs.
+  [[nodiscard]] bool holds(Token token) const;
   [[nodiscard]] bool idle() const { return !sent_ && !running_; }
   void tick(Now now, const ModeOut& out);
   [[nodiscard]] std::optional<MonotonicTime> next_deadline() const;
