@@ -2,6 +2,14 @@
 
 namespace trb {
 
+ConfigFaults faults_that_stop(const ConfigFaults& faults) {
+  ConfigFaults out;
+  for (const ConfigFault& fault : faults) {
+    if (!fault.may_wait) out.push_back(fault);
+  }
+  return out;
+}
+
 std::string to_text(const ConfigFaults& faults) {
   std::string out;
   for (const ConfigFault& fault : faults) {

@@ -12,8 +12,12 @@ struct ConfigFault {
   std::string key;  ///< path of the key, "skills.go_to.end.kind"; may be empty
   std::string what;
   std::string cure;
+  bool may_wait = false;  ///< what is missing may come later: `trb up` starts and waits for it
 };
 using ConfigFaults = std::vector<ConfigFault>;
+
+/// Without those that may wait.
+ConfigFaults faults_that_stop(const ConfigFaults& faults);
 
 /// "FILE: KEY: WHAT; CURE", a line for each fault.
 std::string to_text(const ConfigFaults& faults);

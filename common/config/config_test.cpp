@@ -116,11 +116,62 @@ TEST_CASE("interfaces: what cannot be used says why") {
   CHECK(resolve_interface("eth0", known).broadcast == "10.0.0.255");
   CHECK(resolve_interface("10.0.0.5", known).address == "10.0.0.5");
   CHECK(resolve_interface("tun0", known).broadcast.empty());
-  CHECK(resolve_interface("eth1", known).what.find("no IPv4 address") != std::string::npos);
+  CHECK(resolve_interface("eth1", known).what.find("has no address") != std::string::npos);
   CHECK(resolve_interface("eth2", known).what.find("is down") != std::string::npos);
   CHECK(resolve_interface("127.255.255.255", known).what.find("no address of one node") != std::string::npos);
   const Resolved missing = resolve_interface("10.0.0.6", known);
   CHECK(missing.what == "there is no interface or address '10.0.0.6' here");
-  CHECK(missing.cure == "use one of: eth0 (10.0.0.5), eth1 (no IPv4), eth2 (10.0.1.5, down), tun0 (10.8.0.2)");
+  CHECK(missing.cure == "use one of: eth0 (10.0.0.5), eth1 (no address), eth2 (10.0.1.5, down), tun0 (10.8.0.2)");
   CHECK(resolve_interface("Wi-Fi", known).cure.find("usually 'eth0'") != std::string::npos);
+}
+
+TEST_CASE("interfaces: IPv6 where there is no IPv4, link-local addresses last, beacons to the group") {
+  const std::vector<Interface> known = {{"eth0", "10.0.0.5", "10.0.0.255", true},
+                                        {"eth0", "fd00::5", "ff12::7262:6561%eth0", true},
+                                        {"eth1", "fd01::5", "ff12::7262:6561%eth1", true},
+                                        {"eth1", "fe80::5%eth1", "ff12::7262:6561%eth1", true}};
+  CHECK(resolve_interface("eth0", known).address == "10.0.0.5");
+  CHECK(resolve_interface("fd00::5", known).broadcast == "ff12::7262:6561%eth0");
+  CHECK(resolve_interface("eth1", known).address == "fd01::5");
+  CHECK(resolve_interface("fe80::5", known).address == "fe80::5%eth1");
+  CHECK(resolve_interface("fd09::9", known).what.find("no interface or address") != std::string::npos);
+  CHECK_FALSE(resolve_interface("fd09::9", known).may_come);
+  CHECK(resolve_interface("tun0", known).may_come);
+  CHECK_FALSE(resolve_interface("Wi-Fi", known).may_come);
+}
+
+TEST_CASE("an address as it is written: with a port, without a scope, with this machine's own") {
+  CHECK(join_host_port("10.0.0.1", 45000) == "10.0.0.1:45000");
+  CHECK(join_host_port("fd00::1", 45000) == "[fd00::1]:45000");
+  CHECK(without_scope("fe80::1%eth0") == "fe80::1");
+  CHECK(with_scope("[fe80::1]:45000", "eth1") == "[fe80::1%eth1]:45000");
+  CHECK(with_scope("[fe80::1%en7]:45000", "eth1") == "[fe80::1%eth1]:45000");
+  CHECK(with_scope("fe80::1", "eth1") == "fe80::1%eth1");
+  CHECK(with_scope("[fd00::1]:45000", "eth1") == "[fd00::1]:45000");
+  CHECK(with_scope("10.0.0.1:45000", "eth1") == "10.0.0.1:45000");
+}
+
+TEST_CASE("an interface that is not there yet is a fault that may wait; what else is wrong may not") {
+  const NodeFolder folder;
+  folder.change("network.json", "127.0.77.1", "tun77");
+  NodeCheck check = folder.check();
+  REQUIRE(without_keys(check.faults).size() == 1);
+  CHECK(faults_that_stop(without_keys(check.faults)).empty());
+  CHECK(check.config.network.waits_for.find("tun77") != std::string::npos);
+  folder.change("node.json", R"("beacon": true)", R"("beacon": 1)");
+  check = folder.check();
+  CHECK(faults_that_stop(without_keys(check.faults)).size() == 1);
+}
+
+TEST_CASE("seeds: IPv6 in square brackets; the cloud relays unless it is told not to") {
+  const NodeFolder folder;
+  const std::string key(64, 'a');
+  folder.change("node.json", R"("seeds": [])", R"("seeds": [{"address": "[fd00::1]:45000", "key": ")" + key + "\"}]");
+  const NodeCheck check = folder.check();
+  REQUIRE(to_text(without_keys(check.faults)) == "");
+  CHECK(check.config.seeds.at(0).address == "[fd00::1]:45000");
+  CHECK_FALSE(check.config.relay);
+  folder.change("node.json", "[fd00::1]", "[fd00::zz]");
+  CHECK(without_keys(folder.check().faults).size() == 1);
+  CHECK(NodeFolder("cloud").check().config.relay);
 }

@@ -1,23 +1,37 @@
 // The network interfaces of this machine.
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
 namespace trb {
 
-/// One IPv4 address of an interface.
+/// Where beacons go on a network without IPv4: a transient group of the link's own scope ("rb" "ea"), so that, like a
+/// broadcast, they stay on that cable.
+constexpr const char* kBeaconGroup = "ff12::7262:6561";
+
+/// One address of an interface. A link-local one bears its scope, "fe80::1%eth0".
 struct Interface {
   std::string name;
   std::string address;
-  std::string broadcast;  ///< empty if the interface has none, as tun0
+  std::string broadcast;  ///< IPv6: kBeaconGroup with the scope; empty if the interface has none, as tun0
   bool up = false;
 };
 
-/// Sorted by name, the loopback last.
+/// Sorted by name, the loopback last; of one interface IPv4 first, link-local addresses last.
 std::vector<Interface> interfaces();
 
 bool is_ipv4(const std::string& text);
+/// Also with a scope.
+bool is_ipv6(const std::string& text);
+
+/// HOST:PORT, an IPv6 address in square brackets.
+std::string join_host_port(const std::string& host, std::uint16_t port);
+/// "fe80::1%eth0" without "%eth0": a scope means nothing to another machine.
+std::string without_scope(const std::string& address);
+/// The same address as this machine must write it: a link-local one, in brackets or not, gets the scope `interface`.
+std::string with_scope(const std::string& address, const std::string& interface);
 
 /// Finds the interface of that name or address. Any 127.x.y.z is an address of the loopback, whose broadcast is taken
 /// to be 127.255.255.255, so that several nodes of one machine hear each other. `known` is what interfaces() gave.
@@ -26,6 +40,8 @@ struct Resolved {
   std::string broadcast;
   std::string what;  ///< why not; empty if found
   std::string cure;
+  std::string interface;  ///< its name; "lo" for 127.x.y.z
+  bool may_come = false;  ///< not found, but an interface of that name may come, come up or get its address later
 };
 Resolved resolve_interface(const std::string& name_or_address, const std::vector<Interface>& known);
 

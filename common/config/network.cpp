@@ -41,6 +41,11 @@ void resolve_network(NodeConfig& config, ConfigFaults& faults) {
   if (!network.host_int.empty()) {
     const FileFaults file("network.json", faults);
     const Resolved host = resolve(network.host_int, file, "HOST_INT", known);
+    if (host.may_come) {
+      // An interface may come late (VPN, USB) or get its address late (DHCP); an address that is wrong stays wrong.
+      faults.back().may_wait = true;
+      network.waits_for = "HOST_INT: " + host.what;
+    }
     network.address = host.address;
     network.broadcast = host.broadcast;
     if (config.beacon && host.what.empty() && host.broadcast.empty()) {
@@ -49,7 +54,14 @@ void resolve_network(NodeConfig& config, ConfigFaults& faults) {
     }
   }
   network.robot_address = network.address;
-  if (config.robot.interface.empty()) return;
+  if (config.robot.interface.empty()) {
+    if (!config.robot.host.empty() && is_ipv6(network.address)) {
+      FileFaults("node.json", faults)
+          .add("robot.interface", "is missing: robots speak IPv4, and HOST_INT is " + network.address,
+               "name the interface or the IPv4 address on which the robot is reached");
+    }
+    return;
+  }
   network.robot_address =
       resolve(config.robot.interface, FileFaults("node.json", faults), "robot.interface", known).address;
 }

@@ -24,6 +24,7 @@ bool is_address(std::string_view address) {
   std::uint16_t port = 0;
   const auto [end, problem] = std::from_chars(digits.data(), digits.data() + digits.size(), port);
   if (problem != std::errc() || end != digits.data() + digits.size() || port == 0) return false;
+  if (host.starts_with("[") && host.ends_with("]")) return is_ipv6(std::string(host.substr(1, host.size() - 2)));
   return host.find_first_not_of("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789.-_") ==
          std::string_view::npos;
 }
@@ -33,7 +34,7 @@ Seed read_seed(const Value& json, const std::string& path, const FileFaults& fau
   Seed seed;
   seed.address = reader.text("address", Need::required, 80).value_or("");
   if (!seed.address.empty() && !is_address(seed.address)) {
-    faults.add(path + ".address", in_quotes(seed.address) + " is no HOST:PORT", "write it as 10.0.0.1:45000");
+    faults.add(path + ".address", in_quotes(seed.address) + " is no HOST:PORT", "write it as 10.0.0.1:45000, or [fd00::1]:45000");
   }
   if (const auto text = reader.text("key", Need::required)) {
     auto key = from_hex(*text);
@@ -127,6 +128,7 @@ NodeFile read_node(const Value& json, NodeConfig& config, const FileFaults& faul
   }
   read_seeds(reader, config);
   config.beacon = reader.boolean("beacon", Need::optional).value_or(true);
+  config.relay = reader.boolean("relay", Need::optional).value_or(config.role == Role::cloud);
   read_services(reader, config);
   reader.refuse_unknown_keys();
   return file;

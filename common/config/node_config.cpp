@@ -157,7 +157,9 @@ class Checker {
   void port(const std::string& key, const std::string& address, std::uint16_t number) {
     if (address.empty()) return;
     const Status free = check_tcp_port(address, number);
-    if (!free) sink("network.json").add(key, free.error().what, free.error().cure);
+    if (free) return;
+    sink("network.json").add(key, free.error().what, free.error().cure);
+    out_.faults.back().may_wait = free.error().code == Errc::missing;
   }
 
   NodeCheck out_;

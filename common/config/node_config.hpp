@@ -35,8 +35,9 @@ struct Network {
   std::string host_int;                ///< an interface or an address
   std::string vpn_int;
   // resolved from the interfaces of this machine by check_node_dir:
-  std::string address;        ///< of host_int
+  std::string address;        ///< of host_int; empty: see waits_for
   std::string broadcast;      ///< of host_int's network
+  std::string waits_for;      ///< why `address` is empty, when that may change by itself: an interface that is not there
   std::string robot_address;  ///< of robot.interface, or `address`
 };
 
@@ -67,6 +68,7 @@ struct NodeConfig {
   RobotLink robot;
   std::vector<Seed> seeds;
   bool beacon = true;
+  bool relay = false;  ///< carries messages between members that cannot reach each other
   Network network;
   Description description;
   Places places;

@@ -1,18 +1,21 @@
 #include "common/config/ports.hpp"
 
-#include <arpa/inet.h>
+#include <netdb.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
 #include <cerrno>
 #include <cstring>
+#include <memory>
+
+#include "common/config/interfaces.hpp"
 
 namespace trb {
 namespace {
 
 class Socket {
  public:
-  Socket() : fd_(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {}
+  explicit Socket(int family) : fd_(::socket(family, SOCK_STREAM | SOCK_CLOEXEC, 0)) {}
   Socket(const Socket&) = delete;
   Socket& operator=(const Socket&) = delete;
   ~Socket() {
@@ -20,10 +23,10 @@ class Socket {
   }
 
   /// 0 or errno.
-  [[nodiscard]] int bind(const sockaddr_in& address) const {
+  [[nodiscard]] int bind(const addrinfo& address) const {
     const int on = 1;
     if (fd_ < 0 || ::setsockopt(fd_, SOL_SOCKET, SO_REUSEADDR, &on, sizeof on) != 0) return errno;
-    return ::bind(fd_, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0 ? 0 : errno;
+    return ::bind(fd_, address.ai_addr, address.ai_addrlen) == 0 ? 0 : errno;
   }
 
  private:
@@ -33,14 +36,16 @@ class Socket {
 }  // namespace
 
 Status check_tcp_port(const std::string& address, std::uint16_t port) {
-  sockaddr_in where{};
-  where.sin_family = AF_INET;
-  where.sin_port = htons(port);
-  const std::string name = "TCP " + address + ":" + std::to_string(port);
-  if (inet_pton(AF_INET, address.c_str(), &where.sin_addr) != 1) {
-    return fail(Errc::bad_value, name + " is no address", "use an IPv4 address");
+  const std::string name = "TCP " + join_host_port(address, port);
+  addrinfo hints{};
+  hints.ai_flags = AI_NUMERICHOST | AI_NUMERICSERV;
+  hints.ai_socktype = SOCK_STREAM;
+  addrinfo* found = nullptr;
+  if (getaddrinfo(address.c_str(), std::to_string(port).c_str(), &hints, &found) != 0) {
+    return fail(Errc::bad_value, name + " is no address", "use an IPv4 or IPv6 address");
   }
-  const int problem = Socket().bind(where);
+  const std::unique_ptr<addrinfo, decltype(&freeaddrinfo)> where(found, freeaddrinfo);
+  const int problem = Socket(where->ai_family).bind(*where);
   if (problem == 0) return Done{};
   if (problem == EADDRINUSE) {
     return fail(Errc::conflict, name + " is in use by another program",
@@ -48,6 +53,9 @@ Status check_tcp_port(const std::string& address, std::uint16_t port) {
   }
   if (problem == EACCES) {
     return fail(Errc::not_permitted, name + " may not be used by this user", "choose a port of 1024 or more");
+  }
+  if (problem == EADDRNOTAVAIL) {
+    return fail(Errc::missing, name + " cannot be bound: the address is not ready", "wait, or look at 'ip address'");
   }
   return fail(Errc::io_error, name + " cannot be bound: " + std::strerror(problem), "choose another address or port");
 }

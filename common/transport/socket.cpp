@@ -17,6 +17,14 @@ zmq::socket_t make(Context& context, zmq::socket_type type) {
   return socket;
 }
 
+/// A connection whose other end lost its power, or moved, holds a descriptor until the kernel has asked in vain.
+void watch_connections(zmq::socket_t& socket) {
+  socket.set(zmq::sockopt::tcp_keepalive, 1);
+  socket.set(zmq::sockopt::tcp_keepalive_idle, 15);
+  socket.set(zmq::sockopt::tcp_keepalive_intvl, 5);
+  socket.set(zmq::sockopt::tcp_keepalive_cnt, 3);
+}
+
 Result<Socket> refused(const std::string& endpoint, const zmq::error_t& problem) {
   return fail(Errc::io_error, endpoint + ": cannot bind: " + problem.what(),
               problem.num() == EADDRINUSE ? "stop the other process on that address, or take another one" : "");
@@ -58,7 +66,8 @@ Result<Socket> Socket::inbox(Context& context, const std::string& endpoint, cons
     const int on = 1;
     if (zmq_setsockopt(socket.handle(), kEnforceDomain, &on, sizeof on) != 0) throw zmq::error_t();
     socket.set(zmq::sockopt::handshake_ivl, 2000);
-    socket.bind(endpoint);
+    watch_connections(socket);
+    if (!endpoint.empty()) socket.bind(endpoint);
     return Socket(std::move(socket));
   } catch (const zmq::error_t& problem) {
     return refused(endpoint, problem);
@@ -71,11 +80,28 @@ Socket Socket::dialler(Context& context, const CurveKeys& keys, BytesView server
   socket.set(zmq::sockopt::immediate, true);
   socket.set(zmq::sockopt::reconnect_ivl, -1);
   socket.set(zmq::sockopt::connect_timeout, 1000);
+  watch_connections(socket);
   socket.set(zmq::sockopt::handshake_ivl, 2000);
   socket.set(zmq::sockopt::curve_publickey, keys.public_key);
   socket.set(zmq::sockopt::curve_secretkey, keys.secret_key);
   socket.set(zmq::sockopt::curve_serverkey, Bytes(server_key));
   return Socket(std::move(socket));
+}
+
+Status Socket::bind(const std::string& endpoint) {
+  *unseen_ = true;
+  try {
+    socket_.bind(endpoint);
+    return Done{};
+  } catch (const zmq::error_t& problem) {
+    return refused(endpoint, problem).error();
+  }
+}
+
+void Socket::unbind(const std::string& endpoint) {
+  *unseen_ = true;
+  // Only what zmq itself has resolved counts as its name; an interface that went away may have taken it along.
+  zmq_unbind(socket_.handle(), endpoint.c_str());
 }
 
 void Socket::dial(const std::string& endpoint) {

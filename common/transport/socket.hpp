@@ -45,8 +45,12 @@ class Socket {
   /// A service's link to its router, or its router's end for that service (ipc://bus/NAME.ipc).
   static Socket bus_client(Context& context, const std::string& endpoint);
   static Result<Socket> bus_server(Context& context, const std::string& endpoint);
-  /// The one door for other routers. ZAP must be bound before (zap.hpp).
+  /// The one door for other routers. ZAP must be bound before (zap.hpp). An empty endpoint leaves it closed until bind().
   static Result<Socket> inbox(Context& context, const std::string& endpoint, const CurveKeys& keys);
+  /// One more endpoint. Errors: io_error naming it.
+  Status bind(const std::string& endpoint);
+  /// Listens there no more; connections stay. One that was not bound is ignored.
+  void unbind(const std::string& endpoint);
   /// A dialled link: one connection, never made again by libzmq. Connect with dial() after the monitor is attached.
   static Socket dialler(Context& context, const CurveKeys& keys, BytesView server_key);
   void dial(const std::string& endpoint);

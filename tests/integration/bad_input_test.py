@@ -136,7 +136,7 @@ FAULTS = {
                               "was not signed by this fleet's authority", "sign the node's request again"),
     "an unknown mode": (changed("profile.json", "ur", "serial"), "profile.json", "ur", "'serial'", "interpreter, direct, ros"),
     "an unknown framework": (changed("node.json", "framework", "urr"), "node.json", "framework", "'urr' is not in profile.json", "'ur'"),
-    "no such interface": (changed("network.json", "HOST_INT", "eth99"), "network.json", "HOST_INT", "no interface or address 'eth99'", "lo (127.0.0.1)"),
+    "no such address": (changed("network.json", "HOST_INT", "203.0.113.9"), "network.json", "HOST_INT", "no interface or address '203.0.113.9'", "lo (127.0.0.1)"),
     "the name of Windows": (changed("network.json", "HOST_INT", "Wi-Fi"), "network.json", "HOST_INT", "Windows", "ip address"),
     "a port as text": (changed("network.json", "TCP_PORT", "40000"), "network.json", "TCP_PORT", "is a text", ""),
     "a port out of range": (changed("network.json", "UDP_PORT", 70000), "network.json", "UDP_PORT", "out of range", "65535"),
@@ -208,7 +208,7 @@ class Files(Case):
 
     def test_several_faults_are_told_at_once(self):
         folder = self.copy()
-        for spoil in ("an unknown mode", "no such interface", "a place without x"):
+        for spoil in ("an unknown mode", "no such address", "a place without x"):
             FAULTS[spoil][0](folder)
         self.assertEqual(sorted(fault["file"] for fault in self.faults_of("check", folder)),
                          ["network.json", "places.json", "profile.json"])

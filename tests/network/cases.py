@@ -37,18 +37,21 @@ class Report:
         self.say(f"FAULT {text}")
 
     @contextlib.contextmanager
-    def standing(self, fleet, links=None, via=None, patience=20):
-        """The fleet stands, all tables right; at the end what must not have happened is looked for."""
+    def standing(self, fleet, links=None, via=None, patience=20, then=None):
+        """The fleet stands, all tables right; at the end what must not have happened is looked for. `then` is done
+        between the start and the forming."""
         with fleet:
             self.fleet, self.via = fleet, via or {}
             self.links = links or {n: len(fleet.node_names) - 1 for n in fleet.node_names}
             since = time.monotonic()
             fleet.start_all()
+            if then:
+                then()
+                since = time.monotonic()
             took = fleet.wait_right(patience, self.via, since)
             if took is None:
-                self.fail(f"does not form: {fleet.what_is_wrong(since, self.via)}")
                 self.show_logs()
-                return
+                raise RuntimeError(f"does not form: {fleet.what_is_wrong(since, self.via)}")
             self.notes["formed_s"] = round(took, 2)
             self.say(f"{len(fleet.node_names)} nodes formed in {took:.2f} s")
             yield fleet
@@ -271,3 +274,64 @@ def nat(report, rounds):
                 time.sleep(13)
                 lab.plug_cable(gate)
                 report.healed(number, rounds, time.monotonic())
+
+
+def six(report, rounds, hosts):
+    with Lab(report.tag) as lab:
+        lab.add_hosts(NODES, family=6)
+        with report.standing(NetFleet(lab, hosts(lab))):
+            for number in range(1, rounds + 1):
+                host = NODES[number % len(NODES)]
+                lab.pull_cable(host)
+                time.sleep(13)
+                lab.plug_cable(host)
+                report.healed(number, rounds, time.monotonic())
+
+
+@case("ipv6", 3, 1)
+def ipv6(report, rounds):
+    """A network without IPv4: HOST_INT is an address or an interface, beacons go to the group."""
+    six(report, rounds, lambda lab: {"ant": "eth0", "bee": lab.address6("bee"), "cat": "eth0", "dog": "eth0"})
+
+
+@case("ipv6-link-local", 3, 1)
+def ipv6_link_local(report, rounds):
+    """Not even an address was given: the interfaces have the link-local ones that the kernel makes."""
+    with Lab(report.tag) as lab:
+        lab.add_hosts(NODES, family=0)
+        with report.standing(NetFleet(lab, {name: "eth0" for name in NODES})):
+            for number in range(1, rounds + 1):
+                lab.pull_cable("bee")
+                time.sleep(13)
+                lab.plug_cable("bee")
+                report.healed(number, rounds, time.monotonic())
+
+
+@case("late-interface", 5, 1)
+def late_interface(report, rounds):
+    """HOST_INT and VPN_INT name interfaces that come after the router was started, go, and come again."""
+    with Lab(report.tag) as lab:
+        lab.add_hosts(NODES)
+        lab.rename("bee", "eth0", "other")
+        fleet = NetFleet(lab, {**addresses_of(NODES), "bee": "tun0"}, network={"cat": {"VPN_INT": "tun0"}})
+
+        def waits():
+            if wait_until(lambda: "HOST_INT" in fleet.note("bee"), WITHIN_S) is None:
+                report.fail(f"the service list does not say that it waits: {fleet.note('bee')!r}")
+
+        def come():
+            waits()
+            lab.rename("bee", "other", "tun0")
+
+        with report.standing(fleet, then=come):
+            for number in range(1, rounds + 1):
+                lab.rename("bee", "tun0", "other")
+                waits()
+                lab.rename("bee", "other", "tun0")
+                report.healed(number, rounds, time.monotonic())
+                lab.add_vpn("cat", "10.88.0.1")
+                if wait_until(lambda: "10.88.0.1" in fleet.doors("cat"), WITHIN_S) is None:
+                    report.fail(f"round {number}: the VPN's address is no door: {fleet.doors('cat')}")
+                lab.remove_vpn("cat")
+                if wait_until(lambda: "10.88.0.1" not in fleet.doors("cat"), WITHIN_S) is None:
+                    report.fail(f"round {number}: the VPN is gone and still a door: {fleet.doors('cat')}")

@@ -76,6 +76,7 @@ class Lab:
     # ---- building
 
     def add_hosts(self, names, family=4):
+        """`family` 0: no address but the link-local one that the kernel makes."""
         for name in names:
             self.hosts[name] = len(self.hosts) + 1
             self.make_space(self.space(name))
@@ -86,8 +87,10 @@ class Lab:
         for name in names:
             at = self.space(name)
             lines += [f"-n {at} link set lo up", f"-n {at} link set eth0 up"]
-            lines += [f"-n {at} addr add {self.address(name)}/24 brd 10.77.0.255 dev eth0"] if family == 4 else [
-                f"-n {at} addr add {self.address6(name)}/64 dev eth0 nodad"]
+            if family == 4:
+                lines.append(f"-n {at} addr add {self.address(name)}/24 brd 10.77.0.255 dev eth0")
+            if family == 6:
+                lines.append(f"-n {at} addr add {self.address6(name)}/64 dev eth0 nodad")
         batch(lines)
 
     def address(self, host):
@@ -158,6 +161,18 @@ class Lab:
 
     def heal_rules(self):
         self.nft("flush chain bridge lab between")
+
+    def rename(self, host, old, new):
+        """An interface goes, or comes: for who looks for it by its name."""
+        batch([f"-n {self.space(host)} link set {old} down", f"-n {self.space(host)} link set {old} name {new}",
+               f"-n {self.space(host)} link set {new} up"])
+
+    def add_vpn(self, host, address):
+        batch([f"-n {self.space(host)} link add tun0 type bridge", f"-n {self.space(host)} link set tun0 up",
+               f"-n {self.space(host)} addr add {address}/24 dev tun0"])
+
+    def remove_vpn(self, host):
+        run("ip", "-n", self.space(host), "link", "del", "tun0")
 
     def change_address(self, host, old, new):
         """As a new lease of DHCP: the old address goes, then the new one comes."""

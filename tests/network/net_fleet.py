@@ -177,6 +177,17 @@ class NetFleet(trb_fleet.Fleet):
         path = self.dir(node) / "log" / "router.log"
         return path.read_text(errors="replace").splitlines()[-count:] if path.exists() else []
 
+    def note(self, node):
+        """What the service list says of the router."""
+        return self.services(node)["router"].get("note", "")
+
+    def doors(self, node):
+        """The local addresses on which the router listens, by the kernel's table."""
+        rows = pathlib.Path(f"/proc/{self.routers[node].pid}/net/tcp").read_text().splitlines()[1:]
+        rows += pathlib.Path(f"/proc/{self.routers[node].pid}/net/tcp6").read_text().splitlines()[1:]
+        local = [row.split()[1].rsplit(":", 1)[0] for row in rows if row.split()[3] == "0A"]
+        return [".".join(str(b) for b in reversed(bytes.fromhex(a[-8:]))) for a in local]
+
     def counters(self, node):
         rows = self.json("service", "counters", "router", node=node)["values"]
         return {row["name"]: int(row["value"]) for row in rows}

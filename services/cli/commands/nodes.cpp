@@ -80,7 +80,9 @@ int run_up(const Arguments& arguments) {
                                        "stop that one first, or use trb reload"));
   }
   const NodeCheck check = check_node_dir(dir, false);
-  if (!check.faults.empty()) return print_faults(arguments, check.faults);
+  const ConfigFaults stopping = faults_that_stop(check.faults);
+  if (!stopping.empty()) return print_faults(arguments, check.faults);
+  if (!check.faults.empty()) print_line(check.config.id + ": starts and waits: " + to_text(check.faults));
   auto held = NodeLock::take(dir);
   if (!held) return print_error(arguments, held.error());
   block_child_signal();
@@ -90,7 +92,7 @@ int run_up(const Arguments& arguments) {
   const auto reload_ok = [&dir, &arguments] {
     const NodeCheck again = check_node_dir(dir, true);
     if (!again.faults.empty()) print_faults(arguments, again.faults);
-    return again.faults.empty();
+    return faults_that_stop(again.faults).empty();
   };
   ReadyCheck is_ready(dir);
   return supervisor.run(reload_ok, std::ref(is_ready));
@@ -99,7 +101,7 @@ int run_up(const Arguments& arguments) {
 int run_reload(const Arguments& arguments) {
   const std::string dir = absolute(arguments.words[0]);
   const NodeCheck check = check_node_dir(dir, true);
-  if (!check.faults.empty()) return print_faults(arguments, check.faults);
+  if (!faults_that_stop(check.faults).empty()) return print_faults(arguments, check.faults);
   auto pid = NodeLock::holder(dir);
   if (!pid) return print_error(arguments, pid.error());
   if (::kill(*pid, SIGHUP) != 0)

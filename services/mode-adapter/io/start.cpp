@@ -43,7 +43,9 @@ int complain(const std::string& text) {
 
 int start(const std::string& node_dir) {
   NodeCheck check = check_node_dir(node_dir, true);
-  if (!check.faults.empty()) return complain(to_text(check.faults));
+  // A robot that is reached on an interface that is not there yet: ends, and `trb up` starts it again until it is.
+  const bool placed = !check.config.network.robot_address.empty();
+  if (!faults_that_stop(check.faults).empty() || !placed) return complain(to_text(check.faults));
   auto service = Service::open({check.config.dir, "mode-adapter", subtypes()});
   if (!service) return complain(service.error().text());
   const FenceFile fence(check.config.dir);

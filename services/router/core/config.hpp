@@ -39,6 +39,7 @@ struct RouterConfig {
   std::uint16_t first_slot = 1;
   std::string version;
   std::vector<SeedAddress> seeds;
+  std::vector<SeedAddress> known;     ///< peers that were linked before the last end: hints where to dial
   std::vector<std::string> services;  ///< that may claim subtypes
   bool beacon = true;
   Timing timing;
@@ -47,6 +48,8 @@ struct RouterConfig {
 constexpr std::size_t kMaxCandidates = 32;
 constexpr std::size_t kMaxHelloSize = 4096;
 constexpr std::size_t kMaxPeers = 1024;
-constexpr std::size_t kMaxConnections = 64;  ///< on the node's own bus
+constexpr Duration kStorePause = std::chrono::seconds(5);  ///< changes of where peers are, gathered for one write
+constexpr Duration kHintPause = std::chrono::seconds(30);  ///< between dials to where a peer once was
+constexpr std::size_t kMaxConnections = 64;                ///< on the node's own bus
 
 }  // namespace trb::router

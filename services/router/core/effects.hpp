@@ -39,13 +39,18 @@ struct AcceptLink {
 struct SendBeacon {
   Bytes plain;
 };
+/// The peers that were linked, for the next start: lines "ADDRESS KEY" (hexadecimal), newest state, whole.
+struct StorePeers {
+  std::string text;
+};
 /// A Goodbye to a candidate that has no link yet: to the inbox connection whose message is being handled.
 struct RefuseCandidate {
   LinkId link = 0;
   Message message;
 };
 
-using Effect = std::variant<BusSend, LinkSend, Dial, CloseLink, AcceptLink, SendBeacon, RefuseCandidate, Log>;
+using Effect =
+    std::variant<BusSend, LinkSend, Dial, CloseLink, AcceptLink, SendBeacon, StorePeers, RefuseCandidate, Log>;
 
 struct Effects {
   std::vector<Effect> list;

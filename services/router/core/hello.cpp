@@ -6,6 +6,7 @@ namespace trb::router {
 void RouterCore::send_hello(Link& link, Now now, Effects& out) {
   if (link.hello_sent) return;
   link.hello_sent = true;
+  link.own_address = config_.address;
   const UtcTime utc = checked_utc(now.utc);
   Hello hello{config_.certificate, config_.boot, config_.address, config_.version, utc.ns, utc == now.utc, profile_};
   link.profile = profile_number_;
@@ -110,6 +111,7 @@ void RouterCore::link_up(Link& link, const Certificate& certificate, const Hello
   Peer& peer = peers_.at(certificate.id);
   link.peer = certificate.id;
   link.boot = hello.boot;
+  link.peer_address = hello.address;
   link.up = true;
   link.last_heard = now.mono;
   link.confirmed = now.mono;
@@ -119,6 +121,8 @@ void RouterCore::link_up(Link& link, const Certificate& certificate, const Hello
   if (peer.link != 0 && !settle_double(link, peer, now, out)) return;
   const bool again = peer.boot == hello.boot && peer.met && !peer.expired;
   peer.boot = hello.boot;
+  if (peer.address != hello.address || links_.at(id).dialled) next_store_ = now.mono + kStorePause;
+  if (links_.at(id).dialled) peer.good_address = links_.at(id).address;
   peer.address = hello.address;
   peer.version = hello.version;
   peer.clock_verified = hello.clock_verified;
@@ -151,7 +155,7 @@ bool RouterCore::settle_double(Link& link, Peer& peer, Now now, Effects& out) {
 void RouterCore::refuse_candidate(LinkId id, BytesView key, const Error& error, Now now, Effects& out) {
   out.count("refused." + std::string(errc_name(error.code)));
   out.log(LogLevel::warning, "candidate_refused", error.text());
-  if (peers_by_key_.count(key) == 0) {
+  if (!is_expected(key)) {
     candidates_.erase(Bytes(key));
     if (denied_.size() < 8 * kMaxCandidates) denied_[Bytes(key)] = now.mono + config_.timing.denied;
   }

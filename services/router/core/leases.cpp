@@ -5,7 +5,7 @@
 namespace trb::router {
 
 std::optional<MonotonicTime> RouterCore::next_deadline() const {
-  std::optional<MonotonicTime> next = next_beacon_;
+  std::optional<MonotonicTime> next = earlier(next_beacon_, next_store_);
   for (const auto& [id, link] : links_) {
     const MonotonicTime lapse = std::min(link.last_heard, link.confirmed) + config_.timing.lease;
     next = earlier(next, link.up ? std::min(link.next_keep_alive, lapse) : link.opened + config_.timing.handshake);
@@ -26,6 +26,7 @@ void RouterCore::tick(Now now, Effects& out) {
   tick_seeds(now, out);
   tick_beacon(now, out);
   tick_candidates(now, out);
+  tick_known(now, out);
 }
 
 void RouterCore::tick_links(Now now, Effects& out) {
@@ -65,7 +66,7 @@ void RouterCore::tick_peers(Now now, Effects& out) {
         peer.redial.at = now.mono + config_.timing.redial_first;
         continue;
       }
-      dial(peer.redial, peer.address, peer.certificate.link_key.bytes, now, out);
+      dial(peer.redial, address_to_dial(peer), peer.certificate.link_key.bytes, now, out);
     }
   }
 }
@@ -81,7 +82,9 @@ void RouterCore::tick_seeds(Now now, Effects& out) {
   for (Seed& seed : seeds_) {
     if (!seed.redial.at || now.mono < *seed.redial.at) continue;
     const auto peer = peers_.find(seed.peer);
-    if ((peer != peers_.end() && peer->second.link != 0) || dialling(seed.key)) {
+    if (seed.hint && peer != peers_.end() && peer->second.met) {
+      seed.redial.at.reset();
+    } else if ((peer != peers_.end() && peer->second.link != 0) || dialling(seed.key)) {
       // The link is there, or is being dialled by another way; look again later, in case that address is lost.
       seed.redial.at = now.mono + config_.timing.redial_most;
     } else {
@@ -143,7 +146,7 @@ void RouterCore::on_beacon(BytesView plain, Now now, Effects& out) {
                      std::pair(outer->boot, outer->count) <= std::pair(peer.beacon_boot, peer.beacon_count) ||
                      certificate->serial < peer.certificate.serial;
     if (old) return refuse_beacon("replayed", "of '" + peer.id + "', not newer than one that was heard", now, out);
-    if (peer.link != 0 && peer.boot == outer->boot) {
+    if (peer.link != 0 && peer.boot == outer->boot && peer.address == outer->address) {
       known->second.beacon_boot = outer->boot;
       known->second.beacon_count = outer->count;
       return;
@@ -152,16 +155,17 @@ void RouterCore::on_beacon(BytesView plain, Now now, Effects& out) {
   Peer& peer = make_peer(*certificate, outer->certificate);
   peer.beacon_boot = outer->boot;
   peer.beacon_count = outer->count;
-  if (peer.link == 0 || outer->boot > peer.boot) peer.address = outer->address;
+  const bool again = outer->boot > peer.boot;
+  set_peer_address(peer, outer->address, now, out);
   if (peer.redial.link != 0) return;
-  // Unlinked, or linked to a process that is gone: the smaller id dials now, the greater answers with a beacon of its
+  // Unlinked, or linked to a process that is gone or to where it was: the smaller id dials now, the greater answers with a beacon of its
   // own.
   const bool stale = peer.link != 0;
-  if (stale) drop_link(peer.link, "its node was started again", false, now, out);
+  if (stale) drop_link(peer.link, again ? "its node was started again" : "its address has changed", false, now, out);
   peer.redial.wait = {};
   peer.redial.at = now.mono + (own_is_smaller(peer.id) ? Duration{} : config_.timing.yield);
   constexpr Duration kAnswer = std::chrono::milliseconds(200);
-  if (!own_is_smaller(peer.id) && config_.beacon && now.mono - last_beacon_ > 2 * kAnswer) {
+  if (!own_is_smaller(peer.id) && next_beacon_ && now.mono - last_beacon_ > 2 * kAnswer) {
     next_beacon_ = std::min(next_beacon_.value_or(now.mono + kAnswer), now.mono + kAnswer);
   }
 }

@@ -11,6 +11,7 @@ void RouterCore::dial(Redial& redial, const std::string& address, BytesView key,
   link.id = random_u64();
   link.dialled = true;
   link.key = key;
+  link.address = address;
   link.opened = now.mono;
   link.last_heard = now.mono;
   redial.at.reset();
@@ -34,7 +35,9 @@ void RouterCore::redial_later(Redial& redial, Now now, Duration at_least) {
 
 void RouterCore::redial_failed(LinkId id, Now now) {
   for (Seed& seed : seeds_) {
-    if (seed.redial.link == id) redial_later(seed.redial, now);
+    if (seed.redial.link != id) continue;
+    const bool patient = seed.hint && seed.redial.wait >= config_.timing.redial_most;
+    redial_later(seed.redial, now, patient ? kHintPause : Duration{});
   }
   for (auto& [name, peer] : peers_) {
     if (peer.redial.link == id) redial_later(peer.redial, now);
@@ -59,7 +62,8 @@ void RouterCore::link_send(Link& link, const Body& body, Effects& out, const Mes
 
 bool RouterCore::admit(BytesView key, MonotonicTime now, Effects& out) {
   if (key == config_.own.link_key.bytes) return false;
-  if (peers_by_key_.count(key) != 0) return true;
+  // Members, and those whom node.json names though they were never met: no crowd of strangers keeps them out.
+  if (is_expected(key)) return true;
   if (const auto at = denied_.find(key); at != denied_.end() && now < at->second) {
     out.count("refused.denied_key");
     out.log(LogLevel::warning, "denied_key", "the key " + to_hex(key) + " was refused a moment ago");

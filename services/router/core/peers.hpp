@@ -19,10 +19,13 @@ constexpr std::string_view kUnheard = "nothing heard for a lease";
 /// One CURVE connection. Down = not in the table.
 struct Link {
   LinkId id = 0;
-  bool dialled = false;  ///< by this node
-  std::string peer;      ///< empty until its Hello was accepted
-  Bytes key;             ///< the other side's CURVE key
-  bool up = false;       ///< Hello heard and accepted
+  bool dialled = false;      ///< by this node
+  std::string peer;          ///< empty until its Hello was accepted
+  Bytes key;                 ///< the other side's CURVE key
+  std::string address;       ///< that was dialled
+  std::string own_address;   ///< where this node could be dialled when it said Hello here
+  std::string peer_address;  ///< where the other side said that it could be
+  bool up = false;           ///< Hello heard and accepted
   bool hello_sent = false;
   std::uint64_t profile = 0;  ///< number of this node's profile that the other side was last told
   std::uint64_t boot = 0;     ///< the peer's boot counter, from its Hello
@@ -46,7 +49,9 @@ struct Peer {
   std::string id;
   SignedRecord certificate_record;
   Certificate certificate;
-  std::string address;
+  std::string address;       ///< where it says that it can be dialled
+  std::string good_address;  ///< where this node has reached it, if that is another one: a seed's, behind a translator
+  bool try_good = false;     ///< the next dial goes there
   std::uint64_t boot = 0;
   std::uint64_t beacon_boot = 0;
   std::uint64_t beacon_count = 0;
@@ -66,11 +71,14 @@ struct Seed {
   Bytes key;
   std::string peer;  ///< whose key it is, once known
   Redial redial;
+  bool hint = false;  ///< from the last run, not from node.json: given up for the peer's own address once it was met
 };
 
 /// Of two links to one peer: does the new one take the old one's place? Both sides come to the same answer.
-/// A higher boot counter wins (the old process is gone); else the link dialled by the smaller id; else, dialled by the
-/// same side, the newer: a dialler makes a second link only when its first is dead.
+/// A higher boot counter wins (the old process is gone); else, if either side has another address than when the old
+/// link was made, the new one: that side has moved, and the old link leads to where it was; else the link dialled by
+/// the smaller id; else, dialled by the same side, the newer: a dialler makes a second link only when its first is
+/// dead.
 bool new_link_wins(const Link& old_link, const Link& new_link, bool own_id_is_smaller);
 
 }  // namespace trb::router

@@ -6,12 +6,16 @@ RouterCore::RouterCore(RouterConfig config) : config_(std::move(config)), servic
   for (const SeedAddress& seed : config_.seeds) {
     if (seed.key != config_.own.link_key.bytes) seeds_.push_back({seed.address, seed.key, {}, {}});
   }
+  for (const SeedAddress& hint : config_.known) {
+    if (hint.key != config_.own.link_key.bytes && !is_expected(hint.key))
+      seeds_.push_back({hint.address, hint.key, {}, {}, true});
+  }
 }
 
 void RouterCore::start(Now now, Effects& out) {
   out.log(LogLevel::info, "started", config_.id + " at " + config_.address + ", boot " + std::to_string(config_.boot));
   for (Seed& seed : seeds_) seed.redial.at = now.mono;
-  if (config_.beacon) next_beacon_ = now.mono;
+  if (config_.beacon && !config_.address.empty()) next_beacon_ = now.mono;
 }
 
 const Link* RouterCore::find_link(LinkId id) const {

@@ -26,6 +26,9 @@ class RouterCore {
   explicit RouterCore(RouterConfig config);
 
   void start(Now now, Effects& out);
+  /// The inbox's address is another one now: what was linked over the old one is dialled again. Empty while the node has
+  /// none; then `why` says what it waits for.
+  void set_address(const std::string& address, const std::string& why, Now now, Effects& out);
   void tick(Now now, Effects& out);
   [[nodiscard]] std::optional<MonotonicTime> next_deadline() const;
 
@@ -117,6 +120,12 @@ class RouterCore {
   [[nodiscard]] bool dialling(BytesView key) const;
   Peer& make_peer(const Certificate& certificate, const SignedRecord& record);
 
+  // moves.cpp
+  void tick_known(Now now, Effects& out);
+  [[nodiscard]] bool is_expected(BytesView key) const;
+  static const std::string& address_to_dial(Peer& peer);
+  void set_peer_address(Peer& peer, const std::string& address, Now now, Effects& out);
+
   // troubles.cpp
   void note_up(const Link& link, const Hello& hello, Now now);
 
@@ -141,6 +150,8 @@ class RouterCore {
   std::vector<Seed> seeds_;
   std::map<Bytes, MonotonicTime, std::less<>> candidates_;  ///< key -> until when a Hello must have come
   std::map<Bytes, MonotonicTime, std::less<>> denied_;      ///< key -> until when it stays out
+  std::string waits_for_;  ///< why this node has no address; empty if it has one
+  std::optional<MonotonicTime> next_store_;
   std::optional<MonotonicTime> next_beacon_;
   MonotonicTime last_beacon_;
   std::uint32_t early_beacons_ = 3;  ///< a burst at the start

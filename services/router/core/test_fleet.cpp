@@ -17,11 +17,13 @@ TestNode& TestFleet::start(const std::string& id, const Options& options) {
   config.certificate = node->keys.record;
   config.own = node->keys.certificate;
   config.identity = node->keys.identity;
-  config.address = id;  // the cables know a node by its id
+  config.address = id;
+  places_[id] = id;
   config.boot = options.boot;
   config.beacon = options.beacon;
   config.services = {"router", "mode-adapter", "scheduler", "resilience", "sensor-bus", "cloud-gateway"};
   for (const std::string& seed : options.seeds) config.seeds.push_back({seed, keys(seed).link.public_key});
+  for (const std::string& hint : options.known) config.known.push_back({hint, keys(hint).link.public_key});
   node->core = std::make_unique<RouterCore>(std::move(config));
   TestNode& out = *node;
   nodes_[id] = std::move(node);
@@ -39,6 +41,17 @@ void TestFleet::stop(const std::string& id) {
     if (wire.open && (wire.dialler == id || wire.acceptor == id)) broken.push_back(link);
   }
   for (const LinkId link : broken) break_wire(link);
+}
+
+void TestFleet::move(const std::string& id, const std::string& address) {
+  std::erase_if(places_, [&](const auto& row) { return row.second == id; });
+  places_[address] = id;
+  for (auto& [link, wire] : wires_) {
+    if (wire.dialler == id || wire.acceptor == id) wire.open = false;
+  }
+  Effects effects;
+  at(id).core->set_address(address, "", now, effects);
+  carry_out(at(id), effects);
 }
 
 void TestFleet::break_wire(LinkId link) {
@@ -75,6 +88,7 @@ void TestFleet::carry_out(TestNode& node, Effects& effects) {
                      node.beacons.push_back(beacon.plain);
                      beacons_.emplace_back(node.id, beacon.plain);
                    },
+                   [&](StorePeers& store) { node.stored = store.text; },
                    [&](RefuseCandidate& refuse) {
                      node.refused.push_back(refuse);
                      if (!origin_.empty()) packets_.push_back({node.id, origin_, refuse.link, 1, refuse.message});
@@ -89,17 +103,19 @@ void TestFleet::carry_out(TestNode& node, Effects& effects) {
 
 void TestFleet::connect(TestNode& node, const Dial& dial) {
   node.dials.push_back(dial);
-  const auto other = nodes_.find(dial.address);
+  const auto place = places_.find(dial.address);
+  const std::string there_is = place == places_.end() ? "" : place->second;
+  const auto other = nodes_.find(there_is);
   Effects there;
   Effects here;
-  const bool cut = cuts_.count({node.id, dial.address}) + cuts_.count({dial.address, node.id}) > 0;
+  const bool cut = cuts_.count({node.id, there_is}) + cuts_.count({there_is, node.id}) > 0;
   if (cut) return;  // nobody answers: the core's own patience ends it
   if (other == nodes_.end() || other->second->keys.link.public_key != dial.server_key) {
     node.core->on_link_ended(dial.link, LinkEnd::failed, now, here);
   } else if (!other->second->core->admit(node.keys.link.public_key, now.mono, there)) {
     node.core->on_link_ended(dial.link, LinkEnd::refused_key, now, here);
   } else {
-    wires_[dial.link] = {node.id, dial.address, true};
+    wires_[dial.link] = {node.id, there_is, true};
     node.core->on_dial_connected(dial.link, now, here);
   }
   if (other != nodes_.end()) carry_out(*other->second, there);

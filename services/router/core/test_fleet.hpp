@@ -55,6 +55,7 @@ struct TestNode {
   std::vector<LinkId> closed;
   std::vector<Dial> dials;
   std::vector<Bytes> beacons;
+  std::string stored;  ///< what StorePeers would have written
 
   [[nodiscard]] std::uint64_t count(const std::string& name) const {
     const auto at = counts.find(name);
@@ -84,6 +85,8 @@ class TestFleet {
     std::uint64_t boot = 1;
     bool beacon = true;
     std::vector<std::string> seeds{};
+    std::vector<std::string> known{};  ///< hints of the run before
+    bool relay = false;
   };
 
   TestNode& start(const std::string& id, const Options& options);
@@ -97,6 +100,8 @@ class TestFleet {
   /// Nothing sent from one node arrives at the other any more; nobody is told.
   void cut(const std::string& from, const std::string& to) { cuts_.insert({from, to}); }
   void heal() { cuts_.clear(); }
+  /// The node is at another address from now on: its connections lead nowhere and nobody is told, but its own router.
+  void move(const std::string& id, const std::string& address);
   /// The process ends: its connections break.
   void stop(const std::string& id);
 
@@ -124,6 +129,7 @@ class TestFleet {
 
   std::map<std::string, std::unique_ptr<TestNode>> nodes_;
   std::map<std::string, TestKeys> keys_;
+  std::map<std::string, std::string> places_;  ///< address -> id: at first each is at an address like its id
   std::map<LinkId, Wire> wires_;
   std::set<std::pair<std::string, LinkId>> bound_;  ///< (node, link): accepted by its shell
   std::deque<Packet> packets_;

@@ -1,6 +1,6 @@
 #include "services/router/io/beacon_socket.hpp"
 
-#include <arpa/inet.h>
+#include <netdb.h>
 #include <netinet/in.h>
 #include <poll.h>
 #include <sys/socket.h>
@@ -16,22 +16,45 @@ namespace {
 constexpr int kBatch = 64;
 constexpr std::size_t kMaxDatagram = 4096;
 
-sockaddr_in to_sockaddr(const std::string& host, std::uint16_t port) {
-  sockaddr_in address{};
-  address.sin_family = AF_INET;
-  address.sin_port = htons(port);
-  ::inet_pton(AF_INET, host.c_str(), &address.sin_addr);
-  return address;
+struct Address {
+  sockaddr_storage storage{};
+  socklen_t size = 0;
+  [[nodiscard]] const sockaddr* get() const { return reinterpret_cast<const sockaddr*>(&storage); }
+  [[nodiscard]] int family() const { return storage.ss_family; }
+};
+
+/// Of either family, with a scope if it has one; size 0 for what is no address.
+Address to_address(const std::string& host, std::uint16_t port) {
+  Address out;
+  addrinfo hints{};
+  hints.ai_flags = AI_NUMERICHOST | AI_NUMERICSERV;
+  hints.ai_socktype = SOCK_DGRAM;
+  addrinfo* found = nullptr;
+  if (::getaddrinfo(host.c_str(), std::to_string(port).c_str(), &hints, &found) != 0) return out;
+  std::memcpy(&out.storage, found->ai_addr, found->ai_addrlen);
+  out.size = found->ai_addrlen;
+  ::freeaddrinfo(found);
+  return out;
+}
+
+/// IPv6 has no broadcast: the nodes of a cable are a group, which must be joined, and sent to by its interface.
+void join_group(int fd, const sockaddr_in6& group) {
+  const ipv6_mreq request{group.sin6_addr, group.sin6_scope_id};
+  ::setsockopt(fd, IPPROTO_IPV6, IPV6_JOIN_GROUP, &request, sizeof request);
 }
 
 int bound_socket(const std::string& host, std::uint16_t port) {
-  const int fd = ::socket(AF_INET, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
+  const Address address = to_address(host, port);
+  const int fd = ::socket(address.family(), SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
   const int on = 1;
   // Several nodes of one machine listen to one broadcast.
   ::setsockopt(fd, SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
   ::setsockopt(fd, SOL_SOCKET, SO_BROADCAST, &on, sizeof on);
-  const sockaddr_in address = to_sockaddr(host, port);
-  if (::bind(fd, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0) return fd;
+  if (::bind(fd, address.get(), address.size) == 0) {
+    const auto& v6 = reinterpret_cast<const sockaddr_in6&>(address.storage);
+    if (address.family() == AF_INET6 && IN6_IS_ADDR_MULTICAST(&v6.sin6_addr)) join_group(fd, v6);
+    return fd;
+  }
   ::close(fd);
   return -1;
 }
@@ -70,8 +93,8 @@ BeaconSocket::~BeaconSocket() {
 }
 
 void BeaconSocket::send(BytesView datagram) {
-  const sockaddr_in address = to_sockaddr(broadcast_, port_);
-  ::sendto(out_, datagram.data(), datagram.size(), 0, reinterpret_cast<const sockaddr*>(&address), sizeof address);
+  const Address address = to_address(broadcast_, port_);
+  ::sendto(out_, datagram.data(), datagram.size(), 0, address.get(), address.size);
 }
 
 void BeaconSocket::drain() {

@@ -131,7 +131,7 @@ void RouterShell::dial(const Dial& effect) {
   Socket* socket = dialled.socket.get();
   dialled_[link] = std::move(dialled);
   try {
-    socket->dial("tcp://" + effect.address);
+    socket->dial("tcp://" + to_dial(effect.address));
   } catch (const zmq::error_t& problem) {
     log_limited(limit_, read_clocks().mono, Level::warning, "dial_failed", effect.address + ": " + problem.what());
   }

@@ -23,20 +23,7 @@ Status RouterShell::open() {
     return good;
   });
   if (Status bus = open_bus(); !bus) return bus;
-  auto inbox = Socket::inbox(context_, "tcp://" + options_.bind_address, options_.link_keys);
-  if (!inbox) return inbox.error();
-  inbox_ = std::make_unique<Socket>(std::move(*inbox));
-  inbox_monitor_ =
-      std::make_unique<SocketMonitor>(context_, loop_, *inbox_, [this](LinkEvent event) { on_inbox_event(event); });
-  loop_.add_socket(
-      inbox_->handle(), [this] { drain_inbox(); }, inbox_->unseen());
-  if (core_.config().beacon) {
-    auto beacon = BeaconSocket::open(loop_, options_.beacon_address, options_.broadcast, options_.beacon_port,
-                                     [this](BytesView datagram) { on_beacon_datagram(datagram); });
-    if (!beacon) return beacon.error();
-    beacon_ = std::move(*beacon);
-  }
-  return Done{};
+  return open_place();
 }
 
 Status RouterShell::open_bus() {
@@ -69,6 +56,7 @@ int RouterShell::run() {
   Effects effects;
   core_.start(read_clocks(), effects);
   carry_out(effects);
+  tell_place();
   loop_.add_timer([this] { return core_.next_deadline(); },
                   [this](Now now) {
                     Effects due;
@@ -104,6 +92,10 @@ void RouterShell::carry_out(Effects& effects) {
                    [this](SendBeacon& beacon) {
                      if (beacon_)
                        beacon_->send(seal_beacon(options_.beacon_key, core_.config().authority.id(), beacon.plain));
+                   },
+                   [](StorePeers& store) {
+                     if (Status kept = write_file("state/peers", store.text, 0600); !kept)
+                       log_event(Level::warning, "state", kept.error().text());
                    },
                    [this](Log& line) {
                      log_limited(limit_, read_clocks().mono, static_cast<Level>(line.level), line.event, line.text);

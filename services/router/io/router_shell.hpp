@@ -5,6 +5,7 @@
 #include <memory>
 #include <string>
 
+#include "common/config/interfaces.hpp"
 #include "common/log/log.hpp"
 #include "common/security/beacon_key.hpp"
 #include "common/transport/loop.hpp"
@@ -14,14 +15,15 @@
 #include "common/transport/zap.hpp"
 #include "services/router/core/router_core.hpp"
 #include "services/router/io/beacon_socket.hpp"
+#include "services/router/io/interface_watch.hpp"
 
 namespace trb::router {
 
 struct ShellOptions {
   CurveKeys link_keys;
-  std::string bind_address;    ///< HOST:PORT of the inbox
-  std::string beacon_address;  ///< of host_int
-  std::string broadcast;
+  std::string host_int;  ///< an interface or an address: the inbox and the beacons
+  std::string vpn_int;   ///< a second way in, when it is there; may be empty
+  std::uint16_t port = 0;
   std::uint16_t beacon_port = 0;
   BeaconKey beacon_key;
 };
@@ -30,7 +32,7 @@ class RouterShell {
  public:
   RouterShell(RouterConfig config, ShellOptions options);
 
-  /// Binds everything. Errors: io_error naming the address.
+  /// Binds everything that is there; an interface that is not is waited for. Errors: io_error naming the address.
   Status open();
   /// Runs until SIGTERM or SIGINT (0) or SIGHUP (75: to be started again).
   int run();
@@ -84,6 +86,15 @@ class RouterShell {
   void forward_to_link(ConnectionId from, LinkId link, const HeaderView& header, Frame&& frame);
   void forward_to_all(Frame& frame, const HeaderView& header);
   void on_inbox_event(LinkEvent event);
+  // place.cpp
+  Status open_place();
+  Status open_inbox(const Resolved& host);
+  void follow_interfaces();
+  void move_to(const Resolved& host);
+  void tell_place();
+  void follow_vpn();
+  [[nodiscard]] std::string own_address() const;
+  [[nodiscard]] std::string to_dial(const std::string& address) const;
   // router_shell.cpp
   void carry_out(Effects& effects);
   void end_lost_links();
@@ -111,6 +122,12 @@ class RouterShell {
   std::unique_ptr<Socket> tap_;
   unsigned tap_listeners_ = 0;
   std::unique_ptr<BeaconSocket> beacon_;
+  std::unique_ptr<InterfaceWatch> interface_watch_;
+  Resolved host_;             ///< where the inbox is; without an address while it is nowhere
+  std::string wait_text_;     ///< why it is nowhere
+  std::string vpn_endpoint_;  ///< the inbox's second one, while it is bound
+  std::optional<MonotonicTime> look_again_;
+  MonotonicTime alone_until_;
   RateLimit limit_{20, std::chrono::seconds(10)};
   std::map<std::string, std::string, std::less<>> sent_names_;  ///< subtype -> "sent.SUBTYPE", made once
 };

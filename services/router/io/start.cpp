@@ -4,8 +4,11 @@
 
 #include <cstdio>
 #include <cstdlib>
+#include <sstream>
 
 #include "common/base/files.hpp"
+#include "common/base/hex.hpp"
+#include "common/config/interfaces.hpp"
 #include "common/config/node_config.hpp"
 #include "common/log/log.hpp"
 #include "common/security/node_keys.hpp"
@@ -23,6 +26,21 @@ Result<std::uint64_t> count_boot() {
   return boot;
 }
 
+/// The peers of the last run, as StorePeers wrote them. Hints: what cannot be read is left out.
+std::vector<SeedAddress> read_known() {
+  std::vector<SeedAddress> out;
+  auto text = read_file("state/peers", kMaxPeers * 256);
+  if (!text) return out;
+  std::istringstream lines(*text);
+  std::string address;
+  std::string key;
+  while (out.size() < kMaxPeers && lines >> address >> key) {
+    auto bytes = from_hex(key);
+    if (address.size() <= 80 && bytes && bytes->size() == 32) out.push_back({address, std::move(*bytes)});
+  }
+  return out;
+}
+
 RouterConfig make_config(const NodeConfig& node, const NodeKeys& keys, std::uint64_t boot) {
   RouterConfig config;
   config.id = node.id;
@@ -31,12 +49,14 @@ RouterConfig make_config(const NodeConfig& node, const NodeKeys& keys, std::uint
   config.certificate = keys.certificate_record;
   config.own = keys.certificate;
   config.identity = keys.identity;
-  config.address = node.network.address + ":" + std::to_string(node.network.tcp_port_ext);
+  const std::string& address = node.network.address;
+  if (!address.empty()) config.address = join_host_port(without_scope(address), node.network.tcp_port_ext);
   config.boot = boot;
   config.instance = random_u64();
   config.first_slot = static_cast<std::uint16_t>(random_u64());
   config.version = kVersion;
   for (const trb::Seed& seed : node.seeds) config.seeds.push_back({seed.address, seed.key});
+  config.known = read_known();
   config.services = node.services;
   config.beacon = node.beacon;
   return config;
@@ -53,7 +73,7 @@ int start(const std::string& node_dir) {
   init_crypto();
   block_signals();
   const NodeCheck check = check_node_dir(node_dir, true);
-  if (!check.faults.empty()) return refuse("nothing started\n" + to_text(check.faults));
+  if (!faults_that_stop(check.faults).empty()) return refuse("nothing started\n" + to_text(check.faults));
   if (::chdir(node_dir.c_str()) != 0) return refuse(node_dir + ": no such folder");
   for (const char* folder : {"log", "state"}) {
     if (Status made = make_dir(folder, 0700); !made) return refuse(made.error().text());
@@ -65,9 +85,9 @@ int start(const std::string& node_dir) {
   if (!boot) return refuse(boot.error().text());
   RouterConfig config = make_config(check.config, *keys, *boot);
   ShellOptions options{{keys->link.public_key, keys->link.secret_key},
-                       config.address,
-                       check.config.network.address,
-                       check.config.network.broadcast,
+                       check.config.network.host_int,
+                       check.config.network.vpn_int,
+                       check.config.network.tcp_port_ext,
                        check.config.network.udp_port,
                        keys->beacon};
   RouterShell shell(std::move(config), std::move(options));

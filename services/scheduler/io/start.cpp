@@ -39,7 +39,7 @@ int run(const NodeConfig& node, const NodeKeys& keys, Service& service, JournalF
 int start(const std::string& node_dir) {
   init_crypto();
   const NodeCheck check = check_node_dir(node_dir, true);
-  if (!check.faults.empty()) return refuse("nothing started\n" + to_text(check.faults));
+  if (!faults_that_stop(check.faults).empty()) return refuse("nothing started\n" + to_text(check.faults));
   const auto keys = load_node_keys(check.config.dir);
   if (!keys) return refuse(keys.error().text());
   if (auto made = make_dir(check.config.dir + "/state", 0700); !made) return refuse(made.error().text());
