@@ -159,6 +159,11 @@ class Lab:
         for side in ("iifname", "oifname"):
             self.nft(f"add rule bridge lab between {side} {self.port(host)} numgen random mod 100 < {percent} drop")
 
+    def drop_large(self, host, size):
+        """A path with a smaller MTU that tells nobody: larger packets vanish, both ways."""
+        for side in ("iifname", "oifname"):
+            self.nft(f"add rule bridge lab between {side} {self.port(host)} meta length > {size} drop")
+
     def heal_rules(self):
         self.nft("flush chain bridge lab between")
 

@@ -11,6 +11,7 @@ import subprocess
 import sys
 import time
 
+import doctor_cases  # noqa: F401  adds its case
 from cases import CASES, Report, trb_fleet
 
 

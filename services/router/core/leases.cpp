@@ -44,7 +44,11 @@ void RouterCore::tick_links(Now now, Effects& out) {
     } else if (now.mono >= link.last_heard + config_.timing.lease) {
       lapsed.push_back({id, "not_heard", std::string(kUnheard)});
     } else if (now.mono >= link.confirmed + config_.timing.lease) {
-      lapsed.push_back({id, "one_way", "not heard by the other side for a lease"});
+      // Cut both ways, the echo ends a little before the words do; cut one way, TCP soon stalls in the other too, but
+      // beacons go on.
+      const MonotonicTime heard = std::max(link.last_heard, peers_.at(link.peer).last_beacon);
+      const bool still_heard = now.mono - heard < config_.timing.lease * 3 / 5;
+      lapsed.push_back({id, still_heard ? "one_way" : "not_heard", "not heard by the other side for a lease"});
     } else if (now.mono >= link.next_keep_alive) {
       link.next_keep_alive = now.mono + config_.timing.keep_alive;
       link_send(link, KeepAlive{link.heard}, out);
@@ -149,17 +153,19 @@ void RouterCore::on_beacon(BytesView plain, Now now, Effects& out) {
     if (peer.link != 0 && peer.boot == outer->boot && peer.address == outer->address) {
       known->second.beacon_boot = outer->boot;
       known->second.beacon_count = outer->count;
+      known->second.last_beacon = now.mono;
       return;
     }
   }
   Peer& peer = make_peer(*certificate, outer->certificate);
   peer.beacon_boot = outer->boot;
   peer.beacon_count = outer->count;
+  peer.last_beacon = now.mono;
   const bool again = outer->boot > peer.boot;
   set_peer_address(peer, outer->address, now, out);
   if (peer.redial.link != 0) return;
-  // Unlinked, or linked to a process that is gone or to where it was: the smaller id dials now, the greater answers with a beacon of its
-  // own.
+  // Unlinked, or linked to a process that is gone or to where it was: the smaller id dials now, the greater answers
+  // with a beacon of its own.
   const bool stale = peer.link != 0;
   if (stale) drop_link(peer.link, again ? "its node was started again" : "its address has changed", false, now, out);
   peer.redial.wait = {};

@@ -55,6 +55,7 @@ struct Peer {
   std::uint64_t boot = 0;
   std::uint64_t beacon_boot = 0;
   std::uint64_t beacon_count = 0;
+  MonotonicTime last_beacon;
   std::string version;
   bool clock_verified = true;
   NodeProfile profile;

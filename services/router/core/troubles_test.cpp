@@ -59,6 +59,20 @@ TEST_CASE("a one-way cut is told apart from silence") {
   CHECK(has(ask(fleet, ant), "bee", "one_way"));
 }
 
+TEST_CASE("a cut both ways is silence on both sides") {
+  TestFleet fleet;
+  TestNode& ant = fleet.start("ant");
+  TestNode& bee = fleet.start("bee");
+  fleet.run(Seconds(5));
+  REQUIRE(ant.link_to("bee") != 0);
+  fleet.cut("ant", "bee");
+  fleet.cut("bee", "ant");
+  fleet.run(Seconds(14));
+  CHECK(has(ask(fleet, bee), "ant", "not_heard"));
+  CHECK(has(ask(fleet, ant), "bee", "not_heard"));
+  CHECK_FALSE(has(ask(fleet, ant), "bee", "one_way"));
+}
+
 TEST_CASE("a member whose clock is minutes away is told of, though its link is up") {
   TestFleet fleet;
   TestNode& ant = fleet.start("ant", {.beacon = false});
