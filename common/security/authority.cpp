@@ -6,14 +6,13 @@
 #include "common/base/files.hpp"
 #include "common/base/hex.hpp"
 #include "common/base/ids.hpp"
+#include "common/security/issued.hpp"
 #include "proto/body.hpp"
 #include "proto/value.hpp"
 
 namespace trb {
 namespace {
 
-// A node whose clock is a little behind must not find its new certificate "not yet valid".
-constexpr Duration kClockLeeway = std::chrono::minutes(5);
 constexpr std::size_t kSecretSize = 64 + 32;  // signing key, beacon key
 
 const unsigned char* raw(BytesView bytes) {
@@ -74,16 +73,6 @@ Result<Bytes> read_secret(const std::string& dir, const std::string& passphrase)
                 "try again, or see README: a lost authority key");
   }
   return plain;
-}
-
-Status write_fleet(const std::string& dir, const Authority& authority) {
-  Value::Object out;
-  out.emplace_back("name", Value{authority.fleet.name});
-  out.emplace_back("authority_key", Value{to_hex(authority.fleet.public_key)});
-  out.emplace_back("fleet", Value{to_hex(authority.fleet.id())});
-  out.emplace_back("beacon_key_number", Value{static_cast<std::int64_t>(authority.beacon.number)});
-  out.emplace_back("next_serial", Value{static_cast<std::int64_t>(authority.next_serial)});
-  return write_file(fleet_path(dir), dump_json(Value{std::move(out)}) + "\n");
 }
 
 Result<Value> read_fleet_json(const std::string& dir) {
@@ -147,26 +136,9 @@ Result<Authority> open_authority(const std::string& dir, const std::string& pass
   if (authority.key.public_key != fleet->public_key) {
     return fail(Errc::wrong_key, dir + ": fleet.json and authority.key do not belong together");
   }
+  if (Status read = read_issued(authority, dir); !read) return read.error();
+  if (Status read = read_revocations(authority, dir); !read) return read.error();
   return authority;
-}
-
-Result<CertificateFile> sign_request(Authority& authority, const std::string& dir, const SignedRecord& record,
-                                     UtcTime now, Duration validity) {
-  auto request = decode<CertificateRequest>(record.payload.bytes);
-  if (!request) return request.error();
-  if (Status good = check_id("id", request->id); !good) return good.error();
-  if (!verify(record, kSignedRequest, {}, request->identity_key.bytes) || request->link_key.bytes.size() != 32) {
-    return fail(Errc::bad_signature, "request of '" + request->id + "' was not signed with the key it names",
-                "run trb fleet request on the node again");
-  }
-  Certificate certificate{{authority.fleet.id()},  authority.next_serial, request->id,
-                          request->role,           request->identity_key, request->link_key,
-                          (now - kClockLeeway).ns, (now + validity).ns};
-  ++authority.next_serial;
-  if (Status stored = write_fleet(dir, authority); !stored) return stored.error();
-  const SignedRecord signed_record =
-      sign(kSignedCertificate, "", authority.fleet.id(), encode(certificate), authority.key);
-  return make_certificate_file(signed_record, authority.fleet, authority.beacon, request->link_key.bytes);
 }
 
 }  // namespace trb

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "common/security/certificate_file.hpp"
 
@@ -13,6 +14,9 @@ struct Authority {
   SigningKey key;
   BeaconKey beacon;
   std::uint64_t next_serial = 1;
+  std::vector<Certificate> issued;  ///< every one that is kept in issued.json, oldest first
+  SignedRecord revocations;         ///< the newest list; an empty kind for none
+  RevocationList list;              ///< what it says
 };
 
 constexpr std::size_t kMinPassphrase = 12;
@@ -27,9 +31,31 @@ Result<Authority> open_authority(const std::string& dir, const std::string& pass
 /// The public half, no passphrase needed.
 Result<FleetAuthority> read_fleet(const std::string& dir);
 
-/// Checks a request's proof of possession and signs a certificate; takes and stores the next serial number.
-/// Errors: malformed, bad_signature, bad_value, io_error.
+/// Checks a request's proof of possession and signs a certificate; takes and stores the next serial number, and keeps
+/// the certificate in issued.json. Errors: malformed, bad_signature, bad_value, conflict (a living certificate of that
+/// id has other keys), cert_revoked (these keys were revoked), io_error.
 Result<CertificateFile> sign_request(Authority& authority, const std::string& dir, const SignedRecord& request,
                                      UtcTime now, Duration validity);
+
+/// The newest certificate of that id that is neither over nor revoked, or nullptr.
+const Certificate* find_living(const Authority& authority, std::string_view id, UtcTime now);
+
+/// Keeps a certificate that a folder of an earlier version has signed and not kept. Errors: those of
+/// open_certificate_any_time, io_error.
+Result<Certificate> adopt_certificate(Authority& authority, const std::string& dir, const SignedRecord& record);
+
+/// A new certificate for the same node and keys, with the next serial. Errors: io_error.
+Result<SignedRecord> renew_certificate(Authority& authority, const std::string& dir, const Certificate& old,
+                                       UtcTime now, Duration validity);
+
+/// The next list: these certificates are over too, and every node that stays has a new beacon key. What it says is in
+/// force for the authority once this returns. Errors: too_large (over 400 kB), io_error.
+Status revoke_certificates(Authority& authority, const std::string& dir, const std::vector<Certificate>& over,
+                           const std::string& reason, UtcTime now);
+
+/// Writes FLEET_DIR/news.json: the newest list, and these renewed certificates beside those of the file that still
+/// count. Errors: too_large (over 256 renewals), io_error.
+Status tell_news(const Authority& authority, const std::string& dir, const std::vector<SignedRecord>& renewed,
+                 UtcTime now);
 
 }  // namespace trb

@@ -10,6 +10,7 @@ namespace {
 constexpr BytesView kMagic = "TRBB";
 constexpr std::size_t kHintSize = 4;
 constexpr std::size_t kHeaderSize = 4 + 4 + kHintSize;
+constexpr std::size_t kSecretSize = 32;
 constexpr std::size_t kNonceSize = crypto_secretbox_NONCEBYTES;
 
 const unsigned char* raw(BytesView bytes) {
@@ -49,6 +50,29 @@ Result<Bytes> open_beacon(const BeaconKey& key, BytesView fleet, BytesView datag
     return fail(Errc::bad_signature, "beacon does not open with the fleet's key");
   }
   return plain;
+}
+
+Bytes seal_beacon_key(const BeaconKey& key, BytesView link_key) {
+  Bytes sealed(key.secret.size() + crypto_box_SEALBYTES, '\0');
+  crypto_box_seal(raw(sealed), raw(key.secret), key.secret.size(), raw(link_key));
+  return sealed;
+}
+
+Result<BeaconKey> open_sealed_beacon_key(std::uint32_t number, BytesView box, const LinkKey& link) {
+  BeaconKey key{number, Bytes(kSecretSize, '\0')};
+  if (box.size() != kSecretSize + crypto_box_SEALBYTES ||
+      crypto_box_seal_open(raw(key.secret), raw(box), box.size(), raw(link.public_key), raw(link.secret_key)) != 0) {
+    return fail(Errc::wrong_key, "the beacon key was sealed for another node", "run trb fleet sign again");
+  }
+  return key;
+}
+
+BeaconKey derive_beacon_key(BytesView authority_secret, std::uint32_t number) {
+  const Bytes label = "talkrobots beacon key " + std::to_string(number);
+  BeaconKey key{number, Bytes(kSecretSize, '\0')};
+  crypto_generichash(raw(key.secret), key.secret.size(), raw(label), label.size(), raw(authority_secret),
+                     authority_secret.size());
+  return key;
 }
 
 }  // namespace trb

@@ -8,6 +8,8 @@
 
 namespace trb {
 
+struct LinkKey;
+
 struct BeaconKey {
   std::uint32_t number = 0;
   Bytes secret;  ///< 32 bytes
@@ -19,5 +21,14 @@ Bytes seal_beacon(const BeaconKey& key, BytesView fleet, BytesView plain);
 /// Errors: malformed (no beacon at all), foreign_fleet (another fleet's hint), wrong_key (another key number),
 /// bad_signature (the box does not open).
 Result<Bytes> open_beacon(const BeaconKey& key, BytesView fleet, BytesView datagram);
+
+/// The key in a sealed box (80 bytes) that only the holder of one link key opens.
+Bytes seal_beacon_key(const BeaconKey& key, BytesView link_key);
+/// Errors: wrong_key if the box was made for another link key.
+Result<BeaconKey> open_sealed_beacon_key(std::uint32_t number, BytesView box, const LinkKey& link);
+
+/// The authority's beacon key of that number, from its signing key: a rotation needs no secret to be stored, and no
+/// number ever has two keys. Keys of other numbers tell nothing of it.
+BeaconKey derive_beacon_key(BytesView authority_secret, std::uint32_t number);
 
 }  // namespace trb

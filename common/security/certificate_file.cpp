@@ -10,13 +10,6 @@
 namespace trb {
 namespace {
 
-const unsigned char* raw(BytesView bytes) {
-  return reinterpret_cast<const unsigned char*>(bytes.data());
-}
-unsigned char* raw(Bytes& bytes) {
-  return reinterpret_cast<unsigned char*>(bytes.data());
-}
-
 Result<Bytes> hex_member(const Value& json, std::string_view key, std::size_t size) {
   const Value* member = json.find(key);
   if (member == nullptr || !member->is_text()) return fail(Errc::missing, std::string(key) + ": missing");
@@ -40,9 +33,15 @@ Result<CertificateFile> parse(const Value& json) {
   const Value* number = json.find("beacon_key_number");
   if (number == nullptr || !number->is_integer()) return fail(Errc::missing, "beacon_key_number: missing");
   file.beacon_number = static_cast<std::uint32_t>(number->integer());
-  auto sealed = hex_member(json, "sealed_beacon_key", 32 + crypto_box_SEALBYTES);
+  constexpr std::size_t kSealedSize = 32 + crypto_box_SEALBYTES;
+  auto sealed = hex_member(json, "sealed_beacon_key", kSealedSize);
   if (!sealed) return sealed.error();
   file.sealed_beacon = std::move(*sealed);
+  if (const Value* list = json.find("revocations"); list != nullptr) {
+    auto revocations = from_json<SignedRecord>(dump_json(*list));
+    if (!revocations) return revocations.error();
+    file.revocations = std::move(*revocations);
+  }
   return file;
 }
 
@@ -50,9 +49,7 @@ Result<CertificateFile> parse(const Value& json) {
 
 CertificateFile make_certificate_file(const SignedRecord& certificate, const FleetAuthority& authority,
                                       const BeaconKey& beacon, BytesView link_key) {
-  Bytes sealed(beacon.secret.size() + crypto_box_SEALBYTES, '\0');
-  crypto_box_seal(raw(sealed), raw(beacon.secret), beacon.secret.size(), raw(link_key));
-  return {certificate, authority, beacon.number, std::move(sealed)};
+  return {certificate, authority, beacon.number, seal_beacon_key(beacon, link_key), {}};
 }
 
 std::string certificate_file_to_json(const CertificateFile& file) {
@@ -62,11 +59,12 @@ std::string certificate_file_to_json(const CertificateFile& file) {
   out.emplace_back("certificate", *parse_json(to_json(file.certificate)));
   out.emplace_back("beacon_key_number", Value{static_cast<std::int64_t>(file.beacon_number)});
   out.emplace_back("sealed_beacon_key", Value{to_hex(file.sealed_beacon)});
+  if (!file.revocations.kind.empty()) out.emplace_back("revocations", *parse_json(to_json(file.revocations)));
   return dump_json(Value{std::move(out)}) + "\n";
 }
 
 Result<CertificateFile> read_certificate_file(const std::string& path) {
-  auto text = read_file(path, 65536);
+  auto text = read_file(path);
   if (!text) {
     return fail(text.error().code, text.error().what, "run trb fleet sign with this node's keys/request.json");
   }
@@ -78,14 +76,7 @@ Result<CertificateFile> read_certificate_file(const std::string& path) {
 }
 
 Result<BeaconKey> open_beacon_key(const CertificateFile& file, const LinkKey& link) {
-  BeaconKey key{file.beacon_number, Bytes(32, '\0')};
-  if (file.sealed_beacon.size() != 32 + crypto_box_SEALBYTES ||
-      crypto_box_seal_open(raw(key.secret), raw(file.sealed_beacon), file.sealed_beacon.size(), raw(link.public_key),
-                           raw(link.secret_key)) != 0) {
-    return fail(Errc::wrong_key, "the beacon key in certificate.json was sealed for another node",
-                "run trb fleet sign again");
-  }
-  return key;
+  return open_sealed_beacon_key(file.beacon_number, file.sealed_beacon, link);
 }
 
 }  // namespace trb

@@ -13,7 +13,8 @@ struct CertificateFile {
   SignedRecord certificate;
   FleetAuthority authority;
   std::uint32_t beacon_number = 0;
-  Bytes sealed_beacon;  ///< the beacon key in a sealed box to the node's link key
+  Bytes sealed_beacon;       ///< the beacon key in a sealed box to the node's link key
+  SignedRecord revocations;  ///< the fleet's list when this was signed; an empty kind for none
 };
 
 CertificateFile make_certificate_file(const SignedRecord& certificate, const FleetAuthority& authority,

@@ -115,17 +115,22 @@ Result<Certificate> open_certificate_any_time(const SignedRecord& record, const 
 Result<Certificate> open_certificate(const SignedRecord& record, const FleetAuthority& authority, UtcTime now) {
   auto certificate = open_certificate_any_time(record, authority);
   if (!certificate) return certificate;
-  if (now.ns < certificate->not_before) {
+  if (Status dates = check_dates(*certificate, now); !dates) return dates.error();
+  return certificate;
+}
+
+Status check_dates(const Certificate& certificate, UtcTime now) {
+  if (now.ns < certificate.not_before) {
     return fail(Errc::cert_not_yet_valid,
-                "certificate of '" + certificate->id + "' is valid from " + to_iso8601({certificate->not_before}),
+                "certificate of '" + certificate.id + "' is valid from " + to_iso8601({certificate.not_before}),
                 "set the clock");
   }
-  if (now.ns >= certificate->not_after) {
+  if (now.ns >= certificate.not_after) {
     return fail(Errc::cert_expired,
-                "certificate of '" + certificate->id + "' ended " + to_iso8601({certificate->not_after}),
-                "sign the node's request again");
+                "certificate of '" + certificate.id + "' ended " + to_iso8601({certificate.not_after}),
+                "trb fleet renew FLEET_DIR " + certificate.id);
   }
-  return certificate;
+  return Done{};
 }
 
 template <class T>

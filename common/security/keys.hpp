@@ -55,6 +55,9 @@ struct FleetAuthority {
 /// another authority), bad_signature, cert_not_yet_valid, cert_expired.
 Result<Certificate> open_certificate(const SignedRecord& record, const FleetAuthority& authority, UtcTime now);
 
+/// Errors: cert_not_yet_valid, cert_expired.
+Status check_dates(const Certificate& certificate, UtcTime now);
+
 /// The same without looking at the clock.
 Result<Certificate> open_certificate_any_time(const SignedRecord& record, const FleetAuthority& authority);
 

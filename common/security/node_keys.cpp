@@ -7,6 +7,7 @@
 #include "common/base/hex.hpp"
 #include "common/base/ids.hpp"
 #include "common/security/certificate_file.hpp"
+#include "common/security/revocations.hpp"
 #include "proto/body.hpp"
 
 namespace trb {
@@ -63,6 +64,19 @@ Status make_keys(const std::string& dir) {
   return Done{};
 }
 
+/// A node whose certificate ended while it was off is started with the renewal that a person has put beside it.
+void take_renewal(const std::string& dir, CertificateFile& file, Certificate& own) {
+  const auto news = file_exists(dir + "/news.json") ? read_news(dir + "/news.json") : Result<FleetNews>(Error{});
+  if (!news) return;  // the router tells what is wrong with it
+  for (const SignedRecord& record : news->certificates) {
+    auto fresh = open_certificate_any_time(record, file.authority);
+    if (!fresh || fresh->id != own.id || fresh->serial <= own.serial) continue;
+    if (fresh->identity_key != own.identity_key || fresh->link_key != own.link_key) continue;
+    file.certificate = record;
+    own = std::move(*fresh);
+  }
+}
+
 }  // namespace
 
 Status make_request(const std::string& node_dir, const std::string& id, Role role) {
@@ -94,7 +108,8 @@ Result<NodeKeys> load_node_keys(const std::string& node_dir) {
   }
   auto beacon = open_beacon_key(*file, *link);
   if (!beacon) return beacon.error();
-  return NodeKeys{*identity, *link, file->certificate, *certificate, file->authority, *beacon};
+  take_renewal(dir, *file, *certificate);
+  return NodeKeys{*identity, *link, file->certificate, *certificate, file->authority, *beacon, file->revocations};
 }
 
 void check_node_keys(const std::string& node_dir, const std::string& id, UtcTime now, ConfigFaults& faults) {
@@ -109,8 +124,8 @@ void check_node_keys(const std::string& node_dir, const std::string& id, UtcTime
                       "run trb fleet request and trb fleet sign for this node"});
   }
   if (now.ns >= keys->certificate.not_after) {
-    faults.push_back(
-        {file, "not_after", "ended " + to_iso8601({keys->certificate.not_after}), "run trb fleet sign again"});
+    faults.push_back({file, "not_after", "ended " + to_iso8601({keys->certificate.not_after}),
+                      "run trb fleet renew, and put news.json into the keys folder"});
   }
 }
 

@@ -16,6 +16,7 @@ struct NodeKeys {
   Certificate certificate;
   FleetAuthority authority;
   BeaconKey beacon;
+  SignedRecord revocations;  ///< the list that came with the certificate; an empty kind for none
 };
 
 /// Makes identity and link key in NODE_DIR/keys, if not there, and writes keys/request.json for `trb fleet sign`.

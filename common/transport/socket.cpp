@@ -82,6 +82,8 @@ Socket Socket::dialler(Context& context, const CurveKeys& keys, BytesView server
   socket.set(zmq::sockopt::connect_timeout, 1000);
   watch_connections(socket);
   socket.set(zmq::sockopt::handshake_ivl, 2000);
+  // The last words before a close, a Goodbye or why the other side is refused, still leave.
+  socket.set(zmq::sockopt::linger, 200);
   socket.set(zmq::sockopt::curve_publickey, keys.public_key);
   socket.set(zmq::sockopt::curve_secretkey, keys.secret_key);
   socket.set(zmq::sockopt::curve_serverkey, Bytes(server_key));

@@ -21,6 +21,7 @@ std::vector<Command> list_commands();
 std::vector<Command> scenario_commands();
 std::vector<Command> fleet_commands();
 std::vector<Command> doctor_commands();
+std::vector<Command> fleet_news_commands();
 
 /// `trb help TOPIC`; the empty topic lists them. Empty if there is no such topic.
 std::string topic_text(const std::string& topic);

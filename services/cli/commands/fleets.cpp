@@ -1,10 +1,5 @@
 // fleet init, request, sign, show.
-#include <termios.h>
-#include <unistd.h>
-
-#include <cstdlib>
 #include <filesystem>
-#include <iostream>
 
 #include "common/base/files.hpp"
 #include "common/base/hex.hpp"
@@ -14,47 +9,15 @@
 #include "common/transport/loop.hpp"
 #include "proto/body.hpp"
 #include "services/cli/commands/command.hpp"
+#include "services/cli/io/passphrase.hpp"
 #include "services/cli/io/print.hpp"
 
 namespace trb::cli {
 namespace {
 
-/// A typed line that the terminal does not show.
-std::string ask_passphrase(const std::string& prompt) {
-  termios before{};
-  const bool terminal = ::tcgetattr(STDIN_FILENO, &before) == 0;
-  termios silent = before;
-  silent.c_lflag &= ~static_cast<tcflag_t>(ECHO);
-  std::cerr << prompt << ": " << std::flush;
-  if (terminal) ::tcsetattr(STDIN_FILENO, TCSAFLUSH, &silent);
-  std::string line;
-  std::getline(std::cin, line);
-  if (terminal) ::tcsetattr(STDIN_FILENO, TCSAFLUSH, &before);
-  std::cerr << "\n";
-  return line;
-}
-
-/// --passphrase-file, else TRB_PASSPHRASE, else the terminal (twice for a new one).
-Result<std::string> passphrase(const Arguments& arguments, bool fresh) {
-  if (arguments.has("--passphrase-file")) {
-    auto text = read_file(arguments.get("--passphrase-file"), 4096);
-    if (!text) return fail(text.error().code, text.error().what, "name a file whose first line is the passphrase");
-    return text->substr(0, text->find('\n'));
-  }
-  if (const char* set = std::getenv("TRB_PASSPHRASE")) return std::string(set);
-  if (::isatty(STDIN_FILENO) != 1) {
-    return fail(Errc::missing, "no passphrase",
-                "give --passphrase-file FILE, or set TRB_PASSPHRASE, or use a terminal");
-  }
-  std::string first = ask_passphrase("passphrase of the fleet's authority");
-  if (fresh && ask_passphrase("once more") != first)
-    return fail(Errc::bad_value, "the two passphrases differ", "try again");
-  return first;
-}
-
 int run_init(const Arguments& arguments) {
   init_crypto();
-  auto secret = passphrase(arguments, true);
+  auto secret = ask_for_passphrase(arguments, true);
   if (!secret) return print_error(arguments, secret.error());
   const std::string dir = arguments.words[0];
   auto authority = make_authority(dir, arguments.get("--name", "fleet"), *secret);
@@ -108,7 +71,7 @@ Result<CertificateFile> sign_file(Authority& authority, const Arguments& argumen
 
 int run_sign(const Arguments& arguments) {
   init_crypto();
-  auto secret = passphrase(arguments, false);
+  auto secret = ask_for_passphrase(arguments, false);
   if (!secret) return print_error(arguments, secret.error());
   auto authority = open_authority(arguments.words[0], *secret);
   if (!authority) return print_error(arguments, authority.error());

@@ -73,10 +73,11 @@ int run_routes(const Arguments& arguments) {
 
 int run_services(const Arguments& arguments) {
   return show<ServiceTable>(arguments, ServiceListRequest{}, [](const ServiceTable& table) {
-    std::vector<std::vector<std::string>> rows{{"SERVICE", "STATE", "PID", "UP", "HEARD", "TAKES"}};
+    std::vector<std::vector<std::string>> rows{{"SERVICE", "STATE", "PID", "UP", "HEARD", "TAKES", "NOTE"}};
     for (const ServiceEntry& entry : table.services) {
       rows.push_back({entry.service, entry.state, entry.pid == 0 ? "-" : std::to_string(entry.pid),
-                      short_seconds(entry.up_s), short_seconds(entry.last_heard_s), join(entry.subtypes)});
+                      short_seconds(entry.up_s), short_seconds(entry.last_heard_s), join(entry.subtypes),
+                      or_dash(entry.note)});
     }
     return rows;
   });

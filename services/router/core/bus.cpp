@@ -79,6 +79,10 @@ void RouterCore::on_bus_message(ConnectionId from, const Message& message, Now n
     out.add(BusSend{from, to_service(config_.id, ++message_count_, message.id, ServiceAliveSeen{config_.instance})});
   } else if (const auto* request = std::get_if<SignRequest>(&*body)) {
     sign_for(from, message, *request, out);
+  } else if (const auto* news = std::get_if<FleetNews>(&*body)) {
+    auto taken = on_news(*news, 0, now, out);
+    if (!taken) return deny(from, message, taken.error(), out);
+    answer(from, message, Ack{"accepted", *taken}, out);
   } else if (const auto* profile = std::get_if<NodeProfile>(&*body)) {
     if (connection->hello.service == "mode-adapter" && !connection->probe) on_own_profile(*profile, out);
   } else if (auto reply = answer_to(message, now)) {
@@ -147,7 +151,7 @@ void RouterCore::on_own_profile(const NodeProfile& profile, Effects& out) {
 
 ServiceTable RouterCore::service_table(Now now) const {
   ServiceTable table{config_.id, {}};
-  table.services.push_back({"router", "up", 0, config_.instance, config_.version, 0, 0, {}, waits_for_});
+  table.services.push_back({"router", "up", 0, config_.instance, config_.version, 0, 0, {}, own_note(now)});
   for (const std::string& name : config_.services) {
     if (name == "router") continue;
     ServiceEntry entry{name, "down", 0, 0, "", 0, 0, {}, {}};

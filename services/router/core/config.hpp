@@ -6,6 +6,7 @@
 
 #include "common/base/time.hpp"
 #include "common/security/keys.hpp"
+#include "proto/bodies/link.hpp"
 
 namespace trb::router {
 
@@ -42,9 +43,15 @@ struct RouterConfig {
   std::vector<SeedAddress> known;     ///< peers that were linked before the last end: hints where to dial
   std::vector<std::string> services;  ///< that may claim subtypes
   bool beacon = true;
+  FleetNews news;     ///< what the authority said before this start, the list first of all
+  UtcTime utc_bound;  ///< a time that has certainly passed; of an earlier start
   Timing timing;
 };
 
+/// From when on a person is told that a certificate ends.
+constexpr Duration kWarnBefore = std::chrono::hours(24 * 30);
+constexpr Duration kWarnEvery = std::chrono::hours(24);
+constexpr std::size_t kMaxNews = 512U * 1024U;  ///< of a FleetNews
 constexpr std::size_t kMaxCandidates = 32;
 constexpr std::size_t kMaxHelloSize = 4096;
 constexpr std::size_t kMaxPeers = 1024;

@@ -6,6 +6,8 @@
 #include <vector>
 
 #include "common/actor/outbox.hpp"
+#include "common/base/time.hpp"
+#include "proto/bodies/link.hpp"
 #include "proto/message.hpp"
 
 namespace trb::router {
@@ -49,8 +51,24 @@ struct RefuseCandidate {
   Message message;
 };
 
-using Effect =
-    std::variant<BusSend, LinkSend, Dial, CloseLink, AcceptLink, SendBeacon, StorePeers, RefuseCandidate, Log>;
+/// What the authority said, to be on disk before what follows in the list is done; the beacon key of the list, if this
+/// node has a box in it, is used from then on.
+struct StoreNews {
+  FleetNews news;
+  std::uint32_t beacon_number = 0;
+  Bytes beacon_box;
+};
+/// This node's own renewed certificate: into keys/certificate.json.
+struct StoreCertificate {
+  SignedRecord record;
+};
+/// A time that has certainly passed, for a start with a clock that is behind.
+struct StoreUtc {
+  UtcTime utc;
+};
+
+using Effect = std::variant<BusSend, LinkSend, Dial, CloseLink, AcceptLink, SendBeacon, StorePeers, RefuseCandidate, Log,
+                            StoreNews, StoreCertificate, StoreUtc>;
 
 struct Effects {
   std::vector<Effect> list;

@@ -9,6 +9,7 @@ void RouterCore::send_hello(Link& link, Now now, Effects& out) {
   link.own_address = config_.address;
   const UtcTime utc = checked_utc(now.utc);
   Hello hello{config_.certificate, config_.boot, config_.address, config_.version, utc.ns, utc == now.utc, profile_};
+  hello.revocations = news_.list.number;
   link.profile = profile_number_;
   if (encode(hello).size() > kMaxHelloSize) {
     // A stranger's Hello is bounded; the profile follows when the link is up.
@@ -24,9 +25,9 @@ void RouterCore::tell_profile(Link& link, Effects& out) {
   link_send(link, profile_, out);
 }
 
-Result<Certificate> RouterCore::check_hello(const Link& link, const Message& message, const Hello& hello,
-                                            Now now) const {
-  auto certificate = open_certificate(hello.certificate, config_.authority, checked_utc(now.utc));
+Result<Certificate> RouterCore::check_hello(const Link& link, const Message& message, const Hello& hello, Now now,
+                                            Effects& out) {
+  auto certificate = open_member(hello.certificate, now, out);
   if (!certificate) return certificate;
   if (certificate->link_key.bytes != link.key) {
     return fail(Errc::wrong_key,
@@ -41,11 +42,10 @@ Result<Certificate> RouterCore::check_hello(const Link& link, const Message& mes
   }
   const auto known = peers_.find(certificate->id);
   if (known == peers_.end() && peers_.size() >= kMaxPeers) return fail(Errc::queue_full, "the routing table is full");
-  if (known != peers_.end() && known->second.certificate.serial > certificate->serial) {
-    return fail(Errc::conflict, "an older certificate of '" + certificate->id + "'",
-                "use the one that was signed last");
-  }
-  if (known != peers_.end() && known->second.boot > hello.boot) {
+  if (Status newest = check_newest(*certificate); !newest) return newest.error();
+  // Another computer under the same name counts its own boots.
+  const bool same = known != peers_.end() && known->second.certificate.identity_key == certificate->identity_key;
+  if (same && known->second.boot > hello.boot) {
     return fail(Errc::conflict, "an older boot of '" + certificate->id + "'");
   }
   return certificate;
@@ -69,9 +69,10 @@ void RouterCore::on_hello(LinkId id, BytesView key, const Message& message, std:
   fresh.key = key;
   fresh.opened = now.mono;
   auto hello = read_hello(id, key, message);
-  auto certificate =
-      hello ? check_hello(dialled ? known->second : fresh, message, *hello, now) : Result<Certificate>(hello.error());
+  auto certificate = hello ? check_hello(dialled ? known->second : fresh, message, *hello, now, out)
+                           : Result<Certificate>(hello.error());
   if (!certificate) {
+    if (hello) hand_news(id, dialled, message.source, certificate.error(), *hello, out);
     if (dialled) {
       note_trouble(id, errc_name(certificate.error().code), certificate.error().what, now);
     } else {
@@ -94,6 +95,7 @@ void RouterCore::on_hello(LinkId id, BytesView key, const Message& message, std:
 
 Peer& RouterCore::make_peer(const Certificate& certificate, const SignedRecord& record) {
   Peer& peer = peers_[certificate.id];
+  if (peer.certificate.link_key != certificate.link_key) peers_by_key_.erase(peer.certificate.link_key.bytes);
   if (!peer.certificate.link_key.bytes.empty() && peer.certificate.link_key != certificate.link_key) {
     peers_by_key_.erase(peer.certificate.link_key.bytes);
   }
@@ -138,6 +140,8 @@ void RouterCore::link_up(Link& link, const Certificate& certificate, const Hello
               (links_.at(id).dialled ? ", dialled by this node" : ", dialled by it"));
   if (!again) tell_services(PeerJoined{peer.id, peer.boot}, out);
   tell_profile(links_.at(id), out);
+  forget_told_renewal(certificate);
+  tell_news(links_.at(id), hello.revocations, out);
 }
 
 bool RouterCore::settle_double(Link& link, Peer& peer, Now now, Effects& out) {
@@ -159,13 +163,28 @@ void RouterCore::refuse_candidate(LinkId id, BytesView key, const Error& error, 
     candidates_.erase(Bytes(key));
     if (denied_.size() < 8 * kMaxCandidates) denied_[Bytes(key)] = now.mono + config_.timing.denied;
   }
+  tell_candidate(id, Goodbye{std::string(errc_name(error.code))}, out);
+}
+
+void RouterCore::tell_candidate(LinkId id, const Body& body, Effects& out) {
   Message message;
   message.type = MessageType::information;
-  message.subtype = Goodbye::kSubtype;
+  message.subtype = subtype_of(body);
   message.source = config_.id;
   message.id = ++message_count_;
-  message.data = encode(Goodbye{std::string(errc_name(error.code))});
+  message.data = encode_body(body);
   out.add(RefuseCandidate{id, std::move(message)});
+}
+
+void RouterCore::hand_news(LinkId id, bool dialled, const std::string& to, const Error& refusal, const Hello& hello,
+                           Effects& out) {
+  const auto news = news_for(refusal, hello);
+  if (!news) return;
+  if (!dialled) return tell_candidate(id, *news, out);
+  // For the other side the link is up: its router takes what names it as the target.
+  Link& link = links_.at(id);
+  link.peer = to;
+  link_send(link, *news, out);
 }
 
 }  // namespace trb::router

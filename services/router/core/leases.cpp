@@ -21,6 +21,8 @@ std::optional<MonotonicTime> RouterCore::next_deadline() const {
 }
 
 void RouterCore::tick(Now now, Effects& out) {
+  check_own(now, out);
+  note_time(now, out);
   tick_links(now, out);
   tick_peers(now, out);
   tick_seeds(now, out);
@@ -66,6 +68,10 @@ void RouterCore::tick_peers(Now now, Effects& out) {
     if (peer.link != 0) continue;
     if (peer.lost && !peer.expired && now.mono >= *peer.lost + config_.timing.lease) expire(peer, "lease ended", out);
     if (peer.redial.at && now.mono >= *peer.redial.at) {
+      if (news_.muted) {
+        peer.redial.at = now.mono + config_.timing.redial_most;
+        continue;
+      }
       if (dialling(peer.certificate.link_key.bytes)) {
         peer.redial.at = now.mono + config_.timing.redial_first;
         continue;
@@ -86,9 +92,10 @@ void RouterCore::tick_seeds(Now now, Effects& out) {
   for (Seed& seed : seeds_) {
     if (!seed.redial.at || now.mono < *seed.redial.at) continue;
     const auto peer = peers_.find(seed.peer);
+    const bool over = news_.muted || news_.revoked_keys.count(seed.key) != 0;
     if (seed.hint && peer != peers_.end() && peer->second.met) {
       seed.redial.at.reset();
-    } else if ((peer != peers_.end() && peer->second.link != 0) || dialling(seed.key)) {
+    } else if (over || (peer != peers_.end() && peer->second.link != 0) || dialling(seed.key)) {
       // The link is there, or is being dialled by another way; look again later, in case that address is lost.
       seed.redial.at = now.mono + config_.timing.redial_most;
     } else {
@@ -98,6 +105,7 @@ void RouterCore::tick_seeds(Now now, Effects& out) {
 }
 
 void RouterCore::tick_beacon(Now now, Effects& out) {
+  if (news_.muted) return next_beacon_.reset();
   if (!next_beacon_ || now.mono < *next_beacon_) return;
   constexpr Duration kBurst = std::chrono::milliseconds(300);
   next_beacon_ = now.mono + (early_beacons_ > 0 ? kBurst : config_.timing.beacon);
@@ -137,7 +145,7 @@ void RouterCore::on_beacon(BytesView plain, Now now, Effects& out) {
   if (record->signer == config_.id) return;
   auto outer = decode<Beacon>(record->payload.bytes);
   if (!outer) return refuse(outer.error());
-  auto certificate = open_certificate(outer->certificate, config_.authority, checked_utc(now.utc));
+  auto certificate = open_member(outer->certificate, now, out);
   if (!certificate) return refuse(certificate.error());
   if (auto proven = open_record<Beacon>(*record, kSignedBeacon, *certificate); !proven) return refuse(proven.error());
   if (peers_.size() >= kMaxPeers && peers_.count(certificate->id) == 0) {

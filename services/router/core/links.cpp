@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include "common/base/hex.hpp"
+#include "common/security/revocations.hpp"
 #include "services/router/core/router_core.hpp"
 
 namespace trb::router {
@@ -61,7 +62,9 @@ void RouterCore::link_send(Link& link, const Body& body, Effects& out, const Mes
 }
 
 bool RouterCore::admit(BytesView key, MonotonicTime now, Effects& out) {
-  if (key == config_.own.link_key.bytes) return false;
+  if (key == config_.own.link_key.bytes || refuse_revoked_key(key, out)) return false;
+  // One that is revoked knows that no Hello of its own is taken; one that has only ended may be brought its renewal.
+  if (find_revocation(news_.list, config_.own) != nullptr) return false;
   // Members, and those whom node.json names though they were never met: no crowd of strangers keeps them out.
   if (is_expected(key)) return true;
   if (const auto at = denied_.find(key); at != denied_.end() && now < at->second) {
@@ -86,6 +89,7 @@ void RouterCore::on_link_message(LinkId id, BytesView key, const Message& messag
     out.count("refused.link_theft");
     return out.log(LogLevel::warning, "link_theft", "a connection used another one's link id");
   }
+  if (at == links_.end() && refuse_revoked_key(key, out)) return;
   const auto denied = denied_.find(key);
   if (at == links_.end() && peers_by_key_.count(key) == 0 && denied != denied_.end() && now.mono < denied->second)
     return out.count("refused.denied_key");
@@ -95,7 +99,9 @@ void RouterCore::on_link_message(LinkId id, BytesView key, const Message& messag
 }
 
 void RouterCore::on_early_message(LinkId id, BytesView key, const Message& message, Now now, Effects& out) {
-  if (links_.count(id) != 0) {
+  if (const auto at = links_.find(id); at != links_.end()) {
+    // What it says before its Goodbye may be what this node has to know: its own renewed certificate.
+    if (message.subtype == FleetNews::kSubtype) return on_news_message(&at->second, message, now, out);
     // Dialled, and answered by something else than Hello: the other side refuses.
     auto goodbye = decode<Goodbye>(message.data);
     const bool said = message.subtype == Goodbye::kSubtype && goodbye;
@@ -110,6 +116,7 @@ void RouterCore::on_early_message(LinkId id, BytesView key, const Message& messa
 }
 
 void RouterCore::on_peer_message(Link& link, const Message& message, Now now, Effects& out) {
+  if (message.subtype == FleetNews::kSubtype) return on_news_message(&link, message, now, out);
   auto body = decode_body(message.subtype, message.data);
   if (!body) return deny_peer(link, message, body.error(), out);
   if (const auto* alive = std::get_if<KeepAlive>(&*body)) return on_keep_alive(link, *alive, now);

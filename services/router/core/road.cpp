@@ -8,17 +8,10 @@ namespace {
 
 // Sorted: the router itself takes these.
 constexpr std::string_view kOwnSubtypes[] = {
-    EchoRequest::kSubtype,
-    Goodbye::kSubtype,
-    Hello::kSubtype,
-    KeepAlive::kSubtype,
-    LinkTroublesRequest::kSubtype,
-    NodeProfile::kSubtype,
-    RouteListRequest::kSubtype,
-    RouterCountersRequest::kSubtype,
-    ServiceAlive::kSubtype,
-    ServiceHello::kSubtype,
-    ServiceListRequest::kSubtype,
+    EchoRequest::kSubtype,  FleetNews::kSubtype,        Goodbye::kSubtype,
+    Hello::kSubtype,        KeepAlive::kSubtype,        LinkTroublesRequest::kSubtype,
+    NodeProfile::kSubtype,  RouteListRequest::kSubtype, RouterCountersRequest::kSubtype,
+    ServiceAlive::kSubtype, ServiceHello::kSubtype,     ServiceListRequest::kSubtype,
     SignRequest::kSubtype,
 };
 static_assert(std::is_sorted(std::begin(kOwnSubtypes), std::end(kOwnSubtypes)));

@@ -16,6 +16,16 @@ void RouterCore::start(Now now, Effects& out) {
   out.log(LogLevel::info, "started", config_.id + " at " + config_.address + ", boot " + std::to_string(config_.boot));
   for (Seed& seed : seeds_) seed.redial.at = now.mono;
   if (config_.beacon && !config_.address.empty()) next_beacon_ = now.mono;
+  news_.utc_bound = config_.utc_bound;
+  news_.utc_stored = config_.utc_bound;
+  if (checked_utc(now.utc) != now.utc) {
+    out.log(LogLevel::warning, "clock_unverified",
+            "the clock says " + to_iso8601(now.utc) + ", but it is " + to_iso8601(checked_utc(now.utc)) +
+                " at least: set it; if it was ahead before, remove state/utc");
+  }
+  // What was in force before this start is now, before the first link; each of it is checked anew.
+  on_news_of_file(config_.news, now, out);
+  check_own(now, out);
 }
 
 const Link* RouterCore::find_link(LinkId id) const {
@@ -35,11 +45,6 @@ void RouterCore::count(std::string_view name) {
   } else if (counts_.size() < 1000) {
     counts_.emplace(name, 1);
   }
-}
-
-UtcTime RouterCore::checked_utc(UtcTime utc) const {
-  // A clock before its own certificate's beginning is wrong: take the beginning as the lower bound of the time.
-  return std::max(utc, UtcTime{config_.own.not_before});
 }
 
 RouteTable RouterCore::route_table(Now now) const {

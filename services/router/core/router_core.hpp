@@ -8,6 +8,7 @@
 
 #include "proto/body.hpp"
 #include "services/router/core/config.hpp"
+#include "services/router/core/news.hpp"
 #include "services/router/core/peers.hpp"
 #include "services/router/core/services.hpp"
 #include "services/router/core/troubles.hpp"
@@ -70,7 +71,17 @@ class RouterCore {
                        Effects& out);
   void on_beacon(BytesView plain, Now now, Effects& out);
   /// A datagram on the beacons' port that did not open.
-  void on_bad_beacon(const Error& why, Now now, Effects& out) { refuse_beacon(errc_name(why.code), why.what, now, out); }
+  void on_bad_beacon(const Error& why, Now now, Effects& out) {
+    refuse_beacon(errc_name(why.code), why.what, now, out);
+  }
+
+  /// What the authority has signed, from any road: a link, the bus, a file (0). What is new is stored, done at once and
+  /// told to the others. Returns it in words. Errors: bad_signature, foreign_fleet, downgraded, conflict, malformed,
+  /// cert_revoked, cert_expired, cert_not_yet_valid.
+  Result<std::string> on_news(const FleetNews& news, LinkId from, Now now, Effects& out);
+
+  /// The same of a file on this node; refusals are counted and logged.
+  void on_news_of_file(const FleetNews& news, Now now, Effects& out);
 
   [[nodiscard]] RouteTable route_table(Now now) const;
   [[nodiscard]] const std::map<std::string, Peer, std::less<>>& peers() const { return peers_; }
@@ -106,10 +117,13 @@ class RouterCore {
   void on_peer_message(Link& link, const Message& message, Now now, Effects& out);
   [[nodiscard]] Result<Hello> read_hello(LinkId id, BytesView key, const Message& message) const;
   void on_hello(LinkId id, BytesView key, const Message& message, std::uint64_t sequence, Now now, Effects& out);
-  Result<Certificate> check_hello(const Link& link, const Message& message, const Hello& hello, Now now) const;
+  Result<Certificate> check_hello(const Link& link, const Message& message, const Hello& hello, Now now, Effects& out);
   void link_up(Link& link, const Certificate& certificate, const Hello& hello, Now now, Effects& out);
   bool settle_double(Link& link, Peer& peer, Now now, Effects& out);
   void drop_link(LinkId id, const std::string& why, bool say_goodbye, Now now, Effects& out);
+  void tell_candidate(LinkId id, const Body& body, Effects& out);
+  void hand_news(LinkId id, bool dialled, const std::string& to, const Error& refusal, const Hello& hello,
+                 Effects& out);
   void refuse_candidate(LinkId id, BytesView key, const Error& error, Now now, Effects& out);
   void link_send(Link& link, const Body& body, Effects& out, const Message* asked = nullptr);
   void deny_peer(Link& link, const Message& message, const Error& error, Effects& out);
@@ -128,6 +142,34 @@ class RouterCore {
 
   // troubles.cpp
   void note_up(const Link& link, const Hello& hello, Now now);
+
+  // news.cpp
+  Result<bool> take_list(const SignedRecord& record, Now now, Effects& out);
+  Result<bool> take_certificate(const SignedRecord& record, Now now, Effects& out);
+  void take_own_certificate(const SignedRecord& record, const Certificate& certificate, Effects& out);
+  [[nodiscard]] FleetNews known_news() const;
+  void store_news(Effects& out) const;
+  std::size_t flood_news(const FleetNews& fresh, LinkId from, Effects& out);
+  void tell_news(Link& link, std::uint64_t known_list, Effects& out);
+  void forget_told_renewal(const Certificate& certificate);
+  void on_news_message(const Link* link, const Message& message, Now now, Effects& out);
+  /// What a refused node has to know to come back: its renewed certificate, or the list that it is on.
+  [[nodiscard]] std::optional<FleetNews> news_for(const Error& refusal, const Hello& hello) const;
+
+  // membership.cpp
+  Result<Certificate> open_member(const SignedRecord& record, Now now, Effects& out);
+  [[nodiscard]] Status check_newest(const Certificate& certificate) const;
+  void apply_revocations(Now now, Effects& out);
+  void put_out(const std::string& id, Now now, Effects& out);
+  void remember_revoked(const Certificate& certificate);
+  bool refuse_revoked_key(BytesView key, Effects& out);
+  void check_own(Now now, Effects& out);
+  void mute(const std::string& why, Now now, Effects& out);
+  [[nodiscard]] std::string own_trouble(Now now) const;
+  [[nodiscard]] std::string own_note(Now now) const;
+  void warn_of_end(Now now, Effects& out);
+  void raise_utc_bound(UtcTime utc, Effects& out);
+  void note_time(Now now, Effects& out);
 
   // leases.cpp
   void tick_links(Now now, Effects& out);
@@ -159,6 +201,7 @@ class RouterCore {
   std::map<std::string, std::uint64_t, std::less<>> counts_;
   std::uint64_t message_count_ = 0;
   Troubles troubles_;
+  NewsState news_;
 };
 
 }  // namespace trb::router

@@ -93,7 +93,10 @@ void TestFleet::carry_out(TestNode& node, Effects& effects) {
                      node.refused.push_back(refuse);
                      if (!origin_.empty()) packets_.push_back({node.id, origin_, refuse.link, 1, refuse.message});
                    },
-                   [](Log&) {},
+                   [&](StoreNews& store) { node.stored_news.push_back(store); },
+                   [&](StoreCertificate& store) { node.stored_certificates.push_back(store.record); },
+                   [&](StoreUtc& store) { node.stored_utc.push_back(store.utc); },
+                   [&](Log& line) { node.log.push_back(line.event + " " + line.text); },
                },
                effect);
   }

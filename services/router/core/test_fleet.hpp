@@ -56,6 +56,10 @@ struct TestNode {
   std::vector<Dial> dials;
   std::vector<Bytes> beacons;
   std::string stored;  ///< what StorePeers would have written
+  std::vector<StoreNews> stored_news;
+  std::vector<SignedRecord> stored_certificates;
+  std::vector<UtcTime> stored_utc;
+  std::vector<std::string> log;
 
   [[nodiscard]] std::uint64_t count(const std::string& name) const {
     const auto at = counts.find(name);

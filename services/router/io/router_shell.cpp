@@ -57,6 +57,8 @@ int RouterShell::run() {
   core_.start(read_clocks(), effects);
   carry_out(effects);
   tell_place();
+  keys_watch_ = std::make_unique<KeysWatch>(loop_, "keys", [this] { read_key_folder(); });
+  read_key_folder();
   loop_.add_timer([this] { return core_.next_deadline(); },
                   [this](Now now) {
                     Effects due;
@@ -97,6 +99,9 @@ void RouterShell::carry_out(Effects& effects) {
                      if (Status kept = write_file("state/peers", store.text, 0600); !kept)
                        log_event(Level::warning, "state", kept.error().text());
                    },
+                   [this](StoreNews& store) { store_news(store); },
+                   [this](StoreCertificate& store) { store_certificate(store); },
+                   [this](StoreUtc& store) { store_utc(store); },
                    [this](Log& line) {
                      log_limited(limit_, read_clocks().mono, static_cast<Level>(line.level), line.event, line.text);
                    },

@@ -16,6 +16,7 @@
 #include "services/router/core/router_core.hpp"
 #include "services/router/io/beacon_socket.hpp"
 #include "services/router/io/interface_watch.hpp"
+#include "services/router/io/keys_watch.hpp"
 
 namespace trb::router {
 
@@ -95,6 +96,11 @@ class RouterShell {
   void follow_vpn();
   [[nodiscard]] std::string own_address() const;
   [[nodiscard]] std::string to_dial(const std::string& address) const;
+  // news_side.cpp
+  void store_news(const StoreNews& store);
+  void store_certificate(const StoreCertificate& store);
+  void store_utc(const StoreUtc& store);
+  void read_key_folder();  ///< a person may have put a new certificate.json or news.json there
   // router_shell.cpp
   void carry_out(Effects& effects);
   void end_lost_links();
@@ -128,6 +134,7 @@ class RouterShell {
   std::string vpn_endpoint_;  ///< the inbox's second one, while it is bound
   std::optional<MonotonicTime> look_again_;
   MonotonicTime alone_until_;
+  std::unique_ptr<KeysWatch> keys_watch_;
   RateLimit limit_{20, std::chrono::seconds(10)};
   std::map<std::string, std::string, std::less<>> sent_names_;  ///< subtype -> "sent.SUBTYPE", made once
 };

@@ -2,6 +2,7 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <sstream>
@@ -13,16 +14,24 @@
 #include "common/log/log.hpp"
 #include "common/security/node_keys.hpp"
 #include "common/service/version.hpp"
+#include "common/transport/loop.hpp"
+#include "proto/body.hpp"
 #include "services/router/io/router_shell.hpp"
 
 namespace trb::router {
 namespace {
 
-/// The boot counter rises at each start and survives all of them: peers tell an old process from a new one by it.
-Result<std::uint64_t> count_boot() {
-  std::uint64_t boot = 0;
-  if (auto text = read_file("state/boot", 64)) boot = std::strtoull(text->c_str(), nullptr, 10);
-  if (Status stored = write_file("state/boot", std::to_string(++boot) + "\n"); !stored) return stored.error();
+std::uint64_t stored_number(const std::string& path) {
+  auto text = read_file(path, 64);
+  return text ? std::strtoull(text->c_str(), nullptr, 10) : 0;
+}
+
+/// The boot counter rises at each start and survives all of them: peers tell an old process from a new one by it. It is
+/// the seconds of UTC if the clock can be right, so that it rises also for a node whose state folder was lost.
+Result<std::uint64_t> count_boot(UtcTime now, UtcTime bound) {
+  std::uint64_t boot = stored_number("state/boot") + 1;
+  if (now >= bound) boot = std::max(boot, static_cast<std::uint64_t>(now.ns / 1'000'000'000));
+  if (Status stored = write_file("state/boot", std::to_string(boot) + "\n"); !stored) return stored.error();
   return boot;
 }
 
@@ -39,6 +48,13 @@ std::vector<SeedAddress> read_known() {
     if (address.size() <= 80 && bytes && bytes->size() == 32) out.push_back({address, std::move(*bytes)});
   }
   return out;
+}
+
+/// What the authority had said before this start; nothing if there is none, and a damaged file is told anew by a peer.
+FleetNews stored_news() {
+  auto bytes = read_file("state/news");
+  auto news = bytes ? decode<FleetNews>(*bytes) : Result<FleetNews>(bytes.error());
+  return news ? std::move(*news) : FleetNews{};
 }
 
 RouterConfig make_config(const NodeConfig& node, const NodeKeys& keys, std::uint64_t boot) {
@@ -81,9 +97,12 @@ int start(const std::string& node_dir) {
   open_log("router", "log/router.log");
   auto keys = load_node_keys(".");
   if (!keys) return refuse(keys.error().text());
-  auto boot = count_boot();
+  const UtcTime bound{static_cast<std::int64_t>(stored_number("state/utc"))};
+  auto boot = count_boot(read_clocks().utc, std::max(bound, UtcTime{keys->certificate.not_before}));
   if (!boot) return refuse(boot.error().text());
   RouterConfig config = make_config(check.config, *keys, *boot);
+  config.utc_bound = bound;
+  config.news = stored_news();
   ShellOptions options{{keys->link.public_key, keys->link.secret_key},
                        check.config.network.host_int,
                        check.config.network.vpn_int,

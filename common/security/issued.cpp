@@ -1,0 +1,229 @@
+#include "common/security/issued.hpp"
+
+#include <algorithm>
+#include <map>
+
+#include "common/base/files.hpp"
+#include "common/base/hex.hpp"
+#include "common/base/ids.hpp"
+#include "common/security/revocations.hpp"
+#include "proto/body.hpp"
+#include "proto/value.hpp"
+
+namespace trb {
+namespace {
+
+// A node whose clock is a little behind must not find its new certificate "not yet valid".
+constexpr Duration kClockLeeway = std::chrono::minutes(5);
+constexpr std::size_t kMaxIssuedFile = 64U << 20U;
+constexpr std::size_t kMaxList = 400'000;  // a FleetNews must fit into one message
+constexpr std::size_t kMaxRenewed = 256;
+
+std::string issued_path(const std::string& dir) {
+  return dir + "/issued.json";
+}
+std::string list_path(const std::string& dir) {
+  return dir + "/revocations.json";
+}
+
+Status write_issued(const std::string& dir, const Authority& authority) {
+  Value::List rows;
+  for (const Certificate& certificate : authority.issued) rows.push_back(*parse_json(to_json(certificate)));
+  return write_file(issued_path(dir), dump_json(Value{Value::Object{{"certificates", Value{std::move(rows)}}}}) + "\n");
+}
+
+bool same_keys(const Certificate& a, const Certificate& b) {
+  return a.identity_key == b.identity_key && a.link_key == b.link_key;
+}
+
+/// The newest living certificate of each node.
+std::map<std::string, const Certificate*> members(const Authority& authority, UtcTime now) {
+  std::map<std::string, const Certificate*> out;
+  for (const Certificate& certificate : authority.issued) {
+    const Certificate* living = find_living(authority, certificate.id, now);
+    if (living != nullptr) out[certificate.id] = living;
+  }
+  return out;
+}
+
+/// True while some certificate that the entry covers would otherwise be taken.
+bool still_needed(const Authority& authority, const Revocation& entry, UtcTime now) {
+  return std::any_of(authority.issued.begin(), authority.issued.end(), [&](const Certificate& certificate) {
+    return certificate.id == entry.id && certificate.serial <= entry.serial && certificate.not_after > now.ns;
+  });
+}
+
+void add_entry(RevocationList& list, const Certificate& over, const std::string& reason, UtcTime now) {
+  std::erase_if(list.revoked,
+                [&](const Revocation& entry) { return entry.id == over.id && entry.serial <= over.serial; });
+  const bool covered = find_revocation(list, over) != nullptr;
+  if (!covered) list.revoked.push_back({over.serial, over.id, reason, now.ns});
+}
+
+}  // namespace
+
+Status write_fleet(const std::string& dir, const Authority& authority) {
+  Value::Object out;
+  out.emplace_back("name", Value{authority.fleet.name});
+  out.emplace_back("authority_key", Value{to_hex(authority.fleet.public_key)});
+  out.emplace_back("fleet", Value{to_hex(authority.fleet.id())});
+  out.emplace_back("beacon_key_number", Value{static_cast<std::int64_t>(authority.beacon.number)});
+  out.emplace_back("next_serial", Value{static_cast<std::int64_t>(authority.next_serial)});
+  return write_file(dir + "/fleet.json", dump_json(Value{std::move(out)}) + "\n");
+}
+
+Status read_issued(Authority& authority, const std::string& dir) {
+  if (!file_exists(issued_path(dir))) return Done{};
+  auto text = read_file(issued_path(dir), kMaxIssuedFile);
+  if (!text) return text.error();
+  auto json = parse_json(*text, {.bytes = kMaxIssuedFile, .depth = 32, .values = 2'000'000});
+  const Value* rows = json ? json->find("certificates") : nullptr;
+  if (rows == nullptr || !rows->is_list()) {
+    return fail(Errc::malformed, issued_path(dir) + ": damaged", "take it from your copy of the folder");
+  }
+  for (const Value& row : rows->list()) {
+    auto certificate = from_json<Certificate>(dump_json(row));
+    if (!certificate) return fail(Errc::malformed, issued_path(dir) + ": " + certificate.error().what);
+    authority.next_serial = std::max(authority.next_serial, certificate->serial + 1);
+    authority.issued.push_back(std::move(*certificate));
+  }
+  return Done{};
+}
+
+Status read_revocations(Authority& authority, const std::string& dir) {
+  if (!file_exists(list_path(dir))) return Done{};
+  auto text = read_file(list_path(dir));
+  if (!text) return text.error();
+  auto record = from_json<SignedRecord>(*text);
+  if (!record) return fail(Errc::malformed, list_path(dir) + ": " + record.error().what);
+  auto list = open_revocations(*record, authority.fleet);
+  if (!list) return fail(list.error().code, list_path(dir) + ": " + list.error().what);
+  authority.revocations = std::move(*record);
+  authority.list = std::move(*list);
+  authority.beacon = derive_beacon_key(authority.key.secret_key, authority.list.beacon_number);
+  return Done{};
+}
+
+Result<SignedRecord> issue(Authority& authority, const std::string& dir, Certificate certificate, UtcTime now,
+                           Duration validity) {
+  certificate.fleet = {authority.fleet.id()};
+  certificate.serial = authority.next_serial++;
+  certificate.not_before = (now - kClockLeeway).ns;
+  certificate.not_after = (now + validity).ns;
+  authority.issued.push_back(certificate);
+  if (Status stored = write_fleet(dir, authority); !stored) return stored.error();
+  if (Status stored = write_issued(dir, authority); !stored) return stored.error();
+  return sign(kSignedCertificate, "", authority.fleet.id(), encode(certificate), authority.key);
+}
+
+const Certificate* find_living(const Authority& authority, std::string_view id, UtcTime now) {
+  const Certificate* newest = nullptr;
+  for (const Certificate& certificate : authority.issued) {
+    if (certificate.id != id || certificate.not_after <= now.ns) continue;
+    if (find_revocation(authority.list, certificate) != nullptr) continue;
+    if (newest == nullptr || certificate.serial > newest->serial) newest = &certificate;
+  }
+  return newest;
+}
+
+Result<CertificateFile> sign_request(Authority& authority, const std::string& dir, const SignedRecord& record,
+                                     UtcTime now, Duration validity) {
+  auto request = decode<CertificateRequest>(record.payload.bytes);
+  if (!request) return request.error();
+  if (Status good = check_id("id", request->id); !good) return good.error();
+  if (!verify(record, kSignedRequest, {}, request->identity_key.bytes) || request->link_key.bytes.size() != 32) {
+    return fail(Errc::bad_signature, "request of '" + request->id + "' was not signed with the key it names",
+                "run trb fleet request on the node again");
+  }
+  const Certificate wanted{{}, 0, request->id, request->role, request->identity_key, request->link_key, 0, 0};
+  for (const Certificate& old : authority.issued) {
+    const bool shared = old.identity_key == wanted.identity_key || old.link_key == wanted.link_key;
+    if (shared && find_revocation(authority.list, old) != nullptr) {
+      return fail(Errc::cert_revoked, "the keys of '" + old.id + "' in this request were revoked",
+                  "remove identity.key and link.key from the node's keys folder and run trb fleet request again");
+    }
+  }
+  const Certificate* living = find_living(authority, request->id, now);
+  if (living != nullptr && !same_keys(*living, wanted)) {
+    return fail(Errc::conflict,
+                "'" + request->id + "' has a certificate (serial " + std::to_string(living->serial) +
+                    ") for other keys: is this a new computer?",
+                "trb fleet revoke " + dir + " " + request->id + " first: the old one must not go on");
+  }
+  auto signed_record = issue(authority, dir, wanted, now, validity);
+  if (!signed_record) return signed_record.error();
+  CertificateFile file =
+      make_certificate_file(*signed_record, authority.fleet, authority.beacon, request->link_key.bytes);
+  file.revocations = authority.revocations;
+  return file;
+}
+
+Result<Certificate> adopt_certificate(Authority& authority, const std::string& dir, const SignedRecord& record) {
+  auto certificate = open_certificate_any_time(record, authority.fleet);
+  if (!certificate) return certificate;
+  const bool known = std::any_of(authority.issued.begin(), authority.issued.end(),
+                                 [&](const Certificate& row) { return row.serial == certificate->serial; });
+  if (known) return certificate;
+  authority.issued.push_back(*certificate);
+  std::sort(authority.issued.begin(), authority.issued.end(),
+            [](const Certificate& a, const Certificate& b) { return a.serial < b.serial; });
+  if (Status stored = write_issued(dir, authority); !stored) return stored.error();
+  return certificate;
+}
+
+Result<SignedRecord> renew_certificate(Authority& authority, const std::string& dir, const Certificate& old,
+                                       UtcTime now, Duration validity) {
+  return issue(authority, dir, old, now, validity);
+}
+
+Status revoke_certificates(Authority& authority, const std::string& dir, const std::vector<Certificate>& over,
+                           const std::string& reason, UtcTime now) {
+  RevocationList next = authority.list;
+  next.fleet = {authority.fleet.id()};
+  ++next.number;
+  next.issued = now.ns;
+  for (const Certificate& certificate : over) add_entry(next, certificate, reason, now);
+  std::erase_if(next.revoked, [&](const Revocation& entry) { return !still_needed(authority, entry, now); });
+  const BeaconKey fresh = derive_beacon_key(authority.key.secret_key, authority.beacon.number + 1);
+  next.beacon_number = fresh.number;
+  next.beacon_keys.clear();
+  const RevocationList before = std::exchange(authority.list, next);
+  for (const auto& [id, certificate] : members(authority, now)) {
+    authority.list.beacon_keys.push_back({id, {seal_beacon_key(fresh, certificate->link_key.bytes)}});
+  }
+  const Bytes payload = encode(authority.list);
+  const SignedRecord record = sign(kSignedRevocations, "", authority.fleet.id(), payload, authority.key);
+  const Status stored = payload.size() > kMaxList ? fail(Errc::too_large, "the revocation list has over 400 kB",
+                                                         "give shorter reasons; a fleet has room for about 2000 nodes")
+                                                  : write_file(list_path(dir), to_json(record) + "\n");
+  if (!stored) {
+    authority.list = before;
+    return stored;
+  }
+  authority.revocations = record;
+  authority.beacon = fresh;
+  return write_fleet(dir, authority);
+}
+
+Status tell_news(const Authority& authority, const std::string& dir, const std::vector<SignedRecord>& renewed,
+                 UtcTime now) {
+  const std::string path = dir + "/news.json";
+  FleetNews news{authority.revocations, {}};
+  std::vector<SignedRecord> all = renewed;
+  if (auto old = read_news(path)) all.insert(all.end(), old->certificates.begin(), old->certificates.end());
+  for (const SignedRecord& record : all) {
+    auto certificate = open_certificate_any_time(record, authority.fleet);
+    if (!certificate) continue;
+    const Certificate* living = find_living(authority, certificate->id, now);
+    const bool counts = living != nullptr && living->serial == certificate->serial;
+    const bool there = std::find(news.certificates.begin(), news.certificates.end(), record) != news.certificates.end();
+    if (counts && !there) news.certificates.push_back(record);
+  }
+  if (renewed.size() > kMaxRenewed) {
+    return fail(Errc::too_large, "over 256 renewals at once", "renew them in several parts, and hand each on");
+  }
+  if (news.certificates.size() > kMaxRenewed) news.certificates.resize(kMaxRenewed);
+  return write_news(path, news);
+}
+
+}  // namespace trb

@@ -1,0 +1,22 @@
+// What the authority's folder keeps of its work: fleet.json's numbers, issued.json, revocations.json. For
+// authority.cpp.
+#pragma once
+
+#include <string>
+
+#include "common/security/authority.hpp"
+
+namespace trb {
+
+Status write_fleet(const std::string& dir, const Authority& authority);
+
+/// A folder of an earlier version has none of these files: nothing is known then. Errors: malformed, too_large, and
+/// those of open_revocations.
+Status read_issued(Authority& authority, const std::string& dir);
+Status read_revocations(Authority& authority, const std::string& dir);
+
+/// Takes the next serial and signs; both are stored before this returns. Errors: io_error.
+Result<SignedRecord> issue(Authority& authority, const std::string& dir, Certificate certificate, UtcTime now,
+                           Duration validity);
+
+}  // namespace trb

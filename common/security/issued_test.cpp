@@ -1,0 +1,159 @@
+// What the authority keeps of its work: renewals, revocations, the beacon key of each list.
+#include <doctest/doctest.h>
+#include <stdlib.h>
+
+#include <filesystem>
+
+#include "common/base/files.hpp"
+#include "common/security/authority.hpp"
+#include "common/security/node_keys.hpp"
+#include "common/security/revocations.hpp"
+#include "proto/body.hpp"
+
+using namespace trb;
+
+namespace {
+
+constexpr UtcTime kNow{1'772'366'400'000'000'000};
+constexpr Duration kYear = std::chrono::hours(24 * 365);
+const std::string kPassphrase = "correct horse battery";
+
+/// An authority and nodes that ask it.
+struct Hall {
+  std::string root = [] {
+    init_crypto();
+    char name[] = "/tmp/trb-issued-XXXXXX";
+    return std::string(::mkdtemp(name));
+  }();
+  std::string dir = root + "/fleet";
+  Authority authority = *make_authority(dir, "hall", kPassphrase);
+  Hall() = default;
+  Hall(const Hall&) = delete;
+  Hall& operator=(const Hall&) = delete;
+  ~Hall() { std::filesystem::remove_all(root); }
+
+  Result<CertificateFile> ask(const std::string& folder, const std::string& id) {
+    REQUIRE(make_request(root + "/" + folder, id, Role::robot).ok());
+    const auto request = from_json<SignedRecord>(*read_file(root + "/" + folder + "/keys/request.json"));
+    return sign_request(authority, dir, *request, kNow, kYear);
+  }
+  void join(const std::string& id) {
+    auto file = ask(id, id);
+    REQUIRE(file.ok());
+    REQUIRE(write_file(root + "/" + id + "/keys/certificate.json", certificate_file_to_json(*file)).ok());
+  }
+  NodeKeys keys(const std::string& id) const { return *load_node_keys(root + "/" + id); }
+  Certificate living(const std::string& id) const { return *find_living(authority, id, kNow); }
+  Status revoke(const std::string& id) { return revoke_certificates(authority, dir, {living(id)}, "stolen", kNow); }
+  Authority reopened() const { return *open_authority(dir, kPassphrase); }
+};
+
+template <class T>
+Errc code_of(const Result<T>& result) {
+  return result.ok() ? Errc::ok : result.error().code;
+}
+
+}  // namespace
+
+TEST_CASE("a revocation names the node, is numbered, and brings those that stay a beacon key that it cannot open") {
+  Hall hall;
+  for (const char* id : {"ur3", "ur5", "cloud"}) hall.join(id);
+  REQUIRE(hall.revoke("ur3").ok());
+  const Authority opened = hall.reopened();
+  CHECK(opened.list == hall.authority.list);
+  CHECK(opened.list.number == 1);
+  CHECK(opened.beacon.number == 2);
+  CHECK(opened.beacon.secret == hall.authority.beacon.secret);
+  CHECK(opened.beacon.secret != hall.keys("ur5").beacon.secret);
+  const auto list = open_revocations(opened.revocations, opened.fleet);
+  REQUIRE(list.ok());
+  CHECK(find_revocation(*list, hall.keys("ur3").certificate)->reason == "stolen");
+  CHECK(find_revocation(*list, hall.keys("ur5").certificate) == nullptr);
+  CHECK(open_listed_beacon_key(*list, "ur5", hall.keys("ur5").link)->secret == opened.beacon.secret);
+  CHECK(code_of(open_listed_beacon_key(*list, "ur3", hall.keys("ur3").link)) == Errc::missing);
+  CHECK(code_of(open_listed_beacon_key(*list, "ur5", hall.keys("ur3").link)) == Errc::wrong_key);
+  CHECK(code_of(open_revocations(opened.revocations, {"other", Bytes(32, 'x')})) == Errc::foreign_fleet);
+}
+
+TEST_CASE("a list holds all that is revoked, until every certificate that it covers has ended") {
+  Hall hall;
+  for (const char* id : {"ur3", "ur5", "cloud"}) hall.join(id);
+  REQUIRE(hall.revoke("ur3").ok());
+  REQUIRE(hall.revoke("ur5").ok());
+  CHECK(hall.authority.list.number == 2);
+  CHECK(hall.authority.list.revoked.size() == 2);
+  const Certificate cloud = hall.living("cloud");
+  REQUIRE(revoke_certificates(hall.authority, hall.dir, {cloud}, "", kNow + kYear + Duration(1)).ok());
+  CHECK(hall.authority.list.revoked.empty());
+}
+
+TEST_CASE("a revocation covers the older certificates of the same node, and not the one of its successor") {
+  Hall hall;
+  hall.join("ur3");
+  const Certificate first = hall.living("ur3");
+  hall.join("ur3");
+  REQUIRE(hall.revoke("ur3").ok());
+  CHECK(find_revocation(hall.authority.list, first) != nullptr);
+  CHECK(find_living(hall.authority, "ur3", kNow) == nullptr);
+  CHECK(code_of(hall.ask("ur3", "ur3")) == Errc::cert_revoked);  // its keys are out for ever
+  auto successor = hall.ask("new-pc", "ur3");
+  REQUIRE(successor.ok());
+  CHECK(find_revocation(hall.authority.list, hall.living("ur3")) == nullptr);
+  CHECK(successor->revocations == hall.authority.revocations);
+}
+
+TEST_CASE("another computer under the name of a living one is not certified") {
+  Hall hall;
+  hall.join("ur3");
+  const auto refused = hall.ask("new-pc", "ur3");
+  CHECK(code_of(refused) == Errc::conflict);
+  CHECK(refused.error().cure.find("trb fleet revoke") != std::string::npos);
+  CHECK(hall.ask("ur3", "ur3").ok());  // the same keys: a renewal
+}
+
+TEST_CASE("a renewed certificate has the same keys, a higher serial, and stands in the news until a newer one does") {
+  Hall hall;
+  hall.join("ur3");
+  const Certificate old = hall.living("ur3");
+  const auto renewed = renew_certificate(hall.authority, hall.dir, old, kNow, 2 * kYear);
+  REQUIRE(renewed.ok());
+  REQUIRE(tell_news(hall.authority, hall.dir, {*renewed}, kNow).ok());
+  const auto opened = open_certificate(*renewed, hall.authority.fleet, kNow + kYear + Duration(1));
+  REQUIRE(opened.ok());
+  CHECK(opened->serial == old.serial + 1);
+  CHECK(opened->link_key == old.link_key);
+  CHECK(hall.reopened().next_serial == old.serial + 2);
+  CHECK(read_news(hall.dir + "/news.json")->certificates == std::vector{*renewed});
+  REQUIRE(hall.revoke("ur3").ok());
+  REQUIRE(tell_news(hall.authority, hall.dir, {}, kNow).ok());
+  CHECK(read_news(hall.dir + "/news.json")->certificates.empty());
+  CHECK(read_news(hall.dir + "/news.json")->revocations == hall.authority.revocations);
+}
+
+TEST_CASE("a folder of an earlier version opens; its certificates are adopted when they are named") {
+  Hall hall;
+  hall.join("ur3");
+  REQUIRE(std::filesystem::remove(hall.dir + "/issued.json"));
+  Authority opened = hall.reopened();
+  CHECK(opened.issued.empty());
+  CHECK(opened.next_serial == 2);
+  const NodeKeys keys = hall.keys("ur3");
+  CHECK(adopt_certificate(opened, hall.dir, keys.certificate_record)->id == "ur3");
+  CHECK(hall.reopened().issued == std::vector{keys.certificate});
+  SignedRecord forged = keys.certificate_record;
+  forged.signature.bytes[0] ^= 1;
+  CHECK(code_of(adopt_certificate(opened, hall.dir, forged)) == Errc::bad_signature);
+}
+
+TEST_CASE("damaged files of the authority's folder are told, never taken for empty") {
+  Hall hall;
+  hall.join("ur3");
+  REQUIRE(hall.revoke("ur3").ok());
+  REQUIRE(write_file(hall.dir + "/issued.json", "{").ok());
+  CHECK(code_of(open_authority(hall.dir, kPassphrase)) == Errc::malformed);
+  REQUIRE(write_file(hall.dir + "/issued.json", R"({"certificates":[]})").ok());
+  SignedRecord forged = hall.authority.revocations;
+  forged.signature.bytes[0] ^= 1;
+  REQUIRE(write_file(hall.dir + "/revocations.json", to_json(forged)).ok());
+  CHECK(code_of(open_authority(hall.dir, kPassphrase)) == Errc::bad_signature);
+}

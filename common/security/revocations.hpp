@@ -1,0 +1,25 @@
+// The fleet's revocation list: opening it, and what it says of a certificate. See proto/bodies/signed.hpp.
+#pragma once
+
+#include "common/security/beacon_key.hpp"
+#include "common/security/keys.hpp"
+#include "proto/bodies/link.hpp"
+
+namespace trb {
+
+/// Opens a list: of this fleet and signed by its authority. Errors: malformed, foreign_fleet, bad_signature.
+Result<RevocationList> open_revocations(const SignedRecord& record, const FleetAuthority& authority);
+
+/// The entry by which this certificate is over, or nullptr. An entry covers every certificate of its id up to its
+/// serial: an older one of the same node, that nobody kept, must not be of use to a thief.
+const Revocation* find_revocation(const RevocationList& list, const Certificate& certificate);
+
+/// The beacon key that the list brings to this node. Errors: missing (no box for it), wrong_key.
+Result<BeaconKey> open_listed_beacon_key(const RevocationList& list, std::string_view id, const LinkKey& link);
+
+/// A revocation list or a renewed certificate, as files and programs hand them on: FLEET_DIR/news.json,
+/// NODE_DIR/keys/news.json. Errors: missing, malformed, too_large; each names the path.
+Result<FleetNews> read_news(const std::string& path);
+Status write_news(const std::string& path, const FleetNews& news);
+
+}  // namespace trb

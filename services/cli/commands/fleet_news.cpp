@@ -1,0 +1,194 @@
+// fleet renew, revoke, tell: what the authority says after it has signed, and how it reaches the fleet.
+#include <algorithm>
+#include <filesystem>
+#include <limits>
+
+#include "common/base/files.hpp"
+#include "common/fleet/did_you_mean.hpp"
+#include "common/security/authority.hpp"
+#include "common/security/revocations.hpp"
+#include "common/transport/loop.hpp"
+#include "proto/body.hpp"
+#include "services/cli/commands/command.hpp"
+#include "services/cli/io/passphrase.hpp"
+#include "services/cli/io/print.hpp"
+#include "services/cli/io/probe.hpp"
+
+namespace trb::cli {
+namespace {
+
+Result<Authority> open_for(const Arguments& arguments) {
+  init_crypto();
+  auto secret = ask_for_passphrase(arguments, false);
+  if (!secret) return secret.error();
+  return open_authority(arguments.words[0], *secret);
+}
+
+bool is_number(const std::string& word) {
+  return !word.empty() && word.size() < 19 && word.find_first_not_of("0123456789") == std::string::npos;
+}
+
+bool is_file(const std::string& path) {
+  std::error_code none;
+  return std::filesystem::is_regular_file(path, none);
+}
+
+/// Why no certificate that could be renewed or revoked is behind this word.
+Error nothing_found(const Authority& authority, const std::string& word) {
+  std::vector<std::string> ids;
+  for (const Certificate& row : authority.issued) {
+    if (row.id == word || (is_number(word) && row.serial == std::stoull(word))) {
+      return fail(Errc::cert_revoked, "'" + word + "' is revoked already",
+                  "trb fleet request with new keys and trb fleet sign make it a member again");
+    }
+    if (std::find(ids.begin(), ids.end(), row.id) == ids.end()) ids.push_back(row.id);
+  }
+  return fail(Errc::unknown_target, "no certificate of '" + word + "' is known in this folder",
+              did_you_mean(word, ids, "name the node's certificate.json, if an earlier version signed it; known:"));
+}
+
+/// The newest of that id that is not revoked, also if it has ended: what can be renewed.
+const Certificate* find_renewable(const Authority& authority, std::string_view id) {
+  return find_living(authority, id, UtcTime{std::numeric_limits<std::int64_t>::min()});
+}
+
+/// The certificate that a word of the command line means: an id, a serial, a certificate.json.
+Result<Certificate> find_certificate(Authority& authority, const std::string& dir, const std::string& word) {
+  std::string id = word;
+  if (is_file(word)) {
+    auto file = read_certificate_file(word);
+    if (!file) return file.error();
+    auto adopted = adopt_certificate(authority, dir, file->certificate);
+    if (!adopted) return adopted.error();
+    id = adopted->id;
+  } else if (is_number(word)) {
+    for (const Certificate& row : authority.issued) {
+      if (row.serial == std::stoull(word)) id = row.id;
+    }
+  }
+  const Certificate* living = find_renewable(authority, id);
+  return living == nullptr ? Result<Certificate>(nothing_found(authority, word)) : *living;
+}
+
+Result<std::vector<Certificate>> find_certificates(Authority& authority, const Arguments& arguments) {
+  std::vector<Certificate> out;
+  for (std::size_t i = 1; i < arguments.words.size(); ++i) {
+    auto found = find_certificate(authority, arguments.words[0], arguments.words[i]);
+    if (!found) return found.error();
+    if (std::find(out.begin(), out.end(), *found) == out.end()) out.push_back(std::move(*found));
+  }
+  return out;
+}
+
+/// Hands news.json to the fleet by a running node's router, or says how else it gets there.
+int hand_on(const Arguments& arguments) {
+  const std::string path = std::filesystem::absolute(arguments.words[0] + "/news.json").string();
+  const std::string via = arguments.get("--via");
+  if (via.empty()) {
+    print_line("wrote " + path + "; the fleet does not know it yet. Bring it to any one node that is up:");
+    print_line("  on this machine   trb fleet tell " + arguments.words[0] + " --via NODE_DIR");
+    print_line(
+        "  on another one    copy news.json into its NODE_DIR/keys; its router takes it at once and tells the others");
+    return kGood;
+  }
+  auto news = read_news(path);
+  if (!news) return print_error(arguments, news.error());
+  auto probe = Probe::open(via);
+  if (!probe) return print_error(arguments, probe.error());
+  auto answer = (*probe)->ask_node<Ack>(std::move(*news));
+  if (!answer) return print_error(arguments, answer.error());
+  print_line((*probe)->node() + ": " + answer->text);
+  return kGood;
+}
+
+int run_renew(const Arguments& arguments) {
+  auto authority = open_for(arguments);
+  if (!authority) return print_error(arguments, authority.error());
+  const auto days = arguments.number("--days", 365);
+  if (!days) return print_error(arguments, days.error());
+  const std::string& dir = arguments.words[0];
+  auto old = find_certificates(*authority, arguments);
+  if (!old) return print_error(arguments, old.error());
+  const UtcTime now = read_clocks().utc;
+  std::vector<SignedRecord> renewed;
+  for (const Certificate& certificate : *old) {
+    auto record = renew_certificate(*authority, dir, certificate, now, seconds(*days * 86400));
+    if (!record) return print_error(arguments, record.error());
+    renewed.push_back(std::move(*record));
+    const Certificate& fresh = authority->issued.back();
+    print_line(fresh.id + ": serial " + std::to_string(fresh.serial) + ", valid to " + to_iso8601({fresh.not_after}));
+  }
+  if (Status told = tell_news(*authority, dir, renewed, now); !told) return print_error(arguments, told.error());
+  return hand_on(arguments);
+}
+
+/// Serials below the next one that no file names: their nodes get no new beacon key.
+std::size_t count_unknown(const Authority& authority) {
+  return static_cast<std::size_t>(authority.next_serial - 1) - authority.issued.size();
+}
+
+int run_revoke(const Arguments& arguments) {
+  auto authority = open_for(arguments);
+  if (!authority) return print_error(arguments, authority.error());
+  const std::string& dir = arguments.words[0];
+  auto over = find_certificates(*authority, arguments);
+  if (!over) return print_error(arguments, over.error());
+  const UtcTime now = read_clocks().utc;
+  const Status done = revoke_certificates(*authority, dir, *over, arguments.get("--reason", "revoked"), now);
+  if (!done) return print_error(arguments, done.error());
+  for (const Certificate& certificate : *over) {
+    print_line(certificate.id + ": revoked up to serial " + std::to_string(certificate.serial));
+  }
+  print_line("list " + std::to_string(authority->list.number) + ", beacon key " +
+             std::to_string(authority->list.beacon_number) + " for the " +
+             std::to_string(authority->list.beacon_keys.size()) + " nodes that stay");
+  if (const std::size_t unknown = count_unknown(*authority); unknown > 0) {
+    print_line("note: " + std::to_string(unknown) +
+               " certificates were signed before this folder kept them; their nodes "
+               "get no new beacon key. Name their certificate.json in trb fleet renew, then revoke again.");
+  }
+  if (Status told = tell_news(*authority, dir, {}, now); !told) return print_error(arguments, told.error());
+  return hand_on(arguments);
+}
+
+int run_tell(const Arguments& arguments) {
+  init_crypto();
+  return hand_on(arguments);
+}
+
+const std::string kPassphrase = "--passphrase-file FILE|its first line (else TRB_PASSPHRASE, else the terminal)";
+const std::string kVia = "--via NODE_DIR|hand it to the fleet by this node, which is up";
+const std::string kJson = "--json|errors for programs";
+
+}  // namespace
+
+std::vector<Command> fleet_news_commands() {
+  return {
+      {{"fleet", "renew"},
+       {"fleet renew FLEET_DIR ID|SERIAL|CERTIFICATE ...",
+        "Signs new certificates for the same keys; a fleet that is up takes them without a restart.",
+        {"--days N|how long the certificate is valid (365)", kVia, kPassphrase, kJson},
+        {"trb fleet renew ~/hall-3-authority ur3 ur5 --via nodes/cloud"},
+        2,
+        1000},
+       run_renew},
+      {{"fleet", "revoke"},
+       {"fleet revoke FLEET_DIR ID|SERIAL|CERTIFICATE ...",
+        "Ends nodes' membership: the next revocation list, and a new beacon key for those that stay.",
+        {"--reason TEXT|for the list, which every node reads (revoked)", kVia, kPassphrase, kJson},
+        {"trb fleet revoke ~/hall-3-authority ur3 --reason stolen --via nodes/cloud"},
+        2,
+        1000},
+       run_revoke},
+      {{"fleet", "tell"},
+       {"fleet tell FLEET_DIR",
+        "Hands the folder's news.json (list, renewed certificates) to the fleet. Needs no passphrase.",
+        {kVia, kJson},
+        {"trb fleet tell ~/hall-3-authority --via nodes/cloud"},
+        1,
+        1},
+       run_tell},
+  };
+}
+
+}  // namespace trb::cli

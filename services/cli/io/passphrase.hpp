@@ -1,0 +1,14 @@
+// The passphrase of a fleet's authority.
+#pragma once
+
+#include <string>
+
+#include "common/base/result.hpp"
+#include "services/cli/core/arguments.hpp"
+
+namespace trb::cli {
+
+/// --passphrase-file, else TRB_PASSPHRASE, else the terminal (twice for a fresh one). Errors: missing, bad_value.
+Result<std::string> ask_for_passphrase(const Arguments& arguments, bool fresh);
+
+}  // namespace trb::cli

@@ -1,0 +1,184 @@
+// News of the fleet's authority: who is out, whose certificate was renewed. Any road may bring it, for it is signed;
+// what is new is stored, done, and told to every other link.
+#include <algorithm>
+
+#include "common/security/revocations.hpp"
+#include "services/router/core/router_core.hpp"
+
+namespace trb::router {
+
+Result<std::string> RouterCore::on_news(const FleetNews& news, LinkId from, Now now, Effects& out) {
+  FleetNews fresh;
+  std::optional<Error> refusal;
+  bool known = false;
+  const auto sort_out = [&](const Result<bool>& taken) {
+    if (!taken) {
+      refusal = refusal ? refusal : taken.error();
+    } else if (!*taken) {
+      known = true;
+    }
+    return taken.ok() && *taken;
+  };
+  if (!news.revocations.kind.empty() && sort_out(take_list(news.revocations, now, out))) {
+    fresh.revocations = news.revocations;
+  }
+  for (const SignedRecord& record : news.certificates) {
+    if (sort_out(take_certificate(record, now, out))) fresh.certificates.push_back(record);
+  }
+  if (fresh.revocations.kind.empty() && fresh.certificates.empty()) {
+    if (refusal && !known) return *refusal;
+    return std::string("nothing new");
+  }
+  store_news(out);
+  const std::size_t others = flood_news(fresh, from, out);
+  if (!fresh.revocations.kind.empty()) apply_revocations(now, out);
+  check_own(now, out);
+  std::string text = fresh.revocations.kind.empty() ? "" : "list " + std::to_string(news_.list.number) + ", ";
+  return text + std::to_string(fresh.certificates.size()) + " renewed certificates, told to " + std::to_string(others) +
+         " nodes";
+}
+
+void RouterCore::on_news_of_file(const FleetNews& news, Now now, Effects& out) {
+  auto taken = on_news(news, 0, now, out);
+  // An old file that was left there is no attack.
+  if (taken || taken.error().code == Errc::downgraded) return;
+  out.count("refused." + std::string(errc_name(taken.error().code)));
+  out.log(LogLevel::warning, "news_refused", "of a file: " + taken.error().text());
+}
+
+Result<bool> RouterCore::take_list(const SignedRecord& record, Now now, Effects& out) {
+  if (record == news_.record) return false;
+  auto list = open_revocations(record, config_.authority);
+  if (!list) return list.error();
+  if (list->number < std::max<std::uint64_t>(news_.list.number, 1)) {
+    return fail(Errc::downgraded, "revocation list " + std::to_string(list->number) + "; list " +
+                                      std::to_string(news_.list.number) + " is in force");
+  }
+  if (list->number == news_.list.number) {
+    return fail(Errc::conflict, "another revocation list with number " + std::to_string(list->number),
+                "the authority's folder was put back to an older copy: revoke once more, so that the number rises");
+  }
+  // A list is taken whatever the clock says: to believe it is to do less.
+  if (checked_utc(now.utc) != now.utc) raise_utc_bound({list->issued}, out);
+  out.log(LogLevel::warning, "revocations",
+          "list " + std::to_string(list->number) + " of " + to_iso8601({list->issued}) + ": " +
+              std::to_string(list->revoked.size()) + " revoked, beacon key " + std::to_string(list->beacon_number));
+  out.count("news.lists");
+  news_.record = record;
+  news_.list = std::move(*list);
+  return true;
+}
+
+Result<bool> RouterCore::take_certificate(const SignedRecord& record, Now now, Effects& out) {
+  if (record == config_.certificate) return false;
+  auto certificate = open_member(record, now, out);
+  if (!certificate) return certificate.error();
+  const bool own = certificate->id == config_.id;
+  const auto peer = peers_.find(certificate->id);
+  if (peer != peers_.end() && record == peer->second.certificate_record) return false;
+  if (const auto at = news_.renewed.find(certificate->id); at != news_.renewed.end() && at->second == record)
+    return false;
+  if (Status newest = check_newest(*certificate); !newest) return newest.error();
+  if (own && (certificate->identity_key != config_.own.identity_key || certificate->link_key != config_.own.link_key)) {
+    return fail(Errc::wrong_key, "a certificate of '" + config_.id + "' for other keys than this node's");
+  }
+  out.count("news.certificates");
+  if (own) {
+    take_own_certificate(record, *certificate, out);
+    return true;
+  }
+  if (news_.renewed.size() >= kMaxPeers && news_.renewed.count(certificate->id) == 0)
+    return fail(Errc::queue_full, "no room for another node's renewed certificate");
+  news_.renewed[certificate->id] = record;
+  // A link stays up through it: the keys are the same, the end is later.
+  const bool same = peer != peers_.end() && peer->second.certificate.identity_key == certificate->identity_key &&
+                    peer->second.certificate.link_key == certificate->link_key;
+  if (same) {
+    peer->second.certificate = *certificate;
+    peer->second.certificate_record = record;
+  }
+  return true;
+}
+
+void RouterCore::take_own_certificate(const SignedRecord& record, const Certificate& certificate, Effects& out) {
+  config_.certificate = record;
+  config_.own = certificate;
+  news_.warned.reset();
+  out.log(LogLevel::info, "certificate_renewed",
+          "serial " + std::to_string(certificate.serial) + ", to " + to_iso8601({certificate.not_after}));
+  out.add(StoreCertificate{record});
+}
+
+FleetNews RouterCore::known_news() const {
+  FleetNews news{news_.record, {}};
+  for (const auto& [id, record] : news_.renewed) {
+    constexpr std::size_t kMost = 256;
+    if (news.certificates.size() < kMost) news.certificates.push_back(record);
+  }
+  return news;
+}
+
+void RouterCore::store_news(Effects& out) const {
+  StoreNews store{known_news(), news_.list.beacon_number, {}};
+  for (const SealedKey& sealed : news_.list.beacon_keys) {
+    if (sealed.id == config_.id) store.beacon_box = sealed.box.bytes;
+  }
+  const bool staying = !news_.record.kind.empty() && find_revocation(news_.list, config_.own) == nullptr;
+  if (staying && store.beacon_box.empty()) {
+    out.log(LogLevel::warning, "no_beacon_key",
+            "list " + std::to_string(news_.list.number) + " has no beacon key for this node: trb fleet sign it again");
+  }
+  out.add(std::move(store));
+}
+
+std::size_t RouterCore::flood_news(const FleetNews& fresh, LinkId from, Effects& out) {
+  std::size_t told = 0;
+  for (const LinkId id : up_links()) {
+    if (id == from) continue;
+    link_send(links_.at(id), fresh, out);
+    ++told;
+  }
+  return told;
+}
+
+void RouterCore::tell_news(Link& link, std::uint64_t known_list, Effects& out) {
+  FleetNews news = known_news();
+  if (news_.list.number <= known_list) news.revocations = {};
+  if (!news.revocations.kind.empty() || !news.certificates.empty()) link_send(link, news, out);
+}
+
+void RouterCore::on_news_message(const Link* link, const Message& message, Now now, Effects& out) {
+  auto news = message.data.size() > kMaxNews ? Result<FleetNews>(fail(Errc::too_large, "FleetNews over 512 kB"))
+                                             : decode<FleetNews>(message.data);
+  const LinkId from = link == nullptr ? 0 : link->id;
+  const std::string who = link == nullptr || link->peer.empty() ? "the node that was dialled" : link->peer;
+  auto taken = news ? on_news(*news, from, now, out) : Result<std::string>(news.error());
+  if (taken) return;
+  out.count("refused." + std::string(errc_name(taken.error().code)));
+  out.log(LogLevel::warning, "news_refused", "of " + who + ": " + taken.error().text());
+}
+
+std::optional<FleetNews> RouterCore::news_for(const Error& refusal, const Hello& hello) const {
+  if (refusal.code == Errc::cert_revoked) {
+    // It may not know yet. One that says it does is not told again.
+    return hello.revocations < news_.list.number ? std::optional(FleetNews{news_.record, {}}) : std::nullopt;
+  }
+  if (refusal.code != Errc::downgraded && refusal.code != Errc::cert_expired) return std::nullopt;
+  const auto shown = decode<Certificate>(hello.certificate.payload.bytes);
+  if (!shown) return std::nullopt;
+  const auto peer = peers_.find(shown->id);
+  const auto renewed = news_.renewed.find(shown->id);
+  if (renewed != news_.renewed.end()) return FleetNews{{}, {renewed->second}};
+  if (peer != peers_.end() && peer->second.certificate.serial > shown->serial)
+    return FleetNews{{}, {peer->second.certificate_record}};
+  return std::nullopt;
+}
+
+void RouterCore::forget_told_renewal(const Certificate& certificate) {
+  const auto at = news_.renewed.find(certificate.id);
+  if (at == news_.renewed.end()) return;
+  const auto renewed = decode<Certificate>(at->second.payload.bytes);
+  if (!renewed || renewed->serial <= certificate.serial) news_.renewed.erase(at);
+}
+
+}  // namespace trb::router

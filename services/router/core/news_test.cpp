@@ -1,0 +1,276 @@
+// What the authority says while the fleet is up: who is out, whose certificate was renewed, what time it is.
+#include <doctest/doctest.h>
+
+#include "common/security/revocations.hpp"
+#include "services/router/core/test_fleet.hpp"
+
+using namespace trb;
+using namespace trb::router;
+using std::chrono::hours;
+using std::chrono::milliseconds;
+using Seconds = std::chrono::seconds;
+
+namespace {
+
+SignedRecord sign_list(const TestAuthority& authority, RevocationList list) {
+  list.fleet = {authority.fleet.id()};
+  list.issued = kStartUtc;
+  return sign(kSignedRevocations, "", authority.fleet.id(), encode(list), authority.key);
+}
+
+/// List `number`: these ids are out up to serial 1; the beacon key's box is for those that are named.
+SignedRecord list_of(const TestAuthority& authority, std::uint64_t number, const std::vector<std::string>& out_ids,
+                     const std::vector<std::string>& staying = {}) {
+  RevocationList list;
+  list.number = number;
+  list.beacon_number = static_cast<std::uint32_t>(number + 1);
+  for (const std::string& id : out_ids) list.revoked.push_back({1, id, "stolen", kStartUtc});
+  for (const std::string& id : staying) list.beacon_keys.push_back({id, {Bytes(80, 'b')}});
+  return sign_list(authority, list);
+}
+
+/// Three linked nodes: ant, bee, cat.
+struct Three {
+  TestFleet fleet;
+  TestNode& ant = fleet.start("ant");
+  TestNode& bee = fleet.start("bee");
+  TestNode& cat = fleet.start("cat");
+  Three() {
+    fleet.run(Seconds(2));
+    REQUIRE(linked({&ant, &bee, &cat}));
+  }
+  static bool linked(const std::vector<TestNode*>& nodes) {
+    for (const TestNode* a : nodes) {
+      for (const TestNode* b : nodes) {
+        if (a != b && a->link_to(b->id) == 0) return false;
+      }
+    }
+    return true;
+  }
+  Result<std::string> tell(TestNode& node, const FleetNews& news) {
+    Effects effects;
+    auto taken = node.core->on_news(news, 0, fleet.now, effects);
+    fleet.carry_out(node, effects);
+    return taken;
+  }
+  Errc code(TestNode& node, const FleetNews& news) {
+    const auto taken = tell(node, news);
+    return taken ? Errc::ok : taken.error().code;
+  }
+  Certificate renewed(const std::string& id, std::uint64_t serial) {
+    Certificate certificate = fleet.keys(id).certificate;
+    certificate.serial = serial;
+    certificate.not_after = kStartUtc + std::chrono::nanoseconds(hours(24 * 300)).count();
+    return certificate;
+  }
+  SignedRecord sign_certificate(const Certificate& certificate) const {
+    return sign(kSignedCertificate, "", fleet.authority.fleet.id(), encode(certificate), fleet.authority.key);
+  }
+};
+
+bool logged(const TestNode& node, const std::string& text) {
+  return std::any_of(node.log.begin(), node.log.end(),
+                     [&](const std::string& line) { return line.find(text) != std::string::npos; });
+}
+
+}  // namespace
+
+TEST_CASE("a revocation that one node hears of is in force on all, and the revoked node knows it") {
+  Three three;
+  REQUIRE(three.tell(three.ant, {list_of(three.fleet.authority, 1, {"cat"}, {"ant", "bee"}), {}}).ok());
+  CHECK(three.ant.peer("cat") == nullptr);
+  three.fleet.run(milliseconds(100));
+  CHECK(three.bee.peer("cat") == nullptr);
+  CHECK(three.ant.count("refused.cert_revoked") == 1);
+  CHECK(three.bee.count("refused.cert_revoked") == 1);
+  CHECK(logged(three.cat, "own_certificate_over this node's certificate is revoked: stolen"));
+  three.cat.beacons.clear();
+  const std::size_t dials = three.cat.dials.size();
+  three.fleet.run(Seconds(20));
+  CHECK(three.cat.beacons.empty());
+  CHECK(three.cat.dials.size() == dials);
+  CHECK(Three::linked({&three.ant, &three.bee}));
+  CHECK(three.ant.peer("cat") == nullptr);
+}
+
+TEST_CASE("a list is on disk before anything is done about it, and the beacon key's box goes with it") {
+  Three three;
+  Effects effects;
+  REQUIRE(three.ant.core
+              ->on_news({list_of(three.fleet.authority, 1, {"cat"}, {"ant", "bee"}), {}}, 0, three.fleet.now, effects)
+              .ok());
+  std::optional<std::size_t> stored;
+  for (std::size_t i = 0; i < effects.list.size(); ++i) {
+    if (std::holds_alternative<StoreNews>(effects.list[i])) stored = i;
+    if (std::holds_alternative<LinkSend>(effects.list[i]) || std::holds_alternative<CloseLink>(effects.list[i])) {
+      CHECK(stored.has_value());
+    }
+  }
+  REQUIRE(stored);
+  const auto& store = std::get<StoreNews>(effects.list[*stored]);
+  CHECK(store.beacon_number == 2);
+  CHECK(store.beacon_box == Bytes(80, 'b'));
+}
+
+TEST_CASE("a revoked node's key, Hello and beacon are refused, and services hear that it is gone") {
+  Three three;
+  TestNode& ant = three.ant;
+  Effects effects;
+  ant.core->on_service_hello(1, {"resilience", {"peer_expired"}, 1, 1, "1"}, false, three.fleet.now, effects);
+  const Bytes beacon = three.cat.beacons.back();
+  REQUIRE(three.tell(ant, {list_of(three.fleet.authority, 1, {"cat"}), {}}).ok());
+  CHECK(ant.told("peer_expired") == 1);
+  CHECK_FALSE(ant.core->admit(three.cat.keys.link.public_key, three.fleet.now.mono, effects));
+  ant.core->on_beacon(beacon, three.fleet.now, effects);
+  three.fleet.carry_out(ant, effects);
+  CHECK(ant.count("beacon.cert_revoked") == 1);
+  const Hello hello{three.cat.keys.record, 9, "cat", "1", kStartUtc, true, {}, 0, "behind", false};
+  ant.core->on_link_message(77, three.cat.keys.link.public_key,
+                            make_message(MessageType::information, "cat", "", hello), 1, three.fleet.now, effects);
+  three.fleet.carry_out(ant, effects);
+  CHECK(ant.count("refused.cert_revoked") >= 3);
+  CHECK(ant.peer("cat") == nullptr);
+}
+
+TEST_CASE("a revoked node that this one never met is refused at its Hello and handed the list") {
+  TestFleet fleet;
+  TestNode& ant = fleet.start("ant", {.beacon = false});
+  Effects effects;
+  REQUIRE(ant.core->on_news({list_of(fleet.authority, 1, {"dog"}), {}}, 0, fleet.now, effects).ok());
+  fleet.carry_out(ant, effects);
+  TestNode& dog = fleet.start("dog", {.beacon = false, .seeds = {"ant"}});
+  fleet.run(Seconds(1));
+  CHECK(ant.count("refused.cert_revoked") >= 1);
+  CHECK(ant.refused.front().message.subtype == FleetNews::kSubtype);
+  CHECK(logged(dog, "own_certificate_over"));
+  const std::size_t dials = dog.dials.size();
+  fleet.run(Seconds(10));
+  CHECK(dog.dials.size() == dials);
+}
+
+TEST_CASE("older, forged, foreign and doubled lists are refused, each under its own name") {
+  Three three;
+  const TestAuthority other;
+  const TestAuthority& authority = three.fleet.authority;
+  CHECK(three.code(three.ant, {list_of(authority, 2, {}), {}}) == Errc::ok);
+  CHECK(three.code(three.ant, {list_of(authority, 2, {}), {}}) == Errc::ok);  // the same: nothing new
+  CHECK(three.code(three.ant, {list_of(authority, 1, {"cat"}), {}}) == Errc::downgraded);
+  CHECK(three.code(three.ant, {list_of(authority, 0, {"cat"}), {}}) == Errc::downgraded);
+  CHECK(three.code(three.ant, {list_of(authority, 2, {"cat"}), {}}) == Errc::conflict);
+  CHECK(three.code(three.ant, {list_of(other, 3, {"cat"}), {}}) == Errc::foreign_fleet);
+  SignedRecord forged = list_of(authority, 3, {"cat"});
+  forged.signature.bytes[5] ^= 1;
+  CHECK(three.code(three.ant, {forged, {}}) == Errc::bad_signature);
+  SignedRecord garbage = forged;
+  garbage.payload.bytes = "noise";
+  CHECK(three.code(three.ant, {garbage, {}}) == Errc::malformed);
+  CHECK(Three::linked({&three.ant, &three.bee, &three.cat}));
+}
+
+TEST_CASE("a member that brings a forged list is counted and stays linked") {
+  Three three;
+  SignedRecord forged = list_of(three.fleet.authority, 3, {"cat"});
+  forged.signature.bytes[5] ^= 1;
+  const LinkId link = three.ant.link_to("bee");
+  const std::uint64_t next = three.ant.core->find_link(link)->heard + 1;
+  three.fleet.arrive(three.ant, link, next,
+                     make_message(MessageType::information, "bee", "ant", FleetNews{forged, {}}));
+  CHECK(three.ant.count("refused.bad_signature") == 1);
+  CHECK(three.ant.link_to("bee") == link);
+}
+
+TEST_CASE("a node that was away hears the list when it is linked again") {
+  Three three;
+  three.fleet.stop("bee");
+  REQUIRE(three.tell(three.ant, {list_of(three.fleet.authority, 4, {"cat"}), {}}).ok());
+  TestNode& bee = three.fleet.start("bee", {.boot = 2});
+  three.fleet.run(Seconds(2));
+  CHECK(bee.count("news.lists") == 1);
+  CHECK(bee.link_to("ant") != 0);
+  CHECK(bee.peer("cat") == nullptr);
+}
+
+TEST_CASE("a renewed certificate reaches its node and all others, and no link is lost by it") {
+  Three three;
+  const LinkId link = three.ant.link_to("cat");
+  const SignedRecord renewed = three.sign_certificate(three.renewed("cat", 5));
+  const SignedRecord of_ant = three.sign_certificate(three.renewed("ant", 6));
+  REQUIRE(three.tell(three.bee, {{}, {renewed, of_ant}}).ok());
+  three.fleet.run(milliseconds(100));
+  CHECK(three.cat.stored_certificates == std::vector{renewed});
+  CHECK(three.cat.core->config().own.serial == 5);
+  CHECK(three.ant.peer("cat")->certificate.serial == 5);
+  CHECK(three.ant.link_to("cat") == link);
+  // The old one would have ended after a day.
+  three.fleet.now.utc = three.fleet.now.utc + hours(30);
+  three.fleet.run(Seconds(5));
+  CHECK(three.ant.link_to("cat") == link);
+  CHECK(three.ant.link_to("bee") == 0);
+  CHECK(logged(three.bee, "own_certificate_over this node's certificate ended"));
+}
+
+TEST_CASE("an older certificate, and one for other keys, are no renewal") {
+  Three three;
+  const SignedRecord newest = three.sign_certificate(three.renewed("cat", 5));
+  REQUIRE(three.tell(three.ant, {{}, {newest}}).ok());
+  CHECK(three.code(three.ant, {{}, {three.sign_certificate(three.renewed("cat", 4))}}) == Errc::downgraded);
+  CHECK(three.code(three.ant, {{}, {newest}}) == Errc::ok);
+  Certificate other_keys = three.renewed("ant", 9);
+  other_keys.link_key.bytes = Bytes(32, 'x');
+  CHECK(three.code(three.ant, {{}, {three.sign_certificate(other_keys)}}) == Errc::wrong_key);
+  Certificate later = three.renewed("cat", 10);
+  later.not_before = kStartUtc + 3'600'000'000'000;
+  CHECK(three.code(three.ant, {{}, {three.sign_certificate(later)}}) == Errc::cert_not_yet_valid);
+}
+
+TEST_CASE(
+    "a node that was away while it was renewed is refused with its old certificate, handed the new one, and joins") {
+  Three three;
+  three.fleet.stop("cat");
+  const SignedRecord renewed = three.sign_certificate(three.renewed("cat", 5));
+  REQUIRE(three.tell(three.ant, {{}, {renewed}}).ok());
+  three.fleet.run(Seconds(1));
+  TestNode& cat = three.fleet.start("cat", {.boot = 2});
+  three.fleet.run(Seconds(4));
+  CHECK(cat.core->config().own.serial == 5);
+  CHECK(Three::linked({&three.ant, &three.bee, &cat}));
+  CHECK(three.ant.count("refused.downgraded") + three.bee.count("refused.downgraded") >= 1);
+}
+
+TEST_CASE("the end of a certificate is told a month before, once a day, in the log and to a person who asks") {
+  Three three;  // its certificates are valid for a day
+  CHECK(logged(three.ant, "certificate_ends certificate ends"));
+  three.ant.log.clear();
+  three.fleet.run(Seconds(30));
+  CHECK_FALSE(logged(three.ant, "certificate_ends"));
+  REQUIRE(three.tell(three.ant, {{}, {three.sign_certificate(three.renewed("ant", 5))}}).ok());
+  three.fleet.run(Seconds(1));
+  CHECK_FALSE(logged(three.ant, "certificate_ends"));
+}
+
+TEST_CASE("a node that starts in 1970 joins, unverified, by what the authority has signed since") {
+  TestFleet fleet;
+  TestNode& ant = fleet.start("ant");
+  // bee was certified an hour after ant, and ant's clock knows nothing of it.
+  TestKeys& bee_keys = fleet.keys("bee");
+  bee_keys.certificate.not_before = kStartUtc + 3'600'000'000'000;
+  bee_keys.certificate.not_after = kStartUtc + 90'000'000'000'000;
+  bee_keys.record =
+      sign(kSignedCertificate, "", fleet.authority.fleet.id(), encode(bee_keys.certificate), fleet.authority.key);
+  SUBCASE("a clock that can be right refuses it") {
+    fleet.start("bee");
+    fleet.run(Seconds(2));
+    CHECK(ant.link_to("bee") == 0);
+    CHECK(ant.count("beacon.cert_not_yet_valid") + ant.count("refused.cert_not_yet_valid") > 0);
+  }
+  SUBCASE("a clock that is certainly behind learns from it") {
+    fleet.now.utc = {0};
+    TestNode& late = fleet.start("dog");
+    fleet.start("bee");
+    fleet.run(Seconds(2));
+    CHECK(late.link_to("bee") != 0);
+    CHECK(late.core->route_table(fleet.now).routes[0].clock == "unverified");
+    CHECK(std::find(late.stored_utc.begin(), late.stored_utc.end(), UtcTime{kStartUtc + 3'600'000'000'000}) !=
+          late.stored_utc.end());
+  }
+}

@@ -1,0 +1,24 @@
+// Tells when a file of a folder was written or put there: a person brings news of the authority by hand.
+#pragma once
+
+#include <functional>
+#include <string>
+
+#include "common/transport/loop.hpp"
+
+namespace trb::router {
+
+class KeysWatch {
+ public:
+  /// Without inotify (or the folder) nothing is told; a start reads the folder anyway.
+  KeysWatch(Loop& loop, const std::string& folder, std::function<void()> on_change);
+  ~KeysWatch();
+  KeysWatch(const KeysWatch&) = delete;
+  KeysWatch& operator=(const KeysWatch&) = delete;
+
+ private:
+  Loop& loop_;
+  int fd_;
+};
+
+}  // namespace trb::router
