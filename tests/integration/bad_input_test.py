@@ -204,7 +204,7 @@ class Files(Case):
         folder = self.copy()
         self.fleet.trb("fleet", "sign", self.fleet.authority_dir(), folder / "keys/request.json", "--days", "0.000001")
         self.fleet.wait("the certificate ends", lambda: run("check", folder).returncode != 0, 5)
-        self.check_and_up(folder, "keys/certificate.json", "not_after", "ended 20", "run trb fleet sign again")
+        self.check_and_up(folder, "keys/certificate.json", "not_after", "ended 20", "run trb fleet renew")
 
     def test_several_faults_are_told_at_once(self):
         folder = self.copy()
