@@ -13,6 +13,7 @@ namespace {
 constexpr std::size_t kMaxSeeds = 1000;
 constexpr std::size_t kMaxServices = 16;
 constexpr std::size_t kKeySize = 32;
+constexpr std::int64_t kMinProofLogMb = 8;
 const std::vector<std::string> kRobotServices = {"router", "mode-adapter", "scheduler"};
 const std::vector<std::string> kCloudServices = {"router", "scheduler"};
 
@@ -103,6 +104,17 @@ void refuse_robot(ObjectReader& reader) {
   }
 }
 
+void read_seals(ObjectReader& reader, NodeConfig& config) {
+  config.seal_before_delivery = reader.choice("seal", Need::optional, {"behind", "before_delivery"}).value_or(0) == 1;
+  const auto size = reader.integer("proof_log_mb", Need::optional, 0, 65'536);
+  if (!size) return;
+  config.proof_log_mb = static_cast<std::uint32_t>(*size);
+  if (*size > 0 && *size < kMinProofLogMb) {
+    reader.faults().add("proof_log_mb", std::to_string(*size) + " MB hold too little to prove anything",
+                        "use 0 for no proof log, or at least " + std::to_string(kMinProofLogMb));
+  }
+}
+
 void read_id(ObjectReader& reader, NodeConfig& config, NodeFile& file) {
   const auto id = reader.text("id", Need::required);
   if (!id) return;
@@ -129,6 +141,7 @@ NodeFile read_node(const Value& json, NodeConfig& config, const FileFaults& faul
   read_seeds(reader, config);
   config.beacon = reader.boolean("beacon", Need::optional).value_or(true);
   config.relay = reader.boolean("relay", Need::optional).value_or(config.role == Role::cloud);
+  read_seals(reader, config);
   read_services(reader, config);
   reader.refuse_unknown_keys();
   return file;

@@ -36,7 +36,7 @@ struct Right {
 constexpr Right kRights[] = {
     {Role::robot, kSignedBeacon},   {Role::cloud, kSignedBeacon},   {Role::robot, kSignedResult},
     {Role::robot, kSignedRunStart}, {Role::cloud, kSignedRunStart}, {Role::robot, kSignedRunAbort},
-    {Role::cloud, kSignedRunAbort},
+    {Role::cloud, kSignedRunAbort}, {Role::robot, kSignedSeal},     {Role::cloud, kSignedSeal},
 };
 
 }  // namespace

@@ -45,6 +45,7 @@ struct RouterConfig {
   bool beacon = true;
   FleetNews news;     ///< what the authority said before this start, the list first of all
   UtcTime utc_bound;  ///< a time that has certainly passed; of an earlier start
+  bool seal_before_delivery = false;  ///< deliver what comes by a link only once its seal was checked
   Timing timing;
 };
 

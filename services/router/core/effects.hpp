@@ -19,10 +19,9 @@ struct BusSend {
   ConnectionId to = 0;
   Message message;
 };
-/// The shell stamps link and sequence.
+/// The shell has it numbered as it leaves; see RouterCore::stamp.
 struct LinkSend {
   LinkId link = 0;
-  std::uint64_t sequence = 0;
   Message message;
 };
 struct Dial {
@@ -67,8 +66,18 @@ struct StoreUtc {
   UtcTime utc;
 };
 
-using Effect = std::variant<BusSend, LinkSend, Dial, CloseLink, AcceptLink, SendBeacon, StorePeers, RefuseCandidate, Log,
-                            StoreNews, StoreCertificate, StoreUtc>;
+/// What is unsealed on this link is to be sealed before anything else leaves by it.
+struct SealDue {
+  LinkId link = 0;
+};
+/// What was held of this link up to this sequence is proven: deliver it.
+struct DeliverHeld {
+  LinkId link = 0;
+  std::uint64_t last = 0;
+};
+
+using Effect = std::variant<BusSend, LinkSend, Dial, CloseLink, AcceptLink, SendBeacon, StorePeers, RefuseCandidate,
+                            Log, StoreNews, StoreCertificate, StoreUtc, SealDue, DeliverHeld>;
 
 struct Effects {
   std::vector<Effect> list;

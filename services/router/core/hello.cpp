@@ -7,9 +7,11 @@ void RouterCore::send_hello(Link& link, Now now, Effects& out) {
   if (link.hello_sent) return;
   link.hello_sent = true;
   link.own_address = config_.address;
+  open_seals(link);
   const UtcTime utc = checked_utc(now.utc);
   Hello hello{config_.certificate, config_.boot, config_.address, config_.version, utc.ns, utc == now.utc, profile_};
   hello.revocations = news_.list.number;
+  hello.seal = config_.seal_before_delivery ? kSealBeforeDelivery : kSealBehind;
   link.profile = profile_number_;
   if (encode(hello).size() > kMaxHelloSize) {
     // A stranger's Hello is bounded; the profile follows when the link is up.
@@ -36,6 +38,10 @@ Result<Certificate> RouterCore::check_hello(const Link& link, const Message& mes
   if (message.source != certificate->id) {
     return fail(Errc::source_mismatch,
                 "Hello of '" + message.source + "' with the certificate of '" + certificate->id + "'");
+  }
+  if (hello.seal != kSealBehind && hello.seal != kSealBeforeDelivery) {
+    return fail(Errc::bad_value, "Hello of '" + certificate->id + "' wants messages sealed '" + hello.seal + "'",
+                "run the same version on both nodes");
   }
   if (certificate->id == config_.id) {
     return fail(Errc::duplicate, "another node is called '" + config_.id + "' too", "give each node its own id");
@@ -119,6 +125,7 @@ void RouterCore::link_up(Link& link, const Certificate& certificate, const Hello
   link.confirmed = now.mono;
   link.next_keep_alive = now.mono + config_.timing.keep_alive;
   send_hello(link, now, out);
+  bind_seals(link, certificate, hello);
   const LinkId id = link.id;
   if (peer.link != 0 && !settle_double(link, peer, now, out)) return;
   const bool again = peer.boot == hello.boot && peer.met && !peer.expired;

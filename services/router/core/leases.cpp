@@ -5,7 +5,7 @@
 namespace trb::router {
 
 std::optional<MonotonicTime> RouterCore::next_deadline() const {
-  std::optional<MonotonicTime> next = earlier(next_beacon_, next_store_);
+  std::optional<MonotonicTime> next = earlier(earlier(next_beacon_, next_store_), next_seal());
   for (const auto& [id, link] : links_) {
     const MonotonicTime lapse = std::min(link.last_heard, link.confirmed) + config_.timing.lease;
     next = earlier(next, link.up ? std::min(link.next_keep_alive, lapse) : link.opened + config_.timing.handshake);
@@ -23,6 +23,7 @@ std::optional<MonotonicTime> RouterCore::next_deadline() const {
 void RouterCore::tick(Now now, Effects& out) {
   check_own(now, out);
   note_time(now, out);
+  tick_seals(now, out);
   tick_links(now, out);
   tick_peers(now, out);
   tick_seeds(now, out);
@@ -50,11 +51,16 @@ void RouterCore::tick_links(Now now, Effects& out) {
       // beacons go on.
       const MonotonicTime heard = std::max(link.last_heard, peers_.at(link.peer).last_beacon);
       const bool still_heard = now.mono - heard < config_.timing.lease * 3 / 5;
-      lapsed.push_back({id, still_heard ? "one_way" : "not_heard", "not heard by the other side for a lease"});
+      // What is said here tells the other side whether it is a one-way cut.
+      lapsed.push_back({id, still_heard ? "one_way" : "not_heard",
+                        still_heard ? "not heard by the other side for a lease" : std::string(kUnheard)});
     } else if (now.mono >= link.next_keep_alive) {
       link.next_keep_alive = now.mono + config_.timing.keep_alive;
+      // A keep-alive says: what was before it is sealed.
+      seal_now(id, out);
       link_send(link, KeepAlive{link.heard}, out);
-      link.unconfirmed.push_back(link.sent);
+      // It gets this number or, behind what is on its way out already, a higher one.
+      link.unconfirmed.push_back(seals_.at(id).writer.next());
     }
   }
   for (const auto& [id, code, why] : lapsed) {

@@ -58,7 +58,7 @@ void RouterCore::link_send(Link& link, const Body& body, Effects& out, const Mes
   message.id = ++message_count_;
   message.reply_to = asked != nullptr ? asked->id : 0;
   message.data = encode_body(body);
-  out.add(LinkSend{link.id, ++link.sent, std::move(message)});
+  out.add(LinkSend{link.id, std::move(message)});
 }
 
 bool RouterCore::admit(BytesView key, MonotonicTime now, Effects& out) {
@@ -119,6 +119,7 @@ void RouterCore::on_peer_message(Link& link, const Message& message, Now now, Ef
   if (message.subtype == FleetNews::kSubtype) return on_news_message(&link, message, now, out);
   auto body = decode_body(message.subtype, message.data);
   if (!body) return deny_peer(link, message, body.error(), out);
+  if (const auto* seal = std::get_if<Seal>(&*body)) return on_seal(link, *seal, now, out);
   if (const auto* alive = std::get_if<KeepAlive>(&*body)) return on_keep_alive(link, *alive, now);
   if (const auto* profile = std::get_if<NodeProfile>(&*body)) {
     peers_.at(link.peer).profile = *profile;
@@ -153,6 +154,8 @@ void RouterCore::drop_link(LinkId id, const std::string& why, bool say_goodbye, 
   if (at == links_.end()) return;
   Link& link = at->second;
   const bool carried = link.up && peers_.count(link.peer) != 0 && peers_.at(link.peer).link == id;
+  if (link.up) tell_unsealed(id, link.peer, out);
+  if (say_goodbye && link.up) seal_now(id, out);
   if (say_goodbye && link.up) link_send(link, Goodbye{why.substr(0, 128)}, out);
   // A node that is off is dialled for ever: names apart, so that its lines do not use up what may be logged of real
   // ends.

@@ -29,7 +29,6 @@ struct Link {
   bool hello_sent = false;
   std::uint64_t profile = 0;  ///< number of this node's profile that the other side was last told
   std::uint64_t boot = 0;     ///< the peer's boot counter, from its Hello
-  std::uint64_t sent = 0;     ///< last sequence sent
   std::uint64_t heard = 0;    ///< last sequence heard
   MonotonicTime opened;
   MonotonicTime last_heard;

@@ -8,10 +8,19 @@ namespace {
 
 // Sorted: the router itself takes these.
 constexpr std::string_view kOwnSubtypes[] = {
-    EchoRequest::kSubtype,  FleetNews::kSubtype,        Goodbye::kSubtype,
-    Hello::kSubtype,        KeepAlive::kSubtype,        LinkTroublesRequest::kSubtype,
-    NodeProfile::kSubtype,  RouteListRequest::kSubtype, RouterCountersRequest::kSubtype,
-    ServiceAlive::kSubtype, ServiceHello::kSubtype,     ServiceListRequest::kSubtype,
+    EchoRequest::kSubtype,
+    FleetNews::kSubtype,
+    Goodbye::kSubtype,
+    Hello::kSubtype,
+    KeepAlive::kSubtype,
+    LinkTroublesRequest::kSubtype,
+    NodeProfile::kSubtype,
+    RouteListRequest::kSubtype,
+    RouterCountersRequest::kSubtype,
+    Seal::kSubtype,
+    ServiceAlive::kSubtype,
+    ServiceHello::kSubtype,
+    ServiceListRequest::kSubtype,
     SignRequest::kSubtype,
 };
 static_assert(std::is_sorted(std::begin(kOwnSubtypes), std::end(kOwnSubtypes)));
@@ -26,7 +35,7 @@ static_assert(std::is_sorted(std::begin(kLocalOnly), std::end(kLocalOnly)));
 
 // Sorted: between the two routers of a link; never from a service to another node.
 constexpr std::string_view kLinkOnly[] = {Goodbye::kSubtype, Hello::kSubtype, KeepAlive::kSubtype,
-                                          NodeProfile::kSubtype};
+                                          NodeProfile::kSubtype, Seal::kSubtype};
 static_assert(std::is_sorted(std::begin(kLinkOnly), std::end(kLinkOnly)));
 
 template <std::size_t N>
@@ -128,15 +137,6 @@ Decision RouterCore::route_to_self(const HeaderView& header) const {
   return to_service(services_.holder("mode-adapter"));
 }
 
-std::uint64_t RouterCore::take_sequence(LinkId link) {
-  const auto at = links_.find(link);
-  return at == links_.end() ? 0 : ++at->second.sent;
-}
-
-void RouterCore::give_back_sequence(LinkId link) {
-  if (const auto at = links_.find(link); at != links_.end()) --at->second.sent;
-}
-
 std::vector<LinkId> RouterCore::up_links() const {
   std::vector<LinkId> out;
   for (const auto& [id, peer] : peers_) {
@@ -188,7 +188,7 @@ void RouterCore::nack_peer(LinkId from, const HeaderView& header, Errc reason, E
   if (at == links_.end() || !at->second.up || header.source != at->second.peer || !deserves_nack(header)) return;
   Message message = make_nack(header, reason);
   message.id = ++message_count_;
-  out.add(LinkSend{from, ++at->second.sent, std::move(message)});
+  out.add(LinkSend{from, std::move(message)});
 }
 
 }  // namespace trb::router

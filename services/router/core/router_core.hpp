@@ -10,6 +10,7 @@
 #include "services/router/core/config.hpp"
 #include "services/router/core/news.hpp"
 #include "services/router/core/peers.hpp"
+#include "services/router/core/seals.hpp"
 #include "services/router/core/services.hpp"
 #include "services/router/core/troubles.hpp"
 
@@ -27,8 +28,8 @@ class RouterCore {
   explicit RouterCore(RouterConfig config);
 
   void start(Now now, Effects& out);
-  /// The inbox's address is another one now: what was linked over the old one is dialled again. Empty while the node has
-  /// none; then `why` says what it waits for.
+  /// The inbox's address is another one now: what was linked over the old one is dialled again. Empty while the node
+  /// has none; then `why` says what it waits for.
   void set_address(const std::string& address, const std::string& why, Now now, Effects& out);
   void tick(Now now, Effects& out);
   [[nodiscard]] std::optional<MonotonicTime> next_deadline() const;
@@ -40,9 +41,10 @@ class RouterCore {
   /// A message that came by a link; that it came on that link's own connection is proven by the shell (socket, or
   /// routing id and User-Id). The sequence and the source are checked here.
   Decision route_peer(LinkId link, const HeaderView& header, Now now, Effects& out);
-  /// The next sequence of a link, for a message that is about to be sent; give it back if it could not be.
-  std::uint64_t take_sequence(LinkId link);
-  void give_back_sequence(LinkId link);
+  /// Numbers a frame that is about to leave by a link and takes it into the link's running hash. False: no such link.
+  /// take_back() if it did not leave.
+  bool stamp(LinkId link, char* frame, std::size_t size);
+  void take_back(LinkId link);
   [[nodiscard]] std::vector<LinkId> up_links() const;
   /// The answer to a message that could not be delivered.
   void nack_local(ConnectionId from, const HeaderView& header, Errc reason, Effects& out);
@@ -70,6 +72,24 @@ class RouterCore {
   void on_link_message(LinkId link, BytesView key, const Message& message, std::uint64_t sequence, Now now,
                        Effects& out);
   void on_beacon(BytesView plain, Now now, Effects& out);
+
+  // ---- seals
+
+  /// Every frame that came by a link that is up, its Hello included: before it is handled, or after if that brought the
+  /// link up.
+  void hear_frame(LinkId link, const HeaderView& header, BytesView frame, Now now, Effects& out);
+  /// A seal must leave before the next message.
+  [[nodiscard]] bool seal_is_overdue(LinkId link) const;
+  /// Each message is sealed by itself, at once.
+  [[nodiscard]] bool seals_each(LinkId link) const;
+  /// The frame of a seal over what is unsealed, if anything is; seal_left() once it has left, before the next frame.
+  std::optional<Bytes> make_seal(LinkId link, Now now);
+  void seal_left(LinkId link);
+  /// What comes by this link is delivered only when it is proven (DeliverHeld).
+  [[nodiscard]] bool holds(LinkId link) const;
+  [[nodiscard]] const LinkSeals* seals_of(LinkId link) const;
+  /// CloseLink was carried out: nothing leaves by it any more.
+  void forget_link(LinkId link);
   /// A datagram on the beacons' port that did not open.
   void on_bad_beacon(const Error& why, Now now, Effects& out) {
     refuse_beacon(errc_name(why.code), why.what, now, out);
@@ -170,6 +190,16 @@ class RouterCore {
   void warn_of_end(Now now, Effects& out);
   void raise_utc_bound(UtcTime utc, Effects& out);
   void note_time(Now now, Effects& out);
+  // seals.cpp
+  void open_seals(const Link& link);
+  void bind_seals(const Link& link, const Certificate& certificate, const Hello& hello);
+  [[nodiscard]] std::optional<MonotonicTime> next_seal() const;
+  void seal_now(LinkId link, Effects& out) const;
+  void tick_seals(Now now, Effects& out);
+  void on_seal(const Link& link, const Seal& seal, Now now, Effects& out);
+  void check_seals(Now now, Effects& out);
+  void seal_broken(LinkId id, SealFault fault, Now now, Effects& out);
+  void tell_unsealed(LinkId link, const std::string& peer, Effects& out);
 
   // leases.cpp
   void tick_links(Now now, Effects& out);
@@ -192,7 +222,7 @@ class RouterCore {
   std::vector<Seed> seeds_;
   std::map<Bytes, MonotonicTime, std::less<>> candidates_;  ///< key -> until when a Hello must have come
   std::map<Bytes, MonotonicTime, std::less<>> denied_;      ///< key -> until when it stays out
-  std::string waits_for_;  ///< why this node has no address; empty if it has one
+  std::string waits_for_;                                   ///< why this node has no address; empty if it has one
   std::optional<MonotonicTime> next_store_;
   std::optional<MonotonicTime> next_beacon_;
   MonotonicTime last_beacon_;
@@ -202,6 +232,10 @@ class RouterCore {
   std::uint64_t message_count_ = 0;
   Troubles troubles_;
   NewsState news_;
+  std::map<LinkId, LinkSeals> seals_;  ///< until the shell has closed the link: a Goodbye follows its end
+  std::vector<LinkId> fresh_;          ///< have something unsealed for which no time is set yet
+  std::vector<UncheckedSeal> unchecked_;
+  std::optional<MonotonicTime> next_seal_;
 };
 
 }  // namespace trb::router

@@ -1,6 +1,15 @@
 #include "services/router/core/test_fleet.hpp"
 
 namespace trb::router {
+namespace {
+
+Bytes frame_of(LinkId link, std::uint64_t sequence, const Message& message) {
+  Bytes frame = encode_frame(message);
+  stamp_link(frame.data(), link, sequence, message.remaining_ms);
+  return frame;
+}
+
+}  // namespace
 
 TestKeys& TestFleet::keys(const std::string& id) {
   const auto at = keys_.find(id);
@@ -21,6 +30,7 @@ TestNode& TestFleet::start(const std::string& id, const Options& options) {
   places_[id] = id;
   config.boot = options.boot;
   config.beacon = options.beacon;
+  config.seal_before_delivery = options.seal_before_delivery;
   config.services = {"router", "mode-adapter", "scheduler", "resilience", "sensor-bus", "cloud-gateway"};
   for (const std::string& seed : options.seeds) config.seeds.push_back({seed, keys(seed).link.public_key});
   for (const std::string& hint : options.known) config.known.push_back({hint, keys(hint).link.public_key});
@@ -69,17 +79,19 @@ void TestFleet::carry_out(TestNode& node, Effects& effects) {
   for (Effect& effect : effects.list) {
     std::visit(Overloaded{
                    [&](BusSend& send) { node.bus.push_back(send); },
-                   [&](LinkSend& send) {
-                     const auto wire = wires_.find(send.link);
-                     if (wire == wires_.end() || !wire->second.open) return;
-                     const std::string to =
-                         wire->second.dialler == node.id ? wire->second.acceptor : wire->second.dialler;
-                     packets_.push_back({node.id, to, send.link, send.sequence, send.message});
+                   [&](LinkSend& send) { this->send(node, send.link, send.message); },
+                   [&](SealDue& due) { send_seal(node, due.link); },
+                   [&](DeliverHeld& proven) {
+                     auto& held = held_[{node.id, proven.link}];
+                     for (; !held.empty() && held.front().first <= proven.last; held.pop_front())
+                       node.delivered.push_back(held.front().second);
                    },
                    [&](Dial& dial) { dials.push_back(dial); },
                    [&](CloseLink& close) {
                      node.closed.push_back(close.link);
                      bound_.erase({node.id, close.link});
+                     held_.erase({node.id, close.link});
+                     node.core->forget_link(close.link);
                    },
                    [&](AcceptLink& accept) {
                      bound_.insert({node.id, accept.link});
@@ -102,6 +114,40 @@ void TestFleet::carry_out(TestNode& node, Effects& effects) {
   }
   for (const std::string& name : effects.counts) ++node.counts[name];
   for (const Dial& dial : dials) connect(node, dial);
+}
+
+void TestFleet::send(TestNode& node, LinkId link, const Message& message) {
+  const auto wire = wires_.find(link);
+  if (wire == wires_.end() || !wire->second.open) return;
+  if (node.core->seal_is_overdue(link)) send_seal(node, link);
+  Bytes frame = encode_frame(message);
+  if (!node.core->stamp(link, frame.data(), frame.size())) return;
+  put(node, link, frame);
+  if (node.core->seals_each(link)) send_seal(node, link);
+}
+
+void TestFleet::send_seal(TestNode& node, LinkId link) {
+  const auto seal = node.core->make_seal(link, now);
+  if (!seal || wires_.count(link) == 0 || !wires_.at(link).open) return;
+  put(node, link, *seal);
+  node.core->seal_left(link);
+}
+
+void TestFleet::put(TestNode& node, LinkId link, BytesView frame) {
+  const Wire& wire = wires_.at(link);
+  const std::string to = wire.dialler == node.id ? wire.acceptor : wire.dialler;
+  const auto header = decode_frame(frame);
+  packets_.push_back({node.id, to, link, header->sequence, to_message(*header)});
+}
+
+void TestFleet::say(const std::string& from, const std::string& to, const std::string& word, const Bytes& data) {
+  Message message;
+  message.type = MessageType::information;
+  message.subtype = word;
+  message.source = from;
+  message.target = to;
+  message.data = data;
+  send(at(from), at(from).link_to(to), message);
 }
 
 void TestFleet::connect(TestNode& node, const Dial& dial) {
@@ -128,10 +174,22 @@ void TestFleet::connect(TestNode& node, const Dial& dial) {
 Decision TestFleet::arrive(TestNode& node, LinkId link, std::uint64_t sequence, const Message& message) {
   Effects effects;
   const HeaderView header = header_of(message, sequence);
+  const Bytes frame = frame_of(link, sequence, message);
   const Decision decision = node.core->route_peer(link, header, now, effects);
+  const Link* known = node.core->find_link(link);
+  const bool was_up = known != nullptr && known->up;
+  if (was_up) node.core->hear_frame(link, header, frame, now, effects);
+  if (was_up && node.core->find_link(link) == nullptr) {
+    carry_out(node, effects);
+    return decision;
+  }
   if (decision.to == Decision::To::router) {
-    const Link* known = node.core->find_link(link);
     node.core->on_link_message(link, known == nullptr ? Bytes() : known->key, message, sequence, now, effects);
+    if (!was_up) node.core->hear_frame(link, header, frame, now, effects);
+  } else if (decision.to == Decision::To::service && node.core->holds(link)) {
+    held_[{node.id, link}].emplace_back(sequence, message);
+  } else if (decision.to == Decision::To::service) {
+    node.delivered.push_back(message);
   } else if (decision.to == Decision::To::drop) {
     node.core->nack_peer(link, header, decision.reason, effects);
   }
@@ -154,7 +212,12 @@ void TestFleet::deliver(const Packet& packet) {
   origin_ = packet.from;
   Effects effects;
   const Bytes key = keys(packet.from).link.public_key;
+  const bool fresh = node->second->core->find_link(packet.link) == nullptr;
   node->second->core->on_link_message(packet.link, key, packet.message, packet.sequence, now, effects);
+  if (fresh) {
+    node->second->core->hear_frame(packet.link, header_of(packet.message, packet.sequence),
+                                   frame_of(packet.link, packet.sequence, packet.message), now, effects);
+  }
   carry_out(*node->second, effects);
   origin_.clear();
 }
@@ -169,7 +232,9 @@ void TestFleet::run(Duration time) {
       carry_out(*node, effects);
     }
     auto packets = std::exchange(packets_, {});
-    for (const Packet& packet : packets) deliver(packet);
+    for (Packet& packet : packets) {
+      if (!meddle || meddle(packet.from, packet.link, packet.sequence, packet.message)) deliver(packet);
+    }
     auto beacons = std::exchange(beacons_, {});
     for (const auto& [from, plain] : beacons) {
       for (auto& [id, node] : nodes_) {

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <deque>
+#include <functional>
 #include <map>
 #include <memory>
 #include <set>
@@ -60,6 +61,7 @@ struct TestNode {
   std::vector<SignedRecord> stored_certificates;
   std::vector<UtcTime> stored_utc;
   std::vector<std::string> log;
+  std::vector<Message> delivered;  ///< that came by a link, for a service
 
   [[nodiscard]] std::uint64_t count(const std::string& name) const {
     const auto at = counts.find(name);
@@ -91,6 +93,7 @@ class TestFleet {
     std::vector<std::string> seeds{};
     std::vector<std::string> known{};  ///< hints of the run before
     bool relay = false;
+    bool seal_before_delivery = false;
   };
 
   TestNode& start(const std::string& id, const Options& options);
@@ -106,6 +109,10 @@ class TestFleet {
   void heal() { cuts_.clear(); }
   /// The node is at another address from now on: its connections lead nowhere and nobody is told, but its own router.
   void move(const std::string& id, const std::string& address);
+  /// May change each message that one node sends the other, or have it lost (false).
+  std::function<bool(const std::string& from, LinkId link, std::uint64_t& sequence, Message& message)> meddle;
+  /// A service of this node says something to another node, through the road that the shell takes.
+  void say(const std::string& from, const std::string& to, const std::string& word, const Bytes& data);
   /// The process ends: its connections break.
   void stop(const std::string& id);
 
@@ -130,6 +137,10 @@ class TestFleet {
   void deliver(const Packet& packet);
   void hand_over(TestNode& node, const Packet& packet, Effects& effects);
   void break_wire(LinkId link);
+  void send(TestNode& node, LinkId link, const Message& message);
+  void send_seal(TestNode& node, LinkId link);
+  void put(TestNode& node, LinkId link, BytesView frame);
+  std::map<std::pair<std::string, LinkId>, std::deque<std::pair<std::uint64_t, Message>>> held_;
 
   std::map<std::string, std::unique_ptr<TestNode>> nodes_;
   std::map<std::string, TestKeys> keys_;

@@ -52,12 +52,14 @@ void RouterShell::on_bus_frame(BusSocket& bus, BytesView routing_id, Frame& fram
   switch (decision.to) {
     case Decision::To::peer:
       return forward_to_link(from, decision.link, *header, std::move(frame));
-    case Decision::To::service:
+    case Decision::To::service: {
       tap('=', view_of(frame));
-      if (send_bus(decision.connection, std::move(frame)) == SendResult::sent) return;
+      const SendResult result = send_bus(decision.connection, std::move(frame));
+      if (result == SendResult::sent) return;
       // A send that failed has left the frame, and the header that points into it, alone.
-      core_.nack_local(from, *header, Errc::no_service, effects);
+      core_.nack_local(from, *header, why_undelivered(result), effects);
       break;
+    }
     case Decision::To::every_peer:
       return forward_to_all(frame, *header);
     case Decision::To::router:

@@ -65,7 +65,10 @@ void RouterShell::on_inbox_frame(BytesView routing_id, Frame& frame) {
     effects.count("refused.link_theft");
     effects.log(LogLevel::warning, "link_theft", "a connection used another one's link id");
   } else {
-    core_.on_link_message(header->link, *key, to_message(*header), header->sequence, read_clocks(), effects);
+    const Now now = read_clocks();
+    const bool fresh = core_.find_link(header->link) == nullptr;
+    core_.on_link_message(header->link, *key, to_message(*header), header->sequence, now, effects);
+    if (fresh) hear(header->link, *header, view_of(frame), now, effects);
   }
   carry_out(effects);
   origin_ = {};
@@ -73,15 +76,21 @@ void RouterShell::on_inbox_frame(BytesView routing_id, Frame& frame) {
 
 void RouterShell::on_link_frame(LinkId link, BytesView key, const HeaderView& header, Frame& frame) {
   Effects effects;
-  const Decision decision = core_.route_peer(link, header, read_clocks(), effects);
+  const Now now = read_clocks();
+  const Decision decision = core_.route_peer(link, header, now, effects);
+  const Link* known = core_.find_link(link);
+  const bool was_up = known != nullptr && known->up;
+  if (was_up && !hear(link, header, view_of(frame), now, effects)) return carry_out(effects);
   if (decision.to != Decision::To::drop) tap('<', view_of(frame));
   switch (decision.to) {
-    case Decision::To::service:
-      if (send_bus(decision.connection, std::move(frame)) == SendResult::sent) break;
-      core_.nack_peer(link, header, Errc::no_service, effects);
+    case Decision::To::service: {
+      const SendResult result = deliver(link, header.sequence, decision.connection, std::move(frame));
+      if (result != SendResult::sent) core_.nack_peer(link, header, why_undelivered(result), effects);
       break;
+    }
     case Decision::To::router:
-      core_.on_link_message(link, key, to_message(header), header.sequence, read_clocks(), effects);
+      core_.on_link_message(link, key, to_message(header), header.sequence, now, effects);
+      if (!was_up) hear(link, header, view_of(frame), now, effects);
       break;
     default:
       core_.nack_peer(link, header, decision.reason, effects);
@@ -139,6 +148,8 @@ void RouterShell::dial(const Dial& effect) {
 
 void RouterShell::close_link(LinkId link) {
   accepted_.erase(link);
+  core_.forget_link(link);
+  held_.erase(link);
   const auto at = dialled_.find(link);
   if (at == dialled_.end()) return;
   loop_.remove_socket(at->second.socket->handle());
@@ -146,8 +157,21 @@ void RouterShell::close_link(LinkId link) {
   dialled_.erase(at);
 }
 
-SendResult RouterShell::send_link(LinkId link, std::uint64_t sequence, Frame&& frame) {
-  stamp_link(static_cast<char*>(frame.data()), link, sequence, decode_remaining(view_of(frame)));
+SendResult RouterShell::send_link(LinkId link, Frame&& frame) {
+  if (core_.seal_is_overdue(link)) {
+    if (const SendResult result = send_seal(link); result != SendResult::sent) return result;
+  }
+  if (!core_.stamp(link, static_cast<char*>(frame.data()), frame.size())) return SendResult::unroutable;
+  const SendResult result = put_on_link(link, std::move(frame));
+  if (result != SendResult::sent) {
+    core_.take_back(link);
+  } else if (core_.seals_each(link)) {
+    send_seal(link);
+  }
+  return result;
+}
+
+SendResult RouterShell::put_on_link(LinkId link, Frame&& frame) {
   if (const auto at = dialled_.find(link); at != dialled_.end()) return at->second.socket->send(std::move(frame));
   const auto at = accepted_.find(link);
   if (at == accepted_.end()) return SendResult::unroutable;
@@ -156,9 +180,8 @@ SendResult RouterShell::send_link(LinkId link, std::uint64_t sequence, Frame&& f
 
 void RouterShell::forward_to_link(ConnectionId from, LinkId link, const HeaderView& header, Frame&& frame) {
   tap('>', view_of(frame));
-  const SendResult result = send_link(link, core_.take_sequence(link), std::move(frame));
+  const SendResult result = send_link(link, std::move(frame));
   if (result == SendResult::sent) return;
-  core_.give_back_sequence(link);
   Effects effects;
   core_.nack_local(from, header, result == SendResult::full ? Errc::queue_full : Errc::peer_unreachable, effects);
   if (result == SendResult::unroutable) lost_links_.push_back(link);
@@ -168,8 +191,7 @@ void RouterShell::forward_to_link(ConnectionId from, LinkId link, const HeaderVi
 void RouterShell::forward_to_all(Frame& frame, const HeaderView&) {
   for (const LinkId link : core_.up_links()) {
     tap('>', view_of(frame));
-    if (send_link(link, core_.take_sequence(link), to_frame(view_of(frame))) == SendResult::sent) continue;
-    core_.give_back_sequence(link);
+    if (send_link(link, to_frame(view_of(frame))) == SendResult::sent) continue;
     core_.count("dropped.queue_full");
   }
 }

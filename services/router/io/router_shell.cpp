@@ -70,7 +70,6 @@ int RouterShell::run() {
 }
 
 void RouterShell::carry_out(Effects& effects) {
-  std::map<LinkId, std::uint64_t> unsent;
   for (Effect& effect : effects.list) {
     std::visit(Overloaded{
                    [this](BusSend& send) {
@@ -79,7 +78,9 @@ void RouterShell::carry_out(Effects& effects) {
                      tap('=', frame);
                      send_bus(send.to, to_frame(frame));
                    },
-                   [&](LinkSend& send) { send_own(send, unsent); },
+                   [this](LinkSend& send) { send_own(send); },
+                   [this](SealDue& due) { send_seal(due.link); },
+                   [this](DeliverHeld& proven) { deliver_held(proven); },
                    [this](Dial& dial) { this->dial(dial); },
                    [this](CloseLink& close) { close_link(close.link); },
                    [this](AcceptLink& accept) {
@@ -123,17 +124,12 @@ void RouterShell::end_lost_links() {
   }
 }
 
-void RouterShell::send_own(LinkSend& send, std::map<LinkId, std::uint64_t>& unsent) {
+void RouterShell::send_own(LinkSend& send) {
   count_sent(send.message.subtype);
   const Bytes frame = encode_frame(send.message);
   tap('>', frame);
-  // The core has numbered them all; one that does not leave must not leave a gap.
-  const auto missing = unsent.find(send.link);
-  const SendResult result =
-      send_link(send.link, send.sequence - (missing == unsent.end() ? 0 : missing->second), to_frame(frame));
+  const SendResult result = send_link(send.link, to_frame(frame));
   if (result == SendResult::sent) return;
-  ++unsent[send.link];
-  core_.give_back_sequence(send.link);
   core_.count(result == SendResult::full ? "dropped.queue_full" : "dropped.closed_link");
   if (result == SendResult::unroutable) lost_links_.push_back(send.link);
 }

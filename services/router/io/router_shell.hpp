@@ -1,6 +1,7 @@
 // The router's sockets around its core: the bus, the inbox, the dialled links, the beacon, the tap.
 #pragma once
 
+#include <deque>
 #include <map>
 #include <memory>
 #include <string>
@@ -28,6 +29,11 @@ struct ShellOptions {
   std::uint16_t beacon_port = 0;
   BeaconKey beacon_key;
 };
+
+/// Why a service of this node did not get a message.
+constexpr Errc why_undelivered(SendResult result) {
+  return result == SendResult::full ? Errc::queue_full : Errc::no_service;
+}
 
 class RouterShell {
  public:
@@ -83,7 +89,8 @@ class RouterShell {
   void on_link_frame(LinkId link, BytesView key, const HeaderView& header, Frame& frame);
   void dial(const Dial& effect);
   void close_link(LinkId link);
-  SendResult send_link(LinkId link, std::uint64_t sequence, Frame&& frame);
+  SendResult send_link(LinkId link, Frame&& frame);
+  SendResult put_on_link(LinkId link, Frame&& frame);
   void forward_to_link(ConnectionId from, LinkId link, const HeaderView& header, Frame&& frame);
   void forward_to_all(Frame& frame, const HeaderView& header);
   void on_inbox_event(LinkEvent event);
@@ -101,10 +108,16 @@ class RouterShell {
   void store_certificate(const StoreCertificate& store);
   void store_utc(const StoreUtc& store);
   void read_key_folder();  ///< a person may have put a new certificate.json or news.json there
+  // seal_side.cpp
+  SendResult send_seal(LinkId link);
+  /// False: the link has been closed by what came.
+  bool hear(LinkId link, const HeaderView& header, BytesView frame, Now now, Effects& effects);
+  SendResult deliver(LinkId link, std::uint64_t sequence, ConnectionId to, Frame&& frame);
+  void deliver_held(const DeliverHeld& proven);
   // router_shell.cpp
   void carry_out(Effects& effects);
   void end_lost_links();
-  void send_own(LinkSend& send, std::map<LinkId, std::uint64_t>& unsent);
+  void send_own(LinkSend& send);
   void tap(char direction, BytesView frame);
   void drain_tap();
   void count_sent(std::string_view subtype);
@@ -123,6 +136,12 @@ class RouterShell {
   std::map<LinkId, Dialled> dialled_;
   std::vector<Dialled> closed_;  ///< freed between turns: a monitor must not die inside its own call
   std::map<LinkId, Accepted> accepted_;
+  struct Held {
+    std::uint64_t sequence = 0;
+    ConnectionId to = 0;
+    Frame frame;
+  };
+  std::map<LinkId, std::deque<Held>> held_;  ///< until their seal is checked; as many as may be unsealed
   InboxOrigin origin_;
   std::vector<LinkId> lost_links_;
   std::unique_ptr<Socket> tap_;

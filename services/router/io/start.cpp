@@ -75,6 +75,7 @@ RouterConfig make_config(const NodeConfig& node, const NodeKeys& keys, std::uint
   config.known = read_known();
   config.services = node.services;
   config.beacon = node.beacon;
+  config.seal_before_delivery = node.seal_before_delivery;
   return config;
 }
 

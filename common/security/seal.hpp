@@ -1,0 +1,116 @@
+// Seals: what a node's identity key says of the messages that it has sent on a link. Pure; the grammar is in
+// proto/README.md, "Seals".
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+
+#include "common/base/bytes.hpp"
+#include "common/base/time.hpp"
+#include "common/security/keys.hpp"
+
+namespace trb {
+
+/// A seal covers at most so many messages: the one after them must be a seal.
+constexpr std::size_t kMaxUnsealed = 64;
+/// A sender seals its first unsealed message within this time.
+constexpr Duration kSealWithin = std::chrono::milliseconds(20);
+
+/// Which direction of which link: what both ends know and a seal repeats, so that it fits nowhere else.
+struct SealScope {
+  std::uint64_t link = 0;
+  std::uint64_t serial = 0;       ///< of the sender's certificate, as it was when the link came up
+  std::uint64_t peer_serial = 0;  ///< of the receiver's
+  bool dialled = false;           ///< the sender is the side that dialled
+};
+
+/// Why a seal, or the want of one, ends a link.
+enum class SealFault : std::uint8_t {
+  none,
+  malformed,        ///< no SealedRange
+  wrong_link,       ///< of another link, direction or pair of certificates
+  wrong_range,      ///< not the messages since the last seal: repeated, out of order, or one is left out
+  wrong_hash,       ///< other messages than those that came
+  wrong_signature,  ///< not made by the peer's identity key
+  missing,          ///< more than kMaxUnsealed messages without one
+  late,             ///< what came before the last keep-alive but one is not sealed
+};
+constexpr auto enum_names(SealFault) {
+  return std::array<std::string_view, 8>{"none",       "malformed",       "wrong_link", "wrong_range",
+                                         "wrong_hash", "wrong_signature", "missing",    "late"};
+}
+
+/// BLAKE2b-256 over the seal before and, for each frame, its size (u32, big-endian) and its bytes. A copy is a
+/// snapshot.
+class RangeHash {
+ public:
+  explicit RangeHash(BytesView previous);
+  void add(BytesView frame);
+  [[nodiscard]] Bytes value() const;
+
+ private:
+  alignas(64) std::array<unsigned char, 384> state_{};  ///< libsodium's, which is not to be seen here
+};
+
+/// What `previous` is before the first seal of a link and direction.
+Bytes first_previous();
+
+/// The sender's side of one direction: numbers the frames and keeps the running hash.
+class SealWriter {
+ public:
+  /// The sequence of the next frame, also if that is a seal.
+  [[nodiscard]] std::uint64_t next() const { return first_ + unsealed_; }
+  [[nodiscard]] std::size_t unsealed() const { return unsealed_; }
+  /// A frame leaves, stamped with next().
+  void add(BytesView frame);
+  /// The last frame given to add() did not leave.
+  void take_back();
+  /// The seal over what is unsealed (at least one message).
+  [[nodiscard]] SealedRange range(const SealScope& scope, UtcTime utc) const;
+  /// A seal with this payload has left, with next() as its sequence.
+  void sealed(BytesView payload);
+
+ private:
+  Bytes previous_ = first_previous();
+  RangeHash hash_{previous_};
+  RangeHash before_last_{previous_};
+  std::uint64_t first_ = 1;
+  std::size_t unsealed_ = 0;
+};
+
+/// The receiver's side of one direction.
+class SealReader {
+ public:
+  SealReader() = default;
+  /// Goes on behind a seal that was checked elsewhere: for a log that begins in the middle of a link.
+  SealReader(std::uint64_t first, Bytes previous);
+
+  /// A frame came that is no seal. False: it is one too many without a seal.
+  [[nodiscard]] bool add(BytesView frame);
+  /// A seal came with this sequence: all is compared but the signature, and the next range begins.
+  SealFault close(const SealScope& scope, const SealedRange& range, std::uint64_t sequence, BytesView payload);
+  /// A keep-alive came with this sequence. False if something from before the last one is still not sealed. No clock:
+  /// a process that was stopped, or a slow network, delays both.
+  [[nodiscard]] bool keep_alive(std::uint64_t sequence);
+
+  [[nodiscard]] std::size_t unsealed() const { return unsealed_; }
+  [[nodiscard]] std::uint64_t first() const { return first_; }
+  [[nodiscard]] const Bytes& previous() const { return previous_; }
+
+ private:
+  Bytes previous_ = first_previous();
+  RangeHash hash_{previous_};
+  std::uint64_t first_ = 1;
+  std::size_t unsealed_ = 0;
+  std::uint64_t last_keep_alive_ = 0;
+};
+
+/// The record of a range.
+SignedRecord sign_seal(const SealedRange& range, std::string_view signer, BytesView fleet, const SigningKey& key);
+
+/// Is the record a seal of that node, made with its identity key?
+bool verify_seal(const SignedRecord& record, const Certificate& signer);
+
+}  // namespace trb

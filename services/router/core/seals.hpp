@@ -1,0 +1,49 @@
+// The seals of all links: what each direction has sealed, what is due, what is still to be checked.
+#pragma once
+
+#include <deque>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/security/seal.hpp"
+#include "proto/bodies/link.hpp"
+#include "services/router/core/effects.hpp"
+
+namespace trb::router {
+
+constexpr std::string_view kSealBehind = "behind";
+constexpr std::string_view kSealBeforeDelivery = "before_delivery";
+
+#ifdef TRB_BENCH_UNSEALED
+constexpr bool kUnsealed = true;  ///< the second router of tests/bench: what does a message cost without seals?
+#else
+constexpr bool kUnsealed = false;
+#endif
+
+/// Both directions of one link.
+struct LinkSeals {
+  SealScope out;
+  SealScope in;
+  SealWriter writer;
+  SealReader reader;
+  SignedRecord own;    ///< the certificate that this node's Hello carried
+  SignedRecord peer;   ///< the one that the other side's carried
+  Certificate signer;  ///< the latter, opened: a renewal keeps the identity key
+  bool each = false;   ///< one of the two sides wants each message sealed by itself
+  std::optional<MonotonicTime> due;
+  bool overdue = false;              ///< must leave before anything else
+  SignedRecord made;                 ///< the last seal, until it is told that it has left
+  std::uint64_t unsealed_count = 0;  ///< with kUnsealed: the last sequence
+};
+
+/// A seal whose range fits and whose signature is still to be checked: behind the delivery.
+struct UncheckedSeal {
+  LinkId link = 0;
+  std::uint64_t last = 0;
+  std::size_t messages = 0;
+  SignedRecord record;
+};
+
+}  // namespace trb::router

@@ -1,0 +1,184 @@
+// Seals between routers: made, checked, and every way in which one is not what it should be.
+#include <doctest/doctest.h>
+
+#include "services/router/core/test_fleet.hpp"
+
+using namespace trb;
+using namespace trb::router;
+using std::chrono::milliseconds;
+using Seconds = std::chrono::seconds;
+
+namespace {
+
+std::size_t logged(const TestNode& node, std::string_view event) {
+  return static_cast<std::size_t>(std::count_if(node.log.begin(), node.log.end(),
+                                                [&](const std::string& line) { return line.starts_with(event); }));
+}
+
+/// ant and bee, linked; bee's mode-adapter takes what ant's robot says.
+struct Pair {
+  TestFleet fleet;
+  TestNode& ant;
+  TestNode& bee;
+
+  explicit Pair(bool before_delivery = false)
+      : ant(fleet.start("ant")), bee(fleet.start("bee", {.seal_before_delivery = before_delivery})) {
+    Effects effects;
+    bee.core->on_service_hello(1, {"mode-adapter", {}, 5, 100, "1"}, false, fleet.now, effects);
+    fleet.carry_out(bee, effects);
+    fleet.run(Seconds(1));
+    REQUIRE(ant.link_to("bee") != 0);
+  }
+  void say(const Bytes& data) { fleet.say("ant", "bee", "note", data); }
+  /// From now on, whatever seal ant sends is changed.
+  void change_seals(const std::function<void(SealedRange&)>& change, bool sign_again = true) {
+    fleet.meddle = [=, this](const std::string& from, LinkId, std::uint64_t&, Message& message) {
+      if (from != "ant" || message.subtype != Seal::kSubtype) return true;
+      auto range = decode<SealedRange>(decode<Seal>(message.data)->range.payload.bytes);
+      change(*range);
+      const SigningKey key = sign_again ? ant.keys.identity : make_signing_key();
+      message.data = encode(Seal{sign_seal(*range, "ant", fleet.authority.fleet.id(), key)});
+      return true;
+    };
+  }
+  /// bee has raised the alarm and ended the link; the two are linked again, for ant is a member.
+  void check_alarm(const std::string& reason) {
+    const LinkId before = ant.link_to("bee");
+    fleet.run(milliseconds(100));
+    CHECK(bee.count("refused.seal_" + reason) == 1);
+    CHECK(logged(bee, "seal_alarm ") == 1);
+    CHECK(bee.link_to("ant") == 0);
+    CHECK(ant.link_to("bee") == 0);
+    fleet.meddle = nullptr;
+    fleet.run(Seconds(3));
+    CHECK(ant.link_to("bee") != 0);
+    CHECK(ant.link_to("bee") != before);
+    CHECK(ant.link_to("bee") == bee.link_to("ant"));
+  }
+};
+
+}  // namespace
+
+TEST_CASE("what a node says is sealed within 20 ms and checked; an idle link stays up on sealed keep-alives") {
+  Pair pair;
+  const std::uint64_t sent = pair.ant.count("seals.sent");
+  const std::uint64_t checked = pair.bee.count("seals.checked");
+  pair.say("one");
+  pair.say("two");
+  pair.fleet.run(milliseconds(50));
+  CHECK(pair.ant.count("seals.sent") == sent + 1);
+  CHECK(pair.bee.count("seals.checked") == checked + 1);
+  CHECK(pair.bee.delivered.size() == 2);
+  const LinkId link = pair.ant.link_to("bee");
+  pair.fleet.run(Seconds(60));
+  CHECK(pair.ant.link_to("bee") == link);
+  CHECK(pair.ant.count("seals.sent") == pair.bee.count("seals.checked"));
+}
+
+TEST_CASE("a burst is sealed by the 64") {
+  Pair pair;
+  const std::uint64_t sent = pair.ant.count("seals.sent");
+  for (int i = 0; i < 1000; ++i) pair.say("burst");
+  pair.fleet.run(milliseconds(100));
+  CHECK(pair.bee.delivered.size() == 1000);
+  CHECK(pair.ant.count("seals.sent") == sent + 16);
+  CHECK(pair.ant.link_to("bee") != 0);
+}
+
+TEST_CASE("a seal that is wrong ends the link with an alarm, and the member dials again") {
+  Pair pair;
+  pair.say("one");
+  SUBCASE("signed with another key") {
+    pair.change_seals([](SealedRange&) {}, false);
+    pair.check_alarm("wrong_signature");
+  }
+  SUBCASE("over other messages") {
+    pair.change_seals([](SealedRange& range) { range.hash.bytes[0] = static_cast<char>(range.hash.bytes[0] ^ 1); });
+    pair.check_alarm("wrong_hash");
+  }
+  SUBCASE("over the messages before") {
+    pair.change_seals([](SealedRange& range) { --range.first; });
+    pair.check_alarm("wrong_range");
+  }
+  SUBCASE("of another link") {
+    pair.change_seals([](SealedRange& range) { ++range.link; });
+    pair.check_alarm("wrong_link");
+  }
+}
+
+TEST_CASE("a message that was changed behind the link's encryption is found by its seal") {
+  Pair pair;
+  pair.say("one");
+  pair.fleet.meddle = [](const std::string&, LinkId, std::uint64_t&, Message& message) {
+    if (message.subtype == "note") message.data = "two";
+    return true;
+  };
+  pair.check_alarm("wrong_hash");
+}
+
+TEST_CASE("seals that stay away are missed at the 65th message, or at the second keep-alive") {
+  Pair pair;
+  std::map<LinkId, std::uint64_t> lost;
+  pair.fleet.meddle = [&](const std::string& from, LinkId link, std::uint64_t& sequence, Message& message) {
+    if (from != "ant") return true;
+    const bool seal = message.subtype == Seal::kSubtype;
+    sequence -= lost[link];
+    lost[link] += seal ? 1 : 0;
+    return !seal;
+  };
+  SUBCASE("many messages") {
+    for (int i = 0; i < 100; ++i) pair.say("burst");
+    pair.check_alarm("missing");
+    CHECK(pair.bee.delivered.size() <= kMaxUnsealed);
+  }
+  SUBCASE("few messages") {
+    pair.say("one");
+    for (int i = 0; i < 600 && pair.bee.link_to("ant") != 0; ++i) pair.fleet.run(kStep);
+    pair.check_alarm("late");
+  }
+}
+
+TEST_CASE("before_delivery: a message waits for its seal, and the sender seals each at once") {
+  Pair pair(true);
+  CHECK(pair.bee.core->holds(pair.bee.link_to("ant")));
+  const std::uint64_t sent = pair.ant.count("seals.sent");
+  for (const char* data : {"one", "two", "three"}) pair.say(data);
+  CHECK(pair.bee.delivered.empty());
+  pair.fleet.run(milliseconds(30));
+  CHECK(pair.ant.count("seals.sent") >= sent + 3);
+  REQUIRE(pair.bee.delivered.size() == 3);
+  CHECK(pair.bee.delivered[2].data == "three");
+  pair.say("four");
+  pair.change_seals([](SealedRange& range) { range.hash.bytes[0] = static_cast<char>(range.hash.bytes[0] ^ 1); });
+  pair.check_alarm("wrong_hash");
+  CHECK(pair.bee.delivered.size() == 3);
+}
+
+TEST_CASE("a Hello that wants to be sealed in a way unknown here is refused") {
+  TestFleet fleet;
+  TestNode& ant = fleet.start("ant");
+  TestNode& bee = fleet.start("bee");
+  fleet.meddle = [](const std::string& from, LinkId, std::uint64_t&, Message& message) {
+    if (from != "ant" || message.subtype != Hello::kSubtype) return true;
+    auto hello = decode<Hello>(message.data);
+    hello->seal = "off";
+    message.data = encode(*hello);
+    return true;
+  };
+  fleet.run(Seconds(1));
+  CHECK(bee.count("refused.bad_value") > 0);
+  CHECK(ant.link_to("bee") == 0);
+}
+
+TEST_CASE("what was said last before a link ends without a word stays unproven, and is counted so") {
+  Pair pair;
+  pair.say("last words");
+  pair.fleet.meddle = [](const std::string&, LinkId, std::uint64_t&, Message& message) {
+    return message.subtype != Seal::kSubtype;
+  };
+  pair.fleet.run(milliseconds(10));
+  pair.fleet.stop("ant");
+  pair.fleet.run(Seconds(11));
+  CHECK(pair.bee.count("seals.open_ends") == 1);
+  CHECK(logged(pair.bee, "open_end ") == 1);
+}

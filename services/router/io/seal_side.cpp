@@ -1,0 +1,46 @@
+// Seals on their way out, and what waits for one on its way in.
+#include "services/router/io/router_shell.hpp"
+
+namespace trb::router {
+
+SendResult RouterShell::send_seal(LinkId link) {
+  const auto seal = core_.make_seal(link, read_clocks());
+  if (!seal) return SendResult::sent;
+  tap('>', *seal);
+  const SendResult result = put_on_link(link, to_frame(*seal));
+  if (result == SendResult::sent) {
+    core_.seal_left(link);
+  } else if (result == SendResult::unroutable) {
+    lost_links_.push_back(link);
+  }
+  return result;
+}
+
+bool RouterShell::hear(LinkId link, const HeaderView& header, BytesView frame, Now now, Effects& effects) {
+  core_.hear_frame(link, header, frame, now, effects);
+  return core_.find_link(link) != nullptr;
+}
+
+SendResult RouterShell::deliver(LinkId link, std::uint64_t sequence, ConnectionId to, Frame&& frame) {
+  if (!core_.holds(link)) return send_bus(to, std::move(frame));
+  // A link with more unsealed messages than this is closed at once; see RouterCore::hear_frame.
+  held_[link].push_back({sequence, to, std::move(frame)});
+  return SendResult::sent;
+}
+
+void RouterShell::deliver_held(const DeliverHeld& proven) {
+  const auto at = held_.find(proven.link);
+  if (at == held_.end()) return;
+  while (!at->second.empty() && at->second.front().sequence <= proven.last) {
+    Held held = std::move(at->second.front());
+    at->second.pop_front();
+    const SendResult result = send_bus(held.to, std::move(held.frame));
+    if (result == SendResult::sent) continue;
+    Effects effects;
+    if (const auto header = decode_frame(view_of(held.frame)))
+      core_.nack_peer(proven.link, *header, why_undelivered(result), effects);
+    carry_out(effects);
+  }
+}
+
+}  // namespace trb::router
