@@ -9,7 +9,9 @@ namespace {
 
 constexpr int kEvents = ZMQ_EVENT_HANDSHAKE_SUCCEEDED | ZMQ_EVENT_HANDSHAKE_FAILED_NO_DETAIL |
                         ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL | ZMQ_EVENT_HANDSHAKE_FAILED_AUTH | ZMQ_EVENT_DISCONNECTED |
-                        ZMQ_EVENT_CLOSED | ZMQ_EVENT_CONNECT_RETRIED;
+                        ZMQ_EVENT_CLOSED | ZMQ_EVENT_CONNECT_RETRIED | ZMQ_EVENT_LISTENING | ZMQ_EVENT_ACCEPTED |
+                        ZMQ_EVENT_ACCEPT_FAILED;
+constexpr int kBatch = 256;
 
 std::string make_endpoint() {
   static std::atomic<unsigned> count{0};
@@ -26,6 +28,12 @@ std::optional<LinkEvent> to_event(std::uint16_t event, std::uint32_t value) {
   switch (event) {
     case ZMQ_EVENT_HANDSHAKE_SUCCEEDED:
       return LinkEvent::connected;
+    case ZMQ_EVENT_LISTENING:
+      return LinkEvent::listening;
+    case ZMQ_EVENT_ACCEPTED:
+      return LinkEvent::accepted;
+    case ZMQ_EVENT_ACCEPT_FAILED:
+      return LinkEvent::accept_failed;
     case ZMQ_EVENT_DISCONNECTED:
       return LinkEvent::disconnected;
     case ZMQ_EVENT_CLOSED:
@@ -45,7 +53,7 @@ std::optional<LinkEvent> to_event(std::uint16_t event, std::uint32_t value) {
 
 }  // namespace
 
-SocketMonitor::SocketMonitor(Context& context, Loop& loop, Socket& socket, std::function<void(LinkEvent)> on_event)
+SocketMonitor::SocketMonitor(Context& context, Loop& loop, Socket& socket, OnEvent on_event)
     : loop_(loop),
       socket_(socket),
       pair_(Socket::pair_client(context, start_monitor(socket))),
@@ -60,18 +68,29 @@ SocketMonitor::~SocketMonitor() {
 }
 
 void SocketMonitor::serve() {
+  // A handler may destroy this monitor.
+  const std::weak_ptr<int> here = here_;
+  for (int i = 0; i < kBatch && !here.expired() && serve_one(); ++i) {
+  }
+}
+
+bool SocketMonitor::serve_one() {
   Frame frame;
-  // One event a call: the handler may destroy this monitor.
-  if (!pair_.receive(frame) || frame.size() < 6) return;
+  if (!pair_.receive(frame)) return false;
+  if (frame.size() < 6) return true;
   std::uint16_t event = 0;
   std::uint32_t value = 0;
   std::memcpy(&event, frame.data(), sizeof event);
   std::memcpy(&value, static_cast<const char*>(frame.data()) + sizeof event, sizeof value);
   pair_.skip_rest(frame);
   if (const auto known = to_event(event, value)) {
+    const bool has_fd = event == ZMQ_EVENT_LISTENING || event == ZMQ_EVENT_ACCEPTED ||
+                        event == ZMQ_EVENT_DISCONNECTED || event == ZMQ_EVENT_HANDSHAKE_SUCCEEDED ||
+                        event == ZMQ_EVENT_CLOSED;
     const auto handler = on_event_;
-    handler(*known);
+    handler(*known, has_fd ? static_cast<int>(value) : -1);
   }
+  return true;
 }
 
 }  // namespace trb

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <string>
 
 #include "common/transport/loop.hpp"
@@ -17,22 +18,29 @@ enum class LinkEvent {
   no_curve,          ///< the other side does not speak CURVE
   wrong_server_key,  ///< the handshake's cryptography failed
   protocol_error,    ///< anything else that is no ZMTP
+  listening,         ///< an endpoint is bound
+  accepted,          ///< a TCP connection came; it has proven nothing
+  accept_failed,     ///< one could not be taken: no descriptor was left
 };
 
-/// Watches one socket; the events come on the loop's thread.
+/// Watches one socket; the events come on the loop's thread, later than what they tell of. `fd` is the descriptor of
+/// listening, accepted, connected and disconnected, else -1; it may have been closed since.
 class SocketMonitor {
  public:
-  SocketMonitor(Context& context, Loop& loop, Socket& socket, std::function<void(LinkEvent)> on_event);
+  using OnEvent = std::function<void(LinkEvent event, int fd)>;
+  SocketMonitor(Context& context, Loop& loop, Socket& socket, OnEvent on_event);
   ~SocketMonitor();
   SocketMonitor(const SocketMonitor&) = delete;
   SocketMonitor& operator=(const SocketMonitor&) = delete;
 
  private:
   void serve();
+  bool serve_one();
   Loop& loop_;
   Socket& socket_;
   Socket pair_;
-  std::function<void(LinkEvent)> on_event_;
+  OnEvent on_event_;
+  std::shared_ptr<int> here_ = std::make_shared<int>();  ///< gone with this object
 };
 
 }  // namespace trb

@@ -169,6 +169,10 @@ void Socket::monitor(const std::string& endpoint, int events) {
   if (zmq_socket_monitor(socket_.handle(), endpoint.c_str(), events) != 0) throw zmq::error_t();
 }
 
+int connection_fd(const Frame& frame) {
+  return zmq_msg_get(frame.handle(), ZMQ_SRCFD);
+}
+
 std::string_view user_id(const Frame& frame) {
   const char* value = zmq_msg_gets(frame.handle(), "User-Id");
   return value == nullptr ? std::string_view() : std::string_view(value);

@@ -45,7 +45,8 @@ class Socket {
   /// A service's link to its router, or its router's end for that service (ipc://bus/NAME.ipc).
   static Socket bus_client(Context& context, const std::string& endpoint);
   static Result<Socket> bus_server(Context& context, const std::string& endpoint);
-  /// The one door for other routers. ZAP must be bound before (zap.hpp). An empty endpoint leaves it closed until bind().
+  /// The one door for other routers. ZAP must be bound before (zap.hpp). An empty endpoint leaves it closed until
+  /// bind().
   static Result<Socket> inbox(Context& context, const std::string& endpoint, const CurveKeys& keys);
   /// One more endpoint. Errors: io_error naming it.
   Status bind(const std::string& endpoint);
@@ -83,5 +84,7 @@ class Socket {
 /// The 32-byte CURVE key of the connection that a frame came on, as ZAP's User-Id gives it (hexadecimal); empty
 /// without.
 std::string_view user_id(const Frame& frame);
+/// The descriptor of the connection that a frame came on, or -1; it may have been closed since.
+int connection_fd(const Frame& frame);
 
 }  // namespace trb

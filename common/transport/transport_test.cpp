@@ -44,7 +44,11 @@ struct Door {
   ZapServer zap{context, loop, [this](BytesView key) { return members.count(Bytes(key)) != 0; }};
   Socket inbox = *Socket::inbox(context, "tcp://127.0.0.1:*", server);
   std::vector<LinkEvent> events;
-  SocketMonitor watch{context, loop, inbox, [this](LinkEvent event) { events.push_back(event); }};
+  int accepted_fd = -1;
+  SocketMonitor watch{context, loop, inbox, [this](LinkEvent event, int fd) {
+                        if (event == LinkEvent::accepted) accepted_fd = fd;
+                        if (event != LinkEvent::accepted && event != LinkEvent::listening) events.push_back(event);
+                      }};
 
   bool saw(LinkEvent event) const { return std::find(events.begin(), events.end(), event) != events.end(); }
 };
@@ -57,7 +61,7 @@ struct Caller {
 
   Caller(Door& door, BytesView server_key, bool member)
       : socket(Socket::dialler(door.context, keys, server_key)),
-        watch(door.context, door.loop, socket, [this](LinkEvent event) { events.push_back(event); }) {
+        watch(door.context, door.loop, socket, [this](LinkEvent event, int) { events.push_back(event); }) {
     if (member) door.members.insert(keys.public_key);
     socket.dial(door.inbox.last_endpoint());
   }
@@ -65,6 +69,19 @@ struct Caller {
 };
 
 }  // namespace
+
+TEST_CASE("a frame tells the descriptor of its connection, the one that the monitor told of") {
+  Door door;
+  Caller caller{door, door.server.public_key, true};
+  REQUIRE(turn_until(door.loop, [&] { return caller.saw(LinkEvent::connected); }));
+  caller.socket.send(to_frame("hello"));
+  Frame routing_id;
+  Frame frame;
+  REQUIRE(turn_until(door.loop, [&] { return door.inbox.receive(routing_id); }));
+  REQUIRE(door.inbox.receive(frame));
+  CHECK(door.accepted_fd >= 0);
+  CHECK(connection_fd(frame) == door.accepted_fd);
+}
 
 TEST_CASE("a member's frames carry its key, and the answer finds the way back") {
   init_crypto();
@@ -102,7 +119,7 @@ TEST_CASE("a dialled link is never made again behind the core's back") {
   door->members.insert(keys.public_key);
   Socket dialler = Socket::dialler(other, keys, door->server.public_key);
   std::vector<LinkEvent> events;
-  SocketMonitor watch(other, loop, dialler, [&](LinkEvent event) { events.push_back(event); });
+  SocketMonitor watch(other, loop, dialler, [&](LinkEvent event, int) { events.push_back(event); });
   const std::string endpoint = door->inbox.last_endpoint();
   dialler.dial(endpoint);
   REQUIRE(turn_until(door->loop, [&] { return door->saw(LinkEvent::connected); }));

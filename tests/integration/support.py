@@ -65,8 +65,8 @@ class Watch:
             file.seek(self.start)
             return file.read().decode()
 
-    def wait_counted(self, name, count=1, timeout=6):
-        self.fleet.wait(f"{name} >= {count}", lambda: self.rise().get(name, 0) >= count, timeout)
+    def wait_counted(self, name, count=1, timeout=6, prefixes=("refused.", "beacon.")):
+        self.fleet.wait(f"{name} >= {count}", lambda: self.rise(prefixes).get(name, 0) >= count, timeout)
 
     def wait_logged(self, text, timeout=3):
         self.fleet.wait(f"{text!r} in {self.log_path}", lambda: text in self.log(), timeout)

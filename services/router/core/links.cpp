@@ -177,6 +177,14 @@ void RouterCore::drop_link(LinkId id, const std::string& why, bool say_goodbye, 
   redial_later(peer.redial, now, own_is_smaller(name) ? Duration{} : config_.timing.yield);
 }
 
+void RouterCore::on_bad_frame(LinkId id, const Error& error, Now now, Effects& out) {
+  const std::string code(errc_name(error.code));
+  out.count("refused." + code);
+  out.log(LogLevel::warning, "frame_refused", error.text());
+  note_trouble(id, code, error.what, now);
+  drop_link(id, "sent a frame that is none: " + code, true, now, out);
+}
+
 void RouterCore::on_link_ended(LinkId id, LinkEnd how, Now now, Effects& out) {
   const auto at = links_.find(id);
   if (at == links_.end()) return;

@@ -212,3 +212,19 @@ TEST_CASE("a certificate that ends takes its link with it") {
   fleet.run(Seconds(8));
   CHECK(fleet.at("ant").link_to("bee") == 0);
 }
+
+TEST_CASE("a frame that is none ends its link under a name of its own, not as a gap in the sequence") {
+  TestFleet fleet;
+  fleet.start("ant");
+  fleet.start("bee");
+  fleet.run(milliseconds(500));
+  const LinkId link = fleet.at("bee").link_to("ant");
+  Effects effects;
+  fleet.at("bee").core->on_bad_frame(link, fail(Errc::malformed, "header: no array"), fleet.now, effects);
+  fleet.carry_out(fleet.at("bee"), effects);
+  CHECK(fleet.at("bee").link_to("ant") == 0);
+  CHECK(fleet.at("bee").count("refused.malformed") == 1);
+  CHECK(fleet.at("bee").count("refused.sequence") == 0);
+  fleet.run(Seconds(5));
+  check_linked(fleet, "ant", "bee");
+}

@@ -71,6 +71,8 @@ class RouterCore {
   /// A message for the router itself, or the first one (Hello), that came by a link.
   void on_link_message(LinkId link, BytesView key, const Message& message, std::uint64_t sequence, Now now,
                        Effects& out);
+  /// A frame that is none came by this link, or by a connection without one (0): the next of the link would be missing.
+  void on_bad_frame(LinkId link, const Error& error, Now now, Effects& out);
   void on_beacon(BytesView plain, Now now, Effects& out);
 
   // ---- seals

@@ -1,4 +1,6 @@
 // Links to other routers: the inbox (accepted) and a DEALER for each dialled one.
+#include <algorithm>
+
 #include "common/base/hex.hpp"
 #include "services/router/io/router_shell.hpp"
 
@@ -10,6 +12,9 @@ constexpr int kBatch = 256;
 std::optional<LinkEnd> to_end(LinkEvent event) {
   switch (event) {
     case LinkEvent::connected:
+    case LinkEvent::listening:
+    case LinkEvent::accepted:
+    case LinkEvent::accept_failed:
       return std::nullopt;
     case LinkEvent::failed:
       return LinkEnd::failed;
@@ -47,10 +52,11 @@ void RouterShell::drain_inbox() {
 void RouterShell::on_inbox_frame(BytesView routing_id, Frame& frame) {
   const auto header = decode_frame(view_of(frame));
   if (!header) {
-    core_.count("refused." + std::string(errc_name(header.error().code)));
-    core_.note_trouble(0, errc_name(header.error().code), header.error().what, read_clocks());
-    log_limited(limit_, read_clocks().mono, Level::warning, "frame_refused", header.error().text());
-    return;
+    const auto from = std::find_if(accepted_.begin(), accepted_.end(), [&](const auto& row) {
+      return row.second.routing_id == routing_id && row.second.user == user_id(frame);
+    });
+    if (from == accepted_.end()) door_.leave(door_.visitor(connection_fd(frame)));
+    return on_bad_frame(from == accepted_.end() ? 0 : from->first, header.error());
   }
   const std::string_view user = user_id(frame);
   const auto link = accepted_.find(header->link);
@@ -58,7 +64,7 @@ void RouterShell::on_inbox_frame(BytesView routing_id, Frame& frame) {
   if (proven) return on_link_frame(header->link, {}, *header, frame);
   const auto key = from_hex(user);
   if (!key || key->size() != 32) return core_.count("refused.no_key");
-  origin_ = {Bytes(routing_id), Bytes(user)};
+  origin_ = {Bytes(routing_id), Bytes(user), door_.visitor(connection_fd(frame))};
   Effects effects;
   if (link != accepted_.end()) {
     // Another connection names a link that is not its own.
@@ -110,8 +116,12 @@ void RouterShell::drain_dialled(LinkId link) {
       continue;
     }
     const auto header = decode_frame(view_of(frame));
+    if (!header) {
+      on_bad_frame(link, header.error());
+      continue;
+    }
     const Link* known = core_.find_link(link);
-    if (!header || known == nullptr || header->link != link) {
+    if (known == nullptr || header->link != link) {
       core_.count("refused.malformed");
       continue;
     }
@@ -125,16 +135,17 @@ void RouterShell::dial(const Dial& effect) {
   Dialled dialled;
   dialled.socket = std::make_unique<Socket>(Socket::dialler(context_, options_.link_keys, effect.server_key));
   const LinkId link = effect.link;
-  dialled.monitor = std::make_unique<SocketMonitor>(context_, loop_, *dialled.socket, [this, link](LinkEvent event) {
-    Effects effects;
-    const auto end = to_end(event);
-    if (end) {
-      core_.on_link_ended(link, *end, read_clocks(), effects);
-    } else {
-      core_.on_dial_connected(link, read_clocks(), effects);
-    }
-    carry_out(effects);
-  });
+  dialled.monitor =
+      std::make_unique<SocketMonitor>(context_, loop_, *dialled.socket, [this, link](LinkEvent event, int) {
+        Effects effects;
+        const auto end = to_end(event);
+        if (end) {
+          core_.on_link_ended(link, *end, read_clocks(), effects);
+        } else {
+          core_.on_dial_connected(link, read_clocks(), effects);
+        }
+        carry_out(effects);
+      });
   loop_.add_socket(
       dialled.socket->handle(), [this, link] { drain_dialled(link); }, dialled.socket->unseen());
   Socket* socket = dialled.socket.get();
@@ -147,7 +158,10 @@ void RouterShell::dial(const Dial& effect) {
 }
 
 void RouterShell::close_link(LinkId link) {
-  accepted_.erase(link);
+  if (const auto accepted = accepted_.find(link); accepted != accepted_.end()) {
+    door_.leave(accepted->second.visitor);
+    accepted_.erase(accepted);
+  }
   core_.forget_link(link);
   held_.erase(link);
   const auto at = dialled_.find(link);
@@ -196,8 +210,36 @@ void RouterShell::forward_to_all(Frame& frame, const HeaderView&) {
   }
 }
 
-void RouterShell::on_inbox_event(LinkEvent event) {
+void RouterShell::on_bad_frame(LinkId link, const Error& error) {
+  Effects effects;
+  core_.on_bad_frame(link, error, read_clocks(), effects);
+  carry_out(effects);
+}
+
+void RouterShell::on_source_blocked(const std::string& source) {
+  core_.count("refused.source_blocked");
+  log_limited(limit_, read_clocks().mono, Level::warning, "source_blocked",
+              source + " has too many connections that prove nothing; its new ones are dropped for 10 s");
+}
+
+void RouterShell::on_visitor_cut(const std::string& address) {
+  core_.count("cut.no_link");
+  log_limited(limit_, read_clocks().mono, Level::warning, "no_link",
+              "the connection of " + address + " has become no link in time and was cut");
+}
+
+void RouterShell::on_inbox_event(LinkEvent event, int fd) {
+  door_.on_event(event, fd);
+  if (event == LinkEvent::failed && fd >= 0) return;  // the listening socket itself was closed
   switch (event) {
+    case LinkEvent::accept_failed:
+      core_.count("refused.no_descriptor");
+      log_limited(limit_, read_clocks().mono, Level::error, "no_descriptor",
+                  "a connection could not be taken: raise the limit of open files (ulimit -n)");
+      break;
+    case LinkEvent::listening:
+    case LinkEvent::accepted:
+      break;
     case LinkEvent::no_curve:
       core_.count("refused.no_curve");
       log_limited(limit_, read_clocks().mono, Level::warning, "no_curve", "a client without CURVE was refused");

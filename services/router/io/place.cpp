@@ -42,19 +42,20 @@ Status RouterShell::open_inbox(const Resolved& host) {
   if (inbox_) loop_.remove_socket(inbox_->handle());
   inbox_monitor_.reset();
   inbox_.reset();
+  door_.reset();
   beacon_.reset();
   vpn_endpoint_.clear();
   host_ = {};
   const std::string endpoint = host.address.empty() ? "" : "tcp://" + join_host_port(host.address, options_.port);
-  auto inbox = Socket::inbox(context_, endpoint, options_.link_keys);
-  const Status bound = inbox ? Status(Done{}) : Status(inbox.error());
-  if (!inbox) inbox = Socket::inbox(context_, "", options_.link_keys);
+  auto inbox = Socket::inbox(context_, "", options_.link_keys);
   if (!inbox) return inbox.error();
   inbox_ = std::make_unique<Socket>(std::move(*inbox));
-  inbox_monitor_ =
-      std::make_unique<SocketMonitor>(context_, loop_, *inbox_, [this](LinkEvent event) { on_inbox_event(event); });
+  inbox_monitor_ = std::make_unique<SocketMonitor>(context_, loop_, *inbox_,
+                                                   [this](LinkEvent event, int fd) { on_inbox_event(event, fd); });
   loop_.add_socket(
       inbox_->handle(), [this] { drain_inbox(); }, inbox_->unseen());
+  // The monitor is there before the door opens: it must see every connection, and the listening socket itself.
+  const Status bound = endpoint.empty() ? Status(Done{}) : inbox_->bind(endpoint);
   if (!bound) return bound;
   if (!host.address.empty() && core_.config().beacon && !host.broadcast.empty()) {
     auto beacon = BeaconSocket::open(loop_, host.address, host.broadcast, options_.beacon_port,

@@ -84,13 +84,15 @@ void RouterShell::carry_out(Effects& effects) {
                    [this](Dial& dial) { this->dial(dial); },
                    [this](CloseLink& close) { close_link(close.link); },
                    [this](AcceptLink& accept) {
-                     accepted_[accept.link] = {origin_.routing_id, origin_.user};
+                     accepted_[accept.link] = {origin_.routing_id, origin_.user, origin_.visitor};
+                     door_.linked(origin_.visitor);
                    },
                    [this](RefuseCandidate& refuse) {
                      if (origin_.routing_id.empty()) return;
                      Bytes frame = encode_frame(refuse.message);
                      stamp_link(frame.data(), refuse.link, 1, refuse.message.remaining_ms);
                      inbox_->send_to(origin_.routing_id, to_frame(frame));
+                     door_.leave(origin_.visitor);
                    },
                    [this](SendBeacon& beacon) {
                      if (beacon_)

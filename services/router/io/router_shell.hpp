@@ -16,6 +16,7 @@
 #include "common/transport/zap.hpp"
 #include "services/router/core/router_core.hpp"
 #include "services/router/io/beacon_socket.hpp"
+#include "services/router/io/door.hpp"
 #include "services/router/io/interface_watch.hpp"
 #include "services/router/io/keys_watch.hpp"
 
@@ -61,11 +62,13 @@ class RouterShell {
   struct Accepted {
     Bytes routing_id;
     Bytes user;  ///< User-Id: the key, in hexadecimal
+    VisitorId visitor = 0;
   };
   /// Where the message now being handled came from, for AcceptLink and RefuseCandidate.
   struct InboxOrigin {
     Bytes routing_id;
     Bytes user;
+    VisitorId visitor = 0;
   };
 
   Status open_bus();
@@ -93,7 +96,10 @@ class RouterShell {
   SendResult put_on_link(LinkId link, Frame&& frame);
   void forward_to_link(ConnectionId from, LinkId link, const HeaderView& header, Frame&& frame);
   void forward_to_all(Frame& frame, const HeaderView& header);
-  void on_inbox_event(LinkEvent event);
+  void on_inbox_event(LinkEvent event, int fd);
+  void on_bad_frame(LinkId link, const Error& error);
+  void on_source_blocked(const std::string& source);
+  void on_visitor_cut(const std::string& address);
   // place.cpp
   Status open_place();
   Status open_inbox(const Resolved& host);
@@ -133,6 +139,8 @@ class RouterShell {
   ConnectionId next_connection_ = 0;
   std::unique_ptr<Socket> inbox_;
   std::unique_ptr<SocketMonitor> inbox_monitor_;
+  Door door_{loop_, [this](const std::string& source) { on_source_blocked(source); },
+             [this](const std::string& address) { on_visitor_cut(address); }};
   std::map<LinkId, Dialled> dialled_;
   std::vector<Dialled> closed_;  ///< freed between turns: a monitor must not die inside its own call
   std::map<LinkId, Accepted> accepted_;

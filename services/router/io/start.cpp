@@ -89,6 +89,7 @@ int refuse(const std::string& text) {
 int start(const std::string& node_dir) {
   init_crypto();
   block_signals();
+  raise_descriptor_limit();
   const NodeCheck check = check_node_dir(node_dir, true);
   if (!faults_that_stop(check.faults).empty()) return refuse("nothing started\n" + to_text(check.faults));
   if (::chdir(node_dir.c_str()) != 0) return refuse(node_dir + ": no such folder");

@@ -1,0 +1,132 @@
+#include "common/transport/tcp_door.hpp"
+
+#include <arpa/inet.h>
+#include <linux/filter.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+
+#include <cstdint>
+#include <cstring>
+
+namespace trb {
+namespace {
+
+constexpr std::size_t kPrefixBytes = 8;  ///< of IPv6: what one customer gets at least
+
+std::string text_of(int family, const void* bytes) {
+  char out[INET6_ADDRSTRLEN] = {};
+  return ::inet_ntop(family, bytes, out, sizeof out) == nullptr ? "" : out;
+}
+
+RemoteEnd end_of(const sockaddr_in& from) {
+  const std::string host = text_of(AF_INET, &from.sin_addr);
+  return {host + ":" + std::to_string(ntohs(from.sin_port)), host};
+}
+
+RemoteEnd end_of(const sockaddr_in6& from) {
+  if (IN6_IS_ADDR_V4MAPPED(&from.sin6_addr)) {
+    sockaddr_in v4{};
+    std::memcpy(&v4.sin_addr, &from.sin6_addr.s6_addr[12], sizeof v4.sin_addr);
+    v4.sin_port = from.sin6_port;
+    return end_of(v4);
+  }
+  in6_addr prefix{};
+  std::memcpy(&prefix, &from.sin6_addr, kPrefixBytes);
+  return {"[" + text_of(AF_INET6, &from.sin6_addr) + "]:" + std::to_string(ntohs(from.sin6_port)),
+          text_of(AF_INET6, &prefix) + "/64"};
+}
+
+using Program = std::vector<sock_filter>;
+
+constexpr sock_filter statement(int code, std::uint32_t k) {
+  return {static_cast<std::uint16_t>(code), 0, 0, k};
+}
+/// The next instruction if A is k, else the one `past` further on.
+constexpr sock_filter unless_equal(std::uint32_t k, std::uint8_t past) {
+  return {BPF_JMP | BPF_JEQ | BPF_K, 0, past, k};
+}
+constexpr sock_filter load(std::uint32_t at) {
+  return statement(BPF_LD | BPF_W | BPF_ABS, static_cast<std::uint32_t>(SKF_NET_OFF) + at);
+}
+constexpr std::uint32_t kV4Source = 12;  // in the IP header
+constexpr std::uint32_t kV6Source = 8;
+constexpr std::uint32_t kKeep = 0xffffffff;
+
+Program drops_v4(const std::vector<std::string>& sources) {
+  Program out{load(kV4Source)};
+  for (const std::string& source : sources) {
+    in_addr address{};
+    if (::inet_pton(AF_INET, source.c_str(), &address) != 1) continue;
+    out.push_back(unless_equal(ntohl(address.s_addr), 1));
+    out.push_back(statement(BPF_RET | BPF_K, 0));
+  }
+  out.push_back(statement(BPF_RET | BPF_K, kKeep));
+  return out;
+}
+
+Program drops_v6(const std::vector<std::string>& sources) {
+  Program out;
+  for (const std::string& source : sources) {
+    in6_addr address{};
+    const std::size_t slash = source.find('/');
+    if (slash == std::string::npos || ::inet_pton(AF_INET6, source.substr(0, slash).c_str(), &address) != 1) continue;
+    std::uint32_t words[2] = {};
+    std::memcpy(words, &address, sizeof words);
+    out.insert(out.end(), {load(kV6Source), unless_equal(ntohl(words[0]), 3), load(kV6Source + 4),
+                           unless_equal(ntohl(words[1]), 1), statement(BPF_RET | BPF_K, 0)});
+  }
+  out.push_back(statement(BPF_RET | BPF_K, kKeep));
+  return out;
+}
+
+Program make_program(const std::vector<std::string>& sources, bool everybody) {
+  if (everybody) return {statement(BPF_RET | BPF_K, 0)};
+  const Program v4 = drops_v4(sources);
+  const Program v6 = drops_v6(sources);
+  Program out{load(0), statement(BPF_ALU | BPF_RSH | BPF_K, 28), unless_equal(6, 1),
+              statement(BPF_JMP | BPF_JA, static_cast<std::uint32_t>(v4.size()))};
+  out.insert(out.end(), v4.begin(), v4.end());
+  out.insert(out.end(), v6.begin(), v6.end());
+  return out;
+}
+
+}  // namespace
+
+std::optional<RemoteEnd> remote_end(int fd) {
+  sockaddr_storage from{};
+  socklen_t size = sizeof from;
+  if (::getpeername(fd, reinterpret_cast<sockaddr*>(&from), &size) != 0) return std::nullopt;
+  if (from.ss_family == AF_INET) return end_of(reinterpret_cast<const sockaddr_in&>(from));
+  if (from.ss_family == AF_INET6) return end_of(reinterpret_cast<const sockaddr_in6&>(from));
+  return std::nullopt;
+}
+
+void cut_connection(int fd, const RemoteEnd& expected) {
+  const auto now = remote_end(fd);
+  if (now && now->address == expected.address) ::shutdown(fd, SHUT_RDWR);
+}
+
+void SourceFilter::add_listener(int fd) {
+  listeners_.insert(fd);
+  if (everybody_ || !sources_.empty()) (void)attach(fd);
+}
+
+bool SourceFilter::set(const std::vector<std::string>& sources, bool everybody) {
+  sources_.assign(sources.begin(), sources.begin() + static_cast<long>(std::min(sources.size(), kMostSources)));
+  everybody_ = everybody;
+  bool good = true;
+  for (const int fd : listeners_) good = attach(fd) && good;
+  return good;
+}
+
+bool SourceFilter::attach(int fd) const {
+  if (!everybody_ && sources_.empty()) {
+    const int none = 0;
+    return ::setsockopt(fd, SOL_SOCKET, SO_DETACH_FILTER, &none, sizeof none) == 0 || errno == ENOENT;
+  }
+  Program program = make_program(sources_, everybody_);
+  const sock_fprog filter{static_cast<unsigned short>(program.size()), program.data()};
+  return ::setsockopt(fd, SOL_SOCKET, SO_ATTACH_FILTER, &filter, sizeof filter) == 0;
+}
+
+}  // namespace trb

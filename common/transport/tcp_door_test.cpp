@@ -1,0 +1,145 @@
+// The kernel's filter and the cut of one connection, with plain sockets.
+#include "common/transport/tcp_door.hpp"
+
+#include <arpa/inet.h>
+#include <doctest/doctest.h>
+#include <netinet/in.h>
+#include <poll.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <utility>
+
+using namespace trb;
+
+namespace {
+
+class Fd {
+ public:
+  explicit Fd(int fd) : fd_(fd) {}
+  Fd(Fd&& other) noexcept : fd_(std::exchange(other.fd_, -1)) {}
+  Fd(const Fd&) = delete;
+  Fd& operator=(const Fd&) = delete;
+  ~Fd() {
+    if (fd_ >= 0) ::close(fd_);
+  }
+  [[nodiscard]] int get() const { return fd_; }
+
+ private:
+  int fd_;
+};
+
+/// A listening socket on every address, and connections to it from addresses of this machine.
+struct Door {
+  explicit Door(int family_in) : family(family_in), listener(::socket(family, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
+    REQUIRE(listener.get() >= 0);
+    if (family == AF_INET6) {
+      sockaddr_in6 any{};
+      any.sin6_family = AF_INET6;
+      any.sin6_addr = in6addr_loopback;
+      REQUIRE(::bind(listener.get(), reinterpret_cast<sockaddr*>(&any), sizeof any) == 0);
+    } else {
+      sockaddr_in any{};
+      any.sin_family = AF_INET;
+      REQUIRE(::inet_pton(AF_INET, "127.0.130.1", &any.sin_addr) == 1);
+      REQUIRE(::bind(listener.get(), reinterpret_cast<sockaddr*>(&any), sizeof any) == 0);
+    }
+    REQUIRE(::listen(listener.get(), 16) == 0);
+    REQUIRE(::getsockname(listener.get(), reinterpret_cast<sockaddr*>(&name), &size) == 0);
+  }
+
+  /// Has the connection come about within the time? A dropped packet is only sent again after a second.
+  [[nodiscard]] bool lets_in(const char* from = nullptr) const { return connect(from, 300).first; }
+
+  [[nodiscard]] std::pair<bool, Fd> connect(const char* from, int wait_ms) const {
+    Fd fd(::socket(family, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
+    if (from != nullptr) {
+      sockaddr_in source{};
+      source.sin_family = AF_INET;
+      REQUIRE(::inet_pton(AF_INET, from, &source.sin_addr) == 1);
+      REQUIRE(::bind(fd.get(), reinterpret_cast<sockaddr*>(&source), sizeof source) == 0);
+    }
+    ::connect(fd.get(), reinterpret_cast<const sockaddr*>(&name), size);
+    pollfd item{fd.get(), POLLOUT, 0};
+    const bool up = ::poll(&item, 1, wait_ms) == 1 && (item.revents & POLLERR) == 0;
+    return {up, std::move(fd)};
+  }
+
+  int family;
+  Fd listener;
+  sockaddr_storage name{};
+  socklen_t size = sizeof name;
+};
+
+}  // namespace
+
+TEST_CASE("the kernel drops what a blocked source sends to a listening socket, and nobody else's") {
+  const Door door(AF_INET);
+  SourceFilter filter;
+  filter.add_listener(door.listener.get());
+  const auto [up, before] = door.connect("127.0.130.66", 300);
+  REQUIRE(up);
+  const Fd accepted(::accept(door.listener.get(), nullptr, nullptr));
+  REQUIRE(filter.set({"127.0.130.65", "127.0.130.66"}, false));
+  CHECK(!door.lets_in("127.0.130.66"));
+  CHECK(!door.lets_in("127.0.130.65"));
+  CHECK(door.lets_in("127.0.130.67"));
+  // The connection that was there before goes on.
+  REQUIRE(::send(before.get(), "x", 1, MSG_NOSIGNAL) == 1);
+  pollfd item{accepted.get(), POLLIN, 0};
+  CHECK(::poll(&item, 1, 1000) == 1);
+  REQUIRE(filter.set({}, true));
+  CHECK(!door.lets_in("127.0.130.67"));
+  REQUIRE(filter.set({}, false));
+  CHECK(door.lets_in("127.0.130.66"));
+}
+
+TEST_CASE("as many sources as there may be, and a listener that comes later") {
+  const Door door(AF_INET);
+  std::vector<std::string> sources;
+  for (int i = 1; i <= 100; ++i) sources.push_back("127.0.131." + std::to_string(i));
+  SourceFilter filter;
+  REQUIRE(filter.set(sources, false));
+  filter.add_listener(door.listener.get());
+  CHECK(!door.lets_in("127.0.131.64"));
+  CHECK(door.lets_in("127.0.131.65"));
+  CHECK(door.lets_in("127.0.132.1"));
+}
+
+TEST_CASE("IPv6 is told apart by its first 64 bits") {
+  const Fd probe(::socket(AF_INET6, SOCK_STREAM | SOCK_CLOEXEC, 0));
+  sockaddr_in6 own{};
+  own.sin6_family = AF_INET6;
+  own.sin6_addr = in6addr_loopback;
+  if (probe.get() < 0 || ::bind(probe.get(), reinterpret_cast<sockaddr*>(&own), sizeof own) != 0) return;
+  const Door door(AF_INET6);
+  SourceFilter filter;
+  filter.add_listener(door.listener.get());
+  REQUIRE(filter.set({"2001:db8::/64", "127.0.0.1"}, false));
+  const auto [up, client] = door.connect(nullptr, 300);
+  CHECK(up);
+  const Fd accepted(::accept(door.listener.get(), nullptr, nullptr));
+  CHECK(remote_end(accepted.get())->source == "::/64");
+  REQUIRE(filter.set({"2001:db8::/64", "::/64"}, false));
+  CHECK(!door.lets_in());
+}
+
+TEST_CASE("one connection is cut, unless its descriptor is another one's by now") {
+  const Door door(AF_INET);
+  const auto [up, client] = door.connect("127.0.130.66", 300);
+  REQUIRE(up);
+  const Fd accepted(::accept(door.listener.get(), nullptr, nullptr));
+  const auto end = remote_end(accepted.get());
+  REQUIRE(end);
+  CHECK(end->source == "127.0.130.66");
+  CHECK(end->address.starts_with("127.0.130.66:"));
+  char byte = 0;
+  cut_connection(accepted.get(), {"127.0.130.66:1", "127.0.130.66"});
+  CHECK(::recv(client.get(), &byte, 1, MSG_DONTWAIT) < 0);
+  cut_connection(accepted.get(), *end);
+  pollfd item{client.get(), POLLIN, 0};
+  REQUIRE(::poll(&item, 1, 1000) == 1);
+  CHECK(::recv(client.get(), &byte, 1, MSG_DONTWAIT) == 0);
+  CHECK(!remote_end(door.listener.get()));
+  CHECK(!remote_end(-1));
+}

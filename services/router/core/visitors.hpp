@@ -1,0 +1,95 @@
+// Connections at the inbox that have proven nothing yet: bounded in number and time, a source of too many is kept out.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "common/base/time.hpp"
+
+namespace trb::router {
+
+/// Numbers a connection for good, unlike its descriptor.
+using VisitorId = std::uint64_t;
+
+struct VisitorLimits {
+  std::size_t open_from_one = 128;           ///< unproven connections of one source at a time
+  std::size_t failures_of_one = 512;         ///< connections of one source that ended without proof, in a window
+  std::size_t open = 1024;                   ///< unproven connections in all
+  std::size_t sources = 4096;                ///< sources whose failures are remembered
+  std::size_t blocked = 64;                  ///< sources kept out at a time
+  Duration proof = std::chrono::seconds(4);  ///< from TCP to a link: CURVE has 2 s, then Hello 2 s
+  Duration window = std::chrono::seconds(10);
+  Duration block = std::chrono::seconds(10);
+  Duration leave = std::chrono::milliseconds(500);  ///< from the Goodbye to the cut
+};
+
+/// state    | event                        | next
+/// ---------|------------------------------|------------------------------------------------------------
+/// -        | accepted                     | unproven; the 129th of its source: that source is blocked
+/// unproven | linked                       | linked
+/// unproven | 4 s (expired)                | cut, counted as a failure of its source
+/// unproven | leave                        | leaving: cut after 0.5 s, so that a Goodbye is read
+/// linked   | leave                        | leaving
+/// any      | gone                         | -; unproven: a failure of its source
+/// The 513th failure of a source in 10 s blocks it: its unproven connections are cut, new ones never come up.
+class Visitors {
+ public:
+  explicit Visitors(VisitorLimits limits = {}) : limits_(limits) {}
+
+  /// What has to be done since the last look.
+  struct Orders {
+    std::vector<VisitorId> cut;
+    std::vector<VisitorId> expired;  ///< of these, those whose time to become a link is over
+    std::vector<std::string> newly_blocked;
+    bool filter_changed = false;  ///< blocked() or closed() is another than before
+  };
+
+  VisitorId accepted(const std::string& source, MonotonicTime now);
+  void linked(VisitorId id);
+  void leave(VisitorId id, MonotonicTime now);
+  void gone(VisitorId id, MonotonicTime now);
+  void tick(MonotonicTime now);
+  [[nodiscard]] std::optional<MonotonicTime> next_deadline() const;
+  Orders take_orders();
+
+  [[nodiscard]] const std::map<std::string, MonotonicTime>& blocked() const { return blocked_; }
+  /// No connection of anybody's is let in for now: there are too many unproven ones.
+  [[nodiscard]] bool closed() const { return closed_; }
+  [[nodiscard]] std::size_t unproven() const { return unproven_; }
+
+ private:
+  struct Visitor {
+    std::string source;
+    bool linked = false;
+    bool leaving = false;
+    std::optional<MonotonicTime> cut_at;
+  };
+  struct Source {
+    std::size_t open = 0;
+    std::size_t failures = 0;
+    MonotonicTime window_end;
+  };
+
+  Source* source_of(const std::string& name, MonotonicTime now);
+  void count_out(const Visitor& visitor);
+  void failed(const std::string& name, MonotonicTime now);
+  void block(const std::string& name, MonotonicTime now);
+  void set_closed(bool closed);
+
+  VisitorLimits limits_;
+  VisitorId last_ = 0;
+  std::map<VisitorId, Visitor> visitors_;
+  std::set<std::pair<MonotonicTime, VisitorId>> cuts_;
+  std::map<std::string, Source> sources_;
+  std::map<std::string, MonotonicTime> blocked_;  ///< source -> until when
+  std::size_t unproven_ = 0;
+  bool closed_ = false;
+  std::optional<MonotonicTime> forget_at_;
+  Orders orders_;
+};
+
+}  // namespace trb::router

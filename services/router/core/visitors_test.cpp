@@ -1,0 +1,126 @@
+// Connections that prove nothing: how many, how long, and who is kept out.
+#include "services/router/core/visitors.hpp"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+
+using namespace trb;
+using namespace trb::router;
+
+namespace {
+
+struct Inbox {
+  Visitors visitors{VisitorLimits{.open_from_one = 4, .failures_of_one = 8, .open = 12, .sources = 20, .blocked = 3}};
+  MonotonicTime now{1'000'000'000};
+  Visitors::Orders orders;
+
+  VisitorId come(const std::string& source) { return visitors.accepted(source, now); }
+  const Visitors::Orders& look() { return orders = visitors.take_orders(); }
+  /// Lets time pass, from deadline to deadline.
+  const Visitors::Orders& wait(double time_s) {
+    const MonotonicTime end = now + seconds(time_s);
+    Visitors::Orders all = visitors.take_orders();
+    for (auto next = visitors.next_deadline(); next && *next <= end; next = visitors.next_deadline()) {
+      now = std::max(now, *next);
+      visitors.tick(now);
+      auto more = visitors.take_orders();
+      all.cut.insert(all.cut.end(), more.cut.begin(), more.cut.end());
+      all.filter_changed = all.filter_changed || more.filter_changed;
+    }
+    now = end;
+    return orders = std::move(all);
+  }
+};
+
+}  // namespace
+
+TEST_CASE("a connection has 4 s to become a link") {
+  Inbox inbox;
+  const auto silent = inbox.come("a");
+  const auto member = inbox.come("b");
+  CHECK(inbox.visitors.unproven() == 2);
+  inbox.visitors.linked(member);
+  CHECK(inbox.visitors.unproven() == 1);
+  CHECK(inbox.wait(3.9).cut.empty());
+  CHECK(inbox.wait(0.2).cut == std::vector<VisitorId>{silent});
+  inbox.visitors.gone(silent, inbox.now);
+  CHECK(inbox.visitors.unproven() == 0);
+  CHECK(inbox.wait(100).cut.empty());
+}
+
+TEST_CASE("a link that is over is cut once its Goodbye may have been read") {
+  Inbox inbox;
+  const auto member = inbox.come("a");
+  inbox.visitors.linked(member);
+  inbox.visitors.leave(member, inbox.now);
+  CHECK(inbox.wait(0.4).cut.empty());
+  CHECK(inbox.wait(0.2).cut == std::vector<VisitorId>{member});
+  inbox.visitors.gone(member, inbox.now);
+  CHECK(inbox.wait(100).cut.empty());
+}
+
+TEST_CASE("too many at a time from one source: they are cut, the source is kept out for 10 s, nobody else is") {
+  Inbox inbox;
+  const auto good = inbox.come("good");
+  for (int i = 0; i < 4; ++i) inbox.come("bad");
+  CHECK(!inbox.look().filter_changed);
+  inbox.come("bad");
+  CHECK(inbox.look().newly_blocked == std::vector<std::string>{"bad"});
+  CHECK(inbox.orders.filter_changed);
+  CHECK(inbox.orders.cut.size() == 5);
+  CHECK(std::find(inbox.orders.cut.begin(), inbox.orders.cut.end(), good) == inbox.orders.cut.end());
+  const auto late = inbox.come("bad");  // was in the kernel's queue
+  CHECK(inbox.look().cut == std::vector<VisitorId>{late});
+  CHECK(inbox.orders.newly_blocked.empty());
+  CHECK(inbox.visitors.blocked().count("bad") == 1);
+  CHECK(inbox.wait(10).filter_changed);
+  CHECK(inbox.visitors.blocked().empty());
+}
+
+TEST_CASE("one after the other is noticed too") {
+  Inbox inbox;
+  for (int i = 0; i < 8; ++i) inbox.visitors.gone(inbox.come("bad"), inbox.now);
+  CHECK(inbox.look().newly_blocked.empty());
+  inbox.visitors.gone(inbox.come("bad"), inbox.now);
+  CHECK(inbox.look().newly_blocked == std::vector<std::string>{"bad"});
+}
+
+TEST_CASE("a few failures in every window harm nobody, and links that end are none") {
+  Inbox inbox;
+  for (int window = 0; window < 5; ++window) {
+    for (int i = 0; i < 8; ++i) inbox.visitors.gone(inbox.come("clumsy"), inbox.now);
+    for (int i = 0; i < 30; ++i) {
+      const auto member = inbox.come("nat");
+      inbox.visitors.linked(member);
+      inbox.visitors.gone(member, inbox.now);
+    }
+    inbox.wait(10.1);
+  }
+  CHECK(inbox.visitors.blocked().empty());
+}
+
+TEST_CASE("from many sources: the inbox closes until half of them are gone") {
+  Inbox inbox;
+  std::vector<VisitorId> ids;
+  for (int i = 0; i < 12; ++i) ids.push_back(inbox.come("source " + std::to_string(i)));
+  CHECK(inbox.look().filter_changed);
+  CHECK(inbox.visitors.closed());
+  for (int i = 0; i < 6; ++i) inbox.visitors.gone(ids[static_cast<std::size_t>(i)], inbox.now);
+  CHECK(inbox.look().filter_changed);
+  CHECK(!inbox.visitors.closed());
+}
+
+TEST_CASE("more sources than can be kept out, or remembered") {
+  Inbox inbox;
+  for (int source = 0; source < 4; ++source) {
+    for (int i = 0; i < 9; ++i) inbox.visitors.gone(inbox.come("source " + std::to_string(source)), inbox.now);
+  }
+  CHECK(inbox.visitors.blocked().size() == 3);
+  for (int source = 0; source < 1000; ++source) {
+    inbox.visitors.gone(inbox.come("new " + std::to_string(source)), inbox.now);
+  }
+  CHECK(inbox.visitors.unproven() == 0);
+  inbox.wait(30);
+  CHECK(!inbox.visitors.next_deadline());
+}

@@ -1,0 +1,91 @@
+#include "services/router/io/door.hpp"
+
+#include <sys/resource.h>
+
+namespace trb::router {
+
+Door::Door(Loop& loop, std::function<void(const std::string&)> on_blocked,
+           std::function<void(const std::string&)> on_cut)
+    : on_blocked_(std::move(on_blocked)), on_cut_(std::move(on_cut)) {
+  loop.add_timer([this] { return visitors_.next_deadline(); },
+                 [this](Now now) {
+                   visitors_.tick(now.mono);
+                   carry_out();
+                 });
+}
+
+void Door::on_event(LinkEvent event, int fd) {
+  if (event == LinkEvent::listening) return filter_.add_listener(fd);
+  if (event == LinkEvent::accepted) return on_accepted(fd);
+  if (fd < 0 || event == LinkEvent::connected) return;
+  filter_.remove_listener(fd);
+  const auto at = by_fd_.find(fd);
+  if (at == by_fd_.end()) return;
+  visitors_.gone(at->second, read_clocks().mono);
+  connections_.erase(at->second);
+  by_fd_.erase(at);
+  carry_out();
+}
+
+void Door::on_accepted(int fd) {
+  // It may be gone already: then its end is the next thing that is told of this descriptor.
+  const auto end = remote_end(fd);
+  const VisitorId id = visitors_.accepted(end ? end->source : "", read_clocks().mono);
+  by_fd_[fd] = id;
+  connections_[id] = {fd, end.value_or(RemoteEnd{})};
+  carry_out();
+}
+
+void Door::reset() {
+  const MonotonicTime now = read_clocks().mono;
+  for (const auto& [fd, id] : by_fd_) {
+    visitors_.linked(id);  // it is not the visitor's fault
+    visitors_.gone(id, now);
+  }
+  by_fd_.clear();
+  connections_.clear();
+  filter_ = SourceFilter();
+  std::vector<std::string> sources;
+  for (const auto& [source, until] : visitors_.blocked()) sources.push_back(source);
+  (void)filter_.set(sources, visitors_.closed());
+}
+
+VisitorId Door::visitor(int fd) const {
+  const auto at = by_fd_.find(fd);
+  return at == by_fd_.end() ? 0 : at->second;
+}
+
+void Door::linked(VisitorId visitor) {
+  visitors_.linked(visitor);
+  carry_out();
+}
+
+void Door::leave(VisitorId visitor) {
+  visitors_.leave(visitor, read_clocks().mono);
+}
+
+void Door::carry_out() {
+  const Visitors::Orders orders = visitors_.take_orders();
+  for (const VisitorId id : orders.cut) {
+    if (const auto at = connections_.find(id); at != connections_.end()) {
+      cut_connection(at->second.fd, at->second.end);
+    }
+  }
+  for (const VisitorId id : orders.expired) {
+    if (const auto at = connections_.find(id); at != connections_.end()) on_cut_(at->second.end.address);
+  }
+  for (const std::string& source : orders.newly_blocked) on_blocked_(source);
+  if (!orders.filter_changed) return;
+  std::vector<std::string> sources;
+  for (const auto& [source, until] : visitors_.blocked()) sources.push_back(source);
+  (void)filter_.set(sources, visitors_.closed());
+}
+
+void raise_descriptor_limit() {
+  rlimit limit{};
+  if (::getrlimit(RLIMIT_NOFILE, &limit) != 0 || limit.rlim_cur == limit.rlim_max) return;
+  limit.rlim_cur = limit.rlim_max;
+  (void)::setrlimit(RLIMIT_NOFILE, &limit);
+}
+
+}  // namespace trb::router

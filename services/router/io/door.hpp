@@ -1,0 +1,50 @@
+// The inbox's visitors (core/visitors.hpp) on their descriptors: who they are, and what is done with them.
+#pragma once
+
+#include <functional>
+#include <map>
+#include <string>
+
+#include "common/transport/loop.hpp"
+#include "common/transport/monitor.hpp"
+#include "common/transport/tcp_door.hpp"
+#include "services/router/core/visitors.hpp"
+
+namespace trb::router {
+
+class Door {
+ public:
+  /// `on_blocked` is told of each source that is kept out from now on, `on_cut` of each connection whose time is over.
+  Door(Loop& loop, std::function<void(const std::string& source)> on_blocked,
+       std::function<void(const std::string& address)> on_cut);
+
+  /// Every event of the inbox's monitor.
+  void on_event(LinkEvent event, int fd);
+  /// The inbox is closed: every connection with it.
+  void reset();
+  /// The visitor on this descriptor now; 0: none.
+  [[nodiscard]] VisitorId visitor(int fd) const;
+  void linked(VisitorId visitor);
+  /// Its link is over, or was refused: cut, once what was sent to it may have been read.
+  void leave(VisitorId visitor);
+
+ private:
+  struct Connection {
+    int fd = -1;
+    RemoteEnd end;
+  };
+  void on_accepted(int fd);
+  void carry_out();
+
+  std::function<void(const std::string&)> on_blocked_;
+  std::function<void(const std::string&)> on_cut_;
+  Visitors visitors_;
+  SourceFilter filter_;
+  std::map<int, VisitorId> by_fd_;
+  std::map<VisitorId, Connection> connections_;
+};
+
+/// As many descriptors as the system allows: what strangers may hold is bounded elsewhere, a full table ends a process.
+void raise_descriptor_limit();
+
+}  // namespace trb::router
