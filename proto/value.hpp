@@ -42,6 +42,9 @@ struct Value {
   [[nodiscard]] std::string_view kind() const;
 };
 
+// Completes the ring of Value, Object and its pairs from here: clang cannot when it first meets a bare Object.
+static_assert(noexcept(Value{}));
+
 struct ParseLimits {
   std::size_t bytes = 1U << 20U;
   std::size_t depth = 32;

@@ -63,15 +63,21 @@ std::string certificate_file_to_json(const CertificateFile& file) {
   return dump_json(Value{std::move(out)}) + "\n";
 }
 
+Result<CertificateFile> certificate_file_from_json(std::string_view text) {
+  auto json = parse_json(text);
+  if (!json) return json.error();
+  auto file = parse(*json);
+  if (!file) return fail(file.error().code, file.error().what, "run trb fleet sign again");
+  return file;
+}
+
 Result<CertificateFile> read_certificate_file(const std::string& path) {
   auto text = read_file(path);
   if (!text) {
     return fail(text.error().code, text.error().what, "run trb fleet sign with this node's keys/request.json");
   }
-  auto json = parse_json(*text);
-  if (!json) return fail(json.error().code, path + ": " + json.error().what, json.error().cure);
-  auto file = parse(*json);
-  if (!file) return fail(file.error().code, path + ": " + file.error().what, "run trb fleet sign again");
+  auto file = certificate_file_from_json(*text);
+  if (!file) return fail(file.error().code, path + ": " + file.error().what, file.error().cure);
   return file;
 }
 

@@ -21,7 +21,10 @@ CertificateFile make_certificate_file(const SignedRecord& certificate, const Fle
                                       const BeaconKey& beacon, BytesView link_key);
 std::string certificate_file_to_json(const CertificateFile& file);
 
-/// Errors: missing, malformed; each names the path.
+/// Errors: missing, malformed; each names the key.
+Result<CertificateFile> certificate_file_from_json(std::string_view text);
+
+/// The same of a file; each names the path.
 Result<CertificateFile> read_certificate_file(const std::string& path);
 
 /// Errors: wrong_key if the box was made for another link key.

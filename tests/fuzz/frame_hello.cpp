@@ -1,0 +1,146 @@
+// Frames from a link and from a stranger, up to a Hello with a certificate that holds.
+#include "tests/fuzz/router_under_test.hpp"
+
+namespace trb::fuzz {
+namespace {
+
+using namespace trb::router;
+
+constexpr LinkId kLink = 7;
+
+Bytes frame_of(const Message& message, std::uint64_t sequence) {
+  Bytes frame = encode_frame(message);
+  stamp_link(frame.data(), kLink, sequence, message.remaining_ms);
+  return frame;
+}
+
+template <class T>
+Bytes frame_of(const T& body, std::uint64_t sequence, MessageType type = MessageType::information) {
+  return frame_of(make_message(type, "bee", "ant", body), sequence);
+}
+
+/// The road that the shell takes with a frame of an up link.
+void from_member(RouterCore& core, BytesView frame) {
+  const auto header = decode_frame(frame);
+  if (!header) return;
+  Effects effects;
+  core.hear_frame(kLink, *header, frame, kNow, effects);
+  const Decision decision = core.route_peer(kLink, *header, kNow, effects);
+  if (decision.to == Decision::To::router) {
+    core.on_link_message(kLink, Keys::get().bee.link.public_key, to_message(*header), header->sequence, kNow, effects);
+  } else if (decision.to == Decision::To::drop) {
+    core.nack_peer(kLink, *header, decision.reason, effects);
+  }
+  const Bytes copy = encode_frame(to_message(*header));
+  const auto again = decode_frame(copy);
+  require(again && again->subtype == header->subtype && again->data == header->data, "a frame survives its own copy");
+}
+
+/// Bee's Hello, as frame 1 of the link.
+void come_up(RouterCore& core) {
+  const Keys& keys = Keys::get();
+  const Message hello = make_message(MessageType::information, "bee", "ant", make_hello(keys.bee, "bee"));
+  const Bytes frame = frame_of(hello, 1);
+  Effects effects;
+  core.on_link_message(kLink, keys.bee.link.public_key, hello, 1, kNow, effects);
+  core.hear_frame(kLink, *decode_frame(frame), frame, kNow, effects);
+}
+
+/// What bee's first seal says: its Hello and one message.
+SealedRange first_range() {
+  const Keys& keys = Keys::get();
+  SealWriter writer;
+  writer.add(frame_of(make_hello(keys.bee, "bee"), 1));
+  writer.add(frame_of(KeepAlive{1}, 2));
+  return writer.range({kLink, keys.bee.certificate.serial, keys.ant.certificate.serial, true}, kNow.utc);
+}
+
+/// A member's signature on any range: only the one that is due lets the link go on.
+void seal_that_is_signed(BytesView input) {
+  const auto range = decode<SealedRange>(input);
+  if (!range) return;
+  const Keys& keys = Keys::get();
+  RouterCore core = make_router();
+  come_up(core);
+  from_member(core, frame_of(KeepAlive{1}, 2));
+  from_member(core, frame_of(Seal{sign_seal(*range, "bee", keys.authority.fleet.id(), keys.bee.identity)}, 3));
+  Effects effects;
+  core.tick(kNow, effects);
+  const SealedRange due = first_range();
+  const bool holds = range->hash == due.hash && range->previous == due.previous && range->first == due.first &&
+                     range->last == due.last && range->link == due.link && range->dialled == due.dialled &&
+                     range->serial == due.serial && range->peer_serial == due.peer_serial;
+  require(holds == (core.find_link(kLink) != nullptr),
+          "the link lives if, and only if, its seal is the one that is due");
+}
+
+void from_stranger(RouterCore& core, BytesView frame, BytesView key) {
+  const auto header = decode_frame(frame);
+  if (!header) return;
+  Effects effects;
+  core.on_link_message(header->link, key, to_message(*header), header->sequence, kNow, effects);
+}
+
+/// A Hello whose certificate the authority would have signed as it is.
+void hello_that_holds(BytesView input) {
+  auto hello = decode<Hello>(input);
+  if (!hello) return;
+  hello->certificate = Keys::get().sign_as_authority(kSignedCertificate, hello->certificate.payload.bytes);
+  const auto certificate = decode<Certificate>(hello->certificate.payload.bytes);
+  if (!certificate) return;
+  RouterCore core = make_router();
+  Effects effects;
+  core.on_link_message(kLink, certificate->link_key.bytes,
+                       make_message(MessageType::information, certificate->id, "ant", *hello), 1, kNow, effects);
+  core.tick({kNow.mono + std::chrono::seconds(30), kNow.utc + std::chrono::seconds(30)}, effects);
+  check_table(core);
+}
+
+}  // namespace
+
+std::vector<Bytes> seeds() {
+  const Keys& keys = Keys::get();
+  NodeProfile profile;
+  profile.framework = "ur";
+  profile.mode = "direct";
+  profile.capabilities = {"grab"};
+  profile.skills = {{"grab_left", "grab", {{"height", "number", true, "m"}}, false, 5}};
+  profile.robot = "ONLINE";
+  Hello hello = make_hello(keys.cat, "cat");
+  hello.profile = profile;
+  Message move;
+  move.type = MessageType::command;
+  move.subtype = "move";
+  move.source = "bee";
+  move.target = "ant";
+  move.id = 9;
+  move.data = "[1,2,3]";
+  return {encode(hello),
+          encode(make_hello(keys.bee, "bee")),
+          frame_of(make_hello(keys.bee, "bee"), 1),
+          frame_of(KeepAlive{1}, 2),
+          frame_of(Goodbye{"over"}, 2),
+          frame_of(profile, 2),
+          frame_of(RouteListRequest{}, 2, MessageType::request),
+          frame_of(EchoRequest{{"pad"}}, 2, MessageType::request),
+          frame_of(FleetNews{{}, {keys.cat.record}}, 2),
+          frame_of(Seal{sign_seal(first_range(), "bee", keys.authority.fleet.id(), keys.bee.identity)}, 2),
+          frame_of(Neighbours{{{keys.cat.record, 1, "cat:45000", "1.0", true, profile}}, {"dog"}}, 2),
+          frame_of(move, 2),
+          encode(first_range())};
+}
+
+void run(BytesView input) {
+  const Keys& keys = Keys::get();
+  RouterCore core = make_router();
+  from_stranger(core, input, keys.cat.link.public_key);
+  come_up(core);
+  from_member(core, input);
+  Effects effects;
+  core.tick({kNow.mono + std::chrono::seconds(30), kNow.utc + std::chrono::seconds(30)}, effects);
+  check_table(core);
+  hello_that_holds(input);
+  seal_that_is_signed(input);
+}
+
+}  // namespace trb::fuzz
