@@ -33,6 +33,8 @@ Result<Socket> refused(const std::string& endpoint, const zmq::error_t& problem)
 }  // namespace
 
 Context::Context() : context_(1) {
+  // Of a thousand links each takes three: its own, and two to watch it.
+  context_.set(zmq::ctxopt::max_sockets, 4096);
   context_.set(zmq::ctxopt::ipv6, 1);
 }
 

@@ -56,6 +56,7 @@ constexpr std::size_t kMaxNews = 512U * 1024U;  ///< of a FleetNews
 constexpr std::size_t kMaxCandidates = 32;
 constexpr std::size_t kMaxHelloSize = 4096;
 constexpr std::size_t kMaxPeers = 1024;
+constexpr std::uint32_t kBeaconsChecked = 512;  ///< signatures of beacons, in a second: a thousand nodes send 200
 constexpr Duration kStorePause = std::chrono::seconds(5);  ///< changes of where peers are, gathered for one write
 constexpr Duration kHintPause = std::chrono::seconds(30);  ///< between dials to where a peer once was
 constexpr std::size_t kMaxConnections = 64;                ///< on the node's own bus

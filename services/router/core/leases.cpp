@@ -151,6 +151,11 @@ void RouterCore::on_beacon(BytesView plain, Now now, Effects& out) {
   if (record->signer == config_.id) return;
   auto outer = decode<Beacon>(record->payload.bytes);
   if (!outer) return refuse(outer.error());
+  // Whoever has the fleet's key for beacons, a node put out of it for one, could keep this one at signatures alone.
+  if (!beacon_budget_.take(now.mono)) {
+    return refuse_beacon("too_many", "over " + std::to_string(kBeaconsChecked) + " in a second; links do without", now,
+                         out);
+  }
   auto certificate = open_member(outer->certificate, now, out);
   if (!certificate) return refuse(certificate.error());
   if (auto proven = open_record<Beacon>(*record, kSignedBeacon, *certificate); !proven) return refuse(proven.error());

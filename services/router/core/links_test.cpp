@@ -165,6 +165,32 @@ TEST_CASE("replayed, foreign and damaged beacons are counted and lead nowhere") 
   CHECK(ant.core->peers().size() == 1);
 }
 
+TEST_CASE("a crowd of made-up nodes in beacons gets no row, and no more of this node's time than is set") {
+  TestFleet fleet;
+  TestNode& ant = fleet.start("ant", {.beacon = false});
+  fleet.start("bee");
+  fleet.run(Seconds(2));
+  const TestAuthority nobody;
+  Effects effects;
+  for (int i = 0; i < 2'000; ++i) {
+    const std::string id = "m" + std::to_string(i);
+    const SignedRecord record{std::string(kSignedBeacon),
+                              id,
+                              {encode(Beacon{nobody.sign_node(id).record, "127.0.0.9:1", 1, 0, 1})},
+                              {Bytes(64, 's')}};
+    ant.core->on_beacon(encode(record), fleet.now, effects);
+  }
+  fleet.carry_out(ant, effects);
+  CHECK(ant.count("beacon.foreign_fleet") == kBeaconsChecked);
+  CHECK(ant.count("beacon.too_many") == 2'000 - kBeaconsChecked);
+  CHECK(ant.core->peers().size() == 1);
+  CHECK(ant.link_to("bee") != 0);
+  fleet.run(Seconds(1));
+  fleet.start("cat");
+  fleet.run(Seconds(1));
+  CHECK(ant.link_to("cat") != 0);
+}
+
 TEST_CASE("a beacon of an earlier boot stays a replay while the later one is not linked yet") {
   TestFleet fleet;
   TestNode& ant = fleet.start("ant", {.beacon = false});

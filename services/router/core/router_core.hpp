@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "proto/body.hpp"
+#include "services/router/core/budget.hpp"
 #include "services/router/core/config.hpp"
 #include "services/router/core/news.hpp"
 #include "services/router/core/peers.hpp"
@@ -230,6 +231,7 @@ class RouterCore {
   MonotonicTime last_beacon_;
   std::uint32_t early_beacons_ = 3;  ///< a burst at the start
   std::uint64_t beacon_count_ = 0;
+  Budget beacon_budget_{kBeaconsChecked};
   std::map<std::string, std::uint64_t, std::less<>> counts_;
   std::uint64_t message_count_ = 0;
   Troubles troubles_;

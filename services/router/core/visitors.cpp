@@ -1,8 +1,19 @@
 #include "services/router/core/visitors.hpp"
 
+#include <algorithm>
 #include <utility>
 
 namespace trb::router {
+
+VisitorLimits limits_for(std::size_t descriptors) {
+  constexpr std::size_t kOwn = 128;  // files, the bus, libzmq itself
+  constexpr std::size_t kFewest = 32;
+  VisitorLimits limits;
+  const std::size_t rest = descriptors > kOwn ? descriptors - kOwn : 0;
+  limits.open = std::clamp(rest / 4, kFewest, limits.open);
+  limits.open_from_one = std::max<std::size_t>(limits.open / 8, 16);
+  return limits;
+}
 
 Visitors::Source* Visitors::source_of(const std::string& name, MonotonicTime now) {
   auto at = sources_.find(name);

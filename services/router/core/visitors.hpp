@@ -27,6 +27,13 @@ struct VisitorLimits {
   Duration leave = std::chrono::milliseconds(500);  ///< from the Goodbye to the cut
 };
 
+/// Fewer descriptors do not carry a node's own services and a few links.
+constexpr std::size_t kLeastDescriptors = 256;
+/// Enough for the limits above and for links to a thousand nodes.
+constexpr std::size_t kGoodDescriptors = 8192;
+/// What strangers may hold of so many descriptors (RLIMIT_NOFILE): a quarter, and never what is above.
+VisitorLimits limits_for(std::size_t descriptors);
+
 /// state    | event                        | next
 /// ---------|------------------------------|------------------------------------------------------------
 /// -        | accepted                     | unproven; the 129th of its source: that source is blocked

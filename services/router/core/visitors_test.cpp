@@ -124,3 +124,14 @@ TEST_CASE("more sources than can be kept out, or remembered") {
   inbox.wait(30);
   CHECK(!inbox.visitors.next_deadline());
 }
+
+TEST_CASE("few descriptors: strangers get a quarter of them, and some in any case") {
+  CHECK(limits_for(1'000'000).open == 1024);
+  CHECK(limits_for(1'000'000).open_from_one == 128);
+  CHECK(limits_for(kGoodDescriptors).open == 1024);
+  CHECK(limits_for(1024).open == 224);
+  CHECK(limits_for(1024).open_from_one == 28);
+  CHECK(limits_for(kLeastDescriptors).open == 32);
+  CHECK(limits_for(0).open == 32);
+  CHECK(limits_for(0).open_from_one == 16);
+}

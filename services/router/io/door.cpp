@@ -4,9 +4,9 @@
 
 namespace trb::router {
 
-Door::Door(Loop& loop, std::function<void(const std::string&)> on_blocked,
+Door::Door(Loop& loop, VisitorLimits limits, std::function<void(const std::string&)> on_blocked,
            std::function<void(const std::string&)> on_cut)
-    : on_blocked_(std::move(on_blocked)), on_cut_(std::move(on_cut)) {
+    : on_blocked_(std::move(on_blocked)), on_cut_(std::move(on_cut)), visitors_(limits) {
   loop.add_timer([this] { return visitors_.next_deadline(); },
                  [this](Now now) {
                    visitors_.tick(now.mono);
@@ -81,11 +81,11 @@ void Door::carry_out() {
   (void)filter_.set(sources, visitors_.closed());
 }
 
-void raise_descriptor_limit() {
+std::size_t raise_descriptor_limit() {
   rlimit limit{};
-  if (::getrlimit(RLIMIT_NOFILE, &limit) != 0 || limit.rlim_cur == limit.rlim_max) return;
-  limit.rlim_cur = limit.rlim_max;
-  (void)::setrlimit(RLIMIT_NOFILE, &limit);
+  if (::getrlimit(RLIMIT_NOFILE, &limit) != 0) return kLeastDescriptors;
+  const rlimit most{limit.rlim_max, limit.rlim_max};
+  return ::setrlimit(RLIMIT_NOFILE, &most) == 0 ? most.rlim_cur : limit.rlim_cur;
 }
 
 }  // namespace trb::router

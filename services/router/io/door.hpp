@@ -15,7 +15,7 @@ namespace trb::router {
 class Door {
  public:
   /// `on_blocked` is told of each source that is kept out from now on, `on_cut` of each connection whose time is over.
-  Door(Loop& loop, std::function<void(const std::string& source)> on_blocked,
+  Door(Loop& loop, VisitorLimits limits, std::function<void(const std::string& source)> on_blocked,
        std::function<void(const std::string& address)> on_cut);
 
   /// Every event of the inbox's monitor.
@@ -44,7 +44,7 @@ class Door {
   std::map<VisitorId, Connection> connections_;
 };
 
-/// As many descriptors as the system allows: what strangers may hold is bounded elsewhere, a full table ends a process.
-void raise_descriptor_limit();
+/// Takes as many descriptors as the system allows, and returns how many that are.
+std::size_t raise_descriptor_limit();
 
 }  // namespace trb::router

@@ -132,6 +132,18 @@ void RouterShell::drain_dialled(LinkId link) {
 }
 
 void RouterShell::dial(const Dial& effect) {
+  try {
+    open_dialled(effect);
+  } catch (const zmq::error_t& problem) {
+    // No descriptor is left: it ends as a dial that failed, and is tried again.
+    core_.count("dial.no_descriptor");
+    log_limited(limit_, read_clocks().mono, Level::error, "no_descriptor",
+                effect.address + " cannot be dialled: " + problem.what() + "; raise the limit of open files");
+    lost_links_.push_back(effect.link);
+  }
+}
+
+void RouterShell::open_dialled(const Dial& effect) {
   Dialled dialled;
   dialled.socket = std::make_unique<Socket>(Socket::dialler(context_, options_.link_keys, effect.server_key));
   const LinkId link = effect.link;

@@ -29,6 +29,7 @@ struct ShellOptions {
   std::uint16_t port = 0;
   std::uint16_t beacon_port = 0;
   BeaconKey beacon_key;
+  VisitorLimits visitors;
 };
 
 /// Why a service of this node did not get a message.
@@ -91,6 +92,7 @@ class RouterShell {
   void drain_dialled(LinkId link);
   void on_link_frame(LinkId link, BytesView key, const HeaderView& header, Frame& frame);
   void dial(const Dial& effect);
+  void open_dialled(const Dial& effect);
   void close_link(LinkId link);
   SendResult send_link(LinkId link, Frame&& frame);
   SendResult put_on_link(LinkId link, Frame&& frame);
@@ -139,7 +141,7 @@ class RouterShell {
   ConnectionId next_connection_ = 0;
   std::unique_ptr<Socket> inbox_;
   std::unique_ptr<SocketMonitor> inbox_monitor_;
-  Door door_{loop_, [this](const std::string& source) { on_source_blocked(source); },
+  Door door_{loop_, options_.visitors, [this](const std::string& source) { on_source_blocked(source); },
              [this](const std::string& address) { on_visitor_cut(address); }};
   std::map<LinkId, Dialled> dialled_;
   std::vector<Dialled> closed_;  ///< freed between turns: a monitor must not die inside its own call

@@ -21,6 +21,8 @@
 namespace trb::router {
 namespace {
 
+constexpr const char* kRaise = "raise the limit (LimitNOFILE= of its systemd unit, ulimit -Hn)";
+
 std::uint64_t stored_number(const std::string& path) {
   auto text = read_file(path, 64);
   return text ? std::strtoull(text->c_str(), nullptr, 10) : 0;
@@ -89,7 +91,11 @@ int refuse(const std::string& text) {
 int start(const std::string& node_dir) {
   init_crypto();
   block_signals();
-  raise_descriptor_limit();
+  const std::size_t descriptors = raise_descriptor_limit();
+  if (descriptors < kLeastDescriptors) {
+    return refuse("at most " + std::to_string(descriptors) + " open files are allowed, at least " +
+                  std::to_string(kLeastDescriptors) + " are needed: " + kRaise);
+  }
   const NodeCheck check = check_node_dir(node_dir, true);
   if (!faults_that_stop(check.faults).empty()) return refuse("nothing started\n" + to_text(check.faults));
   if (::chdir(node_dir.c_str()) != 0) return refuse(node_dir + ": no such folder");
@@ -110,7 +116,13 @@ int start(const std::string& node_dir) {
                        check.config.network.vpn_int,
                        check.config.network.tcp_port_ext,
                        check.config.network.udp_port,
-                       keys->beacon};
+                       keys->beacon,
+                       limits_for(descriptors)};
+  if (descriptors < kGoodDescriptors) {
+    log_event(Level::warning, "few_descriptors",
+              "at most " + std::to_string(descriptors) + " open files: strangers get " +
+                  std::to_string(options.visitors.open) + " of them, which may be few for a large fleet; " + kRaise);
+  }
   RouterShell shell(std::move(config), std::move(options));
   if (Status opened = shell.open(); !opened) return refuse(opened.error().text());
   return shell.run();
