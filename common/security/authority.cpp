@@ -117,11 +117,9 @@ Result<FleetAuthority> read_fleet(const std::string& dir) {
   return FleetAuthority{name->text(), *bytes};
 }
 
-Result<Authority> open_authority(const std::string& dir, const std::string& passphrase) {
+Result<Authority> read_authority(const std::string& dir) {
   auto fleet = read_fleet(dir);
   if (!fleet) return fleet.error();
-  auto secret = read_secret(dir, passphrase);
-  if (!secret) return secret.error();
   auto json = read_fleet_json(dir);
   const Value* serial = json->find("next_serial");
   const Value* number = json->find("beacon_key_number");
@@ -130,14 +128,25 @@ Result<Authority> open_authority(const std::string& dir, const std::string& pass
   }
   Authority authority;
   authority.fleet = *fleet;
-  authority.key = {secret->substr(32, 32), secret->substr(0, 64)};
-  authority.beacon = {static_cast<std::uint32_t>(number->integer()), secret->substr(64)};
+  authority.beacon.number = static_cast<std::uint32_t>(number->integer());
   authority.next_serial = static_cast<std::uint64_t>(serial->integer());
-  if (authority.key.public_key != fleet->public_key) {
-    return fail(Errc::wrong_key, dir + ": fleet.json and authority.key do not belong together");
-  }
   if (Status read = read_issued(authority, dir); !read) return read.error();
   if (Status read = read_revocations(authority, dir); !read) return read.error();
+  return authority;
+}
+
+Result<Authority> open_authority(const std::string& dir, const std::string& passphrase) {
+  auto fleet = read_fleet(dir);
+  if (!fleet) return fleet.error();
+  auto secret = read_secret(dir, passphrase);
+  if (!secret) return secret.error();
+  auto authority = read_authority(dir);
+  if (!authority) return authority;
+  authority->key = {secret->substr(32, 32), secret->substr(0, 64)};
+  authority->beacon.secret = secret->substr(64);
+  if (authority->key.public_key != fleet->public_key) {
+    return fail(Errc::wrong_key, dir + ": fleet.json and authority.key do not belong together");
+  }
   return authority;
 }
 

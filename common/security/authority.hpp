@@ -31,6 +31,10 @@ Result<Authority> open_authority(const std::string& dir, const std::string& pass
 /// The public half, no passphrase needed.
 Result<FleetAuthority> read_fleet(const std::string& dir);
 
+/// What the folder tells without the passphrase: who is signed, what is revoked; the keys stay empty.
+/// Errors: missing, malformed.
+Result<Authority> read_authority(const std::string& dir);
+
 /// Checks a request's proof of possession and signs a certificate; takes and stores the next serial number, and keeps
 /// the certificate in issued.json. Errors: malformed, bad_signature, bad_value, conflict (a living certificate of that
 /// id has other keys), cert_revoked (these keys were revoked), io_error.

@@ -1,14 +1,17 @@
 // fleet init, request, sign, show.
 #include <filesystem>
+#include <map>
 
 #include "common/base/files.hpp"
 #include "common/base/hex.hpp"
 #include "common/base/ids.hpp"
 #include "common/security/authority.hpp"
 #include "common/security/node_keys.hpp"
+#include "common/security/revocations.hpp"
 #include "common/transport/loop.hpp"
 #include "proto/body.hpp"
 #include "services/cli/commands/command.hpp"
+#include "services/cli/core/table.hpp"
 #include "services/cli/io/passphrase.hpp"
 #include "services/cli/io/print.hpp"
 
@@ -106,6 +109,48 @@ int show_certificate(const Arguments& arguments, const std::string& path) {
   return kGood;
 }
 
+std::string_view state_of(const Authority& authority, const Certificate& certificate, UtcTime now) {
+  if (find_revocation(authority.list, certificate) != nullptr) return "revoked";
+  if (now.ns > certificate.not_after) return "expired";
+  return now.ns < certificate.not_before ? "not yet valid" : "valid";
+}
+
+/// The fleet, and the newest certificate of every node.
+void show_fleet(const Arguments& arguments, const Authority& authority, UtcTime now) {
+  std::map<std::string, const Certificate*> newest;
+  for (const Certificate& certificate : authority.issued) {
+    const Certificate*& kept = newest[certificate.id];
+    if (kept == nullptr || kept->serial < certificate.serial) kept = &certificate;
+  }
+  Value::List nodes;
+  std::vector<std::vector<std::string>> rows{{"NODE", "ROLE", "SERIAL", "CERTIFICATE", "VALID TO"}};
+  for (const auto& [id, certificate] : newest) {
+    const std::string role(name_of(certificate->role));
+    const std::string state(state_of(authority, *certificate, now));
+    const std::string end = to_iso8601({certificate->not_after});
+    nodes.push_back(Value{Value::Object{{"id", Value{id}},
+                                        {"role", Value{role}},
+                                        {"serial", Value{static_cast<std::int64_t>(certificate->serial)}},
+                                        {"state", Value{state}},
+                                        {"valid_to", Value{end}}}});
+    rows.push_back({id, role, std::to_string(certificate->serial), state, end});
+  }
+  if (arguments.has("--json")) {
+    print_json(Value{Value::Object{{"name", Value{authority.fleet.name}},
+                                   {"fleet", Value{to_hex(authority.fleet.id())}},
+                                   {"authority_key", Value{to_hex(authority.fleet.public_key)}},
+                                   {"revocation_list", Value{static_cast<std::int64_t>(authority.list.number)}},
+                                   {"beacon_key", Value{static_cast<std::int64_t>(authority.beacon.number)}},
+                                   {"nodes", Value{std::move(nodes)}}}});
+    return;
+  }
+  print_line("fleet            " + authority.fleet.name + ", id " + to_hex(authority.fleet.id()));
+  print_line("authority key    " + to_hex(authority.fleet.public_key));
+  print_line("revocation list  " + (authority.list.number == 0 ? "none" : std::to_string(authority.list.number)) +
+             ", beacon key " + std::to_string(authority.beacon.number));
+  print("\n" + format_table(rows));
+}
+
 int run_show(const Arguments& arguments) {
   init_crypto();
   const std::string& path = arguments.words[0];
@@ -117,16 +162,9 @@ int run_show(const Arguments& arguments) {
                        fail(Errc::missing, path + ": no fleet.json, keys/certificate.json or certificate there",
                             "name the folder of trb fleet init, or a node's folder after trb fleet sign"));
   }
-  auto fleet = read_fleet(path);
-  if (!fleet) return print_error(arguments, fleet.error());
-  if (arguments.has("--json")) {
-    print_json(Value{Value::Object{{"name", Value{fleet->name}},
-                                   {"fleet", Value{to_hex(fleet->id())}},
-                                   {"authority_key", Value{to_hex(fleet->public_key)}}}});
-  } else {
-    print_line("fleet          " + fleet->name + ", id " + to_hex(fleet->id()));
-    print_line("authority key  " + to_hex(fleet->public_key));
-  }
+  auto authority = read_authority(path);
+  if (!authority) return print_error(arguments, authority.error());
+  show_fleet(arguments, *authority, read_clocks().utc);
   return kGood;
 }
 
@@ -163,7 +201,7 @@ std::vector<Command> fleet_commands() {
        run_sign},
       {{"fleet", "show"},
        {"fleet show PATH",
-        "Shows a fleet's folder, a node's folder or a certificate.json.",
+        "Shows a fleet's folder with its nodes, a node's folder or a certificate.json.",
         {kJson},
         {"trb fleet show nodes/ur3", "trb fleet show ~/hall-3-authority --json"},
         1,

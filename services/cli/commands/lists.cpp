@@ -71,12 +71,19 @@ int run_routes(const Arguments& arguments) {
   });
 }
 
+/// The first few words and how many more: `--json` has them all.
+std::string some_of(const std::vector<std::string>& words) {
+  constexpr std::size_t kShown = 4;
+  if (words.size() <= kShown + 1) return join(words);
+  return join({words.begin(), words.begin() + kShown}) + " and " + std::to_string(words.size() - kShown) + " more";
+}
+
 int run_services(const Arguments& arguments) {
   return show<ServiceTable>(arguments, ServiceListRequest{}, [](const ServiceTable& table) {
     std::vector<std::vector<std::string>> rows{{"SERVICE", "STATE", "PID", "UP", "HEARD", "TAKES", "NOTE"}};
     for (const ServiceEntry& entry : table.services) {
       rows.push_back({entry.service, entry.state, entry.pid == 0 ? "-" : std::to_string(entry.pid),
-                      short_seconds(entry.up_s), short_seconds(entry.last_heard_s), join(entry.subtypes),
+                      short_seconds(entry.up_s), short_seconds(entry.last_heard_s), some_of(entry.subtypes),
                       or_dash(entry.note)});
     }
     return rows;

@@ -151,7 +151,15 @@ void RouterCore::on_own_profile(const NodeProfile& profile, Effects& out) {
 
 ServiceTable RouterCore::service_table(Now now) const {
   ServiceTable table{config_.id, {}};
-  table.services.push_back({"router", "up", 0, config_.instance, config_.version, 0, 0, {}, own_note(now)});
+  table.services.push_back({"router",
+                            "up",
+                            config_.pid,
+                            config_.instance,
+                            config_.version,
+                            to_seconds(now.mono - started_),
+                            0,
+                            {},
+                            own_note(now)});
   for (const std::string& name : config_.services) {
     if (name == "router") continue;
     ServiceEntry entry{name, "down", 0, 0, "", 0, 0, {}, {}};

@@ -37,6 +37,7 @@ struct RouterConfig {
   std::string address;  ///< HOST:PORT of the inbox
   std::uint64_t boot = 1;
   std::uint64_t instance = 1;
+  std::uint32_t pid = 0;
   std::uint16_t first_slot = 1;
   std::string version;
   std::vector<SeedAddress> seeds;

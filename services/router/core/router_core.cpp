@@ -13,6 +13,7 @@ RouterCore::RouterCore(RouterConfig config) : config_(std::move(config)), servic
 }
 
 void RouterCore::start(Now now, Effects& out) {
+  started_ = now.mono;
   out.log(LogLevel::info, "started", config_.id + " at " + config_.address + ", boot " + std::to_string(config_.boot));
   for (Seed& seed : seeds_) seed.redial.at = now.mono;
   if (config_.beacon && !config_.address.empty()) next_beacon_ = now.mono;

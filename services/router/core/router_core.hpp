@@ -227,6 +227,7 @@ class RouterCore {
   std::map<Bytes, MonotonicTime, std::less<>> denied_;      ///< key -> until when it stays out
   std::string waits_for_;                                   ///< why this node has no address; empty if it has one
   std::optional<MonotonicTime> next_store_;
+  MonotonicTime started_{};
   std::optional<MonotonicTime> next_beacon_;
   MonotonicTime last_beacon_;
   std::uint32_t early_beacons_ = 3;  ///< a burst at the start

@@ -71,6 +71,7 @@ RouterConfig make_config(const NodeConfig& node, const NodeKeys& keys, std::uint
   if (!address.empty()) config.address = join_host_port(without_scope(address), node.network.tcp_port_ext);
   config.boot = boot;
   config.instance = random_u64();
+  config.pid = static_cast<std::uint32_t>(::getpid());
   config.first_slot = static_cast<std::uint16_t>(random_u64());
   config.version = kVersion;
   for (const trb::Seed& seed : node.seeds) config.seeds.push_back({seed.address, seed.key});
