@@ -100,7 +100,7 @@ Status read_revocations(Authority& authority, const std::string& dir) {
   if (!list) return fail(list.error().code, list_path(dir) + ": " + list.error().what);
   authority.revocations = std::move(*record);
   authority.list = std::move(*list);
-  authority.beacon = derive_beacon_key(authority.key.secret_key, authority.list.beacon_number);
+  authority.beacon.number = authority.list.beacon_number;
   return Done{};
 }
 
