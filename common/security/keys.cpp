@@ -4,6 +4,7 @@
 
 #include <stdexcept>
 
+#include "common/security/rights.hpp"
 #include "proto/body.hpp"
 
 namespace trb {
@@ -26,18 +27,6 @@ Bytes signed_bytes(std::string_view purpose, BytesView fleet, BytesView payload)
   out += payload;
   return out;
 }
-
-struct Right {
-  Role role;
-  std::string_view purpose;
-};
-
-// Who may sign what. A robot's node may start and abort runs, so that a fleet whose cloud is gone can still be worked.
-constexpr Right kRights[] = {
-    {Role::robot, kSignedBeacon},   {Role::cloud, kSignedBeacon},   {Role::robot, kSignedResult},
-    {Role::robot, kSignedRunStart}, {Role::cloud, kSignedRunStart}, {Role::robot, kSignedRunAbort},
-    {Role::cloud, kSignedRunAbort}, {Role::robot, kSignedSeal},     {Role::cloud, kSignedSeal},
-};
 
 }  // namespace
 
@@ -154,13 +143,6 @@ template Result<TaskResult> open_record(const SignedRecord&, std::string_view, c
 
 bool same_secret(BytesView a, BytesView b) {
   return a.size() == b.size() && sodium_memcmp(a.data(), b.data(), a.size()) == 0;
-}
-
-bool may_sign(Role role, std::string_view purpose) {
-  for (const Right& right : kRights) {
-    if (right.role == role && right.purpose == purpose) return true;
-  }
-  return false;
 }
 
 }  // namespace trb

@@ -68,7 +68,4 @@ Result<T> open_record(const SignedRecord& record, std::string_view purpose, cons
 /// Compares in constant time; false for different lengths.
 bool same_secret(BytesView a, BytesView b);
 
-/// May this role sign records of that purpose? One table, default deny.
-bool may_sign(Role role, std::string_view purpose);
-
 }  // namespace trb

@@ -2,6 +2,7 @@
 
 #include <sodium.h>
 
+#include "common/security/rights.hpp"
 #include "proto/body.hpp"
 
 namespace trb {

@@ -8,6 +8,7 @@
 #include "common/base/files.hpp"
 #include "common/security/authority.hpp"
 #include "common/security/node_keys.hpp"
+#include "common/security/rights.hpp"
 #include "proto/body.hpp"
 
 using namespace trb;

@@ -1,6 +1,7 @@
 """The life of a certificate, on real nodes: renewed and revoked while the fleet is up, and refused when it does not hold.
 No process is started again in between.
 """
+import collections
 import json
 import os
 import shutil
@@ -12,6 +13,7 @@ import zmq
 
 import authority
 import support
+import trb_fleet
 import wire
 from strangers_test import Client, Member
 
@@ -170,6 +172,7 @@ class Revoked(Life):
         client = self.linked(dog)
         key = self.authority()
         good = key.revocations(5, [(5, "elk")])
+        newer = key.revocations(6, [(5, "elk")])
         forged = good[:3] + [bytes([good[3][0] ^ 1]) + good[3][1:]]
         foreign = key.sign("revocation_list", wire.pack([bytes(16), 6, time.time_ns(), [], 1, []]))
         cases = [
@@ -178,15 +181,19 @@ class Revoked(Life):
             (None, good, "revocations list 5"),
             ("downgraded", key.revocations(4, [(2, "bee")]), "revocation list 4; list 5 is in force"),
             ("conflict", key.revocations(5, [(2, "bee")]), "another revocation list with number 5"),
+            (None, newer, "revocations list 6"),
+            ("downgraded", good, "revocation list 5; list 6 is in force"),
             ("malformed", key.sign("revocation_list", b"noise"), "news_refused of dog: malformed"),
         ]
+        expected = collections.Counter()
         for code, record, logged in cases:
-            with self.subTest(code):
+            with self.subTest(logged):
                 self.send(client, "fleet_news", "dog", data=authority.news(record))
                 self.watch.wait_logged(logged)
                 if code:
-                    self.watch.wait_counted(f"refused.{code}")
-        self.assertEqual(self.watch.rise(), {f"refused.{code}": 1 for code, _, _ in cases if code})
+                    expected[f"refused.{code}"] += 1
+                    self.watch.wait_counted(f"refused.{code}", expected[f"refused.{code}"])
+        self.assertEqual(self.watch.rise(), expected)
         self.assert_alive(client, dog)
         self.assertEqual(self.online(), {"bee", "cat", "dog"})
 
@@ -201,13 +208,20 @@ class Revoked(Life):
 class Dates(Life):
     block = BLOCK + 2
 
-    def test_certificates_out_of_their_time(self):
-        """Expired, not yet valid, an older one: refused, counted, told apart."""
+    def of_another_fleet(self, member):
+        """By the same authority's key, so that its fleet alone is wrong."""
+        body, _ = wire.unpack(self.authority().certificate(member.certificate)[2])
+        body[0] = bytes(16)
+        return self.authority().sign("certificate", wire.pack(body), fleet=body[0])
+
+    def test_certificates_that_do_not_hold(self):
+        """Expired, not yet valid, of another fleet: refused, counted, told apart."""
         key, dog = self.authority(), Member(self.fleet, "dog")
         day = authority.DAY
         cases = [
             ("cert_expired", key.certificate(dog.certificate, begins=-2 * day, ends=-1), "certificate of 'dog' ended"),
             ("cert_not_yet_valid", key.certificate(dog.certificate, begins=day, ends=2 * day), "'dog' is valid from"),
+            ("foreign_fleet", self.of_another_fleet(dog), "certificate of 'dog' is of another fleet"),
         ]
         for code, certificate, logged in cases:
             with self.subTest(code):
@@ -217,7 +231,7 @@ class Dates(Life):
                 body, _ = wire.unpack(certificate[2])
                 body[5] = raw
                 client = self.client(keys=(public, secret))
-                self.hello(client, dog, key.sign("certificate", wire.pack(body)))
+                self.hello(client, dog, key.sign("certificate", wire.pack(body), fleet=body[0]))
                 self.assertEqual(client.wait_goodbye(), code)
                 self.watch.wait_counted(f"refused.{code}")
                 self.watch.wait_logged(logged)
@@ -239,6 +253,31 @@ class Dates(Life):
         self.assertEqual(self.watch.rise(), {"refused.downgraded": 1})
         self.assert_alive(client, dog)
 
+    def test_renewals_that_do_not_hold(self):
+        """What a member hands on is believed for the authority's signature alone; the link that brought it stays."""
+        key, dog = self.authority(), Member(self.fleet, "dog")
+        client = self.linked(dog)
+        bee = Member(self.fleet, "bee").certificate
+        good = key.certificate(bee, serial=70)
+        body, _ = wire.unpack(key.certificate(Member(self.fleet, TARGET).certificate, serial=71)[2])
+        body[4] = bytes(32)
+        cases = [
+            ("bad_signature", good[:3] + [bytes([good[3][0] ^ 1]) + good[3][1:]], "of 'bee' was not signed"),
+            ("foreign_fleet", self.of_another_fleet(dog), "of 'dog' is of another fleet"),
+            ("cert_expired", key.certificate(bee, serial=72, ends=-1), "of 'bee' ended"),
+            ("cert_not_yet_valid", key.certificate(bee, serial=73, begins=authority.DAY), "of 'bee' is valid from"),
+            ("downgraded", key.certificate(bee, serial=1), "an older certificate of 'bee': serial 1"),
+            ("wrong_key", key.sign("certificate", wire.pack(body)), f"of '{TARGET}' for other keys than this node's"),
+        ]
+        for code, record, logged in cases:
+            with self.subTest(code):
+                self.send(client, "fleet_news", "dog", data=authority.news(certificates=[record]))
+                self.watch.wait_counted(f"refused.{code}")
+                self.watch.wait_logged(logged)
+        self.assertEqual(self.watch.rise(), {f"refused.{code}": 1 for code, _, _ in cases})
+        self.assert_alive(client, dog)
+        self.assertEqual(self.online(), {"bee", "cat", "dog"})
+
     def test_a_weaker_mechanism(self):
         """PLAIN against CURVE, NULL in strangers_test: the router speaks CURVE alone."""
         plain = self.context.socket(zmq.DEALER)
@@ -248,6 +287,17 @@ class Dates(Life):
         self.fleet.wait("it is counted", lambda: self.watch.rise(), WAIT)
         self.assertLessEqual(set(self.watch.rise()), {"refused.no_curve", "refused.no_zmtp"})
 
+    def test_another_version_of_the_wire(self):
+        dog = Member(self.fleet, "dog")
+        for count, version in enumerate((0, 2), 1):
+            client = self.linked(dog)
+            frame = wire.Frame("route_list", "dog", TARGET, type=wire.REQUEST, id=9, link=client.link, sequence=2)
+            client.socket.send(bytes([version]) + frame.encode()[1:])
+            self.assertIn("version_mismatch", client.wait_goodbye())
+            self.watch.wait_counted("refused.version_mismatch", count)
+            self.watch.wait_logged(f"frame_refused version_mismatch: wire version {version}")
+        self.assertEqual(self.watch.rise(), {"refused.version_mismatch": 2})
+
     def test_a_certificate_that_ends_while_connected(self):
         key, dog = self.authority(), Member(self.fleet, "dog")
         client = self.client(dog)
@@ -255,6 +305,111 @@ class Dates(Life):
         self.assertEqual(client.receive().subtype, "hello")
         self.assertIn("certificate has ended", client.wait_goodbye())
         self.watch.wait_logged("link_closed dog: its certificate has ended")
+
+
+class Renewed(Life):
+    block = BLOCK + 3
+
+    def until(self, node):
+        return self.fleet.json("fleet", "show", self.fleet.dir(node))["not_after"]
+
+    def test_a_renewal_spreads_and_no_link_is_lost(self):
+        links = {node: {n: row["link"] for n, row in self.routes(node).items()} for node in NODES}
+        before = {node: self.until(node) for node in NODES}
+        said = self.fleet.trb("fleet", "renew", self.fleet.authority_dir(), *NODES, "--days", "700", "--via",
+                              self.fleet.dir("cat")).stdout
+        self.assertIn("3 renewed certificates, told to 2 nodes", said)
+        for node in NODES:
+            self.watches[node].wait_logged("certificate_renewed serial")
+            self.assertGreater(int(self.until(node)), int(before[node]) + 300 * authority.DAY)
+            for other in set(NODES) - {node}:
+                certificate = bytes.fromhex(self.routes(node)[other]["certificate"]["payload"])
+                self.assertGreaterEqual(wire.unpack(certificate)[0][1], 6, "the serial that others know")
+        self.assertEqual({node: {n: row["link"] for n, row in self.routes(node).items()} for node in NODES}, links)
+        self.assert_same_processes()
+        self.assertEqual(self.watch.rise(), {})
+
+    def test_a_node_that_was_off_while_it_was_renewed(self):
+        """It comes with its old certificate, is refused, handed the new one, and joins with it."""
+        self.fleet.nodes["cat"].stop()
+        self.fleet.trb("fleet", "renew", self.fleet.authority_dir(), "cat", "--via", self.fleet.dir("ant"))
+        self.fleet.bring_up("cat")
+        self.fleet.wait("cat is back", lambda: self.online("cat") == {"ant", "bee"}, 10)
+        self.assertIn("certificate_renewed serial 6", self.watches["cat"].log())
+
+    def renew(self, node, days):
+        self.fleet.trb("fleet", "renew", self.fleet.authority_dir(), node, "--days", days, "--via", self.fleet.dir(node))
+
+    def ends_soon(self, node):
+        """What trb doctor says of it."""
+        report = json.loads(self.fleet.trb("doctor", "--json", node=node, check=False).stdout)
+        return [row for row in report["findings"] if row["cause"] == "cert_ends_soon"]
+
+    def test_a_certificate_that_ends_soon(self):
+        """Warned of from 30 days before: in the log, by trb service list, by trb doctor; silent again once renewed."""
+        self.renew(TARGET, 31)
+        self.watch.wait_logged("certificate_renewed serial 6")
+        self.assertEqual(self.ends_soon(TARGET), [])
+        self.assertNotIn("certificate ends", self.fleet.trb("service", "list", node=TARGET).stdout)
+        self.renew(TARGET, 29)
+        self.watch.wait_logged("certificate_ends certificate ends")
+        self.watch.wait_logged(f"in 28 days: trb fleet renew FLEET_DIR {TARGET}")
+        self.assertIn(f"in 28 days: trb fleet renew FLEET_DIR {TARGET}",
+                      self.fleet.trb("service", "list", node=TARGET).stdout)
+        row, = self.ends_soon(TARGET)
+        self.assertEqual((row["subject"], row["severity"]), (TARGET, "note"))
+        self.assertIn("28 days", row["what"])
+        self.assertIn(f"trb fleet renew FLEET_DIR {TARGET}", row["cure"])
+        self.assertEqual(self.watch.log().count("certificate_ends"), 1)
+        self.renew(TARGET, 365)
+        self.watch.wait_logged("certificate_renewed serial 8")
+        self.assertEqual(self.ends_soon(TARGET), [])
+        self.assertNotIn("certificate ends", self.fleet.trb("service", "list", node=TARGET).stdout)
+        self.assert_same_processes()
+
+
+class Rights(Life):
+    block = BLOCK + 4
+
+    def test_a_robot_s_node_signs_no_decision(self):
+        fleet = support.make_fleet(self, block=BLOCK + 5, udp_port=UDP_PORT + 5, cloud=False,
+                                   robots={"ur3": trb_fleet.ROBOTS["ur3"]})
+        fleet.start_node("ur3")
+        fleet.nodes["ur3"].wait_line("ready", 20)
+        bus = self.context.socket(zmq.DEALER)
+        self.addCleanup(bus.close, 0)
+        bus.connect(f"ipc://{fleet.dir('ur3')}/bus/probe.ipc")
+        hello = wire.Frame("service_hello", "", "", type=wire.COMMAND, id=1,
+                           data=wire.pack(["cli", [], 1, os.getpid(), "independent"]))
+        bus.send(hello.encode())
+        self.assertTrue(bus.poll(WAIT * 1000))
+        slot = wire.decode(bus.recv()).body()[2]
+        watch = support.Watch(fleet, "ur3")
+        for count, purpose in enumerate(("decision", "result", "certificate", "revocation_list", "seal"), 1):
+            ask = wire.Frame("sign_request", "ur3", "ur3", type=wire.REQUEST, id=(slot << 48) + count,
+                             data=wire.pack([purpose, b"x"]))
+            bus.send(ask.encode())
+            self.assertTrue(bus.poll(WAIT * 1000))
+            refusal = wire.nack(wire.decode(bus.recv()))
+            self.assertEqual(refusal["code"], "not_permitted", purpose)
+            self.assertIn("trb help rights", refusal["cure"])
+            watch.wait_counted("refused.not_permitted", count)
+            watch.wait_logged(f"of a robot node may not have a '{purpose}' signed")
+
+    def test_a_role_without_the_right(self):
+        """robot_fault is a robot's; the same member may send it once its certificate says that it is one."""
+        key, dog = self.authority(), Member(self.fleet, "dog")
+        client = self.linked(dog)
+        self.send(client, "robot_fault", "dog", data=wire.pack([]))
+        self.watch.wait_counted("refused.not_permitted")
+        self.watch.wait_logged("not_permitted dog sent robot_fault, which a cloud node may not send")
+        self.assert_alive(client, dog)
+        robot = self.client(dog)
+        self.hello(robot, dog, key.certificate(dog.certificate, serial=60, role=0))
+        self.assertEqual(robot.receive().subtype, "hello")
+        self.send(robot, "robot_fault", "dog", data=wire.pack([]))
+        self.assert_alive(robot, dog)
+        self.assertEqual(self.watch.rise(), {"refused.not_permitted": 1})
 
 
 if __name__ == "__main__":

@@ -1,6 +1,7 @@
 // The offline help topics.
 #include <map>
 
+#include "common/security/rights.hpp"
 #include "services/cli/commands/command.hpp"
 
 namespace trb::cli {
@@ -28,6 +29,11 @@ const std::map<std::string, std::string> kTopics = {
   3. on the node:            put certificate.json into NODE_DIR/keys, then trb up NODE_DIR
 
 The secret keys never leave the node; the authority's folder is on no node.
+
+  trb fleet renew FLEET_DIR ID --via NODE_DIR    a new certificate, the same keys, no restart
+  trb fleet revoke FLEET_DIR ID --via NODE_DIR   out within seconds: stolen, sold, replaced
+
+Without --via, copy FLEET_DIR/news.json into the keys folder of any node that is up: it tells the others.
 )"},
     {"scenario",
      R"(A scenario is a JSON file with a graph of tasks. A task is a skill with data, done by a robot, after others:
@@ -83,12 +89,14 @@ A software stop is not a safety function (ISO 13850, ISO 10218). Use the emergen
 }  // namespace
 
 std::string topic_text(const std::string& topic) {
+  if (topic == "rights")
+    return "Who may what. What is not named here is refused (refused.not_permitted).\n\n" + rights_text();
   const auto at = kTopics.find(topic);
   if (at != kTopics.end()) return at->second;
   if (!topic.empty()) return {};
   std::string out = "Topics:";
   for (const auto& [name, text] : kTopics) out += " " + name;
-  return out + "\n";
+  return out + " rights\n";
 }
 
 }  // namespace trb::cli

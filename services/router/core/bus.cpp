@@ -1,6 +1,7 @@
 // The node's own bus: services come and go, ask the router, have records signed.
 #include <algorithm>
 
+#include "common/security/rights.hpp"
 #include "services/router/core/router_core.hpp"
 
 namespace trb::router {
@@ -16,13 +17,6 @@ Message to_service(const std::string& node, std::uint64_t id, std::uint64_t repl
   message.reply_to = reply_to;
   message.data = encode_body(body);
   return message;
-}
-
-/// Results are the scheduler's; starts and aborts come from where a person works. Default deny.
-bool is_maker(const Connection& from, std::string_view kind) {
-  if (kind == kSignedResult) return !from.probe && from.hello.service == "scheduler";
-  if (kind == kSignedRunStart || kind == kSignedRunAbort) return from.probe || from.hello.service == "cloud-gateway";
-  return false;
 }
 
 }  // namespace
@@ -118,17 +112,21 @@ void RouterCore::deny(ConnectionId to, const Message& asked, const Error& error,
 }
 
 Status RouterCore::may_sign_for(const Connection& from, const SignRequest& request) const {
-  if (!is_maker(from, request.kind) || !may_sign(config_.role, request.kind)) {
-    return fail(Errc::not_permitted, "service '" + from.hello.service + "' of a " + std::string(name_of(config_.role)) +
-                                         " node may not have a '" + request.kind + "' signed");
+  if (!may_have_signed(from.hello.service, from.probe, request.kind) || !may_sign(config_.role, request.kind)) {
+    return fail(Errc::not_permitted,
+                "service '" + from.hello.service + "' of a " + std::string(name_of(config_.role)) +
+                    " node may not have a '" + request.kind + "' signed",
+                "trb help rights says who signs what");
   }
   std::string maker;
   if (request.kind == kSignedResult) {
     if (auto body = decode<TaskResult>(request.payload.bytes)) maker = body->robot;
   } else if (request.kind == kSignedRunStart) {
     if (auto body = decode<RunStart>(request.payload.bytes)) maker = body->submitter;
-  } else if (auto body = decode<AbortOrder>(request.payload.bytes)) {
-    maker = body->by;
+  } else if (request.kind == kSignedRunAbort) {
+    if (auto body = decode<AbortOrder>(request.payload.bytes)) maker = body->by;
+  } else {
+    return fail(Errc::bad_value, "this version makes no records of the kind '" + request.kind + "'");
   }
   if (maker != config_.id)
     return fail(Errc::source_mismatch, "the record names '" + maker + "', this node is '" + config_.id + "'");
@@ -137,7 +135,10 @@ Status RouterCore::may_sign_for(const Connection& from, const SignRequest& reque
 
 void RouterCore::sign_for(ConnectionId from, const Message& message, const SignRequest& request, Effects& out) {
   const Status good = may_sign_for(*services_.find(from), request);
-  if (!good) return deny(from, message, good.error(), out);
+  if (!good) {
+    out.log(LogLevel::warning, "not_signed", good.error().text());
+    return deny(from, message, good.error(), out);
+  }
   answer(from, message, sign(request.kind, config_.id, config_.authority.id(), request.payload.bytes, config_.identity),
          out);
 }

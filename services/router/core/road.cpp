@@ -1,6 +1,7 @@
 // The road of a message: decided on the header alone.
 #include <algorithm>
 
+#include "common/security/rights.hpp"
 #include "services/router/core/router_core.hpp"
 
 namespace trb::router {
@@ -25,19 +26,6 @@ constexpr std::string_view kOwnSubtypes[] = {
 };
 static_assert(std::is_sorted(std::begin(kOwnSubtypes), std::end(kOwnSubtypes)));
 
-// Sorted: between services of one node; never taken from another node.
-constexpr std::string_view kLocalOnly[] = {
-    AdapterState::kSubtype,   AdapterStateRequest::kSubtype, CancelExecution::kSubtype, Execute::kSubtype,
-    ExecutionQuery::kSubtype, ExecutionState::kSubtype,      Outcome::kSubtype,         OutcomeJournaled::kSubtype,
-    RunSubmit::kSubtype,      ServiceAlive::kSubtype,        ServiceHello::kSubtype,    SignRequest::kSubtype,
-};
-static_assert(std::is_sorted(std::begin(kLocalOnly), std::end(kLocalOnly)));
-
-// Sorted: between the two routers of a link; never from a service to another node.
-constexpr std::string_view kLinkOnly[] = {Goodbye::kSubtype, Hello::kSubtype, KeepAlive::kSubtype,
-                                          NodeProfile::kSubtype, Seal::kSubtype};
-static_assert(std::is_sorted(std::begin(kLinkOnly), std::end(kLinkOnly)));
-
 template <std::size_t N>
 bool contains(const std::string_view (&words)[N], std::string_view word) {
   return std::binary_search(std::begin(words), std::end(words), word);
@@ -59,7 +47,7 @@ std::string_view cure_of(Errc reason) {
     case Errc::no_service:
       return "see trb service list on the target; is the service in its node.json?";
     case Errc::not_permitted:
-      return "this subtype is between the services of one node, or between routers; use another word";
+      return "this node's role may not send this subtype to another node: trb help rights";
     case Errc::expired:
       return "give the message more time";
     case Errc::bad_value:
@@ -83,7 +71,7 @@ Decision RouterCore::route_local(ConnectionId from, const HeaderView& header) {
     const bool echo = own.to == Decision::To::service && own.connection == from && header.reply_to == 0;
     return echo ? drop(Errc::no_service) : own;
   }
-  if (contains(kLinkOnly, header.subtype)) return drop(Errc::not_permitted);
+  if (!may_send_out(config_.role, header.subtype)) return drop(Errc::not_permitted);
   if (header.target == kEveryNode) {
     const bool good = header.type == MessageType::information;
     return good ? Decision{.to = Decision::To::every_peer} : drop(Errc::bad_value);
@@ -114,9 +102,10 @@ Decision RouterCore::route_peer(LinkId id, const HeaderView& header, Now now, Ef
     return drop(Errc::source_mismatch);
   }
   if (header.target != config_.id && header.target != kEveryNode) return drop(Errc::unknown_target);
-  if (contains(kLocalOnly, header.subtype)) {
+  if (const Role role = peers_.at(link.peer).certificate.role; !may_cross(role, header.subtype)) {
     out.log(LogLevel::warning, "not_permitted",
-            link.peer + " sent " + std::string(header.subtype) + ", which is for one node's own services");
+            link.peer + " sent " + std::string(header.subtype) + ", which a " + std::string(name_of(role)) +
+                " node may not send to another node: trb help rights");
     return drop(Errc::not_permitted);
   }
   if (header.remaining_ms == 0) return drop(Errc::expired);

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "common/scenario/run_start.hpp"
+#include "common/security/rights.hpp"
 #include "proto/body.hpp"
 
 namespace trb::scheduler {

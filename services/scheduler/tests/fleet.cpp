@@ -3,6 +3,7 @@
 #include <doctest/doctest.h>
 
 #include "common/scenario/run_start.hpp"
+#include "common/security/rights.hpp"
 
 namespace trb::scheduler::test {
 

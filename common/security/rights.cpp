@@ -1,0 +1,208 @@
+#include "common/security/rights.hpp"
+
+#include <algorithm>
+#include <array>
+
+#include "proto/body.hpp"
+
+namespace trb {
+namespace {
+
+constexpr auto kSubtypes = [] {
+  constexpr Road fleet = Road::fleet;
+  constexpr Road link = Road::link;
+  constexpr Road bus = Road::bus;
+  constexpr Road record = Road::record;
+  // A robot's node may start, follow and abort runs, stop and release robots: a fleet whose cloud is gone is still
+  // worked. What only a robot can know, only its node says.
+  std::array rows{
+      SubtypeRight{"ack", fleet, true, true},
+      SubtypeRight{"nack", fleet, true, true},
+      SubtypeRight{"run_accepted", fleet, true, true},
+      SubtypeRight{"stop", fleet, true, true},
+      SubtypeRight{"release", fleet, true, true},
+      SubtypeRight{"baton", fleet, true, true},
+      SubtypeRight{"baton_journaled", fleet, true, true},
+      SubtypeRight{"need_definition", fleet, true, true},
+      SubtypeRight{"definition", fleet, true, true},
+      SubtypeRight{"need_results", fleet, true, true},
+      SubtypeRight{"results", fleet, true, true},
+      SubtypeRight{"results_journaled", fleet, true, true},
+      SubtypeRight{"run_abort", fleet, true, true},
+      SubtypeRight{"abort_confirmed", fleet, true, true},
+      SubtypeRight{"task_progress", fleet, true, true},
+      SubtypeRight{"run_query", fleet, true, true},
+      SubtypeRight{"run_view", fleet, true, true},
+      SubtypeRight{"run_list", fleet, true, true},
+      SubtypeRight{"run_table", fleet, true, true},
+      SubtypeRight{"robot_fault", fleet, true, false},
+      SubtypeRight{"robot_connection", fleet, true, false},
+      SubtypeRight{"route_list", fleet, true, true},
+      SubtypeRight{"route_table", fleet, true, true},
+      SubtypeRight{"service_list", fleet, true, true},
+      SubtypeRight{"service_table", fleet, true, true},
+      SubtypeRight{"router_counters", fleet, true, true},
+      SubtypeRight{"adapter_counters", fleet, true, true},
+      SubtypeRight{"counters", fleet, true, true},
+      SubtypeRight{"link_troubles", fleet, true, true},
+      SubtypeRight{"link_trouble_table", fleet, true, true},
+      SubtypeRight{"echo_request", fleet, true, true},
+      SubtypeRight{"echo", fleet, true, true},
+      SubtypeRight{"hello", link, true, true},
+      SubtypeRight{"keep_alive", link, true, true},
+      SubtypeRight{"goodbye", link, true, true},
+      SubtypeRight{"node_profile", link, true, true},
+      SubtypeRight{"seal", link, true, true},
+      SubtypeRight{"fleet_news", link, true, true},  // the authority has signed what is in it
+      SubtypeRight{"neighbours", link, true, true},
+      SubtypeRight{"relayed", link, true, true},
+      SubtypeRight{"service_hello", bus, false, false},
+      SubtypeRight{"service_welcome", bus, false, false},
+      SubtypeRight{"service_alive", bus, false, false},
+      SubtypeRight{"service_alive_seen", bus, false, false},
+      SubtypeRight{"hello_wanted", bus, false, false},
+      SubtypeRight{"sign_request", bus, false, false},
+      SubtypeRight{"signed_record", bus, false, false},
+      SubtypeRight{"peer_joined", bus, false, false},
+      SubtypeRight{"peer_expired", bus, false, false},
+      SubtypeRight{"run_submit", bus, false, false},
+      SubtypeRight{"execute", bus, false, false},
+      SubtypeRight{"cancel_execution", bus, false, false},
+      SubtypeRight{"execution_query", bus, false, false},
+      SubtypeRight{"execution_state", bus, false, false},
+      SubtypeRight{"outcome", bus, false, false},
+      SubtypeRight{"outcome_journaled", bus, false, false},
+      SubtypeRight{"adapter_state", bus, false, false},
+      SubtypeRight{"adapter_state_request", bus, false, false},
+      SubtypeRight{"beacon", record, false, false},
+      SubtypeRight{"certificate", record, false, false},
+      SubtypeRight{"certificate_request", record, false, false},
+      SubtypeRight{"revocation_list", record, false, false},
+      SubtypeRight{"sealed_range", record, false, false},
+      SubtypeRight{"relayed_frame", record, false, false},
+      SubtypeRight{"scenario", record, false, false},
+      SubtypeRight{"run_start", record, false, false},
+      SubtypeRight{"result", record, false, false},
+      SubtypeRight{"abort_order", record, false, false},
+      SubtypeRight{"journal_run", record, false, false},
+      SubtypeRight{"journal_start", record, false, false},
+      SubtypeRight{"journal_result", record, false, false},
+      SubtypeRight{"journal_delivered", record, false, false},
+      SubtypeRight{"journal_abort", record, false, false},
+      SubtypeRight{"journal_tombstone", record, false, false},
+  };
+  std::sort(rows.begin(), rows.end(),
+            [](const SubtypeRight& a, const SubtypeRight& b) { return a.subtype < b.subtype; });
+  return rows;
+}();
+
+constexpr std::string_view kProbe = "probe";
+
+struct SigningRight {
+  std::string_view purpose;
+  bool robot;
+  bool cloud;
+  std::array<std::string_view, 3> makers;  ///< services that may ask for it; "probe": the command line
+};
+
+// Where nobody may ask, the router signs for itself, the node's own `trb fleet request`, or the authority.
+constexpr SigningRight kSignatures[] = {
+    {kSignedBeacon, true, true, {}},
+    {kSignedSeal, true, true, {}},
+    {kSignedRelayed, true, true, {}},
+    {kSignedResult, true, false, {"scheduler"}},
+    {kSignedRunStart, true, true, {kProbe, "cloud-gateway"}},
+    {kSignedRunAbort, true, true, {kProbe, "cloud-gateway"}},
+    {kSignedDecision, false, true, {kProbe, "cloud-gateway", "resilience"}},
+    {kSignedRequest, false, false, {}},
+    {kSignedCertificate, false, false, {}},
+    {kSignedRevocations, false, false, {}},
+};
+
+const SigningRight* find_signature(std::string_view purpose) {
+  const auto* at = std::find_if(std::begin(kSignatures), std::end(kSignatures),
+                                [&](const SigningRight& row) { return row.purpose == purpose; });
+  return at == std::end(kSignatures) ? nullptr : at;
+}
+
+bool allows(Role role, bool robot, bool cloud) {
+  return role == Role::cloud ? cloud : robot;
+}
+
+std::string_view yes_no(bool value) {
+  return value ? "yes" : "no";
+}
+
+std::string row_of(std::string_view what, bool robot, bool cloud, const std::string& words) {
+  return "| " + std::string(what) + " | " + std::string(yes_no(robot)) + " | " + std::string(yes_no(cloud)) + " | " +
+         words + " |\n";
+}
+
+std::string subtypes_of(Road road, bool robot, bool cloud) {
+  std::string out;
+  for (const SubtypeRight& row : kSubtypes) {
+    if (row.road == road && row.robot == robot && row.cloud == cloud) {
+      out += (out.empty() ? "" : " ") + std::string(row.subtype);
+    }
+  }
+  return out;
+}
+
+std::string makers_of(const SigningRight& right) {
+  std::string out;
+  for (const std::string_view maker : right.makers) {
+    if (!maker.empty()) out += (out.empty() ? "" : ", ") + std::string(maker);
+  }
+  if (!out.empty()) return out;
+  return right.robot || right.cloud ? "the router, for itself" : "nobody on a bus";
+}
+
+}  // namespace
+
+const SubtypeRight* find_right(std::string_view subtype) {
+  const auto* at = std::lower_bound(kSubtypes.begin(), kSubtypes.end(), subtype,
+                                    [](const SubtypeRight& row, std::string_view word) { return row.subtype < word; });
+  return at != kSubtypes.end() && at->subtype == subtype ? at : nullptr;
+}
+
+bool may_cross(Role role, std::string_view subtype) {
+  const SubtypeRight* right = find_right(subtype);
+  return right == nullptr ? !is_typed(subtype) : allows(role, right->robot, right->cloud);
+}
+
+bool may_send_out(Role role, std::string_view subtype) {
+  const SubtypeRight* right = find_right(subtype);
+  return may_cross(role, subtype) && (right == nullptr || right->road == Road::fleet);
+}
+
+bool may_sign(Role role, std::string_view purpose) {
+  const SigningRight* right = find_signature(purpose);
+  return right != nullptr && allows(role, right->robot, right->cloud);
+}
+
+bool may_have_signed(std::string_view service, bool probe, std::string_view purpose) {
+  const SigningRight* right = find_signature(purpose);
+  const std::string_view asking = probe ? kProbe : service;
+  return right != nullptr && !asking.empty() &&
+         std::find(right->makers.begin(), right->makers.end(), asking) != right->makers.end();
+}
+
+std::string rights_text() {
+  constexpr std::pair<Road, std::string_view> kRoads[] = {{Road::fleet, "from node to node"},
+                                                          {Road::link, "between the routers of a link"},
+                                                          {Road::bus, "on one node's own bus"},
+                                                          {Road::record, "never as a message"}};
+  std::string out = "| Goes | from a robot's node | from the cloud | Subtypes |\n|---|---|---|---|\n";
+  for (const auto& [road, name] : kRoads) {
+    for (const auto& [robot, cloud] : {std::pair{true, true}, {true, false}, {false, true}, {false, false}}) {
+      const std::string words = subtypes_of(road, robot, cloud);
+      if (!words.empty()) out += row_of(name, robot, cloud, words);
+    }
+  }
+  out += row_of("from node to node", true, true, "a user's own words: command, request, information");
+  out += "\n| Signed record | a robot's node signs it | the cloud signs it | for |\n|---|---|---|---|\n";
+  for (const SigningRight& row : kSignatures) out += row_of(row.purpose, row.robot, row.cloud, makers_of(row));
+  return out;
+}
+
+}  // namespace trb

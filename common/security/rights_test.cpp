@@ -1,0 +1,72 @@
+// The one table of who may what.
+#include <doctest/doctest.h>
+
+#include "common/base/files.hpp"
+#include "common/security/rights.hpp"
+#include "proto/body.hpp"
+
+using namespace trb;
+
+TEST_CASE("every typed subtype has its row, and no row is for a word that is none") {
+  std::size_t typed = 0;
+#define TRB_CHECK_ROW(Name)                       \
+  {                                               \
+    INFO(Name::kSubtype);                         \
+    CHECK(find_right(Name::kSubtype) != nullptr); \
+    ++typed;                                      \
+  }
+  TRB_BODIES(TRB_CHECK_ROW)
+#undef TRB_CHECK_ROW
+  CHECK(typed > 60);
+  CHECK(find_right("move") == nullptr);
+}
+
+TEST_CASE("over a link goes what the table names for the role, and a user's own words") {
+  for (const Role role : {Role::robot, Role::cloud}) {
+    for (const std::string_view word : {"stop", "baton", "ack", "hello", "fleet_news", "move", "a_word_of_a_user"}) {
+      CHECK(may_cross(role, word));
+    }
+    for (const std::string_view word : {"execute", "sign_request", "signed_record", "peer_expired", "service_welcome",
+                                        "run_submit", "certificate", "journal_abort", "revocation_list"}) {
+      CHECK_FALSE(may_cross(role, word));
+    }
+    CHECK(may_cross(role, "robot_fault") == (role == Role::robot));
+    CHECK_FALSE(may_send_out(role, "goodbye"));  // a service cannot end a link
+    CHECK_FALSE(may_send_out(role, "seal"));
+    CHECK(may_send_out(role, "move"));
+    CHECK(may_send_out(role, "echo_request"));
+  }
+}
+
+TEST_CASE("a decision is the cloud's, a result the robot's, a certificate no node's") {
+  CHECK(may_sign(Role::cloud, kSignedDecision));
+  CHECK_FALSE(may_sign(Role::robot, kSignedDecision));
+  CHECK(may_sign(Role::robot, kSignedResult));
+  CHECK_FALSE(may_sign(Role::cloud, kSignedResult));
+  for (const Role role : {Role::robot, Role::cloud}) {
+    CHECK(may_sign(role, kSignedSeal));
+    CHECK(may_sign(role, kSignedRelayed));
+    CHECK_FALSE(may_sign(role, kSignedRevocations));
+  }
+}
+
+TEST_CASE("a record is signed for the service that makes its kind alone") {
+  CHECK(may_have_signed("scheduler", false, kSignedResult));
+  CHECK_FALSE(may_have_signed("scheduler", true, kSignedResult));  // a probe that calls itself so
+  CHECK(may_have_signed("cli", true, kSignedRunStart));
+  CHECK_FALSE(may_have_signed("mode-adapter", false, kSignedRunStart));
+  CHECK(may_have_signed("resilience", false, kSignedDecision));
+  for (const std::string_view purpose : {kSignedBeacon, kSignedSeal, kSignedRelayed, kSignedCertificate,
+                                         kSignedRevocations, std::string_view("anything"), std::string_view()}) {
+    CHECK_FALSE(may_have_signed("scheduler", false, purpose));
+    CHECK_FALSE(may_have_signed("", false, purpose));
+    CHECK_FALSE(may_have_signed("cli", true, purpose));
+  }
+}
+
+TEST_CASE("proto/README.md prints the table as it is") {
+  const auto readme = read_file(std::string(TRB_SOURCE_DIR) + "/proto/README.md");
+  REQUIRE(readme.ok());
+  INFO("put the output of `trb help rights` between the marks");
+  CHECK(readme->find("<!-- rights -->\n" + rights_text() + "<!-- /rights -->") != std::string::npos);
+}
