@@ -74,6 +74,20 @@ A software stop is not a safety function (ISO 13850, ISO 10218). Use the emergen
   trb service counters router   what was refused at the door, each reason under a name of its own
   trb logs NODE_DIR router      the same with times
 )"},
+    {"proof",
+     R"(A router keeps what came by its links, with the seals over it, in NODE_DIR/log/proof: 64 MB, the oldest go first
+(node.json: "proof_log_mb", 0 keeps none). A third party needs that folder and the fleet's public key, fleet.json:
+
+  trb proof nodes/ur3/log/proof --fleet fleet.json
+
+  proven         its sender's identity key has signed for it: the sender cannot deny it, the keeper cannot invent it
+  authenticated  encryption proved it to the node that kept it, and to nobody else: no seal came after it
+  broken         its seal does not hold: it, or what lies around it, is not what was sent
+
+BY is whose seal it is. SOURCE is what the message says itself. HEARD is the keeper's clock, "sealed" in --json the sender's.
+What a keeper has left out shows as sequences that are not in the log; what it left out at the end of a link does not
+show. A certificate that was revoked in the meantime still proves what it signed before: compare the times.
+)"},
     {"errors",
      R"(Every error has a code, what it concerns, and a cure. Some of them:
 

@@ -40,8 +40,9 @@ Result<Certificate> RouterCore::check_hello(const Link& link, const Message& mes
                 "Hello of '" + message.source + "' with the certificate of '" + certificate->id + "'");
   }
   if (hello.seal != kSealBehind && hello.seal != kSealBeforeDelivery) {
-    return fail(Errc::bad_value, "Hello of '" + certificate->id + "' wants messages sealed '" + hello.seal + "'",
-                "run the same version on both nodes");
+    return fail(Errc::downgraded,
+                "Hello of '" + certificate->id + "' wants messages sealed '" + hello.seal + "', which is no way known here",
+                "run the same version on both nodes: every link of a fleet is sealed");
   }
   if (certificate->id == config_.id) {
     return fail(Errc::duplicate, "another node is called '" + config_.id + "' too", "give each node its own id");

@@ -39,12 +39,12 @@ std::uint64_t RouterCore::counter(std::string_view name) const {
   return at == counts_.end() ? 0 : at->second;
 }
 
-void RouterCore::count(std::string_view name) {
+void RouterCore::count(std::string_view name, std::uint64_t by) {
   const auto at = counts_.find(name);
   if (at != counts_.end()) {
-    ++at->second;
+    at->second += by;
   } else if (counts_.size() < 1000) {
-    counts_.emplace(name, 1);
+    counts_.emplace(name, by);
   }
 }
 

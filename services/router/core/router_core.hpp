@@ -114,7 +114,7 @@ class RouterCore {
   /// Writes down for `trb doctor` what the shell saw go wrong with a link; 0 for one that is none of ours.
   void note_trouble(LinkId link, std::string_view code, std::string_view text, Now now);
   /// Raises a counter; the shell calls it for Effects::counts.
-  void count(std::string_view name);
+  void count(std::string_view name, std::uint64_t by = 1);
 
  private:
   // road.cpp
@@ -198,6 +198,7 @@ class RouterCore {
   void bind_seals(const Link& link, const Certificate& certificate, const Hello& hello);
   [[nodiscard]] std::optional<MonotonicTime> next_seal() const;
   void seal_now(LinkId link, Effects& out) const;
+  void last_seal(LinkId link, Effects& out);
   void tick_seals(Now now, Effects& out);
   void on_seal(const Link& link, const Seal& seal, Now now, Effects& out);
   void check_seals(Now now, Effects& out);

@@ -108,6 +108,12 @@ void RouterCore::seal_now(LinkId link, Effects& out) const {
   if (seals != nullptr && seals->writer.unsealed() > 0 && !seals->signer.id.empty()) out.add(SealDue{link});
 }
 
+void RouterCore::last_seal(LinkId link, Effects& out) {
+  seal_now(link, out);
+  // A Goodbye follows, which no seal covers.
+  if (const auto at = seals_.find(link); at != seals_.end()) at->second.each = false;
+}
+
 void RouterCore::tick_seals(Now now, Effects& out) {
   check_seals(now, out);
   for (const LinkId link : fresh_) {
@@ -183,7 +189,8 @@ void RouterCore::seal_broken(LinkId id, SealFault fault, Now now, Effects& out) 
   const std::string text = "link " + std::to_string(id) + " of " + at->second.peer + ", after sequence " +
                            std::to_string(at->second.heard) + ": " + reason;
   out.count("refused.seal_" + reason);
-  out.log(LogLevel::error, "seal_alarm", text + "; what it carried since its last seal is not proven");
+  // An event for each reason: many of one kind do not use up what may be logged of another.
+  out.log(LogLevel::error, "seal_alarm_" + reason, text + "; what it carried since its last seal is not proven");
   note_trouble(id, errc_name(Errc::seal_broken), text, now);
   drop_link(id, "seal_broken: " + reason, true, now, out);
 }

@@ -46,7 +46,7 @@ struct Pair {
     const LinkId before = ant.link_to("bee");
     fleet.run(milliseconds(100));
     CHECK(bee.count("refused.seal_" + reason) == 1);
-    CHECK(logged(bee, "seal_alarm ") == 1);
+    CHECK(logged(bee, "seal_alarm_" + reason + " ") == 1);
     CHECK(bee.link_to("ant") == 0);
     CHECK(ant.link_to("bee") == 0);
     fleet.meddle = nullptr;
@@ -154,7 +154,7 @@ TEST_CASE("before_delivery: a message waits for its seal, and the sender seals e
   CHECK(pair.bee.delivered.size() == 3);
 }
 
-TEST_CASE("a Hello that wants to be sealed in a way unknown here is refused") {
+TEST_CASE("a Hello that wants not to be sealed, or in a way unknown here, is refused as a downgrade") {
   TestFleet fleet;
   TestNode& ant = fleet.start("ant");
   TestNode& bee = fleet.start("bee");
@@ -166,7 +166,7 @@ TEST_CASE("a Hello that wants to be sealed in a way unknown here is refused") {
     return true;
   };
   fleet.run(Seconds(1));
-  CHECK(bee.count("refused.bad_value") > 0);
+  CHECK(bee.count("refused.downgraded") > 0);
   CHECK(ant.link_to("bee") == 0);
 }
 

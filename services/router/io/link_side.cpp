@@ -97,6 +97,7 @@ void RouterShell::on_link_frame(LinkId link, BytesView key, const HeaderView& he
     case Decision::To::router:
       core_.on_link_message(link, key, to_message(header), header.sequence, now, effects);
       if (!was_up) hear(link, header, view_of(frame), now, effects);
+      if (header.subtype == Seal::kSubtype) keep_proof(link);
       break;
     default:
       core_.nack_peer(link, header, decision.reason, effects);
@@ -175,6 +176,7 @@ void RouterShell::close_link(LinkId link) {
     accepted_.erase(accepted);
   }
   core_.forget_link(link);
+  proof_.ended(link, read_clocks().utc, "closed");
   held_.erase(link);
   const auto at = dialled_.find(link);
   if (at == dialled_.end()) return;

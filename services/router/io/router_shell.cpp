@@ -12,7 +12,7 @@ constexpr int kAgain = 75;  ///< the supervisor starts the router again at once
 }  // namespace
 
 RouterShell::RouterShell(RouterConfig config, ShellOptions options)
-    : core_(std::move(config)), options_(std::move(options)) {}
+    : core_(std::move(config)), options_(std::move(options)), proof_("log/proof", kUnsealed ? 0 : options_.proof_log_bytes) {}
 
 Status RouterShell::open() {
   // ZAP first: an inbox without it would let every key in.

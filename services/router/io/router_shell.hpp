@@ -19,6 +19,7 @@
 #include "services/router/io/door.hpp"
 #include "services/router/io/interface_watch.hpp"
 #include "services/router/io/keys_watch.hpp"
+#include "services/router/io/proof_log.hpp"
 
 namespace trb::router {
 
@@ -30,6 +31,7 @@ struct ShellOptions {
   std::uint16_t beacon_port = 0;
   BeaconKey beacon_key;
   VisitorLimits visitors;
+  std::uint64_t proof_log_bytes = 0;  ///< at most so much in log/proof; 0: no proof log
 };
 
 /// Why a service of this node did not get a message.
@@ -120,6 +122,7 @@ class RouterShell {
   SendResult send_seal(LinkId link);
   /// False: the link has been closed by what came.
   bool hear(LinkId link, const HeaderView& header, BytesView frame, Now now, Effects& effects);
+  void keep_proof(LinkId link);
   SendResult deliver(LinkId link, std::uint64_t sequence, ConnectionId to, Frame&& frame);
   void deliver_held(const DeliverHeld& proven);
   // router_shell.cpp
@@ -152,6 +155,7 @@ class RouterShell {
     Frame frame;
   };
   std::map<LinkId, std::deque<Held>> held_;  ///< until their seal is checked; as many as may be unsealed
+  ProofLog proof_;
   InboxOrigin origin_;
   std::vector<LinkId> lost_links_;
   std::unique_ptr<Socket> tap_;

@@ -17,8 +17,30 @@ SendResult RouterShell::send_seal(LinkId link) {
 }
 
 bool RouterShell::hear(LinkId link, const HeaderView& header, BytesView frame, Now now, Effects& effects) {
+  if (proof_.on()) {
+    const LinkSeals* seals = core_.seals_of(link);
+    const Link* known = core_.find_link(link);
+    if (seals != nullptr && known != nullptr && known->up) proof_.heard(*seals, now.utc, frame);
+  }
   core_.hear_frame(link, header, frame, now, effects);
   return core_.find_link(link) != nullptr;
+}
+
+void RouterShell::keep_proof(LinkId link) {
+  const LinkSeals* seals = core_.seals_of(link);
+  // A seal that was refused is written when its link is closed.
+  if (!proof_.on() || seals == nullptr || core_.find_link(link) == nullptr) return;
+  proof_.sealed(*seals);
+  if (const std::uint64_t dropped = proof_.take_dropped(); dropped > 0) {
+    core_.count("proof.dropped", dropped);
+    log_limited(
+        limit_, read_clocks().mono, Level::warning, "proof_log",
+        "the disk is slower than the links: " + std::to_string(dropped) + " messages are not kept for trb proof");
+  }
+  const std::string problem = proof_.take_problem();
+  if (problem.empty()) return;
+  core_.count("proof.write_failed");
+  log_limited(limit_, read_clocks().mono, Level::warning, "proof_log", problem + ": not kept for trb proof");
 }
 
 SendResult RouterShell::deliver(LinkId link, std::uint64_t sequence, ConnectionId to, Frame&& frame) {

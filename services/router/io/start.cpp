@@ -118,7 +118,8 @@ int start(const std::string& node_dir) {
                        check.config.network.tcp_port_ext,
                        check.config.network.udp_port,
                        keys->beacon,
-                       limits_for(descriptors)};
+                       limits_for(descriptors),
+                       std::uint64_t{check.config.proof_log_mb} << 20U};
   if (descriptors < kGoodDescriptors) {
     log_event(Level::warning, "few_descriptors",
               "at most " + std::to_string(descriptors) + " open files: strangers get " +

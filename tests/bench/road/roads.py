@@ -2,6 +2,7 @@
 import json
 import os
 import pathlib
+import shutil
 import subprocess
 import sys
 
@@ -73,8 +74,9 @@ class Fleet(trb_fleet.Fleet):
                               "skills": {}},
     }
 
-    def __init__(self, root, programs, octet):
+    def __init__(self, root, programs, octet, seal):
         self.octet = octet
+        self.seal = seal
         super().__init__(root, programs, udp_port=50000 + octet, name="bench", cloud=False,
                          robots={node: (mode, "bench", []) for node, mode in self.MODES.items()})
 
@@ -95,7 +97,16 @@ class Fleet(trb_fleet.Fleet):
         self.trb("fleet", "request", folder)
 
     def node_json(self, node):
-        return {**super().node_json(node), "services": ["router", "mode-adapter"]}
+        return {**super().node_json(node), "services": ["router", "mode-adapter"], "seal": self.seal}
+
+
+def without_seals(programs, folder):
+    """The programs of a node whose router is the build that does not seal: there is no such setting."""
+    folder.mkdir()
+    for name, source in (("trb", "trb"), ("trb-mode-adapter", "trb-mode-adapter"),
+                         ("trb-router", "trb-bench-router-unsealed")):
+        shutil.copy2(programs / source, folder / name)
+    return folder
 
 
 class Roads:
@@ -103,9 +114,13 @@ class Roads:
 
     def __init__(self, root, programs, octet):
         self.root = pathlib.Path(root)
-        self.program = pathlib.Path(programs).resolve() / "trb-bench-road"
+        programs = pathlib.Path(programs).resolve()
+        self.program = programs / "trb-bench-road"
         self.octet = octet
-        self.fleet = Fleet(self.root / "fleet", pathlib.Path(programs).resolve(), octet)
+        self.fleets = {
+            "sealed": Fleet(self.root / "sealed", programs, octet, "behind"),
+            "unsealed": Fleet(self.root / "unsealed", without_seals(programs, self.root / "programs"), octet + 1, "behind"),
+            "each": Fleet(self.root / "each", programs, octet + 2, "before_delivery")}
         self.processes = []
 
     def __enter__(self):
@@ -114,7 +129,12 @@ class Roads:
     def __exit__(self, *_):
         for process in reversed(self.processes):
             process.stop()
-        self.fleet.stop()
+        for fleet in self.fleets.values():
+            fleet.stop()
+
+    def pump(self):
+        for fleet in self.fleets.values():
+            fleet.pump()
 
     def start(self, name, *arguments, until="ready"):
         log = self.root / f"{len(self.processes)}-{name}.log"
@@ -147,9 +167,9 @@ class Roads:
         first.wait_line("ready", 10)
         return Road("bare", driver, {"adapter a": first.child.pid, **pids, "adapter b": last.child.pid})
 
-    def road(self):
+    def road(self, name):
         """Two real nodes, from the robot of a to the robot of b."""
-        fleet = self.fleet
+        fleet = self.fleets[name]
         fleet.make()
         driver = self.start("drive-tcp", f"{fleet.address('a')}:40000", fleet.robot_address("a"),
                             f"{fleet.robot_address('b')}:{VENDOR_PORT}", "b", until="listening")
@@ -157,8 +177,8 @@ class Roads:
             fleet.start_node(node)
         fleet.wait_formed(30)
         driver.wait_line("ready", 10)
-        return Road("road", driver, {"adapter a": fleet.pid("a", "mode-adapter"), "router a": fleet.pid("a", "router"),
+        return Road(name, driver, {"adapter a": fleet.pid("a", "mode-adapter"), "router a": fleet.pid("a", "router"),
                                      "router b": fleet.pid("b", "router"), "adapter b": fleet.pid("b", "mode-adapter")})
 
     def all(self):
-        return [self.floor(), self.bare(), self.road()]
+        return [self.floor(), self.bare(), *(self.road(name) for name in self.fleets)]

@@ -1,0 +1,50 @@
+// log/proof: what came by the links and the seals over it, for `trb proof`. Here it is gathered, link by link; a thread
+// of its own writes it.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <string>
+
+#include "services/router/core/seals.hpp"
+#include "services/router/io/proof_writer.hpp"
+
+namespace trb::router {
+
+class ProofLog {
+ public:
+  /// Nothing is kept with a bound of 0.
+  ProofLog(const std::string& dir, std::uint64_t max_bytes);
+
+  [[nodiscard]] bool on() const { return writer_ != nullptr; }
+  /// A frame came by a link; it stays here until its seal came.
+  void heard(const LinkSeals& link, UtcTime now, BytesView frame);
+  /// The seal that came last was taken.
+  void sealed(const LinkSeals& link);
+  /// The link is over; what is unsealed is written too.
+  void ended(LinkId link, UtcTime now, std::string_view why);
+  /// Frames that are not in the log, since the last call: the disk is slower than the links.
+  std::uint64_t take_dropped() { return std::exchange(dropped_, 0); }
+  /// What could not be written since the last call: the reason, or empty.
+  std::string take_problem() { return on() ? writer_->take_problem() : std::string(); }
+
+ private:
+  struct Open {
+    std::shared_ptr<const ProofLink> link;
+    std::uint64_t first = 1;
+    Bytes previous = first_previous();
+    Bytes records;
+    std::uint64_t frames = 0;  ///< in `records`
+    bool overflow = false;     ///< what comes before the next seal is too much to be kept
+    bool retell = false;       ///< something was dropped
+  };
+  void hand_over(Open& open, bool last);
+
+  std::unique_ptr<ProofWriter> writer_;
+  std::size_t max_pending_ = 0;
+  std::map<LinkId, Open> open_;
+  std::uint64_t dropped_ = 0;
+};
+
+}  // namespace trb::router

@@ -1,0 +1,225 @@
+// log/proof on a disk: readable, bounded, for its owner alone, and never in the way.
+#include "services/router/io/proof_log.hpp"
+
+#include <doctest/doctest.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <filesystem>
+
+#include "common/base/files.hpp"
+#include "common/transport/loop.hpp"
+#include "proto/body.hpp"
+
+using namespace trb;
+using namespace trb::router;
+
+namespace {
+
+constexpr UtcTime kUtc{1'772'366'400'000'000'000};
+constexpr std::uint64_t kMegabyte = 1U << 20U;
+
+struct TempDir {
+  std::string path = (std::filesystem::temp_directory_path() / "trb-proof-XXXXXX").string();
+  TempDir() { REQUIRE(::mkdtemp(path.data()) != nullptr); }
+  ~TempDir() { std::filesystem::remove_all(path); }
+};
+
+/// bee's router, to which ant, who dialled, speaks on a link.
+struct Speaker {
+  SigningKey authority = make_signing_key();
+  FleetAuthority fleet{"hall", authority.public_key};
+  SigningKey identity = make_signing_key();
+  LinkSeals at_bee;
+  SealWriter writer;
+
+  explicit Speaker(LinkId link) {
+    at_bee.in = {link, 7, 7, true};
+    at_bee.own = certificate("bee", make_signing_key());
+    at_bee.peer = certificate("ant", identity);
+  }
+  SignedRecord certificate(const std::string& id, const SigningKey& key) const {
+    const Certificate body{
+        {fleet.id()},           7, id, Role::robot, {key.public_key}, {make_link_key().public_key}, kUtc.ns - 1,
+        kUtc.ns + 1'000'000'000};
+    return sign(kSignedCertificate, "", fleet.id(), encode(body), authority);
+  }
+  Bytes frame(const std::string& subtype, const Bytes& data) {
+    Message message;
+    message.type = MessageType::information;
+    message.subtype = subtype;
+    message.source = "ant";
+    message.target = "bee";
+    message.data = data;
+    Bytes out = encode_frame(message);
+    stamp_link(out.data(), at_bee.in.link, writer.next(), message.remaining_ms);
+    return out;
+  }
+  void say(ProofLog& log, const Bytes& data) {
+    const Bytes bytes = frame("note", data);
+    writer.add(bytes);
+    REQUIRE(at_bee.reader.add(bytes));
+    log.heard(at_bee, kUtc, bytes);
+  }
+  void seal(ProofLog& log) {
+    const SealedRange range = writer.range(at_bee.in, kUtc);
+    const SignedRecord record = sign_seal(range, "ant", fleet.id(), identity);
+    log.heard(at_bee, kUtc, frame("seal", encode(Seal{record})));
+    REQUIRE(at_bee.reader.close(at_bee.in, range, range.last + 1, record.payload.bytes) == SealFault::none);
+    writer.sealed(record.payload.bytes);
+    log.sealed(at_bee);
+  }
+};
+
+std::vector<std::string> files_in(const std::string& dir) {
+  std::vector<std::string> out;
+  for (const auto& entry : std::filesystem::directory_iterator(dir)) out.push_back(entry.path().string());
+  std::sort(out.begin(), out.end());
+  return out;
+}
+
+std::uint64_t bytes_in(const std::string& dir) {
+  std::uint64_t out = 0;
+  for (const std::string& file : files_in(dir)) out += std::filesystem::file_size(file);
+  return out;
+}
+
+ProofReport read_all(const Speaker& speaker, const std::string& dir) {
+  ProofChecker checker({"", speaker.fleet.public_key});
+  for (const std::string& file : files_in(dir)) checker.read(file, *read_file(file, 64 * kMegabyte));
+  return checker.report();
+}
+
+}  // namespace
+
+TEST_CASE("what was heard is proven from the disk, the tail authenticated, and for its owner alone") {
+  init_crypto();
+  const TempDir temp;
+  const std::string dir = temp.path + "/proof";
+  Speaker ant(5);
+  {
+    ProofLog log(dir, 8 * kMegabyte);
+    ant.say(log, "one");
+    ant.say(log, "two");
+    ant.seal(log);
+    ant.say(log, "last words");
+    log.ended(5, kUtc, "closed");
+  }
+  const ProofReport report = read_all(ant, dir);
+  CHECK(report.faults.empty());
+  CHECK(report.proven.at("ant") == 2);
+  REQUIRE(report.messages.size() == 3);
+  CHECK(report.messages[2].state == ProofState::authenticated);
+  struct stat of {};
+  REQUIRE(::stat(files_in(dir).at(0).c_str(), &of) == 0);
+  CHECK((of.st_mode & 0777U) == 0600U);
+  REQUIRE(::stat(dir.c_str(), &of) == 0);
+  CHECK((of.st_mode & 0777U) == 0700U);
+}
+
+TEST_CASE("the log stays below its bound, the oldest go, and every file can be read alone") {
+  init_crypto();
+  const TempDir temp;
+  Speaker ant(5);
+  const Bytes large(100'000, 'x');
+  std::uint64_t dropped = 0;
+  {
+    ProofLog log(temp.path, 8 * kMegabyte);
+    for (int i = 0; i < 40; ++i) {
+      for (int k = 0; k < 8; ++k) ant.say(log, large);
+      ant.seal(log);
+      dropped += log.take_dropped();
+    }
+  }
+  CHECK(bytes_in(temp.path) <= 8 * kMegabyte);
+  CHECK(bytes_in(temp.path) >= 5 * kMegabyte);
+  const auto files = files_in(temp.path);
+  CHECK(files.size() >= 5);
+  CHECK(files.front().find("proof-0000000001.log") == std::string::npos);
+  for (const std::string& file : files) {
+    ProofChecker checker({"", ant.fleet.public_key});
+    checker.read(file, *read_file(file, 64 * kMegabyte));
+    CAPTURE(file);
+    CHECK(checker.report().faults.empty());
+    CHECK(checker.report().proven.at("ant") >= 8);
+  }
+  // What the disk was too slow for is counted, and shows as sequences that are not there.
+  const ProofReport report = read_all(ant, temp.path);
+  CHECK(report.faults.empty());
+  if (dropped == 0) CHECK(report.gaps.empty());
+}
+
+TEST_CASE("a router that starts again goes on in a new file, within the same bound") {
+  init_crypto();
+  const TempDir temp;
+  for (LinkId link = 1; link <= 3; ++link) {
+    Speaker ant(link);
+    ProofLog log(temp.path, 8 * kMegabyte);
+    for (int k = 0; k < 30; ++k) ant.say(log, Bytes(60'000, 'x'));
+    ant.seal(log);
+  }
+  CHECK(files_in(temp.path).size() == 3);
+  for (LinkId link = 4; link <= 8; ++link) {
+    Speaker ant(link);
+    ProofLog log(temp.path, 8 * kMegabyte);
+    for (int k = 0; k < 30; ++k) ant.say(log, Bytes(60'000, 'x'));
+    ant.seal(log);
+  }
+  CHECK(bytes_in(temp.path) <= 8 * kMegabyte);
+  CHECK(files_in(temp.path).back().find("proof-0000000008.log") != std::string::npos);
+}
+
+TEST_CASE("too much between two seals is left out, counted, and no fault of what comes after it") {
+  init_crypto();
+  const TempDir temp;
+  Speaker ant(5);
+  {
+    ProofLog log(temp.path, 8 * kMegabyte);
+    ant.say(log, "one");
+    ant.seal(log);
+    for (int k = 0; k < 6; ++k) ant.say(log, Bytes(500'000, 'x'));
+    ant.seal(log);
+    CHECK(log.take_dropped() == 7);
+    ant.say(log, "two");
+    ant.seal(log);
+    CHECK(log.take_dropped() == 0);
+  }
+  const ProofReport report = read_all(ant, temp.path);
+  CHECK(report.faults.empty());
+  CHECK(report.proven.at("ant") == 2);
+  REQUIRE(report.gaps.size() == 1);
+  CHECK(report.gaps[0].first == 3);
+  CHECK(report.gaps[0].last == 9);
+}
+
+TEST_CASE("a folder that cannot be written to is told, and nothing else stops") {
+  init_crypto();
+  const TempDir temp;
+  REQUIRE(write_file(temp.path + "/proof", "a file, where the folder should be"));
+  Speaker ant(5);
+  std::string problem;
+  {
+    ProofLog log(temp.path + "/proof", 8 * kMegabyte);
+    const auto until = read_clocks().mono + std::chrono::seconds(10);
+    while (problem.empty() && read_clocks().mono < until) {
+      ant.say(log, "one");
+      ant.seal(log);
+      problem = log.take_problem();
+    }
+  }
+  CHECK(problem.find(temp.path + "/proof") != std::string::npos);
+}
+
+TEST_CASE("a bound of 0 keeps nothing") {
+  init_crypto();
+  const TempDir temp;
+  Speaker ant(5);
+  {
+    ProofLog log(temp.path + "/proof", 0);
+    CHECK_FALSE(log.on());
+    ant.say(log, "one");
+    ant.seal(log);
+  }
+  CHECK_FALSE(std::filesystem::exists(temp.path + "/proof"));
+}
