@@ -70,7 +70,7 @@ Result<Bytes> read_secret(const std::string& dir, const std::string& passphrase)
   if (crypto_secretbox_open_easy(raw(plain), raw(BytesView(*bytes).substr(kHead)), bytes->size() - kHead,
                                  raw(BytesView(*bytes).substr(crypto_pwhash_SALTBYTES)), raw(*key)) != 0) {
     return fail(Errc::not_permitted, path + ": the passphrase is wrong",
-                "try again, or see README: a lost authority key");
+                "try again, or see README.md: The authority's key is lost");
   }
   return plain;
 }

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "common/security/certificate_file.hpp"
+#include "proto/bodies/link.hpp"
 
 namespace trb {
 
@@ -47,6 +48,12 @@ const Certificate* find_living(const Authority& authority, std::string_view id, 
 /// Keeps a certificate that a folder of an earlier version has signed and not kept. Errors: those of
 /// open_certificate_any_time, io_error.
 Result<Certificate> adopt_certificate(Authority& authority, const std::string& dir, const SignedRecord& record);
+
+/// Takes over what the fleet has heard of this authority and this folder, put back from an older copy, does not know:
+/// certificates, a newer list, so that nothing revoked comes back and no number is used twice. Of two lists of one
+/// number the next one says what either says. Returns whether there was anything. Errors: those of adopt_certificate
+/// and open_revocations, io_error.
+Result<bool> catch_up(Authority& authority, const std::string& dir, const FleetNews& known);
 
 /// A new certificate for the same node and keys, with the next serial. Errors: io_error.
 Result<SignedRecord> renew_certificate(Authority& authority, const std::string& dir, const Certificate& old,

@@ -116,6 +116,10 @@ Result<SignedRecord> issue(Authority& authority, const std::string& dir, Certifi
   return sign(kSignedCertificate, "", authority.fleet.id(), encode(certificate), authority.key);
 }
 
+Status write_revocations(const std::string& dir, const SignedRecord& record) {
+  return write_file(list_path(dir), to_json(record) + "\n");
+}
+
 const Certificate* find_living(const Authority& authority, std::string_view id, UtcTime now) {
   const Certificate* newest = nullptr;
   for (const Certificate& certificate : authority.issued) {
@@ -162,8 +166,9 @@ Result<Certificate> adopt_certificate(Authority& authority, const std::string& d
   auto certificate = open_certificate_any_time(record, authority.fleet);
   if (!certificate) return certificate;
   const bool known = std::any_of(authority.issued.begin(), authority.issued.end(),
-                                 [&](const Certificate& row) { return row.serial == certificate->serial; });
+                                 [&](const Certificate& row) { return row == *certificate; });
   if (known) return certificate;
+  authority.next_serial = std::max(authority.next_serial, certificate->serial + 1);
   authority.issued.push_back(*certificate);
   std::sort(authority.issued.begin(), authority.issued.end(),
             [](const Certificate& a, const Certificate& b) { return a.serial < b.serial; });
@@ -195,7 +200,7 @@ Status revoke_certificates(Authority& authority, const std::string& dir, const s
   const SignedRecord record = sign(kSignedRevocations, "", authority.fleet.id(), payload, authority.key);
   const Status stored = payload.size() > kMaxList ? fail(Errc::too_large, "the revocation list has over 400 kB",
                                                          "give shorter reasons; a fleet has room for about 2000 nodes")
-                                                  : write_file(list_path(dir), to_json(record) + "\n");
+                                                  : write_revocations(dir, record);
   if (!stored) {
     authority.list = before;
     return stored;

@@ -15,6 +15,8 @@ Status write_fleet(const std::string& dir, const Authority& authority);
 Status read_issued(Authority& authority, const std::string& dir);
 Status read_revocations(Authority& authority, const std::string& dir);
 
+Status write_revocations(const std::string& dir, const SignedRecord& record);
+
 /// Takes the next serial and signs; both are stored before this returns. Errors: io_error.
 Result<SignedRecord> issue(Authority& authority, const std::string& dir, Certificate certificate, UtcTime now,
                            Duration validity);

@@ -145,6 +145,39 @@ TEST_CASE("a folder of an earlier version opens; its certificates are adopted wh
   CHECK(code_of(adopt_certificate(opened, hall.dir, forged)) == Errc::bad_signature);
 }
 
+TEST_CASE("a folder put back from an older copy takes over what the fleet knows: nothing revoked comes back by it") {
+  Hall hall;
+  for (const char* id : {"ur3", "ur5", "cloud"}) hall.join(id);
+  std::filesystem::copy(hall.dir, hall.root + "/copy");
+  const auto renewed = renew_certificate(hall.authority, hall.dir, hall.living("cloud"), kNow, kYear);
+  REQUIRE(renewed.ok());
+  REQUIRE(hall.revoke("ur3").ok());
+  const FleetNews known{hall.authority.revocations, {*renewed}};
+
+  Authority copy = *open_authority(hall.root + "/copy", kPassphrase);
+  CHECK(find_living(copy, "ur3", kNow) != nullptr);
+  REQUIRE(catch_up(copy, hall.root + "/copy", known).ok());
+  CHECK(find_living(copy, "ur3", kNow) == nullptr);
+  CHECK(copy.next_serial == hall.authority.next_serial);
+  CHECK(copy.beacon.secret == hall.authority.beacon.secret);
+  CHECK_FALSE(*catch_up(copy, hall.root + "/copy", known));
+  CHECK(open_authority(hall.root + "/copy", kPassphrase)->list.number == 1);
+  CHECK_FALSE(*catch_up(hall.authority, hall.dir, {copy.revocations, {}}));
+}
+
+TEST_CASE("of two lists of one number the next one says what either says") {
+  Hall hall;
+  for (const char* id : {"ur3", "ur5", "cloud"}) hall.join(id);
+  std::filesystem::copy(hall.dir, hall.root + "/copy");
+  REQUIRE(hall.revoke("ur3").ok());
+  Authority copy = *open_authority(hall.root + "/copy", kPassphrase);
+  REQUIRE(revoke_certificates(copy, hall.root + "/copy", {*find_living(copy, "ur5", kNow)}, "sold", kNow).ok());
+  REQUIRE(*catch_up(copy, hall.root + "/copy", {hall.authority.revocations, {}}));
+  REQUIRE(revoke_certificates(copy, hall.root + "/copy", {}, "", kNow).ok());
+  CHECK(copy.list.number == 2);
+  CHECK(copy.list.revoked.size() == 2);
+}
+
 TEST_CASE("damaged files of the authority's folder are told, never taken for empty") {
   Hall hall;
   hall.join("ur3");

@@ -153,6 +153,21 @@ class Messages(support.FleetTest):
             self.assertEqual(self.ask(order, "turtlebot")[0], 0, order)
         self.run_waits_for_the_holder("turtlebot", "ur3")
 
+    def test_a_holder_that_died_keeps_nothing(self):
+        """The lease outlives its holder by ten seconds at most, and nobody has to take it over."""
+        wave = ("send", "turtlebot", "command", "wave", "hello")
+        self.assertEqual(self.ask(*wave, "--take", node="pioneer1")[0], 0)
+        taken = time.monotonic()
+        self.wait_control("turtlebot", "pioneer1")
+        self.kill_node("pioneer1")
+        error = self.refusal(*wave, node="ur3")
+        self.assertEqual((error["code"], "'pioneer1'" in error["what"]), ("control_held", True))
+        self.fleet.wait("ur3 is listened to", lambda: self.ask(*wave, node="ur3")[0] == 0, 15)
+        self.assertGreater(time.monotonic() - taken, 9.5)
+        self.start_node("pioneer1")
+        self.fleet.wait_formed(support.LONG_S)
+        self.wait_control("turtlebot", "ur3")
+
     def run_waits_for_the_holder(self, robot, holder):
         task = {"id": "go", "robot": robot, "skill": "go_to", "data": {"place": "dock"}}
         run = self.submit({"name": "go", "tasks": [task]})

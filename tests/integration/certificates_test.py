@@ -287,6 +287,23 @@ class Dates(Life):
         self.fleet.wait("it is counted", lambda: self.watch.rise(), WAIT)
         self.assertLessEqual(set(self.watch.rise()), {"refused.no_curve", "refused.no_zmtp"})
 
+    def test_an_older_protocol(self):
+        """ZMTP 1.0 and 2.0 have no CURVE: the connection ends before a word of it is heard."""
+        hello = wire.Frame("hello", "dog", TARGET, link=7, sequence=1).encode()
+        greetings = {"1.0": b"\x01\x00", "2.0": b"\xff" + bytes(7) + b"\x01\x7f" + b"\x01" + b"\x05" + bytes(2)}
+        for count, (version, greeting) in enumerate(greetings.items(), 1):
+            with self.subTest(version):
+                plain = socket.create_connection((self.fleet.address(TARGET), 45000), timeout=WAIT)
+                self.addCleanup(plain.close)
+                plain.sendall(greeting + b"\x00" + bytes([min(len(hello), 255)]) + hello)
+                try:
+                    while plain.recv(1000):
+                        pass
+                except ConnectionResetError:
+                    pass
+                self.fleet.wait("it is counted", lambda: self.watch.rise(("ended.",)) == {"ended.no_link": count}, WAIT)
+        self.assertEqual(self.watch.rise(), {})
+
     def test_another_version_of_the_wire(self):
         dog = Member(self.fleet, "dog")
         for count, version in enumerate((0, 2), 1):
@@ -305,6 +322,8 @@ class Dates(Life):
         self.assertEqual(client.receive().subtype, "hello")
         self.assertIn("certificate has ended", client.wait_goodbye())
         self.watch.wait_logged("link_closed dog: its certificate has ended")
+        self.watch.wait_counted("refused.cert_expired")
+        self.assertEqual(set(self.watch.rise()), {"refused.cert_expired"})
 
 
 class Renewed(Life):

@@ -24,7 +24,7 @@ class Doctor(unittest.TestCase):
     def setUpClass(cls):
         cls.context = zmq.Context()
         cls.addClassCleanup(cls.context.term)
-        names = ("ant", "bee", "cat", "short")
+        names = ("ant", "bee", "cat", "short", "last")
         cls.fleet = support.make_fleet(cls, support.RouterFleet, services={name: ["router"] for name in names},
                                        block=BLOCK, udp_port=UDP_PORT)
         cls.set_node("ant", beacon=False, seeds=[cls.seed("bee")])
@@ -169,6 +169,21 @@ class OfPeers(Doctor):
             row["id"] == "short" and row["state"] == "ONLINE"
             for row in self.fleet.json("route", "list", node="ant")["routes"]), 8)
         self.find("cert_expired", "short", "short", timeout=25)
+
+    def test_a_revoked_node(self):
+        """Named by those that stay, asked for it or not, and by itself."""
+        self.set_node("last", beacon=False, seeds=[self.seed("ant")])
+        self.fleet.bring_up("last")
+        self.addCleanup(lambda: self.fleet.nodes.pop("last").stop())
+        self.fleet.wait("last is linked", lambda: not self.examine(node="last"), 10)
+        self.fleet.trb("fleet", "revoke", self.fleet.authority_dir(), "last", "--reason", "stolen", "--via",
+                       self.fleet.dir("ant"))
+        for words in ((), ("last",)):
+            row = self.find("cert_revoked", "last", *words)
+            self.assertIn("stolen", row["what"])
+        row = self.find("cert_revoked", "last", node="last")
+        self.assertEqual(row["what"], "this node's certificate is revoked: stolen")
+        self.assertIn("trb fleet request", row["cure"])
 
     def test_a_clock_that_is_an_hour_off(self):
         self.member("cat", utc=time.time_ns() - HOUR_NS)

@@ -80,6 +80,19 @@ Result<std::vector<Certificate>> find_certificates(Authority& authority, const A
   return out;
 }
 
+/// A node that is up knows what this folder does not, if it is an older copy of itself.
+Result<bool> learn_from(Authority& authority, const std::string& dir, const std::string& via) {
+  if (via.empty()) return false;
+  constexpr std::size_t kMost = 1U << 20U;
+  auto bytes = read_file(via + "/state/news", kMost);
+  auto stored = bytes ? decode<FleetNews>(*bytes) : Result<FleetNews>(bytes.error());
+  FleetNews known = stored ? std::move(*stored) : FleetNews{};  // a damaged file is told anew by its peers
+  if (auto own = read_certificate_file(via + "/keys/certificate.json")) known.certificates.push_back(own->certificate);
+  auto learned = catch_up(authority, dir, known);
+  if (learned && *learned) print_line("note: " + dir + " was older than what " + via + " knows; taken over from there");
+  return learned;
+}
+
 /// Hands news.json to the fleet by a running node's router, or says how else it gets there.
 int hand_on(const Arguments& arguments) {
   const std::string path = std::filesystem::absolute(arguments.words[0] + "/news.json").string();
@@ -107,6 +120,8 @@ int run_renew(const Arguments& arguments) {
   const auto days = arguments.number("--days", 365);
   if (!days) return print_error(arguments, days.error());
   const std::string& dir = arguments.words[0];
+  if (auto learned = learn_from(*authority, dir, arguments.get("--via")); !learned)
+    return print_error(arguments, learned.error());
   auto old = find_certificates(*authority, arguments);
   if (!old) return print_error(arguments, old.error());
   const UtcTime now = read_clocks().utc;
@@ -124,13 +139,16 @@ int run_renew(const Arguments& arguments) {
 
 /// Serials below the next one that no file names: their nodes get no new beacon key.
 std::size_t count_unknown(const Authority& authority) {
-  return static_cast<std::size_t>(authority.next_serial - 1) - authority.issued.size();
+  const auto signed_ones = static_cast<std::size_t>(authority.next_serial - 1);
+  return signed_ones - std::min(signed_ones, authority.issued.size());
 }
 
 int run_revoke(const Arguments& arguments) {
   auto authority = open_for(arguments);
   if (!authority) return print_error(arguments, authority.error());
   const std::string& dir = arguments.words[0];
+  if (auto learned = learn_from(*authority, dir, arguments.get("--via")); !learned)
+    return print_error(arguments, learned.error());
   auto over = find_certificates(*authority, arguments);
   if (!over) return print_error(arguments, over.error());
   const UtcTime now = read_clocks().utc;
@@ -153,6 +171,15 @@ int run_revoke(const Arguments& arguments) {
 
 int run_tell(const Arguments& arguments) {
   init_crypto();
+  const std::string& dir = arguments.words[0];
+  auto authority = read_authority(dir);
+  if (!authority) return print_error(arguments, authority.error());
+  auto learned = learn_from(*authority, dir, arguments.get("--via"));
+  if (!learned) return print_error(arguments, learned.error());
+  if (*learned) {
+    if (Status told = tell_news(*authority, dir, {}, read_clocks().utc); !told)
+      return print_error(arguments, told.error());
+  }
   return hand_on(arguments);
 }
 
@@ -182,7 +209,8 @@ std::vector<Command> fleet_news_commands() {
        run_revoke},
       {{"fleet", "tell"},
        {"fleet tell FLEET_DIR",
-        "Hands the folder's news.json (list, renewed certificates) to the fleet. Needs no passphrase.",
+        "Hands the folder's news to the fleet: list, renewed certificates. Needs no passphrase. A folder that was put\n"
+        "back from an older copy first takes over what the node knows.",
         {kVia, kJson},
         {"trb fleet tell ~/hall-3-authority --via nodes/cloud"},
         1,

@@ -231,9 +231,12 @@ std::vector<Command> message_commands() {
   return {
       {{"send"},
        {"send TARGET TYPE SUBTYPE [DATA]",
-        "Sends one message and prints the answer. TYPE is command, request or information.",
+        "Sends one message and prints the answer. TYPE is command, request or information.\n"
+        "A robot is commanded by one node at a time, until 10 s after its last command; another is refused\n"
+        "(control_held, naming the holder) unless it takes control over by word.",
         {kNode, kTimeout, "--take|take the control lease over from whoever commands the robot", kJson},
-        {"trb send ur3 command move '[0.5,-1.2,1.0,-1.4,-1.57,0]'", "trb send pioneer1 information greeting 'hello'"},
+        {"trb send ur3 command move '[0.5,-1.2,1.0,-1.4,-1.57,0]'", "trb send pioneer1 information greeting 'hello'",
+         "trb send ur3 command move '[0,-1.57,0,-1.57,0,0]' --take"},
         3,
         4},
        run_send},

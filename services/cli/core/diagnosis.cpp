@@ -131,6 +131,15 @@ class Doctor {
     return nullptr;
   }
 
+  /// The router is asked, too: that this node is revoked stands in no file of its folder.
+  void own_membership(const std::string& id) {
+    for (const LinkTrouble& trouble : seen_.troubles.troubles) {
+      const bool own = trouble.peer == id && trouble.code.starts_with("own.");
+      const Cause* cause = own ? cause_of(trouble.code.substr(4)) : nullptr;
+      if (cause != nullptr) problem(cause->cause, id, trouble.text, std::string(cause->cure));
+    }
+  }
+
   bool is_asked(const std::string& id, const std::string& address) const {
     return seen_.asked.empty() || seen_.asked == id || seen_.asked == address;
   }
@@ -138,6 +147,7 @@ class Doctor {
   void node(const Route& route) {
     const Route* self = find(seen_.node);
     if (route.state == "self") {
+      own_membership(route.id);
       if (route.clock == "unverified")
         problem("clock_off", route.id, "this node's clock is not to be believed", "set it: timedatectl, or NTP");
       return;
@@ -299,6 +309,7 @@ class Doctor {
       return route.id == seen_.asked || route.address == seen_.asked;
     });
     if (known) return;
+    if (troubles_of(seen_.asked, "", false)) return;  // one that is revoked has no row in the table
     const AddressProbe* probe = probe_of(seen_.asked);
     if (probe == nullptr) {
       return problem("never_heard", seen_.asked, "no node of that id was ever heard of here",

@@ -108,6 +108,21 @@ TEST_CASE("certificates: ended, ending soon, revoked, of another fleet") {
   }
 }
 
+TEST_CASE("a revoked certificate is named: this node's by its router, another's though it has no row any more") {
+  Ant own;
+  own.trouble("ant", "own.cert_revoked", "this node's certificate is revoked: stolen");
+  check_only(own.seen, "cert_revoked", "ant");
+  CHECK(diagnose(own.seen)[0].what == "this node's certificate is revoked: stolen");
+  Ant other;
+  other.trouble("cat", "cert_revoked", "by list 1: stolen");
+  check_only(other.seen, "cert_revoked", "cat");
+  other.seen.asked = "cat";
+  check_only(other.seen, "cert_revoked", "cat");
+  Ant lied_to;  // a stranger may say Hello by any name
+  lied_to.trouble("ant", "cert_revoked", "certificate of 'ant' (serial 1) is revoked by list 1");
+  CHECK(diagnose(lied_to.seen).empty());
+}
+
 TEST_CASE("a clock that is off is named, this node's own and another's") {
   Ant own;
   own.seen.now = {kNow - 30 * kDay};

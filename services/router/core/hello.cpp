@@ -58,6 +58,11 @@ Result<Certificate> RouterCore::check_hello(const Link& link, const Message& mes
   return certificate;
 }
 
+bool RouterCore::proves_name(const Link& link, const Message& message, const Hello& hello) const {
+  const auto certificate = open_certificate_any_time(hello.certificate, config_.authority);
+  return certificate && certificate->link_key.bytes == link.key && certificate->id == message.source;
+}
+
 Result<Hello> RouterCore::read_hello(LinkId id, BytesView key, const Message& message) const {
   if (id == 0) return fail(Errc::malformed, "Hello without a link id");
   if (message.data.size() > kMaxHelloSize && peers_by_key_.count(key) == 0) {
@@ -83,7 +88,9 @@ void RouterCore::on_hello(LinkId id, BytesView key, const Message& message, std:
     if (dialled) {
       note_trouble(id, errc_name(certificate.error().code), certificate.error().what, now);
     } else {
-      troubles_.note(message.source, "", errc_name(certificate.error().code), certificate.error().what, now.mono);
+      // A name that is not proven is nobody's: a stranger could fill the table with names, or speak ill of a member.
+      const std::string_view name = hello && proves_name(fresh, message, *hello) ? message.source : std::string_view();
+      troubles_.note(name, "", errc_name(certificate.error().code), certificate.error().what, now.mono);
       return refuse_candidate(id, key, certificate.error(), now, out);
     }
     out.count("refused." + std::string(errc_name(certificate.error().code)));
@@ -149,6 +156,7 @@ void RouterCore::link_up(Link& link, const Certificate& certificate, const Hello
   if (!again) tell_services(PeerJoined{peer.id, peer.boot}, out);
   tell_profile(links_.at(id), out);
   forget_told_renewal(certificate);
+  forget_ended_renewals(now);
   tell_news(links_.at(id), hello.revocations, out);
 }
 

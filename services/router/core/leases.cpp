@@ -64,6 +64,7 @@ void RouterCore::tick_links(Now now, Effects& out) {
     }
   }
   for (const auto& [id, code, why] : lapsed) {
+    if (code == "cert_expired") out.count("refused.cert_expired");
     note_trouble(id, code, why, now);
     drop_link(id, why, true, now, out);
   }

@@ -62,7 +62,7 @@ void RouterCore::link_send(Link& link, const Body& body, Effects& out, const Mes
 }
 
 bool RouterCore::admit(BytesView key, MonotonicTime now, Effects& out) {
-  if (key == config_.own.link_key.bytes || refuse_revoked_key(key, out)) return false;
+  if (key == config_.own.link_key.bytes || refuse_revoked_key(key, now, out)) return false;
   // One that is revoked knows that no Hello of its own is taken; one that has only ended may be brought its renewal.
   if (find_revocation(news_.list, config_.own) != nullptr) return false;
   // Members, and those whom node.json names though they were never met: no crowd of strangers keeps them out.
@@ -89,7 +89,7 @@ void RouterCore::on_link_message(LinkId id, BytesView key, const Message& messag
     out.count("refused.link_theft");
     return out.log(LogLevel::warning, "link_theft", "a connection used another one's link id");
   }
-  if (at == links_.end() && refuse_revoked_key(key, out)) return;
+  if (at == links_.end() && refuse_revoked_key(key, now.mono, out)) return;
   const auto denied = denied_.find(key);
   if (at == links_.end() && peers_by_key_.count(key) == 0 && denied != denied_.end() && now.mono < denied->second)
     return out.count("refused.denied_key");

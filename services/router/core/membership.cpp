@@ -46,9 +46,12 @@ void RouterCore::remember_revoked(const Certificate& certificate) {
   if (news_.revoked_keys.size() < kMaxPeers) news_.revoked_keys[certificate.link_key.bytes] = certificate;
 }
 
-bool RouterCore::refuse_revoked_key(BytesView key, Effects& out) {
+bool RouterCore::refuse_revoked_key(BytesView key, MonotonicTime now, Effects& out) {
   const auto at = news_.revoked_keys.find(key);
   if (at == news_.revoked_keys.end()) return false;
+  const Revocation* entry = find_revocation(news_.list, at->second);
+  troubles_.note(at->second.id, "", "cert_revoked",
+                 "its key has knocked since: " + (entry == nullptr ? std::string("revoked") : entry->reason), now);
   out.count("refused.cert_revoked");
   out.log(LogLevel::warning, "revoked_key", "the revoked key of '" + at->second.id + "' knocked: " + to_hex(key));
   return true;
@@ -85,6 +88,8 @@ void RouterCore::put_out(const std::string& id, Now now, Effects& out) {
   for (Seed& seed : seeds_) {
     if (seed.peer == id) seed.peer.clear();
   }
+  troubles_.note(id, "", "cert_revoked", "by list " + std::to_string(news_.list.number) + ": " + entry.reason,
+                 now.mono);
   peers_by_key_.erase(key);
   peers_.erase(id);
 }
@@ -114,6 +119,7 @@ void RouterCore::check_own(Now now, Effects& out) {
   if (trouble.empty() == !news_.muted) return warn_of_end(now, out);
   if (!trouble.empty()) return mute(trouble, now, out);
   news_.muted = false;
+  troubles_.recovered(config_.id, "");
   out.log(LogLevel::info, "member_again", "serial " + std::to_string(config_.own.serial));
   if (config_.beacon && !config_.address.empty()) next_beacon_ = now.mono;
   for (Seed& seed : seeds_) seed.redial = {now.mono, {}, 0};
@@ -126,6 +132,8 @@ void RouterCore::mute(const std::string& why, Now now, Effects& out) {
   news_.muted = true;
   next_beacon_.reset();
   out.count("own_certificate_over");
+  const bool revoked = find_revocation(news_.list, config_.own) != nullptr;
+  troubles_.note(config_.id, "", revoked ? "own.cert_revoked" : "own.cert_expired", why, now.mono);
   out.log(
       LogLevel::error, "own_certificate_over",
       why + "; no other node takes this one. If it shall be a member: trb fleet renew, or new keys and trb fleet sign");

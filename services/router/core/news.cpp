@@ -22,17 +22,21 @@ Result<std::string> RouterCore::on_news(const FleetNews& news, LinkId from, Now 
   if (!news.revocations.kind.empty() && sort_out(take_list(news.revocations, now, out))) {
     fresh.revocations = news.revocations;
   }
+  const bool no_list = refusal.has_value();  // what else is known or new must not hide that
   for (const SignedRecord& record : news.certificates) {
     if (sort_out(take_certificate(record, now, out))) fresh.certificates.push_back(record);
+    // Who brings one that is forged brings more: a message of 256 would cost as many checks.
+    if (refusal && refusal->code == Errc::bad_signature) break;
   }
   if (fresh.revocations.kind.empty() && fresh.certificates.empty()) {
-    if (refusal && !known) return *refusal;
+    if (refusal && (no_list || !known)) return *refusal;
     return std::string("nothing new");
   }
   store_news(out);
   const std::size_t others = flood_news(fresh, from, out);
   if (!fresh.revocations.kind.empty()) apply_revocations(now, out);
   check_own(now, out);
+  if (no_list) return *refusal;
   std::string text = fresh.revocations.kind.empty() ? "" : "list " + std::to_string(news_.list.number) + ", ";
   return text + std::to_string(fresh.certificates.size()) + " renewed certificates, told to " + std::to_string(others) +
          " nodes";
@@ -81,6 +85,13 @@ Result<bool> RouterCore::take_certificate(const SignedRecord& record, Now now, E
   if (Status newest = check_newest(*certificate); !newest) return newest.error();
   if (own && (certificate->identity_key != config_.own.identity_key || certificate->link_key != config_.own.link_key)) {
     return fail(Errc::wrong_key, "a certificate of '" + config_.id + "' for other keys than this node's");
+  }
+  if (own && certificate->role != config_.role) {
+    // The services were started for the other role, and the next start would compare it with node.json.
+    return fail(Errc::bad_value,
+                "a certificate of '" + config_.id + "' with the role " + std::string(name_of(certificate->role)) +
+                    "; it runs as " + std::string(name_of(config_.role)),
+                "set role in node.json, put that certificate.json into keys/ and run trb reload");
   }
   out.count("news.certificates");
   if (own) {
@@ -172,6 +183,13 @@ std::optional<FleetNews> RouterCore::news_for(const Error& refusal, const Hello&
   if (peer != peers_.end() && peer->second.certificate.serial > shown->serial)
     return FleetNews{{}, {peer->second.certificate_record}};
   return std::nullopt;
+}
+
+void RouterCore::forget_ended_renewals(Now now) {
+  std::erase_if(news_.renewed, [&](const auto& row) {
+    const auto renewed = decode<Certificate>(row.second.payload.bytes);
+    return !renewed || renewed->not_after <= checked_utc(now.utc).ns;
+  });
 }
 
 void RouterCore::forget_told_renewal(const Certificate& certificate) {

@@ -223,6 +223,47 @@ TEST_CASE("an older certificate, and one for other keys, are no renewal") {
   CHECK(three.code(three.ant, {{}, {three.sign_certificate(later)}}) == Errc::cert_not_yet_valid);
 }
 
+TEST_CASE("a renewal with another role is not taken by a node that runs: its services were started for the old one") {
+  Three three;
+  Certificate other = three.renewed("ant", 9);
+  other.role = other.role == Role::cloud ? Role::robot : Role::cloud;
+  CHECK(three.code(three.ant, {{}, {three.sign_certificate(other)}}) == Errc::bad_value);
+  CHECK(three.ant.stored_certificates.empty());
+}
+
+TEST_CASE("that a list is refused is told, whatever came with it") {
+  Three three;
+  const SignedRecord known = three.sign_certificate(three.renewed("cat", 5));
+  REQUIRE(three.tell(three.ant, {list_of(three.fleet.authority, 3, {}), {known}}).ok());
+  const SignedRecord fresh = three.sign_certificate(three.renewed("bee", 6));
+  CHECK(three.code(three.ant, {list_of(three.fleet.authority, 3, {"cat"}), {known}}) == Errc::conflict);
+  CHECK(three.code(three.ant, {list_of(three.fleet.authority, 2, {}), {fresh}}) == Errc::downgraded);
+  CHECK(three.ant.peer("bee")->certificate.serial == 6);
+}
+
+TEST_CASE("of a message with a forged certificate nothing behind it is looked at") {
+  Three three;
+  SignedRecord forged = three.sign_certificate(three.renewed("bee", 8));
+  forged.signature.bytes[3] ^= 1;
+  const SignedRecord good = three.sign_certificate(three.renewed("cat", 9));
+  CHECK(three.code(three.ant, {{}, {forged, forged, good}}) == Errc::bad_signature);
+  CHECK(three.ant.count("news.certificates") == 0);
+}
+
+TEST_CASE("a renewal that has ended is no longer told to those that join") {
+  Three three;
+  three.fleet.stop("cat");
+  Certificate brief = three.renewed("cat", 5);
+  brief.not_after = kStartUtc + 60'000'000'000;
+  REQUIRE(three.tell(three.ant, {{}, {three.sign_certificate(brief)}}).ok());
+  three.fleet.stop("bee");
+  three.fleet.run(Seconds(70));
+  TestNode& bee = three.fleet.start("bee", {.boot = 2});
+  three.fleet.run(Seconds(4));
+  REQUIRE(bee.link_to("ant") != 0);
+  CHECK(bee.count("refused.cert_expired") == 0);
+}
+
 TEST_CASE(
     "a node that was away while it was renewed is refused with its old certificate, handed the new one, and joins") {
   Three three;

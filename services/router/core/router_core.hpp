@@ -141,6 +141,8 @@ class RouterCore {
   [[nodiscard]] Result<Hello> read_hello(LinkId id, BytesView key, const Message& message) const;
   void on_hello(LinkId id, BytesView key, const Message& message, std::uint64_t sequence, Now now, Effects& out);
   Result<Certificate> check_hello(const Link& link, const Message& message, const Hello& hello, Now now, Effects& out);
+  /// Whether a Hello that is refused is at least of the node that it names, whatever else is wrong with it.
+  [[nodiscard]] bool proves_name(const Link& link, const Message& message, const Hello& hello) const;
   void link_up(Link& link, const Certificate& certificate, const Hello& hello, Now now, Effects& out);
   bool settle_double(Link& link, Peer& peer, Now now, Effects& out);
   void drop_link(LinkId id, const std::string& why, bool say_goodbye, Now now, Effects& out);
@@ -174,6 +176,7 @@ class RouterCore {
   void store_news(Effects& out) const;
   std::size_t flood_news(const FleetNews& fresh, LinkId from, Effects& out);
   void tell_news(Link& link, std::uint64_t known_list, Effects& out);
+  void forget_ended_renewals(Now now);
   void forget_told_renewal(const Certificate& certificate);
   void on_news_message(const Link* link, const Message& message, Now now, Effects& out);
   /// What a refused node has to know to come back: its renewed certificate, or the list that it is on.
@@ -185,7 +188,7 @@ class RouterCore {
   void apply_revocations(Now now, Effects& out);
   void put_out(const std::string& id, Now now, Effects& out);
   void remember_revoked(const Certificate& certificate);
-  bool refuse_revoked_key(BytesView key, Effects& out);
+  bool refuse_revoked_key(BytesView key, MonotonicTime now, Effects& out);
   void check_own(Now now, Effects& out);
   void mute(const std::string& why, Now now, Effects& out);
   [[nodiscard]] std::string own_trouble(Now now) const;

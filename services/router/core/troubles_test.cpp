@@ -100,7 +100,7 @@ TEST_CASE("a stranger's certificate and a beacon that does not open leave a row 
   ant.core->on_bad_beacon(fail(Errc::foreign_fleet, "beacon of another fleet"), fleet.now, effects);
   fleet.carry_out(ant, effects);
   const LinkTroubles table = ask(fleet, ant);
-  CHECK(has(table, "bee", "foreign_fleet"));
+  CHECK(has(table, "", "foreign_fleet"));
   CHECK(has(table, "", "beacon.foreign_fleet"));
 }
 
@@ -123,4 +123,50 @@ TEST_CASE("a router sends back what it is asked to echo") {
   const auto* send = std::get_if<BusSend>(&effects.list.back());
   REQUIRE(send != nullptr);
   CHECK(decode<Echo>(send->message.data)->pad == question.pad);
+}
+
+TEST_CASE(
+    "a revocation is written down: that of another node, and this node's own under a name that no stranger can use") {
+  TestFleet fleet;
+  const std::vector<TestNode*> nodes = {&fleet.start("ant"), &fleet.start("bee"), &fleet.start("cat")};
+  fleet.run(Seconds(2));
+  RevocationList list;
+  list.fleet = {fleet.authority.fleet.id()};
+  list.number = 1;
+  list.revoked = {{1, "cat", "stolen", kStartUtc}};
+  const SignedRecord record =
+      sign(kSignedRevocations, "", fleet.authority.fleet.id(), encode(list), fleet.authority.key);
+  Effects effects;
+  REQUIRE(nodes[0]->core->on_news({record, {}}, 0, fleet.now, effects));
+  fleet.carry_out(*nodes[0], effects);
+  fleet.run(Seconds(1));
+  CHECK(has(ask(fleet, *nodes[0]), "cat", "cert_revoked"));
+  CHECK(has(ask(fleet, *nodes[1]), "cat", "cert_revoked"));
+  CHECK(has(ask(fleet, *nodes[2]), "cat", "own.cert_revoked"));
+}
+
+TEST_CASE("a stranger's trouble bears no name that it has not proven") {
+  TestFleet fleet;
+  TestNode& ant = fleet.start("ant");
+  fleet.start("bee");
+  fleet.run(Seconds(2));
+  for (const std::string name : {"ant", "bee", "nobody"}) {
+    TestKeys intruder = TestFleet().authority.sign_node(name, Role::robot);
+    const Hello hello{intruder.record, 1, "x", "1", kStartUtc, true, {}, 0, "behind", false};
+    Effects effects;
+    ant.core->on_link_message(random_u64(), intruder.link.public_key,
+                              make_message(MessageType::information, name, "", hello), 1, fleet.now, effects);
+    fleet.carry_out(ant, effects);
+    CHECK_FALSE(has(ask(fleet, ant), name, "foreign_fleet"));
+  }
+  CHECK(has(ask(fleet, ant), "", "foreign_fleet"));
+  // One that is ended is named: its key and its authority's signature prove whose it is.
+  TestKeys dog = fleet.authority.sign_node("dog", Role::robot);
+  dog.certificate.not_after = kStartUtc - 1;
+  dog.record = sign(kSignedCertificate, "", fleet.authority.fleet.id(), encode(dog.certificate), fleet.authority.key);
+  const Hello late{dog.record, 1, "x", "1", kStartUtc, true, {}, 0, "behind", false};
+  Effects effects;
+  ant.core->on_link_message(random_u64(), dog.link.public_key, make_message(MessageType::information, "dog", "", late),
+                            1, fleet.now, effects);
+  CHECK(has(ask(fleet, ant), "dog", "cert_expired"));
 }

@@ -74,6 +74,11 @@ void Visitors::leave(VisitorId id, MonotonicTime now) {
   cuts_.emplace(*visitor.cut_at, id);
 }
 
+bool Visitors::undecided(VisitorId id) const {
+  const auto at = visitors_.find(id);
+  return at != visitors_.end() && !at->second.linked && !at->second.leaving;
+}
+
 void Visitors::gone(VisitorId id, MonotonicTime now) {
   const auto at = visitors_.find(id);
   if (at == visitors_.end()) return;

@@ -63,6 +63,8 @@ class Visitors {
   [[nodiscard]] std::optional<MonotonicTime> next_deadline() const;
   Orders take_orders();
 
+  /// Here, and neither linked nor leaving.
+  [[nodiscard]] bool undecided(VisitorId id) const;
   [[nodiscard]] const std::map<std::string, MonotonicTime>& blocked() const { return blocked_; }
   /// No connection of anybody's is let in for now: there are too many unproven ones.
   [[nodiscard]] bool closed() const { return closed_; }

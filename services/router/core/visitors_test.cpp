@@ -35,6 +35,18 @@ struct Inbox {
 
 }  // namespace
 
+TEST_CASE("a visitor is undecided until it is linked, or refused by a word, or gone") {
+  Visitors visitors;
+  const VisitorId one = visitors.accepted("10.0.0.1", {});
+  const VisitorId two = visitors.accepted("10.0.0.1", {});
+  const VisitorId three = visitors.accepted("10.0.0.1", {});
+  CHECK(visitors.undecided(one));
+  visitors.linked(one);
+  visitors.leave(two, {});
+  visitors.gone(three, {});
+  for (const VisitorId id : {VisitorId{0}, one, two, three}) CHECK_FALSE(visitors.undecided(id));
+}
+
 TEST_CASE("a connection has 4 s to become a link") {
   Inbox inbox;
   const auto silent = inbox.come("a");

@@ -50,6 +50,10 @@ void Door::reset() {
   (void)filter_.set(sources, visitors_.closed());
 }
 
+bool Door::is_undecided(int fd) const {
+  return visitors_.undecided(visitor(fd));
+}
+
 VisitorId Door::visitor(int fd) const {
   const auto at = by_fd_.find(fd);
   return at == by_fd_.end() ? 0 : at->second;

@@ -22,6 +22,8 @@ class Door {
   void on_event(LinkEvent event, int fd);
   /// The inbox is closed: every connection with it.
   void reset();
+  /// A connection is on this descriptor that is neither a link nor refused by a word.
+  [[nodiscard]] bool is_undecided(int fd) const;
   /// The visitor on this descriptor now; 0: none.
   [[nodiscard]] VisitorId visitor(int fd) const;
   void linked(VisitorId visitor);

@@ -243,6 +243,8 @@ void RouterShell::on_visitor_cut(const std::string& address) {
 }
 
 void RouterShell::on_inbox_event(LinkEvent event, int fd) {
+  // Of a client of ZMTP 1 or 2, in which there is no CURVE, libzmq tells nothing but its end.
+  if (event == LinkEvent::disconnected && door_.is_undecided(fd)) core_.count("ended.no_link");
   door_.on_event(event, fd);
   if (event == LinkEvent::failed && fd >= 0) return;  // the listening socket itself was closed
   switch (event) {
