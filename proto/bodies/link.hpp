@@ -122,11 +122,20 @@ struct Neighbour {
   }
 };
 
+/// A node that a relay was linked with.
+struct NeighbourGone {
+  std::string id;
+  std::uint64_t silent_ms = 0;  ///< since its last sign of life there: the others' lease runs from then
+  static constexpr auto fields() {
+    return std::tuple{field("id", &NeighbourGone::id, 64), field("silent_ms", &NeighbourGone::silent_ms)};
+  }
+};
+
 /// A relay tells whom it reaches: all of them when a link comes up (in several messages if need be), then each change.
 struct Neighbours {
   static constexpr std::string_view kSubtype = "neighbours";
   std::vector<Neighbour> reached;
-  std::vector<std::string> gone;
+  std::vector<NeighbourGone> gone;
   static constexpr auto fields() {
     return std::tuple{field("reached", &Neighbours::reached, 64), field("gone", &Neighbours::gone, 1024)};
   }

@@ -16,6 +16,14 @@ SECOND = 1_000_000_000
 DAY = 86_400 * SECOND
 
 
+def sign_with(secret, purpose, signer, fleet, payload):
+    """A SignedRecord, as a body, made with an Ed25519 key of 64 bytes."""
+    message = b"talkrobots\0" + purpose.encode() + b"\0" + fleet + payload
+    signature = ctypes.create_string_buffer(64)
+    SODIUM.crypto_sign_detached(signature, None, message, ctypes.c_ulonglong(len(message)), secret)
+    return [purpose, signer, payload, signature.raw]
+
+
 class Authority:
     def __init__(self, folder, passphrase):
         raw = bytes.fromhex((folder / "authority.key").read_text().strip())
@@ -34,10 +42,7 @@ class Authority:
 
     def sign(self, purpose, payload, fleet=None):
         """A SignedRecord of the authority, as a body."""
-        message = b"talkrobots\0" + purpose.encode() + b"\0" + (fleet or self.fleet) + payload
-        signature = ctypes.create_string_buffer(64)
-        SODIUM.crypto_sign_detached(signature, None, message, ctypes.c_ulonglong(len(message)), self.secret)
-        return [purpose, "", payload, signature.raw]
+        return sign_with(self.secret, purpose, "", fleet or self.fleet, payload)
 
     def certificate(self, old, serial=None, begins=-DAY, ends=DAY, role=None, link_key=None):
         """A certificate like `old` (a SignedRecord as a body); times from now."""

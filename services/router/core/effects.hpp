@@ -89,9 +89,15 @@ struct Effects {
   void count(std::string name) { counts.push_back(std::move(name)); }
 };
 
-/// Where a message goes.
+/// A message wrapped for a relay, and the relay's link.
+struct Relaying {
+  LinkId link = 0;
+  Message message;
+};
+
+/// Where a message goes; `relay`: wrap it with RouterCore::relay_out.
 struct Decision {
-  enum class To : unsigned char { drop, service, peer, every_peer, router } to = To::drop;
+  enum class To : unsigned char { drop, service, peer, relay, every_peer, router } to = To::drop;
   ConnectionId connection = 0;
   LinkId link = 0;
   Errc reason = Errc::ok;  ///< for drop

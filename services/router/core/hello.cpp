@@ -12,6 +12,7 @@ void RouterCore::send_hello(Link& link, Now now, Effects& out) {
   Hello hello{config_.certificate, config_.boot, config_.address, config_.version, utc.ns, utc == now.utc, profile_};
   hello.revocations = news_.list.number;
   hello.seal = config_.seal_before_delivery ? kSealBeforeDelivery : kSealBehind;
+  hello.relay = config_.relay;
   link.profile = profile_number_;
   if (encode(hello).size() > kMaxHelloSize) {
     // A stranger's Hello is bounded; the profile follows when the link is up.
@@ -50,9 +51,8 @@ Result<Certificate> RouterCore::check_hello(const Link& link, const Message& mes
   const auto known = peers_.find(certificate->id);
   if (known == peers_.end() && peers_.size() >= kMaxPeers) return fail(Errc::queue_full, "the routing table is full");
   if (Status newest = check_newest(*certificate); !newest) return newest.error();
-  // Another computer under the same name counts its own boots.
   const bool same = known != peers_.end() && known->second.certificate.identity_key == certificate->identity_key;
-  if (same && known->second.boot > hello.boot) {
+  if (same && known->second.proven_boot > hello.boot) {
     return fail(Errc::conflict, "an older boot of '" + certificate->id + "'");
   }
   return certificate;
@@ -113,6 +113,10 @@ Peer& RouterCore::make_peer(const Certificate& certificate, const SignedRecord& 
   if (!peer.certificate.link_key.bytes.empty() && peer.certificate.link_key != certificate.link_key) {
     peers_by_key_.erase(peer.certificate.link_key.bytes);
   }
+  // Another computer under the same name counts its own boots and messages.
+  if (peer.certificate.identity_key != certificate.identity_key) {
+    peer.proven_boot = peer.beacon_boot = peer.beacon_count = peer.relayed_boot = peer.relayed_in = 0;
+  }
   peer.id = certificate.id;
   peer.certificate = certificate;
   peer.certificate_record = record;
@@ -128,6 +132,8 @@ void RouterCore::link_up(Link& link, const Certificate& certificate, const Hello
   link.peer = certificate.id;
   link.boot = hello.boot;
   link.peer_address = hello.address;
+  link.relay = hello.relay;
+  if (hello.clock_verified) link.utc_at_zero = hello.utc - now.mono.ns;
   link.up = true;
   link.last_heard = now.mono;
   link.confirmed = now.mono;
@@ -138,6 +144,7 @@ void RouterCore::link_up(Link& link, const Certificate& certificate, const Hello
   if (peer.link != 0 && !settle_double(link, peer, now, out)) return;
   const bool again = peer.boot == hello.boot && peer.met && !peer.expired;
   peer.boot = hello.boot;
+  peer.proven_boot = hello.boot;
   if (peer.address != hello.address || links_.at(id).dialled) next_store_ = now.mono + kStorePause;
   if (links_.at(id).dialled) peer.good_address = links_.at(id).address;
   peer.address = hello.address;
@@ -158,6 +165,8 @@ void RouterCore::link_up(Link& link, const Certificate& certificate, const Hello
   forget_told_renewal(certificate);
   forget_ended_renewals(now);
   tell_news(links_.at(id), hello.revocations, out);
+  tell_all_neighbours(links_.at(id), now, out);
+  neighbour_changed(peer.id, now);
 }
 
 bool RouterCore::settle_double(Link& link, Peer& peer, Now now, Effects& out) {

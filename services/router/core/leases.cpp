@@ -5,7 +5,8 @@
 namespace trb::router {
 
 std::optional<MonotonicTime> RouterCore::next_deadline() const {
-  std::optional<MonotonicTime> next = earlier(earlier(next_beacon_, next_store_), next_seal());
+  std::optional<MonotonicTime> next =
+      earlier(earlier(next_beacon_, next_store_), earlier(next_seal(), next_neighbours_));
   for (const auto& [id, link] : links_) {
     const MonotonicTime lapse = std::min(link.last_heard, link.confirmed) + config_.timing.lease;
     next = earlier(next, link.up ? std::min(link.next_keep_alive, lapse) : link.opened + config_.timing.handshake);
@@ -30,6 +31,7 @@ void RouterCore::tick(Now now, Effects& out) {
   tick_beacon(now, out);
   tick_candidates(now, out);
   tick_known(now, out);
+  tick_relay(now, out);
 }
 
 void RouterCore::tick_links(Now now, Effects& out) {
@@ -166,7 +168,7 @@ void RouterCore::on_beacon(BytesView plain, Now now, Effects& out) {
   const auto known = peers_.find(certificate->id);
   if (known != peers_.end()) {
     const Peer& peer = known->second;
-    const bool old = outer->boot < peer.boot ||
+    const bool old = outer->boot < peer.proven_boot ||
                      std::pair(outer->boot, outer->count) <= std::pair(peer.beacon_boot, peer.beacon_count) ||
                      certificate->serial < peer.certificate.serial;
     if (old) return refuse_beacon("replayed", "of '" + peer.id + "', not newer than one that was heard", now, out);

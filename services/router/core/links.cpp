@@ -41,7 +41,10 @@ void RouterCore::redial_failed(LinkId id, Now now) {
     redial_later(seed.redial, now, patient ? kHintPause : Duration{});
   }
   for (auto& [name, peer] : peers_) {
-    if (peer.redial.link == id) redial_later(peer.redial, now);
+    if (peer.redial.link == id) {
+      const bool patient = relay_of(peer) != nullptr && peer.redial.wait >= config_.timing.redial_most;
+      redial_later(peer.redial, now, patient ? kViaPause : Duration{});
+    }
   }
 }
 
@@ -123,6 +126,11 @@ void RouterCore::on_peer_message(Link& link, const Message& message, Now now, Ef
   if (const auto* alive = std::get_if<KeepAlive>(&*body)) return on_keep_alive(link, *alive, now);
   if (const auto* profile = std::get_if<NodeProfile>(&*body)) {
     peers_.at(link.peer).profile = *profile;
+    neighbour_changed(link.peer, now);
+  } else if (const auto* told = std::get_if<Neighbours>(&*body)) {
+    on_neighbours(link, *told, now, out);
+  } else if (const auto* relayed = std::get_if<Relayed>(&*body)) {
+    on_relayed(link, message, *relayed, now, out);
   } else if (const auto* goodbye = std::get_if<Goodbye>(&*body)) {
     if (goodbye->reason == kUnheard)
       note_trouble(link.id, "one_way", "it does not hear this node, which hears it", now);
@@ -163,16 +171,17 @@ void RouterCore::drop_link(LinkId id, const std::string& why, bool say_goodbye, 
           (link.peer.empty() ? "unproven" : link.peer) + ": " + why);
   out.add(CloseLink{id});
   const std::string name = link.peer;
-  const MonotonicTime last_heard = link.last_heard;
-  const MonotonicTime proven = std::min(link.last_heard, link.confirmed);
+  const Link gone = link;
   links_.erase(at);
   redial_failed(id, now);
   if (!carried) return;
   Peer& peer = peers_.at(name);
   peer.link = 0;
   // The lease runs from the last sign of life, not from when its end was noticed.
-  peer.lost = proven;
-  peer.last_heard = last_heard;
+  if (relay_of(peer) == nullptr) peer.lost = std::min(gone.last_heard, gone.confirmed);
+  peer.last_heard = gone.last_heard;
+  neighbour_changed(name, now);
+  relay_lost(gone, out);
   // Both may dial again; the greater id gives the smaller a head start.
   redial_later(peer.redial, now, own_is_smaller(name) ? Duration{} : config_.timing.yield);
 }

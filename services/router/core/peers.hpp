@@ -4,6 +4,7 @@
 #include <deque>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 
 #include "common/base/time.hpp"
@@ -19,13 +20,15 @@ constexpr std::string_view kUnheard = "nothing heard for a lease";
 /// One CURVE connection. Down = not in the table.
 struct Link {
   LinkId id = 0;
-  bool dialled = false;      ///< by this node
-  std::string peer;          ///< empty until its Hello was accepted
-  Bytes key;                 ///< the other side's CURVE key
-  std::string address;       ///< that was dialled
-  std::string own_address;   ///< where this node could be dialled when it said Hello here
-  std::string peer_address;  ///< where the other side said that it could be
-  bool up = false;           ///< Hello heard and accepted
+  bool dialled = false;                     ///< by this node
+  std::string peer;                         ///< empty until its Hello was accepted
+  Bytes key;                                ///< the other side's CURVE key
+  std::string address;                      ///< that was dialled
+  std::string own_address;                  ///< where this node could be dialled when it said Hello here
+  bool relay = false;                       ///< the other side carries messages to its other peers
+  std::optional<std::int64_t> utc_at_zero;  ///< by the other side's clock, if it is verified: UTC at monotonic 0
+  std::string peer_address;                 ///< where the other side said that it could be
+  bool up = false;                          ///< Hello heard and accepted
   bool hello_sent = false;
   std::uint64_t profile = 0;  ///< number of this node's profile that the other side was last told
   std::uint64_t boot = 0;     ///< the peer's boot counter, from its Hello
@@ -52,6 +55,11 @@ struct Peer {
   std::string good_address;  ///< where this node has reached it, if that is another one: a seed's, behind a translator
   bool try_good = false;     ///< the next dial goes there
   std::uint64_t boot = 0;
+  std::uint64_t proven_boot = 0;   ///< the highest that it said itself; a relay's word is none
+  std::set<std::string> relays;    ///< members that say they reach it
+  std::uint64_t relayed_out = 0;   ///< count of the last message to it by a relay
+  std::uint64_t relayed_boot = 0;  ///< of the last message from it by a relay: a replay is not newer
+  std::uint64_t relayed_in = 0;
   std::uint64_t beacon_boot = 0;
   std::uint64_t beacon_count = 0;
   MonotonicTime last_beacon;

@@ -15,7 +15,9 @@ constexpr std::string_view kOwnSubtypes[] = {
     Hello::kSubtype,
     KeepAlive::kSubtype,
     LinkTroublesRequest::kSubtype,
+    Neighbours::kSubtype,
     NodeProfile::kSubtype,
+    Relayed::kSubtype,
     RouteListRequest::kSubtype,
     RouterCountersRequest::kSubtype,
     Seal::kSubtype,
@@ -78,6 +80,8 @@ Decision RouterCore::route_local(ConnectionId from, const HeaderView& header) {
   }
   const auto peer = peers_.find(header.target);
   if (peer == peers_.end()) return drop(Errc::unknown_target);
+  if (const Link* relay = peer->second.link == 0 ? relay_of(peer->second) : nullptr)
+    return {.to = Decision::To::relay, .link = relay->id};
   if (peer->second.link == 0) return drop(peer->second.expired ? Errc::peer_expired : Errc::peer_unreachable);
   return {.to = Decision::To::peer, .link = peer->second.link};
 }
@@ -106,6 +110,18 @@ Decision RouterCore::route_peer(LinkId id, const HeaderView& header, Now now, Ef
     out.log(LogLevel::warning, "not_permitted",
             link.peer + " sent " + std::string(header.subtype) + ", which a " + std::string(name_of(role)) +
                 " node may not send to another node: trb help rights");
+    return drop(Errc::not_permitted);
+  }
+  if (header.remaining_ms == 0) return drop(Errc::expired);
+  return route_to_self(header);
+}
+
+/// The words of a link have no meaning by a relay; what one node keeps to itself stays there by any road.
+Decision RouterCore::route_relayed(const HeaderView& header, const Certificate& source, Effects& out) const {
+  if (!may_send_out(source.role, header.subtype)) {
+    out.log(LogLevel::warning, "not_permitted",
+            source.id + ", a " + std::string(name_of(source.role)) + ", sent " + std::string(header.subtype) +
+                " by a relay");
     return drop(Errc::not_permitted);
   }
   if (header.remaining_ms == 0) return drop(Errc::expired);
@@ -178,6 +194,14 @@ void RouterCore::nack_peer(LinkId from, const HeaderView& header, Errc reason, E
   Message message = make_nack(header, reason);
   message.id = ++message_count_;
   out.add(LinkSend{from, std::move(message)});
+}
+
+std::optional<Message> RouterCore::nack_relayed(const HeaderView& header, Errc reason, Effects& out) {
+  out.count((reason == Errc::not_permitted ? "refused." : "dropped.") + std::string(errc_name(reason)));
+  if (!deserves_nack(header)) return std::nullopt;
+  Message message = make_nack(header, reason);
+  message.id = ++message_count_;
+  return message;
 }
 
 }  // namespace trb::router

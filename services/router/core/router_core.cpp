@@ -55,14 +55,19 @@ RouteTable RouterCore::route_table(Now now) const {
                           verified ? "verified" : "unverified", config_.certificate, profile_, ""});
   for (const auto& [id, peer] : peers_) {
     const Link* link = find_link(peer.link);
-    const std::string state = link != nullptr ? "ONLINE" : peer.expired || !peer.met ? "OFFLINE" : "CONNECTION_BROKEN";
-    const MonotonicTime heard = link != nullptr ? link->last_heard : peer.last_heard;
-    table.routes.push_back(
-        {id, peer.certificate.role, peer.address, state, to_seconds(now.mono - heard), peer.boot, peer.link,
-         link == nullptr ? ""
-         : link->dialled ? config_.id
-                         : id,
-         peer.version, peer.clock_verified ? "verified" : "unverified", peer.certificate_record, peer.profile, ""});
+    const Link* relay = link == nullptr ? relay_of(peer) : nullptr;
+    const Link* heard_by = link != nullptr ? link : relay;
+    const std::string state = heard_by != nullptr         ? "ONLINE"
+                              : peer.expired || !peer.met ? "OFFLINE"
+                                                          : "CONNECTION_BROKEN";
+    const MonotonicTime heard = heard_by != nullptr ? heard_by->last_heard : peer.last_heard;
+    table.routes.push_back({id, peer.certificate.role, peer.address, state, to_seconds(now.mono - heard), peer.boot,
+                            peer.link,
+                            link == nullptr ? ""
+                            : link->dialled ? config_.id
+                                            : id,
+                            peer.version, peer.clock_verified ? "verified" : "unverified", peer.certificate_record,
+                            peer.profile, relay == nullptr ? "" : relay->peer});
   }
   return table;
 }

@@ -3,6 +3,7 @@
 
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -47,9 +48,17 @@ class RouterCore {
   bool stamp(LinkId link, char* frame, std::size_t size);
   void take_back(LinkId link);
   [[nodiscard]] std::vector<LinkId> up_links() const;
+  /// Peers that are reached by a relay alone.
+  [[nodiscard]] std::vector<std::string> relayed_peers() const;
+  /// A frame of the bus, signed for itself and addressed to the relay that reaches its target. Errors: too_large (over
+  /// 512 kB), peer_unreachable.
+  Result<Relaying> relay_out(std::string_view target, BytesView frame, std::uint32_t remaining_ms, Now now);
   /// The answer to a message that could not be delivered.
   void nack_local(ConnectionId from, const HeaderView& header, Errc reason, Effects& out);
   void nack_peer(LinkId from, const HeaderView& header, Errc reason, Effects& out);
+
+  /// A `relayed` of another node could not be passed on: its sender is Nacked.
+  void not_passed_on(const Message& message, Errc reason, Effects& out);
 
   // ---- the node's own bus
 
@@ -118,6 +127,8 @@ class RouterCore {
 
  private:
   // road.cpp
+  [[nodiscard]] Decision route_relayed(const HeaderView& header, const Certificate& source, Effects& out) const;
+  std::optional<Message> nack_relayed(const HeaderView& header, Errc reason, Effects& out);
   [[nodiscard]] Decision route_to_self(const HeaderView& header) const;
   [[nodiscard]] Message make_nack(const HeaderView& header, Errc reason) const;
 
@@ -158,6 +169,30 @@ class RouterCore {
   void tell_profile(Link& link, Effects& out);
   [[nodiscard]] bool dialling(BytesView key) const;
   Peer& make_peer(const Certificate& certificate, const SignedRecord& record);
+
+  // relay.cpp
+  void neighbour_changed(const std::string& id, Now now);
+  void tell_neighbours(Link& to, const std::set<std::string>& about, Now now, Effects& out);
+  void tell_all_neighbours(Link& to, Now now, Effects& out);
+  void tick_relay(Now now, Effects& out);
+  [[nodiscard]] UtcTime utc_by(const Link& relay, Now now) const;
+  [[nodiscard]] const Link* relay_of(const Peer& peer) const;
+  void on_neighbours(Link& link, const Neighbours& told, Now now, Effects& out);
+  void learn_neighbour(const Link& link, const Neighbour& told, Now now, Effects& out);
+  static void refuse_neighbour(const Link& relay, const Error& error, Effects& out);
+  void forget_relay(Peer& peer, const std::string& relay, MonotonicTime last_sign, Effects& out);
+  void relay_lost(const Link& relay, Effects& out);
+  void send_relayed(const std::string& to, const Message& message, Now now, Effects& out);
+  static void send_on(Link& link, Message message, Effects& out);
+  static void refuse_relayed(const Link& link, std::string_view reason, const std::string& text, Effects& out);
+  void on_relayed(Link& link, const Message& message, const Relayed& body, Now now, Effects& out);
+  void pass_on(Link& link, const Message& message, const Relayed& body, const RelayedFrame& inner, Effects& out);
+  [[nodiscard]] std::optional<std::pair<std::string_view, std::string>> check_relayed(const Peer& source,
+                                                                                      const SignedRecord& record,
+                                                                                      const RelayedFrame& inner,
+                                                                                      Now now) const;
+  void take_relayed(Link& link, const Peer& source, const RelayedFrame& inner, Now now, Effects& out);
+  void answer_relayed(const std::string& to, const Message& asked, Now now, Effects& out);
 
   // moves.cpp
   void tick_known(Now now, Effects& out);
@@ -232,6 +267,8 @@ class RouterCore {
   std::string waits_for_;                                   ///< why this node has no address; empty if it has one
   std::optional<MonotonicTime> next_store_;
   MonotonicTime started_{};
+  std::set<std::string> changed_neighbours_;  ///< of which the peers have not been told yet
+  std::optional<MonotonicTime> next_neighbours_;
   std::optional<MonotonicTime> next_beacon_;
   MonotonicTime last_beacon_;
   std::uint32_t early_beacons_ = 3;  ///< a burst at the start

@@ -19,6 +19,7 @@ TestKeys& TestFleet::keys(const std::string& id) {
 TestNode& TestFleet::start(const std::string& id, const Options& options) {
   auto node = std::make_unique<TestNode>();
   node->id = id;
+  node->clock_off = options.clock_off;
   node->keys = keys(id);
   RouterConfig config;
   config.id = id;
@@ -31,6 +32,7 @@ TestNode& TestFleet::start(const std::string& id, const Options& options) {
   config.boot = options.boot;
   config.beacon = options.beacon;
   config.seal_before_delivery = options.seal_before_delivery;
+  config.relay = options.relay;
   config.services = {"router", "mode-adapter", "scheduler", "resilience", "sensor-bus", "cloud-gateway"};
   for (const std::string& seed : options.seeds) config.seeds.push_back({seed, keys(seed).link.public_key});
   for (const std::string& hint : options.known) config.known.push_back({hint, keys(hint).link.public_key});
@@ -38,7 +40,7 @@ TestNode& TestFleet::start(const std::string& id, const Options& options) {
   TestNode& out = *node;
   nodes_[id] = std::move(node);
   Effects effects;
-  out.core->start(now, effects);
+  out.core->start(now_of(out), effects);
   carry_out(out, effects);
   return out;
 }
@@ -60,7 +62,7 @@ void TestFleet::move(const std::string& id, const std::string& address) {
     if (wire.dialler == id || wire.acceptor == id) wire.open = false;
   }
   Effects effects;
-  at(id).core->set_address(address, "", now, effects);
+  at(id).core->set_address(address, "", now_of(at(id)), effects);
   carry_out(at(id), effects);
 }
 
@@ -70,7 +72,7 @@ void TestFleet::break_wire(LinkId link) {
   const auto dialler = nodes_.find(wire.dialler);
   if (dialler == nodes_.end()) return;
   Effects effects;
-  dialler->second->core->on_link_ended(link, LinkEnd::disconnected, now, effects);
+  dialler->second->core->on_link_ended(link, LinkEnd::disconnected, now_of(*dialler->second), effects);
   carry_out(*dialler->second, effects);
 }
 
@@ -160,12 +162,12 @@ void TestFleet::connect(TestNode& node, const Dial& dial) {
   const bool cut = cuts_.count({node.id, there_is}) + cuts_.count({there_is, node.id}) > 0;
   if (cut) return;  // nobody answers: the core's own patience ends it
   if (other == nodes_.end() || other->second->keys.link.public_key != dial.server_key) {
-    node.core->on_link_ended(dial.link, LinkEnd::failed, now, here);
+    node.core->on_link_ended(dial.link, LinkEnd::failed, now_of(node), here);
   } else if (!other->second->core->admit(node.keys.link.public_key, now.mono, there)) {
-    node.core->on_link_ended(dial.link, LinkEnd::refused_key, now, here);
+    node.core->on_link_ended(dial.link, LinkEnd::refused_key, now_of(node), here);
   } else {
     wires_[dial.link] = {node.id, there_is, true};
-    node.core->on_dial_connected(dial.link, now, here);
+    node.core->on_dial_connected(dial.link, now_of(node), here);
   }
   if (other != nodes_.end()) carry_out(*other->second, there);
   carry_out(node, here);
@@ -175,17 +177,17 @@ Decision TestFleet::arrive(TestNode& node, LinkId link, std::uint64_t sequence, 
   Effects effects;
   const HeaderView header = header_of(message, sequence);
   const Bytes frame = frame_of(link, sequence, message);
-  const Decision decision = node.core->route_peer(link, header, now, effects);
+  const Decision decision = node.core->route_peer(link, header, now_of(node), effects);
   const Link* known = node.core->find_link(link);
   const bool was_up = known != nullptr && known->up;
-  if (was_up) node.core->hear_frame(link, header, frame, now, effects);
+  if (was_up) node.core->hear_frame(link, header, frame, now_of(node), effects);
   if (was_up && node.core->find_link(link) == nullptr) {
     carry_out(node, effects);
     return decision;
   }
   if (decision.to == Decision::To::router) {
-    node.core->on_link_message(link, known == nullptr ? Bytes() : known->key, message, sequence, now, effects);
-    if (!was_up) node.core->hear_frame(link, header, frame, now, effects);
+    node.core->on_link_message(link, known == nullptr ? Bytes() : known->key, message, sequence, now_of(node), effects);
+    if (!was_up) node.core->hear_frame(link, header, frame, now_of(node), effects);
   } else if (decision.to == Decision::To::service && node.core->holds(link)) {
     held_[{node.id, link}].emplace_back(sequence, message);
   } else if (decision.to == Decision::To::service) {
@@ -213,10 +215,12 @@ void TestFleet::deliver(const Packet& packet) {
   Effects effects;
   const Bytes key = keys(packet.from).link.public_key;
   const bool fresh = node->second->core->find_link(packet.link) == nullptr;
-  node->second->core->on_link_message(packet.link, key, packet.message, packet.sequence, now, effects);
+  node->second->core->on_link_message(packet.link, key, packet.message, packet.sequence, now_of(*node->second),
+                                      effects);
   if (fresh) {
     node->second->core->hear_frame(packet.link, header_of(packet.message, packet.sequence),
-                                   frame_of(packet.link, packet.sequence, packet.message), now, effects);
+                                   frame_of(packet.link, packet.sequence, packet.message), now_of(*node->second),
+                                   effects);
   }
   carry_out(*node->second, effects);
   origin_.clear();
@@ -228,7 +232,8 @@ void TestFleet::run(Duration time) {
     now = {now.mono + kStep, now.utc + kStep};
     for (auto& [id, node] : nodes_) {
       Effects effects;
-      if (const auto due = node->core->next_deadline(); due && *due <= now.mono) node->core->tick(now, effects);
+      if (const auto due = node->core->next_deadline(); due && *due <= now.mono)
+        node->core->tick(now_of(*node), effects);
       carry_out(*node, effects);
     }
     auto packets = std::exchange(packets_, {});
@@ -240,7 +245,7 @@ void TestFleet::run(Duration time) {
       for (auto& [id, node] : nodes_) {
         if (id == from || cuts_.count({from, id}) != 0) continue;
         Effects effects;
-        node->core->on_beacon(plain, now, effects);
+        node->core->on_beacon(plain, now_of(*node), effects);
         carry_out(*node, effects);
       }
     }

@@ -62,6 +62,7 @@ struct TestNode {
   std::vector<UtcTime> stored_utc;
   std::vector<std::string> log;
   std::vector<Message> delivered;  ///< that came by a link, for a service
+  Duration clock_off{};
 
   [[nodiscard]] std::uint64_t count(const std::string& name) const {
     const auto at = counts.find(name);
@@ -94,6 +95,7 @@ class TestFleet {
     std::vector<std::string> known{};  ///< hints of the run before
     bool relay = false;
     bool seal_before_delivery = false;
+    Duration clock_off{};  ///< of the node's clock of UTC
   };
 
   TestNode& start(const std::string& id, const Options& options);
@@ -115,6 +117,9 @@ class TestFleet {
   void say(const std::string& from, const std::string& to, const std::string& word, const Bytes& data);
   /// The process ends: its connections break.
   void stop(const std::string& id);
+
+  /// The time as this node's clocks tell it.
+  [[nodiscard]] Now now_of(const TestNode& node) const { return {now.mono, now.utc + node.clock_off}; }
 
   void carry_out(TestNode& node, Effects& effects);
   /// Hands a message to a node as one that came by a link, through the road that the shell takes.

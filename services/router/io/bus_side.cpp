@@ -52,6 +52,8 @@ void RouterShell::on_bus_frame(BusSocket& bus, BytesView routing_id, Frame& fram
   switch (decision.to) {
     case Decision::To::peer:
       return forward_to_link(from, decision.link, *header, std::move(frame));
+    case Decision::To::relay:
+      return forward_by_relay(from, header->target, *header, frame);
     case Decision::To::service: {
       tap('=', view_of(frame));
       const SendResult result = send_bus(decision.connection, std::move(frame));
@@ -61,7 +63,7 @@ void RouterShell::on_bus_frame(BusSocket& bus, BytesView routing_id, Frame& fram
       break;
     }
     case Decision::To::every_peer:
-      return forward_to_all(frame, *header);
+      return forward_to_all(from, frame, *header);
     case Decision::To::router:
       core_.on_bus_message(from, to_message(*header), read_clocks(), effects);
       break;

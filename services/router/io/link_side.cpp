@@ -216,12 +216,25 @@ void RouterShell::forward_to_link(ConnectionId from, LinkId link, const HeaderVi
   carry_out(effects);
 }
 
-void RouterShell::forward_to_all(Frame& frame, const HeaderView&) {
+void RouterShell::forward_to_all(ConnectionId from, Frame& frame, const HeaderView& header) {
+  for (const std::string& peer : core_.relayed_peers()) forward_by_relay(from, peer, header, frame);
   for (const LinkId link : core_.up_links()) {
     tap('>', view_of(frame));
     if (send_link(link, to_frame(view_of(frame))) == SendResult::sent) continue;
     core_.count("dropped.queue_full");
   }
+}
+
+void RouterShell::forward_by_relay(ConnectionId from, std::string_view target, const HeaderView& header,
+                                   const Frame& frame) {
+  auto relaying = core_.relay_out(target, view_of(frame), header.remaining_ms, read_clocks());
+  if (relaying) {
+    tap('>', view_of(frame));
+    return forward_to_link(from, relaying->link, header, to_frame(encode_frame(relaying->message)));
+  }
+  Effects effects;
+  core_.nack_local(from, header, relaying.error().code, effects);
+  carry_out(effects);
 }
 
 void RouterShell::on_bad_frame(LinkId link, const Error& error) {

@@ -112,7 +112,16 @@ void RouterShell::carry_out(Effects& effects) {
                effect);
   }
   for (const std::string& name : effects.counts) core_.count(name);
+  nack_unpassed();
   end_lost_links();
+}
+
+void RouterShell::nack_unpassed() {
+  for (const auto& [message, reason] : std::exchange(unpassed_, {})) {
+    Effects effects;
+    core_.not_passed_on(message, reason, effects);
+    carry_out(effects);
+  }
 }
 
 void RouterShell::end_lost_links() {
@@ -132,8 +141,13 @@ void RouterShell::send_own(LinkSend& send) {
   tap('>', frame);
   const SendResult result = send_link(send.link, to_frame(frame));
   if (result == SendResult::sent) return;
-  core_.count(result == SendResult::full ? "dropped.queue_full" : "dropped.closed_link");
   if (result == SendResult::unroutable) lost_links_.push_back(send.link);
+  if (send.message.subtype == Relayed::kSubtype) {
+    unpassed_.emplace_back(std::move(send.message),
+                           result == SendResult::full ? Errc::queue_full : Errc::peer_unreachable);
+    return;
+  }
+  core_.count(result == SendResult::full ? "dropped.queue_full" : "dropped.closed_link");
 }
 
 void RouterShell::tap(char direction, BytesView frame) {

@@ -99,7 +99,8 @@ class RouterShell {
   SendResult send_link(LinkId link, Frame&& frame);
   SendResult put_on_link(LinkId link, Frame&& frame);
   void forward_to_link(ConnectionId from, LinkId link, const HeaderView& header, Frame&& frame);
-  void forward_to_all(Frame& frame, const HeaderView& header);
+  void forward_by_relay(ConnectionId from, std::string_view target, const HeaderView& header, const Frame& frame);
+  void forward_to_all(ConnectionId from, Frame& frame, const HeaderView& header);
   void on_inbox_event(LinkEvent event, int fd);
   void on_bad_frame(LinkId link, const Error& error);
   void on_source_blocked(const std::string& source);
@@ -127,6 +128,7 @@ class RouterShell {
   void deliver_held(const DeliverHeld& proven);
   // router_shell.cpp
   void carry_out(Effects& effects);
+  void nack_unpassed();
   void end_lost_links();
   void send_own(LinkSend& send);
   void tap(char direction, BytesView frame);
@@ -158,6 +160,7 @@ class RouterShell {
   ProofLog proof_;
   InboxOrigin origin_;
   std::vector<LinkId> lost_links_;
+  std::vector<std::pair<Message, Errc>> unpassed_;  ///< `relayed` of others that did not leave
   std::unique_ptr<Socket> tap_;
   unsigned tap_listeners_ = 0;
   std::unique_ptr<BeaconSocket> beacon_;

@@ -79,6 +79,7 @@ RouterConfig make_config(const NodeConfig& node, const NodeKeys& keys, std::uint
   config.services = node.services;
   config.beacon = node.beacon;
   config.seal_before_delivery = node.seal_before_delivery;
+  config.relay = node.relay;
   return config;
 }
 
