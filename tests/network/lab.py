@@ -2,6 +2,7 @@
 
 Every name begins with trbn and the lab's tag, so that several labs stand side by side and none touches another.
 """
+import contextlib
 import itertools
 import pathlib
 import signal
@@ -28,6 +29,24 @@ def batch(lines):
             raise RuntimeError(f"ip {space}: {words}: {done.stderr.strip()}")
 
 
+@contextlib.contextmanager
+def neighbours_allowed(count):
+    """All namespaces share one bound on known neighbours (1024 by default); fifty hosts know 2450. Put back at the end."""
+    before = {}
+    try:
+        for family in ("ipv4", "ipv6"):
+            for threshold in ("gc_thresh3", "gc_thresh2", "gc_thresh1"):
+                path = pathlib.Path(f"/proc/sys/net/{family}/neigh/default/{threshold}")
+                if path.exists() and int(path.read_text()) < count:
+                    before[path] = path.read_text().strip()
+                    print(f"lab: {path} is raised from {before[path]} to {count} for this case", flush=True)
+                    path.write_text(str(count))
+        yield
+    finally:
+        for path, value in reversed(before.items()):
+            path.write_text(value)
+
+
 class Lab:
     """A switch and its hosts. Addresses: IPv4 10.77.0.N/24 and, if asked for, IPv6 fd77::N/64."""
 
@@ -35,6 +54,7 @@ class Lab:
         self.tag = tag
         self.switch = f"trbn{tag}-sw"
         self.hosts = {}
+        self.subnets = {}  # host -> the third number of its address; 77 if it is not named here
         self.helpers = []
         self.spaces = []
 
@@ -94,10 +114,51 @@ class Lab:
         batch(lines)
 
     def address(self, host):
-        return f"10.77.0.{self.hosts[host]}"
+        return f"10.{self.subnets.get(host, 77)}.0.{self.hosts[host]}"
 
     def address6(self, host):
         return f"fd77::{self.hosts[host]:x}"
+
+    def add_hall(self, names, gate="gate"):
+        """A second switch with hosts of its own, 10.78.0.0/24, behind a host that forwards and does not translate: no
+        broadcast goes through. Its cable is the gate's: pull_cable("gate")."""
+        self.add_hosts([gate])
+        batch([f"-n {self.switch} link add br1 type bridge", f"-n {self.switch} link set br1 up",
+               f"link add p-hall netns {self.switch} type veth peer name eth1 netns {self.space(gate)}",
+               f"-n {self.switch} link set p-hall master br1", f"-n {self.switch} link set p-hall up",
+               f"-n {self.space(gate)} addr add 10.78.0.{self.hosts[gate]}/24 dev eth1",
+               f"-n {self.space(gate)} link set eth1 up"])
+        run("ip", "netns", "exec", self.space(gate), "sysctl", "-qw", "net.ipv4.ip_forward=1")
+        for name in names:
+            self.subnets[name] = 78
+            self.hosts[name] = len(self.hosts) + 1
+            at = self.make_space(self.space(name))
+            batch([f"link add {self.port(name)} netns {self.switch} type veth peer name eth0 netns {at}",
+                   f"-n {self.switch} link set {self.port(name)} master br1",
+                   f"-n {self.switch} link set {self.port(name)} up",
+                   f"-n {at} link set lo up", f"-n {at} link set eth0 up",
+                   f"-n {at} addr add {self.address(name)}/24 brd 10.78.0.255 dev eth0"])
+        for name in self.hosts:
+            if name != gate:
+                near = "10.78.0" if name in names else "10.77.0"
+                run("ip", "-n", self.space(name), "route", "add", "default", "via", f"{near}.{self.hosts[gate]}")
+
+    def add_far_host(self, name):
+        """A host on no switch: only a tunnel may lead to it."""
+        self.hosts[name] = len(self.hosts) + 1
+        at = self.make_space(self.space(name))
+        batch([f"-n {at} link set lo up"])
+
+    def raise_tunnel(self, one, other):
+        """A VPN between two hosts: tun0 at both ends, 10.88.0.0/24."""
+        ends = [(self.space(host), f"10.88.0.{self.hosts[host]}") for host in (one, other)]
+        batch([f"link add tun0 netns {ends[0][0]} type veth peer name tun0 netns {ends[1][0]}"] +
+              [line for at, address in ends for line in
+               (f"-n {at} addr add {address}/24 brd 10.88.0.255 dev tun0", f"-n {at} link set tun0 up")])
+
+    def drop_tunnel(self, host):
+        """The VPN's program has ended: the interface is gone at both ends."""
+        run("ip", "-n", self.space(host), "link", "del", "tun0")
 
     def add_delayed_host(self, name, delay_ms):
         """Its cable is two taps joined by a program that holds every frame back: this kernel has no netem."""

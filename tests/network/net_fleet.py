@@ -35,15 +35,18 @@ def wait_until(condition, timeout, step=0.05):
 class NetFleet(trb_fleet.Fleet):
     """`hosts`: node -> HOST_INT (None: the host's IPv4 address in the lab); `more`: node -> further keys of node.json."""
 
-    def __init__(self, lab, hosts, more=None, network=None, every=0.25, pairs=None, witness=True):
+    def __init__(self, lab, hosts, more=None, network=None, every=0.25, pairs=None, witness=True,
+                 ask_every=0.2):
         self.folder = tempfile.mkdtemp(prefix="trbn-", dir="/tmp")
         super().__init__(pathlib.Path(self.folder) / "f", PROGRAMS, robots={}, cloud=False, name="network")
         self.lab, self.host_int = lab, dict(hosts)
         self.node_names = list(hosts)
         self.more, self.network_more = more or {}, network or {}
-        self.routers, self.boots, self.kept_pids = {}, {}, {}
+        self.routers, self.kept_pids = {}, {}
         self.every, self.traffic_pairs, self.with_witness = every, pairs, witness
+        self.ask_every = ask_every
         self.witness = None
+        self.boots_before = {}  # node -> boot when it was stopped last
         self.extra_start = {}  # node -> environment of its next starts
 
     def __enter__(self):
@@ -95,22 +98,29 @@ class NetFleet(trb_fleet.Fleet):
         self.routers[node] = subprocess.Popen(command, stdout=log, stderr=log, stdin=subprocess.DEVNULL,
                                               env={**os.environ, **(env or {})}, preexec_fn=trb_fleet.end_with_parent)
         log.close()
-        self.boots[node] = self.boots.get(node, 0) + 1
         self.kept_pids[node] = self.routers[node].pid
 
     def stop_router(self, node, how=signal.SIGKILL):
         lab_of.end(self.routers.pop(node), how)
+        self.boots_before[node] = self.boot(node)
 
     def start_all(self):
         for node in self.node_names:
             self.start_router(node)
         if self.witness is None and self.with_witness:
-            self.witness = Witness({node: self.dir(node) for node in self.node_names}, self.every, self.traffic_pairs)
+            self.witness = Witness({node: self.dir(node) for node in self.node_names}, self.every,
+                                   self.traffic_pairs, self.ask_every)
             self.witness.start()
 
     def restarted(self):
         """Nodes whose router is not the process that was started."""
         return [n for n, r in self.routers.items() if r.poll() is not None or r.pid != self.kept_pids[n]]
+
+    def boot(self, node):
+        """The number of its last start, as its router has written it down; what it was when it was stopped is not it."""
+        path = self.dir(node) / "state" / "boot"
+        now = int(path.read_text()) if path.exists() else 0
+        return now if now > self.boots_before.get(node, 0) else -1
 
     # ---- what is right
 
@@ -119,18 +129,19 @@ class NetFleet(trb_fleet.Fleet):
         via = via or {}
         tables = self.witness.tables(since)
         out = [f"{n}: no table" for n in self.node_names if n not in tables]
+        boots = {n: self.boot(n) for n in self.node_names}
         for a, table in tables.items():
             for b in self.node_names:
                 row = table.get(b)
-                out += [f"{a}: {b} {what}" for what in self.row_faults(a, b, row, tables, via)]
+                out += [f"{a}: {b} {what}" for what in self.row_faults(a, b, row, tables, via, boots)]
             out += [f"{a}: {row} is too much" for row in table if row not in self.node_names]
         return out
 
-    def row_faults(self, a, b, row, tables, via):
+    def row_faults(self, a, b, row, tables, via, boots):
         if row is None:
             return ["is missing"]
-        if row["boot"] != self.boots[b]:
-            return [f"has boot {row['boot']}, not {self.boots[b]}"]
+        if row["boot"] != boots[b]:
+            return [f"has boot {row['boot']}, not {boots[b]}"]
         if a == b:
             return []
         if row["state"] != "ONLINE":
@@ -149,7 +160,13 @@ class NetFleet(trb_fleet.Fleet):
         """Seconds until every table is right and a message went along every pair; None if not in time."""
         since = time.monotonic() if since is None else since
         pairs = self.witness.pairs
-        took = wait_until(lambda: not self.faults(since, via) and not self.witness.silent_pairs(since, pairs), timeout)
+        self.progress = []
+
+        def is_right():
+            faults = self.faults(since, via)
+            self.progress.append((round(time.monotonic() - since, 1), len(faults)))
+            return not faults and not self.witness.silent_pairs(since, pairs)
+        took = wait_until(is_right, timeout)
         return None if took is None else time.monotonic() - since
 
     def what_is_wrong(self, since, via=None):

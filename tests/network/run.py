@@ -12,6 +12,7 @@ import sys
 import time
 
 import doctor_cases  # noqa: F401  adds its case
+import sites  # noqa: F401  adds its cases
 from cases import CASES, Report, trb_fleet
 
 
