@@ -119,6 +119,33 @@ constexpr SigningRight kSignatures[] = {
     {kSignedRevocations, false, false, {}},
 };
 
+constexpr std::string_view kAnyService = "*";
+
+struct BusRight {
+  std::string_view subtype;
+  std::string_view sayer;  ///< a service, "probe", or "*" for any of them
+};
+
+// What is no word from node to node and stands not here, the router alone says. Nobody else on the bus can command the
+// robot past the control lease, or tell of an outcome that the robot has not had.
+constexpr BusRight kBusRights[] = {
+    {"adapter_state", "mode-adapter"},
+    {"adapter_state_request", "scheduler"},
+    {"cancel_execution", "scheduler"},
+    {"execute", "scheduler"},
+    {"execution_query", "scheduler"},
+    {"execution_state", "mode-adapter"},
+    {"fleet_news", kProbe},
+    {"node_profile", "mode-adapter"},
+    {"outcome", "mode-adapter"},
+    {"outcome_journaled", "scheduler"},
+    {"run_submit", kProbe},
+    {"run_submit", "cloud-gateway"},
+    {"service_alive", kAnyService},
+    {"service_hello", kAnyService},
+    {"sign_request", kAnyService},
+};
+
 const SigningRight* find_signature(std::string_view purpose) {
   const auto* at = std::find_if(std::begin(kSignatures), std::end(kSignatures),
                                 [&](const SigningRight& row) { return row.purpose == purpose; });
@@ -175,6 +202,16 @@ bool may_send_out(Role role, std::string_view subtype) {
   return may_cross(role, subtype) && (right == nullptr || right->road == Road::fleet);
 }
 
+bool may_say(std::string_view service, bool probe, std::string_view subtype) {
+  const SubtypeRight* right = find_right(subtype);
+  if (right == nullptr) return !is_typed(subtype);
+  if (right->road == Road::fleet) return true;
+  const std::string_view saying = probe ? kProbe : service;
+  return std::any_of(std::begin(kBusRights), std::end(kBusRights), [&](const BusRight& row) {
+    return row.subtype == subtype && (row.sayer == kAnyService || row.sayer == saying);
+  });
+}
+
 bool may_sign(Role role, std::string_view purpose) {
   const SigningRight* right = find_signature(purpose);
   return right != nullptr && allows(role, right->robot, right->cloud);
@@ -200,6 +237,11 @@ std::string rights_text() {
     }
   }
   out += row_of("from node to node", true, true, "a user's own words: command, request, information");
+  out += "\n| On a node's own bus | only of |\n|---|---|\n";
+  for (const BusRight& row : kBusRights) {
+    out += "| " + std::string(row.subtype) + " | " +
+           std::string(row.sayer == kAnyService ? "any service or probe" : row.sayer) + " |\n";
+  }
   out += "\n| Signed record | a robot's node signs it | the cloud signs it | for |\n|---|---|---|---|\n";
   for (const SigningRight& row : kSignatures) out += row_of(row.purpose, row.robot, row.cloud, makers_of(row));
   return out;

@@ -35,6 +35,9 @@ bool may_cross(Role role, std::string_view subtype);
 /// May a service send it to another node? What routers say to each other, no service says.
 bool may_send_out(Role role, std::string_view subtype);
 
+/// May this service (or a probe) of a node's own bus say it to another one there, or to the router?
+bool may_say(std::string_view service, bool probe, std::string_view subtype);
+
 /// May this role sign records of that purpose (a kSigned… word)?
 bool may_sign(Role role, std::string_view purpose);
 

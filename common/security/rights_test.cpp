@@ -64,6 +64,20 @@ TEST_CASE("a record is signed for the service that makes its kind alone") {
   }
 }
 
+TEST_CASE("on the bus a service says what it is for, and nobody says what the router says") {
+  CHECK(may_say("scheduler", false, "execute"));
+  CHECK(may_say("mode-adapter", false, "outcome"));
+  CHECK(may_say("mode-adapter", false, "service_alive"));
+  CHECK(may_say("cli", true, "run_submit"));
+  CHECK(may_say("cli", true, "stop"));
+  CHECK(may_say("cli", true, "a_word_of_a_user"));
+  for (const std::string_view subtype : {"execute", "outcome", "adapter_state", "node_profile", "peer_expired",
+                                         "signed_record", "hello", "certificate", "journal_abort"}) {
+    CHECK_FALSE(may_say("scheduler", true, subtype));  // a probe, whatever it calls itself
+    CHECK_FALSE(may_say("resilience", false, subtype));
+  }
+}
+
 TEST_CASE("proto/README.md prints the table as it is") {
   const auto readme = read_file(std::string(TRB_SOURCE_DIR) + "/proto/README.md");
   REQUIRE(readme.ok());

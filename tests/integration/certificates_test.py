@@ -2,6 +2,7 @@
 No process is started again in between.
 """
 import collections
+import itertools
 import json
 import os
 import shutil
@@ -390,7 +391,8 @@ class Renewed(Life):
 class Rights(Life):
     block = BLOCK + 4
 
-    def test_a_robot_s_node_signs_no_decision(self):
+    def robot_node(self):
+        """ur3's node, and a probe on its bus that is this file's own: ask(subtype, body, type) returns the answer."""
         fleet = support.make_fleet(self, block=BLOCK + 5, udp_port=UDP_PORT + 5, cloud=False,
                                    robots={"ur3": trb_fleet.ROBOTS["ur3"]})
         fleet.start_node("ur3")
@@ -399,21 +401,42 @@ class Rights(Life):
         self.addCleanup(bus.close, 0)
         bus.connect(f"ipc://{fleet.dir('ur3')}/bus/probe.ipc")
         hello = wire.Frame("service_hello", "", "", type=wire.COMMAND, id=1,
-                           data=wire.pack(["cli", [], 1, os.getpid(), "independent"]))
+                           data=wire.pack(["scheduler", [], 1, os.getpid(), "independent"]))
         bus.send(hello.encode())
         self.assertTrue(bus.poll(WAIT * 1000))
         slot = wire.decode(bus.recv()).body()[2]
-        watch = support.Watch(fleet, "ur3")
-        for count, purpose in enumerate(("decision", "result", "certificate", "revocation_list", "seal"), 1):
-            ask = wire.Frame("sign_request", "ur3", "ur3", type=wire.REQUEST, id=(slot << 48) + count,
-                             data=wire.pack([purpose, b"x"]))
-            bus.send(ask.encode())
+        ids = itertools.count((slot << 48) + 1)
+
+        def ask(subtype, body, kind):
+            frame = wire.Frame(subtype, "ur3", "ur3", type=kind, id=next(ids), data=wire.pack(body))
+            bus.send(frame.encode())
             self.assertTrue(bus.poll(WAIT * 1000))
-            refusal = wire.nack(wire.decode(bus.recv()))
-            self.assertEqual(refusal["code"], "not_permitted", purpose)
-            self.assertIn("trb help rights", refusal["cure"])
+            answer = wire.decode(bus.recv())
+            self.assertEqual(answer.reply_to, frame.id)
+            return answer
+
+        return support.Watch(fleet, "ur3"), ask
+
+    def assert_not_permitted(self, answer):
+        refusal = wire.nack(answer)
+        self.assertEqual(refusal["code"], "not_permitted")
+        self.assertIn("trb help rights", refusal["cure"])
+
+    def test_a_robot_s_node_signs_no_decision(self):
+        watch, ask = self.robot_node()
+        for count, purpose in enumerate(("decision", "result", "certificate", "revocation_list", "seal"), 1):
+            self.assert_not_permitted(ask("sign_request", [purpose, b"x"], wire.REQUEST))
             watch.wait_counted("refused.not_permitted", count)
             watch.wait_logged(f"of a robot node may not have a '{purpose}' signed")
+
+    def test_a_probe_that_calls_itself_the_scheduler(self):
+        """It cannot command a skill past the control lease, nor play what is the router's."""
+        watch, ask = self.robot_node()
+        for count, subtype in enumerate(("execute", "cancel_execution", "adapter_state_request", "peer_expired", "hello"), 1):
+            self.assert_not_permitted(ask(subtype, [], wire.COMMAND))
+            watch.wait_counted("refused.not_permitted", count)
+            watch.wait_logged(f"service 'scheduler' (pid {os.getpid()}) said {subtype}, which is not its word")
+        self.assertEqual(ask("route_list", [], wire.REQUEST).subtype, "route_table")
 
     def test_a_role_without_the_right(self):
         """robot_fault is a robot's; the same member may send it once its certificate says that it is one."""

@@ -67,3 +67,30 @@ TEST_CASE("a robot's router signs no decision, whoever asks") {
   }
   CHECK(ant.count("refused.not_permitted") == 2);
 }
+
+TEST_CASE("a service that is not the scheduler commands no skill, and a probe cannot tell of an outcome") {
+  TestFleet fleet;
+  TestNode& ant = fleet.start("ant");
+  Effects effects;
+  ant.core->on_service_hello(1, {"cli", {}, 1, 1, "1"}, true, fleet.now, effects);
+  ant.core->on_service_hello(2, {"mode-adapter", {"execute"}, 1, 1, "1"}, false, fleet.now, effects);
+  ant.core->on_service_hello(3, {"scheduler", {"outcome"}, 1, 1, "1"}, false, fleet.now, effects);
+  fleet.carry_out(ant, effects);
+  std::map<ConnectionId, std::uint64_t> slots;
+  for (const auto& send : ant.bus) {
+    if (auto welcome = decode<ServiceWelcome>(send.message.data)) slots[send.to] = welcome->slot;
+  }
+  const auto say = [&](ConnectionId from, const Message& word) {
+    Message message = word;
+    message.id = (slots.at(from) << 48U) + 1;
+    const Bytes frame = encode_frame(message);
+    return ant.core->route_local(from, *decode_frame(frame));
+  };
+  const Message execute = make_message(MessageType::command, "ant", "ant", Execute{});
+  const Message outcome = make_message(MessageType::information, "ant", "ant", Outcome{});
+  CHECK(say(3, execute).connection == 2);
+  CHECK(say(2, outcome).connection == 3);
+  CHECK(say(1, execute).reason == Errc::not_permitted);
+  CHECK(say(1, outcome).reason == Errc::not_permitted);
+  CHECK(say(3, outcome).reason == Errc::not_permitted);
+}

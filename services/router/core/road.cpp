@@ -49,7 +49,7 @@ std::string_view cure_of(Errc reason) {
     case Errc::no_service:
       return "see trb service list on the target; is the service in its node.json?";
     case Errc::not_permitted:
-      return "this node's role may not send this subtype to another node: trb help rights";
+      return "it is not for this role or service to say: trb help rights";
     case Errc::expired:
       return "give the message more time";
     case Errc::bad_value:
@@ -68,6 +68,8 @@ Decision RouterCore::route_local(ConnectionId from, const HeaderView& header) {
   if (header.id >> 48U != connection->slot) return drop(Errc::malformed);
   if (header.remaining_ms == 0) return drop(Errc::expired);
   if (header.target == config_.id) {
+    const ServiceHello& by = connection->hello;
+    if (!may_say(by.service, connection->probe, header.subtype)) return drop(Errc::not_permitted);
     const Decision own = route_to_self(header);
     // What a robot says to its own node and nobody takes must not come back to it as fields.
     const bool echo = own.to == Decision::To::service && own.connection == from && header.reply_to == 0;
@@ -177,7 +179,13 @@ bool deserves_nack(const HeaderView& header) {
 }  // namespace
 
 void RouterCore::nack_local(ConnectionId from, const HeaderView& header, Errc reason, Effects& out) {
-  out.count("dropped." + std::string(errc_name(reason)));
+  const bool forbidden = reason == Errc::not_permitted;
+  out.count((forbidden ? "refused." : "dropped.") + std::string(errc_name(reason)));
+  if (const Connection* by = services_.find(from); forbidden && by != nullptr) {
+    out.log(LogLevel::warning, "not_permitted",
+            "service '" + by->hello.service + "' (pid " + std::to_string(by->hello.pid) + ") said " +
+                std::string(header.subtype) + ", which is not its word: trb help rights");
+  }
   if (!deserves_nack(header)) return;
   Message message = make_nack(header, reason);
   message.id = ++message_count_;
