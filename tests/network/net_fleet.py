@@ -36,7 +36,7 @@ class NetFleet(trb_fleet.Fleet):
     """`hosts`: node -> HOST_INT (None: the host's IPv4 address in the lab); `more`: node -> further keys of node.json."""
 
     def __init__(self, lab, hosts, more=None, network=None, every=0.25, pairs=None, witness=True,
-                 ask_every=0.2):
+                 ask_every=0.2, look_every=0.05):
         self.folder = tempfile.mkdtemp(prefix="trbn-", dir="/tmp")
         super().__init__(pathlib.Path(self.folder) / "f", PROGRAMS, robots={}, cloud=False, name="network")
         self.lab, self.host_int = lab, dict(hosts)
@@ -44,7 +44,7 @@ class NetFleet(trb_fleet.Fleet):
         self.more, self.network_more = more or {}, network or {}
         self.routers, self.kept_pids = {}, {}
         self.every, self.traffic_pairs, self.with_witness = every, pairs, witness
-        self.ask_every = ask_every
+        self.ask_every, self.look_every = ask_every, look_every
         self.witness = None
         self.boots_before = {}  # node -> boot when it was stopped last
         self.extra_start = {}  # node -> environment of its next starts
@@ -164,9 +164,9 @@ class NetFleet(trb_fleet.Fleet):
 
         def is_right():
             faults = self.faults(since, via)
-            self.progress.append((round(time.monotonic() - since, 1), len(faults)))
+            self.progress.append((round(time.monotonic() - since, 1), len(faults), faults[-3:]))
             return not faults and not self.witness.silent_pairs(since, pairs)
-        took = wait_until(is_right, timeout)
+        took = wait_until(is_right, timeout, self.look_every)
         return None if took is None else time.monotonic() - since
 
     def what_is_wrong(self, since, via=None):

@@ -12,8 +12,16 @@ UtcTime RouterCore::checked_utc(UtcTime utc) const {
   return std::max({utc, UtcTime{config_.own.not_before}, news_.utc_bound});
 }
 
+Result<Certificate> RouterCore::open_known(const SignedRecord& record) const {
+  // Every beacon, Hello and relay shows it again: the signature of the very record that a peer is known by was checked.
+  const auto shown = decode<Certificate>(record.payload.bytes);
+  const auto peer = shown ? peers_.find(shown->id) : peers_.end();
+  if (peer != peers_.end() && peer->second.certificate_record == record) return peer->second.certificate;
+  return open_certificate_any_time(record, config_.authority);
+}
+
 Result<Certificate> RouterCore::open_member(const SignedRecord& record, Now now, Effects& out) {
-  auto certificate = open_certificate_any_time(record, config_.authority);
+  auto certificate = open_known(record);
   if (!certificate) return certificate;
   if (const Revocation* entry = find_revocation(news_.list, *certificate)) {
     remember_revoked(*certificate);

@@ -218,6 +218,7 @@ class RouterCore {
   [[nodiscard]] std::optional<FleetNews> news_for(const Error& refusal, const Hello& hello) const;
 
   // membership.cpp
+  [[nodiscard]] Result<Certificate> open_known(const SignedRecord& record) const;
   Result<Certificate> open_member(const SignedRecord& record, Now now, Effects& out);
   [[nodiscard]] Status check_newest(const Certificate& certificate) const;
   void apply_revocations(Now now, Effects& out);
