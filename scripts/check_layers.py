@@ -24,7 +24,7 @@ LAYERS = {
     "common/scenario": ["common/fleet", "common/security"],
     "common/config": ["common/fleet", "common/security"],
     "common/transport": ["common/base"],
-    "common/service": ["common/actor", "common/log", "common/security", "common/transport"],
+    "common/service": ["common/actor", "common/config", "common/log", "common/security", "common/transport"],
     "services": ["common/service", "common/config", "common/scenario", "common/ranking", "common/consensus",
                  "common/metrics"],
 }

@@ -28,6 +28,12 @@ bool is_ipv6(const std::string& text);
 
 /// HOST:PORT, an IPv6 address in square brackets.
 std::string join_host_port(const std::string& host, std::uint16_t port);
+struct Endpoint {
+  std::string host;  ///< an address, without brackets; empty if the text was none
+  std::uint16_t port = 0;
+};
+/// Of "10.0.0.1:46000" or "[fd00::1]:46000"; a name is no address.
+Endpoint split_endpoint(const std::string& address);
 /// "fe80::1%eth0" without "%eth0": a scope means nothing to another machine.
 std::string without_scope(const std::string& address);
 /// The same address as this machine must write it: a link-local one, in brackets or not, gets the scope `interface`.

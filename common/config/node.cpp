@@ -139,6 +139,7 @@ NodeFile read_node(const Value& json, NodeConfig& config, const FileFaults& faul
     read_robot(reader, config);
   }
   read_seeds(reader, config);
+  config.bus = read_bus_key(reader);
   config.beacon = reader.boolean("beacon", Need::optional).value_or(true);
   config.relay = reader.boolean("relay", Need::optional).value_or(config.role == Role::cloud);
   read_seals(reader, config);

@@ -4,9 +4,11 @@
 #include <filesystem>
 
 #include "common/base/files.hpp"
+#include "common/config/interfaces.hpp"
 #include "common/config/ports.hpp"
 #include "common/config/readers.hpp"
 #include "common/fleet/did_you_mean.hpp"
+#include "common/security/bus_keys.hpp"
 #include "common/security/node_keys.hpp"
 
 namespace trb {
@@ -34,6 +36,7 @@ class Checker {
     description(node);
     mode();
     if (node.usable) keys();
+    if (!out_.config.bus.empty()) check_bus_keys(out_.config.dir, bus_names(out_.config), out_.faults);
     if (!running) ports();
     return std::move(out_);
   }
@@ -148,9 +151,23 @@ class Checker {
   void ports() {
     const NodeConfig& config = out_.config;
     port("TCP_PORT_EXT", config.network.address, config.network.tcp_port_ext);
+    bus();
     const bool fields = config.mode == Mode::interpreter || config.mode == Mode::direct;
     if (fields && config.has_service("mode-adapter")) {
       port("TCP_PORT", config.network.robot_address, config.network.tcp_port);
+    }
+  }
+
+  /// The bus has two ports: messages, and the tap.
+  void bus() {
+    const Endpoint at = split_endpoint(out_.config.bus);
+    for (const int further : {0, 1}) {
+      if (at.host.empty()) return;
+      const Status free = check_tcp_port(at.host, static_cast<std::uint16_t>(at.port + further));
+      if (free) continue;
+      sink("node.json").add("bus", free.error().what, free.error().cure);
+      out_.faults.back().may_wait = free.error().code == Errc::missing;
+      return;
     }
   }
 

@@ -67,6 +67,7 @@ struct NodeConfig {
   std::vector<std::string> services;
   RobotLink robot;
   std::vector<Seed> seeds;
+  std::string bus;  ///< HOST:PORT of a bus over TCP, its tap one port further; empty: sockets in NODE_DIR/bus
   bool beacon = true;
   bool relay = false;  ///< carries messages between members that cannot reach each other
   bool seal_before_delivery = false;  ///< deliver what comes from other nodes only once its seal was checked
@@ -78,6 +79,13 @@ struct NodeConfig {
 
   [[nodiscard]] bool has_service(std::string_view name) const;
 };
+
+/// Where the bus of that node is, as NodeConfig::bus; looks at nothing else of node.json. Errors: missing, malformed,
+/// bad_value.
+Result<std::string> read_bus(const std::string& node_dir);
+
+/// Who has a key of a bus over TCP: the services ("router" holds the bus), and "probe" for trb.
+std::vector<std::string> bus_names(const NodeConfig& config);
 
 /// Reads and checks a node's folder. Every fault of every file is returned at once; nothing is started, no port stays
 /// bound. Also checks what the files refer to: keys present with mode 0600, certificate valid for the id, interfaces

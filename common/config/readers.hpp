@@ -27,6 +27,9 @@ AllCommands read_commands(const Value& json, const FileFaults& faults);
 /// What the node's own vendor needs in the direct mode.
 void check_direct(const NodeConfig& config, const FileFaults& faults);
 
+/// "bus" of node.json: nothing or "ipc", or "tcp://ADDRESS:PORT". Empty, or ADDRESS:PORT.
+std::string read_bus_key(ObjectReader& reader);
+
 /// What node.json says; `config.dir` is left alone.
 struct NodeFile {
   std::string description;  ///< path, relative to the node's folder or absolute

@@ -44,15 +44,6 @@ Result<SigningKey> read_identity(const std::string& dir) {
   return SigningKey{secret->substr(32), *secret};
 }
 
-Result<LinkKey> read_link(const std::string& dir) {
-  auto secret = read_secret(dir + "/link.key", kLinkSize);
-  if (!secret) return secret.error();
-  LinkKey key{Bytes(kLinkSize, '\0'), *secret};
-  crypto_scalarmult_base(reinterpret_cast<unsigned char*>(key.public_key.data()),
-                         reinterpret_cast<const unsigned char*>(key.secret_key.data()));
-  return key;
-}
-
 Status make_keys(const std::string& dir) {
   if (Status made = make_dir(dir, 0700); !made) return made;
   if (!file_exists(dir + "/identity.key")) {
@@ -79,13 +70,22 @@ void take_renewal(const std::string& dir, CertificateFile& file, Certificate& ow
 
 }  // namespace
 
+Result<LinkKey> read_link_key(const std::string& path) {
+  auto secret = read_secret(path, kLinkSize);
+  if (!secret) return secret.error();
+  LinkKey key{Bytes(kLinkSize, '\0'), *secret};
+  crypto_scalarmult_base(reinterpret_cast<unsigned char*>(key.public_key.data()),
+                         reinterpret_cast<const unsigned char*>(key.secret_key.data()));
+  return key;
+}
+
 Status make_request(const std::string& node_dir, const std::string& id, Role role) {
   if (Status good = check_id("id", id); !good) return good;
   const std::string dir = keys_dir(node_dir);
   if (Status made = make_keys(dir); !made) return made;
   auto identity = read_identity(dir);
   if (!identity) return identity.error();
-  auto link = read_link(dir);
+  auto link = read_link_key(dir + "/link.key");
   if (!link) return link.error();
   const CertificateRequest request{id, role, {identity->public_key}, {link->public_key}};
   const SignedRecord record = sign(kSignedRequest, id, {}, encode(request), *identity);
@@ -96,7 +96,7 @@ Result<NodeKeys> load_node_keys(const std::string& node_dir) {
   const std::string dir = keys_dir(node_dir);
   auto identity = read_identity(dir);
   if (!identity) return identity.error();
-  auto link = read_link(dir);
+  auto link = read_link_key(dir + "/link.key");
   if (!link) return link.error();
   auto file = read_certificate_file(dir + "/certificate.json");
   if (!file) return file.error();

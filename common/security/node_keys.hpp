@@ -23,6 +23,10 @@ struct NodeKeys {
 /// Errors: bad_value (id), io_error.
 Status make_request(const std::string& node_dir, const std::string& id, Role role);
 
+/// A secret X25519 key as hexadecimal text, with its public half. Errors: missing, not_permitted (mode is not 0600),
+/// malformed.
+Result<LinkKey> read_link_key(const std::string& path);
+
 /// Reads the keys. Errors: missing, not_permitted (mode is not 0600), malformed, wrong_key (the certificate is for
 /// other keys), and those of open_certificate_any_time.
 Result<NodeKeys> load_node_keys(const std::string& node_dir);

@@ -9,8 +9,13 @@ constexpr Duration kRouterLease = std::chrono::seconds(3);
 
 }  // namespace
 
-BusLink::BusLink(Context& context, const std::string& socket_name, ServiceHello hello)
-    : socket_(Socket::bus_client(context, "ipc://bus/" + socket_name + ".ipc")), hello_(std::move(hello)) {
+BusLink::BusLink(Context& context, const BusAddress& bus, ServiceHello hello)
+    : socket_(Socket::bus_client(context, bus.curve ? "" : bus.endpoint, bus.keys())), hello_(std::move(hello)) {
+  if (bus.curve) {
+    // Watched before it is dialled: a key is refused once.
+    key_watch_.emplace(context, socket_);
+    socket_.dial(bus.endpoint);
+  }
   next_ = MonotonicTime{0};
 }
 
@@ -85,6 +90,12 @@ void BusLink::tick(Now now) {
   if (!next_ || now.mono < *next_) return;
   if (welcome_ && now.mono - last_seen_ > kRouterLease) welcome_.reset();
   if (!welcome_) {
+    if (key_watch_ && key_watch_->refused()) {
+      key_refused_ = true;
+      refusal_ =
+          "wrong_key: the router's bus does not know the key in keys/bus; it must be the one that lies beside the "
+          "router";
+    }
     say_hello();
     next_ = now.mono + kHelloInterval;
     return;

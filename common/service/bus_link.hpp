@@ -8,14 +8,15 @@
 #include <vector>
 
 #include "common/actor/core.hpp"
+#include "common/service/bus_address.hpp"
+#include "common/transport/monitor.hpp"
 #include "common/transport/socket.hpp"
 
 namespace trb {
 
 class BusLink {
  public:
-  /// `socket_name` is the ipc socket's: the service's own, or "probe".
-  BusLink(Context& context, const std::string& socket_name, ServiceHello hello);
+  BusLink(Context& context, const BusAddress& bus, ServiceHello hello);
 
   /// Takes one message if there is one: the link's own are dealt with, the others returned.
   std::optional<Message> receive(Now now);
@@ -35,6 +36,8 @@ class BusLink {
   [[nodiscard]] const std::optional<ServiceWelcome>& welcome() const { return welcome_; }
   /// Why the router refused this service, if it did.
   [[nodiscard]] const std::string& refusal() const { return refusal_; }
+  /// It refused the key, so nothing was said.
+  [[nodiscard]] bool key_refused() const { return key_refused_; }
   /// Set at each welcome, cleared by the caller.
   bool newly_welcomed = false;
 
@@ -43,9 +46,11 @@ class BusLink {
   void say_hello();
 
   Socket socket_;
+  std::optional<RefusalWatch> key_watch_;  ///< over TCP
   ServiceHello hello_;
   std::optional<ServiceWelcome> welcome_;
   std::string refusal_;
+  bool key_refused_ = false;
   std::uint64_t counter_ = 0;
   MonotonicTime last_seen_;
   std::optional<MonotonicTime> next_;

@@ -28,10 +28,10 @@ Level to_level(LogLevel level) {
 
 class ServiceShell final : public Service {
  public:
-  explicit ServiceShell(ServiceOptions options)
+  ServiceShell(ServiceOptions options, const BusAddress& bus)
       : options_(std::move(options)),
         instance_(random_u64()),
-        link_(context_, options_.name,
+        link_(context_, bus,
               ServiceHello{options_.name, options_.subtypes, instance_, static_cast<std::uint32_t>(::getpid()),
                            kVersion}) {}
 
@@ -203,7 +203,9 @@ Result<std::unique_ptr<Service>> Service::open(ServiceOptions options) {
   if (Status made = make_dir("log"); !made) return made.error();
   if (Status made = make_dir("state", 0700); !made) return made.error();
   open_log(options.name, options.own_log ? "log/" + options.name + ".log" : "");
-  std::unique_ptr<Service> service = std::make_unique<ServiceShell>(std::move(options));
+  auto bus = bus_address(options.name);
+  if (!bus) return bus.error();
+  std::unique_ptr<Service> service = std::make_unique<ServiceShell>(std::move(options), *bus);
   return service;
 }
 

@@ -89,7 +89,7 @@ TEST_CASE("a service says hello until it is welcomed, then its messages bear its
   Folder folder;
   Router router;
   Context context;
-  BusLink link(context, "probe", hello());
+  BusLink link(context, ipc_bus("probe"), hello());
   CHECK(link.send(Send{.target = "ant", .body = Stop{}}) == 0);
   const auto first = hear(link, router, ServiceHello::kSubtype);
   REQUIRE(first);
@@ -109,7 +109,7 @@ TEST_CASE("a router that was started again is told hello again") {
   init_crypto();
   Folder folder;
   Context context;
-  BusLink link(context, "probe", hello());
+  BusLink link(context, ipc_bus("probe"), hello());
   {
     Router router;
     REQUIRE(hear(link, router, ServiceHello::kSubtype));
@@ -131,7 +131,7 @@ TEST_CASE("a refusal is kept for the person, an answer goes to the one who waits
   Folder folder;
   Router router;
   Context context;
-  BusLink link(context, "probe", hello());
+  BusLink link(context, ipc_bus("probe"), hello());
   REQUIRE(hear(link, router, ServiceHello::kSubtype));
   router.say(Nack{"already_claimed", "service_hello", "ant", "service 'cli' is running already", ""});
   REQUIRE(link_until(link, [&] { return !link.refusal().empty(); }));

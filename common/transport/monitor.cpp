@@ -18,9 +18,9 @@ std::string make_endpoint() {
   return "inproc://monitor-" + std::to_string(++count);
 }
 
-std::string start_monitor(Socket& socket) {
+std::string start_monitor(Socket& socket, int events) {
   const std::string endpoint = make_endpoint();
-  socket.monitor(endpoint, kEvents);
+  socket.monitor(endpoint, events);
   return endpoint;
 }
 
@@ -56,7 +56,7 @@ std::optional<LinkEvent> to_event(std::uint16_t event, std::uint32_t value) {
 SocketMonitor::SocketMonitor(Context& context, Loop& loop, Socket& socket, OnEvent on_event)
     : loop_(loop),
       socket_(socket),
-      pair_(Socket::pair_client(context, start_monitor(socket))),
+      pair_(Socket::pair_client(context, start_monitor(socket, kEvents))),
       on_event_(std::move(on_event)) {
   loop_.add_socket(
       pair_.handle(), [this] { serve(); }, pair_.unseen());
@@ -71,6 +71,12 @@ void SocketMonitor::serve() {
   // A handler may destroy this monitor.
   const std::weak_ptr<int> here = here_;
   for (int i = 0; i < kBatch && !here.expired() && serve_one(); ++i) {
+  }
+}
+
+void SocketMonitor::catch_up() {
+  const std::weak_ptr<int> here = here_;
+  while (!here.expired() && serve_one()) {
   }
 }
 
@@ -91,6 +97,19 @@ bool SocketMonitor::serve_one() {
     handler(*known, has_fd ? static_cast<int>(value) : -1);
   }
   return true;
+}
+
+RefusalWatch::RefusalWatch(Context& context, Socket& socket)
+    : socket_(socket), pair_(Socket::pair_client(context, start_monitor(socket, ZMQ_EVENT_HANDSHAKE_FAILED_AUTH))) {}
+
+RefusalWatch::~RefusalWatch() {
+  zmq_socket_monitor(socket_.handle(), nullptr, 0);
+}
+
+bool RefusalWatch::refused() {
+  bool out = false;
+  for (Frame frame; pair_.receive(frame); out = true) pair_.skip_rest(frame);
+  return out;
 }
 
 }  // namespace trb

@@ -23,6 +23,21 @@ enum class LinkEvent {
   accept_failed,     ///< one could not be taken: no descriptor was left
 };
 
+/// For a socket without a loop of its own: has the other side refused its key?
+class RefusalWatch {
+ public:
+  RefusalWatch(Context& context, Socket& socket);
+  ~RefusalWatch();
+  RefusalWatch(const RefusalWatch&) = delete;
+  RefusalWatch& operator=(const RefusalWatch&) = delete;
+  /// True if it did since the last look.
+  bool refused();
+
+ private:
+  Socket& socket_;
+  Socket pair_;
+};
+
 /// Watches one socket; the events come on the loop's thread, later than what they tell of. `fd` is the descriptor of
 /// listening, accepted, connected and disconnected, else -1; it may have been closed since.
 class SocketMonitor {
@@ -31,6 +46,8 @@ class SocketMonitor {
   SocketMonitor(Context& context, Loop& loop, Socket& socket, OnEvent on_event);
   ~SocketMonitor();
   SocketMonitor(const SocketMonitor&) = delete;
+  /// Tells at once what has happened up to now: a frame may be read before the loop comes to its connection's events.
+  void catch_up();
   SocketMonitor& operator=(const SocketMonitor&) = delete;
 
  private:

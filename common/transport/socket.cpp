@@ -25,6 +25,28 @@ void watch_connections(zmq::socket_t& socket) {
   socket.set(zmq::sockopt::tcp_keepalive_cnt, 3);
 }
 
+/// Clients must show a key that ZAP lets in; a handshake takes 2 s at most.
+void be_curve_server(zmq::socket_t& socket, const CurveKeys& keys, std::string_view domain) {
+  socket.set(zmq::sockopt::curve_server, true);
+  socket.set(zmq::sockopt::curve_secretkey, keys.secret_key);
+  socket.set(zmq::sockopt::zap_domain, std::string(domain));
+  const int on = 1;
+  if (zmq_setsockopt(socket.handle(), kEnforceDomain, &on, sizeof on) != 0) throw zmq::error_t();
+  socket.set(zmq::sockopt::handshake_ivl, 2000);
+}
+
+void be_curve_client(zmq::socket_t& socket, const CurveClient& curve) {
+  socket.set(zmq::sockopt::curve_publickey, curve.own.public_key);
+  socket.set(zmq::sockopt::curve_secretkey, curve.own.secret_key);
+  socket.set(zmq::sockopt::curve_serverkey, curve.server_key);
+}
+
+/// On a bus over TCP a container that was cut off must not hold its place: its connection ends after 6 s of silence.
+void watch_bus(zmq::socket_t& socket) {
+  socket.set(zmq::sockopt::heartbeat_ivl, 2000);
+  socket.set(zmq::sockopt::heartbeat_timeout, 6000);
+}
+
 Result<Socket> refused(const std::string& endpoint, const zmq::error_t& problem) {
   return fail(Errc::io_error, endpoint + ": cannot bind: " + problem.what(),
               problem.num() == EADDRINUSE ? "stop the other process on that address, or take another one" : "");
@@ -38,20 +60,28 @@ Context::Context() : context_(1) {
   context_.set(zmq::ctxopt::ipv6, 1);
 }
 
-Socket Socket::bus_client(Context& context, const std::string& endpoint) {
+Socket Socket::bus_client(Context& context, const std::string& endpoint, const CurveClient* curve) {
   zmq::socket_t socket = make(context, zmq::socket_type::dealer);
+  if (curve != nullptr) {
+    be_curve_client(socket, *curve);
+    watch_bus(socket);
+  }
   socket.set(zmq::sockopt::immediate, true);
   socket.set(zmq::sockopt::reconnect_ivl, 50);
   socket.set(zmq::sockopt::reconnect_ivl_max, 500);
-  socket.connect(endpoint);
+  if (!endpoint.empty()) socket.connect(endpoint);
   return Socket(std::move(socket));
 }
 
-Result<Socket> Socket::bus_server(Context& context, const std::string& endpoint) {
+Result<Socket> Socket::bus_server(Context& context, const std::string& endpoint, const CurveKeys* curve) {
   try {
     zmq::socket_t socket = make(context, zmq::socket_type::router);
     socket.set(zmq::sockopt::router_mandatory, true);
-    socket.bind(endpoint);
+    if (curve != nullptr) {
+      be_curve_server(socket, *curve, kBusDomain);
+      watch_bus(socket);
+    }
+    if (!endpoint.empty()) socket.bind(endpoint);
     return Socket(std::move(socket));
   } catch (const zmq::error_t& problem) {
     return refused(endpoint, problem);
@@ -62,12 +92,7 @@ Result<Socket> Socket::inbox(Context& context, const std::string& endpoint, cons
   try {
     zmq::socket_t socket = make(context, zmq::socket_type::router);
     socket.set(zmq::sockopt::router_mandatory, true);
-    socket.set(zmq::sockopt::curve_server, true);
-    socket.set(zmq::sockopt::curve_secretkey, keys.secret_key);
-    socket.set(zmq::sockopt::zap_domain, "talkrobots");
-    const int on = 1;
-    if (zmq_setsockopt(socket.handle(), kEnforceDomain, &on, sizeof on) != 0) throw zmq::error_t();
-    socket.set(zmq::sockopt::handshake_ivl, 2000);
+    be_curve_server(socket, keys, kInboxDomain);
     watch_connections(socket);
     if (!endpoint.empty()) socket.bind(endpoint);
     return Socket(std::move(socket));
@@ -86,9 +111,7 @@ Socket Socket::dialler(Context& context, const CurveKeys& keys, BytesView server
   socket.set(zmq::sockopt::handshake_ivl, 2000);
   // The last words before a close, a Goodbye or why the other side is refused, still leave.
   socket.set(zmq::sockopt::linger, 200);
-  socket.set(zmq::sockopt::curve_publickey, keys.public_key);
-  socket.set(zmq::sockopt::curve_secretkey, keys.secret_key);
-  socket.set(zmq::sockopt::curve_serverkey, Bytes(server_key));
+  be_curve_client(socket, {keys, Bytes(server_key)});
   return Socket(std::move(socket));
 }
 
@@ -113,18 +136,23 @@ void Socket::dial(const std::string& endpoint) {
   socket_.connect(endpoint);
 }
 
-Result<Socket> Socket::tap_server(Context& context, const std::string& endpoint) {
+Result<Socket> Socket::tap_server(Context& context, const std::string& endpoint, const CurveKeys* curve) {
   try {
     zmq::socket_t socket = make(context, zmq::socket_type::xpub);
-    socket.bind(endpoint);
+    if (curve != nullptr) {
+      be_curve_server(socket, *curve, kBusDomain);
+      watch_bus(socket);
+    }
+    if (!endpoint.empty()) socket.bind(endpoint);
     return Socket(std::move(socket));
   } catch (const zmq::error_t& problem) {
     return refused(endpoint, problem);
   }
 }
 
-Socket Socket::tap_client(Context& context, const std::string& endpoint) {
+Socket Socket::tap_client(Context& context, const std::string& endpoint, const CurveClient* curve) {
   zmq::socket_t socket = make(context, zmq::socket_type::sub);
+  if (curve != nullptr) be_curve_client(socket, *curve);
   socket.set(zmq::sockopt::subscribe, "");
   socket.connect(endpoint);
   return Socket(std::move(socket));

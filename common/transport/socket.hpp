@@ -35,6 +35,16 @@ struct CurveKeys {
   Bytes secret_key;
 };
 
+/// For a bus over TCP: the own keys, and the one that the router must have.
+struct CurveClient {
+  CurveKeys own;
+  Bytes server_key;
+};
+
+/// The ZAP domains: for which door a key is shown.
+constexpr std::string_view kInboxDomain = "talkrobots";
+constexpr std::string_view kBusDomain = "talkrobots-bus";
+
 enum class SendResult { sent, full, unroutable };
 
 /// How many messages may wait in a socket, each way. A full one refuses (queue_full), it never blocks.
@@ -42,9 +52,10 @@ constexpr int kHighWaterMark = 1000;
 
 class Socket {
  public:
-  /// A service's link to its router, or its router's end for that service (ipc://bus/NAME.ipc).
-  static Socket bus_client(Context& context, const std::string& endpoint);
-  static Result<Socket> bus_server(Context& context, const std::string& endpoint);
+  /// A service's link to its router, or its router's end for that service (ipc://bus/NAME.ipc), or for all of them
+  /// (tcp://, with keys: ZAP must be bound before). An empty endpoint leaves an end alone until dial() or bind().
+  static Socket bus_client(Context& context, const std::string& endpoint, const CurveClient* curve = nullptr);
+  static Result<Socket> bus_server(Context& context, const std::string& endpoint, const CurveKeys* curve = nullptr);
   /// The one door for other routers. ZAP must be bound before (zap.hpp). An empty endpoint leaves it closed until
   /// bind().
   static Result<Socket> inbox(Context& context, const std::string& endpoint, const CurveKeys& keys);
@@ -56,8 +67,8 @@ class Socket {
   static Socket dialler(Context& context, const CurveKeys& keys, BytesView server_key);
   void dial(const std::string& endpoint);
   /// The tap: XPUB, so that nothing is published while nobody listens.
-  static Result<Socket> tap_server(Context& context, const std::string& endpoint);
-  static Socket tap_client(Context& context, const std::string& endpoint);
+  static Result<Socket> tap_server(Context& context, const std::string& endpoint, const CurveKeys* curve = nullptr);
+  static Socket tap_client(Context& context, const std::string& endpoint, const CurveClient* curve = nullptr);
   static Socket pair_client(Context& context, const std::string& endpoint);
 
   /// The next frame if there is one. For ROUTER sockets the first frame is the routing id.

@@ -41,7 +41,7 @@ struct Door {
   Loop loop;
   CurveKeys server = make_keys();
   std::set<Bytes> members;
-  ZapServer zap{context, loop, [this](BytesView key) { return members.count(Bytes(key)) != 0; }};
+  ZapServer zap{context, loop, [this](BytesView, BytesView key) { return members.count(Bytes(key)) != 0; }};
   Socket inbox = *Socket::inbox(context, "tcp://127.0.0.1:*", server);
   std::vector<LinkEvent> events;
   int accepted_fd = -1;

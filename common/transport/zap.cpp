@@ -4,7 +4,7 @@
 
 namespace trb {
 
-ZapServer::ZapServer(Context& context, Loop& loop, std::function<bool(BytesView)> admit)
+ZapServer::ZapServer(Context& context, Loop& loop, Admit admit)
     : loop_(loop), socket_(context.zmq(), zmq::socket_type::router), admit_(std::move(admit)) {
   socket_.set(zmq::sockopt::linger, 0);
   socket_.bind("inproc://zeromq.zap.01");
@@ -28,7 +28,7 @@ void ZapServer::serve() {
   if (parts.size() < start + 6) return;
   const bool curve = view_of(parts[start + 5]) == "CURVE" && parts.size() > start + 6 && parts[start + 6].size() == 32;
   const Bytes key = curve ? Bytes(view_of(parts[start + 6])) : Bytes();
-  const bool good = view_of(parts[start]) == "1.0" && curve && admit_(key);
+  const bool good = view_of(parts[start]) == "1.0" && curve && admit_(view_of(parts[start + 2]), key);
   const Bytes request_id(view_of(parts[start + 1]));
   for (std::size_t i = 0; i < start; ++i) {
     Frame copy = to_frame(view_of(parts[i]));

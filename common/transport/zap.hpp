@@ -10,9 +10,10 @@ namespace trb {
 
 class ZapServer {
  public:
-  /// `admit(key)` gets the client's 32-byte public key; an admitted connection's frames carry it as User-Id
-  /// (hexadecimal).
-  ZapServer(Context& context, Loop& loop, std::function<bool(BytesView key)> admit);
+  /// `domain` is the door's (kInboxDomain, kBusDomain), `key` the client's 32-byte public key; an admitted connection's
+  /// frames carry it as User-Id (hexadecimal).
+  using Admit = std::function<bool(BytesView domain, BytesView key)>;
+  ZapServer(Context& context, Loop& loop, Admit admit);
   ~ZapServer();
   ZapServer(const ZapServer&) = delete;
   ZapServer& operator=(const ZapServer&) = delete;
@@ -21,7 +22,7 @@ class ZapServer {
   void serve();
   Loop& loop_;
   zmq::socket_t socket_;
-  std::function<bool(BytesView)> admit_;
+  Admit admit_;
 };
 
 }  // namespace trb

@@ -31,7 +31,7 @@ ROBOT_NODE = {
     "beacon": True,
     "services": ["router", "mode-adapter", "scheduler"],
 }
-CLOUD_NODE = {"id": "cloud", "role": "cloud", "services": ["router", "scheduler"]}
+CLOUD_NODE = {"id": "cloud", "role": "cloud", "services": ["router", "scheduler"], "bus": "tcp://10.0.0.1:46000"}
 
 # Schema, good file (or document), path of the value, its bad replacement (None: removed).
 BAD = [
@@ -40,6 +40,8 @@ BAD = [
     ("node", ROBOT_NODE, ["becon"], True),
     ("node", ROBOT_NODE, ["robot", "host"], "the-robot"),
     ("node", ROBOT_NODE, ["seeds", 0, "key"], "12"),
+    ("node", ROBOT_NODE, ["bus"], "tcp"),
+    ("node", ROBOT_NODE, ["bus"], "tcp://router:46000"),
     ("node", ROBOT_NODE, ["services"], ["scheduler"]),
     ("node", ROBOT_NODE, ["services"], ["router", "resilience"]),
     ("node", CLOUD_NODE, ["framework"], "ur"),

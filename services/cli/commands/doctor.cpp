@@ -5,6 +5,7 @@
 #include <cstdio>
 
 #include "common/base/files.hpp"
+#include "common/config/interfaces.hpp"
 #include "common/config/node_config.hpp"
 #include "common/security/node_keys.hpp"
 #include "common/transport/loop.hpp"
@@ -44,7 +45,13 @@ void look_at_bus(const NodeConfig& config, Observed& seen) {
   names.insert(names.end(), {"probe", "tap"});
   for (const std::string& name : names) {
     const std::string path = "bus/" + name + ".ipc";
-    if (name != "router" && !file_exists(path)) seen.missing_sockets.push_back(path);
+    if (config.bus.empty() && name != "router" && !file_exists(path)) seen.missing_sockets.push_back(path);
+  }
+  if (const Endpoint at = split_endpoint(config.bus); !at.host.empty()) {
+    for (const int further : {0, 1}) {
+      const std::string address = join_host_port(at.host, static_cast<std::uint16_t>(at.port + further));
+      if (probe_port(address) != Port::zmtp) seen.missing_sockets.push_back("tcp://" + address);
+    }
   }
   const Network& network = config.network;
   if (!network.address.empty())
@@ -159,6 +166,7 @@ int run_doctor(const Arguments& arguments) {
   progress(arguments, "asking the router of " + seen.node);
   auto probe = Probe::open(".");
   if (probe) ask_router(**probe, seen);
+  seen.bus_key_refused = !probe && probe.error().code == Errc::wrong_key;
   look_at_bus(config, seen);
   collect_addresses(config, seen);
   progress(arguments, "trying " + std::to_string(seen.addresses.size()) + " addresses");

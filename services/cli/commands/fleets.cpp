@@ -5,7 +5,9 @@
 #include "common/base/files.hpp"
 #include "common/base/hex.hpp"
 #include "common/base/ids.hpp"
+#include "common/config/node_config.hpp"
 #include "common/security/authority.hpp"
+#include "common/security/bus_keys.hpp"
 #include "common/security/node_keys.hpp"
 #include "common/security/revocations.hpp"
 #include "common/transport/loop.hpp"
@@ -37,6 +39,13 @@ Result<std::string> text_member(const Value& json, const std::string& key, const
   return member->text();
 }
 
+/// If its bus is over TCP: a key for each service, and for trb.
+Status make_keys_of_bus(const std::string& dir) {
+  auto bus = read_bus(dir);
+  if (!bus) return bus.error();
+  return bus->empty() ? Status(Done{}) : make_bus_keys(dir, bus_names(check_node_dir(dir, true).config));
+}
+
 int run_request(const Arguments& arguments) {
   init_crypto();
   const std::string dir = arguments.words[0];
@@ -56,6 +65,7 @@ int run_request(const Arguments& arguments) {
     return print_error(arguments, fail(good.error().code, dir + "/node.json: " + good.error().what, good.error().cure));
   const Status made = make_request(dir, *id, *role == "cloud" ? Role::cloud : Role::robot);
   if (!made) return print_error(arguments, made.error());
+  if (const Status keys = make_keys_of_bus(dir); !keys) return print_error(arguments, keys.error());
   print_line("wrote " + dir + "/keys/request.json; the secret keys stay in " + dir + "/keys");
   print_line("next, where the authority's folder is: trb fleet sign FLEET_DIR " + dir + "/keys/request.json");
   return kGood;

@@ -112,7 +112,9 @@ int run_tap(const Arguments& arguments) {
   auto probe = open_probe(arguments);
   if (!probe) return kFailed;
   Context context;
-  Socket tap = Socket::tap_client(context, "ipc://bus/tap.ipc");
+  const auto address = tap_address();
+  if (!address) return print_error(arguments, address.error());
+  Socket tap = Socket::tap_client(context, address->endpoint, address->keys());
   const MonotonicTime end = read_clocks().mono + seconds(*wait);
   double shown = 0;
   while (shown < *most && read_clocks().mono < end) {

@@ -11,6 +11,7 @@
 
 #include "common/base/files.hpp"
 #include "common/config/node_config.hpp"
+#include "common/security/bus_keys.hpp"
 #include "common/transport/signals.hpp"
 #include "services/cli/commands/command.hpp"
 #include "services/cli/io/print.hpp"
@@ -53,7 +54,10 @@ class ReadyCheck {
   explicit ReadyCheck(std::string dir) : dir_(std::move(dir)) {}
   bool operator()() {
     if (!probe_) {
-      auto probe = file_exists(dir_ + "/bus/probe.ipc") ? Probe::open(dir_) : Result<std::unique_ptr<Probe>>(Error{});
+      // Over TCP nobody can see whether it is there; a short wait does not hold up the supervisor.
+      const auto bus = read_bus(dir_);
+      if (!bus || (bus->empty() && !file_exists(dir_ + "/bus/probe.ipc"))) return false;
+      auto probe = Probe::open(dir_, bus->empty() ? std::chrono::seconds(2) : std::chrono::milliseconds(250));
       if (!probe) return false;
       probe_ = std::move(*probe);
     }
@@ -71,6 +75,11 @@ class ReadyCheck {
   std::unique_ptr<Probe> probe_;
 };
 
+/// Also for a node whose bus was sockets until now.
+Status make_keys_of_bus(const NodeConfig& config) {
+  return config.bus.empty() ? Status(Done{}) : make_bus_keys(config.dir, bus_names(config));
+}
+
 int run_up(const Arguments& arguments) {
   if (arguments.has("--die-with-parent")) die_with_parent();
   const std::string dir = absolute(arguments.words[0]);
@@ -83,6 +92,7 @@ int run_up(const Arguments& arguments) {
   const ConfigFaults stopping = faults_that_stop(check.faults);
   if (!stopping.empty()) return print_faults(arguments, check.faults);
   if (!check.faults.empty()) print_line(check.config.id + ": starts and waits: " + to_text(check.faults));
+  if (Status made = make_keys_of_bus(check.config); !made) return print_error(arguments, made.error());
   auto held = NodeLock::take(dir);
   if (!held) return print_error(arguments, held.error());
   block_child_signal();
@@ -92,6 +102,7 @@ int run_up(const Arguments& arguments) {
   const auto reload_ok = [&dir, &arguments] {
     const NodeCheck again = check_node_dir(dir, true);
     if (!again.faults.empty()) print_faults(arguments, again.faults);
+    if (Status made = make_keys_of_bus(again.config); !made) return false;
     return faults_that_stop(again.faults).empty();
   };
   ReadyCheck is_ready(dir);

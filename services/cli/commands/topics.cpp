@@ -20,6 +20,9 @@ const std::map<std::string, std::string> kTopics = {
   state/, log/    written by the services
 
   trb check DIR   tells every fault of these files; trb up DIR starts the node
+
+A container for each service: "bus": "tcp://ADDRESS:PORT" in node.json; keys/bus/ then proves who is who, see
+services/router/README.md.
 )"},
     {"fleet",
      R"(A fleet is what one authority's key has signed. To add a node:

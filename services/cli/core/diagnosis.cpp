@@ -80,8 +80,18 @@ class Doctor {
   void own_services() {
     for (const std::string& path : seen_.missing_sockets) {
       if (!seen_.answers && !seen_.inbox_open) break;  // the router is not there: that is the cause
+      if (path.starts_with("tcp://")) {
+        problem(
+            "bus_socket_missing", path, "the router runs, but its bus does not take connections there",
+            "restart the node if \"bus\" in node.json was changed; look for a firewall between here and its machine");
+        continue;
+      }
       problem("bus_socket_missing", path, "the router runs, but this socket of its bus is gone: something removed it",
               "restart the node: trb up makes it again; see that nothing cleans that folder");
+    }
+    if (seen_.bus_key_refused) {
+      return problem("bus_key", "keys/bus/probe.key", "the router's bus does not take this key of trb",
+                     "copy keys/bus/probe.key from where its router runs; if it is the node itself: restart the node");
     }
     if (!seen_.answers) {
       if (!seen_.inbox_open || seen_.missing_sockets.empty())

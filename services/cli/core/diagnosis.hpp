@@ -58,6 +58,7 @@ struct Observed {
   std::optional<Certificate> own;
   UtcTime now;
   std::vector<std::string> missing_sockets;  ///< files of the bus that should be there
+  bool bus_key_refused = false;              ///< over TCP: the router does not know the key of trb
   bool answers = false;                      ///< the router, to a probe
   bool inbox_open = false;                   ///< its port for other routers takes connections
   RouteTable routes;

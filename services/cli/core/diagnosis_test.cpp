@@ -204,6 +204,11 @@ TEST_CASE("on the node itself: no router, a socket that is gone, a service that 
   cleaned.seen.routes = {};
   cleaned.seen.addresses.clear();
   check_only(cleaned.seen, "bus_socket_missing", "bus/probe.ipc");
+  cleaned.seen.missing_sockets = {"tcp://10.0.0.1:46000"};
+  check_only(cleaned.seen, "bus_socket_missing", "tcp://10.0.0.1:46000");
+  cleaned.seen.missing_sockets.clear();
+  cleaned.seen.bus_key_refused = true;
+  check_only(cleaned.seen, "bus_key", "keys/bus/probe.key");
   Ant service;
   service.seen.services.services = {{"scheduler", "silent", 1, 1, "1.0", 5, 5, {}, {}}};
   check_only(service.seen, "service_down", "scheduler");

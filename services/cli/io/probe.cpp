@@ -11,12 +11,6 @@
 #include "services/cli/io/print.hpp"
 
 namespace trb::cli {
-namespace {
-
-constexpr Duration kWelcomeWait = std::chrono::seconds(2);
-
-}  // namespace
-
 Result<std::string> find_node(const Arguments& arguments) {
   std::string dir = arguments.get("--node");
   if (dir.empty()) {
@@ -31,16 +25,22 @@ Result<std::string> find_node(const Arguments& arguments) {
   return dir;
 }
 
-Probe::Probe() {
+Probe::Probe(const BusAddress& bus) {
   const auto pid = static_cast<std::uint32_t>(::getpid());
-  link_ = std::make_unique<BusLink>(context_, "probe", ServiceHello{"cli", {}, random_u64(), pid, kVersion});
+  link_ = std::make_unique<BusLink>(context_, bus, ServiceHello{"cli", {}, random_u64(), pid, kVersion});
 }
 
-Result<std::unique_ptr<Probe>> Probe::open(const std::string& node_dir) {
+Result<std::unique_ptr<Probe>> Probe::open(const std::string& node_dir, Duration wait) {
   init_crypto();
   if (::chdir(node_dir.c_str()) != 0) return fail(Errc::missing, node_dir + ": no such folder", "name a node's folder");
-  std::unique_ptr<Probe> probe(new Probe());
-  if (Status welcome = probe->wait_welcome(); !welcome) {
+  auto bus = bus_address("probe");
+  if (!bus) return bus.error();
+  std::unique_ptr<Probe> probe(new Probe(*bus));
+  if (Status welcome = probe->wait_welcome(wait); !welcome) {
+    if (probe->link_->key_refused()) {
+      return fail(Errc::wrong_key, "the bus of " + node_dir + " does not take the key keys/bus/probe.key",
+                  "copy keys/bus/probe.key and router.pub from where its router runs");
+    }
     if (const std::string& refusal = probe->link_->refusal(); !refusal.empty()) {
       return fail(Errc::conflict, "the router of " + node_dir + " refuses: " + refusal,
                   "end other trb commands on this node, then try again");
@@ -50,10 +50,10 @@ Result<std::unique_ptr<Probe>> Probe::open(const std::string& node_dir) {
   return probe;
 }
 
-Status Probe::wait_welcome() {
-  const MonotonicTime end = read_clocks().mono + kWelcomeWait;
+Status Probe::wait_welcome(Duration wait) {
+  const MonotonicTime end = read_clocks().mono + wait;
   while (!link_->up()) {
-    if (read_clocks().mono >= end) return fail(Errc::timeout, "no welcome");
+    if (link_->key_refused() || read_clocks().mono >= end) return fail(Errc::timeout, "no welcome");
     receive(std::chrono::milliseconds(20));
   }
   return Done{};

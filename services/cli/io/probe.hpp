@@ -16,8 +16,9 @@ Result<std::string> find_node(const Arguments& arguments);
 class Probe {
  public:
   /// Makes the node's folder the working directory and waits for its router. Errors: missing (no such folder),
-  /// timeout (the router does not answer within 2 s).
-  static Result<std::unique_ptr<Probe>> open(const std::string& node_dir);
+  /// timeout (the router does not answer within `wait`), wrong_key (its bus does not take this key), conflict (it
+  /// refuses this probe), and those of bus_address().
+  static Result<std::unique_ptr<Probe>> open(const std::string& node_dir, Duration wait = std::chrono::seconds(2));
 
   [[nodiscard]] const std::string& node() const { return link_->welcome()->node; }
 
@@ -37,8 +38,8 @@ class Probe {
   }
 
  private:
-  Probe();
-  Status wait_welcome();
+  explicit Probe(const BusAddress& bus);
+  Status wait_welcome(Duration wait);
 
   Context context_;
   std::unique_ptr<BusLink> link_;

@@ -21,19 +21,33 @@ Message to_service(const std::string& node, std::uint64_t id, std::uint64_t repl
 
 }  // namespace
 
-void RouterCore::on_service_hello(ConnectionId from, const ServiceHello& hello, bool probe, Now now, Effects& out) {
-  forget_silent_probes(now, out);
+Status RouterCore::may_be(const ServiceHello& hello, std::string_view proven) const {
+  if (proven == kProbe) return Done{};
   const bool named =
-      probe || std::find(config_.services.begin(), config_.services.end(), hello.service) != config_.services.end();
-  auto slot =
-      named ? services_.welcome(from, hello, probe, now.mono)
-            : Result<std::uint16_t>(fail(Errc::not_permitted, "service '" + hello.service + "' is not in node.json"));
+      std::find(config_.services.begin(), config_.services.end(), hello.service) != config_.services.end();
+  if (!named || hello.service == "router") {
+    return fail(Errc::not_permitted, "service '" + hello.service + "' is not in node.json", "add it to \"services\"");
+  }
+  if (hello.service == proven) return Done{};
+  return fail(Errc::source_mismatch,
+              "it comes as '" + std::string(proven) + "' and says that it is '" + hello.service + "'",
+              "each service uses its own socket or key of the bus");
+}
+
+void RouterCore::on_service_hello(ConnectionId from, const ServiceHello& hello, std::string_view proven, Now now,
+                                  Effects& out) {
+  forget_silent_probes(now, out);
+  const bool probe = proven == kProbe;
+  const Status good = may_be(hello, proven);
+  auto slot = good ? services_.welcome(from, hello, probe, now.mono) : Result<std::uint16_t>(good.error());
   if (!slot) {
-    out.count("refused." + std::string(errc_name(slot.error().code)));
+    const bool impersonation = slot.error().code == Errc::source_mismatch;
+    out.count(impersonation ? "refused.impersonation" : "refused." + std::string(errc_name(slot.error().code)));
     out.log(LogLevel::warning, "service_refused",
             hello.service + " (pid " + std::to_string(hello.pid) + "): " + slot.error().what);
     const Nack nack{std::string(errc_name(slot.error().code)), std::string(ServiceHello::kSubtype), config_.id,
-                    slot.error().what, "stop the other process first: trb service list"};
+                    slot.error().what,
+                    slot.error().cure.empty() ? "stop the other process first: trb service list" : slot.error().cure};
     out.add(BusSend{from, to_service(config_.id, ++message_count_, 1, nack)});
     return;
   }

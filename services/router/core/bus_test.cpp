@@ -15,8 +15,12 @@ struct Bus {
 
   std::string hello(ConnectionId from, const std::string& service, std::vector<std::string> subtypes = {},
                     bool probe = false) {
+    return come_as(probe ? kProbe : std::string_view(service), from, service, std::move(subtypes));
+  }
+  std::string come_as(std::string_view as, ConnectionId from, const std::string& service,
+                      std::vector<std::string> subtypes = {}) {
     Effects effects;
-    ant.core->on_service_hello(from, {service, std::move(subtypes), 5, 100, "1"}, probe, fleet.now, effects);
+    ant.core->on_service_hello(from, {service, std::move(subtypes), 5, 100, "1"}, as, fleet.now, effects);
     fleet.carry_out(ant, effects);
     const Message& last = ant.bus.back().message;
     return last.subtype == Nack::kSubtype ? decode<Nack>(last.data)->code : last.subtype;
@@ -61,6 +65,18 @@ TEST_CASE("a service and a subtype have one holder; when that is gone, the next 
   CHECK(bus.hello(5, "stranger") == "not_permitted");
   bus.gone(1);
   CHECK(bus.hello(2, "scheduler", {"baton"}) == "service_welcome");
+}
+
+TEST_CASE("a service is who its socket or key proves, whatever it says, and a probe is none") {
+  Bus bus;
+  CHECK(bus.come_as("mode-adapter", 1, "scheduler", {"baton"}) == "source_mismatch");
+  CHECK(bus.ant.count("refused.impersonation") == 1);
+  CHECK(bus.come_as("scheduler", 2, "mode-adapter", {"stop"}) == "source_mismatch");
+  CHECK(bus.come_as("router", 3, "router", {"stop"}) == "not_permitted");
+  CHECK(bus.come_as(kProbe, 4, "scheduler", {"baton"}) == "service_welcome");
+  CHECK_FALSE(bus.ant.core->holder_of("scheduler"));
+  CHECK(bus.come_as("scheduler", 5, "scheduler", {"baton"}) == "service_welcome");
+  CHECK(bus.ant.count("refused.impersonation") == 2);
 }
 
 TEST_CASE("probes that ended unnoticed do not fill the bus for ever") {

@@ -62,6 +62,7 @@ constexpr std::uint32_t kBeaconsChecked = 512;  ///< signatures of beacons, in a
 constexpr Duration kStorePause = std::chrono::seconds(5);  ///< changes of where peers are, gathered for one write
 constexpr Duration kViaPause = std::chrono::seconds(4);    ///< between dials to who is reached by a relay
 constexpr Duration kHintPause = std::chrono::seconds(30);  ///< between dials to where a peer once was
+constexpr std::string_view kProbe = "probe";               ///< who comes for a person, not as a service
 constexpr std::size_t kMaxConnections = 64;                ///< on the node's own bus
 
 }  // namespace trb::router

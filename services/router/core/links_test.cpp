@@ -91,7 +91,7 @@ TEST_CASE("whoever takes peer_expired is told of it, and the peer is welcome aga
   TestNode& ant = fleet.start("ant");
   fleet.start("bee");
   Effects effects;
-  ant.core->on_service_hello(1, {"resilience", {"peer_expired", "peer_joined"}, 5, 100, "1"}, false, fleet.now,
+  ant.core->on_service_hello(1, {"resilience", {"peer_expired", "peer_joined"}, 5, 100, "1"}, "resilience", fleet.now,
                              effects);
   fleet.carry_out(ant, effects);
   fleet.run(Seconds(1));
@@ -214,7 +214,7 @@ TEST_CASE("a profile that changes while the Hello is under way, or is too large 
   TestNode& ant = fleet.start("ant");
   fleet.start("bee");
   Effects effects;
-  ant.core->on_service_hello(1, {"mode-adapter", {}, 5, 100, "1"}, false, fleet.now, effects);
+  ant.core->on_service_hello(1, {"mode-adapter", {}, 5, 100, "1"}, "mode-adapter", fleet.now, effects);
   NodeProfile profile;
   profile.maker = "Maker";
   for (int i = 0; i < 120; ++i)

@@ -116,7 +116,7 @@ TEST_CASE("a revoked node's key, Hello and beacon are refused, and services hear
   Three three;
   TestNode& ant = three.ant;
   Effects effects;
-  ant.core->on_service_hello(1, {"resilience", {"peer_expired"}, 1, 1, "1"}, false, three.fleet.now, effects);
+  ant.core->on_service_hello(1, {"resilience", {"peer_expired"}, 1, 1, "1"}, "resilience", three.fleet.now, effects);
   const Bytes beacon = three.cat.beacons.back();
   REQUIRE(three.tell(ant, {list_of(three.fleet.authority, 1, {"cat"}), {}}).ok());
   CHECK(ant.told("peer_expired") == 1);

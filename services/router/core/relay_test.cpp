@@ -32,7 +32,7 @@ struct Triangle {
   /// A scheduler on the node's bus, connection 1.
   static void serve(TestFleet& fleet, TestNode& node) {
     Effects effects;
-    node.core->on_service_hello(1, {"scheduler", {"numbered"}, 5, 100, "1"}, false, fleet.now, effects);
+    node.core->on_service_hello(1, {"scheduler", {"numbered"}, 5, 100, "1"}, "scheduler", fleet.now, effects);
     fleet.carry_out(node, effects);
   }
 

@@ -54,8 +54,8 @@ TEST_CASE("a robot's router signs no decision, whoever asks") {
   TestFleet fleet;
   TestNode& ant = fleet.start("ant");
   Effects effects;
-  ant.core->on_service_hello(1, {"cli", {}, 1, 1, "1"}, true, fleet.now, effects);
-  ant.core->on_service_hello(2, {"resilience", {}, 1, 1, "1"}, false, fleet.now, effects);
+  ant.core->on_service_hello(1, {"cli", {}, 1, 1, "1"}, kProbe, fleet.now, effects);
+  ant.core->on_service_hello(2, {"resilience", {}, 1, 1, "1"}, "resilience", fleet.now, effects);
   for (const ConnectionId asking : {1U, 2U}) {
     ant.bus.clear();
     effects = {};
@@ -72,9 +72,9 @@ TEST_CASE("a service that is not the scheduler commands no skill, and a probe ca
   TestFleet fleet;
   TestNode& ant = fleet.start("ant");
   Effects effects;
-  ant.core->on_service_hello(1, {"cli", {}, 1, 1, "1"}, true, fleet.now, effects);
-  ant.core->on_service_hello(2, {"mode-adapter", {"execute"}, 1, 1, "1"}, false, fleet.now, effects);
-  ant.core->on_service_hello(3, {"scheduler", {"outcome"}, 1, 1, "1"}, false, fleet.now, effects);
+  ant.core->on_service_hello(1, {"cli", {}, 1, 1, "1"}, kProbe, fleet.now, effects);
+  ant.core->on_service_hello(2, {"mode-adapter", {"execute"}, 1, 1, "1"}, "mode-adapter", fleet.now, effects);
+  ant.core->on_service_hello(3, {"scheduler", {"outcome"}, 1, 1, "1"}, "scheduler", fleet.now, effects);
   fleet.carry_out(ant, effects);
   std::map<ConnectionId, std::uint64_t> slots;
   for (const auto& send : ant.bus) {

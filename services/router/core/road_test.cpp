@@ -23,7 +23,8 @@ struct Pair {
   }
   void hello(ConnectionId from, const std::string& service, std::vector<std::string> subtypes, bool probe = false) {
     Effects effects;
-    ant.core->on_service_hello(from, {service, std::move(subtypes), 5, 100, "1"}, probe, fleet.now, effects);
+    ant.core->on_service_hello(from, {service, std::move(subtypes), 5, 100, "1"},
+                               probe ? kProbe : std::string_view(service), fleet.now, effects);
     fleet.carry_out(ant, effects);
   }
   std::uint64_t slot(std::size_t welcome) const {

@@ -62,7 +62,8 @@ class RouterCore {
 
   // ---- the node's own bus
 
-  void on_service_hello(ConnectionId from, const ServiceHello& hello, bool probe, Now now, Effects& out);
+  /// `proven` is whom the connection's socket or key proves: a service, or kProbe.
+  void on_service_hello(ConnectionId from, const ServiceHello& hello, std::string_view proven, Now now, Effects& out);
   void on_connection_gone(ConnectionId connection, Now now, Effects& out);
   [[nodiscard]] std::optional<ConnectionId> holder_of(std::string_view service) const {
     return services_.holder(service);
@@ -133,6 +134,7 @@ class RouterCore {
   [[nodiscard]] Message make_nack(const HeaderView& header, Errc reason) const;
 
   // bus.cpp
+  [[nodiscard]] Status may_be(const ServiceHello& hello, std::string_view proven) const;
   void answer(ConnectionId to, const Message& asked, const Body& body, Effects& out);
   void deny(ConnectionId to, const Message& asked, const Error& error, Effects& out);
   void sign_for(ConnectionId from, const Message& message, const SignRequest& request, Effects& out);

@@ -24,7 +24,7 @@ struct Pair {
   explicit Pair(bool before_delivery = false)
       : ant(fleet.start("ant")), bee(fleet.start("bee", {.seal_before_delivery = before_delivery})) {
     Effects effects;
-    bee.core->on_service_hello(1, {"mode-adapter", {}, 5, 100, "1"}, false, fleet.now, effects);
+    bee.core->on_service_hello(1, {"mode-adapter", {}, 5, 100, "1"}, "mode-adapter", fleet.now, effects);
     fleet.carry_out(bee, effects);
     fleet.run(Seconds(1));
     REQUIRE(ant.link_to("bee") != 0);

@@ -12,7 +12,7 @@ namespace {
 /// Asks as `trb doctor` does.
 LinkTroubles ask(TestFleet& fleet, TestNode& node) {
   Effects effects;
-  node.core->on_service_hello(7, {"cli", {}, 1, 1, "1"}, true, fleet.now, effects);
+  node.core->on_service_hello(7, {"cli", {}, 1, 1, "1"}, kProbe, fleet.now, effects);
   Message question = make_message(MessageType::request, node.id, node.id, LinkTroublesRequest{});
   node.core->on_bus_message(7, question, fleet.now, effects);
   for (const Effect& effect : effects.list) {
@@ -117,7 +117,7 @@ TEST_CASE("a router sends back what it is asked to echo") {
   TestFleet fleet;
   TestNode& ant = fleet.start("ant", {.beacon = false});
   Effects effects;
-  ant.core->on_service_hello(7, {"cli", {}, 1, 1, "1"}, true, fleet.now, effects);
+  ant.core->on_service_hello(7, {"cli", {}, 1, 1, "1"}, kProbe, fleet.now, effects);
   const EchoRequest question{{std::string(8000, 'x')}};
   ant.core->on_bus_message(7, make_message(MessageType::request, "ant", "ant", question), fleet.now, effects);
   const auto* send = std::get_if<BusSend>(&effects.list.back());

@@ -28,22 +28,32 @@ ConnectionId RouterShell::connection_of(const BusSocket& bus, BytesView routing_
   return at == bus.connections.end() ? 0 : at->second;
 }
 
-ConnectionId RouterShell::add_connection(BusSocket& bus, BytesView routing_id) {
+ConnectionId RouterShell::add_connection(BusSocket& bus, BytesView routing_id, const std::string& name) {
   const ConnectionId id = ++next_connection_;
   bus.connections.emplace(Bytes(routing_id), id);
-  connections_[id] = {&bus, Bytes(routing_id)};
+  connections_[id] = {&bus, Bytes(routing_id), name};
   return id;
 }
 
 void RouterShell::on_bus_frame(BusSocket& bus, BytesView routing_id, Frame& frame) {
   const auto header = decode_frame(view_of(frame));
-  const ConnectionId from = connection_of(bus, routing_id);
-  if (!header) {
-    core_.count("refused." + std::string(errc_name(header.error().code)));
+  const std::string name = whom_it_proves(bus, frame);
+  if (!header || name.empty()) {
+    core_.count(header ? "refused.bus_key" : "refused." + std::string(errc_name(header.error().code)));
     return;
   }
+  ConnectionId from = connection_of(bus, routing_id);
+  if (from != 0 && connections_.at(from).name != name) {
+    // Of those that are there no two have one routing id: the one that had it has gone.
+    Effects effects;
+    forget_connection(from, effects);
+    carry_out(effects);
+    from = 0;
+  }
   if (header->subtype == ServiceHello::kSubtype) {
-    return on_bus_hello(bus, from != 0 ? from : add_connection(bus, routing_id), *header);
+    if (from == 0) from = add_connection(bus, routing_id, name);
+    on_bus_hello(bus, from, name, *header);
+    return note_bus_visitor(bus, frame, from);
   }
   if (!core_.knows(from)) return want_hello(bus, routing_id);
   count_sent(header->subtype);
@@ -74,15 +84,15 @@ void RouterShell::on_bus_frame(BusSocket& bus, BytesView routing_id, Frame& fram
   carry_out(effects);
 }
 
-void RouterShell::on_bus_hello(BusSocket& bus, ConnectionId from, const HeaderView& header) {
+void RouterShell::on_bus_hello(BusSocket& bus, ConnectionId from, const std::string& name, const HeaderView& header) {
   auto hello = decode<ServiceHello>(header.data);
   Effects effects;
   if (!hello) {
     effects.count("refused.malformed");
   } else {
     free_dead_holder(*hello, effects);
-    if (bus.probe && core_.bus_is_full()) free_dead_probes(bus, from, effects);
-    core_.on_service_hello(from, *hello, bus.probe, read_clocks(), effects);
+    if (name == kProbe && core_.bus_is_full()) free_dead_probes(bus, from, effects);
+    core_.on_service_hello(from, *hello, name, read_clocks(), effects);
   }
   carry_out(effects);
   forget_unknown();
@@ -108,7 +118,9 @@ void RouterShell::free_dead_probes(BusSocket& bus, ConnectionId asker, Effects& 
   std::vector<ConnectionId> known;
   for (const auto& [routing_id, connection] : bus.connections) known.push_back(connection);
   for (const ConnectionId connection : known) {
-    if (connection != asker && is_gone(connection)) forget_connection(connection, effects);
+    const auto at = connections_.find(connection);
+    const bool other = at != connections_.end() && at->second.name == kProbe && connection != asker;
+    if (other && is_gone(connection)) forget_connection(connection, effects);
   }
 }
 

@@ -49,13 +49,19 @@ void RouterShell::drain_inbox() {
   }
 }
 
+VisitorId RouterShell::inbox_visitor(const Frame& frame) {
+  const int fd = connection_fd(frame);
+  if (door_.visitor(fd) == 0) inbox_monitor_->catch_up();
+  return door_.visitor(fd);
+}
+
 void RouterShell::on_inbox_frame(BytesView routing_id, Frame& frame) {
   const auto header = decode_frame(view_of(frame));
   if (!header) {
     const auto from = std::find_if(accepted_.begin(), accepted_.end(), [&](const auto& row) {
       return row.second.routing_id == routing_id && row.second.user == user_id(frame);
     });
-    if (from == accepted_.end()) door_.leave(door_.visitor(connection_fd(frame)));
+    if (from == accepted_.end()) door_.leave(inbox_visitor(frame));
     return on_bad_frame(from == accepted_.end() ? 0 : from->first, header.error());
   }
   const std::string_view user = user_id(frame);
@@ -64,7 +70,7 @@ void RouterShell::on_inbox_frame(BytesView routing_id, Frame& frame) {
   if (proven) return on_link_frame(header->link, {}, *header, frame);
   const auto key = from_hex(user);
   if (!key || key->size() != 32) return core_.count("refused.no_key");
-  origin_ = {Bytes(routing_id), Bytes(user), door_.visitor(connection_fd(frame))};
+  origin_ = {Bytes(routing_id), Bytes(user), inbox_visitor(frame)};
   Effects effects;
   if (link != accepted_.end()) {
     // Another connection names a link that is not its own.

@@ -16,7 +16,8 @@ RouterShell::RouterShell(RouterConfig config, ShellOptions options)
 
 Status RouterShell::open() {
   // ZAP first: an inbox without it would let every key in.
-  zap_ = std::make_unique<ZapServer>(context_, loop_, [this](BytesView key) {
+  zap_ = std::make_unique<ZapServer>(context_, loop_, [this](BytesView domain, BytesView key) {
+    if (domain == kBusDomain) return admit_to_bus(key);
     Effects effects;
     const bool good = core_.admit(key, read_clocks().mono, effects);
     carry_out(effects);
@@ -27,14 +28,15 @@ Status RouterShell::open() {
 }
 
 Status RouterShell::open_bus() {
+  if (!options_.bus.endpoint.empty()) return open_tcp_bus();
   if (Status made = make_dir("bus", 0700); !made) return made;
   std::vector<std::string> names = core_.config().services;
-  names.emplace_back("probe");
+  names.emplace_back(kProbe);
   for (const std::string& name : names) {
     if (name == "router") continue;
     auto socket = Socket::bus_server(context_, "ipc://bus/" + name + ".ipc");
     if (!socket) return socket.error();
-    auto& bus = buses_[name] = std::make_unique<BusSocket>(BusSocket{std::move(*socket), name == "probe", {}});
+    auto& bus = buses_[name] = std::make_unique<BusSocket>(BusSocket{std::move(*socket), name, {}});
     loop_.add_socket(
         bus->socket.handle(), [this, at = bus.get()] { drain_bus(*at); }, bus->socket.unseen());
   }

@@ -23,6 +23,14 @@
 
 namespace trb::router {
 
+/// A bus over TCP; without an address it is sockets in the node's folder.
+struct TcpBus {
+  std::string endpoint;  ///< of messages, for libzmq
+  std::string tap;
+  CurveKeys keys;
+  std::map<Bytes, std::string, std::less<>> names;  ///< public key -> the service that it proves, or "probe"
+};
+
 struct ShellOptions {
   CurveKeys link_keys;
   std::string host_int;  ///< an interface or an address: the inbox and the beacons
@@ -32,6 +40,7 @@ struct ShellOptions {
   BeaconKey beacon_key;
   VisitorLimits visitors;
   std::uint64_t proof_log_bytes = 0;  ///< at most so much in log/proof; 0: no proof log
+  TcpBus bus;
 };
 
 /// Why a service of this node did not get a message.
@@ -51,12 +60,13 @@ class RouterShell {
  private:
   struct BusSocket {
     Socket socket;
-    bool probe = false;
+    std::string name;  ///< whom it proves; empty: the key does
     std::map<Bytes, ConnectionId, std::less<>> connections;
   };
   struct BusConnection {
     BusSocket* socket = nullptr;
     Bytes routing_id;
+    std::string name;  ///< whom it proves
   };
   struct Dialled {
     std::unique_ptr<Socket> socket;
@@ -79,8 +89,8 @@ class RouterShell {
   void drain_bus(BusSocket& bus);
   void on_bus_frame(BusSocket& bus, BytesView routing_id, Frame& frame);
   ConnectionId connection_of(const BusSocket& bus, BytesView routing_id) const;  ///< 0: none
-  ConnectionId add_connection(BusSocket& bus, BytesView routing_id);
-  void on_bus_hello(BusSocket& bus, ConnectionId from, const HeaderView& header);
+  ConnectionId add_connection(BusSocket& bus, BytesView routing_id, const std::string& name);
+  void on_bus_hello(BusSocket& bus, ConnectionId from, const std::string& name, const HeaderView& header);
   void free_dead_holder(const ServiceHello& hello, Effects& effects);
   void free_dead_probes(BusSocket& bus, ConnectionId asker, Effects& effects);
   bool is_gone(ConnectionId connection);
@@ -88,6 +98,13 @@ class RouterShell {
   void forget_unknown();
   void forget_connection(ConnectionId connection, Effects& effects);
   SendResult send_bus(ConnectionId to, Frame&& frame);
+  // tcp_bus.cpp
+  Status open_tcp_bus();
+  bool admit_to_bus(BytesView key);
+  [[nodiscard]] std::string whom_it_proves(const BusSocket& bus, const Frame& frame) const;  ///< empty: nobody
+  void note_bus_visitor(const BusSocket& bus, const Frame& frame, ConnectionId from);
+  VisitorId inbox_visitor(const Frame& frame);
+  void on_bus_event(LinkEvent event, int fd, bool proves);
   // link_side.cpp
   void drain_inbox();
   void on_inbox_frame(BytesView routing_id, Frame& frame);
@@ -161,7 +178,9 @@ class RouterShell {
   InboxOrigin origin_;
   std::vector<LinkId> lost_links_;
   std::vector<std::pair<Message, Errc>> unpassed_;  ///< `relayed` of others that did not leave
+  std::unique_ptr<Door> bus_door_;  ///< of a bus over TCP
   std::unique_ptr<Socket> tap_;
+  std::vector<std::unique_ptr<SocketMonitor>> bus_monitors_;  ///< of the bus, and of the tap
   unsigned tap_listeners_ = 0;
   std::unique_ptr<BeaconSocket> beacon_;
   std::unique_ptr<InterfaceWatch> interface_watch_;

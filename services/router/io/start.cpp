@@ -12,6 +12,7 @@
 #include "common/config/interfaces.hpp"
 #include "common/config/node_config.hpp"
 #include "common/log/log.hpp"
+#include "common/security/bus_keys.hpp"
 #include "common/security/node_keys.hpp"
 #include "common/service/version.hpp"
 #include "common/transport/loop.hpp"
@@ -83,6 +84,27 @@ RouterConfig make_config(const NodeConfig& node, const NodeKeys& keys, std::uint
   return config;
 }
 
+/// Errors: those of the keys.
+Result<TcpBus> read_tcp_bus(const NodeConfig& node) {
+  TcpBus bus;
+  if (node.bus.empty()) return bus;
+  const Endpoint at = split_endpoint(node.bus);
+  bus.endpoint = "tcp://" + join_host_port(at.host, at.port);
+  bus.tap = "tcp://" + join_host_port(at.host, static_cast<std::uint16_t>(at.port + 1));
+  auto own = load_bus_key(".", kBusRouter);
+  if (!own) return own.error();
+  bus.keys = {own->public_key, own->secret_key};
+  for (const std::string& name : bus_names(node)) {
+    if (name == kBusRouter) continue;
+    auto key = load_bus_public(".", name);
+    if (!key) return key.error();
+    if (!bus.names.emplace(*key, name).second) {
+      return fail(Errc::duplicate, "keys/bus: " + name + ".pub is another one's too", "give each name keys of its own");
+    }
+  }
+  return bus;
+}
+
 int refuse(const std::string& text) {
   std::fprintf(stderr, "trb-router: %s\n", text.c_str());
   return 1;
@@ -113,6 +135,8 @@ int start(const std::string& node_dir) {
   RouterConfig config = make_config(check.config, *keys, *boot);
   config.utc_bound = bound;
   config.news = stored_news();
+  auto bus = read_tcp_bus(check.config);
+  if (!bus) return refuse(bus.error().text());
   ShellOptions options{{keys->link.public_key, keys->link.secret_key},
                        check.config.network.host_int,
                        check.config.network.vpn_int,
@@ -120,7 +144,8 @@ int start(const std::string& node_dir) {
                        check.config.network.udp_port,
                        keys->beacon,
                        limits_for(descriptors),
-                       std::uint64_t{check.config.proof_log_mb} << 20U};
+                       std::uint64_t{check.config.proof_log_mb} << 20U,
+                       std::move(*bus)};
   if (descriptors < kGoodDescriptors) {
     log_event(Level::warning, "few_descriptors",
               "at most " + std::to_string(descriptors) + " open files: strangers get " +

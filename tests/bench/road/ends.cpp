@@ -79,7 +79,7 @@ class ServerEnd final : public End {
 /// ZAP is asked once a connection: the loop that serves it is not needed on the road.
 void admit_one(Context& context, Socket& inbox) {
   Loop loop;
-  const ZapServer zap(context, loop, [](BytesView) { return true; });
+  const ZapServer zap(context, loop, [](BytesView, BytesView) { return true; });
   loop.add_socket(inbox.handle(), [&loop] { loop.stop(); });
   loop.run();
 }

@@ -1,0 +1,69 @@
+// node.json's "bus": sockets in the folder, or an address.
+#include <doctest/doctest.h>
+
+#include "common/config/interfaces.hpp"
+#include "common/config/node_folder.hpp"
+#include "common/security/bus_keys.hpp"
+
+using namespace trb;
+
+namespace {
+
+/// A robot's folder with this for its bus.
+struct Node {
+  NodeFolder folder;
+  explicit Node(const std::string& bus) {
+    folder.change("node.json", R"("seeds": [])", R"("seeds": [], "bus": )" + bus);
+  }
+  std::string fault() const {
+    const ConfigFaults faults = without_keys(folder.check().faults);
+    return faults.empty() ? "" : faults[0].key + ": " + faults[0].what;
+  }
+};
+
+}  // namespace
+
+TEST_CASE("the bus is sockets in the node's folder, or an address and a port") {
+  CHECK(NodeFolder().check().config.bus.empty());
+  CHECK(*read_bus(NodeFolder().path()) == "");
+  CHECK(Node(R"("ipc")").folder.check().config.bus.empty());
+  const Node v4(R"("tcp://127.0.77.1:46000")");
+  CHECK(v4.fault().empty());
+  CHECK(v4.folder.check().config.bus == "127.0.77.1:46000");
+  CHECK(*read_bus(v4.folder.path()) == "127.0.77.1:46000");
+  CHECK(bus_names(v4.folder.check().config) ==
+        std::vector<std::string>{"router", "mode-adapter", "scheduler", "probe"});
+  CHECK(Node(R"("tcp://[::1]:46000")").folder.check().config.bus == "[::1]:46000");
+}
+
+TEST_CASE("what is no such bus is refused with its cure") {
+  for (const char* bad : {"\"tcp\"", "\"udp://127.0.0.1:1\"", "\"tcp://127.0.0.1\"", "\"tcp://127.0.0.1:0\"",
+                          "\"tcp://127.0.0.1:65535\"", "\"tcp://router:46000\"", "\"tcp://0.0.0.0:46000\"",
+                          "\"tcp://[::]:46000\"", "\"tcp://fd00::1:46000\"", "46000"}) {
+    CAPTURE(bad);
+    const Node node(bad);
+    CHECK(node.fault().starts_with("bus: "));
+    CHECK(read_bus(node.folder.path()).error().code == Errc::bad_value);
+  }
+  CHECK(read_bus("/nowhere").error().code == Errc::missing);
+}
+
+TEST_CASE("a bus at an address that is not here yet is told, and may be waited for") {
+  const Node away(R"("tcp://192.0.2.1:46000")");
+  CHECK(away.fault().empty());  // of a node that is up, no port is tried
+  const ConfigFaults faults = without_keys(away.folder.check(false).faults);
+  REQUIRE(faults.size() == 1);
+  CHECK(faults[0].key == "bus");
+  CHECK(faults_that_stop(faults).empty());
+}
+
+TEST_CASE("an address is taken apart only if it is one") {
+  CHECK(split_endpoint("10.0.0.1:46000").host == "10.0.0.1");
+  CHECK(split_endpoint("[fd00::1]:46000").host == "fd00::1");
+  CHECK(split_endpoint("[fd00::1]:46000").port == 46000);
+  for (const char* bad : {"", ":", "10.0.0.1", "10.0.0.1:", "10.0.0.1:x", "10.0.0.1:70000", "fd00::1:46000",
+                          "[10.0.0.1]:1", "host:1", "[]:1"}) {
+    CAPTURE(bad);
+    CHECK(split_endpoint(bad).host.empty());
+  }
+}

@@ -1,0 +1,263 @@
+"""A node whose bus is TCP: the key proves who comes. A whole small node runs over it; strangers with no key, with a wrong one
+and with another service's are refused, counted under names of their own, and disturb nobody.
+"""
+import json
+import os
+import socket
+import stat
+import time
+import unittest
+
+import zmq
+
+import support
+import trb_fleet
+import wire
+from strangers_test import PLAIN_GREETING, WAIT, to_z85
+
+BLOCK = 136
+UDP_PORT = 50136
+PORT = 46000
+
+
+class TcpFleet(trb_fleet.Fleet):
+    """A cloud and a robot, each with its bus over TCP."""
+
+    def bus(self, node):
+        return f"tcp://{self.address(node)}:{PORT}"
+
+    def node_json(self, node):
+        return dict(super().node_json(node), bus=self.bus(node))
+
+
+class Service:
+    """A DEALER on a node's bus, with or without keys: this file's own client."""
+
+    def __init__(self, case, endpoint, server_key=None, keys=None, routing_id=None):
+        self.socket = case.context.socket(zmq.DEALER)
+        case.addCleanup(self.socket.close, 0)
+        if routing_id:
+            self.socket.setsockopt(zmq.ROUTING_ID, routing_id)
+        if server_key:
+            self.socket.curve_serverkey = server_key
+            self.socket.curve_publickey, self.socket.curve_secretkey = keys or zmq.curve_keypair()
+        self.socket.connect(endpoint)
+
+    def hello(self, service, subtypes=()):
+        claim = wire.pack([service, list(subtypes), 7, os.getpid(), "independent"])
+        self.send("service_hello", "", "", type=wire.COMMAND, id=1, data=claim)
+
+    def send(self, subtype, source, target, **more):
+        self.socket.send(wire.Frame(subtype, source, target, **more).encode())
+
+    def receive(self, timeout=WAIT):
+        if not self.socket.poll(int(timeout * 1000)):
+            raise TimeoutError(f"nothing received in {timeout} s")
+        return wire.decode(self.socket.recv())
+
+
+class Bus(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.context = zmq.Context()
+        cls.addClassCleanup(cls.context.term)
+        robots = {"pioneer1": trb_fleet.ROBOTS["pioneer1"]}
+        cls.fleet = support.make_fleet(cls, TcpFleet, block=BLOCK, udp_port=UDP_PORT, robots=robots)
+        cls.fleet.start()
+        cls.fleet.wait_formed(20)
+        cls.endpoint = cls.fleet.bus("cloud")
+        cls.keys = cls.fleet.dir("cloud") / "keys" / "bus"
+        cls.server_key = cls.public("router")
+
+    @classmethod
+    def public(cls, name):
+        return to_z85(bytes.fromhex((cls.keys / f"{name}.pub").read_text().strip()))
+
+    def pair(self, name):
+        return self.public(name), to_z85(bytes.fromhex((self.keys / f"{name}.key").read_text().strip()))
+
+    def setUp(self):
+        self.watch = support.Watch(self.fleet, "cloud")
+        self.before = self.fleet.services("cloud")["scheduler"]
+
+    def tearDown(self):
+        """Whatever was tried: the service is the same, and a command goes from the cloud to the robot's node."""
+        after = self.fleet.services("cloud")["scheduler"]
+        self.assertEqual((after["state"], after["instance"]), ("up", self.before["instance"]))
+        self.fleet.trb("robot", "list", node="cloud")
+        self.assertNotIn("router ended", "\n".join(self.fleet.nodes["cloud"].lines))
+
+    def service(self, *arguments, **more):
+        return Service(self, self.endpoint, *arguments, **more)
+
+    def assert_unheard(self, client):
+        client.hello("scheduler", ["baton"])
+        self.assertFalse(client.socket.poll(700), "the stranger was told something")
+
+    def assert_refused(self, counter, logged):
+        self.watch.wait_counted(counter)
+        self.watch.wait_logged(logged)
+
+    # ---- the node works
+
+    def test_messages_and_the_command_line(self):
+        self.assertFalse((self.fleet.dir("cloud") / "bus").exists(), "the bus has sockets in the folder, too")
+        asked = self.fleet.json("service", "list", node="pioneer1")
+        self.assertEqual({row["service"]: row["state"] for row in asked["services"]},
+                         {"router": "up", "mode-adapter": "up", "scheduler": "up"})
+        self.fleet.trb("stop", "pioneer1", node="cloud")
+        self.fleet.trb("release", "pioneer1", node="cloud")
+        tap = trb_fleet.Process([support.PROGRAMS / "trb", "tap", "--node", self.fleet.dir("cloud"), "--all", "--json"],
+                                self.fleet.root / "tap.log")
+        self.addCleanup(tap.stop)
+        tap.wait_line('"subtype"', 10)
+        findings = self.fleet.json("doctor", node="cloud", check=False)["findings"]
+        self.assertEqual([row for row in findings if row["cause"].startswith(("bus", "router", "service"))], [])
+
+    def test_the_keys_are_their_owners_alone(self):
+        for name in ("router", "scheduler", "probe"):
+            self.assertEqual(stat.S_IMODE((self.keys / f"{name}.key").stat().st_mode), 0o600)
+        self.assertEqual(stat.S_IMODE(self.keys.stat().st_mode), 0o700)
+
+    # ---- who does not get in
+
+    def test_without_a_key(self):
+        self.assert_unheard(self.service())
+        self.fleet.wait("it is counted", lambda: set(self.watch.rise()) & {"refused.bus_no_curve", "refused.bus_no_zmtp"}, WAIT)
+        plain = socket.create_connection((self.fleet.address("cloud"), PORT), timeout=WAIT)
+        self.addCleanup(plain.close)
+        plain.sendall(PLAIN_GREETING)
+        self.assert_refused("refused.bus_no_curve", "bus_no_curve a client without CURVE")
+
+    def test_a_key_of_nobody(self):
+        self.assert_unheard(self.service(self.server_key))
+        self.assert_refused("refused.bus_key", "bus_key the key ")
+
+    def test_a_wrong_key_of_the_router(self):
+        self.assert_unheard(self.service(zmq.curve_keypair()[0], self.pair("scheduler")))
+        self.assert_refused("refused.bus_wrong_server_key", "bus_wrong_server_key a client came")
+
+    def test_a_key_of_the_inbox_is_none_of_the_bus(self):
+        secret = to_z85(bytes.fromhex((self.fleet.dir("pioneer1") / "keys" / "link.key").read_text().strip()))
+        self.assert_unheard(self.service(self.server_key, (zmq.curve_public(secret), secret)))
+        self.assert_refused("refused.bus_key", "bus_key the key ")
+
+    def test_a_key_of_the_bus_is_none_of_the_inbox(self):
+        secret = to_z85(bytes.fromhex((self.fleet.dir("cloud") / "keys" / "link.key").read_text().strip()))
+        client = Service(self, f"tcp://{self.fleet.address('cloud')}:45000", zmq.curve_public(secret), self.pair("scheduler"))
+        client.send("move", "cloud", "cloud", link=7, sequence=1, id=1)
+        self.assertEqual(client.receive().subtype, "goodbye")
+        self.watch.wait_counted("refused.unknown_peer_key")
+
+    def test_the_tap_is_not_for_strangers(self):
+        tap = self.context.socket(zmq.SUB)
+        self.addCleanup(tap.close, 0)
+        tap.setsockopt(zmq.SUBSCRIBE, b"")
+        tap.curve_serverkey = self.server_key
+        tap.curve_publickey, tap.curve_secretkey = zmq.curve_keypair()
+        tap.connect(f"tcp://{self.fleet.address('cloud')}:{PORT + 1}")
+        self.assertFalse(tap.poll(1000), "a stranger heard the tap")
+        self.watch.wait_counted("refused.bus_key")
+
+    # ---- who gets in and says that it is another
+
+    def test_another_service_s_key(self):
+        """trb's key makes no service of it; a service's key makes it that service and no other."""
+        asked = self.service(self.server_key, self.pair("probe"))
+        asked.hello("scheduler", ["baton"])
+        welcome = asked.receive()
+        self.assertEqual(welcome.subtype, "service_welcome")
+        result = wire.pack(["result", b"forged"])
+        asked.send("sign_request", "cloud", "cloud", type=wire.REQUEST, id=welcome.body()[2] << 48 | 1, data=result)
+        self.assertEqual(wire.nack(asked.receive())["code"], "not_permitted")
+        self.assertEqual(self.fleet.services("cloud")["scheduler"]["pid"], self.before["pid"])
+
+    def test_impersonation(self):
+        robot = support.Watch(self.fleet, "pioneer1")
+        keys = self.fleet.dir("pioneer1") / "keys" / "bus"
+        public, secret = (to_z85(bytes.fromhex((keys / f"mode-adapter.{end}").read_text().strip())) for end in ("pub", "key"))
+        router = to_z85(bytes.fromhex((keys / "router.pub").read_text().strip()))
+        thief = Service(self, self.fleet.bus("pioneer1"), router, (public, secret))
+        thief.hello("scheduler", ["baton"])
+        self.assertEqual(wire.nack(thief.receive())["code"], "source_mismatch")
+        robot.wait_counted("refused.impersonation")
+        robot.wait_logged("it comes as 'mode-adapter' and says that it is 'scheduler'")
+        other = Service(self, self.fleet.bus("pioneer1"), router, self.pair("scheduler"))  # of the cloud's bus
+        self.assert_unheard(other)
+        robot.wait_counted("refused.bus_key")
+
+    def test_the_second_of_a_service(self):
+        second = self.service(self.server_key, self.pair("scheduler"))
+        second.hello("scheduler", ["baton"])
+        self.assertEqual(wire.nack(second.receive())["code"], "already_claimed")
+        self.watch.wait_counted("refused.already_claimed")
+
+    def test_words_without_a_hello(self):
+        client = self.service(self.server_key, self.pair("scheduler"))
+        client.send("sign_request", "cloud", "cloud", type=wire.REQUEST, id=1, data=wire.pack(["result", b"x"]))
+        self.assertEqual(client.receive().subtype, "hello_wanted")
+
+    def test_silence_after_the_handshake(self):
+        client = self.service(self.server_key, self.pair("scheduler"))
+        events = client.socket.get_monitor_socket(zmq.EVENT_DISCONNECTED)
+        self.addCleanup(client.socket.disable_monitor)
+        self.addCleanup(events.close)
+        self.watch.wait_counted("cut.no_service", prefixes=("cut.",), timeout=8)
+        self.assertTrue(events.poll(WAIT * 1000), "the silent connection was not cut")
+
+    def test_a_flood(self):
+        """Many connections that say nothing: what runs on the bus goes on, and descriptors stay bounded."""
+        router = f"/proc/{self.fleet.pid('cloud', 'router')}/fd"
+        before = len(os.listdir(router))
+        held = []
+        for number in range(600):
+            one = socket.socket()
+            self.addCleanup(one.close)
+            one.setblocking(False)
+            one.bind((f"127.0.137.{1 + number % 200}", 0))
+            one.connect_ex((self.fleet.address("cloud"), PORT))
+            held.append(one)
+        most, end = 0, time.monotonic() + 2
+        while time.monotonic() < end:
+            most = max(most, len(os.listdir(router)))
+        self.assertGreater(most, before + 30)
+        self.assertLess(most, before + 64 + 200)
+        for one in held:
+            one.close()
+        self.watch.wait_counted("refused.bus_no_zmtp")
+
+    # ---- trb and its keys
+
+    def test_doctor_names_what_is_wrong(self):
+        key = self.keys / "probe.key"
+        before = key.read_text()
+
+        def restore():
+            key.chmod(0o600)
+            key.write_text(before)
+
+        self.addCleanup(restore)
+        key.write_text(os.urandom(32).hex() + "\n")
+
+        def causes():
+            return {(row["cause"], row["subject"]) for row in self.fleet.json("doctor", node="cloud", check=False)["findings"]}
+
+        found = causes()
+        self.assertIn(("bus_key", "keys/bus/probe.key"), found)
+        self.assertIn(("node_folder", "keys/bus/probe.pub"), found)
+        done = self.fleet.trb("route", "list", node="cloud", check=False)
+        self.assertIn("does not take the key", done.stderr)
+        key.chmod(0o644)
+        self.assertIn(("node_folder", "keys/bus/probe.key"), causes())
+        restore()
+        file = self.fleet.dir("cloud") / "node.json"
+        node = json.loads(file.read_text())
+        self.addCleanup(file.write_text, file.read_text())
+        address = f"{self.fleet.address('cloud')}:{PORT + 7}"
+        file.write_text(json.dumps(dict(node, bus=f"tcp://{address}")))
+        self.assertIn(("bus_socket_missing", f"tcp://{address}"), causes())
+        file.write_text(json.dumps(node))
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=2)
