@@ -2,11 +2,14 @@
 No process is started again in between.
 """
 import collections
+import fcntl
 import itertools
 import json
 import os
+import pathlib
 import shutil
 import socket
+import tempfile
 import time
 import unittest
 
@@ -24,6 +27,13 @@ WAIT = 6
 TARGET = "ant"
 NODES = ("ant", "bee", "cat")
 SPARE = ("dog", "elk")  # have keys and certificates, and are not up: the test plays them
+
+
+def setUpModule():
+    """One at a time on a machine: fleets of two checkouts on the same addresses would hear each other's beacons."""
+    lock = open(pathlib.Path(tempfile.gettempdir()) / f"trb-certificates-{os.getuid()}.lock", "w")
+    unittest.addModuleCleanup(lock.close)
+    fcntl.flock(lock, fcntl.LOCK_EX)
 
 
 class Life(unittest.TestCase):
@@ -166,6 +176,23 @@ class Revoked(Life):
         client = self.client(Member(self.fleet, "cat"))
         self.hello(client, Member(self.fleet, "cat"))
         self.assertEqual(client.wait_goodbye(), "cert_revoked")
+
+    def test_a_folder_put_back_from_an_older_copy(self):
+        """It takes over what the fleet knows: a renewal lets nothing in again that was revoked since the copy."""
+        folder, via = self.fleet.authority_dir(), self.fleet.dir("ant")
+        copy = folder.with_name("copy")
+        shutil.copytree(folder, copy)
+        self.fleet.trb("fleet", "revoke", folder, "cat", "--via", via)
+        shutil.rmtree(folder)
+        copy.rename(folder)
+        self.assertIn("was older than what", self.fleet.trb("fleet", "tell", folder, "--via", via).stdout)
+        again = self.fleet.trb("fleet", "renew", folder, self.fleet.dir("cat") / "keys" / "certificate.json", "--via", via,
+                               check=False)
+        self.assertIn("cert_revoked", again.stderr)
+        self.assertIn("list 2, beacon key 3 for the 3 nodes that stay",
+                      self.fleet.trb("fleet", "revoke", folder, "elk", "--via", via).stdout)
+        self.watches["bee"].wait_logged("revocations list 2")
+        self.assertEqual(self.online("bee"), {"ant"})
 
     def test_lists_that_do_not_hold(self):
         """Forged, foreign, older, of the same number: each refused, counted, told apart; the links stay."""
@@ -341,7 +368,8 @@ class Renewed(Life):
         self.assertIn("3 renewed certificates, told to 2 nodes", said)
         for node in NODES:
             self.watches[node].wait_logged("certificate_renewed serial")
-            self.assertGreater(int(self.until(node)), int(before[node]) + 300 * authority.DAY)
+            self.fleet.wait(f"{node} has it on disk",
+                            lambda: int(self.until(node)) > int(before[node]) + 300 * authority.DAY, 3)
             for other in set(NODES) - {node}:
                 certificate = bytes.fromhex(self.routes(node)[other]["certificate"]["payload"])
                 self.assertGreaterEqual(wire.unpack(certificate)[0][1], 6, "the serial that others know")

@@ -67,7 +67,7 @@ Result<Certificate> find_certificate(Authority& authority, const std::string& di
     }
   }
   const Certificate* living = find_renewable(authority, id);
-  return living == nullptr ? Result<Certificate>(nothing_found(authority, word)) : *living;
+  return living == nullptr ? Result<Certificate>(nothing_found(authority, id)) : *living;
 }
 
 Result<std::vector<Certificate>> find_certificates(Authority& authority, const Arguments& arguments) {

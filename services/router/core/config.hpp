@@ -44,9 +44,9 @@ struct RouterConfig {
   std::vector<SeedAddress> known;     ///< peers that were linked before the last end: hints where to dial
   std::vector<std::string> services;  ///< that may claim subtypes
   bool beacon = true;
-  bool relay = false;  ///< carries messages between members that cannot reach each other
-  FleetNews news;     ///< what the authority said before this start, the list first of all
-  UtcTime utc_bound;  ///< a time that has certainly passed; of an earlier start
+  bool relay = false;                 ///< carries messages between members that cannot reach each other
+  FleetNews news;                     ///< what the authority said before this start, the list first of all
+  UtcTime utc_bound;                  ///< a time that has certainly passed; of an earlier start
   bool seal_before_delivery = false;  ///< deliver what comes by a link only once its seal was checked
   Timing timing;
 };
@@ -58,6 +58,8 @@ constexpr std::size_t kMaxNews = 512U * 1024U;  ///< of a FleetNews
 constexpr std::size_t kMaxCandidates = 32;
 constexpr std::size_t kMaxHelloSize = 4096;
 constexpr std::size_t kMaxPeers = 1024;
+constexpr std::string_view kFullCure =
+    "1024 nodes are the most: revoke those that are gone for good, and start this one again";
 constexpr std::uint32_t kBeaconsChecked = 512;  ///< signatures of beacons, in a second: a thousand nodes send 200
 constexpr Duration kStorePause = std::chrono::seconds(5);  ///< changes of where peers are, gathered for one write
 constexpr Duration kViaPause = std::chrono::seconds(4);    ///< between dials to who is reached by a relay

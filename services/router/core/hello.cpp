@@ -34,26 +34,31 @@ Result<Certificate> RouterCore::check_hello(const Link& link, const Message& mes
   if (!certificate) return certificate;
   if (certificate->link_key.bytes != link.key) {
     return fail(Errc::wrong_key,
-                "certificate of '" + certificate->id + "' names another link key than the connection's");
+                "certificate of '" + certificate->id + "' names another link key than the connection's",
+                "its certificate.json belongs to other keys: trb fleet request and trb fleet sign there");
   }
   if (message.source != certificate->id) {
     return fail(Errc::source_mismatch,
-                "Hello of '" + message.source + "' with the certificate of '" + certificate->id + "'");
+                "Hello of '" + message.source + "' with the certificate of '" + certificate->id + "'",
+                "a member that speaks under another's name: look at that computer");
   }
   if (hello.seal != kSealBehind && hello.seal != kSealBeforeDelivery) {
-    return fail(Errc::downgraded,
-                "Hello of '" + certificate->id + "' wants messages sealed '" + hello.seal + "', which is no way known here",
-                "run the same version on both nodes: every link of a fleet is sealed");
+    return fail(
+        Errc::downgraded,
+        "Hello of '" + certificate->id + "' wants messages sealed '" + hello.seal + "', which is no way known here",
+        "run the same version on both nodes: every link of a fleet is sealed");
   }
   if (certificate->id == config_.id) {
     return fail(Errc::duplicate, "another node is called '" + config_.id + "' too", "give each node its own id");
   }
   const auto known = peers_.find(certificate->id);
-  if (known == peers_.end() && peers_.size() >= kMaxPeers) return fail(Errc::queue_full, "the routing table is full");
+  if (known == peers_.end() && peers_.size() >= kMaxPeers)
+    return fail(Errc::queue_full, "the routing table is full", std::string(kFullCure));
   if (Status newest = check_newest(*certificate); !newest) return newest.error();
   const bool same = known != peers_.end() && known->second.certificate.identity_key == certificate->identity_key;
   if (same && known->second.proven_boot > hello.boot) {
-    return fail(Errc::conflict, "an older boot of '" + certificate->id + "'");
+    return fail(Errc::conflict, "an older boot of '" + certificate->id + "'",
+                "set its clock: a node whose state/ was lost counts its boots from the time");
   }
   return certificate;
 }

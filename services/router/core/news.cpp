@@ -55,8 +55,10 @@ Result<bool> RouterCore::take_list(const SignedRecord& record, Now now, Effects&
   auto list = open_revocations(record, config_.authority);
   if (!list) return list.error();
   if (list->number < std::max<std::uint64_t>(news_.list.number, 1)) {
-    return fail(Errc::downgraded, "revocation list " + std::to_string(list->number) + "; list " +
-                                      std::to_string(news_.list.number) + " is in force");
+    return fail(Errc::downgraded,
+                "revocation list " + std::to_string(list->number) + "; list " + std::to_string(news_.list.number) +
+                    " is in force",
+                "bring news.json as it is now in the authority's folder");
   }
   if (list->number == news_.list.number) {
     return fail(Errc::conflict, "another revocation list with number " + std::to_string(list->number),
@@ -84,7 +86,8 @@ Result<bool> RouterCore::take_certificate(const SignedRecord& record, Now now, E
     return false;
   if (Status newest = check_newest(*certificate); !newest) return newest.error();
   if (own && (certificate->identity_key != config_.own.identity_key || certificate->link_key != config_.own.link_key)) {
-    return fail(Errc::wrong_key, "a certificate of '" + config_.id + "' for other keys than this node's");
+    return fail(Errc::wrong_key, "a certificate of '" + config_.id + "' for other keys than this node's",
+                "have this node's own request signed: trb fleet request, trb fleet sign");
   }
   if (own && certificate->role != config_.role) {
     // The services were started for the other role, and the next start would compare it with node.json.
@@ -99,7 +102,7 @@ Result<bool> RouterCore::take_certificate(const SignedRecord& record, Now now, E
     return true;
   }
   if (news_.renewed.size() >= kMaxPeers && news_.renewed.count(certificate->id) == 0)
-    return fail(Errc::queue_full, "no room for another node's renewed certificate");
+    return fail(Errc::queue_full, "no room for another node's renewed certificate", std::string(kFullCure));
   news_.renewed[certificate->id] = record;
   // A link stays up through it: the keys are the same, the end is later.
   const bool same = peer != peers_.end() && peer->second.certificate.identity_key == certificate->identity_key &&

@@ -105,7 +105,7 @@ void RouterCore::learn_neighbour(const Link& link, const Neighbour& told, Now no
   if (certificate->id == config_.id) return;
   if (Status newest = check_newest(*certificate); !newest) return refuse_neighbour(link, newest.error(), out);
   if (peers_.count(certificate->id) == 0 && peers_.size() >= kMaxPeers)
-    return refuse_neighbour(link, fail(Errc::queue_full, "the routing table is full"), out);
+    return refuse_neighbour(link, fail(Errc::queue_full, "the routing table is full", std::string(kFullCure)), out);
   Peer& peer = make_peer(*certificate, told.certificate);
   const bool reached = peer.link != 0 || relay_of(peer) != nullptr;
   peer.relays.insert(link.peer);

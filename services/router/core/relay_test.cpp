@@ -416,3 +416,22 @@ TEST_CASE("the same name on another computer counts anew; the old computer's wor
                          encode(three.frame(1, three.numbered("new"))), anew.identity));
   CHECK(three.delivered() == 2);
 }
+
+TEST_CASE("a relay that lies of a node's boot keeps it out of nothing") {
+  TestFleet fleet;
+  TestNode& cloud = fleet.start("cloud", {.beacon = false, .relay = true});
+  TestNode& ant = fleet.start("ant", {.beacon = false, .seeds = {"cloud"}});
+  fleet.run(Seconds(2));
+  Neighbours lie;
+  lie.reached.push_back({fleet.keys("bee").record, ~std::uint64_t{0}, "", "1", true, {}});
+  Effects effects;
+  effects.add(LinkSend{cloud.link_to("ant"), make_message(MessageType::information, "cloud", "ant", lie)});
+  fleet.carry_out(cloud, effects);
+  fleet.run(Seconds(1));
+  REQUIRE(ant.peer("bee") != nullptr);
+  TestNode& bee = fleet.start("bee", {.seeds = {"ant"}});
+  fleet.run(Seconds(4));
+  CHECK(bee.link_to("ant") != 0);
+  CHECK(ant.count("refused.conflict") == 0);
+  CHECK(ant.peer("bee")->boot == 1);
+}
