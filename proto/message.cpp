@@ -96,6 +96,48 @@ class HeaderVisitor : public msgpack::null_visitor {
   std::uint64_t size_ = 0;
 };
 
+/// The header in its usual form, an array of six, without the memory that msgpack's parser takes for each message.
+class PlainHeader {
+ public:
+  PlainHeader(BytesView frame, std::size_t offset) : frame_(frame), at_(offset) {}
+
+  /// False: of another form, or none; ask the parser.
+  bool read(HeaderView& out) {
+    return byte() == kArrayOfSix && text(out.subtype) && text(out.source) && text(out.target) && number(out.id) &&
+           number(out.reply_to) && number(size_);
+  }
+  [[nodiscard]] std::size_t end() const { return at_; }
+  [[nodiscard]] std::uint64_t size() const { return size_; }
+
+ private:
+  static constexpr unsigned kArrayOfSix = 0x96;
+  static constexpr unsigned kEnd = 0x100;
+
+  unsigned byte() { return at_ < frame_.size() ? static_cast<unsigned char>(frame_[at_++]) : kEnd; }
+  bool text(std::string_view& out) {
+    const unsigned tag = byte();
+    const unsigned size = tag == 0xd9 ? byte() : tag ^ 0xa0U;  // str 8; fixstr has up to 31
+    if ((tag != 0xd9 && size > 31) || size > kMaxIdSize || frame_.size() - at_ < size) return false;
+    out = frame_.substr(at_, size);
+    at_ += size;
+    return true;
+  }
+  bool number(std::uint64_t& out) {
+    out = byte();
+    if (out < 0x80) return true;
+    if (out < 0xcc || out > 0xcf) return false;  // uint 8, 16, 32, 64
+    const std::size_t width = std::size_t{1} << (out - 0xcc);
+    if (frame_.size() - at_ < width) return false;
+    out = 0;
+    for (std::size_t i = 0; i < width; ++i) out = out << 8U | byte();
+    return true;
+  }
+
+  BytesView frame_;
+  std::size_t at_;
+  std::uint64_t size_ = 0;
+};
+
 /// Appends straight to a std::string, the packer's buffer concept.
 struct StringBuffer {
   std::string& out;
@@ -149,17 +191,22 @@ Bytes encode_frame(const Message& message) {
 Result<HeaderView> decode_frame(BytesView frame) {
   HeaderView view;
   if (Status prefix = read_prefix(frame, view); !prefix) return prefix.error();
-  HeaderVisitor visitor(view);
   std::size_t offset = kPrefixSize;
-  const bool parsed = msgpack::parse(frame.data(), frame.size(), offset, visitor);
-  if (!parsed || !visitor.complete())
-    return fail(Errc::malformed, "header is no array of three texts and three numbers");
+  std::uint64_t size = 0;
+  if (PlainHeader plain(frame, kPrefixSize); plain.read(view)) {
+    offset = plain.end();
+    size = plain.size();
+  } else {
+    HeaderVisitor visitor(view);
+    if (!msgpack::parse(frame.data(), frame.size(), offset, visitor) || !visitor.complete())
+      return fail(Errc::malformed, "header is no array of three texts and three numbers");
+    size = visitor.size();
+  }
   if (!is_valid_word(view.subtype)) return fail(Errc::bad_value, "subtype is no word");
   // They go into logs and Nacks.
   if (!is_utf8(view.source) || !is_utf8(view.target)) return fail(Errc::malformed, "source or target is not UTF-8");
-  if (visitor.size() != frame.size() - offset) return fail(Errc::malformed, "size differs from the data's length");
-  if (visitor.size() > kMaxDataSize)
-    return fail(Errc::too_large, "data of " + std::to_string(visitor.size()) + " bytes");
+  if (size != frame.size() - offset) return fail(Errc::malformed, "size differs from the data's length");
+  if (size > kMaxDataSize) return fail(Errc::too_large, "data of " + std::to_string(size) + " bytes");
   view.data = frame.substr(offset);
   return view;
 }

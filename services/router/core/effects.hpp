@@ -70,6 +70,14 @@ struct StoreUtc {
 struct SealDue {
   LinkId link = 0;
 };
+/// A seal whose range fits: is it signed by `signer`? The answer goes to RouterCore::on_seal_checked.
+struct CheckSeal {
+  LinkId link = 0;
+  std::uint64_t last = 0;    ///< sequence
+  std::size_t messages = 0;  ///< that it seals
+  SignedRecord record;
+  Certificate signer;
+};
 /// What was held of this link up to this sequence is proven: deliver it.
 struct DeliverHeld {
   LinkId link = 0;
@@ -77,7 +85,7 @@ struct DeliverHeld {
 };
 
 using Effect = std::variant<BusSend, LinkSend, Dial, CloseLink, AcceptLink, SendBeacon, StorePeers, RefuseCandidate,
-                            Log, StoreNews, StoreCertificate, StoreUtc, SealDue, DeliverHeld>;
+                            Log, StoreNews, StoreCertificate, StoreUtc, SealDue, CheckSeal, DeliverHeld>;
 
 struct Effects {
   std::vector<Effect> list;

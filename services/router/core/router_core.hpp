@@ -99,6 +99,7 @@ class RouterCore {
   std::optional<Bytes> make_seal(LinkId link, Now now);
   void seal_left(LinkId link);
   /// What comes by this link is delivered only when it is proven (DeliverHeld).
+  void on_seal_checked(const CheckSeal& seal, bool good, Now now, Effects& out);
   [[nodiscard]] bool holds(LinkId link) const;
   [[nodiscard]] const LinkSeals* seals_of(LinkId link) const;
   /// CloseLink was carried out: nothing leaves by it any more.
@@ -242,8 +243,7 @@ class RouterCore {
   void last_seal(LinkId link, Effects& out);
   void tick_seals(Now now, Effects& out);
   void on_seal(const Link& link, const Seal& seal, Now now, Effects& out);
-  void check_seals(Now now, Effects& out);
-  void seal_broken(LinkId id, SealFault fault, Now now, Effects& out);
+  void seal_broken(LinkId id, const std::string& peer, SealFault fault, Now now, Effects& out);
   void tell_unsealed(LinkId link, const std::string& peer, Effects& out);
 
   // leases.cpp
@@ -283,7 +283,6 @@ class RouterCore {
   NewsState news_;
   std::map<LinkId, LinkSeals> seals_;  ///< until the shell has closed the link: a Goodbye follows its end
   std::vector<LinkId> fresh_;          ///< have something unsealed for which no time is set yet
-  std::vector<UncheckedSeal> unchecked_;
   std::optional<MonotonicTime> next_seal_;
 };
 

@@ -55,6 +55,7 @@ void RouterCore::take_back(LinkId link) {
     --at->second.unsealed_count;
   } else {
     at->second.writer.take_back();
+    at->second.overdue = false;  // a seal was perhaps made over it
   }
 }
 
@@ -99,7 +100,7 @@ void RouterCore::seal_left(LinkId link) {
 }
 
 std::optional<MonotonicTime> RouterCore::next_seal() const {
-  if (!fresh_.empty() || !unchecked_.empty()) return MonotonicTime{};
+  if (!fresh_.empty()) return MonotonicTime{};
   return next_seal_;
 }
 
@@ -115,7 +116,6 @@ void RouterCore::last_seal(LinkId link, Effects& out) {
 }
 
 void RouterCore::tick_seals(Now now, Effects& out) {
-  check_seals(now, out);
   for (const LinkId link : fresh_) {
     const auto at = seals_.find(link);
     if (at == seals_.end()) continue;
@@ -146,9 +146,9 @@ void RouterCore::hear_frame(LinkId id, const HeaderView& header, BytesView frame
   LinkSeals& seals = at->second;
   // With a Goodbye the link ends: its sender seals what was before it.
   if (header.subtype == Seal::kSubtype || header.subtype == Goodbye::kSubtype) return;
-  if (!seals.reader.add(frame)) return seal_broken(id, SealFault::missing, now, out);
+  if (!seals.reader.add(frame)) return seal_broken(id, link->second.peer, SealFault::missing, now, out);
   if (header.subtype == KeepAlive::kSubtype && !seals.reader.keep_alive(header.sequence)) {
-    seal_broken(id, SealFault::late, now, out);
+    seal_broken(id, link->second.peer, SealFault::late, now, out);
   }
 }
 
@@ -161,38 +161,32 @@ void RouterCore::on_seal(const Link& link, const Seal& seal, Now now, Effects& o
   if (kUnsealed || at == seals_.end()) return;
   LinkSeals& seals = at->second;
   const auto range = decode<SealedRange>(seal.range.payload.bytes);
-  if (!range) return seal_broken(link.id, SealFault::malformed, now, out);
+  if (!range) return seal_broken(link.id, link.peer, SealFault::malformed, now, out);
   const std::size_t messages = seals.reader.unsealed();
   const SealFault fault = seals.reader.close(seals.in, *range, link.heard, seal.range.payload.bytes);
-  if (fault != SealFault::none) return seal_broken(link.id, fault, now, out);
-  unchecked_.push_back({link.id, range->last, messages, seal.range});
+  if (fault != SealFault::none) return seal_broken(link.id, link.peer, fault, now, out);
+  out.add(CheckSeal{link.id, range->last, messages, seal.range, seals.signer});
 }
 
-void RouterCore::check_seals(Now now, Effects& out) {
-  for (const UncheckedSeal& seal : std::exchange(unchecked_, {})) {
-    const auto at = seals_.find(seal.link);
-    if (at == seals_.end() || links_.count(seal.link) == 0) continue;
-    if (!verify_seal(seal.record, at->second.signer)) {
-      seal_broken(seal.link, SealFault::wrong_signature, now, out);
-      continue;
-    }
-    count("seals.checked");
-    counts_["seals.messages"] += seal.messages;
-    if (holds(seal.link)) out.add(DeliverHeld{seal.link, seal.last});
-  }
+void RouterCore::on_seal_checked(const CheckSeal& seal, bool good, Now now, Effects& out) {
+  if (!good) return seal_broken(seal.link, seal.signer.id, SealFault::wrong_signature, now, out);
+  count("seals.checked");
+  count("seals.messages", seal.messages);
+  if (holds(seal.link)) out.add(DeliverHeld{seal.link, seal.last});
 }
 
-void RouterCore::seal_broken(LinkId id, SealFault fault, Now now, Effects& out) {
+void RouterCore::seal_broken(LinkId id, const std::string& peer, SealFault fault, Now now, Effects& out) {
   const auto at = links_.find(id);
-  if (at == links_.end()) return;
   const std::string reason(name_of(fault));
-  const std::string text = "link " + std::to_string(id) + " of " + at->second.peer + ", after sequence " +
-                           std::to_string(at->second.heard) + ": " + reason;
+  std::string text = "link " + std::to_string(id) + " of " + peer + ", ";
+  // The check of a signature may outlast the link.
+  text += at == links_.end() ? "which has ended" : "after sequence " + std::to_string(at->second.heard);
+  text += ": " + reason;
   out.count("refused.seal_" + reason);
   // An event for each reason: many of one kind do not use up what may be logged of another.
   out.log(LogLevel::error, "seal_alarm_" + reason, text + "; what it carried since its last seal is not proven");
   note_trouble(id, errc_name(Errc::seal_broken), text, now);
-  drop_link(id, "seal_broken: " + reason, true, now, out);
+  if (at != links_.end()) drop_link(id, "seal_broken: " + reason, true, now, out);
 }
 
 void RouterCore::tell_unsealed(LinkId link, const std::string& peer, Effects& out) {

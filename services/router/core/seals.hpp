@@ -38,12 +38,4 @@ struct LinkSeals {
   std::uint64_t unsealed_count = 0;  ///< with kUnsealed: the last sequence
 };
 
-/// A seal whose range fits and whose signature is still to be checked: behind the delivery.
-struct UncheckedSeal {
-  LinkId link = 0;
-  std::uint64_t last = 0;
-  std::size_t messages = 0;
-  SignedRecord record;
-};
-
 }  // namespace trb::router

@@ -83,6 +83,11 @@ void TestFleet::carry_out(TestNode& node, Effects& effects) {
                    [&](BusSend& send) { node.bus.push_back(send); },
                    [&](LinkSend& send) { this->send(node, send.link, send.message); },
                    [&](SealDue& due) { send_seal(node, due.link); },
+                   [&](CheckSeal& seal) {
+                     Effects checked;
+                     node.core->on_seal_checked(seal, verify_seal(seal.record, seal.signer), now, checked);
+                     carry_out(node, checked);
+                   },
                    [&](DeliverHeld& proven) {
                      auto& held = held_[{node.id, proven.link}];
                      for (; !held.empty() && held.front().first <= proven.last; held.pop_front())

@@ -196,11 +196,14 @@ SendResult RouterShell::send_link(LinkId link, Frame&& frame) {
     if (const SendResult result = send_seal(link); result != SendResult::sent) return result;
   }
   if (!core_.stamp(link, static_cast<char*>(frame.data()), frame.size())) return SendResult::unroutable;
+  // Signed before the message leaves, the two go together and wake the other side once.
+  std::optional<Bytes> seal;
+  if (core_.seals_each(link)) seal = core_.make_seal(link, read_clocks());
   const SendResult result = put_on_link(link, std::move(frame));
   if (result != SendResult::sent) {
     core_.take_back(link);
-  } else if (core_.seals_each(link)) {
-    send_seal(link);
+  } else if (seal) {
+    put_seal(link, *seal);
   }
   return result;
 }

@@ -1,5 +1,7 @@
 #include "services/router/io/router_shell.hpp"
 
+#include <poll.h>
+
 #include <csignal>
 
 #include "common/base/files.hpp"
@@ -61,6 +63,7 @@ int RouterShell::run() {
   tell_place();
   keys_watch_ = std::make_unique<KeysWatch>(loop_, "keys", [this] { read_key_folder(); });
   read_key_folder();
+  loop_.add_fd(checker_.fd(), POLLIN, [this](short) { take_checked(); });
   loop_.add_timer([this] { return core_.next_deadline(); },
                   [this](Now now) {
                     Effects due;
@@ -82,6 +85,7 @@ void RouterShell::carry_out(Effects& effects) {
                    },
                    [this](LinkSend& send) { send_own(send); },
                    [this](SealDue& due) { send_seal(due.link); },
+                   [this](CheckSeal& seal) { check_seal(std::move(seal)); },
                    [this](DeliverHeld& proven) { deliver_held(proven); },
                    [this](Dial& dial) { this->dial(dial); },
                    [this](CloseLink& close) { close_link(close.link); },

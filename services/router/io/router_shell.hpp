@@ -20,6 +20,7 @@
 #include "services/router/io/interface_watch.hpp"
 #include "services/router/io/keys_watch.hpp"
 #include "services/router/io/proof_log.hpp"
+#include "services/router/io/seal_checker.hpp"
 
 namespace trb::router {
 
@@ -138,9 +139,12 @@ class RouterShell {
   void read_key_folder();  ///< a person may have put a new certificate.json or news.json there
   // seal_side.cpp
   SendResult send_seal(LinkId link);
+  SendResult put_seal(LinkId link, BytesView seal);
   /// False: the link has been closed by what came.
   bool hear(LinkId link, const HeaderView& header, BytesView frame, Now now, Effects& effects);
   void keep_proof(LinkId link);
+  void check_seal(CheckSeal&& seal);
+  void take_checked();
   SendResult deliver(LinkId link, std::uint64_t sequence, ConnectionId to, Frame&& frame);
   void deliver_held(const DeliverHeld& proven);
   // router_shell.cpp
@@ -175,6 +179,7 @@ class RouterShell {
   };
   std::map<LinkId, std::deque<Held>> held_;  ///< until their seal is checked; as many as may be unsealed
   ProofLog proof_;
+  SealChecker checker_;
   InboxOrigin origin_;
   std::vector<LinkId> lost_links_;
   std::vector<std::pair<Message, Errc>> unpassed_;  ///< `relayed` of others that did not leave

@@ -5,9 +5,12 @@ namespace trb::router {
 
 SendResult RouterShell::send_seal(LinkId link) {
   const auto seal = core_.make_seal(link, read_clocks());
-  if (!seal) return SendResult::sent;
-  tap('>', *seal);
-  const SendResult result = put_on_link(link, to_frame(*seal));
+  return seal ? put_seal(link, *seal) : SendResult::sent;
+}
+
+SendResult RouterShell::put_seal(LinkId link, BytesView seal) {
+  tap('>', seal);
+  const SendResult result = put_on_link(link, to_frame(seal));
   if (result == SendResult::sent) {
     core_.seal_left(link);
   } else if (result == SendResult::unroutable) {
@@ -41,6 +44,23 @@ void RouterShell::keep_proof(LinkId link) {
   if (problem.empty()) return;
   core_.count("proof.write_failed");
   log_limited(limit_, read_clocks().mono, Level::warning, "proof_log", problem + ": not kept for trb proof");
+}
+
+void RouterShell::check_seal(CheckSeal&& seal) {
+  // What waits for its seal is not to wait for another thread too.
+  if (!core_.holds(seal.link) && checker_.put(std::move(seal))) return;
+  Effects effects;
+  const bool good = verify_seal(seal.record, seal.signer);
+  core_.on_seal_checked(seal, good, read_clocks(), effects);
+  carry_out(effects);
+}
+
+void RouterShell::take_checked() {
+  for (const SealChecker::Checked& row : checker_.take()) {
+    Effects effects;
+    core_.on_seal_checked(row.seal, row.good, read_clocks(), effects);
+    carry_out(effects);
+  }
 }
 
 SendResult RouterShell::deliver(LinkId link, std::uint64_t sequence, ConnectionId to, Frame&& frame) {

@@ -13,7 +13,7 @@ import time
 import roads
 
 WINDOW = 256
-ROADS = ("floor", "bare", "unsealed", "sealed", "each")
+ROADS = ("floor", "bare", "unsealed", "unlogged", "sealed", "each")
 FULL = {"warm": 500, "messages": 2000, "seconds": 2.0}
 QUICK = {"warm": 50, "messages": 200, "seconds": 0.2}
 
@@ -124,14 +124,16 @@ def print_regime(regime, result):
 
 
 def print_split(result):
-    floor, bare, unsealed, road = (result[name]["median_us"] for name in ("floor", "bare", "unsealed", "sealed"))
+    floor, bare, unsealed, unlogged, road = (
+        result[name]["median_us"] for name in ("floor", "bare", "unsealed", "unlogged", "sealed"))
     say("\n== where the time goes (PIN, us one way)")
     print_table([["PART", "us", "SHARE"],
                  ["floor: ipc, two processes, CURVE tcp, ipc", f"{floor:.1f}", f"{floor / road:.0%}"],
                  ["two more processes and the robots' TCP, bare", f"{bare - floor:.1f}",
                   f"{(bare - floor) / road:.0%}"],
                  ["what the routers and mode-adapters do", f"{unsealed - bare:.1f}", f"{(unsealed - bare) / road:.0%}"],
-                 ["seals and the proof log", f"{road - unsealed:.1f}", f"{(road - unsealed) / road:.0%}"],
+                 ["seals", f"{unlogged - unsealed:.1f}", f"{(unlogged - unsealed) / road:.0%}"],
+                 ["the log of proof", f"{road - unlogged:.1f}", f"{(road - unlogged) / road:.0%}"],
                  ["the road, robot to robot", f"{road:.1f}", "100%"]])
 
 
@@ -143,6 +145,7 @@ def goals(regimes):
         ("P1", "before_delivery / floor, PIN", pin["each"]["latency_to_floor"], "at most", 2.3),
         ("P1", "p99 / median, sealed, PIN", pin["sealed"]["p99_to_median"], "at most", 1.4),
         ("P2", "sealed / unsealed messages a second, FREE", per_second["sealed"] / per_second["unsealed"], "at least", 0.9),
+        ("P2", "unlogged / unsealed messages a second, FREE", per_second["unlogged"] / per_second["unsealed"], "at least", 0.9),
         ("P2", "sealed / one signature a message, FREE", per_second["sealed"] / per_second["each"], "at least", 12)]
 
 

@@ -74,9 +74,9 @@ class Fleet(trb_fleet.Fleet):
                               "skills": {}},
     }
 
-    def __init__(self, root, programs, octet, seal):
+    def __init__(self, root, programs, octet, **settings):
         self.octet = octet
-        self.seal = seal
+        self.settings = settings
         super().__init__(root, programs, udp_port=50000 + octet, name="bench", cloud=False,
                          robots={node: (mode, "bench", []) for node, mode in self.MODES.items()})
 
@@ -97,7 +97,7 @@ class Fleet(trb_fleet.Fleet):
         self.trb("fleet", "request", folder)
 
     def node_json(self, node):
-        return {**super().node_json(node), "services": ["router", "mode-adapter"], "seal": self.seal}
+        return {**super().node_json(node), "services": ["router", "mode-adapter"], **self.settings}
 
 
 def without_seals(programs, folder):
@@ -118,9 +118,10 @@ class Roads:
         self.program = programs / "trb-bench-road"
         self.octet = octet
         self.fleets = {
-            "sealed": Fleet(self.root / "sealed", programs, octet, "behind"),
-            "unsealed": Fleet(self.root / "unsealed", without_seals(programs, self.root / "programs"), octet + 1, "behind"),
-            "each": Fleet(self.root / "each", programs, octet + 2, "before_delivery")}
+            "unsealed": Fleet(self.root / "unsealed", without_seals(programs, self.root / "programs"), octet),
+            "unlogged": Fleet(self.root / "unlogged", programs, octet + 1, proof_log_mb=0),
+            "sealed": Fleet(self.root / "sealed", programs, octet + 2),
+            "each": Fleet(self.root / "each", programs, octet + 3, seal="before_delivery")}
         self.processes = []
 
     def __enter__(self):

@@ -1,0 +1,44 @@
+// The thread that checks the signatures of seals: one takes some 40 us, as long as half a road.
+#pragma once
+
+#include <condition_variable>
+#include <deque>
+#include <mutex>
+#include <thread>
+#include <vector>
+
+#include "services/router/core/effects.hpp"
+
+namespace trb::router {
+
+class SealChecker {
+ public:
+  struct Checked {
+    CheckSeal seal;
+    bool good = false;
+  };
+
+  SealChecker();
+  ~SealChecker();
+  SealChecker(const SealChecker&) = delete;
+  SealChecker& operator=(const SealChecker&) = delete;
+
+  /// False, and the seal is left alone: as many wait already as may; whoever asks checks it.
+  bool put(CheckSeal&& seal);
+  /// Readable when something was checked.
+  [[nodiscard]] int fd() const { return fd_; }
+  std::vector<Checked> take();
+
+ private:
+  void run();
+
+  int fd_;
+  std::mutex mutex_;
+  std::condition_variable wake_;
+  std::deque<CheckSeal> queue_;  ///< this and the next two under the mutex
+  std::vector<Checked> checked_;
+  bool ending_ = false;
+  std::thread thread_;
+};
+
+}  // namespace trb::router
