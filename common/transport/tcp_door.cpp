@@ -52,42 +52,51 @@ constexpr std::uint32_t kV4Source = 12;  // in the IP header
 constexpr std::uint32_t kV6Source = 8;
 constexpr std::uint32_t kKeep = 0xffffffff;
 
-Program drops_v4(const std::vector<std::string>& sources) {
+/// What is done with a new connection of each source, and of all others.
+struct Verdicts {
+  std::vector<std::pair<std::string, std::uint32_t>> of;
+  std::uint32_t others = kKeep;
+};
+
+Program program_v4(const Verdicts& verdicts) {
   Program out{load(kV4Source)};
-  for (const std::string& source : sources) {
+  for (const auto& [source, verdict] : verdicts.of) {
     in_addr address{};
     if (::inet_pton(AF_INET, source.c_str(), &address) != 1) continue;
     out.push_back(unless_equal(ntohl(address.s_addr), 1));
-    out.push_back(statement(BPF_RET | BPF_K, 0));
+    out.push_back(statement(BPF_RET | BPF_K, verdict));
   }
-  out.push_back(statement(BPF_RET | BPF_K, kKeep));
+  out.push_back(statement(BPF_RET | BPF_K, verdicts.others));
   return out;
 }
 
-Program drops_v6(const std::vector<std::string>& sources) {
+Program program_v6(const Verdicts& verdicts) {
   Program out;
-  for (const std::string& source : sources) {
+  for (const auto& [source, verdict] : verdicts.of) {
     in6_addr address{};
     const std::size_t slash = source.find('/');
     if (slash == std::string::npos || ::inet_pton(AF_INET6, source.substr(0, slash).c_str(), &address) != 1) continue;
     std::uint32_t words[2] = {};
     std::memcpy(words, &address, sizeof words);
     out.insert(out.end(), {load(kV6Source), unless_equal(ntohl(words[0]), 3), load(kV6Source + 4),
-                           unless_equal(ntohl(words[1]), 1), statement(BPF_RET | BPF_K, 0)});
+                           unless_equal(ntohl(words[1]), 1), statement(BPF_RET | BPF_K, verdict)});
   }
-  out.push_back(statement(BPF_RET | BPF_K, kKeep));
+  out.push_back(statement(BPF_RET | BPF_K, verdicts.others));
   return out;
 }
 
-Program make_program(const std::vector<std::string>& sources, bool everybody) {
-  if (everybody) return {statement(BPF_RET | BPF_K, 0)};
-  const Program v4 = drops_v4(sources);
-  const Program v6 = drops_v6(sources);
+Program make_program(const Verdicts& verdicts) {
+  const Program v4 = program_v4(verdicts);
+  const Program v6 = program_v6(verdicts);
   Program out{load(0), statement(BPF_ALU | BPF_RSH | BPF_K, 28), unless_equal(6, 1),
               statement(BPF_JMP | BPF_JA, static_cast<std::uint32_t>(v4.size()))};
   out.insert(out.end(), v4.begin(), v4.end());
   out.insert(out.end(), v6.begin(), v6.end());
   return out;
+}
+
+std::vector<std::string> first_of(const std::vector<std::string>& all, std::size_t most) {
+  return {all.begin(), all.begin() + static_cast<long>(std::min(all.size(), most))};
 }
 
 }  // namespace
@@ -101,6 +110,13 @@ std::optional<RemoteEnd> remote_end(int fd) {
   return std::nullopt;
 }
 
+std::string source_of(const std::string& address) {
+  sockaddr_in v4{};
+  if (::inet_pton(AF_INET, address.c_str(), &v4.sin_addr) == 1) return end_of(v4).source;
+  sockaddr_in6 v6{};
+  return ::inet_pton(AF_INET6, address.c_str(), &v6.sin6_addr) == 1 ? end_of(v6).source : "";
+}
+
 void cut_connection(int fd, const RemoteEnd& expected) {
   const auto now = remote_end(fd);
   if (now && now->address == expected.address) ::shutdown(fd, SHUT_RDWR);
@@ -111,8 +127,10 @@ void SourceFilter::add_listener(int fd) {
   if (everybody_ || !sources_.empty()) (void)attach(fd);
 }
 
-bool SourceFilter::set(const std::vector<std::string>& sources, bool everybody) {
-  sources_.assign(sources.begin(), sources.begin() + static_cast<long>(std::min(sources.size(), kMostSources)));
+bool SourceFilter::set(const std::vector<std::string>& sources, bool everybody,
+                       const std::vector<std::string>& friends) {
+  sources_ = first_of(sources, kMostSources);
+  friends_ = first_of(friends, kMostFriends);
   everybody_ = everybody;
   bool good = true;
   for (const int fd : listeners_) good = attach(fd) && good;
@@ -124,7 +142,13 @@ bool SourceFilter::attach(int fd) const {
     const int none = 0;
     return ::setsockopt(fd, SOL_SOCKET, SO_DETACH_FILTER, &none, sizeof none) == 0 || errno == ENOENT;
   }
-  Program program = make_program(sources_, everybody_);
+  Verdicts verdicts;
+  for (const std::string& source : sources_) verdicts.of.emplace_back(source, 0);
+  if (everybody_) {
+    verdicts.others = 0;
+    for (const std::string& source : friends_) verdicts.of.emplace_back(source, kKeep);
+  }
+  Program program = make_program(verdicts);
   const sock_fprog filter{static_cast<unsigned short>(program.size()), program.data()};
   return ::setsockopt(fd, SOL_SOCKET, SO_ATTACH_FILTER, &filter, sizeof filter) == 0;
 }

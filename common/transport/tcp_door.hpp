@@ -15,6 +15,9 @@ struct RemoteEnd {
   std::string source;   ///< who is counted: an IPv4 address, or the first 64 bits of an IPv6 address as "2001:db8::/64"
 };
 
+/// RemoteEnd::source of an address; empty for what is none.
+std::string source_of(const std::string& address);
+
 /// Nothing if the descriptor is no TCP connection (any more).
 std::optional<RemoteEnd> remote_end(int fd);
 
@@ -27,16 +30,19 @@ void cut_connection(int fd, const RemoteEnd& expected);
 class SourceFilter {
  public:
   static constexpr std::size_t kMostSources = 64;
+  static constexpr std::size_t kMostFriends = 256;
 
   void add_listener(int fd);
   void remove_listener(int fd) { listeners_.erase(fd); }
-  /// Replaces what was set before; at most kMostSources are looked at. False if the kernel refused it.
-  bool set(const std::vector<std::string>& sources, bool everybody);
+  /// Replaces what was set before: drops these sources, at most kMostSources; or everybody but these friends, at most
+  /// kMostFriends, who are sources, too. False if the kernel refused it.
+  bool set(const std::vector<std::string>& sources, bool everybody, const std::vector<std::string>& friends = {});
 
  private:
   [[nodiscard]] bool attach(int fd) const;
   std::set<int> listeners_;
   std::vector<std::string> sources_;
+  std::vector<std::string> friends_;
   bool everybody_ = false;
 };
 

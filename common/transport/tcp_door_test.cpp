@@ -94,6 +94,22 @@ TEST_CASE("the kernel drops what a blocked source sends to a listening socket, a
   CHECK(door.lets_in("127.0.130.66"));
 }
 
+TEST_CASE("closed to everybody but friends, unless one of them is kept out by name") {
+  const Door door(AF_INET);
+  SourceFilter filter;
+  filter.add_listener(door.listener.get());
+  REQUIRE(filter.set({"127.0.130.65"}, true, {"127.0.130.65", "127.0.130.66", "2001:db8::/64"}));
+  CHECK(door.lets_in("127.0.130.66"));
+  CHECK(!door.lets_in("127.0.130.65"));
+  CHECK(!door.lets_in("127.0.130.67"));
+  std::vector<std::string> friends(1000, "2001:db8::/64");
+  CHECK(filter.set(friends, true, friends));
+  CHECK(source_of("10.0.0.7") == "10.0.0.7");
+  CHECK(source_of("2001:db8::7") == "2001:db8::/64");
+  CHECK(source_of("::ffff:10.0.0.7") == "10.0.0.7");
+  CHECK(source_of("cloud.example").empty());
+}
+
 TEST_CASE("as many sources as there may be, and a listener that comes later") {
   const Door door(AF_INET);
   std::vector<std::string> sources;

@@ -22,6 +22,7 @@ BLOCK = 130
 UDP_PORT = 50130
 TARGET = "cloud"
 PORT = 45000
+HOME = "127.0.40.99"  # where strangers_test.Client says that it is
 MOST_UNPROVEN = 1024  # VisitorLimits::open
 BACKLOG = 200  # what the kernel may have queued when the door closes, and some
 MOST_GROWTH_MB = 128
@@ -295,6 +296,37 @@ class Doors(Pressure):
 
         most = self.under("5,000 connections held open", hold)
         self.assertGreater(most, self.fds + 500, "the flood did not reach the door")
+
+    def test_a_node_that_was_linked_comes_back_through_the_crowd(self):
+        """The door is closed to everybody else by then."""
+        self.assertTrue(self.comes_in(self.belt))  # its Hello says where it is: at HOME
+
+        def hold(stopped):
+            held = []
+            for source in sources(100):
+                held += [self.plain(source) for _ in range(40)]
+                stopped.wait(0.01)
+            stopped.wait()
+            for one in held:
+                one.close()
+
+        flood = Flood(hold)
+        flood.start()
+        try:
+            self.fleet.wait("the door is closed", lambda: self.descriptors() >= self.fds + MOST_UNPROVEN, 10)
+            shut_out = self.plain("127.0.138.77")
+            self.addCleanup(shut_out.close)
+            client = self.client(f"{HOME}:0;{self.address}:{PORT}", server_key=self.server_key,
+                                 keys=(self.belt.public, self.belt.secret))
+            client.hello(self.belt.certificate, "belt")
+            self.assertEqual(client.receive(1.5).subtype, "hello")
+            came = select.poll()  # of descriptors beyond select()'s
+            came.register(shut_out, select.POLLOUT)
+            self.assertEqual(came.poll(0), [], "anybody came in")
+        finally:
+            flood.stopped.set()
+            flood.join(20)
+        self.assertIsNone(flood.error)
 
     def test_connections_opened_and_closed_quickly(self):
         def hammer(stopped):

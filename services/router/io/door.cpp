@@ -45,9 +45,7 @@ void Door::reset() {
   by_fd_.clear();
   connections_.clear();
   filter_ = SourceFilter();
-  std::vector<std::string> sources;
-  for (const auto& [source, until] : visitors_.blocked()) sources.push_back(source);
-  (void)filter_.set(sources, visitors_.closed());
+  set_filter();
 }
 
 bool Door::is_undecided(int fd) const {
@@ -68,6 +66,13 @@ void Door::leave(VisitorId visitor) {
   visitors_.leave(visitor, read_clocks().mono);
 }
 
+void Door::set_filter() {
+  std::vector<std::string> sources;
+  for (const auto& [source, until] : visitors_.blocked()) sources.push_back(source);
+  const bool closed = visitors_.closed();
+  (void)filter_.set(sources, closed, closed && friends_ ? friends_() : std::vector<std::string>{});
+}
+
 void Door::carry_out() {
   const Visitors::Orders orders = visitors_.take_orders();
   for (const VisitorId id : orders.cut) {
@@ -79,10 +84,7 @@ void Door::carry_out() {
     if (const auto at = connections_.find(id); at != connections_.end()) on_cut_(at->second.end.address);
   }
   for (const std::string& source : orders.newly_blocked) on_blocked_(source);
-  if (!orders.filter_changed) return;
-  std::vector<std::string> sources;
-  for (const auto& [source, until] : visitors_.blocked()) sources.push_back(source);
-  (void)filter_.set(sources, visitors_.closed());
+  if (orders.filter_changed) set_filter();
 }
 
 std::size_t raise_descriptor_limit() {

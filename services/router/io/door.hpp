@@ -29,6 +29,8 @@ class Door {
   void linked(VisitorId visitor);
   /// Its link is over, or was refused: cut, once what was sent to it may have been read.
   void leave(VisitorId visitor);
+  /// Asked for the sources that are let in while the door is closed to everybody else.
+  void set_friends(std::function<std::vector<std::string>()> friends) { friends_ = std::move(friends); }
 
  private:
   struct Connection {
@@ -37,9 +39,11 @@ class Door {
   };
   void on_accepted(int fd);
   void carry_out();
+  void set_filter();
 
   std::function<void(const std::string&)> on_blocked_;
   std::function<void(const std::string&)> on_cut_;
+  std::function<std::vector<std::string>()> friends_;
   Visitors visitors_;
   SourceFilter filter_;
   std::map<int, VisitorId> by_fd_;

@@ -252,6 +252,19 @@ void RouterShell::on_bad_frame(LinkId link, const Error& error) {
   carry_out(effects);
 }
 
+/// Where the nodes are that were linked before: a crowd of strangers keeps none of them from coming back.
+std::vector<std::string> RouterShell::sources_of_peers() const {
+  std::vector<std::string> out;
+  for (const auto& [id, peer] : core_.peers()) {
+    if (!peer.met) continue;
+    for (const std::string& address : {peer.address, peer.good_address}) {
+      const std::string host = split_endpoint(address).host;
+      if (!host.empty()) out.push_back(source_of(without_scope(host)));
+    }
+  }
+  return out;
+}
+
 void RouterShell::on_source_blocked(const std::string& source) {
   core_.count("refused.source_blocked");
   log_limited(limit_, read_clocks().mono, Level::warning, "source_blocked",

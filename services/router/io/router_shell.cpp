@@ -25,6 +25,7 @@ Status RouterShell::open() {
     carry_out(effects);
     return good;
   });
+  door_.set_friends([this] { return sources_of_peers(); });
   if (Status bus = open_bus(); !bus) return bus;
   return open_place();
 }

@@ -121,6 +121,7 @@ class RouterShell {
   void forward_to_all(ConnectionId from, Frame& frame, const HeaderView& header);
   void on_inbox_event(LinkEvent event, int fd);
   void on_bad_frame(LinkId link, const Error& error);
+  [[nodiscard]] std::vector<std::string> sources_of_peers() const;
   void on_source_blocked(const std::string& source);
   void on_visitor_cut(const std::string& address);
   // place.cpp
