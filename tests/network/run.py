@@ -6,6 +6,7 @@ and says how long the fleet took to be right again. Every case runs by itself, s
 import argparse
 import json
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -93,6 +94,21 @@ def print_table(results):
             print(f"{result['case']}: FAULT {fault}")
 
 
+CANNOT = 77  # not a fault of what is tested: ctest skips
+
+
+def what_is_missing():
+    """Why hosts cannot be built here, or nothing."""
+    if os.geteuid() != 0:
+        return "needs root, for network namespaces; run it with sudo"
+    for program in ("ip", "nft", "unshare"):
+        if shutil.which(program) is None:
+            return f"needs the program {program}: apt-get install iproute2 nftables"
+    if subprocess.run(["unshare", "--net", "--mount", "true"], capture_output=True).returncode != 0:
+        return "may not make network namespaces here: a container needs CAP_SYS_ADMIN"
+    return None
+
+
 def main():
     parser = argparse.ArgumentParser(usage=__doc__)
     parser.add_argument("cases", nargs="*")
@@ -112,8 +128,9 @@ def main():
     if arguments.one:
         # Two runs on one machine must not meet: the tag is made of this process's number.
         return run_one(arguments.one, arguments.rounds, f"{os.getpid() % 100000}")
-    if os.geteuid() != 0:
-        sys.exit("scripts/test-network: needs root, for network namespaces; run it with sudo")
+    if missing := what_is_missing():
+        print(f"scripts/test-network: {missing}", file=sys.stderr)
+        return CANNOT
     unknown = [name for name in arguments.cases if name not in CASES]
     if unknown:
         sys.exit(f"scripts/test-network: no case {', '.join(unknown)}; there are: {', '.join(CASES)}")
