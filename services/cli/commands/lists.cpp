@@ -62,9 +62,11 @@ int run_routes(const Arguments& arguments) {
     std::vector<std::vector<std::string>> rows{{"NODE", "ROLE", "ADDRESS", "STATE", "HEARD", "DIALLED BY", "BOOT",
                                                 "VERSION", "CLOCK", "SENSORS", "CAPABILITIES"}};
     for (const Route& route : table.routes) {
+      const std::string& dialled = route.dialled_by;
       rows.push_back({route.id, std::string(name_of(route.role)), route.address, route.state,
-                      route.state == "self" ? "-" : short_seconds(route.last_heard_s), or_dash(route.dialled_by),
-                      std::to_string(route.boot), or_dash(route.version), route.clock, join(route.profile.sensors),
+                      route.state == "self" ? "-" : short_seconds(route.last_heard_s),
+                      or_dash(route.via.empty() ? dialled : "via " + route.via), std::to_string(route.boot),
+                      or_dash(route.version), route.clock, join(route.profile.sensors),
                       join(route.profile.capabilities)});
     }
     return rows;

@@ -337,6 +337,25 @@ TEST_CASE("a node that dies is expired about a lease later, though a relay says 
   CHECK(Triangle::route(*three.ant, "bee", three.fleet)->state == "OFFLINE");
 }
 
+TEST_CASE("of two relays one may go: the other carries on, and no lease runs") {
+  TestFleet fleet;
+  fleet.cut("ant", "bee");
+  fleet.cut("bee", "ant");
+  fleet.start("cloud", {.beacon = false, .relay = true});
+  fleet.start("dock", {.beacon = false, .seeds = {"cloud"}, .relay = true});
+  TestNode& ant = fleet.start("ant", {.beacon = false, .seeds = {"cloud", "dock"}});
+  fleet.start("bee", {.beacon = false, .seeds = {"cloud", "dock"}});
+  fleet.run(Seconds(4));
+  REQUIRE(Triangle::route(ant, "bee", fleet)->via == "cloud");
+  fleet.stop("cloud");
+  fleet.run(milliseconds(100));
+  CHECK(Triangle::route(ant, "bee", fleet)->via == "dock");
+  CHECK(Triangle::route(ant, "bee", fleet)->state == "ONLINE");
+  fleet.run(Seconds(12));
+  CHECK(Triangle::route(ant, "bee", fleet)->state == "ONLINE");
+  CHECK(ant.count("peer_expired") == 1);  // the cloud
+}
+
 TEST_CASE("what a relay tells of a node is taken only with a certificate that a Hello could show") {
   Triangle three;
   const auto tell = [&](const TestKeys& keys) {
