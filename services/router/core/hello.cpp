@@ -145,6 +145,20 @@ void RouterCore::link_up(Link& link, const Certificate& certificate, const Hello
   link.next_keep_alive = now.mono + config_.timing.keep_alive;
   send_hello(link, now, out);
   bind_seals(link, certificate, hello);
+  const Link* old = find_link(peer.link);
+  const bool same_place = old != nullptr && old->boot == link.boot && old->own_address == link.own_address &&
+                          old->peer_address == link.peer_address;
+  const bool in_doubt =
+      same_place ? new_link_wins(*old, link, own_is_smaller(peer.id)) : old == nullptr && dialling(link.key);
+  if (!link.dialled && in_doubt) {
+    link.waiting = hello;
+    return;
+  }
+  carry_by(link, hello, now, out);
+}
+
+void RouterCore::carry_by(Link& link, const Hello& hello, Now now, Effects& out) {
+  Peer& peer = peers_.at(link.peer);
   const LinkId id = link.id;
   if (peer.link != 0 && !settle_double(link, peer, now, out)) return;
   const bool again = peer.boot == hello.boot && peer.met && !peer.expired;
@@ -167,7 +181,7 @@ void RouterCore::link_up(Link& link, const Certificate& certificate, const Hello
               (links_.at(id).dialled ? ", dialled by this node" : ", dialled by it"));
   if (!again) tell_services(PeerJoined{peer.id, peer.boot}, out);
   tell_profile(links_.at(id), out);
-  forget_told_renewal(certificate);
+  forget_told_renewal(peer.certificate);
   forget_ended_renewals(now);
   tell_news(links_.at(id), hello.revocations, out);
   tell_all_neighbours(links_.at(id), now, out);

@@ -254,3 +254,37 @@ TEST_CASE("a frame that is none ends its link under a name of its own, not as a 
   fleet.run(Seconds(5));
   check_linked(fleet, "ant", "bee");
 }
+
+TEST_CASE("a Hello read after its dialler gave it up takes nothing: the link that is there stays until a second word") {
+  TestFleet fleet;
+  fleet.start("ant", {.beacon = false});
+  TestNode& bee = fleet.start("bee", {.beacon = false, .seeds = {"ant"}});
+  fleet.run(Seconds(2));
+  const LinkId live = bee.link_to("ant");
+  REQUIRE(live != 0);
+
+  // ant, whose dial would win, has closed the connection long before bee comes to read what was in it.
+  const TestKeys& ant = fleet.keys("ant");
+  const Hello stale{ant.record, 1, "ant", "1", kStartUtc, true, {}};
+  const LinkId late = 4711;
+  Effects effects;
+  bee.core->on_link_message(late, ant.link.public_key, make_message(MessageType::information, "ant", "bee", stale), 1,
+                            fleet.now, effects);
+  fleet.carry_out(bee, effects);
+  fleet.run(Seconds(8));
+  CHECK(bee.link_to("ant") == live);
+  check_linked(fleet, "ant", "bee");
+  fleet.run(Seconds(5));
+  CHECK(bee.core->find_link(late) == nullptr);  // its lease has ended
+  CHECK(bee.link_to("ant") == live);
+}
+
+TEST_CASE("the second word on the better link makes it the link") {
+  TestFleet fleet;
+  fleet.start("ant", {.beacon = false, .seeds = {"bee"}});
+  fleet.start("bee", {.beacon = false, .seeds = {"ant"}});
+  fleet.run(Seconds(2));
+  check_linked(fleet, "ant", "bee");
+  CHECK(fleet.at("ant").core->find_link(fleet.at("ant").link_to("bee"))->dialled);
+  CHECK_FALSE(fleet.at("bee").core->find_link(fleet.at("bee").link_to("ant"))->waiting);
+}

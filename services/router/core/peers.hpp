@@ -29,6 +29,9 @@ struct Link {
   std::optional<std::int64_t> utc_at_zero;  ///< by the other side's clock, if it is verified: UTC at monotonic 0
   std::string peer_address;                 ///< where the other side said that it could be
   bool up = false;                          ///< Hello heard and accepted
+  /// Its Hello came while another link was up or being dialled, and nothing since: its dialler may have given it up
+  /// before this node read it. It carries nothing until one more word comes by it.
+  std::optional<Hello> waiting;
   bool hello_sent = false;
   std::uint64_t profile = 0;  ///< number of this node's profile that the other side was last told
   std::uint64_t boot = 0;     ///< the peer's boot counter, from its Hello

@@ -1,5 +1,6 @@
 // The road of a message: decided on the header alone.
 #include <algorithm>
+#include <utility>
 
 #include "common/security/rights.hpp"
 #include "services/router/core/router_core.hpp"
@@ -106,6 +107,10 @@ Decision RouterCore::route_peer(LinkId id, const HeaderView& header, Now now, Ef
     out.log(LogLevel::warning, "source_mismatch",
             "link of " + link.peer + " carried source " + std::string(header.source));
     return drop(Errc::source_mismatch);
+  }
+  if (const auto hello = std::exchange(link.waiting, std::nullopt)) {
+    carry_by(link, *hello, now, out);
+    if (links_.count(id) == 0) return drop(Errc::conflict);
   }
   if (header.target != config_.id && header.target != kEveryNode) return drop(Errc::unknown_target);
   if (const Role role = peers_.at(link.peer).certificate.role; !may_cross(role, header.subtype)) {

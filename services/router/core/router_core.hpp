@@ -158,6 +158,7 @@ class RouterCore {
   /// Whether a Hello that is refused is at least of the node that it names, whatever else is wrong with it.
   [[nodiscard]] bool proves_name(const Link& link, const Message& message, const Hello& hello) const;
   void link_up(Link& link, const Certificate& certificate, const Hello& hello, Now now, Effects& out);
+  void carry_by(Link& link, const Hello& hello, Now now, Effects& out);
   bool settle_double(Link& link, Peer& peer, Now now, Effects& out);
   void drop_link(LinkId id, const std::string& why, bool say_goodbye, Now now, Effects& out);
   void tell_candidate(LinkId id, const Body& body, Effects& out);
