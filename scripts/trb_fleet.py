@@ -68,7 +68,9 @@ class Process:
             if left <= 0:
                 raise TimeoutError(f"{self.child.args[0]}: no line with {wanted!r} in {timeout} s; last: {self.lines[-5:]}")
             if not self.pump(min(left, 0.5)) and self.child.poll() is not None and index == len(self.lines):
-                raise RuntimeError(f"{self.child.args[0]} ended with {self.child.returncode}; see {self.log.name}")
+                said = pathlib.Path(self.log.name).read_text(errors="replace").strip().splitlines()
+                raise RuntimeError(f"{self.child.args[0]} ended with {self.child.returncode}; see {self.log.name}"
+                                   + (f"\n  {said[-1]}" if said else ""))
 
     def say(self, text):
         self.child.stdin.write((text + "\n").encode())
