@@ -45,6 +45,9 @@ class BeaconKey:
         return b"TRBB" + self.number.to_bytes(4, "big") + fleet_id[:4] + nonce + box.raw
 
 
+CHECKS_TYPES = b"__ubsan_handle_dynamic_type_cache_miss" in (support.PROGRAMS / "trb-router").read_bytes()
+
+
 class Limits(Pressure):
     def test_10_000_beacons_of_made_up_nodes(self):
         """They open with the fleet's key; their certificates nobody has signed."""
@@ -155,6 +158,7 @@ class Limits(Pressure):
         self.assertNotIn("no_descriptor", self.log("belt"))
         self.assertIsNone(child.poll())
 
+    @unittest.skipIf(CHECKS_TYPES, "UBSan's check of an exception's type needs a pipe, and here no descriptor is left for it")
     def test_more_seeds_than_descriptors(self):
         """Each is a port that takes the connection and says nothing."""
         deaf = socket.create_server(("0.0.0.0", 0), backlog=500)
