@@ -115,9 +115,6 @@ void RouterCore::on_hello(LinkId id, BytesView key, const Message& message, std:
 Peer& RouterCore::make_peer(const Certificate& certificate, const SignedRecord& record) {
   Peer& peer = peers_[certificate.id];
   if (peer.certificate.link_key != certificate.link_key) peers_by_key_.erase(peer.certificate.link_key.bytes);
-  if (!peer.certificate.link_key.bytes.empty() && peer.certificate.link_key != certificate.link_key) {
-    peers_by_key_.erase(peer.certificate.link_key.bytes);
-  }
   // Another computer under the same name counts its own boots and messages.
   if (peer.certificate.identity_key != certificate.identity_key) {
     peer.proven_boot = peer.beacon_boot = peer.beacon_count = peer.relayed_boot = peer.relayed_in = 0;
