@@ -8,13 +8,13 @@
 #include <cerrno>
 #include <charconv>
 #include <chrono>
-#include <csignal>
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
 #include <utility>
 
 #include "common/base/files.hpp"
+#include "services/router/io/worker_thread.hpp"
 
 namespace trb::router {
 namespace {
@@ -33,13 +33,7 @@ constexpr auto kGather = std::chrono::milliseconds(100);
 ProofWriter::ProofWriter(std::string dir, std::uint64_t max_bytes)
     : dir_(std::move(dir)), max_bytes_(max_bytes), segment_bytes_(std::min(max_bytes / kSegmentsAtLeast, kMaxSegment)) {
   find_segments();
-  // The router's loop takes the signals, whichever thread they are sent to.
-  sigset_t all;
-  sigset_t before;
-  sigfillset(&all);
-  pthread_sigmask(SIG_SETMASK, &all, &before);
-  thread_ = std::thread([this] { run(); });
-  pthread_sigmask(SIG_SETMASK, &before, nullptr);
+  thread_ = start_without_signals([this] { run(); });
 }
 
 ProofWriter::~ProofWriter() {

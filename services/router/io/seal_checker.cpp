@@ -4,11 +4,11 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
-#include <csignal>
 #include <stdexcept>
 #include <utility>
 
 #include "common/security/seal.hpp"
+#include "services/router/io/worker_thread.hpp"
 
 namespace trb::router {
 namespace {
@@ -21,13 +21,7 @@ constexpr int kNice = 5;
 
 SealChecker::SealChecker() : fd_(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) {
   if (fd_ < 0) throw std::runtime_error("eventfd failed");
-  // The router's loop takes the signals, whichever thread they are sent to.
-  sigset_t all;
-  sigset_t before;
-  sigfillset(&all);
-  pthread_sigmask(SIG_SETMASK, &all, &before);
-  thread_ = std::thread([this] { run(); });
-  pthread_sigmask(SIG_SETMASK, &before, nullptr);
+  thread_ = start_without_signals([this] { run(); });
 }
 
 SealChecker::~SealChecker() {
