@@ -1,0 +1,105 @@
+// The bridge's core: BridgeCommands in, words to the worker out; what the worker hears, as BridgeEvents. It owns the
+// types, the codec and the watch over the worker.
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "common/actor/core.hpp"
+#include "proto/bodies/bridge.hpp"
+#include "proto/value.hpp"
+#include "services/ros-bridge/core/message_type.hpp"
+#include "services/ros-bridge/core/worker_words.hpp"
+
+namespace trb::ros {
+
+/// The value at each path ("pose.position.x", "ranges[3]"): one is given as it is, several as a list, none: the whole.
+/// Errors: bad_value, naming the path.
+Result<Value> select(const Value& message, const std::vector<std::string>& paths);
+
+struct BridgeSettings {
+  std::string id;      ///< the own node's
+  std::string master;  ///< the ROS master's URI, for people
+  std::uint64_t instance = 0;
+};
+
+class BridgeCore : public Core {
+ public:
+  /// `read` gives a type's definition. The worker is written to as Channel::command; closing that means: kill it.
+  BridgeCore(BridgeSettings settings, TypeStore::Read read);
+
+  void on_welcome(const NodeIdentity& node, Now now, Outbox& out) override;
+  void on(const Inbound& message, Now now, Outbox& out) override;
+  void tick(Now now, Outbox& out) override;
+  [[nodiscard]] std::optional<MonotonicTime> next_deadline() const override;
+
+  void on_worker_started(Now now, Outbox& out);
+  void on_worker_bytes(BytesView bytes, Now now, Outbox& out);
+  void on_worker_ended(const std::string& reason, Now now, Outbox& out);
+
+ private:
+  struct Publication {
+    std::uint64_t token = 0;  ///< the mode-adapter's
+    std::string topic;
+    Value data;
+    MonotonicTime deadline;
+  };
+  struct Listener {
+    std::uint64_t token = 0;
+    std::vector<std::string> paths;
+    bool watch = false;
+    MonotonicTime deadline;  ///< of an ask
+    MonotonicTime next;      ///< a watch tells nothing before
+  };
+  struct Topic {
+    std::vector<Listener> listeners;
+    std::optional<MonotonicTime> idle_since;
+  };
+  struct KnownType {
+    std::string name;
+    MonotonicTime heard;
+  };
+
+  void on_command(const BridgeCommand& command, Now now, Outbox& out);
+  void begin_publish(const BridgeCommand& command, Now now, Outbox& out);
+  void publish(Publication publication, const std::string& type, Now now, Outbox& out);
+  void listen(const BridgeCommand& command, Now now, Outbox& out);
+  void on_word(const WorkerMessage& message, Now now, Outbox& out);
+  void on_alive(bool up, const std::string& detail, Now now, Outbox& out);
+  void on_type(const std::string& topic, const std::string& type, Now now, Outbox& out);
+  void on_message(const WorkerMessage& message, Now now, Outbox& out);
+  Result<Value> read_message(const WorkerMessage& message);
+  Result<RosTypePtr> type_of(const std::string& name);
+  void end_publish(std::uint64_t token, const std::optional<Error>& error, Outbox& out);
+  void expire(Now now, Outbox& out);
+  void event(std::uint64_t token, BridgeResult result, std::string data, const std::optional<Error>& error,
+             Outbox& out) const;
+  void fail_event(std::uint64_t token, const Error& error, Outbox& out) const {
+    event(token, BridgeResult::failed, {}, error, out);
+  }
+  static void say(Word word, std::vector<Bytes> parts, Outbox& out);
+  void forget_all();
+  void set_state(bool up, const std::string& detail, Now now, Outbox& out);
+  void tell_state(Now now, Outbox& out);
+
+  BridgeSettings settings_;
+  TypeStore store_;
+  std::map<std::string, RosTypePtr> heard_types_;  ///< by sum: from headers of connections
+  WorkerReader reader_;
+  bool worker_ = false;
+  bool up_ = false;
+  bool welcomed_ = false;
+  std::string detail_;
+  std::uint64_t connection_;
+  std::uint64_t adapter_ = 0;
+  MonotonicTime alive_;
+  MonotonicTime next_state_;
+  std::uint64_t last_key_ = 0;
+  std::map<std::string, KnownType> topic_types_;
+  std::map<std::string, std::vector<Publication>> looked_up_;  ///< by topic: wait for its type
+  std::map<std::uint64_t, Publication> published_;             ///< by the worker's token
+  std::map<std::string, Topic> topics_;
+};
+
+}  // namespace trb::ros

@@ -1,0 +1,208 @@
+// The bridge's core between a mode-adapter and a worker: both played by the test.
+#include "services/ros-bridge/core/bridge_core.hpp"
+
+#include <doctest/doctest.h>
+
+#include "services/ros-bridge/core/message_codec.hpp"
+
+using namespace trb;
+using namespace trb::ros;
+
+namespace {
+
+constexpr std::uint64_t kAdapter = 7;
+
+Result<std::string> read_definition(const std::string& type) {
+  if (type == "geometry_msgs/Twist") return std::string("Vector3 linear\nVector3 angular\n");
+  if (type == "geometry_msgs/Vector3") return std::string("float64 x\nfloat64 y\nfloat64 z\n");
+  return fail(Errc::missing, type + ": no definition", "install its package");
+}
+
+struct Bench {
+  BridgeCore core{{"ridgeback", "http://10.0.0.9:11311", 5}, read_definition};
+  Now now{};
+  Outbox out;
+  WorkerReader to_worker;
+
+  Bench() {
+    core.on_welcome({"ridgeback", Role::robot, 1}, now, out);
+    core.on_worker_started(now, out);
+  }
+  void worker(Word word, std::vector<Bytes> parts) {
+    core.on_worker_bytes(to_bytes({word, std::move(parts)}), now, out);
+  }
+  void up() {
+    worker(Word::alive, {"up", ""});
+    told();
+  }
+  void command(std::uint64_t token, BridgeAction action, const std::string& name, const std::string& data = "",
+               std::vector<std::string> paths = {}, const std::string& source = "ridgeback",
+               std::uint64_t adapter = kAdapter) {
+    BridgeCommand body{adapter, token, action, name, "", data, std::move(paths), 5};
+    core.on({MessageType::command, source, "ridgeback", token, 0, kFlagNoAnswer, 1000, std::move(body)}, now, out);
+  }
+  void wait(Duration time) {
+    const MonotonicTime end = now.mono + time;
+    while (core.next_deadline() && *core.next_deadline() <= end) {
+      now.mono = std::max(now.mono, *core.next_deadline());
+      core.tick(now, out);
+    }
+    now.mono = end;
+  }
+  std::vector<WorkerMessage> said() {
+    std::vector<WorkerMessage> messages;
+    for (const RobotWrite& write : std::exchange(out.writes, {})) REQUIRE(to_worker.add(write.bytes, messages));
+    return messages;
+  }
+  /// "TOKEN done", "TOKEN DATA" or "TOKEN CODE: WHAT", a line each.
+  std::string told() {
+    std::string text;
+    for (const BridgeEvent& event : sent<BridgeEvent>(out)) {
+      text += std::to_string(event.token) + " ";
+      text += event.result == BridgeResult::done    ? "done"
+              : event.result == BridgeResult::value ? event.data
+                                                    : event.code + ": " + event.what;
+      text += "\n";
+    }
+    states = sent<BridgeState>(out);
+    out.sends.clear();
+    return text;
+  }
+  std::vector<BridgeState> states;
+};
+
+const std::string kPoint = "float64 x\nfloat64 y\n";
+
+/// A message of demo/Point on /odom.
+std::vector<Bytes> odometry(double x, double y) {
+  const auto type = *type_from_full_definition("demo/Point", kPoint);
+  return {"/odom", "demo/Point", type->md5, kPoint, *to_wire(*type, Value{Value::List{Value{x}, Value{y}}})};
+}
+
+}  // namespace
+
+TEST_CASE("a command becomes the wire of the topic's own type, which the master is asked for once") {
+  Bench bench;
+  bench.up();
+  bench.command(1, BridgeAction::publish, "/cmd_vel", "[0.5,0,0,0,0,0]");
+  auto said = bench.said();
+  REQUIRE(said.size() == 1);
+  CHECK(said[0].word == Word::look_up);
+  bench.worker(Word::type, {"/cmd_vel", "geometry_msgs/Twist"});
+  said = bench.said();
+  REQUIRE(said.size() == 1);
+  CHECK(said[0].word == Word::publish);
+  CHECK(said[0].parts[2] == "geometry_msgs/Twist");
+  CHECK(said[0].parts[3] == "9f195f881246fdfa2798d1d3eebca84a");
+  CHECK(said[0].parts[6].size() == 48);
+  bench.worker(Word::published, {said[0].parts[0]});
+  CHECK(bench.told() == "1 done\n");
+  bench.command(2, BridgeAction::publish, "/cmd_vel", R"({"linear":{"x":1}})");
+  said = bench.said();
+  REQUIRE(said.size() == 1);
+  CHECK(said[0].word == Word::publish);
+}
+
+TEST_CASE("what cannot be published is refused, and by its field") {
+  Bench bench;
+  bench.up();
+  bench.command(1, BridgeAction::publish, "/cmd_vel", "[1,2]");
+  bench.command(2, BridgeAction::publish, "/cmd_vel", R"({"linear":{"w":1}})");
+  bench.worker(Word::type, {"/cmd_vel", "geometry_msgs/Twist"});
+  CHECK(bench.told() ==
+        "1 bad_value: geometry_msgs/Twist: 2 values, where 6 are needed\n"
+        "2 unknown_key: linear: w: no field of geometry_msgs/Vector3\n");
+  bench.command(3, BridgeAction::publish, "/gone", "{}");
+  bench.worker(Word::type, {"/gone", ""});
+  CHECK(bench.told() == "3 unknown_target: the ROS master knows no topic /gone\n");
+  bench.command(4, BridgeAction::publish, "/odd", "{}");
+  bench.worker(Word::type, {"/odd", "demo/Odd"});
+  CHECK(bench.told() == "4 missing: demo/Odd: no definition\n");
+  bench.command(5, BridgeAction::publish, "no topic", "{}");
+  CHECK(bench.told() == "5 bad_value: 'no topic' is no topic\n");
+  bench.command(6, BridgeAction::publish, "/cmd_vel", "{}");
+  bench.said();
+  bench.worker(Word::failed, {"3", "timeout", "/cmd_vel: nobody subscribes", ""});
+  bench.wait(std::chrono::milliseconds(1));
+  CHECK(bench.told().empty());  // of another publication
+}
+
+TEST_CASE("an ask is answered by the topic's next message, a watch by each, ten times a second at most") {
+  Bench bench;
+  bench.up();
+  bench.command(1, BridgeAction::ask, "/odom");
+  bench.command(2, BridgeAction::watch, "/odom", "", {"x"});
+  CHECK(bench.said().size() == 1);  // one subscription for both
+  bench.worker(Word::message, odometry(1, 2));
+  CHECK(bench.told() == "1 {\"x\":1.0,\"y\":2.0}\n2 1.0\n");
+  bench.worker(Word::message, odometry(3, 2));
+  CHECK(bench.told().empty());
+  bench.wait(std::chrono::milliseconds(100));
+  bench.worker(Word::message, odometry(4, 2));
+  CHECK(bench.told() == "2 4.0\n");
+  bench.command(3, BridgeAction::ask, "/odom", "", {"y", "z"});
+  bench.worker(Word::message, odometry(4, 2));
+  CHECK(bench.told() == "3 bad_value: the message has no z\n");
+}
+
+TEST_CASE("nobody waits for ever") {
+  Bench bench;
+  bench.up();
+  bench.command(1, BridgeAction::ask, "/odom");
+  bench.command(2, BridgeAction::publish, "/cmd_vel", "{}");
+  for (int i = 0; i < 8; ++i) {
+    bench.worker(Word::alive, {"up", ""});
+    bench.wait(std::chrono::seconds(1));
+  }
+  const std::string told = bench.told();
+  CHECK(told.find("1 timeout: nobody has said anything on /odom\n") != std::string::npos);
+  CHECK(told.find("2 timeout: /cmd_vel: ROS did not take it in time\n") != std::string::npos);
+}
+
+TEST_CASE("a master that hangs is told of, and the worker that hangs with it is killed") {
+  Bench bench;
+  bench.up();
+  bench.wait(std::chrono::seconds(6));
+  REQUIRE(bench.out.closes.size() == 1);
+  bench.told();
+  REQUIRE_FALSE(bench.states.empty());
+  CHECK_FALSE(bench.states.back().up);
+  CHECK(bench.states.back().detail == "the ROS master at http://10.0.0.9:11311 does not answer");
+  const auto before = bench.states.back().connection;
+  bench.core.on_worker_started(bench.now, bench.out);
+  bench.up();
+  bench.command(1, BridgeAction::watch, "/odom");
+  CHECK(bench.said().back().word == Word::subscribe);
+  CHECK(bench.states.back().up);
+  CHECK(bench.states.back().connection == before);
+}
+
+TEST_CASE("an absent master is told of, and commands are refused with it") {
+  Bench bench;
+  bench.worker(Word::alive, {"absent", "no ROS master at http://10.0.0.9:11311"});
+  bench.command(1, BridgeAction::publish, "/cmd_vel", "{}");
+  CHECK(bench.told() == "1 robot_offline: no ROS master at http://10.0.0.9:11311\n");
+}
+
+TEST_CASE("a mode-adapter that was restarted starts anew; nobody else is listened to") {
+  Bench bench;
+  bench.up();
+  bench.command(1, BridgeAction::watch, "/odom");
+  bench.command(1, BridgeAction::ask, "/scan", "", {}, "ridgeback", kAdapter + 1);
+  bench.worker(Word::message, odometry(1, 2));
+  CHECK(bench.told().empty());
+  bench.command(2, BridgeAction::publish, "/cmd_vel", "{}", {}, "ur3");
+  bench.said();
+  CHECK(bench.told().empty());
+}
+
+TEST_CASE("a worker's garbage ends it") {
+  Bench bench;
+  bench.up();
+  bench.core.on_worker_bytes(Bytes("\xff\xff\xff\x7f", 4), bench.now, bench.out);
+  CHECK(bench.out.closes.size() == 1);
+  std::vector<WorkerMessage> none;
+  for (const char* bytes : {"\x01\0\0\0\x63", "\x01\0\0\0\x05", "\x06\0\0\0\x06\x09\0\0\0x"}) {
+    CHECK_FALSE(WorkerReader().add(Bytes(bytes, bytes[0] + 4), none));
+  }
+}

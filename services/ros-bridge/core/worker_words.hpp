@@ -1,0 +1,51 @@
+// What the bridge and its worker say to each other through two pipes. The worker is the process that holds the ROS
+// handles; whatever blocks there blocks nobody else.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "common/base/bytes.hpp"
+#include "common/base/result.hpp"
+
+namespace trb::ros {
+
+enum class Word : std::uint8_t {
+  // to the worker
+  look_up = 1,  ///< topic
+  publish,      ///< token, topic, type, md5, definition, patience_ms, wire
+  subscribe,    ///< topic
+  unsubscribe,  ///< topic
+  // of the worker
+  alive,      ///< "up" or "absent", detail; every half second
+  type,       ///< topic, type ("" if the master knows none)
+  published,  ///< token
+  failed,     ///< token, Errc's name, what, cure
+  message,    ///< topic, type, md5, definition, wire
+};
+
+struct WorkerMessage {
+  Word word{};
+  std::vector<Bytes> parts;
+};
+
+/// Largest message between them, in bytes.
+constexpr std::size_t kMaxWorkerMessage = 4U << 20U;
+
+Bytes to_bytes(const WorkerMessage& message);
+
+/// Puts messages together from what a pipe gives.
+class WorkerReader {
+ public:
+  /// Errors: malformed, too_large; the pipe is of no use any more then.
+  Status add(BytesView bytes, std::vector<WorkerMessage>& out);
+
+ private:
+  Bytes rest_;
+};
+
+/// How many parts a word has; 0 for none such.
+std::size_t parts_of(Word word);
+
+}  // namespace trb::ros
