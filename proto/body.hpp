@@ -5,6 +5,7 @@
 
 #include "common/base/bytes.hpp"
 #include "common/base/result.hpp"
+#include "proto/bodies/bridge.hpp"
 #include "proto/bodies/bus.hpp"
 #include "proto/bodies/journal.hpp"
 #include "proto/bodies/link.hpp"
@@ -23,6 +24,7 @@
   X(LinkTroublesRequest) X(LinkTroubles) X(EchoRequest) X(Echo)                                                    \
   X(PeerExpired) X(Execute) X(CancelExecution) X(ExecutionQuery) X(ExecutionState) X(Outcome) X(OutcomeJournaled)  \
   X(AdapterState) X(AdapterStateRequest) X(RobotFault) X(RobotConnection) X(Stop) X(Release)                       \
+  X(BridgeCommand) X(BridgeEvent) X(BridgeState)                                                                   \
   X(Scenario) X(RunStart) X(TaskResult) X(AbortOrder) X(RunSubmit) X(RunAccepted) X(Baton) X(BatonJournaled)       \
   X(NeedDefinition) X(Definition) X(NeedResults) X(Results) X(ResultsJournaled) X(TaskProgress) X(RunAbort)        \
   X(AbortConfirmed) X(RunQuery) X(RunView) X(RunListRequest) X(RunTable)                                           \

@@ -60,6 +60,10 @@ constexpr auto kRows = [] {
       Row{"execution_state", Phase::upkeep},
       Row{"outcome_journaled", Phase::upkeep},
       Row{"adapter_state_request", Phase::upkeep},
+      // What goes to the robot is counted by the mode-adapter, on whichever road it goes on.
+      Row{"bridge_command", Phase::upkeep},
+      Row{"bridge_event", Phase::upkeep},
+      Row{"bridge_state", Phase::upkeep},
       Row{"run_accepted", Phase::upkeep},
       Row{"baton_journaled", Phase::upkeep},
       Row{"results_journaled", Phase::upkeep},

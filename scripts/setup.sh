@@ -4,9 +4,12 @@ repo="$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)"
 
 base_packages=(
   build-essential cmake ninja-build ccache mold pkg-config git ca-certificates
-  libzmq3-dev cppzmq-dev libsodium-dev libmsgpack-cxx-dev nlohmann-json3-dev libsqlite3-dev libspdlog-dev doctest-dev
+  libzmq3-dev cppzmq-dev libsodium-dev libmd-dev libmsgpack-cxx-dev nlohmann-json3-dev libsqlite3-dev libspdlog-dev doctest-dev
   python3 procps
 )
+
+# ROS 1 as Debian has it: without these the build leaves the ros mode out, and says so.
+ros_packages=(libroscpp-dev libtopic-tools-dev ros-geometry-msgs ros-std-msgs python3-rosmaster)
 
 install_packages() {
   local missing=()

@@ -94,4 +94,12 @@ std::string_view errc_name(Errc code) {
   return "unknown_error";
 }
 
+std::optional<Errc> errc_of(std::string_view name) {
+  for (int value = 0; value <= static_cast<int>(Errc::io_error); ++value) {
+    const auto code = static_cast<Errc>(value);
+    if (errc_name(code) == name) return code;
+  }
+  return std::nullopt;
+}
+
 }  // namespace trb

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string_view>
 
 namespace trb {
@@ -59,5 +60,8 @@ enum class Errc : std::uint8_t {
 
 /// The code's wire and log name, for example "no_field_channel".
 std::string_view errc_name(Errc code);
+
+/// The code of that name.
+std::optional<Errc> errc_of(std::string_view name);
 
 }  // namespace trb

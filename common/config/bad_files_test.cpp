@@ -186,15 +186,31 @@ TEST_CASE("an interface that does not exist is told with those that do") {
   CHECK(only_fault(folder).cure.find("lo (127.0.0.1)") != std::string::npos);
 }
 
-TEST_CASE("profile.json: unknown modes, and the one that is not in this build") {
+TEST_CASE("profile.json: unknown modes") {
   check_changes("lines",
                 {{"profile.json", R"("abb": "interpreter")", R"("abb": "interpretor")", "abb", "'interpretor'"},
-                 {"profile.json", R"("lines": "interpreter")", R"("lines": "ros")", "lines", "not in this build"},
                  {"profile.json", R"("lines": "interpreter")", R"("lines": "none")", "lines", "'none'"},
                  {"profile.json", R"("lines": "interpreter")", R"("lines": 1)", "lines", "whole number"}});
   const NodeFolder folder;
   folder.change("profile.json", R"("lines": "interpreter")", R"("lines": "serial")");
   CHECK(only_fault(folder).cure == "use one of: interpreter, direct, ros");
+}
+
+TEST_CASE("the ros mode: its service, topics, types, data, and ends that it can see") {
+  check_changes("ros",
+                {{"node.json", R"( "ros-bridge",)", "", "services", "has no \"ros-bridge\""},
+                 {"commands.json", R"("/cmd_vel")", R"("cmd vel!")", "ros.commands.move", "is no message type"},
+                 {"commands.json", R"("/cmd_vel")", R"("/cmd-vel")", "ros.commands.move", "is no topic"},
+                 {"commands.json", "geometry_msgs/Point", "Point", "ros.commands.go", "is no message type"},
+                 {"commands.json", R"({0}})", "{0}", "ros.commands.go", "the data of /goal: no JSON"},
+                 {"commands.json", R"(, "stop": "/cmd_vel {}")", "", "ros.commands.stop", "must say how it is stopped"},
+                 {"commands.json", R"("/odom pose.x")", R"("?")", "ros.requests.position", "is no topic"}});
+  const NodeFolder acknowledged("ros");
+  acknowledged.change("robots/r.json", R"("time", "duration_s": 2)", R"("acknowledgement")");
+  CHECK(only_fault(acknowledged).what == "ends skill 'go' with an acknowledgement, which ROS never gives");
+  const NodeFolder watched("ros");
+  watched.change("robots/r.json", R"("time", "duration_s": 2)", R"("state", "state": "mode", "equals": 1)");
+  CHECK(only_fault(watched).key == "ros.requests.mode");
 }
 
 TEST_CASE("commands.json: values") {
@@ -207,8 +223,8 @@ TEST_CASE("commands.json: values") {
                  {"commands.json", "ur-primary", "ur-rtde", "ur.monitor.protocol", "'ur-rtde'"},
                  {"commands.json", "urscript-program", "program", "ur.wrap", "'program'"},
                  {"commands.json", R"("language": "urscript")", R"("language": "plain")", "ur.wrap", "wraps URScript"},
-                 {"commands.json", R"("port": 30002)", R"("port": 30002, "transport": "modbus")", "ur.transport",
-                  "not in this build"},
+                 {"commands.json", R"("port": 30002)", R"("port": 30002, "transport": "c3")", "ur.transport",
+                  "is of the interpreter mode"},
                  {"commands.json", R"("port": 30002)", R"("port": 30002, "transport": "tcp")", "ur.transport", "'tcp'"},
                  {"commands.json", R"("port": 30002)", R"("prt": 1, "port": 30002)", "ur.prt", "no key"},
                  {"commands.json", "{data}", "{joints}", "ur.commands.move", "no placeholder"},

@@ -3,6 +3,7 @@
 
 #include "common/base/ids.hpp"
 #include "common/config/readers.hpp"
+#include "common/config/ros_words.hpp"
 #include "common/fleet/did_you_mean.hpp"
 
 namespace trb {
@@ -13,7 +14,6 @@ using Words = std::map<std::string, std::string>;
 constexpr std::size_t kMaxWords = 256;
 constexpr std::size_t kMaxVendors = 64;
 constexpr std::size_t kMaxTemplate = 16384;
-constexpr const char* kTransport = "tcp-text";
 
 bool is_index(std::string_view text) {
   return text.size() <= 2 && std::all_of(text.begin(), text.end(), [](char c) { return c >= '0' && c <= '9'; });
@@ -81,10 +81,12 @@ VendorCommands read_vendor(const Value& json, const std::string& name, const Fil
     // A bad port counts as given: one mistake, one fault.
     vendor.port = static_cast<std::uint16_t>(reader.integer("port", Need::optional, 1, 65535).value_or(0));
   }
-  vendor.transport = read_choice(reader, "transport", {kTransport, "udp-at", "modbus", "c3", "arcos", "lines", "ros"});
+  const auto transports = transport_names();
+  if (const auto index = reader.choice("transport", Need::optional, transports)) vendor.transport = transports[*index];
   vendor.language = read_choice(reader, "language", {"plain", "urscript"});
   vendor.wrap = read_choice(reader, "wrap", {"", "urscript-program"});
   vendor.monitor = read_monitor(reader);
+  vendor.values = read_words(reader, "values");
   vendor.commands = read_words(reader, "commands");
   vendor.requests = read_words(reader, "requests");
   reader.refuse_unknown_keys();
@@ -95,18 +97,7 @@ VendorCommands read_vendor(const Value& json, const std::string& name, const Fil
   return vendor;
 }
 
-void check_words(const VendorCommands& vendor, const std::string& name, const FileFaults& faults) {
-  if (!vendor.commands.contains("stop")) {
-    faults.add(name + ".commands.stop", "is missing: every vendor must say how it is stopped",
-               "add \"stop\" with the vendor's words for stopping all motion, for example \"stop program\"");
-  }
-  for (const auto& [subtype, words] : vendor.commands) {
-    if (!words.empty() || subtype == "release") continue;
-    std::string key = name;
-    key.append(".commands.").append(subtype);
-    faults.add(key, "has no words, the robot would be sent nothing",
-               "write the vendor's words, or remove it; only \"release\" may be empty");
-  }
+void check_monitor(const VendorCommands& vendor, const std::string& name, const FileFaults& faults) {
   if (vendor.requests.empty() || vendor.monitor) return;
   faults.add(name + ".requests", "are answered from the monitor, but there is none",
              R"(add "monitor": {"protocol": "ur-primary", "port": 30001}, or remove the requests)");
@@ -138,19 +129,58 @@ AllCommands read_commands(const Value& json, const FileFaults& faults) {
   return all;
 }
 
-void check_direct(const NodeConfig& config, const FileFaults& faults) {
+void check_words(const VendorCommands& vendor, const std::string& name, const FileFaults& faults) {
+  if (!vendor.commands.contains("stop")) {
+    faults.add(name + ".commands.stop", "is missing: every vendor must say how it is stopped",
+               "add \"stop\" with the vendor's words for stopping all motion, for example \"stop program\"");
+  }
+  for (const auto& [subtype, words] : vendor.commands) {
+    if (!words.empty() || subtype == "release") continue;
+    std::string key = name;
+    key.append(".commands.").append(subtype);
+    faults.add(key, "has no words, the robot would be sent nothing",
+               "write the vendor's words, or remove it; only \"release\" may be empty");
+  }
+}
+
+void check_tcp_text(const NodeConfig& config, const FileFaults& faults) {
   const VendorCommands& vendor = config.commands;
   const std::string& name = config.framework;
-  if (!vendor.port) {
-    faults.add(name + ".port", "is missing: the direct mode sends to a port of the robot",
-               "add \"port\", for example 30002 for a Universal Robot");
-  }
-  if (vendor.transport != kTransport) {
-    faults.add(name + ".transport", "'" + vendor.transport + "' is not in this build",
-               std::string("use \"") + kTransport + "\", or the interpreter mode");
-  }
+  require_port(config, faults, "30002 for a Universal Robot");
   check_words(vendor, name, faults);
+  check_monitor(vendor, name, faults);
   check_skills(config, faults);
+}
+
+void check_ros(const NodeConfig& config, const FileFaults& faults) {
+  const VendorCommands& vendor = config.commands;
+  check_words(vendor, config.framework, faults);
+  for (const auto& [subtype, words] : vendor.commands) {
+    const auto read = read_ros_publications(words);
+    if (!read) faults.add(config.framework + ".commands." + subtype, read.error().what, read.error().cure);
+  }
+  for (const auto& [subtype, words] : vendor.requests) {
+    const auto read = read_ros_question(words);
+    if (!read) faults.add(config.framework + ".requests." + subtype, read.error().what, read.error().cure);
+  }
+  for (const Skill& skill : config.description.skills) {
+    if (!vendor.commands.contains(skill.subtype) && !config.description.has_field_channel) {
+      faults.add(config.framework + ".commands." + skill.subtype, "is missing: skill '" + skill.name + "' sends it",
+                 "add it with its topic");
+    }
+    if (skill.end.kind == EndKind::acknowledgement && vendor.commands.contains(skill.subtype)) {
+      faults.add(config.framework + ".commands." + skill.subtype,
+                 "ends skill '" + skill.name + "' with an acknowledgement, which ROS never gives",
+                 "give the skill an end of kind \"position\", \"state\" or \"time\"");
+    }
+    const bool position = skill.end.kind == EndKind::position;
+    const std::string watched = position ? "position" : skill.end.state;
+    if ((position || skill.end.kind == EndKind::state) && !vendor.requests.contains(watched)) {
+      faults.add(
+          config.framework + ".requests." + watched, "is missing: the end of skill '" + skill.name + "' is seen by it",
+          R"(add it with a topic and its numbers, for example "/odom pose.pose.position.x pose.pose.position.y")");
+    }
+  }
 }
 
 }  // namespace trb

@@ -15,6 +15,7 @@ constexpr std::size_t kMaxServices = 16;
 constexpr std::size_t kKeySize = 32;
 constexpr std::int64_t kMinProofLogMb = 8;
 const std::vector<std::string> kRobotServices = {"router", "mode-adapter", "scheduler"};
+const std::vector<std::string> kRobotChoice = {"router", "mode-adapter", "scheduler", "ros-bridge"};
 const std::vector<std::string> kCloudServices = {"router", "scheduler"};
 
 bool is_address(std::string_view address) {
@@ -35,7 +36,8 @@ Seed read_seed(const Value& json, const std::string& path, const FileFaults& fau
   Seed seed;
   seed.address = reader.text("address", Need::required, 80).value_or("");
   if (!seed.address.empty() && !is_address(seed.address)) {
-    faults.add(path + ".address", in_quotes(seed.address) + " is no HOST:PORT", "write it as 10.0.0.1:45000, or [fd00::1]:45000");
+    faults.add(path + ".address", in_quotes(seed.address) + " is no HOST:PORT",
+               "write it as 10.0.0.1:45000, or [fd00::1]:45000");
   }
   if (const auto text = reader.text("key", Need::required)) {
     auto key = from_hex(*text);
@@ -86,11 +88,12 @@ void check_service(const std::string& name, const std::vector<std::string>& know
 }
 
 void read_services(ObjectReader& reader, NodeConfig& config) {
-  const auto& known = config.role == Role::cloud ? kCloudServices : kRobotServices;
+  const bool cloud = config.role == Role::cloud;
   if (reader.value("services", Need::optional) == nullptr) {
-    config.services = known;
+    config.services = cloud ? kCloudServices : kRobotServices;
     return;
   }
+  const auto& known = cloud ? kCloudServices : kRobotChoice;
   config.services = reader.texts("services", Need::required, kMaxServices);
   for (const std::string& name : config.services) check_service(name, known, config.role, reader.faults());
   if (config.has_service("router")) return;

@@ -99,9 +99,9 @@ class Checker {
   void mode() {
     NodeConfig& config = out_.config;
     const auto profile_json = load("profile.json", for_robot("copy config/profile.json to it"));
-    if (!profile_json) return commands(false);
+    if (!profile_json) return commands();
     const Profile profile = read_profile(*profile_json, sink("profile.json"));
-    if (config.framework.empty()) return commands(false);
+    if (config.framework.empty()) return commands();
     const auto at = profile.find(config.framework);
     if (at == profile.end()) {
       std::vector<std::string> frameworks;
@@ -109,28 +109,29 @@ class Checker {
       sink("node.json")
           .add("framework", in_quotes(config.framework) + " is not in profile.json",
                did_you_mean(config.framework, frameworks, "add it there with its mode, or use one of"));
-      return commands(false);
+      return commands();
     }
     config.mode = at->second;
-    if (config.mode == Mode::ros) {
-      sink("profile.json")
-          .add(config.framework, "the ros mode is not in this build",
-               "use \"interpreter\" with a client on TCP_PORT, or \"direct\" if the robot takes text");
+    if (config.mode == Mode::ros && !config.has_service("ros-bridge")) {
+      sink("node.json")
+          .add("services", "has no \"ros-bridge\", without which the ros mode says nothing",
+               R"(write "services": ["router", "mode-adapter", "ros-bridge", "scheduler"])");
     }
-    commands(config.mode == Mode::direct);
+    commands();
   }
 
-  void commands(bool needed) {
+  void commands() {
     NodeConfig& config = out_.config;
+    const bool needed = config.mode == Mode::direct || config.mode == Mode::ros;
     const auto json = load("commands.json", needed ? "copy config/commands.json to it" : "");
-    if (!json) return;
-    const AllCommands all = read_commands(*json, sink("commands.json"));
+    const AllCommands all = json ? read_commands(*json, sink("commands.json")) : AllCommands();
     const auto at = all.find(config.framework);
     if (at != all.end()) config.commands = at->second;
-    if (!needed) return;
-    if (at != all.end()) return check_direct(config, sink("commands.json"));
+    if (config.commands.transport.empty()) config.commands.transport = default_transport(config.mode);
+    if (at != all.end() && config.mode != Mode::none) return check_transport(config, sink("commands.json"));
+    if (!json || !needed) return;
     sink("commands.json")
-        .add(config.framework, "is missing: the direct mode needs the vendor's words",
+        .add(config.framework, "is missing: this mode needs the vendor's words",
              "add \"" + config.framework + R"(": {"port": …, "commands": {"stop": …}})");
   }
 
@@ -152,8 +153,7 @@ class Checker {
     const NodeConfig& config = out_.config;
     port("TCP_PORT_EXT", config.network.address, config.network.tcp_port_ext);
     bus();
-    const bool fields = config.mode == Mode::interpreter || config.mode == Mode::direct;
-    if (fields && config.has_service("mode-adapter")) {
+    if (config.mode != Mode::none && config.has_service("mode-adapter")) {
       port("TCP_PORT", config.network.robot_address, config.network.tcp_port);
     }
   }

@@ -35,9 +35,9 @@ struct Network {
   std::string host_int;                ///< an interface or an address
   std::string vpn_int;
   // resolved from the interfaces of this machine by check_node_dir:
-  std::string address;        ///< of host_int; empty: see waits_for
-  std::string broadcast;      ///< of host_int's network
-  std::string waits_for;      ///< why `address` is empty, when that may change by itself: an interface that is not there
+  std::string address;    ///< of host_int; empty: see waits_for
+  std::string broadcast;  ///< of host_int's network
+  std::string waits_for;  ///< why `address` is empty, when that may change by itself: an interface that is not there
   std::string robot_address;  ///< of robot.interface, or `address`
 };
 
@@ -50,10 +50,11 @@ struct Monitor {
 /// One vendor's part of commands.json, Appendix A's Figure A3.
 struct VendorCommands {
   std::optional<std::uint16_t> port;
-  std::string transport = "tcp-text";
+  std::string transport;           ///< "tcp-text", "modbus", "ros" …: see transports.cpp
   std::string language = "plain";  ///< how text and lists are written: "plain" or "urscript"
   std::string wrap;                ///< "urscript-program": commands become a named program, so that its end is told
   std::map<std::string, std::string> commands;  ///< subtype -> the vendor's words with {data} or {0}, {1} …
+  std::map<std::string, std::string> values;    ///< name -> where the robot tells it, in the transport's words
   std::map<std::string, std::string> requests;  ///< subtype -> a name that the monitor reports, for example "joints"
   std::optional<Monitor> monitor;
 };
@@ -69,7 +70,7 @@ struct NodeConfig {
   std::vector<Seed> seeds;
   std::string bus;  ///< HOST:PORT of a bus over TCP, its tap one port further; empty: sockets in NODE_DIR/bus
   bool beacon = true;
-  bool relay = false;  ///< carries messages between members that cannot reach each other
+  bool relay = false;                 ///< carries messages between members that cannot reach each other
   bool seal_before_delivery = false;  ///< deliver what comes from other nodes only once its seal was checked
   std::uint32_t proof_log_mb = 64;    ///< how much of messages and seals is kept for trb proof; 0: none
   Network network;

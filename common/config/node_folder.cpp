@@ -20,7 +20,8 @@ constexpr const char* kCommands = R"json({"ur": {"port": 30002, "language": "urs
     "monitor": {"protocol": "ur-primary", "port": 30001},
     "commands": {"move": "movej({data})", "go": "movej({0}, a={1})", "stop": "stop program", "release": ""},
     "requests": {"position": "joints"}},
-  "ros": {"commands": {"move": "/cmd_vel"}, "requests": {}}})json";
+  "ros": {"commands": {"move": "/cmd_vel", "go": "/goal geometry_msgs/Point {\"x\": {0}}", "stop": "/cmd_vel {}"},
+    "requests": {"position": "/odom pose.x"}}})json";
 constexpr const char* kPlaces = R"({"places": {"dock": {"x": 1, "y": 2}}})";
 constexpr const char* kRobot = R"({"maker": "m", "model": "n", "capabilities": ["mobile"],
   "skills": {"go": {"capability": "mobile", "parameters": {"place": {"type": "place"}}, "command": {"data": "{place.x}"},
@@ -30,7 +31,8 @@ std::string node_json(const std::string& framework) {
   if (framework == "cloud") return R"({"id": "cloud", "role": "cloud", "services": ["router", "scheduler"]})";
   return R"({"id": "r1", "framework": ")" + framework + R"(", "description": "robots/r.json",
     "robot": {"host": "127.0.77.9", "interface": "lo"}, "seeds": [], "beacon": true,
-    "services": ["router", "mode-adapter", "scheduler"]})";
+    "services": ["router", "mode-adapter",)" +
+         (framework == "ros" ? R"( "ros-bridge",)" : "") + R"( "scheduler"]})";
 }
 
 }  // namespace
@@ -46,6 +48,8 @@ NodeFolder::NodeFolder(const std::string& framework) {
   write("commands.json", kCommands);
   write("places.json", kPlaces);
   write("robots/r.json", kRobot);
+  // ROS acknowledges nothing.
+  if (framework == "ros") change("robots/r.json", R"("acknowledgement")", R"("time", "duration_s": 2)");
 }
 
 NodeFolder::~NodeFolder() {

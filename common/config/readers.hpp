@@ -24,8 +24,23 @@ Profile read_profile(const Value& json, const FileFaults& faults);
 /// commands.json: the shape of every vendor's part.
 AllCommands read_commands(const Value& json, const FileFaults& faults);
 
-/// What the node's own vendor needs in the direct mode.
-void check_direct(const NodeConfig& config, const FileFaults& faults);
+/// The transports that commands.json may name.
+std::vector<std::string> transport_names();
+
+/// What a vendor without "transport" means in that mode.
+std::string default_transport(Mode mode);
+
+/// That the node's own vendor has what its transport needs, and that the transport is of the node's mode.
+void check_transport(const NodeConfig& config, const FileFaults& faults);
+
+// One for each transport: the words of the node's own vendor can be read, its skills have words and ends that are seen.
+void check_tcp_text(const NodeConfig& config, const FileFaults& faults);
+void check_ros(const NodeConfig& config, const FileFaults& faults);
+
+// Parts that several of them need.
+/// "stop" is there, and no command but "release" is empty.
+void check_words(const VendorCommands& vendor, const std::string& name, const FileFaults& faults);
+void require_port(const NodeConfig& config, const FileFaults& faults, const std::string& example);
 
 /// "bus" of node.json: nothing or "ipc", or "tcp://ADDRESS:PORT". Empty, or ADDRESS:PORT.
 std::string read_bus_key(ObjectReader& reader);

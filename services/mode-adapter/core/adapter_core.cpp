@@ -23,6 +23,11 @@ void ModeAdapterCore::on(const Inbound& message, Now now, Outbox& out) {
                  },
                  [&](const Release&) { stops_.on_release(message, now, out); },
                  [&](const Nack& nack) { on_nack(message, nack, now, out); },
+                 [&](const BridgeEvent& event) { on_bridge(message, event, now, out); },
+                 [&](const BridgeState& state) {
+                   on_bridge(message, state, now, out);
+                   if (!state.up && message.source == robot_.settings.id) status_.on_no_contact(state.detail);
+                 },
                  [&](const Ack&) {},
                  [&](const auto&) {
                    out.count("refused.unexpected");
@@ -31,6 +36,12 @@ void ModeAdapterCore::on(const Inbound& message, Now now, Outbox& out) {
              },
              message.body);
   settle(now, out);
+}
+
+template <class Heard>
+void ModeAdapterCore::on_bridge(const Inbound& message, const Heard& heard, Now now, Outbox& out) {
+  if (message.source != robot_.settings.id) return out.count("refused.not_permitted");
+  robot_.primary().on_bridge(heard, now, robot_.to(robot_.primary(), out));
 }
 
 void ModeAdapterCore::tick(Now now, Outbox& out) {
@@ -57,7 +68,7 @@ void ModeAdapterCore::on_channel_up(Channel channel, Now now, Outbox& out) {
 void ModeAdapterCore::on_channel_down(Channel channel, const std::string& reason, Now now, Outbox& out) {
   const bool was_online = robot_.primary().online();
   robot_.for_each([&](RobotMode& mode) { mode.on_down(channel, reason, now, robot_.to(mode, out)); });
-  const bool own_channel = (channel == Channel::field) != robot_.is_direct(robot_.primary());
+  const bool own_channel = (channel == Channel::field) != robot_.is_native(robot_.primary());
   if (!was_online && own_channel) status_.on_no_contact(std::string(name_of(channel)) + ": " + reason);
   settle(now, out);
 }

@@ -41,6 +41,9 @@ class ModeAdapterCore : public Core {
   std::optional<Token> wait_or_answer(Askers& askers, const Inbound& message, const Opaque& body, RobotMode& mode,
                                       Now now, Outbox& out);
 
+  template <class Heard>
+  void on_bridge(const Inbound& message, const Heard& heard, Now now, Outbox& out);
+
   // who may command it: control.cpp
   void execute(const Inbound& message, const Execute& order, Now now, Outbox& out);
   [[nodiscard]] std::optional<Error> barred(const Holder& by, bool take, Now now) const;

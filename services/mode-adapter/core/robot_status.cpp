@@ -11,7 +11,7 @@ RobotStatus::RobotStatus(const Settings& settings) : settings_(settings) {
   const Description& description = settings.description;
   profile_.framework = settings.framework;
   profile_.mode = std::string(name_of(settings.mode));
-  profile_.transport = settings.mode == Mode::direct ? settings.commands.transport : "lines";
+  profile_.transport = settings.commands.transport;
   profile_.maker = description.maker;
   profile_.model = description.model;
   profile_.capabilities = description.capabilities;

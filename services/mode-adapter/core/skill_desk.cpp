@@ -11,6 +11,9 @@ namespace {
 
 constexpr std::size_t kMaxReason = 1024;
 constexpr std::size_t kMaxData = 65536;
+// Under which a robot tells where it is; an arm may tell its joints instead.
+constexpr std::string_view kPosition = "position";
+constexpr std::string_view kJoints = "joints";
 /// A monitor's state that is read this long after the command's start is certainly younger than it.
 constexpr Duration kStatePeriod = std::chrono::milliseconds(100);
 
@@ -96,7 +99,7 @@ Status SkillDesk::hand_over(const Execute& order, const Skill& skill, Now now, O
   const Settings& settings = robot_.settings;
   RobotMode& mode = robot_.mode_for(MessageType::command, skill.subtype);
   const bool numeric = settings.description.field_channel.encoding == Encoding::numeric;
-  const CallStyle style = robot_.is_direct(mode) ? CallStyle::json : numeric ? CallStyle::numbers : CallStyle::words;
+  const CallStyle style = robot_.is_native(mode) ? CallStyle::json : numeric ? CallStyle::numbers : CallStyle::words;
   auto call = render_call(skill, order.data, settings.description, settings.places, style);
   if (!call) return call.error();
   if (skill.end.kind == EndKind::acknowledgement && !mode.tells_end(skill.subtype)) {
@@ -162,8 +165,9 @@ void SkillDesk::on_values(const RobotMode* mode, Now now, Outbox& out) {
   const SkillEnd& wanted = running_->skill->end;
   const bool position = wanted.kind == EndKind::position;
   if (!position && wanted.kind != EndKind::state) return;
-  const std::string_view name = position ? std::string_view("joints") : std::string_view(wanted.state);
+  const std::string_view name = position ? kPosition : std::string_view(wanted.state);
   const RobotValue* value = mode->value(name);
+  if (value == nullptr && position) value = mode->value(kJoints);
   if (value == nullptr || value->heard - *running_->under_way_at < kStatePeriod) return;
   if (reached(name, value->numbers)) end(TaskOutcome::finished, {}, {}, now, out);
 }
@@ -182,7 +186,7 @@ bool SkillDesk::reached(std::string_view name, const std::vector<double>& number
     return name == wanted.state && !numbers.empty() && std::abs(numbers.front() - wanted.equals) < 1e-9;
   }
   const auto& target = running_->target;
-  if (wanted.kind != EndKind::position || (name != "joints" && name != "position")) return false;
+  if (wanted.kind != EndKind::position || (name != kJoints && name != kPosition)) return false;
   if (target.empty() || numbers.size() < target.size()) return false;
   for (std::size_t i = 0; i < target.size(); ++i) {
     if (std::abs(numbers[i] - target[i]) > wanted.tolerance) return false;

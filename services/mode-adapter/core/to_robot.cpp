@@ -25,7 +25,7 @@ void ModeAdapterCore::on_command(const Inbound& message, const Opaque& body, Now
   const bool take = (message.flags & kFlagTakeControl) != 0;
   RobotMode& mode = robot_.mode_for(MessageType::command, body.subtype);
   // With no robot on the field channel the command goes nowhere, whoever gives it: that is the cause to be told.
-  const bool nobody_there = !robot_.is_direct(mode) && !mode.online();
+  const bool nobody_there = !robot_.is_native(mode) && !mode.online();
   if (const auto error = barred(by, take || nobody_there, now)) {
     out.count("refused." + std::string(errc_name(error->code)));
     return out.nack(message, *error);
@@ -40,7 +40,7 @@ void ModeAdapterCore::on_command(const Inbound& message, const Opaque& body, Now
 
 void ModeAdapterCore::on_request(const Inbound& message, const Opaque& body, Now now, Outbox& out) {
   RobotMode& mode = robot_.mode_for(MessageType::request, body.subtype);
-  if (robot_.is_direct(mode)) return answer_from_monitor(message, body, mode, now, out);
+  if (mode.answers_from_values()) return answer_from_monitor(message, body, mode, now, out);
   if (requests_.size() >= kMaxRequests) {
     return out.nack(message, fail(Errc::queue_full, "too many requests wait for the robot's answer", "ask less often"));
   }
@@ -66,7 +66,7 @@ std::optional<Token> ModeAdapterCore::wait_or_answer(Askers& askers, const Inbou
 }
 
 Error ModeAdapterCore::explain(const Error& error, std::string_view subtype) const {
-  if (error.code != Errc::no_field_channel || robot_.settings.mode != Mode::direct) return error;
+  if (error.code != Errc::no_field_channel || robot_.settings.commands.transport == "lines") return error;
   const std::string word(subtype);
   return fail(error.code,
               "commands.json has no words for '" + word + "' (" + robot_.settings.framework +

@@ -17,13 +17,16 @@ std::vector<std::string> subtypes() {
           std::string(OutcomeJournaled::kSubtype),
           std::string(AdapterStateRequest::kSubtype),
           std::string(AdapterCountersRequest::kSubtype),
+          std::string(BridgeEvent::kSubtype),
+          std::string(BridgeState::kSubtype),
           std::string(Stop::kSubtype),
           std::string(Release::kSubtype)};
 }
 
 RobotIoSettings io_settings(const NodeConfig& config) {
   RobotIoSettings settings{config.network.robot_address, config.network.tcp_port, config.robot.host, {}, {}};
-  if (config.mode != Mode::direct) return settings;
+  const std::string& transport = config.commands.transport;
+  if (transport == "lines" || transport == "ros") return settings;
   settings.command_port = config.commands.port;
   if (config.commands.monitor) settings.monitor_port = config.commands.monitor->port;
   return settings;

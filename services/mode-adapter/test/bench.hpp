@@ -39,6 +39,7 @@ inline Settings pioneer() {
   settings.id = "pioneer";
   settings.framework = "pioneer";
   settings.mode = Mode::interpreter;
+  settings.commands.transport = "lines";
   settings.instance = kInstance;
   settings.description.capabilities = {"mobile"};
   settings.description.skills = {
@@ -54,6 +55,7 @@ inline Settings ur3() {
   settings.id = "ur3";
   settings.framework = "ur";
   settings.mode = Mode::direct;
+  settings.commands.transport = "tcp-text";
   settings.instance = kInstance;
   settings.description.capabilities = {"grab", "reach"};
   Parameter joints = make_parameter("joints", ParameterType::numbers, "rad");

@@ -20,6 +20,7 @@ class DirectMode : public RobotMode {
   [[nodiscard]] bool knows(MessageType type, std::string_view subtype) const override;
   [[nodiscard]] bool tells_end(std::string_view subtype) const override;
   [[nodiscard]] const RobotValue* value(std::string_view name) const override;
+  [[nodiscard]] bool answers_from_values() const override { return true; }
 
   Result<Progress> hand_over(const Handover& message, Now now, const ModeOut& out) override;
   [[nodiscard]] bool runs(Token token) const override { return track_.holds(token); }

@@ -11,6 +11,7 @@
 
 #include "common/actor/outbox.hpp"
 #include "common/base/time.hpp"
+#include "proto/bodies/bridge.hpp"
 #include "proto/bodies/robot.hpp"
 
 namespace trb::adapter {
@@ -113,6 +114,8 @@ class RobotMode {
   /// True if the robot tells when a command of that subtype is over.
   [[nodiscard]] virtual bool tells_end(std::string_view subtype) const = 0;
   [[nodiscard]] virtual const RobotValue* value(std::string_view name) const = 0;
+  /// True if requests are answered from value(), without asking the robot.
+  [[nodiscard]] virtual bool answers_from_values() const { return false; }
 
   /// Errors: no_field_channel, robot_offline, queue_full, unknown_subtype, bad_value, not_escapable.
   virtual Result<Progress> hand_over(const Handover& message, Now now, const ModeOut& out) = 0;
@@ -133,6 +136,8 @@ class RobotMode {
   virtual void on_up(Channel channel, Now now, const ModeOut& out) = 0;
   virtual void on_down(Channel channel, const std::string& reason, Now now, const ModeOut& out) = 0;
   virtual void on_bytes(Channel channel, BytesView bytes, Now now, const ModeOut& out) = 0;
+  virtual void on_bridge(const BridgeEvent&, Now, const ModeOut&) {}
+  virtual void on_bridge(const BridgeState&, Now, const ModeOut&) {}
   virtual void tick(Now now, const ModeOut& out) = 0;
   [[nodiscard]] virtual std::optional<MonotonicTime> next_deadline() const = 0;
 };

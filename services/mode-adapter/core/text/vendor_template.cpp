@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <charconv>
 
-#include "proto/value.hpp"
 #include "services/mode-adapter/core/text/number_text.hpp"
 #include "services/mode-adapter/core/text/urscript.hpp"
 
@@ -46,6 +45,10 @@ std::vector<std::string> plain_items(BytesView data) {
   return items;
 }
 
+Result<std::string> json_literal(const Value& value) {
+  return dump_json(value);
+}
+
 bool breaks_line(char c) {
   return c == '\r' || c == '\n' || c == '\0';
 }
@@ -74,7 +77,8 @@ VendorTemplate::VendorTemplate(std::string_view text) {
 
 Result<std::string> VendorTemplate::fill(BytesView data, Language language) const {
   if (!has_holes_) return parts_.front().literal;
-  return language == Language::plain ? fill_plain(data) : fill_urscript(data);
+  if (language == Language::plain) return fill_plain(data);
+  return fill_literals(data, language == Language::json ? json_literal : urscript_literal);
 }
 
 Result<std::string> VendorTemplate::fill_plain(BytesView data) const {
@@ -94,7 +98,7 @@ Result<std::string> VendorTemplate::fill_plain(BytesView data) const {
   return out;
 }
 
-Result<std::string> VendorTemplate::fill_urscript(BytesView data) const {
+Result<std::string> VendorTemplate::fill_literals(BytesView data, Literal literal) const {
   const auto json = parse_json(data);
   if (!json) {
     return fail(Errc::bad_value, "the data is no JSON: " + json.error().what,
@@ -106,9 +110,9 @@ Result<std::string> VendorTemplate::fill_urscript(BytesView data) const {
     out += part.literal;
     if (part.hole == kNone) continue;
     if (part.hole >= static_cast<int>(count)) return item_missing(part.hole, count);
-    auto literal = urscript_literal(part.hole == kWhole ? *json : json->list()[static_cast<std::size_t>(part.hole)]);
-    if (!literal) return literal.error();
-    out += *literal;
+    auto text = literal(part.hole == kWhole ? *json : json->list()[static_cast<std::size_t>(part.hole)]);
+    if (!text) return text.error();
+    out += *text;
   }
   return out;
 }

@@ -7,10 +7,11 @@
 
 #include "common/base/bytes.hpp"
 #include "common/base/result.hpp"
+#include "proto/value.hpp"
 
 namespace trb::adapter {
 
-enum class Language : std::uint8_t { plain, urscript };
+enum class Language : std::uint8_t { plain, urscript, json };
 
 class VendorTemplate {
  public:
@@ -28,7 +29,9 @@ class VendorTemplate {
   };
 
   [[nodiscard]] Result<std::string> fill_plain(BytesView data) const;
-  [[nodiscard]] Result<std::string> fill_urscript(BytesView data) const;
+  /// Every filling is a literal of the language, so that no text can end what stands around it.
+  using Literal = Result<std::string> (*)(const Value&);
+  [[nodiscard]] Result<std::string> fill_literals(BytesView data, Literal literal) const;
 
   std::vector<Part> parts_;
   bool has_holes_ = false;

@@ -1,0 +1,72 @@
+// Bodies between a mode-adapter and the process that speaks a foreign middleware for it: trb-MODE-bridge. Both are
+// services of one node.
+#pragma once
+
+#include "proto/field.hpp"
+
+namespace trb {
+
+enum class BridgeAction : std::uint8_t {
+  publish = 0,  ///< say `data` under `name` once; `done` when somebody was there to be given it
+  ask,          ///< the next that is said under `name`: one `value`
+  watch,        ///< from now on what is said under `name`, at most ten times a second: a `value` each
+};
+constexpr auto enum_names(BridgeAction) {
+  return std::array<std::string_view, 3>{"publish", "ask", "watch"};
+}
+
+/// Mode-adapter -> bridge (command). Its end is a BridgeEvent with the same token; a watch ends with the bridge.
+struct BridgeCommand {
+  static constexpr std::string_view kSubtype = "bridge_command";
+  std::uint64_t instance = 0;  ///< of the mode-adapter: another one's commands and watches are over with its first
+  std::uint64_t token = 0;
+  BridgeAction action{};
+  std::string name;                ///< a ROS topic
+  std::string type;                ///< the topic's type; empty: the one that is in use
+  std::string data;                ///< JSON
+  std::vector<std::string> paths;  ///< of a value: the list of these alone, as "pose.position.x"; empty: all of it
+  double timeout_s = 5;
+  static constexpr auto fields() {
+    return std::tuple{field("instance", &BridgeCommand::instance), field("token", &BridgeCommand::token),
+                      field("action", &BridgeCommand::action),     field("name", &BridgeCommand::name),
+                      field("type", &BridgeCommand::type),         field("data", &BridgeCommand::data, 65536),
+                      field("paths", &BridgeCommand::paths, 32),   field("timeout_s", &BridgeCommand::timeout_s)};
+  }
+};
+
+enum class BridgeResult : std::uint8_t { done = 0, value, failed };
+constexpr auto enum_names(BridgeResult) {
+  return std::array<std::string_view, 3>{"done", "value", "failed"};
+}
+
+/// Bridge -> mode-adapter (information).
+struct BridgeEvent {
+  static constexpr std::string_view kSubtype = "bridge_event";
+  std::uint64_t instance = 0;  ///< as in the command
+  std::uint64_t token = 0;
+  BridgeResult result{};
+  std::string data;  ///< of a value: JSON
+  std::string code;  ///< of a failure: an Errc's name
+  std::string what;
+  std::string cure;
+  static constexpr auto fields() {
+    return std::tuple{field("instance", &BridgeEvent::instance), field("token", &BridgeEvent::token),
+                      field("result", &BridgeEvent::result),     field("data", &BridgeEvent::data, 65536),
+                      field("code", &BridgeEvent::code, 32),     field("what", &BridgeEvent::what, 1024),
+                      field("cure", &BridgeEvent::cure, 1024)};
+  }
+};
+
+/// Bridge -> mode-adapter (information), at each change and every second.
+struct BridgeState {
+  static constexpr std::string_view kSubtype = "bridge_state";
+  std::uint64_t connection = 0;  ///< another number: what was under way or watched before is forgotten
+  bool up = false;
+  std::string detail;  ///< why not
+  static constexpr auto fields() {
+    return std::tuple{field("connection", &BridgeState::connection), field("up", &BridgeState::up),
+                      field("detail", &BridgeState::detail)};
+  }
+};
+
+}  // namespace trb

@@ -1,0 +1,178 @@
+// The ros mode: what goes to the bridge, and what its answers mean.
+#include "services/mode-adapter/test/bench.hpp"
+
+using namespace trb;
+using namespace trb::adapter;
+
+namespace {
+
+Settings ridgeback() {
+  Settings settings;
+  settings.id = "ridgeback";
+  settings.framework = "ros";
+  settings.mode = Mode::ros;
+  settings.commands.transport = "ros";
+  settings.instance = kInstance;
+  settings.description.capabilities = {"mobile"};
+  settings.description.skills = {
+      make_skill("go_to", "[{place.x}, {place.y}]", {make_parameter("place", ParameterType::place)})};
+  settings.description.skills[0].end.kind = EndKind::position;
+  settings.description.skills[0].end.target = "place";
+  settings.description.skills[0].end.tolerance = 0.05;
+  settings.places = {{"dock", {1, 2, 0, 0}}};
+  settings.commands.commands = {{"move", "/cmd_vel"},
+                                {"go_to", R"(/goal geometry_msgs/PoseStamped {"pose":{"position":{"x":{0},"y":{1}}}})"},
+                                {"stop", "/cmd_vel {}\n/arm/stop std_msgs/Empty {}"}};
+  settings.commands.requests = {{"position", "/odom pose.pose.position.x pose.pose.position.y"}, {"scan", "/scan"}};
+  return settings;
+}
+
+struct RosBench : Bench {
+  RosBench() : Bench(ridgeback()) { welcome(); }
+
+  void bridge(bool is_up, std::uint64_t connection = 1, const std::string& detail = "") {
+    deliver(MessageType::information, BridgeState{connection, is_up, detail}, "ridgeback");
+  }
+  void tell(std::uint64_t token, BridgeResult result, const std::string& data = "", const std::string& code = "") {
+    deliver(MessageType::information, BridgeEvent{kInstance, token, result, data, code, code.empty() ? "" : "why", ""},
+            "ridgeback");
+  }
+  std::vector<BridgeCommand> asked() {
+    std::vector<BridgeCommand> found;
+    for (const Send& send : told<BridgeCommand>()) found.push_back(std::get<BridgeCommand>(send.body));
+    return found;
+  }
+};
+
+}  // namespace
+
+TEST_CASE("a command is published on the topic that commands.json names, as its sender wrote it") {
+  RosBench bench;
+  bench.bridge(true);
+  bench.asked();
+  const auto id = bench.command("move", "[0.5,0,0,0,0,0.3]");
+  const auto asked = bench.asked();
+  REQUIRE(asked.size() == 1);
+  CHECK(asked[0].action == BridgeAction::publish);
+  CHECK(asked[0].name == "/cmd_vel");
+  CHECK(asked[0].type.empty());
+  CHECK(asked[0].data == "[0.5,0,0,0,0,0.3]");
+  CHECK(bench.answer(id).empty());
+  bench.tell(asked[0].token, BridgeResult::done);
+  CHECK(bench.answer(id) == "ack handed_over");
+}
+
+TEST_CASE("a template's items are JSON, whatever they hold") {
+  RosBench bench;
+  bench.bridge(true);
+  bench.asked();
+  bench.command("go_to", R"([1.5, "\"}, \"x\": {"])");
+  const auto asked = bench.asked();
+  REQUIRE(asked.size() == 1);
+  CHECK(asked[0].type == "geometry_msgs/PoseStamped");
+  CHECK(asked[0].data == R"({"pose":{"position":{"x":1.5,"y":"\"}, \"x\": {"}}})");
+  const auto id = bench.command("move", "hello");
+  CHECK(bench.answer(id) == "nack bad_value");
+}
+
+TEST_CASE("a refusal of the bridge is the sender's answer") {
+  RosBench bench;
+  bench.bridge(true);
+  bench.asked();
+  const auto id = bench.command("move", "[1]");
+  bench.tell(bench.asked().at(0).token, BridgeResult::failed, "", "bad_value");
+  CHECK(bench.answer(id) == "nack bad_value");
+}
+
+TEST_CASE("a request is answered with the topic's next message") {
+  RosBench bench;
+  bench.bridge(true);
+  bench.asked();
+  const auto id = bench.send(MessageType::request, "scan", "");
+  const auto asked = bench.asked();
+  REQUIRE(asked.size() == 1);
+  CHECK(asked[0].action == BridgeAction::ask);
+  CHECK(asked[0].name == "/scan");
+  bench.tell(asked[0].token, BridgeResult::value, R"({"ranges":[1.0]})");
+  CHECK(bench.answer(id) == R"({"ranges":[1.0]})");
+  bench.tell(asked[0].token, BridgeResult::value, "{}");
+  CHECK(bench.answer(id) == R"({"ranges":[1.0]})");
+}
+
+TEST_CASE("a skill that ends at a position is seen to end by the watched topic") {
+  RosBench bench;
+  bench.bridge(true);
+  const auto watched = bench.asked();
+  REQUIRE(watched.size() == 1);
+  CHECK(watched[0].action == BridgeAction::watch);
+  CHECK(watched[0].paths == std::vector<std::string>{"pose.pose.position.x", "pose.pose.position.y"});
+  bench.deliver(MessageType::command, Execute{{"run", "t1", 1, 1}, 1, kInstance, "go_to", R"({"place":"dock"})", 0},
+                "ridgeback");
+  const auto asked = bench.asked();
+  REQUIRE(asked.size() == 1);
+  CHECK(asked[0].data == R"({"pose":{"position":{"x":1,"y":2}}})");
+  bench.tell(asked[0].token, BridgeResult::done);
+  bench.wait(0.2);
+  bench.tell(watched[0].token, BridgeResult::value, "[0.5,1.0]");
+  CHECK(bench.told<Outcome>().empty());
+  bench.wait(0.2);
+  bench.tell(watched[0].token, BridgeResult::value, "[1.01,1.99]");
+  CHECK(bench.one<Outcome>().outcome == TaskOutcome::finished);
+}
+
+TEST_CASE("a stop goes to every topic that it names, overtakes what waits, and is answered once all have it") {
+  RosBench bench;
+  bench.bridge(true);
+  bench.asked();
+  const auto waiting = bench.command("move", "[1]");
+  bench.asked();
+  const auto id = bench.deliver(MessageType::command, Stop{"fire"});
+  CHECK(bench.answer(waiting) == "nack fenced");
+  const auto asked = bench.asked();
+  REQUIRE(asked.size() == 2);
+  CHECK(asked[0].data == "{}");
+  CHECK(asked[1].name == "/arm/stop");
+  bench.tell(asked[0].token, BridgeResult::done);
+  CHECK(bench.answer(id).empty());
+  bench.tell(asked[1].token, BridgeResult::done);
+  bench.wait(0.1);
+  CHECK(bench.answer(id) == "ack stopped");
+}
+
+TEST_CASE("without ROS the robot is offline and says why; what was under way is not known") {
+  RosBench bench;
+  bench.bridge(false, 1, "no ROS master at http://10.0.0.9:11311");
+  const auto profiles = bench.told<NodeProfile>();
+  CHECK(std::get<NodeProfile>(profiles.back().body).detail == "no ROS master at http://10.0.0.9:11311");
+  auto id = bench.command("move", "[1]");
+  CHECK(bench.answer(id) == "nack robot_offline");
+  bench.bridge(true);
+  bench.asked();
+  id = bench.command("move", "[1]");
+  CHECK(bench.answer(id).empty());
+  bench.bridge(false, 1, "the ROS master does not answer");
+  CHECK(bench.answer(id) == "nack robot_offline");
+  const auto told = bench.told<RobotConnection>();
+  REQUIRE(told.size() == 1);
+  CHECK(std::get<RobotConnection>(told[0].body).detail == "the ROS master does not answer");
+}
+
+TEST_CASE("a bridge that has started anew, or says nothing for 4 s, has forgotten what was asked") {
+  RosBench bench;
+  bench.bridge(true, 1);
+  bench.asked();
+  auto id = bench.command("move", "[1]");
+  bench.asked();
+  bench.bridge(true, 2);
+  CHECK(bench.answer(id) == "nack robot_offline");
+  CHECK(bench.asked().size() == 1);  // watches again
+  id = bench.command("move", "[1]");
+  bench.wait(5);
+  CHECK(bench.answer(id) == "nack robot_offline");
+}
+
+TEST_CASE("another node cannot play the bridge") {
+  RosBench bench;
+  bench.deliver(MessageType::information, BridgeState{1, true, ""}, "ur3");
+  CHECK(bench.answer(bench.command("move", "[1]")) == "nack robot_offline");
+}

@@ -1,0 +1,59 @@
+#include "services/ros-bridge/io/start.hpp"
+
+#include <unistd.h>
+
+#include <array>
+#include <cstdio>
+
+#include "common/config/node_config.hpp"
+#include "services/ros-bridge/io/message_files.hpp"
+#include "services/ros-bridge/io/worker_process.hpp"
+
+namespace trb::ros {
+namespace {
+
+constexpr std::uint16_t kMasterPort = 11311;
+
+int complain(const std::string& text) {
+  std::fprintf(stderr, "%s\n", text.c_str());
+  return 1;
+}
+
+/// The folder of this program, where the worker is too.
+std::string program_dir() {
+  std::array<char, 4096> path{};
+  const ssize_t size = ::readlink("/proc/self/exe", path.data(), path.size());
+  const std::string program(path.data(), size > 0 ? static_cast<std::size_t>(size) : 0);
+  return program.substr(0, program.rfind('/'));
+}
+
+/// A ROS name: letters, digits, underscores.
+std::string node_name(const std::string& id) {
+  std::string name = "trb_" + id;
+  for (char& c : name) {
+    if (c == '-' || c == '.') c = '_';
+  }
+  return name;
+}
+
+}  // namespace
+
+int start(const std::string& node_dir) {
+  const NodeCheck check = check_node_dir(node_dir, true);
+  const NodeConfig& config = check.config;
+  if (!faults_that_stop(check.faults).empty() || config.network.robot_address.empty()) {
+    return complain(to_text(check.faults));
+  }
+  auto service = Service::open({config.dir, "ros-bridge", {std::string(BridgeCommand::kSubtype)}});
+  if (!service) return complain(service.error().text());
+  const std::string master =
+      "http://" + config.robot.host + ":" + std::to_string(config.commands.port.value_or(kMasterPort)) + "/";
+  const std::vector<std::string> folders = {config.dir + "/msg", "/usr/share", "/opt/ros/noetic/share"};
+  BridgeCore core({config.id, master, (*service)->instance()},
+                  [folders](const std::string& type) { return read_message_file(folders, type); });
+  const WorkerProcess worker(
+      **service, core, {program_dir() + "/trb-ros-worker", master, config.network.robot_address, node_name(config.id)});
+  return (*service)->run(core);
+}
+
+}  // namespace trb::ros

@@ -1,0 +1,146 @@
+#include "services/ros-bridge/io/worker_process.hpp"
+
+#include <fcntl.h>
+#include <poll.h>
+#include <sys/prctl.h>
+#include <sys/socket.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <csignal>
+
+#include "common/base/files.hpp"
+
+namespace trb::ros {
+namespace {
+
+constexpr int kInChild = 3;
+constexpr std::size_t kMaxUnsent = 8U << 20U;
+constexpr Duration kPause = std::chrono::seconds(2);
+constexpr Duration kSoon = std::chrono::milliseconds(100);
+constexpr int kMasterIsNew = 3;
+
+[[noreturn]] void become(const std::vector<std::string>& command, int socket) {
+  ::prctl(PR_SET_PDEATHSIG, SIGKILL);
+  sigset_t none;
+  sigemptyset(&none);
+  ::sigprocmask(SIG_SETMASK, &none, nullptr);
+  // ROS writes reports to its standard output.
+  ::dup2(STDERR_FILENO, STDOUT_FILENO);
+  if (socket == kInChild) {
+    ::fcntl(socket, F_SETFD, 0);
+  } else {
+    ::dup2(socket, kInChild);
+  }
+  std::vector<char*> arguments;
+  for (const std::string& word : command) arguments.push_back(const_cast<char*>(word.c_str()));
+  arguments.push_back(nullptr);
+  ::execv(arguments[0], arguments.data());
+  ::_exit(127);
+}
+
+}  // namespace
+
+WorkerProcess::WorkerProcess(Service& service, BridgeCore& core, std::vector<std::string> command)
+    : service_(service), core_(core), command_(std::move(command)) {
+  service_.on_robot([this](const Outbox& outbox) { on_output(outbox); });
+  service_.timer([this] { return pid_ == 0 ? std::optional(start_at_) : std::nullopt; },
+                 [this](Now now) {
+                   if (pid_ == 0 && now.mono >= start_at_) start(now);
+                 });
+}
+
+WorkerProcess::~WorkerProcess() {
+  end();
+}
+
+void WorkerProcess::start(Now now) {
+  if (!file_exists(command_[0])) {
+    return ended("this build has no ROS: " + command_[0] + " is not there; build with -DTRB_WITH_ROS=ON", kPause * 15);
+  }
+  int pair[2];
+  if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, pair) != 0) return ended("no socket for a worker", kPause);
+  pid_ = ::fork();
+  if (pid_ == 0) become(command_, pair[1]);
+  ::close(pair[1]);
+  fd_ = pair[0];
+  if (pid_ < 0) {
+    pid_ = 0;
+    end();
+    return ended("no process for a worker", kPause);
+  }
+  ::fcntl(fd_, F_SETFL, O_NONBLOCK);
+  watch();
+  service_.step([this, now](Now, Outbox& out) { core_.on_worker_started(now, out); });
+}
+
+void WorkerProcess::watch() {
+  const auto events = static_cast<short>(unsent_.empty() ? POLLIN : POLLIN | POLLOUT);
+  service_.watch(fd_, events, [this](short heard) { on_ready(heard); });
+}
+
+void WorkerProcess::on_output(const Outbox& outbox) {
+  for (const RobotWrite& write : outbox.writes) unsent_ += write.bytes;
+  if (fd_ < 0) {
+    unsent_.clear();
+    return;
+  }
+  if (!outbox.closes.empty()) {
+    end();
+    start_at_ = now().mono + kPause;
+    return;
+  }
+  // A worker that reads nothing hangs; the core will see that it says nothing either.
+  if (unsent_.size() > kMaxUnsent) unsent_.clear();
+  if (!outbox.writes.empty()) flush();
+}
+
+void WorkerProcess::flush() {
+  const bool waited = !unsent_.empty();
+  while (!unsent_.empty()) {
+    const ssize_t sent = ::send(fd_, unsent_.data(), unsent_.size(), MSG_NOSIGNAL);
+    if (sent <= 0) break;
+    unsent_.erase(0, static_cast<std::size_t>(sent));
+  }
+  if (waited) watch();
+}
+
+void WorkerProcess::on_ready(short events) {
+  if ((events & POLLOUT) != 0) flush();
+  if ((events & (POLLIN | POLLHUP | POLLERR)) == 0) return;
+  Bytes bytes(65536, '\0');
+  const ssize_t size = ::recv(fd_, bytes.data(), bytes.size(), 0);
+  if (size > 0) {
+    bytes.resize(static_cast<std::size_t>(size));
+    service_.step([this, &bytes](Now now, Outbox& out) { core_.on_worker_bytes(bytes, now, out); });
+    return;
+  }
+  if (size < 0 && (errno == EAGAIN || errno == EINTR)) return;
+  const auto status = end();
+  if (status == kMasterIsNew) return ended("the ROS master was started again", kSoon);
+  ended("the ROS worker has ended" + (status ? " with status " + std::to_string(*status) : std::string()), kPause);
+}
+
+std::optional<int> WorkerProcess::end() {
+  if (fd_ >= 0) {
+    service_.unwatch(fd_);
+    ::close(fd_);
+    fd_ = -1;
+  }
+  unsent_.clear();
+  if (pid_ == 0) return std::nullopt;
+  // One that has ended keeps its status; a stopped one ends, too.
+  ::kill(pid_, SIGKILL);
+  int status = 0;
+  while (::waitpid(pid_, &status, 0) < 0 && errno == EINTR) {
+  }
+  pid_ = 0;
+  return WIFEXITED(status) ? std::optional(WEXITSTATUS(status)) : std::nullopt;
+}
+
+void WorkerProcess::ended(const std::string& reason, Duration pause) {
+  start_at_ = now().mono + pause;
+  service_.step([&](Now now, Outbox& out) { core_.on_worker_ended(reason, now, out); });
+}
+
+}  // namespace trb::ros

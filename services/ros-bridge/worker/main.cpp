@@ -1,0 +1,220 @@
+// trb-ros-worker: the ROS handles of trb-ros-bridge, which starts it, speaks with it through descriptor 3 and kills it
+// when it hangs: a call to a ROS master that has stopped blocks for ever.
+#include <poll.h>
+#include <ros/callback_queue.h>
+#include <ros/ros.h>
+#include <sys/socket.h>
+#include <topic_tools/shape_shifter.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <cstdio>
+#include <map>
+#include <memory>
+#include <string>
+
+#include "services/ros-bridge/core/worker_words.hpp"
+
+namespace trb::ros {
+namespace {
+
+namespace roscpp = ::ros;
+using Clock = std::chrono::steady_clock;
+using std::chrono::milliseconds;
+
+constexpr int kBridge = 3;
+constexpr milliseconds kTurn{5};
+constexpr milliseconds kAlive{500};
+constexpr milliseconds kBetweenMessages{20};
+constexpr int kMasterIsNew = 3;
+
+class Worker {
+ public:
+  explicit Worker(std::string master) : master_(std::move(master)) {}
+
+  int run() {
+    for (;;) {
+      pollfd bridge{kBridge, POLLIN, 0};
+      ::poll(&bridge, 1, static_cast<int>(kTurn.count()));
+      if (bridge.revents != 0 && !hear()) return 0;
+      if (Clock::now() >= next_alive_ && !look_at_master()) return kMasterIsNew;
+      if (!node_) continue;
+      roscpp::getGlobalCallbackQueue()->callAvailable();
+      publish_due();
+    }
+  }
+
+ private:
+  struct Waiting {
+    Bytes token;
+    std::string topic;
+    Bytes wire;
+    Clock::time_point deadline;
+  };
+  struct Publisher {
+    std::string sum;
+    std::string type;
+    topic_tools::ShapeShifter message;
+    roscpp::Publisher publisher;
+  };
+  struct Subscription {
+    roscpp::Subscriber subscriber;
+    Clock::time_point next;
+  };
+  using Heard = roscpp::MessageEvent<topic_tools::ShapeShifter const>;
+
+  static void say(Word word, std::vector<Bytes> parts) {
+    const Bytes bytes = to_bytes({word, std::move(parts)});
+    for (std::size_t sent = 0; sent < bytes.size();) {
+      const ssize_t now = ::send(kBridge, bytes.data() + sent, bytes.size() - sent, MSG_NOSIGNAL);
+      if (now < 0 && errno != EINTR) std::_Exit(0);
+      if (now > 0) sent += static_cast<std::size_t>(now);
+    }
+  }
+  static void refuse(const Bytes& token, std::string_view code, const std::string& what, const std::string& cure) {
+    say(Word::failed, {token, Bytes(code), what, cure});
+  }
+
+  /// False: the bridge is gone.
+  bool hear() {
+    Bytes bytes(65536, '\0');
+    const ssize_t size = ::recv(kBridge, bytes.data(), bytes.size(), MSG_DONTWAIT);
+    if (size <= 0) return size < 0 && (errno == EAGAIN || errno == EINTR);
+    bytes.resize(static_cast<std::size_t>(size));
+    std::vector<WorkerMessage> messages;
+    if (!reader_.add(bytes, messages)) return false;
+    for (const WorkerMessage& message : messages) on(message);
+    return true;
+  }
+
+  void on(const WorkerMessage& message) {
+    // The bridge asks for nothing before it has heard that the master is there.
+    if (!node_) return;
+    const auto& parts = message.parts;
+    if (message.word == Word::look_up) return look_up(parts[0]);
+    if (message.word == Word::publish) return take_publication(parts);
+    if (message.word == Word::subscribe) return subscribe(parts[0]);
+    if (message.word == Word::unsubscribe) subscriptions_.erase(parts[0]);
+  }
+
+  /// False: another master has come up in its place; what is registered with the old one is lost.
+  bool look_at_master() {
+    XmlRpc::XmlRpcValue request;
+    XmlRpc::XmlRpcValue response;
+    XmlRpc::XmlRpcValue pid;
+    request[0] = roscpp::this_node::getName();
+    const bool there = roscpp::master::execute("getPid", request, response, pid, false);
+    next_alive_ = Clock::now() + kAlive;
+    if (!there) {
+      say(Word::alive, {"absent", "no ROS master at " + master_});
+      return true;
+    }
+    const int number = pid;
+    if (node_ && number != pid_) return false;
+    pid_ = number;
+    if (!node_) node_ = std::make_unique<roscpp::NodeHandle>();
+    say(Word::alive, {"up", ""});
+    return true;
+  }
+
+  /// The master's call knows the topics that only have subscribers, too.
+  void look_up(const std::string& topic) const {
+    XmlRpc::XmlRpcValue request;
+    XmlRpc::XmlRpcValue response;
+    XmlRpc::XmlRpcValue types;
+    request[0] = roscpp::this_node::getName();
+    std::string type;
+    if (roscpp::master::execute("getTopicTypes", request, response, types, false)) {
+      const std::string full = roscpp::names::resolve(topic);
+      for (int i = 0; i < types.size(); ++i) {
+        if (std::string(types[i][0]) == full) type = std::string(types[i][1]);
+      }
+    }
+    say(Word::type, {topic, type == "*" ? "" : type});
+  }
+
+  void take_publication(const std::vector<Bytes>& parts) {
+    const std::string& topic = parts[1];
+    Publisher& publisher = publishers_[topic];
+    if (!publisher.publisher || publisher.sum != parts[3]) {
+      publisher.publisher.shutdown();
+      publisher.sum = parts[3];
+      publisher.type = parts[2];
+      publisher.message.morph(parts[3], parts[2], parts[4], "0");
+      publisher.publisher = publisher.message.advertise(*node_, topic, 10);
+    }
+    if (!publisher.publisher) {
+      publishers_.erase(topic);
+      return refuse(parts[0], "robot_error", topic + ": ROS refuses to publish " + parts[2] + " there", "");
+    }
+    waiting_.push_back({parts[0], topic, parts[6], Clock::now() + milliseconds(std::stoll(parts[5]))});
+  }
+
+  /// Connecting takes some 50 ms: what is published before a subscriber is there would be lost.
+  void publish_due() {
+    std::vector<Waiting> still;
+    std::map<std::string, bool> blocked;  // what waits on a topic stays in order
+    for (Waiting& waiting : waiting_) {
+      Publisher& publisher = publishers_.at(waiting.topic);
+      if (!blocked[waiting.topic] && publisher.publisher.getNumSubscribers() > 0) {
+        auto* bytes = reinterpret_cast<std::uint8_t*>(waiting.wire.data());
+        roscpp::serialization::IStream stream(bytes, static_cast<std::uint32_t>(waiting.wire.size()));
+        publisher.message.read(stream);
+        publisher.publisher.publish(publisher.message);
+        say(Word::published, {waiting.token});
+      } else if (Clock::now() >= waiting.deadline) {
+        refuse(waiting.token, "timeout", waiting.topic + ": nobody subscribes to it as " + publisher.type,
+               "start the robot's node; if it runs, compare the sums: rosmsg md5 " + publisher.type + " is " +
+                   publisher.sum + " here");
+      } else {
+        blocked[waiting.topic] = true;
+        still.push_back(std::move(waiting));
+      }
+    }
+    waiting_.swap(still);
+  }
+
+  void subscribe(const std::string& topic) {
+    Subscription& subscription = subscriptions_[topic];
+    subscription.subscriber = node_->subscribe<topic_tools::ShapeShifter const>(
+        topic, 2, boost::function<void(const Heard&)>([this, topic](const Heard& heard) { on_heard(topic, heard); }));
+  }
+
+  void on_heard(const std::string& topic, const Heard& heard) {
+    const auto at = subscriptions_.find(topic);
+    if (at == subscriptions_.end() || Clock::now() < at->second.next) return;
+    at->second.next = Clock::now() + kBetweenMessages;
+    const auto message = heard.getConstMessage();
+    Bytes wire(message->size(), '\0');
+    roscpp::serialization::OStream stream(reinterpret_cast<std::uint8_t*>(wire.data()), message->size());
+    message->write(stream);
+    say(Word::message, {topic, message->getDataType(), message->getMD5Sum(), message->getMessageDefinition(), wire});
+  }
+
+  std::string master_;
+  WorkerReader reader_;
+  std::unique_ptr<roscpp::NodeHandle> node_;
+  int pid_ = 0;
+  Clock::time_point next_alive_;
+  std::map<std::string, Publisher> publishers_;
+  std::map<std::string, Subscription> subscriptions_;
+  std::vector<Waiting> waiting_;
+};
+
+}  // namespace
+}  // namespace trb::ros
+
+int main(int argc, char** argv) {
+  if (argc != 4) {
+    std::fputs("trb-ros-worker is started by trb-ros-bridge\n", stderr);
+    return 2;
+  }
+  try {
+    const ros::M_string remappings{{"__master", argv[1]}, {"__ip", argv[2]}};
+    ros::init(remappings, argv[3], ros::init_options::NoSigintHandler | ros::init_options::NoRosout);
+    return trb::ros::Worker(argv[1]).run();
+  } catch (const std::exception& problem) {
+    std::fprintf(stderr, "trb-ros-worker: %s\n", problem.what());
+    return 1;
+  }
+}

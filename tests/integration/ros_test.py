@@ -1,0 +1,198 @@
+"""The ros mode with a real ROS master and rospy as the other side. Addresses 127.0.140.x and 127.0.141.x."""
+import importlib.util
+import json
+import os
+import pathlib
+import signal
+import socket
+import subprocess
+import unittest
+
+import support
+import trb_fleet
+
+HERE = pathlib.Path(__file__).resolve().parent
+MISSING = [name for name in ("rospy", "rosmaster", "geometry_msgs", "nav_msgs") if importlib.util.find_spec(name) is None]
+WORKER = support.PROGRAMS / "trb-ros-worker"
+
+
+def free_port():
+    with socket.socket() as probe:
+        probe.bind(("", 0))
+        return probe.getsockname()[1]
+
+
+class RosFleet(trb_fleet.Fleet):
+    """One node, whose robot is reached by the ROS master at its robot's address."""
+
+    def __init__(self, root, programs):
+        super().__init__(root, programs, block=140, robots={"ridgeback": ("ros", "ridgeback", [])}, cloud=False)
+        self.port = free_port()
+        self.env = dict(os.environ, ROS_MASTER_URI=f"http://{self.robot_address('ridgeback')}:{self.port}/",
+                        ROS_IP=self.robot_address("ridgeback"), ROS_HOME=str(self.root / "ros"), PYTHONUNBUFFERED="1")
+        self.master = None
+        self.robot = None
+
+    def node_json(self, node):
+        return dict(super().node_json(node), services=["router", "mode-adapter", "ros-bridge", "scheduler"])
+
+    def make_node(self, node):
+        super().make_node(node)
+        path = self.dir(node) / "commands.json"
+        path.write_text(path.read_text().replace('"ros": {', f'"ros": {{ "port": {self.port},'))
+
+    def start_robot(self, node, *more):
+        """The master and the robot's node are for the tests to start."""
+
+    def start_master(self):
+        log = open(self.root / "rosmaster.log", "ab")
+        self.master = subprocess.Popen(["/usr/bin/rosmaster", "--core", "-p", str(self.port)], env=self.env, stdout=log,
+                                       stderr=log, preexec_fn=trb_fleet.end_with_parent)
+        log.close()
+        self.wait("the ROS master listens", self.master_answers, 15)
+
+    def master_answers(self):
+        with socket.socket() as probe:
+            return probe.connect_ex((self.robot_address("ridgeback"), self.port)) == 0
+
+    def stop_master(self):
+        self.master.send_signal(signal.SIGCONT)
+        self.master.kill()
+        self.master.wait()
+
+    def start_ros_robot(self):
+        self.robot = trb_fleet.Process(["/usr/bin/python3", HERE / "ros_robot.py"], self.root / "ros_robot.log", env=self.env)
+        self.robot.wait_line("ready", 15)
+
+    def stop_ros_robot(self):
+        if self.robot:
+            self.robot.stop(signal.SIGKILL)
+            self.robot = None
+
+    def profile(self):
+        routes = self.json("route", "list", node="ridgeback")["routes"]
+        return next(route for route in routes if route["id"] == "ridgeback")["profile"]
+
+    def wait_robot(self, state, timeout=15):
+        return self.wait(f"the robot is {state}", lambda: self.profile()["robot"] == state, timeout)
+
+    def send(self, *words):
+        return self.trb("send", "ridgeback", *words, node="ridgeback", check=False)
+
+    def stop(self):
+        super().stop()
+        self.stop_ros_robot()
+        if self.master:
+            self.stop_master()
+
+
+@unittest.skipIf(MISSING, f"Debian's packages of {', '.join(MISSING)} are not installed")
+@unittest.skipIf(not WORKER.exists(), "this build has no ROS: trb-ros-worker is not there")
+class Ros(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.fleet = support.make_fleet(cls, RosFleet)
+        cls.fleet.start()
+
+    def setUp(self):
+        if self.fleet.master is None or self.fleet.master.poll() is not None:
+            self.fleet.start_master()
+        self.fleet.master.send_signal(signal.SIGCONT)
+        if self.fleet.robot is None:
+            self.fleet.start_ros_robot()
+        self.fleet.wait_robot("ONLINE")
+
+    def move(self, x):
+        """Sends a speed and waits until rospy has it."""
+        start = len(self.fleet.robot.lines)
+        done = self.fleet.send("command", "move", json.dumps([x, 0, 0, 0, 0, 0.25]))
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.fleet.robot.wait_line("twist " + json.dumps([float(x), 0.0, 0.0, 0.0, 0.0, 0.25]), 5, start)
+
+    def test_a_command_arrives_as_the_message_that_rospy_expects(self):
+        self.move(0.5)
+        start = len(self.fleet.robot.lines)
+        done = self.fleet.send("command", "move", '{"linear":{"x":-1.5},"angular":{"z":0.125}}')
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.fleet.robot.wait_line("twist [-1.5, 0.0, 0.0, 0.0, 0.0, 0.125]", 5, start)
+
+    def test_a_request_is_answered_with_what_rospy_published(self):
+        done = self.fleet.trb("request", "ridgeback", "odometry", node="ridgeback")
+        odometry = json.loads(done.stdout[done.stdout.index("{"):])
+        self.assertEqual(odometry["pose"]["pose"]["position"], {"x": 1.25, "y": -2.5, "z": 0.0})
+        self.assertEqual(odometry["child_frame_id"], "base_link")
+        self.assertEqual(len(odometry["pose"]["covariance"]), 36)
+        done = self.fleet.trb("request", "ridgeback", "position", node="ridgeback")
+        self.assertIn("[1.25,-2.5]", done.stdout)
+
+    def test_a_wrong_message_is_refused_by_its_field(self):
+        for data, reason in (("[1,2]", "2 values, where 6 are needed"),
+                             ('{"linear":{"w":1}}', "linear: w: no field of geometry_msgs/Vector3; it has x, y, z"),
+                             ('{"linear":{"x":"fast"}}', "linear.x: a text, where a number is needed"),
+                             ("fast", "the data is no JSON")):
+            with self.subTest(data):
+                done = self.fleet.send("command", "move", data)
+                self.assertNotEqual(done.returncode, 0)
+                self.assertIn(reason.split(";")[0], done.stderr)
+
+    def test_a_stop_is_the_zero_of_the_topic(self):
+        start = len(self.fleet.robot.lines)
+        self.fleet.trb("stop", "ridgeback", node="ridgeback")
+        self.fleet.robot.wait_line("twist [0.0, 0.0, 0.0, 0.0, 0.0, 0.0]", 5, start)
+        self.assertIn("fenced", self.fleet.send("command", "move", "[1,0,0,0,0,0]").stderr)
+        self.fleet.trb("release", "ridgeback", node="ridgeback")
+        self.move(0.75)
+
+    def pids(self):
+        return {name: self.fleet.pid("ridgeback", name) for name in ("router", "mode-adapter", "ros-bridge", "scheduler")}
+
+    def test_a_killed_master_is_told_of_and_its_successor_is_used_without_a_restart(self):
+        before = self.pids()
+        self.fleet.stop_master()
+        self.fleet.stop_ros_robot()
+        self.fleet.wait_robot("CONNECTION_BROKEN")
+        self.assertIn("no ROS master at", self.fleet.profile()["detail"])
+        self.assertIn("robot_offline", self.fleet.send("command", "move", "[1,0,0,0,0,0]").stderr)
+        self.fleet.start_master()
+        self.fleet.start_ros_robot()
+        self.fleet.wait_robot("ONLINE")
+        self.move(1.0)
+        self.assertEqual(self.pids(), before)
+
+    def test_a_master_that_was_started_again_within_a_moment_is_noticed(self):
+        self.fleet.stop_ros_robot()
+        self.fleet.stop_master()
+        self.fleet.start_master()
+        self.fleet.start_ros_robot()
+        self.fleet.wait("a command arrives", self.arrives, 20)
+
+    def arrives(self):
+        return self.fleet.send("command", "move", "[2,0,0,0,0,0]").returncode == 0
+
+    def test_a_master_that_hangs_is_told_of_and_is_used_again_when_it_goes_on(self):
+        before = self.pids()
+        self.fleet.master.send_signal(signal.SIGSTOP)
+        self.fleet.wait_robot("CONNECTION_BROKEN")
+        self.assertIn("does not answer", self.fleet.profile()["detail"])
+        self.assertEqual(self.fleet.services("ridgeback")["ros-bridge"]["state"], "up")
+        self.fleet.master.send_signal(signal.SIGCONT)
+        self.fleet.wait_robot("ONLINE", 20)
+        self.move(1.5)
+        self.assertEqual(self.pids(), before)
+
+
+@unittest.skipIf(MISSING, f"Debian's packages of {', '.join(MISSING)} are not installed")
+@unittest.skipIf(not WORKER.exists(), "this build has no ROS: trb-ros-worker is not there")
+class Late(unittest.TestCase):
+    def test_a_node_comes_up_before_its_master(self):
+        fleet = support.make_fleet(self, RosFleet)
+        fleet.start()
+        fleet.wait("the reason", lambda: "no ROS master at" in fleet.profile()["detail"], 10)
+        fleet.start_master()
+        fleet.wait_robot("ONLINE")
+        unknown = fleet.send("command", "move", "[1,0,0,0,0,0]")
+        self.assertIn("the ROS master knows no topic /cmd_vel", unknown.stderr)
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=2)
