@@ -168,9 +168,13 @@ class Fleet:
         (folder / "node.json").write_text(json.dumps(self.node_json(node), indent=2) + "\n")
         if node in self.robots:
             (folder / "robots").mkdir()
-            description = f"robots/{self.robots[node][1]}.json"
-            shutil.copy(config / description, folder / description)
+            shutil.copy(self.description(node), folder / "robots")
         self.trb("fleet", "request", folder)
+
+    def description(self, node):
+        """The file, by its name in config/robots or, for the framework "lines", in tests/support/robots."""
+        framework, name, _ = self.robots[node]
+        return (REPO / "tests/support/robots" if framework == "lines" else REPO / "config/robots") / f"{name}.json"
 
     def node_json(self, node):
         if node not in self.robots:

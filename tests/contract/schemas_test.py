@@ -13,12 +13,17 @@ except ImportError:
 
 CONFIG = pathlib.Path(__file__).resolve().parents[2] / "config"
 
+# As the end-to-end tests have them.
+FIELD_ROBOTS = ["conveyor", "drone", "pioneer", "ridgeback", "turtlebot"]
+FIELD = "../tests/support/robots/"
+
 SHIPPED = {
     "network": ["network.json"],
     "profile": ["profile.json"],
     "commands": ["commands.json"],
     "places": ["places.json"],
-    "robot": sorted(path.relative_to(CONFIG) for path in (CONFIG / "robots").glob("*.json")),
+    "robot": sorted(path.relative_to(CONFIG) for path in (CONFIG / "robots").glob("*.json"))
+             + [f"{FIELD}{robot}.json" for robot in FIELD_ROBOTS],
     "scenario": sorted(path.relative_to(CONFIG) for path in (CONFIG / "scenarios").glob("*.json")),
 }
 
@@ -57,14 +62,14 @@ BAD = [
     ("commands", "commands.json", ["ur", "commands", "move"], 1),
     ("places", "places.json", ["places", "dock", "x"], None),
     ("places", "places.json", ["places", "Dock"], {"x": 0, "y": 0}),
-    ("robot", "robots/ridgeback.json", ["skills", "go_to", "end"], None),
-    ("robot", "robots/ridgeback.json", ["skills", "go_to", "end", "kind"], "ready"),
-    ("robot", "robots/ridgeback.json", ["skills", "go_to", "end", "duration_s"], 1),
-    ("robot", "robots/ridgeback.json", ["skills", "go_to", "timeout_s"], 0),
-    ("robot", "robots/ridgeback.json", ["skills", "go_to", "command", "subtype"], "stop"),
-    ("robot", "robots/ridgeback.json", ["skills", "go_to", "parameters", "place", "minimum"], 1),
-    ("robot", "robots/ridgeback.json", ["field_channel", "framing"], "tab"),
-    ("robot", "robots/drone.json", ["skills", "hover", "parameters", "duration", "unit"], "deg"),
+    ("robot", FIELD + "ridgeback.json", ["skills", "go_to", "end"], None),
+    ("robot", FIELD + "ridgeback.json", ["skills", "go_to", "end", "kind"], "ready"),
+    ("robot", FIELD + "ridgeback.json", ["skills", "go_to", "end", "duration_s"], 1),
+    ("robot", FIELD + "ridgeback.json", ["skills", "go_to", "timeout_s"], 0),
+    ("robot", FIELD + "ridgeback.json", ["skills", "go_to", "command", "subtype"], "stop"),
+    ("robot", FIELD + "ridgeback.json", ["skills", "go_to", "parameters", "place", "minimum"], 1),
+    ("robot", FIELD + "ridgeback.json", ["field_channel", "framing"], "tab"),
+    ("robot", FIELD + "drone.json", ["skills", "hover", "parameters", "duration", "unit"], "deg"),
     ("robot", "robots/abb-numeric-example.json", ["field_channel", "chunk_bytes"], 1),
     ("robot", "robots/abb-numeric-example.json", ["field_channel", "codes", "subtypes", "done"], 0),
     ("scenario", "scenarios/paper-nine-tasks.json", ["tasks", 0, "robot"], None),
