@@ -80,6 +80,7 @@ std::vector<Option> options_of(Request& request) {
        [&](auto text) { body.battery = number_option(text, 0, 100); }},
       {"--speed", "N", "skills run N times faster (1)",
        [&](auto text) { settings.speed = number_option(text, 0.001, 100000); }},
+      control_option(settings.control),
       {"--die-with-parent", "", "end when the starting process ends", [&](auto) { request.die_with_parent = true; }},
   };
   for (Option& option : channel_options(settings)) options.push_back(std::move(option));

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 
+#include "services/virtual-robots/support/control.hpp"
 #include "services/virtual-robots/support/text.hpp"
 
 namespace trb::virtual_robots::lines {
@@ -93,14 +94,14 @@ std::optional<Message> parse_say(std::string_view words) {
 }
 
 std::optional<Message> parse_fault(std::string_view words, const Vocabulary& vocabulary) {
-  const std::string_view all = words;
-  const std::string capability(take_word(words));
-  const std::string_view severity = take_word(words);
-  const auto found = std::find(kSeverities.begin(), kSeverities.end(), severity);
-  if (capability.empty() || found == kSeverities.end()) return std::nullopt;
-  if (!vocabulary.numeric) return own_information("fault", unescape_line(all));
-  const auto place = std::to_string(found - kSeverities.begin() + 1);
-  return own_information("fault", number_in_data(vocabulary, capability) + " " + place);
+  const auto order = parse_fault_order(words);
+  if (!order) return std::nullopt;
+  if (!vocabulary.numeric) {
+    return own_information("fault", order->capability + " " + order->severity + " " + order->text);
+  }
+  const auto* const place = std::find(kSeverities.begin(), kSeverities.end(), order->severity);
+  const auto number = std::to_string(place - kSeverities.begin() + 1);
+  return own_information("fault", number_in_data(vocabulary, order->capability) + " " + number);
 }
 
 }  // namespace trb::virtual_robots::lines

@@ -21,7 +21,7 @@ std::string line_of(const SessionEvent& event);
 /** `TYPE SUBTYPE TARGET DATA...`, the target `-` for the own node. */
 std::optional<Message> parse_say(std::string_view words);
 
-/** `CAPABILITY SEVERITY TEXT...`. */
+/** `CAPABILITY [SEVERITY [TEXT...]]`. */
 std::optional<Message> parse_fault(std::string_view words, const Vocabulary& vocabulary);
 
 }  // namespace trb::virtual_robots::lines

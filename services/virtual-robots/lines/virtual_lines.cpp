@@ -15,19 +15,27 @@ constexpr std::size_t kMostHeld = 64;
 }  // namespace
 
 VirtualLines::VirtualLines(const Settings& settings)
-    : settings_(settings), link_(settings.node, settings.source), session_(settings.session), body_(settings.body) {}
+    : settings_(settings),
+      link_(settings.node, settings.source),
+      session_(settings.session),
+      body_(settings.body),
+      control_(settings.control) {}
 
 void VirtualLines::run(const Fd& end) {
   print_line("ready");
+  control_.announce();
   while (!quit_) {
     link_.dial(wall_seconds());
-    std::array<pollfd, 4> polled{pollfd{end.get(), POLLIN, 0}, pollfd{console_.fd(), POLLIN, 0}, poll_entry(),
-                                 pollfd{stdout_to_poll(), POLLOUT, 0}};
+    std::array<pollfd, 5> polled{pollfd{end.get(), POLLIN, 0}, pollfd{console_.fd(), POLLIN, 0}, poll_entry(),
+                                 pollfd{stdout_to_poll(), POLLOUT, 0}, pollfd{control_.fd(), POLLIN, 0}};
     ::poll(polled.data(), polled.size(), poll_timeout(wall_seconds(), next_deadline()));
     if (polled[0].revents != 0) return;
     if (polled[2].revents != 0) serve_link(polled[2].revents);
     if (polled[1].revents != 0) {
       for (const std::string& line : console_.read()) take_console_line(line);
+    }
+    if (polled[4].revents != 0) {
+      for (const std::string& line : control_.read()) take_console_line(line);
     }
     flush_lines();
     step();
@@ -79,6 +87,8 @@ void VirtualLines::take_console_line(const std::string& line) {
     quit_ = true;
     return;
   }
+  // What it had told of once is over for it at once: a fault in the field channel is a mere message.
+  if (order == "clear") return print_line("cleared");
   if (order == "drop") {
     if (link_.state() == Link::State::Up) disconnect("dropped");
     return;

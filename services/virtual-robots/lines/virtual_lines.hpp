@@ -8,6 +8,7 @@
 #include "services/virtual-robots/lines/body.hpp"
 #include "services/virtual-robots/lines/link.hpp"
 #include "services/virtual-robots/lines/session.hpp"
+#include "services/virtual-robots/support/control.hpp"
 #include "services/virtual-robots/support/process.hpp"
 
 namespace trb::virtual_robots::lines {
@@ -19,6 +20,7 @@ struct Settings {
   double slow_read_s = 0;
   SessionSettings session;
   BodySettings body;
+  std::optional<Endpoint> control;
 };
 
 /** Link, session and body in one loop. The session lives in wall time, the body in robot time. */
@@ -50,6 +52,7 @@ class VirtualLines {
   Session session_;
   Body body_;
   StdinLines console_;
+  ControlPort control_;
   std::deque<Message> held_;
   double next_read_ = 0;
   bool quit_ = false;

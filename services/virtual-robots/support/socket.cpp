@@ -41,8 +41,8 @@ void send_without_delay(const Fd& socket) {
   ::setsockopt(socket.get(), IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
 }
 
-Fd new_socket() {
-  Fd socket(::socket(AF_INET, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
+Fd new_socket(int kind = SOCK_STREAM) {
+  Fd socket(::socket(AF_INET, kind | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
   require(static_cast<bool>(socket), "socket");
   return socket;
 }
@@ -92,6 +92,12 @@ Fd listen_on(const Endpoint& where) {
   ::setsockopt(socket.get(), SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
   bind_to(socket, where);
   require(::listen(socket.get(), 16) == 0, "listen");
+  return socket;
+}
+
+Fd bind_datagrams(const Endpoint& where) {
+  Fd socket = new_socket(SOCK_DGRAM);
+  bind_to(socket, where);
   return socket;
 }
 

@@ -37,6 +37,9 @@ std::optional<Endpoint> parse_endpoint(std::string_view text);
 /** A listening, non-blocking socket; port 0 lets the system choose. Throws std::system_error. */
 Fd listen_on(const Endpoint& where);
 
+/** A bound, non-blocking UDP socket; port 0 lets the system choose. Throws std::system_error. */
+Fd bind_datagrams(const Endpoint& where);
+
 std::uint16_t port_of(const Fd& socket);
 
 /** The next client of a listening socket, non-blocking; empty when there is none. */

@@ -10,6 +10,8 @@ namespace {
 
 /** The code of "the robot is not in operation", which is sent with the refusal of a program. */
 constexpr int kNotRunningCode = 100;
+/** Of a fault that is brought about by word; no code of the maker's. */
+constexpr int kInjectedCode = 999;
 
 }  // namespace
 
@@ -51,7 +53,7 @@ bool Controller::take_command(std::string_view line, double now) {
 bool Controller::refuse_when_not_running() {
   if (mode_ == RobotMode::Running && safety_ == SafetyMode::Normal) return false;
   const int reason = safety_ == SafetyMode::Normal ? static_cast<int>(mode_) : 100 + static_cast<int>(safety_);
-  emit(ErrorRaised{kNotRunningCode, reason, "robot_not_running"});
+  emit(ErrorRaised{kNotRunningCode, reason, ErrorLevel::Violation, "robot_not_running"});
   emit(ScriptRefused{{1, 1, "runtime_error_robot_not_running:"}});
   return true;
 }
@@ -62,6 +64,11 @@ void Controller::set_safety(SafetyMode mode, double now) {
   safety_ = mode;
   emit(SafetyChanged{mode});
   if (mode != SafetyMode::Normal) stop_everything(now);
+}
+
+void Controller::raise_error(ErrorLevel level, std::string text, double now) {
+  advance(now);
+  emit(ErrorRaised{kInjectedCode, 0, level, std::move(text)});
 }
 
 void Controller::start(Program program, double now) {

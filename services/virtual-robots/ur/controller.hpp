@@ -21,6 +21,9 @@ class Controller {
   /** What happens outside of the scripts; Normal lifts a stop of either kind. */
   void set_safety(SafetyMode mode, double now);
 
+  /** An error message of the controller's, in its own words; the arm goes on. */
+  void raise_error(ErrorLevel level, std::string text, double now);
+
   /** Carries out everything that is due. */
   void advance(double now);
 

@@ -24,7 +24,7 @@ struct ToPacket {
   Result operator()(const TextSaid& event) const { return text_packet(event.text, time_us); }
   Result operator()(const ScriptRefused& event) const { return exception_packet(event.error, time_us); }
   Result operator()(const ErrorRaised& event) const {
-    return error_packet(event.code, event.argument, event.text, time_us);
+    return error_packet(event.code, event.argument, event.level, event.text, time_us);
   }
   Result operator()(const SafetyChanged& event) const { return safety_packet(event.mode, time_us); }
   Result operator()(const SecondaryRun&) const { return std::nullopt; }
@@ -57,7 +57,8 @@ struct ToLine {
            escape_line(error.text);
   }
   std::string operator()(const ErrorRaised& event) const {
-    return "error C" + std::to_string(event.code) + "A" + std::to_string(event.argument) + " " + event.text;
+    return "error C" + std::to_string(event.code) + "A" + std::to_string(event.argument) + " " +
+           escape_line(event.text);
   }
   std::string operator()(const SafetyChanged& event) const { return "safety " + safety_name(event.mode); }
   std::string operator()(const Stopped&) const { return "stopped"; }

@@ -32,6 +32,7 @@ struct ScriptRefused {
 struct ErrorRaised {
   int code = 0;
   int argument = 0;
+  ErrorLevel level = ErrorLevel::Violation;
   std::string text;
 };
 struct SafetyChanged {

@@ -30,6 +30,7 @@ std::vector<Option> options_of(Request& request) {
        [&](auto text) { settings.port_base = port_base(text); }},
       {"--speed", "N", "robot time runs N times faster (1)",
        [&](auto text) { settings.speed = number_option(text, 0.001, 100000); }},
+      control_option(settings.control),
       {"--start-off", "", "start powered off, not ready to run",
        [&](auto) { settings.mode = ur::RobotMode::PowerOff; }},
       {"--die-with-parent", "", "end when the starting process ends", [&](auto) { request.die_with_parent = true; }},

@@ -105,10 +105,10 @@ std::string safety_packet(SafetyMode mode, std::uint64_t time_us) {
   return bytes.with_length();
 }
 
-std::string error_packet(std::int32_t code, std::int32_t argument, std::string_view text, std::uint64_t time_us) {
-  constexpr std::int32_t kFaultLevel = 3;
+std::string error_packet(std::int32_t code, std::int32_t argument, ErrorLevel level, std::string_view text,
+                         std::uint64_t time_us) {
   Bytes bytes = message(MessageKind::Error, time_us);
-  bytes.i32(code).i32(argument).i32(kFaultLevel).u32(0).u32(0).text(text);
+  bytes.i32(code).i32(argument).i32(static_cast<std::int32_t>(level)).u32(0).u32(0).text(text);
   return bytes.with_length();
 }
 

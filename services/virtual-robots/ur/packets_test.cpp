@@ -102,7 +102,7 @@ TEST_CASE("exception packet: the golden bytes") {
 }
 
 TEST_CASE("error, safety and text packets: the golden bytes") {
-  CHECK(hex(error_packet(100, -1, "x", kTime)) ==
+  CHECK(hex(error_packet(100, -1, ErrorLevel::Violation, "x", kTime)) ==
         "00000024140102030405060708fd0600000064ffffffff00000003000000000000000078");
   CHECK(hex(safety_packet(SafetyMode::ProtectiveStop, kTime)) ==
         "00000020140102030405060708fd0500000000000000000300000000"

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "services/virtual-robots/support/text.hpp"
+
 namespace trb::virtual_robots::ur {
 namespace {
 
@@ -10,16 +12,21 @@ constexpr double kStatePeriod = 0.1;
 }  // namespace
 
 VirtualUr::VirtualUr(const Settings& settings)
-    : speed_(settings.speed), controller_(settings.mode), server_(settings.address, settings.port_base) {}
+    : speed_(settings.speed),
+      controller_(settings.mode),
+      server_(settings.address, settings.port_base),
+      control_(settings.control) {}
 
 void VirtualUr::run(const Fd& end) {
   print_line("ready " + std::to_string(server_.primary_port()) + " " + std::to_string(server_.secondary_port()));
+  control_.announce();
   for (;;) {
-    std::vector<pollfd> polled{{end.get(), POLLIN, 0}, {console_.fd(), POLLIN, 0}, {stdout_to_poll(), POLLOUT, 0}};
+    std::vector<pollfd> polled{
+        {end.get(), POLLIN, 0}, {console_.fd(), POLLIN, 0}, {control_.fd(), POLLIN, 0}, {stdout_to_poll(), POLLOUT, 0}};
     server_.add_to_poll(polled);
     const int found = ::poll(polled.data(), polled.size(), poll_timeout(wall_seconds(), next_deadline()));
     if (polled[0].revents != 0) return;
-    if (found > 0) serve(polled, polled[1].revents != 0);
+    if (found > 0) serve(polled);
     flush_lines();
     controller_.advance(robot_now());
     tell_events();
@@ -27,18 +34,27 @@ void VirtualUr::run(const Fd& end) {
   }
 }
 
-void VirtualUr::serve(const std::vector<pollfd>& polled, bool console_ready) {
+void VirtualUr::serve(const std::vector<pollfd>& polled) {
   for (const std::string& script : server_.serve(polled)) {
     controller_.take(script, robot_now());
     tell_events();
   }
   server_.greet(version_packet() + robot_state_packet(controller_.state(robot_now()), time_us()));
-  if (!console_ready) return;
-  for (const std::string& line : console_.read()) take_console_line(line);
+  if (polled[1].revents != 0) {
+    for (const std::string& line : console_.read()) take_console_line(line);
+  }
+  if (polled[2].revents != 0) {
+    for (const std::string& line : control_.read()) take_console_line(line);
+  }
 }
 
 void VirtualUr::take_console_line(const std::string& line) {
-  if (line == "protective_stop") {
+  std::string_view words = line;
+  const std::string_view order = take_word(words);
+  const auto fault = order == "fault" ? parse_fault_order(words) : std::nullopt;
+  if (fault) {
+    take_fault(*fault);
+  } else if (line == "protective_stop") {
     controller_.set_safety(SafetyMode::ProtectiveStop, robot_now());
   } else if (line == "estop") {
     controller_.set_safety(SafetyMode::EmergencyStop, robot_now());
@@ -47,6 +63,16 @@ void VirtualUr::take_console_line(const std::string& line) {
   } else {
     print_line("unknown_line");
   }
+}
+
+/** An arm's controller knows no capabilities: whatever fails stops the whole arm, or is a mere warning. */
+void VirtualUr::take_fault(const FaultOrder& order) {
+  const bool warning = order.severity == "WARNING";
+  const bool fatal = order.severity == "FATAL";
+  const ErrorLevel level = warning ? ErrorLevel::Warning : fatal ? ErrorLevel::Fault : ErrorLevel::Violation;
+  controller_.raise_error(level, order.text.empty() ? "fault of " + order.capability : order.text, robot_now());
+  if (warning) return;
+  controller_.set_safety(fatal ? SafetyMode::EmergencyStop : SafetyMode::ProtectiveStop, robot_now());
 }
 
 void VirtualUr::tell_events() {

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "services/virtual-robots/support/control.hpp"
 #include "services/virtual-robots/support/process.hpp"
 #include "services/virtual-robots/ur/controller.hpp"
 #include "services/virtual-robots/ur/server.hpp"
@@ -15,6 +16,7 @@ struct Settings {
   std::string address = "127.0.2.2";
   std::optional<std::uint16_t> port_base = 30000;
   double speed = 1.0;
+  std::optional<Endpoint> control;
   RobotMode mode = RobotMode::Running;
 };
 
@@ -27,8 +29,9 @@ class VirtualUr {
   void run(const Fd& end);
 
  private:
-  void serve(const std::vector<pollfd>& polled, bool console_ready);
+  void serve(const std::vector<pollfd>& polled);
   void take_console_line(const std::string& line);
+  void take_fault(const FaultOrder& order);
   void send_state();
   void tell_events();
   double next_deadline() const;
@@ -41,6 +44,7 @@ class VirtualUr {
   Controller controller_;
   Server server_;
   StdinLines console_;
+  ControlPort control_;
 };
 
 }  // namespace trb::virtual_robots::ur
