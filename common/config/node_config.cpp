@@ -3,8 +3,8 @@
 #include <chrono>
 #include <filesystem>
 
-#include "common/base/files.hpp"
 #include "common/config/interfaces.hpp"
+#include "common/config/json_file.hpp"
 #include "common/config/ports.hpp"
 #include "common/config/readers.hpp"
 #include "common/fleet/did_you_mean.hpp"
@@ -52,20 +52,7 @@ class Checker {
 
   /// `cure` is for a file that is not there; an empty one means that it need not be.
   std::optional<Value> load(const std::string& name, const std::string& cure) {
-    const std::string path = (std::filesystem::path(out_.config.dir) / name).string();
-    if (cure.empty() && !file_exists(path)) return std::nullopt;
-    const auto bytes = read_file(path);
-    if (!bytes) {
-      const bool missing = bytes.error().code == Errc::missing;
-      sink(name).add("", missing ? "there is no such file: " + path : bytes.error().what,
-                     missing ? cure : "it must be a readable file of at most 1 MiB");
-      return std::nullopt;
-    }
-    auto json = parse_json(*bytes);
-    if (json) return std::move(*json);
-    const std::string& known_cure = json.error().cure;
-    sink(name).add("", json.error().what, known_cure.empty() ? "make the file simpler" : known_cure);
-    return std::nullopt;
+    return load_json((std::filesystem::path(out_.config.dir) / name).string(), cure, sink(name));
   }
 
   /// A file that only a robot's node needs.

@@ -1,0 +1,23 @@
+#include "common/config/json_file.hpp"
+
+#include "common/base/files.hpp"
+
+namespace trb {
+
+std::optional<Value> load_json(const std::string& path, const std::string& cure, const FileFaults& faults) {
+  if (cure.empty() && !file_exists(path)) return std::nullopt;
+  const auto bytes = read_file(path);
+  if (!bytes) {
+    const bool missing = bytes.error().code == Errc::missing;
+    faults.add("", missing ? "there is no such file: " + path : bytes.error().what,
+               missing ? cure : "it must be a readable file of at most 1 MiB");
+    return std::nullopt;
+  }
+  auto json = parse_json(*bytes);
+  if (json) return std::move(*json);
+  const std::string& known_cure = json.error().cure;
+  faults.add("", json.error().what, known_cure.empty() ? "make the file simpler" : known_cure);
+  return std::nullopt;
+}
+
+}  // namespace trb

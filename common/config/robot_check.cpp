@@ -1,0 +1,167 @@
+#include "common/config/robot_check.hpp"
+
+#include <algorithm>
+#include <filesystem>
+
+#include "common/base/files.hpp"
+#include "common/config/json_file.hpp"
+#include "common/config/readers.hpp"
+#include "common/fleet/did_you_mean.hpp"
+#include "common/fleet/placeholders.hpp"
+
+namespace trb {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Each member function is one file or one question; none stops at a fault.
+class Checker {
+ public:
+  explicit Checker(const RobotFiles& files) : files_(files) {}
+
+  RobotCheck check() && {
+    const auto json = load(files_.description);
+    if (!json) return std::move(out_);
+    out_.description = read_description(*json, files_.description, out_.faults);
+    if (const auto hall = load(find("places.json", files_.places))) {
+      out_.places = read_places(*hall, path_, out_.faults);
+      for (const Skill& skill : out_.description.skills) check_places(skill);
+    }
+    read_words();
+    files_.framework.empty() ? look_for_words() : check_words_of(files_.framework);
+    return std::move(out_);
+  }
+
+ private:
+  FileFaults sink(const std::string& file) { return {file, out_.faults}; }
+
+  /// The file's path; empty if it is not named and not found.
+  std::string find(const std::string& name, const std::string& given) {
+    if (!given.empty()) return given;
+    const fs::path folder = fs::path(files_.description).parent_path();
+    for (const fs::path& beside : {folder / name, folder / ".." / name}) {
+      if (file_exists(beside.string())) return beside.lexically_normal().string();
+    }
+    out_.absent.push_back(name);
+    return {};
+  }
+
+  std::optional<Value> load(const std::string& path) {
+    path_ = path;
+    if (path.empty()) return std::nullopt;
+    return load_json(path, "name a file that is there", sink(path));
+  }
+
+  /// A place whose coordinates are sent needs a pose in the hall.
+  void check_places(const Skill& skill) {
+    for (const Placeholder& used : parse_template(skill.data).placeholders) {
+      if (used.coordinate != "x") continue;
+      for (const Parameter& parameter : skill.parameters) {
+        if (parameter.name == used.name) check_poses(skill, parameter);
+      }
+    }
+  }
+
+  void check_poses(const Skill& skill, const Parameter& parameter) {
+    std::vector<std::string> names = parameter.one_of;
+    if (parameter.preset && parameter.preset->is_text()) names.push_back(parameter.preset->text());
+    std::vector<std::string> known;
+    for (const auto& [name, ignored] : out_.places) known.push_back(name);
+    for (const std::string& name : names) {
+      if (out_.places.contains(name)) continue;
+      std::string key = "skills." + skill.name;
+      key.append(".parameters.").append(parameter.name);
+      sink(files_.description)
+          .add(key, "the coordinates of " + in_quotes(name) + " are sent, and " + path_ + " has no such place",
+               did_you_mean(name, known, "add it there with its pose, or use one of"));
+    }
+  }
+
+  void read_words() {
+    if (const auto json = load(find("profile.json", files_.profile))) profile_ = read_profile(*json, sink(path_));
+    if (const auto json = load(find("commands.json", files_.commands))) words_ = read_commands(*json, sink(path_));
+    commands_path_ = path_;
+  }
+
+  /// What a node of that framework would be told of its words.
+  ConfigFaults faults_of(const std::string& framework, Mode mode, VendorCommands& words) {
+    ConfigFaults faults;
+    if (words.transport.empty()) words.transport = default_transport(mode);
+    NodeConfig node;
+    node.framework = framework;
+    node.mode = mode;
+    node.description = out_.description;
+    node.commands = words;
+    check_transport(node, {commands_path_, faults});
+    return faults;
+  }
+
+  void check_words_of(const std::string& framework) {
+    if (profile_.empty()) return;
+    const auto mode = profile_.find(framework);
+    if (mode == profile_.end()) {
+      sink("--framework")
+          .add("", in_quotes(framework) + " is not in profile.json",
+               did_you_mean(framework, frameworks(), "add it there with its mode, or use one of"));
+      return;
+    }
+    const bool known = words_.contains(framework);
+    VendorCommands words = known ? words_[framework] : VendorCommands();
+    if (!known && mode->second != Mode::interpreter) {
+      if (commands_path_.empty()) return;
+      return sink(commands_path_)
+          .add(framework, "is missing: this mode needs the vendor's words",
+               "add \"" + framework + R"(": {"port": …, "commands": {"stop": …}})");
+    }
+    const ConfigFaults faults = faults_of(framework, mode->second, words);
+    out_.faults.insert(out_.faults.end(), faults.begin(), faults.end());
+    out_.spoken_to.push_back({framework, mode->second, words.transport});
+  }
+
+  std::vector<std::string> frameworks() const {
+    std::vector<std::string> names;
+    for (const auto& [name, ignored] : profile_) names.push_back(name);
+    return names;
+  }
+
+  /// Words of the maker's own fit if they serve every skill and want for nothing; fields fit who is said to speak them.
+  bool fits(const std::string& framework, Mode mode, VendorCommands& words) {
+    const bool well = faults_of(framework, mode, words).empty();
+    if (words.transport == "lines") return out_.description.has_field_channel;
+    const auto served = [&](const Skill& skill) { return words.commands.contains(skill.subtype); };
+    const std::vector<Skill>& skills = out_.description.skills;
+    return well && std::all_of(skills.begin(), skills.end(), served);
+  }
+
+  void look_for_words() {
+    if (profile_.empty() || commands_path_.empty()) return;
+    for (const auto& [framework, mode] : profile_) {
+      const auto at = words_.find(framework);
+      VendorCommands words = at == words_.end() ? VendorCommands() : at->second;
+      if (mode == Mode::none || (at == words_.end() && mode != Mode::interpreter)) continue;
+      if (fits(framework, mode, words)) out_.spoken_to.push_back({framework, mode, words.transport});
+    }
+    if (!out_.spoken_to.empty() || !out_.faults.empty()) return;
+    std::string names;
+    for (const std::string& name : frameworks()) names += (names.empty() ? "" : ", ") + name;
+    sink(files_.description)
+        .add("skills", "no framework of " + commands_path_ + " has the words for all of them",
+             "see what one lacks with --framework NAME (" + names +
+                 R"(), or add "field_channel" for a robot that is programmed to speak fields)");
+  }
+
+  const RobotFiles& files_;
+  RobotCheck out_;
+  Profile profile_;
+  AllCommands words_;
+  std::string path_;  ///< of the file that was loaded last
+  std::string commands_path_;
+};
+
+}  // namespace
+
+RobotCheck check_robot_files(const RobotFiles& files) {
+  return Checker(files).check();
+}
+
+}  // namespace trb

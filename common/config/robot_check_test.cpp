@@ -1,0 +1,107 @@
+// A description checked by itself: which files are looked at, which words fit, and one fault of each kind.
+#include <doctest/doctest.h>
+
+#include "common/config/node_folder.hpp"
+#include "common/config/robot_check.hpp"
+
+using namespace trb;
+
+namespace {
+
+RobotFiles files_of(const NodeFolder& folder, const std::string& framework = "") {
+  return {folder.path() + "/robots/r.json", "", "", "", framework};
+}
+
+ConfigFault only_fault(const RobotFiles& files) {
+  const ConfigFaults faults = check_robot_files(files).faults;
+  REQUIRE_MESSAGE(faults.size() == 1, to_text(faults));
+  CHECK_FALSE(faults[0].cure.empty());
+  return faults[0];
+}
+
+struct Change {
+  std::string file, from, to, key, what;
+};
+
+}  // namespace
+
+TEST_CASE("a good description is told with the frameworks whose words fit") {
+  const NodeFolder folder("ur");
+  const RobotCheck check = check_robot_files(files_of(folder));
+  CHECK_MESSAGE(check.faults.empty(), to_text(check.faults));
+  CHECK(check.absent.empty());
+  CHECK(check.places.contains("dock"));
+  REQUIRE(check.spoken_to.size() == 1);
+  CHECK(check.spoken_to[0].framework == "ur");
+  CHECK(check.spoken_to[0].transport == "tcp-text");
+}
+
+TEST_CASE("a robot that speaks fields is served by the interpreter's frameworks") {
+  const NodeFolder folder("lines");
+  folder.change("robots/r.json", R"("skills")", R"("field_channel": {}, "skills")");
+  folder.change("robots/r.json", R"("command": {"data")", R"("command": {"subtype": "drive", "data")");
+  const RobotCheck check = check_robot_files(files_of(folder));
+  CHECK_MESSAGE(check.faults.empty(), to_text(check.faults));
+  REQUIRE(check.spoken_to.size() == 2);
+  CHECK(check.spoken_to[0].framework == "abb");
+  CHECK(check.spoken_to[1].framework == "lines");
+}
+
+TEST_CASE("files that are not there are not checked, unless they are named") {
+  const NodeFolder folder("ur");
+  folder.remove("places.json");
+  folder.remove("commands.json");
+  CHECK(check_robot_files(files_of(folder)).absent == std::vector<std::string>{"places.json", "commands.json"});
+  RobotFiles named = files_of(folder);
+  named.places = folder.path() + "/hall.json";
+  CHECK(only_fault(named).what.find("no such file") != std::string::npos);
+}
+
+TEST_CASE("one fault of each kind, with its file and key") {
+  const std::string robot = "robots/r.json";
+  const std::vector<Change> changes = {
+      {robot, R"("maker": "m", )", "", "maker", "is missing"},
+      {robot, R"("model": "n")", R"("model": 3)", "model", "whole number"},
+      {robot, R"(["mobile"])", R"(["mobile", "mo bile"])", "capabilities", "no capability"},
+      {robot, R"("capability": "mobile")", R"("capability": "mobil")", "skills.go.capability", "'mobil'"},
+      {robot, R"({"kind": "acknowledgement"})", R"({"kind": "ready"})", "skills.go.end.kind", "'ready'"},
+      {robot, R"("end": {"kind": "acknowledgement"})", R"("repeatable": true)", "skills.go.end", "has no end"},
+      {robot, R"("{place.x}")", R"("{plce.x}")", "skills.go.command.data", "plce"},
+      {robot, R"("type": "place")", R"("type": "place", "one_of": ["dok"])", "skills.go.parameters.place", "'dok'"},
+      {robot, R"("skills")", R"("skils": {}, "skills")", "skils", "no key"},
+      {robot, R"("skills")", R"("frame": {"length_unit": "cm"}, "skills")", "frame.length_unit", "'cm'"},
+      {robot, R"("skills")", R"("field_channel": {"framing": "tab"}, "skills")", "field_channel.framing", "'tab'"},
+      {"commands.json", R"("stop": "stop program", )", "", "ur.commands.stop", "is missing"},
+      {"commands.json", R"json("go": "movej({0}, a={1})", )json", "", "ur.commands.go", "skill 'go' sends it"},
+      {"commands.json", R"("port": 30002, )", "", "ur.port", "is missing"},
+      {"commands.json", R"({data})", R"({date})", "ur.commands.move", "{date} is no placeholder"},
+      {"profile.json", R"("ur": "direct")", R"("ur": "directly")", "ur", "'directly'"},
+      {"places.json", R"("x": 1, )", "", "places.dock.x", "is missing"},
+  };
+  for (const Change& one : changes) {
+    CAPTURE(one.to);
+    const NodeFolder folder("ur");
+    folder.change(one.file, one.from, one.to);
+    const ConfigFaults faults = check_robot_files(files_of(folder, "ur")).faults;
+    REQUIRE_MESSAGE(!faults.empty(), one.key);
+    CHECK_MESSAGE(faults.size() == 1, to_text(faults));
+    CHECK(faults[0].file.ends_with(one.file));
+    CHECK(faults[0].key == one.key);
+    CHECK_MESSAGE(faults[0].what.find(one.what) != std::string::npos, faults[0].what);
+    CHECK_FALSE(faults[0].cure.empty());
+  }
+}
+
+TEST_CASE("a file that is malformed is told with line and column") {
+  const NodeFolder folder("ur");
+  folder.write("robots/r.json", "{\n  \"a\": 1\n  \"b\": 2\n}");
+  CHECK(only_fault(files_of(folder)).what.find("line 3, column 5") != std::string::npos);
+}
+
+TEST_CASE("words that fit nobody, and a framework that is not there") {
+  const NodeFolder folder("ur");
+  folder.change("robots/r.json", R"("command": {"data")", R"("command": {"subtype": "fly", "data")");
+  CHECK(only_fault(files_of(folder)).what.find("no framework of") != std::string::npos);
+  CHECK(only_fault(files_of(folder, "urr")).cure == "did you mean 'ur'?");
+  CHECK(only_fault(files_of(folder, "ur")).key == "ur.commands.fly");
+}
