@@ -81,6 +81,7 @@ void Body::request(const Message& message, double now) {
   std::string data = "unknown";
   if (message.subtype == "position") data = format_pose(pose(now));
   if (message.subtype == "battery") data = format_percent(battery(now));
+  if (message.subtype == "echo") data = message.data;
   emit(Answer{message.subtype, message.peer, data});
 }
 
