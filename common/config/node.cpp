@@ -5,6 +5,7 @@
 #include "common/base/ids.hpp"
 #include "common/config/interfaces.hpp"
 #include "common/config/readers.hpp"
+#include "common/fleet/description_parts.hpp"
 #include "common/fleet/did_you_mean.hpp"
 
 namespace trb {
@@ -72,6 +73,9 @@ void read_robot(ObjectReader& node, NodeConfig& config) {
   ObjectReader reader(*json, "robot", node.faults());
   config.robot.host = reader.text("host", Need::required, 64).value_or("");
   config.robot.interface = reader.text("interface", Need::optional, 64).value_or("");
+  if (const Value* origin = reader.value("origin", Need::optional)) {
+    config.robot.origin = read_pose(*origin, "robot.origin", Need::required, node.faults());
+  }
   reader.refuse_unknown_keys();
   if (config.robot.host.empty() || is_ipv4(config.robot.host)) return;
   node.faults().add("robot.host", in_quotes(config.robot.host) + " is no IPv4 address",
