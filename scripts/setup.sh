@@ -9,7 +9,10 @@ base_packages=(
 )
 
 # ROS 1 as Debian has it: without these the build leaves the ros mode out, and says so.
-ros_packages=(libroscpp-dev libtopic-tools-dev ros-geometry-msgs ros-std-msgs python3-rosmaster)
+ros_packages=(
+  libroscpp-dev libtopic-tools-dev libnav-msgs-dev libsensor-msgs-dev python3-rosmaster
+  ros-actionlib-msgs ros-geometry-msgs ros-std-msgs
+)
 
 install_packages() {
   local missing=()

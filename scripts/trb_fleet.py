@@ -11,6 +11,7 @@ import secrets
 import select
 import shutil
 import signal
+import socket
 import subprocess
 import time
 
@@ -26,6 +27,8 @@ ROBOTS = {
     "conveyor": ("lines", "conveyor", ["--skill", "run=3"]),
 }
 CLOUD = "cloud"
+ROS = ("ros", "ridgeback")  # frameworks that are reached over a ROS master
+CONTROL_PORT = 46000  # where a virtual robot is told to fail
 
 
 def end_with_parent():
@@ -91,6 +94,18 @@ class Process:
         self.log.close()
 
 
+def free_port():
+    """A port that is free on every address."""
+    with socket.socket() as probe:
+        probe.bind(("", 0))
+        return probe.getsockname()[1]
+
+
+def answers(address):
+    with socket.socket() as probe:
+        return probe.connect_ex(address) == 0
+
+
 class Fleet:
     def __init__(self, root, programs, block=1, udp_port=50000, robots=None, speed=1.0, name="demo", cloud=True):
         self.root = pathlib.Path(root)
@@ -103,6 +118,8 @@ class Fleet:
         self.node_names = list(self.robots) + ([CLOUD] if cloud else [])
         self.nodes = {}
         self.virtual = {}
+        self.ros_port = free_port() if self.ros_robots() else None
+        self.ros_master = None
 
     # ---- paths and addresses
 
@@ -164,6 +181,8 @@ class Fleet:
             shutil.copy(config / name, folder / name)
         network = {"UDP_PORT": self.udp_port, "TCP_PORT_EXT": 45000, "TCP_PORT": 40000,
                    "HOST_INT": self.address(node), "VPN_INT": "tun0"}
+        if node in self.ros_robots():
+            self.name_ros_master(folder / "commands.json", self.robots[node][0])
         (folder / "network.json").write_text(json.dumps(network, indent=2) + "\n")
         (folder / "node.json").write_text(json.dumps(self.node_json(node), indent=2) + "\n")
         if node in self.robots:
@@ -180,29 +199,60 @@ class Fleet:
         if node not in self.robots:
             return {"id": node, "role": "cloud", "services": ["router", "scheduler"]}
         framework, description, _ = self.robots[node]
-        return {"id": node, "framework": framework, "description": f"robots/{description}.json",
-                "robot": {"host": self.robot_address(node), "interface": self.address(node)},
-                "services": ["router", "mode-adapter", "scheduler"]}
+        robot = {"host": self.robot_address(node), "interface": self.address(node)}
+        services = ["router", "mode-adapter", "scheduler"]
+        if framework in ROS:
+            robot.update(host=self.ros_address(), namespace=node)
+            services.insert(2, "ros-bridge")
+        return {"id": node, "framework": framework, "description": f"robots/{description}.json", "robot": robot,
+                "services": services}
+
+    # ---- the ROS master, one for all robots that need it
+
+    def ros_robots(self):
+        return [node for node, (framework, *_) in self.robots.items() if framework in ROS]
+
+    def ros_address(self):
+        return self.robot_address(self.ros_robots()[0])
+
+    def ros_uri(self):
+        return f"http://{self.ros_address()}:{self.ros_port}/"
+
+    def name_ros_master(self, path, framework):
+        path.write_text(path.read_text().replace(f'"{framework}": {{', f'"{framework}": {{ "port": {self.ros_port},', 1))
+
+    def start_ros_master(self):
+        env = dict(os.environ, ROS_HOME=str(self.root / "ros"), ROS_IP=self.ros_address())  # binds that address alone
+        self.ros_master = Process(["/usr/bin/rosmaster", "--core", "-p", self.ros_port], self.root / "rosmaster.log", env=env)
+        self.wait("the ROS master listens", lambda: answers((self.ros_address(), self.ros_port)), 15)
 
     # ---- starting and stopping
 
     def start_robot(self, node, *more):
-        framework, _, arguments = self.robots[node]
-        log = self.root / f"robot-{node}.log"
-        if framework == "ur":
-            command = [self.programs / "trb-virtual-ur", "--address", self.robot_address(node)]
-        else:
-            command = [self.programs / "trb-virtual-lines-robot", "--node", f"{self.address(node)}:40000",
-                       "--from", self.robot_address(node), "--name", node, *arguments]
-        command += ["--speed", str(self.speed), "--die-with-parent", *more]
-        self.virtual[node] = Process(command, log, stdin=subprocess.PIPE)
-        self.virtual[node].wait_line("ready", 10)
+        _, _, arguments = self.robots[node]
+        command = [*self.virtual_robot(node), *arguments, "--control", f"{self.robot_address(node)}:{CONTROL_PORT}",
+                   "--speed", self.speed, "--die-with-parent", *more]
+        self.virtual[node] = Process(command, self.root / f"robot-{node}.log", stdin=subprocess.PIPE)
+        self.virtual[node].wait_line("ready", 15)
+
+    def virtual_robot(self, node):
+        """The program that plays the robot, and how it is told its addresses."""
+        framework, address = self.robots[node][0], self.robot_address(node)
+        if framework == "lines":
+            return [self.programs / "trb-virtual-lines-robot", "--node", f"{self.address(node)}:40000", "--from", address,
+                    "--name", node]
+        if framework in ROS:
+            return [self.programs / "trb-virtual-ros-robot", "--master", self.ros_uri(), "--ip", address,
+                    "--namespace", node]
+        return [self.programs / f"trb-virtual-{framework}", "--address", address]
 
     def start_node(self, node):
         log = self.root / f"up-{node}.log"
         self.nodes[node] = Process([self.programs / "trb", "up", self.dir(node), "--die-with-parent"], log)
 
     def start(self):
+        if self.ros_robots():
+            self.start_ros_master()
         for node in self.robots:
             self.start_robot(node)
         for node in self.node_names:
@@ -210,9 +260,12 @@ class Fleet:
         for node in self.node_names:
             self.nodes[node].wait_line("ready", 20)
 
+    def processes(self):
+        return [*self.nodes.values(), *self.virtual.values(), *([self.ros_master] if self.ros_master else [])]
+
     def pump(self):
         """Keeps the children's output flowing."""
-        for process in [*self.nodes.values(), *self.virtual.values()]:
+        for process in self.processes():
             process.pump(0)
 
     def wait(self, what, condition, timeout):
@@ -258,13 +311,14 @@ class Fleet:
         return None
 
     def stop(self):
-        for process in [*self.nodes.values(), *self.virtual.values()]:
+        for process in self.processes():
             if process.child.poll() is None:
                 process.child.send_signal(signal.SIGTERM)
-        for process in [*self.nodes.values(), *self.virtual.values()]:
+        for process in self.processes():
             process.stop()
         self.nodes.clear()
         self.virtual.clear()
+        self.ros_master = None
 
     def __enter__(self):
         return self

@@ -1,4 +1,4 @@
-"""A robot as rospy sees it: prints every Twist on /cmd_vel as JSON, says its odometry ten times a second.
+"""A robot as rospy sees it: prints every Twist on cmd_vel as JSON, says its odometry ten times a second.
 Run with Debian's interpreter, ROS_MASTER_URI and ROS_IP set."""
 import json
 import sys
@@ -20,8 +20,8 @@ def on_twist(twist):
 
 def main():
     rospy.init_node("robot", anonymous=True, disable_signals=True)
-    rospy.Subscriber("/cmd_vel", Twist, on_twist)
-    publisher = rospy.Publisher("/odom", Odometry, queue_size=1)
+    rospy.Subscriber("cmd_vel", Twist, on_twist)
+    publisher = rospy.Publisher("odom", Odometry, queue_size=1)
     odometry = Odometry()
     odometry.child_frame_id = "base_link"
     odometry.pose.pose.position.x = 1.25

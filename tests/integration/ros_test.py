@@ -4,8 +4,6 @@ import json
 import os
 import pathlib
 import signal
-import socket
-import subprocess
 import unittest
 
 import support
@@ -16,49 +14,31 @@ MISSING = [name for name in ("rospy", "rosmaster", "geometry_msgs", "nav_msgs") 
 WORKER = support.PROGRAMS / "trb-ros-worker"
 
 
-def free_port():
-    with socket.socket() as probe:
-        probe.bind(("", 0))
-        return probe.getsockname()[1]
-
-
 class RosFleet(trb_fleet.Fleet):
-    """One node, whose robot is reached by the ROS master at its robot's address."""
+    """One node, whose robot is on a ROS master of the test's; the type of its topic for speeds is found at run time."""
 
     def __init__(self, root, programs):
-        super().__init__(root, programs, block=140, robots={"ridgeback": ("ros", "ridgeback", [])}, cloud=False)
-        self.port = free_port()
-        self.env = dict(os.environ, ROS_MASTER_URI=f"http://{self.robot_address('ridgeback')}:{self.port}/",
-                        ROS_IP=self.robot_address("ridgeback"), ROS_HOME=str(self.root / "ros"), PYTHONUNBUFFERED="1")
-        self.master = None
+        super().__init__(root, programs, block=140, robots={"ridgeback": ("ros", "turtlebot", [])}, cloud=False)
+        self.env = dict(os.environ, ROS_MASTER_URI=self.ros_uri(), ROS_IP=self.robot_address("ridgeback"),
+                        ROS_NAMESPACE="ridgeback", ROS_HOME=str(self.root / "ros"), PYTHONUNBUFFERED="1")
         self.robot = None
-
-    def node_json(self, node):
-        return dict(super().node_json(node), services=["router", "mode-adapter", "ros-bridge", "scheduler"])
 
     def make_node(self, node):
         super().make_node(node)
         path = self.dir(node) / "commands.json"
-        path.write_text(path.read_text().replace('"ros": {', f'"ros": {{ "port": {self.port},'))
+        words = path.read_text().replace('"cmd_vel geometry_msgs/Twist"', '"cmd_vel"')
+        # A stop is confirmed by all its topics, and rospy's robot has no move_base.
+        path.write_text(words.replace(r"\nmove_base/cancel actionlib_msgs/GoalID {}", ""))
 
-    def start_robot(self, node, *more):
+    def start(self):
         """The master and the robot's node are for the tests to start."""
-
-    def start_master(self):
-        log = open(self.root / "rosmaster.log", "ab")
-        self.master = subprocess.Popen(["/usr/bin/rosmaster", "--core", "-p", str(self.port)], env=self.env, stdout=log,
-                                       stderr=log, preexec_fn=trb_fleet.end_with_parent)
-        log.close()
-        self.wait("the ROS master listens", self.master_answers, 15)
-
-    def master_answers(self):
-        with socket.socket() as probe:
-            return probe.connect_ex((self.robot_address("ridgeback"), self.port)) == 0
+        self.start_node("ridgeback")
+        self.nodes["ridgeback"].wait_line("ready", 20)
 
     def stop_master(self):
-        self.master.send_signal(signal.SIGCONT)
-        self.master.kill()
-        self.master.wait()
+        self.ros_master.child.send_signal(signal.SIGCONT)
+        self.ros_master.stop(signal.SIGKILL)
+        self.ros_master = None
 
     def start_ros_robot(self):
         self.robot = trb_fleet.Process(["/usr/bin/python3", HERE / "ros_robot.py"], self.root / "ros_robot.log", env=self.env)
@@ -80,10 +60,10 @@ class RosFleet(trb_fleet.Fleet):
         return self.trb("send", "ridgeback", *words, node="ridgeback", check=False)
 
     def stop(self):
-        super().stop()
         self.stop_ros_robot()
-        if self.master:
+        if self.ros_master:
             self.stop_master()
+        super().stop()
 
 
 @unittest.skipIf(MISSING, f"Debian's packages of {', '.join(MISSING)} are not installed")
@@ -95,9 +75,9 @@ class Ros(unittest.TestCase):
         cls.fleet.start()
 
     def setUp(self):
-        if self.fleet.master is None or self.fleet.master.poll() is not None:
-            self.fleet.start_master()
-        self.fleet.master.send_signal(signal.SIGCONT)
+        if self.fleet.ros_master is None:
+            self.fleet.start_ros_master()
+        self.fleet.ros_master.child.send_signal(signal.SIGCONT)
         if self.fleet.robot is None:
             self.fleet.start_ros_robot()
         self.fleet.wait_robot("ONLINE")
@@ -153,7 +133,7 @@ class Ros(unittest.TestCase):
         self.fleet.wait_robot("CONNECTION_BROKEN")
         self.assertIn("no ROS master at", self.fleet.profile()["detail"])
         self.assertIn("robot_offline", self.fleet.send("command", "move", "[1,0,0,0,0,0]").stderr)
-        self.fleet.start_master()
+        self.fleet.start_ros_master()
         self.fleet.start_ros_robot()
         self.fleet.wait_robot("ONLINE")
         self.move(1.0)
@@ -162,7 +142,7 @@ class Ros(unittest.TestCase):
     def test_a_master_that_was_started_again_within_a_moment_is_noticed(self):
         self.fleet.stop_ros_robot()
         self.fleet.stop_master()
-        self.fleet.start_master()
+        self.fleet.start_ros_master()
         self.fleet.start_ros_robot()
         self.fleet.wait("a command arrives", self.arrives, 20)
 
@@ -171,11 +151,11 @@ class Ros(unittest.TestCase):
 
     def test_a_master_that_hangs_is_told_of_and_is_used_again_when_it_goes_on(self):
         before = self.pids()
-        self.fleet.master.send_signal(signal.SIGSTOP)
+        self.fleet.ros_master.child.send_signal(signal.SIGSTOP)
         self.fleet.wait_robot("CONNECTION_BROKEN")
         self.assertIn("does not answer", self.fleet.profile()["detail"])
         self.assertEqual(self.fleet.services("ridgeback")["ros-bridge"]["state"], "up")
-        self.fleet.master.send_signal(signal.SIGCONT)
+        self.fleet.ros_master.child.send_signal(signal.SIGCONT)
         self.fleet.wait_robot("ONLINE", 20)
         self.move(1.5)
         self.assertEqual(self.pids(), before)
@@ -188,10 +168,10 @@ class Late(unittest.TestCase):
         fleet = support.make_fleet(self, RosFleet)
         fleet.start()
         fleet.wait("the reason", lambda: "no ROS master at" in fleet.profile()["detail"], 10)
-        fleet.start_master()
+        fleet.start_ros_master()
         fleet.wait_robot("ONLINE")
         unknown = fleet.send("command", "move", "[1,0,0,0,0,0]")
-        self.assertIn("the ROS master knows no topic /cmd_vel", unknown.stderr)
+        self.assertIn("the ROS master knows no topic cmd_vel", unknown.stderr)
 
 
 if __name__ == "__main__":

@@ -1,0 +1,81 @@
+#pragma once
+
+#include <array>
+#include <deque>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace trb::virtual_robots::ros {
+
+/** Metres and radians, in the frame of the map. */
+struct Pose {
+  double x = 0;
+  double y = 0;
+  double yaw = 0;
+};
+
+/** Metres and radians a second, in the robot's own frame. */
+struct Velocity {
+  double x = 0;
+  double y = 0;
+  double turn = 0;
+};
+
+enum class Task { Idle = 0, Working = 1, Failed = 2 };
+
+/**
+ * A mobile base with an arm, without ROS. It is driven by velocities, which hold only for a while, or to goals; the
+ * arm's tasks drive it, too. Every time is robot time in seconds, and never goes back.
+ */
+class Body {
+ public:
+  Body(const Pose& start, double battery_percent) : pose_(start), battery_(battery_percent) {}
+
+  /** Holds until `until`, like a base's time-out for commands; ends a goal. */
+  void drive(const Velocity& velocity, double now, double until);
+  void go_to(const Pose& goal, double now);
+  /** Drives to `from`, takes the box, drives to `to`, puts it down. */
+  void fetch(const Pose& from, const Pose& to, double now);
+  void load_out(double now);
+  /** Stands still; the task, if there is one, has failed. */
+  void cancel(double now);
+  /** Stands, and takes nothing until it is cleared. */
+  void fault(const std::string& text, double now);
+  void clear();
+
+  void advance(double now);
+
+  const Pose& pose() const { return pose_; }
+  const Velocity& velocity() const { return velocity_; }
+  double battery_percent() const { return battery_; }
+  void set_battery(double percent) { battery_ = percent; }
+  Task task() const { return task_; }
+  const std::string& fault_text() const { return fault_; }
+  /** The arm's seven joints in radians: they sway while it works. */
+  std::array<double, 7> joints() const;
+
+ private:
+  struct Leg {
+    double seconds = 0;
+    std::optional<Pose> goal;  // none: it stands and its arm works
+  };
+  void begin_task(std::vector<Leg> legs, double now);
+  void halt();
+  void move(double seconds);
+  void finish_leg(const Leg& leg);
+
+  Pose pose_;
+  Velocity velocity_;
+  double battery_ = 100;
+  double now_ = 0;
+  std::optional<double> driven_until_;
+  std::deque<Leg> legs_;
+  double leg_left_ = 0;
+  bool is_task_ = false;
+  double arm_time_ = 0;
+  Task task_ = Task::Idle;
+  std::string fault_;
+};
+
+}  // namespace trb::virtual_robots::ros

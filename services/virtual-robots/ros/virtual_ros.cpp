@@ -1,0 +1,234 @@
+#include "services/virtual-robots/ros/virtual_ros.hpp"
+
+#include <actionlib_msgs/GoalID.h>
+#include <geometry_msgs/PoseArray.h>
+#include <geometry_msgs/PoseStamped.h>
+#include <geometry_msgs/Twist.h>
+#include <nav_msgs/Odometry.h>
+#include <poll.h>
+#include <ros/callback_queue.h>
+#include <ros/ros.h>
+#include <sensor_msgs/BatteryState.h>
+#include <sensor_msgs/JointState.h>
+#include <std_msgs/Empty.h>
+#include <std_msgs/String.h>
+#include <std_msgs/UInt8.h>
+
+#include <array>
+#include <cmath>
+
+#include "services/virtual-robots/support/control.hpp"
+#include "services/virtual-robots/support/process.hpp"
+#include "services/virtual-robots/support/text.hpp"
+
+namespace trb::virtual_robots::ros {
+namespace {
+
+namespace roscpp = ::ros;
+
+constexpr double kTurn = 0.02;
+constexpr double kStatePeriod = 0.1;
+constexpr double kBatteryPeriod = 1.0;
+constexpr double kDriveHolds = 0.5;  // as the bases' own time-out for commands
+constexpr std::uint32_t kQueue = 10;
+
+Pose pose_of(const geometry_msgs::Pose& pose) {
+  return {pose.position.x, pose.position.y, 2 * std::atan2(pose.orientation.z, pose.orientation.w)};
+}
+
+std::string text_of(const Pose& pose) {
+  return format_fixed(pose.x, 3) + " " + format_fixed(pose.y, 3) + " " + format_fixed(pose.yaw, 3);
+}
+
+class VirtualRos {
+ public:
+  explicit VirtualRos(const Settings& settings)
+      : settings_(settings), body_(settings.start, settings.battery_percent), control_(settings.control) {
+    listen();
+    advertise();
+  }
+
+  void run(const Fd& end) {
+    control_.announce();
+    print_line("ready");
+    while (!quit_) {
+      roscpp::getGlobalCallbackQueue()->callAvailable(roscpp::WallDuration(kTurn));
+      std::array<pollfd, 3> polled{pollfd{end.get(), POLLIN, 0}, pollfd{console_.fd(), POLLIN, 0},
+                                   pollfd{control_.fd(), POLLIN, 0}};
+      ::poll(polled.data(), polled.size(), 0);
+      if (polled[0].revents != 0) return;
+      if (polled[1].revents != 0) {
+        for (const std::string& line : console_.read()) take_line(line);
+      }
+      if (polled[2].revents != 0) {
+        for (const std::string& line : control_.read()) take_line(line);
+      }
+      step();
+      flush_lines();
+    }
+  }
+
+ private:
+  template <class Message, class Handler>
+  void on(const std::string& topic, Handler handler) {
+    subscribers_.push_back(node_.subscribe<Message>(
+        topic, kQueue,
+        boost::function<void(const boost::shared_ptr<const Message>&)>(
+            [handler](const boost::shared_ptr<const Message>& message) { handler(*message); })));
+  }
+
+  void listen() {
+    on<geometry_msgs::Twist>("cmd_vel", [this](const auto& twist) {
+      print_line("twist " + format_fixed(twist.linear.x, 3) + " " + format_fixed(twist.linear.y, 3) + " " +
+                 format_fixed(twist.angular.z, 3));
+      body_.drive({twist.linear.x, twist.linear.y, twist.angular.z}, now(), now() + kDriveHolds * settings_.speed);
+    });
+    on<geometry_msgs::PoseStamped>("move_base_simple/goal", [this](const auto& goal) {
+      print_line("goal " + text_of(pose_of(goal.pose)));
+      body_.go_to(pose_of(goal.pose), now());
+    });
+    on<actionlib_msgs::GoalID>("move_base/cancel", [this](const auto&) { cancel(); });
+    if (!settings_.arm) return;
+    on<geometry_msgs::PoseArray>("task/fetch", [this](const auto& way) {
+      if (way.poses.size() != 2) return print_line("bad_fetch " + std::to_string(way.poses.size()));
+      print_line("fetch " + text_of(pose_of(way.poses[0])) + " " + text_of(pose_of(way.poses[1])));
+      body_.fetch(pose_of(way.poses[0]), pose_of(way.poses[1]), now());
+    });
+    on<std_msgs::Empty>("task/load_out", [this](const auto&) {
+      print_line("load_out");
+      body_.load_out(now());
+    });
+    on<std_msgs::Empty>("task/cancel", [this](const auto&) { cancel(); });
+  }
+
+  void advertise() {
+    odometry_ = node_.advertise<nav_msgs::Odometry>("odom", kQueue);
+    battery_ = node_.advertise<sensor_msgs::BatteryState>("battery", 1, true);
+    error_ = node_.advertise<std_msgs::String>("error", kQueue);
+    if (!settings_.arm) return;
+    joints_ = node_.advertise<sensor_msgs::JointState>("joint_states", kQueue);
+    task_ = node_.advertise<std_msgs::UInt8>("task/state", kQueue);
+  }
+
+  void cancel() {
+    print_line("cancelled");
+    body_.cancel(now());
+  }
+
+  void take_line(const std::string& line) {
+    std::string_view words = line;
+    const std::string_view order = take_word(words);
+    if (order == "quit") {
+      quit_ = true;
+    } else if (order == "clear") {
+      body_.clear();
+    } else if (const auto fault = parse_fault_order(words); order == "fault" && fault) {
+      take_fault(*fault);
+    } else if (const auto percent = parse_number(words); order == "battery" && percent) {
+      body_.set_battery(std::clamp(*percent, 0.0, 100.0));
+    } else {
+      print_line("unknown_line");
+    }
+  }
+
+  /** It stands, unless that is a mere warning, and its error topic says why. */
+  void take_fault(const FaultOrder& order) {
+    const std::string text = order.text.empty() ? order.capability + " failed" : order.text;
+    if (order.severity != "WARNING") body_.fault(text, now());
+    std_msgs::String message;
+    message.data = text;
+    error_.publish(message);
+    print_line("fault " + escape_line(text));
+  }
+
+  void step() {
+    body_.advance(now());
+    if (body_.task() != told_task_) {
+      told_task_ = body_.task();
+      print_line("task " + std::to_string(static_cast<int>(told_task_)));
+      publish_task();
+    }
+    const double at = wall_seconds();
+    if (at >= next_state_) publish_state(at);
+    if (at >= next_battery_) publish_battery(at);
+  }
+
+  void publish_state(double at) {
+    next_state_ = at + kStatePeriod;
+    nav_msgs::Odometry odometry;
+    odometry.header.stamp = roscpp::Time::now();
+    odometry.header.frame_id = "map";
+    odometry.child_frame_id = "base_link";
+    odometry.pose.pose.position.x = body_.pose().x;
+    odometry.pose.pose.position.y = body_.pose().y;
+    odometry.pose.pose.orientation.z = std::sin(body_.pose().yaw / 2);
+    odometry.pose.pose.orientation.w = std::cos(body_.pose().yaw / 2);
+    odometry.twist.twist.linear.x = body_.velocity().x;
+    odometry.twist.twist.linear.y = body_.velocity().y;
+    odometry.twist.twist.angular.z = body_.velocity().turn;
+    odometry_.publish(odometry);
+    if (!settings_.arm) return;
+    publish_task();
+    sensor_msgs::JointState joints;
+    joints.header.stamp = odometry.header.stamp;
+    joints.name = {"right_j0", "right_j1", "right_j2", "right_j3", "right_j4", "right_j5", "right_j6"};
+    const auto angles = body_.joints();
+    joints.position.assign(angles.begin(), angles.end());
+    joints_.publish(joints);
+  }
+
+  void publish_task() {
+    if (!settings_.arm) return;
+    std_msgs::UInt8 task;
+    task.data = static_cast<std::uint8_t>(body_.task());
+    task_.publish(task);
+  }
+
+  void publish_battery(double at) {
+    next_battery_ = at + kBatteryPeriod;
+    sensor_msgs::BatteryState battery;
+    battery.header.stamp = roscpp::Time::now();
+    battery.percentage = static_cast<float>(body_.battery_percent() / 100);
+    battery.present = 1;
+    battery_.publish(battery);
+  }
+
+  double now() const { return (wall_seconds() - begin_) * settings_.speed; }
+
+  Settings settings_;
+  double begin_ = wall_seconds();
+  Body body_;
+  roscpp::NodeHandle node_;
+  std::vector<roscpp::Subscriber> subscribers_;
+  roscpp::Publisher odometry_, battery_, error_, joints_, task_;
+  StdinLines console_;
+  ControlPort control_;
+  Task told_task_ = Task::Idle;
+  double next_state_ = 0;
+  double next_battery_ = 0;
+  bool quit_ = false;
+};
+
+/** False if the end comes first. Without a master NodeHandle's constructor would block for ever. */
+bool wait_for_master(const Fd& end) {
+  bool told = false;
+  while (!roscpp::master::check()) {
+    if (!told) print_line("waits_for_master " + roscpp::master::getURI());
+    told = true;
+    pollfd polled{end.get(), POLLIN, 0};
+    constexpr int kAgain_ms = 200;
+    if (::poll(&polled, 1, kAgain_ms) > 0) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+void run_virtual_ros(const Settings& settings, const Fd& end) {
+  roscpp::M_string names{{"__master", settings.master}, {"__ip", settings.ip}, {"__ns", "/" + settings.name_space}};
+  roscpp::init(names, "robot", roscpp::init_options::NoSigintHandler | roscpp::init_options::NoRosout);
+  if (!wait_for_master(end)) return;
+  VirtualRos(settings).run(end);
+}
+
+}  // namespace trb::virtual_robots::ros

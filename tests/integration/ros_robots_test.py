@@ -1,0 +1,116 @@
+"""Two robots on one ROS master: the virtual Ridgeback with its arm and the TurtleBot, by skills, faults, and rostopic as the
+other side. Addresses 127.0.158.x and 127.0.159.x."""
+import importlib.util
+import json
+import os
+import pathlib
+import shutil
+import subprocess
+import unittest
+
+import support
+import trb_fleet
+
+MISSING = [name for name in ("rosmaster", "geometry_msgs", "nav_msgs") if importlib.util.find_spec(name) is None]
+ROSTOPIC = shutil.which("rostopic", path="/usr/bin")
+ROBOT = support.PROGRAMS / "trb-virtual-ros-robot"
+ROBOTS = {
+    "ridgeback": ("ridgeback", "ridgeback", ["--arm", "--pose", "0,0,0"]),
+    "turtlebot": ("ros", "turtlebot", ["--pose", "3,3,0"]),
+}
+
+
+@unittest.skipIf(MISSING or not ROSTOPIC, "Debian's python3-rosmaster, python3-rostopic, python3-nav-msgs are not all installed")
+@unittest.skipIf(not ROBOT.exists(), "this build has no ROS: trb-virtual-ros-robot is not there")
+class RosRobots(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.fleet = support.make_fleet(cls, block=158, robots=ROBOTS, speed=2.0)
+        cls.fleet.start()
+        cls.fleet.wait_formed(30)
+        cls.env = dict(os.environ, ROS_MASTER_URI=cls.fleet.ros_uri(), ROS_IP="127.0.159.9",
+                       ROS_HOME=str(cls.fleet.root / "ros"), PYTHONUNBUFFERED="1")
+
+    def rostopic(self, *words):
+        child = trb_fleet.Process(["/usr/bin/rostopic", *words], self.fleet.root / "rostopic.log", env=self.env)
+        self.addCleanup(child.stop)
+        return child
+
+    def run_tasks(self, *tasks, expect="FINISHED"):
+        path = self.fleet.root / "scenario.json"
+        path.write_text(json.dumps({"name": "ros", "tasks": list(tasks)}))
+        done = self.fleet.trb("scenario", "run", path, "--watch", "--until-paused", "--timeout", "60",
+                              node="cloud", check=False, timeout=90)
+        view = self.fleet.json("scenario", "watch", "--once", node="cloud", check=False)
+        self.assertEqual(view["state"], expect, done.stdout + done.stderr)
+        return {task["id"]: task for task in view["tasks"]}
+
+    def request(self, robot, what):
+        return json.loads(self.fleet.json("request", robot, what, node="cloud")["data"])
+
+    def test_each_goes_where_it_is_sent_and_says_where_it_is(self):
+        self.run_tasks({"id": "a", "robot": "turtlebot", "skill": "go_to", "data": {"place": "dock"}},
+                       {"id": "b", "robot": "ridgeback", "skill": "go_to", "data": {"place": "ur3_front"}})
+        x, y = self.request("ridgeback", "position")
+        self.assertAlmostEqual(x, 5, delta=0.06)
+        self.assertAlmostEqual(y, 1, delta=0.06)
+        x, y = self.request("turtlebot", "position")
+        self.assertAlmostEqual(x, 0, delta=0.06)
+        self.assertAlmostEqual(y, 0, delta=0.06)
+
+    def test_the_arm_s_tasks_end_as_its_state_says(self):
+        robot = self.fleet.virtual["ridgeback"]
+        start = len(robot.lines)
+        self.run_tasks({"id": "f", "robot": "ridgeback", "skill": "fetch", "data": {"from": "table1", "to": "conveyor_entry"}})
+        line, at = robot.wait_line("fetch", 1, start)
+        self.assertEqual(line, "fetch 2.000 1.000 0.000 3.000 2.000 1.571")
+        self.assertEqual([l for l in robot.lines[start:] if l.startswith("task")], ["task 1", "task 0"])
+        self.assertEqual(len(self.request("ridgeback", "joints")), 7)
+
+    def test_a_task_that_the_robot_gives_up_has_failed(self):
+        robot = self.fleet.virtual["ridgeback"]
+        start = len(robot.lines)
+        path = self.fleet.root / "load.json"
+        path.write_text(json.dumps({"name": "load", "tasks": [{"id": "l", "robot": "ridgeback", "skill": "load_out"}]}))
+        self.fleet.trb("scenario", "run", path, node="cloud")
+        robot.wait_line("load_out", 5, start)
+        robot.say("fault carry CRITICAL gripper lost the box")
+        self.addCleanup(robot.say, "clear")
+
+        def failed():
+            view = self.fleet.json("scenario", "watch", "--once", node="cloud", check=False)
+            return [task for task in view["tasks"] if task["state"] == "FAILED"]
+        self.fleet.wait("the task has failed", failed, 10)
+        self.assertIn("task", failed()[0]["reason"])
+
+    def test_a_stop_reaches_the_base_and_the_arm(self):
+        robot = self.fleet.virtual["ridgeback"]
+        self.addCleanup(self.fleet.trb, "release", "ridgeback", node="cloud")
+        start = len(robot.lines)
+        self.fleet.trb("stop", "ridgeback", node="cloud")
+        robot.wait_line("twist 0.000 0.000 0.000", 5, start)
+        robot.wait_line("cancelled", 5, start)
+
+    def test_rostopic_echo_hears_a_command(self):
+        echo = self.rostopic("echo", "/turtlebot/cmd_vel")
+        self.fleet.wait("the command is heard", lambda: self.heard(echo), 20)
+        text = "\n".join(echo.lines)
+        self.assertIn("linear: \n  x: 0.25", text)
+        self.assertIn("angular: \n  x: 0.0\n  y: 0.0\n  z: -0.5", text)
+
+    def heard(self, echo):
+        self.fleet.trb("send", "turtlebot", "command", "move", '{"linear":{"x":0.25},"angular":{"z":-0.5}}', "--take", node="turtlebot")
+        echo.pump(0.5)
+        return "---" in echo.lines
+
+    def test_rostopic_pub_is_what_a_request_is_answered_with(self):
+        self.rostopic("pub", "-r", "10", "/turtlebot/error", "std_msgs/String", "data: 'wheel \"3\" blocked'")
+
+        def told():
+            done = self.fleet.trb("request", "turtlebot", "error", node="turtlebot", check=False)
+            return r"wheel \"3\" blocked" in done.stdout
+        self.fleet.wait("the answer", told, 20)
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=2)
