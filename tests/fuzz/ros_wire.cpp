@@ -1,0 +1,62 @@
+// What a ROS peer can say: a definition in a connection's header, and a message of it; to JSON and back.
+#include <algorithm>
+
+#include "services/ros-bridge/core/message_codec.hpp"
+#include "tests/fuzz/target.hpp"
+
+namespace trb::fuzz {
+namespace {
+
+using namespace trb::ros;
+
+const std::string kLine(80, '=');
+/// Every kind of field, nested, in arrays of both kinds.
+const std::string kEverything =
+    "bool yes\nint8 a\nuint8 b\nint16 c\nuint16 d\nint32 e\nuint32 f\nint64 g\nuint64 h\nfloat32 i\nfloat64 j\n"
+    "string text\ntime when\nduration long\nuint8[] bytes\nuint8[3] three\nstring[] words\nfloat64[2] pair\n"
+    "Point[] way\nPoint[2] ends\nint32 ONE=1\nstring NAME=a b # c\n" +
+    kLine + "\nMSG: geometry_msgs/Point\nfloat64 x\nfloat64 y\n";
+const std::string kName = "geometry_msgs/Everything";
+constexpr char kBorder = '\0';
+
+void check_message(const RosType& type, BytesView wire) {
+  const auto json = to_json(type, wire);
+  if (!json) return;
+  const auto again = to_wire(type, *json);
+  require(again.ok(), "what was read from the wire can be written again");
+  // A bool on the wire may be any byte that is not 0.
+  const auto second = to_json(type, *again);
+  require(second.ok() && dump_json(*second) == dump_json(*json), "and says the same");
+}
+
+}  // namespace
+
+std::vector<Bytes> seeds() {
+  const auto type = type_from_full_definition(kName, kEverything);
+  require(type.ok(), "the seed's definition is one");
+  const auto zero = to_wire(**type, Value{Value::Object{}});
+  const auto full = parse_json(
+      R"({"yes":true,"a":-1,"h":"18446744073709551615","i":"nan","j":1.5,"text":"ä","when":{"secs":1,"nsecs":2},)"
+      R"("bytes":"AAEC","words":["a",""],"way":[{"x":1,"y":-0.0}]})");
+  const auto wire = to_wire(**type, *full);
+  require(zero.ok() && wire.ok(), "the seeds' messages are some");
+  return {kEverything + kBorder + *zero, kEverything + kBorder + *wire,
+          "float64 x\nfloat64 y" + std::string(1, kBorder) + Bytes(16, '\1'), "string data" + std::string(1, kBorder)};
+}
+
+/// A definition, a zero byte, a message.
+void run(BytesView input) {
+  const std::size_t border = std::min(input.find(kBorder), input.size());
+  const BytesView wire = input.substr(std::min(border + 1, input.size()));
+  const auto given = type_from_full_definition(kName, input.substr(0, border));
+  if (given) {
+    check_message(**given, wire);
+    const auto same = type_from_full_definition(kName, full_definition(**given));
+    require(same.ok() && (*same)->md5 == (*given)->md5, "a type's own definition is its type");
+  }
+  static const auto known = type_from_full_definition(kName, kEverything);
+  check_message(**known, wire);
+  if (const auto json = parse_json(input)) (void)to_wire(**known, *json);
+}
+
+}  // namespace trb::fuzz
