@@ -9,9 +9,11 @@ import subprocess
 import sys
 import time
 
+import fleet_cost
 import trb_fleet
 
 PHASES = ["boot", "identification", "devices", "task", "forward", "sensor", "fail", "upkeep"]
+REST_S = 3.0
 SCENARIO = trb_fleet.REPO / "config" / "scenarios" / "paper-nine-tasks.json"
 
 
@@ -72,6 +74,28 @@ def wait_acknowledged(fleet):
     """The robots' last upkeep (proofs of delivery) may still be under way when the last task has ended."""
     fleet.pump()
     time.sleep(0.5)
+
+
+def cost(fleet):
+    return fleet_cost.sample([process.child.pid for process in fleet.processes()])
+
+
+def cost_at_rest(fleet):
+    """Two samples, some seconds apart, in which nobody asks the fleet for anything."""
+    say(f"\n== at rest: {REST_S:.0f} s")
+    before = cost(fleet)
+    end = time.monotonic() + REST_S
+    while time.monotonic() < end:
+        fleet.pump()
+        time.sleep(0.1)
+    return before, cost(fleet)
+
+
+def report_cost(rows):
+    say("\n== what it costs: memory (shared pages counted once), processor in percent of one core")
+    print_table([["PROCESSES", "NUMBER", "MEMORY", "AT REST", "RUNNING"]]
+                + [[row["group"], row["processes"], f"{row['memory_mb']:.0f} MB", f"{row['rest_percent']:.1f} %",
+                    f"{row['run_percent']:.1f} %"] for row in rows])
 
 
 def report(fleet, view, wall_s):
@@ -160,11 +184,16 @@ def main():
     with trb_fleet.Fleet(root, arguments.programs, block=arguments.block, udp_port=arguments.udp_port,
                          speed=arguments.speed) as fleet:
         start(fleet)
+        rest = cost_at_rest(fleet)
         say(f"\n== the scenario {SCENARIO.relative_to(trb_fleet.REPO)}")
+        before = cost(fleet)
         view = run_scenario(fleet)
-        wall_s = time.monotonic() - began
+        run = before, cost(fleet)
+        wall_s = time.monotonic() - began - REST_S
         wait_acknowledged(fleet)
         result = report(fleet, view, wall_s)
+        result["cost"] = fleet_cost.rows(rest, run)
+        report_cost(result["cost"])
         if arguments.json:
             pathlib.Path(arguments.json).write_text(json.dumps(result, indent=2) + "\n")
         if not arguments.once:
