@@ -174,7 +174,7 @@ void check_ros(const NodeConfig& config, const FileFaults& faults) {
                  "give the skill an end of kind \"position\", \"state\" or \"time\"");
     }
     const bool position = skill.end.kind == EndKind::position;
-    const std::string watched = position ? "position" : skill.end.state;
+    const std::string watched = skill.end.state.empty() ? "position" : skill.end.state;
     if ((position || skill.end.kind == EndKind::state) && !vendor.requests.contains(watched)) {
       faults.add(
           config.framework + ".requests." + watched, "is missing: the end of skill '" + skill.name + "' is seen by it",

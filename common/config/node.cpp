@@ -5,7 +5,6 @@
 #include "common/base/ids.hpp"
 #include "common/config/interfaces.hpp"
 #include "common/config/readers.hpp"
-#include "common/fleet/description_parts.hpp"
 #include "common/fleet/did_you_mean.hpp"
 
 namespace trb {
@@ -73,8 +72,11 @@ void read_robot(ObjectReader& node, NodeConfig& config) {
   ObjectReader reader(*json, "robot", node.faults());
   config.robot.host = reader.text("host", Need::required, 64).value_or("");
   config.robot.interface = reader.text("interface", Need::optional, 64).value_or("");
-  if (const Value* origin = reader.value("origin", Need::optional)) {
-    config.robot.origin = read_pose(*origin, "robot.origin", Need::required, node.faults());
+  config.robot.ros_namespace = reader.text("namespace", Need::optional, 64).value_or("");
+  const std::string& space = config.robot.ros_namespace;
+  if (!space.empty() && (!is_valid_word(space) || space.find('-') != std::string::npos)) {
+    reader.faults().add("robot.namespace", in_quotes(config.robot.ros_namespace) + " is no ROS name",
+                        "use letters, digits and '_', for example ridgeback");
   }
   reader.refuse_unknown_keys();
   if (config.robot.host.empty() || is_ipv4(config.robot.host)) return;

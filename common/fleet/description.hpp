@@ -39,15 +39,18 @@ constexpr auto enum_names(EndKind) {
 
 struct SkillEnd {
   EndKind kind{};
-  std::string state;        ///< kind state: a name that the monitor reports, for example "robot_mode"
-  double equals = 0;        ///< kind state: the value to wait for
-  double tolerance = 0.01;  ///< kind position: how near to the target, in the monitor's unit
-  std::string target;       ///< kind position: the parameter that holds the target
-  double duration_s = 0;    ///< kind time
+  std::string
+      state;  ///< kind state: a name that the monitor reports; kind position: too, empty: "position" or "joints"
+  double equals = 0;                              ///< kind state: the value to wait for
+  double tolerance = 0.01;                        ///< kind position: how near to the target, in the monitor's unit
+  std::string target;                             ///< kind position: the parameter that holds the target
+  double duration_s = 0;                          ///< kind time
+  std::optional<double> fails_at = std::nullopt;  ///< kind state: the value that says that the skill has failed
 };
 
 /// An action already implemented on the robot. It is sent as a command of `subtype` whose data is `data` with its
-/// placeholders filled: {NAME} a parameter, {NAME.x|y|z|yaw} a coordinate of a place in the robot's frame and units.
+/// placeholders filled: {NAME} a parameter, {NAME.x|y|z|yaw} a coordinate of a place in the robot's frame and units,
+/// {NAME.qz|qw} its yaw as a quaternion (ROS REP-103).
 struct Skill {
   std::string name;
   std::string capability;

@@ -27,7 +27,7 @@ std::vector<std::string> parameter_names(const Skill& skill) {
 }
 
 bool is_coordinate(std::string_view text) {
-  return text == "x" || text == "y" || text == "z" || text == "yaw";
+  return text == "x" || text == "y" || text == "z" || text == "yaw" || text == "qz" || text == "qw";
 }
 
 void check_placeholder(const Skill& skill, const Placeholder& placeholder, const std::string& path,
@@ -40,7 +40,7 @@ void check_placeholder(const Skill& skill, const Placeholder& placeholder, const
     faults.add(path, in_quotes(placeholder.name) + " is no place and has no coordinates",
                "use {" + placeholder.name + "}");
   } else if (!placeholder.coordinate.empty() && !is_coordinate(placeholder.coordinate)) {
-    faults.add(path, in_quotes(placeholder.coordinate) + " is no coordinate", "use one of: x, y, z, yaw");
+    faults.add(path, in_quotes(placeholder.coordinate) + " is no coordinate", "use one of: x, y, z, yaw, qz, qw");
   } else if (!parameter->required && !parameter->preset) {
     faults.add(path, "{" + placeholder.name + "} may be left out and has no default",
                "give the parameter a \"default\", or make it required");
@@ -76,6 +76,7 @@ void check_reserved(const Skill& skill, const std::string& path, const FileFault
 
 void read_target(ObjectReader& reader, const Skill& skill, SkillEnd& end) {
   end.target = reader.text("target", Need::required, kMaxIdSize).value_or("");
+  end.state = reader.text("value", Need::optional, kMaxIdSize).value_or("");
   end.tolerance = reader.number("tolerance", Need::optional, {0, 1e6, true}).value_or(end.tolerance);
   if (end.target.empty()) return;
   const Parameter* parameter = find_parameter(skill, end.target);
@@ -107,6 +108,10 @@ void read_end(ObjectReader& skill_reader, Skill& skill) {
   if (*kind == EndKind::state) {
     skill.end.state = reader.text("state", Need::required, kMaxIdSize).value_or("");
     skill.end.equals = reader.number("equals", Need::required).value_or(0);
+    skill.end.fails_at = reader.number("fails_at", Need::optional);
+    if (skill.end.fails_at == skill.end.equals) {
+      reader.faults().add(reader.path("fails_at"), "is \"equals\" again", "give the value that means that it failed");
+    }
   }
   if (*kind == EndKind::position) read_target(reader, skill, skill.end);
   if (*kind == EndKind::time) read_duration(reader, skill, skill.end);

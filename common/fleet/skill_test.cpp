@@ -85,7 +85,7 @@ TEST_CASE("data: placeholders name parameters") {
       kMobile + kEnd + R"(, "parameters": {"place": {"type": "place"}, "speed": {"type": "number"},
     "note": {"type": "text", "required": false}}, "command": {"data": )";
   CHECK(fault_of(start + R"("{plase.x}"})").cure == "did you mean 'place'?");
-  CHECK(fault_of(start + R"("{place.w}"})").cure == "use one of: x, y, z, yaw");
+  CHECK(fault_of(start + R"("{place.w}"})").cure == "use one of: x, y, z, yaw, qz, qw");
   CHECK(fault_of(start + R"("{speed.x}"})").cure == "use {speed}");
   CHECK(fault_of(start + R"("{note}"})").cure.find("default") != std::string::npos);
   for (const char* broken : {R"("{place"})", R"("place}"})", R"("{}"})", R"("{place.}"})", R"("{{place}}"})"}) {
@@ -94,7 +94,7 @@ TEST_CASE("data: placeholders name parameters") {
     REQUIRE_FALSE(faults.empty());
     CHECK(faults[0].key == "skills.go.command.data");
   }
-  CHECK(faults_of("{\"go\": {" + start + R"("{place.x} {place.yaw} at {speed}"}}})").empty());
+  CHECK(faults_of("{\"go\": {" + start + R"("{place.x} {place.yaw} {place.qz} {place.qw} at {speed}"}}})").empty());
 }
 
 TEST_CASE("parameters: types, bounds and defaults") {

@@ -10,12 +10,14 @@ enum class BridgeAction : std::uint8_t {
   publish = 0,  ///< say `data` under `name` once; `done` when somebody was there to be given it
   ask,          ///< the next that is said under `name`: one `value`
   watch,        ///< from now on what is said under `name`, at most ten times a second: a `value` each
+  unwatch,      ///< ends the watch of that token
 };
 constexpr auto enum_names(BridgeAction) {
-  return std::array<std::string_view, 3>{"publish", "ask", "watch"};
+  return std::array<std::string_view, 4>{"publish", "ask", "watch", "unwatch"};
 }
 
-/// Mode-adapter -> bridge (command). Its end is a BridgeEvent with the same token; a watch ends with the bridge.
+/// Mode-adapter -> bridge (command). Its end is a BridgeEvent with the same token; a watch ends with the bridge or with
+/// `unwatch`.
 struct BridgeCommand {
   static constexpr std::string_view kSubtype = "bridge_command";
   std::uint64_t instance = 0;  ///< of the mode-adapter: another one's commands and watches are over with its first

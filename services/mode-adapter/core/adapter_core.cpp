@@ -52,12 +52,14 @@ void ModeAdapterCore::tick(Now now, Outbox& out) {
   desk_.tick(now, out);
   expire(commands_, "the robot did not take it in time", now, out);
   expire(requests_, "the robot did not answer in time", now, out);
+  end_streams(now, out);
   settle(now, out);
 }
 
 std::optional<MonotonicTime> ModeAdapterCore::next_deadline() const {
   const auto askers = earlier(control_.next_deadline(), earlier(commands_.next_deadline(), requests_.next_deadline()));
-  return earlier(earlier(stops_.next_deadline(), desk_.next_deadline()), earlier(robot_.next_deadline(), askers));
+  return earlier(earlier(earlier(stops_.next_deadline(), streams_.next_deadline()), desk_.next_deadline()),
+                 earlier(robot_.next_deadline(), askers));
 }
 
 void ModeAdapterCore::on_channel_up(Channel channel, Now now, Outbox& out) {
@@ -71,10 +73,6 @@ void ModeAdapterCore::on_channel_down(Channel channel, const std::string& reason
   const bool own_channel = (channel == Channel::field) != robot_.is_native(robot_.primary());
   if (!was_online && own_channel) status_.on_no_contact(std::string(name_of(channel)) + ": " + reason);
   settle(now, out);
-}
-
-void ModeAdapterCore::leave(Now now, Outbox& out) {
-  robot_.for_each([&](RobotMode& mode) { mode.leave(now, robot_.to(mode, out)); });
 }
 
 void ModeAdapterCore::on_bytes(Channel channel, BytesView bytes, Now now, Outbox& out) {

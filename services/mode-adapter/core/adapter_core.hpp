@@ -9,6 +9,7 @@
 #include "services/mode-adapter/core/robot_status.hpp"
 #include "services/mode-adapter/core/skill_desk.hpp"
 #include "services/mode-adapter/core/stop_control.hpp"
+#include "services/mode-adapter/core/streams.hpp"
 
 namespace trb::adapter {
 
@@ -25,8 +26,6 @@ class ModeAdapterCore : public Core {
   void on_channel_up(Channel channel, Now now, Outbox& out);
   void on_channel_down(Channel channel, const std::string& reason, Now now, Outbox& out);
   void on_bytes(Channel channel, BytesView bytes, Now now, Outbox& out);
-  /// The process ends.
-  void leave(Now now, Outbox& out);
 
   /// True while no skill runs, so that the process may be replaced.
   [[nodiscard]] bool idle() const { return !desk_.busy(); }
@@ -36,6 +35,8 @@ class ModeAdapterCore : public Core {
   void on_opaque(const Inbound& message, const Opaque& body, Now now, Outbox& out);
   void on_command(const Inbound& message, const Opaque& body, Now now, Outbox& out);
   void on_request(const Inbound& message, const Opaque& body, Now now, Outbox& out);
+  bool begin_stream(const Inbound& message, const Opaque& body, RobotMode& mode, Now now, Outbox& out);
+  void end_streams(Now now, Outbox& out);
   void answer_from_monitor(const Inbound& message, const Opaque& body, RobotMode& mode, Now now, Outbox& out);
   void on_nack(const Inbound& message, const Nack& nack, Now now, Outbox& out);
   void inform(std::string_view subtype, std::string_view source, BytesView data, Now now, Outbox& out);
@@ -76,6 +77,7 @@ class ModeAdapterCore : public Core {
   } commanded_;      ///< the last command that a person has given
   Askers commands_;  ///< until the robot has them
   Askers requests_;  ///< until the robot has answered them
+  Streams streams_;  ///< requests that go on
 };
 
 }  // namespace trb::adapter

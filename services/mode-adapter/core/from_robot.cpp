@@ -30,7 +30,10 @@ void ModeAdapterCore::on_event(RobotMode& mode, const ModeEvent& event, Now now,
                  [&](const Refused& refused) { on_refused(refused, now, out); },
                  [&](const Said& said) { on_said(mode, said, now, out); },
                  [&](const FaultSaid& fault) { on_fault(fault, out); },
-                 [&](const ValuesHeard&) { desk_.on_values(&mode, now, out); },
+                 [&](const ValuesHeard&) {
+                   desk_.on_values(&mode, now, out);
+                   streams_.on_values(mode, now, out);
+                 },
                  [&](const Stopped& stopped) { stops_.on_stopped(&mode, stopped, out); },
                  [&](const Released& released) { stops_.on_released(&mode, released, out); },
                  [&](const LinkUp&) { on_link_up(mode, now, out); },
@@ -87,6 +90,7 @@ void ModeAdapterCore::on_link_up(RobotMode& mode, Now now, Outbox& out) {
 void ModeAdapterCore::on_link_down(RobotMode& mode, const std::string& reason, Now now, Outbox& out) {
   if (&mode == &robot_.primary()) status_.on_down(reason);
   desk_.on_link_down(&mode, reason, now, out);
+  streams_.on_link_down(mode);
   while (const auto asker = requests_.take_any_of(&mode)) {
     out.nack(*asker,
              fail(Errc::robot_offline, "the robot left before it answered: " + reason, "look at the robot's program"));

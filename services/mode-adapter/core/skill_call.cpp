@@ -146,6 +146,9 @@ class Filler {
     if (axis == "x") return Value{here.x};
     if (axis == "y") return Value{here.y};
     if (axis == "z") return Value{here.z};
+    const double half_turn = here.yaw / description_.frame.angle / 2;
+    if (axis == "qz") return Value{std::sin(half_turn)};
+    if (axis == "qw") return Value{std::cos(half_turn)};
     return Value{here.yaw};
   }
 

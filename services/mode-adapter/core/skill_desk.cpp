@@ -14,6 +14,7 @@ constexpr std::size_t kMaxData = 65536;
 // Under which a robot tells where it is; an arm may tell its joints instead.
 constexpr std::string_view kPosition = "position";
 constexpr std::string_view kJoints = "joints";
+constexpr double kSame = 1e-9;
 /// A monitor's state that is read this long after the command's start is certainly younger than it.
 constexpr Duration kStatePeriod = std::chrono::milliseconds(100);
 
@@ -163,13 +164,12 @@ void SkillDesk::on_refused(const Error& error, Now now, Outbox& out) {
 void SkillDesk::on_values(const RobotMode* mode, Now now, Outbox& out) {
   if (!running_ || running_->mode != mode || !running_->under_way_at) return;
   const SkillEnd& wanted = running_->skill->end;
-  const bool position = wanted.kind == EndKind::position;
-  if (!position && wanted.kind != EndKind::state) return;
-  const std::string_view name = position ? kPosition : std::string_view(wanted.state);
+  if (wanted.kind != EndKind::position && wanted.kind != EndKind::state) return;
+  std::string_view name = wanted.state;
+  if (name.empty()) name = mode->value(kPosition) != nullptr ? kPosition : kJoints;
   const RobotValue* value = mode->value(name);
-  if (value == nullptr && position) value = mode->value(kJoints);
   if (value == nullptr || value->heard - *running_->under_way_at < kStatePeriod) return;
-  if (reached(name, value->numbers)) end(TaskOutcome::finished, {}, {}, now, out);
+  look_at(name, value->numbers, now, out);
 }
 
 void SkillDesk::on_information(const RobotMode* mode, std::string_view subtype, BytesView data, Now now, Outbox& out) {
@@ -177,16 +177,26 @@ void SkillDesk::on_information(const RobotMode* mode, std::string_view subtype, 
   const EndKind kind = running_->skill->end.kind;
   if (kind != EndKind::state && kind != EndKind::position) return;
   const auto numbers = read_numbers(data);
-  if (numbers && reached(subtype, *numbers)) end(TaskOutcome::finished, {}, {}, now, out);
+  if (numbers) look_at(subtype, *numbers, now, out);
+}
+
+void SkillDesk::look_at(std::string_view name, const std::vector<double>& numbers, Now now, Outbox& out) {
+  const SkillEnd& wanted = running_->skill->end;
+  const auto& bad = wanted.fails_at;
+  if (bad && name == wanted.state && !numbers.empty() && std::abs(numbers.front() - *bad) < kSame) {
+    return end(TaskOutcome::failed, "the robot's '" + wanted.state + "' says " + number_text(*bad), {}, now, out);
+  }
+  if (reached(name, numbers)) end(TaskOutcome::finished, {}, {}, now, out);
 }
 
 bool SkillDesk::reached(std::string_view name, const std::vector<double>& numbers) const {
   const SkillEnd& wanted = running_->skill->end;
   if (wanted.kind == EndKind::state) {
-    return name == wanted.state && !numbers.empty() && std::abs(numbers.front() - wanted.equals) < 1e-9;
+    return name == wanted.state && !numbers.empty() && std::abs(numbers.front() - wanted.equals) < kSame;
   }
   const auto& target = running_->target;
-  if (wanted.kind != EndKind::position || (name != kJoints && name != kPosition)) return false;
+  const bool is_position = wanted.state.empty() ? name == kJoints || name == kPosition : name == wanted.state;
+  if (wanted.kind != EndKind::position || !is_position) return false;
   if (target.empty() || numbers.size() < target.size()) return false;
   for (std::size_t i = 0; i < target.size(); ++i) {
     if (std::abs(numbers[i] - target[i]) > wanted.tolerance) return false;

@@ -54,6 +54,7 @@ class SkillDesk {
   std::optional<Error> refusal(const Execute& order);
   bool begin(const Inbound& message, const Execute& order, Now now, Outbox& out);
   Status hand_over(const Execute& order, const Skill& skill, Now now, Outbox& out);
+  void look_at(std::string_view name, const std::vector<double>& numbers, Now now, Outbox& out);
   [[nodiscard]] bool reached(std::string_view name, const std::vector<double>& numbers) const;
   [[nodiscard]] std::optional<MonotonicTime> timed_end() const;
   void halt(Now now, Outbox& out);

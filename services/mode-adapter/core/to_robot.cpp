@@ -40,11 +40,30 @@ void ModeAdapterCore::on_command(const Inbound& message, const Opaque& body, Now
 
 void ModeAdapterCore::on_request(const Inbound& message, const Opaque& body, Now now, Outbox& out) {
   RobotMode& mode = robot_.mode_for(MessageType::request, body.subtype);
+  if (robot_.is_native(mode) && !begin_stream(message, body, mode, now, out)) return;
   if (mode.answers_from_values()) return answer_from_monitor(message, body, mode, now, out);
   if (requests_.size() >= kMaxRequests) {
     return out.nack(message, fail(Errc::queue_full, "too many requests wait for the robot's answer", "ask less often"));
   }
   wait_or_answer(requests_, message, body, mode, now, out);
+}
+
+/// A request that asks for a stream is answered like any other; what comes later is information. False: refused.
+bool ModeAdapterCore::begin_stream(const Inbound& message, const Opaque& body, RobotMode& mode, Now now, Outbox& out) {
+  const auto order = read_stream_order(body.data);
+  if (order && *order && !mode.online()) return true;  // its answer says so
+  const Status begun = !order   ? Status(order.error())
+                       : *order ? streams_.add(body.subtype, message.source, mode, **order, now)
+                                : Status(Done{});
+  if (!begun) out.nack(message, begun.error());
+  if (begun && *order && (*order)->for_s > 0) mode.watch(body.subtype, robot_.to(mode, out));
+  return begun.ok();
+}
+
+void ModeAdapterCore::end_streams(Now now, Outbox& out) {
+  for (const std::string& subtype : streams_.take_ended(now)) {
+    robot_.primary().unwatch(subtype, robot_.to(robot_.primary(), out));
+  }
 }
 
 std::optional<Token> ModeAdapterCore::wait_or_answer(Askers& askers, const Inbound& message, const Opaque& body,

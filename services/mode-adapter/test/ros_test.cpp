@@ -28,7 +28,7 @@ Settings ridgeback() {
 }
 
 struct RosBench : Bench {
-  RosBench() : Bench(ridgeback()) { welcome(); }
+  explicit RosBench(Settings settings = ridgeback()) : Bench(std::move(settings)) { welcome(); }
 
   void bridge(bool is_up, std::uint64_t connection = 1, const std::string& detail = "") {
     deliver(MessageType::information, BridgeState{connection, is_up, detail}, "ridgeback");
@@ -118,6 +118,53 @@ TEST_CASE("a skill that ends at a position is seen to end by the watched topic")
   bench.wait(0.2);
   bench.tell(watched[0].token, BridgeResult::value, "[1.01,1.99]");
   CHECK(bench.one<Outcome>().outcome == TaskOutcome::finished);
+}
+
+TEST_CASE("a skill ends as its state says: well at one value, badly at another") {
+  for (const auto& [said, outcome] : {std::pair{"0", TaskOutcome::finished}, {"2", TaskOutcome::failed}}) {
+    Settings settings = ridgeback();
+    settings.description.skills[0].end = {EndKind::state, "task", 0, 0.01, "", 0, 2};
+    settings.commands.requests["task"] = "/task data";
+    RosBench bench(std::move(settings));
+    bench.bridge(true);
+    const auto watched = bench.asked();
+    REQUIRE(watched.size() == 1);
+    CHECK(watched[0].name == "/task");
+    bench.deliver(MessageType::command, Execute{{"run", "t1", 1, 1}, 1, kInstance, "go_to", R"({"place":"dock"})", 0},
+                  "ridgeback");
+    bench.tell(bench.asked().at(0).token, BridgeResult::done);
+    bench.wait(0.2);
+    bench.tell(watched[0].token, BridgeResult::value, "1");
+    CHECK(bench.told<Outcome>().empty());
+    bench.tell(watched[0].token, BridgeResult::value, said);
+    CHECK(bench.one<Outcome>().outcome == outcome);
+  }
+}
+
+TEST_CASE("a request for a stream is answered, and then told again and again until its time is over") {
+  RosBench bench;
+  bench.bridge(true);
+  bench.asked();
+  const auto id = bench.send(MessageType::request, "scan", R"({"stream_s": 2, "every_s": 0.5})");
+  auto asked = bench.asked();
+  REQUIRE(asked.size() == 2);
+  CHECK(asked[0].action == BridgeAction::watch);
+  CHECK(asked[1].action == BridgeAction::ask);
+  bench.tell(asked[1].token, BridgeResult::value, "[1]");
+  CHECK(bench.answer(id) == "[1]");
+  bench.told<Opaque>();
+  std::vector<std::string> told;
+  for (int i = 0; i < 30; ++i) {
+    bench.wait(0.1);
+    bench.tell(asked[0].token, BridgeResult::value, "[" + std::to_string(i) + "]");
+    for (const Send& send : bench.told<Opaque>()) told.push_back(std::get<Opaque>(send.body).data);
+  }
+  CHECK(told == std::vector<std::string>{"[4]", "[9]", "[14]"});
+  const auto after = bench.asked();
+  REQUIRE(after.size() == 1);
+  CHECK(after[0].action == BridgeAction::unwatch);
+  CHECK(after[0].token == asked[0].token);
+  CHECK(bench.answer(bench.send(MessageType::request, "scan", R"({"stream_s": "long"})")) == "nack bad_value");
 }
 
 TEST_CASE("a stop goes to every topic that it names, overtakes what waits, and is answered once all have it") {

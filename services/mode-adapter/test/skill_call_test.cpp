@@ -67,6 +67,8 @@ TEST_CASE("a place: the hall's pose from the robot's origin, in its direction an
   call.description.frame.origin = {1, 1, 1, M_PI / 2};
   CHECK(call.with(R"({"p": "dock"})") == "1000 -2000 0 90");
   CHECK(says(call.with(R"({"p": "moon"})"), "unknown_place: parameter 'p'"));
+  call.skill.data = "{p.qz} {p.qw}";  // a quarter turn, whatever the robot's unit
+  CHECK(call.with(R"({"p": "dock"})") == "0.7071067812 0.7071067812");
 }
 
 TEST_CASE("the robot's own words for a place win; a place without any is called by its name") {

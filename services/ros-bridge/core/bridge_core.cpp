@@ -101,6 +101,7 @@ void BridgeCore::on_command(const BridgeCommand& command, Now now, Outbox& out) 
                       out);
   }
   if (command.action == BridgeAction::publish) return begin_publish(command, now, out);
+  if (command.action == BridgeAction::unwatch) return unwatch(command, now);
   listen(command, now, out);
 }
 
@@ -161,6 +162,14 @@ void BridgeCore::listen(const BridgeCommand& command, Now now, Outbox& out) {
   topic.idle_since.reset();
   topic.listeners.push_back({command.token, command.paths, command.action == BridgeAction::watch,
                              now.mono + patience(command.timeout_s), now.mono});
+}
+
+void BridgeCore::unwatch(const BridgeCommand& command, Now now) {
+  const auto at = topics_.find(command.name);
+  if (at == topics_.end()) return;
+  auto& listeners = at->second.listeners;
+  std::erase_if(listeners, [&](const Listener& listener) { return listener.watch && listener.token == command.token; });
+  if (listeners.empty()) at->second.idle_since = now.mono;
 }
 
 // ---- what the worker says

@@ -65,6 +65,7 @@ class BridgeCore : public Core {
   void begin_publish(const BridgeCommand& command, Now now, Outbox& out);
   void publish(Publication publication, const std::string& type, Now now, Outbox& out);
   void listen(const BridgeCommand& command, Now now, Outbox& out);
+  void unwatch(const BridgeCommand& command, Now now);
   void on_word(const WorkerMessage& message, Now now, Outbox& out);
   void on_alive(bool up, const std::string& detail, Now now, Outbox& out);
   void on_type(const std::string& topic, const std::string& type, Now now, Outbox& out);

@@ -51,8 +51,9 @@ int start(const std::string& node_dir) {
   const std::vector<std::string> folders = {config.dir + "/msg", "/usr/share", "/opt/ros/noetic/share"};
   BridgeCore core({config.id, master, (*service)->instance()},
                   [folders](const std::string& type) { return read_message_file(folders, type); });
-  const WorkerProcess worker(
-      **service, core, {program_dir() + "/trb-ros-worker", master, config.network.robot_address, node_name(config.id)});
+  const WorkerProcess worker(**service, core,
+                             {program_dir() + "/trb-ros-worker", master, config.network.robot_address,
+                              node_name(config.id), "/" + config.robot.ros_namespace});
   return (*service)->run(core);
 }
 

@@ -205,12 +205,12 @@ class Worker {
 }  // namespace trb::ros
 
 int main(int argc, char** argv) {
-  if (argc != 4) {
+  if (argc != 5) {
     std::fputs("trb-ros-worker is started by trb-ros-bridge\n", stderr);
     return 2;
   }
   try {
-    const ros::M_string remappings{{"__master", argv[1]}, {"__ip", argv[2]}};
+    const ros::M_string remappings{{"__master", argv[1]}, {"__ip", argv[2]}, {"__ns", argv[4]}};
     ros::init(remappings, argv[3], ros::init_options::NoSigintHandler | ros::init_options::NoRosout);
     return trb::ros::Worker(argv[1]).run();
   } catch (const std::exception& problem) {

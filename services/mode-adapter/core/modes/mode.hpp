@@ -116,6 +116,9 @@ class RobotMode {
   [[nodiscard]] virtual const RobotValue* value(std::string_view name) const = 0;
   /// True if requests are answered from value(), without asking the robot.
   [[nodiscard]] virtual bool answers_from_values() const { return false; }
+  /// For a mode that hears a request's values only if it listens: from now on value() has them, until unwatch().
+  virtual void watch(std::string_view /*subtype*/, const ModeOut&) {}
+  virtual void unwatch(std::string_view /*subtype*/, const ModeOut&) {}
 
   /// Errors: no_field_channel, robot_offline, queue_full, unknown_subtype, bad_value, not_escapable.
   virtual Result<Progress> hand_over(const Handover& message, Now now, const ModeOut& out) = 0;
@@ -138,8 +141,6 @@ class RobotMode {
   virtual void on_bytes(Channel channel, BytesView bytes, Now now, const ModeOut& out) = 0;
   virtual void on_bridge(const BridgeEvent&, Now, const ModeOut&) {}
   virtual void on_bridge(const BridgeState&, Now, const ModeOut&) {}
-  /// The process ends: the last words to the robot.
-  virtual void leave(Now, const ModeOut&) {}
   virtual void tick(Now now, const ModeOut& out) = 0;
   [[nodiscard]] virtual std::optional<MonotonicTime> next_deadline() const = 0;
 };

@@ -9,7 +9,7 @@ namespace {
 
 /// The bridge says every second how it is.
 constexpr Duration kSilent = std::chrono::seconds(4);
-constexpr std::size_t kMaxPending = 64;
+constexpr std::ptrdiff_t kMaxPending = 64;
 constexpr std::string_view kPosition = "position";
 
 std::vector<double> numbers_of(const std::string& json) {
@@ -43,11 +43,11 @@ RosMode::RosMode(const VendorCommands& words, const std::vector<Skill>& skills, 
   for (const auto& [subtype, text] : words.requests) {
     const auto read = read_ros_question(text);
     if (!read) continue;
-    const bool watched = std::ranges::any_of(skills, [&, &name = subtype](const Skill& skill) {
-      return (skill.end.kind == EndKind::state && skill.end.state == name) ||
-             (skill.end.kind == EndKind::position && name == kPosition);
+    const bool always = std::ranges::any_of(skills, [&, &name = subtype](const Skill& skill) {
+      if (skill.end.kind == EndKind::position && skill.end.state.empty()) return name == kPosition;
+      return (skill.end.kind == EndKind::state || skill.end.kind == EndKind::position) && name == skill.end.state;
     });
-    requests_.emplace(subtype, Question{*read, watched});
+    requests_.emplace(subtype, Question{*read, always});
   }
 }
 
@@ -89,19 +89,21 @@ std::uint64_t RosMode::send(std::vector<BridgeCommand> commands, Pending pending
   return key;
 }
 
-void RosMode::ask(const Question& question, BridgeAction action, Pending pending, const ModeOut& out) {
+std::uint64_t RosMode::ask(const Question& question, BridgeAction action, Pending pending, const ModeOut& out) {
   BridgeCommand command;
   command.action = action;
   command.name = question.words.topic;
   command.paths = question.words.fields;
-  send({std::move(command)}, std::move(pending), out);
+  return send({std::move(command)}, std::move(pending), out);
 }
 
 Result<Progress> RosMode::hand_over(const Handover& message, Now, const ModeOut& out) {
   if (!up_) {
     return fail(Errc::robot_offline, "ROS is not there", "look at trb service list and at the robot's ROS master");
   }
-  if (pending_.size() >= kMaxPending) return fail(Errc::queue_full, "too many messages wait for ROS", "send fewer");
+  const auto waits = [](const auto& entry) { return entry.second.purpose != Purpose::watch; };
+  if (std::ranges::count_if(pending_, waits) >= kMaxPending)
+    return fail(Errc::queue_full, "too many messages wait for ROS", "send fewer");
   const std::string subtype(message.subtype);
   if (message.type == MessageType::request) {
     const auto question = requests_.find(message.subtype);
@@ -213,6 +215,7 @@ void RosMode::on_failed(std::uint64_t key, const Pending& pending, const BridgeE
   if (pending.purpose == Purpose::command || pending.purpose == Purpose::request) {
     return out.emit(Refused{pending.token, error});
   }
+  if (pending.purpose == Purpose::watch) requests_.find(pending.subtype)->second.watch = 0;
   // A stop or release that nobody took stays unanswered: its asker is told so at its deadline.
   out.refuse("bridge", pending.subtype + ": " + error.text());
 }
@@ -231,13 +234,33 @@ void RosMode::on_bridge(const BridgeState& state, Now now, const ModeOut& out) {
 
 void RosMode::watch_all(const ModeOut& out) {
   for (const auto& [subtype, question] : requests_) {
-    if (question.watched) ask(question, BridgeAction::watch, {Purpose::watch, 0, subtype, {}, 0}, out);
+    if (question.always) watch(subtype, out);
   }
+}
+
+void RosMode::watch(std::string_view subtype, const ModeOut& out) {
+  const auto at = requests_.find(subtype);
+  if (!up_ || at == requests_.end() || at->second.watch != 0) return;
+  at->second.watch = ask(at->second, BridgeAction::watch, {Purpose::watch, 0, at->first, {}, 0}, out);
+}
+
+void RosMode::unwatch(std::string_view subtype, const ModeOut& out) {
+  const auto at = requests_.find(subtype);
+  if (!up_ || at == requests_.end() || at->second.always || at->second.watch == 0) return;
+  BridgeCommand command;
+  command.instance = instance_;
+  command.token = std::exchange(at->second.watch, 0);
+  command.action = BridgeAction::unwatch;
+  command.name = at->second.words.topic;
+  pending_.erase(command.token);
+  values_.erase(at->first);
+  out.out.command(own_id_, std::move(command));
 }
 
 void RosMode::go_down(const std::string& reason, const ModeOut& out) {
   up_ = false;
   values_.clear();
+  for (auto& [subtype, question] : requests_) question.watch = 0;
   for (const auto& [key, pending] : std::exchange(pending_, {})) {
     if (pending.purpose != Purpose::command && pending.purpose != Purpose::request) continue;
     out.emit(Refused{pending.token, fail(Errc::robot_offline, "the way to ROS was lost: " + reason,

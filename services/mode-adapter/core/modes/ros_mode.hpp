@@ -25,6 +25,8 @@ class RosMode : public RobotMode {
   [[nodiscard]] const RobotValue* value(std::string_view name) const override;
 
   Result<Progress> hand_over(const Handover& message, Now now, const ModeOut& out) override;
+  void watch(std::string_view subtype, const ModeOut& out) override;
+  void unwatch(std::string_view subtype, const ModeOut& out) override;
   void forget(Token token, Now now, const ModeOut& out) override;
   void halt(Token token, Now now, const ModeOut& out) override;
   Result<Token> stop(Now now, const ModeOut& out) override;
@@ -47,7 +49,8 @@ class RosMode : public RobotMode {
   };
   struct Question {
     RosQuestion words;
-    bool watched = false;
+    bool always = false;      ///< watched as long as ROS is there
+    std::uint64_t watch = 0;  ///< the bridge's token; 0: it is not watched
   };
   enum class Purpose : std::uint8_t { command, request, stop, release, watch };
   struct Pending {
@@ -60,7 +63,7 @@ class RosMode : public RobotMode {
 
   Result<std::vector<BridgeCommand>> fill(std::string_view subtype, BytesView data) const;
   std::uint64_t send(std::vector<BridgeCommand> commands, Pending pending, const ModeOut& out);
-  void ask(const Question& question, BridgeAction action, Pending pending, const ModeOut& out);
+  std::uint64_t ask(const Question& question, BridgeAction action, Pending pending, const ModeOut& out);
   void on_value(const Pending& pending, const BridgeEvent& event, Now now, const ModeOut& out);
   void on_done(std::uint64_t key, Pending& pending, const ModeOut& out);
   void on_failed(std::uint64_t key, const Pending& pending, const BridgeEvent& event, const ModeOut& out);
