@@ -5,6 +5,7 @@
 #include "common/base/ids.hpp"
 #include "common/config/interfaces.hpp"
 #include "common/config/readers.hpp"
+#include "common/fleet/description_parts.hpp"
 #include "common/fleet/did_you_mean.hpp"
 
 namespace trb {
@@ -77,6 +78,9 @@ void read_robot(ObjectReader& node, NodeConfig& config) {
   if (!space.empty() && (!is_valid_word(space) || space.find('-') != std::string::npos)) {
     reader.faults().add("robot.namespace", in_quotes(config.robot.ros_namespace) + " is no ROS name",
                         "use letters, digits and '_', for example ridgeback");
+  }
+  if (const Value* origin = reader.value("origin", Need::optional)) {
+    config.robot.origin = read_pose(*origin, "robot.origin", Need::required, node.faults());
   }
   reader.refuse_unknown_keys();
   if (config.robot.host.empty() || is_ipv4(config.robot.host)) return;

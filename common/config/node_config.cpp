@@ -81,6 +81,7 @@ class Checker {
     const auto json =
         load(node.description, "correct \"description\" in node.json, or copy a file of config/robots to it");
     if (json) out_.config.description = read_description(*json, node.description, out_.faults);
+    if (out_.config.robot.origin) out_.config.description.frame.origin = *out_.config.robot.origin;
   }
 
   void mode() {

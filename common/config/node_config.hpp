@@ -26,6 +26,7 @@ struct RobotLink {
   std::string host;           ///< the robot's address: dialled in direct mode, the only one let in on TCP_PORT
   std::string ros_namespace;  ///< where its relative topic names are; empty: "/"
   std::string interface;      ///< an interface or a local address: where TCP_PORT is bound
+  std::optional<Pose> origin;  ///< in the hall; wins over the description's, which robots of one make share
 };
 
 /// network.json, Appendix A's Figure A2.

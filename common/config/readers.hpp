@@ -36,6 +36,7 @@ void check_transport(const NodeConfig& config, const FileFaults& faults);
 // One for each transport: the words of the node's own vendor can be read, its skills have words and ends that are seen.
 void check_tcp_text(const NodeConfig& config, const FileFaults& faults);
 void check_ros(const NodeConfig& config, const FileFaults& faults);
+void check_arcos(const NodeConfig& config, const FileFaults& faults);
 
 // Parts that several of them need.
 /// "stop" is there, and no command but "release" is empty.

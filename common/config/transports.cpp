@@ -29,7 +29,7 @@ constexpr std::array<Transport, 8> kTransports{{
     {"lines", Mode::interpreter, check_nothing},
     {"rapid", Mode::interpreter, check_absent},
     {"c3", Mode::interpreter, check_absent},
-    {"arcos", Mode::interpreter, check_absent},
+    {"arcos", Mode::interpreter, check_arcos},
     {"ros", Mode::ros, check_ros},
 }};
 

@@ -1,4 +1,4 @@
-// The readers of a description's parts; only for description.cpp and its neighbours.
+// The readers of a description's parts; only for description.cpp, its neighbours and common/config.
 #pragma once
 
 #include <string>

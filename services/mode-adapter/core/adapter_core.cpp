@@ -75,6 +75,10 @@ void ModeAdapterCore::on_channel_down(Channel channel, const std::string& reason
   settle(now, out);
 }
 
+void ModeAdapterCore::leave(Now now, Outbox& out) {
+  robot_.for_each([&](RobotMode& mode) { mode.leave(now, robot_.to(mode, out)); });
+}
+
 void ModeAdapterCore::on_bytes(Channel channel, BytesView bytes, Now now, Outbox& out) {
   robot_.for_each([&](RobotMode& mode) { mode.on_bytes(channel, bytes, now, robot_.to(mode, out)); });
   settle(now, out);

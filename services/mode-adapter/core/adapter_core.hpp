@@ -26,6 +26,8 @@ class ModeAdapterCore : public Core {
   void on_channel_up(Channel channel, Now now, Outbox& out);
   void on_channel_down(Channel channel, const std::string& reason, Now now, Outbox& out);
   void on_bytes(Channel channel, BytesView bytes, Now now, Outbox& out);
+  /// The process ends.
+  void leave(Now now, Outbox& out);
 
   /// True while no skill runs, so that the process may be replaced.
   [[nodiscard]] bool idle() const { return !desk_.busy(); }

@@ -57,7 +57,9 @@ int start(const std::string& node_dir) {
                        [&fence](bool fenced) { return fence.save(fenced); });
   const auto io = RobotIo::open(roads, **service, core);
   if (!io) return complain(io.error().text());
-  return (*service)->run(core, [&core] { return core.idle(); });
+  const int ended = (*service)->run(core, [&core] { return core.idle(); });
+  (*service)->step([&core](Now at, Outbox& out) { core.leave(at, out); });
+  return ended;
 }
 
 }  // namespace trb::adapter

@@ -141,6 +141,8 @@ class RobotMode {
   virtual void on_bytes(Channel channel, BytesView bytes, Now now, const ModeOut& out) = 0;
   virtual void on_bridge(const BridgeEvent&, Now, const ModeOut&) {}
   virtual void on_bridge(const BridgeState&, Now, const ModeOut&) {}
+  /// The process ends: the last words to the robot.
+  virtual void leave(Now, const ModeOut&) {}
   virtual void tick(Now now, const ModeOut& out) = 0;
   [[nodiscard]] virtual std::optional<MonotonicTime> next_deadline() const = 0;
 };

@@ -77,11 +77,11 @@ VendorTemplate::VendorTemplate(std::string_view text) {
 
 Result<std::string> VendorTemplate::fill(BytesView data, Language language) const {
   if (!has_holes_) return parts_.front().literal;
-  if (language == Language::plain) return fill_plain(data);
+  if (language == Language::plain || language == Language::raw) return fill_plain(data, language == Language::raw);
   return fill_literals(data, language == Language::json ? json_literal : urscript_literal);
 }
 
-Result<std::string> VendorTemplate::fill_plain(BytesView data) const {
+Result<std::string> VendorTemplate::fill_plain(BytesView data, bool any_byte) const {
   const auto items = has_items_ ? plain_items(data) : std::vector<std::string>{};
   std::string out;
   for (const Part& part : parts_) {
@@ -89,7 +89,7 @@ Result<std::string> VendorTemplate::fill_plain(BytesView data) const {
     if (part.hole == kNone) continue;
     if (part.hole >= static_cast<int>(items.size())) return item_missing(part.hole, items.size());
     const BytesView filling = part.hole == kWhole ? data : BytesView(items[static_cast<std::size_t>(part.hole)]);
-    if (std::any_of(filling.begin(), filling.end(), breaks_line)) {
+    if (!any_byte && std::any_of(filling.begin(), filling.end(), breaks_line)) {
       return fail(Errc::not_escapable, "the data holds a line end or a zero byte, which would end the robot's command",
                   "send one line of text");
     }

@@ -11,7 +11,8 @@
 
 namespace trb::adapter {
 
-enum class Language : std::uint8_t { plain, urscript, json };
+/// `raw`: as `plain`, for robots whose texts may hold any byte.
+enum class Language : std::uint8_t { plain, urscript, json, raw };
 
 class VendorTemplate {
  public:
@@ -28,7 +29,7 @@ class VendorTemplate {
     int hole = kNone;  ///< what follows the literal: an item's number, kWhole or kNone
   };
 
-  [[nodiscard]] Result<std::string> fill_plain(BytesView data) const;
+  [[nodiscard]] Result<std::string> fill_plain(BytesView data, bool any_byte) const;
   /// Every filling is a literal of the language, so that no text can end what stands around it.
   using Literal = Result<std::string> (*)(const Value&);
   [[nodiscard]] Result<std::string> fill_literals(BytesView data, Literal literal) const;

@@ -1,0 +1,30 @@
+// What a Pioneer's packets mean to others: values by name, and faults.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "common/config/arcos_words.hpp"
+#include "services/mode-adapter/core/arcos/state.hpp"
+#include "services/mode-adapter/core/modes/mode.hpp"
+
+namespace trb::adapter {
+
+/// One field as it is, several as a list.
+RobotValue arcos_value(const std::vector<ArcosField>& fields, const ArcosSip& sip, const ArcosOdometry& place, Now now);
+
+/// Stalls and bumpers (URGENT), motors that went off by themselves (CRITICAL), the STOP button (FATAL).
+class ArcosFaults {
+ public:
+  /// A fault, if something is wrong that was not before. `motors_wanted`: they should be on by now.
+  std::optional<FaultSaid> hear(const ArcosSip& sip, bool motors_wanted);
+  void begin_again() { known_ = 0; }
+
+ private:
+  std::uint32_t known_ = 0;  ///< bits of what is wrong
+};
+
+/// Why the robot moves no more: "the STOP button is pressed"; empty if it does.
+std::string arcos_hindrance(const ArcosSip& sip);
+
+}  // namespace trb::adapter

@@ -1,0 +1,231 @@
+#include "services/virtual-robots/pioneer/controller.hpp"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+using namespace trb::virtual_robots::pioneer;
+
+namespace {
+
+using Lines = std::vector<std::string>;
+
+std::string command(int number) {
+  return PacketWriter(number).packet();
+}
+
+std::string command(int number, int value) {
+  return PacketWriter(number).byte(value < 0 ? 0x1b : 0x3b).word(std::abs(value)).packet();
+}
+
+/** A robot, its client, and the clock of both. */
+struct Bench {
+  explicit Bench(const Start& start = {}) : robot(start) {}
+
+  std::string send(const std::string& packet) { return robot.take(packet, now); }
+  void connect() {
+    for (const int sync : {0, 1, 2}) send(command(sync));
+    send(command(1, 1));
+    send(command(4, 1));
+    lines();
+  }
+  /** The client keeps the robot awake meanwhile. */
+  void wait(double seconds) {
+    for (double left = seconds; left > 1e-9; left -= 0.1) {
+      send(command(0));
+      pass(std::min(left, 0.1));
+    }
+  }
+  void pass(double seconds) { robot.advance(seconds, now += seconds); }
+
+  int word(std::size_t at) {
+    const std::string sip = robot.sip();
+    REQUIRE(sip.size() > at + 3);
+    const auto low = static_cast<unsigned char>(sip[at]);
+    return static_cast<std::int16_t>(low | static_cast<unsigned char>(sip[at + 1]) << 8);
+  }
+  int type() { return robot.sip().at(3); }
+  int x() { return word(4); }
+  int y() { return word(6); }
+  int degrees() { return static_cast<int>(std::lround(word(8) * 360.0 / 4096)); }
+  int left() { return word(10); }
+  int right() { return word(12); }
+  int stall() { return word(15); }
+  int flags() { return word(19); }
+  Lines lines() { return robot.take_lines(); }
+  /** True if it has said last that it stands there, within 2 mm and 0.002 radians. */
+  bool stands_at(double x, double y, double heading) {
+    const Lines said = lines();
+    double at[3] = {};
+    if (said.empty() || std::sscanf(said.back().c_str(), "at %lf %lf %lf", &at[0], &at[1], &at[2]) != 3) return false;
+    return std::hypot(at[0] - x, at[1] - y) <= 0.002 && std::abs(at[2] - heading) <= 0.002;
+  }
+
+  Controller robot;
+  double now = 100;
+};
+
+}  // namespace
+
+TEST_CASE("pioneer: three SYNCs are echoed, the last one with the robot's name, class and subclass") {
+  Bench bench;
+  CHECK(bench.send(command(0)) == command(0));
+  CHECK(bench.send(command(1)) == command(1));
+  CHECK(bench.send(command(2)) == PacketWriter(2).text("Pioneer").text("Pioneer").text("p3dx-sh").packet());
+  CHECK(bench.robot.sip().empty());
+  bench.send(command(1, 1));
+  CHECK(bench.type() == 0x32);
+}
+
+TEST_CASE("pioneer: a SYNC out of sequence begins again") {
+  Bench bench;
+  CHECK(bench.send(command(1)) == command(255));
+  CHECK(bench.send(command(0)) == command(0));
+  CHECK(bench.send(command(0)) == command(0));
+  CHECK(bench.send(command(1)) == command(1));
+}
+
+TEST_CASE("pioneer: a MOVE speeds up, drives and stands where it was told to") {
+  Bench bench;
+  bench.connect();
+  bench.send(command(8, 1000));
+  bench.wait(1);
+  CHECK(bench.type() == 0x33);
+  CHECK(bench.left() == doctest::Approx(300).epsilon(0.02));
+  CHECK(bench.x() == doctest::Approx(150).epsilon(0.02));
+  bench.wait(4);
+  CHECK(bench.type() == 0x32);
+  CHECK(std::abs(bench.x() - 1000) <= 2);
+  CHECK(bench.stands_at(1, 0, 0));
+}
+
+TEST_CASE("pioneer: HEAD turns the shorter way, DHEAD on from there") {
+  Bench bench;
+  bench.connect();
+  bench.send(command(12, -90));
+  bench.wait(0.5);
+  CHECK(bench.left() > 0);
+  CHECK(bench.right() == -bench.left());
+  bench.wait(4);
+  CHECK(bench.degrees() == -90);
+  bench.send(command(13, 45));
+  bench.wait(4);
+  CHECK(bench.degrees() == -45);
+  CHECK(bench.y() == 0);
+}
+
+TEST_CASE("pioneer: STOP brakes within its limit, E_STOP harder") {
+  Bench bench;
+  bench.connect();
+  bench.send(command(11, 300));
+  bench.wait(2);
+  bench.send(command(29));
+  bench.wait(0.5);
+  CHECK(bench.left() == doctest::Approx(150).epsilon(0.05));
+  bench.send(command(55));
+  bench.wait(0.2);
+  CHECK(bench.left() == 0);
+}
+
+TEST_CASE("pioneer: SETO is the new origin, and the hall stays where it is") {
+  Start start;
+  start.place = {1, 3, M_PI / 2};
+  Bench bench(start);
+  bench.connect();
+  bench.send(command(8, 500));
+  bench.wait(5);
+  CHECK(bench.stands_at(1, 3.5, M_PI / 2));
+  bench.send(command(7));
+  CHECK(bench.x() == 0);
+  bench.send(command(8, 500));
+  bench.wait(5);
+  CHECK(bench.stands_at(1, 4, M_PI / 2));
+}
+
+TEST_CASE("pioneer: its position wraps at 16 bits") {
+  Bench bench;
+  bench.connect();
+  bench.send(command(6, 1500));
+  for (int i = 0; i < 7; ++i) {
+    bench.send(command(8, 4900));
+    bench.wait(40);
+  }
+  CHECK(bench.x() == doctest::Approx(7 * 4900 - 65536).epsilon(0.001));
+}
+
+TEST_CASE("pioneer: without a packet for 2 s it halts, and goes on with the next one") {
+  Bench bench;
+  bench.connect();
+  bench.send(command(11, 200));
+  bench.wait(1);
+  for (int i = 0; i < 30; ++i) bench.pass(0.1);
+  CHECK(bench.left() == 0);
+  CHECK(bench.lines().back().starts_with("at "));
+  bench.send(command(0));
+  CHECK(bench.lines() == Lines{"watchdog resumed"});
+  bench.wait(1);
+  CHECK(bench.left() == 200);
+}
+
+TEST_CASE("pioneer: with its motors off it does not move") {
+  Bench bench;
+  bench.connect();
+  bench.send(command(4, 0));
+  CHECK((bench.flags() & 1) == 0);
+  bench.send(command(11, 200));
+  bench.wait(1);
+  CHECK(bench.left() == 0);
+  bench.send(command(4, 1));
+  bench.wait(1);
+  CHECK(bench.left() == 0);
+}
+
+TEST_CASE("pioneer: each fault ends the motion as the robot's own would") {
+  Bench bench;
+  bench.connect();
+  bench.send(command(11, 200));
+  bench.wait(1);
+  bench.robot.set_fault(Fault::Stall, "a box");
+  CHECK(bench.left() == 0);
+  CHECK(bench.stall() == 0x0103);
+  CHECK((bench.flags() & 1) == 1);
+  bench.robot.set_fault(Fault::StopButton, "");
+  CHECK((bench.flags() & 0x21) == 0x20);
+  bench.send(command(4, 1));
+  CHECK((bench.flags() & 1) == 0);
+  bench.robot.set_fault(Fault::None, "");
+  bench.send(command(4, 1));
+  CHECK((bench.flags() & 0x21) == 1);
+  CHECK(bench.stall() == 0);
+}
+
+TEST_CASE("pioneer: CLOSE switches the motors off and waits for the next SYNC0") {
+  Bench bench;
+  bench.connect();
+  bench.send(command(11, 200));
+  bench.wait(1);
+  bench.send(command(2));
+  CHECK(bench.robot.sip().empty());
+  CHECK(bench.send(command(0)) == command(0));
+  bench.connect();
+  CHECK(bench.left() == 0);
+}
+
+TEST_CASE("pioneer: the battery drains, faster on the way") {
+  Bench bench;
+  bench.connect();
+  const auto tenths = [&] { return static_cast<unsigned char>(bench.robot.sip().at(14)); };
+  CHECK(tenths() == 128);
+  for (int i = 0; i < 360; ++i) bench.pass(10);
+  CHECK(tenths() == 125);
+}
+
+TEST_CASE("pioneer: it tells its settings when it is asked for them") {
+  Bench bench;
+  bench.connect();
+  const std::string answer = bench.send(command(18));
+  CHECK(answer.substr(3, 24) == std::string("\x20Pioneer\0p3dx-sh\0VIRTUAL\0", 25).substr(0, 24));
+  CHECK(answer.size() == static_cast<unsigned char>(answer[2]) + 3U);
+}

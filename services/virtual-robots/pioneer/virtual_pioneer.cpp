@@ -1,0 +1,115 @@
+#include "services/virtual-robots/pioneer/virtual_pioneer.hpp"
+
+#include <algorithm>
+
+#include "services/virtual-robots/support/text.hpp"
+
+namespace trb::virtual_robots::pioneer {
+namespace {
+
+constexpr double kShortestPeriod = 0.005;
+constexpr std::size_t kLargestOutput = std::size_t{64} * 1024;
+constexpr std::size_t kReadSize = 4096;
+constexpr double kLowCharge = 10;  // percent: under the 11.5 V at which a Pioneer begins to complain
+
+}  // namespace
+
+VirtualPioneer::VirtualPioneer(const Settings& settings)
+    : speed_(settings.speed),
+      // The robot's packets are of its own time, or a client would be blind on a fast robot.
+      sip_period_(std::max(kShortestPeriod, Controller::kSipPeriod / std::max(1.0, settings.speed))),
+      controller_(settings.start),
+      listener_(listen_on({settings.address, settings.port})),
+      control_(settings.control) {}
+
+void VirtualPioneer::run(const Fd& end) {
+  print_line("ready " + std::to_string(port_of(listener_)));
+  control_.announce();
+  for (;;) {
+    const int client_events = output_.empty() ? POLLIN : POLLIN | POLLOUT;
+    pollfd polled[] = {{end.get(), POLLIN, 0},       {console_.fd(), POLLIN, 0},
+                       {control_.fd(), POLLIN, 0},   {stdout_to_poll(), POLLOUT, 0},
+                       {listener_.get(), POLLIN, 0}, {client_.get(), static_cast<short>(client_events), 0}};
+    ::poll(polled, std::size(polled), poll_timeout(wall_seconds(), next_sip_));
+    if (polled[0].revents != 0) return;
+    pass_time();
+    if (polled[1].revents != 0) {
+      for (const std::string& line : console_.read()) take_line(line);
+    }
+    if (polled[2].revents != 0) {
+      for (const std::string& line : control_.read()) take_line(line);
+    }
+    if (polled[5].revents != 0) read_client();
+    if (polled[4].revents != 0) accept_one();
+    send_sip();
+    for (const std::string& line : controller_.take_lines()) print_line(line);
+    flush_lines();
+  }
+}
+
+void VirtualPioneer::pass_time() {
+  const double now = wall_seconds();
+  // A process that was stopped for long has not driven meanwhile.
+  controller_.advance(std::min(now - last_, 1.0) * speed_, now);
+  last_ = now;
+}
+
+void VirtualPioneer::send_sip() {
+  if (last_ < next_sip_) return;
+  next_sip_ = std::max(next_sip_ + sip_period_, last_);
+  write(controller_.sip());
+}
+
+void VirtualPioneer::accept_one() {
+  Fd socket = accept_client(listener_);
+  if (!socket) return;
+  if (client_) return print_line("client_refused");
+  client_ = std::move(socket);
+  output_.clear();
+  print_line("connected");
+}
+
+void VirtualPioneer::read_client() {
+  if (!client_) return;
+  std::string bytes;
+  const Transfer transfer = read_some(client_, bytes, kReadSize);
+  const std::string answers = controller_.take(bytes, last_);
+  if (transfer.kind == Transfer::Kind::Closed) return drop("closed");
+  write(answers);
+}
+
+void VirtualPioneer::write(std::string_view bytes) {
+  if (!client_) return;
+  output_ += bytes;
+  const Transfer transfer = write_some(client_, output_);
+  if (transfer.kind == Transfer::Kind::Closed) return drop("closed");
+  output_.erase(0, transfer.bytes);
+  if (output_.size() > kLargestOutput) drop("does_not_read");
+}
+
+void VirtualPioneer::drop(const char* reason) {
+  client_.reset();
+  output_.clear();
+  print_line("disconnected " + std::string(reason));
+}
+
+void VirtualPioneer::take_line(const std::string& line) {
+  std::string_view rest = line;
+  const std::string_view word = take_word(rest);
+  if (word == "fault") return fault(rest);
+  if (line == "clear") return controller_.set_fault(Fault::None, "");
+  const auto percent = word == "battery" ? parse_number(rest) : std::nullopt;
+  if (!percent) return print_line("unknown_line");
+  controller_.set_charge(std::clamp(*percent, 0.0, 100.0));
+}
+
+/** Each severity fails as a Pioneer can. */
+void VirtualPioneer::fault(std::string_view words) {
+  const auto order = parse_fault_order(words);
+  if (!order) return print_line("unknown_line");
+  if (order->severity == "WARNING") return controller_.set_charge(kLowCharge);
+  if (order->severity == "URGENT") return controller_.set_fault(Fault::Stall, order->text);
+  controller_.set_fault(order->severity == "FATAL" ? Fault::StopButton : Fault::MotorsOff, order->text);
+}
+
+}  // namespace trb::virtual_robots::pioneer
