@@ -204,8 +204,16 @@ class Fleet:
         if framework in ROS:
             robot.update(host=self.ros_address(), namespace=node)
             services.insert(2, "ros-bridge")
+        if framework == "pioneer":
+            robot["origin"] = self.origin(node)
         return {"id": node, "framework": framework, "description": f"robots/{description}.json", "robot": robot,
                 "services": services}
+
+    def origin(self, node):
+        """Where in the hall a robot's own coordinates begin: a Pioneer's where it is switched on."""
+        arguments = self.robots[node][2]
+        pose = arguments[arguments.index("--pose") + 1] if "--pose" in arguments else "0,0,0"
+        return dict(zip(("x", "y", "yaw"), map(float, pose.split(","))))
 
     # ---- the ROS master, one for all robots that need it
 

@@ -154,20 +154,8 @@ class PioneerFleet(trb_fleet.Fleet):
 
     def __init__(self, root, programs):
         super().__init__(root, programs, block=146, udp_port=50146, cloud=False, speed=SPEED,
-                         robots={name: ("pioneer", "pioneer", []) for name in PLACES})
-
-    def node_json(self, node):
-        x, y, yaw = PLACES[node]
-        config = super().node_json(node)
-        config["robot"]["origin"] = {"x": x, "y": y, "yaw": yaw}
-        return config
-
-    def start_robot(self, node, *more):
-        self.virtual[node] = trb_fleet.Process(
-            [ROBOT, "--address", self.robot_address(node), "--name", node, "--pose", ",".join(map(str, PLACES[node])),
-             "--speed", str(self.speed), "--die-with-parent", *more], self.root / f"robot-{node}.log",
-            stdin=subprocess.PIPE)
-        self.virtual[node].wait_line("ready 8101", 10)
+                         robots={name: ("pioneer", "pioneer", ["--name", name, "--pose", ",".join(map(str, PLACES[name]))])
+                                 for name in PLACES})
 
     def send(self, *words):
         """By word, because what a run began holds the control for 10 s."""
