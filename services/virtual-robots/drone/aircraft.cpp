@@ -1,0 +1,97 @@
+#include "services/virtual-robots/drone/aircraft.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace trb::virtual_robots::drone {
+namespace {
+
+constexpr double kStep_s = 0.02;
+constexpr double kFastest_m_s = 3;
+constexpr double kClimb_m_s = 0.7;
+constexpr double kTakeOff_m_s = 0.4;
+constexpr double kLanding_m_s = 0.4;
+constexpr double kTurn_rad_s = 1.75;
+constexpr double kFollows_s = 0.3;
+constexpr double kGravity = 9.81;
+constexpr double kFlightTime_s = 720;
+constexpr double kIdleTime_s = 7200;
+
+double towards(double value, double target, double seconds) {
+  return value + (target - value) * std::min(1.0, seconds / kFollows_s);
+}
+
+}  // namespace
+
+bool Aircraft::take_off() {
+  if (phase_ == Phase::Landing) {
+    phase_ = z_ < kHoverHeight_m ? Phase::TakingOff : Phase::Flying;
+  } else if (phase_ == Phase::Landed) {
+    if (battery_low()) return false;
+    phase_ = Phase::TakingOff;
+  }
+  return phase_ != Phase::Cut;
+}
+
+void Aircraft::land() {
+  if (in_air()) phase_ = Phase::Landing;
+}
+
+void Aircraft::cut_motors() {
+  phase_ = Phase::Cut;
+  stick_ = {};
+}
+
+void Aircraft::restore() {
+  if (phase_ == Phase::Cut) phase_ = Phase::Landed;
+}
+
+Phase Aircraft::phase() const {
+  return phase_ == Phase::Flying && stick_ == Stick{} ? Phase::Hovering : phase_;
+}
+
+void Aircraft::advance(double seconds) {
+  // A process that was stopped for an hour need not fly each of its steps.
+  double left = std::clamp(seconds, 0.0, 600.0);
+  while (left > 0) {
+    const double next = std::min(left, kStep_s);
+    step(next);
+    left -= next;
+  }
+}
+
+void Aircraft::step(double seconds) {
+  drain(seconds);
+  if (phase_ == Phase::Landed) {
+    forward_ = right_ = climb_ = 0;
+    return;
+  }
+  fly(seconds);
+  x_ += (forward_ * std::cos(heading_) - right_ * std::sin(heading_)) * seconds;
+  y_ += (forward_ * std::sin(heading_) + right_ * std::cos(heading_)) * seconds;
+  z_ = std::clamp(z_ + climb_ * seconds, 0.0, std::max(ceiling_, kHoverHeight_m));
+  if (phase_ == Phase::TakingOff && z_ >= kHoverHeight_m) phase_ = Phase::Flying;
+  if (phase_ == Phase::Landing && z_ <= 0) phase_ = Phase::Landed;
+  if (phase_ == Phase::Cut && z_ <= 0) forward_ = right_ = climb_ = 0;
+}
+
+void Aircraft::fly(double seconds) {
+  const bool steered = phase_ == Phase::Flying;
+  forward_ = towards(forward_, steered ? -stick_.pitch * kFastest_m_s : 0, seconds);
+  right_ = towards(right_, steered ? stick_.roll * kFastest_m_s : 0, seconds);
+  if (steered) {
+    climb_ = towards(climb_, stick_.gaz * kClimb_m_s, seconds);
+    heading_ = std::remainder(heading_ + stick_.yaw * kTurn_rad_s * seconds, 2 * M_PI);
+  } else if (phase_ == Phase::Cut) {
+    climb_ -= kGravity * seconds;
+  } else {
+    climb_ = phase_ == Phase::TakingOff ? kTakeOff_m_s : -kLanding_m_s;
+  }
+}
+
+void Aircraft::drain(double seconds) {
+  battery_ = std::max(0.0, battery_ - 100 * seconds / (in_air() ? kFlightTime_s : kIdleTime_s));
+  if (battery_ < kEmptyBattery) land();
+}
+
+}  // namespace trb::virtual_robots::drone

@@ -1,0 +1,70 @@
+#pragma once
+
+#include <cstdint>
+
+namespace trb::virtual_robots::drone {
+
+/** What the aircraft does, as the maker numbers it in navdata. */
+enum class Phase : std::uint8_t { Cut = 0, Landed = 2, Flying = 3, Hovering = 4, TakingOff = 6, Landing = 8 };
+
+/** Parts of the largest tilt or speed, -1 to 1, as PCMD gives them: forward is a negative pitch, right and up positive.
+ */
+struct Stick {
+  double roll = 0;
+  double pitch = 0;
+  double gaz = 0;
+  double yaw = 0;
+  bool operator==(const Stick&) const = default;
+};
+
+/** The body of a quadrocopter: a velocity that follows the stick, a battery that drains. Axes forward, right, up. */
+class Aircraft {
+ public:
+  static constexpr double kLowBattery = 20;   ///< percent: it takes off no more
+  static constexpr double kEmptyBattery = 4;  ///< it lands by itself
+  static constexpr double kHoverHeight_m = 0.8;
+
+  /** From the ground, or out of a landing. False when the battery is low or the motors are cut. */
+  bool take_off();
+  void land();
+  void cut_motors();
+  /** After its motors were cut it stands on the ground. */
+  void restore();
+  /** Without a stick it hovers. */
+  void steer(const Stick& stick) { stick_ = stick; }
+  void set_battery(double percent) { battery_ = percent; }
+  void set_ceiling(double metres) { ceiling_ = metres; }
+
+  /** Lets time pass, in the aircraft's seconds. */
+  void advance(double seconds);
+
+  Phase phase() const;
+  bool in_air() const { return phase_ != Phase::Landed && phase_ != Phase::Cut; }
+  bool battery_low() const { return battery_ < kLowBattery; }
+  double battery() const { return battery_; }
+  double x() const { return x_; }
+  double y() const { return y_; }
+  double altitude() const { return z_; }
+  double heading() const { return heading_; }  ///< radians, clockwise
+  double forward_speed() const { return forward_; }
+  double right_speed() const { return right_; }
+  double down_speed() const { return 0 - climb_; }
+  double roll() const { return stick_.roll * kLargestTilt; }
+  double pitch() const { return stick_.pitch * kLargestTilt; }
+
+ private:
+  static constexpr double kLargestTilt = 0.21;  ///< radians, 12 degrees
+
+  void step(double seconds);
+  void fly(double seconds);
+  void drain(double seconds);
+
+  Phase phase_ = Phase::Landed;  ///< never Hovering: that is Flying without a stick
+  Stick stick_;
+  double ceiling_ = 3;
+  double battery_ = 100;
+  double x_ = 0, y_ = 0, z_ = 0, heading_ = 0;
+  double forward_ = 0, right_ = 0, climb_ = 0;
+};
+
+}  // namespace trb::virtual_robots::drone

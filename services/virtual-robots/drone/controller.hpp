@@ -1,0 +1,69 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "services/virtual-robots/drone/commands.hpp"
+#include "services/virtual-robots/drone/navdata.hpp"
+
+namespace trb::virtual_robots::drone {
+
+/**
+ * The drone's program: takes AT commands, flies, watches over its link. `now` is in seconds of the wall; the aircraft's
+ * time runs `speed` times faster, the watchdog's does not.
+ */
+class Controller {
+ public:
+  static constexpr double kWatchdog_s = 2;    ///< without a command: it hovers
+  static constexpr double kLandsAfter_s = 4;  ///< without a command: it lands
+
+  Controller(double speed, double now) : speed_(speed), last_advance_(now), last_command_(now) {}
+
+  void take(std::string_view datagram, double now);
+  /** Somebody wants navdata; somebody else than before is told nothing of the flight until it configures that. */
+  void wake(bool other_client);
+  void advance(double now);
+
+  // What happens outside of the protocol.
+  void fail_emergency();
+  void raise(std::uint32_t bit) { injected_ |= bit; }
+  void clear_faults();
+  void set_battery(double percent) { aircraft_.set_battery(percent); }
+
+  /** The next navdata; its number rises with each call. */
+  std::string navdata();
+  const Aircraft& aircraft() const { return aircraft_; }
+  std::vector<std::string> take_events();
+
+ private:
+  void take_command(const Command& command, double now);
+  bool is_new(const Command& command);
+  void take_reference(const Command& command);
+  void take_motion(const Command& command);
+  void take_config(const Command& command);
+  void take_other(const Command& command);
+  void reject(const Command& command) { events_.push_back("rejected " + command.name); }
+  void toggle_emergency();
+  void watch(double now);
+  void tell_phase();
+  std::uint32_t state() const;
+
+  double speed_;
+  double last_advance_;
+  double last_command_;
+  Aircraft aircraft_;
+  Phase told_phase_ = Phase::Landed;
+  std::uint32_t last_sequence_ = 0;
+  std::uint32_t navdata_sequence_ = 0;
+  std::uint32_t injected_ = 0;
+  bool refused_take_off_ = false;
+  bool demo_ = false;
+  bool command_taken_ = false;
+  bool emergency_ = false;
+  bool emergency_bit_ = false;  ///< of the last REF
+  bool watchdog_ = false;
+  std::vector<std::string> events_;
+};
+
+}  // namespace trb::virtual_robots::drone

@@ -1,0 +1,232 @@
+// The virtual drone by hand: bytes in, bytes out, no socket and no clock.
+#include <doctest/doctest.h>
+
+#include <algorithm>
+
+#include "services/virtual-robots/drone/controller.hpp"
+
+using namespace trb::virtual_robots::drone;
+
+namespace {
+
+/** A drone, its wall clock, and a client that counts its commands. */
+class Pilot {
+ public:
+  explicit Pilot(double speed = 1) : drone_(speed, 0) { drone_.wake(true); }
+
+  void send(const std::string& name, const std::string& arguments = "") {
+    drone_.take("AT*" + name + "=" + std::to_string(++sequence_) + (arguments.empty() ? "" : "," + arguments) + "\r",
+                now_);
+  }
+  void raw(const std::string& datagram) { drone_.take(datagram, now_); }
+  /** The state sent as a real client sends it. */
+  void fly(double seconds, const std::string& reference, const std::string& motion = "0,0,0,0,0") {
+    for (double t = 0; t < seconds - 1e-9; t += 0.03) {
+      now_ += 0.03;
+      send("REF", reference);
+      send("PCMD", motion);
+    }
+  }
+  void pass(double seconds) { drone_.advance(now_ += seconds); }
+  bool said(const std::string& line) {
+    for (std::string& event : drone_.take_events()) events_.push_back(std::move(event));
+    return std::find(events_.begin(), events_.end(), line) != events_.end();
+  }
+  std::uint32_t state() {
+    const std::string packet = drone_.navdata();
+    std::uint32_t out = 0;
+    for (int i = 3; i >= 0; --i) out = out << 8 | static_cast<unsigned char>(packet[static_cast<std::size_t>(4 + i)]);
+    return out;
+  }
+  Controller& drone() { return drone_; }
+  const Aircraft& aircraft() { return drone_.aircraft(); }
+  std::uint32_t sequence_ = 0;
+
+ private:
+  Controller drone_;
+  double now_ = 0;
+  std::vector<std::string> events_;
+};
+
+const std::string kGround = "290717696";
+const std::string kAir = "290718208";
+const std::string kToggle = "290717952";
+
+std::string hex(const std::string& bytes) {
+  std::string out;
+  for (const char byte : bytes) {
+    out += "0123456789abcdef"[static_cast<unsigned char>(byte) >> 4];
+    out += "0123456789abcdef"[static_cast<unsigned char>(byte) & 15];
+  }
+  return out;
+}
+
+}  // namespace
+
+TEST_CASE("commands: names, numbers, texts with commas, several in a datagram") {
+  const Datagram read = parse_datagram("AT*REF=1,290718208\rAT*CONFIG=2,\"a:b\",\"18,15\"\rAT*FTRIM=3\r");
+  REQUIRE(read.commands.size() == 3);
+  CHECK(read.commands[0].name == "REF");
+  CHECK(integer_argument(read.commands[0], 0) == 290718208);
+  CHECK(read.commands[1].arguments == std::vector<std::string>{"a:b", "18,15"});
+  CHECK(read.commands[2].sequence == 3);
+  CHECK(float_argument(parse_datagram("AT*PCMD=1,1,0,-1085485875,0,0\r").commands[0], 2) == -0.8F);
+  for (const char* bad : {"AT*REF=1", "AT*REF\r", "REF=1\r", "AT*=1\r", "AT*REF=x\r", "AT*REF=-1\r", "AT*ref=1\r",
+                          "AT*CONFIG=1,\"a\r", "AT*CONFIG=1,\"a\"b\r", "AT*CONFIG=1,a\"b\r", "AT*REF=4294967296\r"}) {
+    CAPTURE(bad);
+    CHECK(parse_datagram(bad).commands.empty());
+    CHECK(parse_datagram(bad).rejected.size() == 1);
+  }
+  CHECK(parse_datagram(std::string(1025, 'x')).rejected.size() == 1);
+}
+
+TEST_CASE("navdata: the golden bytes") {
+  Aircraft aircraft;
+  const std::string bare = navdata_packet(bits::kBootstrap, 1, aircraft, false);
+  CHECK(hex(bare) == "88776655000800000100000000000000ffff0800c3010000");
+  const std::string demo = navdata_packet(bits::kDemo, 0x0102, aircraft, true);
+  CHECK(demo.size() == 172);
+  CHECK(hex(demo).substr(0, 64) == "8877665500040000020100000000000000009400000002006400000000000000");
+  CHECK(hex(demo).substr(328) == "ffff0800bb020000");
+}
+
+TEST_CASE("take-off, hover and land take their time") {
+  Pilot pilot;
+  pilot.fly(0.3, kAir);
+  CHECK(pilot.aircraft().phase() == Phase::TakingOff);
+  CHECK((pilot.state() & bits::kFlying) != 0);
+  pilot.fly(2, kAir);
+  CHECK(pilot.aircraft().phase() == Phase::Hovering);
+  CHECK(pilot.aircraft().altitude() == doctest::Approx(0.8).epsilon(0.05));
+  pilot.fly(0.5, kGround);
+  CHECK(pilot.aircraft().phase() == Phase::Landing);
+  pilot.fly(2, kGround);
+  CHECK(pilot.aircraft().phase() == Phase::Landed);
+  CHECK((pilot.state() & bits::kFlying) == 0);
+  CHECK(pilot.said("state landed"));
+}
+
+TEST_CASE("it flies where it is tilted to, and stands when it is told to hover") {
+  Pilot pilot;
+  pilot.fly(2.5, kAir);
+  pilot.fly(2, kAir, "1,0,-1085485875,0,0");  // pitch -0.8: forward
+  CHECK(pilot.aircraft().forward_speed() == doctest::Approx(2.4).epsilon(0.02));
+  CHECK(pilot.aircraft().phase() == Phase::Flying);
+  CHECK(pilot.aircraft().x() > 3);
+  pilot.fly(2, kAir);
+  CHECK(pilot.aircraft().forward_speed() < 0.05);
+  CHECK(pilot.aircraft().phase() == Phase::Hovering);
+}
+
+TEST_CASE("a number that does not rise is ignored; 1 is a client that has started anew") {
+  Pilot pilot;
+  pilot.raw("AT*REF=500," + kAir + "\r");
+  pilot.raw("AT*REF=500," + kGround + "\r");
+  pilot.raw("AT*REF=499," + kGround + "\r");
+  CHECK(pilot.aircraft().phase() == Phase::TakingOff);
+  CHECK(pilot.said("ignored REF 499 after 500"));
+  pilot.raw("AT*REF=1," + kGround + "\r");
+  CHECK(pilot.aircraft().phase() == Phase::Landing);
+  pilot.raw("AT*REF=2," + kAir + "\r");
+  CHECK(pilot.aircraft().phase() == Phase::TakingOff);
+}
+
+TEST_CASE("without a command for 2 s it hovers and says so, then it lands; COMWDG gives it back") {
+  Pilot pilot;
+  pilot.fly(2.5, kAir);
+  pilot.fly(0.5, kAir, "1,0,-1085485875,0,0");
+  pilot.pass(1.9);
+  CHECK((pilot.state() & bits::kComWatchdog) == 0);
+  pilot.pass(0.2);
+  CHECK((pilot.state() & bits::kComWatchdog) != 0);
+  CHECK(pilot.aircraft().phase() == Phase::Hovering);
+  pilot.pass(2);
+  CHECK(pilot.aircraft().phase() == Phase::Landing);
+  pilot.pass(3);
+  CHECK(pilot.aircraft().phase() == Phase::Landed);
+  pilot.sequence_ = 7;  // lower ones are taken again
+  pilot.send("REF", kAir);
+  CHECK(pilot.aircraft().phase() == Phase::Landed);  // its watchdog still bites
+  pilot.send("COMWDG");
+  CHECK((pilot.state() & bits::kComWatchdog) == 0);
+  pilot.send("REF", kAir);
+  CHECK(pilot.aircraft().phase() == Phase::TakingOff);
+}
+
+TEST_CASE("emergency is toggled by the bit's edge: motors cut, and back on the ground") {
+  Pilot pilot;
+  pilot.fly(2.5, kAir);
+  pilot.fly(1, kToggle);
+  CHECK((pilot.state() & bits::kEmergency) != 0);
+  CHECK(pilot.aircraft().altitude() == 0);
+  pilot.fly(1, kAir);
+  CHECK(pilot.aircraft().phase() == Phase::Cut);
+  pilot.fly(0.5, kGround);
+  pilot.fly(0.1, kToggle);
+  CHECK((pilot.state() & bits::kEmergency) == 0);
+  CHECK(pilot.aircraft().phase() == Phase::Landed);
+}
+
+TEST_CASE("a fault by word cuts the motors with its cause; clear gives them back") {
+  Pilot pilot;
+  pilot.fly(2.5, kAir);
+  pilot.drone().fail_emergency();
+  CHECK((pilot.state() & (bits::kEmergency | bits::kCutout)) == (bits::kEmergency | bits::kCutout));
+  pilot.drone().clear_faults();
+  CHECK((pilot.state() & (bits::kEmergency | bits::kCutout)) == 0);
+}
+
+TEST_CASE("the battery drains in the air, keeps it on the ground when low, and lands it when empty") {
+  Pilot pilot;
+  pilot.fly(3, kAir);
+  CHECK(pilot.aircraft().battery() < 99.8);
+  pilot.drone().set_battery(19);
+  CHECK((pilot.state() & bits::kBatteryLow) != 0);
+  pilot.fly(1, kAir);
+  CHECK(pilot.aircraft().phase() == Phase::Hovering);
+  pilot.drone().set_battery(3);
+  pilot.pass(0.1);
+  CHECK(pilot.aircraft().phase() == Phase::Landing);
+  pilot.fly(3, kGround);
+  pilot.fly(0.1, kAir);
+  CHECK(pilot.aircraft().phase() == Phase::Landed);
+  CHECK(pilot.said("take_off_refused battery_low"));
+}
+
+TEST_CASE("a setting is acknowledged by a bit until it is put down; the flight is told once it was asked for") {
+  Pilot pilot;
+  CHECK((pilot.state() & bits::kBootstrap) != 0);
+  CHECK(pilot.drone().navdata().size() == 24);
+  pilot.send("CONFIG", "\"general:navdata_demo\",\"TRUE\"");
+  CHECK((pilot.state() & (bits::kCommandTaken | bits::kBootstrap)) == bits::kCommandTaken);
+  CHECK(pilot.drone().navdata().size() == 172);
+  pilot.send("CTRL", "5,0");
+  CHECK((pilot.state() & bits::kCommandTaken) == 0);
+  pilot.drone().wake(false);
+  CHECK(pilot.drone().navdata().size() == 172);
+  pilot.drone().wake(true);
+  CHECK(pilot.drone().navdata().size() == 24);
+}
+
+TEST_CASE("robot time runs faster, its watchdog does not") {
+  Pilot pilot(10);
+  pilot.fly(0.3, kAir);
+  CHECK(pilot.aircraft().phase() == Phase::Hovering);
+  pilot.pass(1.9);
+  CHECK((pilot.state() & bits::kComWatchdog) == 0);
+}
+
+TEST_CASE("what is no command, or not for it, changes nothing and is said") {
+  Pilot pilot;
+  pilot.send("PCMD", "1,0,1090519040,0,0");  // 8.0
+  pilot.send("PCMD", "1,0,2143289344,0,0");  // not a number
+  pilot.send("REF", "x");
+  pilot.send("CONFIG", "\"one\"");
+  pilot.send("DANCE", "1");
+  pilot.raw("\r\n\"");
+  CHECK(pilot.said("rejected PCMD"));
+  CHECK(pilot.said("rejected REF"));
+  CHECK(pilot.said("rejected CONFIG"));
+  CHECK(pilot.said("unknown DANCE 1"));
+  CHECK(pilot.aircraft().phase() == Phase::Landed);
+}

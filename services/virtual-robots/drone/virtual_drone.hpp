@@ -1,0 +1,50 @@
+#pragma once
+
+#include <netinet/in.h>
+#include <poll.h>
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "services/virtual-robots/drone/controller.hpp"
+#include "services/virtual-robots/support/control.hpp"
+#include "services/virtual-robots/support/process.hpp"
+
+namespace trb::virtual_robots::drone {
+
+struct Settings {
+  std::string address = "127.0.2.6";
+  std::optional<std::uint16_t> port = 5556;  ///< of the commands; navdata two below; none: free ones
+  double speed = 1;
+  double battery = 100;
+  std::optional<Endpoint> control;
+};
+
+/** The drone, its two sockets and the clock in one loop. */
+class VirtualDrone {
+ public:
+  explicit VirtualDrone(const Settings& settings);
+
+  /** Runs until `end` becomes readable. */
+  void run(const Fd& end);
+
+ private:
+  void serve(const std::vector<pollfd>& polled);
+  void read_commands();
+  void read_wake_ups();
+  void take_line(const std::string& line);
+  void take_fault(const FaultOrder& order);
+  void send_navdata();
+  void tell_events();
+
+  Fd commands_;
+  Fd navdata_;
+  ControlPort control_;
+  StdinLines console_;
+  Controller controller_;
+  std::optional<sockaddr_in> client_;  ///< who wants navdata
+  double next_navdata_ = 0;
+};
+
+}  // namespace trb::virtual_robots::drone
