@@ -63,7 +63,8 @@ std::optional<Monitor> read_monitor(ObjectReader& vendor) {
   if (json == nullptr) return std::nullopt;
   ObjectReader reader(*json, vendor.path("monitor"), vendor.faults());
   Monitor monitor;
-  if (reader.choice("protocol", Need::required, {"ur-primary"})) monitor.protocol = "ur-primary";
+  const std::vector<std::string> protocols = {"ur-primary", "ar-navdata"};
+  if (const auto index = reader.choice("protocol", Need::required, protocols)) monitor.protocol = protocols[*index];
   monitor.port = static_cast<std::uint16_t>(reader.integer("port", Need::required, 1, 65535).value_or(0));
   reader.refuse_unknown_keys();
   return monitor;
@@ -98,6 +99,10 @@ VendorCommands read_vendor(const Value& json, const std::string& name, const Fil
 }
 
 void check_monitor(const VendorCommands& vendor, const std::string& name, const FileFaults& faults) {
+  if (vendor.monitor && vendor.monitor->protocol == "ar-navdata") {
+    faults.add(name + ".monitor.protocol", "'ar-navdata' is not spoken beside tcp-text",
+               R"(use "ur-primary", or the transport that the robot speaks)");
+  }
   if (vendor.requests.empty() || vendor.monitor) return;
   faults.add(name + ".requests", "are answered from the monitor, but there is none",
              R"(add "monitor": {"protocol": "ur-primary", "port": 30001}, or remove the requests)");

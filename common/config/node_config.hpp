@@ -45,7 +45,7 @@ struct Network {
 
 /// What a vendor's monitor connection tells (state, completion, errors).
 struct Monitor {
-  std::string protocol;  ///< "ur-primary"
+  std::string protocol;  ///< "ur-primary", "ar-navdata"
   std::uint16_t port = 0;
 };
 

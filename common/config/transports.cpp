@@ -24,7 +24,7 @@ struct Transport {
 // A mode's first transport is the one that is meant where commands.json names none.
 constexpr std::array<Transport, 8> kTransports{{
     {"tcp-text", Mode::direct, check_tcp_text},
-    {"udp-at", Mode::direct, check_absent},
+    {"udp-at", Mode::direct, check_udp_at},
     {"modbus", Mode::direct, check_absent},
     {"lines", Mode::interpreter, check_nothing},
     {"rapid", Mode::interpreter, check_absent},

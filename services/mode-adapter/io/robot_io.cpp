@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "services/mode-adapter/io/udp.hpp"
+
 namespace trb::adapter {
 namespace {
 
@@ -34,6 +36,7 @@ RobotIo::RobotIo(const RobotIoSettings& settings, Service& service, ModeAdapterC
   road(Channel::monitor).port = settings.monitor_port;
   for (Road& dialled : roads_) {
     dialled.back_off = kFirstBackOff;
+    dialled.datagrams = settings.datagrams && dialled.port;
     if (dialled.port) dialled.due = now().mono;
   }
   service_.watch(listener_.get(), POLLIN, [this](short) { accept_all(); });
@@ -72,12 +75,24 @@ void RobotIo::take_in(Accepted accepted) {
 }
 
 void RobotIo::dial(Road& road) {
+  if (road.datagrams) return dial_datagrams(road);
   auto dialled = tcp_dial(settings_.robot_host, *road.port);
   if (!dialled) return go_down(road, dialled.error().what);
   road.fd = std::move(*dialled);
   road.state = State::connecting;
   road.due = now().mono + kConnectTimeout;
   service_.watch(road.fd.get(), POLLOUT, [this, &road](short) { on_dialled(road); });
+}
+
+/// Nobody answers to that: the road is up, and what the robot says tells whether somebody is there.
+void RobotIo::dial_datagrams(Road& road) {
+  auto dialled = udp_dial(settings_.robot_host, *road.port);
+  if (!dialled) return go_down(road, dialled.error().what);
+  road.fd = std::move(*dialled);
+  road.state = State::up;
+  road.due.reset();
+  watch(road);
+  service_.step([&](Now at, Outbox& out) { core_.on_channel_up(road.channel, at, out); });
 }
 
 void RobotIo::on_dialled(Road& road) {
@@ -110,24 +125,43 @@ void RobotIo::on_ready(Road& road, short revents) {
 }
 
 void RobotIo::read(Road& road) {
+  if (road.datagrams) return read_datagram(road);
   const auto got = tcp_read(road.fd.get(), buffer_.data(), buffer_.size());
   if (!got) return go_down(road, got.error().what);
   if (got->closed) return go_down(road, "closed by the robot");
   if (got->bytes == 0) return;
+  hear(road, got->bytes);
+}
+
+void RobotIo::read_datagram(Road& road) {
+  const auto got = udp_read(road.fd.get(), buffer_.data(), buffer_.size());
+  if (!got) return go_down(road, got.error().what);
+  if (!got->came) return;
+  road.last_failure.clear();
+  hear(road, got->bytes);
+}
+
+void RobotIo::hear(Road& road, std::size_t size) {
   road.back_off = kFirstBackOff;
-  const BytesView bytes(buffer_.data(), got->bytes);
+  const BytesView bytes(buffer_.data(), size);
   service_.step([&](Now at, Outbox& out) { core_.on_bytes(road.channel, bytes, at, out); });
+}
+
+/// A road of datagrams is up as soon as it is dialled, and goes down again if nobody is there.
+bool RobotIo::is_news(const Road& road, const std::string& reason) {
+  return road.last_failure != reason || (road.state == State::up && !road.datagrams);
 }
 
 void RobotIo::go_down(Road& road, const std::string& reason) {
   const bool was_up = road.state == State::up;
+  const bool news = is_news(road, reason);
   close(road);
   retry_later(road);
-  if (!was_up && road.last_failure == reason) return;
+  if (!was_up && !news) return;
   road.last_failure = reason;
   service_.step([&](Now at, Outbox& out) {
-    out.log(LogLevel::warning, was_up ? "robot_lost" : "robot_not_reached",
-            std::string(name_of(road.channel)) + ": " + reason);
+    const char* const event = was_up ? "robot_lost" : "robot_not_reached";
+    if (news) out.log(LogLevel::warning, event, std::string(name_of(road.channel)) + ": " + reason);
     core_.on_channel_down(road.channel, reason, at, out);
   });
 }
@@ -159,6 +193,10 @@ void RobotIo::carry_out(const Outbox& out) {
 
 void RobotIo::write(Road& road, BytesView bytes) {
   if (road.state != State::up) return;
+  if (road.datagrams) {
+    if (const Status put = udp_write(road.fd.get(), bytes); !put) notice_loss(road, put.error().what);
+    return;
+  }
   if (road.output.size() - road.written > kMaxWaiting) return notice_loss(road, "the robot does not read");
   // The first words of a turn go at once, the others together at its end: a system call a message costs more than all
   // the rest of its way.
@@ -197,16 +235,17 @@ bool RobotIo::flush(Road& road) {
 }
 
 void RobotIo::notice_loss(Road& road, const std::string& reason) {
+  losses_.push_back({road.channel, reason, is_news(road, reason)});
+  road.last_failure = reason;
   close(road);
   retry_later(road);
-  losses_.push_back({road.channel, reason});
 }
 
 void RobotIo::tell_losses() {
   const std::vector<Notice> losses = std::exchange(losses_, {});
   for (const Notice& loss : losses) {
     service_.step([&](Now at, Outbox& out) {
-      out.log(LogLevel::warning, "robot_lost", std::string(name_of(loss.channel)) + ": " + loss.reason);
+      if (loss.news) out.log(LogLevel::warning, "robot_lost", std::string(name_of(loss.channel)) + ": " + loss.reason);
       core_.on_channel_down(loss.channel, loss.reason, at, out);
     });
   }

@@ -1,4 +1,5 @@
-// The robot's TCP connections: the one that it dials (TCP_PORT) and those that the node dials (commands, monitor).
+// The robot's connections: the one that it dials (TCP_PORT) and those that the node dials (commands, monitor), over TCP
+// or, as datagrams, over UDP.
 #pragma once
 
 #include <array>
@@ -18,6 +19,7 @@ struct RobotIoSettings {
   std::string robot_host;  ///< empty: TCP_PORT takes the connection from anywhere
   std::optional<std::uint16_t> command_port;
   std::optional<std::uint16_t> monitor_port;
+  bool datagrams = false;  ///< what is dialled is UDP: each RobotWrite is one datagram, each datagram one on_bytes
 };
 
 class RobotIo {
@@ -37,6 +39,7 @@ class RobotIo {
   struct Road {
     Channel channel{};
     std::optional<std::uint16_t> port;  ///< dialled; none: the robot dials
+    bool datagrams = false;
     Descriptor fd;
     State state = State::down;
     Bytes output;
@@ -50,6 +53,7 @@ class RobotIo {
   struct Notice {
     Channel channel{};
     std::string reason;
+    bool news = true;  ///< worth a line of the log
   };
 
   RobotIo(const RobotIoSettings& settings, Service& service, ModeAdapterCore& core, Descriptor listener);
@@ -58,10 +62,14 @@ class RobotIo {
   void accept_all();
   void take_in(Accepted accepted);
   void dial(Road& road);
+  void dial_datagrams(Road& road);
   void on_dialled(Road& road);
   void come_up(Road& road);
   void on_ready(Road& road, short revents);
   void read(Road& road);
+  void read_datagram(Road& road);
+  void hear(Road& road, std::size_t size);
+  static bool is_news(const Road& road, const std::string& reason);
   void go_down(Road& road, const std::string& reason);
   void close(Road& road);
   void retry_later(Road& road);

@@ -28,6 +28,7 @@ RobotIoSettings io_settings(const NodeConfig& config) {
   const std::string& transport = config.commands.transport;
   if (transport == "lines" || transport == "ros") return settings;
   settings.command_port = config.commands.port;
+  settings.datagrams = transport == "udp-at";
   if (config.commands.monitor) settings.monitor_port = config.commands.monitor->port;
   return settings;
 }

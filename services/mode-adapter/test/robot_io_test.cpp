@@ -1,85 +1,18 @@
 // The robot's connections over real loopback sockets: every wait is a poll with a deadline.
 #include "services/mode-adapter/io/robot_io.hpp"
 
-#include <poll.h>
 #include <unistd.h>
 
 #include <filesystem>
 
 #include "services/mode-adapter/io/fence_file.hpp"
 #include "services/mode-adapter/test/bench.hpp"
+#include "services/mode-adapter/test/fake_service.hpp"
 
 using namespace trb;
 using namespace trb::adapter;
 
 namespace {
-
-constexpr const char* kLoopback = "127.0.0.1";
-
-/// As much of a service as the connections need: watches, timers, steps, and turns that the test asks for.
-class FakeService : public Service {
- public:
-  [[nodiscard]] std::uint64_t instance() const override { return kInstance; }
-  void on_journal(std::function<Status(const std::vector<Journal>&)>) override {}
-  void on_robot(std::function<void(const Outbox&)> output) override { output_ = std::move(output); }
-  void watch(int fd, short events, std::function<void(short)> ready) override {
-    watches_[fd] = {events, std::make_shared<std::function<void(short)>>(std::move(ready))};
-  }
-  void unwatch(int fd) override { watches_.erase(fd); }
-  void timer(std::function<std::optional<MonotonicTime>()> next, std::function<void(Now)> tick) override {
-    timers_.push_back({std::move(next), std::move(tick)});
-  }
-  void step(const Effect& effect) override {
-    Outbox out;
-    effect(trb::now(), out);
-    if (output_) output_(out);
-    for (std::string& name : out.counts) counts.push_back(std::move(name));
-  }
-  int run(Core&, std::function<bool()>) override { return 0; }
-
-  /// Turns until it is true, for 5 s at most.
-  template <class Condition>
-  bool until(Condition condition) {
-    const MonotonicTime end = trb::now().mono + seconds(5);
-    while (!condition()) {
-      if (end < trb::now().mono) return false;
-      turn();
-    }
-    return true;
-  }
-
-  std::vector<std::string> counts;
-
- private:
-  struct Watch {
-    short events = 0;
-    std::shared_ptr<std::function<void(short)>> ready;
-  };
-  struct Timer {
-    std::function<std::optional<MonotonicTime>()> next;
-    std::function<void(Now)> tick;
-  };
-
-  void turn() {
-    std::vector<pollfd> fds;
-    for (const auto& [fd, watch] : watches_) fds.push_back({fd, watch.events, 0});
-    ::poll(fds.data(), fds.size(), 5);
-    for (const pollfd& fd : fds) {
-      const auto watch = watches_.find(fd.fd);
-      if (fd.revents == 0 || watch == watches_.end()) continue;
-      const auto ready = watch->second.ready;
-      (*ready)(fd.revents);
-    }
-    for (const Timer& timer : timers_) {
-      const auto next = timer.next();
-      if (next && *next <= trb::now().mono) timer.tick(trb::now());
-    }
-  }
-
-  std::map<int, Watch> watches_;
-  std::vector<Timer> timers_;
-  std::function<void(const Outbox&)> output_;
-};
 
 struct Node {
   explicit Node(Settings settings, RobotIoSettings roads = {kLoopback, 0, kLoopback, {}, {}})

@@ -1,6 +1,7 @@
 #include "services/mode-adapter/core/modes/native_mode.hpp"
 
 #include "services/mode-adapter/core/modes/arcos_mode.hpp"
+#include "services/mode-adapter/core/modes/at_mode.hpp"
 #include "services/mode-adapter/core/modes/direct_mode.hpp"
 #include "services/mode-adapter/core/modes/ros_mode.hpp"
 
@@ -10,6 +11,7 @@ std::unique_ptr<RobotMode> make_native_mode(const Settings& settings) {
   const std::string& transport = settings.commands.transport;
   if (transport == "tcp-text") return std::make_unique<DirectMode>(settings.commands, settings.id);
   if (transport == "arcos") return std::make_unique<ArcosMode>(settings.commands, settings.id);
+  if (transport == "udp-at") return std::make_unique<AtMode>(settings.commands, settings.id);
   if (transport == "ros") {
     return std::make_unique<RosMode>(settings.commands, settings.description.skills, settings.id, settings.instance);
   }
