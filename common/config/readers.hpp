@@ -38,6 +38,7 @@ void check_tcp_text(const NodeConfig& config, const FileFaults& faults);
 void check_ros(const NodeConfig& config, const FileFaults& faults);
 void check_arcos(const NodeConfig& config, const FileFaults& faults);
 void check_udp_at(const NodeConfig& config, const FileFaults& faults);
+void check_c3(const NodeConfig& config, const FileFaults& faults);
 
 // Parts that several of them need.
 /// "stop" is there, and no command but "release" is empty.

@@ -77,6 +77,13 @@ TEST_CASE("the paper's scenario can be done by robots that speak in fields") {
   CHECK_MESSAGE(faults.empty(), to_text(faults));
 }
 
+TEST_CASE("the arms that are shipped are spoken to as commands.json says") {
+  for (const char* arm : {"kuka"}) {
+    const NodeCheck check = check_shipped(arm, arm, std::string("robots/") + arm + ".json");
+    CHECK_MESSAGE(without_keys(check.faults).empty(), to_text(check.faults));
+  }
+}
+
 TEST_CASE("a scenario's faults: a cycle, an unknown robot, skill and place") {
   const NodeCheck check = check_shipped("ridgeback", "lines", kFieldRobots + "ridgeback.json");
   const auto json = parse_json(R"({"name": "n", "tasks": [

@@ -28,7 +28,7 @@ constexpr std::array<Transport, 8> kTransports{{
     {"modbus", Mode::direct, check_absent},
     {"lines", Mode::interpreter, check_nothing},
     {"rapid", Mode::interpreter, check_absent},
-    {"c3", Mode::interpreter, check_absent},
+    {"c3", Mode::interpreter, check_c3},
     {"arcos", Mode::interpreter, check_arcos},
     {"ros", Mode::ros, check_ros},
 }};

@@ -108,7 +108,7 @@ void ModeAdapterCore::answer_from_monitor(const Inbound& message, const Opaque& 
 }
 
 void ModeAdapterCore::inform(std::string_view subtype, std::string_view source, BytesView data, Now now, Outbox& out) {
-  RobotMode& mode = robot_.field();
+  RobotMode& mode = robot_.mode_for(MessageType::information, subtype);
   const Handover message{robot_.next_token(), MessageType::information, subtype, source, data, {}};
   const auto progress = mode.hand_over(message, now, robot_.to(mode, out));
   if (!progress) out.count("refused." + std::string(errc_name(progress.error().code)));

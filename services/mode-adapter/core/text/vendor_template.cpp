@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 
+#include "services/mode-adapter/core/text/krl.hpp"
 #include "services/mode-adapter/core/text/number_text.hpp"
 #include "services/mode-adapter/core/text/urscript.hpp"
 
@@ -78,7 +79,14 @@ VendorTemplate::VendorTemplate(std::string_view text) {
 Result<std::string> VendorTemplate::fill(BytesView data, Language language) const {
   if (!has_holes_) return parts_.front().literal;
   if (language == Language::plain || language == Language::raw) return fill_plain(data, language == Language::raw);
+  if (language == Language::krl) return fill_literals(data, krl_literal);
   return fill_literals(data, language == Language::json ? json_literal : urscript_literal);
+}
+
+std::size_t VendorTemplate::items() const {
+  int most = kWhole;
+  for (const Part& part : parts_) most = std::max(most, part.hole);
+  return static_cast<std::size_t>(most + 1);
 }
 
 Result<std::string> VendorTemplate::fill_plain(BytesView data, bool any_byte) const {

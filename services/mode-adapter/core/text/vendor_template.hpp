@@ -12,7 +12,7 @@
 namespace trb::adapter {
 
 /// `raw`: as `plain`, for robots whose texts may hold any byte.
-enum class Language : std::uint8_t { plain, urscript, json, raw };
+enum class Language : std::uint8_t { plain, urscript, json, raw, krl };
 
 class VendorTemplate {
  public:
@@ -20,6 +20,9 @@ class VendorTemplate {
 
   /// Errors: bad_value (naming what is expected), not_escapable.
   [[nodiscard]] Result<std::string> fill(BytesView data, Language language) const;
+
+  /// How many items of a list it takes: one more than the highest of its {0}, {1} …
+  [[nodiscard]] std::size_t items() const;
 
  private:
   static constexpr int kNone = -2;

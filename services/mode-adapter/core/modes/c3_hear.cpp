@@ -1,0 +1,289 @@
+// What a KUKA's variables tell: answers to what was written, flags, values, faults.
+#include <algorithm>
+
+#include "common/base/ids.hpp"
+#include "proto/body.hpp"
+#include "services/mode-adapter/core/modes/c3_mode.hpp"
+#include "services/mode-adapter/core/text/krl.hpp"
+
+namespace trb::adapter {
+namespace {
+
+constexpr std::size_t kMaxMessage = 16U << 20U;
+/// A text that was told so shortly before the program was stopped is why.
+constexpr Duration kSameFault = std::chrono::seconds(1);
+constexpr std::uint64_t kDone = 0;  ///< the mark of the done flag's asks; the other one is `out`'s
+
+std::int64_t whole_number(const std::string& text) {
+  const auto value = read_krl(text, {});
+  return value && !value->numbers.empty() ? static_cast<std::int64_t>(value->numbers.front()) : 0;
+}
+
+std::optional<MessageType> type_of(const std::string& word) {
+  for (const MessageType type : {MessageType::command, MessageType::request, MessageType::information}) {
+    if (word == name_of(type)) return type;
+  }
+  return std::nullopt;
+}
+
+std::optional<Severity> severity_of(std::string_view word) {
+  for (const Severity severity : {Severity::warning, Severity::urgent, Severity::critical, Severity::fatal}) {
+    if (word == name_of(severity)) return severity;
+  }
+  return std::nullopt;
+}
+
+std::string_view take_word(std::string_view& text) {
+  const std::size_t end = std::min(text.find(' '), text.size());
+  const std::string_view word = text.substr(0, end);
+  text.remove_prefix(std::min(end + 1, text.size()));
+  return word;
+}
+
+Error refused_by_robot(const C3Link::Answer& answer) {
+  const std::string what = answer.ask.variable + (answer.ask.value ? " = " + answer.ask.value->substr(0, 80) : "");
+  return fail(Errc::robot_error, "the robot refuses " + what + " (C3 error " + std::to_string(answer.reply.error) + ")",
+              "look whether the variable is declared on the robot, with that type and room enough");
+}
+
+}  // namespace
+
+void C3Mode::on_answer(const C3Link::Answer& answer, Now now, const ModeOut& out) {
+  if (!heard_) {
+    heard_ = true;
+    out.emit(LinkUp{});
+  }
+  if (!answer.reply.ok) warn_unknown(answer, out);
+  switch (answer.ask.purpose) {
+    case C3Purpose::step:
+      return on_step(answer, now, out);
+    case C3Purpose::probe:
+      return on_probe(static_cast<Probe>(answer.ask.about), answer.reply, now, out);
+    case C3Purpose::part:
+      return (answer.ask.about == kDone ? done_ : out_).on_part(answer.reply);
+    case C3Purpose::clear:
+      return answer.ask.about == kDone ? on_done(done_.on_cleared(), now, out) : on_out(out_.on_cleared(), out);
+    case C3Purpose::value:
+      return on_value(answer, now, out);
+    case C3Purpose::request:
+      return on_request(answer, out);
+    case C3Purpose::stop:
+    case C3Purpose::release:
+      if (!turn_ || turn_->ticket != answer.ask.about) return;
+      // What the robot does not take is not confirmed: its asker is told so at the deadline.
+      if (!answer.reply.ok) return out.refuse("robot_error", refused_by_robot(answer).text());
+      if (--turn_->unanswered == 0 && names_.stopped.empty()) confirm_turn(false, now, out);
+      return;
+    case C3Purpose::note:
+      return;
+  }
+}
+
+void C3Mode::warn_unknown(const C3Link::Answer& answer, const ModeOut& out) {
+  if (unknown_.insert(answer.ask.variable).second) {
+    out.out.log(LogLevel::warning, "variable_refused", refused_by_robot(answer).text());
+  }
+}
+
+void C3Mode::on_step(const C3Link::Answer& answer, Now now, const ModeOut& out) {
+  if (!current_ || static_cast<std::uint64_t>(current_->number) != answer.ask.about) return;
+  if (!answer.reply.ok) return refuse_job(refused_by_robot(answer), now, out);
+  if (current_->steps[current_->next].awaits_clear) {
+    current_->waits_since = next_poll_ = now.mono;
+    return;
+  }
+  ++current_->next;
+  do_step(now, out);
+}
+
+void C3Mode::on_probe(Probe what, const C3Reply& reply, Now now, const ModeOut& out) {
+  if (!reply.ok) return;
+  const bool raised = krl_true(reply.value);
+  switch (what) {
+    case Probe::chunk:
+      if (raised || !current_ || current_->phase != C3Job::Phase::writing || !current_->waits_since) return;
+      current_->waits_since.reset();
+      ++current_->next;
+      return do_step(now, out);
+    case Probe::command:
+      if (!raised && current_ && current_->phase == C3Job::Phase::offered) on_taken(now, out);
+      return;
+    case Probe::done:
+      if (raised) return done_.on_raised(link_, now, out);
+      return on_started(out);
+    case Probe::out:
+      if (raised) out_.on_raised(link_, now, out);
+      return;
+    case Probe::stopped:
+      return on_stopped(raised, now, out);
+    case Probe::stop_message:
+      return on_stop_message(raised, now, out);
+    case Probe::error:
+      return on_error_text(krl_text(reply.value), now, out);
+    case Probe::error_of_stop:
+      break;
+  }
+  const std::string text = krl_text(reply.value);
+  if (!text.empty()) stop_text_ = text;
+  const bool told = text == error_text_ && now.mono - error_told_ < kSameFault;
+  if (!told) report_fault(stop_text_, now, out);
+  error_text_ = text;
+  on_program_stopped(now, out);
+}
+
+void C3Mode::on_taken(Now now, const ModeOut& out) {
+  current_->phase = C3Job::Phase::running;
+  current_->waits_since.reset();
+  if (current_->ends) return;  // it may have been refused: the done flag is read first
+  if (!current_->forgotten) out.emit(HandedOver{current_->token});
+  current_.reset();
+  begin_next(now, out);
+}
+
+void C3Mode::on_started(const ModeOut& out) {
+  if (!current_ || current_->phase != C3Job::Phase::running || current_->told_started) return;
+  current_->told_started = true;
+  if (current_->type != MessageType::request && !current_->forgotten) out.emit(Started{current_->token});
+}
+
+void C3Mode::on_done(const std::vector<std::string>& parts, Now now, const ModeOut& out) {
+  const bool ours =
+      current_ && current_->phase != C3Job::Phase::writing && (!fields_ || whole_number(parts[0]) == current_->number);
+  const std::string text = krl_text(parts[2]);
+  if (!ours) {
+    out.out.count("refused.late_done");
+    return out.out.log(LogLevel::info, "late_report", "message " + parts[0] + ": " + text.substr(0, 200));
+  }
+  end_job(whole_number(parts[1]) == 0, text, now, out);
+}
+
+void C3Mode::end_job(bool well, const std::string& text, Now now, const ModeOut& out) {
+  const C3Job job = std::move(*current_);
+  current_.reset();
+  out.out.count(well ? "from_robot.done" : "from_robot.failed");
+  if (job.forgotten) {
+    out.out.log(LogLevel::info, "late_report", job.subtype + ": " + text.substr(0, 200));
+  } else if (job.type == MessageType::request && well) {
+    out.emit(Said{MessageType::information, job.subtype, job.source, text});
+  } else if (!well && (!job.told_started || job.type == MessageType::request)) {
+    out.emit(Refused{job.token, fail(Errc::robot_error, "the robot refuses it: " + text,
+                                     "look at the command, its data and the robot's program")});
+  } else {
+    if (!job.told_started) out.emit(Started{job.token});
+    if (job.tracked) out.emit(Ended{job.token, well, text});
+    if (!well) out.out.log(LogLevel::warning, "command_failed", job.subtype + ": " + text.substr(0, 200));
+  }
+  begin_next(now, out);
+}
+
+void C3Mode::on_out(const std::vector<std::string>& parts, const ModeOut& out) {
+  out_data_ += krl_text(parts[4]);
+  const std::int64_t size = whole_number(parts[3]);
+  if (out_data_.size() > kMaxMessage) {
+    out_data_.clear();
+    return out.refuse("message_too_long", "the robot said more than 16 MB");
+  }
+  if (static_cast<std::int64_t>(out_data_.size()) < size) return;
+  const std::string subtype = krl_text(parts[1]);
+  const std::string target = krl_text(parts[2]);
+  const auto type = type_of(krl_text(parts[0]));
+  Bytes data = std::exchange(out_data_, {});
+  const bool whole = size < 0 || static_cast<std::int64_t>(data.size()) == size;
+  if (!type || !is_valid_word(subtype) || !whole || (!target.empty() && !is_valid_id(target))) {
+    return out.refuse("bad_message", "the robot said " + parts[0] + " " + subtype + " to " + target +
+                                         ": no message, or not of the size it told");
+  }
+  if (is_typed(subtype)) {
+    return out.refuse("typed_subtype", "the robot said " + subtype + ", a word of the middleware's own");
+  }
+  out.out.count("from_robot." + subtype);
+  out.emit(Said{*type, subtype, target.empty() ? own_id_ : target, std::move(data)});
+}
+
+void C3Mode::on_stopped(bool stopped, Now now, const ModeOut& out) {
+  if (turn_ && turn_->unanswered == 0 && turn_->stop == stopped) confirm_turn(true, now, out);
+}
+
+void C3Mode::confirm_turn(bool by_robot, Now now, const ModeOut& out) {
+  const Turn turn = *std::exchange(turn_, std::nullopt);
+  if (turn.stop && turn.own) {
+    begin_turn(false, true, now, out);
+  } else if (turn.stop) {
+    out.emit(Stopped{turn.ticket, by_robot});
+  } else {
+    if (!turn.own) {
+      told_to_stop_ = false;
+      out.emit(Released{turn.ticket});
+    }
+    begin_next(now, out);
+  }
+}
+
+void C3Mode::on_stop_message(bool raised, Now now, const ModeOut& out) {
+  if (raised == stop_message_) return;
+  stop_message_ = raised;
+  if (!raised) return;
+  stop_text_ = names_.stop_message + " is TRUE: see the message on the robot's panel";
+  // Its text may be younger than the flag: it is read now.
+  if (!names_.error.empty()) return probe(Probe::error_of_stop, names_.error, now, out);
+  report_fault(stop_text_, now, out);
+  on_program_stopped(now, out);
+}
+
+/// The controller has stopped its program in the middle of whatever it did. A person may start it again: what is told
+/// to have failed must not go on then, so the robot is told to stop that motion.
+void C3Mode::on_program_stopped(Now now, const ModeOut& out) {
+  const std::string why = "the robot's controller has stopped its program: " + stop_text_;
+  const bool runs = current_ && current_->phase == C3Job::Phase::running;
+  if (runs && current_->tracked) {
+    if (!current_->told_started) out.emit(Started{current_->token});
+    out.emit(Ended{current_->token, false, why});
+    current_->told_started = true;
+  }
+  const bool was_taking = current_ && !runs;
+  drop_all(fail(Errc::robot_error, why, "clear the message on the robot's panel and start the program"), out);
+  if (runs) end_motion(now, out);
+  if (was_taking && fields_) link_.ask({C3Purpose::note, names_.command, "FALSE", 0}, now, out);
+}
+
+void C3Mode::on_error_text(const std::string& text, Now now, const ModeOut& out) {
+  if (text == error_text_) return;
+  error_text_ = text;
+  if (!text.empty()) report_fault(text, now, out);
+}
+
+/// "CAPABILITY SEVERITY TEXT", or any text: a critical fault of all that it can do.
+void C3Mode::report_fault(const std::string& text, Now now, const ModeOut& out) {
+  error_told_ = now.mono;
+  std::string_view rest = text;
+  const std::string capability(take_word(rest));
+  const auto severity = severity_of(take_word(rest));
+  const bool named = severity && std::ranges::find(capabilities_, capability) != capabilities_.end();
+  out.emit(named ? FaultSaid{capability, *severity, std::string(rest)} : FaultSaid{"", Severity::critical, text});
+}
+
+void C3Mode::on_value(const C3Link::Answer& answer, Now now, const ModeOut& out) {
+  if (!answer.reply.ok || answer.ask.about >= questions_.size()) return;
+  const Question& question = questions_[answer.ask.about];
+  auto value = read_krl(answer.reply.value, question.words.components);
+  if (!value) {
+    if (unknown_.insert(question.name).second) out.refuse("bad_value", question.name + ": " + value.error().text());
+    return;
+  }
+  values_[question.name] = RobotValue{std::move(value->numbers), std::move(value->json), now.mono};
+  out.emit(ValuesHeard{});
+}
+
+void C3Mode::on_request(const C3Link::Answer& answer, const ModeOut& out) {
+  const auto found = asked_.find(answer.ask.about);
+  if (found == asked_.end()) return out.out.count("refused.late_answer");
+  const Asked asked = std::move(found->second);
+  asked_.erase(found);
+  if (!answer.reply.ok) return out.emit(Refused{asked.token, refused_by_robot(answer)});
+  auto value = read_krl(answer.reply.value, asked.words.components);
+  if (!value) return out.emit(Refused{asked.token, value.error()});
+  out.out.count("from_robot." + asked.subtype);
+  out.emit(Said{MessageType::information, asked.subtype, asked.source, std::move(value->json)});
+}
+
+}  // namespace trb::adapter

@@ -1,0 +1,73 @@
+#include "services/virtual-robots/support/tcp_server.hpp"
+
+#include "services/virtual-robots/support/process.hpp"
+
+namespace trb::virtual_robots {
+
+TcpServer::TcpServer(const Endpoint& where, std::size_t most_clients)
+    : listener_(listen_on(where)), most_clients_(most_clients) {}
+
+void TcpServer::add_to_poll(std::vector<pollfd>& polled) {
+  poll_begin_ = polled.size();
+  polled.push_back({listener_.get(), POLLIN, 0});
+  for (const Client& client : clients_) {
+    polled.push_back({client.socket.get(), static_cast<short>(client.output.empty() ? POLLIN : POLLIN | POLLOUT), 0});
+  }
+}
+
+void TcpServer::serve(const std::vector<pollfd>& polled, const std::function<void(Client&)>& taken) {
+  std::size_t at = poll_begin_ + 1;
+  for (Client& client : clients_) {
+    const short found = polled[at++].revents;
+    if (found & POLLOUT) flush(client);
+    if (client.gone || !(found & (POLLIN | POLLHUP | POLLERR))) continue;
+    read_from(client);
+    if (!client.input.empty()) taken(client);
+  }
+  clients_.remove_if([](const Client& client) { return client.gone; });
+  if (polled[poll_begin_].revents & POLLIN) accept_all();
+}
+
+void TcpServer::accept_all() {
+  while (Fd socket = accept_client(listener_)) {
+    Client client;
+    client.socket = std::move(socket);
+    client.id = ++last_id_;
+    if (clients_.size() == most_clients_) {
+      drop(client, "too_many_clients");
+    } else {
+      clients_.push_back(std::move(client));
+    }
+  }
+}
+
+void TcpServer::read_from(Client& client) {
+  if (read_some(client.socket, client.input, 16384).kind == Transfer::Kind::Closed) client.gone = true;
+}
+
+void TcpServer::send(Client& client, std::string_view bytes) {
+  if (client.gone) return;
+  client.output += bytes;
+  flush(client);
+  if (client.output.size() > kLargestOutput) drop(client, "does_not_read");
+}
+
+TcpServer::Client* TcpServer::find(std::uint64_t id) {
+  for (Client& client : clients_) {
+    if (client.id == id && !client.gone) return &client;
+  }
+  return nullptr;
+}
+
+void TcpServer::flush(Client& client) {
+  const Transfer transfer = write_some(client.socket, client.output);
+  if (transfer.kind == Transfer::Kind::Closed) client.gone = true;
+  client.output.erase(0, transfer.bytes);
+}
+
+void TcpServer::drop(Client& client, std::string_view reason) {
+  client.gone = true;
+  print_line("client_dropped " + std::string(reason));
+}
+
+}  // namespace trb::virtual_robots

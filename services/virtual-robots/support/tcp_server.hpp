@@ -1,0 +1,60 @@
+#pragma once
+
+#include <poll.h>
+
+#include <cstdint>
+#include <functional>
+#include <list>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "services/virtual-robots/support/socket.hpp"
+
+namespace trb::virtual_robots {
+
+/** One listening port and its clients. It never waits: the loop around it polls. */
+class TcpServer {
+ public:
+  static constexpr std::size_t kLargestOutput = std::size_t{1024} * 1024;
+
+  struct Client {
+    Fd socket;
+    std::uint64_t id = 0;  ///< never used again
+    std::string input;     ///< what has come; the owner takes from its front
+    std::string output;
+    bool gone = false;
+  };
+
+  /** Port 0: a free one. A client too many is dropped at once. Throws std::system_error. */
+  TcpServer(const Endpoint& where, std::size_t most_clients);
+
+  std::uint16_t port() const { return port_of(listener_); }
+  std::size_t size() const { return clients_.size(); }
+
+  void add_to_poll(std::vector<pollfd>& polled);
+
+  /** Reads what poll found; `taken` is called with each client that has said something. */
+  void serve(const std::vector<pollfd>& polled, const std::function<void(Client&)>& taken);
+
+  /** Queues bytes; a client that reads nothing of a megabyte is dropped. */
+  void send(Client& client, std::string_view bytes);
+  /** The client of that id, if it is still there. */
+  Client* find(std::uint64_t id);
+  /** Prints `client_dropped REASON`; the client goes with the next serve. */
+  static void drop(Client& client, std::string_view reason);
+
+ private:
+  void accept_all();
+  void read_from(Client& client);
+  static void flush(Client& client);
+
+  Fd listener_;
+  std::size_t most_clients_;
+  std::list<Client> clients_;  ///< in a list, so that a client stays where it is
+  std::uint64_t last_id_ = 0;
+  std::size_t poll_begin_ = 0;
+};
+
+}  // namespace trb::virtual_robots
