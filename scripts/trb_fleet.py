@@ -252,7 +252,8 @@ class Fleet:
         if framework in ROS:
             return [self.programs / "trb-virtual-ros-robot", "--master", self.ros_uri(), "--ip", address,
                     "--namespace", node]
-        return [self.programs / f"trb-virtual-{framework}", "--address", address]
+        name = {"ardrone": "drone"}.get(framework, framework)
+        return [self.programs / f"trb-virtual-{name}", "--address", address]
 
     def start_node(self, node):
         log = self.root / f"up-{node}.log"

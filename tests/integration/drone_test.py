@@ -26,11 +26,9 @@ class DroneFleet(trb_fleet.Fleet):
         pass
 
     def start_drone(self, *more):
-        command = [VIRTUAL, "--address", self.robot_address("drone"), "--die-with-parent", *more]
-        robot = trb_fleet.Process(command, self.root / "drone.log", stdin=subprocess.PIPE)
-        robot.wait_line("ready 5556 5554", 10)
-        self.virtual["drone"] = robot
-        return robot
+        super().start_robot("drone", *more)
+        self.virtual["drone"].wait_line("ready 5556 5554", 2)
+        return self.virtual["drone"]
 
     def kill_drone(self):
         self.virtual.pop("drone").stop(signal.SIGKILL)

@@ -116,6 +116,19 @@ TEST_CASE("drone: after 2 s without navdata it is lost, is sent nothing, and com
   CHECK(bench.last("REF") == kRefGround);
 }
 
+TEST_CASE("drone: what is wrong is told again by a drone that comes back, but not that its watchdog waited for us") {
+  Sky low = kHovering;
+  low.bits = kBatteryLowBit | kWatchdogBit;
+  DroneBench bench(low);
+  CHECK(bench.faults().size() == 1);
+  bench.live(1, low);
+  CHECK(bench.faults().empty());
+  bench.wait(2.1);
+  CHECK(bench.faults().at(0).text.find("link lost") == 0);
+  bench.tell(low);
+  CHECK(bench.faults().at(0).text == "battery low: 76 %");
+}
+
 TEST_CASE("drone: whoever takes over finds it in the air and lets it stand there, or land if it lands") {
   CHECK([] {
     DroneBench bench(kHovering);

@@ -206,8 +206,8 @@ void AtMode::on_navdata(const ArNavdata& drone, Now now, const ModeOut& out) {
 
 void AtMode::come_up(Now now, const ModeOut& out) {
   online_ = true;
-  // That its watchdog had to wait for us is no fault of the drone's.
-  known_faults_ |= kLinkFaults;
+  // Whoever comes back tells again what is wrong; that its watchdog had to wait for us is no fault of the drone's.
+  known_faults_ = kLinkFaults;
   flight_.follow(drone_);
   next_state_ = now.mono;
   out.emit(LinkUp{});
