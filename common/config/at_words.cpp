@@ -133,7 +133,7 @@ Result<AtLine> read_line(std::string_view text) {
   if (words->size() - 1 != shape->types.size()) {
     return bad(name + " has " + std::to_string(words->size() - 1) + " arguments, where " +
                    std::to_string(shape->types.size()) + " are needed",
-               "see \"Direct mode over UDP\" in services/mode-adapter/README.md");
+               "see \"A drone's words\" in config/robots/README.md");
   }
   for (std::size_t i = 0; i < shape->types.size(); ++i) {
     auto argument = read_argument(shape->types[i], (*words)[i + 1]);

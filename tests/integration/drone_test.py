@@ -27,7 +27,7 @@ class DroneFleet(trb_fleet.Fleet):
 
     def start_drone(self, *more):
         super().start_robot("drone", *more)
-        self.virtual["drone"].wait_line("ready 5556 5554", 2)
+        self.virtual["drone"].wait_line("ready", 2)
         return self.virtual["drone"]
 
     def kill_drone(self):
@@ -222,6 +222,42 @@ class RawDrone(unittest.TestCase):
         self.assertIn("robot_offline", self.fleet.send("land").stderr)
         self.drone.answers = True
         self.fleet.wait_robot("ONLINE", 5)
+
+
+class OtherMaker(unittest.TestCase):
+    """A drone of a maker that is not in the repository: JSON alone, with words, names and ports of its own."""
+
+    VENDOR = {"port": 6556, "transport": "udp-at", "monitor": {"protocol": "ar-navdata", "port": 6554},
+              "commands": {"ascend": "REF take_off", "come_down": "REF land", "stop": "REF land", "release": "",
+                           "call_it": 'CONFIG "general:ardrone_name" {data}'},
+              "values": {"height": "altitude"}, "requests": {"how_high": "height"}}
+    SKILL = {"capability": "fly", "command": {"subtype": "ascend"}, "end": {"kind": "state", "state": "airborne", "equals": 1}}
+
+    def edit(self, name, change):
+        path = self.fleet.dir("drone") / name
+        content = json.loads(path.read_text())
+        change(content)
+        path.write_text(json.dumps(content))
+
+    def test_it_flies_by_its_own_words(self):
+        self.fleet = support.make_fleet(self, DroneFleet)
+        self.edit("node.json", lambda node: node.update(framework="skyco"))
+        self.edit("profile.json", lambda profile: profile.update(skyco="direct"))
+        self.edit("commands.json", lambda commands: commands.update(skyco=self.VENDOR))
+        self.edit("robots/drone.json", lambda robot: robot.update(maker="Skyco", skills={"go_up": self.SKILL}))
+        drone = self.fleet.start_drone("--port", "6556")
+        self.fleet.start()
+        self.fleet.wait_robot("ONLINE")
+        path = self.fleet.root / "up.json"
+        path.write_text(json.dumps({"name": "up", "tasks": [{"id": "up", "robot": "drone", "skill": "go_up"}]}))
+        self.fleet.wait("the cloud knows the drone", lambda: self.fleet.formed(), 20)
+        done = self.fleet.trb("scenario", "run", path, "--watch", "--timeout", 30, node="cloud", check=False)
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        self.assertGreater(float(json.loads(self.fleet.ask("how_high").stdout)["data"]), 0.5)
+        self.assertEqual(self.fleet.send("call_it", '"bee"', "--take").returncode, 0)
+        drone.wait_line("config general:ardrone_name bee", 5)
+        self.fleet.trb("stop", "drone", node="cloud")
+        drone.wait_line("state landed", 10)
 
 
 class EndToEnd(unittest.TestCase):

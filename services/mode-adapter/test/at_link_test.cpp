@@ -116,6 +116,18 @@ TEST_CASE("drone: after 2 s without navdata it is lost, is sent nothing, and com
   CHECK(bench.last("REF") == kRefGround);
 }
 
+TEST_CASE("drone: a command that does not fit into the queue of settings leaves nothing behind") {
+  Settings settings = drone();
+  settings.commands.commands["two"] = "FTRIM\nCONFIG \"a\" {data}\nCONFIG \"b\" {data}";
+  DroneBench bench(kOnGround, settings);
+  for (int i = 0; i < 16; ++i) bench.command("name", "1");  // one is sent, 15 wait
+  bench.sent();
+  CHECK(bench.answer(bench.command("two", "2")) == "nack queue_full");
+  bench.wait(0.03);
+  CHECK(bench.last("FTRIM").empty());
+  CHECK(bench.answer(bench.command("name", "3")).empty());  // there is still place for one
+}
+
 TEST_CASE("drone: what is wrong is told again by a drone that comes back, but not that its watchdog waited for us") {
   Sky low = kHovering;
   low.bits = kBatteryLowBit | kWatchdogBit;

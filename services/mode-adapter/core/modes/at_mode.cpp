@@ -98,7 +98,11 @@ Result<bool> AtMode::begin(const Handover& message, const std::vector<AtOrder>& 
   bool waits = false;
   for (const AtOrder& order : orders) {
     if (order.name == "CONFIG") {
-      if (Status added = configs_.add(message.token, order.arguments); !added) return added.error();
+      if (Status added = configs_.add(message.token, order.arguments); !added) {
+        configs_.forget(message.token);
+        calls_.clear();
+        return added.error();
+      }
       waits = true;
     } else if (order.action == AtAction::send) {
       calls_.push_back({order.name, order.arguments});
