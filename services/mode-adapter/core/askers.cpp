@@ -14,15 +14,21 @@ Inbound without_data(const Inbound& message) {
 
 void Askers::add(Token token, const Inbound& message, RobotMode& mode, Now now) {
   const auto wait = std::chrono::milliseconds(std::min(message.remaining_ms, kLongestMs));
-  waiting_.emplace(token, Asker{without_data(message), &mode, now.mono + wait});
+  const auto [at, is_new] = waiting_.emplace(token, Asker{without_data(message), &mode, now.mono + wait});
+  if (is_new) deadlines_.emplace(at->second.deadline, token);
+}
+
+Asker Askers::erase(std::map<Token, Asker>::iterator at) {
+  deadlines_.erase({at->second.deadline, at->first});
+  Asker asker = std::move(at->second);
+  waiting_.erase(at);
+  return asker;
 }
 
 std::optional<Inbound> Askers::take(Token token) {
   const auto found = waiting_.find(token);
   if (found == waiting_.end()) return std::nullopt;
-  Inbound message = std::move(found->second.message);
-  waiting_.erase(found);
-  return message;
+  return erase(found).message;
 }
 
 std::optional<Inbound> Askers::take_answered(std::string_view subtype, std::string_view source) {
@@ -33,13 +39,9 @@ std::optional<Inbound> Askers::take_answered(std::string_view subtype, std::stri
 }
 
 std::optional<std::pair<Token, Asker>> Askers::take_expired(Now now) {
-  for (auto at = waiting_.begin(); at != waiting_.end(); ++at) {
-    if (now.mono < at->second.deadline) continue;
-    std::pair<Token, Asker> expired(at->first, std::move(at->second));
-    waiting_.erase(at);
-    return expired;
-  }
-  return std::nullopt;
+  if (deadlines_.empty() || now.mono < deadlines_.begin()->first) return std::nullopt;
+  const Token token = deadlines_.begin()->second;
+  return std::pair(token, erase(waiting_.find(token)));
 }
 
 std::optional<Inbound> Askers::take_any_of(const RobotMode* mode) {
@@ -50,9 +52,8 @@ std::optional<Inbound> Askers::take_any_of(const RobotMode* mode) {
 }
 
 std::optional<MonotonicTime> Askers::next_deadline() const {
-  std::optional<MonotonicTime> next;
-  for (const auto& [token, asker] : waiting_) next = earlier(next, asker.deadline);
-  return next;
+  if (deadlines_.empty()) return std::nullopt;
+  return deadlines_.begin()->first;
 }
 
 }  // namespace trb::adapter

@@ -3,6 +3,7 @@
 
 #include <map>
 #include <optional>
+#include <set>
 
 #include "common/actor/inbound.hpp"
 #include "common/base/time.hpp"
@@ -30,7 +31,10 @@ class Askers {
   [[nodiscard]] std::optional<MonotonicTime> next_deadline() const;
 
  private:
+  Asker erase(std::map<Token, Asker>::iterator at);
+
   std::map<Token, Asker> waiting_;
+  std::set<std::pair<MonotonicTime, Token>> deadlines_;  ///< asked for at every turn of the loop
 };
 
 }  // namespace trb::adapter
