@@ -1,0 +1,134 @@
+#include "services/virtual-robots/plc/conveyor.hpp"
+
+#include <algorithm>
+
+namespace trb::virtual_robots::plc {
+namespace {
+
+constexpr double kEntryMm = 100;  ///< how far the light barrier at the entry sees
+
+}  // namespace
+
+std::string_view name_of(FaultCode code) {
+  switch (code) {
+    case FaultCode::None:
+      return "none";
+    case FaultCode::MotorOverload:
+      return "motor_overload";
+    case FaultCode::EmergencyStop:
+      return "emergency_stop";
+    case FaultCode::BeltSlips:
+      return "belt_slips";
+    case FaultCode::MotorHot:
+      return "motor_hot";
+  }
+  return "unknown";
+}
+
+bool Conveyor::stops_belt(FaultCode code) {
+  return code == FaultCode::MotorOverload || code == FaultCode::EmergencyStop;
+}
+
+void Conveyor::settle(double now) {
+  start_mm_ = position_mm(now);
+  since_ = now;
+}
+
+void Conveyor::run(bool on, double now) {
+  if (!on) return halt("command", now);
+  if (running_ || !may_run()) return;
+  if (settings_.brings_boxes && box_at_exit()) take_box(now);
+  if (settings_.brings_boxes && !box_) place_box(now);
+  settle(now);
+  running_ = true;
+  events_.push_back("belt on " + std::to_string(speed_));
+  advance(now);
+}
+
+void Conveyor::halt(const std::string& why, double now) {
+  if (!running_) return;
+  settle(now);
+  running_ = false;
+  events_.push_back("belt off " + why);
+}
+
+void Conveyor::set_speed(std::uint16_t mm_per_s, double now) {
+  settle(now);
+  speed_ = mm_per_s;
+}
+
+void Conveyor::place_box(double now) {
+  if (box_) return;
+  box_ = true;
+  start_mm_ = 0;
+  since_ = now;
+  events_.emplace_back("box entry");
+}
+
+void Conveyor::take_box(double now) {
+  if (!box_) return;
+  settle(now);
+  box_ = false;
+  start_mm_ = 0;
+  events_.emplace_back("box taken");
+}
+
+void Conveyor::fault(FaultCode code, double now) {
+  advance(now);
+  // The worse one stays: a warm motor does not hide an emergency stop.
+  if (stops_belt(fault_) && !stops_belt(code)) return;
+  fault_ = code;
+  events_.push_back("fault " + std::string(name_of(code)));
+  if (stops_belt(code)) halt(std::string(name_of(code)), now);
+}
+
+void Conveyor::reset(double now) {
+  if (fault_ == FaultCode::MotorOverload) clear(now);
+}
+
+void Conveyor::clear(double now) {
+  advance(now);
+  if (std::exchange(fault_, FaultCode::None) != FaultCode::None) events_.emplace_back("clear");
+}
+
+void Conveyor::advance(double now) {
+  if (!running_ || !box_ || position_mm(now) < settings_.length_mm) return;
+  ++boxes_;
+  events_.emplace_back("box exit");
+  halt("exit", now);
+}
+
+std::optional<double> Conveyor::next_deadline() const {
+  if (!running_ || !box_) return std::nullopt;
+  return since_ + (settings_.length_mm - start_mm_) / speed_;
+}
+
+double Conveyor::position_mm(double now) const {
+  if (!box_) return 0;
+  const double way = running_ ? speed_ * (now - since_) : 0;
+  // A microsecond before the end is the end: a deadline that was rounded must not be met again.
+  const double position = start_mm_ + std::max(way, 0.0);
+  return position >= settings_.length_mm - 1e-3 ? settings_.length_mm : position;
+}
+
+bool Conveyor::box_at_entry(double now) const {
+  return box_ && position_mm(now) < kEntryMm;
+}
+
+BeltState Conveyor::state() const {
+  if (stops_belt(fault_)) return BeltState::Fault;
+  if (running_) return BeltState::Running;
+  return box_at_exit() ? BeltState::BoxAtExit : BeltState::Ready;
+}
+
+double Conveyor::temperature() const {
+  if (fault_ == FaultCode::MotorHot || fault_ == FaultCode::MotorOverload) return 95.5;
+  return running_ ? 41.5 : 24.5;
+}
+
+double Conveyor::current_a() const {
+  if (!running_) return 0;
+  return fault_ == FaultCode::BeltSlips ? 0.4 : 1.2;
+}
+
+}  // namespace trb::virtual_robots::plc

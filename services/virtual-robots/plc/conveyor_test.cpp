@@ -1,0 +1,114 @@
+#include "services/virtual-robots/plc/conveyor.hpp"
+
+#include <doctest/doctest.h>
+
+using namespace trb::virtual_robots::plc;
+
+namespace {
+
+std::string events(Conveyor& conveyor) {
+  std::string out;
+  for (const std::string& event : conveyor.take_events()) out += (out.empty() ? "" : "; ") + event;
+  return out;
+}
+
+}  // namespace
+
+TEST_CASE("a belt carries its box to the exit, where the controller's program stops it") {
+  Conveyor conveyor(ConveyorSettings{});
+  conveyor.place_box(0);
+  CHECK(conveyor.box_at_entry(0));
+  conveyor.run(true, 1);
+  CHECK(conveyor.state() == BeltState::Running);
+  CHECK(conveyor.position_mm(2) == 500);
+  CHECK_FALSE(conveyor.box_at_entry(2));
+  CHECK(conveyor.next_deadline() == 5.0);
+  conveyor.advance(4.9);
+  CHECK(conveyor.running());
+  conveyor.advance(5);
+  CHECK(conveyor.state() == BeltState::BoxAtExit);
+  CHECK(conveyor.position_mm(6) == 2000);
+  CHECK(conveyor.boxes() == 1);
+  CHECK_FALSE(conveyor.next_deadline());
+  CHECK(events(conveyor) == "box entry; belt on 500; box exit; belt off exit");
+}
+
+TEST_CASE("a belt may change its speed, stop on its way, and go on") {
+  Conveyor conveyor(ConveyorSettings{});
+  conveyor.place_box(0);
+  conveyor.run(true, 0);
+  conveyor.set_speed(100, 1);
+  CHECK(conveyor.position_mm(2) == 600);
+  conveyor.run(false, 2);
+  CHECK(conveyor.position_mm(9) == 600);
+  CHECK(conveyor.state() == BeltState::Ready);
+  conveyor.run(true, 10);
+  CHECK(conveyor.next_deadline() == 24.0);
+  CHECK(events(conveyor) == "box entry; belt on 500; belt off command; belt on 100");
+}
+
+TEST_CASE("an overload stops the belt until it is reset; an emergency stop until it is lifted") {
+  Conveyor conveyor(ConveyorSettings{});
+  conveyor.place_box(0);
+  conveyor.run(true, 0);
+  conveyor.fault(FaultCode::MotorOverload, 1);
+  CHECK(conveyor.state() == BeltState::Fault);
+  CHECK(conveyor.temperature() > 90);
+  conveyor.run(true, 2);
+  CHECK_FALSE(conveyor.running());
+  conveyor.reset(3);
+  CHECK(conveyor.state() == BeltState::Ready);
+  conveyor.fault(FaultCode::EmergencyStop, 4);
+  conveyor.fault(FaultCode::MotorHot, 5);
+  conveyor.reset(6);
+  CHECK(conveyor.fault_code() == FaultCode::EmergencyStop);
+  conveyor.clear(7);
+  CHECK(conveyor.may_run());
+  CHECK(events(conveyor) ==
+        "box entry; belt on 500; fault motor_overload; belt off motor_overload; clear; fault emergency_stop; clear");
+}
+
+TEST_CASE("a warm motor and a slipping belt are told, and the belt goes on") {
+  Conveyor conveyor(ConveyorSettings{});
+  conveyor.run(true, 0);
+  conveyor.fault(FaultCode::BeltSlips, 1);
+  CHECK(conveyor.running());
+  CHECK(conveyor.current_a() == 0.4);
+  conveyor.fault(FaultCode::MotorHot, 2);
+  CHECK(conveyor.fault_code() == FaultCode::MotorHot);
+  CHECK(conveyor.state() == BeltState::Running);
+}
+
+TEST_CASE("a belt with nothing on it runs until it is told to stop") {
+  Conveyor conveyor(ConveyorSettings{});
+  conveyor.run(true, 0);
+  CHECK_FALSE(conveyor.next_deadline());
+  conveyor.advance(1000);
+  CHECK(conveyor.running());
+}
+
+TEST_CASE("a belt with a box at its exit does not start to run: it is there already") {
+  Conveyor conveyor(ConveyorSettings{});
+  conveyor.place_box(0);
+  conveyor.run(true, 0);
+  conveyor.advance(4);
+  conveyor.run(true, 5);
+  CHECK(conveyor.state() == BeltState::BoxAtExit);
+  conveyor.take_box(6);
+  CHECK(conveyor.state() == BeltState::Ready);
+}
+
+TEST_CASE("boxes are brought where that is asked for") {
+  Conveyor conveyor(ConveyorSettings{2000, true});
+  for (double t : {0.0, 10.0}) {
+    conveyor.run(true, t);
+    CHECK(conveyor.box_at_entry(t));
+    conveyor.advance(t + 4);
+    CHECK(conveyor.box_at_exit());
+  }
+  conveyor.run(true, 20);
+  conveyor.run(false, 21);
+  conveyor.run(true, 22);  // the box that is under way stays the same
+  CHECK(conveyor.position_mm(22) == 500);
+  CHECK(conveyor.boxes() == 2);
+}

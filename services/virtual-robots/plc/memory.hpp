@@ -1,0 +1,35 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+namespace trb::virtual_robots::plc {
+
+/** The four tables of a Modbus server. */
+enum class Table { Coils, DiscreteInputs, InputRegisters, HoldingRegisters };
+
+/** Why a request is not carried out; the number travels. */
+enum class Exception : std::uint8_t {
+  None = 0,
+  IllegalFunction = 1,
+  IllegalAddress = 2,
+  IllegalValue = 3,
+  DeviceFailure = 4,
+};
+
+/** What the requests act on. A bit is 0 or 1. */
+class Memory {
+ public:
+  Memory() = default;
+  Memory(const Memory&) = delete;
+  Memory& operator=(const Memory&) = delete;
+  virtual ~Memory() = default;
+
+  /** Nothing where there is no such bit or register. */
+  virtual std::optional<std::uint16_t> read(Table table, std::uint16_t address) const = 0;
+  /** Whether write() may follow. */
+  virtual Exception check(Table table, std::uint16_t address, std::uint16_t value) const = 0;
+  virtual void write(Table table, std::uint16_t address, std::uint16_t value) = 0;
+};
+
+}  // namespace trb::virtual_robots::plc

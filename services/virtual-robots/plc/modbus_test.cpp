@@ -1,0 +1,109 @@
+// Golden packets of the Modbus server, written from the Modbus application protocol.
+#include "services/virtual-robots/plc/modbus.hpp"
+
+#include <doctest/doctest.h>
+
+#include "services/virtual-robots/plc/registers.hpp"
+
+using namespace trb::virtual_robots::plc;
+
+namespace {
+
+/** "00 1f" as bytes. */
+std::string bytes(std::string_view hex) {
+  std::string out;
+  for (std::size_t i = 0; i + 1 < hex.size(); i += 3) {
+    out += static_cast<char>(std::stoi(std::string(hex.substr(i, 2)), nullptr, 16));
+  }
+  return out;
+}
+
+std::string hex(std::string_view text) {
+  constexpr char kDigits[] = "0123456789abcdef";
+  std::string out;
+  for (const char c : text) {
+    const auto byte = static_cast<unsigned char>(c);
+    out += (out.empty() ? "" : " ") + std::string{kDigits[byte >> 4U], kDigits[byte & 15U]};
+  }
+  return out;
+}
+
+struct Bench {
+  std::string pdu(std::string_view request) { return hex(answer_pdu(bytes(request), registers)); }
+  std::string take(std::string_view frame) { return hex(intake.take(bytes(frame), registers)); }
+
+  Conveyor conveyor{ConveyorSettings{}};
+  Registers registers{conveyor};
+  Intake intake;
+};
+
+}  // namespace
+
+TEST_CASE("modbus: bits and registers are read") {
+  Bench bench;
+  CHECK(bench.pdu("01 00 00 00 02") == "01 01 00");
+  CHECK(bench.pdu("02 00 00 00 04") == "02 01 00");
+  CHECK(bench.pdu("03 00 00 00 01") == "03 02 01 f4");
+  CHECK(bench.pdu("04 00 04 00 02") == "04 04 00 f5 09 00");
+  CHECK(bench.pdu("05 00 00 ff 00") == "05 00 00 ff 00");
+  CHECK(bench.pdu("01 00 00 00 02") == "01 01 01");
+  CHECK(bench.pdu("04 00 08 00 02") == "04 04 3f 99 99 9a");  // 1.2 as a float, the high word first
+}
+
+TEST_CASE("modbus: coils and registers are written, one or several") {
+  Bench bench;
+  CHECK(bench.pdu("06 00 00 00 fa") == "06 00 00 00 fa");
+  CHECK(bench.conveyor.speed_setting() == 250);
+  CHECK(bench.pdu("10 00 00 00 01 02 01 2c") == "10 00 00 00 01");
+  CHECK(bench.conveyor.speed_setting() == 300);
+  CHECK(bench.pdu("0f 00 00 00 02 01 01") == "0f 00 00 00 02");
+  CHECK(bench.conveyor.running());
+  CHECK(bench.pdu("05 00 00 00 00") == "05 00 00 00 00");
+  CHECK_FALSE(bench.conveyor.running());
+}
+
+TEST_CASE("modbus: what cannot be done is refused with its exception, and nothing of it is done") {
+  Bench bench;
+  CHECK(bench.pdu("01 00 02 00 01") == "81 02");
+  CHECK(bench.pdu("01 00 01 00 02") == "81 02");
+  CHECK(bench.pdu("04 ff ff 00 02") == "84 02");
+  CHECK(bench.pdu("03 00 00 00 00") == "83 03");
+  CHECK(bench.pdu("03 00 00 00 7e") == "83 03");
+  CHECK(bench.pdu("03 00 00 00") == "83 03");
+  CHECK(bench.pdu("05 00 00 00 01") == "85 03");
+  CHECK(bench.pdu("05 00 09 ff 00") == "85 02");
+  CHECK(bench.pdu("06 00 00 00 00") == "86 03");
+  CHECK(bench.pdu("06 00 01 00 01") == "86 02");
+  CHECK(bench.pdu("10 00 00 00 02 04 00 fa 00 fa") == "90 02");
+  CHECK(bench.pdu("10 00 00 00 01 04 00 fa 00 fa") == "90 03");
+  CHECK(bench.pdu("0f ff ff 00 02 01 03") == "8f 02");
+  CHECK(bench.pdu("07") == "87 01");
+  CHECK(bench.pdu("2b 0e 01 00") == "ab 01");
+  CHECK(bench.conveyor.speed_setting() == 500);
+  bench.conveyor.fault(FaultCode::MotorOverload, 0);
+  CHECK(bench.pdu("05 00 00 ff 00") == "85 04");
+  CHECK(bench.pdu("0f 00 00 00 02 01 03") == "8f 04");
+  CHECK(bench.conveyor.fault_code() == FaultCode::MotorOverload);
+  CHECK(bench.pdu("05 00 01 ff 00") == "05 00 01 ff 00");
+  CHECK(bench.conveyor.may_run());
+}
+
+TEST_CASE("modbus: requests come in pieces and in heaps, and each answer carries its number and unit") {
+  Bench bench;
+  CHECK(bench.take("00 07 00 00 00 06 11 03 00 00").empty());
+  CHECK(bench.take("00 01 12 34 00 00 00 06 01 06 00 00 00 fa 00") ==
+        "00 07 00 00 00 05 11 03 02 01 f4 12 34 00 00 00 06 01 06 00 00 00 fa");
+  CHECK(bench.take("01 00 00 00 02 01 07") == "00 01 00 00 00 03 01 87 01");
+  CHECK_FALSE(bench.intake.broken());
+}
+
+TEST_CASE("modbus: bytes that are no Modbus end the connection") {
+  for (const char* frame : {"00 01 00 01 00 06 01 03 00 00 00 01", "00 01 00 00 00 01 01", "00 01 00 00 00 ff 01 03",
+                            "47 45 54 20 2f 20 48 54 54 50 2f 31"}) {
+    CAPTURE(frame);
+    Bench bench;
+    CHECK(bench.take(frame).empty());
+    CHECK(bench.intake.broken());
+    CHECK(bench.take("00 01 00 00 00 06 01 03 00 00 00 01").empty());
+  }
+}

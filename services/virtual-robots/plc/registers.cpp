@@ -1,0 +1,106 @@
+#include "services/virtual-robots/plc/registers.hpp"
+
+#include <bit>
+#include <cmath>
+
+namespace trb::virtual_robots::plc {
+namespace {
+
+constexpr std::uint16_t kCoils = 2;
+constexpr std::uint16_t kRunning = 0;
+constexpr std::uint16_t kReset = 1;
+
+std::uint16_t tenths(double value) {
+  return static_cast<std::uint16_t>(static_cast<std::int16_t>(std::lround(value * 10)));
+}
+
+std::uint16_t high(std::uint32_t value) {
+  return static_cast<std::uint16_t>(value >> 16U);
+}
+
+std::uint16_t low(std::uint32_t value) {
+  return static_cast<std::uint16_t>(value & 0xffffU);
+}
+
+}  // namespace
+
+std::optional<std::uint16_t> Registers::read(Table table, std::uint16_t address) const {
+  switch (table) {
+    case Table::Coils:
+      return coil(address);
+    case Table::DiscreteInputs:
+      return discrete_input(address);
+    case Table::InputRegisters:
+      return input_register(address);
+    case Table::HoldingRegisters:
+      break;
+  }
+  return address == 0 ? std::optional(conveyor_.speed_setting()) : std::nullopt;
+}
+
+std::optional<std::uint16_t> Registers::coil(std::uint16_t address) const {
+  if (address >= kCoils) return std::nullopt;
+  return address == kRunning && conveyor_.running() ? 1 : 0;
+}
+
+std::optional<std::uint16_t> Registers::discrete_input(std::uint16_t address) const {
+  const FaultCode fault = conveyor_.fault_code();
+  switch (address) {
+    case 0:
+      return conveyor_.box_at_exit();
+    case 1:
+      return conveyor_.box_at_entry(now_);
+    case 2:
+      return fault == FaultCode::MotorOverload;
+    case 3:
+      return fault == FaultCode::EmergencyStop;
+    default:
+      return std::nullopt;
+  }
+}
+
+std::optional<std::uint16_t> Registers::input_register(std::uint16_t address) const {
+  const auto current = std::bit_cast<std::uint32_t>(static_cast<float>(conveyor_.current_a()));
+  switch (address) {
+    case 0:
+      return static_cast<std::uint16_t>(conveyor_.state());
+    case 1:
+      return static_cast<std::uint16_t>(conveyor_.position_mm(now_));
+    case 2:
+      return conveyor_.running() ? conveyor_.speed_setting() : 0;
+    case 3:
+      return static_cast<std::uint16_t>(conveyor_.fault_code());
+    case 4:
+      return tenths(conveyor_.temperature());
+    case 5:
+      return tenths(230.4);  // the mains
+    case 6:
+      return high(conveyor_.boxes());
+    case 7:
+      return low(conveyor_.boxes());
+    case 8:
+      return high(current);
+    case 9:
+      return low(current);
+    default:
+      return std::nullopt;
+  }
+}
+
+Exception Registers::check(Table table, std::uint16_t address, std::uint16_t value) const {
+  if (table == Table::Coils) {
+    if (address >= kCoils) return Exception::IllegalAddress;
+    return address == kRunning && value == 1 && !conveyor_.may_run() ? Exception::DeviceFailure : Exception::None;
+  }
+  if (table != Table::HoldingRegisters || address != 0) return Exception::IllegalAddress;
+  const bool good = value >= Conveyor::kSlowest && value <= Conveyor::kFastest;
+  return good ? Exception::None : Exception::IllegalValue;
+}
+
+void Registers::write(Table table, std::uint16_t address, std::uint16_t value) {
+  if (table == Table::HoldingRegisters) return conveyor_.set_speed(value, now_);
+  if (address == kRunning) return conveyor_.run(value == 1, now_);
+  if (address == kReset && value == 1) conveyor_.reset(now_);
+}
+
+}  // namespace trb::virtual_robots::plc
