@@ -90,6 +90,7 @@ VendorCommands read_vendor(const Value& json, const std::string& name, const Fil
   vendor.values = read_words(reader, "values");
   vendor.commands = read_words(reader, "commands");
   vendor.requests = read_words(reader, "requests");
+  if (vendor.transport == "modbus") vendor.modbus = read_modbus_settings(reader);
   reader.refuse_unknown_keys();
   if (!vendor.wrap.empty() && vendor.language != "urscript") {
     faults.add(name + ".wrap", "wraps URScript, but \"language\" is '" + vendor.language + "'",

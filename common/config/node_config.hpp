@@ -49,6 +49,13 @@ struct Monitor {
   std::uint16_t port = 0;
 };
 
+/// How a Modbus device is asked.
+struct ModbusSettings {
+  int unit = 1;            ///< the device behind the address: 0 to 247, or 255
+  double poll_s = 0.1;     ///< how often its values are asked for
+  double timeout_s = 0.5;  ///< how long an answer may take before the connection is given up
+};
+
 /// One vendor's part of commands.json, Appendix A's Figure A3.
 struct VendorCommands {
   std::optional<std::uint16_t> port;
@@ -59,6 +66,7 @@ struct VendorCommands {
   std::map<std::string, std::string> values;    ///< name -> where the robot tells it, in the transport's words
   std::map<std::string, std::string> requests;  ///< subtype -> a name that the monitor reports, for example "joints"
   std::optional<Monitor> monitor;
+  ModbusSettings modbus;  ///< of the transport modbus
 };
 
 struct NodeConfig {

@@ -39,6 +39,10 @@ void check_ros(const NodeConfig& config, const FileFaults& faults);
 void check_arcos(const NodeConfig& config, const FileFaults& faults);
 void check_udp_at(const NodeConfig& config, const FileFaults& faults);
 void check_c3(const NodeConfig& config, const FileFaults& faults);
+void check_modbus(const NodeConfig& config, const FileFaults& faults);
+
+/// The keys that commands.json has for the transport modbus alone.
+ModbusSettings read_modbus_settings(ObjectReader& vendor);
 
 // Parts that several of them need.
 /// "stop" is there, and no command but "release" is empty.

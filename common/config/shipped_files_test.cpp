@@ -60,6 +60,12 @@ TEST_CASE("every shipped description is good") {
   CHECK(count >= 2);  // not an empty folder
 }
 
+TEST_CASE("the conveyor's registers and its description fit each other") {
+  const NodeCheck check = check_shipped("conveyor", "plc", "robots/conveyor.json");
+  CHECK_MESSAGE(without_keys(check.faults).empty(), to_text(check.faults));
+  CHECK(check.config.commands.transport == "modbus");
+}
+
 TEST_CASE("the paper's scenario can be done by robots that speak in fields") {
   std::map<std::string, NodeProfile> profiles;
   for (const char* id : {"ridgeback", "conveyor", "drone", "turtlebot"}) {

@@ -25,7 +25,7 @@ struct Transport {
 constexpr std::array<Transport, 8> kTransports{{
     {"tcp-text", Mode::direct, check_tcp_text},
     {"udp-at", Mode::direct, check_udp_at},
-    {"modbus", Mode::direct, check_absent},
+    {"modbus", Mode::direct, check_modbus},
     {"lines", Mode::interpreter, check_nothing},
     {"rapid", Mode::interpreter, check_absent},
     {"c3", Mode::interpreter, check_c3},

@@ -38,7 +38,7 @@ class Service {
 
   /// Commits the records of one step; a failure ends the process, because nothing may be sent on an unwritten record.
   virtual void on_journal(std::function<Status(const std::vector<Journal>&)> commit) = 0;
-  /// Carries out the RobotWrites and RobotCloses of a step, after its sends.
+  /// Carries out the RobotWrites and RobotCloses of a step, after its sends. Several may: each takes its own channels.
   virtual void on_robot(std::function<void(const Outbox&)> output) = 0;
 
   /// Calls `ready` in the loop when the descriptor has any of the poll(2) events. One watch a descriptor; calling again

@@ -103,6 +103,7 @@ void ModeAdapterCore::answer_from_monitor(const Inbound& message, const Opaque& 
     return out.nack(message, fail(Errc::robot_offline, "the robot's controller is not connected",
                                   "look at its power, network and address"));
   }
+  if (const auto problem = mode.problem(body.subtype)) return out.nack(message, *problem);
   out.nack(message, fail(Errc::timeout, "the robot's monitor has not told '" + body.subtype + "' for 2 s",
                          "look whether commands.json maps it to a value that the monitor reports"));
 }

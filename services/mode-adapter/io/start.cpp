@@ -4,10 +4,13 @@
 
 #include "common/config/node_config.hpp"
 #include "services/mode-adapter/io/fence_file.hpp"
+#include "services/mode-adapter/io/modbus_io.hpp"
 #include "services/mode-adapter/io/robot_io.hpp"
 
 namespace trb::adapter {
 namespace {
+
+constexpr std::uint16_t kModbusPort = 502;
 
 std::vector<std::string> subtypes() {
   // Words without a body come to the mode-adapter anyway: it takes what no other service claims.
@@ -26,11 +29,16 @@ std::vector<std::string> subtypes() {
 RobotIoSettings io_settings(const NodeConfig& config) {
   RobotIoSettings settings{config.network.robot_address, config.network.tcp_port, config.robot.host, {}, {}};
   const std::string& transport = config.commands.transport;
-  if (transport == "lines" || transport == "ros") return settings;
+  if (transport == "lines" || transport == "ros" || transport == "modbus") return settings;
   settings.command_port = config.commands.port;
   settings.datagrams = transport == "udp-at";
   if (config.commands.monitor) settings.monitor_port = config.commands.monitor->port;
   return settings;
+}
+
+ModbusLink::Where modbus_device(const NodeConfig& config) {
+  const ModbusSettings& modbus = config.commands.modbus;
+  return {config.robot.host, config.commands.port.value_or(kModbusPort), modbus.unit, modbus.timeout_s};
 }
 
 Settings core_settings(NodeConfig config, std::uint64_t instance, bool fenced) {
@@ -54,10 +62,14 @@ int start(const std::string& node_dir) {
   if (!service) return complain(service.error().text());
   const FenceFile fence(check.config.dir);
   const RobotIoSettings roads = io_settings(check.config);
+  const bool speaks_modbus = check.config.commands.transport == "modbus";
+  const ModbusLink::Where device = modbus_device(check.config);
   ModeAdapterCore core(core_settings(std::move(check.config), (*service)->instance(), fence.set()),
                        [&fence](bool fenced) { return fence.save(fenced); });
   const auto io = RobotIo::open(roads, **service, core);
   if (!io) return complain(io.error().text());
+  const auto modbus = speaks_modbus ? ModbusIo::open(device, **service, core) : std::unique_ptr<ModbusIo>();
+  if (!modbus) return complain(modbus.error().text());
   const int ended = (*service)->run(core, [&core] { return core.idle(); });
   (*service)->step([&core](Now at, Outbox& out) { core.leave(at, out); });
   return ended;

@@ -18,7 +18,7 @@ class FakeService : public Service {
  public:
   [[nodiscard]] std::uint64_t instance() const override { return kInstance; }
   void on_journal(std::function<Status(const std::vector<Journal>&)>) override {}
-  void on_robot(std::function<void(const Outbox&)> output) override { output_ = std::move(output); }
+  void on_robot(std::function<void(const Outbox&)> output) override { outputs_.push_back(std::move(output)); }
   void watch(int fd, short events, std::function<void(short)> ready) override {
     watches_[fd] = {events, std::make_shared<std::function<void(short)>>(std::move(ready))};
   }
@@ -29,7 +29,7 @@ class FakeService : public Service {
   void step(const Effect& effect) override {
     Outbox out;
     effect(trb::now(), out);
-    if (output_) output_(out);
+    for (const auto& output : outputs_) output(out);
     for (std::string& name : out.counts) counts.push_back(std::move(name));
     for (Log& log : out.logs) logs.push_back(std::move(log.event));
   }
@@ -79,7 +79,7 @@ class FakeService : public Service {
 
   std::map<int, Watch> watches_;
   std::vector<Timer> timers_;
-  std::function<void(const Outbox&)> output_;
+  std::vector<std::function<void(const Outbox&)>> outputs_;
 };
 
 }  // namespace trb::adapter

@@ -119,6 +119,8 @@ class RobotMode {
   /// For a mode that hears a request's values only if it listens: from now on value() has them, until unwatch().
   virtual void watch(std::string_view /*subtype*/, const ModeOut&) {}
   virtual void unwatch(std::string_view /*subtype*/, const ModeOut&) {}
+  /// Why value() has none, if the robot has said so.
+  [[nodiscard]] virtual std::optional<Error> problem(std::string_view) const { return std::nullopt; }
 
   /// Errors: no_field_channel, robot_offline, queue_full, unknown_subtype, bad_value, not_escapable.
   virtual Result<Progress> hand_over(const Handover& message, Now now, const ModeOut& out) = 0;

@@ -4,6 +4,7 @@
 #include "services/mode-adapter/core/modes/at_mode.hpp"
 #include "services/mode-adapter/core/modes/c3_mode.hpp"
 #include "services/mode-adapter/core/modes/direct_mode.hpp"
+#include "services/mode-adapter/core/modes/modbus_mode.hpp"
 #include "services/mode-adapter/core/modes/ros_mode.hpp"
 
 namespace trb::adapter {
@@ -17,6 +18,7 @@ std::unique_ptr<RobotMode> make_native_mode(const Settings& settings) {
   if (transport == "ros") {
     return std::make_unique<RosMode>(settings.commands, settings.description.skills, settings.id, settings.instance);
   }
+  if (transport == "modbus") return std::make_unique<ModbusMode>(settings.commands, settings.description, settings.id);
   return nullptr;
 }
 

@@ -1,0 +1,47 @@
+// One connection to a Modbus device, through libmodbus. Every call blocks, for a bounded time.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+
+#include "common/base/result.hpp"
+#include "common/base/time.hpp"
+#include "services/mode-adapter/core/modes/modbus_call.hpp"
+
+struct _modbus;
+
+namespace trb::adapter {
+
+class ModbusLink {
+ public:
+  struct Where {
+    std::string address;
+    std::uint16_t port = 0;
+    int unit = 1;
+    double timeout_s = 0.5;  ///< for an answer
+  };
+
+  explicit ModbusLink(Where where);
+  ModbusLink(const ModbusLink&) = delete;
+  ModbusLink& operator=(const ModbusLink&) = delete;
+  ~ModbusLink();
+
+  /// Within 2 s. Errors: io_error.
+  Status connect();
+  void close();
+  /// An exception is an answer. Errors: io_error (no answer in time, one that is none, a lost connection): what the
+  /// device has done is not known, and the connection must be closed, because its answer may still come.
+  Result<ModbusAnswer> perform(const ModbusCall& call);
+
+ private:
+  Result<ModbusAnswer> read(const ModbusCall& call);
+  int write(const ModbusCall& call);
+  void set_timeout(double time_s);
+  [[nodiscard]] Error lost() const;
+
+  Where where_;
+  std::unique_ptr<_modbus, void (*)(_modbus*)> modbus_;
+};
+
+}  // namespace trb::adapter
