@@ -23,8 +23,8 @@
   X(RevocationList) X(Seal) X(SealedRange) X(FleetNews) X(Neighbours) X(Relayed) X(RelayedFrame)                   \
   X(LinkTroublesRequest) X(LinkTroubles) X(EchoRequest) X(Echo)                                                    \
   X(PeerExpired) X(Execute) X(CancelExecution) X(ExecutionQuery) X(ExecutionState) X(Outcome) X(OutcomeJournaled)  \
-  X(AdapterState) X(AdapterStateRequest) X(RobotFault) X(RobotConnection) X(Stop) X(Release)                       \
-  X(BridgeCommand) X(BridgeEvent) X(BridgeState)                                                                   \
+  X(AdapterState) X(AdapterStateRequest) X(RobotFault) X(RobotConnection) X(RobotState) X(InjectFault)             \
+  X(Stop) X(Release) X(BridgeCommand) X(BridgeEvent) X(BridgeState)                                                \
   X(Scenario) X(RunStart) X(TaskResult) X(AbortOrder) X(RunSubmit) X(RunAccepted) X(Baton) X(BatonJournaled)       \
   X(NeedDefinition) X(Definition) X(NeedResults) X(Results) X(ResultsJournaled) X(TaskProgress) X(RunAbort)        \
   X(AbortConfirmed) X(RunQuery) X(RunView) X(RunListRequest) X(RunTable)                                           \

@@ -26,6 +26,8 @@ constexpr auto kRows = [] {
       Row{"need_results", Phase::forward},
       Row{"robot_fault", Phase::fail},
       Row{"robot_connection", Phase::fail},
+      Row{"inject_fault", Phase::fail},
+      Row{"robot_state", Phase::sensor},
       Row{"run_abort", Phase::fail},
       Row{"stop", Phase::fail},
       Row{"release", Phase::fail},

@@ -128,6 +128,17 @@ TEST_CASE("a file that is empty, a list, too large, not UTF-8, too deep, or a fo
   CHECK(only_fault(folder).file == "robots");
 }
 
+TEST_CASE("a description watches what the robot tells, and nothing else") {
+  check_changes("ur", {{"robots/r.json", R"("skills":)",
+                        R"("faults": {"off": {"value": "robot_mod", "equals": 3, "severity": "WARNING"}}, "skills":)",
+                        "faults.off.value", "no value that commands.json names under 'ur'"},
+                       {"robots/r.json", R"("skills":)", R"("sensors": ["robot_mode", "battery"], "skills":)", "sensors",
+                        "'battery' is no value"}});
+  const NodeFolder folder("ur");
+  folder.change("robots/r.json", R"("skills":)", R"("sensors": ["robot_mode", "joints"], "skills":)");
+  CHECK(without_keys(folder.check().faults).empty());
+}
+
 TEST_CASE("node.json: values") {
   const std::string key(64, '0');
   check_changes(
@@ -142,6 +153,10 @@ TEST_CASE("node.json: values") {
                 {"node.json", R"("id": "r1")", R"("id": "r1", "role": "boss")", "role", "'boss'"},
                 {"node.json", R"("127.0.77.9")", R"("the-robot")", "robot.host", "no IPv4 address"},
                 {"node.json", R"("host": "127.0.77.9", )", "", "robot.host", "is missing"},
+                {"node.json", R"("interface": "lo")", R"("interface": "lo", "fault_injection": "6000")",
+                 "robot.fault_injection", "no address with a port"},
+                {"node.json", R"("interface": "lo")", R"("interface": "lo", "fault_injection": "robot:6000")",
+                 "robot.fault_injection", "no address with a port"},
                 {"node.json", R"("interface": "lo")", R"("interface": "eth99")", "robot.interface", "no interface"},
                 {"node.json", R"("scheduler"])", R"("resilience"])", "services", "no service of this version"},
                 {"node.json", R"("scheduler"])", R"("router"])", "services[2]", "occurs twice"},

@@ -82,7 +82,13 @@ void read_robot(ObjectReader& node, NodeConfig& config) {
   if (const Value* origin = reader.value("origin", Need::optional)) {
     config.robot.origin = read_pose(*origin, "robot.origin", Need::required, node.faults());
   }
+  config.robot.fault_injection = reader.text("fault_injection", Need::optional, 64).value_or("");
   reader.refuse_unknown_keys();
+  const std::string& control = config.robot.fault_injection;
+  if (!control.empty() && !(is_address(control) && is_ipv4(control.substr(0, control.rfind(':'))))) {
+    node.faults().add("robot.fault_injection", in_quotes(control) + " is no address with a port",
+                      "use the --control of the virtual robot, for example 127.0.0.1:6000; a real robot has none");
+  }
   if (config.robot.host.empty() || is_ipv4(config.robot.host)) return;
   node.faults().add("robot.host", in_quotes(config.robot.host) + " is no IPv4 address",
                     "use the robot's address, for example 192.168.1.20");

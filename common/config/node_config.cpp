@@ -35,6 +35,7 @@ class Checker {
     places_json();
     description(node);
     mode();
+    check_value_names(out_.config, node.description, out_.faults);
     if (node.usable) keys();
     if (!out_.config.bus.empty()) check_bus_keys(out_.config.dir, bus_names(out_.config), out_.faults);
     if (!running) ports();

@@ -27,6 +27,7 @@ struct RobotLink {
   std::string ros_namespace;  ///< where its relative topic names are; empty: "/"
   std::string interface;      ///< an interface or a local address: where TCP_PORT is bound
   std::optional<Pose> origin;  ///< in the hall; wins over the description's, which robots of one make share
+  std::string fault_injection;  ///< HOST:PORT, the control port of a virtual robot; empty: a real one
 };
 
 /// network.json, Appendix A's Figure A2.

@@ -49,6 +49,9 @@ ModbusSettings read_modbus_settings(ObjectReader& vendor);
 void check_words(const VendorCommands& vendor, const std::string& name, const FileFaults& faults);
 void require_port(const NodeConfig& config, const FileFaults& faults, const std::string& example);
 
+/// What the description watches (faults, sensors) is told by the robot; `file`: the description's.
+void check_value_names(const NodeConfig& config, const std::string& file, ConfigFaults& faults);
+
 /// "bus" of node.json: nothing or "ipc", or "tcp://ADDRESS:PORT". Empty, or ADDRESS:PORT.
 std::string read_bus_key(ObjectReader& reader);
 

@@ -93,6 +93,7 @@ class Checker {
     node.description = out_.description;
     node.commands = words;
     check_transport(node, {commands_path_, faults});
+    check_value_names(node, files_.description, faults);
     return faults;
   }
 

@@ -75,6 +75,8 @@ Description read_description(const Value& json, const std::string& file, ConfigF
     description.field_channel = read_field_channel(*channel, sink);
   }
   read_skills(reader, description);
+  description.faults = read_faults(reader, description.capabilities);
+  description.sensors = read_sensors(reader);
   check_numeric(description, sink);
   reader.refuse_unknown_keys();
   return description;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "common/base/config_fault.hpp"
+#include "common/fleet/fault_rule.hpp"
 #include "common/fleet/places.hpp"
 #include "proto/bodies/link.hpp"
 #include "proto/value.hpp"
@@ -98,6 +99,8 @@ struct Description {
   RobotFrame frame;
   std::map<std::string, Value>
       places;  ///< the robot's own words for a place (joints, a station's number); wins over the pose
+  std::vector<FaultRule> faults;
+  std::vector<std::string> sensors;  ///< values that the fleet is told when they change (RobotState)
   FieldChannel field_channel;
   bool has_field_channel = false;  ///< the file has that key: the robot can talk in fields, whatever its mode
 

@@ -22,6 +22,10 @@ bool check_place_name(const std::string& name, const std::string& path, const Fi
 Parameter read_parameter(const std::string& name, const Value& json, const std::string& path, const FileFaults& faults);
 Skill read_skill(const std::string& name, const Value& json, const std::vector<std::string>& capabilities,
                  const FileFaults& faults);
+/// "faults" and "sensors".
+std::vector<FaultRule> read_faults(ObjectReader& reader, const std::vector<std::string>& capabilities);
+std::vector<std::string> read_sensors(ObjectReader& reader);
+
 FieldChannel read_field_channel(const Value& json, const FileFaults& faults);
 
 /// What the numeric encoding asks of the skills: a code for every word that travels, and data of numbers.

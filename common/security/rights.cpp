@@ -37,6 +37,8 @@ constexpr auto kSubtypes = [] {
       SubtypeRight{"run_table", fleet, true, true},
       SubtypeRight{"robot_fault", fleet, true, false},
       SubtypeRight{"robot_connection", fleet, true, false},
+      SubtypeRight{"inject_fault", fleet, true, true},
+      SubtypeRight{"robot_state", fleet, true, false},
       SubtypeRight{"route_list", fleet, true, true},
       SubtypeRight{"route_table", fleet, true, true},
       SubtypeRight{"service_list", fleet, true, true},

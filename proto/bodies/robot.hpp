@@ -131,6 +131,36 @@ struct RobotFault {
   }
 };
 
+/// One value of a robot's: a name of its description's "sensors", and what it last was, as JSON text.
+struct RobotValueTold {
+  std::string name;
+  std::string value;
+  static constexpr auto fields() {
+    return std::tuple{field("name", &RobotValueTold::name, 64), field("value", &RobotValueTold::value, 1024)};
+  }
+};
+
+/// Told to every node: the sensors that the description names, at the first word of them and when one that is no list
+/// has changed, once a second at most.
+struct RobotState {
+  static constexpr std::string_view kSubtype = "robot_state";
+  std::vector<RobotValueTold> values;
+  static constexpr auto fields() { return std::tuple{field("values", &RobotState::values, 32)}; }
+};
+
+/// To the node of a virtual robot (command): let it fail, as its maker's robot would. Answered by Ack "handed_over"; what
+/// comes of it the robot tells itself, by RobotFault. Refused by a robot that is not virtual (not_permitted).
+struct InjectFault {
+  static constexpr std::string_view kSubtype = "inject_fault";
+  std::string capability;  ///< empty: everything that was injected is over
+  Severity severity{};
+  std::string text;  ///< the robot's own words
+  static constexpr auto fields() {
+    return std::tuple{field("capability", &InjectFault::capability, 64), field("severity", &InjectFault::severity),
+                      field("text", &InjectFault::text, 1024)};
+  }
+};
+
 /// Told to every node: the robot's connection changed.
 struct RobotConnection {
   static constexpr std::string_view kSubtype = "robot_connection";

@@ -138,6 +138,8 @@ TEST_CASE("bodies of link and bus") {
                                                                                          "9da0a0a0a0a090909090a0a0c2a0"
                                                                                          "03a173c3");
   CHECK(to_hex(encode(Beacon{kRecord, "h:1", 1, 2, 3})) == std::string("95") + kRecordHex + "a3683a31010203");
+  CHECK(to_hex(encode(InjectFault{"grab", Severity::fatal, "t"})) == "93a46772616203a174");
+  CHECK(to_hex(encode(RobotState{{{"safety", "3"}}})) == "919192a6736166657479a133");
   CHECK(to_hex(encode(Nack{"c", "s", "t", "w", "u"})) == "95a163a173a174a177a175");
 }
 

@@ -31,12 +31,25 @@ ROBOT_NODE = {
     "id": "ur3",
     "framework": "ur",
     "description": "robots/ur3.json",
-    "robot": {"host": "192.168.1.20", "interface": "eth1"},
+    "robot": {"host": "192.168.1.20", "interface": "eth1", "fault_injection": "127.0.0.1:6000"},
     "seeds": [{"address": "10.0.0.1:45000", "key": "0" * 64}],
     "beacon": True,
     "services": ["router", "mode-adapter", "scheduler"],
 }
 CLOUD_NODE = {"id": "cloud", "role": "cloud", "services": ["router", "scheduler"], "bus": "tcp://10.0.0.1:46000"}
+
+FAULTY = {
+    "maker": "M",
+    "model": "m",
+    "capabilities": ["mobile"],
+    "skills": {},
+    "faults": {
+        "low": {"value": "battery", "below": 20, "rearm": 25, "severity": "WARNING", "capability": "mobile"},
+        "stuck": {"value": "state", "equals": "stuck", "severity": "CRITICAL", "text": "it is stuck"},
+        "moved": {"value": "error", "changes": True, "severity": "FATAL"},
+    },
+    "sensors": ["battery", "state"],
+}
 
 # Schema, good file (or document), path of the value, its bad replacement (None: removed).
 BAD = [
@@ -44,6 +57,7 @@ BAD = [
     ("node", ROBOT_NODE, ["framework"], None),
     ("node", ROBOT_NODE, ["becon"], True),
     ("node", ROBOT_NODE, ["robot", "host"], "the-robot"),
+    ("node", ROBOT_NODE, ["robot", "fault_injection"], "6000"),
     ("node", ROBOT_NODE, ["seeds", 0, "key"], "12"),
     ("node", ROBOT_NODE, ["bus"], "tcp"),
     ("node", ROBOT_NODE, ["bus"], "tcp://router:46000"),
@@ -75,6 +89,12 @@ BAD = [
     ("robot", FIELD + "drone.json", ["skills", "hover", "parameters", "duration", "unit"], "deg"),
     ("robot", "robots/abb-numeric-example.json", ["field_channel", "chunk_bytes"], 1),
     ("robot", "robots/abb-numeric-example.json", ["field_channel", "codes", "subtypes", "done"], 0),
+    ("robot", FAULTY, ["faults", "low", "above"], 90),
+    ("robot", FAULTY, ["faults", "low", "below"], None),
+    ("robot", FAULTY, ["faults", "low", "severity"], "BAD"),
+    ("robot", FAULTY, ["faults", "low", "value"], None),
+    ("robot", FAULTY, ["faults", "moved", "changes"], False),
+    ("robot", FAULTY, ["sensors"], ["battery", "battery"]),
     ("scenario", "scenarios/paper-nine-tasks.json", ["tasks", 0, "robot"], None),
     ("scenario", "scenarios/paper-nine-tasks.json", ["tasks", 0, "requires"], ["mobile"]),
     ("scenario", "scenarios/paper-nine-tasks.json", ["tasks", 1, "after"], "fetch_box"),
@@ -121,6 +141,7 @@ def main():
             count += 1
     for what, node in (("a robot's node", ROBOT_NODE), ("a cloud node", CLOUD_NODE)):
         expect_good("node", what, node)
+    expect_good("robot", "a robot with faults", FAULTY)
     for case in BAD:
         expect_bad(*case)
     known = {f"{name}.schema.json" for name in (*SHIPPED, "node")}

@@ -2,8 +2,14 @@
 
 namespace trb::adapter {
 
-ModeAdapterCore::ModeAdapterCore(Settings settings, PersistFence persist)
-    : robot_(std::move(settings)), status_(robot_.settings), stops_(robot_, std::move(persist)), desk_(robot_) {}
+ModeAdapterCore::ModeAdapterCore(Settings settings, PersistFence persist, InjectLine inject)
+    : inject_(std::move(inject)),
+      robot_(std::move(settings)),
+      status_(robot_.settings),
+      faults_(robot_.settings.description.faults),
+      sensors_(robot_.settings.description.sensors),
+      stops_(robot_, std::move(persist)),
+      desk_(robot_) {}
 
 void ModeAdapterCore::on_welcome(const NodeIdentity&, Now, Outbox& out) {
   status_.welcome(condition(), out);
@@ -22,6 +28,7 @@ void ModeAdapterCore::on(const Inbound& message, Now now, Outbox& out) {
                    stops_.on_stop(message, now, out);
                  },
                  [&](const Release&) { stops_.on_release(message, now, out); },
+                 [&](const InjectFault& order) { on_inject(message, order, out); },
                  [&](const Nack& nack) { on_nack(message, nack, now, out); },
                  [&](const BridgeEvent& event) { on_bridge(message, event, now, out); },
                  [&](const BridgeState& state) {
@@ -50,6 +57,7 @@ void ModeAdapterCore::tick(Now now, Outbox& out) {
   robot_.for_each([&](RobotMode& mode) { mode.tick(now, robot_.to(mode, out)); });
   settle(now, out);
   desk_.tick(now, out);
+  tick_watch(now, out);
   expire(commands_, "the robot did not take it in time", now, out);
   expire(requests_, "the robot did not answer in time", now, out);
   end_streams(now, out);
@@ -57,9 +65,10 @@ void ModeAdapterCore::tick(Now now, Outbox& out) {
 }
 
 std::optional<MonotonicTime> ModeAdapterCore::next_deadline() const {
+  const auto watched = earlier(faults_.next_deadline(), sensors_.next_deadline());
   const auto askers = earlier(control_.next_deadline(), earlier(commands_.next_deadline(), requests_.next_deadline()));
   return earlier(earlier(earlier(stops_.next_deadline(), streams_.next_deadline()), desk_.next_deadline()),
-                 earlier(robot_.next_deadline(), askers));
+                 earlier(robot_.next_deadline(), earlier(askers, watched)));
 }
 
 void ModeAdapterCore::on_channel_up(Channel channel, Now now, Outbox& out) {

@@ -5,6 +5,8 @@
 #include "common/actor/core.hpp"
 #include "services/mode-adapter/core/askers.hpp"
 #include "services/mode-adapter/core/control_lease.hpp"
+#include "services/mode-adapter/core/fault_rules.hpp"
+#include "services/mode-adapter/core/robot_sensors.hpp"
 #include "services/mode-adapter/core/robot_side.hpp"
 #include "services/mode-adapter/core/robot_status.hpp"
 #include "services/mode-adapter/core/skill_desk.hpp"
@@ -15,7 +17,7 @@ namespace trb::adapter {
 
 class ModeAdapterCore : public Core {
  public:
-  ModeAdapterCore(Settings settings, PersistFence persist);
+  ModeAdapterCore(Settings settings, PersistFence persist, InjectLine inject = {});
 
   void on_welcome(const NodeIdentity& node, Now now, Outbox& out) override;
   void on(const Inbound& message, Now now, Outbox& out) override;
@@ -46,6 +48,16 @@ class ModeAdapterCore : public Core {
   std::optional<Token> wait_or_answer(Askers& askers, const Inbound& message, const Opaque& body, RobotMode& mode,
                                       Now now, Outbox& out);
 
+  // the description's faults and sensors: watch.cpp
+  void watch(const RobotMode& mode, Now now, Outbox& out);
+  void watch_field(const Said& said, Now now, Outbox& out);
+  void tick_watch(Now now, Outbox& out);
+  void tell_watched(const std::vector<FaultSaid>& told, Now now, Outbox& out);
+
+  // faults by word: fault_injection.cpp
+  void on_inject(const Inbound& message, const InjectFault& order, Outbox& out);
+  [[nodiscard]] Status injected(const InjectFault& order) const;
+
   template <class Heard>
   void on_bridge(const Inbound& message, const Heard& heard, Now now, Outbox& out);
 
@@ -68,8 +80,11 @@ class ModeAdapterCore : public Core {
   void on_link_down(RobotMode& mode, const std::string& reason, Now now, Outbox& out);
   void expire(Askers& askers, const char* what, Now now, Outbox& out);
 
+  InjectLine inject_;
   RobotSide robot_;
   RobotStatus status_;
+  FaultRules faults_;
+  RobotSensors sensors_;
   StopControl stops_;
   SkillDesk desk_;
   ControlLease control_;

@@ -33,6 +33,7 @@ void ModeAdapterCore::on_event(RobotMode& mode, const ModeEvent& event, Now now,
                  [&](const ValuesHeard&) {
                    desk_.on_values(&mode, now, out);
                    streams_.on_values(mode, now, out);
+                   watch(mode, now, out);
                  },
                  [&](const Stopped& stopped) { stops_.on_stopped(&mode, stopped, out); },
                  [&](const Released& released) { stops_.on_released(&mode, released, out); },
@@ -60,7 +61,10 @@ void ModeAdapterCore::on_said(RobotMode& mode, const Said& said, Now now, Outbox
   Opaque body{said.subtype, said.data};
   if (said.type == MessageType::command) return out.command(said.target, std::move(body));
   if (said.type == MessageType::request) return out.request(said.target, std::move(body));
-  if (said.target == robot_.settings.id) desk_.on_information(&mode, said.subtype, said.data, now, out);
+  if (said.target == robot_.settings.id) {
+    desk_.on_information(&mode, said.subtype, said.data, now, out);
+    watch_field(said, now, out);
+  }
   if (const auto asker = requests_.take_answered(said.subtype, said.target)) {
     return out.reply(*asker, std::move(body));
   }
@@ -71,7 +75,7 @@ void ModeAdapterCore::on_fault(const FaultSaid& fault, Outbox& out) {
   out.count("from_robot.robot_fault");
   out.log(LogLevel::warning, "robot_fault",
           fault.capability + " " + std::string(name_of(fault.severity)) + " " + fault.text);
-  const std::string text = fault.text.substr(0, kMaxText);
+  const std::string text = cut_utf8(fault.text, kMaxText);
   if (!fault.capability.empty()) {
     return out.information(std::string(kEveryNode),
                            RobotFault{fault.capability.substr(0, kMaxCapability), fault.severity, text});

@@ -15,6 +15,7 @@ RobotStatus::RobotStatus(const Settings& settings) : settings_(settings) {
   profile_.maker = description.maker;
   profile_.model = description.model;
   profile_.capabilities = description.capabilities;
+  profile_.sensors = description.sensors;
   profile_.skills = skill_infos(description);
   profile_.places = place_names(description, settings.places);
 }

@@ -25,4 +25,7 @@ struct Settings {
 /// is full: the core tells the robot first, then calls this, then answers.
 using PersistFence = std::function<Status(bool fenced)>;
 
+/// Gives a line to the control port of a virtual robot; none: the robot is real, or nobody has said that it is not.
+using InjectLine = std::function<Status(const std::string& line)>;
+
 }  // namespace trb::adapter

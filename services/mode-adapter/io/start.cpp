@@ -3,6 +3,7 @@
 #include <cstdio>
 
 #include "common/config/node_config.hpp"
+#include "services/mode-adapter/io/fault_port.hpp"
 #include "services/mode-adapter/io/fence_file.hpp"
 #include "services/mode-adapter/io/modbus_io.hpp"
 #include "services/mode-adapter/io/robot_io.hpp"
@@ -22,6 +23,7 @@ std::vector<std::string> subtypes() {
           std::string(AdapterCountersRequest::kSubtype),
           std::string(BridgeEvent::kSubtype),
           std::string(BridgeState::kSubtype),
+          std::string(InjectFault::kSubtype),
           std::string(Stop::kSubtype),
           std::string(Release::kSubtype)};
 }
@@ -64,8 +66,11 @@ int start(const std::string& node_dir) {
   const RobotIoSettings roads = io_settings(check.config);
   const bool speaks_modbus = check.config.commands.transport == "modbus";
   const ModbusLink::Where device = modbus_device(check.config);
-  ModeAdapterCore core(core_settings(std::move(check.config), (*service)->instance(), fence.set()),
-                       [&fence](bool fenced) { return fence.save(fenced); });
+  const std::string control = check.config.robot.fault_injection;
+  const auto inject = [&control](const std::string& line) { return send_control_line(control, line); };
+  ModeAdapterCore core(
+      core_settings(std::move(check.config), (*service)->instance(), fence.set()),
+      [&fence](bool fenced) { return fence.save(fenced); }, control.empty() ? InjectLine{} : InjectLine{inject});
   const auto io = RobotIo::open(roads, **service, core);
   if (!io) return complain(io.error().text());
   const auto modbus = speaks_modbus ? ModbusIo::open(device, **service, core) : std::unique_ptr<ModbusIo>();

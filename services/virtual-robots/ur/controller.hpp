@@ -31,6 +31,8 @@ class Controller {
   std::optional<double> next_deadline() const;
 
   RobotState state(double now) const;
+  /** Of the running program, else `<unnamed>`. */
+  std::string program_name() const { return program_ ? program_->name : "<unnamed>"; }
   std::vector<Event> take_events();
 
  private:

@@ -26,7 +26,7 @@ std::vector<Option> options_of(Request& request) {
   ur::Settings& settings = request.settings;
   return {
       {"--address", "ADDRESS", "where to listen (127.0.2.2)", [&](auto text) { settings.address = text; }},
-      {"--port-base", "N|auto", "ports N+1, N+2, N+11, N+12; 0 means 30000; auto takes free ones",
+      {"--port-base", "N|auto", "ports N-1, N+1, N+2, N+11, N+12; 0 means 30000; auto takes free ones",
        [&](auto text) { settings.port_base = port_base(text); }},
       {"--speed", "N", "robot time runs N times faster (1)",
        [&](auto text) { settings.speed = number_option(text, 0.001, 100000); }},

@@ -37,6 +37,7 @@ Server::Server(const std::string& address, std::optional<std::uint16_t> base) {
 bool Server::listen_from(const std::string& address, std::uint16_t base) {
   ports_.clear();
   try {
+    dashboard_ = listen_on({address, static_cast<std::uint16_t>(base - 1)});
     for (const Offset& offset : kOffsets) {
       const auto port = static_cast<std::uint16_t>(base + offset.port);
       ports_.push_back({listen_on({address, port}), offset.primary, offset.read_only});

@@ -13,17 +13,21 @@
 
 namespace trb::virtual_robots::ur {
 
-/** The four ports of a controller and the clients on them. It never waits: the loop around it polls. */
+/** The ports of a controller's interfaces and the clients on them. It never waits: the loop around it polls. */
 class Server {
  public:
   static constexpr std::size_t kMostClients = 16;
   static constexpr std::size_t kLargestOutput = std::size_t{1024} * 1024;
 
-  /** Listens on base+1, +2, +11 and +12; without a base, on the first such four that are free. */
+  /** Listens on base+1, +2, +11 and +12, and on base-1 for the dashboard; without a base, on the first that are free.
+   */
   Server(const std::string& address, std::optional<std::uint16_t> base);
 
   std::uint16_t primary_port() const { return port_of(ports_[0].listener); }
   std::uint16_t secondary_port() const { return port_of(ports_[1].listener); }
+
+  /** The dashboard's listening socket. */
+  Fd take_dashboard() { return std::move(dashboard_); }
 
   void add_to_poll(std::vector<pollfd>& polled);
 
@@ -63,6 +67,7 @@ class Server {
   void forget_gone();
 
   std::vector<Port> ports_;
+  Fd dashboard_;
   std::vector<Client> clients_;
   std::size_t poll_begin_ = 0;
 };

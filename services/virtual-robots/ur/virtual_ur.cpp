@@ -15,15 +15,18 @@ VirtualUr::VirtualUr(const Settings& settings)
     : speed_(settings.speed),
       controller_(settings.mode),
       server_(settings.address, settings.port_base),
+      dashboard_(server_.take_dashboard()),
       control_(settings.control) {}
 
 void VirtualUr::run(const Fd& end) {
-  print_line("ready " + std::to_string(server_.primary_port()) + " " + std::to_string(server_.secondary_port()));
+  print_line("ready " + std::to_string(server_.primary_port()) + " " + std::to_string(server_.secondary_port()) + " " +
+             std::to_string(dashboard_.port()));
   control_.announce();
   for (;;) {
     std::vector<pollfd> polled{
         {end.get(), POLLIN, 0}, {console_.fd(), POLLIN, 0}, {control_.fd(), POLLIN, 0}, {stdout_to_poll(), POLLOUT, 0}};
     server_.add_to_poll(polled);
+    dashboard_.add_to_poll(polled);
     const int found = ::poll(polled.data(), polled.size(), poll_timeout(wall_seconds(), next_deadline()));
     if (polled[0].revents != 0) return;
     if (found > 0) serve(polled);
@@ -39,6 +42,7 @@ void VirtualUr::serve(const std::vector<pollfd>& polled) {
     controller_.take(script, robot_now());
     tell_events();
   }
+  dashboard_.serve(polled, controller_, robot_now());
   server_.greet(version_packet() + robot_state_packet(controller_.state(robot_now()), time_us()));
   if (polled[1].revents != 0) {
     for (const std::string& line : console_.read()) take_console_line(line);

@@ -8,6 +8,7 @@
 #include "services/virtual-robots/support/control.hpp"
 #include "services/virtual-robots/support/process.hpp"
 #include "services/virtual-robots/ur/controller.hpp"
+#include "services/virtual-robots/ur/dashboard.hpp"
 #include "services/virtual-robots/ur/server.hpp"
 
 namespace trb::virtual_robots::ur {
@@ -43,6 +44,7 @@ class VirtualUr {
   double next_state_ = begin_;
   Controller controller_;
   Server server_;
+  Dashboard dashboard_;
   StdinLines console_;
   ControlPort control_;
 };

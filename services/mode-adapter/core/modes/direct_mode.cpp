@@ -11,6 +11,11 @@ namespace {
 constexpr Duration kHung = std::chrono::seconds(3);
 /// A state that is read this long after a command was written is certainly younger than the command.
 constexpr Duration kStatePeriod = std::chrono::milliseconds(100);
+/// An error this long before a stop is taken for its cause.
+constexpr Duration kSameCause = std::chrono::seconds(2);
+/// The same warning is told to the fleet once in this time, and different ones with this pause between two.
+constexpr Duration kQuiet = std::chrono::seconds(10);
+constexpr Duration kWarningPause = std::chrono::seconds(1);
 constexpr std::int32_t kWorthALine = 2;  ///< a report's level from which on it is logged: warning
 
 std::string joints_json(const std::array<double, 6>& joints) {
@@ -40,7 +45,7 @@ DirectMode::DirectMode(const VendorCommands& words, std::string own_id)
       wraps_(words.wrap == "urscript-program"),
       has_monitor_(words.monitor.has_value()) {
   for (const auto& [subtype, text] : words.commands) {
-    commands_.emplace(subtype, Command{VendorTemplate(text), wraps_ && !is_interface_command(text)});
+    commands_.emplace(subtype, Command{VendorTemplate(text), wraps_ && !is_interface_command(text), text});
   }
 }
 
@@ -69,6 +74,9 @@ Result<Progress> DirectMode::hand_over(const Handover& message, Now now, const M
   }
   auto text = command->second.words.fill(message.data, language_);
   if (!text) return text.error();
+  if (command->second.wrapped && has_monitor_) {
+    if (auto why = disabled(now)) return std::move(*why);
+  }
   last_write_ = now.mono;
   out.out.count("to_robot." + std::string(message.subtype));
   if (!command->second.wrapped) {
@@ -184,15 +192,28 @@ void DirectMode::on_event(const UrEvent& event, Now now, const ModeOut& out) {
                                            std::to_string(raised.column) + ": " + raised.text,
                                        out);
                  },
-                 [&](const UrError& error) {
-                   out.out.count("from_robot.error");
-                   const LogLevel level = error.level >= kWorthALine ? LogLevel::warning : LogLevel::debug;
-                   out.out.log(
-                       level, "robot_report",
-                       "C" + std::to_string(error.code) + "A" + std::to_string(error.argument) + " " + error.text);
-                 },
+                 [&](const UrError& error) { on_error(error, now, out); },
              },
              event);
+}
+
+void DirectMode::on_error(const UrError& error, Now now, const ModeOut& out) {
+  const std::string text = "C" + std::to_string(error.code) + "A" + std::to_string(error.argument) + " " + error.text;
+  out.out.count("from_robot.error");
+  out.out.log(error.level >= kWorthALine ? LogLevel::warning : LogLevel::debug, "robot_report", text);
+  if (error.level < kWorthALine) return;
+  last_error_ = text;
+  last_error_at_ = now.mono;
+  // Worse than a warning stops the arm, which its state tells.
+  if (error.level == kWorthALine) warn(text, now, out);
+}
+
+void DirectMode::warn(const std::string& text, Now now, const ModeOut& out) {
+  const Duration quiet = text == last_warning_ ? kQuiet : kWarningPause;
+  if (warned_at_ && now.mono - *warned_at_ < quiet) return out.out.count("suppressed.warning");
+  last_warning_ = text;
+  warned_at_ = now.mono;
+  out.emit(FaultSaid{"", Severity::warning, text});
 }
 
 void DirectMode::on_state(const UrState& state, Now now, const ModeOut& out) {
@@ -200,21 +221,60 @@ void DirectMode::on_state(const UrState& state, Now now, const ModeOut& out) {
   heard_ = true;
   last_heard_ = last_state_ = now.mono;
   program_running_ = state.program_running;
+  robot_mode_ = state.robot_mode;
   remember("robot_mode", {double(state.robot_mode)}, std::to_string(state.robot_mode), now);
   remember("safety", {double(state.safety)}, std::to_string(state.safety), now);
   remember("program_running", {double(state.program_running)}, state.program_running ? "true" : "false", now);
   if (state.joints) remember("joints", {state.joints->begin(), state.joints->end()}, joints_json(*state.joints), now);
   if (!before && online()) out.emit(LinkUp{});
-  report_safety(state.safety, out);
+  report_safety(state.safety, now, out);
+  if (const auto why = disabled(now)) track_.on_disabled(*why, out);
   if (surely_idle()) confirm_stop(out);
   out.emit(ValuesHeard{});
 }
 
-void DirectMode::report_safety(int safety, const ModeOut& out) {
+void DirectMode::report_safety(int safety, Now now, const ModeOut& out) {
   if (safety == safety_) return;
   safety_ = safety;
-  if (safety == kUrSafetyProtectiveStop) out.emit(FaultSaid{"", Severity::critical, "protective stop"});
-  if (safety == kUrSafetyEmergencyStop) out.emit(FaultSaid{"", Severity::fatal, "emergency stop"});
+  if (safety == kUrSafetyProtectiveStop)
+    out.emit(FaultSaid{"", Severity::critical, with_own_words("protective stop", now)});
+  if (safety == kUrSafetyEmergencyStop) out.emit(FaultSaid{"", Severity::fatal, with_own_words("emergency stop", now)});
+}
+
+std::string DirectMode::with_own_words(std::string text, Now now) const {
+  if (!last_error_.empty() && now.mono - last_error_at_ <= kSameCause) text += ": " + last_error_;
+  return text;
+}
+
+std::optional<Error> DirectMode::disabled(Now now) const {
+  constexpr std::string_view kRun = "set robotmode run";
+  if (safety_ == kUrSafetyEmergencyStop) {
+    return fail(Errc::robot_error, with_own_words("the robot is in emergency stop", now),
+                "release the emergency stop at the robot, then " + how_to({"power on", kRun}));
+  }
+  if (safety_ == kUrSafetyProtectiveStop) {
+    return fail(Errc::robot_error, with_own_words("the robot is in protective stop", now),
+                "look what it ran into, then " + how_to({"set unlock protective stop"}));
+  }
+  if (robot_mode_ == kUrModePowerOff) {
+    return fail(Errc::robot_error, "the arm is powered off", how_to({"power on", kRun}));
+  }
+  if (robot_mode_ == kUrModeIdle) return fail(Errc::robot_error, "the arm's brakes are on", how_to({kRun}));
+  if (robot_mode_ == kUrModeRunning) return std::nullopt;
+  return fail(Errc::robot_error, "the controller is in robot mode " + std::to_string(robot_mode_) + ", not running",
+              "look at the robot's pendant");
+}
+
+std::string DirectMode::how_to(std::initializer_list<std::string_view> words) const {
+  std::string out;
+  for (const std::string_view word : words) {
+    for (const auto& [subtype, command] : commands_) {
+      if (command.text != word) continue;
+      out += (out.empty() ? "trb send " : ", trb send ") + own_id_ + " command " + subtype;
+      break;
+    }
+  }
+  return out.empty() ? "use the robot's pendant" : out;
 }
 
 void DirectMode::remember(const std::string& name, std::vector<double> numbers, std::string json, Now now) {

@@ -40,13 +40,21 @@ class DirectMode : public RobotMode {
   struct Command {
     VendorTemplate words;
     bool wrapped = false;
+    std::string text;
   };
 
   Status submit_program(const Handover& message, std::string_view lines, const ModeOut& out);
   void write_line(std::string_view text, Now now, const ModeOut& out);
   void on_event(const UrEvent& event, Now now, const ModeOut& out);
   void on_state(const UrState& state, Now now, const ModeOut& out);
-  void report_safety(int safety, const ModeOut& out);
+  void report_safety(int safety, Now now, const ModeOut& out);
+  void on_error(const UrError& error, Now now, const ModeOut& out);
+  void warn(const std::string& text, Now now, const ModeOut& out);
+  /// Why the arm carries nothing out, if so.
+  [[nodiscard]] std::optional<Error> disabled(Now now) const;
+  /// "trb send ID command SUBTYPE" for each of these words, as far as commands.json has them.
+  [[nodiscard]] std::string how_to(std::initializer_list<std::string_view> words) const;
+  [[nodiscard]] std::string with_own_words(std::string text, Now now) const;
   void remember(const std::string& name, std::vector<double> numbers, std::string json, Now now);
   [[nodiscard]] bool surely_idle() const;
   void confirm_stop(const ModeOut& out);
@@ -67,6 +75,11 @@ class DirectMode : public RobotMode {
   bool told_to_stop_ = false;
   bool program_running_ = false;
   int safety_ = kUrSafetyNormal;
+  int robot_mode_ = kUrModeRunning;
+  std::string last_error_;  ///< what the controller complained of last
+  MonotonicTime last_error_at_;
+  std::string last_warning_;
+  std::optional<MonotonicTime> warned_at_;
   MonotonicTime last_heard_;  ///< the last state, or the connection's begin
   MonotonicTime last_state_;
   MonotonicTime last_write_;

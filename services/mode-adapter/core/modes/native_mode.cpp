@@ -16,7 +16,7 @@ std::unique_ptr<RobotMode> make_native_mode(const Settings& settings) {
   if (transport == "udp-at") return std::make_unique<AtMode>(settings.commands, settings.id);
   if (transport == "c3") return std::make_unique<C3Mode>(settings);
   if (transport == "ros") {
-    return std::make_unique<RosMode>(settings.commands, settings.description.skills, settings.id, settings.instance);
+    return std::make_unique<RosMode>(settings.commands, settings.description, settings.id, settings.instance);
   }
   if (transport == "modbus") return std::make_unique<ModbusMode>(settings.commands, settings.description, settings.id);
   return nullptr;

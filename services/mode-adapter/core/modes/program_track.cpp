@@ -57,7 +57,10 @@ void ProgramTrack::on_text(std::string_view text, const ModeOut& out) {
 void ProgramTrack::on_exception(std::string_view text, const std::string& shown, const ModeOut& out) {
   if (idle()) return out.out.log(LogLevel::warning, "robot_exception", shown);
   const bool about_sent = sent_ && (!running_ || text.starts_with("compile_error"));
-  if (!about_sent) return end_running(false, shown, out);
+  if (!about_sent) {
+    out.emit(FaultSaid{"", Severity::warning, running_->program.name + ": " + shown});
+    return end_running(false, shown, out);
+  }
   out.emit(Refused{sent_->token, fail(Errc::robot_error, shown, "look at the command in commands.json and its data")});
   out.out.count("from_robot.failed");
   sent_.reset();
@@ -70,6 +73,11 @@ void ProgramTrack::end_running(bool well, const std::string& text, const ModeOut
   if (running_->program.tracked) out.emit(Ended{running_->program.token, well, text});
   if (!well) out.out.log(LogLevel::warning, "program_failed", running_->program.name + ": " + text);
   running_.reset();
+}
+
+void ProgramTrack::on_disabled(const Error& why, const ModeOut& out) {
+  if (running_) end_running(running_->reached_end, running_->reached_end ? std::string() : why.what, out);
+  drop_all(why, out);
 }
 
 bool ProgramTrack::drop(Token token, const ModeOut& out) {

@@ -23,6 +23,7 @@ struct Program {
 /// text      | -                        | its end text: it came to its end
 /// stopped   | ignored                  | Ended well; without its end text, after a moment, Ended badly
 /// exception | Refused                  | Ended badly
+/// disabled  | Refused                  | Ended badly; with its end text, well
 /// dropped   | forgotten                | forgotten
 class ProgramTrack {
  public:
@@ -33,6 +34,9 @@ class ProgramTrack {
   void on_stopped(std::string_view name, Now now, const ModeOut& out);
   void on_text(std::string_view text, const ModeOut& out);
   void on_exception(std::string_view text, const std::string& shown, const ModeOut& out);
+
+  /// The robot carries nothing out any more: what runs has ended, what was sent or waits is refused.
+  void on_disabled(const Error& why, const ModeOut& out);
 
   /// True if it has not been sent yet: then there is nothing to stop.
   bool drop(Token token, const ModeOut& out);

@@ -28,9 +28,22 @@ std::vector<double> numbers_of(const std::string& json) {
   return numbers;
 }
 
+/// Is what is told under that name the end of this skill?
+bool ends_by(const SkillEnd& end, const std::string& name) {
+  if (end.kind == EndKind::position && end.state.empty()) return name == kPosition;
+  return (end.kind == EndKind::state || end.kind == EndKind::position) && name == end.state;
+}
+
+/// Does an end, a fault or a sensor need what is told under that name?
+bool is_watched(const Description& description, const std::string& name) {
+  return std::ranges::any_of(description.skills, [&](const Skill& skill) { return ends_by(skill.end, name); }) ||
+         std::ranges::find(description.faults, name, &FaultRule::value) != description.faults.end() ||
+         std::ranges::find(description.sensors, name) != description.sensors.end();
+}
+
 }  // namespace
 
-RosMode::RosMode(const VendorCommands& words, const std::vector<Skill>& skills, std::string own_id,
+RosMode::RosMode(const VendorCommands& words, const Description& description, std::string own_id,
                  std::uint64_t instance)
     : own_id_(std::move(own_id)), instance_(instance) {
   // What cannot be read was a fault of commands.json, which keeps the node from starting.
@@ -43,11 +56,7 @@ RosMode::RosMode(const VendorCommands& words, const std::vector<Skill>& skills, 
   for (const auto& [subtype, text] : words.requests) {
     const auto read = read_ros_question(text);
     if (!read) continue;
-    const bool always = std::ranges::any_of(skills, [&, &name = subtype](const Skill& skill) {
-      if (skill.end.kind == EndKind::position && skill.end.state.empty()) return name == kPosition;
-      return (skill.end.kind == EndKind::state || skill.end.kind == EndKind::position) && name == skill.end.state;
-    });
-    requests_.emplace(subtype, Question{*read, always});
+    requests_.emplace(subtype, Question{*read, is_watched(description, subtype)});
   }
 }
 

@@ -16,8 +16,8 @@ namespace trb::adapter {
 
 class RosMode : public RobotMode {
  public:
-  /// Watches the requests that the ends of these skills are seen by.
-  RosMode(const VendorCommands& words, const std::vector<Skill>& skills, std::string own_id, std::uint64_t instance);
+  /// Watches the requests that ends of skills, faults and sensors need.
+  RosMode(const VendorCommands& words, const Description& description, std::string own_id, std::uint64_t instance);
 
   [[nodiscard]] bool online() const override { return up_; }
   [[nodiscard]] bool knows(MessageType type, std::string_view subtype) const override;

@@ -18,6 +18,11 @@ constexpr int kUrSafetyNormal = 1;
 constexpr int kUrSafetyProtectiveStop = 3;
 constexpr int kUrSafetyEmergencyStop = 7;
 
+// Robot modes in which nothing is carried out, and the one in which it is.
+constexpr int kUrModePowerOff = 3;
+constexpr int kUrModeIdle = 5;
+constexpr int kUrModeRunning = 7;
+
 struct UrState {
   int robot_mode = 0;
   int safety = kUrSafetyNormal;

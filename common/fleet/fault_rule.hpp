@@ -1,0 +1,28 @@
+// A fault that a robot's value tells of: one entry of a description's "faults".
+#pragma once
+
+#include <string>
+
+#include "proto/bodies/robot.hpp"
+#include "proto/value.hpp"
+
+namespace trb {
+
+enum class FaultWhen : std::uint8_t { below = 0, above, equals, changes };
+constexpr auto enum_names(FaultWhen) {
+  return std::array<std::string_view, 4>{"below", "above", "equals", "changes"};
+}
+
+struct FaultRule {
+  std::string name;
+  std::string value;  ///< as the robot's mode knows it
+  FaultWhen when{};
+  double limit = 0;  ///< below, above
+  double rearm = 0;  ///< below, above: what the value must have come back to before the fault can be told again
+  Value wanted;      ///< equals: a number, a text, true or false
+  Severity severity{};
+  std::string capability;  ///< empty: every one
+  std::string text;        ///< for a person; empty: the rule's name
+};
+
+}  // namespace trb

@@ -1,0 +1,104 @@
+#include "services/mode-adapter/core/fault_rules.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace trb::adapter {
+namespace {
+
+constexpr Duration kQuiet = std::chrono::seconds(10);
+constexpr std::size_t kMaxOwnText = 600;
+constexpr double kSame = 1e-9;
+
+enum class Condition : std::uint8_t { met, neither, over };
+
+/// What the robot says in words; nothing for a number, a list and the like.
+std::optional<std::string> words_of(const RobotValue& value) {
+  const auto json = parse_json(value.json);
+  if (!json || !json->is_text()) return std::nullopt;
+  return cut_utf8(json->text(), kMaxOwnText);
+}
+
+/// Of several numbers one is enough to begin, and all have to come back.
+Condition judge_limit(const FaultRule& rule, const std::vector<double>& numbers) {
+  const bool below = rule.when == FaultWhen::below;
+  const auto met = [&](double number) { return below ? number < rule.limit : number > rule.limit; };
+  const auto back = [&](double number) { return below ? number >= rule.rearm : number <= rule.rearm; };
+  if (std::any_of(numbers.begin(), numbers.end(), met)) return Condition::met;
+  return !numbers.empty() && std::all_of(numbers.begin(), numbers.end(), back) ? Condition::over : Condition::neither;
+}
+
+bool equals(const Value& wanted, const RobotValue& value) {
+  if (wanted.is_text()) return words_of(value) == wanted.text();
+  const double number = wanted.is_bool() ? double(wanted.boolean()) : wanted.number();
+  return std::any_of(value.numbers.begin(), value.numbers.end(),
+                     [&](double one) { return std::abs(one - number) < kSame; });
+}
+
+bool is_nothing(const std::string& json) {
+  return json.empty() || json == "\"\"" || json == "0" || json == "false" || json == "null" || json == "[]";
+}
+
+FaultSaid said(const FaultRule& rule, const RobotValue& value) {
+  const std::string own = words_of(value).value_or(rule.value + " is " + cut_utf8(value.json, kMaxOwnText));
+  return {rule.capability, rule.severity, rule.text.empty() ? own : rule.text + ": " + own};
+}
+
+}  // namespace
+
+FaultRules::FaultRules(const std::vector<FaultRule>& rules) {
+  for (const FaultRule& rule : rules) watched_.push_back({&rule, false, {}, {}, {}});
+}
+
+void FaultRules::on_value(std::string_view name, const RobotValue& value, Now now, std::vector<FaultSaid>& told) {
+  for (Watched& watched : watched_) {
+    const FaultRule& rule = *watched.rule;
+    if (rule.value != name) continue;
+    if (rule.when == FaultWhen::changes) {
+      on_change(watched, value, now, told);
+      continue;
+    }
+    const Condition condition = rule.when == FaultWhen::equals
+                                    ? (equals(rule.wanted, value) ? Condition::met : Condition::over)
+                                    : judge_limit(rule, value.numbers);
+    if (condition == Condition::met && !watched.begun) begin(watched, value, now, told);
+    if (condition == Condition::over) {
+      watched.begun = false;
+      watched.waits.reset();
+    }
+  }
+}
+
+void FaultRules::on_change(Watched& watched, const RobotValue& value, Now now, std::vector<FaultSaid>& told) {
+  const bool changed = watched.last && *watched.last != value.json;
+  watched.last = value.json;
+  if (!changed) return;
+  if (is_nothing(value.json)) return watched.waits.reset();
+  begin(watched, value, now, told);
+}
+
+void FaultRules::begin(Watched& watched, const RobotValue& value, Now now, std::vector<FaultSaid>& told) {
+  watched.begun = true;
+  watched.waits = said(*watched.rule, value);
+  if (!watched.quiet_until || now.mono >= *watched.quiet_until) watched.quiet_until = now.mono;
+  tick(now, told);
+}
+
+void FaultRules::tick(Now now, std::vector<FaultSaid>& told) {
+  for (Watched& watched : watched_) {
+    if (!watched.waits || now.mono < *watched.quiet_until) continue;
+    told.push_back(std::move(*watched.waits));
+    watched.waits.reset();
+    watched.quiet_until = now.mono + kQuiet;
+  }
+}
+
+std::optional<MonotonicTime> FaultRules::next_deadline() const {
+  std::optional<MonotonicTime> next;
+  for (const Watched& watched : watched_) {
+    if (watched.waits) next = earlier(next, watched.quiet_until);
+  }
+  return next;
+}
+
+}  // namespace trb::adapter

@@ -1,0 +1,25 @@
+// What the fleet is told of the robot's values: RobotState.
+#pragma once
+
+#include "common/actor/outbox.hpp"
+#include "services/mode-adapter/core/modes/mode.hpp"
+
+namespace trb::adapter {
+
+/// A change of any named value is told with all the others, once a second at most; a list (joints, a pose) changes with
+/// every motion and is told with the next change of another.
+class RobotSensors {
+ public:
+  explicit RobotSensors(const std::vector<std::string>& names);
+
+  void on_value(std::string_view name, const RobotValue& value);
+  void tick(Now now, Outbox& out);
+  [[nodiscard]] std::optional<MonotonicTime> next_deadline() const;
+
+ private:
+  std::vector<RobotValueTold> values_;  ///< without a value: not heard of yet
+  bool changed_ = false;
+  MonotonicTime not_before_;
+};
+
+}  // namespace trb::adapter

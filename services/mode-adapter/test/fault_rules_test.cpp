@@ -1,0 +1,191 @@
+// What a robot's values mean: faults, told once when they begin, and the state that the fleet is told.
+#include "services/mode-adapter/core/fault_rules.hpp"
+
+#include <cmath>
+
+#include "services/mode-adapter/test/bench.hpp"
+
+using namespace trb;
+using namespace trb::adapter;
+
+namespace {
+
+FaultRule limit(FaultWhen when, double at, double rearm) {
+  FaultRule rule;
+  rule.name = "low";
+  rule.value = "battery";
+  rule.when = when;
+  rule.limit = at;
+  rule.rearm = rearm;
+  rule.severity = Severity::urgent;
+  rule.capability = "mobile";
+  rule.text = "battery is low";
+  return rule;
+}
+
+FaultRule about_text(FaultWhen when, Value wanted = {}) {
+  FaultRule rule;
+  rule.value = "error";
+  rule.when = when;
+  rule.wanted = std::move(wanted);
+  return rule;
+}
+
+/// Rules, the clock of their test, and what they have told.
+struct Watch {
+  explicit Watch(FaultRule rule) : rules{std::move(rule)} {}
+
+  /// The texts that this value leads to.
+  std::vector<std::string> hear(std::vector<double> numbers, const std::string& json) {
+    std::vector<FaultSaid> told;
+    watch.on_value(rules[0].value, {std::move(numbers), json, now.mono}, now, told);
+    return texts(told);
+  }
+  std::vector<std::string> hear(double number) { return hear({number}, std::to_string(int(number))); }
+  std::vector<std::string> wait(double time_s) {
+    std::vector<FaultSaid> told;
+    now.mono = now.mono + seconds(time_s);
+    watch.tick(now, told);
+    return texts(told);
+  }
+  static std::vector<std::string> texts(const std::vector<FaultSaid>& told) {
+    std::vector<std::string> out;
+    for (const FaultSaid& fault : told) out.push_back(fault.text);
+    return out;
+  }
+
+  std::vector<FaultRule> rules;
+  FaultRules watch{rules};
+  Now now{{seconds(1000).count()}, {}};
+};
+
+using Texts = std::vector<std::string>;
+
+}  // namespace
+
+TEST_CASE("a limit is told when it is passed, and again only after the value has come back by far enough") {
+  Watch watch(limit(FaultWhen::below, 20, 25));
+  CHECK(watch.hear(40).empty());
+  CHECK(watch.hear(20).empty());
+  CHECK(watch.hear(19) == Texts{"battery is low: battery is 19"});
+  CHECK(watch.hear(18).empty());
+  watch.wait(60);
+  CHECK(watch.hear(24).empty());  // above the limit, and not far enough
+  CHECK(watch.hear(19).empty());
+  CHECK(watch.hear(25).empty());
+  CHECK(watch.hear(10) == Texts{"battery is low: battery is 10"});
+}
+
+TEST_CASE("above: of several numbers one begins it, and all have to come back") {
+  Watch watch(limit(FaultWhen::above, 70, 60));
+  CHECK(watch.hear({50, 71, 20}, "[50,71,20]") == Texts{"battery is low: battery is [50,71,20]"});
+  watch.wait(60);
+  CHECK(watch.hear({50, 61, 20}, "").empty());
+  CHECK(watch.hear({50, 80, 20}, "").empty());
+  CHECK(watch.hear({50, 60, 20}, "").empty());
+  CHECK(watch.hear({50, 80, 20}, "x").size() == 1);
+}
+
+TEST_CASE("what is no number neither begins nor ends a fault") {
+  Watch watch(limit(FaultWhen::below, 20, 25));
+  CHECK(watch.hear({std::nan("")}, "").empty());
+  CHECK(watch.hear({}, "\"unknown\"").empty());
+  CHECK(watch.hear(1).size() == 1);
+  watch.wait(60);
+  CHECK(watch.hear({}, "").empty());
+  CHECK(watch.hear({std::nan("")}, "").empty());
+  CHECK(watch.hear(1).empty());
+}
+
+TEST_CASE("a value that flaps over its limits is told once in ten seconds, and not at all once it is over") {
+  Watch watch(limit(FaultWhen::below, 20, 25));
+  std::size_t told = 0;
+  for (int i = 0; i < 300; ++i) {  // 30 s at 10 Hz
+    told += watch.hear(i % 2 == 0 ? 19 : 30).size();
+    told += watch.wait(0.1).size();
+  }
+  CHECK(told == 3);
+  watch.wait(60);
+  CHECK(watch.hear(30).empty());
+  CHECK(watch.hear(19).size() == 1);
+  CHECK(watch.hear(30).empty());
+  CHECK(watch.hear(19).empty());  // begun anew, and waits
+  REQUIRE(watch.watch.next_deadline());
+  CHECK(watch.hear(30).empty());
+  CHECK_FALSE(watch.watch.next_deadline());
+  CHECK(watch.wait(60).empty());
+}
+
+TEST_CASE("a fault that begins again within ten seconds and stays is told when they have passed") {
+  Watch watch(limit(FaultWhen::below, 20, 25));
+  CHECK(watch.hear(19).size() == 1);
+  CHECK(watch.hear(30).empty());
+  CHECK(watch.hear(7).empty());
+  CHECK(watch.wait(9).empty());
+  CHECK(watch.wait(1.1) == Texts{"battery is low: battery is 7"});
+  CHECK(watch.wait(60).empty());
+}
+
+TEST_CASE("equals: a text, a number, true or false") {
+  Watch words(about_text(FaultWhen::equals, Value{std::string("stuck")}));
+  CHECK(words.hear({}, "\"fine\"").empty());
+  CHECK(words.hear({}, "\"stuck\"") == Texts{"stuck"});
+  Watch number(about_text(FaultWhen::equals, Value{std::int64_t{3}}));
+  CHECK(number.hear({2}, "2").empty());
+  CHECK(number.hear({3}, "3") == Texts{"error is 3"});
+  Watch flag(about_text(FaultWhen::equals, Value{true}));
+  CHECK(flag.hear({0}, "false").empty());
+  CHECK(flag.hear({1}, "true") == Texts{"error is true"});
+}
+
+TEST_CASE("changes: each new text of the robot's is told in its own words, its first one and an empty one are not") {
+  Watch watch(about_text(FaultWhen::changes));
+  CHECK(watch.hear({}, "\"old news\"").empty());
+  CHECK(watch.hear({}, "\"old news\"").empty());
+  CHECK(watch.hear({}, "\"wheel \\\"2\\\" slips\\nbadly\"") == Texts{"wheel \"2\" slips\nbadly"});
+  watch.wait(20);
+  CHECK(watch.hear({}, "\"\"").empty());
+  CHECK(watch.hear({}, "\"motor hot\"") == Texts{"motor hot"});
+}
+
+TEST_CASE("in fields a value is what the robot tells its own node") {
+  Settings settings = pioneer();
+  settings.description.faults = {limit(FaultWhen::below, 20, 25)};
+  Bench bench(settings);
+  bench.up(Channel::field);
+  bench.say("information\nbattery\n\n2\n19\n");
+  const auto faults = sent<RobotFault>(bench.out);
+  REQUIRE(faults.size() == 1);
+  CHECK(faults[0].capability == "mobile");
+  CHECK(faults[0].severity == Severity::urgent);
+  CHECK(faults[0].text == "battery is low: battery is 19");
+}
+
+TEST_CASE("sensors are told to every node at their first word and when one changes, once a second at most") {
+  Settings settings = pioneer();
+  settings.description.sensors = {"battery", "pose"};
+  Bench bench(settings);
+  bench.up(Channel::field);
+  const auto told = [&] {
+    const auto states = sent<RobotState>(bench.out);
+    bench.out.clear();
+    return states;
+  };
+  bench.say("information\nbattery\n\n2\n19\n");
+  const auto first = told();
+  REQUIRE(first.size() == 1);
+  REQUIRE(first[0].values.size() == 1);
+  CHECK(first[0].values[0].value == "19");
+  for (const char* next : {"18", "17", "16"}) bench.say(std::string("information\nbattery\n\n2\n") + next + "\n");
+  CHECK(told().empty());
+  bench.wait(1.1);
+  const auto later = told();
+  REQUIRE(later.size() == 1);
+  CHECK(later[0].values[0].value == "16");
+  bench.say("information\npose\n\n5\n[1,2]\n");
+  bench.wait(1.1);
+  CHECK(told().size() == 1);
+  bench.say("information\npose\n\n5\n[1,3]\n");  // it merely moves
+  bench.wait(5);
+  CHECK(told().empty());
+}

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <poll.h>
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "services/virtual-robots/support/socket.hpp"
+#include "services/virtual-robots/ur/controller.hpp"
+
+namespace trb::virtual_robots::ur {
+
+constexpr std::string_view kDashboardGreeting = "Connected: Universal Robots Dashboard Server";
+
+/** What the dashboard answers to one line, and does to the controller for it. */
+std::string dashboard_answer(std::string_view line, Controller& controller, double now);
+
+/** The dashboard's port: a greeting, then a line for each line. It never waits: the loop around it polls. */
+class Dashboard {
+ public:
+  static constexpr std::size_t kMostClients = 8;
+  static constexpr std::size_t kLongestLine = 1024;
+  static constexpr std::size_t kLargestOutput = 64 * 1024;
+
+  explicit Dashboard(Fd listener) : listener_(std::move(listener)) {}
+
+  std::uint16_t port() const { return port_of(listener_); }
+  void add_to_poll(std::vector<pollfd>& polled);
+
+  /** Serves what poll found, beginning at the place add_to_poll began. */
+  void serve(const std::vector<pollfd>& polled, Controller& controller, double now);
+
+ private:
+  struct Client {
+    Fd socket;
+    std::string input;
+    std::string output;
+    bool leaves = false;  ///< once its output is out
+    bool gone = false;
+  };
+
+  void read_from(Client& client, Controller& controller, double now);
+  void flush(Client& client);
+
+  Fd listener_;
+  std::vector<Client> clients_;
+  std::size_t poll_begin_ = 0;
+};
+
+}  // namespace trb::virtual_robots::ur

@@ -1,0 +1,458 @@
+"""A Universal Robot: real router, scheduler and mode-adapter against trb-virtual-ur. Addresses 127.0.152.x to 127.0.155.x.
+
+The controller's bytes are read here by raw sockets, from the facts in the maker's documents, not by the adapter's code.
+"""
+import json
+import pathlib
+import re
+import signal
+import socket
+import struct
+import subprocess
+import threading
+import unittest
+
+import support
+import trb_fleet
+
+HOME = [0, -1.57, 0, -1.57, 0, 0]
+FAR = [6.2, -1.57, 0, -1.57, 0, 0]  # some 6 s away from HOME
+UNHARMED = [("a quote", 'say "hi"'), ("a newline", "two\nlines"), ("both", '"\n")\nhalt\n(')]
+
+
+class UrFleet(trb_fleet.Fleet):
+    """One arm, its node, a cloud to which it is told, and a virtual controller that takes faults by word."""
+
+    def __init__(self, root, programs, block=152):
+        super().__init__(root, programs, block=block, udp_port=50000 + block, robots={"ur3": ("ur", "ur3", [])})
+
+    def node_json(self, node):
+        made = super().node_json(node)
+        if node == trb_fleet.CLOUD:
+            return made
+        made["robot"]["fault_injection"] = f"{self.robot_address(node)}:6000"
+        return made
+
+    def make_node(self, node):
+        super().make_node(node)
+        if node == trb_fleet.CLOUD:
+            return
+        # Words for what a maker would not ship: a typing error, and a text of the user's.
+        path = self.dir(node) / "commands.json"
+        path.write_text(path.read_text().replace(
+            '"move": "movej({data})"', '"move": "movej({data})", "typo": "moovej({data})", "say": "textmsg({data})", '
+            '"say_two": "textmsg({0})\\nset_digital_out({1}, True)"'))
+        path = self.dir(node) / "robots" / "ur3.json"
+        path.write_text(path.read_text().replace('"skills": {', '''"skills": {
+            "hasty": {"capability": "reach", "parameters": {"joints": {"type": "numbers", "count": 6, "unit": "rad"}},
+                      "command": {"subtype": "move", "data": "{joints}"}, "end": {"kind": "acknowledgement"}, "timeout_s": 1},
+            "once": {"capability": "reach", "parameters": {"joints": {"type": "numbers", "count": 6, "unit": "rad"}},
+                     "command": {"subtype": "move", "data": "{joints}"}, "end": {"kind": "acknowledgement"}},''', 1))
+
+    def start_robot(self, node, *more):
+        super().start_robot(node, "--control", f"{self.robot_address(node)}:6000", *more)
+
+    @property
+    def robot(self):
+        return self.virtual["ur3"]
+
+    def ur(self, *words, check=True):
+        return self.trb(*words, node="ur3", check=check)
+
+    def send(self, subtype, data="", check=False):
+        """A command of a person's who takes the arm over from whatever run had it."""
+        return self.ur("send", "ur3", "command", subtype, data, "--take", check=check)
+
+    def profile(self):
+        routes = self.json("route", "list", node="ur3")["routes"]
+        return next(route for route in routes if route["id"] == "ur3")["profile"]
+
+    def wait_robot(self, state, timeout=15):
+        return self.wait(f"the robot is {state}", lambda: self.profile()["robot"] == state, timeout)
+
+    def mode(self):
+        done = self.ur("request", "ur3", "robot_mode", check=False)
+        return done.stdout.strip().rpartition(" ")[2]
+
+
+class Tap:
+    """Everything that the node says and hears from now on: once it has heard a first message, it misses none."""
+
+    def __init__(self, fleet):
+        command = [support.PROGRAMS / "trb", "tap", "--all", "--json", "--node", fleet.dir("ur3")]
+        self.fleet = fleet
+        self.child = trb_fleet.Process(command, fleet.root / "tap.log")
+        self.child.wait_line("{", 10)
+        self.start = 0
+
+    def bodies(self, subtype):
+        self.child.pump(0)
+        messages = [json.loads(line) for line in self.child.lines[self.start:] if f'"subtype":"{subtype}"' in line]
+        return [message["body"] for message in messages]
+
+    def wait(self, subtype, what, found, timeout=10):
+        self.fleet.wait(f"{subtype}: {what}", lambda: any(found(body) for body in self.bodies(subtype)), timeout)
+        return next(body for body in self.bodies(subtype) if found(body))
+
+
+class Case(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.fleet = support.make_fleet(cls, UrFleet)
+        cls.fleet.start()
+        cls.fleet.wait_formed(30)
+        cls.tap = Tap(cls.fleet)
+        cls.addClassCleanup(cls.tap.child.stop)
+
+    def setUp(self):
+        if "ur3" not in self.fleet.virtual:
+            self.fleet.start_robot("ur3")
+        self.fleet.robot.child.send_signal(signal.SIGCONT)
+        self.fleet.wait_robot("ONLINE")
+        self.fleet.ur("robot", "fault", "ur3", "--clear")
+        for subtype in ("power_on", "run_mode"):
+            self.fleet.send(subtype)
+        self.fleet.wait("the arm can move", lambda: self.fleet.mode() == "7", 5)
+        self.start = len(self.lines())
+        self.tap.child.pump(0)
+        self.tap.start = len(self.tap.child.lines)
+
+    def lines(self):
+        self.fleet.robot.pump(0)
+        return self.fleet.robot.lines
+
+    def said(self):
+        """What the controller has printed since the test began."""
+        return self.lines()[self.start:]
+
+    def wait_line(self, text, timeout=10):
+        line, _ = self.fleet.robot.wait_line(text, timeout, self.start)
+        return line
+
+    def refusal(self, subtype, data=""):
+        done = self.fleet.send(subtype, data)
+        self.assertEqual(done.returncode, 1, done.stdout)
+        return done.stderr
+
+    def moves(self, joints=HOME):
+        done = self.fleet.send("move", json.dumps(joints))
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertIn("started", done.stdout)
+
+    def run_skill(self, skill, **data):
+        """Submits a run of one task; returns its id."""
+        path = self.fleet.root / "scenario.json"
+        path.write_text(json.dumps({"name": "one", "tasks": [{"id": "t", "robot": "ur3", "skill": skill, "data": data}]}))
+        return self.fleet.json("scenario", "run", path, node="ur3")["run"]
+
+    def task(self, run):
+        view = self.fleet.json("scenario", "watch", run, "--once", node="ur3", check=False)
+        return next(iter(view.get("tasks", [])), {"outcome": "none"})
+
+    def wait_end(self, run, timeout=20):
+        self.fleet.wait("the task has an outcome", lambda: self.task(run)["outcome"] != "none", timeout)
+        return self.task(run)
+
+    def assert_finished(self, run):
+        task = self.wait_end(run)
+        self.assertEqual(task["outcome"], "finished", task)
+
+    def programs(self):
+        return [line for line in self.said() if re.fullmatch(r"program trb_\d+ started", line)]
+
+    def abort(self, run):
+        self.fleet.ur("scenario", "abort", run, check=False)
+
+
+class Scripts(Case):
+    def test_a_bad_script_is_refused_with_line_and_column_and_the_next_one_runs(self):
+        error = self.refusal("typo", json.dumps(HOME))
+        self.assertIn("robot_error", error)
+        self.assertRegex(error, r"line \d+, column \d+: compile_error_name_not_found:moovej:")
+        self.moves()
+
+    def test_a_wrong_joint_count_is_refused_in_the_controllers_words(self):
+        self.assertIn("compile_error_wrong_joint_count", self.refusal("move", "[1, 2]"))
+        self.assertEqual(self.programs(), [])
+        self.moves()
+
+    def test_a_quote_or_a_newline_in_any_text_field_never_reaches_the_script(self):
+        for name, text in UNHARMED:
+            for subtype, data in (("say", json.dumps(text)), ("say_two", json.dumps([text, 1])), ("move", text),
+                                  ("move", json.dumps(text)), ("move", json.dumps([0, 0, 0, 0, 0, text])), ("pick", text)):
+                with self.subTest(name, subtype=subtype, data=data):
+                    self.assertRegex(self.refusal(subtype, data), "not_escapable|bad_value")
+        self.assertEqual(self.said(), [])
+        self.assertEqual(self.fleet.send("say", '"hello; world"').returncode, 0)
+        self.wait_line("text hello; world")
+
+    def test_a_quote_or_a_newline_in_a_skills_parameter_fails_its_task(self):
+        for name, text in UNHARMED:
+            with self.subTest(name):
+                path = self.fleet.root / "scenario.json"
+                task = {"id": "t", "robot": "ur3", "skill": "pick", "data": {"side": text}}
+                path.write_text(json.dumps({"name": "one", "tasks": [task]}))
+                done = self.fleet.ur("scenario", "run", path, check=False)
+                self.assertEqual(done.returncode, 1)
+                self.assertIn("side", done.stderr)
+        self.assertEqual(self.programs(), [])
+
+    def test_two_commands_at_once_are_taken_one_after_the_other_and_each_once(self):
+        answers = []
+        senders = [threading.Thread(target=lambda joints=joints: answers.append(self.fleet.send("move", json.dumps(joints))))
+                   for joints in (FAR, HOME)]
+        for sender in senders:
+            sender.start()
+        for sender in senders:
+            sender.join()
+        self.assertEqual([done.returncode for done in answers], [0, 0], [done.stderr for done in answers])
+        self.assertEqual(len(self.programs()), 2)
+        self.assertNotIn("script_error", str(self.said()))
+
+    def test_a_command_beside_a_skill_is_refused_and_the_skill_goes_on(self):
+        run = self.run_skill("move_joints", joints=[1.5, -1.57, 0, -1.57, 0, 0])
+        self.wait_line("started")
+        done = self.fleet.ur("send", "ur3", "command", "move", json.dumps(HOME), check=False)
+        self.assertIn("control_held", done.stderr)
+        self.assertIn("busy", self.refusal("move", json.dumps(HOME)))
+        self.assert_finished(run)
+        self.assertEqual(len(self.programs()), 1)
+
+
+class Stops(Case):
+    def test_a_protective_stop_in_the_middle_of_a_move(self):
+        run = self.run_skill("once", joints=FAR)
+        self.wait_line("started")
+        text = 'it hit a "table"\nhard'
+        self.fleet.ur("robot", "fault", "ur3", "grab", "--text", text)
+        self.wait_line("safety protective_stop")
+        task = self.wait_end(run)
+        self.assertEqual(task["outcome"], "failed", task)
+        self.assertIn("protective stop: C999A0 " + text, task["reason"])
+        for capability in ("grab", "reach"):
+            fault = self.tap.wait("robot_fault", "the fault", lambda body, wanted=capability: body["capability"] == wanted)
+            self.assertEqual((fault["severity"], fault["text"]), ("CRITICAL", "protective stop: C999A0 " + text))
+        error = self.refusal("move", json.dumps(HOME))
+        self.assertIn("trb send ur3 command unlock", error)
+        self.assertEqual(len(self.programs()), 1)  # nothing was repeated
+        self.abort(run)
+        self.fleet.send("unlock", check=True)
+        self.wait_line("safety normal")
+        self.fleet.wait("it moves", lambda: self.fleet.send("move", json.dumps(HOME)).returncode == 0, 5)
+
+    def test_an_emergency_stop_is_fatal_and_a_warning_stops_nothing(self):
+        self.fleet.ur("robot", "fault", "ur3", "reach", "--severity", "WARNING", "--text", "joint 3 is warm")
+        self.tap.wait("robot_fault", "the warning", lambda body: (body["severity"], body["text"]) == ("WARNING", "C999A0 joint 3 is warm"))
+        self.moves()
+        self.fleet.ur("robot", "fault", "ur3", "reach", "--severity", "FATAL")
+        self.tap.wait("robot_fault", "the emergency stop", lambda body: body["severity"] == "FATAL" and "emergency stop" in body["text"])
+        self.assertIn("release the emergency stop", self.refusal("move", json.dumps(HOME)))
+
+    def test_the_arm_is_powered_off_and_on_by_commands_and_the_fleet_is_told(self):
+        def mode(wanted):
+            return lambda body: {"name": "robot_mode", "value": wanted} in body["values"]
+
+        self.assertEqual(self.fleet.send("power_off").returncode, 0)
+        off = self.tap.wait("robot_state", "power off", mode("3"))
+        self.assertEqual([value["name"] for value in off["values"]], ["robot_mode", "safety", "program_running", "joints"])
+        self.tap.wait("robot_fault", "the fault of the description", lambda body: body["text"] == "the arm is powered off: robot_mode is 3")
+        error = self.refusal("move", json.dumps(HOME))
+        self.assertIn("powered off", error)
+        self.assertIn("trb send ur3 command power_on", error)
+        self.assertEqual(self.programs(), [])
+        self.fleet.send("power_on", check=True)
+        self.tap.wait("robot_state", "idle", mode("5"))
+        self.assertIn("trb send ur3 command run_mode", self.refusal("move", json.dumps(HOME)))
+        self.fleet.send("run_mode", check=True)
+        self.tap.wait("robot_state", "running", mode("7"))
+        self.moves()
+
+    def test_a_robot_that_has_not_ended_in_time_is_stopped_and_its_late_word_harms_nobody(self):
+        run = self.run_skill("hasty", joints=FAR)
+        task = self.wait_end(run)
+        self.assertEqual(task["outcome"], "failed", task)
+        self.assertIn("timed out after 1 s", task["reason"])
+        self.wait_line("stopped")
+        self.abort(run)
+        after = self.run_skill("move_joints", joints=HOME)
+        self.assert_finished(after)
+        self.assertEqual(len(self.programs()), 2)
+
+
+class Vanished(Case):
+    def end_of(self, run):
+        task = self.wait_end(run)
+        self.assertEqual(task["outcome"], "interrupted", task)
+        self.assertIn("connection was lost", task["reason"])
+
+    def test_a_controller_that_is_killed_in_the_middle_of_a_program(self):
+        run = self.run_skill("once", joints=FAR)
+        self.wait_line("started")
+        self.fleet.virtual.pop("ur3").stop(signal.SIGKILL)
+        self.fleet.wait_robot("CONNECTION_BROKEN")
+        self.end_of(run)
+        self.assertIn("robot_offline", self.refusal("move", json.dumps(HOME)))
+        self.abort(run)
+        self.fleet.start_robot("ur3")
+        self.start = 0
+        self.fleet.wait_robot("ONLINE")
+        self.fleet.wait("it moves", lambda: self.fleet.send("move", json.dumps(HOME)).returncode == 0, 15)
+        self.assertEqual(len(self.programs()), 1)  # the one just sent: nothing was repeated
+
+    def test_a_controller_that_hangs_in_the_middle_of_a_program(self):
+        run = self.run_skill("once", joints=FAR)
+        self.wait_line("started")
+        self.fleet.robot.child.send_signal(signal.SIGSTOP)
+        self.fleet.wait_robot("CONNECTION_BROKEN")
+        self.assertIn("no state for 3 s", self.fleet.profile()["detail"])
+        self.end_of(run)
+        self.abort(run)
+        self.fleet.robot.child.send_signal(signal.SIGCONT)
+        self.fleet.wait_robot("ONLINE")
+        self.fleet.wait("it moves", lambda: self.fleet.send("move", json.dumps(HOME)).returncode == 0, 15)
+        self.assertEqual(len(self.programs()), 2)
+
+
+class FaultsByWord(Case):
+    def test_what_cannot_be_done_is_refused_with_the_way_out(self):
+        done = self.fleet.ur("robot", "fault", "ur3", "fly", check=False)
+        self.assertEqual(done.returncode, 1)
+        self.assertIn("has no capability 'fly'", done.stderr)
+        self.assertIn("grab, reach", done.stderr)
+        for wrong in (["robot", "fault", "ur3"], ["robot", "fault", "ur3", "grab", "--clear"],
+                      ["robot", "fault", "ur3", "grab", "--severity", "BAD"]):
+            self.assertEqual(self.fleet.ur(*wrong, check=False).returncode, 2, wrong)
+
+    def test_a_real_robot_is_not_made_to_fail(self):
+        real = support.make_fleet(self, RealFleet)
+        real.start()
+        done = real.ur("robot", "fault", "ur3", "grab", check=False)
+        self.assertEqual(done.returncode, 1)
+        self.assertIn("not_permitted", done.stderr)
+        self.assertIn("fault_injection", done.stderr)
+
+
+class RealFleet(UrFleet):
+    """Nobody says that its arm is a virtual one."""
+
+    def __init__(self, root, programs):
+        super().__init__(root, programs, block=154)
+
+    def node_json(self, node):
+        return trb_fleet.Fleet.node_json(self, node)
+
+
+class Wire(unittest.TestCase):
+    """The controller's own bytes, by raw sockets."""
+
+    def setUp(self):
+        log = pathlib.Path("/dev/null")
+        self.robot = trb_fleet.Process([support.PROGRAMS / "trb-virtual-ur", "--address", "127.0.155.9", "--port-base",
+                                        "auto", "--speed", "5"], log, stdin=subprocess.PIPE)
+        self.addCleanup(self.robot.stop)
+        ready, _ = self.robot.wait_line("ready", 10)
+        self.primary, self.secondary, self.dashboard = map(int, ready.split()[1:])
+
+    def dial(self, port):
+        link = socket.create_connection(("127.0.155.9", port), 5)
+        self.addCleanup(link.close)
+        return link.makefile("rwb", buffering=0)
+
+    @staticmethod
+    def exactly(link, size):
+        data = b""
+        while len(data) < size:
+            more = link.read(size - len(data))
+            if not more:
+                raise EOFError
+            data += more
+        return data
+
+    def packet(self, link):
+        size, kind = struct.unpack(">iB", self.exactly(link, 5))
+        return kind, self.exactly(link, size - 5)
+
+    def message(self, link, kind):
+        """The next message of a kind: its payload after time, source and kind."""
+        while True:
+            type_, body = self.packet(link)
+            if type_ == 20 and body[9] == kind:
+                return body[10:]
+
+    def state(self, link):
+        """The next state: {sub-package type: its whole bytes}"""
+        while True:
+            type_, body = self.packet(link)
+            if type_ != 16:
+                continue
+            parts = {}
+            while body:
+                size, part = struct.unpack(">IB", body[:5])
+                parts[part], body = body[:size], body[size:]
+            return parts
+
+    def test_the_version_comes_first_and_then_the_state_ten_times_a_second(self):
+        for port in (self.primary, self.secondary):
+            link = self.dial(port)
+            type_, body = self.packet(link)
+            self.assertEqual((type_, body[9]), (20, 3))
+            parts = self.state(link)
+            self.assertEqual(len(parts[0]), 47)
+            self.assertEqual(len(parts[1]), 5 + 6 * 41)
+
+    def test_golden_state_of_an_idle_arm(self):
+        parts = self.state(self.dial(self.secondary))
+        mode = parts[0]
+        self.assertEqual(mode[:5], bytes.fromhex("0000002f00"))
+        # connected, enabled, power on; no stop, no program; running, control mode 0
+        self.assertEqual(mode[13:22], bytes.fromhex("010101000000000700"))
+        joints = [struct.unpack(">3d4fB", parts[1][5 + i * 41:5 + (i + 1) * 41]) for i in range(6)]
+        self.assertEqual([round(joint[0], 4) for joint in joints], [0, -1.5708, 0, -1.5708, 0, 0])
+        self.assertEqual([joint[7] for joint in joints], [253] * 6)
+
+    def test_the_bits_of_the_stops_and_of_a_program(self):
+        link = self.dial(self.secondary)
+        for line, bits in (("fault grab", "010101000100000700"), ("clear", "010101000000000700"),
+                           ("fault grab FATAL", "010101010000000700")):
+            self.robot.say(line)
+            wanted = bytes.fromhex(bits)
+            for _ in range(20):
+                seen = self.state(link)[0][13:22]
+                if seen == wanted:
+                    break
+            self.assertEqual(seen.hex(), wanted.hex(), line)
+
+    def test_a_program_is_told_by_key_messages_and_a_bad_one_by_its_exception(self):
+        primary, secondary = self.dial(self.primary), self.dial(self.secondary)
+        secondary.write(b"def trb_1():\n  sleep(0.5)\n  textmsg(\"trb_1 done\")\nend\n")
+        self.assertEqual(self.message(primary, 7), bytes(8) + b"\x13PROGRAM_XXX_STARTEDtrb_1")
+        self.assertEqual(self.message(primary, 0), b"trb_1 done")
+        self.assertEqual(self.message(primary, 7), bytes(8) + b"\x13PROGRAM_XXX_STOPPEDtrb_1")
+        secondary.write(b"def trb_2():\n  moovej([0,0,0,0,0,0])\nend\n")
+        exception = self.message(primary, 10)
+        self.assertEqual(struct.unpack(">ii", exception[:8])[0], 2)
+        self.assertEqual(exception[8:], b"compile_error_name_not_found:moovej:")
+
+    def test_a_fault_is_an_error_message_and_then_a_stop(self):
+        primary = self.dial(self.primary)
+        self.state(primary)
+        self.robot.say("fault grab CRITICAL it hit\\na \"table\"")
+        error = self.message(primary, 6)
+        self.assertEqual(struct.unpack(">iii", error[:12]), (999, 0, 3))
+        self.assertEqual(error[20:], b'it hit\na "table"')
+
+    def test_the_dashboard_greets_and_answers_each_line(self):
+        link = self.dial(self.dashboard)
+        lines = iter(link.readline, b"")
+        self.assertEqual(next(lines), b"Connected: Universal Robots Dashboard Server\n")
+        for line, answer in ((b"running", b"Program running: false"), (b"programState", b"STOPPED <unnamed>"),
+                             (b"robotmode", b"Robotmode: RUNNING"), (b"power off", b"Powering off"),
+                             (b"robotmode", b"Robotmode: POWER_OFF"), (b"nonsense", b"could not understand: 'nonsense'"),
+                             (b"quit", b"Disconnected")):
+            link.write(line + b"\n")
+            self.assertEqual(next(lines), answer + b"\n")
+        self.assertEqual(list(lines), [])
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=2)
