@@ -94,6 +94,12 @@ class Process:
         self.log.close()
 
 
+def plc_port():
+    """Modbus' own port, or 1502 for a user who may not take one below 1024."""
+    first = int(pathlib.Path("/proc/sys/net/ipv4/ip_unprivileged_port_start").read_text())
+    return 502 if os.geteuid() == 0 or first <= 502 else 1502
+
+
 def free_port():
     """A port that is free on every address."""
     with socket.socket() as probe:
@@ -181,6 +187,9 @@ class Fleet:
             shutil.copy(config / name, folder / name)
         network = {"UDP_PORT": self.udp_port, "TCP_PORT_EXT": 45000, "TCP_PORT": 40000,
                    "HOST_INT": self.address(node), "VPN_INT": "tun0"}
+        if node in self.robots and self.robots[node][0] == "plc":
+            path = folder / "commands.json"
+            path.write_text(path.read_text().replace('"port": 502', f'"port": {plc_port()}'))
         if node in self.ros_robots():
             self.name_ros_master(folder / "commands.json", self.robots[node][0])
         (folder / "network.json").write_text(json.dumps(network, indent=2) + "\n")
@@ -253,7 +262,8 @@ class Fleet:
             return [self.programs / "trb-virtual-ros-robot", "--master", self.ros_uri(), "--ip", address,
                     "--namespace", node]
         name = {"ardrone": "drone"}.get(framework, framework)
-        return [self.programs / f"trb-virtual-{name}", "--address", address]
+        port = ["--port", plc_port()] if framework == "plc" else []
+        return [self.programs / f"trb-virtual-{name}", "--address", address, *port]
 
     def start_node(self, node):
         log = self.root / f"up-{node}.log"
