@@ -83,9 +83,10 @@ PROC TrbDial()
   trb_fields := 0;                   ! a new connection begins with a new message
   trb_connected := TRUE;
 ERROR
+  ! The node is not there: main tries again.
   trb_connected := FALSE;
   WaitTime 0.2;
-  TRYNEXT;
+  RETURN;
 ENDPROC
 
 ! TRUE if a message is whole; FALSE if none came in that time. Each field is acknowledged.

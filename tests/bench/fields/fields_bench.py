@@ -176,8 +176,9 @@ def main():
         say(f"  P4: {row['what']} {row['value']}, goal {row['wanted']}: {'met' if row['met'] else 'NOT met'}")
     say(f"  {time.monotonic() - began:.0f} s")
     if arguments.json:
-        report = {"rounds": arguments.rounds, "quick": arguments.quick, "pin": arguments.pin, "realtime": arguments.realtime, "window": WINDOW,
-                  "gap_s": GAP_S, "kernel": platform.release(), "cores": os.cpu_count(), "runs": result, "goals": met}
+        report = {"rounds": arguments.rounds, "quick": arguments.quick, "pin": arguments.pin,
+                  "realtime": arguments.realtime, "window": WINDOW, "gap_s": GAP_S,
+                  "kernel": platform.release(), "cores": os.cpu_count(), "runs": result, "goals": met}
         pathlib.Path(arguments.json).write_text(json.dumps(report, indent=1) + "\n")
     return 0 if met[2]["met"] and met[3]["met"] else 1
 
