@@ -119,6 +119,13 @@ Bytes lines(char channel, const char* text) {
   return channel + Bytes(text);
 }
 
+/// With the framing `length`.
+Bytes counted(const std::vector<std::string>& fields) {
+  Bytes out = "\1";
+  for (const std::string& field : fields) append_field(out, field, Framing::length);
+  return out;
+}
+
 }  // namespace
 
 std::vector<Bytes> seeds() {
@@ -128,7 +135,7 @@ std::vector<Bytes> seeds() {
           lines('\0', "information\nfault\n\n21\nmobile URGENT battery\n"),
           lines('\14', "information\ndone\n\n6\ngo \\\\\nx\ny\nok\n"),
           lines('\6', "0\n0\n0\n0\n0\n3\n1\n0\n1\n4\n-1\n-2\n3\n2\n6\n3\n4 1\n"),
-          Bytes("\1\0\0\0\13information\0\0\0\4done\0\0\0\0\0\0\0\0012\0\0\0\2go", 42),
+          counted({"information", "done", "", "2", "go"}),
           lines('\20', "information"),
           lines('\20', "ok!stopped")};
 }
