@@ -63,7 +63,7 @@ std::optional<Monitor> read_monitor(ObjectReader& vendor) {
   if (json == nullptr) return std::nullopt;
   ObjectReader reader(*json, vendor.path("monitor"), vendor.faults());
   Monitor monitor;
-  const std::vector<std::string> protocols = {"ur-primary", "ar-navdata"};
+  const std::vector<std::string> protocols = {"ur-primary", "ar-navdata", "rapid-service"};
   if (const auto index = reader.choice("protocol", Need::required, protocols)) monitor.protocol = protocols[*index];
   monitor.port = static_cast<std::uint16_t>(reader.integer("port", Need::required, 1, 65535).value_or(0));
   reader.refuse_unknown_keys();

@@ -43,6 +43,7 @@ void check_modbus(const NodeConfig& config, const FileFaults& faults);
 
 /// The keys that commands.json has for the transport modbus alone.
 ModbusSettings read_modbus_settings(ObjectReader& vendor);
+void check_rapid(const NodeConfig& config, const FileFaults& faults);
 
 // Parts that several of them need.
 /// "stop" is there, and no command but "release" is empty.

@@ -84,7 +84,7 @@ TEST_CASE("the paper's scenario can be done by robots that speak in fields") {
 }
 
 TEST_CASE("the arms that are shipped are spoken to as commands.json says") {
-  for (const char* arm : {"kuka"}) {
+  for (const char* arm : {"abb", "kuka"}) {
     const NodeCheck check = check_shipped(arm, arm, std::string("robots/") + arm + ".json");
     CHECK_MESSAGE(without_keys(check.faults).empty(), to_text(check.faults));
   }

@@ -27,7 +27,7 @@ constexpr std::array<Transport, 8> kTransports{{
     {"udp-at", Mode::direct, check_udp_at},
     {"modbus", Mode::direct, check_modbus},
     {"lines", Mode::interpreter, check_nothing},
-    {"rapid", Mode::interpreter, check_absent},
+    {"rapid", Mode::interpreter, check_rapid},
     {"c3", Mode::interpreter, check_c3},
     {"arcos", Mode::interpreter, check_arcos},
     {"ros", Mode::ros, check_ros},

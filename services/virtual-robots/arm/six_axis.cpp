@@ -14,12 +14,6 @@ constexpr double kToolSpeed = 250;  ///< millimetres a second
 constexpr double kShortest = 0.1;
 constexpr double kGripTime = 0.5;
 
-struct Range {
-  double from, to;
-};
-constexpr std::array<Range, kAxes> kRanges{
-    {{-170, 170}, {-190, 45}, {-120, 156}, {-185, 185}, {-120, 120}, {-350, 350}}};
-
 double radians(double degrees) {
   return degrees * std::numbers::pi / 180;
 }
@@ -47,11 +41,14 @@ double distance(const Pose& a, const Pose& b) {
 
 const Joints kHome{0, -90, 90, 0, 0, 0};
 
-std::optional<std::string> out_of_range(const Joints& joints) {
+const Ranges kKukaRanges{{{-170, 170}, {-190, 45}, {-120, 156}, {-185, 185}, {-120, 120}, {-350, 350}}};
+const Ranges kAbbRanges{{{-165, 165}, {-110, 110}, {-110, 70}, {-160, 160}, {-120, 120}, {-400, 400}}};
+
+std::optional<std::string> out_of_range(const Joints& joints, const Ranges& ranges, char letter) {
   for (std::size_t i = 0; i < kAxes; ++i) {
-    if (joints[i] >= kRanges[i].from && joints[i] <= kRanges[i].to) continue;
-    return "A" + std::to_string(i + 1) + " " + format_fixed(joints[i], 1) + " is not in " +
-           format_fixed(kRanges[i].from, 1) + ".." + format_fixed(kRanges[i].to, 1);
+    if (joints[i] >= ranges[i].from && joints[i] <= ranges[i].to) continue;
+    return letter + std::to_string(i + 1) + " " + format_fixed(joints[i], 1) + " is not in " +
+           format_fixed(ranges[i].from, 1) + ".." + format_fixed(ranges[i].to, 1);
   }
   return std::nullopt;
 }

@@ -27,8 +27,15 @@ struct Pause {
 };
 using Step = std::variant<Joints, Pose, Grip, Pause>;
 
-/** The joint that is out of its range, told as "A2 60.0 is not in -190.0..45.0". */
-std::optional<std::string> out_of_range(const Joints& joints);
+struct Range {
+  double from, to;
+};
+using Ranges = std::array<Range, kAxes>;
+extern const Ranges kKukaRanges;
+extern const Ranges kAbbRanges;
+
+/** The joint that is out of its range, told as "A2 60.0 is not in -190.0..45.0"; `letter`: how the make calls an axis. */
+std::optional<std::string> out_of_range(const Joints& joints, const Ranges& ranges = kKukaRanges, char letter = 'A');
 
 /** What is fetched, put down and left, as every virtual arm does it. */
 std::vector<Step> pick_steps(const Joints& at);
@@ -41,6 +48,8 @@ extern const Joints kHome;
  */
 class SixAxis {
  public:
+  explicit SixAxis(const Joints& at = kHome) : from_(at), to_(at) {}
+
   /** The last steps are forgotten. */
   void start(std::vector<Step> steps, double now);
   /** Stands still where the motion has got to; the steps are forgotten. */
@@ -65,8 +74,8 @@ class SixAxis {
 
   std::vector<Step> steps_;
   std::size_t next_ = 0;  ///< the step that is carried out
-  Joints from_ = kHome;
-  Joints to_ = kHome;
+  Joints from_;
+  Joints to_;
   std::optional<Pose> pose_from_;
   std::optional<Pose> pose_to_;
   double begin_ = 0;

@@ -4,12 +4,13 @@
 
 namespace trb::virtual_robots {
 
-TcpServer::TcpServer(const Endpoint& where, std::size_t most_clients)
-    : listener_(listen_on(where)), most_clients_(most_clients) {}
+TcpServer::TcpServer(const Endpoint& where, std::size_t most_clients, Extra extra)
+    : listener_(listen_on(where)), most_clients_(most_clients), extra_(extra) {}
 
 void TcpServer::add_to_poll(std::vector<pollfd>& polled) {
   poll_begin_ = polled.size();
-  polled.push_back({listener_.get(), POLLIN, 0});
+  const bool full = extra_ == Extra::Waits && clients_.size() >= most_clients_;
+  polled.push_back({full ? -1 : listener_.get(), POLLIN, 0});
   for (const Client& client : clients_) {
     polled.push_back({client.socket.get(), static_cast<short>(client.output.empty() ? POLLIN : POLLIN | POLLOUT), 0});
   }
@@ -29,7 +30,9 @@ void TcpServer::serve(const std::vector<pollfd>& polled, const std::function<voi
 }
 
 void TcpServer::accept_all() {
-  while (Fd socket = accept_client(listener_)) {
+  while (extra_ == Extra::Dropped || clients_.size() < most_clients_) {
+    Fd socket = accept_client(listener_);
+    if (!socket) return;
     Client client;
     client.socket = std::move(socket);
     client.id = ++last_id_;

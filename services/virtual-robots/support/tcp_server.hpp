@@ -27,8 +27,11 @@ class TcpServer {
     bool gone = false;
   };
 
-  /** Port 0: a free one. A client too many is dropped at once. Throws std::system_error. */
-  TcpServer(const Endpoint& where, std::size_t most_clients);
+  /** What becomes of a client too many: it is dropped at once, or is not accepted until another one leaves. */
+  enum class Extra { Dropped, Waits };
+
+  /** Port 0: a free one. Throws std::system_error. */
+  TcpServer(const Endpoint& where, std::size_t most_clients, Extra extra = Extra::Dropped);
 
   std::uint16_t port() const { return port_of(listener_); }
   std::size_t size() const { return clients_.size(); }
@@ -52,6 +55,7 @@ class TcpServer {
 
   Fd listener_;
   std::size_t most_clients_;
+  Extra extra_;
   std::list<Client> clients_;  ///< in a list, so that a client stays where it is
   std::uint64_t last_id_ = 0;
   std::size_t poll_begin_ = 0;

@@ -4,6 +4,7 @@
 #include "common/base/ids.hpp"
 #include "proto/body.hpp"
 #include "services/mode-adapter/core/modes/c3_mode.hpp"
+#include "services/mode-adapter/core/modes/fault_text.hpp"
 #include "services/mode-adapter/core/text/krl.hpp"
 
 namespace trb::adapter {
@@ -24,20 +25,6 @@ std::optional<MessageType> type_of(const std::string& word) {
     if (word == name_of(type)) return type;
   }
   return std::nullopt;
-}
-
-std::optional<Severity> severity_of(std::string_view word) {
-  for (const Severity severity : {Severity::warning, Severity::urgent, Severity::critical, Severity::fatal}) {
-    if (word == name_of(severity)) return severity;
-  }
-  return std::nullopt;
-}
-
-std::string_view take_word(std::string_view& text) {
-  const std::size_t end = std::min(text.find(' '), text.size());
-  const std::string_view word = text.substr(0, end);
-  text.remove_prefix(std::min(end + 1, text.size()));
-  return word;
 }
 
 Error refused_by_robot(const C3Link::Answer& answer) {
@@ -252,14 +239,9 @@ void C3Mode::on_error_text(const std::string& text, Now now, const ModeOut& out)
   if (!text.empty()) report_fault(text, now, out);
 }
 
-/// "CAPABILITY SEVERITY TEXT", or any text: a critical fault of all that it can do.
 void C3Mode::report_fault(const std::string& text, Now now, const ModeOut& out) {
   error_told_ = now.mono;
-  std::string_view rest = text;
-  const std::string capability(take_word(rest));
-  const auto severity = severity_of(take_word(rest));
-  const bool named = severity && std::ranges::find(capabilities_, capability) != capabilities_.end();
-  out.emit(named ? FaultSaid{capability, *severity, std::string(rest)} : FaultSaid{"", Severity::critical, text});
+  out.emit(read_fault_text(text, capabilities_));
 }
 
 void C3Mode::on_value(const C3Link::Answer& answer, Now now, const ModeOut& out) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 
+#include "services/mode-adapter/core/rapid/rapid_wire.hpp"
 #include "services/mode-adapter/core/text/krl.hpp"
 #include "services/mode-adapter/core/text/number_text.hpp"
 #include "services/mode-adapter/core/text/urscript.hpp"
@@ -80,6 +81,7 @@ Result<std::string> VendorTemplate::fill(BytesView data, Language language) cons
   if (!has_holes_) return parts_.front().literal;
   if (language == Language::plain || language == Language::raw) return fill_plain(data, language == Language::raw);
   if (language == Language::krl) return fill_literals(data, krl_literal);
+  if (language == Language::rapid) return fill_literals(data, rapid_literal);
   return fill_literals(data, language == Language::json ? json_literal : urscript_literal);
 }
 

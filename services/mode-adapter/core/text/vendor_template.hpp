@@ -12,7 +12,7 @@
 namespace trb::adapter {
 
 /// `raw`: as `plain`, for robots whose texts may hold any byte.
-enum class Language : std::uint8_t { plain, urscript, json, raw, krl };
+enum class Language : std::uint8_t { plain, urscript, json, raw, krl, rapid };
 
 class VendorTemplate {
  public:

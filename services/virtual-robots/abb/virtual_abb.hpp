@@ -1,0 +1,52 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "services/virtual-robots/abb/controller.hpp"
+#include "services/virtual-robots/support/control.hpp"
+#include "services/virtual-robots/support/process.hpp"
+#include "services/virtual-robots/support/tcp_server.hpp"
+
+namespace trb::virtual_robots::abb {
+
+struct Settings {
+  std::string address = "127.0.2.2";
+  std::uint16_t port = 5000;
+  std::uint16_t service_port = 5001;
+  double speed = 1.0;
+  std::optional<Endpoint> control;
+  std::vector<Failure> failures;
+};
+
+/** The controller, the servers of its two tasks and the clock in one loop. */
+class VirtualAbb {
+ public:
+  explicit VirtualAbb(const Settings& settings);
+
+  /** Runs until `end` becomes readable. */
+  void run(const Fd& end);
+
+ private:
+  void serve_program(TcpServer::Client& client);
+  void serve_service(TcpServer::Client& client);
+  void answer(const std::optional<std::string>& text);
+  void follow();
+  void take_line(const std::string& line);
+  void tell_events();
+  double next_deadline() const;
+  double robot_now() const { return (wall_seconds() - begin_) * speed_; }
+
+  double speed_;
+  double begin_ = wall_seconds();
+  Controller controller_;
+  TcpServer program_;
+  TcpServer service_;
+  std::uint64_t asker_ = 0;  ///< whose move is carried out
+  StdinLines console_;
+  ControlPort control_;
+};
+
+}  // namespace trb::virtual_robots::abb
