@@ -29,6 +29,8 @@ ModbusPlaces polled_of(const VendorCommands& words, const Description& descripti
     if (place != places.end()) polled.insert(*place);
   };
   for (const auto& [subtype, name] : words.requests) add(subtype);
+  for (const FaultRule& rule : description.faults) add(rule.value);
+  for (const std::string& name : description.sensors) add(name);
   for (const Skill& skill : description.skills) {
     if (skill.end.kind != EndKind::state && skill.end.kind != EndKind::position) continue;
     add(skill.end.state.empty() ? std::string(kPosition) : skill.end.state);

@@ -15,7 +15,7 @@ namespace trb::adapter {
 
 class ModbusMode : public RobotMode {
  public:
-  /// Asks for the values that requests and the ends of these skills need.
+  /// Asks for the values that requests and the description's faults, sensors and ends of skills need.
   ModbusMode(const VendorCommands& words, const Description& description, std::string own_id);
 
   /// A connection alone is none: a hung device still accepts it.
