@@ -10,11 +10,6 @@ namespace {
 
 void check_nothing(const NodeConfig&, const FileFaults&) {}
 
-void check_absent(const NodeConfig& config, const FileFaults& faults) {
-  faults.add(config.framework + ".transport", "'" + config.commands.transport + "' is not in this build",
-             "use another transport of that mode");
-}
-
 struct Transport {
   std::string_view name;
   Mode mode{};
