@@ -26,6 +26,18 @@ ROBOTS = {
     "drone": ("lines", "drone", ["--skill", "take_off=2", "--skill", "land=2", "--skill", "hover=2"]),
     "conveyor": ("lines", "conveyor", ["--skill", "run=3"]),
 }
+# The demonstration's: each robot over its maker's protocol.
+DEMO_ROBOTS = {
+    "ridgeback": ("ridgeback", "ridgeback", ["--arm", "--pose", "0,0,0"]),
+    "ur3": ("ur", "ur3", []),
+    "pioneer1": ("pioneer", "pioneer", ["--name", "pioneer1", "--pose", "1,3,0"]),
+    "pioneer2": ("pioneer", "pioneer", ["--name", "pioneer2", "--pose", "2,3,0"]),
+    "turtlebot": ("ros", "turtlebot", ["--pose", "3,3,0"]),
+    "drone": ("ardrone", "drone", []),
+    "conveyor": ("plc", "conveyor", ["--bring-boxes"]),
+    "abb1": ("abb", "abb", []),
+    "kuka1": ("kuka", "kuka", []),
+}
 CLOUD = "cloud"
 ROS = ("ros", "ridgeback")  # frameworks that are reached over a ROS master
 CONTROL_PORT = 46000  # where a virtual robot is told to fail
@@ -208,7 +220,8 @@ class Fleet:
         if node not in self.robots:
             return {"id": node, "role": "cloud", "services": ["router", "scheduler"]}
         framework, description, _ = self.robots[node]
-        robot = {"host": self.robot_address(node), "interface": self.address(node)}
+        robot = {"host": self.robot_address(node), "interface": self.address(node),
+                 "fault_injection": f"{self.robot_address(node)}:{CONTROL_PORT}"}
         services = ["router", "mode-adapter", "scheduler"]
         if framework in ROS:
             robot.update(host=self.ros_address(), namespace=node)
@@ -246,7 +259,7 @@ class Fleet:
     # ---- starting and stopping
 
     def start_robot(self, node, *more):
-        _, _, arguments = self.robots[node]
+        arguments = self.robots[node][2]
         command = [*self.virtual_robot(node), *arguments, "--control", f"{self.robot_address(node)}:{CONTROL_PORT}",
                    "--speed", self.speed, "--die-with-parent", *more]
         self.virtual[node] = Process(command, self.root / f"robot-{node}.log", stdin=subprocess.PIPE)

@@ -32,7 +32,7 @@ std::string node_json(const std::string& framework) {
   return R"({"id": "r1", "framework": ")" + framework + R"(", "description": "robots/r.json",
     "robot": {"host": "127.0.77.9", "interface": "lo"}, "seeds": [], "beacon": true,
     "services": ["router", "mode-adapter",)" +
-         (framework == "ros" ? R"( "ros-bridge",)" : "") + R"( "scheduler"]})";
+         (framework == "ros" || framework == "ridgeback" ? R"( "ros-bridge",)" : "") + R"( "scheduler"]})";
 }
 
 }  // namespace

@@ -45,6 +45,23 @@ NodeProfile profile_of(const NodeConfig& config) {
   return profile;
 }
 
+/// The robot's framework, and its description.
+using Shipped = std::map<std::string, std::pair<std::string, std::string>>;
+
+void check_paper_scenario(const Shipped& robots) {
+  std::map<std::string, NodeProfile> profiles;
+  for (const auto& [id, robot] : robots) {
+    const NodeCheck check = check_shipped(id, robot.first, robot.second);
+    CHECK_MESSAGE(without_keys(check.faults).empty(), to_text(check.faults));
+    profiles[id] = profile_of(check.config);
+  }
+  ConfigFaults faults;
+  const Scenario scenario = read_scenario(json_of("scenarios/paper-nine-tasks.json"), "paper-nine-tasks.json", faults);
+  CHECK(scenario.tasks.size() == 9);
+  check_scenario(scenario, profiles, "paper-nine-tasks.json", faults);
+  CHECK_MESSAGE(faults.empty(), to_text(faults));
+}
+
 }  // namespace
 
 TEST_CASE("every shipped description is good") {
@@ -66,21 +83,19 @@ TEST_CASE("the conveyor's registers and its description fit each other") {
   CHECK(check.config.commands.transport == "modbus");
 }
 
-TEST_CASE("the paper's scenario can be done by robots that speak in fields") {
-  std::map<std::string, NodeProfile> profiles;
+TEST_CASE("the paper's scenario can be done by the shipped robots, and by robots that speak in fields") {
+  const std::pair<std::string, std::string> ur3{"ur", "robots/ur3.json"};
+  check_paper_scenario({{"ridgeback", {"ridgeback", "robots/ridgeback.json"}},
+                        {"conveyor", {"plc", "robots/conveyor.json"}},
+                        {"drone", {"ardrone", "robots/drone.json"}},
+                        {"turtlebot", {"ros", "robots/turtlebot.json"}},
+                        {"pioneer1", {"pioneer", "robots/pioneer.json"}},
+                        {"ur3", ur3}});
+  Shipped in_fields{{"ur3", ur3}};
   for (const char* id : {"ridgeback", "conveyor", "drone", "turtlebot"}) {
-    const NodeCheck check = check_shipped(id, "lines", kFieldRobots + id + ".json");
-    CHECK_MESSAGE(without_keys(check.faults).empty(), to_text(check.faults));
-    profiles[id] = profile_of(check.config);
+    in_fields[id] = {"lines", kFieldRobots + id + ".json"};
   }
-  const NodeCheck ur3 = check_shipped("ur3", "ur", "robots/ur3.json");
-  CHECK_MESSAGE(without_keys(ur3.faults).empty(), to_text(ur3.faults));
-  profiles["ur3"] = profile_of(ur3.config);
-  ConfigFaults faults;
-  const Scenario scenario = read_scenario(json_of("scenarios/paper-nine-tasks.json"), "paper-nine-tasks.json", faults);
-  CHECK(scenario.tasks.size() == 9);
-  check_scenario(scenario, profiles, "paper-nine-tasks.json", faults);
-  CHECK_MESSAGE(faults.empty(), to_text(faults));
+  check_paper_scenario(in_fields);
 }
 
 TEST_CASE("the arms that are shipped are spoken to as commands.json says") {

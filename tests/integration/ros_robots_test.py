@@ -83,6 +83,15 @@ class RosRobots(unittest.TestCase):
         self.fleet.wait("the task has failed", failed, 10)
         self.assertIn("task", failed()[0]["reason"])
 
+    def test_a_fault_comes_back_over_its_topic_as_the_capability_s_with_the_robot_s_own_words(self):
+        tap = support.Tap(self.fleet, "ridgeback")
+        self.addCleanup(tap.child.stop)
+        self.addCleanup(self.fleet.trb, "robot", "fault", "ridgeback", "--clear", node="cloud")
+        for capability, text in (("mobile", "wheel 3 blocked"), ("carry", 'gripper lost "the box"')):
+            self.fleet.trb("robot", "fault", "ridgeback", capability, "--text", text, node="cloud")
+            fault = tap.wait("robot_fault", capability, lambda body, wanted=text: body["text"] == wanted)
+            self.assertEqual((fault["capability"], fault["severity"]), (capability, "CRITICAL"))
+
     def test_a_stop_reaches_the_base_and_the_arm(self):
         robot = self.fleet.virtual["ridgeback"]
         self.addCleanup(self.fleet.trb, "release", "ridgeback", node="cloud")

@@ -1,4 +1,5 @@
 """What the integration tests share: fleets in temporary folders, a node's log and counters read as differences."""
+import json
 import os
 import pathlib
 import sys
@@ -70,3 +71,23 @@ class Watch:
 
     def wait_logged(self, text, timeout=3):
         self.fleet.wait(f"{text!r} in {self.log_path}", lambda: text in self.log(), timeout)
+
+
+class Tap:
+    """Everything that the node says and hears from now on: once it has heard a first message, it misses none."""
+
+    def __init__(self, fleet, node):
+        command = [PROGRAMS / "trb", "tap", "--all", "--json", "--node", fleet.dir(node)]
+        self.fleet = fleet
+        self.child = trb_fleet.Process(command, fleet.root / f"tap-{node}.log")
+        self.child.wait_line("{", 10)
+        self.start = 0
+
+    def bodies(self, subtype):
+        self.child.pump(0)
+        messages = [json.loads(line) for line in self.child.lines[self.start:] if f'"subtype":"{subtype}"' in line]
+        return [message["body"] for message in messages]
+
+    def wait(self, subtype, what, found, timeout=10):
+        self.fleet.wait(f"{subtype}: {what}", lambda: any(found(body) for body in self.bodies(subtype)), timeout)
+        return next(body for body in self.bodies(subtype) if found(body))

@@ -26,13 +26,6 @@ class UrFleet(trb_fleet.Fleet):
     def __init__(self, root, programs, block=152):
         super().__init__(root, programs, block=block, udp_port=50000 + block, robots={"ur3": ("ur", "ur3", [])})
 
-    def node_json(self, node):
-        made = super().node_json(node)
-        if node == trb_fleet.CLOUD:
-            return made
-        made["robot"]["fault_injection"] = f"{self.robot_address(node)}:6000"
-        return made
-
     def make_node(self, node):
         super().make_node(node)
         if node == trb_fleet.CLOUD:
@@ -48,9 +41,6 @@ class UrFleet(trb_fleet.Fleet):
                       "command": {"subtype": "move", "data": "{joints}"}, "end": {"kind": "acknowledgement"}, "timeout_s": 1},
             "once": {"capability": "reach", "parameters": {"joints": {"type": "numbers", "count": 6, "unit": "rad"}},
                      "command": {"subtype": "move", "data": "{joints}"}, "end": {"kind": "acknowledgement"}},''', 1))
-
-    def start_robot(self, node, *more):
-        super().start_robot(node, "--control", f"{self.robot_address(node)}:6000", *more)
 
     @property
     def robot(self):
@@ -75,33 +65,13 @@ class UrFleet(trb_fleet.Fleet):
         return done.stdout.strip().rpartition(" ")[2]
 
 
-class Tap:
-    """Everything that the node says and hears from now on: once it has heard a first message, it misses none."""
-
-    def __init__(self, fleet):
-        command = [support.PROGRAMS / "trb", "tap", "--all", "--json", "--node", fleet.dir("ur3")]
-        self.fleet = fleet
-        self.child = trb_fleet.Process(command, fleet.root / "tap.log")
-        self.child.wait_line("{", 10)
-        self.start = 0
-
-    def bodies(self, subtype):
-        self.child.pump(0)
-        messages = [json.loads(line) for line in self.child.lines[self.start:] if f'"subtype":"{subtype}"' in line]
-        return [message["body"] for message in messages]
-
-    def wait(self, subtype, what, found, timeout=10):
-        self.fleet.wait(f"{subtype}: {what}", lambda: any(found(body) for body in self.bodies(subtype)), timeout)
-        return next(body for body in self.bodies(subtype) if found(body))
-
-
 class Case(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         cls.fleet = support.make_fleet(cls, UrFleet)
         cls.fleet.start()
         cls.fleet.wait_formed(30)
-        cls.tap = Tap(cls.fleet)
+        cls.tap = support.Tap(cls.fleet, "ur3")
         cls.addClassCleanup(cls.tap.child.stop)
 
     def setUp(self):
@@ -339,7 +309,9 @@ class RealFleet(UrFleet):
         super().__init__(root, programs, block=154)
 
     def node_json(self, node):
-        return trb_fleet.Fleet.node_json(self, node)
+        made = super().node_json(node)
+        made.get("robot", {}).pop("fault_injection", None)
+        return made
 
 
 class Wire(unittest.TestCase):

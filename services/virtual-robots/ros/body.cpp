@@ -50,7 +50,7 @@ void Body::load_out(double now) {
 
 void Body::begin_task(std::vector<Leg> legs, double now) {
   advance(now);
-  if (!fault_.empty()) {
+  if (!fault_.empty() || !arm_fault_.empty()) {
     task_ = Task::Failed;
     return;
   }
@@ -68,11 +68,18 @@ void Body::cancel(double now) {
 
 void Body::fault(const std::string& text, double now) {
   cancel(now);
-  fault_ = text.empty() ? "fault" : text;
+  fault_ = text;
+}
+
+void Body::arm_fault(const std::string& text, double now) {
+  advance(now);
+  if (is_task_) halt();
+  arm_fault_ = text;
 }
 
 void Body::clear() {
   fault_.clear();
+  arm_fault_.clear();
 }
 
 void Body::halt() {

@@ -40,8 +40,9 @@ class Body {
   void load_out(double now);
   /** Stands still; the task, if there is one, has failed. */
   void cancel(double now);
-  /** Stands, and takes nothing until it is cleared. */
+  /** Of the base: stands, and takes nothing until it is cleared. Of the arm: a task has failed, and none is taken. */
   void fault(const std::string& text, double now);
+  void arm_fault(const std::string& text, double now);
   void clear();
 
   void advance(double now);
@@ -52,6 +53,7 @@ class Body {
   void set_battery(double percent) { battery_ = percent; }
   Task task() const { return task_; }
   const std::string& fault_text() const { return fault_; }
+  const std::string& arm_fault_text() const { return arm_fault_; }
   /** The arm's seven joints in radians: they sway while it works. */
   std::array<double, 7> joints() const;
 
@@ -76,6 +78,7 @@ class Body {
   double arm_time_ = 0;
   Task task_ = Task::Idle;
   std::string fault_;
+  std::string arm_fault_;
 };
 
 }  // namespace trb::virtual_robots::ros

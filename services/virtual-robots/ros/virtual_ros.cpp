@@ -104,10 +104,11 @@ class VirtualRos {
   void advertise() {
     odometry_ = node_.advertise<nav_msgs::Odometry>("odom", kQueue);
     battery_ = node_.advertise<sensor_msgs::BatteryState>("battery", 1, true);
-    error_ = node_.advertise<std_msgs::String>("error", kQueue);
+    error_ = node_.advertise<std_msgs::String>("error", 1, true);
     if (!settings_.arm) return;
     joints_ = node_.advertise<sensor_msgs::JointState>("joint_states", kQueue);
     task_ = node_.advertise<std_msgs::UInt8>("task/state", kQueue);
+    arm_error_ = node_.advertise<std_msgs::String>("task/error", 1, true);
   }
 
   void cancel() {
@@ -122,6 +123,8 @@ class VirtualRos {
       quit_ = true;
     } else if (order == "clear") {
       body_.clear();
+      warning_.clear();
+      publish_errors();
     } else if (const auto fault = parse_fault_order(words); order == "fault" && fault) {
       take_fault(*fault);
     } else if (const auto percent = parse_number(words); order == "battery" && percent) {
@@ -131,14 +134,27 @@ class VirtualRos {
     }
   }
 
-  /** It stands, unless that is a mere warning, and its error topic says why. */
+  /** It stands, unless that is a mere warning, and an error topic says why: the arm's for what the arm does. */
   void take_fault(const FaultOrder& order) {
     const std::string text = order.text.empty() ? order.capability + " failed" : order.text;
-    if (order.severity != "WARNING") body_.fault(text, now());
-    std_msgs::String message;
-    message.data = text;
-    error_.publish(message);
+    if (order.severity == "WARNING") {
+      warning_ = text;
+    } else if (settings_.arm && order.capability != "mobile") {
+      body_.arm_fault(text, now());
+    } else {
+      body_.fault(text, now());
+    }
+    publish_errors();
     print_line("fault " + escape_line(text));
+  }
+
+  void publish_errors() {
+    std_msgs::String text;
+    text.data = body_.fault_text().empty() ? warning_ : body_.fault_text();
+    error_.publish(text);
+    if (!settings_.arm) return;
+    text.data = body_.arm_fault_text();
+    arm_error_.publish(text);
   }
 
   void step() {
@@ -186,6 +202,7 @@ class VirtualRos {
 
   void publish_battery(double at) {
     next_battery_ = at + kBatteryPeriod;
+    publish_errors();
     sensor_msgs::BatteryState battery;
     battery.header.stamp = roscpp::Time::now();
     battery.percentage = static_cast<float>(body_.battery_percent() / 100);
@@ -200,9 +217,10 @@ class VirtualRos {
   Body body_;
   roscpp::NodeHandle node_;
   std::vector<roscpp::Subscriber> subscribers_;
-  roscpp::Publisher odometry_, battery_, error_, joints_, task_;
+  roscpp::Publisher odometry_, battery_, error_, arm_error_, joints_, task_;
   StdinLines console_;
   ControlPort control_;
+  std::string warning_;
   Task told_task_ = Task::Idle;
   double next_state_ = 0;
   double next_battery_ = 0;
