@@ -105,7 +105,8 @@ def report(fleet, view, wall_s):
                      task["state"], f"{task['duration_s']:.2f} s"])
     say(f"\n== the run {view['state']}" + (f": {view['waits_for']}" if view["waits_for"] else ""))
     print_table(rows)
-    direct = sum(task.get("mode") == "direct" for task in view["tasks"])
+    # A topic takes a task as a direct robot does: whole, not field by field.
+    direct = sum(task.get("mode") in ("direct", "ros") for task in view["tasks"])
     n, k, sum_m = len(fleet.robots), view["blocks_k"], view["blocks_sum_m"]
     observed = observed_messages(fleet)
     model = equation12(n, k, sum_m, direct, len(view["tasks"]) - direct)
@@ -129,7 +130,7 @@ def print_next_steps(fleet):
     say("\n== the fleet stays up until Ctrl-C. Try in another terminal, from this folder:")
     say(f"  export PATH=$PWD/{bin_dir}:$PATH TRB_NODE=$PWD/{os.path.relpath(fleet.dir('cloud'))}")
     for line in ["trb robot list", "trb send ur3 command move '[0.5,-1.2,1.0,-1.4,-1.57,0]'", "trb request ur3 position",
-                 "trb send pioneer1 command wave 'hello'", "trb tap", "trb scenario run config/scenarios/paper-nine-tasks.json --watch",
+                 "trb send pioneer1 command turn '[90]'", "trb request drone altitude", "trb tap", "trb scenario run config/scenarios/paper-nine-tasks.json --watch",
                  "trb stop --all", "trb release --all", "trb help"]:
         say("  " + line)
 
@@ -147,7 +148,7 @@ def take_lock(root):
 
 def parse():
     parser = argparse.ArgumentParser(
-        prog="scripts/demo", description="Starts a fleet of eight nodes on this machine (127.0.1.x) and runs the paper's nine-task scenario.",
+        prog="scripts/demo", description="Starts a fleet of ten nodes on this machine (127.0.1.x), nine robots over six makers' protocols, and runs the paper's nine-task scenario.",
         epilog="examples:  scripts/demo      scripts/demo --once --json run.json      scripts/demo --speed 4")
     parser.add_argument("--once", action="store_true", help="end after the run; exit 0 only if it FINISHED")
     parser.add_argument("--json", metavar="FILE", help="write the run, the message counts and the time as JSON")
@@ -182,7 +183,7 @@ def main():
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))
     began = time.monotonic()
     with trb_fleet.Fleet(root, arguments.programs, block=arguments.block, udp_port=arguments.udp_port,
-                         speed=arguments.speed) as fleet:
+                         robots=trb_fleet.DEMO_ROBOTS, speed=arguments.speed) as fleet:
         start(fleet)
         rest = cost_at_rest(fleet)
         say(f"\n== the scenario {SCENARIO.relative_to(trb_fleet.REPO)}")

@@ -10,18 +10,18 @@ import support
 
 BLOCK = support.take_block(60)
 TASKS = [
-    ("fetch_box", "ridgeback", "fetch", "interpreter", "lines"),
-    ("run_conveyor", "conveyor", "run", "interpreter", "lines"),
+    ("fetch_box", "ridgeback", "fetch", "ros", "ros"),
+    ("run_conveyor", "conveyor", "run", "direct", "modbus"),
     ("put_box_down", "ur3", "grasp_and_put_down", "direct", "tcp-text"),
-    ("go_to_ur3", "ridgeback", "go_to", "interpreter", "lines"),
-    ("take_off", "drone", "take_off", "interpreter", "lines"),
+    ("go_to_ur3", "ridgeback", "go_to", "ros", "ros"),
+    ("take_off", "drone", "take_off", "direct", "udp-at"),
     ("pick_box", "ur3", "pick", "direct", "tcp-text"),
-    ("go_back", "ridgeback", "go_to", "interpreter", "lines"),
-    ("land", "drone", "land", "interpreter", "lines"),
-    ("load_out", "ridgeback", "load_out", "interpreter", "lines"),
+    ("go_back", "ridgeback", "go_to", "ros", "ros"),
+    ("land", "drone", "land", "direct", "udp-at"),
+    ("load_out", "ridgeback", "load_out", "ros", "ros"),
 ]
-EQUATION_12 = {"boot": 22, "identification": 28, "devices": 0, "task": 64, "forward": 8, "sensor": 0, "fail": 0,
-               "total": 122}
+EQUATION_12 = {"boot": 28, "identification": 45, "devices": 0, "task": 36, "forward": 8, "sensor": 0, "fail": 0,
+               "total": 117}
 
 
 class Demo(unittest.TestCase):
@@ -63,7 +63,7 @@ class Demo(unittest.TestCase):
         self.assertEqual(child.returncode, 0, said)
         self.assertEqual(self.left(), {})
         result = json.loads(out.read_text())
-        self.assertEqual(set(result), {"run", "messages", "wall_s"})
+        self.assertEqual(set(result), {"run", "messages", "wall_s", "cost"})
         self.check_run(result["run"])
         self.check_messages(result["messages"])
         self.assertTrue(0 < result["wall_s"] < 120, result["wall_s"])
