@@ -3,6 +3,8 @@
 
 #include <doctest/doctest.h>
 
+#include <limits>
+
 #include "common/base/hex.hpp"
 #include "services/mode-adapter/test/bench.hpp"
 
@@ -83,6 +85,17 @@ TEST_CASE("packets with cut or lying contents are skipped, the next one is read"
     const auto events = events_of(broken + kStarted);
     REQUIRE(events.size() == 1);
     CHECK(std::holds_alternative<UrProgramStarted>(events[0]));
+  }
+}
+
+TEST_CASE("joints that no axis can turn are no joints; the rest of the state is read") {
+  for (const double joint : {1e300, -1e4, std::numeric_limits<double>::quiet_NaN()}) {
+    UrPicture picture;
+    picture.joint = joint;
+    const auto events = events_of(ur_state(picture));
+    REQUIRE(events.size() == 1);
+    CHECK_FALSE(std::get<UrState>(events[0]).joints);
+    CHECK(std::get<UrState>(events[0]).robot_mode == 7);
   }
 }
 

@@ -21,10 +21,10 @@ constexpr std::int32_t kWorthALine = 2;  ///< a report's level from which on it 
 std::string joints_json(const std::array<double, 6>& joints) {
   std::string out = "[";
   for (const double joint : joints) {
-    std::array<char, 40> text{};
-    const int size = std::snprintf(text.data(), text.size(), "%.4f", joint);
+    std::array<char, 40> text{};  // the monitor takes no joint beyond 1000 rad
+    std::snprintf(text.data(), text.size(), "%.4f", joint);
     if (out.size() > 1) out += ",";
-    out.append(text.data(), static_cast<std::size_t>(size));
+    out += text.data();
   }
   return out + "]";
 }

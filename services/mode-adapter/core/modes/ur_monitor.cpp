@@ -1,9 +1,13 @@
 #include "services/mode-adapter/core/modes/ur_monitor.hpp"
 
+#include <algorithm>
 #include <bit>
+#include <cmath>
 
 namespace trb::adapter {
 namespace {
+
+constexpr double kMostTurn = 1000;  ///< rad
 
 constexpr std::size_t kHeader = 5;
 constexpr std::size_t kMaxPacket = 64U << 10U;
@@ -69,7 +73,9 @@ void read_joints(BytesView part, UrState& state) {
     joint = in.f64();
     in.skip(kJointSize - sizeof(double));
   }
-  if (in.ok()) state.joints = joints;
+  // Not a number, or one that no axis can turn: the packet is broken.
+  const bool are_angles = std::ranges::all_of(joints, [](double joint) { return std::abs(joint) <= kMostTurn; });
+  if (in.ok() && are_angles) state.joints = joints;
 }
 
 void read_state(BytesView parts, std::vector<UrEvent>& events) {
