@@ -98,6 +98,8 @@ TEST_CASE("parameters: numbers of six digits, and texts that end nothing") {
   CHECK(rapid_literal(Value{true}).value() == "1");
   CHECK(rapid_literal(Value{"say \"hi\"#\n20 1"}).value() == "say%20%22hi%22%23%0A20%201");
   CHECK(rapid_unescaped("say%20%22hi%22%23%0A20%201") == "say \"hi\"#\n20 1");
+  CHECK(rapid_unescaped("%").empty());
+  CHECK(rapid_unescaped("%25") == "%");
   CHECK(rapid_literal(Value{""}).value() == "%");
   CHECK_FALSE(rapid_literal(Value{Value::Object{}}).ok());
 }

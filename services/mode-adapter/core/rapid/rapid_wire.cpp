@@ -91,6 +91,7 @@ Result<std::string> rapid_literal(const Value& value) {
 }
 
 std::string rapid_unescaped(std::string_view text) {
+  if (text == "%") return {};  // an empty text; a percent sign alone travels as %25
   std::string out;
   while (!text.empty()) {
     unsigned byte = 0;
@@ -101,7 +102,7 @@ std::string rapid_unescaped(std::string_view text) {
     out += whole ? static_cast<char>(byte) : text.front();
     text.remove_prefix(whole ? 3 : 1);
   }
-  return out == "%" ? std::string() : out;
+  return out;
 }
 
 void RapidReader::add(BytesView bytes, MonotonicTime now) {
