@@ -135,19 +135,37 @@ class Worker {
 
   void take_publication(const std::vector<Bytes>& parts) {
     const std::string& topic = parts[1];
+    const auto known = publishers_.find(topic);
+    if (known != publishers_.end() && known->second.sum != parts[3]) give_up(topic, "is now published as " + parts[2]);
     Publisher& publisher = publishers_[topic];
-    if (!publisher.publisher || publisher.sum != parts[3]) {
-      publisher.publisher.shutdown();
+    if (!publisher.publisher) {
       publisher.sum = parts[3];
       publisher.type = parts[2];
       publisher.message.morph(parts[3], parts[2], parts[4], "0");
       publisher.publisher = publisher.message.advertise(*node_, topic, 10);
     }
     if (!publisher.publisher) {
-      publishers_.erase(topic);
+      give_up(topic, "cannot be published");
       return refuse(parts[0], "robot_error", topic + ": ROS refuses to publish " + parts[2] + " there", "");
     }
     waiting_.push_back({parts[0], topic, parts[6], Clock::now() + milliseconds(std::stoll(parts[5]))});
+  }
+
+  void give_up(const std::string& topic, const std::string& why) {
+    publishers_.erase(topic);
+    std::erase_if(waiting_, [&](const Waiting& waiting) {
+      if (waiting.topic != topic) return false;
+      refuse(waiting.token, "robot_error", topic + " " + why, "");
+      return true;
+    });
+  }
+
+  /// A ShapeShifter is empty until it is filled, and would copy from nowhere if it were filled with nothing.
+  static void fill(topic_tools::ShapeShifter& message, Bytes& wire) {
+    if (wire.empty()) return;
+    auto* bytes = reinterpret_cast<std::uint8_t*>(wire.data());
+    roscpp::serialization::IStream stream(bytes, static_cast<std::uint32_t>(wire.size()));
+    message.read(stream);
   }
 
   /// Connecting takes some 50 ms: what is published before a subscriber is there would be lost.
@@ -157,9 +175,7 @@ class Worker {
     for (Waiting& waiting : waiting_) {
       Publisher& publisher = publishers_.at(waiting.topic);
       if (!blocked[waiting.topic] && publisher.publisher.getNumSubscribers() > 0) {
-        auto* bytes = reinterpret_cast<std::uint8_t*>(waiting.wire.data());
-        roscpp::serialization::IStream stream(bytes, static_cast<std::uint32_t>(waiting.wire.size()));
-        publisher.message.read(stream);
+        fill(publisher.message, waiting.wire);
         publisher.publisher.publish(publisher.message);
         say(Word::published, {waiting.token});
       } else if (Clock::now() >= waiting.deadline) {
