@@ -11,6 +11,7 @@
 #include "proto/bodies/link.hpp"
 #include "proto/bodies/robot.hpp"
 #include "proto/bodies/run.hpp"
+#include "proto/bodies/sensor.hpp"
 #include "proto/bodies/signed.hpp"
 
 // One line a body; the order means nothing on the wire.
@@ -24,6 +25,8 @@
   X(LinkTroublesRequest) X(LinkTroubles) X(EchoRequest) X(Echo)                                                    \
   X(PeerExpired) X(Execute) X(CancelExecution) X(ExecutionQuery) X(ExecutionState) X(Outcome) X(OutcomeJournaled)  \
   X(AdapterState) X(AdapterStateRequest) X(RobotFault) X(RobotConnection) X(RobotState) X(InjectFault)             \
+  X(NodeSensors) X(SensorRead) X(SensorReading) X(SensorWatch) X(SensorSnapshot) X(SensorImage)                    \
+  X(SensorListRequest) X(SensorTable)                                                                              \
   X(Stop) X(Release) X(BridgeCommand) X(BridgeEvent) X(BridgeState)                                                \
   X(Scenario) X(RunStart) X(TaskResult) X(AbortOrder) X(RunSubmit) X(RunAccepted) X(Baton) X(BatonJournaled)       \
   X(NeedDefinition) X(Definition) X(NeedResults) X(Results) X(ResultsJournaled) X(TaskProgress) X(RunAbort)        \

@@ -31,6 +31,7 @@ constexpr std::string_view kEveryNode = "*";  ///< as target: every linked node 
 enum MessageFlags : std::uint16_t {
   kFlagNoAnswer = 1,     ///< the sender wants no answer to this command, a Nack apart
   kFlagTakeControl = 2,  ///< this command takes the robot's control lease over from whoever has it
+  kFlagLossy = 4,        ///< information that may be lost: goes by the lane, where nothing that recovery needs goes
 };
 
 /// What a router reads. The texts point into the frame.

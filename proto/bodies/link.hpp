@@ -1,6 +1,7 @@
 // Bodies between routers, and what a router knows of the fleet.
 #pragma once
 
+#include "proto/bodies/sensor.hpp"
 #include "proto/bodies/signed.hpp"
 #include "proto/field.hpp"
 
@@ -48,6 +49,7 @@ struct NodeProfile {
   std::string detail;   ///< why, when not ONLINE
   bool fenced = false;  ///< stopped until `release`
   std::string control;  ///< who commands it: a node's id, or "run ID"; empty: whoever comes first
+  std::vector<SensorInfo> plugged;  ///< sensors of the node's PC; each adds its kind to `capabilities`
   bool operator==(const NodeProfile&) const = default;
   static constexpr auto fields() {
     return std::tuple{
@@ -57,7 +59,7 @@ struct NodeProfile {
         field("sensors", &NodeProfile::sensors, 255),    field("skills", &NodeProfile::skills, 128),
         field("places", &NodeProfile::places, 255),      field("robot", &NodeProfile::robot, 32),
         field("detail", &NodeProfile::detail, 255),      field("fenced", &NodeProfile::fenced),
-        field("control", &NodeProfile::control, 64)};
+        field("control", &NodeProfile::control, 64),     field("plugged", &NodeProfile::plugged, 255)};
   }
 };
 
@@ -74,6 +76,7 @@ struct Hello {
   std::uint64_t revocations = 0;  ///< number of the newest revocation list that the sender holds
   std::string seal = "behind";    ///< "behind" the delivery, or "before_delivery"
   bool relay = false;             ///< carries messages between members that cannot reach each other
+  std::string lane;               ///< where the sender's lossy lane can be dialled, HOST:PORT; empty: it has none
   static constexpr auto fields() {
     return std::tuple{field("certificate", &Hello::certificate),
                       field("boot", &Hello::boot),
@@ -84,7 +87,8 @@ struct Hello {
                       field("profile", &Hello::profile),
                       field("revocations", &Hello::revocations),
                       field("seal", &Hello::seal, 16),
-                      field("relay", &Hello::relay)};
+                      field("relay", &Hello::relay),
+                      field("lane", &Hello::lane, 80)};
   }
 };
 

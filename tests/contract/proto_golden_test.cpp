@@ -52,12 +52,15 @@ TEST_CASE("the datagram of Figure 3: 32 bytes of header, the data") {
 }
 
 TEST_CASE("a node's profile") {
-  const NodeProfile profile{
-      "ur",  "direct", "tcp-text", "UR",
-      "UR3", {"grab"}, {"t1"},     {{"go_to", "mobile", {{"place", "place", true, "m"}}, true, 2.5}},
-      {"a"}, "ONLINE", "d",        true,   "cloud"};
+  const NodeProfile profile{"ur",       "direct",
+                            "tcp-text", "UR",
+                            "UR3",      {"grab"},
+                            {"t1"},     {{"go_to", "mobile", {{"place", "place", true, "m"}}, true, 2.5}},
+                            {"a"},      "ONLINE",
+                            "d",        true,
+                            "cloud",    {{"t1", "temperature", "degC", "7", "d", SensorState::ok, ""}}};
   CHECK(to_hex(encode(profile)) ==
-        "9d"
+        "9e"
         "a27572"
         "a6646972656374"
         "a87463702d74657874"
@@ -75,7 +78,8 @@ TEST_CASE("a node's profile") {
         "a64f4e4c494e45"
         "a164"
         "c3"
-        "a5636c6f7564");
+        "a5636c6f7564"
+        "9197a27431ab74656d7065726174757265a464656743a137a16401a0");
 }
 
 TEST_CASE("the start of a run") {
@@ -133,13 +137,19 @@ TEST_CASE("bodies of link and bus") {
   CHECK(to_hex(encode(HelloWanted{})) == "90");
   CHECK(to_hex(encode(ServiceHello{"s", {"a"}, 1, 2, "v"})) == "95a17391a1610102a176");
   CHECK(to_hex(encode(ServiceWelcome{"n", "robot", 3, 4, 5})) == "95a16ea5726f626f74030405");
-  CHECK(to_hex(encode(Hello{kRecord, 1, "h:1", "v", 2, false, {}, 3, "s", true})) == std::string("9a") + kRecordHex +
-                                                                                         "01a3683a31a17602c2"
-                                                                                         "9da0a0a0a0a090909090a0a0c2a0"
-                                                                                         "03a173c3");
+  CHECK(to_hex(encode(Hello{kRecord, 1, "h:1", "v", 2, false, {}, 3, "s", true, "l"})) ==
+        std::string("9b") + kRecordHex +
+            "01a3683a31a17602c2"
+            "9ea0a0a0a0a090909090a0a0c2a090"
+            "03a173c3a16c");
   CHECK(to_hex(encode(Beacon{kRecord, "h:1", 1, 2, 3})) == std::string("95") + kRecordHex + "a3683a31010203");
   CHECK(to_hex(encode(InjectFault{"grab", Severity::fatal, "t"})) == "93a46772616203a174");
   CHECK(to_hex(encode(RobotState{{{"safety", "3"}}})) == "919192a6736166657479a133");
+  CHECK(to_hex(encode(SensorRead{"t", "7", 2})) == "93a174a137cb4000000000000000");
+  CHECK(to_hex(encode(SensorReading{"t", "7", "m", false, 2, "", 5, 2, "good", 3, 4})) ==
+        "9ba174a137a16dc2cb4000000000000000a005cb4000000000000000a4676f6f640304");
+  CHECK(to_hex(encode(SensorWatch{"t", "7", 3, 2, 2})) == "95a174a13703cb4000000000000000cb4000000000000000");
+  CHECK(to_hex(encode(SensorImage{"c", "7", "m", 5, Blob{"x"}})) == "95a163a137a16d05c40178");
   CHECK(to_hex(encode(Nack{"c", "s", "t", "w", "u"})) == "95a163a173a174a177a175");
 }
 

@@ -1,0 +1,150 @@
+// Bodies about sensors that are plugged into a node's PC: told to the fleet, asked for, streamed.
+#pragma once
+
+#include "proto/field.hpp"
+
+namespace trb {
+
+/// ok: it tells its values. silent: none for three of its periods. failed: its reader errs or hangs. unread: it is
+/// there, but nothing has been read from it yet.
+enum class SensorState : std::uint8_t { unread = 0, ok, silent, failed };
+constexpr auto enum_names(SensorState) {
+  return std::array<std::string_view, 4>{"unread", "ok", "silent", "failed"};
+}
+
+/// A sensor as the fleet knows it.
+struct SensorInfo {
+  std::string name;      ///< [A-Za-z_][A-Za-z0-9_]*, unique at its node: the D-Bus interface is trbots.NAME
+  std::string kind;      ///< "temperature", "humidity", "position", "tag", "image" …: the capability that it adds
+  std::string unit;      ///< "degC", "percent", "V", "m" …; empty for none
+  std::string identity;  ///< its serial number, the same wherever it is plugged in; empty: it has none
+  std::string device;    ///< maker and model, or the program that tells it, for people
+  SensorState state{};
+  std::string detail;  ///< why, when not ok
+  bool operator==(const SensorInfo&) const = default;
+  static constexpr auto fields() {
+    return std::tuple{field("name", &SensorInfo::name, 64),      field("kind", &SensorInfo::kind, 64),
+                      field("unit", &SensorInfo::unit, 16),      field("identity", &SensorInfo::identity, 128),
+                      field("device", &SensorInfo::device, 128), field("state", &SensorInfo::state),
+                      field("detail", &SensorInfo::detail, 255)};
+  }
+};
+
+/// Sensor-bus -> router: every sensor of the node, at its start and at each change. The router tells it in the node's
+/// profile, and gives the sensor-bus requests whose subtype is the name of a sensor.
+struct NodeSensors {
+  static constexpr std::string_view kSubtype = "node_sensors";
+  std::vector<SensorInfo> sensors;
+  static constexpr auto fields() { return std::tuple{field("sensors", &NodeSensors::sensors, 255)}; }
+};
+
+/// To a node's sensor-bus (request): one value, the next that the sensor tells. Answered by SensorReading or a Nack
+/// (unknown_target: no such sensor; timeout; robot_error: its reader's own words).
+struct SensorRead {
+  static constexpr std::string_view kSubtype = "sensor_read";
+  std::string sensor;    ///< a sensor's name; else a kind, if one sensor of the node is of it
+  std::string identity;  ///< wins over `sensor`
+  double timeout_s = 0;  ///< 0: three of its periods, 3 s at least
+  static constexpr auto fields() {
+    return std::tuple{field("sensor", &SensorRead::sensor, 64), field("identity", &SensorRead::identity, 128),
+                      field("timeout_s", &SensorRead::timeout_s)};
+  }
+};
+
+/// To a node's sensor-bus (request): values now and then. Answered by Ack "accepted", then by a SensorReading for each
+/// value, on the lossy lane, until the lease has run out or the asker is gone. The same asker's SensorWatch of the same
+/// sensor and `watch` renews the lease, or, with a lease of 0, ends it.
+struct SensorWatch {
+  static constexpr std::string_view kSubtype = "sensor_watch";
+  std::string sensor;
+  std::string identity;     ///< wins over `sensor`
+  std::uint64_t watch = 0;  ///< the asker's number for it
+  double every_s = 1;       ///< 0.01 at least; more often than it is told there is nothing
+  double lease_s = 10;      ///< 60 at most
+  static constexpr auto fields() {
+    return std::tuple{field("sensor", &SensorWatch::sensor, 64), field("identity", &SensorWatch::identity, 128),
+                      field("watch", &SensorWatch::watch), field("every_s", &SensorWatch::every_s),
+                      field("lease_s", &SensorWatch::lease_s)};
+  }
+};
+
+/// A measured value. Numbers are in SI units, temperatures in degC.
+struct SensorReading {
+  static constexpr std::string_view kSubtype = "sensor_reading";
+  std::string sensor;
+  std::string identity;
+  std::string unit;
+  bool is_text = false;  ///< `text` is the value, else `number`
+  double number = 0;
+  std::string text;
+  std::int64_t time = 0;    ///< of the measurement: UTC, ns
+  double age_s = 0;         ///< of the value when it was sent, by the monotonic clock
+  std::string quality;      ///< "good", "stale" (older than three periods), "bad" (its source doubts it)
+  std::uint64_t watch = 0;  ///< as in SensorWatch; 0: answers a SensorRead
+  std::uint64_t count = 0;  ///< of the watch: 1, 2, 3 …; a gap is what the lane lost
+  static constexpr auto fields() {
+    return std::tuple{field("sensor", &SensorReading::sensor, 64),   field("identity", &SensorReading::identity, 128),
+                      field("unit", &SensorReading::unit, 16),       field("is_text", &SensorReading::is_text),
+                      field("number", &SensorReading::number),       field("text", &SensorReading::text, 1024),
+                      field("time", &SensorReading::time),           field("age_s", &SensorReading::age_s),
+                      field("quality", &SensorReading::quality, 16), field("watch", &SensorReading::watch),
+                      field("count", &SensorReading::count)};
+  }
+};
+
+/// To a node's sensor-bus (request): one picture of a sensor of kind image. Answered by SensorImage on the lossy lane,
+/// or a Nack: whoever hears nothing asks again.
+struct SensorSnapshot {
+  static constexpr std::string_view kSubtype = "sensor_snapshot";
+  std::string sensor;
+  std::string identity;  ///< wins over `sensor`
+  static constexpr auto fields() {
+    return std::tuple{field("sensor", &SensorSnapshot::sensor, 64), field("identity", &SensorSnapshot::identity, 128)};
+  }
+};
+
+struct SensorImage {
+  static constexpr std::string_view kSubtype = "sensor_image";
+  std::string sensor;
+  std::string identity;
+  std::string media_type;  ///< "image/jpeg"
+  std::int64_t time = 0;   ///< UTC, ns
+  Blob bytes;
+  static constexpr auto fields() {
+    return std::tuple{field("sensor", &SensorImage::sensor, 64), field("identity", &SensorImage::identity, 128),
+                      field("media_type", &SensorImage::media_type, 32), field("time", &SensorImage::time),
+                      field("bytes", &SensorImage::bytes, 1'000'000)};
+  }
+};
+
+/// Asks a node's sensor-bus for its sensors and for the devices that no rule knows.
+struct SensorListRequest {
+  static constexpr std::string_view kSubtype = "sensor_list";
+  bool unknown = false;  ///< the devices that no rule knows, too
+  static constexpr auto fields() { return std::tuple{field("unknown", &SensorListRequest::unknown)}; }
+};
+
+/// A device that no rule knows, and a rule for it to edit.
+struct UnknownDevice {
+  std::string device;      ///< its path below /sys
+  std::string properties;  ///< lines NAME=VALUE, for people
+  std::string rule;        ///< JSON text
+  static constexpr auto fields() {
+    return std::tuple{field("device", &UnknownDevice::device, 512),
+                      field("properties", &UnknownDevice::properties, 4096), field("rule", &UnknownDevice::rule, 2048)};
+  }
+};
+
+struct SensorTable {
+  static constexpr std::string_view kSubtype = "sensor_table";
+  std::string node;
+  std::vector<SensorInfo> sensors;
+  std::vector<UnknownDevice> unknown;
+  std::string bus;  ///< the D-Bus: empty if it is there, else what is wrong with it
+  static constexpr auto fields() {
+    return std::tuple{field("node", &SensorTable::node, 64), field("sensors", &SensorTable::sensors, 255),
+                      field("unknown", &SensorTable::unknown, 64), field("bus", &SensorTable::bus, 255)};
+  }
+};
+
+}  // namespace trb
