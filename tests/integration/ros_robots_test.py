@@ -76,6 +76,7 @@ class RosRobots(unittest.TestCase):
         robot.wait_line("load_out", 5, start)
         robot.say("fault carry CRITICAL gripper lost the box")
         self.addCleanup(robot.say, "clear")
+        robot.wait_line("task 2", 5, start)
 
         def failed():
             view = self.fleet.json("scenario", "watch", "--once", node="cloud", check=False)
