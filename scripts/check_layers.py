@@ -31,6 +31,7 @@ LAYERS = {
 CORE_FORBIDDEN = [
     (r'<zmq', "zmq"), (r'<nlohmann', "a JSON library"), (r'<spdlog', "a logger"), (r'<sqlite3', "a database"),
     (r'<sys/socket|<netinet|<arpa/inet|<poll\.h|<unistd\.h|<sys/epoll', "sockets or descriptors"),
+    (r'<sdbus-c|<systemd/|<libudev', "D-Bus or udev"),
     (r'<thread>|<mutex>|<condition_variable>|<atomic>|<future>', "threads"),
     (r'<fstream>|<filesystem>|<cstdio>.*FILE|common/base/files\.hpp', "files"),
     (r'<unordered_|<random>', "an order or randomness that differs between machines"),

@@ -6,7 +6,8 @@ import time
 TICKS = os.sysconf("SC_CLK_TCK")
 GROUPS = {
     "trb": "supervisors", "trb-router": "routers", "trb-mode-adapter": "mode-adapters", "trb-ros-bridge": "ROS bridges",
-    "trb-ros-worker": "ROS bridges", "trb-scheduler": "schedulers", "rosmaster": "ROS master",
+    "trb-ros-worker": "ROS bridges", "trb-sensor-bus": "sensor-buses", "trb-scheduler": "schedulers",
+    "rosmaster": "ROS master",
 }
 
 

@@ -16,8 +16,9 @@ constexpr std::size_t kMaxServices = 16;
 constexpr std::size_t kKeySize = 32;
 constexpr std::int64_t kMinProofLogMb = 8;
 const std::vector<std::string> kRobotServices = {"router", "mode-adapter", "scheduler"};
-const std::vector<std::string> kRobotChoice = {"router", "mode-adapter", "scheduler", "ros-bridge"};
+const std::vector<std::string> kRobotChoice = {"router", "mode-adapter", "scheduler", "ros-bridge", "sensor-bus"};
 const std::vector<std::string> kCloudServices = {"router", "scheduler"};
+const std::vector<std::string> kCloudChoice = {"router", "scheduler", "sensor-bus"};
 
 bool is_address(std::string_view address) {
   const std::size_t colon = address.rfind(':');
@@ -109,7 +110,7 @@ void read_services(ObjectReader& reader, NodeConfig& config) {
     config.services = cloud ? kCloudServices : kRobotServices;
     return;
   }
-  const auto& known = cloud ? kCloudServices : kRobotChoice;
+  const auto& known = cloud ? kCloudChoice : kRobotChoice;
   config.services = reader.texts("services", Need::required, kMaxServices);
   for (const std::string& name : config.services) check_service(name, known, config.role, reader.faults());
   if (config.has_service("router")) return;

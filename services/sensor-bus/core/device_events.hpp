@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "common/base/bytes.hpp"
 #include "common/base/result.hpp"
 #include "common/base/time.hpp"
 #include "proto/bodies/sensor.hpp"

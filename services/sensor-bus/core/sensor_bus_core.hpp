@@ -1,0 +1,96 @@
+// The sensor-bus: what is plugged in and what programs feed, told to the fleet, asked for, streamed. Values go over
+// D-Bus: whoever asks here hears the signal that any D-Bus program hears.
+#pragma once
+
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "common/actor/core.hpp"
+#include "services/sensor-bus/core/effects.hpp"
+#include "services/sensor-bus/core/sensors.hpp"
+#include "services/sensor-bus/core/watches.hpp"
+
+namespace trb::sensor {
+
+class SensorBusCore : public Core {
+ public:
+  /// `node`: the own node's id.
+  explicit SensorBusCore(std::string node) : node_(std::move(node)) {}
+
+  /// What it takes of the node's bus.
+  static std::vector<std::string> subtypes();
+
+  void on_welcome(const NodeIdentity& node, Now now, Outbox& out) override;
+  void on(const Inbound& message, Now now, Outbox& out) override;
+  void tick(Now now, Outbox& out) override;
+  [[nodiscard]] std::optional<MonotonicTime> next_deadline() const override;
+
+  void on_plugged(const PluggedSensor& sensor, Now now, Outbox& out);
+  void on_unplugged(const std::string& key, Now now, Outbox& out);
+  void on_sample(const Sample& sample, Now now, Outbox& out);
+  void on_picture(const Picture& picture, Now now, Outbox& out);
+  void on_unknown(const std::vector<UnknownDevice>& devices) { unknown_ = devices; }
+  void on_news(const std::vector<BusNews>& news, Now now, Outbox& out);
+
+  /// What the steps since the last call want done, in order.
+  std::vector<Effect> take_effects() { return std::exchange(effects_, {}); }
+
+ private:
+  /// Who waits for a sensor's next value, or its picture.
+  struct Asker {
+    Inbound asked;
+    std::string name;
+    Duration patience{};
+    MonotonicTime deadline;
+  };
+
+  void on_request(const Inbound& asked, Now now, Outbox& out);
+  static void refuse(const Inbound& message, Outbox& out);
+  void forget_node(const std::string& id);
+  void begin_read(const Inbound& asked, const SensorRead& body, Now now, Outbox& out);
+  void begin_picture(const Inbound& asked, const SensorSnapshot& body, Now now, Outbox& out);
+  void order_watch(const Inbound& asked, const SensorWatch& body, Now now, Outbox& out);
+  void tell_table(const Inbound& asked, const SensorListRequest& body, Outbox& out) const;
+  [[nodiscard]] Duration patience_of(const std::string& name, double timeout_s) const;
+
+  void on_bus(const BusUp& up, Now now, Outbox& out);
+  void on_bus(const BusDown& down, Now now, Outbox& out);
+  void on_bus(const SignalHeard& heard, Now now, Outbox& out);
+  void on_bus(const ProgramHeard& heard, Now now, Outbox& out);
+  void on_bus(const SignalRefused& refused, Now now, Outbox& out);
+  bool from_program(const std::string& name, Now now, Outbox& out);
+
+  void deliver(const std::string& name, const SensorReading& reading, Now now, Outbox& out);
+  [[nodiscard]] SensorReading reading_of(const std::string& name, const BusValue& value, Now now) const;
+  void read_failed(const Sensor& sensor, const Error& error, Now now, Outbox& out);
+  void last_words(const std::string& name, Now now, Outbox& out);
+  void gone(const std::string& name, const std::string& why, Outbox& out);
+  void expire(Now now, Outbox& out);
+  void time_out(const Asker& asker, Outbox& out) const;
+
+  void order(Effect effect);
+  /// The end of every step: rules as they are needed, the fleet told of what has changed.
+  void settle(Now now, Outbox& out);
+  void settle_rules();
+  void announce(const Sensor& sensor);
+
+  std::string node_;
+  Sensors sensors_;
+  Watches watches_;
+  std::vector<Asker> reads_;
+  std::vector<Asker> pictures_;
+  std::vector<UnknownDevice> unknown_;
+  std::vector<Effect> effects_;
+  std::set<std::string> rules_;  ///< the names subscribed to
+  bool bus_up_ = false;
+  std::string bus_fault_ = "starting";
+  bool welcomed_ = false;
+  bool asked_changed_ = false;            ///< reads_ or watches_: rules_ may have to follow
+  std::optional<MonotonicTime> tell_at_;  ///< the fleet
+  std::optional<MonotonicTime> told_at_;
+};
+
+}  // namespace trb::sensor
