@@ -30,8 +30,9 @@
   X(Stop) X(Release) X(BridgeCommand) X(BridgeEvent) X(BridgeState)                                                \
   X(Scenario) X(RunStart) X(TaskResult) X(AbortOrder) X(RunSubmit) X(RunAccepted) X(Baton) X(BatonJournaled)       \
   X(NeedDefinition) X(Definition) X(NeedResults) X(Results) X(ResultsJournaled) X(TaskProgress) X(RunAbort)        \
-  X(AbortConfirmed) X(RunQuery) X(RunView) X(RunListRequest) X(RunTable)                                           \
-  X(JournalRun) X(JournalStart) X(JournalResult) X(JournalDelivered) X(JournalAbort) X(JournalTombstone)
+  X(AbortConfirmed) X(RunQuery) X(RunView) X(RunListRequest) X(RunTable) X(Choice)                                 \
+  X(JournalRun) X(JournalStart) X(JournalResult) X(JournalDelivered) X(JournalAbort) X(JournalTombstone)           \
+  X(JournalChoice)
 // clang-format on
 
 namespace trb {

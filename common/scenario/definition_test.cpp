@@ -45,7 +45,7 @@ std::map<std::string, NodeProfile> fleet() {
 /// What check_scenario says of one task.
 ConfigFaults check(const std::string& robot, const std::string& skill, const std::string& data) {
   Scenario scenario;
-  scenario.tasks = {{"t", robot, {}, skill, data, {}, 0, false}};
+  scenario.tasks = {{"t", robot, {}, skill, data, {}, 0, false, {}}};
   ConfigFaults faults;
   check_scenario(scenario, fleet(), "s.json", faults);
   for (const ConfigFault& fault : faults) {
@@ -65,8 +65,8 @@ TEST_CASE("a scenario: tasks keep their order, data become compact JSON, predece
   REQUIRE(r.scenario.tasks.size() == 2);
   CHECK(r.scenario.name == "n");
   CHECK(r.scenario.description == "d");
-  CHECK(r.scenario.tasks[0] == Task{"b", "r", {}, "go", "", {1}, 2.5, true});
-  CHECK(r.scenario.tasks[1] == Task{"a", "q", {}, "goTo", R"({"to":"x","n":[1,2]})", {}, 0, false});
+  CHECK(r.scenario.tasks[0] == Task{"b", "r", {}, "go", "", {1}, 2.5, true, {}});
+  CHECK(r.scenario.tasks[1] == Task{"a", "q", {}, "goTo", R"({"to":"x","n":[1,2]})", {}, 0, false, {}});
 }
 
 TEST_CASE("a cycle is told with the tasks on it, in the order of running") {

@@ -35,6 +35,13 @@ struct JournalResult {
   static constexpr auto fields() { return std::tuple{field("result", &JournalResult::result)}; }
 };
 
+/// A signed choice on tasks' conditions: this node's own, or another's.
+struct JournalChoice {
+  static constexpr std::string_view kSubtype = "journal_choice";
+  SignedRecord choice;
+  static constexpr auto fields() { return std::tuple{field("choice", &JournalChoice::choice)}; }
+};
+
 /// Another node has journaled what this one owed it.
 struct JournalDelivered {
   static constexpr std::string_view kSubtype = "journal_delivered";

@@ -1,6 +1,7 @@
 // Bodies of scenarios and runs: between schedulers, and between a submitter or watcher and a scheduler.
 #pragma once
 
+#include "proto/bodies/choice.hpp"
 #include "proto/bodies/robot.hpp"
 #include "proto/bodies/signed.hpp"
 #include "proto/field.hpp"
@@ -20,6 +21,7 @@ struct Task {
   std::vector<std::uint16_t> after;  ///< indexes of the predecessors in Scenario::tasks
   double timeout_s = 0;              ///< 0: the skill's own
   bool pinned = false;               ///< cannot be re-assigned: may start while its node hears no majority (not while it is stopped)
+  std::vector<Condition> when;       ///< none, or one: more are a later version's
   bool operator==(const Task&) const = default;
   static constexpr auto fields() {
     return std::tuple{field("id", &Task::id, 64),
@@ -29,7 +31,8 @@ struct Task {
                       field("data", &Task::data, 65536),
                       field("after", &Task::after, kMaxTasks),
                       field("timeout_s", &Task::timeout_s),
-                      field("pinned", &Task::pinned)};
+                      field("pinned", &Task::pinned),
+                      field("when", &Task::when, 8)};
   }
 };
 
@@ -144,14 +147,18 @@ struct Baton {
   std::uint32_t epoch = 1;
   Blob final_tasks;                   ///< bitmap, task i is bit i%8 of byte i/8
   std::vector<SignedRecord> results;  ///< of the direct predecessors
-  std::vector<std::uint16_t> tasks;   ///< the receiver's tasks that this baton is for
+  std::vector<std::uint16_t> tasks;   ///< the receiver's tasks, to execute or to choose on, that this baton is for
+  std::vector<SignedRecord> choices;  ///< on those tasks
+  Blob skipped_tasks;                 ///< those of `final_tasks` that are known to be SKIPPED
   static constexpr auto fields() {
     return std::tuple{field("run", &Baton::run, 64),
                       field("digest", &Baton::digest, 32),
                       field("epoch", &Baton::epoch),
                       field("final_tasks", &Baton::final_tasks, 128),
                       field("results", &Baton::results, kMaxTasks),
-                      field("tasks", &Baton::tasks, kMaxTasks)};
+                      field("tasks", &Baton::tasks, kMaxTasks),
+                      field("choices", &Baton::choices, kMaxTasks),
+                      field("skipped_tasks", &Baton::skipped_tasks, 128)};
   }
 };
 
@@ -197,8 +204,10 @@ struct Results {
   static constexpr std::string_view kSubtype = "results";
   std::string run;
   std::vector<SignedRecord> results;
+  std::vector<SignedRecord> choices;  ///< on the tasks of these results
   static constexpr auto fields() {
-    return std::tuple{field("run", &Results::run, 64), field("results", &Results::results, kMaxTasks)};
+    return std::tuple{field("run", &Results::run, 64), field("results", &Results::results, kMaxTasks),
+                      field("choices", &Results::choices, kMaxTasks)};
   }
 };
 
@@ -228,11 +237,12 @@ constexpr auto enum_names(TaskState) {
 struct TaskProgress {
   static constexpr std::string_view kSubtype = "task_progress";
   AttemptKey key;
-  std::string robot;
+  std::string robot;  ///< the task's, or, WAITING, who chooses on it
   TaskState state{};
+  std::string detail;  ///< of WAITING: what its condition waits for, in words
   static constexpr auto fields() {
     return std::tuple{field("key", &TaskProgress::key), field("robot", &TaskProgress::robot, 64),
-                      field("state", &TaskProgress::state)};
+                      field("state", &TaskProgress::state), field("detail", &TaskProgress::detail, 512)};
   }
 };
 
@@ -267,6 +277,7 @@ struct TaskView {
   std::int64_t ended = 0;
   double duration_s = 0;
   std::vector<std::uint16_t> after;
+  std::string condition;  ///< in words, with the value that decided if that is known; empty: it has none
   static constexpr auto fields() {
     return std::tuple{field("id", &TaskView::id, 64),
                       field("robot", &TaskView::robot, 64),
@@ -278,7 +289,8 @@ struct TaskView {
                       field("started", &TaskView::started),
                       field("ended", &TaskView::ended),
                       field("duration_s", &TaskView::duration_s),
-                      field("after", &TaskView::after, kMaxTasks)};
+                      field("after", &TaskView::after, kMaxTasks),
+                      field("condition", &TaskView::condition, 512)};
   }
 };
 

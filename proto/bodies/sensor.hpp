@@ -82,6 +82,7 @@ struct SensorReading {
   std::string quality;      ///< "good", "stale" (older than three periods), "bad" (its source doubts it)
   std::uint64_t watch = 0;  ///< as in SensorWatch; 0: answers a SensorRead
   std::uint64_t count = 0;  ///< of the watch: 1, 2, 3 …; a gap is what the lane lost
+  bool operator==(const SensorReading&) const = default;
   static constexpr auto fields() {
     return std::tuple{field("sensor", &SensorReading::sensor, 64),   field("identity", &SensorReading::identity, 128),
                       field("unit", &SensorReading::unit, 16),       field("is_text", &SensorReading::is_text),

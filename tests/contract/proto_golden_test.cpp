@@ -84,12 +84,13 @@ TEST_CASE("a node's profile") {
 
 TEST_CASE("the start of a run") {
   RunStart start{"r", {"d"}, {"s", "t", {}}, {2, {"ur3"}}, {{"ur3", kRecord}}, {"ur3"}, "cloud", 5, -6};
-  start.scenario.tasks.push_back({"a", "ur3", {"grab"}, "go_to", "{}", {0, 300}, 1.0, true});
+  start.scenario.tasks.push_back({"a", "ur3", {"grab"}, "go_to", "{}", {0, 300}, 1.0, true, {}});
+  start.scenario.tasks[0].when = {{"t", "c", "7", Comparison::at_most, false, 20, "", "degC"}};
   CHECK(to_hex(encode(start)) == std::string("99"
                                              "a172"
                                              "c40164"
                                              "93a173a174"
-                                             "9198"
+                                             "9199"
                                              "a161"
                                              "a3757233"
                                              "91a467726162"
@@ -98,6 +99,7 @@ TEST_CASE("the start of a run") {
                                              "9200cd012c"
                                              "cb3ff0000000000000"
                                              "c3"
+                                             "9198a174a163a13701c2cb4034000000000000a0a464656743"
                                              "9202"
                                              "91a3757233"
                                              "9192a3757233") +
@@ -109,13 +111,9 @@ TEST_CASE("the start of a run") {
 }
 
 TEST_CASE("a baton and a task's result") {
-  CHECK(to_hex(encode(Baton{"r", {"d"}, 3, {"\x05"}, {kRecord}, {1, 2}})) == std::string("96"
-                                                                                         "a172"
-                                                                                         "c40164"
-                                                                                         "03"
-                                                                                         "c40105"
-                                                                                         "91") +
-                                                                                 kRecordHex + "920102");
+  CHECK(to_hex(encode(Baton{"r", {"d"}, 3, {"\x05"}, {kRecord}, {1, 2}, {kRecord}, {"\x04"}})) ==
+        std::string("98a172c4016403c4010591") + kRecordHex + "92010291" + kRecordHex + "c40104");
+  CHECK(to_hex(encode(Results{"r", {}, {kRecord}})) == std::string("93a1729091") + kRecordHex);
   const TaskResult result{{"r", "t", 1, 2}, {"d"}, 3, "ur3", TaskOutcome::failed, "why", "7", 10, 20, -0.0};
   CHECK(to_hex(encode(result)) ==
         "9a"
@@ -129,6 +127,17 @@ TEST_CASE("a baton and a task's result") {
         "0a"
         "14"
         "cb8000000000000000");
+}
+
+TEST_CASE("a choice keeps the reading that decided") {
+  const SensorReading reading{"t", "7", "degC", false, 25.5, "", 5, 0, "good", 0, 0};
+  CHECK(to_hex(encode(Choice{"r", {"d"}, 1, "ur3", {{"left", 1, false}, {"right", 1, true}}, "belt", reading, 6})) ==
+        "98a172c4016401a3757233"
+        "9293a46c65667401c293a5726967687401c3"
+        "a462656c74"
+        "9ba174a137a464656743c2cb4039800000000000a005cb0000000000000000a4676f6f640000"
+        "06");
+  CHECK(to_hex(encode(JournalChoice{kRecord})) == std::string("91") + kRecordHex);
 }
 
 TEST_CASE("bodies of link and bus") {

@@ -84,10 +84,11 @@ TEST_CASE("an integer is taken for a double, and a double keeps its fraction and
 TEST_CASE("every typed subtype that is sent has a row of its own in the phase table; records do not need one") {
   // Kept in files and inside signed records, never the subtype of a message.
   const std::vector<std::string_view> kept = {
-      "certificate",       "certificate_request", "scenario",         "run_start",
-      "revocation_list",   "sealed_range",        "relayed_frame",    "result",
-      "abort_order",       "journal_run",         "journal_start",    "journal_result",
-      "journal_delivered", "journal_abort",       "journal_tombstone"};
+      "certificate",       "certificate_request", "scenario",          "run_start",
+      "revocation_list",   "sealed_range",        "relayed_frame",     "result",
+      "abort_order",       "journal_run",         "journal_start",     "journal_result",
+      "journal_delivered", "journal_abort",       "journal_tombstone", "choice",
+      "journal_choice"};
   each_body([&]<class T>() {
     CAPTURE(T::kSubtype);
     const bool stays = std::find(kept.begin(), kept.end(), T::kSubtype) != kept.end();

@@ -90,7 +90,8 @@ void SchedulerCore::start(Run& run, TaskIndex task, Step step) {
 }
 
 void SchedulerCore::tell_progress(const Run& run, const AttemptKey& key, TaskState state, Step step) {
-  for (const std::string& cloud : run.clouds()) step.out.information(cloud, TaskProgress{key, settings_.node, state});
+  for (const std::string& cloud : run.clouds())
+    step.out.information(cloud, TaskProgress{key, settings_.node, state, {}});
 }
 
 }  // namespace trb

@@ -23,7 +23,7 @@ void SchedulerCore::keep_result(Run& run, HeldResult held, Step step) {
 void SchedulerCore::handle(const NeedResults& body, const Inbound& from, Step step) {
   const Run* run = run_for(body.run, from, step);
   if (run == nullptr) return;
-  Results results{body.run, pack_results(*run, body.tasks)};
+  Results results{body.run, pack_results(*run, body.tasks), {}};
   step.out.reply(from, std::move(results));
 }
 

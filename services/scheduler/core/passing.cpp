@@ -53,7 +53,7 @@ void SchedulerCore::send(const Run& run, const Duty& duty, Step step) {
       step.out.command(duty.to, baton_for(run, duty.tasks));
       break;
     case DutyKind::results:
-      step.out.command(duty.to, Results{run.id(), pack_results(run, duty.tasks)});
+      step.out.command(duty.to, Results{run.id(), pack_results(run, duty.tasks), {}});
       break;
     case DutyKind::abort:
       step.out.command(duty.to, RunAbort{run.abort_order()});

@@ -133,10 +133,10 @@ TEST_CASE("a baton of another epoch, definition, task or giver is refused") {
 
 TEST_CASE("two different FINISHED of one task pause the run") {
   Known known;
-  known.fleet.tell("cloud", "ridgeback", MessageType::command, Results{kRun, {known.signed_by("ridgeback")}});
+  known.fleet.tell("cloud", "ridgeback", MessageType::command, Results{kRun, {known.signed_by("ridgeback")}, {}});
   CHECK(known.fleet.view("cloud", kRun).state == RunState::running);
   const SignedRecord second = known.signed_by("ridgeback", [](TaskResult& is) { is.key.attempt = 2; });
-  const Outbox out = known.fleet.tell("cloud", "ridgeback", MessageType::command, Results{kRun, {second}});
+  const Outbox out = known.fleet.tell("cloud", "ridgeback", MessageType::command, Results{kRun, {second}, {}});
   CHECK(sent<ResultsJournaled>(out).size() == 1);
   REQUIRE_FALSE(out.logs.empty());
   CHECK(out.logs.back().event == "double_execution");
@@ -150,7 +150,7 @@ TEST_CASE("results are acknowledged by key; the bad ones among them are not") {
   Known known;
   const SignedRecord good = known.signed_by("ridgeback");
   const SignedRecord bad = known.signed_by("drone");
-  const Outbox out = known.fleet.tell("cloud", "ridgeback", MessageType::command, Results{kRun, {good, bad}});
+  const Outbox out = known.fleet.tell("cloud", "ridgeback", MessageType::command, Results{kRun, {good, bad}, {}});
   REQUIRE(sent<ResultsJournaled>(out).size() == 1);
   CHECK(sent<ResultsJournaled>(out)[0].keys.size() == 1);
   CHECK(nack_of(out) == "not_permitted");
@@ -166,7 +166,7 @@ TEST_CASE("a missing predecessor's result is asked for from whoever spoke of it"
   known.fleet.pass(seconds(60));
   CHECK(known.fleet.carried["need_results"] == asked);
   const Outbox answer =
-      known.fleet.tell("ur3", "cloud", MessageType::information, Results{kRun, {known.signed_by("ridgeback")}}, 7);
+      known.fleet.tell("ur3", "cloud", MessageType::information, Results{kRun, {known.signed_by("ridgeback")}, {}}, 7);
   CHECK(sent<Execute>(answer).size() == 1);
   CHECK(sent<ResultsJournaled>(answer).empty());
 }

@@ -1,0 +1,67 @@
+// Conditions of tasks, and the signed record of what one came to.
+#pragma once
+
+#include "proto/bodies/sensor.hpp"
+#include "proto/field.hpp"
+
+namespace trb {
+
+enum class Comparison : std::uint8_t { less = 0, at_most, more, at_least, equal, unequal };
+constexpr auto enum_names(Comparison) {
+  return std::array<std::string_view, 6>{"<", "<=", ">", ">=", "==", "!="};
+}
+
+/// A task's `when`: it is SKIPPED unless the sensor's value compares so. Other kinds of condition come as fields of
+/// their own; this one has a `sensor`.
+struct Condition {
+  std::string sensor;    ///< its name, else its kind: as in SensorRead
+  std::string of;        ///< the node that has it; empty: any
+  std::string identity;  ///< its serial number; wins over `of`
+  Comparison op{};
+  bool is_text = false;  ///< compared with `text`, else with `number`
+  double number = 0;
+  std::string text;
+  std::string unit;  ///< a number's: a value in another unit is not taken
+  bool operator==(const Condition&) const = default;
+  static constexpr auto fields() {
+    return std::tuple{field("sensor", &Condition::sensor, 64),      field("of", &Condition::of, 64),
+                      field("identity", &Condition::identity, 128), field("op", &Condition::op),
+                      field("is_text", &Condition::is_text),        field("number", &Condition::number),
+                      field("text", &Condition::text, 1024),        field("unit", &Condition::unit, 16)};
+  }
+};
+
+/// What the choice is for one task.
+struct ChosenTask {
+  std::string task;
+  std::uint32_t iteration = 1;
+  bool holds = false;  ///< the condition: else the task is SKIPPED
+  bool operator==(const ChosenTask&) const = default;
+  static constexpr auto fields() {
+    return std::tuple{field("task", &ChosenTask::task, 64), field("iteration", &ChosenTask::iteration),
+                      field("holds", &ChosenTask::holds)};
+  }
+};
+
+/// Conditions evaluated once, over one reading, signed by the node that evaluated them (purpose "choice"): the actor of
+/// the tasks' lowest-numbered predecessor, or a task's own if it has none. Everybody else goes by it.
+struct Choice {
+  static constexpr std::string_view kSubtype = "choice";
+  std::string run;
+  Blob digest;
+  std::uint32_t epoch = 1;
+  std::string by;
+  std::vector<ChosenTask> tasks;
+  std::string node;       ///< that told the value
+  SensorReading reading;  ///< the value
+  std::int64_t time = 0;  ///< of the choice: UTC ns
+  bool operator==(const Choice&) const = default;
+  static constexpr auto fields() {
+    return std::tuple{field("run", &Choice::run, 64),       field("digest", &Choice::digest, 32),
+                      field("epoch", &Choice::epoch),       field("by", &Choice::by, 64),
+                      field("tasks", &Choice::tasks, 1000), field("node", &Choice::node, 64),
+                      field("reading", &Choice::reading),   field("time", &Choice::time)};
+  }
+};
+
+}  // namespace trb
