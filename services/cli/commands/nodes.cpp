@@ -80,6 +80,14 @@ Status make_keys_of_bus(const NodeConfig& config) {
   return config.bus.empty() ? Status(Done{}) : make_bus_keys(config.dir, bus_names(config));
 }
 
+/// The services to start: those of node.json, but for one that is started elsewhere.
+Result<std::vector<std::string>> services_to_start(const NodeConfig& config, const std::string& without) {
+  std::vector<std::string> services = config.services;
+  if (without.empty() || std::erase(services, without) == 1) return services;
+  return fail(Errc::bad_value, "--without " + without + ": node.json names no such service",
+              "it may stay away as it is, or put it into \"services\" of node.json");
+}
+
 int run_up(const Arguments& arguments) {
   if (arguments.has("--die-with-parent")) die_with_parent();
   const std::string dir = absolute(arguments.words[0]);
@@ -92,12 +100,14 @@ int run_up(const Arguments& arguments) {
   const ConfigFaults stopping = faults_that_stop(check.faults);
   if (!stopping.empty()) return print_faults(arguments, check.faults);
   if (!check.faults.empty()) print_line(check.config.id + ": starts and waits: " + to_text(check.faults));
+  const auto services = services_to_start(check.config, arguments.get("--without"));
+  if (!services) return print_error(arguments, services.error());
   if (Status made = make_keys_of_bus(check.config); !made) return print_error(arguments, made.error());
   auto held = NodeLock::take(dir);
   if (!held) return print_error(arguments, held.error());
   block_child_signal();
   const std::string id = check.config.id;
-  Supervisor supervisor(dir, program_dir(), check.config.services,
+  Supervisor supervisor(dir, program_dir(), *services,
                         [&id](const std::string& text) { print_line(id + ": " + text); });
   const auto reload_ok = [&dir, &arguments] {
     const NodeCheck again = check_node_dir(dir, true);
@@ -193,8 +203,9 @@ std::vector<Command> node_commands() {
        {"up NODE_DIR",
         "Checks a node's folder, starts its services and keeps them running until Ctrl-C or SIGTERM.\nSays 'ID: ready' "
         "once all of them are up.",
-        {"--die-with-parent|end when the starting process ends, however it ends", kJson},
-        {"trb up nodes/ur3"},
+        {"--without SERVICE|leave this one to somebody else, who starts it with its own rights",
+         "--die-with-parent|end when the starting process ends, however it ends", kJson},
+        {"trb up nodes/ur3", "trb up nodes/ur3 --without sensor-bus"},
         1,
         1},
        run_up},
