@@ -84,6 +84,31 @@ class RosRobots(unittest.TestCase):
         self.fleet.wait("the task has failed", failed, 10)
         self.assertIn("task", failed()[0]["reason"])
 
+    def test_a_task_that_takes_too_long_is_stopped_and_its_late_word_harms_nobody(self):
+        robot = self.fleet.virtual["ridgeback"]
+        start = len(robot.lines)
+        data = {"from": "table1", "to": "conveyor_entry"}
+        tasks = self.run_tasks({"id": "late", "robot": "ridgeback", "skill": "fetch", "data": data, "timeout_s": 1},
+                               expect="PAUSED")
+        self.assertEqual(tasks["late"]["state"], "FAILED")
+        self.assertIn("timed out after 1 s", tasks["late"]["reason"])
+        robot.wait_line("cancelled", 5, start)
+        robot.wait_line("task 2", 5, start)  # nobody waits for it any more
+        self.run_tasks({"id": "next", "robot": "ridgeback", "skill": "go_to", "data": {"place": "loading_area"}})
+
+    def test_a_command_beside_a_skill_is_refused_and_the_skill_goes_on(self):
+        robot = self.fleet.virtual["ridgeback"]
+        start = len(robot.lines)
+        path = self.fleet.root / "beside.json"
+        path.write_text(json.dumps({"name": "beside", "tasks": [{"id": "l", "robot": "ridgeback", "skill": "load_out"}]}))
+        run = self.fleet.json("scenario", "run", path, node="cloud")["run"]
+        robot.wait_line("task 1", 5, start)
+        done = self.fleet.trb("send", "ridgeback", "command", "move", '{"linear":{"x":0.25}}', node="cloud", check=False)
+        self.assertIn("control_held", done.stderr)
+        self.fleet.wait("the skill ends", lambda: self.fleet.json("scenario", "watch", run, "--once", node="cloud",
+                                                                  check=False)["state"] == "FINISHED", 15)
+        self.assertFalse([line for line in robot.lines[start:] if line.startswith("twist 0.25")])
+
     def test_a_fault_comes_back_over_its_topic_as_the_capability_s_with_the_robot_s_own_words(self):
         tap = support.Tap(self.fleet, "ridgeback")
         self.addCleanup(tap.child.stop)
