@@ -68,12 +68,13 @@ void RouterCore::forget_silent_probes(Now now, Effects& out) {
   }
 }
 
-void RouterCore::on_connection_gone(ConnectionId connection, Now, Effects& out) {
+void RouterCore::on_connection_gone(ConnectionId connection, Now now, Effects& out) {
   const Connection* known = services_.find(connection);
   if (known == nullptr) return;
   if (!known->probe)
     out.log(LogLevel::warning, "service_gone",
             known->hello.service + " (pid " + std::to_string(known->hello.pid) + ")");
+  sensor_bus_gone(*known, now);
   services_.forget(connection);
 }
 
@@ -92,7 +93,12 @@ void RouterCore::on_bus_message(ConnectionId from, const Message& message, Now n
     if (!taken) return deny(from, message, taken.error(), out);
     answer(from, message, Ack{"accepted", *taken}, out);
   } else if (const auto* profile = std::get_if<NodeProfile>(&*body)) {
-    if (connection->hello.service == "mode-adapter" && !connection->probe) on_own_profile(*profile, out);
+    if (connection->hello.service != "mode-adapter" || connection->probe) return;
+    robot_profile_ = *profile;
+    robot_profile_.plugged.clear();
+    tell_own_profile(out);
+  } else if (const auto* sensors = std::get_if<NodeSensors>(&*body)) {
+    if (connection->hello.service == "sensor-bus" && !connection->probe) on_node_sensors(*sensors, out);
   } else if (auto reply = answer_to(message, now)) {
     answer(from, message, *reply, out);
   } else {
@@ -155,13 +161,6 @@ void RouterCore::sign_for(ConnectionId from, const Message& message, const SignR
   }
   answer(from, message, sign(request.kind, config_.id, config_.authority.id(), request.payload.bytes, config_.identity),
          out);
-}
-
-void RouterCore::on_own_profile(const NodeProfile& profile, Effects& out) {
-  if (profile == profile_) return;
-  profile_ = profile;
-  ++profile_number_;
-  for (const LinkId id : up_links()) tell_profile(links_.at(id), out);
 }
 
 ServiceTable RouterCore::service_table(Now now) const {

@@ -35,6 +35,7 @@ struct RouterConfig {
   Certificate own;
   SigningKey identity;
   std::string address;  ///< HOST:PORT of the inbox
+  std::string lane;     ///< HOST:PORT of the lossy lane; empty: none
   std::uint64_t boot = 1;
   std::uint64_t instance = 1;
   std::uint32_t pid = 0;

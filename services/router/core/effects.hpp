@@ -29,6 +29,12 @@ struct Dial {
   std::string address;
   Bytes server_key;
 };
+/// The other side's lossy lane, to be heard beside this link and closed with it.
+struct DialLane {
+  LinkId link = 0;
+  std::string address;
+  Bytes server_key;
+};
 /// Dialled: the socket is closed. Accepted: the routing id is forgotten.
 struct CloseLink {
   LinkId link = 0;
@@ -85,7 +91,7 @@ struct DeliverHeld {
 };
 
 using Effect = std::variant<BusSend, LinkSend, Dial, CloseLink, AcceptLink, SendBeacon, StorePeers, RefuseCandidate,
-                            Log, StoreNews, StoreCertificate, StoreUtc, SealDue, CheckSeal, DeliverHeld>;
+                            Log, StoreNews, StoreCertificate, StoreUtc, SealDue, CheckSeal, DeliverHeld, DialLane>;
 
 struct Effects {
   std::vector<Effect> list;
@@ -103,9 +109,9 @@ struct Relaying {
   Message message;
 };
 
-/// Where a message goes; `relay`: wrap it with RouterCore::relay_out.
+/// Where a message goes; `relay`: wrap it with RouterCore::relay_out; `lane`: only from RouterCore::by_lane.
 struct Decision {
-  enum class To : unsigned char { drop, service, peer, relay, every_peer, router } to = To::drop;
+  enum class To : unsigned char { drop, service, peer, relay, every_peer, router, lane } to = To::drop;
   ConnectionId connection = 0;
   LinkId link = 0;
   Errc reason = Errc::ok;  ///< for drop

@@ -9,10 +9,10 @@ void RouterCore::send_hello(Link& link, Now now, Effects& out) {
   link.own_address = config_.address;
   open_seals(link);
   const UtcTime utc = checked_utc(now.utc);
-  Hello hello{config_.certificate, config_.boot, config_.address, config_.version, utc.ns, utc == now.utc, profile_};
-  hello.revocations = news_.list.number;
-  hello.seal = config_.seal_before_delivery ? kSealBeforeDelivery : kSealBehind;
-  hello.relay = config_.relay;
+  const std::string_view seal = config_.seal_before_delivery ? kSealBeforeDelivery : kSealBehind;
+  Hello hello{config_.certificate, config_.boot, config_.address,   config_.version,   utc.ns,
+              utc == now.utc,      profile_,     news_.list.number, std::string(seal), config_.relay,
+              config_.lane};
   link.profile = profile_number_;
   if (encode(hello).size() > kMaxHelloSize) {
     // A stranger's Hello is bounded; the profile follows when the link is up.
@@ -178,6 +178,7 @@ void RouterCore::carry_by(Link& link, const Hello& hello, Now now, Effects& out)
               (links_.at(id).dialled ? ", dialled by this node" : ", dialled by it"));
   if (!again) tell_services(PeerJoined{peer.id, peer.boot}, out);
   tell_profile(links_.at(id), out);
+  find_lane(links_.at(id), hello, now);
   forget_told_renewal(peer.certificate);
   forget_ended_renewals(now);
   tell_news(links_.at(id), hello.revocations, out);

@@ -19,7 +19,9 @@ struct Inbox {
   TestNode& ant = fleet.start("ant", {.beacon = false});
   TestKeys bee = fleet.keys("bee");
 
-  Hello hello(const TestKeys& keys) const { return {keys.record, 3, "bee", "1", kStartUtc, true, {}}; }
+  Hello hello(const TestKeys& keys) const {
+    return {keys.record, 3, "bee", "1", kStartUtc, true, {}, 0, "behind", false, ""};
+  }
 
   void say(LinkId link, const Bytes& key, const Message& message, std::uint64_t sequence = 1) {
     Effects effects;

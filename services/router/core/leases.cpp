@@ -6,10 +6,11 @@ namespace trb::router {
 
 std::optional<MonotonicTime> RouterCore::next_deadline() const {
   std::optional<MonotonicTime> next =
-      earlier(earlier(next_beacon_, next_store_), earlier(next_seal(), next_neighbours_));
+      earlier(earlier(next_beacon_, next_store_), earlier(next_seal(), earlier(next_neighbours_, sensors_end())));
   for (const auto& [id, link] : links_) {
     const MonotonicTime lapse = std::min(link.last_heard, link.confirmed) + config_.timing.lease;
     next = earlier(next, link.up ? std::min(link.next_keep_alive, lapse) : link.opened + config_.timing.handshake);
+    next = earlier(next, link.lane.dial_at);
   }
   for (const auto& [id, peer] : peers_) {
     if (peer.link != 0) continue;
@@ -32,6 +33,8 @@ void RouterCore::tick(Now now, Effects& out) {
   tick_candidates(now, out);
   tick_known(now, out);
   tick_relay(now, out);
+  tick_sensors(now, out);
+  tick_lanes(now, out);
 }
 
 void RouterCore::tick_links(Now now, Effects& out) {

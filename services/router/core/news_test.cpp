@@ -124,7 +124,7 @@ TEST_CASE("a revoked node's key, Hello and beacon are refused, and services hear
   ant.core->on_beacon(beacon, three.fleet.now, effects);
   three.fleet.carry_out(ant, effects);
   CHECK(ant.count("beacon.cert_revoked") == 1);
-  const Hello hello{three.cat.keys.record, 9, "cat", "1", kStartUtc, true, {}, 0, "behind", false};
+  const Hello hello{three.cat.keys.record, 9, "cat", "1", kStartUtc, true, {}, 0, "behind", false, ""};
   ant.core->on_link_message(77, three.cat.keys.link.public_key,
                             make_message(MessageType::information, "cat", "", hello), 1, three.fleet.now, effects);
   three.fleet.carry_out(ant, effects);

@@ -11,6 +11,7 @@
 #include "common/security/keys.hpp"
 #include "proto/bodies/link.hpp"
 #include "services/router/core/effects.hpp"
+#include "services/router/core/lane.hpp"
 
 namespace trb::router {
 
@@ -41,6 +42,7 @@ struct Link {
   MonotonicTime confirmed;  ///< when the peer was last known to hear us
   MonotonicTime next_keep_alive;
   std::deque<std::uint64_t> unconfirmed;  ///< sequences of our keep-alives not yet echoed
+  Lane lane;
 };
 
 /// When to dial, and how patient to be.
@@ -75,6 +77,7 @@ struct Peer {
   std::optional<MonotonicTime> lost;  ///< since when the lease runs: the last sign of life on the link that went down
   MonotonicTime last_heard;
   Redial redial;
+  Spare spare;
 };
 
 struct Seed {

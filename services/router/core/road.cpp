@@ -18,6 +18,7 @@ constexpr std::string_view kOwnSubtypes[] = {
     LinkTroublesRequest::kSubtype,
     Neighbours::kSubtype,
     NodeProfile::kSubtype,
+    NodeSensors::kSubtype,
     Relayed::kSubtype,
     RouteListRequest::kSubtype,
     RouterCountersRequest::kSubtype,
@@ -146,7 +147,9 @@ Decision RouterCore::route_to_self(const HeaderView& header) const {
   if (contains(kOwnSubtypes, header.subtype)) return {.to = Decision::To::router};
   if (const auto claimed = services_.by_subtype(header.subtype)) return to_service(claimed);
   if (is_typed(header.subtype)) return drop(Errc::no_service);
-  return to_service(services_.holder("mode-adapter"));
+  // Who asks for a plugged sensor by its name means its value; commands of that name are the robot's.
+  const bool asks = header.type == MessageType::request && is_plugged(header.subtype);
+  return to_service(services_.holder(asks ? "sensor-bus" : "mode-adapter"));
 }
 
 std::vector<LinkId> RouterCore::up_links() const {
@@ -177,7 +180,7 @@ namespace {
 
 /// Nobody waits for an answer to an answer, or to the middleware's own information.
 bool deserves_nack(const HeaderView& header) {
-  if (header.reply_to != 0 || header.id == 0) return false;
+  if (header.reply_to != 0 || header.id == 0 || is_lossy(header)) return false;
   return header.type != MessageType::information || !is_typed(header.subtype);
 }
 

@@ -69,6 +69,10 @@ RouteTable RouterCore::route_table(Now now) const {
                             peer.version, peer.clock_verified ? "verified" : "unverified", peer.certificate_record,
                             peer.profile, relay == nullptr ? "" : relay->peer});
   }
+  // It has to fit into a message: of sensors their names and kinds stay.
+  if (encode(table).size() > kMaxDataSize) {
+    for (Route& route : table.routes) route.profile.plugged.clear();
+  }
   return table;
 }
 

@@ -86,6 +86,25 @@ class RouterCore {
   void on_bad_frame(LinkId link, const Error& error, Now now, Effects& out);
   void on_beacon(BytesView plain, Now now, Effects& out);
 
+  // ---- the lossy lane: where this node is heard, and hears others, of what may be lost
+
+  /// Where this node's can be dialled; empty: nowhere.
+  void set_lane(const std::string& address) { config_.lane = address; }
+  /// How lossy information leaves for a peer: by the lane if it listens there; else as other messages do, while that is
+  /// little; else it is dropped and counted.
+  Decision by_lane(std::string_view to, std::size_t size, Now now);
+  /// ZAP: only peers with a link that is up may listen.
+  bool admit_to_lane(BytesView key, Effects& out);
+  /// A connection of this key wants to hear `topic`. Its link; nothing: refused, and to be cut.
+  std::optional<LinkId> on_listen(BytesView key, BytesView topic, Effects& out);
+  void on_listener_gone(LinkId link);
+  /// It said something that is no subscription.
+  void bar_from_lane(BytesView key, Effects& out);
+  void on_lane_connected(LinkId link, Now now);
+  void on_lane_ended(LinkId link, LinkEnd how, Now now, Effects& out);
+  /// What came by the lane that was dialled for this link: only to a service, or dropped and counted here.
+  Decision route_lane(LinkId link, const HeaderView& header, Effects& out) const;
+
   // ---- seals
 
   /// Every frame that came by a link that is up, its Hello included: before it is handled, or after if that brought the
@@ -141,11 +160,18 @@ class RouterCore {
   void sign_for(ConnectionId from, const Message& message, const SignRequest& request, Effects& out);
   void forget_silent_probes(Now now, Effects& out);
   Status may_sign_for(const Connection& from, const SignRequest& request) const;
-  void on_own_profile(const NodeProfile& profile, Effects& out);
   [[nodiscard]] ServiceTable service_table(Now now) const;
   [[nodiscard]] Counters counters() const;
   Result<Body> answer_to(const Message& message, Now now) const;
   void tell_services(Body body, Effects& out);
+
+  // sensors.cpp
+  [[nodiscard]] bool is_plugged(std::string_view sensor) const;
+  void on_node_sensors(const NodeSensors& told, Effects& out);
+  void tell_own_profile(Effects& out);
+  void sensor_bus_gone(const Connection& connection, Now now);
+  [[nodiscard]] std::optional<MonotonicTime> sensors_end() const;
+  void tick_sensors(Now now, Effects& out);
 
   // links.cpp, hello.cpp
   void dial(Redial& redial, const std::string& address, BytesView key, Now now, Effects& out);
@@ -173,6 +199,11 @@ class RouterCore {
   void tell_profile(Link& link, Effects& out);
   [[nodiscard]] bool dialling(BytesView key) const;
   Peer& make_peer(const Certificate& certificate, const SignedRecord& record);
+
+  // lane.cpp
+  void find_lane(Link& link, const Hello& hello, Now now);
+  void tick_lanes(Now now, Effects& out);
+  Link* linked_by_key(BytesView key);
 
   // relay.cpp
   void neighbour_changed(const std::string& id, Now now);
@@ -260,8 +291,11 @@ class RouterCore {
 
   RouterConfig config_;
   Services services_;
-  NodeProfile profile_;
-  std::uint64_t profile_number_ = 1;  ///< rises with each change
+  NodeProfile profile_;                        ///< what the fleet is told
+  NodeProfile robot_profile_;                  ///< of it, what the mode-adapter said
+  std::vector<SensorInfo> plugged_;            ///< of it, what the sensor-bus said
+  std::optional<MonotonicTime> sensors_lost_;  ///< until when a sensor-bus that is gone may come back
+  std::uint64_t profile_number_ = 1;           ///< rises with each change
   std::map<std::string, Peer, std::less<>> peers_;
   std::map<Bytes, std::string, std::less<>> peers_by_key_;
   std::map<LinkId, Link> links_;

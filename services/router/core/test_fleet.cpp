@@ -33,6 +33,7 @@ TestNode& TestFleet::start(const std::string& id, const Options& options) {
   config.beacon = options.beacon;
   config.seal_before_delivery = options.seal_before_delivery;
   config.relay = options.relay;
+  if (options.lane) config.lane = id + ":45001";
   config.services = {"router", "mode-adapter", "scheduler", "resilience", "sensor-bus", "cloud-gateway"};
   for (const std::string& seed : options.seeds) config.seeds.push_back({seed, keys(seed).link.public_key});
   for (const std::string& hint : options.known) config.known.push_back({hint, keys(hint).link.public_key});
@@ -78,6 +79,7 @@ void TestFleet::break_wire(LinkId link) {
 
 void TestFleet::carry_out(TestNode& node, Effects& effects) {
   std::vector<Dial> dials;
+  std::vector<DialLane> lanes;
   for (Effect& effect : effects.list) {
     std::visit(Overloaded{
                    [&](BusSend& send) { node.bus.push_back(send); },
@@ -94,11 +96,13 @@ void TestFleet::carry_out(TestNode& node, Effects& effects) {
                        node.delivered.push_back(held.front().second);
                    },
                    [&](Dial& dial) { dials.push_back(dial); },
+                   [&](DialLane& dial) { lanes.push_back(dial); },
                    [&](CloseLink& close) {
                      node.closed.push_back(close.link);
                      bound_.erase({node.id, close.link});
                      held_.erase({node.id, close.link});
                      node.core->forget_link(close.link);
+                     close_lanes(node, close.link);
                    },
                    [&](AcceptLink& accept) {
                      bound_.insert({node.id, accept.link});
@@ -121,6 +125,7 @@ void TestFleet::carry_out(TestNode& node, Effects& effects) {
   }
   for (const std::string& name : effects.counts) ++node.counts[name];
   for (const Dial& dial : dials) connect(node, dial);
+  for (const DialLane& dial : lanes) connect_lane(node, dial);
 }
 
 void TestFleet::send(TestNode& node, LinkId link, const Message& message) {
@@ -176,6 +181,72 @@ void TestFleet::connect(TestNode& node, const Dial& dial) {
   }
   if (other != nodes_.end()) carry_out(*other->second, there);
   carry_out(node, here);
+}
+
+void TestFleet::connect_lane(TestNode& node, const DialLane& dial) {
+  node.lane_dials.push_back(dial);
+  const auto place = places_.find(dial.address.substr(0, dial.address.rfind(':')));
+  const auto other = nodes_.find(place == places_.end() ? "" : place->second);
+  const Bytes own_key = node.keys.link.public_key;
+  Effects there;
+  Effects here;
+  const auto ended = [&](LinkEnd how) { node.core->on_lane_ended(dial.link, how, now_of(node), here); };
+  if (cuts_.count({node.id, place == places_.end() ? "" : place->second}) != 0) return;
+  if (other == nodes_.end() || other->second->keys.link.public_key != dial.server_key) {
+    ended(LinkEnd::failed);
+  } else if (!other->second->core->admit_to_lane(own_key, there)) {
+    ended(LinkEnd::refused_key);
+  } else {
+    node.core->on_lane_connected(dial.link, now_of(node));
+    if (other->second->core->on_listen(own_key, topic_of(node.id), there)) {
+      lanes_[{node.id, dial.link}] = other->first;
+    } else {
+      ended(LinkEnd::disconnected);
+    }
+  }
+  if (other != nodes_.end()) carry_out(*other->second, there);
+  carry_out(node, here);
+}
+
+void TestFleet::break_lane(const std::string& listener, const std::string& speaker) {
+  const LinkId link = at(listener).link_to(speaker);
+  lanes_.erase({listener, link});
+  at(speaker).core->on_listener_gone(at(speaker).link_to(listener));
+  Effects effects;
+  at(listener).core->on_lane_ended(link, LinkEnd::disconnected, now_of(at(listener)), effects);
+  carry_out(at(listener), effects);
+}
+
+/// What the two shells do when either closes a link: the listener's socket goes, the speaker cuts its connection.
+void TestFleet::close_lanes(const TestNode& node, LinkId link) {
+  for (auto lane = lanes_.begin(); lane != lanes_.end();) {
+    const auto [listener, by] = lane->first;
+    const std::string speaker = lane->second;
+    const bool mine = by == link && (listener == node.id || speaker == node.id);
+    lane = mine ? lanes_.erase(lane) : std::next(lane);
+    if (!mine) continue;
+    if (listener == node.id && nodes_.count(speaker) != 0)
+      at(speaker).core->on_listener_gone(at(speaker).link_to(listener));
+    Effects effects;
+    if (speaker == node.id && nodes_.count(listener) != 0)
+      at(listener).core->on_lane_ended(link, LinkEnd::disconnected, now_of(at(listener)), effects);
+  }
+}
+
+Decision TestFleet::stream(const std::string& from, const Message& message) {
+  TestNode& node = at(from);
+  const Decision way = node.core->by_lane(message.target, encode_frame(message).size(), now_of(node));
+  if (way.to == Decision::To::peer) send(node, way.link, message);
+  if (way.to != Decision::To::lane) return way;
+  for (const auto& [listener, speaker] : lanes_) {
+    if (speaker != from || listener.first != message.target) continue;
+    TestNode& there = at(listener.first);
+    Effects effects;
+    const Decision taken = there.core->route_lane(listener.second, header_of(message), effects);
+    if (taken.to == Decision::To::service) there.delivered.push_back(message);
+    carry_out(there, effects);
+  }
+  return way;
 }
 
 Decision TestFleet::arrive(TestNode& node, LinkId link, std::uint64_t sequence, const Message& message) {

@@ -55,6 +55,7 @@ struct TestNode {
   std::vector<RefuseCandidate> refused;
   std::vector<LinkId> closed;
   std::vector<Dial> dials;
+  std::vector<DialLane> lane_dials;
   std::vector<Bytes> beacons;
   std::string stored;  ///< what StorePeers would have written
   std::vector<StoreNews> stored_news;
@@ -94,6 +95,7 @@ class TestFleet {
     std::vector<std::string> seeds{};
     std::vector<std::string> known{};  ///< hints of the run before
     bool relay = false;
+    bool lane = true;
     bool seal_before_delivery = false;
     Duration clock_off{};  ///< of the node's clock of UTC
   };
@@ -115,6 +117,14 @@ class TestFleet {
   std::function<bool(const std::string& from, LinkId link, std::uint64_t& sequence, Message& message)> meddle;
   /// A service of this node says something to another node, through the road that the shell takes.
   void say(const std::string& from, const std::string& to, const std::string& word, const Bytes& data);
+  /// Lossy information by whatever way its core chooses; returns that way. What the lane carries arrives at once.
+  Decision stream(const std::string& from, const Message& message);
+  /// This node hears that one's lane.
+  [[nodiscard]] bool hears(const std::string& listener, const std::string& speaker) const {
+    return lanes_.count({listener, at_const(listener).link_to(speaker)}) != 0;
+  }
+  /// The connection of a lane breaks, its link does not.
+  void break_lane(const std::string& listener, const std::string& speaker);
   /// The process ends: its connections break.
   void stop(const std::string& id);
 
@@ -142,6 +152,9 @@ class TestFleet {
   void deliver(const Packet& packet);
   void hand_over(TestNode& node, const Packet& packet, Effects& effects);
   void break_wire(LinkId link);
+  [[nodiscard]] const TestNode& at_const(const std::string& id) const { return *nodes_.at(id); }
+  void connect_lane(TestNode& node, const DialLane& dial);
+  void close_lanes(const TestNode& node, LinkId link);
   void send(TestNode& node, LinkId link, const Message& message);
   void send_seal(TestNode& node, LinkId link);
   void put(TestNode& node, LinkId link, BytesView frame);
@@ -151,6 +164,7 @@ class TestFleet {
   std::map<std::string, TestKeys> keys_;
   std::map<std::string, std::string> places_;  ///< address -> id: at first each is at an address like its id
   std::map<LinkId, Wire> wires_;
+  std::map<std::pair<std::string, LinkId>, std::string> lanes_;  ///< (who listens, by which link) -> to whom
   std::set<std::pair<std::string, LinkId>> bound_;  ///< (node, link): accepted by its shell
   std::deque<Packet> packets_;
   std::deque<std::pair<std::string, Bytes>> beacons_;

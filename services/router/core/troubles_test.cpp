@@ -78,7 +78,7 @@ TEST_CASE("a member whose clock is minutes away is told of, though its link is u
   TestNode& ant = fleet.start("ant", {.beacon = false});
   const TestKeys bee = fleet.keys("bee");
   const auto hello = [&](std::int64_t utc) {
-    const Hello body{bee.record, 3, "bee:1", "1", utc, true, {}};
+    const Hello body{bee.record, 3, "bee:1", "1", utc, true, {}, 0, "behind", false, ""};
     return make_message(MessageType::information, "bee", "", body);
   };
   Effects effects;
@@ -93,7 +93,7 @@ TEST_CASE("a stranger's certificate and a beacon that does not open leave a row 
   TestNode& ant = fleet.start("ant", {.beacon = false});
   TestAuthority other;
   const TestKeys foreign = other.sign_node("bee");
-  const Hello body{foreign.record, 1, "bee:1", "1", kStartUtc, true, {}};
+  const Hello body{foreign.record, 1, "bee:1", "1", kStartUtc, true, {}, 0, "behind", false, ""};
   Effects effects;
   ant.core->on_link_message(5, foreign.link.public_key, make_message(MessageType::information, "bee", "", body), 1,
                             fleet.now, effects);
@@ -152,7 +152,7 @@ TEST_CASE("a stranger's trouble bears no name that it has not proven") {
   fleet.run(Seconds(2));
   for (const std::string name : {"ant", "bee", "nobody"}) {
     TestKeys intruder = TestFleet().authority.sign_node(name, Role::robot);
-    const Hello hello{intruder.record, 1, "x", "1", kStartUtc, true, {}, 0, "behind", false};
+    const Hello hello{intruder.record, 1, "x", "1", kStartUtc, true, {}, 0, "behind", false, ""};
     Effects effects;
     ant.core->on_link_message(random_u64(), intruder.link.public_key,
                               make_message(MessageType::information, name, "", hello), 1, fleet.now, effects);
@@ -164,7 +164,7 @@ TEST_CASE("a stranger's trouble bears no name that it has not proven") {
   TestKeys dog = fleet.authority.sign_node("dog", Role::robot);
   dog.certificate.not_after = kStartUtc - 1;
   dog.record = sign(kSignedCertificate, "", fleet.authority.fleet.id(), encode(dog.certificate), fleet.authority.key);
-  const Hello late{dog.record, 1, "x", "1", kStartUtc, true, {}, 0, "behind", false};
+  const Hello late{dog.record, 1, "x", "1", kStartUtc, true, {}, 0, "behind", false, ""};
   Effects effects;
   ant.core->on_link_message(random_u64(), dog.link.public_key, make_message(MessageType::information, "dog", "", late),
                             1, fleet.now, effects);

@@ -77,6 +77,7 @@ void RouterShell::on_bus_frame(BusSocket& bus, BytesView routing_id, Frame& fram
     case Decision::To::router:
       core_.on_bus_message(from, to_message(*header), read_clocks(), effects);
       break;
+    case Decision::To::lane:  // decided on later
     case Decision::To::drop:
       core_.nack_local(from, *header, decision.reason, effects);
       break;

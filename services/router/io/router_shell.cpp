@@ -89,6 +89,7 @@ void RouterShell::carry_out(Effects& effects) {
                    [this](CheckSeal& seal) { check_seal(std::move(seal)); },
                    [this](DeliverHeld& proven) { deliver_held(proven); },
                    [this](Dial& dial) { this->dial(dial); },
+                   [](DialLane&) {},
                    [this](CloseLink& close) { close_link(close.link); },
                    [this](AcceptLink& accept) {
                      accepted_[accept.link] = {origin_.routing_id, origin_.user, origin_.visitor};

@@ -1,0 +1,53 @@
+// The lossy lane beside a link: each node publishes for its peers, and each peer hears what is meant for it alone.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "common/base/time.hpp"
+#include "proto/message.hpp"
+
+namespace trb::router {
+
+/// Information that may be lost: it goes by the lane, and nobody is told when it is dropped.
+inline bool is_lossy(const HeaderView& header) {
+  return header.type == MessageType::information && (header.flags & kFlagLossy) != 0;
+}
+
+/// Under what a node subscribes at its peers. The zero ends it: else who listens for "ur" would hear "ur3", too.
+inline Bytes topic_of(std::string_view node) {
+  return Bytes(node) + '\0';
+}
+
+/// How much lossy information a peer gets by its link, or by a relay, while it does not listen: a stream or a picture
+/// now and then, no flood.
+class Spare {
+ public:
+  static constexpr std::uint32_t kMessages = 20;      ///< in a second
+  static constexpr std::size_t kBytes = 256U << 10U;  ///< in a second
+
+  /// False if this second's are spent.
+  bool take(std::size_t size, MonotonicTime now);
+
+ private:
+  std::uint32_t messages_ = 0;
+  std::size_t bytes_ = 0;
+  MonotonicTime end_;
+};
+
+/// What a node knows of the lanes of one link, its own and the other side's.
+struct Lane {
+  std::string address;                     ///< where the other side's can be dialled; empty: it has none
+  std::optional<MonotonicTime> dial_at;    ///< nothing while it is dialled or heard
+  std::optional<MonotonicTime> connected;  ///< since when it is heard
+  Duration wait{};                         ///< before the last dial
+  bool listens = false;                    ///< the other side hears this node's
+  bool barred = false;                     ///< it misused this node's lane
+};
+
+constexpr Duration kLaneAfter = std::chrono::milliseconds(500);  ///< from the link to the first dial: links come first
+constexpr Duration kLaneFirst = std::chrono::milliseconds(200);  ///< before the lane is dialled again; doubled
+constexpr Duration kLaneMost = std::chrono::seconds(30);
+
+}  // namespace trb::router

@@ -1,0 +1,188 @@
+// The lossy lane: who hears it, what is taken from it, and what happens to a stream for whom there is none.
+#include <doctest/doctest.h>
+
+#include "services/router/core/test_fleet.hpp"
+
+using namespace trb;
+using namespace trb::router;
+using Seconds = std::chrono::seconds;
+using To = Decision::To;
+
+namespace {
+
+/// Ant has sensors; bee looks at them, with a service on connection 1.
+struct Stream {
+  TestFleet fleet;
+  TestNode& ant;
+  TestNode& bee;
+
+  explicit Stream(const TestFleet::Options& of_ant = {}) : ant(fleet.start("ant", of_ant)), bee(fleet.start("bee")) {
+    fleet.run(Seconds(2));
+    Effects effects;
+    bee.core->on_service_hello(1, {"scheduler", {"baton"}, 5, 100, "1"}, "scheduler", fleet.now, effects);
+    fleet.carry_out(bee, effects);
+  }
+  /// A value that answers what bee's service asked.
+  [[nodiscard]] Message value(const std::string& from = "ant") const {
+    Message message = make_message(MessageType::information, from, "bee", SensorReading{});
+    message.flags = kFlagLossy;
+    for (const BusSend& send : bee.bus) {
+      if (send.message.subtype == ServiceWelcome::kSubtype)
+        message.reply_to = static_cast<std::uint64_t>(decode<ServiceWelcome>(send.message.data)->slot) << 48U | 5U;
+    }
+    return message;
+  }
+  /// What bee makes of a message that came by ant's lane.
+  Decision come(const Message& message) {
+    Effects effects;
+    const Decision taken = bee.core->route_lane(bee.link_to("ant"), header_of(message), effects);
+    fleet.carry_out(bee, effects);
+    return taken;
+  }
+  bool admits(const TestKeys& keys) {
+    Effects effects;
+    const bool good = ant.core->admit_to_lane(keys.link.public_key, effects);
+    fleet.carry_out(ant, effects);
+    return good;
+  }
+  std::optional<LinkId> listens(const std::string& who, BytesView topic) {
+    Effects effects;
+    const auto link = ant.core->on_listen(fleet.keys(who).link.public_key, topic, effects);
+    fleet.carry_out(ant, effects);
+    return link;
+  }
+};
+
+}  // namespace
+
+TEST_CASE("each end of a link hears the other's lane, and a stream goes by it beside the link") {
+  Stream stream;
+  CHECK(stream.fleet.hears("bee", "ant"));
+  CHECK(stream.fleet.hears("ant", "bee"));
+  const std::uint64_t heard = stream.bee.core->find_link(stream.bee.link_to("ant"))->heard;
+  for (int i = 0; i < 1000; ++i) CHECK(stream.fleet.stream("ant", stream.value()).to == To::lane);
+  CHECK(stream.bee.delivered.size() == 1000);
+  CHECK(stream.bee.core->find_link(stream.bee.link_to("ant"))->heard == heard);
+}
+
+TEST_CASE("a lane is dialled after its link, and again when it has broken, ever less often") {
+  Stream stream;
+  REQUIRE(stream.bee.lane_dials.size() == 1);
+  CHECK(stream.bee.lane_dials[0].address == "ant:45001");
+  stream.fleet.run(Seconds(20));
+  CHECK(stream.bee.lane_dials.size() == 1);
+  stream.fleet.break_lane("bee", "ant");
+  CHECK(stream.fleet.stream("ant", stream.value()).to == To::peer);
+  stream.fleet.run(std::chrono::milliseconds(250));
+  CHECK(stream.fleet.hears("bee", "ant"));
+
+  stream.fleet.cut("bee", "ant");
+  stream.fleet.break_lane("bee", "ant");
+  CHECK_FALSE(stream.fleet.hears("bee", "ant"));
+}
+
+TEST_CASE("the lane ends with its link, and comes back with it") {
+  Stream stream;
+  const LinkId old = stream.bee.link_to("ant");
+  stream.fleet.move("ant", "ant-elsewhere");
+  CHECK_FALSE(stream.fleet.hears("bee", "ant"));
+  stream.ant.core->set_lane("ant-elsewhere:45001");
+  stream.fleet.run(Seconds(4));
+  CHECK(stream.bee.link_to("ant") != old);
+  CHECK(stream.fleet.hears("bee", "ant"));
+  CHECK(stream.fleet.hears("ant", "bee"));
+  stream.fleet.stop("ant");
+  CHECK(stream.bee.lane_dials.size() == 2);
+  stream.fleet.run(Seconds(5));
+  CHECK(stream.bee.lane_dials.size() == 2);
+}
+
+TEST_CASE("only the key of a peer whose link is up may listen, and only for its own name") {
+  Stream stream;
+  CHECK_FALSE(stream.admits(stream.fleet.keys("cat")));  // a member, never linked
+  const TestAuthority elsewhere;
+  CHECK_FALSE(stream.admits(elsewhere.sign_node("bee")));
+  CHECK(stream.ant.count("refused.lane_key") == 2);
+  CHECK(stream.admits(stream.bee.keys));
+  CHECK(stream.listens("bee", topic_of("bee")) == stream.ant.link_to("bee"));
+
+  stream.fleet.start("be");
+  stream.fleet.run(Seconds(3));
+  for (const Bytes& topic : {topic_of("bee"), Bytes("be"), Bytes("b"), Bytes(), topic_of("ant"), Bytes("be\0x", 4)})
+    CHECK_FALSE(stream.listens("be", topic));
+  CHECK(stream.ant.count("refused.lane_topic") == 6);
+  CHECK_FALSE(stream.listens("cat", topic_of("cat")));
+  stream.fleet.stop("bee");
+  stream.fleet.run(Seconds(11));
+  CHECK_FALSE(stream.admits(stream.fleet.keys("bee")));
+}
+
+TEST_CASE("who talks to the lane instead of listening is kept out as long as its link lasts") {
+  Stream stream;
+  Effects effects;
+  stream.ant.core->bar_from_lane(stream.bee.keys.link.public_key, effects);
+  stream.fleet.carry_out(stream.ant, effects);
+  CHECK(stream.ant.count("refused.lane_word") == 1);
+  CHECK_FALSE(stream.admits(stream.bee.keys));
+  CHECK_FALSE(stream.listens("bee", topic_of("bee")));
+  CHECK(stream.fleet.stream("ant", stream.value()).to == To::peer);
+  CHECK(stream.ant.link_to("bee") != 0);
+}
+
+TEST_CASE("what comes by a lane is its peer's own lossy information for this node, and nothing else") {
+  Stream stream;
+  CHECK(stream.come(stream.value()).connection == 1);
+  Message other = stream.value("cat");
+  CHECK(stream.come(other).reason == Errc::source_mismatch);
+  other = stream.value();
+  other.target = "cat";
+  CHECK(stream.come(other).reason == Errc::unknown_target);
+  other = stream.value();
+  other.flags = 0;
+  CHECK(stream.come(other).reason == Errc::bad_value);
+  other = stream.value();
+  other.type = MessageType::command;
+  CHECK(stream.come(other).reason == Errc::bad_value);
+  other = stream.value();
+  other.remaining_ms = 0;
+  CHECK(stream.come(other).reason == Errc::expired);
+  other = stream.value();
+  other.reply_to = 0;
+  for (const char* word : {"keep_alive", "goodbye", "hello", "node_profile", "outcome", "peer_expired", "route_list"}) {
+    CAPTURE(word);
+    other.subtype = word;
+    CHECK(stream.come(other).reason == Errc::not_permitted);
+  }
+  CHECK(stream.bee.count("refused.lane_source_mismatch") == 1);
+  CHECK(stream.bee.count("refused.lane_wrong_target") == 1);
+  CHECK(stream.bee.count("refused.lane_not_lossy") == 2);
+  CHECK(stream.bee.count("refused.lane_not_permitted") == 7);
+  CHECK(stream.bee.count("dropped.expired") == 1);
+  CHECK(stream.bee.told(Nack::kSubtype) + stream.ant.told(Nack::kSubtype) == 0);
+}
+
+TEST_CASE("a peer that does not listen gets a stream by its link, and of a flood no more than that") {
+  Stream stream(TestFleet::Options{.lane = false});
+  CHECK_FALSE(stream.fleet.hears("bee", "ant"));
+  CHECK(stream.fleet.hears("ant", "bee"));
+  for (int i = 0; i < 100; ++i) stream.fleet.stream("ant", stream.value());
+  stream.fleet.run(Seconds(1));
+  CHECK(stream.bee.delivered.size() == Spare::kMessages);
+  CHECK(stream.ant.count("dropped.no_lane") == 100 - Spare::kMessages);
+  Message image = stream.value();
+  CHECK(stream.fleet.stream("ant", image).to == To::peer);
+  image.data.resize(Spare::kBytes);
+  CHECK(stream.fleet.stream("ant", image).to == To::drop);
+}
+
+TEST_CASE("nobody is told of lossy information that was dropped, not even of the user's own") {
+  Stream stream;
+  Message lost = stream.value();
+  lost.subtype = "pose";
+  lost.reply_to = 0;
+  Effects effects;
+  stream.bee.core->nack_peer(stream.bee.link_to("ant"), header_of(lost), Errc::queue_full, effects);
+  stream.bee.core->nack_local(1, header_of(lost), Errc::queue_full, effects);
+  CHECK(effects.list.empty());
+  CHECK(effects.counts == std::vector<std::string>{"dropped.queue_full", "dropped.queue_full"});
+}
