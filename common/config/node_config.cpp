@@ -7,6 +7,7 @@
 #include "common/config/json_file.hpp"
 #include "common/config/ports.hpp"
 #include "common/config/readers.hpp"
+#include "common/config/sensor_files.hpp"
 #include "common/fleet/did_you_mean.hpp"
 #include "common/security/bus_keys.hpp"
 #include "common/security/node_keys.hpp"
@@ -36,6 +37,7 @@ class Checker {
     description(node);
     mode();
     check_value_names(out_.config, node.description, out_.faults);
+    read_sensor_files(out_.config.dir, out_.faults);
     if (node.usable) keys();
     if (!out_.config.bus.empty()) check_bus_keys(out_.config.dir, bus_names(out_.config), out_.faults);
     if (!running) ports();

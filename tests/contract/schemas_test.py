@@ -24,6 +24,7 @@ SHIPPED = {
     "places": ["places.json"],
     "robot": sorted(path.relative_to(CONFIG) for path in (CONFIG / "robots").glob("*.json"))
              + [f"{FIELD}{robot}.json" for robot in FIELD_ROBOTS],
+    "sensor": sorted(path.relative_to(CONFIG) for path in (CONFIG / "sensors").glob("*.json")),
     "scenario": sorted(path.relative_to(CONFIG) for path in (CONFIG / "scenarios").glob("*.json")),
 }
 
@@ -95,6 +96,20 @@ BAD = [
     ("robot", FAULTY, ["faults", "low", "value"], None),
     ("robot", FAULTY, ["faults", "moved", "changes"], False),
     ("robot", FAULTY, ["sensors"], ["battery", "battery"]),
+    ("sensor", "sensors/iio.json", ["match", "subsystem"], None),
+    ("sensor", "sensors/iio.json", ["match", "vendor"], "x"),
+    ("sensor", "sensors/iio.json", ["read"], "sysfs"),
+    ("sensor", "sensors/iio.json", ["sensors", 0, "channel"], None),
+    ("sensor", "sensors/iio.json", ["sensors", 0, "channel"], "../power/control"),
+    ("sensor", "sensors/iio.json", ["sensors", 0, "name"], "in-temp"),
+    ("sensor", "sensors/iio.json", ["sensors", 0, "pattern"], "T"),
+    ("sensor", "sensors/hwmon.json", ["match", "attributes", "name"], []),
+    ("sensor", "sensors/gps.json", ["baud"], 9601),
+    ("sensor", "sensors/gps.json", ["sensors", 0, "value"], "height"),
+    ("sensor", "sensors/line.json", ["sensors", 0, "field"], 1),
+    ("sensor", "sensors/line.json", ["identity", "attribute"], "serial"),
+    ("sensor", "sensors/camera.json", ["sensors", 0, "every_s"], 1),
+    ("sensor", "sensors/w1.json", ["timeout_s"], 0),
     ("scenario", "scenarios/paper-nine-tasks.json", ["tasks", 0, "robot"], None),
     ("scenario", "scenarios/paper-nine-tasks.json", ["tasks", 0, "requires"], ["mobile"]),
     ("scenario", "scenarios/paper-nine-tasks.json", ["tasks", 1, "after"], "fetch_box"),

@@ -1,0 +1,12 @@
+// Texts with '*' and '?', as rules write them.
+#pragma once
+
+#include <string_view>
+
+namespace trb {
+
+/// True if the whole text is as the pattern says: '*' is any bytes or none, '?' is one byte, all else itself. The time
+/// is at most the product of the two sizes.
+bool glob_matches(std::string_view pattern, std::string_view text);
+
+}  // namespace trb

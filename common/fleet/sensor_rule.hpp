@@ -1,0 +1,90 @@
+// A rule of sensors/*.json: which devices it knows, which sensors they are and how each is read.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/base/config_fault.hpp"
+#include "common/fleet/line_pattern.hpp"
+#include "proto/field.hpp"
+#include "proto/value.hpp"
+
+namespace trb {
+
+/// How a device is read. attributes: files of its folder below /sys. w1: likewise, with a checksum. nmea, line: lines
+/// of a serial port. keyboard: a reader that types what it has read. camera: pictures when asked for.
+enum class ReadBy : std::uint8_t { attributes = 0, w1, nmea, line, keyboard, camera };
+constexpr auto enum_names(ReadBy) {
+  return std::array<std::string_view, 6>{"attributes", "w1", "nmea", "line", "keyboard", "camera"};
+}
+
+/// What an NMEA receiver tells. position: "LATITUDE,LONGITUDE" as text; speed in m/s, altitude in m, the rest in
+/// degrees.
+enum class NmeaValue : std::uint8_t { position = 0, latitude, longitude, altitude, speed, course, satellites };
+constexpr auto enum_names(NmeaValue) {
+  return std::array<std::string_view, 7>{"position", "latitude", "longitude", "altitude",
+                                         "speed",    "course",   "satellites"};
+}
+
+/// A property or attribute and what it may be: any of the patterns, each with '*' and '?'.
+struct TextMatch {
+  std::string name;
+  std::vector<std::string> any_of;
+};
+
+/// All of it must hold; an empty text holds always.
+struct DeviceMatch {
+  std::string subsystem;
+  std::string devtype;
+  std::vector<std::string> sysname;  ///< any of these patterns
+  std::vector<TextMatch> properties;
+  std::vector<TextMatch> attributes;
+
+  /// How much it asks for: of several rules that know a device, the one that asks for most is taken.
+  [[nodiscard]] std::size_t conditions() const;
+};
+
+/// One sensor of a device.
+struct SensorChannel {
+  std::string name;
+  std::string kind;
+  std::string unit;
+  double every_s = 1;  ///< 0: it tells when it has something to tell, as a reader of tags does
+  double scale = 1;    ///< the value is what was read * scale + offset
+  double offset = 0;
+  std::string attribute;  ///< attributes: a file; with '*' a sensor for each that is there
+  std::string channel;    ///< attributes: "in_temp": in_temp_input, else (in_temp_raw + in_temp_offset) * in_temp_scale
+  NmeaValue nmea{};       ///< nmea
+  std::optional<LinePattern> pattern;  ///< line
+  std::optional<std::size_t> field;    ///< line: the number of a field, from 1; neither: the whole line
+  bool is_text = false;                ///< line: the value is a text
+};
+
+/// Where the serial number is. None of it there: the sensor has no identity.
+struct IdentitySource {
+  bool is_property = false;
+  std::string name;
+};
+
+struct SensorRule {
+  std::string file;                  ///< where it stands: "sensors/gps.json"
+  std::vector<DeviceMatch> matches;  ///< any of them
+  ReadBy by{};
+  double timeout_s = 0;       ///< a reading that takes longer fails
+  std::uint32_t baud = 9600;  ///< nmea, line
+  char separator = ',';       ///< line: between its fields
+  std::uint32_t width = 640;  ///< camera
+  std::uint32_t height = 480;
+  std::optional<IdentitySource> identity;
+  std::vector<SensorChannel> channels;
+};
+
+/// A rule's file. Every fault is told; what is returned is of use only if there is none.
+SensorRule read_sensor_rule(const Value& json, const std::string& file, ConfigFaults& faults);
+
+/// The baud rates that a rule may name.
+const std::vector<std::int64_t>& serial_speeds();
+
+}  // namespace trb
