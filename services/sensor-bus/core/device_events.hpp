@@ -16,7 +16,7 @@ namespace trb::sensor {
 struct PluggedSensor {
   std::string key;     ///< "SYSPATH#CHANNEL", unique while it is plugged in
   SensorInfo info;     ///< its name as the rule wishes it: the core makes it unique
-  double every_s = 1;  ///< its period
+  double every_s = 1;  ///< its period; 0: it has none, and tells when it has something to tell
 };
 
 /// What a reader has read, or that it could not.

@@ -46,7 +46,7 @@ Result<const Sensor*> Sensors::plug(const PluggedSensor& plugged, MonotonicTime 
   sensor.key = plugged.key;
   sensor.serial = cut_utf8(plugged.info.identity, kMaxSerial);
   sensor.why = plugged.info.detail;
-  sensor.period = trb::seconds(std::clamp(plugged.every_s, 0.001, 86'400.0));
+  if (plugged.every_s > 0) sensor.period = trb::seconds(std::clamp(plugged.every_s, 0.001, 86'400.0));
   Sensor& added = add(std::move(sensor), now);
   by_key_[added.key] = added.info.name;
   settle_identities(added.serial);
