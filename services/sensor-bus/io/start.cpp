@@ -3,6 +3,9 @@
 #include <cstdio>
 
 #include "common/config/node_config.hpp"
+#include "common/config/sensor_files.hpp"
+#include "common/log/log.hpp"
+#include "services/sensor-bus/io/devices/devices.hpp"
 #include "services/sensor-bus/io/steps.hpp"
 
 namespace trb::sensor {
@@ -21,9 +24,13 @@ int start(const std::string& node_dir) {
   if (!faults_that_stop(check.faults).empty()) return complain("nothing started\n" + to_text(check.faults));
   auto service = Service::open({config.dir, "sensor-bus", SensorBusCore::subtypes()});
   if (!service) return complain(service.error().text());
+  ConfigFaults faults;  // told by the check above
   SensorBusCore core(config.id);
   Steps steps(**service, core);
-  // The devices: Devices devices(**service, steps, ...); steps.to_devices(devices);
+  const auto devices = Devices::open(**service, steps, read_sensor_files(config.dir, faults));
+  // Without them it still hears the sensors that programs feed.
+  if (!devices) log_event(Level::error, "no_devices", devices.error().text());
+  if (devices) steps.to_devices(**devices);
   return (*service)->run(steps);
 }
 
