@@ -253,7 +253,8 @@ class Vanished(Case):
     def end_of(self, run):
         task = self.wait_end(run)
         self.assertEqual(task["outcome"], "interrupted", task)
-        self.assertIn("connection was lost", task["reason"])
+        # Of the controller's two connections either may be seen to end first.
+        self.assertRegex(task["reason"], "connection( to the robot's controller)? was lost")
 
     def test_a_controller_that_is_killed_in_the_middle_of_a_program(self):
         run = self.run_skill("once", joints=FAR)
