@@ -6,3 +6,13 @@ trb_library(trb_sensor_devices_io SOURCES io/devices/attributes.cpp io/devices/c
             io/devices/keyboard.cpp io/devices/reader.cpp io/devices/serial.cpp io/devices/udev_monitor.cpp
             LIBS trb_sensor_devices_core trb_service PkgConfig::udev Threads::Threads)
 trb_test(test_sensor_recognition LABEL unit SOURCES core/recognition_test.cpp core/values_test.cpp LIBS trb_sensor_devices_core trb_config)
+
+# Devices that are not there: umockdev answers libudev and shows /sys and /dev, in the process that its wrapper starts.
+pkg_check_modules(umockdev IMPORTED_TARGET umockdev-1.0)
+if(TRB_BUILD_TESTS AND umockdev_FOUND)
+  trb_test(test_sensor_devices LABEL unit UNDER umockdev-wrapper SOURCES io/devices/devices_test.cpp
+           LIBS trb_sensor_devices_io trb_config PkgConfig::umockdev)
+  set_tests_properties(test_sensor_devices PROPERTIES ENVIRONMENT "ASAN_OPTIONS=verify_asan_link_order=0")
+elseif(TRB_BUILD_TESTS)
+  message(STATUS "test_sensor_devices: left out, for umockdev is not there (Debian: umockdev libumockdev-dev)")
+endif()
