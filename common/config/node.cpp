@@ -135,6 +135,18 @@ void read_seals(ObjectReader& reader, NodeConfig& config) {
   }
 }
 
+void read_dbus(ObjectReader& reader, NodeConfig& config) {
+  const auto text = reader.text("dbus", Need::optional, 200);
+  if (!text) return;
+  config.dbus = *text;
+  constexpr std::string_view kPath = "unix:path=/";
+  const bool is_path = text->starts_with(kPath) && text->size() > kPath.size() &&
+                       text->find_first_of(",; ") == std::string::npos;
+  if (*text == "system" || *text == "session" || is_path) return;
+  reader.faults().add("dbus", in_quotes(*text) + " is no D-Bus",
+                      R"(use "system", "session" or an address: "unix:path=/run/robot/bus")");
+}
+
 void read_id(ObjectReader& reader, NodeConfig& config, NodeFile& file) {
   const auto id = reader.text("id", Need::required);
   if (!id) return;
@@ -160,6 +172,7 @@ NodeFile read_node(const Value& json, NodeConfig& config, const FileFaults& faul
   }
   read_seeds(reader, config);
   config.bus = read_bus_key(reader);
+  read_dbus(reader, config);
   config.beacon = reader.boolean("beacon", Need::optional).value_or(true);
   config.relay = reader.boolean("relay", Need::optional).value_or(config.role == Role::cloud);
   read_seals(reader, config);

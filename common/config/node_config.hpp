@@ -80,6 +80,7 @@ struct NodeConfig {
   RobotLink robot;
   std::vector<Seed> seeds;
   std::string bus;  ///< HOST:PORT of a bus over TCP, its tap one port further; empty: sockets in NODE_DIR/bus
+  std::string dbus = "system";  ///< where sensors' values go: "system", "session" or "unix:path=…"
   bool beacon = true;
   bool relay = false;                 ///< carries messages between members that cannot reach each other
   bool seal_before_delivery = false;  ///< deliver what comes from other nodes only once its seal was checked

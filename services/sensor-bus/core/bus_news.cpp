@@ -10,12 +10,12 @@ void SensorBusCore::on_news(const std::vector<BusNews>& news, Now now, Outbox& o
   settle(now, out);
 }
 
-void SensorBusCore::on_bus(const BusUp&, Now, Outbox& out) {
+void SensorBusCore::on_bus(const BusUp& up, Now, Outbox& out) {
   bus_up_ = true;
-  bus_fault_.clear();
+  bus_fault_ = up.note;
   rules_.clear();
   asked_changed_ = true;
-  out.log(LogLevel::info, "bus_up", "the D-Bus is there");
+  out.log(LogLevel::info, "bus_up", "the D-Bus is there" + (up.note.empty() ? "" : ": " + up.note));
   for (const auto& [name, sensor] : sensors_.all()) announce(sensor);
 }
 

@@ -45,7 +45,9 @@ using Effect = std::variant<Announce, Withdraw, Subscribe, Unsubscribe, EmitValu
 
 // ---- of the bus
 
-struct BusUp {};
+struct BusUp {
+  std::string note;  ///< what is not as it should be
+};
 struct BusDown {
   std::string reason;
 };

@@ -70,7 +70,7 @@ void SensorBusCore::forget_node(const std::string& id) {
 }
 
 void SensorBusCore::tell_table(const Inbound& asked, const SensorListRequest& body, Outbox& out) const {
-  SensorTable table{node_, sensors_.infos(), {}, bus_up_ ? "" : cut_utf8(bus_fault_, 255)};
+  SensorTable table{node_, sensors_.infos(), {}, cut_utf8(bus_fault_, 255)};
   if (body.unknown) table.unknown = unknown_;
   out.reply(asked, std::move(table));
 }

@@ -86,7 +86,7 @@ class SensorBusCore : public Core {
   std::vector<Effect> effects_;
   std::set<std::string> rules_;  ///< the names subscribed to
   bool bus_up_ = false;
-  std::string bus_fault_ = "starting";
+  std::string bus_fault_ = "starting";  ///< also: its note
   bool welcomed_ = false;
   bool asked_changed_ = false;            ///< reads_ or watches_: rules_ may have to follow
   std::optional<MonotonicTime> tell_at_;  ///< the fleet

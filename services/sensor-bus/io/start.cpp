@@ -5,6 +5,7 @@
 #include "common/config/node_config.hpp"
 #include "common/config/sensor_files.hpp"
 #include "common/log/log.hpp"
+#include "services/sensor-bus/io/bus_thread.hpp"
 #include "services/sensor-bus/io/devices/devices.hpp"
 #include "services/sensor-bus/io/steps.hpp"
 
@@ -27,6 +28,9 @@ int start(const std::string& node_dir) {
   ConfigFaults faults;  // told by the check above
   SensorBusCore core(config.id);
   Steps steps(**service, core);
+  auto bus = BusThread::open(config.dbus, **service, [&](const std::vector<BusNews>& news) { steps.on_news(news); });
+  if (!bus) return complain(bus.error().text());
+  steps.to_bus([&](std::vector<Effect> effects) { (*bus)->carry_out(std::move(effects)); });
   const auto devices = Devices::open(**service, steps, read_sensor_files(config.dir, faults));
   // Without them it still hears the sensors that programs feed.
   if (!devices) log_event(Level::error, "no_devices", devices.error().text());

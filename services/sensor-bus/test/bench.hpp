@@ -21,7 +21,7 @@ struct Bench {
 
   Bench() {
     core.on_welcome({"conveyor", Role::robot, 1}, now, out);
-    news(BusUp{});
+    news(BusUp{""});
     clear();
   }
 

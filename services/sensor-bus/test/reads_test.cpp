@@ -172,7 +172,7 @@ TEST_CASE("while the bus is away a read waits for it, and says why nothing came"
   bench.wait(1100ms);
   CHECK(bench.answer(hasty) ==
         "nack timeout: temperature told nothing in 1 s: the D-Bus is not there: it has closed the connection");
-  bench.news(BusUp{});
+  bench.news(BusUp{""});
   CHECK(bench.take<Announce>().size() == 1);
   CHECK(bench.rules() == "+temperature");
   bench.device_says("usb1#t", 20);

@@ -159,7 +159,7 @@ TEST_CASE("the bus that comes back gets the rules of those who still watch") {
   bench.clear();
   bench.sample("usb1#t", 20);
   CHECK(bench.effects.empty());
-  bench.news(BusUp{});
+  bench.news(BusUp{""});
   CHECK(bench.rules() == "+temperature");
   run(bench, 1s, 1s);
   CHECK(counts(bench) == "1");
