@@ -2,6 +2,7 @@
 
 #include "common/fleet/did_you_mean.hpp"
 #include "common/fleet/object_reader.hpp"
+#include "common/scenario/condition_file.hpp"
 #include "common/scenario/definition.hpp"
 
 namespace trb {
@@ -129,6 +130,9 @@ void check_scenario(const Scenario& scenario, const std::map<std::string, NodePr
   for (std::size_t i = 0; i < scenario.tasks.size(); ++i) {
     const std::string path = "tasks[" + std::to_string(i) + "]";
     TaskCheck(scenario.tasks[i], path, profiles, FileFaults(file, faults)).run();
+    for (const Condition& condition : scenario.tasks[i].when) {
+      check_condition(condition, profiles, path + ".when", file, faults);
+    }
   }
 }
 

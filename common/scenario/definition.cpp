@@ -5,6 +5,7 @@
 #include "common/base/ids.hpp"
 #include "common/fleet/did_you_mean.hpp"
 #include "common/fleet/object_reader.hpp"
+#include "common/scenario/condition_file.hpp"
 #include "common/scenario/cycles.hpp"
 
 namespace trb {
@@ -70,6 +71,9 @@ ReadTask read_task(const Value& json, std::size_t index, const FileFaults& fault
   out.after = reader.texts("after", Need::optional, kMaxTasks);
   task.timeout_s = reader.number("timeout_s", Need::optional, {0, kSeconds.to}).value_or(0);
   task.pinned = reader.boolean("pinned", Need::optional).value_or(false);
+  if (const Value* when = reader.value("when", Need::optional)) {
+    task.when.push_back(read_condition(*when, reader.path("when"), faults));
+  }
   reader.refuse_unknown_keys();
   check_words(reader, task);
   return out;

@@ -12,12 +12,13 @@
 namespace trb {
 
 /// Reads a scenario file: {"name", "description", "tasks": [{"id", "robot", "skill", "data": {…}, "after": ["ID", …],
-/// "timeout_s", "pinned"}]}. Every fault at once: cycles (naming the tasks on it), duplicate ids, unknown predecessors,
+/// "timeout_s", "pinned", "when": {…}}]}. Every fault at once: cycles (naming the tasks on it), duplicate ids, unknown predecessors,
 /// wrong types, unknown keys. Task order is kept: a task's index is its place in the file.
 Scenario read_scenario(const Value& json, const std::string& file, ConfigFaults& faults);
 
 /// Checks a scenario against what the nodes say of themselves (profiles by node id): unknown robots, skills and places;
-/// parameters that are missing, unknown or of the wrong type.
+/// parameters that are missing, unknown or of the wrong type;
+/// conditions on nodes that are unknown or in another unit, and, as what may wait, on sensors that are not plugged in.
 void check_scenario(const Scenario& scenario, const std::map<std::string, NodeProfile>& profiles,
                     const std::string& file, ConfigFaults& faults);
 

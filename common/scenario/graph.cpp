@@ -4,6 +4,7 @@
 #include <set>
 
 #include "common/base/ids.hpp"
+#include "common/scenario/condition.hpp"
 
 namespace trb {
 namespace {
@@ -20,6 +21,12 @@ Status check_task(const Scenario& scenario, std::size_t index, std::set<std::str
     }
     if (!seen.insert(before).second) {
       return fail(Errc::duplicate, "task '" + task.id + "': predecessor " + std::to_string(before) + " occurs twice");
+    }
+  }
+  if (task.when.size() > 1) return fail(Errc::bad_value, "task '" + task.id + "' has more than one condition");
+  for (const Condition& condition : task.when) {
+    if (auto checked = check_condition(condition); !checked) {
+      return fail(Errc::bad_value, "task '" + task.id + "': " + checked.error().what, checked.error().cure);
     }
   }
   return Done{};
@@ -67,6 +74,11 @@ std::vector<std::vector<TaskIndex>> successors_of(const Scenario& scenario) {
     for (const TaskIndex before : scenario.tasks[i].after) out[before].push_back(static_cast<TaskIndex>(i));
   }
   return out;
+}
+
+TaskIndex chooser_of(const Scenario& scenario, TaskIndex task) {
+  const auto& after = scenario.tasks[task].after;
+  return after.empty() ? task : *std::min_element(after.begin(), after.end());
 }
 
 bool predecessors_final(const Task& task, const std::vector<bool>& final_tasks) {

@@ -15,11 +15,14 @@ namespace trb {
 using TaskIndex = std::uint16_t;
 
 /// Checks what can be checked without knowing the robots: 1 to kMaxTasks tasks, valid and unique ids, predecessors that
-/// exist and occur once, no cycle. Errors: too_large, bad_value, duplicate; each names the task.
+/// exist and occur once, no cycle, at most one condition for each. Errors: too_large, bad_value, duplicate; each names the task.
 Status check_graph(const Scenario& scenario);
 
 /// The direct successors of every task, ascending. The scenario must have passed check_graph.
 std::vector<std::vector<TaskIndex>> successors_of(const Scenario& scenario);
+
+/// The task whose actor evaluates the condition of this one: its lowest-numbered predecessor, or itself if it has none.
+TaskIndex chooser_of(const Scenario& scenario, TaskIndex task);
 
 /// True if every direct predecessor is final.
 bool predecessors_final(const Task& task, const std::vector<bool>& final_tasks);

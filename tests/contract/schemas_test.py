@@ -114,6 +114,9 @@ BAD = [
     ("scenario", "scenarios/paper-nine-tasks.json", ["tasks", 0, "requires"], ["mobile"]),
     ("scenario", "scenarios/paper-nine-tasks.json", ["tasks", 1, "after"], "fetch_box"),
     ("scenario", "scenarios/paper-nine-tasks.json", ["tasks"], []),
+    ("scenario", "scenarios/paper-temperature.json", ["tasks", 5, "when", "op"], "=>"),
+    ("scenario", "scenarios/paper-temperature.json", ["tasks", 5, "when", "unit"], None),
+    ("scenario", "scenarios/paper-temperature.json", ["tasks", 5, "when", "value"], "warm"),
 ]
 
 failures = []

@@ -36,10 +36,13 @@ Scenario read_file_scenario(const std::string& path, ConfigFaults& faults) {
 
 std::map<std::string, NodeProfile> profiles_of(const RouteTable& table) {
   std::map<std::string, NodeProfile> out;
-  for (const Route& route : table.routes) {
-    if (route.role == Role::robot) out[route.id] = route.profile;
-  }
+  for (const Route& route : table.routes) out[route.id] = route.profile;
   return out;
+}
+
+/// What may wait (a sensor that is plugged in later) stops nobody, but is told.
+void print_warnings(const ConfigFaults& faults) {
+  std::fputs(to_text(faults).c_str(), stderr);
 }
 
 int run_check(const Arguments& arguments) {
@@ -55,12 +58,13 @@ int run_check(const Arguments& arguments) {
     check_scenario(scenario, profiles_of(*table), path, faults);
     fleet = true;
   }
-  if (!faults.empty()) return print_faults(arguments, faults);
+  if (!faults_that_stop(faults).empty()) return print_faults(arguments, faults);
   if (arguments.has("--json")) {
-    print_json(Value{Value::Object{{"faults", Value{Value::List{}}}}});
+    print_json(faults_json(faults));
   } else {
+    print_warnings(faults);
     print_line(path + ": " + std::to_string(scenario.tasks.size()) + " tasks, no faults" +
-               (fleet ? "" : " (robots, skills and places were not checked: no --node)"));
+               (fleet ? "" : " (robots, skills, places and sensors were not checked: no --node)"));
   }
   return kGood;
 }
@@ -98,7 +102,7 @@ bool is_over(RunState state) {
 }
 
 std::string duration_text(const TaskView& task) {
-  if (task.ended == 0) return "";
+  if (task.ended == 0 || task.state == TaskState::skipped) return "";
   char out[32];
   std::snprintf(out, sizeof out, "%.2f s", task.duration_s);
   return out;
@@ -108,7 +112,14 @@ std::string state_text(const TaskView& task) {
   const std::string name(name_of(task.state));
   if (task.state == TaskState::finished) return coloured(Colour::good, name);
   if (task.state == TaskState::failed || task.state == TaskState::retriable) return coloured(Colour::bad, name);
-  return task.state == TaskState::waiting ? coloured(Colour::dim, name) : name;
+  const bool dim = task.state == TaskState::waiting || task.state == TaskState::skipped;
+  return dim ? coloured(Colour::dim, name) : name;
+}
+
+/// Why it ended so; else, once it has ended, what its condition came to.
+std::string why_text(const TaskView& task) {
+  const std::string& why = task.reason.empty() && task.ended != 0 ? task.condition : task.reason;
+  return why.empty() ? "" : " (" + why + ")";
 }
 
 void print_changes(const RunView& before, const RunView& after) {
@@ -118,7 +129,7 @@ void print_changes(const RunView& before, const RunView& after) {
     if (task.state == was) continue;
     const std::string place = std::to_string(i + 1) + "/" + std::to_string(after.tasks.size());
     print_line("  " + place + "  " + task.robot + " " + task.id + "  " + state_text(task) + " " + duration_text(task) +
-               (task.reason.empty() ? "" : " (" + task.reason + ")"));
+               why_text(task));
   }
   if (after.waits_for != before.waits_for && !after.waits_for.empty()) print_line("  waits for: " + after.waits_for);
 }
@@ -190,7 +201,8 @@ int run_run(const Arguments& arguments) {
   auto table = probe->ask_node<RouteTable>(RouteListRequest{});
   if (!table) return print_error(arguments, table.error());
   check_scenario(scenario, profiles_of(*table), path, faults);
-  if (!faults.empty()) return print_faults(arguments, faults);
+  if (!faults_that_stop(faults).empty()) return print_faults(arguments, faults);
+  if (!arguments.has("--json")) print_warnings(faults);
   auto run = submit(*probe, std::move(scenario), *table, *hours);
   if (!run) return print_error(arguments, run.error());
   if (arguments.has("--watch")) return watch(arguments, *probe, *run);
@@ -267,7 +279,8 @@ std::vector<Command> scenario_commands() {
   return {
       {{"scenario", "check"},
        {"scenario check FILE",
-        "Tells every fault of a scenario; with a node also unknown robots, skills, places and wrong parameters.",
+        "Tells every fault of a scenario; with a node also unknown robots, skills, places, sensors and wrong "
+        "parameters.",
         {kNode, kJson},
         {"trb scenario check config/scenarios/paper-nine-tasks.json"},
         1,

@@ -45,6 +45,10 @@ Without --via, copy FLEET_DIR/news.json into the keys folder of any node that is
     {"id": "fetch", "robot": "ridgeback", "skill": "go_to", "data": {"place": "table_1"}},
     {"id": "move",  "robot": "conveyor",  "skill": "run",   "after": ["fetch"]}]}
 
+A task may depend on a sensor of any node: "when": {"sensor": "temperature", "of": "conveyor", "op": ">", "value": 20,
+"unit": "degC"}. Without "of" any node's is taken; "identity" follows a serial number. The value is read once, when the
+task could start, and kept with the result; a task whose condition is false, or which follows only such, is SKIPPED.
+
 The run goes from robot to robot; the computer that submitted it may be switched off.
 Task states: WAITING INITIALIZING RUNNING PAUSED RETRIABLE FINISHED FAILED SKIPPED.
 'interrupted' means: nobody knows whether it was done. It is never repeated silently.

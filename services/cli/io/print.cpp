@@ -33,16 +33,21 @@ int print_error(const Arguments& arguments, const Error& error) {
   return kFailed;
 }
 
+Value faults_json(const ConfigFaults& faults) {
+  Value::List list;
+  for (const ConfigFault& fault : faults) {
+    list.push_back(Value{Value::Object{{"file", Value{fault.file}},
+                                       {"key", Value{fault.key}},
+                                       {"what", Value{fault.what}},
+                                       {"cure", Value{fault.cure}},
+                                       {"may_wait", Value{fault.may_wait}}}});
+  }
+  return Value{Value::Object{{"faults", Value{std::move(list)}}}};
+}
+
 int print_faults(const Arguments& arguments, const ConfigFaults& faults) {
   if (arguments.has("--json")) {
-    Value::List list;
-    for (const ConfigFault& fault : faults) {
-      list.push_back(Value{Value::Object{{"file", Value{fault.file}},
-                                         {"key", Value{fault.key}},
-                                         {"what", Value{fault.what}},
-                                         {"cure", Value{fault.cure}}}});
-    }
-    print_json(Value{Value::Object{{"faults", Value{std::move(list)}}}});
+    print_json(faults_json(faults));
   } else {
     std::fputs(to_text(faults).c_str(), stderr);
     std::fprintf(stderr, "trb: %zu fault%s, nothing was started\n", faults.size(), faults.size() == 1 ? "" : "s");

@@ -20,7 +20,10 @@ void print_json(const Value& value);
 /// To standard error, or with --json as {"error":{"code","what","cure"}} to standard output. Returns kFailed.
 int print_error(const Arguments& arguments, const Error& error);
 
-/// The same for a list of faults.
+/// {"faults":[{"file","key","what","cure","may_wait"}]}
+Value faults_json(const ConfigFaults& faults);
+
+/// The same as print_error for a list of faults.
 int print_faults(const Arguments& arguments, const ConfigFaults& faults);
 
 enum class Colour { plain, good, bad, dim };

@@ -1,0 +1,106 @@
+#include "common/scenario/condition_file.hpp"
+
+#include <algorithm>
+#include <cctype>
+
+#include "common/base/ids.hpp"
+#include "common/fleet/did_you_mean.hpp"
+#include "common/scenario/condition.hpp"
+
+namespace trb {
+namespace {
+
+bool is_sensor_name(const std::string& name) {
+  const auto fits = [](unsigned char c) { return c < 128 && (std::isalnum(c) != 0 || c == '_'); };
+  const bool digit = !name.empty() && std::isdigit(static_cast<unsigned char>(name.front())) != 0;
+  return !name.empty() && !digit && std::all_of(name.begin(), name.end(), fits);
+}
+
+void read_value(ObjectReader& reader, Condition& out) {
+  const Value* value = reader.value("value", Need::required);
+  if (value == nullptr) return;
+  if (value->is_number()) {
+    out.number = value->number();
+  } else if (value->is_text() && value->text().size() <= 1024) {
+    out.is_text = true;
+    out.text = value->text();
+  } else {
+    reader.faults().add(reader.path("value"), "is a " + std::string(value->kind()) + " that no sensor tells",
+                        "write a number, or a text of at most 1024 bytes (for == and !=)");
+  }
+}
+
+/// A number without its unit would be believed in any.
+void read_unit(ObjectReader& reader, Condition& out) {
+  const auto unit = reader.text("unit", Need::optional, 16);
+  if (!unit && !out.is_text && reader.is_object() && reader.value("unit", Need::optional) == nullptr) {
+    reader.faults().add(reader.path("unit"), "is missing: a number is compared in the sensor's unit",
+                        R"(add "unit", for example "degC", or "" if the sensor has none)");
+  }
+  out.unit = unit.value_or("");
+}
+
+void check_words(const ObjectReader& reader, const Condition& read) {
+  if (!read.sensor.empty() && !is_sensor_name(read.sensor)) {
+    reader.faults().add(reader.path("sensor"), in_quotes(read.sensor) + " is no name of a sensor",
+                        "use a letter or '_', then letters, digits or '_'");
+  }
+  if (read.of.empty()) return;
+  if (auto id = check_id("of", read.of); !id) reader.faults().add(reader.path("of"), id.error().what, id.error().cure);
+}
+
+std::vector<std::string> ids_of(const std::map<std::string, NodeProfile>& profiles) {
+  std::vector<std::string> out;
+  for (const auto& [id, profile] : profiles) out.push_back(id);
+  return out;
+}
+
+}  // namespace
+
+Condition read_condition(const Value& json, const std::string& path, const FileFaults& faults) {
+  ObjectReader reader(json, path, faults);
+  Condition out;
+  out.sensor = reader.text("sensor", Need::required, 64).value_or("");
+  out.of = reader.text("of", Need::optional, 64).value_or("");
+  out.identity = reader.text("identity", Need::optional, 128).value_or("");
+  const auto op = reader.one_of<Comparison>("op", Need::required);
+  out.op = op.value_or(Comparison::equal);
+  read_value(reader, out);
+  read_unit(reader, out);
+  reader.refuse_unknown_keys();
+  check_words(reader, out);
+  if (auto checked = check_condition(out); !checked && !out.sensor.empty()) {
+    faults.add(reader.path("op"), checked.error().what, checked.error().cure);
+  }
+  return out;
+}
+
+void check_condition(const Condition& condition, const std::map<std::string, NodeProfile>& profiles,
+                     const std::string& path, const std::string& file, ConfigFaults& faults) {
+  const FileFaults sink(file, faults);
+  const bool bound = !condition.of.empty() && condition.identity.empty();
+  if (!condition.of.empty() && !profiles.contains(condition.of)) {
+    sink.add(path + ".of", in_quotes(condition.of) + " is no node of the fleet",
+             did_you_mean(condition.of, ids_of(profiles), "start its node, or use one of"));
+    return;
+  }
+  bool found = false;
+  std::string other_unit;
+  for (const auto& [id, profile] : profiles) {
+    const SensorInfo* info = bound && id != condition.of ? nullptr : find_sensor(profile.plugged, condition);
+    if (info == nullptr) continue;
+    if (condition.is_text || info->unit == condition.unit) return;
+    found = true;
+    other_unit = info->unit;
+  }
+  if (found) {
+    sink.add(path + ".unit",
+             sensor_text(condition) + " has the unit '" + other_unit + "', not '" + condition.unit + "'",
+             "write its unit, and the value in it");
+  } else {
+    faults.push_back({file, path + ".sensor", sensor_text(condition) + ": there is no such sensor now",
+                      "plug it in (the run waits for it), or see: trb sensor list", true});
+  }
+}
+
+}  // namespace trb
