@@ -140,6 +140,7 @@ template Result<Beacon> open_record(const SignedRecord&, std::string_view, const
 template Result<RunStart> open_record(const SignedRecord&, std::string_view, const Certificate&);
 template Result<AbortOrder> open_record(const SignedRecord&, std::string_view, const Certificate&);
 template Result<TaskResult> open_record(const SignedRecord&, std::string_view, const Certificate&);
+template Result<Choice> open_record(const SignedRecord&, std::string_view, const Certificate&);
 
 bool same_secret(BytesView a, BytesView b) {
   return a.size() == b.size() && sodium_memcmp(a.data(), b.data(), a.size()) == 0;

@@ -15,6 +15,7 @@ void SchedulerCore::advance(Step step) {
   start_next(step);
   for (Run* run : book_.runs()) {
     confirm_abort(*run, step);
+    decide(*run, step);
     pass_on(*run, step);
     ask_needs(*run, step);
   }

@@ -27,6 +27,10 @@ Status Book::apply(const Body& fact) {
                           const auto result = decode<TaskResult>(is.result.payload.bytes);
                           return result ? apply_to(result->key.run, is) : Status(result.error());
                         },
+                        [&](const JournalChoice& is) -> Status {
+                          const auto choice = decode<Choice>(is.choice.payload.bytes);
+                          return choice ? apply_to(choice->run, is) : Status(choice.error());
+                        },
                         [&](const JournalDelivered& is) { return apply_to(is.run, is); },
                         [&](const JournalAbort& is) -> Status {
                           const auto order = decode<AbortOrder>(is.order.payload.bytes);

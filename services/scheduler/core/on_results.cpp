@@ -23,8 +23,7 @@ void SchedulerCore::keep_result(Run& run, HeldResult held, Step step) {
 void SchedulerCore::handle(const NeedResults& body, const Inbound& from, Step step) {
   const Run* run = run_for(body.run, from, step);
   if (run == nullptr) return;
-  Results results{body.run, pack_results(*run, body.tasks), {}};
-  step.out.reply(from, std::move(results));
+  step.out.reply(from, pack_results(*run, body.tasks));
 }
 
 void SchedulerCore::handle(const Results& body, const Inbound& from, Step step) {
@@ -32,6 +31,14 @@ void SchedulerCore::handle(const Results& body, const Inbound& from, Step step) 
   if (run == nullptr) return;
   ResultsJournaled journaled;
   Status all = Done{};
+  for (const SignedRecord& record : body.choices) {
+    auto held = run->check_choice(record);
+    if (held) {
+      keep_choice(*run, std::move(*held), step);
+    } else {
+      all = held.error();
+    }
+  }
   for (const SignedRecord& record : body.results) {
     auto held = run->check_result(record);
     if (!held) {
@@ -70,7 +77,9 @@ void SchedulerCore::handle(const TaskProgress& body, const Inbound& from, Step s
   Run* run = run_for(body.key.run, from, step);
   if (run == nullptr) return;
   const auto task = run->index_of(body.key.task);
-  if (!task || body.robot != from.source || run->robot_of(*task) != from.source) {
+  const bool chooses = task && body.state == TaskState::waiting && run->is_conditional(*task);
+  const bool theirs = task && (chooses ? run->chooser_of(*task) : run->robot_of(*task)) == from.source;
+  if (!theirs || body.robot != from.source) {
     return refuse(from, fail(Errc::not_permitted, "progress of a task that is another's"), step);
   }
   const bool shown =
@@ -78,6 +87,9 @@ void SchedulerCore::handle(const TaskProgress& body, const Inbound& from, Step s
   const bool late = run->results().of(*task) != nullptr;
   if (shown && !late) {
     run->progress[*task] = body.state;
+    run->waits.erase(*task);
+  } else if (chooses && !late && run->choice_on(*task) == nullptr) {
+    run->waits[*task] = body.detail;
   } else {
     step.out.count("late.task_progress");
   }

@@ -50,7 +50,12 @@ void SchedulerCore::handle(const SignedRecord& body, const Inbound& from, Step s
   const auto& attempt = executor_.attempt();
   const bool asked = attempt && attempt->phase == Phase::signing && body.kind == kSignedResult &&
                      body.payload.bytes == attempt->payload;
-  if (!asked) return step.out.count("late.signed_record");
+  if (!asked) {
+    for (Run* run : book_.runs()) {
+      if (keep_signed(*run, body, step)) return;
+    }
+    return step.out.count("late.signed_record");
+  }
   Run* run = book_.find(attempt->execute.key.run);
   if (run == nullptr) return refuse(from, fail(Errc::unknown_run, "a signed result of no run"), step);
   auto held = run->check_result(body);
@@ -67,6 +72,7 @@ void SchedulerCore::handle(const Nack& body, const Inbound& from, Step step) {
   if (from.source == settings_.node && body.subtype == Execute::kSubtype) {
     return executor_.on_refusal(body, step.now, step.out);
   }
+  if (body.subtype == SensorRead::kSubtype) return refused_reading(body, from, step);
   if (from.source == settings_.node && body.subtype == SignRequest::kSubtype) {
     return step.out.log(LogLevel::error, "not_signed", body.code + ": " + body.what);
   }

@@ -37,7 +37,7 @@ Status SchedulerCore::check_baton(const Run& run, const Baton& baton, Step step)
   if (baton.epoch != run.start().first.epoch) return fail(Errc::conflict, name + "of another epoch");
   if (run.expired(step.now.utc)) return fail(Errc::expired, name + "the run has expired");
   for (const TaskIndex task : baton.tasks) {
-    if (task >= run.tasks().size() || run.robot_of(task) != settings_.node) {
+    if (task >= run.tasks().size() || !run.concerns(task)) {
       return fail(Errc::bad_value, name + "task " + std::to_string(task) + " is not for '" + settings_.node + "'");
     }
   }
@@ -50,16 +50,25 @@ void SchedulerCore::handle(const Baton& body, const Inbound& from, Step step) {
   if (auto checked = check_baton(*run, body, step); !checked) return refuse(from, checked.error(), step);
   const auto bits = from_bitmap(body.final_tasks.bytes, run->tasks().size());
   if (!bits) return refuse(from, bits.error(), step);
+  const auto skipped = from_bitmap(body.skipped_tasks.bytes, run->tasks().size());
+  if (!skipped) return refuse(from, skipped.error(), step);
   std::vector<HeldResult> results;
   for (const SignedRecord& record : body.results) {
     auto held = run->check_result(record);
     if (!held) return refuse(from, held.error(), step);
     results.push_back(std::move(*held));
   }
+  std::vector<HeldChoice> choices;
+  for (const SignedRecord& record : body.choices) {
+    auto held = run->check_choice(record);
+    if (!held) return refuse(from, held.error(), step);
+    choices.push_back(std::move(*held));
+  }
   for (HeldResult& held : results) keep_result(*run, std::move(held), step);
+  for (HeldChoice& held : choices) keep_choice(*run, std::move(held), step);
   step.out.information(from.source, BatonJournaled{body.run, body.epoch, body.tasks});
   if (run->aborted()) return;
-  run->hear(*bits);
+  run->hear(*bits, *skipped);
   run->note_needs(from.source);
 }
 

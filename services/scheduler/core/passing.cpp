@@ -1,5 +1,6 @@
 #include "services/scheduler/core/passing.hpp"
 
+#include <algorithm>
 #include <set>
 
 #include "services/scheduler/core/scheduler_core.hpp"
@@ -12,17 +13,30 @@ namespace {
 
 constexpr std::size_t kMaxPacked = 512U << 10U;  // half of a message, so that headers and a large result always fit
 
+std::size_t size_of(const SignedRecord& record) {
+  return record.payload.bytes.size() + 256;
+}
+
+/// Adds the choice on a task, unless it is among them: one record may be on many tasks.
+void add_choice(const Run& run, TaskIndex task, std::vector<SignedRecord>& choices) {
+  const HeldChoice* held = run.choice_on(task);
+  const bool is_new = held != nullptr && std::find(choices.begin(), choices.end(), held->record) == choices.end();
+  if (is_new) choices.push_back(held->record);
+}
+
 }  // namespace
 
-std::vector<SignedRecord> pack_results(const Run& run, const std::vector<TaskIndex>& tasks) {
-  std::vector<SignedRecord> out;
+Results pack_results(const Run& run, const std::vector<TaskIndex>& tasks) {
+  Results out{run.id(), {}, {}};
   std::size_t size = 0;
   for (const TaskIndex task : std::set<TaskIndex>(tasks.begin(), tasks.end())) {
     const HeldResult* held = run.results().of(task);
     if (held == nullptr) continue;
-    size += held->record.payload.bytes.size() + 256;
-    if (size > kMaxPacked && !out.empty()) break;
-    out.push_back(held->record);
+    size += size_of(held->record);
+    if (const HeldChoice* choice = run.choice_on(task)) size += size_of(choice->record);
+    if (size > kMaxPacked && !out.results.empty()) break;
+    out.results.push_back(held->record);
+    add_choice(run, task, out.choices);
   }
   return out;
 }
@@ -38,8 +52,10 @@ Baton baton_for(const Run& run, const std::vector<TaskIndex>& tasks) {
     const auto& after = run.tasks()[task].after;
     before.insert(before.end(), after.begin(), after.end());
   }
-  baton.results = pack_results(run, before);
+  baton.results = pack_results(run, before).results;
   baton.tasks = tasks;
+  for (const TaskIndex task : tasks) add_choice(run, task, baton.choices);
+  baton.skipped_tasks.bytes = to_bitmap(run.known_skipped());
   return baton;
 }
 
@@ -53,7 +69,7 @@ void SchedulerCore::send(const Run& run, const Duty& duty, Step step) {
       step.out.command(duty.to, baton_for(run, duty.tasks));
       break;
     case DutyKind::results:
-      step.out.command(duty.to, Results{run.id(), pack_results(run, duty.tasks), {}});
+      step.out.command(duty.to, pack_results(run, duty.tasks));
       break;
     case DutyKind::abort:
       step.out.command(duty.to, RunAbort{run.abort_order()});

@@ -5,9 +5,9 @@
 
 namespace trb::scheduler {
 
-/// The results that count of these tasks, as far as they are held and fit into one message; what does not fit is sent
-/// or asked for again.
-std::vector<SignedRecord> pack_results(const Run& run, const std::vector<TaskIndex>& tasks);
+/// The results that count of these tasks and the choices on them, as far as they are held and fit into one message; what
+/// does not fit is sent or asked for again.
+Results pack_results(const Run& run, const std::vector<TaskIndex>& tasks);
 
 Baton baton_for(const Run& run, const std::vector<TaskIndex>& tasks);
 

@@ -51,6 +51,11 @@ bool ResultSet::has_final(TaskIndex task) const {
   return held != nullptr && is_final(held->result.outcome);
 }
 
+bool ResultSet::is_skipped(TaskIndex task) const {
+  const HeldResult* held = of(task);
+  return held != nullptr && held->result.outcome == TaskOutcome::skipped;
+}
+
 bool ResultSet::holds(TaskIndex task, const AttemptKey& key) const {
   const auto found = by_task_.find(task);
   if (found == by_task_.end()) return false;

@@ -30,6 +30,7 @@ class ResultSet {
   /// The result that counts: the first final one, else the latest attempt's; nullptr if there is none.
   [[nodiscard]] const HeldResult* of(TaskIndex task) const;
   [[nodiscard]] bool has_final(TaskIndex task) const;
+  [[nodiscard]] bool is_skipped(TaskIndex task) const;
   [[nodiscard]] bool holds(TaskIndex task, const AttemptKey& key) const;
   /// Two different FINISHED results of one task and iteration: it may have been done twice.
   [[nodiscard]] bool finished_twice(TaskIndex task) const;

@@ -70,11 +70,14 @@ Status Run::open_members(const FleetAuthority& authority) {
 
 void Run::index_tasks() {
   heard_.assign(tasks().size(), false);
+  heard_skipped_ = heard_;
   successors_ = successors_of(start_.scenario);
   for (std::size_t i = 0; i < tasks().size(); ++i) {
     const auto task = static_cast<TaskIndex>(i);
     index_.emplace(tasks()[i].id, task);
     if (robot_of(task) == self_) own_tasks_.push_back(task);
+    has_conditions_ = has_conditions_ || is_conditional(task);
+    if (concerns(task)) concern_.push_back(task);
   }
 }
 
@@ -165,31 +168,28 @@ const JournalStart* Run::open_start() const {
   return nullptr;
 }
 
-std::vector<TaskIndex> Run::startable() const {
-  std::vector<TaskIndex> out;
-  for (const TaskIndex task : own_tasks_) {
-    if (starts_.contains(task) || results_.of(task) != nullptr) continue;
-    const auto& after = tasks()[task].after;
-    if (std::all_of(after.begin(), after.end(), [&](TaskIndex before) { return results_.has_final(before); })) {
-      out.push_back(task);
-    }
-  }
-  return out;
-}
-
 std::vector<bool> Run::known_final() const {
   std::vector<bool> out = results_.final_tasks(tasks().size());
   for (std::size_t i = 0; i < out.size(); ++i) out[i] = out[i] || heard_[i];
   return out;
 }
 
-void Run::hear(const std::vector<bool>& final_tasks) {
-  for (std::size_t i = 0; i < heard_.size(); ++i) heard_[i] = heard_[i] || final_tasks[i];
+std::vector<bool> Run::known_skipped() const {
+  std::vector<bool> out = heard_skipped_;
+  for (const TaskIndex task : results_.tasks()) out[task] = results_.is_skipped(task);
+  return out;
+}
+
+void Run::hear(const std::vector<bool>& final_tasks, const std::vector<bool>& skipped_tasks) {
+  for (std::size_t i = 0; i < heard_.size(); ++i) {
+    heard_[i] = heard_[i] || final_tasks[i];
+    heard_skipped_[i] = heard_skipped_[i] || (final_tasks[i] && skipped_tasks[i]);
+  }
 }
 
 void Run::note_needs(const std::string& giver) {
   const std::vector<bool> known = known_final();
-  for (const TaskIndex task : own_tasks_) {
+  for (const TaskIndex task : concern_) {
     if (results_.of(task) != nullptr || !predecessors_final(tasks()[task], known)) continue;
     for (const TaskIndex before : tasks()[task].after) {
       if (!results_.has_final(before)) needs.try_emplace(before, Need{giver, {}});

@@ -46,6 +46,13 @@ Status Run::apply(const JournalResult& fact) {
   return Done{};
 }
 
+Status Run::apply(const JournalChoice& fact) {
+  auto held = check_choice(fact.choice);
+  if (!held) return held.error();
+  add(std::move(*held));
+  return Done{};
+}
+
 Status Run::apply(const JournalDelivered& fact) {
   for (const TaskIndex task : fact.tasks) {
     if (task >= tasks().size()) return not_of_this_run(id(), "a delivery");
@@ -75,10 +82,23 @@ bool Run::add(HeldResult held) {
   if (!results_.add(task, std::move(held))) return false;
   if (results_.has_final(task)) needs.erase(task);
   progress.erase(task);
-  if (robot_of(task) != self_) return true;
-  owe_results(task);
+  waits.erase(task);
+  if (robot_of(task) == self_) owe_results(task);
   if (!was_final && results_.has_final(task) && !aborted()) owe_batons_after(task);
   return true;
+}
+
+bool Run::add(HeldChoice held) {
+  const auto shared = std::make_shared<const HeldChoice>(std::move(held));
+  std::vector<TaskIndex> fresh;
+  for (const ChosenTask& chosen : shared->choice.tasks) {
+    const TaskIndex task = *index_of(chosen.task);
+    if (!choices_.emplace(task, shared).second) continue;
+    waits.erase(task);
+    fresh.push_back(task);
+  }
+  if (shared->choice.by == self_ && !aborted()) owe_batons(fresh);
+  return !fresh.empty();
 }
 
 void Run::owe_results(TaskIndex task) {
@@ -89,23 +109,38 @@ void Run::owe_results(TaskIndex task) {
 
 /// To the actors of the tasks that wait for nothing, and to the cloud, so that it knows the run.
 void Run::owe_first_batons() {
-  std::vector<std::pair<std::string, std::vector<TaskIndex>>> groups;
+  std::vector<TaskIndex> first;
   for (std::size_t i = 0; i < tasks().size(); ++i) {
-    const auto task = static_cast<TaskIndex>(i);
-    if (tasks()[i].after.empty() && robot_of(task) != self_) group(groups, robot_of(task), task);
+    if (tasks()[i].after.empty()) first.push_back(static_cast<TaskIndex>(i));
   }
-  for (const auto& [to, first] : groups) duties.owe(DutyKind::baton, to, first);
+  owe_batons(first);
   for (const std::string& cloud : clouds()) duties.owe(DutyKind::baton, cloud, {});
 }
 
-/// A successor is passed on once, when the last of its predecessors that are this node's is final: so an
-/// acknowledgement, which names tasks only, can never be taken for that of another baton.
-void Run::owe_batons_after(TaskIndex task) {
+const std::string& Run::next_hand(TaskIndex task) const {
+  return is_conditional(task) && !chooses_here(task) ? chooser_of(task) : robot_of(task);
+}
+
+void Run::owe_batons(const std::vector<TaskIndex>& tasks) {
   std::vector<std::pair<std::string, std::vector<TaskIndex>>> groups;
-  for (const TaskIndex next : successors_[task]) {
-    if (robot_of(next) != self_ && own_predecessors_final(next)) group(groups, robot_of(next), next);
+  for (const TaskIndex task : tasks) {
+    if (next_hand(task) != self_) group(groups, next_hand(task), task);
   }
   for (const auto& [to, next] : groups) duties.owe(DutyKind::baton, to, next);
+}
+
+/// A successor is passed on once, when the last of its predecessors that are this node's is final: so an
+/// acknowledgement, which names tasks only, can never be taken for that of another baton. One whose condition is
+/// evaluated here is passed with the choice, or, if none will be made because all before it is SKIPPED, when that is so.
+void Run::owe_batons_after(TaskIndex task) {
+  std::vector<TaskIndex> passed;
+  for (const TaskIndex next : successors_[task]) {
+    const bool here = chooses_here(next);
+    const bool ready = here ? all_before_skipped(next) && choice_on(next) == nullptr
+                            : robot_of(task) == self_ && own_predecessors_final(next);
+    if (ready) passed.push_back(next);
+  }
+  owe_batons(passed);
 }
 
 bool Run::own_predecessors_final(TaskIndex task) const {

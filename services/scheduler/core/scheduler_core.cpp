@@ -35,6 +35,8 @@ void SchedulerCore::on_welcome(const NodeIdentity& node, Now now, Outbox& out) {
   for (Run* run : book_.runs()) {
     run->duties.restart();
     for (auto& [task, need] : run->needs) need.timer.restart();
+    for (Inquiry& inquiry : run->inquiries) inquiry.restart(now);
+    for (auto& [task, signature] : run->skips) signature.next = now.mono;
   }
   last_ = now;
   resume_attempt();
@@ -59,6 +61,8 @@ std::optional<MonotonicTime> SchedulerCore::next_deadline() const {
   for (const Run* run : book_.runs()) {
     out = earlier(out, run->duties.next());
     for (const auto& [task, need] : run->needs) out = earlier(out, need.timer.next());
+    for (const Inquiry& inquiry : run->inquiries) out = earlier(out, inquiry.next());
+    for (const auto& [task, signature] : run->skips) out = earlier(out, signature.next);
     if (const auto end = run->next_end(last_->utc)) out = earlier(out, last_->mono + Duration{end->ns - last_->utc.ns});
   }
   return out;

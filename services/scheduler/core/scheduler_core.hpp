@@ -43,7 +43,7 @@ class SchedulerCore : public Core {
     Outbox& out;
   };
 
-  // One handler a body; on_run.cpp, on_results.cpp, on_abort.cpp, on_robot.cpp, on_query.cpp.
+  // One handler a body; on_run.cpp, on_results.cpp, on_abort.cpp, on_robot.cpp, on_sensor.cpp, on_query.cpp.
   void handle(const RunSubmit& body, const Inbound& from, Step step);
   void handle(const Baton& body, const Inbound& from, Step step);
   void handle(const BatonJournaled& body, const Inbound& from, Step step);
@@ -61,6 +61,8 @@ class SchedulerCore : public Core {
   void handle(const ExecutionState& body, const Inbound& from, Step step);
   void handle(const Outcome& body, const Inbound& from, Step step);
   void handle(const SignedRecord& body, const Inbound& from, Step step);
+  void handle(const RouteTable& body, const Inbound& from, Step step);
+  void handle(const SensorReading& body, const Inbound& from, Step step);
   void handle(const Nack& body, const Inbound& from, Step step);
   template <class Other>
   void handle(const Other& body, const Inbound& from, Step step);
@@ -74,11 +76,15 @@ class SchedulerCore : public Core {
   Run* run_or_hold(const std::string& run, const Blob& digest, const Inbound& from, Step step);
   void install(Run run, const SignedRecord& start, bool submitted_here, Step step);
   void keep_result(Run& run, scheduler::HeldResult held, Step step);
+  void keep_choice(Run& run, scheduler::HeldChoice held, Step step);
+  /// Keeps a choice or a SKIPPED result that was being signed; false if the record is neither.
+  bool keep_signed(Run& run, const SignedRecord& record, Step step);
+  void refused_reading(const Nack& nack, const Inbound& from, Step step);
   Status check_baton(const Run& run, const Baton& baton, Step step) const;
   /// Journals that another node has what it was owed.
   void delivered(Run& run, scheduler::DutyKind kind, const Inbound& from, std::vector<TaskIndex> tasks, Step step);
 
-  // The end of every step: advance.cpp, passing.cpp.
+  // The end of every step: advance.cpp, choosing.cpp, passing.cpp.
   void advance(Step step);
   void end_runs(Step step);
   void end_run(Run& run, Step step);
@@ -88,6 +94,12 @@ class SchedulerCore : public Core {
   void start(Run& run, TaskIndex task, Step step);
   [[nodiscard]] bool may_start(const Run& run, UtcTime now) const;
   void tell_progress(const Run& run, const AttemptKey& key, TaskState state, Step step);
+  void decide(Run& run, Step step);
+  void inquire(Run& run, Step step);
+  void skip(Run& run, Step step);
+  void choose_by(const SensorReading& reading, const std::string& node, Run& run, scheduler::Inquiry& inquiry,
+                 Step step);
+  void tell_waiting(const Run& run, TaskIndex task, const std::string& what, Step step);
   void pass_on(Run& run, Step step);
   void send(const Run& run, const scheduler::Duty& duty, Step step);
   void ask_needs(Run& run, Step step);

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "common/scenario/condition.hpp"
+
 namespace trb::scheduler {
 namespace {
 
@@ -42,6 +44,25 @@ std::string robot_text(const Run& run, const Executor& executor) {
   return {};
 }
 
+/// What a condition waits for, that is evaluated here or by whoever has told.
+std::string condition_obstacle(const Run& run) {
+  for (const Inquiry& inquiry : run.inquiries) {
+    if (!inquiry.obstacle().empty()) return inquiry.obstacle();
+  }
+  for (const auto& [task, told] : run.waits) {
+    if (!told.empty()) return told;
+  }
+  return {};
+}
+
+std::string condition_of(const Run& run, TaskIndex task) {
+  if (!run.is_conditional(task)) return {};
+  const Condition& condition = run.tasks()[task].when.front();
+  const HeldChoice* held = run.choice_on(task);
+  if (held == nullptr) return condition_text(condition);
+  return verdict_text(condition, held->choice.node, held->choice.reading);
+}
+
 TaskState state_by_outcome(TaskOutcome outcome) {
   switch (outcome) {
     case TaskOutcome::finished:
@@ -59,26 +80,33 @@ TaskState state_by_outcome(TaskOutcome outcome) {
   return TaskState::waiting;
 }
 
+/// What a baton has said of a task.
+struct Known {
+  bool is_final = false;
+  bool skipped = false;
+};
+
 /// The state of a task whose result is not held.
-TaskState open_state(const Run& run, const Executor& executor, TaskIndex task, bool known_final) {
+TaskState open_state(const Run& run, const Executor& executor, TaskIndex task, Known known) {
   if (executor.runs(run.id()) && executor.attempt()->execute.key.task == run.tasks()[task].id) {
     return executor.attempt()->phase == Phase::running ? TaskState::running : TaskState::initializing;
   }
-  if (known_final) return TaskState::finished;
+  if (known.is_final) return known.skipped ? TaskState::skipped : TaskState::finished;
   const auto told = run.progress.find(task);
   return told == run.progress.end() ? TaskState::waiting : told->second;
 }
 
-TaskView task_view(const Run& run, const Executor& executor, TaskIndex task, bool known_final) {
+TaskView task_view(const Run& run, const Executor& executor, TaskIndex task, Known known) {
   const Task& is = run.tasks()[task];
   TaskView view;
   view.id = is.id;
   view.robot = run.robot_of(task);
   view.skill = is.skill;
   view.after = is.after;
+  view.condition = condition_of(run, task);
   const HeldResult* held = run.results().of(task);
   if (held == nullptr) {
-    view.state = open_state(run, executor, task, known_final);
+    view.state = open_state(run, executor, task, known);
     return view;
   }
   const TaskResult& result = held->result;
@@ -116,6 +144,7 @@ std::string waits_for(const Run& run, const Executor& executor, UtcTime now) {
       break;
     case RunState::running:
       out = robot_text(run, executor);
+      if (out.empty()) out = condition_obstacle(run);
       break;
     case RunState::finished:
     case RunState::aborted:
@@ -136,8 +165,9 @@ RunView view_of(const Run& run, const Executor& executor, UtcTime now) {
   view.created = run.start().created;
   view.expires = run.start().expires;
   const std::vector<bool> known = run.known_final();
+  const std::vector<bool> skipped = run.known_skipped();
   for (std::size_t i = 0; i < run.tasks().size(); ++i) {
-    view.tasks.push_back(task_view(run, executor, static_cast<TaskIndex>(i), known[i]));
+    view.tasks.push_back(task_view(run, executor, static_cast<TaskIndex>(i), {known[i], skipped[i]}));
   }
   return view;
 }

@@ -41,6 +41,9 @@ Result<std::string> run_of(const Body& record) {
                         [](const JournalResult& is) -> Run {
                           return run_in<TaskResult>(is.result, [](const TaskResult& result) { return result.key.run; });
                         },
+                        [](const JournalChoice& is) -> Run {
+                          return run_in<Choice>(is.choice, [](const Choice& choice) { return choice.run; });
+                        },
                         [](const JournalDelivered& is) -> Run { return is.run; },
                         [](const JournalAbort& is) -> Run {
                           return run_in<AbortOrder>(is.order, [](const AbortOrder& order) { return order.run; });

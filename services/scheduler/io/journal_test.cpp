@@ -35,6 +35,12 @@ Body result_of(const std::string& run) {
   return JournalResult{{"result", "ur3", {encode(result)}, {"s"}}};
 }
 
+Body choice_of(const std::string& run) {
+  Choice choice;
+  choice.run = run;
+  return JournalChoice{{"choice", "ur3", {encode(choice)}, {"s"}}};
+}
+
 std::unique_ptr<JournalFile> opened(const Folder& folder) {
   auto file = JournalFile::open(folder.file());
   REQUIRE_MESSAGE(file.ok(), (file ? "" : file.error().text()));
@@ -56,16 +62,17 @@ TEST_CASE("records come back in the order of writing, also after the file is ope
     auto journal = opened(folder);
     CHECK(journal->commit({}).ok());
     CHECK(journal->commit({{start_of("b", "one")}, {result_of("b")}}).ok());
-    CHECK(journal->commit({{start_of("a", "two")}}).ok());
-    CHECK(journal->load()->size() == 3);
+    CHECK(journal->commit({{start_of("a", "two")}, {choice_of("a")}}).ok());
+    CHECK(journal->load()->size() == 4);
   }
   const auto records = opened(folder)->load();
   REQUIRE(records.ok());
-  REQUIRE(records->size() == 3);
+  REQUIRE(records->size() == 4);
   CHECK(std::get<JournalStart>((*records)[0]).key == AttemptKey{"b", "one", 1, 1});
   CHECK(std::get<JournalStart>((*records)[0]).instance == 7);
   CHECK(std::holds_alternative<JournalResult>((*records)[1]));
   CHECK(std::get<JournalStart>((*records)[2]).key.run == "a");
+  CHECK(std::holds_alternative<JournalChoice>((*records)[3]));
 }
 
 TEST_CASE("a tombstone takes the place of its run's records, until its own time has come") {

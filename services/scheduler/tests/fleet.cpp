@@ -145,18 +145,40 @@ void Fleet::send_local(Node& node, const Inbound& message) {
   if (chance(weather.local_loss)) return;
   if (const auto* request = std::get_if<SignRequest>(&message.body)) {
     REQUIRE(may_sign(node.role, request->kind));
-    Inbound answer{MessageType::information,
-                   node.id,
-                   node.id,
-                   ++count_,
-                   message.id,
-                   0,
-                   1000,
-                   sign(node.id, request->kind, request->payload.bytes)};
-    post({node.id, false, false, answer}, seconds(0.002));
+    REQUIRE(may_have_signed("scheduler", false, request->kind));
+    answer(node.id, message, seconds(0.002), sign(node.id, request->kind, request->payload.bytes));
+  } else if (std::holds_alternative<RouteListRequest>(message.body)) {
+    answer(node.id, message, seconds(0.001), routes(node));
+  } else if (std::holds_alternative<SensorRead>(message.body)) {
+    read_sensor(node, message);
   } else {
     post({node.id, true, false, message}, seconds(0.001));
   }
+}
+
+void Fleet::answer(const std::string& from, const Inbound& asked, Duration delay, Body body) {
+  post({asked.source,
+        false,
+        false,
+        {MessageType::information, from, asked.source, ++count_, asked.id, 0, 1000, std::move(body)}},
+       delay);
+}
+
+void Fleet::read_sensor(Node& node, const Inbound& message) {
+  if (!node.sensors.hangs)
+    answer(node.id, message, seconds(0.01), node.sensors.answer(std::get<SensorRead>(message.body)));
+}
+
+RouteTable Fleet::routes(const Node& node) const {
+  RouteTable table{node.id, {}};
+  for (const auto& [id, other] : nodes_) {
+    Route route;
+    route.id = id;
+    route.state = id == node.id ? "self" : node.cut || other.cut ? "CONNECTION_BROKEN" : "ONLINE";
+    route.profile.plugged = other.sensors.infos();
+    table.routes.push_back(std::move(route));
+  }
+  return table;
 }
 
 void Fleet::nack(Node& node, const Inbound& message, Errc code) {
@@ -171,6 +193,10 @@ void Fleet::send_away(Node& node, const Inbound& message) {
   REQUIRE(target != nodes_.end());
   ++carried[std::string(subtype_of(message.body))];
   if (node.cut || target->second.cut) return nack(node, message, Errc::peer_unreachable);
+  if (std::holds_alternative<SensorRead>(message.body)) {
+    if (!chance(weather.loss)) read_sensor(target->second, message);
+    return;
+  }
   if (!target->second.up) return nack(node, message, Errc::no_service);
   const int copies = chance(weather.loss) ? 0 : (chance(weather.twice) ? 2 : 1);
   for (int i = 0; i < copies; ++i) {

@@ -11,6 +11,7 @@
 #include "common/security/keys.hpp"
 #include "services/scheduler/core/scheduler_core.hpp"
 #include "services/scheduler/tests/fake_adapter.hpp"
+#include "services/scheduler/tests/fake_sensors.hpp"
 
 namespace trb::scheduler::test {
 
@@ -31,6 +32,7 @@ struct Node {
   bool up = false;
   std::unique_ptr<SchedulerCore> core;
   FakeAdapter adapter;
+  FakeSensors sensors;
   std::vector<Body> journal;
   std::size_t commits = 0;   ///< steps that have journaled something
   std::size_t crash_at = 0;  ///< ends the process at this commit; 0: never
@@ -90,6 +92,9 @@ class Fleet {
   void send_local(Node& node, const Inbound& message);
   void send_away(Node& node, const Inbound& message);
   void nack(Node& node, const Inbound& message, Errc code);
+  void answer(const std::string& from, const Inbound& asked, Duration delay, Body body);
+  void read_sensor(Node& node, const Inbound& message);
+  [[nodiscard]] RouteTable routes(const Node& node) const;
   void happen(Event event);
   void run_adapter(Node& node);
   void run_core(Node& node, const std::function<void(SchedulerCore&, Outbox&)>& step);

@@ -1,0 +1,138 @@
+// SchedulerCore: conditions of tasks. What could start is asked for, chosen once, journaled; what is not to be done is
+// SKIPPED, and its robot not bothered.
+#include <algorithm>
+
+#include "services/scheduler/core/scheduler_core.hpp"
+
+namespace trb {
+
+using namespace scheduler;
+
+namespace {
+
+bool same_source(const Run& run, TaskIndex task, const Inquiry& inquiry) {
+  return source_of(run.tasks()[task].when.front()) == source_of(inquiry.condition());
+}
+
+}  // namespace
+
+void SchedulerCore::decide(Run& run, Step step) {
+  if (!run.has_conditions()) return;
+  if (!may_start(run, step.now.utc)) {
+    run.inquiries.clear();
+    run.skips.clear();
+    return;
+  }
+  inquire(run, step);
+  skip(run, step);
+}
+
+void SchedulerCore::inquire(Run& run, Step step) {
+  const std::vector<TaskIndex> open = run.to_choose();
+  const auto find_inquiry = [&](TaskIndex task) {
+    return std::find_if(run.inquiries.begin(), run.inquiries.end(),
+                        [&](const Inquiry& one) { return same_source(run, task, one); });
+  };
+  std::erase_if(run.inquiries, [&](const Inquiry& one) {
+    return std::none_of(open.begin(), open.end(), [&](TaskIndex task) { return same_source(run, task, one); });
+  });
+  for (const TaskIndex task : open) {
+    if (find_inquiry(task) == run.inquiries.end()) {
+      run.inquiries.emplace_back(settings_.node, run.tasks()[task].when.front());
+    }
+  }
+  for (Inquiry& inquiry : run.inquiries) {
+    inquiry.tick(step.now, step.out);
+    if (!inquiry.take_news()) continue;
+    const auto first =
+        std::find_if(open.begin(), open.end(), [&](TaskIndex task) { return same_source(run, task, inquiry); });
+    tell_waiting(run, *first, inquiry.obstacle(), step);
+  }
+}
+
+void SchedulerCore::tell_waiting(const Run& run, TaskIndex task, const std::string& what, Step step) {
+  const TaskProgress progress{{run.id(), run.tasks()[task].id, 1, 1}, settings_.node, TaskState::waiting, what};
+  for (const std::string& cloud : run.clouds()) step.out.information(cloud, progress);
+}
+
+void SchedulerCore::skip(Run& run, Step step) {
+  const std::vector<TaskIndex> open = run.skippable();
+  std::erase_if(run.skips, [&](const auto& one) { return !std::binary_search(open.begin(), open.end(), one.first); });
+  for (const TaskIndex task : open) {
+    const auto [at, is_new] = run.skips.try_emplace(task);
+    if (is_new)
+      at->second = {std::string(kSignedResult), encode(run.skipped_result(task, step.now.utc)), step.now.mono};
+    at->second.tick(settings_.node, step.now, step.out);
+  }
+}
+
+/// Evaluates every condition that waits for this reading, at once: 19.9 and 20.1 never run both branches.
+void SchedulerCore::choose_by(const SensorReading& reading, const std::string& node, Run& run, Inquiry& inquiry,
+                              Step step) {
+  Choice choice;
+  choice.run = run.id();
+  choice.digest = run.start().digest;
+  choice.epoch = run.start().first.epoch;
+  choice.by = settings_.node;
+  for (const TaskIndex task : run.to_choose()) {
+    if (!same_source(run, task, inquiry)) continue;
+    choice.tasks.push_back({run.tasks()[task].id, 1, holds(run.tasks()[task].when.front(), reading)});
+  }
+  choice.node = node;
+  choice.reading = reading;
+  choice.time = step.now.utc.ns;
+  if (!choice.tasks.empty()) inquiry.sign(encode(choice), step.now, step.out);
+}
+
+void SchedulerCore::keep_choice(Run& run, HeldChoice held, Step step) {
+  const std::string name = "run " + run.id() + ": ";
+  for (const ChosenTask& chosen : held.choice.tasks) {
+    const HeldChoice* known = run.choice_on(*run.index_of(chosen.task));
+    if (known == nullptr || known->record.payload == held.record.payload) continue;
+    step.out.count("double_choice");
+    step.out.log(LogLevel::error, "double_choice",
+                 name + "'" + held.choice.by + "' has chosen twice on task '" + chosen.task + "'; the first one holds");
+  }
+  const SignedRecord record = held.record;
+  const Choice choice = held.choice;
+  if (!run.add(std::move(held))) return;
+  step.out.record(JournalChoice{record});
+  for (const ChosenTask& chosen : choice.tasks) {
+    const Condition& condition = run.tasks()[*run.index_of(chosen.task)].when.front();
+    step.out.log(LogLevel::info, "choice_kept",
+                 name + "task '" + chosen.task + "': " + verdict_text(condition, choice.node, choice.reading));
+  }
+}
+
+bool SchedulerCore::keep_signed(Run& run, const SignedRecord& record, Step step) {
+  const auto inquiry =
+      std::find_if(run.inquiries.begin(), run.inquiries.end(), [&](const Inquiry& one) { return one.signs(record); });
+  const auto skip = std::find_if(run.skips.begin(), run.skips.end(), [&](const auto& one) {
+    return one.second.kind == record.kind && one.second.payload == record.payload.bytes;
+  });
+  Status checked = Done{};
+  if (inquiry != run.inquiries.end()) {
+    auto held = run.check_choice(record);
+    if (!held) {
+      checked = held.error();
+    } else {
+      if (!inquiry->obstacle().empty()) tell_waiting(run, *run.index_of(held->choice.tasks.front().task), {}, step);
+      run.inquiries.erase(inquiry);
+      keep_choice(run, std::move(*held), step);
+    }
+  } else if (skip != run.skips.end()) {
+    auto held = run.check_result(record);
+    if (!held) {
+      checked = held.error();
+    } else {
+      run.skips.erase(skip);
+      keep_result(run, std::move(*held), step);
+    }
+  } else {
+    return false;
+  }
+  if (!checked) step.out.log(LogLevel::error, "own_signature_wrong", checked.error().text());
+  return true;
+}
+
+}  // namespace trb

@@ -1,0 +1,104 @@
+// Run: what becomes of a task whose predecessors are final: conditions, choices on them, and what is SKIPPED.
+#include <algorithm>
+
+#include "common/scenario/condition.hpp"
+#include "proto/body.hpp"
+#include "services/scheduler/core/run.hpp"
+
+namespace trb::scheduler {
+
+Result<HeldChoice> Run::check_choice(const SignedRecord& record) const {
+  const auto signer = members_.find(record.signer);
+  if (signer == members_.end()) {
+    return fail(Errc::not_permitted, "run " + id() + ": '" + record.signer + "' is no member");
+  }
+  auto choice = open_record<Choice>(record, kSignedChoice, signer->second);
+  if (!choice) return choice.error();
+  const std::string name = "run " + id() + ": choice of '" + record.signer + "': ";
+  if (choice->run != id() || choice->digest != start_.digest) return fail(Errc::conflict, name + "of another run");
+  if (choice->epoch != start_.first.epoch) return fail(Errc::conflict, name + "of another epoch");
+  if (choice->by != record.signer) return fail(Errc::source_mismatch, name + "it names another node");
+  if (choice->tasks.empty()) return fail(Errc::bad_value, name + "on no task");
+  for (const ChosenTask& chosen : choice->tasks) {
+    const auto task = index_of(chosen.task);
+    if (!task || !is_conditional(*task) || chosen.iteration != 1) {
+      return fail(Errc::bad_value, name + "there is none on task '" + chosen.task + "'");
+    }
+    if (chooser_of(*task) != record.signer) {
+      return fail(Errc::not_permitted, name + "on task '" + chosen.task + "' it is another's");
+    }
+    const Condition& condition = tasks()[*task].when.front();
+    const bool bound = !condition.of.empty() && condition.identity.empty();
+    const bool elsewhere = bound && choice->node != condition.of;
+    const bool other = !condition.identity.empty() && choice->reading.identity != condition.identity;
+    if (elsewhere || other) return fail(Errc::bad_value, name + "on task '" + chosen.task + "' by another sensor");
+    if (!believe(condition, choice->reading) || holds(condition, choice->reading) != chosen.holds) {
+      return fail(Errc::bad_value, name + "on task '" + chosen.task + "' its own reading says otherwise");
+    }
+  }
+  return HeldChoice{record, std::move(*choice)};
+}
+
+const HeldChoice* Run::choice_on(TaskIndex task) const {
+  const auto found = choices_.find(task);
+  return found == choices_.end() ? nullptr : found->second.get();
+}
+
+bool Run::all_before_final(TaskIndex task) const {
+  const auto& after = tasks()[task].after;
+  return std::all_of(after.begin(), after.end(), [&](TaskIndex before) { return results_.has_final(before); });
+}
+
+bool Run::all_before_skipped(TaskIndex task) const {
+  const auto& after = tasks()[task].after;
+  return !after.empty() &&
+         std::all_of(after.begin(), after.end(), [&](TaskIndex before) { return results_.is_skipped(before); });
+}
+
+Fate Run::fate_of(TaskIndex task) const {
+  if (all_before_skipped(task)) return Fate::skipped;
+  if (!is_conditional(task)) return Fate::goes;
+  const HeldChoice* held = choice_on(task);
+  if (held == nullptr) return Fate::undecided;
+  return holds(tasks()[task].when.front(), held->choice.reading) ? Fate::goes : Fate::skipped;
+}
+
+std::vector<TaskIndex> Run::own_tasks_that(Fate fate) const {
+  std::vector<TaskIndex> out;
+  for (const TaskIndex task : own_tasks_) {
+    if (starts_.contains(task) || results_.of(task) != nullptr) continue;
+    if (all_before_final(task) && fate_of(task) == fate) out.push_back(task);
+  }
+  return out;
+}
+
+std::vector<TaskIndex> Run::to_choose() const {
+  std::vector<TaskIndex> out;
+  for (const TaskIndex task : concern_) {
+    if (!chooses_here(task) || results_.of(task) != nullptr) continue;
+    if (all_before_final(task) && fate_of(task) == Fate::undecided) out.push_back(task);
+  }
+  return out;
+}
+
+TaskResult Run::skipped_result(TaskIndex task, UtcTime now) const {
+  TaskResult out;
+  out.key = {id(), tasks()[task].id, 1, 1};
+  out.digest = start_.digest;
+  out.epoch = start_.first.epoch;
+  out.robot = self_;
+  out.outcome = TaskOutcome::skipped;
+  out.started = now.ns;
+  out.ended = now.ns;
+  const HeldChoice* held = choice_on(task);
+  if (all_before_skipped(task) || held == nullptr) {
+    out.reason = "every task before it was skipped";
+  } else {
+    const Choice& choice = held->choice;
+    out.reason = verdict_text(tasks()[task].when.front(), choice.node, choice.reading).substr(0, 1024);
+    out.data = to_json(choice.reading);
+  }
+  return out;
+}
+
+}  // namespace trb::scheduler
