@@ -26,6 +26,7 @@ std::vector<Command> fleet_news_commands();
 std::vector<Command> proof_commands();
 std::vector<Command> robot_check_commands();
 std::vector<Command> robot_conform_commands();
+std::vector<Command> sensor_commands();
 
 /// `trb help TOPIC`; the empty topic lists them. Empty if there is no such topic.
 std::string topic_text(const std::string& topic);

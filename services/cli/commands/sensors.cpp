@@ -1,0 +1,334 @@
+// sensor list, sensor read, sensor watch.
+#include <cstdio>
+#include <filesystem>
+
+#include "common/base/files.hpp"
+#include "common/security/keys.hpp"
+#include "common/transport/loop.hpp"
+#include "services/cli/commands/command.hpp"
+#include "services/cli/core/sensors.hpp"
+#include "services/cli/core/table.hpp"
+#include "services/cli/io/print.hpp"
+#include "services/cli/io/probe.hpp"
+
+namespace trb::cli {
+namespace {
+
+constexpr double kReadWait_s = 20;
+constexpr double kLease_s = 10;
+constexpr Duration kRenew = std::chrono::seconds(3);
+constexpr Duration kLookAgain = std::chrono::milliseconds(500);
+constexpr int kPictureTries = 3;
+
+std::string or_dash(const std::string& text) {
+  return text.empty() ? "-" : text;
+}
+
+// ---- list
+
+void print_sensors(const RouteTable& table) {
+  std::vector<std::vector<std::string>> rows{{"NODE", "SENSOR", "KIND", "UNIT", "STATE", "IDENTITY", "DEVICE", "WHY"}};
+  for (const FoundSensor& one : all_sensors(table)) {
+    const SensorInfo& info = one.info;
+    rows.push_back({one.node, info.name, info.kind, or_dash(info.unit),
+                    one.reached() ? std::string(name_of(info.state)) : "node is " + one.node_state,
+                    or_dash(info.identity), or_dash(info.device), or_dash(info.detail)});
+  }
+  print(format_table(rows));
+  if (rows.size() == 1) print_line("nothing is plugged in; trb sensor list --unknown shows what no rule knows");
+}
+
+Value sensors_json(const RouteTable& table) {
+  Value::List list;
+  for (const FoundSensor& one : all_sensors(table)) {
+    Value json = *parse_json(to_json(NodeSensors{{one.info}}));
+    Value sensor = json.find("sensors")->list().front();
+    auto& members = std::get<Value::Object>(sensor.is);
+    members.insert(members.begin(), {{"node", Value{one.node}}, {"node_state", Value{one.node_state}}});
+    list.push_back(std::move(sensor));
+  }
+  return Value{Value::Object{{"sensors", Value{std::move(list)}}}};
+}
+
+void print_unknown(const SensorTable& table) {
+  if (!table.bus.empty()) print_line("the D-Bus: " + table.bus + "\n");
+  if (table.unknown.empty()) print_line(table.node + ": every device that could be a sensor is known to a rule");
+  for (const UnknownDevice& one : table.unknown) {
+    print_line(one.device + "\n\n" + one.properties + "\na rule to edit, for NODE_DIR/sensors/NAME.json:\n\n" +
+               one.rule + "\n");
+  }
+}
+
+int run_list(const Arguments& arguments) {
+  auto probe = open_probe(arguments);
+  if (!probe) return kFailed;
+  if (arguments.has("--unknown")) {
+    auto table = probe->ask_node<SensorTable>(SensorListRequest{true});
+    if (!table) return print_error(arguments, table.error());
+    arguments.has("--json") ? print_line(to_json(*table)) : print_unknown(*table);
+    return kGood;
+  }
+  auto table = probe->ask_node<RouteTable>(RouteListRequest{});
+  if (!table) return print_error(arguments, table.error());
+  arguments.has("--json") ? print_json(sensors_json(*table)) : print_sensors(*table);
+  return kGood;
+}
+
+// ---- read
+
+SensorWish wish_of(const Arguments& arguments) {
+  return {arguments.words.empty() ? "" : arguments.words[0], arguments.get("--of"), arguments.get("--identity")};
+}
+
+Status check_wish(const SensorWish& wish) {
+  if (!wish.name.empty() || !wish.identity.empty()) return Done{};
+  return fail(Errc::missing, "which sensor?", "name one, or give --identity; trb sensor list has them");
+}
+
+Result<FoundSensor> look_up(Probe& probe, const SensorWish& wish) {
+  auto table = probe.ask_node<RouteTable>(RouteListRequest{});
+  if (!table) return table.error();
+  return find_sensor(*table, wish);
+}
+
+std::string value_text(const SensorReading& reading) {
+  if (reading.is_text) return reading.text;
+  char number[40];
+  std::snprintf(number, sizeof number, "%.10g", reading.number);
+  return number + (reading.unit.empty() ? "" : " " + reading.unit);
+}
+
+void print_reading(const Arguments& arguments, const std::string& node, const SensorReading& reading) {
+  if (arguments.has("--json")) {
+    Value json = *parse_json(to_json(reading));
+    auto& members = std::get<Value::Object>(json.is);
+    members.insert(members.begin(), {"node", Value{node}});
+    print_json(json);
+  } else {
+    char age[40];
+    std::snprintf(age, sizeof age, "%.1f s old", reading.age_s);
+    print_line(to_iso8601({reading.time}) + "  " + node + "  " + reading.sensor + "  " + value_text(reading) + "  " +
+               reading.quality + ", " + age);
+  }
+  std::fflush(stdout);
+}
+
+int read_value(const Arguments& arguments, Probe& probe, const FoundSensor& sensor, double wait_s) {
+  const SensorRead body{sensor.info.name, sensor.info.identity, arguments.has("--timeout") ? wait_s : 0};
+  const auto left = static_cast<std::uint32_t>(wait_s * 1000);
+  auto answer =
+      probe.ask({.type = MessageType::request, .target = sensor.node, .remaining_ms = left + 1000, .body = body},
+                seconds(wait_s + 1));
+  if (!answer) return print_error(arguments, answer.error());
+  const auto reading = decode<SensorReading>(answer->data);
+  if (!reading) return print_error(arguments, reading.error());
+  print_reading(arguments, answer->source, *reading);
+  return kGood;
+}
+
+/// A picture may get lost on its way: whoever hears nothing asks again.
+Result<SensorImage> take_picture(Probe& probe, const FoundSensor& sensor, double wait_s) {
+  Result<Message> answer = fail(Errc::timeout, "");
+  for (int i = 0; i < kPictureTries; ++i) {
+    const SensorSnapshot body{sensor.info.name, sensor.info.identity};
+    answer =
+        probe.ask({.type = MessageType::request, .target = sensor.node, .body = body}, seconds(wait_s / kPictureTries));
+    if (answer) return decode<SensorImage>(answer->data);
+    if (answer.error().code != Errc::timeout) break;
+  }
+  return answer.error();
+}
+
+int read_picture(const Arguments& arguments, Probe& probe, const FoundSensor& sensor, double wait_s) {
+  const std::string file = arguments.get("--save");
+  if (file.empty()) {
+    return print_error(arguments,
+                       fail(Errc::missing, sensor.info.name + " tells pictures", "say where to: --save FILE"));
+  }
+  auto image = take_picture(probe, sensor, wait_s);
+  if (!image) return print_error(arguments, image.error());
+  if (Status written = write_file(file, image->bytes.bytes); !written) return print_error(arguments, written.error());
+  if (arguments.has("--json")) {
+    print_json(Value{Value::Object{{"node", Value{sensor.node}},
+                                   {"sensor", Value{image->sensor}},
+                                   {"media_type", Value{image->media_type}},
+                                   {"time", Value{to_iso8601({image->time})}},
+                                   {"file", Value{file}},
+                                   {"size", Value{static_cast<std::int64_t>(image->bytes.bytes.size())}}}});
+  } else {
+    print_line(to_iso8601({image->time}) + "  " + sensor.node + "  " + image->sensor + "  " + image->media_type + ", " +
+               std::to_string(image->bytes.bytes.size()) + " bytes: " + file);
+  }
+  return kGood;
+}
+
+int run_read(const Arguments& arguments) {
+  const SensorWish wish = wish_of(arguments);
+  if (Status clear = check_wish(wish); !clear) {
+    print_error(arguments, clear.error());
+    return kWrongUse;
+  }
+  const auto wait = arguments.number("--timeout", kReadWait_s);
+  if (!wait) return print_error(arguments, wait.error());
+  std::string save = arguments.get("--save");
+  Arguments absolute = arguments;
+  if (!save.empty())
+    absolute.options["--save"] = std::filesystem::absolute(save).string();  // a probe goes into the node's folder
+  auto probe = open_probe(arguments);
+  if (!probe) return kFailed;
+  const auto sensor = look_up(*probe, wish);
+  if (!sensor) return print_error(arguments, sensor.error());
+  if (sensor->info.kind == "image" || !save.empty()) return read_picture(absolute, *probe, *sensor, *wait);
+  return read_value(arguments, *probe, *sensor, *wait);
+}
+
+// ---- watch
+
+/// One watch, kept up: renewed, and found again when the sensor is elsewhere.
+class Watcher {
+ public:
+  Watcher(const Arguments& arguments, Probe& probe, SensorWish wish, double every_s)
+      : arguments_(arguments), probe_(probe), wish_(std::move(wish)), every_s_(every_s), number_(random_u64()) {}
+
+  /// Until `count` values were told or the time is over.
+  int run(double count, MonotonicTime end) {
+    if (Status begun = begin(); !begun) return print_error(arguments_, begun.error());
+    double told = 0;
+    while (told < count) {
+      const Now now = read_clocks();
+      if (now.mono >= end) break;
+      if (now.mono >= next_) renew();
+      auto message = probe_.receive(std::min(next_, end) - now.mono);
+      if (message && take(*message)) ++told;
+    }
+    if (here_) order(0);
+    return told > 0 || count > 1e8 ? kGood : kFailed;
+  }
+
+ private:
+  Status begin() {
+    auto found = look_up(probe_, wish_);
+    if (!found) return found.error();
+    sensor_ = *found;
+    if (sensor_.info.kind == "image")
+      return fail(Errc::bad_value, sensor_.info.name + " tells pictures", "use trb sensor read --save FILE");
+    // From now on it is this very device, wherever it is plugged in; by another name, maybe.
+    if (!sensor_.info.identity.empty() && wish_.node.empty()) wish_ = {sensor_.info.kind, "", sensor_.info.identity};
+    auto answer = probe_.ask(order_of(kLease_s));
+    if (!answer) return answer.error();
+    here_ = true;
+    next_ = read_clocks().mono + kRenew;
+    return Done{};
+  }
+
+  Send order_of(double lease_s) const {
+    return {.type = MessageType::request,
+            .target = sensor_.node,
+            .body = SensorWatch{sensor_.info.name, sensor_.info.identity, number_, every_s_, lease_s}};
+  }
+  void order(double lease_s) { probe_.send(order_of(lease_s)); }
+
+  void renew() {
+    if (here_) {
+      order(kLease_s);
+      next_ = read_clocks().mono + kRenew;
+      return;
+    }
+    next_ = read_clocks().mono + kLookAgain;
+    if (auto found = look_up(probe_, wish_); found && found->reached()) {
+      sensor_ = *found;
+      here_ = true;
+      order(kLease_s);
+      next_ = read_clocks().mono + kRenew;
+      say("asks " + sensor_.node + " for " + sensor_.info.name);
+    }
+  }
+
+  bool take(const Message& message) {
+    if (message.subtype == SensorReading::kSubtype && message.source == sensor_.node) {
+      const auto reading = decode<SensorReading>(message.data);
+      if (!reading || reading->watch != number_) return false;
+      print_reading(arguments_, message.source, *reading);
+      return true;
+    }
+    if (message.subtype == Nack::kSubtype) {
+      if (auto nack = decode<Nack>(message.data); nack && here_) lost(nack->what);
+    }
+    return false;
+  }
+  void lost(const std::string& why) {
+    here_ = false;
+    next_ = read_clocks().mono + kLookAgain / 5;
+    say(why + "; looks for it");
+  }
+  static void say(const std::string& text) { std::fprintf(stderr, "trb: %s\n", text.c_str()); }
+
+  const Arguments& arguments_;
+  Probe& probe_;
+  SensorWish wish_;
+  double every_s_;
+  std::uint64_t number_;
+  FoundSensor sensor_;
+  bool here_ = false;
+  MonotonicTime next_;
+};
+
+int run_watch(const Arguments& arguments) {
+  const SensorWish wish = wish_of(arguments);
+  if (Status clear = check_wish(wish); !clear) {
+    print_error(arguments, clear.error());
+    return kWrongUse;
+  }
+  const auto every = arguments.number("--every", 1);
+  const auto count = arguments.number("--count", 1e9);
+  const auto time = arguments.number("--timeout", 1e8);
+  for (const auto* number : {&every, &count, &time}) {
+    if (!*number) return print_error(arguments, number->error());
+  }
+  auto probe = open_probe(arguments);
+  if (!probe) return kFailed;
+  return Watcher(arguments, *probe, wish, *every).run(*count, read_clocks().mono + seconds(*time));
+}
+
+const std::string kNode = "--node DIR|the node to speak from (else TRB_NODE, else this folder)";
+const std::string kJson = "--json|for programs";
+const std::string kOf = "--of NODE|of this node (else of any that has it)";
+const std::string kIdentity = "--identity SERIAL|the device with this serial number, wherever it is plugged in";
+
+}  // namespace
+
+std::vector<Command> sensor_commands() {
+  return {
+      {{"sensor", "list"},
+       {"sensor list",
+        "Sensors that are plugged into the nodes' computers, or fed by programs there.",
+        {kNode, "--unknown|devices of this node that no rule knows, each with a rule to edit", kJson},
+        {"trb sensor list", "trb sensor list --unknown --node nodes/conveyor"},
+        0,
+        0},
+       run_list},
+      {{"sensor", "read"},
+       {"sensor read [NAME]",
+        "Asks for one value, the next that the sensor tells. NAME is a sensor's name or its kind.",
+        {kNode, kOf, kIdentity, "--save FILE|a picture, of a camera",
+         "--timeout S|how long to wait for a value (three of its periods, 3 s at least)", kJson},
+        {"trb sensor read temperature", "trb sensor read temperature --of conveyor --json",
+         "trb sensor read --identity 28-0316a2795b8c", "trb sensor read camera --save hall.jpg"},
+        0,
+        1},
+       run_read},
+      {{"sensor", "watch"},
+       {"sensor watch [NAME]",
+        "Prints values as they come, until it is ended. A sensor with a serial number is followed to the node that it "
+        "is\n"
+        "plugged into next.",
+        {kNode, kOf, kIdentity, "--every S|at most so often (1)", "--count N|end after N values",
+         "--timeout S|end after S seconds", kJson},
+        {"trb sensor watch temperature", "trb sensor watch humidity --of hall --every 0.2 --count 10"},
+        0,
+        1},
+       run_watch},
+  };
+}
+
+}  // namespace trb::cli
