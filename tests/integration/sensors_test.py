@@ -9,9 +9,19 @@ import tempfile
 import time
 import unittest
 
+import dbus
+import dbus.bus
+import dbus.lowlevel
+
 from support import PROGRAMS, REPO, RouterFleet, make_fleet
 import trb_fleet
+from fake_devices import Devices
 
+NODES = ("hall", "office")
+RULE = {"match": {"subsystem": "hwmon", "attributes": {"name": "lm75"}}, "read": "attributes",
+        "identity": {"property": "ID_SERIAL_SHORT"},
+        "sensors": [{"name": "temperature", "kind": "temperature", "unit": "degC", "attribute": "temp?_input",
+                     "scale": 0.001, "every_s": 0.2}]}
 CONFIG = """<!DOCTYPE busconfig PUBLIC "-//freedesktop//DTD D-Bus Bus Configuration 1.0//EN"
  "http://www.freedesktop.org/standards/dbus/1.0/busconfig.dtd">
 <busconfig>
@@ -82,7 +92,8 @@ class Feeder:
     """A line of shell that emits a value five times a second."""
 
     def __init__(self, bus, name, value="double:47", more=""):
-        line = f"while :; do dbus-send --bus={bus.address} --type=signal /trbots/{name} trbots.{name}.value {value} {more}; sleep 0.2; done"
+        emit = f"dbus-send --bus={bus.address} --type=signal /trbots/{name} trbots.{name}.value {value} {more}"
+        line = f"while :; do {emit} 2>/dev/null; sleep 0.2; done"
         self.child = subprocess.Popen(["sh", "-c", line], preexec_fn=trb_fleet.end_with_parent)
 
     def stop(self):
@@ -90,60 +101,273 @@ class Feeder:
         self.child.wait()
 
 
-class SensorFleet(RouterFleet):
-    """Nodes with a sensor-bus, each with a D-Bus of its own."""
+def huge_signal(address, name, size):
+    """More than a command line holds."""
+    signal_message = dbus.lowlevel.SignalMessage(f"/trbots/{name}", f"trbots.{name}", "value")
+    signal_message.append("x" * size, signature="s")
+    connection = dbus.bus.BusConnection(address)
+    connection.send_message(signal_message)
+    connection.flush()
+    connection.close()
 
-    buses = {}
+
+class SensorFleet(RouterFleet):
+    """Nodes with a sensor-bus, each with a D-Bus and with devices of its own (umockdev's, by its preloaded library)."""
+
+    buses, devices = {}, {}
 
     def node_json(self, node):
         return {**super().node_json(node), "dbus": self.buses[node].address}
+
+    def make_node(self, node):
+        super().make_node(node)
+        (self.dir(node) / "sensors").mkdir()
+        (self.dir(node) / "sensors" / "chip.json").write_text(json.dumps(RULE))
+
+    def start_node(self, node):
+        command = [self.programs / "trb", "up", self.dir(node), "--die-with-parent"]
+        self.nodes[node] = trb_fleet.Process(command, self.root / f"up-{node}.log", env={**os.environ, **self.devices[node].env})
 
 
 class Sensors(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        cls.buses = {}
-        for node in ("hall", "office"):
+        SensorFleet.buses = cls.buses = {}
+        SensorFleet.devices = cls.devices = {}
+        for node in NODES:
             folder = tempfile.TemporaryDirectory(prefix="trb-bus-")
             cls.addClassCleanup(folder.cleanup)
             cls.buses[node] = Bus(pathlib.Path(folder.name))
             cls.addClassCleanup(cls.buses[node].stop)
-        SensorFleet.buses = cls.buses
+            cls.devices[node] = Devices(pathlib.Path(folder.name) / "devices.log")
+            cls.addClassCleanup(cls.devices[node].stop)
         cls.fleet = make_fleet(cls, SensorFleet, block=164, udp_port=50164,
-                               services={"hall": ["router", "sensor-bus"], "office": ["router", "sensor-bus"]})
-        cls.fleet.bring_up("hall", "office")
-        cls.fleet.wait("the nodes meet", lambda: all(cls.fleet.formed(n) for n in ("hall", "office")), 15)
-        cls.fleet.wait("the buses are there", lambda: not any(cls.bus_fault(n) for n in ("hall", "office")), 10)
+                               services={node: ["router", "sensor-bus"] for node in NODES})
+        cls.fleet.bring_up(*NODES)
+        cls.fleet.wait("the nodes meet", lambda: all(cls.fleet.formed(n) for n in NODES), 15)
+        for node in NODES:
+            cls.wait_bus(node)
+
+    # ---- what is seen
 
     @classmethod
     def table(cls, node):
-        done = cls.fleet.trb("request", node, "sensor_list", "--json", node=node, check=False)
-        return json.loads(done.stdout)["body"] if done.returncode == 0 else {"bus": done.stdout, "sensors": []}
+        done = cls.fleet.trb("sensor", "list", "--unknown", "--json", node=node, check=False)
+        return json.loads(done.stdout) if done.returncode == 0 else {"bus": done.stdout, "sensors": []}
 
     @classmethod
-    def bus_fault(cls, node):
-        return cls.table(node)["bus"]
+    def wait_bus(cls, node, there=True):
+        cls.fleet.wait(f"the bus of {node}: {there}", lambda: (cls.table(node)["bus"] == "") == there, 10)
+
+    def listed(self, node="office"):
+        """As a node sees the fleet: {(NODE, SENSOR): its row}."""
+        rows = self.fleet.json("sensor", "list", node=node)["sensors"]
+        return {(row["node"], row["name"]): row for row in rows}
+
+    def wait_listed(self, *key, there=True, node="office"):
+        self.fleet.wait(f"{key} listed: {there}", lambda: (key in self.listed(node)) == there, 8)
+
+    def read(self, sensor, *more, node="office", check=True):
+        """The reading, or the error."""
+        done = self.fleet.trb("sensor", "read", sensor, *more, "--json", node=node, check=False)
+        self.assertEqual(done.returncode == 0, check, done.stdout + done.stderr)
+        answer = json.loads(done.stdout)
+        return answer if check else answer["error"]
+
+    def wait_no_rule(self, node="hall", timeout=5):
+        self.fleet.wait("no rule is left", lambda: self.buses[node].rules_but_observer() == [], timeout)
+
+    def wait_rule(self, name, node="hall"):
+        self.fleet.wait(f"a rule for {name}",
+                        lambda: any(f"trbots.{name}" in rule for rule in self.buses[node].rules_but_observer()), 5)
+
+    def wait_logged(self, text, node="hall"):
+        log = self.fleet.dir(node) / "log" / "sensor-bus.log"
+        self.fleet.wait(f"{text!r} in {log}", lambda: text in log.read_text(errors="replace"), 5)
+
+    # ---- what is done
 
     def feed(self, name, *more, node="hall"):
         feeder = Feeder(self.buses[node], name, *more)
         self.addCleanup(feeder.stop)
         return feeder
 
-    def read(self, node, sensor, of="hall"):
-        """The reading, or the error."""
-        done = self.fleet.trb("request", of, "sensor_read", json.dumps({"sensor": sensor}), "--json", node=node, check=False)
-        answer = json.loads(done.stdout)
-        return answer.get("body", answer.get("error"))
+    def plug(self, node, milli_degrees=21500, serial="SN1"):
+        self.devices[node].plug("hwmon7", serial, milli_degrees)
+        self.addCleanup(self.unplug, node)
+
+    def unplug(self, node):
+        """Of what is not there, nothing."""
+        self.devices[node].unplug("hwmon7")
+
+    def watch(self, *arguments, node="office"):
+        command = [PROGRAMS / "trb", "sensor", "watch", *arguments, "--json", "--node", self.fleet.dir(node)]
+        watch = trb_fleet.Process(command, self.fleet.root / "watch.log")
+        self.addCleanup(watch.stop, signal.SIGKILL)
+        return watch
+
+    # ---- tests
 
     def test_a_line_of_shell_is_a_sensor_that_a_remote_node_reads_and_no_rule_is_left(self):
-        before = self.buses["hall"].rules()
-        self.assertEqual(len(before), 1)
+        self.assertEqual([OBSERVER in rule for rule in self.buses["hall"].rules()], [True])
         self.feed("humidity", "double:47", "string:percent")
-        self.fleet.wait("it is listed", lambda: any(s["name"] == "humidity" for s in self.table("hall")["sensors"]), 5)
-        for node in ("hall", "office"):
-            reading = self.read(node, "humidity")
-            self.assertEqual((reading["number"], reading["unit"], reading["quality"]), (47, "percent", "good"))
+        self.wait_listed("hall", "humidity")
+        before = self.buses["hall"].rules()
+        for node in NODES:
+            reading = self.read("humidity", node=node)
+            self.assertEqual((reading["node"], reading["number"], reading["unit"], reading["quality"]),
+                             ("hall", 47, "percent", "good"))
         self.assertEqual(self.buses["hall"].rules(), before)
+        self.assertEqual(self.fleet.json("request", "hall", "humidity", node="office")["data"], "47")
+        self.assertEqual(self.buses["hall"].rules(), before)
+
+    def test_any_basic_type_or_a_variant_of_it_is_a_value(self):
+        for name, value, number in (("whole", "int32:-3", -3), ("wide", "uint64:7", 7), ("yes", "boolean:true", 1),
+                                    ("boxed", "variant:double:2.5", 2.5), ("small", "byte:9", 9)):
+            feeder = self.feed(name, value)
+            self.assertEqual(self.read(name, "--of", "hall")["number"], number)
+            feeder.stop()
+        self.feed("tag", "string:04A1B2")
+        reading = self.read("tag", "--of", "hall")
+        self.assertEqual((reading["is_text"], reading["text"]), (True, "04A1B2"))
+
+    def test_a_device_is_told_to_the_fleet_and_its_values_are_signals_that_any_program_hears(self):
+        monitor = trb_fleet.Process(["dbus-monitor", "--address", self.buses["hall"].address, "path_namespace='/trbots'"],
+                                    self.fleet.root / "monitor.log")
+        self.addCleanup(monitor.stop)
+        self.plug("hall")
+        self.wait_listed("hall", "temperature")
+        row = self.listed()["hall", "temperature"]
+        self.assertEqual((row["kind"], row["unit"], row["identity"]), ("temperature", "degC", "SN1"))
+        routes = {route["id"]: route["profile"] for route in self.fleet.json("route", "list", node="office")["routes"]}
+        self.assertIn("temperature", routes["hall"]["capabilities"])
+        _, line = monitor.wait_line("interface=trbots.temperature; member=value", 5)
+        monitor.wait_line("double 21.5", 2, line)
+        monitor.wait_line('string "degC"', 2, line)
+        xml = self.buses["hall"].call("--dest=trbots.sensors", "--print-reply", "/trbots/temperature",
+                                      "org.freedesktop.DBus.Introspectable.Introspect")
+        self.assertIn('interface name="trbots.temperature"', xml)
+        self.assertIn('signal name="value"', xml)
+        self.assertIn('node name="temperature"', self.buses["hall"].call(
+            "--dest=trbots.sensors", "--print-reply", "/trbots", "org.freedesktop.DBus.Introspectable.Introspect"))
+        reading = self.read("temperature")
+        self.assertEqual((reading["number"], reading["unit"], reading["identity"]), (21.5, "degC", "SN1"))
+        self.wait_no_rule()
+        # A program cannot speak for the device.
+        self.buses["hall"].emit("temperature", "double:99")
+        self.wait_logged("a program emits trbots.temperature, which is the name of a device")
+        self.assertEqual(self.read("temperature")["number"], 21.5)
+        self.unplug("hall")
+        self.wait_listed("hall", "temperature", there=False)
+
+    def test_a_watch_follows_its_sensor_to_the_node_where_it_is_plugged_in_next(self):
+        self.plug("hall", serial="SN7")
+        self.wait_listed("hall", "temperature")
+        watch = self.watch("temperature", "--every", "0.5")
+        watch.wait_line('"node":"hall"', 8)
+        self.wait_rule("temperature")
+        self.unplug("hall")
+        self.wait_no_rule()
+        self.plug("office", milli_degrees=30000, serial="SN7")
+        line, _ = watch.wait_line('"node":"office"', 10)
+        self.assertEqual((json.loads(line)["number"], json.loads(line)["identity"]), (30, "SN7"))
+
+    def test_a_stream_ends_by_itself_when_its_asker_is_killed_and_its_rule_goes(self):
+        self.feed("pressure", "double:1013")
+        self.wait_listed("hall", "pressure")
+        watches = [self.watch("pressure", node=node) for node in NODES]
+        for watch in watches:
+            watch.wait_line('"number":1013', 8)
+        self.assertEqual(len(self.buses["hall"].rules_but_observer()), 1)  # one for all
+        for watch in watches:
+            watch.stop(signal.SIGKILL)
+        self.wait_no_rule(timeout=13)  # its lease of 10 s
+
+    def test_a_watch_that_has_its_values_ends_its_stream_itself(self):
+        self.feed("pressure", "double:1013")
+        self.wait_listed("hall", "pressure")
+        watch = self.watch("pressure", "--every", "0.2", "--count", "3")
+        watch.wait_line('"count":3', 8)
+        self.wait_no_rule(timeout=3)
+
+    def test_the_bus_is_killed_and_started_again(self):
+        self.feed("humidity")
+        self.wait_listed("hall", "humidity")
+        watch = self.watch("humidity", "--every", "0.2")
+        watch.wait_line('"number":47', 8)
+        self.buses["hall"].stop(signal.SIGKILL)
+        self.wait_bus("hall", there=False)
+        error = self.read("humidity", "--timeout", "1", check=False)
+        self.assertIn("the D-Bus is not there", error["what"])
+        self.buses["hall"].start()
+        self.wait_bus("hall")
+        self.assertEqual(self.read("humidity")["number"], 47)
+        self.wait_rule("humidity")  # the watch goes on
+        watch.wait_line('"number":47', 8, len(watch.lines))
+
+    def test_a_bus_that_hangs_holds_up_nobody(self):
+        self.feed("humidity", node="office")
+        self.wait_listed("office", "humidity")
+        daemon = self.buses["hall"].process.child
+        daemon.send_signal(signal.SIGSTOP)
+        self.addCleanup(daemon.send_signal, signal.SIGCONT)
+        start = time.monotonic()
+        self.assertEqual(self.read("humidity", node="hall")["number"], 47)
+        self.table("hall")
+        self.assertLess(time.monotonic() - start, 4)
+        self.wait_bus("hall", there=False)
+        daemon.send_signal(signal.SIGCONT)
+        self.wait_bus("hall")
+
+    def test_the_sensor_bus_is_killed_and_started_again(self):
+        self.plug("hall", serial="SN9")
+        self.feed("humidity")
+        self.wait_listed("hall", "humidity")
+        pid = self.fleet.pid("hall", "sensor-bus")
+        os.kill(pid, signal.SIGKILL)
+        self.fleet.wait("it is started again", lambda: self.fleet.pid("hall", "sensor-bus") not in (None, pid), 10)
+        self.wait_bus("hall")
+        self.fleet.wait("both are told again", lambda: {("hall", "humidity"), ("hall", "temperature")} <= set(self.listed()), 10)
+        self.assertEqual(self.read("humidity")["number"], 47)
+        self.assertEqual(self.read("temperature")["number"], 21.5)
+        self.wait_no_rule()
+
+    def test_what_is_no_value_is_refused_and_the_next_good_one_taken(self):
+        bus = self.buses["hall"]
+        watch = self.watch("wind", "--of", "hall", "--every", "0.01")
+        self.wait_rule("wind")
+        for value in ("array:double:1,2", "double:nan", "objpath:/a", "dict:string:string:a,b"):
+            bus.emit("wind", value)
+        bus.emit("wind")
+        bus.emit("wind", "double:1", "double:2")
+        self.wait_logged("unit: is no text of at most 16 bytes")
+        bus.call("--type=signal", "/trbots/wind", "trbots.other.value", "double:1")
+        self.wait_logged("emit trbots.NAME at /trbots/NAME")
+        huge_signal(bus.address, "wind", 10_000_000)
+        self.wait_logged("value: 1025 bytes or more")
+        bus.emit("wind", "double:8", "string:m/s")
+        watch.wait_line('"number":8', 5)
+        self.assertEqual(len([line for line in watch.lines if '"number"' in line]), 1)
+
+    def test_no_foreign_name_is_owned_by_the_policy(self):
+        def own(name):
+            return self.buses["hall"].call("--dest=org.freedesktop.DBus", "--print-reply", "/org/freedesktop/DBus",
+                                           "org.freedesktop.DBus.RequestName", f"string:{name}", "uint32:0", check=False)
+        self.assertIn("uint32 1", own("trbots.hall_clock"))
+        self.assertIn("AccessDenied", own("org.example.trbots"))
+        self.assertIn("AccessDenied", own("trbotsx.a"))
+
+    def test_errors_say_what_there_is_and_what_to_do(self):
+        self.feed("humidity")
+        self.wait_listed("hall", "humidity")
+        error = self.read("temprature", check=False)
+        self.assertEqual(error["code"], "unknown_target")
+        self.assertIn("humidity of hall", error["cure"])
+        error = self.read("temprature", "--of", "hall", check=False)
+        self.assertEqual(error["code"], "unknown_target")
+        self.assertIn("no program told of it in 3 s", error["what"])
+        self.assertIn("humidity", error["cure"])
+        self.assertEqual(self.read("humidity", "--of", "nobody", check=False)["code"], "unknown_target")
 
 
 if __name__ == "__main__":

@@ -30,7 +30,7 @@ Status set_number(BusValue& value, double number) {
 
 Status set_text(BusValue& value, const std::string& text) {
   if (text.size() > kMaxValueText)
-    return fail(Errc::too_large, "value: " + std::to_string(text.size()) + " bytes", "1024 bytes at most");
+    return fail(Errc::too_large, "value: " + std::to_string(text.size()) + " bytes or more", "1024 at most");
   if (!is_utf8(text)) return fail(Errc::bad_value, "value: is no UTF-8");
   value.is_text = true;
   value.text = text;
