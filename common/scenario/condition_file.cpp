@@ -89,7 +89,8 @@ void check_condition(const Condition& condition, const std::map<std::string, Nod
   for (const auto& [id, profile] : profiles) {
     const SensorInfo* info = bound && id != condition.of ? nullptr : find_sensor(profile.plugged, condition);
     if (info == nullptr) continue;
-    if (condition.is_text || info->unit == condition.unit) return;
+    // A sensor that a program feeds has a unit only once it has been read.
+    if (condition.is_text || info->unit.empty() || info->unit == condition.unit) return;
     found = true;
     other_unit = info->unit;
   }

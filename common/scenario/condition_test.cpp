@@ -140,6 +140,7 @@ TEST_CASE("a condition is checked against the fleet: what is not plugged in yet 
   const Condition condition = over(Comparison::more, 20);
   CHECK(check_in_fleet(condition, {thermometer("temperature", "degC")}).empty());
   CHECK(check_in_fleet(condition, {thermometer("other", "degC")}).empty());
+  CHECK(check_in_fleet(condition, {thermometer("temperature", "")}).empty());
   const ConfigFaults none = check_in_fleet(condition, {});
   REQUIRE(none.size() == 1);
   CHECK(none[0].may_wait);

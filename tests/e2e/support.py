@@ -80,12 +80,13 @@ class FleetTest(unittest.TestCase):
     BLOCK = 60
     ROBOTS = dict(trb_fleet.ROBOTS)
     SPEED = 1.0
+    FLEET = trb_fleet.Fleet
 
     @classmethod
     def setUpClass(cls):
         cls.block = take_block(cls.BLOCK)
         cls.root = temporary_folder()
-        cls.fleet = trb_fleet.Fleet(cls.root / "fleet", PROGRAMS, block=cls.block, udp_port=50000 + cls.block,
+        cls.fleet = cls.FLEET(cls.root / "fleet", PROGRAMS, block=cls.block, udp_port=50000 + cls.block,
                                     robots=cls.ROBOTS, speed=cls.SPEED, name="e2e")
         cls.addClassCleanup(cls.take_down)
         cls.fleet.make()

@@ -141,6 +141,8 @@ Status RouterCore::may_sign_for(const Connection& from, const SignRequest& reque
   std::string maker;
   if (request.kind == kSignedResult) {
     if (auto body = decode<TaskResult>(request.payload.bytes)) maker = body->robot;
+  } else if (request.kind == kSignedChoice) {
+    if (auto body = decode<Choice>(request.payload.bytes)) maker = body->by;
   } else if (request.kind == kSignedRunStart) {
     if (auto body = decode<RunStart>(request.payload.bytes)) maker = body->submitter;
   } else if (request.kind == kSignedRunAbort) {

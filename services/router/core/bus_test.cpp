@@ -51,6 +51,11 @@ Bytes payload_of(std::string_view kind, const std::string& node) {
     start.submitter = node;
     return encode(start);
   }
+  if (kind == kSignedChoice) {
+    Choice choice;
+    choice.by = node;
+    return encode(choice);
+  }
   return encode(AbortOrder{"r", node, "", 0});
 }
 
@@ -102,6 +107,7 @@ TEST_CASE("each kind of record is signed for its one maker") {
     CAPTURE(from);
     const bool person = from == 5 || from == 6;
     CHECK(asks(from, kSignedResult) == (from == 1 ? "signed_record" : "not_permitted"));
+    CHECK(asks(from, kSignedChoice) == (from == 1 ? "signed_record" : "not_permitted"));
     CHECK(asks(from, kSignedRunStart) == (person ? "signed_record" : "not_permitted"));
     CHECK(asks(from, kSignedRunAbort) == (person ? "signed_record" : "not_permitted"));
     for (const auto kind : {kSignedCertificate, kSignedRequest, kSignedBeacon})
@@ -113,6 +119,7 @@ TEST_CASE("a record that names another node, or nothing that can be read, is not
   Bus bus;
   REQUIRE(bus.hello(1, "scheduler") == "service_welcome");
   CHECK(bus.ask(1, SignRequest{std::string(kSignedResult), {payload_of(kSignedResult, "bee")}}) == "source_mismatch");
+  CHECK(bus.ask(1, SignRequest{std::string(kSignedChoice), {payload_of(kSignedChoice, "bee")}}) == "source_mismatch");
   CHECK(bus.ask(1, SignRequest{std::string(kSignedResult), {"noise"}}) == "source_mismatch");
 }
 
