@@ -131,7 +131,8 @@ void Run::owe_batons(const std::vector<TaskIndex>& tasks) {
 
 /// A successor is passed on once, when the last of its predecessors that are this node's is final: so an
 /// acknowledgement, which names tasks only, can never be taken for that of another baton. One whose condition is
-/// evaluated here is passed with the choice, or, if none will be made because all before it is SKIPPED, when that is so.
+/// evaluated here is passed with the choice, or, if none will be made because all before it is SKIPPED, when that is
+/// so.
 void Run::owe_batons_after(TaskIndex task) {
   std::vector<TaskIndex> passed;
   for (const TaskIndex next : successors_[task]) {
