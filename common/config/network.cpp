@@ -6,8 +6,8 @@ namespace {
 
 constexpr std::int64_t kLastPort = 65535;
 
-std::uint16_t read_port(ObjectReader& reader, std::string_view key, std::uint16_t otherwise) {
-  return static_cast<std::uint16_t>(reader.integer(key, Need::optional, 1, kLastPort).value_or(otherwise));
+std::uint16_t read_port(ObjectReader& reader, std::string_view key, std::uint16_t otherwise, std::int64_t least = 1) {
+  return static_cast<std::uint16_t>(reader.integer(key, Need::optional, least, kLastPort).value_or(otherwise));
 }
 
 Resolved resolve(const std::string& name, const FileFaults& faults, const std::string& key,
@@ -24,6 +24,9 @@ Network read_network(const Value& json, const FileFaults& faults) {
   Network network;
   network.udp_port = read_port(reader, "UDP_PORT", network.udp_port);
   network.tcp_port_ext = read_port(reader, "TCP_PORT_EXT", network.tcp_port_ext);
+  const bool last = network.tcp_port_ext == kLastPort;
+  network.lane_port =
+      read_port(reader, "LANE_PORT", static_cast<std::uint16_t>(last ? 0 : network.tcp_port_ext + 1), 0);
   network.tcp_port = read_port(reader, "TCP_PORT", network.tcp_port);
   network.host_int = reader.text("HOST_INT", Need::required, 64).value_or("");
   network.vpn_int = reader.text("VPN_INT", Need::optional, 64).value_or("");
@@ -31,6 +34,10 @@ Network read_network(const Value& json, const FileFaults& faults) {
   if (network.tcp_port == network.tcp_port_ext) {
     faults.add("TCP_PORT", "is the same as TCP_PORT_EXT: the robot and the other routers cannot share a port",
                "use two different ports, for example 40000 and 45000");
+  }
+  if (network.lane_port != 0 && (network.lane_port == network.tcp_port || network.lane_port == network.tcp_port_ext)) {
+    faults.add("LANE_PORT", "is the same as another port of this node; without it, it is TCP_PORT_EXT + 1",
+               "use a port of its own, or 0 for any");
   }
   return network;
 }

@@ -143,6 +143,7 @@ class Checker {
   void ports() {
     const NodeConfig& config = out_.config;
     port("TCP_PORT_EXT", config.network.address, config.network.tcp_port_ext);
+    if (config.network.lane_port != 0) port("LANE_PORT", config.network.address, config.network.lane_port);
     bus();
     if (config.mode != Mode::none && config.has_service("mode-adapter")) {
       port("TCP_PORT", config.network.robot_address, config.network.tcp_port);

@@ -34,6 +34,7 @@ struct RobotLink {
 struct Network {
   std::uint16_t udp_port = 50000;      ///< beacons
   std::uint16_t tcp_port_ext = 45000;  ///< other routers
+  std::uint16_t lane_port = 45001;     ///< other routers, the lossy lane: TCP_PORT_EXT + 1 if nothing is said; 0: any
   std::uint16_t tcp_port = 40000;      ///< the node's robot
   std::string host_int;                ///< an interface or an address
   std::string vpn_int;

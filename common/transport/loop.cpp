@@ -1,5 +1,6 @@
 #include "common/transport/loop.hpp"
 
+#include <poll.h>
 #include <sys/epoll.h>
 #include <unistd.h>
 
@@ -54,6 +55,11 @@ void Loop::add_socket(void* socket, Ready ready, bool* unseen) {
   entry->unseen = unseen != nullptr ? unseen : &entry->used;
   watch(*entry);
   sockets_[socket] = std::move(entry);
+}
+
+void Loop::add_background_socket(void* socket, Ready ready, bool* unseen) {
+  add_socket(socket, std::move(ready), unseen);
+  sockets_.at(socket)->background = true;
 }
 
 void Loop::remove_socket(void* socket) {
@@ -134,13 +140,34 @@ void Loop::wait(std::chrono::milliseconds longest) const {
 }
 
 void Loop::call_ready() {
+  bool background = false;
   for (std::size_t i = 0; i < entries_.size(); ++i) {
     const std::shared_ptr<Entry> entry = entries_[i];
+    if (entry->background) {
+      background = background || entry->revents != 0 || *entry->unseen;
+      continue;
+    }
     const short revents = std::exchange(entry->revents, short{0});
     // A handler called before this one may have removed it, and freed what it watched.
     if (entry->removed) continue;
     if (revents != 0 || (entry->socket != nullptr && *entry->unseen)) call(*entry, revents);
   }
+  if (background) call_background();
+}
+
+/// Of one that has to wait, what the kernel told is told again: its descriptor stays as it is until it is used.
+void Loop::call_background() {
+  std::shared_ptr<Entry> first;
+  for (std::size_t i = 0; i < entries_.size(); ++i) {
+    const std::size_t at = (background_turn_ + i) % entries_.size();
+    const std::shared_ptr<Entry>& entry = entries_[at];
+    if (!entry->background) continue;
+    const bool ready = std::exchange(entry->revents, short{0}) != 0 || *entry->unseen;
+    if (first != nullptr || !ready || entry->removed) continue;
+    first = entry;
+    background_turn_ = at + 1;
+  }
+  if (first != nullptr) call(*first, POLLIN);
 }
 
 void Loop::call(Entry& entry, short revents) {

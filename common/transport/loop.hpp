@@ -29,6 +29,8 @@ class Loop {
   /// descriptor tells of a message only until the socket is used for anything: `unseen` is true while one may wait
   /// untold (see Socket::unseen). Without it only `ready` may use the socket.
   void add_socket(void* socket, Ready ready, bool* unseen = nullptr);
+  /// The same for what may wait: of all that are ready one is called a turn, after everything else, each in its turn.
+  void add_background_socket(void* socket, Ready ready, bool* unseen);
   void remove_socket(void* socket);
   /// poll(2) events; again with the same descriptor replaces them.
   void add_fd(int fd, short events, ReadyEvents ready);
@@ -53,6 +55,7 @@ class Loop {
     bool* unseen = nullptr;  ///< the socket's own, or `used`
     short revents = 0;       ///< of this turn
     bool removed = false;
+    bool background = false;
     bool used = true;  ///< `ready` was called since the socket was last found empty
   };
   struct Timer {
@@ -66,6 +69,7 @@ class Loop {
   bool look_at_unseen();
   void wait(std::chrono::milliseconds longest) const;
   void call_ready();
+  void call_background();
   static void call(Entry& entry, short revents);
   void call_timers();
   [[nodiscard]] std::chrono::milliseconds time_out() const;
@@ -74,6 +78,7 @@ class Loop {
   std::map<int, std::shared_ptr<Entry>> fds_;
   std::vector<Timer> timers_;
   std::vector<std::shared_ptr<Entry>> entries_;
+  std::size_t background_turn_ = 0;  ///< in entries_, who comes first
   int epoll_;
   bool changed_ = true;
   bool stopped_ = false;

@@ -96,6 +96,30 @@ TEST_CASE("a handler that takes one message a call gets them all") {
   CHECK(soon(loop, [&] { return heard == 10; }));
 }
 
+TEST_CASE("what may wait is called once a turn, each in its turn, and nothing of it is lost") {
+  std::array<Bus, 3> busses;
+  Loop loop;
+  std::array<int, 3> heard{};
+  int calls = 0;
+  for (std::size_t i = 0; i < busses.size(); ++i) {
+    const auto take_one = [&, i] {
+      ++calls;
+      Frame frame;
+      if (busses[i].client.receive(frame)) ++heard[i];
+    };
+    loop.add_background_socket(busses[i].client.handle(), take_one, busses[i].client.unseen());
+  }
+  for (Bus& bus : busses) {
+    for (int i = 0; i < 4; ++i) bus.server.send_to(bus.client_id, to_frame("message"));
+  }
+  for (int turn = 1; turn <= 6; ++turn) {
+    loop.turn();
+    CHECK(calls == turn);
+  }
+  CHECK(heard == std::array<int, 3>{2, 2, 2});
+  CHECK(soon(loop, [&] { return heard == std::array<int, 3>{4, 4, 4}; }));
+}
+
 TEST_CASE("descriptors are served beside sockets, and none that was removed") {
   Bus bus;
   Loop loop;

@@ -2,14 +2,19 @@
 
 #include <sys/stat.h>
 
+#include <cstdlib>
+
 namespace trb {
 namespace {
 
+constexpr std::uint64_t kFirstIoThread = 1;  // masks: a bit for each
+constexpr std::uint64_t kLaneIoThread = 2;
 constexpr int kEnforceDomain = 93;  // ZMQ_ZAP_ENFORCE_DOMAIN, a draft name in Debian's header
 constexpr std::int64_t kMaxMessage = (1 << 20) + 1024;
 
 zmq::socket_t make(Context& context, zmq::socket_type type) {
   zmq::socket_t socket(context.zmq(), type);
+  socket.set(zmq::sockopt::affinity, kFirstIoThread);
   socket.set(zmq::sockopt::linger, 0);
   socket.set(zmq::sockopt::sndhwm, kHighWaterMark);
   socket.set(zmq::sockopt::rcvhwm, kHighWaterMark);
@@ -23,6 +28,16 @@ void watch_connections(zmq::socket_t& socket) {
   socket.set(zmq::sockopt::tcp_keepalive_idle, 15);
   socket.set(zmq::sockopt::tcp_keepalive_intvl, 5);
   socket.set(zmq::sockopt::tcp_keepalive_cnt, 3);
+}
+
+/// A lane holds little, and shares nothing with the links: what waits in it must not be in their way.
+void be_lane(zmq::socket_t& socket) {
+  socket.set(zmq::sockopt::affinity, kLaneIoThread);
+  socket.set(zmq::sockopt::sndhwm, kLaneHighWaterMark);
+  socket.set(zmq::sockopt::rcvhwm, kLaneHighWaterMark);
+  socket.set(zmq::sockopt::sndbuf, 256 << 10);
+  socket.set(zmq::sockopt::rcvbuf, 256 << 10);
+  watch_connections(socket);
 }
 
 /// Clients must show a key that ZAP lets in; a handshake takes 2 s at most.
@@ -54,9 +69,9 @@ Result<Socket> refused(const std::string& endpoint, const zmq::error_t& problem)
 
 }  // namespace
 
-Context::Context() : context_(1) {
-  // Of a thousand links each takes three: its own, and two to watch it.
-  context_.set(zmq::ctxopt::max_sockets, 4096);
+Context::Context(int io_threads) : context_(io_threads) {
+  // Of a thousand links each takes six: its own and its lane's, and two to watch each.
+  context_.set(zmq::ctxopt::max_sockets, 8192);
   context_.set(zmq::ctxopt::ipv6, 1);
 }
 
@@ -158,6 +173,34 @@ Socket Socket::tap_client(Context& context, const std::string& endpoint, const C
   return Socket(std::move(socket));
 }
 
+Socket Socket::lane_server(Context& context, const CurveKeys& keys) {
+  zmq::socket_t socket = make(context, zmq::socket_type::xpub);
+  be_lane(socket);
+  // What comes up is the handshake and a subscription.
+  socket.set(zmq::sockopt::maxmsgsize, std::int64_t{1024});
+  const int on = 1;
+  if (zmq_setsockopt(socket.handle(), ZMQ_XPUB_MANUAL, &on, sizeof on) != 0) throw zmq::error_t();
+  if (zmq_setsockopt(socket.handle(), ZMQ_XPUB_NODROP, &on, sizeof on) != 0) throw zmq::error_t();
+  be_curve_server(socket, keys, kLaneDomain);
+  return Socket(std::move(socket));
+}
+
+Socket Socket::lane_client(Context& context, const CurveKeys& keys, BytesView server_key, BytesView topic) {
+  zmq::socket_t socket = make(context, zmq::socket_type::sub);
+  be_lane(socket);
+  socket.set(zmq::sockopt::reconnect_ivl, -1);
+  socket.set(zmq::sockopt::connect_timeout, 1000);
+  socket.set(zmq::sockopt::handshake_ivl, 2000);
+  be_curve_client(socket, {keys, Bytes(server_key)});
+  socket.set(zmq::sockopt::subscribe, Bytes(topic));
+  return Socket(std::move(socket));
+}
+
+void Socket::let_listen(BytesView topic) {
+  *unseen_ = true;
+  socket_.set(zmq::sockopt::subscribe, Bytes(topic));
+}
+
 Socket Socket::pair_client(Context& context, const std::string& endpoint) {
   zmq::socket_t socket = make(context, zmq::socket_type::pair);
   socket.connect(endpoint);
@@ -201,6 +244,11 @@ void Socket::monitor(const std::string& endpoint, int events) {
 
 int connection_fd(const Frame& frame) {
   return zmq_msg_get(frame.handle(), ZMQ_SRCFD);
+}
+
+int subscriber_fd(const Frame& frame) {
+  const char* value = zmq_msg_gets(frame.handle(), "__fd");
+  return value == nullptr ? -1 : std::atoi(value);
 }
 
 std::string_view user_id(const Frame& frame) {

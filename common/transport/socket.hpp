@@ -20,10 +20,10 @@ inline Frame to_frame(BytesView bytes) {
   return {bytes.data(), bytes.size()};
 }
 
-/// One context a process, one I/O thread.
+/// One context a process, with one I/O thread, or two: then the second is for the lossy lane alone.
 class Context {
  public:
-  Context();
+  explicit Context(int io_threads = 1);
   zmq::context_t& zmq() { return context_; }
 
  private:
@@ -44,11 +44,13 @@ struct CurveClient {
 /// The ZAP domains: for which door a key is shown.
 constexpr std::string_view kInboxDomain = "talkrobots";
 constexpr std::string_view kBusDomain = "talkrobots-bus";
+constexpr std::string_view kLaneDomain = "talkrobots-lane";
 
 enum class SendResult { sent, full, unroutable };
 
 /// How many messages may wait in a socket, each way. A full one refuses (queue_full), it never blocks.
 constexpr int kHighWaterMark = 1000;
+constexpr int kLaneHighWaterMark = 256;  ///< of the lossy lane, for each who listens
 
 class Socket {
  public:
@@ -69,6 +71,14 @@ class Socket {
   /// The tap: XPUB, so that nothing is published while nobody listens.
   static Result<Socket> tap_server(Context& context, const std::string& endpoint, const CurveKeys* curve = nullptr);
   static Socket tap_client(Context& context, const std::string& endpoint, const CurveClient* curve = nullptr);
+  /// The lossy lane: XPUB that takes no subscription by itself. It tells of each one (a frame: 1 and the topic) and
+  /// lets that connection hear what let_listen() says. Sends are topic and frame; `full` if one who listens to that
+  /// topic has kLaneHighWaterMark messages waiting. In a context of two I/O threads it is on the second. bind()
+  /// follows.
+  static Socket lane_server(Context& context, const CurveKeys& keys);
+  /// Listens to one topic at another node's; one connection, never made again by libzmq. dial() follows.
+  static Socket lane_client(Context& context, const CurveKeys& keys, BytesView server_key, BytesView topic);
+  void let_listen(BytesView topic);
   static Socket pair_client(Context& context, const std::string& endpoint);
 
   /// The next frame if there is one. For ROUTER sockets the first frame is the routing id.
@@ -97,5 +107,7 @@ class Socket {
 std::string_view user_id(const Frame& frame);
 /// The descriptor of the connection that a frame came on, or -1; it may have been closed since.
 int connection_fd(const Frame& frame);
+/// The same of a frame that tells of a subscription.
+int subscriber_fd(const Frame& frame);
 
 }  // namespace trb

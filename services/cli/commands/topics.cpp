@@ -12,7 +12,7 @@ const std::map<std::string, std::string> kTopics = {
      R"(A node is a computer of the fleet: one robot's PC, or the cloud. Its folder holds
 
   node.json       id, framework, description, the robot's address, seeds, services
-  network.json    HOST_INT (interface or address), UDP_PORT, TCP_PORT_EXT, TCP_PORT
+  network.json    HOST_INT (interface or address), UDP_PORT, TCP_PORT_EXT, LANE_PORT, TCP_PORT
   profile.json    which mode reaches which framework
   commands.json   which of the vendor's words belong to which subtype
   places.json     named poses in the hall (metres, radians)

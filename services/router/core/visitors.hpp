@@ -30,7 +30,7 @@ struct VisitorLimits {
 /// Fewer descriptors do not carry a node's own services and a few links.
 constexpr std::size_t kLeastDescriptors = 256;
 /// Enough for the limits above and for links to a thousand nodes.
-constexpr std::size_t kGoodDescriptors = 8192;
+constexpr std::size_t kGoodDescriptors = 12288;
 /// What strangers may hold of so many descriptors (RLIMIT_NOFILE): a quarter, and never what is above.
 VisitorLimits limits_for(std::size_t descriptors);
 

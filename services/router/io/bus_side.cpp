@@ -5,6 +5,7 @@ namespace trb::router {
 namespace {
 
 constexpr int kBatch = 256;
+constexpr int kLossyCounts = 32;  ///< for so many: a flood of what may be lost leaves the turn to others after eight
 
 }  // namespace
 
@@ -19,7 +20,7 @@ void RouterShell::drain_bus(BusSocket& bus) {
       core_.count("refused.malformed");
       continue;
     }
-    on_bus_frame(bus, view_of(routing_id), frame);
+    i += on_bus_frame(bus, view_of(routing_id), frame) - 1;
   }
 }
 
@@ -35,12 +36,12 @@ ConnectionId RouterShell::add_connection(BusSocket& bus, BytesView routing_id, c
   return id;
 }
 
-void RouterShell::on_bus_frame(BusSocket& bus, BytesView routing_id, Frame& frame) {
+int RouterShell::on_bus_frame(BusSocket& bus, BytesView routing_id, Frame& frame) {
   const auto header = decode_frame(view_of(frame));
   const std::string name = whom_it_proves(bus, frame);
   if (!header || name.empty()) {
     core_.count(header ? "refused.bus_key" : "refused." + std::string(errc_name(header.error().code)));
-    return;
+    return 1;
   }
   ConnectionId from = connection_of(bus, routing_id);
   if (from != 0 && connections_.at(from).name != name) {
@@ -53,33 +54,46 @@ void RouterShell::on_bus_frame(BusSocket& bus, BytesView routing_id, Frame& fram
   if (header->subtype == ServiceHello::kSubtype) {
     if (from == 0) from = add_connection(bus, routing_id, name);
     on_bus_hello(bus, from, name, *header);
-    return note_bus_visitor(bus, frame, from);
+    note_bus_visitor(bus, frame, from);
+    return 1;
   }
-  if (!core_.knows(from)) return want_hello(bus, routing_id);
+  if (!core_.knows(from)) {
+    want_hello(bus, routing_id);
+    return 1;
+  }
   count_sent(header->subtype);
-  const Decision decision = core_.route_local(from, *header);
+  const bool lossy = is_lossy(*header);
+  route_bus_frame(from, *header, frame);
+  return lossy ? kLossyCounts : 1;
+}
+
+void RouterShell::route_bus_frame(ConnectionId from, const HeaderView& header, Frame& frame) {
+  const Decision decision = core_.route_local(from, header);
+  const bool leaves = decision.to == Decision::To::peer || decision.to == Decision::To::relay;
+  if (leaves && is_lossy(header)) return forward_lossy(from, header.target, header, std::move(frame));
   Effects effects;
   switch (decision.to) {
     case Decision::To::peer:
-      return forward_to_link(from, decision.link, *header, std::move(frame));
+      return forward_to_link(from, decision.link, header, std::move(frame));
     case Decision::To::relay:
-      return forward_by_relay(from, header->target, *header, frame);
+      return forward_by_relay(from, header.target, header, frame);
     case Decision::To::service: {
       tap('=', view_of(frame));
       const SendResult result = send_bus(decision.connection, std::move(frame));
       if (result == SendResult::sent) return;
       // A send that failed has left the frame, and the header that points into it, alone.
-      core_.nack_local(from, *header, why_undelivered(result), effects);
+      core_.nack_local(from, header, why_undelivered(result), effects);
       break;
     }
     case Decision::To::every_peer:
-      return forward_to_all(from, frame, *header);
+      if (is_lossy(header)) return forward_lossy_to_all(from, header, frame);
+      return forward_to_all(from, frame, header);
     case Decision::To::router:
-      core_.on_bus_message(from, to_message(*header), read_clocks(), effects);
+      core_.on_bus_message(from, to_message(header), read_clocks(), effects);
       break;
-    case Decision::To::lane:  // decided on later
+    case Decision::To::lane:  // by_lane() alone says so
     case Decision::To::drop:
-      core_.nack_local(from, *header, decision.reason, effects);
+      core_.nack_local(from, header, decision.reason, effects);
       break;
   }
   carry_out(effects);

@@ -9,6 +9,8 @@ namespace {
 
 constexpr int kBatch = 256;
 
+}  // namespace
+
 std::optional<LinkEnd> to_end(LinkEvent event) {
   switch (event) {
     case LinkEvent::connected:
@@ -31,8 +33,6 @@ std::optional<LinkEnd> to_end(LinkEvent event) {
   }
   return LinkEnd::failed;
 }
-
-}  // namespace
 
 void RouterShell::drain_inbox() {
   Frame routing_id;
@@ -181,6 +181,8 @@ void RouterShell::close_link(LinkId link) {
     door_.leave(accepted->second.visitor);
     accepted_.erase(accepted);
   }
+  lane_->link_closed(link);
+  close_heard(link);
   core_.forget_link(link);
   proof_.ended(link, read_clocks().utc, "closed");
   held_.erase(link);

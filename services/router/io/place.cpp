@@ -64,6 +64,7 @@ Status RouterShell::open_inbox(const Resolved& host) {
     beacon_ = std::move(*beacon);
   }
   host_ = host;
+  open_lane();
   return Done{};
 }
 
@@ -78,7 +79,11 @@ void RouterShell::follow_interfaces() {
     look_again_ = alone_until_;
     host = {{}, {}, "the interface '" + options_.host_int + "' has a link-local address only", "", {}, true};
   }
-  if (host.address != host_.address || host.broadcast != host_.broadcast) move_to(host);
+  if (host.address != host_.address || host.broadcast != host_.broadcast) {
+    move_to(host);
+  } else if (lane_->port() == 0) {
+    open_lane();
+  }
   wait_text_ = host_.address.empty() ? "HOST_INT: " + (host.what.empty() ? "cannot be bound yet" : host.what) : "";
   tell_place();
   follow_vpn();
@@ -101,6 +106,7 @@ void RouterShell::move_to(const Resolved& host) {
 
 void RouterShell::tell_place() {
   Effects effects;
+  core_.set_lane(own_lane());
   core_.set_address(own_address(), wait_text_, read_clocks(), effects);
   carry_out(effects);
 }
@@ -115,6 +121,7 @@ void RouterShell::follow_vpn() {
   const Resolved vpn = resolve_interface(options_.vpn_int, interfaces());
   const bool other = !vpn.address.empty() && vpn.address != host_.address;
   const std::string endpoint = other ? "tcp://" + join_host_port(vpn.address, options_.port) : "";
+  lane_->also_at(other ? vpn.address : "");
   if (endpoint == vpn_endpoint_) return;
   if (!vpn_endpoint_.empty()) {
     inbox_->unbind(vpn_endpoint_);

@@ -21,11 +21,19 @@ Status RouterShell::open() {
   zap_ = std::make_unique<ZapServer>(context_, loop_, [this](BytesView domain, BytesView key) {
     if (domain == kBusDomain) return admit_to_bus(key);
     Effects effects;
-    const bool good = core_.admit(key, read_clocks().mono, effects);
+    const bool good = domain == kLaneDomain ? core_.admit_to_lane(key, effects)
+                                            : core_.admit(key, read_clocks().mono, effects);
     carry_out(effects);
     return good;
   });
   door_.set_friends([this] { return sources_of_peers(); });
+  lane_ = std::make_unique<LaneServer>(
+      context_, loop_, core_, options_.link_keys, options_.visitors,
+      LaneServer::Owner{[this](Effects& effects) { carry_out(effects); },
+                        [this](const char* event, const std::string& text) {
+                          log_limited(limit_, read_clocks().mono, Level::warning, event, text);
+                        },
+                        [this] { return sources_of_peers(); }});
   if (Status bus = open_bus(); !bus) return bus;
   return open_place();
 }
@@ -89,7 +97,7 @@ void RouterShell::carry_out(Effects& effects) {
                    [this](CheckSeal& seal) { check_seal(std::move(seal)); },
                    [this](DeliverHeld& proven) { deliver_held(proven); },
                    [this](Dial& dial) { this->dial(dial); },
-                   [](DialLane&) {},
+                   [this](DialLane& dial) { dial_lane(dial); },
                    [this](CloseLink& close) { close_link(close.link); },
                    [this](AcceptLink& accept) {
                      accepted_[accept.link] = {origin_.routing_id, origin_.user, origin_.visitor};

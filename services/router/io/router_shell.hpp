@@ -19,6 +19,7 @@
 #include "services/router/io/door.hpp"
 #include "services/router/io/interface_watch.hpp"
 #include "services/router/io/keys_watch.hpp"
+#include "services/router/io/lane_server.hpp"
 #include "services/router/io/proof_log.hpp"
 #include "services/router/io/seal_checker.hpp"
 
@@ -37,12 +38,16 @@ struct ShellOptions {
   std::string host_int;  ///< an interface or an address: the inbox and the beacons
   std::string vpn_int;   ///< a second way in, when it is there; may be empty
   std::uint16_t port = 0;
+  std::uint16_t lane_port = 0;  ///< 0: any
   std::uint16_t beacon_port = 0;
   BeaconKey beacon_key;
   VisitorLimits visitors;
   std::uint64_t proof_log_bytes = 0;  ///< at most so much in log/proof; 0: no proof log
   TcpBus bus;
 };
+
+/// How a dialled connection has ended, if that is what the event tells.
+std::optional<LinkEnd> to_end(LinkEvent event);
 
 /// Why a service of this node did not get a message.
 constexpr Errc why_undelivered(SendResult result) {
@@ -88,7 +93,9 @@ class RouterShell {
   Status open_bus();
   // bus_side.cpp
   void drain_bus(BusSocket& bus);
-  void on_bus_frame(BusSocket& bus, BytesView routing_id, Frame& frame);
+  /// How many it counts for in this turn.
+  int on_bus_frame(BusSocket& bus, BytesView routing_id, Frame& frame);
+  void route_bus_frame(ConnectionId from, const HeaderView& header, Frame& frame);
   ConnectionId connection_of(const BusSocket& bus, BytesView routing_id) const;  ///< 0: none
   ConnectionId add_connection(BusSocket& bus, BytesView routing_id, const std::string& name);
   void on_bus_hello(BusSocket& bus, ConnectionId from, const std::string& name, const HeaderView& header);
@@ -106,6 +113,15 @@ class RouterShell {
   void note_bus_visitor(const BusSocket& bus, const Frame& frame, ConnectionId from);
   VisitorId inbox_visitor(const Frame& frame);
   void on_bus_event(LinkEvent event, int fd, bool proves);
+  // lane_side.cpp
+  [[nodiscard]] std::string own_lane() const;
+  void open_lane();
+  void forward_lossy(ConnectionId from, std::string_view to, const HeaderView& header, Frame&& frame);
+  void forward_lossy_to_all(ConnectionId from, const HeaderView& header, const Frame& frame);
+  void dial_lane(const DialLane& effect);
+  void close_heard(LinkId link);
+  void drain_lane(LinkId link);
+  void on_lane_frame(LinkId link, Frame& frame);
   // link_side.cpp
   void drain_inbox();
   void on_inbox_frame(BytesView routing_id, Frame& frame);
@@ -160,7 +176,7 @@ class RouterShell {
 
   RouterCore core_;
   ShellOptions options_;
-  Context context_;
+  Context context_{2};
   Loop loop_;
   std::unique_ptr<ZapServer> zap_;
   std::map<std::string, std::unique_ptr<BusSocket>> buses_;
@@ -170,7 +186,9 @@ class RouterShell {
   std::unique_ptr<SocketMonitor> inbox_monitor_;
   Door door_{loop_, options_.visitors, [this](const std::string& source) { on_source_blocked(source); },
              [this](const std::string& address) { on_visitor_cut(address); }};
+  std::unique_ptr<LaneServer> lane_;
   std::map<LinkId, Dialled> dialled_;
+  std::map<LinkId, Dialled> heard_;  ///< the lanes of the peers
   std::vector<Dialled> closed_;  ///< freed between turns: a monitor must not die inside its own call
   std::map<LinkId, Accepted> accepted_;
   struct Held {

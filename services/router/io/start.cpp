@@ -141,6 +141,7 @@ int start(const std::string& node_dir) {
                        check.config.network.host_int,
                        check.config.network.vpn_int,
                        check.config.network.tcp_port_ext,
+                       check.config.network.lane_port,
                        check.config.network.udp_port,
                        keys->beacon,
                        limits_for(descriptors),

@@ -1,0 +1,191 @@
+#include "services/router/io/lane_server.hpp"
+
+#include <algorithm>
+
+#include "common/base/hex.hpp"
+#include "common/config/interfaces.hpp"
+
+namespace trb::router {
+namespace {
+
+constexpr int kBatch = 64;
+constexpr char kListen = 1;  ///< a subscription's first byte; the rest is its topic
+constexpr char kListenNoMore = 0;
+
+/// Only peers have anything to do here, each with one connection: strangers get less room than at the inbox.
+VisitorLimits limits_of(const VisitorLimits& inbox) {
+  VisitorLimits limits = inbox;
+  limits.open = std::max<std::size_t>(inbox.open / 4, 32);
+  limits.open_from_one = std::max<std::size_t>(inbox.open_from_one / 4, 16);
+  return limits;
+}
+
+}  // namespace
+
+bool Backlog::take(std::size_t size, std::size_t unsent, MonotonicTime now) {
+  if (size <= kLarge) return true;
+  if (unsent < kLarge && now - last_ > std::chrono::milliseconds(20)) waiting_ = 0;
+  if (waiting_ + size > kMost) return false;
+  waiting_ += size;
+  last_ = now;
+  return true;
+}
+
+LaneServer::LaneServer(Context& context, Loop& loop, RouterCore& core, CurveKeys keys, const VisitorLimits& inbox,
+                       Owner owner)
+    : context_(context),
+      loop_(loop),
+      core_(core),
+      keys_(std::move(keys)),
+      owner_(std::move(owner)),
+      door_(
+          loop, limits_of(inbox),
+          [this](const std::string& source) {
+            count("refused.lane_source_blocked", "lane_source_blocked",
+                  source + " has too many connections to the lane that prove nothing; dropped for 10 s");
+          },
+          [this](const std::string& address) {
+            count("cut.no_listener", "no_listener", "the connection of " + address + " did not listen in time");
+          }) {
+  door_.set_friends(owner_.friends);
+}
+
+void LaneServer::close() {
+  if (socket_) loop_.remove_socket(socket_->handle());
+  monitor_.reset();
+  socket_.reset();
+  door_.reset();
+  for (const auto& [link, listener] : listeners_) core_.on_listener_gone(link);
+  listeners_.clear();
+  also_.clear();
+  port_ = 0;
+  mixed_up_ = false;
+}
+
+Status LaneServer::open(const std::string& host, std::uint16_t port) {
+  close();
+  socket_ = std::make_unique<Socket>(Socket::lane_server(context_, keys_));
+  // The monitor is there before the door opens, as at the inbox.
+  monitor_ = std::make_unique<SocketMonitor>(context_, loop_, *socket_,
+                                             [this](LinkEvent event, int fd) { on_event(event, fd); });
+  loop_.add_socket(
+      socket_->handle(), [this] { drain(); }, socket_->unseen());
+  if (Status bound = socket_->bind("tcp://" + join_host_port(host, port)); !bound) {
+    close();
+    return bound;
+  }
+  const std::string endpoint = socket_->last_endpoint();
+  port_ = static_cast<std::uint16_t>(std::stoi(endpoint.substr(endpoint.rfind(':') + 1)));
+  return Done{};
+}
+
+void LaneServer::also_at(const std::string& host) {
+  const std::string endpoint = host.empty() || port_ == 0 ? "" : "tcp://" + join_host_port(host, port_);
+  if (endpoint == also_) return;
+  if (!also_.empty()) socket_->unbind(also_);
+  also_.clear();
+  if (endpoint.empty()) return;
+  if (Status bound = socket_->bind(endpoint); !bound) return owner_.warn("cannot_bind", bound.error().text());
+  also_ = endpoint;
+}
+
+SendResult LaneServer::publish(LinkId link, BytesView topic, Frame&& frame, MonotonicTime now) {
+  const auto at = listeners_.find(link);
+  if (at == listeners_.end()) return SendResult::unroutable;
+  const std::size_t unsent = frame.size() > Backlog::kLarge ? unsent_bytes(at->second.fd) : 0;
+  if (!at->second.backlog.take(frame.size(), unsent, now)) return SendResult::full;
+  // Whoever has room for the first part has it for the second.
+  if (const SendResult result = socket_->send(to_frame(topic), true); result != SendResult::sent) return result;
+  return socket_->send(std::move(frame));
+}
+
+void LaneServer::link_closed(LinkId link) {
+  const auto at = listeners_.find(link);
+  if (at == listeners_.end()) return;
+  door_.leave(at->second.visitor);
+  listeners_.erase(at);
+}
+
+void LaneServer::drain() {
+  Frame frame;
+  for (int i = 0; i < kBatch; ++i) {
+    if (!socket_->receive(frame)) {
+      mixed_up_ = false;
+      return;
+    }
+    on_word(frame);
+  }
+}
+
+VisitorId LaneServer::visitor_on(int fd) {
+  if (door_.visitor(fd) == 0) monitor_->catch_up();
+  return door_.visitor(fd);
+}
+
+/// libzmq 4.3.4 says which connection a subscription came by, but lets the *next* one of its queue hear; any other word
+/// in the queue puts the two out of step, and its sender could hear what is for somebody else. So after such a word no
+/// subscription counts until the queue was found empty: who asked meanwhile is cut, and asks again.
+void LaneServer::on_word(const Frame& frame) {
+  const auto key = from_hex(user_id(frame));
+  if (!key || key->size() != 32) return;  // libzmq's own word for a connection that has ended
+  const int fd = subscriber_fd(frame);
+  const VisitorId visitor = visitor_on(fd);
+  const BytesView word = view_of(frame);
+  Effects effects;
+  if (frame.more() || word.empty() || (word[0] != kListen && word[0] != kListenNoMore)) {
+    mixed_up_ = true;
+    core_.bar_from_lane(*key, effects);
+  } else if (mixed_up_) {
+    effects.count("lane.ask_again");
+  } else if (word[0] == kListen && visitor != 0) {
+    if (const auto link = core_.on_listen(*key, word.substr(1), effects)) {
+      owner_.carry_out(effects);
+      return listen(*link, visitor, fd, word.substr(1));
+    }
+  }
+  owner_.carry_out(effects);
+  door_.leave(visitor);
+}
+
+void LaneServer::listen(LinkId link, VisitorId visitor, int fd, BytesView topic) {
+  socket_->let_listen(topic);
+  door_.linked(visitor);
+  const VisitorId old = std::exchange(listeners_[link], Listener{visitor, fd, {}}).visitor;
+  // A dialler makes a second connection when its first is dead; what waits for that one must not be in its way.
+  if (old != 0 && old != visitor) door_.leave(old);
+}
+
+void LaneServer::count(const std::string& name, const char* event, const std::string& text) {
+  core_.count(name);
+  owner_.warn(event, text);
+}
+
+void LaneServer::on_event(LinkEvent event, int fd) {
+  if (event == LinkEvent::disconnected) {
+    const VisitorId visitor = door_.visitor(fd);
+    const auto at = std::find_if(listeners_.begin(), listeners_.end(),
+                                 [&](const auto& row) { return row.second.visitor == visitor; });
+    if (visitor != 0 && at != listeners_.end()) {
+      core_.on_listener_gone(at->first);
+      listeners_.erase(at);
+    }
+  }
+  door_.on_event(event, fd);
+  if (event == LinkEvent::failed && fd >= 0) return;  // the listening socket itself was closed
+  switch (event) {
+    case LinkEvent::accept_failed:
+      return count("refused.no_descriptor", "no_descriptor", "the lane: raise the limit of open files (ulimit -n)");
+    case LinkEvent::no_curve:
+      return count("refused.lane_no_curve", "lane_no_curve", "a client without CURVE was refused");
+    case LinkEvent::wrong_server_key:
+      return count("refused.lane_wrong_server_key", "lane_wrong_server_key",
+                   "a client dialled with a wrong server key");
+    case LinkEvent::protocol_error:
+    case LinkEvent::failed:
+      return count("refused.lane_no_zmtp", "lane_no_zmtp", "a client that does not speak ZMTP, or left early");
+    default:  // of a refused key admit_to_lane() has told
+      return;
+  }
+}
+
+}  // namespace trb::router

@@ -1,0 +1,110 @@
+// Lossy information: out by the own lane (lane_server.hpp), in by the lanes of the peers, one SUB for each.
+#include "services/router/io/router_shell.hpp"
+
+namespace trb::router {
+namespace {
+
+/// Of what may be lost so much is taken a turn, whatever the number of lanes: what may not be lost waits no longer.
+constexpr int kLaneBatch = 8;
+
+}  // namespace
+
+std::string RouterShell::own_lane() const {
+  const bool open = !host_.address.empty() && lane_->port() != 0;
+  return open ? join_host_port(without_scope(host_.address), lane_->port()) : "";
+}
+
+void RouterShell::open_lane() {
+  if (host_.address.empty()) return lane_->close();
+  const Status opened = lane_->open(host_.address, options_.lane_port);
+  if (opened) return;
+  log_limited(limit_, read_clocks().mono, Level::warning, "no_lane", opened.error().text());
+  look_again_ = earlier(look_again_, read_clocks().mono + std::chrono::seconds(2));
+}
+
+void RouterShell::forward_lossy(ConnectionId from, std::string_view to, const HeaderView& header, Frame&& frame) {
+  const Now now = read_clocks();
+  const Decision way = core_.by_lane(to, frame.size(), now);
+  if (way.to == Decision::To::peer) return forward_to_link(from, way.link, header, std::move(frame));
+  if (way.to == Decision::To::relay) return forward_by_relay(from, to, header, frame);
+  if (way.to != Decision::To::lane) return;
+  tap('>', view_of(frame));
+  const SendResult result = lane_->publish(way.link, topic_of(to), std::move(frame), now.mono);
+  core_.count(result == SendResult::sent ? "lane.sent" : "dropped.lane_full");
+}
+
+void RouterShell::forward_lossy_to_all(ConnectionId from, const HeaderView& header, const Frame& frame) {
+  for (const auto& [id, peer] : core_.peers()) forward_lossy(from, id, header, to_frame(view_of(frame)));
+}
+
+void RouterShell::dial_lane(const DialLane& effect) {
+  const LinkId link = effect.link;
+  const auto ended = [this, link](LinkEnd how) {
+    Effects effects;
+    core_.on_lane_ended(link, how, read_clocks(), effects);
+    carry_out(effects);
+  };
+  try {
+    close_heard(link);
+    Dialled dialled;
+    dialled.socket = std::make_unique<Socket>(
+        Socket::lane_client(context_, options_.link_keys, effect.server_key, topic_of(core_.config().id)));
+    dialled.monitor =
+        std::make_unique<SocketMonitor>(context_, loop_, *dialled.socket, [this, link, ended](LinkEvent event, int) {
+          if (event == LinkEvent::connected) return core_.on_lane_connected(link, read_clocks());
+          const auto end = to_end(event);
+          if (!end || heard_.count(link) == 0) return;
+          close_heard(link);
+          ended(*end);
+        });
+    loop_.add_background_socket(
+        dialled.socket->handle(), [this, link] { drain_lane(link); }, dialled.socket->unseen());
+    Socket* socket = dialled.socket.get();
+    heard_[link] = std::move(dialled);
+    socket->dial("tcp://" + to_dial(effect.address));
+  } catch (const zmq::error_t& problem) {
+    log_limited(limit_, read_clocks().mono, Level::warning, "no_lane", effect.address + ": " + problem.what());
+    close_heard(link);
+    ended(LinkEnd::failed);
+  }
+}
+
+void RouterShell::close_heard(LinkId link) {
+  const auto at = heard_.find(link);
+  if (at == heard_.end()) return;
+  loop_.remove_socket(at->second.socket->handle());
+  closed_.push_back(std::move(at->second));
+  heard_.erase(at);
+}
+
+void RouterShell::drain_lane(LinkId link) {
+  Frame topic;
+  Frame frame;
+  for (int i = 0; i < kLaneBatch; ++i) {
+    const auto at = heard_.find(link);
+    if (at == heard_.end() || !at->second.socket->receive(topic)) return;
+    const bool whole = topic.more() && at->second.socket->receive(frame) && !frame.more();
+    if (whole) {
+      on_lane_frame(link, frame);
+    } else {
+      at->second.socket->skip_rest(topic.more() ? frame : topic);
+      core_.count("refused.lane_malformed");
+    }
+  }
+}
+
+void RouterShell::on_lane_frame(LinkId link, Frame& frame) {
+  const auto header = decode_frame(view_of(frame));
+  if (!header) return core_.count("refused.lane_malformed");
+  Effects effects;
+  const Decision decision = core_.route_lane(link, *header, effects);
+  if (decision.to == Decision::To::service) {
+    tap('<', view_of(frame));
+    const SendResult result = send_bus(decision.connection, std::move(frame));
+    const Errc why = why_undelivered(result);
+    core_.count(result == SendResult::sent ? "lane.received" : "dropped." + std::string(errc_name(why)));
+  }
+  if (!effects.list.empty() || !effects.counts.empty()) carry_out(effects);
+}
+
+}  // namespace trb::router
