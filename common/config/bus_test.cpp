@@ -57,6 +57,27 @@ TEST_CASE("a bus at an address that is not here yet is told, and may be waited f
   CHECK(faults_that_stop(faults).empty());
 }
 
+TEST_CASE("the D-Bus is the system's, the session's or a socket's address") {
+  const auto with = [](const std::string& dbus) {
+    NodeFolder folder;
+    folder.change("node.json", R"("seeds": [])", R"("seeds": [], "dbus": )" + dbus);
+    return folder.check();
+  };
+  CHECK(NodeFolder().check().config.dbus == "system");
+  for (const char* good : {"session", "unix:path=/run/robot/bus"}) {
+    const NodeCheck check = with("\"" + std::string(good) + "\"");
+    CHECK(without_keys(check.faults).empty());
+    CHECK(check.config.dbus == good);
+  }
+  for (const char* bad : {"\"\"", "\"user\"", "\"unix:path=\"", "\"unix:path=bus\"", "\"tcp:host=a,port=1\"",
+                          "\"unix:path=/a;unix:path=/b\"", "7"}) {
+    CAPTURE(bad);
+    const ConfigFaults faults = without_keys(with(bad).faults);
+    REQUIRE(faults.size() == 1);
+    CHECK(faults[0].key == "dbus");
+  }
+}
+
 TEST_CASE("an address is taken apart only if it is one") {
   CHECK(split_endpoint("10.0.0.1:46000").host == "10.0.0.1");
   CHECK(split_endpoint("[fd00::1]:46000").host == "fd00::1");

@@ -370,5 +370,83 @@ class Sensors(unittest.TestCase):
         self.assertEqual(self.read("humidity", "--of", "nobody", check=False)["code"], "unknown_target")
 
 
+class RobotFleet(trb_fleet.Fleet):
+    """Robots on the field channel, each node with a sensor-bus and a D-Bus of its own."""
+
+    buses = {}
+
+    def node_json(self, node):
+        json_of = super().node_json(node)
+        return {**json_of, "services": [*json_of["services"], "sensor-bus"], "dbus": self.buses[node].address}
+
+
+class Robots(unittest.TestCase):
+    """A robot asks over its field channel, in the words that it has: a request whose subtype is the sensor's name."""
+
+    @classmethod
+    def setUpClass(cls):
+        robots = {name: trb_fleet.ROBOTS[name] for name in ("pioneer1", "pioneer2")}
+        RobotFleet.buses = cls.buses = {}
+        for node in robots:
+            folder = tempfile.TemporaryDirectory(prefix="trb-bus-")
+            cls.addClassCleanup(folder.cleanup)
+            cls.buses[node] = Bus(pathlib.Path(folder.name))
+            cls.addClassCleanup(cls.buses[node].stop)
+        cls.fleet = make_fleet(cls, RobotFleet, block=166, udp_port=50166, robots=robots, cloud=False)
+        cls.fleet.start()
+        cls.fleet.wait("the fleet forms", lambda: all(cls.fleet.formed(node) for node in robots), 20)
+
+    def said(self, subtype):
+        """The messages that robots have said to their adapters."""
+        total = 0
+        for node in self.fleet.node_names:
+            rows = self.fleet.json("service", "counters", "mode-adapter", node=node)["values"]
+            total += sum(int(row["value"]) for row in rows if row["name"] == f"from_robot.{subtype}")
+        return total
+
+    def taps(self):
+        taps = []
+        for node in self.fleet.node_names:
+            command = [PROGRAMS / "trb", "tap", "--all", "--node", self.fleet.dir(node)]
+            taps.append(trb_fleet.Process(command, self.fleet.root / f"tap-{node}.log"))
+            self.addCleanup(taps[-1].stop)
+            taps[-1].wait_line("service_alive", 15)  # it hears everything from here on
+        return taps
+
+    def link_messages(self, taps, subtype):
+        """What the nodes have said to each other: "> information NAME"."""
+        for tap in taps:
+            tap.wait_line("service_alive", 15, len(tap.lines))  # what was said before has come by then
+        return sum(f"> {kind} {subtype} " in line for tap in taps for line in tap.lines for kind in ("request", "information"))
+
+    def ask(self, target):
+        """pioneer1 asks; the messages between robots and nodes, and between nodes, that it took."""
+        taps = self.taps()
+        before = self.said("humidity")
+        robot = self.fleet.virtual["pioneer1"]
+        robot.pump(0)
+        heard = len(robot.lines)
+        robot.say(f"say request humidity {target}")
+        line, _ = robot.wait_line("message information humidity", 10, heard)
+        self.assertTrue(line.endswith(" 47"), line)
+        robots = [line for node in self.fleet.virtual.values() for line in node.lines[heard if node is robot else 0:]]
+        to_robots = sum(line.startswith("message ") and "humidity" in line for line in robots)
+        return self.said("humidity") - before + to_robots, self.link_messages(taps, "humidity")
+
+    def feed(self, node):
+        feeder = Feeder(self.buses[node], "humidity")
+        self.addCleanup(feeder.stop)
+        self.fleet.wait("it is listed", lambda: any(
+            (row["node"], row["name"]) == (node, "humidity") for row in self.fleet.json("sensor", "list", node="pioneer1")["sensors"]), 10)
+
+    def test_of_its_own_node_it_takes_two_messages_and_of_another_four(self):
+        self.feed("pioneer1")
+        self.assertEqual(self.ask("-"), (2, 0))
+        self.assertEqual(self.buses["pioneer1"].rules_but_observer(), [])
+        self.feed("pioneer2")
+        self.assertEqual(self.ask("pioneer2"), (2, 2))
+        self.assertEqual(self.buses["pioneer2"].rules_but_observer(), [])
+
+
 if __name__ == "__main__":
     unittest.main()

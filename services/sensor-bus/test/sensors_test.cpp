@@ -128,6 +128,20 @@ TEST_CASE("silent after three of its periods, ok with the next value; a flapping
   CHECK(sent<NodeSensors>(bench.out).size() <= 6);
 }
 
+TEST_CASE("a reader of tags tells when there is a tag: it is never silent, and is waited for as long as the asker says") {
+  Bench bench;
+  bench.plug("usb1#r", "tag", "", "tag", 0);
+  bench.device_says("usb1#r", 1);
+  bench.wait(3600s);
+  CHECK(bench.info("tag").state == SensorState::ok);
+  const auto hasty = bench.read("tag");
+  const auto patient = bench.read("tag", 20);
+  bench.wait(10s);
+  CHECK(bench.answer(hasty).starts_with("nack timeout: tag told nothing in 3 s"));
+  bench.device_says("usb1#r", 2);
+  CHECK(bench.answer(patient) == "reading tag 2.0 good");
+}
+
 TEST_CASE("a program that emits is a sensor, silent when it stops, gone after a minute") {
   Bench bench;
   bench.wait(1s);
