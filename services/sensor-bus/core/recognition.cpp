@@ -43,15 +43,20 @@ std::string readable(std::string text) {
   return text;
 }
 
+/// What the device calls itself; where that is only a number, what udev's database does.
+std::string part_of_name(const Device& device, const std::string& part) {
+  const std::string own = property(device, "ID_" + part);
+  if (!own.empty() && own != property(device, "ID_" + part + "_ID")) return readable(own);
+  const std::string known = property(device, "ID_" + part + "_FROM_DATABASE");
+  return known.empty() ? own : known;
+}
+
 /// Maker and model, for people.
 std::string name_of_device(const Device& device) {
-  std::string maker = property(device, "ID_VENDOR_FROM_DATABASE");
-  if (maker.empty()) maker = readable(property(device, "ID_VENDOR"));
-  std::string model = readable(property(device, "ID_MODEL"));
-  if (model.empty()) model = property(device, "ID_MODEL_FROM_DATABASE");
-  if (maker.empty() || model.starts_with(maker)) maker.clear();
-  if (!maker.empty() && !model.empty()) maker += ' ';
-  if (!maker.empty() || !model.empty()) return maker + model;
+  const std::string maker = part_of_name(device, "VENDOR");
+  const std::string model = part_of_name(device, "MODEL");
+  if (!maker.empty() && !model.empty() && !model.starts_with(maker)) return maker + " " + model;
+  if (!maker.empty() || !model.empty()) return model.empty() ? maker : model;
   const auto name = device.attributes.find("name");
   return name == device.attributes.end() ? device.sysname : device.subsystem + " " + name->second;
 }

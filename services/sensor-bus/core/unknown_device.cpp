@@ -191,6 +191,11 @@ std::string rule_of(const Device& device) {
          " },\n  " + reading_of(Device{{}, device.subsystem, {}, {}, {}, {}, {}, {}}) + "\n}\n";
 }
 
+/// Of the moment at which it was told, not of the device.
+bool is_of_event(std::string_view name) {
+  return name == "ACTION" || name == "SEQNUM" || name == "USEC_INITIALIZED" || name == "CURRENT_TAGS";
+}
+
 }  // namespace
 
 bool is_worth_listing(const Device& device) {
@@ -210,7 +215,10 @@ bool is_worth_listing(const Device& device) {
 UnknownDevice describe_unknown(const Device& device) {
   UnknownDevice out;
   out.device = cut_utf8(device.syspath, kMaxPath);
-  for (const auto& [name, value] : device.properties) out.properties.append(name).append("=").append(value) += '\n';
+  for (const auto& [name, value] : device.properties) {
+    if (is_of_event(name)) continue;
+    out.properties.append(name).append("=").append(value) += '\n';
+  }
   if (!out.properties.empty()) out.properties.pop_back();
   out.properties = cut_utf8(out.properties, kMaxProperties);
   out.rule = rule_of(device);

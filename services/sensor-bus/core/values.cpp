@@ -17,10 +17,6 @@ std::string_view trim(std::string_view text) {
   return text;
 }
 
-std::string shown(std::string_view text) {
-  return in_quotes(cut_utf8(text, 40));
-}
-
 std::optional<std::string_view> field_of(std::string_view line, char separator, std::size_t number) {
   while (--number > 0) {
     const std::size_t at = line.find(separator);
@@ -37,6 +33,10 @@ std::string text_of(std::string_view bytes) {
     if (static_cast<unsigned char>(c) >= 0x20 && c != 0x7f) out += c;
   }
   return cut_utf8(trim(out), 255);
+}
+
+std::string shown(std::string_view text) {
+  return in_quotes(cut_utf8(text_of(text.substr(0, 100)), 40));
 }
 
 }  // namespace
