@@ -10,11 +10,13 @@ import sys
 import time
 
 import fleet_cost
+import sensor_side
 import trb_fleet
 
 PHASES = ["boot", "identification", "devices", "task", "forward", "sensor", "fail", "upkeep"]
 REST_S = 3.0
-SCENARIO = trb_fleet.REPO / "config" / "scenarios" / "paper-nine-tasks.json"
+SCENARIO = trb_fleet.REPO / "config" / "scenarios" / "paper-temperature.json"
+SENSOR_NODE = "conveyor"
 
 
 def say(text=""):
@@ -37,16 +39,16 @@ def observed_messages(fleet):
     return total
 
 
-def equation12(n, k, sum_m, direct, interpreted):
-    """Equation 12 by its terms (Equations 1, 2, 3, 7, 8, 10, 11) for s = 0 sensors, no requests and no faults."""
+def equation12(n, k, sum_m, direct, interpreted, sensors, remote):
+    """Equation 12 by its terms (Equations 1, 2, 3, 7, 8, 10, 11): sensors that nobody watches, remote requests, no faults."""
     tasks = direct + interpreted
     terms = {
         "boot": 3 * n + 1,
         "identification": n * (n + 1) // 2,
-        "devices": 0,
+        "devices": 2 * sensors,
         "task": 4 * direct + 8 * interpreted,
         "forward": tasks - sum_m + k - 1,
-        "sensor": 0,
+        "sensor": 4 * remote,
         "fail": 0,
     }
     terms["total"] = sum(terms.values())
@@ -57,6 +59,24 @@ def print_table(rows):
     widths = [max(len(str(row[i])) for row in rows) for i in range(len(rows[0]))]
     for row in rows:
         say("  " + "  ".join(str(cell).ljust(width) for cell, width in zip(row, widths)).rstrip())
+
+
+def plug_sensor(fleet, degrees):
+    """A thermometer at the conveyor; waits until the cloud knows it and its first value is read."""
+    side = fleet.sensor_sides[SENSOR_NODE]
+    way = f"a line of shell feeds the D-Bus, for no device can be plugged in here ({side.no_hall})" if side.no_hall else \
+        "a kernel event, udev, D-Bus, the fleet"
+    say(f"\n== a thermometer that shows {degrees:g} degC is plugged into the {SENSOR_NODE}'s PC: {way}")
+    side.plug_temperature(degrees)
+
+    def known():
+        routes = fleet.json("route", "list", node=trb_fleet.CLOUD)["routes"]
+        plugged = next(route for route in routes if route["id"] == SENSOR_NODE)["profile"]["plugged"]
+        return any(sensor["kind"] == "temperature" and sensor["state"] == "ok" for sensor in plugged)
+    seconds = fleet.wait("the cloud knows the thermometer", known, 10)
+    say(f"  the fleet can ask for it after {seconds:.1f} s")
+    for line in fleet.trb("sensor", "list", node=trb_fleet.CLOUD).stdout.splitlines():
+        say("  " + line)
 
 
 def run_scenario(fleet):
@@ -106,12 +126,13 @@ def report(fleet, view, wall_s):
     say(f"\n== the run {view['state']}" + (f": {view['waits_for']}" if view["waits_for"] else ""))
     print_table(rows)
     # A topic takes a task as a direct robot does: whole, not field by field.
-    direct = sum(task.get("mode") in ("direct", "ros") for task in view["tasks"])
+    done = [task for task in view["tasks"] if task["state"] != "SKIPPED"]
+    direct = sum(task.get("mode") in ("direct", "ros") for task in done)
     n, k, sum_m = len(fleet.robots), view["blocks_k"], view["blocks_sum_m"]
     observed = observed_messages(fleet)
-    model = equation12(n, k, sum_m, direct, len(view["tasks"]) - direct)
+    model = equation12(n, k, sum_m, direct, len(done) - direct, sensors=1, remote=1)
     say(f"\n== messages by phase, beside Equation 12 for n={n}, k={k}, sum m={sum_m}, "
-        f"N_d={direct}, N_i={len(view['tasks']) - direct}, s=0, R=0, N_f=0")
+        f"N_d={direct}, N_i={len(done) - direct}, s=1 (watched by nobody), R_e=1, N_f=0")
     print_table([["PHASE", "OBSERVED", "EQUATION 12"]] + [[p, observed[p], model.get(p, "-")] for p in PHASES + ["total"]])
     say(f"  without upkeep: {observed['total'] - observed['upkeep']}. Observed counts every message that a router took in or\n"
         "  made and every field or word between robot and node. More than the model: services join their own bus (boot),\n"
@@ -131,7 +152,8 @@ def print_next_steps(fleet):
     say("\n== the fleet stays up until Ctrl-C. Try in another terminal, from this folder:")
     say(f"  export PATH=$PWD/{bin_dir}:$PATH TRB_NODE=$PWD/{os.path.relpath(fleet.dir('cloud'))}")
     for line in ["trb robot list", "trb send ur3 command move '[0.5,-1.2,1.0,-1.4,-1.57,0]'", "trb request ur3 position",
-                 "trb send pioneer1 command turn '[90]'", "trb request drone altitude", "trb tap", "trb scenario run config/scenarios/paper-nine-tasks.json --watch",
+                 "trb send pioneer1 command turn '[90]'", "trb request drone altitude", "trb sensor list", "trb sensor read temperature", "trb sensor watch temperature",
+                 "trb tap", "trb scenario run config/scenarios/paper-temperature.json --watch",
                  "trb stop --all", "trb release --all", "trb help"]:
         say("  " + line)
 
@@ -150,10 +172,12 @@ def take_lock(root):
 def parse():
     parser = argparse.ArgumentParser(
         prog="scripts/demo", description="Starts a fleet of ten nodes on this machine (127.0.1.x), nine robots over six makers' protocols, and runs the paper's nine-task scenario.",
-        epilog="examples:  scripts/demo      scripts/demo --once --json run.json      scripts/demo --speed 4")
+        epilog="examples:  scripts/demo      scripts/demo --once --json run.json      scripts/demo --speed 4 --temperature 25")
     parser.add_argument("--once", action="store_true", help="end after the run; exit 0 only if it FINISHED")
     parser.add_argument("--json", metavar="FILE", help="write the run, the message counts and the time as JSON")
     parser.add_argument("--speed", type=float, default=1.0, help="how much faster than real the robots move (1)")
+    parser.add_argument("--temperature", type=float, default=15.0, metavar="DEGREES",
+                        help="what the thermometer at the conveyor shows: up to 20 degC the UR3 picks left, above right (15)")
     parser.add_argument("--programs", required=True, help=argparse.SUPPRESS)
     parser.add_argument("--root", required=True, help=argparse.SUPPRESS)
     parser.add_argument("--block", type=int, default=1, help=argparse.SUPPRESS)
@@ -161,6 +185,8 @@ def parse():
     arguments = parser.parse_args()
     if not 0 < arguments.speed <= 100:
         parser.error("--speed: between 0 and 100")
+    if not -40 <= arguments.temperature <= 125:
+        parser.error("--temperature: between -40 and 125")
     return arguments
 
 
@@ -185,8 +211,10 @@ def main():
     began = time.monotonic()
     with trb_fleet.Fleet(root, arguments.programs, block=arguments.block, udp_port=arguments.udp_port,
                          robots=trb_fleet.DEMO_ROBOTS, speed=arguments.speed) as fleet:
+        sensor_side.SensorSide(fleet, SENSOR_NODE)
         start(fleet)
         rest = cost_at_rest(fleet)
+        plug_sensor(fleet, arguments.temperature)
         say(f"\n== the scenario {SCENARIO.relative_to(trb_fleet.REPO)}")
         before = cost(fleet)
         view = run_scenario(fleet)

@@ -7,6 +7,7 @@ import ctypes
 import json
 import os
 import pathlib
+import pwd
 import secrets
 import select
 import shutil
@@ -112,6 +113,11 @@ def plc_port():
     return 502 if os.geteuid() == 0 or first <= 502 else 1502
 
 
+def user():
+    """The name of who runs this."""
+    return pwd.getpwuid(os.geteuid()).pw_name
+
+
 def free_port():
     """A port that is free on every address."""
     with socket.socket() as probe:
@@ -138,6 +144,7 @@ class Fleet:
         self.virtual = {}
         self.ros_port = free_port() if self.ros_robots() else None
         self.ros_master = None
+        self.sensor_sides = {}  # node: its sensor_side.SensorSide
 
     # ---- paths and addresses
 
@@ -205,7 +212,9 @@ class Fleet:
         if node in self.ros_robots():
             self.name_ros_master(folder / "commands.json", self.robots[node][0])
         (folder / "network.json").write_text(json.dumps(network, indent=2) + "\n")
-        (folder / "node.json").write_text(json.dumps(self.node_json(node), indent=2) + "\n")
+        (folder / "node.json").write_text(json.dumps(self.with_sensors(node, self.node_json(node)), indent=2) + "\n")
+        if node in self.sensor_sides:
+            shutil.copytree(config / "sensors", folder / "sensors", ignore=shutil.ignore_patterns("*.md"))
         if node in self.robots:
             (folder / "robots").mkdir()
             shutil.copy(self.description(node), folder / "robots")
@@ -230,6 +239,12 @@ class Fleet:
             robot["origin"] = self.origin(node)
         return {"id": node, "framework": framework, "description": f"robots/{description}.json", "robot": robot,
                 "services": services}
+
+    def with_sensors(self, node, node_json):
+        if node in self.sensor_sides:
+            node_json["services"].append("sensor-bus")
+            node_json["dbus"] = self.sensor_sides[node].address()
+        return node_json
 
     def origin(self, node):
         """Where in the hall a robot's own coordinates begin: a Pioneer's where it is switched on."""
@@ -280,7 +295,11 @@ class Fleet:
 
     def start_node(self, node):
         log = self.root / f"up-{node}.log"
-        self.nodes[node] = Process([self.programs / "trb", "up", self.dir(node), "--die-with-parent"], log)
+        side = self.sensor_sides.get(node)
+        without = ["--without", "sensor-bus"] if side else []
+        self.nodes[node] = Process([self.programs / "trb", "up", self.dir(node), *without, "--die-with-parent"], log)
+        if side:
+            side.start()
 
     def start(self):
         if self.ros_robots():
@@ -293,7 +312,8 @@ class Fleet:
             self.nodes[node].wait_line("ready", 20)
 
     def processes(self):
-        return [*self.nodes.values(), *self.virtual.values(), *([self.ros_master] if self.ros_master else [])]
+        sides = [process for side in self.sensor_sides.values() for process in side.processes()]
+        return [*self.nodes.values(), *self.virtual.values(), *sides, *([self.ros_master] if self.ros_master else [])]
 
     def pump(self):
         """Keeps the children's output flowing."""
@@ -348,6 +368,8 @@ class Fleet:
                 process.child.send_signal(signal.SIGTERM)
         for process in self.processes():
             process.stop()
+        for side in self.sensor_sides.values():
+            side.stop()
         self.nodes.clear()
         self.virtual.clear()
         self.ros_master = None
