@@ -29,6 +29,21 @@ install_packages() {
   "${as_root[@]}" apt-get install -y -qq --no-install-recommends --no-remove "${missing[@]}" >/dev/null
 }
 
+# Debian's udev begins to run as it is installed, unless a policy forbids it: the tests run their own, in a namespace.
+install_udev() {
+  local policy=/usr/sbin/policy-rc.d
+  if [ -x /lib/systemd/systemd-udevd ] || [ -e "$policy" ] || [ -d /run/systemd/system ]; then
+    install_packages udev
+    return
+  fi
+  local as_root=()
+  [ "$(id -u)" -eq 0 ] || as_root=(sudo)
+  printf '#!/bin/sh\nexit 101\n' | "${as_root[@]}" tee "$policy" >/dev/null
+  "${as_root[@]}" chmod 755 "$policy"
+  install_packages udev || { "${as_root[@]}" rm -f "$policy"; return 1; }
+  "${as_root[@]}" rm -f "$policy"
+}
+
 # build PRESET TARGET...: configures and builds below build/PRESET
 build() {
   local preset="$1"
