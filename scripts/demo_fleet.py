@@ -136,10 +136,10 @@ def report(fleet, view, wall_s):
     print_table([["PHASE", "OBSERVED", "EQUATION 12"]] + [[p, observed[p], model.get(p, "-")] for p in PHASES + ["total"]])
     say(f"  without upkeep: {observed['total'] - observed['upkeep']}. Observed counts every message that a router took in or\n"
         "  made and every field or word between robot and node. More than the model: services join their own bus (boot),\n"
-        "  both ends of a link say Hello and nodes repeat their beacon (identification), nodes tell what their robots can\n"
-        "  do (devices), a robot acknowledges each field or answers (task), definitions are fetched by digest (forward), an\n"
-        "  arm tells its mode and safety (sensor); upkeep is keep-alives, signatures, proofs of delivery and these lists,\n"
-        "  which the model leaves out.")
+        "  both ends of a link say Hello and nodes repeat their beacon (identification), each node tells every other one what\n"
+        "  its robot can do and what is plugged in (devices), a robot acknowledges each field or answers (task), definitions\n"
+        "  are fetched by digest (forward), an arm tells its mode and safety (sensor); upkeep is keep-alives, signatures,\n"
+        "  proofs of delivery and these lists, which the model leaves out.")
     say(f"\n== {wall_s:.1f} s from the first process to the end of the run")
     fields = ["id", "robot", "skill", "mode", "transport", "state", "duration_s"]
     return {"run": {"id": view["run"], "state": view["state"],
