@@ -104,34 +104,32 @@ void SchedulerCore::keep_choice(Run& run, HeldChoice held, Step step) {
   }
 }
 
-bool SchedulerCore::keep_signed(Run& run, const SignedRecord& record, Step step) {
+bool SchedulerCore::keep_signed_choice(Run& run, const SignedRecord& record, Step step) {
   const auto inquiry =
       std::find_if(run.inquiries.begin(), run.inquiries.end(), [&](const Inquiry& one) { return one.signs(record); });
-  const auto skip = std::find_if(run.skips.begin(), run.skips.end(), [&](const auto& one) {
-    return one.second.kind == record.kind && one.second.payload == record.payload.bytes;
-  });
-  Status checked = Done{};
-  if (inquiry != run.inquiries.end()) {
-    auto held = run.check_choice(record);
-    if (!held) {
-      checked = held.error();
-    } else {
-      if (!inquiry->obstacle().empty()) tell_waiting(run, *run.index_of(held->choice.tasks.front().task), {}, step);
-      run.inquiries.erase(inquiry);
-      keep_choice(run, std::move(*held), step);
-    }
-  } else if (skip != run.skips.end()) {
-    auto held = run.check_result(record);
-    if (!held) {
-      checked = held.error();
-    } else {
-      run.skips.erase(skip);
-      keep_result(run, std::move(*held), step);
-    }
-  } else {
-    return false;
-  }
-  if (!checked) step.out.log(LogLevel::error, "own_signature_wrong", checked.error().text());
+  if (inquiry == run.inquiries.end()) return false;
+  auto held = run.check_choice(record);
+  if (!held) return wrong_signature(held.error(), step);
+  const TaskIndex first = *run.index_of(held->choice.tasks.front().task);
+  if (!inquiry->obstacle().empty()) tell_waiting(run, first, {}, step);
+  run.inquiries.erase(inquiry);
+  keep_choice(run, std::move(*held), step);
+  return true;
+}
+
+bool SchedulerCore::keep_signed_skip(Run& run, const SignedRecord& record, Step step) {
+  const auto skip =
+      std::find_if(run.skips.begin(), run.skips.end(), [&](const auto& one) { return one.second.asks_for(record); });
+  if (skip == run.skips.end()) return false;
+  auto held = run.check_result(record);
+  if (!held) return wrong_signature(held.error(), step);
+  run.skips.erase(skip);
+  keep_result(run, std::move(*held), step);
+  return true;
+}
+
+bool SchedulerCore::wrong_signature(const Error& error, Step step) {
+  step.out.log(LogLevel::error, "own_signature_wrong", error.text());
   return true;
 }
 

@@ -116,9 +116,4 @@ void Inquiry::sign(Bytes choice, Now now, Outbox& out) {
   signature_.tick(self_, now, out);
 }
 
-bool Inquiry::signs(const SignedRecord& record) const {
-  return phase_ == InquiryPhase::signing && record.kind == signature_.kind &&
-         record.payload.bytes == signature_.payload;
-}
-
 }  // namespace trb::scheduler

@@ -18,6 +18,9 @@ struct Signature {
   MonotonicTime next{};
 
   void tick(const std::string& node, Now now, Outbox& out);
+  [[nodiscard]] bool asks_for(const SignedRecord& record) const {
+    return record.kind == kind && record.payload.bytes == payload;
+  }
 };
 
 /// `waiting`: for the next try. `looking`: the router is asked who has the sensor. `asked`: its node is. `signing`: the
@@ -47,7 +50,9 @@ class Inquiry {
   /// True if that is the answer, and can be believed.
   bool on(const SensorReading& reading, const std::string& from, Now now);
   void sign(Bytes choice, Now now, Outbox& out);
-  [[nodiscard]] bool signs(const SignedRecord& record) const;
+  [[nodiscard]] bool signs(const SignedRecord& record) const {
+    return phase_ == InquiryPhase::signing && signature_.asks_for(record);
+  }
 
  private:
   void try_again(const std::string& why, Now now);

@@ -52,7 +52,7 @@ void SchedulerCore::handle(const SignedRecord& body, const Inbound& from, Step s
                      body.payload.bytes == attempt->payload;
   if (!asked) {
     for (Run* run : book_.runs()) {
-      if (keep_signed(*run, body, step)) return;
+      if (keep_signed_choice(*run, body, step) || keep_signed_skip(*run, body, step)) return;
     }
     return step.out.count("late.signed_record");
   }

@@ -6,6 +6,22 @@ namespace trb {
 
 using namespace scheduler;
 
+namespace {
+
+/// All of them, or the error of the first bad one.
+template <class Held, class Check>
+Result<std::vector<Held>> check_all(const std::vector<SignedRecord>& records, const Check& check) {
+  std::vector<Held> out;
+  for (const SignedRecord& record : records) {
+    auto held = check(record);
+    if (!held) return held.error();
+    out.push_back(std::move(*held));
+  }
+  return out;
+}
+
+}  // namespace
+
 void SchedulerCore::handle(const RunSubmit& body, const Inbound& from, Step step) {
   if (from.source != settings_.node) {
     return refuse(from, fail(Errc::not_permitted, "a run is submitted on the submitter's own node"), step);
@@ -52,20 +68,14 @@ void SchedulerCore::handle(const Baton& body, const Inbound& from, Step step) {
   if (!bits) return refuse(from, bits.error(), step);
   const auto skipped = from_bitmap(body.skipped_tasks.bytes, run->tasks().size());
   if (!skipped) return refuse(from, skipped.error(), step);
-  std::vector<HeldResult> results;
-  for (const SignedRecord& record : body.results) {
-    auto held = run->check_result(record);
-    if (!held) return refuse(from, held.error(), step);
-    results.push_back(std::move(*held));
-  }
-  std::vector<HeldChoice> choices;
-  for (const SignedRecord& record : body.choices) {
-    auto held = run->check_choice(record);
-    if (!held) return refuse(from, held.error(), step);
-    choices.push_back(std::move(*held));
-  }
-  for (HeldResult& held : results) keep_result(*run, std::move(held), step);
-  for (HeldChoice& held : choices) keep_choice(*run, std::move(held), step);
+  auto results =
+      check_all<HeldResult>(body.results, [&](const SignedRecord& record) { return run->check_result(record); });
+  if (!results) return refuse(from, results.error(), step);
+  auto choices =
+      check_all<HeldChoice>(body.choices, [&](const SignedRecord& record) { return run->check_choice(record); });
+  if (!choices) return refuse(from, choices.error(), step);
+  for (HeldResult& held : *results) keep_result(*run, std::move(held), step);
+  for (HeldChoice& held : *choices) keep_choice(*run, std::move(held), step);
   step.out.information(from.source, BatonJournaled{body.run, body.epoch, body.tasks});
   if (run->aborted()) return;
   run->hear(*bits, *skipped);

@@ -77,8 +77,11 @@ class SchedulerCore : public Core {
   void install(Run run, const SignedRecord& start, bool submitted_here, Step step);
   void keep_result(Run& run, scheduler::HeldResult held, Step step);
   void keep_choice(Run& run, scheduler::HeldChoice held, Step step);
-  /// Keeps a choice or a SKIPPED result that was being signed; false if the record is neither.
-  bool keep_signed(Run& run, const SignedRecord& record, Step step);
+  /// Keeps a choice, or a SKIPPED result, that was being signed; false if the record is none.
+  bool keep_signed_choice(Run& run, const SignedRecord& record, Step step);
+  bool keep_signed_skip(Run& run, const SignedRecord& record, Step step);
+  /// Logs that the own router has signed something else than was asked for, which is asked for again; true.
+  bool wrong_signature(const Error& error, Step step);
   void refused_reading(const Nack& nack, const Inbound& from, Step step);
   Status check_baton(const Run& run, const Baton& baton, Step step) const;
   /// Journals that another node has what it was owed.
