@@ -270,7 +270,7 @@ class Inside:
         for link, to in (("fd", "/proc/self/fd"), ("stdin", "fd/0"), ("stdout", "fd/1"), ("stderr", "fd/2")):
             os.symlink(to, f"{stage}/{link}")
         os.mkdir(f"{stage}/shm", 0o1777)
-        run("mount", "--move", stage, "/dev")
+        run("mount", "-n", "--move", stage, "/dev")
         run("mount", "-t", "tmpfs", "none", "/sys")
         run("mount", "-t", "tmpfs", "none", "/run")
         for folder in ("/sys/bus", "/sys/class", "/sys/devices", "/run/udev"):
