@@ -1,4 +1,5 @@
 """Devices that are not there: umockdev stands in for udev and /sys. Run as a program it holds one machine's devices."""
+import os
 import pathlib
 import subprocess
 import sys
@@ -14,7 +15,8 @@ class Devices:
         self.process = trb_fleet.Process(["umockdev-wrapper", sys.executable, pathlib.Path(__file__)],
                                          log, stdin=subprocess.PIPE)
         line, self.heard = self.process.wait_line("devices in ", 10)
-        self.env = {"LD_PRELOAD": "libumockdev-preload.so.0", "UMOCKDEV_DIR": line.split()[-1]}
+        asan = os.environ.get("ASAN_OPTIONS", "") + ":verify_asan_link_order=0"  # the preloaded library comes first
+        self.env = {"LD_PRELOAD": "libumockdev-preload.so.0", "UMOCKDEV_DIR": line.split()[-1], "ASAN_OPTIONS": asan}
 
     def order(self, *words):
         self.process.say(" ".join(map(str, words)))
