@@ -175,6 +175,31 @@ TEST_CASE("a peer that does not listen gets a stream by its link, and of a flood
   CHECK(stream.fleet.stream("ant", image).to == To::drop);
 }
 
+TEST_CASE("a stream to who is reached by a relay goes by it, and of a flood no more than that") {
+  TestFleet fleet;
+  fleet.cut("ant", "bee");
+  fleet.cut("bee", "ant");
+  TestNode& cloud = fleet.start("cloud", {.beacon = false, .relay = true});
+  TestNode& ant = fleet.start("ant", {.beacon = false, .seeds = {"cloud"}});
+  fleet.start("bee", {.beacon = false, .seeds = {"cloud"}});
+  fleet.run(Seconds(3));
+  Message value = make_message(MessageType::information, "ant", "bee", SensorReading{});
+  value.flags = kFlagLossy;
+  for (int i = 0; i < 100; ++i) {
+    const Decision way = fleet.stream("ant", value);
+    CHECK(way.to == (i < 20 ? To::relay : To::drop));
+    CHECK(way.link == (i < 20 ? ant.link_to("cloud") : 0));
+  }
+  CHECK(ant.count("dropped.no_lane") == 80);
+  for (int second = 0; second < 5; ++second) {
+    fleet.run(Seconds(1));
+    CHECK(fleet.stream("ant", value).to == To::relay);
+  }
+  value.target = "cloud";
+  CHECK(fleet.stream("ant", value).to == To::lane);
+  CHECK(cloud.count("refused.lane_topic") == 0);
+}
+
 TEST_CASE("nobody is told of lossy information that was dropped, not even of the user's own") {
   Stream stream;
   Message lost = stream.value();
