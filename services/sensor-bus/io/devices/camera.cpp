@@ -9,12 +9,14 @@
 #include <cstring>
 
 #include "common/service/service.hpp"
+#include "services/sensor-bus/core/jpeg.hpp"
 #include "services/sensor-bus/io/devices/reader.hpp"
 
 namespace trb::sensor {
 namespace {
 
 constexpr std::size_t kMaxPicture = 1'000'000;  // of SensorImage
+constexpr std::size_t kMaxRaw = 32'000'000;
 constexpr std::uint32_t kBuffers = 2;
 constexpr std::uint32_t kCapture = V4L2_BUF_TYPE_VIDEO_CAPTURE;
 constexpr int kFrames = 30;  // so many may be faulty before the first good one
@@ -60,8 +62,10 @@ class Camera {
     std::size_t size = 0;
   };
 
+  /// As JPEG if it can.
   Status choose_format() {
-    for (const std::uint32_t format : {V4L2_PIX_FMT_MJPEG, V4L2_PIX_FMT_JPEG}) {
+    for (const std::uint32_t format :
+         {V4L2_PIX_FMT_MJPEG, V4L2_PIX_FMT_JPEG, V4L2_PIX_FMT_YUYV, V4L2_PIX_FMT_RGB24, V4L2_PIX_FMT_GREY}) {
       v4l2_format wanted{};
       wanted.type = kCapture;
       wanted.fmt.pix.width = context_.rule().width;
@@ -71,9 +75,15 @@ class Camera {
         if (errno == EBUSY) return fail(Errc::busy, devnode_ + " is used by another program", "end that one");
         continue;
       }
-      if (wanted.fmt.pix.pixelformat == format) return Done{};
+      format_ = wanted.fmt.pix;
+      if (format_.pixelformat == format) return Done{};
     }
-    return fail(Errc::bad_value, devnode_ + " tells no pictures as JPEG", "use a camera that does");
+    return fail(Errc::bad_value, devnode_ + " tells pictures neither as JPEG nor as YUYV, RGB24 or GREY",
+                "use a camera that does");
+  }
+
+  [[nodiscard]] bool tells_jpeg() const {
+    return format_.pixelformat == V4L2_PIX_FMT_MJPEG || format_.pixelformat == V4L2_PIX_FMT_JPEG;
   }
 
   Status start() {
@@ -117,6 +127,7 @@ class Camera {
   }
 
   Result<Bytes> checked(const void* bytes, std::size_t size) const {
+    if (!tells_jpeg()) return encoded({static_cast<const char*>(bytes), size});
     if (size > kMaxPicture) {
       return fail(Errc::too_large, "a picture of " + std::to_string(size) + " bytes",
                   "make \"width\" and \"height\" of its rule smaller");
@@ -124,6 +135,21 @@ class Camera {
     Bytes out(static_cast<const char*>(bytes), size);
     if (!out.starts_with("\xff\xd8")) return fail(Errc::malformed, devnode_ + " told no JPEG", "plug it in again");
     return out;
+  }
+
+  [[nodiscard]] Result<Bytes> encoded(BytesView bytes) const {
+    RawPicture raw;
+    raw.format = format_.pixelformat == V4L2_PIX_FMT_YUYV    ? PixelFormat::yuyv
+                 : format_.pixelformat == V4L2_PIX_FMT_RGB24 ? PixelFormat::rgb24
+                                                             : PixelFormat::grey;
+    raw.width = format_.width;
+    raw.height = format_.height;
+    raw.bytes_per_line = format_.bytesperline;
+    const bool told = format_.priv == V4L2_PIX_FMT_PRIV_MAGIC && format_.quantization != V4L2_QUANTIZATION_DEFAULT;
+    raw.limited =
+        told ? format_.quantization == V4L2_QUANTIZATION_LIM_RANGE : format_.colorspace != V4L2_COLORSPACE_JPEG;
+    raw.bytes = bytes;
+    return to_jpeg(raw, kMaxPicture);
   }
 
   Result<Bytes> by_buffers() {
@@ -138,6 +164,7 @@ class Camera {
       const bool good = (buffer.flags & V4L2_BUF_FLAG_ERROR) == 0 && buffer.index < buffers_.size() &&
                         buffer.bytesused > 0 && buffer.bytesused <= buffers_[buffer.index].size;
       if (good) out = checked(buffers_[buffer.index].bytes, buffer.bytesused);
+      if (!out && out.error().code != Errc::malformed) break;  // the next one would be no better
       if (!out) call(file_.get(), VIDIOC_QBUF, &buffer);
     }
     return out;
@@ -145,7 +172,7 @@ class Camera {
 
   Result<Bytes> by_read() {
     if (Status there = await(); !there) return there.error();
-    Bytes bytes(kMaxPicture + 1, '\0');
+    Bytes bytes(tells_jpeg() ? kMaxPicture + 1 : std::min<std::size_t>(format_.sizeimage, kMaxRaw), '\0');
     const ssize_t size = ::read(file_.get(), bytes.data(), bytes.size());
     if (size < 0) return system_error(devnode_, errno);
     return checked(bytes.data(), static_cast<std::size_t>(size));
@@ -154,6 +181,7 @@ class Camera {
   ReaderContext& context_;
   std::string devnode_;
   Descriptor file_;
+  v4l2_pix_format format_{};
   std::vector<Mapped> buffers_;
   bool streaming_ = false;
 };
