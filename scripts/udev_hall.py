@@ -170,6 +170,14 @@ class Hall:
             raise RuntimeError(f"the hall: {answer['error']}")
         return answer
 
+    def stop_udevd(self):
+        """No udevd, as in a container or early at boot."""
+        self.ask(do="stop_udevd")
+
+    def start_udevd(self):
+        """If it does not run."""
+        self.ask(do="start_udevd")
+
     # ---- what is plugged in
 
     def number(self):
@@ -249,6 +257,12 @@ class Inside:
         self.links = {}  # a device's path: the link to it among those of its subsystem
         self.socket = socket.socket(socket.AF_NETLINK, socket.SOCK_RAW | socket.SOCK_CLOEXEC, 15)  # NETLINK_KOBJECT_UEVENT
         self.make_places()
+        self.udevd = None
+        self.start_udevd()
+
+    def start_udevd(self):
+        if self.udevd:
+            return
         self.udevd = subprocess.Popen([UDEVD], stdin=subprocess.DEVNULL, stdout=sys.stderr,
                                       preexec_fn=end_with_parent)
         end = time.monotonic() + 10
@@ -256,6 +270,13 @@ class Inside:
             if self.udevd.poll() is not None or time.monotonic() > end:
                 raise RuntimeError(f"{UDEVD} does not start")
             select.select([], [], [], 0.01)
+
+    def stop_udevd(self):
+        if self.udevd:
+            self.udevd.terminate()
+            self.udevd.wait()
+            self.udevd = None
+        pathlib.Path("/run/udev/control").unlink(missing_ok=True)  # what it leaves behind is of no use
 
     def make_places(self):
         run("mount", "--make-rprivate", "/")
@@ -284,8 +305,7 @@ class Inside:
                 self.say(getattr(self, command.pop("do"))(**command) or {})
             except Exception as problem:  # told to whoever asked
                 self.say({"error": f"{type(problem).__name__}: {problem}"})
-        self.udevd.terminate()
-        self.udevd.wait()
+        self.stop_udevd()
 
     @staticmethod
     def say(answer):

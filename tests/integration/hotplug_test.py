@@ -149,6 +149,40 @@ class Hotplug(unittest.TestCase):
         good.set(21)
         self.node.wait("both are read again", lambda there: [s["state"] for s in there.values()] == ["ok", "ok"])
 
+    def heard_udevd(self):
+        return len(self.node.logged("udevd_heard"))
+
+    def test_udevd_may_come_later(self):
+        self.addCleanup(self.hall.start_udevd)
+        self.node.stop()
+        self.hall.stop_udevd()
+        before = len(self.node.logged("no_udevd")), self.heard_udevd()
+        self.node.start()
+        self.node.fleet.wait("it says so", lambda: len(self.node.logged("no_udevd")) > before[0], 5)
+        self.plug(self.hall.plug_temperature(20))  # nobody says that
+        self.hall.start_udevd()
+        took = self.node.wait("what was not said is found", lambda there: set(there) == {"temperature"})
+        self.plug(self.hall.plug_temperature(21))
+        heard = self.node.wait("what is plugged in later is heard", lambda there: len(there) == 2, 1.5)
+        self.assertEqual(self.heard_udevd() - before[1], 1)
+        print(f"udevd after the service: found {took:.2f} s after its start; the next one in {heard:.2f} s")
+
+    def test_udevd_may_be_started_again(self):
+        self.addCleanup(self.hall.start_udevd)
+        self.plug(self.hall.plug_temperature(20))
+        self.node.wait_state("temperature", "ok")
+        before = self.heard_udevd()
+        self.hall.stop_udevd()
+        self.plug(self.hall.plug_temperature(21))  # nobody says that
+        self.hall.start_udevd()
+        self.plug(self.hall.plug_temperature(22))
+        self.node.wait("all three are there", lambda there: len(there) == 3)
+        self.node.fleet.wait("it has noticed", lambda: self.heard_udevd() > before, 5)
+        last = self.hall.plug_temperature(23)
+        self.node.wait("a fourth one", lambda there: len(there) == 4)
+        last.unplug()
+        self.node.wait("it is gone", lambda there: len(there) == 3)
+
     def test_an_unknown_device_comes_with_a_rule_that_makes_it_known(self):
         device = self.plug(self.hall.plug_serial(model="Uno", serial="U1"))
         found = []

@@ -10,6 +10,7 @@ namespace {
 
 /// How soon a hanging reader is noticed, beyond its time-out.
 constexpr Duration kLook = std::chrono::milliseconds(250);
+constexpr Duration kLookForUdevd = std::chrono::seconds(2);
 constexpr Duration kLastWait = std::chrono::milliseconds(500);
 
 void log(Level level, std::string_view event, const std::string& text) {
@@ -30,20 +31,14 @@ Result<std::unique_ptr<Devices>> Devices::open(Service& service, DeviceListener&
   auto crew = Crew::make();
   if (!crew) return crew.error();
   std::unique_ptr<Devices> out(new Devices(service, listener, std::move(rules), std::move(*crew)));
-  auto monitor = UdevMonitor::open(out->recognition_.subsystems(), [&recognition = out->recognition_](const auto& of) {
-    return recognition.attributes_of(of);
-  });
-  if (!monitor) return monitor.error();
-  out->monitor_ = std::move(*monitor);
-  service.watch(out->monitor_->fd(), POLLIN, [self = out.get()](short) { self->on_udev(); });
+  if (Status heard = out->hear(); !heard) return heard.error();
   return out;
 }
 
 Devices::Devices(Service& service, DeviceListener& listener, std::vector<SensorRule> rules, std::shared_ptr<Crew> crew)
     : service_(service), listener_(listener), recognition_(std::move(rules)), crew_(std::move(crew)) {
   service_.watch(crew_->ready_fd(), POLLIN, [this](short) { on_posts(); });
-  next_look_ = MonotonicTime{};  // at once: what is plugged in already
-  service_.timer([this] { return next_look_; }, [this](Now at) { look(at); });
+  service_.timer([this] { return std::min(next_look_, next_udevd_look_); }, [this](Now at) { look(at); });
 }
 
 Devices::~Devices() {
@@ -59,6 +54,36 @@ Devices::~Devices() {
     return std::all_of(leaving_.begin(), leaving_.end(), [](const auto& each) { return each->ended.load(); });
   };
   while (!all_gone() && now().mono < deadline) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+}
+
+/// From now on; what was said before is for scan() to find.
+Status Devices::hear() {
+  const auto udevd = UdevMonitor::udevd();
+  auto monitor =
+      UdevMonitor::open(recognition_.subsystems(), [this](const auto& of) { return recognition_.attributes_of(of); });
+  if (!monitor) return monitor.error();
+  if (monitor_) service_.unwatch(monitor_->fd());
+  monitor_ = std::move(*monitor);
+  service_.watch(monitor_->fd(), POLLIN, [this](short) { on_udev(); });
+  udevd_ = udevd;
+  return Done{};
+}
+
+/// It may come after this service, as in a container or early at boot, or be started again.
+void Devices::look_for_udevd(MonotonicTime now) {
+  next_udevd_look_ = now + kLookForUdevd;
+  const auto there = UdevMonitor::udevd();
+  const bool first = !std::exchange(scanned_, true);
+  const bool other = there != udevd_;
+  if (!there && (first || other)) {
+    log(Level::warning, "no_udevd", "there is no udevd: what is plugged in is not heard of until it runs");
+    udevd_.reset();
+  }
+  if (there && other) {
+    if (Status heard = hear(); !heard) return log_limited(limit_, now, Level::error, "udev", heard.error().text());
+    log(Level::info, "udevd_heard", "udevd has been started; all is looked at again");
+  }
+  if (first || (there && other)) scan();
 }
 
 void Devices::scan() {
@@ -118,7 +143,7 @@ void Devices::plug(FoundDevice found) {
   }
   plugged.reader = std::move(*reader);
   reader_of_.emplace(readers_, syspath);
-  if (!next_look_) next_look_ = now().mono + kLook;
+  next_look_ = std::min(next_look_, now().mono + kLook);
 }
 
 void Devices::unplug(const std::string& syspath) {
@@ -153,16 +178,11 @@ void Devices::on_post(Post post) {
 }
 
 void Devices::look(Now now) {
-  if (!std::exchange(scanned_, true)) {
-    if (!UdevMonitor::has_udevd()) {
-      log(Level::warning, "no_udevd", "there is no udevd: what is plugged in later is not heard of");
-    }
-    scan();
-  }
+  if (now.mono >= next_udevd_look_) look_for_udevd(now.mono);
   for (auto& [ignored, plugged] : plugged_) look_at(plugged, now.mono);
   std::erase_if(leaving_, [](const auto& each) { return each->ended.load(); });
   const bool none = plugged_.empty() && leaving_.empty();
-  next_look_ = none ? std::nullopt : std::optional(now.mono + kLook);
+  next_look_ = none ? next_udevd_look_ : now.mono + kLook;
 }
 
 void Devices::look_at(Plugged& plugged, MonotonicTime now) {

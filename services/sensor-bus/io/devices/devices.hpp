@@ -46,6 +46,8 @@ class Devices final : public DeviceControl {
   using Place = std::pair<Plugged*, std::size_t>;
 
   Devices(Service& service, DeviceListener& listener, std::vector<SensorRule> rules, std::shared_ptr<Crew> crew);
+  Status hear();
+  void look_for_udevd(MonotonicTime now);
   void scan();
   void on_udev();
   void on_event(UdevMonitor::Event event);
@@ -68,7 +70,9 @@ class Devices final : public DeviceControl {
   std::map<std::string, Plugged> plugged_;              ///< by syspath
   std::map<std::uint64_t, std::string> reader_of_;      ///< reader's number: syspath
   std::vector<std::shared_ptr<ReaderOrders>> leaving_;  ///< told to end, not gone yet
-  std::optional<MonotonicTime> next_look_;
+  MonotonicTime next_look_;                             ///< at once: what is plugged in already
+  MonotonicTime next_udevd_look_;
+  std::optional<UdevMonitor::Udevd> udevd_;  ///< that is heard
   std::uint64_t readers_ = 0;
   std::uint64_t dropped_ = 0;
   bool scanned_ = false;

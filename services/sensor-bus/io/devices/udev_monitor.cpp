@@ -1,7 +1,7 @@
 #include "services/sensor-bus/io/devices/udev_monitor.hpp"
 
 #include <libudev.h>
-#include <unistd.h>
+#include <sys/stat.h>
 
 #include <cerrno>
 #include <cstring>
@@ -58,8 +58,10 @@ int UdevMonitor::fd() const {
   return udev_monitor_get_fd(monitor_);
 }
 
-bool UdevMonitor::has_udevd() {
-  return ::access("/run/udev/control", F_OK) == 0;
+std::optional<UdevMonitor::Udevd> UdevMonitor::udevd() {
+  struct stat control {};
+  if (::stat("/run/udev/control", &control) != 0) return std::nullopt;
+  return Udevd{control.st_ino, control.st_ctim.tv_sec * 1'000'000'000 + control.st_ctim.tv_nsec};
 }
 
 Device UdevMonitor::device_of(udev_device* device) const {

@@ -1,8 +1,10 @@
 // What udev says: devices that are there, come, change and go.
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
@@ -33,8 +35,14 @@ class UdevMonitor {
     Device device;
   };
   [[nodiscard]] int fd() const;
-  /// Whether there is a udevd at all that would tell.
-  [[nodiscard]] static bool has_udevd();
+  /// Which udevd there is that would tell: another after each start of one. None: there is none, and whoever begins to
+  /// hear then hears nothing, also later.
+  struct Udevd {
+    std::uint64_t file = 0;
+    std::int64_t made_ns = 0;
+    bool operator==(const Udevd&) const = default;
+  };
+  [[nodiscard]] static std::optional<Udevd> udevd();
   /// What has been said, in order. False: some was lost, so that enumerate() is needed.
   bool drain(const std::function<void(Event)>& on_event);
   /// Everything that is plugged in now.
