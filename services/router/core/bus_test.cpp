@@ -72,6 +72,21 @@ TEST_CASE("a service and a subtype have one holder; when that is gone, the next 
   CHECK(bus.hello(2, "scheduler", {"baton"}) == "service_welcome");
 }
 
+TEST_CASE(
+    "a hello that is said again keeps its slot: what is under way bears it; one of another start gets a new one") {
+  Bus bus;
+  const auto slot = [&](ConnectionId from, std::uint64_t instance) {
+    Effects effects;
+    bus.ant.core->on_service_hello(from, {"trb", {}, instance, 100, "1"}, kProbe, bus.fleet.now, effects);
+    bus.fleet.carry_out(bus.ant, effects);
+    return decode<ServiceWelcome>(bus.ant.bus.back().message.data)->slot;
+  };
+  const auto first = slot(1, 7);
+  CHECK(slot(1, 7) == first);
+  CHECK(slot(2, 7) != first);
+  CHECK(slot(1, 8) != first);
+}
+
 TEST_CASE("a service is who its socket or key proves, whatever it says, and a probe is none") {
   Bus bus;
   CHECK(bus.come_as("mode-adapter", 1, "scheduler", {"baton"}) == "source_mismatch");

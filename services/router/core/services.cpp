@@ -7,6 +7,11 @@ namespace trb::router {
 
 Result<std::uint16_t> Services::welcome(ConnectionId connection, const ServiceHello& hello, bool probe,
                                         MonotonicTime now) {
+  // A hello that is said again, for its answer was slow: what is under way bears the slot that it has.
+  const auto known = connections_.find(connection);
+  const bool again = known != connections_.end() && known->second.hello.instance == hello.instance &&
+                     known->second.hello.service == hello.service && known->second.probe == probe;
+  const std::uint16_t kept = again ? known->second.slot : 0;
   forget(connection);
   // Services are bounded by node.json; no crowd of probes keeps one of them out.
   if (probe && connections_.size() >= kMaxConnections) return fail(Errc::queue_full, "too many connections on the bus");
@@ -18,15 +23,20 @@ Result<std::uint16_t> Services::welcome(ConnectionId connection, const ServiceHe
         return fail(Errc::already_claimed, "subtype '" + subtype + "' is taken by another service");
     }
   }
-  do {
-    if (++next_slot_ == 0) next_slot_ = 1;
-  } while (slots_.count(next_slot_) != 0);
-  connections_[connection] = {hello, probe, next_slot_, now, now};
-  slots_[next_slot_] = connection;
+  const std::uint16_t slot = kept != 0 ? kept : free_slot();
+  connections_[connection] = {hello, probe, slot, now, now};
+  slots_[slot] = connection;
   if (!probe) {
     services_[hello.service] = connection;
     for (const std::string& subtype : hello.subtypes) subtypes_[subtype] = connection;
   }
+  return slot;
+}
+
+std::uint16_t Services::free_slot() {
+  do {
+    if (++next_slot_ == 0) next_slot_ = 1;
+  } while (slots_.count(next_slot_) != 0);
   return next_slot_;
 }
 

@@ -36,6 +36,8 @@ class Services {
   [[nodiscard]] const std::map<ConnectionId, Connection>& all() const { return connections_; }
 
  private:
+  std::uint16_t free_slot();
+
   std::map<ConnectionId, Connection> connections_;
   std::map<std::string, ConnectionId, std::less<>> subtypes_;
   std::map<std::string, ConnectionId, std::less<>> services_;

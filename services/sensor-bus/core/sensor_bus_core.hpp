@@ -18,7 +18,9 @@ namespace trb::sensor {
 class SensorBusCore : public Core {
  public:
   /// `node`: the own node's id.
-  explicit SensorBusCore(std::string node) : node_(std::move(node)) {}
+  /// `robots`: the requests of commands.json that the robot itself answers.
+  explicit SensorBusCore(std::string node, std::set<std::string> robots = {})
+      : node_(std::move(node)), sensors_(std::move(robots)) {}
 
   /// What it takes of the node's bus.
   static std::vector<std::string> subtypes();

@@ -77,10 +77,14 @@ std::string Sensors::name_for(const PluggedSensor& plugged) {
 }
 
 std::string Sensors::free_name(const std::string& wish) const {
-  // A word of the middleware's own would never reach it as a request.
   std::string name = wish;
-  for (int i = 2; sensors_.count(name) != 0 || is_typed(name); ++i) name = wish + "_" + std::to_string(i);
+  for (int i = 2; sensors_.count(name) != 0 || is_taken_word(name); ++i) name = wish + "_" + std::to_string(i);
   return name;
+}
+
+/// A word of the middleware's own would never reach the sensor as a request; one of the robot's is the robot's.
+bool Sensors::is_taken_word(const std::string& name) const {
+  return is_typed(name) || robots_.contains(name);
 }
 
 std::optional<std::string> Sensors::unplug(const std::string& key) {
@@ -120,9 +124,12 @@ void Sensors::settle_identities(const std::string& serial) {
 Result<const Sensor*> Sensors::fed(const std::string& name, MonotonicTime now) {
   const auto at = sensors_.find(name);
   if (at == sensors_.end()) {
-    if (is_typed(name))
-      return fail(Errc::not_permitted, "a program feeds trbots." + name + ", a word of the middleware's own",
+    if (is_taken_word(name)) {
+      return fail(Errc::not_permitted,
+                  "a program feeds trbots." + name + ", a word of the " +
+                      (is_typed(name) ? "middleware's" : "robot's") + " own",
                   "give it another name");
+    }
     const auto fed = std::ranges::count_if(sensors_, [](const auto& one) { return one.second.fed(); });
     if (static_cast<std::size_t>(fed) >= kMaxFed || sensors_.size() >= kMaxSensors)
       return fail(Errc::queue_full, "trbots." + name + ": programs feed too many sensors", "64 at most");
@@ -247,7 +254,7 @@ Result<std::string> Sensors::resolve(const std::string& sensor, const std::strin
   if (found.size() == 1) return found.front();
   if (found.size() > 1)
     return fail(Errc::bad_value, "several sensors are of kind " + sensor, "name one: " + joined(found));
-  if (is_sensor_name(sensor) && !is_typed(sensor)) return sensor;
+  if (is_sensor_name(sensor) && !is_taken_word(sensor)) return sensor;
   return fail(Errc::unknown_target, "'" + cut_utf8(sensor, 64) + "' is no sensor", "there are: " + names());
 }
 

@@ -32,13 +32,16 @@ struct Sensor {
 
 class Sensors {
  public:
+  /// `robots`: what the robot itself is asked for, by commands.json: no sensor takes such a request from it.
+  explicit Sensors(std::set<std::string> robots = {}) : robots_(std::move(robots)) {}
+
   /// Errors: queue_full; conflict (the key is there already).
   Result<const Sensor*> plug(const PluggedSensor& plugged, MonotonicTime now);
   /// The name that has become free, if the key was known.
   std::optional<std::string> unplug(const std::string& key);
 
-  /// A program has told a value of that name. Errors: not_permitted (a device's, or a word of the middleware's),
-  /// queue_full.
+  /// A program has told a value of that name. Errors: not_permitted (a device's, or a word of the middleware's or the
+  /// robot's), queue_full.
   Result<const Sensor*> fed(const std::string& name, MonotonicTime now);
 
   void told(const std::string& name, const BusValue& value, MonotonicTime measured, MonotonicTime now);
@@ -72,6 +75,7 @@ class Sensors {
  private:
   Sensor& add(Sensor sensor, MonotonicTime now);
   std::string free_name(const std::string& wish) const;
+  [[nodiscard]] bool is_taken_word(const std::string& name) const;
   std::string name_for(const PluggedSensor& plugged);
   void settle_identities(const std::string& serial);
   void set_state(Sensor& sensor, SensorState state, const std::string& why);
@@ -79,6 +83,7 @@ class Sensors {
   void look_at(const Sensor& sensor);
   [[nodiscard]] std::optional<MonotonicTime> deadline(const Sensor& sensor) const;
 
+  std::set<std::string> robots_;
   std::map<std::string, Sensor> sensors_;
   std::map<std::string, std::string> by_key_;
   std::map<std::string, std::string> remembered_;  ///< which name a device had

@@ -17,6 +17,12 @@ int complain(const std::string& text) {
   return 1;
 }
 
+std::set<std::string> requests_of(const NodeConfig& config) {
+  std::set<std::string> out;
+  for (const auto& [subtype, words] : config.commands.requests) out.insert(subtype);
+  return out;
+}
+
 }  // namespace
 
 int start(const std::string& node_dir) {
@@ -26,7 +32,7 @@ int start(const std::string& node_dir) {
   auto service = Service::open({config.dir, "sensor-bus", SensorBusCore::subtypes()});
   if (!service) return complain(service.error().text());
   ConfigFaults faults;  // told by the check above
-  SensorBusCore core(config.id);
+  SensorBusCore core(config.id, requests_of(config));
   Steps steps(**service, core);
   auto bus = BusThread::open(config.dbus, **service, [&](const std::vector<BusNews>& news) { steps.on_news(news); });
   if (!bus) return complain(bus.error().text());

@@ -148,6 +148,16 @@ TEST_CASE("no more than 64 wait at a time") {
   CHECK(bench.answer(bench.read("humidity")) == "nack queue_full: 64 wait for a value already");
 }
 
+TEST_CASE("what the robot itself is asked for stays the robot's: a device is called otherwise, a program is refused") {
+  Bench bench;
+  bench.plug("usb1#s", "speed");
+  CHECK(bench.info("speed").name.empty());
+  CHECK(bench.info("speed_2").name == "speed_2");
+  bench.program("speed", 1);
+  CHECK(bench.info("speed").name.empty());
+  CHECK(std::ranges::count(bench.out.counts, "refused.signal_not_permitted") > 0);
+}
+
 TEST_CASE("a program cannot speak for a device, nor with a word of the middleware's own") {
   Bench bench;
   bench.plug("usb1#t", "temperature");
