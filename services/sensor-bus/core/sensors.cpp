@@ -72,7 +72,7 @@ std::string Sensors::name_for(const PluggedSensor& plugged) {
   if (known != remembered_.end() && sensors_.count(known->second) == 0) return known->second;
   std::string name = free_name(wish);
   if (remembered_.size() >= kMaxRemembered) remembered_.erase(remembered_.begin());
-  remembered_[id] = name;
+  remembered_.emplace(id, name);  // of two with one serial number the first one's stays
   return name;
 }
 

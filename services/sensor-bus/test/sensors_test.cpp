@@ -93,6 +93,10 @@ TEST_CASE("of two devices with one serial number the second's identity is made d
   bench.unplug("usb1#h");
   CHECK(bench.info("temperature_2").identity == "SN1");
   CHECK(bench.info("temperature_2").detail.empty());
+  // Alone again, it has the name that a device of this number had first.
+  bench.unplug("usb2#t");
+  bench.plug("usb3#t", "temperature", "SN1");
+  CHECK(bench.info("temperature").identity == "SN1");
 }
 
 TEST_CASE("a device that is told twice is there once; the 256th sensor is refused") {
