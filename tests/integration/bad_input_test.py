@@ -70,6 +70,7 @@ class Case(unittest.TestCase):
         faults = json.loads(done.stdout)["faults"]
         for fault in faults:
             self.assertTrue(fault["file"] and fault["what"] and fault["cure"], fault)
+            self.assertIs(type(fault.pop("may_wait")), bool)
             for part in fault.values():
                 self.assertIn(part, text)
         self.assertRegex(text, r"trb: \d+ faults?, nothing was started")
