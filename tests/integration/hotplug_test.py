@@ -10,6 +10,7 @@ import sensor_node  # noqa: E402
 from sensor_node import NODE  # noqa: E402
 
 GGA = "$GPGGA,123519,4807.038,N,01131.000,E,1,08,0.9,545.4,M,46.9,M,,*47\r\n"
+NO_FIX = "$GPGGA,123519,,,,,0,00,,,M,,M,,*6B\r\n"
 KEYS = {"4": 5, "2": 3, "\n": 28}
 
 
@@ -62,6 +63,22 @@ class Hotplug(unittest.TestCase):
         self.assertEqual(there["position"]["identity"], "1209:0001:G1/position")
         self.assertEqual(there["pressure"]["unit"], "Pa")
         self.assertEqual({there["tag"]["device"], there["tag_2"]["device"]}, {"Example RFID Reader"})
+
+    def test_a_gps_without_a_fix_says_so(self):
+        gps = self.plug(self.hall.plug_serial(model="GPS Receiver", serial="G2"))
+        self.node.wait("it is there", lambda there: "position" in there)
+
+        def says_no_fix(there):
+            gps.say(NO_FIX)  # again and again, as a receiver does
+            return (there["position"]["state"], there["position"]["detail"]) == ("silent", "no fix")
+
+        self.node.wait("no fix", says_no_fix)
+
+        def is_ok(there):
+            gps.say(GGA)
+            return (there["position"]["state"], there["position"]["detail"]) == ("ok", "")
+
+        self.node.wait("a fix", is_ok)
 
     def test_what_is_plugged_in_before_the_start_is_found(self):
         self.node.stop()

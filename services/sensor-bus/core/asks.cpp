@@ -136,10 +136,11 @@ void SensorBusCore::on_sample(const Sample& sample, Now now, Outbox& out) {
 /// Those who wait are told in the reader's own words.
 void SensorBusCore::read_failed(const Sensor& sensor, const Error& error, Now now, Outbox& out) {
   const std::string name = sensor.info.name;
-  const bool news = sensor.info.state != SensorState::failed;
-  out.count("sensor.failed");
+  const SensorState state = error.code == Errc::missing ? SensorState::silent : SensorState::failed;
+  const bool news = sensor.info.state != state;
+  out.count(state == SensorState::silent ? "sensor.silent" : "sensor.failed");
   if (news) out.log(LogLevel::warning, "sensor_failed", name + ": " + error.text());
-  sensors_.failed(name, error.what);
+  sensors_.failed(name, error.what, state);
   const auto is_over = [&](const Asker& one) {
     if (one.name != name) return false;
     out.nack(one.asked, fail(Errc::robot_error, name + ": " + error.what, error.cure));

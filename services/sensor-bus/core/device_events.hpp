@@ -25,9 +25,9 @@ struct Sample {
   bool is_text = false;
   double number = 0;
   std::string text;
-  UtcTime time;            ///< of the measurement
-  MonotonicTime measured;  ///< the same moment
-  std::optional<Error> error;
+  UtcTime time;                ///< of the measurement
+  MonotonicTime measured;      ///< the same moment
+  std::optional<Error> error;  ///< missing: nothing is wrong with it, but it has no value, as a GPS without a fix
 };
 
 /// A picture, or why there is none.

@@ -68,7 +68,8 @@ NmeaFix read_gga(const Fields& fields) {
   NmeaFix fix;
   fix.satellites = number(field(fields, 7), 0, 999);
   const std::string_view quality = field(fields, 6);
-  if (quality.empty() || quality == "0") return fix;
+  fix.none = quality.empty() || quality == "0";
+  if (fix.none) return fix;
   read_place(fields, 2, fix);
   if (field(fields, 10) == "M") fix.altitude = number(field(fields, 9), -20'000, 100'000);
   return fix;
@@ -76,7 +77,8 @@ NmeaFix read_gga(const Fields& fields) {
 
 NmeaFix read_rmc(const Fields& fields) {
   NmeaFix fix;
-  if (field(fields, 2) != "A") return fix;
+  fix.none = field(fields, 2) != "A";
+  if (fix.none) return fix;
   read_place(fields, 3, fix);
   if (const auto knots = number(field(fields, 7), 0, 100'000)) fix.speed = *knots * kKnot;
   fix.course = number(field(fields, 8), 0, 360);
@@ -85,7 +87,8 @@ NmeaFix read_rmc(const Fields& fields) {
 
 NmeaFix read_gll(const Fields& fields) {
   NmeaFix fix;
-  if (field(fields, 6) == "A") read_place(fields, 1, fix);
+  fix.none = field(fields, 6) != "A";
+  if (!fix.none) read_place(fields, 1, fix);
   return fix;
 }
 

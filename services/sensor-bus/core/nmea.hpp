@@ -16,6 +16,7 @@ struct NmeaFix {
   std::optional<double> speed;      ///< m/s
   std::optional<double> course;     ///< degrees from north, clockwise
   std::optional<double> satellites;
+  bool none = false;  ///< it says that it has no fix
 
   /// "LATITUDE,LONGITUDE" as text, the rest as numbers.
   [[nodiscard]] std::optional<Measured> value(NmeaValue which) const;

@@ -168,8 +168,8 @@ void Sensors::told(const std::string& name, const BusValue& value, MonotonicTime
   look_at(sensor);
 }
 
-void Sensors::failed(const std::string& name, const std::string& why) {
-  if (const auto at = sensors_.find(name); at != sensors_.end()) set_state(at->second, SensorState::failed, why);
+void Sensors::failed(const std::string& name, const std::string& why, SensorState state) {
+  if (const auto at = sensors_.find(name); at != sensors_.end()) set_state(at->second, state, why);
 }
 
 void Sensors::set_state(Sensor& sensor, SensorState state, const std::string& why) {

@@ -45,7 +45,7 @@ class Sensors {
   Result<const Sensor*> fed(const std::string& name, MonotonicTime now);
 
   void told(const std::string& name, const BusValue& value, MonotonicTime measured, MonotonicTime now);
-  void failed(const std::string& name, const std::string& why);
+  void failed(const std::string& name, const std::string& why, SensorState state = SensorState::failed);
 
   /// What has fallen silent; and the fed ones that are gone after a minute of it.
   struct Late {

@@ -75,6 +75,7 @@ TEST_CASE("NMEA tells where a receiver is") {
 
 TEST_CASE("an NMEA sentence without a fix tells nothing, a wrong one is an error") {
   const auto none = parse_nmea(sentence("GPGGA,123519,,,,,0,00,,,M,,M,,"));
+  CHECK((none && none->none));
   REQUIRE_MESSAGE(none.ok(), none.error().text());
   CHECK_FALSE(none->value(NmeaValue::position).has_value());
   CHECK_FALSE(none->value(NmeaValue::altitude).has_value());

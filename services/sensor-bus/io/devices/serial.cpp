@@ -95,7 +95,12 @@ class Serial {
     const auto fix = parse_nmea(line);
     if (!fix) return fix.error();
     for (std::size_t i = 0; i < told_.size(); ++i) {
-      if (const auto value = fix->value(context_.channels()[i].how->nmea)) tell(i, *value);
+      const NmeaValue which = context_.channels()[i].how->nmea;
+      const auto value = fix->value(which);
+      if (value) tell(i, *value);
+      if (!value && fix->none && which != NmeaValue::satellites && is_due(i)) {
+        context_.fail_one(i, fail(Errc::missing, "no fix", "let its antenna see the sky"));
+      }
     }
     return std::nullopt;
   }
@@ -114,15 +119,19 @@ class Serial {
     return fault ? fault : fail(Errc::malformed, "no line is as the rule says", "look at its \"pattern\" and \"baud\"");
   }
 
-  /// Not more often than the rule says, but at once if somebody asks.
   void tell(std::size_t channel, const Measured& value) {
+    if (is_due(channel)) context_.tell(channel, value);
+  }
+
+  /// Not more often than the rule says, but at once if somebody asks.
+  bool is_due(std::size_t channel) {
     const MonotonicTime at = now().mono;
     const double every = context_.channels()[channel].how->every_s;
     const Duration gap = every > 0 ? std::chrono::duration_cast<Duration>(seconds(0.9 * every)) : kLeastGap;
-    if (at - told_[channel] < gap && asked_.erase(channel) == 0) return;
+    if (at - told_[channel] < gap && asked_.erase(channel) == 0) return false;
     asked_.erase(channel);
     told_[channel] = at;
-    context_.tell(channel, value);
+    return true;
   }
 
   ReaderContext& context_;
