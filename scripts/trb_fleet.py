@@ -243,7 +243,7 @@ class Fleet:
     def with_sensors(self, node, node_json):
         if node in self.sensor_sides:
             node_json["services"].append("sensor-bus")
-            node_json["dbus"] = self.sensor_sides[node].address()
+            node_json["dbus"] = self.sensor_sides[node].bus.address
         return node_json
 
     def origin(self, node):

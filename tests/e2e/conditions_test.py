@@ -3,6 +3,7 @@ import json
 import os
 import subprocess
 
+import private_bus
 import support
 import trb_fleet
 from support import CLOUD
@@ -35,12 +36,15 @@ TWO_ROBOTS = {
 class SensorFleet(trb_fleet.Fleet):
     """The conveyor's node has a sensor-bus, on a D-Bus of its own."""
 
-    def bus(self):
-        return f"unix:path={self.root.parent}/bus"
+    def __init__(self, *arguments, **more):
+        super().__init__(*arguments, **more)
+        self.bus = private_bus.PrivateBus(self.root.parent)
 
     def node_json(self, node):
         out = super().node_json(node)
-        return out if node != "conveyor" else {**out, "services": [*out["services"], "sensor-bus"], "dbus": self.bus()}
+        if node != "conveyor":
+            return out
+        return {**out, "services": [*out["services"], "sensor-bus"], "dbus": self.bus.address}
 
 
 class Conditions(support.FleetTest):
@@ -52,14 +56,12 @@ class Conditions(support.FleetTest):
     @classmethod
     def setUpClass(cls):
         super().setUpClass()
-        cls.bus = trb_fleet.Process(["dbus-daemon", "--session", f"--address={cls.fleet.bus()}", "--nofork", "--nosyslog",
-                                     "--print-address=1"], cls.root / "bus.log")
-        cls.addClassCleanup(cls.bus.stop)
-        cls.bus.wait_line("unix:", 10)
+        cls.fleet.bus.start()
+        cls.addClassCleanup(cls.fleet.bus.stop)
         cls.values = cls.root / "values"
         cls.values.write_text("15")
         # Whoever emits trbots.* is a sensor: its values come in turn, none while the file is empty.
-        emit = f"dbus-send --bus={cls.fleet.bus()} --type=signal /trbots/temperature trbots.temperature.value"
+        emit = f"dbus-send --bus={cls.fleet.bus.address} --type=signal /trbots/temperature trbots.temperature.value"
         line = f'while :; do for v in $(cat {cls.values}); do {emit} double:$v string:degC; sleep 0.1; done; sleep 0.02; done'
         cls.feeder = subprocess.Popen(["sh", "-c", line], preexec_fn=trb_fleet.end_with_parent)
         cls.addClassCleanup(cls.end_feeder)

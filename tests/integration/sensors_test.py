@@ -13,7 +13,8 @@ import dbus
 import dbus.bus
 import dbus.lowlevel
 
-from support import PROGRAMS, REPO, RouterFleet, make_fleet
+from support import PROGRAMS, RouterFleet, make_fleet
+import private_bus
 import trb_fleet
 from fake_devices import Devices
 
@@ -22,52 +23,11 @@ RULE = {"match": {"subsystem": "hwmon", "attributes": {"name": "lm75"}}, "read":
         "identity": {"property": "ID_SERIAL_SHORT"},
         "sensors": [{"name": "temperature", "kind": "temperature", "unit": "degC", "attribute": "temp?_input",
                      "scale": 0.001, "every_s": 0.2}]}
-CONFIG = """<!DOCTYPE busconfig PUBLIC "-//freedesktop//DTD D-Bus Bus Configuration 1.0//EN"
- "http://www.freedesktop.org/standards/dbus/1.0/busconfig.dtd">
-<busconfig>
-  <listen>unix:path={socket}</listen>
-  <auth>EXTERNAL</auth>
-  <policy context="default">
-    <allow user="*"/>
-    <deny own="*"/>
-    <deny send_type="method_call"/>
-    <allow send_type="signal"/>
-    <allow send_requested_reply="true" send_type="method_return"/>
-    <allow send_requested_reply="true" send_type="error"/>
-    <allow receive_type="method_call"/>
-    <allow receive_type="method_return"/>
-    <allow receive_type="error"/>
-    <allow receive_type="signal"/>
-    <allow send_destination="org.freedesktop.DBus"/>
-  </policy>
-  <include>{policy}</include>
-</busconfig>
-"""
 OBSERVER = "path_namespace='/trbots'"  # the one permanent rule: it discovers what other programs feed
 
 
-class Bus:
-    """A private dbus-daemon with the system bus's rules and our policy."""
-
-    def __init__(self, folder):
-        self.folder = folder
-        self.socket = folder / "bus"
-        self.config = folder / "bus.conf"
-        self.config.write_text(CONFIG.format(socket=self.socket, policy=REPO / "deploy/dbus/trbots.conf"))
-        self.address = f"unix:path={self.socket}"
-        self.process = None
-        self.start()
-
-    def start(self):
-        self.socket.unlink(missing_ok=True)
-        command = ["dbus-daemon", f"--config-file={self.config}", "--nofork", "--nosyslog", "--print-address=1"]
-        self.process = trb_fleet.Process(command, self.folder / "bus.log")
-        self.process.wait_line("unix:", 10)
-
-    def stop(self, how=signal.SIGTERM):
-        if self.process:
-            self.process.stop(how)
-            self.process = None
+class Bus(private_bus.PrivateBus):
+    """A private D-Bus that is asked and fed."""
 
     def call(self, *arguments, check=True):
         done = subprocess.run(["dbus-send", f"--bus={self.address}", *arguments], capture_output=True, text=True, timeout=10)
@@ -138,6 +98,7 @@ class Sensors(unittest.TestCase):
             folder = tempfile.TemporaryDirectory(prefix="trb-bus-")
             cls.addClassCleanup(folder.cleanup)
             cls.buses[node] = Bus(pathlib.Path(folder.name))
+            cls.buses[node].start()
             cls.addClassCleanup(cls.buses[node].stop)
             cls.devices[node] = Devices(pathlib.Path(folder.name) / "devices.log")
             cls.addClassCleanup(cls.devices[node].stop)
@@ -391,6 +352,7 @@ class Robots(unittest.TestCase):
             folder = tempfile.TemporaryDirectory(prefix="trb-bus-")
             cls.addClassCleanup(folder.cleanup)
             cls.buses[node] = Bus(pathlib.Path(folder.name))
+            cls.buses[node].start()
             cls.addClassCleanup(cls.buses[node].stop)
         cls.fleet = make_fleet(cls, RobotFleet, block=166, udp_port=50166, robots=robots, cloud=False)
         cls.fleet.start()

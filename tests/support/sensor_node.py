@@ -11,7 +11,7 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "integratio
 import support  # noqa: E402
 import trb_fleet  # noqa: E402
 import udev_hall  # noqa: E402
-from sensors_test import Bus  # noqa: E402
+from private_bus import PrivateBus  # noqa: E402
 
 NODE = "cloud"
 
@@ -32,7 +32,8 @@ class SensorNode:
         add_cleanup = case.addClassCleanup if isinstance(case, type) else case.addCleanup
         folder = tempfile.TemporaryDirectory(prefix="trb-bus-", ignore_cleanup_errors=True)
         add_cleanup(folder.cleanup)
-        self.dbus = Bus(pathlib.Path(folder.name))
+        self.dbus = PrivateBus(pathlib.Path(folder.name))
+        self.dbus.start()
         add_cleanup(self.dbus.stop)
         self.fleet = support.make_fleet(case, lambda *where, **more: self.with_bus(HallFleet(*where, **more)),
                                         services={NODE: ["router", "sensor-bus"]}, block=block, udp_port=udp_port)
