@@ -137,6 +137,18 @@ class Sealer(Client):
         self.heard_previous, self.heard_open = blake(record[2]), []
         self.seals_heard += 1
 
+    def receive_alive(self, good, timeout):
+        """As receive_until, for what may take longer than a lease: a member that says nothing meanwhile is taken for gone."""
+        end = time.monotonic() + timeout
+        while time.monotonic() < end:
+            self.say("keep_alive", wire.keep_alive(self.heard))
+            self.seal()
+            try:
+                return self.receive_until(good, 1)
+            except TimeoutError:
+                pass
+        raise TimeoutError(f"not received in {timeout} s on a link that was kept alive")
+
     def drain(self):
         while self.socket.poll(0):
             yield self.receive(0)
