@@ -3,8 +3,8 @@ import json
 import os
 import subprocess
 
-import private_bus
 import support
+import private_bus
 import trb_fleet
 from support import CLOUD
 

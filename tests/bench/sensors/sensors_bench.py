@@ -50,7 +50,7 @@ class Load:
         self.fleet.wait(f"{count} sensors are read", lambda: sum(s["state"] == "ok" for s in self.sensors()) == count, 60)
 
     def pids(self):
-        return [process.child.pid for process in [*self.watchers, self.side.service, self.side.bus]]
+        return [process.child.pid for process in [*self.watchers, *self.side.processes()]]
 
     def cpu_s(self):
         ticks = 0
