@@ -317,6 +317,8 @@ class Inside:
         if node:
             path = pathlib.Path("/dev", node[0])
             path.parent.mkdir(exist_ok=True)
+            if path.parent.name != "dev":
+                (path.parent / ".stays").touch()  # udevd removes a folder of /dev when the last device of it has gone
             path.touch()
             run("mount", "--bind", node[1], str(path))
         for folder in folders:
