@@ -25,6 +25,7 @@ SHIPPED = {
     "robot": sorted(path.relative_to(CONFIG) for path in (CONFIG / "robots").glob("*.json"))
              + [f"{FIELD}{robot}.json" for robot in FIELD_ROBOTS],
     "sensor": sorted(path.relative_to(CONFIG) for path in (CONFIG / "sensors").glob("*.json")),
+    "rank": sorted(path.relative_to(CONFIG) for path in (CONFIG / "rank").glob("*.json")),
     "scenario": sorted(path.relative_to(CONFIG) for path in (CONFIG / "scenarios").glob("*.json")),
 }
 
@@ -110,6 +111,13 @@ BAD = [
     ("sensor", "sensors/line.json", ["identity", "attribute"], "serial"),
     ("sensor", "sensors/camera.json", ["sensors", 0, "every_s"], 1),
     ("sensor", "sensors/w1.json", ["timeout_s"], 0),
+    ("rank", "rank/paper-figure-8.json", ["goal"], None),
+    ("rank", "rank/paper-figure-8.json", ["criteria", 1, "direction"], "less"),
+    ("rank", "rank/paper-figure-8.json", ["judgments", "replace ridgeback", 0, 2], 0),
+    ("rank", "rank/paper-figure-8.json", ["judgments", "replace ridgeback", 0], ["distance", "battery"]),
+    ("rank", "rank/paper-figure-8.json", ["alternatives", 0, "values", "battery"], -1),
+    ("rank", "rank/paper-figure-8.json", ["alternatives"], []),
+    ("rank", "rank/paper-figure-8.json", ["people"], []),
     ("scenario", "scenarios/paper-nine-tasks.json", ["tasks", 0, "robot"], None),
     ("scenario", "scenarios/paper-nine-tasks.json", ["tasks", 0, "requires"], ["mobile"]),
     ("scenario", "scenarios/paper-nine-tasks.json", ["tasks", 1, "after"], "fetch_box"),

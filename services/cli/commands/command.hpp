@@ -24,6 +24,7 @@ std::vector<Command> fleet_commands();
 std::vector<Command> doctor_commands();
 std::vector<Command> fleet_news_commands();
 std::vector<Command> proof_commands();
+std::vector<Command> rank_commands();
 std::vector<Command> robot_check_commands();
 std::vector<Command> robot_conform_commands();
 std::vector<Command> sensor_commands();

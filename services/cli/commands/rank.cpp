@@ -1,0 +1,103 @@
+// rank.
+#include <cstdio>
+
+#include "common/base/files.hpp"
+#include "common/ranking/ranking_json.hpp"
+#include "services/cli/commands/command.hpp"
+#include "services/cli/core/table.hpp"
+#include "services/cli/io/print.hpp"
+
+namespace trb::cli {
+namespace {
+
+constexpr std::size_t kMostRows = 20;
+
+std::string shown(double number) {
+  char out[32];
+  std::snprintf(out, sizeof out, "%.3f", number);
+  return out;
+}
+
+Result<Bytes> read_standard_input(std::size_t most) {
+  Bytes out;
+  char buffer[65536];
+  while (const std::size_t count = std::fread(buffer, 1, sizeof buffer, stdin)) {
+    out.append(buffer, count);
+    if (out.size() > most) return fail(Errc::too_large, "-: over " + std::to_string(most) + " bytes", "rank fewer");
+  }
+  return out;
+}
+
+Result<RankingAnswer> rank_file(const std::string& path) {
+  const auto text = path == "-" ? read_standard_input(kRankingLimits.bytes) : read_file(path, kRankingLimits.bytes);
+  if (!text) {
+    return fail(text.error().code, text.error().what,
+                text.error().cure.empty() ? "name a file like config/rank/paper-figure-8.json, or - for standard input"
+                                          : text.error().cure);
+  }
+  const auto json = parse_json(*text, kRankingLimits);
+  if (!json) return fail(json.error().code, path + ": " + json.error().what, json.error().cure);
+  const auto problem = read_ranking(*json);
+  if (!problem) return problem.error();
+  return rank(*problem);
+}
+
+void print_weights(const RankingAnswer& answer) {
+  std::vector<std::vector<std::string>> rows{{"CRITERION", "WEIGHT", "OF ALL"}};
+  for (const CriterionWeight& one : answer.criteria) {
+    rows.push_back({std::string(2 * (one.level - 1), ' ') + one.name, shown(one.local), shown(one.global)});
+  }
+  print(format_table(rows) + "\n");
+  if (answer.consistency.empty()) return;
+  rows = {{"JUDGMENTS OF", "LAMBDA MAX", "INDEX", "RATIO"}};
+  for (const NodeConsistency& one : answer.consistency) {
+    rows.push_back({one.node, shown(one.of.lambda_max), shown(one.of.ci), shown(one.of.cr)});
+  }
+  print(format_table(rows) + "\n");
+}
+
+void print_ranking(const RankingAnswer& answer) {
+  std::vector<std::vector<std::string>> rows{{"", "ALTERNATIVE", "SCORE"}};
+  for (const std::string& leaf : answer.leaves) rows.front().push_back(leaf);
+  for (std::size_t i = 0; i < answer.ranking.size() && i < kMostRows; ++i) {
+    const RankedAlternative& one = answer.ranking[i];
+    std::vector<std::string> row{std::to_string(i + 1), one.id, shown(one.score)};
+    for (const double part : one.contributions) row.push_back(shown(part));
+    rows.push_back(std::move(row));
+  }
+  print(format_table(rows));
+  if (answer.ranking.size() > kMostRows) {
+    print_line("and " + std::to_string(answer.ranking.size() - kMostRows) + " more: --json has all");
+  }
+  print_line("\n" + sensitivity_text(answer));
+}
+
+int run_rank(const Arguments& arguments) {
+  const auto answer = rank_file(arguments.words[0]);
+  if (!answer) return print_error(arguments, answer.error());
+  if (arguments.has("--json")) {
+    print_json(ranking_value(*answer));
+  } else {
+    print_weights(*answer);
+    print_ranking(*answer);
+  }
+  return kGood;
+}
+
+}  // namespace
+
+std::vector<Command> rank_commands() {
+  return {{{"rank"},
+           {"rank FILE|-",
+            "Ranks alternatives by criteria (the analytic hierarchy process), and says why. Needs no node.\n"
+            "The file has the goal, a tree of criteria, judgments in pairs, and the alternatives with their values:\n"
+            "config/rank/README.md. Judgments that contradict each other (consistency ratio over 0.10) are refused:\n"
+            "exit 1, with the one that hurts most and the number that would fit.",
+            {"--json|for programs: criteria, consistency, ranking, sensitivity"},
+            {"trb rank config/rank/paper-figure-8.json", "trb rank - --json < problem.json"},
+            1,
+            1},
+           run_rank}};
+}
+
+}  // namespace trb::cli
