@@ -257,14 +257,20 @@ Consistency consistency_of(std::size_t size, double lambda) {
   return out;
 }
 
+/// The one furthest from the weights. Between three things all are equally far: then the boldest is named.
 void find_worst(const Table& table, const std::vector<std::string>& items, const std::vector<double>& logs,
                 Priorities& out) {
-  double most = 1e-9;
+  constexpr double kAlike = 1e-6;
+  double most = 0;
+  double boldest = 0;
   for (const Pair& pair : table.pairs()) {
     const double told = table.log(pair.i, pair.j);
     const double fits = logs[pair.i] - logs[pair.j];
-    if (std::abs(told - fits) <= most) continue;
-    most = std::abs(told - fits);
+    const double far = std::abs(told - fits);
+    const bool bolder = far >= most - kAlike && std::abs(told) > boldest + kAlike;
+    if (far < kAlike || (far <= most + kAlike && !bolder)) continue;
+    most = far;
+    boldest = std::abs(told);
     out.worst = Judgment{items[pair.i], items[pair.j], std::exp(told)};
     out.fits = std::exp(fits);
   }
@@ -294,7 +300,10 @@ Result<Priorities> weigh(const std::string& node, const std::vector<std::string>
   }
   Table table(items.size());
   for (const Opinion& opinion : opinions) {
-    if (auto added = add_opinion(node, items, opinion, table); !added) return added.error();
+    const auto added = add_opinion(node, items, opinion, table);
+    if (added) continue;
+    const std::string who = opinion.who.empty() ? "" : "'" + opinion.who + "': ";
+    return fail(added.error().code, who + added.error().what, added.error().cure);
   }
   if (auto linked = check_linked(node, items, table); !linked) return linked.error();
   const std::vector<double> squares = least_squares(table);

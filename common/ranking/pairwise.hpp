@@ -32,6 +32,7 @@ struct Judgment {
 struct Opinion {
   double weight = 1;
   std::span<const Judgment> judgments;
+  std::string who = {};  ///< for an error's text; may be empty
 };
 
 /// lambda_max: the principal eigenvalue, at least n. ci = (lambda_max - n) / (n - 1). cr = ci / the random index of n;

@@ -128,7 +128,9 @@ TEST_CASE("several people: the geometric mean of what they say, by how much they
   REQUIRE(apart.ok());
   CHECK(apart->weights[0] / apart->weights[1] == doctest::Approx(2));
   CHECK(apart->weights[1] / apart->weights[2] == doctest::Approx(5));
-  CHECK_FALSE(weigh("it", {"a", "b"}, {{0, low}}, WeightMethod::eigenvector).ok());
+  const auto nobody = weigh("it", {"a", "b"}, {{1, high}, {0, low, "ann"}}, WeightMethod::eigenvector);
+  REQUIRE_FALSE(nobody.ok());
+  CHECK(nobody.error().what == "'ann': judgments of 'it': a person counts 0");
   CHECK_FALSE(weigh("it", {"a", "b"}, {{std::nan(""), low}}, WeightMethod::eigenvector).ok());
 }
 
@@ -144,6 +146,10 @@ TEST_CASE("the judgment that hurts most is named, with what would fit") {
   CHECK(found->worst->times == doctest::Approx(9));
   CHECK(found->fits < 3);
   CHECK_FALSE(weigh_one(kThree, {{"a", "b", 2}, {"b", "c", 2}, {"a", "c", 4}})->worst.has_value());
+  const auto three = weigh_one(kThree, {{"a", "b", 2}, {"c", "a", 9}, {"b", "c", 2}});
+  REQUIRE(three.ok());
+  CHECK(three->worst->a == "c");
+  CHECK(three->fits == doctest::Approx(9 / std::cbrt(36)));
 }
 
 TEST_CASE("wrong judgments: each has its answer") {

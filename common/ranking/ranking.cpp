@@ -40,7 +40,7 @@ class Ranker {
     std::vector<Opinion> out;
     for (const Person& person : problem_.people) {
       for (const NodeJudgments& one : person.*lists) {
-        if (one.node == node) out.push_back({person.weight, one.list});
+        if (one.node == node) out.push_back({person.weight, one.list, person.name});
       }
     }
     return out;

@@ -64,7 +64,7 @@ class Rank(unittest.TestCase):
     def test_judgments_that_contradict_each_other_are_refused_until_accepted(self):
         problem = json.loads(EXAMPLE.read_text())
         problem["judgments"]["replace ridgeback"][1] = ["availability", "distance", 9]
-        self.refused(problem, "conflict", "hurts most", "would fit there")
+        self.refused(problem, "conflict", "'availability' to 'distance' = 9 hurts most", "2.73 would fit there")
         self.refused(problem, "conflict", "'replace ridgeback'", "max_ratio")
         problem["options"] = {"max_ratio": 10}
         self.assertEqual(rank("-", given=json.dumps(problem)).returncode, 0)
