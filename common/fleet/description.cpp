@@ -1,6 +1,7 @@
 #include "common/fleet/description.hpp"
 
 #include <algorithm>
+#include <limits>
 
 #include "common/base/ids.hpp"
 #include "common/fleet/description_parts.hpp"
@@ -51,7 +52,14 @@ void read_skills(ObjectReader& reader, Description& description) {
 }
 
 ParameterInfo info_of(const Parameter& parameter) {
-  return {parameter.name, std::string(name_of(parameter.type)), parameter.required, parameter.unit};
+  ParameterInfo info{parameter.name, std::string(name_of(parameter.type)), parameter.required, parameter.unit};
+  constexpr double kOpen = std::numeric_limits<double>::max();
+  if (parameter.minimum || parameter.maximum) {
+    info.range = {parameter.minimum.value_or(-kOpen), parameter.maximum.value_or(kOpen)};
+  }
+  info.one_of = parameter.one_of;
+  info.count = static_cast<std::uint32_t>(parameter.count.value_or(0));
+  return info;
 }
 
 }  // namespace

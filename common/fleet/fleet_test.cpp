@@ -1,5 +1,7 @@
 #include <doctest/doctest.h>
 
+#include <limits>
+
 #include "common/fleet/description.hpp"
 #include "common/fleet/did_you_mean.hpp"
 #include "common/fleet/places.hpp"
@@ -111,9 +113,21 @@ TEST_CASE("a whole description") {
   const auto infos = skill_infos(d);
   REQUIRE(infos.size() == 2);
   CHECK(infos[0].parameters[0] == ParameterInfo{"place", "place", true, ""});
-  CHECK(infos[1].parameters[0] == ParameterInfo{"speed", "number", false, "m/s"});
+  constexpr double kOpen = std::numeric_limits<double>::max();
+  CHECK(infos[1].parameters[0] == ParameterInfo{"speed", "number", false, "m/s", {0, kOpen}});
   CHECK(infos[0].timeout_s == 30);
   CHECK(place_names(d, {{"dock", {}}, {"table1", {}}}) == std::vector<std::string>{"dock", "shelf", "table1"});
+}
+
+TEST_CASE("a parameter's range, words and count are told to the fleet") {
+  const auto read = description_of(R"({"maker": "A", "model": "B", "capabilities": ["c"], "skills": {"s": {"capability": "c",
+    "parameters": {"joints": {"type": "numbers", "count": 6, "maximum": 2}, "side": {"type": "text", "one_of": ["a", "b"]}},
+    "end": {"kind": "acknowledgement"}}}})");
+  const auto infos = skill_infos(read.description);
+  REQUIRE(infos.size() == 1);
+  CHECK(infos[0].parameters[0].range == std::vector<double>{-std::numeric_limits<double>::max(), 2});
+  CHECK(infos[0].parameters[0].count == 6);
+  CHECK(infos[0].parameters[1].one_of == std::vector<std::string>{"a", "b"});
 }
 
 TEST_CASE("a description: faults of its own keys") {

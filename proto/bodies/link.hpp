@@ -12,10 +12,16 @@ struct ParameterInfo {
   std::string type;  ///< "number", "integer", "text", "bool", "place", "numbers"
   bool required = true;
   std::string unit;  ///< SI; empty for none
+  /// Of a number, the lowest and the highest; an open end is the largest double. Empty: any.
+  std::vector<double> range{};
+  std::vector<std::string> one_of{};  ///< the words that a text or a place may be; empty: any
+  std::uint32_t count = 0;            ///< of "numbers", how many; 0: any
   bool operator==(const ParameterInfo&) const = default;
   static constexpr auto fields() {
-    return std::tuple{field("name", &ParameterInfo::name, 64), field("type", &ParameterInfo::type, 16),
-                      field("required", &ParameterInfo::required), field("unit", &ParameterInfo::unit, 16)};
+    return std::tuple{field("name", &ParameterInfo::name, 64),     field("type", &ParameterInfo::type, 16),
+                      field("required", &ParameterInfo::required), field("unit", &ParameterInfo::unit, 16),
+                      field("range", &ParameterInfo::range, 2),    field("one_of", &ParameterInfo::one_of, 64),
+                      field("count", &ParameterInfo::count)};
   }
 };
 
@@ -30,6 +36,19 @@ struct SkillInfo {
     return std::tuple{field("name", &SkillInfo::name, 64), field("capability", &SkillInfo::capability, 64),
                       field("parameters", &SkillInfo::parameters, 32), field("repeatable", &SkillInfo::repeatable),
                       field("timeout_s", &SkillInfo::timeout_s)};
+  }
+};
+
+/// How the values that the robot tells relate to the hall's frame.
+struct FrameInfo {
+  double length = 0;  ///< the robot's units a metre; 0: not told
+  double x = 0;       ///< where the robot's origin is in the hall, m
+  double y = 0;
+  double yaw = 0;  ///< and how it is turned, rad
+  bool operator==(const FrameInfo&) const = default;
+  static constexpr auto fields() {
+    return std::tuple{field("length", &FrameInfo::length), field("x", &FrameInfo::x), field("y", &FrameInfo::y),
+                      field("yaw", &FrameInfo::yaw)};
   }
 };
 
@@ -50,16 +69,24 @@ struct NodeProfile {
   bool fenced = false;  ///< stopped until `release`
   std::string control;  ///< who commands it: a node's id, or "run ID"; empty: whoever comes first
   std::vector<SensorInfo> plugged;  ///< sensors of the node's PC; each adds its kind to `capabilities`
+  FrameInfo frame{};                ///< of the robot's own `position`
   bool operator==(const NodeProfile&) const = default;
   static constexpr auto fields() {
-    return std::tuple{
-        field("framework", &NodeProfile::framework, 64), field("mode", &NodeProfile::mode, 16),
-        field("transport", &NodeProfile::transport, 16), field("maker", &NodeProfile::maker, 64),
-        field("model", &NodeProfile::model, 64),         field("capabilities", &NodeProfile::capabilities, 64),
-        field("sensors", &NodeProfile::sensors, 255),    field("skills", &NodeProfile::skills, 128),
-        field("places", &NodeProfile::places, 255),      field("robot", &NodeProfile::robot, 32),
-        field("detail", &NodeProfile::detail, 255),      field("fenced", &NodeProfile::fenced),
-        field("control", &NodeProfile::control, 64),     field("plugged", &NodeProfile::plugged, 255)};
+    return std::tuple{field("framework", &NodeProfile::framework, 64),
+                      field("mode", &NodeProfile::mode, 16),
+                      field("transport", &NodeProfile::transport, 16),
+                      field("maker", &NodeProfile::maker, 64),
+                      field("model", &NodeProfile::model, 64),
+                      field("capabilities", &NodeProfile::capabilities, 64),
+                      field("sensors", &NodeProfile::sensors, 255),
+                      field("skills", &NodeProfile::skills, 128),
+                      field("places", &NodeProfile::places, 255),
+                      field("robot", &NodeProfile::robot, 32),
+                      field("detail", &NodeProfile::detail, 255),
+                      field("fenced", &NodeProfile::fenced),
+                      field("control", &NodeProfile::control, 64),
+                      field("plugged", &NodeProfile::plugged, 255),
+                      field("frame", &NodeProfile::frame)};
   }
 };
 

@@ -55,12 +55,13 @@ TEST_CASE("a node's profile") {
   const NodeProfile profile{"ur",       "direct",
                             "tcp-text", "UR",
                             "UR3",      {"grab"},
-                            {"t1"},     {{"go_to", "mobile", {{"place", "place", true, "m"}}, true, 2.5}},
+                            {"t1"},     {{"go_to", "mobile", {{"place", "place", true, "m", {-1, 2.5}, {"a"}, 6}}, true, 2.5}},
                             {"a"},      "ONLINE",
                             "d",        true,
-                            "cloud",    {{"t1", "temperature", "degC", "7", "d", SensorState::ok, ""}}};
+                            "cloud",    {{"t1", "temperature", "degC", "7", "d", SensorState::ok, ""}},
+                            {1, 2.5, 0, -1}};
   CHECK(to_hex(encode(profile)) ==
-        "9e"
+        "9f"
         "a27572"
         "a6646972656374"
         "a87463702d74657874"
@@ -71,7 +72,10 @@ TEST_CASE("a node's profile") {
         "9195"
         "a5676f5f746f"
         "a66d6f62696c65"
-        "9194a5706c616365a5706c616365c3a16d"
+        "9197a5706c616365a5706c616365c3a16d"
+        "92cbbff0000000000000cb4004000000000000"
+        "91a161"
+        "06"
         "c3"
         "cb4004000000000000"
         "91a161"
@@ -79,7 +83,8 @@ TEST_CASE("a node's profile") {
         "a164"
         "c3"
         "a5636c6f7564"
-        "9197a27431ab74656d7065726174757265a464656743a137a16401a0");
+        "9197a27431ab74656d7065726174757265a464656743a137a16401a0"
+        "94cb3ff0000000000000cb4004000000000000cb0000000000000000cbbff0000000000000");
 }
 
 TEST_CASE("the start of a run") {
@@ -149,7 +154,8 @@ TEST_CASE("bodies of link and bus") {
   CHECK(to_hex(encode(Hello{kRecord, 1, "h:1", "v", 2, false, {}, 3, "s", true, "l"})) ==
         std::string("9b") + kRecordHex +
             "01a3683a31a17602c2"
-            "9ea0a0a0a0a090909090a0a0c2a090"
+            "9fa0a0a0a0a090909090a0a0c2a090"
+            "94cb0000000000000000cb0000000000000000cb0000000000000000cb0000000000000000"
             "03a173c3a16c");
   CHECK(to_hex(encode(Beacon{kRecord, "h:1", 1, 2, 3})) == std::string("95") + kRecordHex + "a3683a31010203");
   CHECK(to_hex(encode(InjectFault{"grab", Severity::fatal, "t"})) == "93a46772616203a174");

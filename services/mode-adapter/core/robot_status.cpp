@@ -18,6 +18,8 @@ RobotStatus::RobotStatus(const Settings& settings) : settings_(settings) {
   profile_.sensors = description.sensors;
   profile_.skills = skill_infos(description);
   profile_.places = place_names(description, settings.places);
+  const RobotFrame& frame = description.frame;
+  profile_.frame = {frame.length, frame.origin.x, frame.origin.y, frame.origin.yaw};
 }
 
 void RobotStatus::on_up() {
