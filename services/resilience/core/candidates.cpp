@@ -1,0 +1,149 @@
+#include "services/resilience/core/candidates.hpp"
+
+#include <algorithm>
+#include <set>
+
+#include "services/resilience/core/arguments.hpp"
+
+namespace trb::resilience {
+namespace {
+
+bool contains(const std::vector<std::string>& words, std::string_view word) {
+  return std::find(words.begin(), words.end(), word) != words.end();
+}
+
+void add_words(const TaskNeed& need, std::set<std::string>& words) {
+  if (!need.skill.empty()) words.insert(skill_word(need.skill));
+  for (const std::string& capability : need.capabilities) words.insert(capability_word(capability));
+}
+
+std::vector<RobotNumber> ask(const FleetIndex& index, std::set<std::string> words) {
+  words.emplace(kFitWord);
+  const std::vector<std::string> list(words.begin(), words.end());
+  std::vector<RobotNumber> out;
+  index.query(list, out);
+  return out;
+}
+
+bool suits(const RobotRecord& robot, const TaskNeed& need) {
+  if (need.skill.empty()) return true;
+  const SkillInfo* skill = find_skill(robot, need.skill);
+  return skill != nullptr && misfit(*skill, need, robot.profile.is.places).empty();
+}
+
+std::string lacks_capability(const RobotRecord& robot, const std::string& capability) {
+  if (is_able(robot, capability)) return {};
+  if (!contains(robot.profile.is.capabilities, capability)) return "has no capability '" + capability + "'";
+  const Fault* fault = fault_of(robot, capability);
+  if (fault == nullptr) return "'" + capability + "': its sensor tells nothing";
+  return "'" + capability + "' is broken since " + to_iso8601(fault->since) + ": " + fault->text;
+}
+
+/// Robots that have something of what is needed: their people ask why they were not taken.
+bool is_near(const RobotRecord& robot, const Needs& needs) {
+  return std::ranges::any_of(needs.tasks, [&](const TaskNeed& need) {
+    if (!need.skill.empty() && find_skill(robot, need.skill) != nullptr) return true;
+    return std::ranges::any_of(need.capabilities, [&](const std::string& capability) {
+      return contains(robot.profile.is.capabilities, capability);
+    });
+  });
+}
+
+std::string why_not(const RobotRecord& robot, const Needs& needs) {
+  std::vector<std::string> reasons;
+  const auto add = [&](std::string reason) {
+    if (!reason.empty() && !contains(reasons, reason)) reasons.push_back(std::move(reason));
+  };
+  add(why_unfit(robot));
+  for (const TaskNeed& need : needs.tasks) {
+    const std::string why = why_unable(robot, need);
+    if (!why.empty()) add(why + (need.task.empty() ? "" : " (task " + need.task + ")"));
+    if (reasons.size() > 3) break;
+  }
+  std::string out;
+  for (const std::string& reason : reasons) out += (out.empty() ? "" : "; ") + reason;
+  return cut_utf8(out, kMaxWhy);
+}
+
+/// Ids, sorted, of those that suit all of the needs.
+std::vector<std::string> suitable(const Fleet& fleet, const std::vector<TaskNeed>& needs,
+                                  const std::vector<std::string>& except) {
+  std::set<std::string> words;
+  for (const TaskNeed& need : needs) add_words(need, words);
+  std::vector<std::string> out;
+  for (const RobotNumber number : ask(fleet.index(), std::move(words))) {
+    const std::string& id = fleet.index().id_of(number);
+    const RobotRecord& robot = *fleet.find(id);
+    const auto suits_it = [&](const TaskNeed& need) { return suits(robot, need); };
+    if (!contains(except, id) && std::ranges::all_of(needs, suits_it)) out.push_back(id);
+  }
+  std::sort(out.begin(), out.end());
+  return out;
+}
+
+void explain(const Fleet& fleet, const Needs& needs, Candidates& out) {
+  for (const auto& [id, robot] : fleet.robots()) {
+    if (std::binary_search(out.robots.begin(), out.robots.end(), id) || contains(needs.except, id)) continue;
+    if (out.unsuitable.size() >= kMaxUnsuitable || !is_near(robot, needs)) {
+      ++out.others;
+      continue;
+    }
+    out.unsuitable.push_back({id, why_not(robot, needs)});
+  }
+}
+
+}  // namespace
+
+bool Candidates::cover() const {
+  if (!robots.empty()) return true;
+  return !by_task.empty() &&
+         std::ranges::none_of(by_task, [](const TaskCandidates& task) { return task.robots.empty(); });
+}
+
+Result<TaskNeed> need_of(const Task& task) {
+  TaskNeed need{task.id, task.skill, task.requires_, {}, {}};
+  if (task.data.empty()) return need;
+  auto data = parse_json(task.data);
+  if (!data || !data->is_object()) {
+    return fail(Errc::malformed, "task '" + task.id + "': its data is no JSON object");
+  }
+  need.arguments = data->object();
+  return need;
+}
+
+std::string why_unable(const RobotRecord& robot, const TaskNeed& need) {
+  for (const std::string& capability : need.capabilities) {
+    if (auto why = lacks_capability(robot, capability); !why.empty()) return why;
+  }
+  if (need.skill.empty()) return {};
+  const SkillInfo* skill = find_skill(robot, need.skill);
+  if (skill == nullptr) return "has no skill '" + need.skill + "'";
+  if (!skill->capability.empty()) {
+    if (auto why = lacks_capability(robot, skill->capability); !why.empty()) return why;
+  }
+  return misfit(*skill, need, robot.profile.is.places);
+}
+
+Candidates find_candidates(const Fleet& fleet, const Needs& needs) {
+  Candidates out;
+  out.robots = suitable(fleet, needs.tasks, needs.except);
+  if (out.robots.empty()) {
+    for (const TaskNeed& need : needs.tasks) {
+      out.by_task.push_back({need.task, suitable(fleet, {need}, needs.except)});
+    }
+  }
+  explain(fleet, needs, out);
+  return out;
+}
+
+std::optional<std::string> find_spare(const Fleet& fleet, const TaskNeed& need, std::string_view robot) {
+  std::set<std::string> words;
+  add_words(need, words);
+  for (const RobotNumber number : ask(fleet.index(), std::move(words))) {
+    const std::string& id = fleet.index().id_of(number);
+    if (id != robot && suits(*fleet.find(id), need)) return id;
+  }
+  return std::nullopt;
+}
+
+}  // namespace trb::resilience

@@ -1,0 +1,68 @@
+// Who can do what another robot was to do: candidates, and why the others are none.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "proto/bodies/run.hpp"
+#include "proto/value.hpp"
+#include "services/resilience/core/fleet.hpp"
+
+namespace trb::resilience {
+
+/// What a task asks of whoever does it.
+struct TaskNeed {
+  std::string task;                       ///< its id, for the reasons
+  std::string skill;                      ///< of the same name; empty: only the capabilities
+  std::vector<std::string> capabilities;  ///< beyond the one that the skill itself needs
+  Value::Object arguments;                ///< the parameters that are given, by name
+  /// Parameters whose values come from a result that is not there yet: they must exist, their values are not checked.
+  std::vector<std::string> later;
+};
+
+/// Of a scenario's task: skill, `requires`, and its data. Error: malformed (the data is no JSON object).
+Result<TaskNeed> need_of(const Task& task);
+
+struct Needs {
+  std::vector<TaskNeed> tasks;
+  std::vector<std::string> except;  ///< ids that are out of the question: the faulty robot, who was tried already
+};
+
+struct TaskCandidates {
+  std::string task;
+  std::vector<std::string> robots;  ///< by id
+};
+
+struct Unsuitable {
+  std::string robot;
+  std::string why;  ///< "is OFFLINE; has no skill 'fetch' (task t4)", kMaxWhy bytes at most
+};
+
+constexpr std::size_t kMaxWhy = 400;
+constexpr std::size_t kMaxUnsuitable = 1000;
+
+struct Candidates {
+  std::vector<std::string> robots;  ///< who can do all of the tasks, by id
+  /// If nobody can do all: for each task, in the order of the needs, who can do it. All of them have somebody if the
+  /// tasks can be done by several between them.
+  std::vector<TaskCandidates> by_task;
+  /// Robots that have some skill or capability that is needed, and yet fall out; by id, kMaxUnsuitable at most.
+  std::vector<Unsuitable> unsuitable;
+  std::size_t others = 0;  ///< robots that have nothing of what is needed, or of which there is no room to tell
+
+  /// The tasks can be done: by one, or by several between them.
+  [[nodiscard]] bool cover() const;
+};
+
+/// Robots that are fit and able to do all of the tasks: each skill, capability, parameter, value and place.
+Candidates find_candidates(const Fleet& fleet, const Needs& needs);
+
+/// Is there anybody else than that robot for the task, now? Stops at the first one, by number. For the preflight.
+std::optional<std::string> find_spare(const Fleet& fleet, const TaskNeed& need, std::string_view robot);
+
+/// Why the robot cannot do the task, whether fit or not; empty if it can.
+std::string why_unable(const RobotRecord& robot, const TaskNeed& need);
+
+}  // namespace trb::resilience

@@ -1,0 +1,241 @@
+#include "services/resilience/core/fleet.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+
+#include "common/base/ids.hpp"
+#include "proto/value.hpp"
+
+namespace trb::resilience {
+namespace {
+
+constexpr std::size_t kMaxText = 255;
+
+std::string capabilities_of(const NodeProfile& profile) {
+  std::string out;
+  for (const std::string& word : profile.capabilities) out += (out.empty() ? "" : ", ") + word;
+  return out.empty() ? "no capabilities" : out;
+}
+
+/// Numbers that are none would be no equals of themselves, and no value for SQLite.
+NodeProfile cleaned(NodeProfile profile) {
+  const FrameInfo& frame = profile.frame;
+  if (!std::isfinite(frame.length + frame.x + frame.y + frame.yaw)) profile.frame = {};
+  for (SkillInfo& skill : profile.skills) {
+    if (!std::isfinite(skill.timeout_s)) skill.timeout_s = 0;
+    for (ParameterInfo& info : skill.parameters) {
+      const bool readable = info.range.size() == 2 && std::isfinite(info.range[0]) && std::isfinite(info.range[1]);
+      if (!readable) info.range.clear();
+    }
+  }
+  return profile;
+}
+
+bool set_value(RobotRecord& robot, const std::string& name, const std::string& value, UtcTime now) {
+  if (name.empty() || name.size() > kMaxIdSize || value.size() > kMaxValueSize) return false;
+  if (robot.values.size() >= kMaxValues && !robot.values.contains(name)) return false;
+  robot.values[name] = {value, now};
+  return true;
+}
+
+auto rank(const Fault& fault) {
+  return std::tie(fault.capability, fault.severity);
+}
+
+/// Room for one more: the oldest of the least severe goes.
+void make_room(std::vector<Fault>& faults) {
+  if (faults.size() < kMaxFaults) return;
+  faults.erase(std::min_element(faults.begin(), faults.end(), [](const Fault& a, const Fault& b) {
+    return std::tie(a.severity, a.since) < std::tie(b.severity, b.since);
+  }));
+}
+
+/// Told again it keeps the moment at which it began.
+void add_fault(std::vector<Fault>& faults, Fault fault) {
+  const auto by_rank = [](const Fault& a, const Fault& b) { return rank(a) < rank(b); };
+  const auto at = std::lower_bound(faults.begin(), faults.end(), fault, by_rank);
+  if (at != faults.end() && rank(*at) == rank(fault)) {
+    at->text = std::move(fault.text);
+    return;
+  }
+  make_room(faults);
+  faults.insert(std::lower_bound(faults.begin(), faults.end(), fault, by_rank), std::move(fault));
+}
+
+}  // namespace
+
+bool Changes::urgent() const {
+  return !history.empty() ||
+         std::ranges::any_of(robots, [](const auto& robot) { return (robot.second & ~unsigned{kState}) != 0; });
+}
+
+Result<RobotRecord*> Fleet::insert(std::string_view id) {
+  if (Status valid = check_id("robot", id); !valid) return valid.error();
+  if (robots_.size() >= kMaxRobots) {
+    return fail(Errc::too_large, "the capability database has its " + std::to_string(kMaxRobots) + " robots",
+                "let it forget those that have left");
+  }
+  const auto number = index_.add(id);
+  if (!number) return number.error();
+  RobotRecord& robot = robots_[std::string(id)];
+  robot.id = id;
+  return &robot;
+}
+
+Result<RobotRecord*> Fleet::known(std::string_view id) {
+  if (RobotRecord* robot = existing(id)) return robot;
+  auto robot = insert(id);
+  // Whole, for it may be on disk as it was before it was forgotten.
+  if (robot) changed(**robot, Changes::kProfile | Changes::kState | Changes::kFaults);
+  return robot;
+}
+
+RobotRecord* Fleet::existing(std::string_view id) {
+  const auto at = robots_.find(id);
+  return at == robots_.end() ? nullptr : &at->second;
+}
+
+const RobotRecord* Fleet::find(std::string_view id) const {
+  const auto at = robots_.find(id);
+  return at == robots_.end() ? nullptr : &at->second;
+}
+
+void Fleet::changed(const RobotRecord& robot, unsigned parts) {
+  const RobotNumber number = *index_.find(robot.id);
+  if ((parts & ~unsigned{Changes::kState}) != 0) index_.set_words(number, words_of(robot));
+  index_.set_measures(number, measures_of(robot));
+  changes_.robots[robot.id] = (changes_.robots[robot.id] | parts) & ~unsigned{Changes::kGone};
+}
+
+void Fleet::note(const RobotRecord& robot, std::string_view kind, std::string_view text, UtcTime now) {
+  if (changes_.history.size() >= kMaxPendingHistory) {
+    changes_.history.pop_front();
+    ++changes_.history_dropped;
+  }
+  changes_.history.push_back({now, robot.id, std::string(kind), cut_utf8(text, kMaxText)});
+}
+
+Status Fleet::restore(RobotRecord robot) {
+  if (existing(robot.id) != nullptr) return fail(Errc::duplicate, "robot '" + robot.id + "' is there already");
+  const auto place = insert(robot.id);
+  if (!place) return place.error();
+  **place = std::move(robot);
+  (*place)->reached = false;
+  const RobotNumber number = *index_.find((*place)->id);
+  index_.set_words(number, words_of(**place));
+  index_.set_measures(number, measures_of(**place));
+  return Done{};
+}
+
+void Fleet::take_profile(RobotRecord& robot, const NodeProfile& told, UtcTime now) {
+  const NodeProfile profile = cleaned(told);
+  const NodeProfile& before = robot.profile.is;
+  if (before == profile) return;
+  if (before.robot != profile.robot) note(robot, "connection", profile.robot + " " + profile.detail, now);
+  if (before.fenced != profile.fenced) note(robot, profile.fenced ? "fenced" : "released", "", now);
+  if (before.capabilities != profile.capabilities) note(robot, "profile", capabilities_of(profile), now);
+  robot.profile = {profile, now};
+  changed(robot, Changes::kProfile);
+}
+
+void Fleet::set_reached(RobotRecord& robot, bool reached, const std::string& reason, UtcTime now) {
+  if (robot.reached == reached) return;
+  robot.reached = reached;
+  note(robot, reached ? "joined" : "expired", reason, now);
+  changed(robot, Changes::kProfile);
+}
+
+Status Fleet::on_route(const Route& route, UtcTime now) {
+  const auto robot = known(route.id);
+  if (!robot) return robot.error();
+  take_profile(**robot, route.profile, now);
+  const bool reached = route.state == "self" || route.state == "ONLINE";
+  set_reached(**robot, reached, reached ? "" : route.state, now);
+  return Done{};
+}
+
+Status Fleet::on_profile(std::string_view id, const NodeProfile& profile, UtcTime now) {
+  const auto robot = known(id);
+  if (!robot) return robot.error();
+  take_profile(**robot, profile, now);
+  return Done{};
+}
+
+Status Fleet::on_joined(std::string_view id, UtcTime now) {
+  const auto robot = known(id);
+  if (!robot) return robot.error();
+  set_reached(**robot, true, "", now);
+  return Done{};
+}
+
+void Fleet::on_expired(std::string_view id, const std::string& reason, UtcTime now) {
+  if (RobotRecord* robot = existing(id)) set_reached(*robot, false, reason, now);
+}
+
+bool Fleet::on_connection(std::string_view id, const RobotConnection& connection, UtcTime now) {
+  RobotRecord* robot = existing(id);
+  if (robot == nullptr) return false;
+  NodeProfile profile = robot->profile.is;
+  profile.robot = connection.state;
+  profile.detail = connection.detail;
+  take_profile(*robot, profile, now);
+  return true;
+}
+
+bool Fleet::on_state(std::string_view id, const RobotState& state, UtcTime now) {
+  RobotRecord* robot = existing(id);
+  if (robot == nullptr) return false;
+  bool all = true;
+  for (const RobotValueTold& told : state.values) all = set_value(*robot, told.name, told.value, now) && all;
+  changed(*robot, Changes::kState);
+  return all;
+}
+
+bool Fleet::on_value(std::string_view id, const std::string& name, const std::string& value, UtcTime now) {
+  RobotRecord* robot = existing(id);
+  if (robot == nullptr || !set_value(*robot, name, value, now)) return false;
+  changed(*robot, Changes::kState);
+  return true;
+}
+
+bool Fleet::on_fault(std::string_view id, const RobotFault& told, UtcTime now) {
+  RobotRecord* robot = existing(id);
+  if (robot == nullptr || told.capability.size() > kMaxIdSize) return false;
+  Fault fault{told.capability, told.severity, cut_utf8(told.text, kMaxValueSize), now};
+  const std::string of = fault.capability.empty() ? "" : fault.capability + ": ";
+  note(*robot, "fault", std::string(name_of(fault.severity)) + " " + of + fault.text, now);
+  add_fault(robot->faults, std::move(fault));
+  changed(*robot, Changes::kFaults);
+  return true;
+}
+
+bool Fleet::end_faults(std::string_view id, std::string_view capability, const std::string& why, UtcTime now) {
+  RobotRecord* robot = existing(id);
+  if (robot == nullptr) return false;
+  const auto ended = std::erase_if(robot->faults, [&](const Fault& fault) { return fault.capability == capability; });
+  if (ended == 0) return false;
+  note(*robot, "fault_ended", (capability.empty() ? "" : std::string(capability) + ": ") + why, now);
+  changed(*robot, Changes::kFaults);
+  return true;
+}
+
+bool Fleet::set_later_tasks(std::string_view id, std::uint32_t tasks) {
+  RobotRecord* robot = existing(id);
+  if (robot == nullptr) return false;
+  if (robot->later_tasks == tasks) return true;
+  robot->later_tasks = tasks;
+  changed(*robot, Changes::kState);
+  return true;
+}
+
+void Fleet::forget(std::string_view id, UtcTime now) {
+  const auto at = robots_.find(id);
+  if (at == robots_.end()) return;
+  note(at->second, "forgotten", "", now);
+  changes_.robots[at->first] = Changes::kGone;
+  index_.drop(id);
+  robots_.erase(at);
+}
+
+}  // namespace trb::resilience

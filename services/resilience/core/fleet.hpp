@@ -1,0 +1,90 @@
+// The capability database in memory: every robot's record, the index that answers, and what is not on disk yet.
+#pragma once
+
+#include <deque>
+#include <functional>
+#include <map>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "services/resilience/core/fleet_index.hpp"
+#include "services/resilience/core/robot_record.hpp"
+
+namespace trb::resilience {
+
+/// A line of the history, for people. `kind`: joined, expired, connection, fenced, released, profile, fault,
+/// fault_ended, forgotten.
+struct HistoryEntry {
+  UtcTime time;
+  std::string robot;
+  std::string kind;
+  std::string text;
+  bool operator==(const HistoryEntry&) const = default;
+};
+
+/// What has changed since it was last written.
+struct Changes {
+  enum Part : unsigned { kProfile = 1, kState = 2, kFaults = 4, kGone = 8 };
+  std::map<std::string, unsigned, std::less<>> robots;  ///< id -> parts
+  std::deque<HistoryEntry> history;                     ///< oldest first
+  std::size_t history_dropped = 0;                      ///< the disk took none for so long that the oldest went
+
+  [[nodiscard]] bool empty() const { return robots.empty() && history.empty(); }
+  /// More than values that the robot will tell again: to be on disk before anything is said of it.
+  [[nodiscard]] bool urgent() const;
+};
+
+class Fleet {
+ public:
+  static constexpr std::size_t kMaxRobots = 10'000;
+  static constexpr std::size_t kMaxPendingHistory = 1000;
+
+  /// As it was on disk; nobody is reached before the router says so. Errors: too_large, bad_value (no id), duplicate.
+  Status restore(RobotRecord robot);
+
+  /// What the router says: its table (Route::state "self" and "ONLINE": reached), and each profile after that.
+  /// Errors: too_large (kMaxRobots), bad_value (no id); the node is then not known here.
+  Status on_route(const Route& route, UtcTime now);
+  Status on_profile(std::string_view id, const NodeProfile& profile, UtcTime now);
+  Status on_joined(std::string_view id, UtcTime now);
+  void on_expired(std::string_view id, const std::string& reason, UtcTime now);
+
+  /// What the robot's node says. False: of a robot that is not known, or over a bound; nothing has changed.
+  bool on_connection(std::string_view id, const RobotConnection& connection, UtcTime now);
+  bool on_state(std::string_view id, const RobotState& state, UtcTime now);
+  /// One value: the answer to a request of that subtype.
+  bool on_value(std::string_view id, const std::string& name, const std::string& value, UtcTime now);
+  bool on_fault(std::string_view id, const RobotFault& fault, UtcTime now);
+
+  /// The faults of that capability (empty: of the whole robot, and no others) are over; `why` is kept in the history.
+  /// No message says so: it is an operator's word, or what the service infers. False: there was none.
+  bool end_faults(std::string_view id, std::string_view capability, const std::string& why, UtcTime now);
+  bool set_later_tasks(std::string_view id, std::uint32_t tasks);
+  /// It has left the fleet for good.
+  void forget(std::string_view id, UtcTime now);
+
+  [[nodiscard]] const RobotRecord* find(std::string_view id) const;
+  /// By id.
+  [[nodiscard]] const std::map<std::string, RobotRecord, std::less<>>& robots() const { return robots_; }
+  [[nodiscard]] const FleetIndex& index() const { return index_; }
+
+  [[nodiscard]] const Changes& changes() const { return changes_; }
+  /// They are on disk.
+  void written() { changes_ = {}; }
+
+ private:
+  Result<RobotRecord*> insert(std::string_view id);
+  Result<RobotRecord*> known(std::string_view id);
+  RobotRecord* existing(std::string_view id);
+  void changed(const RobotRecord& robot, unsigned parts);
+  void note(const RobotRecord& robot, std::string_view kind, std::string_view text, UtcTime now);
+  void take_profile(RobotRecord& robot, const NodeProfile& told, UtcTime now);
+  void set_reached(RobotRecord& robot, bool reached, const std::string& reason, UtcTime now);
+
+  std::map<std::string, RobotRecord, std::less<>> robots_;
+  FleetIndex index_;
+  Changes changes_;
+};
+
+}  // namespace trb::resilience

@@ -1,0 +1,79 @@
+// What is known of one robot: what its node tells of it, what it tells of itself, and what is broken.
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/base/time.hpp"
+#include "proto/bodies/link.hpp"
+#include "proto/bodies/robot.hpp"
+#include "services/resilience/core/fleet_index.hpp"
+
+namespace trb::resilience {
+
+constexpr std::size_t kMaxValues = 64;  ///< names of values of one robot
+constexpr std::size_t kMaxValueSize = 1024;
+constexpr std::size_t kMaxFaults = 64;  ///< of one robot
+
+/// Something with the moment at which it was told, so that a person sees how old it is.
+template <class T>
+struct Told {
+  T is{};
+  UtcTime at;
+  bool operator==(const Told&) const = default;
+};
+
+/// A fault that the robot has told of and nobody has ended.
+struct Fault {
+  std::string capability;  ///< empty: all of the robot's
+  Severity severity{};
+  std::string text;
+  UtcTime since;
+  bool operator==(const Fault&) const = default;
+};
+
+/// In the hall's frame, m.
+struct HallPoint {
+  double x = 0;
+  double y = 0;
+  bool operator==(const HallPoint&) const = default;
+};
+
+struct RobotRecord {
+  std::string id;
+  Told<NodeProfile> profile;
+  bool reached = false;  ///< its node's route is alive; never so after a restart, until the router says it again
+  std::map<std::string, Told<std::string>, std::less<>> values;  ///< by name, as the robot told them: JSON, or words
+  std::vector<Fault> faults;                                     ///< by capability, then severity; one of each
+  std::uint32_t later_tasks = 0;                                 ///< that it still has in any run
+};
+
+/// CRITICAL and FATAL take a capability away; lesser faults are shown.
+[[nodiscard]] bool takes_away(const Fault& fault);
+
+/// The worst fault that keeps the robot from that capability; nullptr: none.
+[[nodiscard]] const Fault* fault_of(const RobotRecord& robot, std::string_view capability);
+
+/// The robot has it, no fault takes it away, and of the plugged sensors that alone give it one tells its values.
+[[nodiscard]] bool is_able(const RobotRecord& robot, std::string_view capability);
+
+/// It may be given a task: reached, ONLINE, not fenced, and no fault of the whole robot takes everything away.
+[[nodiscard]] bool is_fit(const RobotRecord& robot);
+/// Why it is not fit, for a person; empty if it is.
+[[nodiscard]] std::string why_unfit(const RobotRecord& robot);
+
+[[nodiscard]] const SkillInfo* find_skill(const RobotRecord& robot, std::string_view skill);
+
+/// 100 for a robot without tasks, halved by one, a third with two, and so on (section 4: "100, lowered").
+[[nodiscard]] double availability(const RobotRecord& robot);
+
+/// The words of the index that are true of the robot.
+inline constexpr std::string_view kFitWord = "fit";
+[[nodiscard]] std::string capability_word(std::string_view capability);
+[[nodiscard]] std::string skill_word(std::string_view skill);
+[[nodiscard]] std::vector<std::string> words_of(const RobotRecord& robot);
+[[nodiscard]] Measures measures_of(const RobotRecord& robot);
+
+}  // namespace trb::resilience

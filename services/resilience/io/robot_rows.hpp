@@ -1,0 +1,18 @@
+// A robot's record as rows, and back.
+#pragma once
+
+#include <vector>
+
+#include "services/resilience/core/fleet.hpp"
+#include "services/resilience/io/sqlite.hpp"
+
+namespace trb::resilience {
+
+/// Writes these parts (Changes::Part) of the record. Within a transaction.
+Status write_robot(SqliteFile& file, const RobotRecord& robot, unsigned parts);
+Status delete_robot(SqliteFile& file, const std::string& id);
+
+/// Every robot, by id. Errors: malformed (rows that no build has written), io_error.
+Result<std::vector<RobotRecord>> read_robots(SqliteFile& file);
+
+}  // namespace trb::resilience

@@ -1,0 +1,101 @@
+#include "services/resilience/io/schema.hpp"
+
+namespace trb::resilience {
+namespace {
+
+// Never changed once released: a change is a further step.
+constexpr const char* kSteps[kSchemaVersion] = {
+    // 1: what the fleet can do, and what is broken.
+    R"(
+CREATE TABLE robots(
+  id TEXT PRIMARY KEY, framework TEXT NOT NULL, mode TEXT NOT NULL, transport TEXT NOT NULL, maker TEXT NOT NULL,
+  model TEXT NOT NULL, connection TEXT NOT NULL, detail TEXT NOT NULL, fenced INTEGER NOT NULL, control TEXT NOT NULL,
+  told INTEGER NOT NULL) STRICT, WITHOUT ROWID;
+CREATE TABLE capabilities(
+  robot TEXT NOT NULL REFERENCES robots(id) ON DELETE CASCADE, place INTEGER NOT NULL, name TEXT NOT NULL,
+  PRIMARY KEY(robot, place)) STRICT, WITHOUT ROWID;
+CREATE INDEX capabilities_by_name ON capabilities(name, robot);
+CREATE TABLE skills(
+  robot TEXT NOT NULL REFERENCES robots(id) ON DELETE CASCADE, place INTEGER NOT NULL, name TEXT NOT NULL,
+  capability TEXT NOT NULL, repeatable INTEGER NOT NULL, timeout_s REAL NOT NULL,
+  PRIMARY KEY(robot, place)) STRICT, WITHOUT ROWID;
+CREATE INDEX skills_by_name ON skills(name, robot);
+CREATE TABLE parameters(
+  robot TEXT NOT NULL REFERENCES robots(id) ON DELETE CASCADE, skill INTEGER NOT NULL, place INTEGER NOT NULL,
+  name TEXT NOT NULL, type TEXT NOT NULL, required INTEGER NOT NULL, unit TEXT NOT NULL,
+  PRIMARY KEY(robot, skill, place)) STRICT, WITHOUT ROWID;
+CREATE TABLE places(
+  robot TEXT NOT NULL REFERENCES robots(id) ON DELETE CASCADE, place INTEGER NOT NULL, name TEXT NOT NULL,
+  PRIMARY KEY(robot, place)) STRICT, WITHOUT ROWID;
+CREATE TABLE sensors(
+  robot TEXT NOT NULL REFERENCES robots(id) ON DELETE CASCADE, plugged INTEGER NOT NULL, place INTEGER NOT NULL,
+  name TEXT NOT NULL, kind TEXT NOT NULL, unit TEXT NOT NULL, identity TEXT NOT NULL, device TEXT NOT NULL,
+  state INTEGER NOT NULL, detail TEXT NOT NULL,
+  PRIMARY KEY(robot, plugged, place)) STRICT, WITHOUT ROWID;
+CREATE TABLE state(
+  robot TEXT NOT NULL REFERENCES robots(id) ON DELETE CASCADE, name TEXT NOT NULL, value TEXT NOT NULL,
+  told INTEGER NOT NULL,
+  PRIMARY KEY(robot, name)) STRICT, WITHOUT ROWID;
+CREATE TABLE faults(
+  robot TEXT NOT NULL REFERENCES robots(id) ON DELETE CASCADE, capability TEXT NOT NULL, severity INTEGER NOT NULL,
+  text TEXT NOT NULL, since INTEGER NOT NULL,
+  PRIMARY KEY(robot, capability, severity)) STRICT, WITHOUT ROWID;
+)",
+    // 2: ranges and words of parameters, the robot's frame, availability; history, alerts, decisions.
+    R"(
+ALTER TABLE parameters ADD COLUMN lowest REAL;
+ALTER TABLE parameters ADD COLUMN highest REAL;
+ALTER TABLE parameters ADD COLUMN count INTEGER NOT NULL DEFAULT 0;
+CREATE TABLE parameter_words(
+  robot TEXT NOT NULL REFERENCES robots(id) ON DELETE CASCADE, skill INTEGER NOT NULL, parameter INTEGER NOT NULL,
+  place INTEGER NOT NULL, word TEXT NOT NULL,
+  PRIMARY KEY(robot, skill, parameter, place)) STRICT, WITHOUT ROWID;
+ALTER TABLE robots ADD COLUMN frame_length REAL NOT NULL DEFAULT 0;
+ALTER TABLE robots ADD COLUMN frame_x REAL NOT NULL DEFAULT 0;
+ALTER TABLE robots ADD COLUMN frame_y REAL NOT NULL DEFAULT 0;
+ALTER TABLE robots ADD COLUMN frame_yaw REAL NOT NULL DEFAULT 0;
+ALTER TABLE robots ADD COLUMN later_tasks INTEGER NOT NULL DEFAULT 0;
+CREATE TABLE history(
+  number INTEGER PRIMARY KEY AUTOINCREMENT, time INTEGER NOT NULL, robot TEXT NOT NULL, kind TEXT NOT NULL,
+  text TEXT NOT NULL) STRICT;
+CREATE INDEX history_of_robot ON history(robot, number);
+CREATE TABLE alerts(
+  id TEXT PRIMARY KEY, time INTEGER NOT NULL, state INTEGER NOT NULL, body BLOB NOT NULL) STRICT, WITHOUT ROWID;
+CREATE TABLE decisions(
+  run TEXT NOT NULL, epoch INTEGER NOT NULL, record BLOB NOT NULL, delivered INTEGER NOT NULL,
+  PRIMARY KEY(run, epoch)) STRICT, WITHOUT ROWID;
+)",
+};
+
+Result<int> version_of(SqliteFile& file) {
+  int version = 0;
+  const Status read = file.rows("PRAGMA user_version", [&](const Columns& row) -> Status {
+    version = static_cast<int>(row.integer(0));
+    return Done{};
+  });
+  if (!read) return read.error();
+  return version;
+}
+
+}  // namespace
+
+Status migrate(SqliteFile& file) {
+  const auto version = version_of(file);
+  if (!version) return version.error();
+  if (*version == kSchemaVersion) return Done{};
+  if (*version < 0 || *version > kSchemaVersion) {
+    return fail(Errc::version_mismatch,
+                file.path() + ": schema version " + std::to_string(*version) + ", this build knows " +
+                    std::to_string(kSchemaVersion),
+                "start the build that wrote it, or move the file away: the fleet tells its capabilities anew, open "
+                "alerts are lost");
+  }
+  return file.transact([&]() -> Status {
+    for (int step = *version; step < kSchemaVersion; ++step) {
+      if (auto done = file.script(kSteps[step]); !done) return done;
+    }
+    return file.script(("PRAGMA user_version=" + std::to_string(kSchemaVersion)).c_str());
+  });
+}
+
+}  // namespace trb::resilience

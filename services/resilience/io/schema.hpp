@@ -1,0 +1,14 @@
+// The tables of capability.db and their versions (PRAGMA user_version).
+#pragma once
+
+#include "services/resilience/io/sqlite.hpp"
+
+namespace trb::resilience {
+
+constexpr int kSchemaVersion = 2;
+
+/// Brings the file to kSchemaVersion, step by step, in one transaction; an empty file too. Errors: version_mismatch (a
+/// newer build wrote it), malformed, io_error.
+Status migrate(SqliteFile& file);
+
+}  // namespace trb::resilience

@@ -1,0 +1,98 @@
+// A SQLite file: statements that are prepared once, values bound and read by their types, errors with a cure.
+#pragma once
+
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "common/base/bytes.hpp"
+#include "common/base/result.hpp"
+
+struct sqlite3;
+struct sqlite3_stmt;
+
+namespace trb::resilience {
+
+/// The columns of a row, from 0.
+class Columns {
+ public:
+  explicit Columns(sqlite3_stmt* statement) : statement_(statement) {}
+  [[nodiscard]] std::string text(int column) const;  ///< bytes too
+  [[nodiscard]] std::int64_t integer(int column) const;
+  [[nodiscard]] double real(int column) const;
+
+ private:
+  sqlite3_stmt* statement_;
+};
+
+/// Bytes that are no text.
+struct BlobView {
+  std::string_view bytes;
+};
+
+class SqliteFile {
+ public:
+  /// Opens or makes the file: WAL, synchronous=FULL, foreign keys. `cure` is what a person does about a damaged one.
+  /// Errors: io_error, malformed.
+  static Result<std::unique_ptr<SqliteFile>> open(const std::string& path, std::string cure);
+
+  SqliteFile(const SqliteFile&) = delete;
+  SqliteFile& operator=(const SqliteFile&) = delete;
+  ~SqliteFile();
+
+  /// Several statements, without values and rows.
+  Status script(const char* sql);
+
+  /// One statement; `each` is called with every row.
+  using EachRow = std::function<Status(const Columns&)>;
+  template <class... Values>
+  Status run(const char* sql, const Values&... values) {
+    return rows(sql, nullptr, values...);
+  }
+  template <class... Values>
+  Status rows(const char* sql, const EachRow& each, const Values&... values) {
+    auto statement = prepared(sql);
+    if (!statement) return statement.error();
+    int place = 0;
+    (bind(*statement, ++place, values), ...);
+    return step(*statement, each);
+  }
+
+  /// All of what `work` writes, or nothing. Within another one it is part of that.
+  Status transact(const std::function<Status()>& work);
+
+  /// Rows that the last statement has changed.
+  [[nodiscard]] int changed() const;
+  [[nodiscard]] const std::string& path() const { return path_; }
+  [[nodiscard]] Error damaged(const std::string& what) const;
+
+ private:
+  using Statement = std::unique_ptr<sqlite3_stmt, int (*)(sqlite3_stmt*)>;
+
+  SqliteFile(std::string path, std::string cure, sqlite3* db)
+      : path_(std::move(path)), cure_(std::move(cure)), db_(db) {}
+  Result<sqlite3_stmt*> prepared(const char* sql);
+  Status step(sqlite3_stmt* statement, const EachRow& each);
+  static void bind(sqlite3_stmt* statement, int place, std::string_view text);
+  static void bind(sqlite3_stmt* statement, int place, BlobView blob);
+  static void bind(sqlite3_stmt* statement, int place, std::int64_t number);
+  static void bind(sqlite3_stmt* statement, int place, std::uint32_t number) {
+    bind(statement, place, std::int64_t{number});
+  }
+  static void bind(sqlite3_stmt* statement, int place, double number);
+  static void bind(sqlite3_stmt* statement, int place, bool flag) {
+    bind(statement, place, std::int64_t{flag ? 1 : 0});
+  }
+  [[nodiscard]] Error problem(const std::string& what) const;
+
+  std::string path_;
+  std::string cure_;
+  sqlite3* db_ = nullptr;
+  std::map<std::string, Statement, std::less<>> statements_;
+  bool in_transaction_ = false;
+};
+
+}  // namespace trb::resilience
