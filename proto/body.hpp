@@ -9,6 +9,7 @@
 #include "proto/bodies/bus.hpp"
 #include "proto/bodies/journal.hpp"
 #include "proto/bodies/link.hpp"
+#include "proto/bodies/resilience.hpp"
 #include "proto/bodies/robot.hpp"
 #include "proto/bodies/run.hpp"
 #include "proto/bodies/sensor.hpp"
@@ -32,7 +33,9 @@
   X(NeedDefinition) X(Definition) X(NeedResults) X(Results) X(ResultsJournaled) X(TaskProgress) X(RunAbort)        \
   X(AbortConfirmed) X(RunQuery) X(RunView) X(RunListRequest) X(RunTable) X(Choice)                                 \
   X(JournalRun) X(JournalStart) X(JournalResult) X(JournalDelivered) X(JournalAbort) X(JournalTombstone)           \
-  X(JournalChoice)
+  X(JournalChoice) X(JournalDecision) X(JournalPause)                                                              \
+  X(Decision) X(RunDecision) X(DecisionJournaled) X(ReleaseTasks) X(PauseOrder) X(RunPause) X(PauseJournaled)      \
+  X(RunWatch) X(RunChanged) X(Alert) X(AlertListRequest) X(AlertTable) X(AlertDecide)
 // clang-format on
 
 namespace trb {

@@ -140,6 +140,8 @@ template Result<Beacon> open_record(const SignedRecord&, std::string_view, const
 template Result<RunStart> open_record(const SignedRecord&, std::string_view, const Certificate&);
 template Result<AbortOrder> open_record(const SignedRecord&, std::string_view, const Certificate&);
 template Result<TaskResult> open_record(const SignedRecord&, std::string_view, const Certificate&);
+template Result<Decision> open_record(const SignedRecord&, std::string_view, const Certificate&);
+template Result<PauseOrder> open_record(const SignedRecord&, std::string_view, const Certificate&);
 template Result<Choice> open_record(const SignedRecord&, std::string_view, const Certificate&);
 
 bool same_secret(BytesView a, BytesView b) {

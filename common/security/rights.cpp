@@ -30,6 +30,15 @@ constexpr auto kSubtypes = [] {
       SubtypeRight{"results_journaled", fleet, true, true},
       SubtypeRight{"run_abort", fleet, true, true},
       SubtypeRight{"abort_confirmed", fleet, true, true},
+      SubtypeRight{"run_decision", fleet, false, true},
+      SubtypeRight{"decision_journaled", fleet, true, true},
+      SubtypeRight{"release_tasks", fleet, false, true},
+      SubtypeRight{"run_pause", fleet, true, true},
+      SubtypeRight{"pause_journaled", fleet, true, true},
+      SubtypeRight{"run_watch", fleet, true, true},
+      SubtypeRight{"run_changed", fleet, true, true},
+      SubtypeRight{"alert_list", fleet, true, true},
+      SubtypeRight{"alert_table", fleet, true, true},
       SubtypeRight{"task_progress", fleet, true, true},
       SubtypeRight{"run_query", fleet, true, true},
       SubtypeRight{"run_view", fleet, true, true},
@@ -76,6 +85,7 @@ constexpr auto kSubtypes = [] {
       SubtypeRight{"peer_joined", bus, false, false},
       SubtypeRight{"peer_expired", bus, false, false},
       SubtypeRight{"run_submit", bus, false, false},
+      SubtypeRight{"alert_decide", bus, false, false},
       SubtypeRight{"execute", bus, false, false},
       SubtypeRight{"cancel_execution", bus, false, false},
       SubtypeRight{"execution_query", bus, false, false},
@@ -97,6 +107,11 @@ constexpr auto kSubtypes = [] {
       SubtypeRight{"run_start", record, false, false},
       SubtypeRight{"result", record, false, false},
       SubtypeRight{"abort_order", record, false, false},
+      SubtypeRight{"decision", record, false, false},
+      SubtypeRight{"pause_order", record, false, false},
+      SubtypeRight{"alert", record, false, false},
+      SubtypeRight{"journal_decision", record, false, false},
+      SubtypeRight{"journal_pause", record, false, false},
       SubtypeRight{"journal_run", record, false, false},
       SubtypeRight{"journal_start", record, false, false},
       SubtypeRight{"journal_result", record, false, false},
@@ -117,7 +132,7 @@ struct SigningRight {
   std::string_view purpose;
   bool robot;
   bool cloud;
-  std::array<std::string_view, 3> makers;  ///< services that may ask for it; "probe": the command line
+  std::array<std::string_view, 4> makers;  ///< services that may ask for it; "probe": the command line
 };
 
 // Where nobody may ask, the router signs for itself, the node's own `trb fleet request`, or the authority.
@@ -125,11 +140,13 @@ constexpr SigningRight kSignatures[] = {
     {kSignedBeacon, true, true, {}},
     {kSignedSeal, true, true, {}},
     {kSignedRelayed, true, true, {}},
-    {kSignedResult, true, false, {"scheduler"}},
+    // A cloud node's result: of a task that its own decision skips.
+    {kSignedResult, true, true, {"scheduler"}},
     {kSignedChoice, true, false, {"scheduler"}},
     {kSignedRunStart, true, true, {kProbe, "cloud-gateway"}},
-    {kSignedRunAbort, true, true, {kProbe, "cloud-gateway"}},
-    {kSignedDecision, false, true, {kProbe, "cloud-gateway", "resilience"}},
+    {kSignedRunAbort, true, true, {kProbe, "cloud-gateway", "resilience", "scheduler"}},
+    {kSignedRunPause, true, true, {kProbe, "cloud-gateway"}},
+    {kSignedDecision, false, true, {"resilience"}},
     {kSignedRequest, false, false, {}},
     {kSignedCertificate, false, false, {}},
     {kSignedRevocations, false, false, {}},
@@ -147,6 +164,8 @@ struct BusRight {
 constexpr BusRight kBusRights[] = {
     {"adapter_state", "mode-adapter"},
     {"adapter_state_request", "scheduler"},
+    {"alert_decide", kProbe},
+    {"alert_decide", "cloud-gateway"},
     {"bridge_command", "mode-adapter"},
     {"bridge_event", "ros-bridge"},
     {"bridge_state", "ros-bridge"},

@@ -17,6 +17,7 @@ struct ServiceOptions {
   std::string node_dir;               ///< the node's folder; becomes the working directory
   std::string name;                   ///< as in node.json, for example "scheduler"
   std::vector<std::string> subtypes;  ///< what it takes
+  std::vector<std::string> hears{};   ///< information that it wants a copy of, whoever takes it
   bool own_log = true;                ///< log to NODE_DIR/log/NAME.log; false: to standard error
 };
 

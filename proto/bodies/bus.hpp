@@ -13,10 +13,11 @@ struct ServiceHello {
   std::uint64_t instance = 0;  ///< random, new at each start of the process
   std::uint32_t pid = 0;
   std::string version;
+  std::vector<std::string> hears{};  ///< information that it wants a copy of; as many services as like may hear one
   static constexpr auto fields() {
     return std::tuple{field("service", &ServiceHello::service, 64), field("subtypes", &ServiceHello::subtypes, 64),
-                      field("instance", &ServiceHello::instance), field("pid", &ServiceHello::pid),
-                      field("version", &ServiceHello::version, 32)};
+                      field("instance", &ServiceHello::instance),   field("pid", &ServiceHello::pid),
+                      field("version", &ServiceHello::version, 32), field("hears", &ServiceHello::hears, 64)};
   }
 };
 

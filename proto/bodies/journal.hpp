@@ -47,7 +47,7 @@ struct JournalDelivered {
   static constexpr std::string_view kSubtype = "journal_delivered";
   std::string run;
   std::string to;
-  std::string what;  ///< "baton", "results", "abort"
+  std::string what;  ///< "baton", "results", "abort", "decision", "pause"
   std::vector<std::uint16_t> tasks;
   std::uint32_t epoch = 1;
   static constexpr auto fields() {
@@ -64,6 +64,27 @@ struct JournalAbort {
   bool ordered_here = false;  ///< this scheduler owes the order to the members
   static constexpr auto fields() {
     return std::tuple{field("order", &JournalAbort::order), field("ordered_here", &JournalAbort::ordered_here)};
+  }
+};
+
+/// The run's next epoch: the signed Decision.
+struct JournalDecision {
+  static constexpr std::string_view kSubtype = "journal_decision";
+  SignedRecord decision;
+  bool decided_here = false;  ///< this scheduler owes it to the members
+  static constexpr auto fields() {
+    return std::tuple{field("decision", &JournalDecision::decision),
+                      field("decided_here", &JournalDecision::decided_here)};
+  }
+};
+
+/// The run is held or goes on: the signed PauseOrder.
+struct JournalPause {
+  static constexpr std::string_view kSubtype = "journal_pause";
+  SignedRecord order;
+  bool ordered_here = false;  ///< this scheduler owes the order to the members
+  static constexpr auto fields() {
+    return std::tuple{field("order", &JournalPause::order), field("ordered_here", &JournalPause::ordered_here)};
   }
 };
 

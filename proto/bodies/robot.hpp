@@ -11,10 +11,11 @@ constexpr auto enum_names(Severity) {
 }
 
 /// How an attempt of a task ended. Only finished and skipped are final; `interrupted`: nobody knows whether it was
-/// done.
-enum class TaskOutcome : std::uint8_t { none = 0, finished, failed, retriable, interrupted, skipped };
+/// done; `released`: it was never begun, and the robot's node has given it back.
+enum class TaskOutcome : std::uint8_t { none = 0, finished, failed, retriable, interrupted, skipped, released };
 constexpr auto enum_names(TaskOutcome) {
-  return std::array<std::string_view, 6>{"none", "finished", "failed", "retriable", "interrupted", "skipped"};
+  return std::array<std::string_view, 7>{"none",        "finished", "failed",  "retriable",
+                                         "interrupted", "skipped",  "released"};
 }
 
 /// Names one attempt of one task of one run: the key by which everything is de-duplicated.
@@ -148,8 +149,8 @@ struct RobotState {
   static constexpr auto fields() { return std::tuple{field("values", &RobotState::values, 32)}; }
 };
 
-/// To the node of a virtual robot (command): let it fail, as its maker's robot would. Answered by Ack "handed_over"; what
-/// comes of it the robot tells itself, by RobotFault. Refused by a robot that is not virtual (not_permitted).
+/// To the node of a virtual robot (command): let it fail, as its maker's robot would. Answered by Ack "handed_over";
+/// what comes of it the robot tells itself, by RobotFault. Refused by a robot that is not virtual (not_permitted).
 struct InjectFault {
   static constexpr std::string_view kSubtype = "inject_fault";
   std::string capability;  ///< empty: everything that was injected is over

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "proto/bodies/choice.hpp"
+#include "proto/bodies/decision.hpp"
 #include "proto/bodies/robot.hpp"
 #include "proto/bodies/signed.hpp"
 #include "proto/field.hpp"
@@ -10,6 +11,25 @@ namespace trb {
 
 constexpr std::uint32_t kMaxTasks = 1000;
 constexpr std::uint32_t kMaxMembers = 1000;
+
+/// A parameter whose value an earlier task's result gives.
+struct ValueFrom {
+  std::string parameter;
+  std::string task;  ///< a direct predecessor
+  std::string name;  ///< of the value in its result, a JSON object; empty: the whole result
+  bool operator==(const ValueFrom&) const = default;
+  static constexpr auto fields() {
+    return std::tuple{field("parameter", &ValueFrom::parameter, 64), field("task", &ValueFrom::task, 64),
+                      field("name", &ValueFrom::name, 64)};
+  }
+};
+
+/// What follows when a task has failed for good. `resilience`: the run waits, the fleet looks for another robot.
+/// `skip`: it counts as SKIPPED. `abort`: the run is aborted.
+enum class OnFailure : std::uint8_t { resilience = 0, skip, abort };
+constexpr auto enum_names(OnFailure) {
+  return std::array<std::string_view, 3>{"resilience", "skip", "abort"};
+}
 
 /// A node of the scenario's graph: a skill with data, given to a robot, or to whoever has the capabilities.
 struct Task {
@@ -20,8 +40,12 @@ struct Task {
   std::string data;                  ///< the skill's parameters, a JSON object as text, or empty
   std::vector<std::uint16_t> after;  ///< indexes of the predecessors in Scenario::tasks
   double timeout_s = 0;              ///< 0: the skill's own
-  bool pinned = false;               ///< cannot be re-assigned: may start while its node hears no majority (not while it is stopped)
-  std::vector<Condition> when;       ///< none, or one: more are a later version's
+  bool pinned = false;  ///< cannot be re-assigned: may start while its node hears no majority (not while it is stopped)
+  std::vector<Condition> when;  ///< none, or one: more are a later version's
+  std::uint32_t retries = 0;    ///< how often the same robot tries again after the robot's own `failed`
+  double retry_after_s = 1;     ///< before the first of them; doubled each time, 60 s at most
+  OnFailure on_failure{};
+  std::vector<ValueFrom> values{};
   bool operator==(const Task&) const = default;
   static constexpr auto fields() {
     return std::tuple{field("id", &Task::id, 64),
@@ -32,7 +56,11 @@ struct Task {
                       field("after", &Task::after, kMaxTasks),
                       field("timeout_s", &Task::timeout_s),
                       field("pinned", &Task::pinned),
-                      field("when", &Task::when, 8)};
+                      field("when", &Task::when, 8),
+                      field("retries", &Task::retries),
+                      field("retry_after_s", &Task::retry_after_s),
+                      field("on_failure", &Task::on_failure),
+                      field("values", &Task::values, 32)};
   }
 };
 
@@ -54,15 +82,6 @@ struct Assignment {
   std::vector<std::string> robots;
   static constexpr auto fields() {
     return std::tuple{field("epoch", &Assignment::epoch), field("robots", &Assignment::robots, kMaxTasks)};
-  }
-};
-
-/// A node that takes part in the run, with the certificate that checks its signatures.
-struct Member {
-  std::string id;
-  SignedRecord certificate;
-  static constexpr auto fields() {
-    return std::tuple{field("id", &Member::id, 64), field("certificate", &Member::certificate)};
   }
 };
 
@@ -186,7 +205,10 @@ struct NeedDefinition {
 struct Definition {
   static constexpr std::string_view kSubtype = "definition";
   SignedRecord start;
-  static constexpr auto fields() { return std::tuple{field("start", &Definition::start)}; }
+  std::vector<SignedRecord> decisions{};  ///< every one that the giver holds, from epoch 2 on
+  static constexpr auto fields() {
+    return std::tuple{field("start", &Definition::start), field("decisions", &Definition::decisions, 64)};
+  }
 };
 
 /// Asks for the results of tasks that the other side knows to be final.
@@ -277,7 +299,8 @@ struct TaskView {
   std::int64_t ended = 0;
   double duration_s = 0;
   std::vector<std::uint16_t> after;
-  std::string condition;  ///< in words, with the value that decided if that is known; empty: it has none
+  std::string condition;   ///< in words, with the value that decided if that is known; empty: it has none
+  std::string moved_from;  ///< the robot that had it before; empty: it was never moved
   static constexpr auto fields() {
     return std::tuple{field("id", &TaskView::id, 64),
                       field("robot", &TaskView::robot, 64),
@@ -290,7 +313,25 @@ struct TaskView {
                       field("ended", &TaskView::ended),
                       field("duration_s", &TaskView::duration_s),
                       field("after", &TaskView::after, kMaxTasks),
-                      field("condition", &TaskView::condition, 512)};
+                      field("condition", &TaskView::condition, 512),
+                      field("moved_from", &TaskView::moved_from, 64)};
+  }
+};
+
+/// A decision, without what proves it.
+struct DecisionView {
+  std::uint32_t epoch = 2;
+  std::string by;
+  std::string alert;
+  std::string person;  ///< empty: the policy
+  std::string reason;
+  std::int64_t time = 0;
+  std::vector<TaskRuling> tasks;
+  static constexpr auto fields() {
+    return std::tuple{field("epoch", &DecisionView::epoch),           field("by", &DecisionView::by, 64),
+                      field("alert", &DecisionView::alert, 64),       field("person", &DecisionView::person, 64),
+                      field("reason", &DecisionView::reason, 1024),   field("time", &DecisionView::time),
+                      field("tasks", &DecisionView::tasks, kMaxTasks)};
   }
 };
 
@@ -306,12 +347,22 @@ struct RunView {
   std::int64_t created = 0;
   std::int64_t expires = 0;
   std::vector<TaskView> tasks;
+  std::vector<DecisionView> decisions;
+  std::uint32_t pause_number = 0;  ///< of the pause order that counts; 0: there was none
+  std::string paused_by;           ///< empty: it is not held
   static constexpr auto fields() {
-    return std::tuple{field("run", &RunView::run, 64),           field("name", &RunView::name, 64),
-                      field("state", &RunView::state),           field("waits_for", &RunView::waits_for, 1024),
-                      field("epoch", &RunView::epoch),           field("submitter", &RunView::submitter, 64),
-                      field("created", &RunView::created),       field("expires", &RunView::expires),
-                      field("tasks", &RunView::tasks, kMaxTasks)};
+    return std::tuple{field("run", &RunView::run, 64),
+                      field("name", &RunView::name, 64),
+                      field("state", &RunView::state),
+                      field("waits_for", &RunView::waits_for, 1024),
+                      field("epoch", &RunView::epoch),
+                      field("submitter", &RunView::submitter, 64),
+                      field("created", &RunView::created),
+                      field("expires", &RunView::expires),
+                      field("tasks", &RunView::tasks, kMaxTasks),
+                      field("decisions", &RunView::decisions, 64),
+                      field("pause_number", &RunView::pause_number),
+                      field("paused_by", &RunView::paused_by, 64)};
   }
 };
 
@@ -334,6 +385,8 @@ struct RunSummary {
   std::int64_t created = 0;
   std::uint32_t tasks = 0;
   std::uint32_t tasks_final = 0;
+  std::uint32_t epoch = 1;
+  std::uint64_t version = 0;  ///< rises with every change that this scheduler has seen since its start
   static constexpr auto fields() {
     return std::tuple{field("run", &RunSummary::run, 64),
                       field("name", &RunSummary::name, 64),
@@ -341,8 +394,25 @@ struct RunSummary {
                       field("waits_for", &RunSummary::waits_for, 1024),
                       field("created", &RunSummary::created),
                       field("tasks", &RunSummary::tasks),
-                      field("tasks_final", &RunSummary::tasks_final)};
+                      field("tasks_final", &RunSummary::tasks_final),
+                      field("epoch", &RunSummary::epoch),
+                      field("version", &RunSummary::version)};
   }
+};
+
+/// Asks a scheduler to tell of its runs (request): answered by RunTable at once, then, for `lease_s`, by RunChanged
+/// with the same `reply_to` at each change.
+struct RunWatch {
+  static constexpr std::string_view kSubtype = "run_watch";
+  double lease_s = 10;
+  static constexpr auto fields() { return std::tuple{field("lease_s", &RunWatch::lease_s)}; }
+};
+
+/// A run has changed since the last word of it (information, may be lost: the next RunTable has it).
+struct RunChanged {
+  static constexpr std::string_view kSubtype = "run_changed";
+  RunSummary run;
+  static constexpr auto fields() { return std::tuple{field("run", &RunChanged::run)}; }
 };
 
 struct RunTable {

@@ -91,28 +91,29 @@ TEST_CASE("the start of a run") {
   RunStart start{"r", {"d"}, {"s", "t", {}}, {2, {"ur3"}}, {{"ur3", kRecord}}, {"ur3"}, "cloud", 5, -6};
   start.scenario.tasks.push_back({"a", "ur3", {"grab"}, "go_to", "{}", {0, 300}, 1.0, true, {}});
   start.scenario.tasks[0].when = {{"t", "c", "7", Comparison::at_most, false, 20, "", "degC"}};
-  CHECK(to_hex(encode(start)) == std::string("99"
-                                             "a172"
-                                             "c40164"
-                                             "93a173a174"
-                                             "9199"
-                                             "a161"
-                                             "a3757233"
-                                             "91a467726162"
-                                             "a5676f5f746f"
-                                             "a27b7d"
-                                             "9200cd012c"
-                                             "cb3ff0000000000000"
-                                             "c3"
-                                             "9198a174a163a13701c2cb4034000000000000a0a464656743"
-                                             "9202"
-                                             "91a3757233"
-                                             "9192a3757233") +
-                                     kRecordHex +
-                                     "91a3757233"
-                                     "a5636c6f7564"
-                                     "05"
-                                     "fa");
+  CHECK(to_hex(encode(start)) ==
+        std::string("99"
+                    "a172"
+                    "c40164"
+                    "93a173a174"
+                    "919d"
+                    "a161"
+                    "a3757233"
+                    "91a467726162"
+                    "a5676f5f746f"
+                    "a27b7d"
+                    "9200cd012c"
+                    "cb3ff0000000000000"
+                    "c3"
+                    "9198a174a163a13701c2cb4034000000000000a0a46465674300cb3ff00000000000000090"
+                    "9202"
+                    "91a3757233"
+                    "9192a3757233") +
+            kRecordHex +
+            "91a3757233"
+            "a5636c6f7564"
+            "05"
+            "fa");
 }
 
 TEST_CASE("a baton and a task's result") {
@@ -145,11 +146,48 @@ TEST_CASE("a choice keeps the reading that decided") {
   CHECK(to_hex(encode(JournalChoice{kRecord})) == std::string("91") + kRecordHex);
 }
 
+TEST_CASE("a decision says what becomes of each task, and by what right") {
+  const Decision decision{
+      "r", {"d"}, 2,     {"p"}, "cloud", {{"go", Ruling::move, "p1", 2, Evidence::word}}, {{"p1", kRecord}},
+      "a", "Ann", "why", 7};
+  CHECK(to_hex(encode(decision)) == std::string("9ba172c4016402c40170a5636c6f7564"
+                                                "9195a2676f00a270310201"
+                                                "9192a27031") +
+                                        kRecordHex + "a161a3416e6ea3776879" + "07");
+  CHECK(to_hex(encode(RunDecision{kRecord})) == std::string("91") + kRecordHex);
+  CHECK(to_hex(encode(DecisionJournaled{"r", 3})) == "92a17203");
+  CHECK(to_hex(encode(ReleaseTasks{"r", 1, {3, 6}})) == "93a17201920306");
+  CHECK(to_hex(encode(PauseOrder{"r", 2, true, "cloud", "why", 7})) == "96a17202c3a5636c6f7564a377687907");
+  CHECK(to_hex(encode(JournalDecision{kRecord, true})) == std::string("92") + kRecordHex + "c3");
+}
+
+TEST_CASE("alerts and what is decided on them") {
+  const Proposal proposal{"p1", {{"go", "p1"}}, 0.5, {{"battery", 80, "%", 0.25, 0.125}}, "n"};
+  Alert alert;
+  std::tie(alert.id, alert.run, alert.name, alert.robot, alert.capability) = std::tuple("a", "r", "n", "ur3", "grab");
+  std::tie(alert.severity, alert.cause, alert.text, alert.time) = std::tuple(Severity::fatal, "robot_fault", "t", 7);
+  alert.tasks = {"go"};
+  alert.proposals = {proposal};
+  CHECK(to_hex(encode(alert)) ==
+        "dc0015a161a172a16ea3757233a46772616203ab726f626f745f6661756c74a17491a2676f070000"
+        "91"
+        "95a2703191"
+        "92a2676fa27031"
+        "cb3fe0000000000000"
+        "9195a762617474657279cb4054000000000000a125cb3fd0000000000000cb3fc0000000000000"
+        "a16e"
+        "90a0c200a0a000a0");
+  CHECK(to_hex(encode(AlertDecide{"a", Verdict::override_, "p1", "Ann", "why", true})) ==
+        "96a16102a27031a3416e6ea3776879c3");
+  CHECK(to_hex(encode(AlertListRequest{true})) == "91c3");
+  CHECK(to_hex(encode(RunWatch{10})) == "91cb4024000000000000");
+}
+
 TEST_CASE("bodies of link and bus") {
   CHECK(to_hex(encode(KeepAlive{300})) == "91cd012c");
   CHECK(to_hex(encode(Goodbye{"x"})) == "91a178");
   CHECK(to_hex(encode(HelloWanted{})) == "90");
-  CHECK(to_hex(encode(ServiceHello{"s", {"a"}, 1, 2, "v"})) == "95a17391a1610102a176");
+  CHECK(to_hex(encode(ServiceHello{"s", {"a"}, 1, 2, "v", {"h"}})) == "96a17391a1610102a17691a168");
   CHECK(to_hex(encode(ServiceWelcome{"n", "robot", 3, 4, 5})) == "95a16ea5726f626f74030405");
   CHECK(to_hex(encode(Hello{kRecord, 1, "h:1", "v", 2, false, {}, 3, "s", true, "l"})) ==
         std::string("9b") + kRecordHex +

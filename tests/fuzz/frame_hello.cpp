@@ -25,10 +25,10 @@ void from_member(RouterCore& core, BytesView frame) {
   if (!header) return;
   Effects effects;
   core.hear_frame(kLink, *header, frame, kNow, effects);
-  const Decision decision = core.route_peer(kLink, *header, kNow, effects);
-  if (decision.to == Decision::To::router) {
+  const Routing decision = core.route_peer(kLink, *header, kNow, effects);
+  if (decision.to == Routing::To::router) {
     core.on_link_message(kLink, Keys::get().bee.link.public_key, to_message(*header), header->sequence, kNow, effects);
-  } else if (decision.to == Decision::To::drop) {
+  } else if (decision.to == Routing::To::drop) {
     core.nack_peer(kLink, *header, decision.reason, effects);
   }
   const Bytes copy = encode_frame(to_message(*header));

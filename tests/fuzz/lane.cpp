@@ -25,11 +25,11 @@ void by_the_lane(const RouterCore& core, BytesView frame) {
   const auto header = decode_frame(frame);
   if (!header) return;
   Effects effects;
-  const Decision taken = core.route_lane(kLink, *header, effects);
-  require(taken.to == Decision::To::drop || taken.to == Decision::To::service, "a lane speaks to services alone");
+  const Routing taken = core.route_lane(kLink, *header, effects);
+  require(taken.to == Routing::To::drop || taken.to == Routing::To::service, "a lane speaks to services alone");
   for (const Effect& effect : effects.list)
     require(std::holds_alternative<Log>(effect), "nobody is told of what a lane has lost");
-  if (taken.to == Decision::To::drop) return require(!effects.counts.empty(), "what is dropped is counted");
+  if (taken.to == Routing::To::drop) return require(!effects.counts.empty(), "what is dropped is counted");
   require(is_lossy(*header), "only what may be lost");
   require(header->source == "bee" && (header->target == "ant" || header->target == "*"),
           "only its peer's, for this node");

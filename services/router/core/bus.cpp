@@ -147,6 +147,10 @@ Status RouterCore::may_sign_for(const Connection& from, const SignRequest& reque
     if (auto body = decode<RunStart>(request.payload.bytes)) maker = body->submitter;
   } else if (request.kind == kSignedRunAbort) {
     if (auto body = decode<AbortOrder>(request.payload.bytes)) maker = body->by;
+  } else if (request.kind == kSignedRunPause) {
+    if (auto body = decode<PauseOrder>(request.payload.bytes)) maker = body->by;
+  } else if (request.kind == kSignedDecision) {
+    if (auto body = decode<trb::Decision>(request.payload.bytes)) maker = body->by;
   } else {
     return fail(Errc::bad_value, "this version makes no records of the kind '" + request.kind + "'");
   }
@@ -204,9 +208,24 @@ Counters RouterCore::counters() const {
 }
 
 void RouterCore::tell_services(Body body, Effects& out) {
-  if (const auto taker = services_.by_subtype(subtype_of(body))) {
+  const std::string_view subtype = subtype_of(body);
+  if (const auto taker = services_.by_subtype(subtype)) {
     out.add(BusSend{*taker, to_service(config_.id, ++message_count_, 0, body)});
   }
+  for (const ConnectionId hearer : services_.hearers(subtype)) {
+    out.add(BusSend{hearer, to_service(config_.id, ++message_count_, 0, body)});
+  }
+}
+
+bool RouterCore::tell_hearers(const HeaderView& header, ConnectionId except, Effects& out) const {
+  if (header.type != MessageType::information || header.reply_to != 0) return false;
+  bool heard = false;
+  for (const ConnectionId hearer : services_.hearers(header.subtype)) {
+    if (hearer == except) continue;
+    out.add(BusSend{hearer, to_message(header)});
+    heard = true;
+  }
+  return heard;
 }
 
 }  // namespace trb::router

@@ -56,6 +56,12 @@ Bytes payload_of(std::string_view kind, const std::string& node) {
     choice.by = node;
     return encode(choice);
   }
+  if (kind == kSignedDecision) {
+    trb::Decision decision;
+    decision.by = node;
+    return encode(decision);
+  }
+  if (kind == kSignedRunPause) return encode(PauseOrder{"r", 1, true, node, "", 0});
   return encode(AbortOrder{"r", node, "", 0});
 }
 
@@ -85,6 +91,41 @@ TEST_CASE(
   CHECK(slot(1, 7) == first);
   CHECK(slot(2, 7) != first);
   CHECK(slot(1, 8) != first);
+}
+
+TEST_CASE("several services hear one information, whether or not somebody takes it") {
+  Bus bus;
+  const auto hear = [&](ConnectionId from, const std::string& service, std::vector<std::string> hears) {
+    Effects effects;
+    bus.ant.core->on_service_hello(from, {service, {}, 5, 100, "1", std::move(hears)}, service, bus.fleet.now, effects);
+    bus.fleet.carry_out(bus.ant, effects);
+    return bus.ant.bus.back().message.subtype;
+  };
+  const auto hearers = [&](const Message& message, ConnectionId except = 0) {
+    Effects effects;
+    const bool heard = bus.ant.core->tell_hearers(header_of(message), except, effects);
+    const std::size_t before = bus.ant.bus.size();
+    bus.fleet.carry_out(bus.ant, effects);
+    CHECK(heard == (bus.ant.bus.size() > before));
+    std::vector<ConnectionId> out;
+    for (std::size_t i = before; i < bus.ant.bus.size(); ++i) out.push_back(bus.ant.bus[i].to);
+    return out;
+  };
+  using Ids = std::vector<ConnectionId>;
+  CHECK(hear(1, "scheduler", {"robot_fault", "robot_fault"}) == "service_welcome");
+  CHECK(hear(2, "resilience", {"robot_fault", "peer_expired"}) == "service_welcome");
+  CHECK(hear(3, "mode-adapter", {"move"}) == "nack");
+  const Message fault = make_message(MessageType::information, "bee", "*", RobotFault{"grab", Severity::fatal, "x"});
+  CHECK(hearers(fault) == Ids{1, 2});
+  CHECK(hearers(fault, 1) == Ids{2});
+  Message command = fault;
+  command.type = MessageType::command;
+  CHECK(hearers(command).empty());
+  Message answer = fault;
+  answer.reply_to = 7;
+  CHECK(hearers(answer).empty());
+  bus.gone(2);
+  CHECK(hearers(fault) == Ids{1});
 }
 
 TEST_CASE("a service is who its socket or key proves, whatever it says, and a probe is none") {
@@ -124,7 +165,9 @@ TEST_CASE("each kind of record is signed for its one maker") {
     CHECK(asks(from, kSignedResult) == (from == 1 ? "signed_record" : "not_permitted"));
     CHECK(asks(from, kSignedChoice) == (from == 1 ? "signed_record" : "not_permitted"));
     CHECK(asks(from, kSignedRunStart) == (person ? "signed_record" : "not_permitted"));
-    CHECK(asks(from, kSignedRunAbort) == (person ? "signed_record" : "not_permitted"));
+    CHECK(asks(from, kSignedRunAbort) == (person || from == 1 || from == 3 ? "signed_record" : "not_permitted"));
+    CHECK(asks(from, kSignedRunPause) == (person ? "signed_record" : "not_permitted"));
+    CHECK(asks(from, kSignedDecision) == "not_permitted");  // it is no cloud node
     for (const auto kind : {kSignedCertificate, kSignedRequest, kSignedBeacon})
       CHECK(asks(from, kind) == "not_permitted");
   }

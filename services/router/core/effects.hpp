@@ -110,7 +110,7 @@ struct Relaying {
 };
 
 /// Where a message goes; `relay`: wrap it with RouterCore::relay_out; `lane`: only from RouterCore::by_lane.
-struct Decision {
+struct Routing {
   enum class To : unsigned char { drop, service, peer, relay, every_peer, router, lane } to = To::drop;
   ConnectionId connection = 0;
   LinkId link = 0;

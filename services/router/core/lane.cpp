@@ -9,7 +9,7 @@
 namespace trb::router {
 namespace {
 
-Decision drop(Errc reason) {
+Routing drop(Errc reason) {
   return {.reason = reason};
 }
 
@@ -65,7 +65,7 @@ void RouterCore::on_lane_ended(LinkId id, LinkEnd how, Now now, Effects& out) {
   lane.dial_at = now.mono + lane.wait;
 }
 
-Decision RouterCore::route_lane(LinkId id, const HeaderView& header, Effects& out) const {
+Routing RouterCore::route_lane(LinkId id, const HeaderView& header, Effects& out) const {
   const Link* link = find_link(id);
   if (link == nullptr || !link->up) return drop(Errc::unknown_peer_key);
   const auto refuse = [&](Errc reason, std::string_view name) {
@@ -81,9 +81,9 @@ Decision RouterCore::route_lane(LinkId id, const HeaderView& header, Effects& ou
   // The words of a link have no meaning here, nor what a node keeps to itself.
   if (!may_send_out(peers_.at(link->peer).certificate.role, header.subtype))
     return refuse(Errc::not_permitted, "not_permitted");
-  const Decision own = header.remaining_ms == 0 ? drop(Errc::expired) : route_to_self(header);
-  if (own.to == Decision::To::router) return refuse(Errc::not_permitted, "not_permitted");
-  if (own.to == Decision::To::drop) out.count("dropped." + std::string(errc_name(own.reason)));
+  const Routing own = header.remaining_ms == 0 ? drop(Errc::expired) : route_to_self(header);
+  if (own.to == Routing::To::router) return refuse(Errc::not_permitted, "not_permitted");
+  if (own.to == Routing::To::drop) out.count("dropped." + std::string(errc_name(own.reason)));
   return own;
 }
 
@@ -133,20 +133,20 @@ void RouterCore::bar_from_lane(BytesView key, Effects& out) {
           link->peer + " said something to the lane, which is for listening: kept out of it until its link has ended");
 }
 
-Decision RouterCore::by_lane(std::string_view to, std::size_t size, Now now) {
+Routing RouterCore::by_lane(std::string_view to, std::size_t size, Now now) {
   const auto at = peers_.find(to);
   if (at == peers_.end()) return drop(Errc::unknown_target);
   Peer& peer = at->second;
   const Link* link = find_link(peer.link);
-  if (link != nullptr && link->lane.listens) return {.to = Decision::To::lane, .link = link->id};
+  if (link != nullptr && link->lane.listens) return {.to = Routing::To::lane, .link = link->id};
   const Link* relay = link == nullptr ? relay_of(peer) : nullptr;
   if (link == nullptr && relay == nullptr) return drop(Errc::peer_unreachable);
   if (!peer.spare.take(size, now.mono)) {
     count("dropped.no_lane");
     return drop(Errc::queue_full);
   }
-  if (link != nullptr) return {.to = Decision::To::peer, .link = link->id};
-  return {.to = Decision::To::relay, .link = relay->id};
+  if (link != nullptr) return {.to = Routing::To::peer, .link = link->id};
+  return {.to = Routing::To::relay, .link = relay->id};
 }
 
 }  // namespace trb::router

@@ -6,7 +6,7 @@
 using namespace trb;
 using namespace trb::router;
 using Seconds = std::chrono::seconds;
-using To = Decision::To;
+using To = Routing::To;
 
 namespace {
 
@@ -33,9 +33,9 @@ struct Stream {
     return message;
   }
   /// What bee makes of a message that came by ant's lane.
-  Decision come(const Message& message) {
+  Routing come(const Message& message) {
     Effects effects;
-    const Decision taken = bee.core->route_lane(bee.link_to("ant"), header_of(message), effects);
+    const Routing taken = bee.core->route_lane(bee.link_to("ant"), header_of(message), effects);
     fleet.carry_out(bee, effects);
     return taken;
   }
@@ -186,7 +186,7 @@ TEST_CASE("a stream to who is reached by a relay goes by it, and of a flood no m
   Message value = make_message(MessageType::information, "ant", "bee", SensorReading{});
   value.flags = kFlagLossy;
   for (int i = 0; i < 100; ++i) {
-    const Decision way = fleet.stream("ant", value);
+    const Routing way = fleet.stream("ant", value);
     CHECK(way.to == (i < 20 ? To::relay : To::drop));
     CHECK(way.link == (i < 20 ? ant.link_to("cloud") : 0));
   }

@@ -266,12 +266,15 @@ void RouterCore::take_relayed(Link& link, const Peer& source, const RelayedFrame
   if (header->target != config_.id && header->target != kEveryNode)
     return refuse_relayed(link, "wrong_target", "the message is for '" + std::string(header->target) + "'", out);
   out.count("relayed.received");
-  const Decision decision = route_relayed(*header, source.certificate, out);
+  const Routing decision = route_relayed(*header, source.certificate, out);
   Message message = to_message(*header);
-  if (decision.to == Decision::To::service) {
+  const bool heard = tell_hearers(*header, 0, out);
+  if (decision.to == Routing::To::service) {
     out.add(BusSend{decision.connection, std::move(message)});
-  } else if (decision.to == Decision::To::router) {
+  } else if (decision.to == Routing::To::router) {
     answer_relayed(source.id, message, now, out);
+  } else if (heard && decision.reason == Errc::no_service) {
+    return;
   } else if (auto nack = nack_relayed(*header, decision.reason, out)) {
     send_relayed(source.id, *nack, now, out);
   }

@@ -56,13 +56,13 @@ struct Triangle {
     });
     message.id = std::uint64_t{decode<ServiceWelcome>(welcome->message.data)->slot} << 48U | number;
     message.data = std::to_string(number);
-    const Decision decision = node.core->route_local(1, header_of(message));
+    const Routing decision = node.core->route_local(1, header_of(message));
     Effects effects;
-    if (decision.to == Decision::To::relay) {
+    if (decision.to == Routing::To::relay) {
       auto relaying = node.core->relay_out(to, encode_frame(message), message.remaining_ms, fleet.now_of(node));
       REQUIRE(relaying.ok());
       effects.add(LinkSend{relaying->link, relaying->message});
-    } else if (decision.to == Decision::To::peer) {
+    } else if (decision.to == Routing::To::peer) {
       effects.add(LinkSend{decision.link, message});
     }
     fleet.carry_out(node, effects);

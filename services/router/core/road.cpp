@@ -35,7 +35,7 @@ bool contains(const std::string_view (&words)[N], std::string_view word) {
   return std::binary_search(std::begin(words), std::end(words), word);
 }
 
-Decision drop(Errc reason) {
+Routing drop(Errc reason) {
   return {.reason = reason};
 }
 
@@ -63,7 +63,7 @@ std::string_view cure_of(Errc reason) {
 
 }  // namespace
 
-Decision RouterCore::route_local(ConnectionId from, const HeaderView& header) {
+Routing RouterCore::route_local(ConnectionId from, const HeaderView& header) {
   const Connection* connection = services_.find(from);
   if (connection == nullptr) return drop(Errc::no_service);
   if (header.source != config_.id) return drop(Errc::source_mismatch);
@@ -72,25 +72,25 @@ Decision RouterCore::route_local(ConnectionId from, const HeaderView& header) {
   if (header.target == config_.id) {
     const ServiceHello& by = connection->hello;
     if (!may_say(by.service, connection->probe, header.subtype)) return drop(Errc::not_permitted);
-    const Decision own = route_to_self(header);
+    const Routing own = route_to_self(header);
     // What a robot says to its own node and nobody takes must not come back to it as fields.
-    const bool echo = own.to == Decision::To::service && own.connection == from && header.reply_to == 0;
+    const bool echo = own.to == Routing::To::service && own.connection == from && header.reply_to == 0;
     return echo ? drop(Errc::no_service) : own;
   }
   if (!may_send_out(config_.role, header.subtype)) return drop(Errc::not_permitted);
   if (header.target == kEveryNode) {
     const bool good = header.type == MessageType::information;
-    return good ? Decision{.to = Decision::To::every_peer} : drop(Errc::bad_value);
+    return good ? Routing{.to = Routing::To::every_peer} : drop(Errc::bad_value);
   }
   const auto peer = peers_.find(header.target);
   if (peer == peers_.end()) return drop(Errc::unknown_target);
   if (const Link* relay = peer->second.link == 0 ? relay_of(peer->second) : nullptr)
-    return {.to = Decision::To::relay, .link = relay->id};
+    return {.to = Routing::To::relay, .link = relay->id};
   if (peer->second.link == 0) return drop(peer->second.expired ? Errc::peer_expired : Errc::peer_unreachable);
-  return {.to = Decision::To::peer, .link = peer->second.link};
+  return {.to = Routing::To::peer, .link = peer->second.link};
 }
 
-Decision RouterCore::route_peer(LinkId id, const HeaderView& header, Now now, Effects& out) {
+Routing RouterCore::route_peer(LinkId id, const HeaderView& header, Now now, Effects& out) {
   const auto at = links_.find(id);
   if (at == links_.end()) return drop(Errc::unknown_peer_key);
   Link& link = at->second;
@@ -103,7 +103,7 @@ Decision RouterCore::route_peer(LinkId id, const HeaderView& header, Now now, Ef
   }
   link.heard = header.sequence;
   link.last_heard = now.mono;
-  if (!link.up) return {.to = Decision::To::router};
+  if (!link.up) return {.to = Routing::To::router};
   if (header.source != link.peer) {
     out.log(LogLevel::warning, "source_mismatch",
             "link of " + link.peer + " carried source " + std::string(header.source));
@@ -125,7 +125,7 @@ Decision RouterCore::route_peer(LinkId id, const HeaderView& header, Now now, Ef
 }
 
 /// The words of a link have no meaning by a relay; what one node keeps to itself stays there by any road.
-Decision RouterCore::route_relayed(const HeaderView& header, const Certificate& source, Effects& out) const {
+Routing RouterCore::route_relayed(const HeaderView& header, const Certificate& source, Effects& out) const {
   if (!may_send_out(source.role, header.subtype)) {
     out.log(LogLevel::warning, "not_permitted",
             source.id + ", a " + std::string(name_of(source.role)) + ", sent " + std::string(header.subtype) +
@@ -136,15 +136,15 @@ Decision RouterCore::route_relayed(const HeaderView& header, const Certificate& 
   return route_to_self(header);
 }
 
-Decision RouterCore::route_to_self(const HeaderView& header) const {
+Routing RouterCore::route_to_self(const HeaderView& header) const {
   const auto to_service = [](std::optional<ConnectionId> connection) {
     if (!connection) return drop(Errc::no_service);
-    return Decision{.to = Decision::To::service, .connection = *connection};
+    return Routing{.to = Routing::To::service, .connection = *connection};
   };
   // Only information answers: else a peer could bring a command past the claims, straight to a service of its choice.
   if (header.reply_to != 0 && header.type != MessageType::information) return drop(Errc::bad_value);
   if (header.reply_to != 0) return to_service(services_.by_slot(static_cast<std::uint16_t>(header.reply_to >> 48U)));
-  if (contains(kOwnSubtypes, header.subtype)) return {.to = Decision::To::router};
+  if (contains(kOwnSubtypes, header.subtype)) return {.to = Routing::To::router};
   if (const auto claimed = services_.by_subtype(header.subtype)) return to_service(claimed);
   if (is_typed(header.subtype)) return drop(Errc::no_service);
   // Who asks for a plugged sensor by its name means its value; commands of that name are the robot's.

@@ -6,7 +6,7 @@
 using namespace trb;
 using namespace trb::router;
 using Seconds = std::chrono::seconds;
-using To = Decision::To;
+using To = Routing::To;
 
 namespace {
 
@@ -41,8 +41,8 @@ struct Pair {
   Message remote(const std::string& subtype, MessageType type = MessageType::command) const {
     return {.type = type, .subtype = subtype, .source = "bee", .target = "ant", .id = 9, .data = {}};
   }
-  Decision route(const Message& message) { return ant.core->route_local(1, header_of(message)); }
-  Decision come(const Message& message) {
+  Routing route(const Message& message) { return ant.core->route_local(1, header_of(message)); }
+  Routing come(const Message& message) {
     const LinkId link = ant.link_to("bee");
     return fleet.arrive(ant, link, ant.core->find_link(link)->heard + 1, message);
   }

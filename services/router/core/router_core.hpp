@@ -39,10 +39,10 @@ class RouterCore {
   // ---- the road of a message: decided on its header alone, nothing is copied
 
   /// A message of a service or probe. Refused (drop) with a reason; the caller Nacks.
-  Decision route_local(ConnectionId from, const HeaderView& header);
+  Routing route_local(ConnectionId from, const HeaderView& header);
   /// A message that came by a link; that it came on that link's own connection is proven by the shell (socket, or
   /// routing id and User-Id). The sequence and the source are checked here.
-  Decision route_peer(LinkId link, const HeaderView& header, Now now, Effects& out);
+  Routing route_peer(LinkId link, const HeaderView& header, Now now, Effects& out);
   /// Numbers a frame that is about to leave by a link and takes it into the link's running hash. False: no such link.
   /// take_back() if it did not leave.
   bool stamp(LinkId link, char* frame, std::size_t size);
@@ -92,7 +92,7 @@ class RouterCore {
   void set_lane(const std::string& address) { config_.lane = address; }
   /// How lossy information leaves for a peer: by the lane if it listens there; else as other messages do, while that is
   /// little; else it is dropped and counted.
-  Decision by_lane(std::string_view to, std::size_t size, Now now);
+  Routing by_lane(std::string_view to, std::size_t size, Now now);
   /// ZAP: only peers with a link that is up may listen.
   bool admit_to_lane(BytesView key, Effects& out);
   /// A connection of this key wants to hear `topic`. Its link; nothing: refused, and to be cut.
@@ -103,7 +103,7 @@ class RouterCore {
   void on_lane_connected(LinkId link, Now now);
   void on_lane_ended(LinkId link, LinkEnd how, Now now, Effects& out);
   /// What came by the lane that was dialled for this link: only to a service, or dropped and counted here.
-  Decision route_lane(LinkId link, const HeaderView& header, Effects& out) const;
+  Routing route_lane(LinkId link, const HeaderView& header, Effects& out) const;
 
   // ---- seals
 
@@ -146,11 +146,14 @@ class RouterCore {
   /// Raises a counter; the shell calls it for Effects::counts.
   void count(std::string_view name, std::uint64_t by = 1);
 
+  /// Copies for those of the node's services that want to hear of it, but for `except`; true if there is one.
+  bool tell_hearers(const HeaderView& header, ConnectionId except, Effects& out) const;
+
  private:
   // road.cpp
-  [[nodiscard]] Decision route_relayed(const HeaderView& header, const Certificate& source, Effects& out) const;
+  [[nodiscard]] Routing route_relayed(const HeaderView& header, const Certificate& source, Effects& out) const;
   std::optional<Message> nack_relayed(const HeaderView& header, Errc reason, Effects& out);
-  [[nodiscard]] Decision route_to_self(const HeaderView& header) const;
+  [[nodiscard]] Routing route_to_self(const HeaderView& header) const;
   [[nodiscard]] Message make_nack(const HeaderView& header, Errc reason) const;
 
   // bus.cpp

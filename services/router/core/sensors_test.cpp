@@ -58,7 +58,7 @@ struct Hall {
   [[nodiscard]] const NodeProfile& profile() const { return bee.peer("ant")->profile; }
   [[nodiscard]] bool bee_knows_none() const { return profile().plugged.empty() && profile().sensors.empty(); }
   /// Where a message of bee's goes to at ant.
-  Decision come(const std::string& subtype, MessageType type) {
+  Routing come(const std::string& subtype, MessageType type) {
     const LinkId link = ant.link_to("bee");
     const Message message{.type = type, .subtype = subtype, .source = "bee", .target = "ant", .id = 9, .data = {}};
     return fleet.arrive(ant, link, ant.core->find_link(link)->heard + 1, message);

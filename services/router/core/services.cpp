@@ -1,6 +1,9 @@
 #include "services/router/core/services.hpp"
 
+#include <set>
+
 #include "common/base/ids.hpp"
+#include "proto/body.hpp"
 #include "services/router/core/config.hpp"
 
 namespace trb::router {
@@ -23,12 +26,19 @@ Result<std::uint16_t> Services::welcome(ConnectionId connection, const ServiceHe
         return fail(Errc::already_claimed, "subtype '" + subtype + "' is taken by another service");
     }
   }
+  for (const std::string& subtype : hello.hears) {
+    if (!probe && !is_typed(subtype))
+      return fail(Errc::bad_value, "hears: '" + subtype + "' is no word of the middleware");
+  }
   const std::uint16_t slot = kept != 0 ? kept : free_slot();
   connections_[connection] = {hello, probe, slot, now, now};
   slots_[slot] = connection;
   if (!probe) {
     services_[hello.service] = connection;
     for (const std::string& subtype : hello.subtypes) subtypes_[subtype] = connection;
+    for (const std::string& subtype : std::set<std::string>(hello.hears.begin(), hello.hears.end())) {
+      hearers_[subtype].push_back(connection);
+    }
   }
   return slot;
 }
@@ -45,6 +55,8 @@ void Services::forget(ConnectionId connection) {
   if (at == connections_.end()) return;
   slots_.erase(at->second.slot);
   std::erase_if(subtypes_, [&](const auto& row) { return row.second == connection; });
+  for (auto& [subtype, connections] : hearers_) std::erase(connections, connection);
+  std::erase_if(hearers_, [](const auto& row) { return row.second.empty(); });
   std::erase_if(services_, [&](const auto& row) { return row.second == connection; });
   connections_.erase(at);
 }
@@ -66,6 +78,13 @@ std::optional<ConnectionId> Services::holder(std::string_view service) const {
 std::optional<ConnectionId> Services::by_subtype(std::string_view subtype) const {
   const auto at = subtypes_.find(subtype);
   return at == subtypes_.end() ? std::nullopt : std::optional(at->second);
+}
+
+const std::vector<ConnectionId>& Services::hearers(std::string_view subtype) const {
+  static const std::vector<ConnectionId> kNobody;
+  if (hearers_.empty()) return kNobody;
+  const auto at = hearers_.find(subtype);
+  return at == hearers_.end() ? kNobody : at->second;
 }
 
 std::optional<ConnectionId> Services::by_slot(std::uint16_t slot) const {

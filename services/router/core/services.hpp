@@ -32,6 +32,8 @@ class Services {
   [[nodiscard]] const Connection* find(ConnectionId connection) const;
   [[nodiscard]] std::optional<ConnectionId> holder(std::string_view service) const;
   [[nodiscard]] std::optional<ConnectionId> by_subtype(std::string_view subtype) const;
+  /// Those that want a copy of information of that subtype.
+  [[nodiscard]] const std::vector<ConnectionId>& hearers(std::string_view subtype) const;
   [[nodiscard]] std::optional<ConnectionId> by_slot(std::uint16_t slot) const;
   [[nodiscard]] const std::map<ConnectionId, Connection>& all() const { return connections_; }
 
@@ -40,6 +42,7 @@ class Services {
 
   std::map<ConnectionId, Connection> connections_;
   std::map<std::string, ConnectionId, std::less<>> subtypes_;
+  std::map<std::string, std::vector<ConnectionId>, std::less<>> hearers_;
   std::map<std::string, ConnectionId, std::less<>> services_;
   std::map<std::uint16_t, ConnectionId> slots_;
   std::uint16_t next_slot_;

@@ -233,27 +233,27 @@ void TestFleet::close_lanes(const TestNode& node, LinkId link) {
   }
 }
 
-Decision TestFleet::stream(const std::string& from, const Message& message) {
+Routing TestFleet::stream(const std::string& from, const Message& message) {
   TestNode& node = at(from);
-  const Decision way = node.core->by_lane(message.target, encode_frame(message).size(), now_of(node));
-  if (way.to == Decision::To::peer) send(node, way.link, message);
-  if (way.to != Decision::To::lane) return way;
+  const Routing way = node.core->by_lane(message.target, encode_frame(message).size(), now_of(node));
+  if (way.to == Routing::To::peer) send(node, way.link, message);
+  if (way.to != Routing::To::lane) return way;
   for (const auto& [listener, speaker] : lanes_) {
     if (speaker != from || listener.first != message.target) continue;
     TestNode& there = at(listener.first);
     Effects effects;
-    const Decision taken = there.core->route_lane(listener.second, header_of(message), effects);
-    if (taken.to == Decision::To::service) there.delivered.push_back(message);
+    const Routing taken = there.core->route_lane(listener.second, header_of(message), effects);
+    if (taken.to == Routing::To::service) there.delivered.push_back(message);
     carry_out(there, effects);
   }
   return way;
 }
 
-Decision TestFleet::arrive(TestNode& node, LinkId link, std::uint64_t sequence, const Message& message) {
+Routing TestFleet::arrive(TestNode& node, LinkId link, std::uint64_t sequence, const Message& message) {
   Effects effects;
   const HeaderView header = header_of(message, sequence);
   const Bytes frame = frame_of(link, sequence, message);
-  const Decision decision = node.core->route_peer(link, header, now_of(node), effects);
+  const Routing decision = node.core->route_peer(link, header, now_of(node), effects);
   const Link* known = node.core->find_link(link);
   const bool was_up = known != nullptr && known->up;
   if (was_up) node.core->hear_frame(link, header, frame, now_of(node), effects);
@@ -261,14 +261,14 @@ Decision TestFleet::arrive(TestNode& node, LinkId link, std::uint64_t sequence, 
     carry_out(node, effects);
     return decision;
   }
-  if (decision.to == Decision::To::router) {
+  if (decision.to == Routing::To::router) {
     node.core->on_link_message(link, known == nullptr ? Bytes() : known->key, message, sequence, now_of(node), effects);
     if (!was_up) node.core->hear_frame(link, header, frame, now_of(node), effects);
-  } else if (decision.to == Decision::To::service && node.core->holds(link)) {
+  } else if (decision.to == Routing::To::service && node.core->holds(link)) {
     held_[{node.id, link}].emplace_back(sequence, message);
-  } else if (decision.to == Decision::To::service) {
+  } else if (decision.to == Routing::To::service) {
     node.delivered.push_back(message);
-  } else if (decision.to == Decision::To::drop) {
+  } else if (decision.to == Routing::To::drop) {
     node.core->nack_peer(link, header, decision.reason, effects);
   }
   carry_out(node, effects);

@@ -118,7 +118,7 @@ class TestFleet {
   /// A service of this node says something to another node, through the road that the shell takes.
   void say(const std::string& from, const std::string& to, const std::string& word, const Bytes& data);
   /// Lossy information by whatever way its core chooses; returns that way. What the lane carries arrives at once.
-  Decision stream(const std::string& from, const Message& message);
+  Routing stream(const std::string& from, const Message& message);
   /// This node hears that one's lane.
   [[nodiscard]] bool hears(const std::string& listener, const std::string& speaker) const {
     return lanes_.count({listener, at_const(listener).link_to(speaker)}) != 0;
@@ -133,7 +133,7 @@ class TestFleet {
 
   void carry_out(TestNode& node, Effects& effects);
   /// Hands a message to a node as one that came by a link, through the road that the shell takes.
-  Decision arrive(TestNode& node, LinkId link, std::uint64_t sequence, const Message& message);
+  Routing arrive(TestNode& node, LinkId link, std::uint64_t sequence, const Message& message);
 
  private:
   struct Wire {
@@ -165,7 +165,7 @@ class TestFleet {
   std::map<std::string, std::string> places_;  ///< address -> id: at first each is at an address like its id
   std::map<LinkId, Wire> wires_;
   std::map<std::pair<std::string, LinkId>, std::string> lanes_;  ///< (who listens, by which link) -> to whom
-  std::set<std::pair<std::string, LinkId>> bound_;  ///< (node, link): accepted by its shell
+  std::set<std::pair<std::string, LinkId>> bound_;               ///< (node, link): accepted by its shell
   std::deque<Packet> packets_;
   std::deque<std::pair<std::string, Bytes>> beacons_;
   std::set<std::pair<std::string, std::string>> cuts_;

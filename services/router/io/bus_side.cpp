@@ -68,16 +68,16 @@ int RouterShell::on_bus_frame(BusSocket& bus, BytesView routing_id, Frame& frame
 }
 
 void RouterShell::route_bus_frame(ConnectionId from, const HeaderView& header, Frame& frame) {
-  const Decision decision = core_.route_local(from, header);
-  const bool leaves = decision.to == Decision::To::peer || decision.to == Decision::To::relay;
+  const Routing decision = core_.route_local(from, header);
+  const bool leaves = decision.to == Routing::To::peer || decision.to == Routing::To::relay;
   if (leaves && is_lossy(header)) return forward_lossy(from, header.target, header, std::move(frame));
   Effects effects;
   switch (decision.to) {
-    case Decision::To::peer:
+    case Routing::To::peer:
       return forward_to_link(from, decision.link, header, std::move(frame));
-    case Decision::To::relay:
+    case Routing::To::relay:
       return forward_by_relay(from, header.target, header, frame);
-    case Decision::To::service: {
+    case Routing::To::service: {
       tap('=', view_of(frame));
       const SendResult result = send_bus(decision.connection, std::move(frame));
       if (result == SendResult::sent) return;
@@ -85,14 +85,14 @@ void RouterShell::route_bus_frame(ConnectionId from, const HeaderView& header, F
       core_.nack_local(from, header, why_undelivered(result), effects);
       break;
     }
-    case Decision::To::every_peer:
+    case Routing::To::every_peer:
       if (is_lossy(header)) return forward_lossy_to_all(from, header, frame);
       return forward_to_all(from, frame, header);
-    case Decision::To::router:
+    case Routing::To::router:
       core_.on_bus_message(from, to_message(header), read_clocks(), effects);
       break;
-    case Decision::To::lane:  // by_lane() alone says so
-    case Decision::To::drop:
+    case Routing::To::lane:  // by_lane() alone says so
+    case Routing::To::drop:
       core_.nack_local(from, header, decision.reason, effects);
       break;
   }

@@ -24,10 +24,10 @@ void RouterShell::open_lane() {
 
 void RouterShell::forward_lossy(ConnectionId from, std::string_view to, const HeaderView& header, Frame&& frame) {
   const Now now = read_clocks();
-  const Decision way = core_.by_lane(to, frame.size(), now);
-  if (way.to == Decision::To::peer) return forward_to_link(from, way.link, header, std::move(frame));
-  if (way.to == Decision::To::relay) return forward_by_relay(from, to, header, frame);
-  if (way.to != Decision::To::lane) return;
+  const Routing way = core_.by_lane(to, frame.size(), now);
+  if (way.to == Routing::To::peer) return forward_to_link(from, way.link, header, std::move(frame));
+  if (way.to == Routing::To::relay) return forward_by_relay(from, to, header, frame);
+  if (way.to != Routing::To::lane) return;
   tap('>', view_of(frame));
   const SendResult result = lane_->publish(way.link, topic_of(to), std::move(frame), now.mono);
   core_.count(result == SendResult::sent ? "lane.sent" : "dropped.lane_full");
@@ -97,8 +97,8 @@ void RouterShell::on_lane_frame(LinkId link, Frame& frame) {
   const auto header = decode_frame(view_of(frame));
   if (!header) return core_.count("refused.lane_malformed");
   Effects effects;
-  const Decision decision = core_.route_lane(link, *header, effects);
-  if (decision.to == Decision::To::service) {
+  const Routing decision = core_.route_lane(link, *header, effects);
+  if (decision.to == Routing::To::service) {
     tap('<', view_of(frame));
     const SendResult result = send_bus(decision.connection, std::move(frame));
     const Errc why = why_undelivered(result);

@@ -89,24 +89,26 @@ void RouterShell::on_inbox_frame(BytesView routing_id, Frame& frame) {
 void RouterShell::on_link_frame(LinkId link, BytesView key, const HeaderView& header, Frame& frame) {
   Effects effects;
   const Now now = read_clocks();
-  const Decision decision = core_.route_peer(link, header, now, effects);
+  const Routing decision = core_.route_peer(link, header, now, effects);
   const Link* known = core_.find_link(link);
   const bool was_up = known != nullptr && known->up;
   if (was_up && !hear(link, header, view_of(frame), now, effects)) return carry_out(effects);
-  if (decision.to != Decision::To::drop) tap('<', view_of(frame));
+  const bool open = decision.to == Routing::To::service || decision.reason == Errc::no_service;
+  const bool heard = open && core_.tell_hearers(header, 0, effects);
+  if (decision.to != Routing::To::drop || heard) tap('<', view_of(frame));
   switch (decision.to) {
-    case Decision::To::service: {
+    case Routing::To::service: {
       const SendResult result = deliver(link, header.sequence, decision.connection, std::move(frame));
       if (result != SendResult::sent) core_.nack_peer(link, header, why_undelivered(result), effects);
       break;
     }
-    case Decision::To::router:
+    case Routing::To::router:
       core_.on_link_message(link, key, to_message(header), header.sequence, now, effects);
       if (!was_up) hear(link, header, view_of(frame), now, effects);
       if (header.subtype == Seal::kSubtype) keep_proof(link);
       break;
     default:
-      core_.nack_peer(link, header, decision.reason, effects);
+      if (!heard) core_.nack_peer(link, header, decision.reason, effects);
       break;
   }
   if (!effects.list.empty() || !effects.counts.empty()) carry_out(effects);
@@ -228,6 +230,8 @@ void RouterShell::forward_to_link(ConnectionId from, LinkId link, const HeaderVi
 }
 
 void RouterShell::forward_to_all(ConnectionId from, Frame& frame, const HeaderView& header) {
+  Effects effects;
+  if (core_.tell_hearers(header, from, effects)) carry_out(effects);
   for (const std::string& peer : core_.relayed_peers()) forward_by_relay(from, peer, header, frame);
   for (const LinkId link : core_.up_links()) {
     tap('>', view_of(frame));

@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include "common/scenario/run_start.hpp"
-#include "common/security/rights.hpp"
 #include "proto/body.hpp"
 
 namespace trb::scheduler {
@@ -61,7 +60,7 @@ Status Run::open_members(const FleetAuthority& authority) {
     members_.emplace(member.id, std::move(*certificate));
   }
   for (std::size_t i = 0; i < tasks().size(); ++i) {
-    if (may_sign(members_.at(start_.first.robots[i]).role, kSignedResult)) continue;
+    if (members_.at(start_.first.robots[i]).role == Role::robot) continue;
     return fail(Errc::bad_value, "task '" + tasks()[i].id + "' is assigned to '" + start_.first.robots[i] +
                                      "', which is no robot's node");
   }

@@ -75,6 +75,7 @@ TaskState state_by_outcome(TaskOutcome outcome) {
     case TaskOutcome::interrupted:
       return TaskState::retriable;
     case TaskOutcome::none:
+    case TaskOutcome::released:
       break;
   }
   return TaskState::waiting;

@@ -19,8 +19,8 @@ constexpr Duration kGatherStates = seconds(1);
 
 std::vector<std::string> SensorBusCore::subtypes() {
   std::vector<std::string> out;
-  for (const std::string_view word : {SensorRead::kSubtype, SensorWatch::kSubtype, SensorSnapshot::kSubtype,
-                                      SensorListRequest::kSubtype, PeerExpired::kSubtype}) {
+  for (const std::string_view word :
+       {SensorRead::kSubtype, SensorWatch::kSubtype, SensorSnapshot::kSubtype, SensorListRequest::kSubtype}) {
     out.emplace_back(word);
   }
   return out;

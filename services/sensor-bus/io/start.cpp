@@ -29,7 +29,8 @@ int start(const std::string& node_dir) {
   const NodeCheck check = check_node_dir(node_dir, true);
   const NodeConfig& config = check.config;
   if (!faults_that_stop(check.faults).empty()) return complain("nothing started\n" + to_text(check.faults));
-  auto service = Service::open({config.dir, "sensor-bus", SensorBusCore::subtypes()});
+  auto service =
+      Service::open({config.dir, "sensor-bus", SensorBusCore::subtypes(), {std::string(PeerExpired::kSubtype)}});
   if (!service) return complain(service.error().text());
   ConfigFaults faults;  // told by the check above
   SensorBusCore core(config.id, requests_of(config));

@@ -1,0 +1,142 @@
+// Decisions on a run: signed by its decider, each the next epoch; and what goes with them between schedulers.
+#pragma once
+
+#include "proto/bodies/signed.hpp"
+#include "proto/field.hpp"
+
+namespace trb {
+
+/// A node that takes part in the run, with the certificate that checks its signatures.
+struct Member {
+  std::string id;
+  SignedRecord certificate;
+  bool operator==(const Member&) const = default;
+  static constexpr auto fields() {
+    return std::tuple{field("id", &Member::id, 64), field("certificate", &Member::certificate)};
+  }
+};
+
+/// What a decision makes of one task. `move`: another robot does it. `retry`: the same robot does it again. `skip`: the
+/// decider's node becomes its actor, and says that it is SKIPPED.
+enum class Ruling : std::uint8_t { move = 0, retry, skip };
+constexpr auto enum_names(Ruling) {
+  return std::array<std::string_view, 3>{"move", "retry", "skip"};
+}
+
+/// Why the task may leave its robot, or be done again. `result`: the robot's own signed result says that the attempt
+/// has ended or was never begun. `word`: a person has said that the robot stands.
+enum class Evidence : std::uint8_t { result = 0, word };
+constexpr auto enum_names(Evidence) {
+  return std::array<std::string_view, 2>{"result", "word"};
+}
+
+struct TaskRuling {
+  std::string task;
+  Ruling ruling{};
+  std::string robot;          ///< whose the task is from this epoch on
+  std::uint32_t attempt = 1;  ///< the next attempt: earlier ones are void, unless they FINISHED
+  Evidence evidence{};
+  bool operator==(const TaskRuling&) const = default;
+  static constexpr auto fields() {
+    return std::tuple{field("task", &TaskRuling::task, 64), field("ruling", &TaskRuling::ruling),
+                      field("robot", &TaskRuling::robot, 64), field("attempt", &TaskRuling::attempt),
+                      field("evidence", &TaskRuling::evidence)};
+  }
+};
+
+/// Epoch k+1 of a run, signed by its decider (purpose "decision"): the first cloud node among the start's members. What
+/// it does not name stays as it was.
+struct Decision {
+  static constexpr std::string_view kSubtype = "decision";
+  std::string run;
+  Blob digest;
+  std::uint32_t epoch = 2;
+  Blob previous;  ///< BLAKE2b-256 of the payload of the decision before; empty in epoch 2
+  std::string by;
+  std::vector<TaskRuling> tasks;
+  std::vector<Member> members;  ///< those that were none yet
+  std::string alert;            ///< the alert that it answers
+  std::string person;           ///< who decided; empty: the policy
+  std::string reason;
+  std::int64_t time = 0;  ///< UTC ns
+  bool operator==(const Decision&) const = default;
+  static constexpr auto fields() {
+    return std::tuple{field("run", &Decision::run, 64),
+                      field("digest", &Decision::digest, 32),
+                      field("epoch", &Decision::epoch),
+                      field("previous", &Decision::previous, 32),
+                      field("by", &Decision::by, 64),
+                      field("tasks", &Decision::tasks, 1000),
+                      field("members", &Decision::members, 1000),
+                      field("alert", &Decision::alert, 64),
+                      field("person", &Decision::person, 64),
+                      field("reason", &Decision::reason, 1024),
+                      field("time", &Decision::time)};
+  }
+};
+
+/// Carries a decision (command): from the decider's own bus to its scheduler, answered by Ack or Nack once journaled;
+/// and from there to a member, resent until DecisionJournaled.
+struct RunDecision {
+  static constexpr std::string_view kSubtype = "run_decision";
+  SignedRecord decision;
+  static constexpr auto fields() { return std::tuple{field("decision", &RunDecision::decision)}; }
+};
+
+/// The member holds every decision up to that epoch on disk.
+struct DecisionJournaled {
+  static constexpr std::string_view kSubtype = "decision_journaled";
+  std::string run;
+  std::uint32_t epoch = 1;
+  static constexpr auto fields() {
+    return std::tuple{field("run", &DecisionJournaled::run, 64), field("epoch", &DecisionJournaled::epoch)};
+  }
+};
+
+/// The decider asks a robot's node to give tasks back (command). What has not begun is answered by its signed result,
+/// `released`; what runs or has ended stays as it is. Answered by Ack "accepted" or a Nack; the results go their way.
+struct ReleaseTasks {
+  static constexpr std::string_view kSubtype = "release_tasks";
+  std::string run;
+  std::uint32_t epoch = 1;
+  std::vector<std::uint16_t> tasks;
+  static constexpr auto fields() {
+    return std::tuple{field("run", &ReleaseTasks::run, 64), field("epoch", &ReleaseTasks::epoch),
+                      field("tasks", &ReleaseTasks::tasks, 1000)};
+  }
+};
+
+/// The order to hold a run, or to let it go on, signed (purpose "run_pause"). Of several the highest number counts; of
+/// two with one number the one that holds it.
+struct PauseOrder {
+  static constexpr std::string_view kSubtype = "pause_order";
+  std::string run;
+  std::uint32_t number = 1;
+  bool paused = true;
+  std::string by;
+  std::string reason;
+  std::int64_t time = 0;  ///< UTC ns
+  static constexpr auto fields() {
+    return std::tuple{field("run", &PauseOrder::run, 64),        field("number", &PauseOrder::number),
+                      field("paused", &PauseOrder::paused),      field("by", &PauseOrder::by, 64),
+                      field("reason", &PauseOrder::reason, 255), field("time", &PauseOrder::time)};
+  }
+};
+
+/// Carries a PauseOrder to a member (command); resent until PauseJournaled.
+struct RunPause {
+  static constexpr std::string_view kSubtype = "run_pause";
+  SignedRecord order;
+  static constexpr auto fields() { return std::tuple{field("order", &RunPause::order)}; }
+};
+
+struct PauseJournaled {
+  static constexpr std::string_view kSubtype = "pause_journaled";
+  std::string run;
+  std::uint32_t number = 1;
+  static constexpr auto fields() {
+    return std::tuple{field("run", &PauseJournaled::run, 64), field("number", &PauseJournaled::number)};
+  }
+};
+
+}  // namespace trb
