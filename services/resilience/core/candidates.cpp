@@ -73,7 +73,7 @@ std::vector<std::string> suitable(const Fleet& fleet, const std::vector<TaskNeed
   std::vector<std::string> out;
   for (const RobotNumber number : ask(fleet.index(), std::move(words))) {
     const std::string& id = fleet.index().id_of(number);
-    const RobotRecord& robot = *fleet.find(id);
+    const RobotRecord& robot = fleet.record(number);
     const auto suits_it = [&](const TaskNeed& need) { return suits(robot, need); };
     if (!contains(except, id) && std::ranges::all_of(needs, suits_it)) out.push_back(id);
   }
@@ -141,7 +141,7 @@ std::optional<std::string> find_spare(const Fleet& fleet, const TaskNeed& need, 
   add_words(need, words);
   for (const RobotNumber number : ask(fleet.index(), std::move(words))) {
     const std::string& id = fleet.index().id_of(number);
-    if (id != robot && suits(*fleet.find(id), need)) return id;
+    if (id != robot && suits(fleet.record(number), need)) return id;
   }
   return std::nullopt;
 }

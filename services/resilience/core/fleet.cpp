@@ -18,6 +18,11 @@ std::string capabilities_of(const NodeProfile& profile) {
   return out.empty() ? "no capabilities" : out;
 }
 
+bool same_abilities(const NodeProfile& a, const NodeProfile& b) {
+  return a.capabilities == b.capabilities && a.skills == b.skills && a.places == b.places && a.sensors == b.sensors &&
+         a.plugged == b.plugged;
+}
+
 /// Numbers that are none would be no equals of themselves, and no value for SQLite.
 NodeProfile cleaned(NodeProfile profile) {
   const FrameInfo& frame = profile.frame;
@@ -66,8 +71,9 @@ void add_fault(std::vector<Fault>& faults, Fault fault) {
 }  // namespace
 
 bool Changes::urgent() const {
+  constexpr unsigned kToldAgain = kNode | kState;
   return !history.empty() ||
-         std::ranges::any_of(robots, [](const auto& robot) { return (robot.second & ~unsigned{kState}) != 0; });
+         std::ranges::any_of(robots, [](const auto& robot) { return (robot.second & ~kToldAgain) != 0; });
 }
 
 Result<RobotRecord*> Fleet::insert(std::string_view id) {
@@ -80,6 +86,8 @@ Result<RobotRecord*> Fleet::insert(std::string_view id) {
   if (!number) return number.error();
   RobotRecord& robot = robots_[std::string(id)];
   robot.id = id;
+  if (by_number_.size() <= *number) by_number_.resize(*number + 1);
+  by_number_[*number] = &robot;
   return &robot;
 }
 
@@ -87,7 +95,7 @@ Result<RobotRecord*> Fleet::known(std::string_view id) {
   if (RobotRecord* robot = existing(id)) return robot;
   auto robot = insert(id);
   // Whole, for it may be on disk as it was before it was forgotten.
-  if (robot) changed(**robot, Changes::kProfile | Changes::kState | Changes::kFaults);
+  if (robot) changed(**robot, Changes::kNode | Changes::kAbilities | Changes::kState | Changes::kFaults);
   return robot;
 }
 
@@ -135,15 +143,16 @@ void Fleet::take_profile(RobotRecord& robot, const NodeProfile& told, UtcTime no
   if (before.robot != profile.robot) note(robot, "connection", profile.robot + " " + profile.detail, now);
   if (before.fenced != profile.fenced) note(robot, profile.fenced ? "fenced" : "released", "", now);
   if (before.capabilities != profile.capabilities) note(robot, "profile", capabilities_of(profile), now);
+  const unsigned parts = same_abilities(before, profile) ? Changes::kNode : Changes::kNode | Changes::kAbilities;
   robot.profile = {profile, now};
-  changed(robot, Changes::kProfile);
+  changed(robot, parts);
 }
 
 void Fleet::set_reached(RobotRecord& robot, bool reached, const std::string& reason, UtcTime now) {
   if (robot.reached == reached) return;
   robot.reached = reached;
   note(robot, reached ? "joined" : "expired", reason, now);
-  changed(robot, Changes::kProfile);
+  changed(robot, Changes::kNode);
 }
 
 Status Fleet::on_route(const Route& route, UtcTime now) {
@@ -225,7 +234,7 @@ bool Fleet::set_later_tasks(std::string_view id, std::uint32_t tasks) {
   if (robot == nullptr) return false;
   if (robot->later_tasks == tasks) return true;
   robot->later_tasks = tasks;
-  changed(*robot, Changes::kState);
+  changed(*robot, Changes::kNode);
   return true;
 }
 

@@ -25,13 +25,14 @@ struct HistoryEntry {
 
 /// What has changed since it was last written.
 struct Changes {
-  enum Part : unsigned { kProfile = 1, kState = 2, kFaults = 4, kGone = 8 };
+  /// kNode: connection, fence, control, availability.
+  enum Part : unsigned { kNode = 1, kAbilities = 2, kState = 4, kFaults = 8, kGone = 16 };
   std::map<std::string, unsigned, std::less<>> robots;  ///< id -> parts
   std::deque<HistoryEntry> history;                     ///< oldest first
   std::size_t history_dropped = 0;                      ///< the disk took none for so long that the oldest went
 
   [[nodiscard]] bool empty() const { return robots.empty() && history.empty(); }
-  /// More than values that the robot will tell again: to be on disk before anything is said of it.
+  /// More than what is told again anyway (values, control): to be on disk before anything is said of it.
   [[nodiscard]] bool urgent() const;
 };
 
@@ -39,6 +40,10 @@ class Fleet {
  public:
   static constexpr std::size_t kMaxRobots = 10'000;
   static constexpr std::size_t kMaxPendingHistory = 1000;
+
+  Fleet() = default;
+  Fleet(Fleet&&) = default;  ///< a copy's numbers would name the records of the first
+  Fleet& operator=(Fleet&&) = default;
 
   /// As it was on disk; nobody is reached before the router says so. Errors: too_large, bad_value (no id), duplicate.
   Status restore(RobotRecord robot);
@@ -65,6 +70,8 @@ class Fleet {
   void forget(std::string_view id, UtcTime now);
 
   [[nodiscard]] const RobotRecord* find(std::string_view id) const;
+  /// Of a number that the index has given.
+  [[nodiscard]] const RobotRecord& record(RobotNumber number) const { return *by_number_[number]; }
   /// By id.
   [[nodiscard]] const std::map<std::string, RobotRecord, std::less<>>& robots() const { return robots_; }
   [[nodiscard]] const FleetIndex& index() const { return index_; }
@@ -84,6 +91,7 @@ class Fleet {
 
   std::map<std::string, RobotRecord, std::less<>> robots_;
   FleetIndex index_;
+  std::vector<const RobotRecord*> by_number_;
   Changes changes_;
 };
 

@@ -119,7 +119,11 @@ TEST_CASE("what is urgent is what the robot will not simply tell again") {
   CHECK(fleet.changes().empty());
   for (int i = 0; i < 100; ++i) fleet.on_state("a", {{{"battery", "0.8"}}}, at_second(i));
   CHECK(fleet.changes().robots.size() == 1);
+  NodeProfile taken = mobile_robot();
+  taken.control = "cloud";
+  REQUIRE(fleet.on_profile("a", taken, at_second(100)));
   CHECK_FALSE(fleet.changes().urgent());
+  REQUIRE(fleet.on_profile("a", mobile_robot(), at_second(100)));
   fleet.on_fault("a", {"mobile", Severity::warning, "low"}, at_second(101));
   CHECK(fleet.changes().urgent());
   fleet.written();

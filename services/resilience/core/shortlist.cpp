@@ -3,42 +3,32 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/ranking/shares.hpp"
+
 namespace trb::resilience {
 namespace {
 
-/// m²: nearer than 10 cm is there.
-constexpr double kThere = 0.01;
+constexpr double kNever = 1e300;  ///< m: the way of a robot of which nobody knows where it is
 
-double squared_distance(const Measures& of, HallPoint place) {
-  const double east = of.x - place.x;
-  const double north = of.y - place.y;
-  return std::max(kThere, east * east + north * north);
+double known_or(double value, double otherwise) {
+  return std::isnan(value) ? otherwise : value;
 }
 
-double known(double value) {
-  return std::isnan(value) ? 0 : value;
+double way(const Measures& of, HallPoint place) {
+  const double east = of.x - place.x;
+  const double north = of.y - place.y;
+  return known_or(kWayStart + std::sqrt(east * east + north * north), kNever);
 }
 
 bool better(const Scored& a, const Scored& b) {
   return a.score != b.score ? a.score > b.score : a.robot < b.robot;
 }
 
-}  // namespace
-
-std::vector<Scored> shortlist(const FleetIndex& index, std::span<const RobotNumber> robots, const Weights& weights,
-                              HallPoint place, std::size_t most) {
-  double nearest = std::numeric_limits<double>::infinity();
-  for (const RobotNumber robot : robots) {
-    const Measures& of = index.measures(robot);
-    if (!std::isnan(of.x)) nearest = std::min(nearest, squared_distance(of, place));
-  }
+std::vector<Scored> best_of(std::span<const RobotNumber> robots, std::span<const double> scores, std::size_t most) {
   std::vector<Scored> best;  // a heap, the worst of them on top
-  for (const RobotNumber robot : robots) {
-    const Measures& of = index.measures(robot);
-    const double nearness = std::isnan(of.x) ? 0 : std::sqrt(nearest / squared_distance(of, place));
-    const Scored scored{robot, weights.charge * known(of.charge) / 100 + weights.distance * nearness +
-                                   weights.availability * of.availability / 100};
-    if (best.size() == most && (most == 0 || !better(scored, best.front()))) continue;
+  for (std::size_t i = 0; i < robots.size() && most > 0; ++i) {
+    const Scored scored{robots[i], scores[i]};
+    if (best.size() == most && !better(scored, best.front())) continue;
     best.push_back(scored);
     std::push_heap(best.begin(), best.end(), better);
     if (best.size() <= most) continue;
@@ -47,6 +37,23 @@ std::vector<Scored> shortlist(const FleetIndex& index, std::span<const RobotNumb
   }
   std::sort_heap(best.begin(), best.end(), better);
   return best;
+}
+
+}  // namespace
+
+std::vector<Scored> shortlist(const FleetIndex& index, std::span<const RobotNumber> robots, const Weights& weights,
+                              HallPoint place, std::size_t most) {
+  std::vector<double> charges(robots.size()), ways(robots.size()), availabilities(robots.size()), scores(robots.size());
+  for (std::size_t i = 0; i < robots.size(); ++i) {
+    const Measures& of = index.measures(robots[i]);
+    charges[i] = known_or(of.charge, 0);
+    ways[i] = way(of, place);
+    availabilities[i] = of.availability;
+  }
+  add_shares(charges, Direction::benefit, weights.charge, scores);
+  add_shares(ways, Direction::cost, weights.distance, scores);
+  add_shares(availabilities, Direction::benefit, weights.availability, scores);
+  return best_of(robots, scores, most);
 }
 
 }  // namespace trb::resilience

@@ -1,4 +1,4 @@
-// The best of many by a weighted sum, so that only a few are ranked and explained in full.
+// The best of many robots: the AHP's scores by measured values, without an answer that explains each of them.
 #pragma once
 
 #include <span>
@@ -8,20 +8,25 @@
 
 namespace trb::resilience {
 
-/// What each measure counts; not negative.
+/// Global weights of the paper's criteria, as rank() tells them; 0 leaves one out (a task without a place: distance).
 struct Weights {
-  double charge = 1;
-  double distance = 1;  ///< 0 if the task has no place
-  double availability = 1;
+  double charge = 0;
+  double distance = 0;
+  double availability = 0;
 };
 
 struct Scored {
   RobotNumber robot = 0;
   double score = 0;
+  bool operator==(const Scored&) const = default;
 };
 
-/// The best of the robots, best first; of equals the one with the smaller number. Charge and availability count as
-/// parts of 100, a distance as the nearest one's part of it. What is unknown counts nothing.
+/// What is always paid, m: who stands at the place would otherwise take the distance's whole weight.
+constexpr double kWayStart = 1;
+
+/// The best of the robots, best first; of equals the one with the smaller number. Charge and availability are benefits,
+/// the distance to the place (and kWayStart) a cost, their shares those of common/ranking, among all of the robots. Of
+/// what is unknown a robot has no share.
 std::vector<Scored> shortlist(const FleetIndex& index, std::span<const RobotNumber> robots, const Weights& weights,
                               HallPoint place, std::size_t most);
 

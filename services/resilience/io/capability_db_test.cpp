@@ -157,6 +157,23 @@ TEST_CASE("what changes takes the place of what was: capabilities, faults that a
   CHECK(third.find("a")->profile.is == NodeProfile{});
 }
 
+TEST_CASE("who commands a robot is written without writing anew what it can do") {
+  const Folder folder;
+  const auto db = opened(folder);
+  Fleet fleet;
+  REQUIRE(fleet.on_route(route_of("a", rich_profile()), at_second(0)));
+  REQUIRE(db->write(fleet, at_second(0)));
+  NodeProfile taken = rich_profile();
+  taken.control = "cloud";
+  REQUIRE(fleet.on_profile("a", taken, at_second(1)));
+  fleet.set_later_tasks("a", 4);
+  CHECK(fleet.changes().robots.at("a") == Changes::kNode);
+  REQUIRE(db->write(fleet, at_second(2)));
+  Fleet again = loaded(*db);
+  CHECK(again.find("a")->profile == Told<NodeProfile>{taken, at_second(1)});
+  CHECK(again.find("a")->later_tasks == 4);
+}
+
 TEST_CASE("the history is told newest first, of one or of all, and is bounded by number and age") {
   const Folder folder;
   const auto db = opened(folder);

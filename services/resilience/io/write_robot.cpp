@@ -99,8 +99,8 @@ class Writer {
 
 Status write_robot(SqliteFile& file, const RobotRecord& robot, unsigned parts) {
   Writer writer(file, robot);
-  writer.robot();
-  if ((parts & Changes::kProfile) != 0) writer.abilities();
+  if ((parts & Changes::kNode) != 0) writer.robot();
+  if ((parts & Changes::kAbilities) != 0) writer.abilities();
   if ((parts & Changes::kState) != 0) writer.state();
   if ((parts & Changes::kFaults) != 0) writer.faults();
   return writer.take();
