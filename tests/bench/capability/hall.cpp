@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <stdexcept>
 
 namespace trb::bench {
@@ -39,10 +38,10 @@ Skills some_skills(Dice& dice) {
   return skills;
 }
 
-double squared_distance(const Measures& of, HallPoint place) {
+double way(const Measures& of, HallPoint place) {
   const double east = of.x - place.x;
   const double north = of.y - place.y;
-  return std::max(0.01, east * east + north * north);
+  return resilience::kWayStart + std::sqrt(east * east + north * north);
 }
 
 bool better(const Scored& a, const Scored& b) {
@@ -101,17 +100,20 @@ void Hall::loop(const Skills& asked, std::vector<RobotNumber>& out) const {
 std::vector<Scored> Hall::ten_best(const Skills& asked, const Weights& weights, HallPoint place,
                                    std::size_t most) const {
   const Mask mask = mask_of(asked);
-  double nearest = std::numeric_limits<double>::infinity();
+  double charges = 0, nearness = 0, availabilities = 0;
   for (const Robot& robot : robots_) {
-    if (has(robot, mask)) nearest = std::min(nearest, squared_distance(robot.measures, place));
+    if (!has(robot, mask)) continue;
+    charges += robot.measures.charge;
+    nearness += 1 / way(robot.measures, place);
+    availabilities += robot.measures.availability;
   }
   std::vector<Scored> best;
   for (std::size_t i = 0; i < robots_.size(); ++i) {
     if (!has(robots_[i], mask)) continue;
     const Measures& of = robots_[i].measures;
-    const double nearness = std::sqrt(nearest / squared_distance(of, place));
-    const Scored scored{static_cast<RobotNumber>(i), weights.charge * of.charge / 100 + weights.distance * nearness +
-                                                         weights.availability * of.availability / 100};
+    const Scored scored{static_cast<RobotNumber>(i), weights.charge * of.charge / charges +
+                                                         weights.distance / way(of, place) / nearness +
+                                                         weights.availability * of.availability / availabilities};
     if (best.size() == most && !better(scored, best.front())) continue;
     best.push_back(scored);
     std::push_heap(best.begin(), best.end(), better);

@@ -38,7 +38,7 @@ class Hall {
 
   /// The bare loop: 256 bits and a flag a robot, looked at one by one.
   void loop(const Skills& asked, std::vector<resilience::RobotNumber>& out) const;
-  /// The bare loop that ranks as well, by the same sum as resilience::shortlist().
+  /// The bare loop that ranks as well, by the same shares as resilience::shortlist(), in two passes.
   [[nodiscard]] std::vector<resilience::Scored> ten_best(const Skills& asked, const resilience::Weights& weights,
                                                          resilience::HallPoint place, std::size_t most) const;
 

@@ -8,6 +8,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "common/ranking/ranking.hpp"
 #include "services/resilience/core/shortlist.hpp"
 #include "tests/bench/capability/hall.hpp"
 
@@ -98,6 +99,30 @@ void everybody(std::size_t robots, int rounds) {
   measure("everybody", ways, hall, rounds);
 }
 
+/// The whole AHP, as trb rank does it, with an answer that explains the ten best.
+void rank_all(const resilience::FleetIndex& index, const Robots& candidates, const resilience::Weights& weights,
+              resilience::HallPoint place, Robots& out) {
+  Criterion charge{.name = "battery", .weight = weights.charge};
+  Criterion distance{.name = "distance", .weight = weights.distance, .direction = Direction::cost};
+  Criterion availability{.name = "availability", .weight = weights.availability};
+  RankingProblem problem;
+  problem.goal = "replace";
+  problem.options.top = kBest;
+  for (const resilience::RobotNumber robot : candidates) {
+    const resilience::Measures& of = index.measures(robot);
+    problem.alternatives.push_back(index.id_of(robot));
+    charge.values.push_back(of.charge);
+    const double east = of.x - place.x, north = of.y - place.y;
+    distance.values.push_back(resilience::kWayStart + std::sqrt(east * east + north * north));
+    availability.values.push_back(of.availability);
+  }
+  problem.criteria = {std::move(charge), std::move(distance), std::move(availability)};
+  const auto answer = rank(problem);
+  if (!answer) throw std::runtime_error(answer.error().text());
+  out.clear();
+  for (const RankedAlternative& one : answer->ranking) out.push_back(*index.find(one.id));
+}
+
 void ten_best(std::size_t models, const char* what, int rounds) {
   const Hall hall(kRanked, models);
   const auto index = hall.index();
@@ -113,6 +138,11 @@ void ten_best(std::size_t models, const char* what, int rounds) {
        [&](const Skills& asked, Robots& out) {
          index->query(words_of(asked), candidates);
          keep(resilience::shortlist(*index, candidates, weights, place, kBest), out);
+       }},
+      {"index_rank", 20,
+       [&](const Skills& asked, Robots& out) {
+         index->query(words_of(asked), candidates);
+         rank_all(*index, candidates, weights, place, out);
        }},
       {"loop", 200, [&](const Skills& asked, Robots& out) { keep(hall.ten_best(asked, weights, place, kBest), out); }},
   };
