@@ -32,14 +32,51 @@ constexpr auto sorted_subtypes() {
 constexpr auto kTyped = sorted_subtypes();
 static_assert(std::adjacent_find(kTyped.begin(), kTyped.end()) == kTyped.end(), "two bodies share a subtype");
 
+/// Calls act.template operator()<T>() for the body of that kind.
+template <class Act>
+void with_kind(BodyKind kind, Act act) {
+  switch (kind) {
+#define TRB_CASE(Name)                                                \
+  case BodyKind::Name:                                                \
+    static_assert(std::is_nothrow_move_constructible_v<Name>, #Name); \
+    return act.template operator()<Name>();
+    TRB_BODIES(TRB_CASE)
+#undef TRB_CASE
+    case BodyKind::Opaque:
+      return act.template operator()<Opaque>();
+  }
+}
+
 }  // namespace
+
+Body::Body(const Body& other) : kind_(other.kind_) {
+  with_kind(kind_, [&]<class T>() { ::new (static_cast<void*>(storage_)) T(*get_if<T>(&other)); });
+}
+
+Body::Body(Body&& other) noexcept : kind_(other.kind_) {
+  with_kind(kind_, [&]<class T>() { ::new (static_cast<void*>(storage_)) T(std::move(*get_if<T>(&other))); });
+}
+
+Body& Body::operator=(const Body& other) {
+  return *this = Body(other);
+}
+
+Body& Body::operator=(Body&& other) noexcept {
+  if (this == &other) return *this;
+  this->~Body();
+  return *::new (static_cast<void*>(this)) Body(std::move(other));
+}
+
+Body::~Body() {
+  with_kind(kind_, [&]<class T>() { get_if<T>(this)->~T(); });
+}
 
 bool is_typed(std::string_view subtype) {
   return std::binary_search(kTyped.begin(), kTyped.end(), subtype);
 }
 
 std::string_view subtype_of(const Body& body) {
-  return std::visit(
+  return visit(
       [](const auto& is) -> std::string_view {
         if constexpr (std::is_same_v<std::decay_t<decltype(is)>, Opaque>) {
           return is.subtype;
@@ -51,7 +88,7 @@ std::string_view subtype_of(const Body& body) {
 }
 
 Bytes encode_body(const Body& body) {
-  return std::visit(
+  return visit(
       [](const auto& is) -> Bytes {
         if constexpr (std::is_same_v<std::decay_t<decltype(is)>, Opaque>) {
           return is.data;

@@ -1,6 +1,11 @@
 // The list of every body, and the two codecs made from it.
 #pragma once
 
+#include <algorithm>
+#include <cstddef>
+#include <new>
+#include <type_traits>
+#include <utility>
 #include <variant>
 
 #include "common/base/bytes.hpp"
@@ -47,12 +52,101 @@ struct Opaque {
   bool operator==(const Opaque&) const = default;
 };
 
-/// Any body.
-using Body = std::variant<Opaque
-#define TRB_ALTERNATIVE(Name) , Name
-                              TRB_BODIES(TRB_ALTERNATIVE)
-#undef TRB_ALTERNATIVE
-                          >;
+/// Which body is in a Body.
+enum class BodyKind : std::uint8_t {
+  Opaque = 0,
+#define TRB_KIND(Name) Name,
+  TRB_BODIES(TRB_KIND)
+#undef TRB_KIND
+};
+
+template <class T>
+struct BodyKindOf;
+template <>
+struct BodyKindOf<Opaque> : std::integral_constant<BodyKind, BodyKind::Opaque> {};
+#define TRB_KIND_OF(Name) \
+  template <>             \
+  struct BodyKindOf<Name> : std::integral_constant<BodyKind, BodyKind::Name> {};
+TRB_BODIES(TRB_KIND_OF)
+#undef TRB_KIND_OF
+
+/// Opaque, or one of the list.
+template <class T>
+concept IsBody = requires {
+  BodyKindOf<T>::value;
+};
+
+/// Any body. Used as std::variant is (get_if, get, holds_alternative, visit); not one, because each of its symbols
+/// would name the whole list: ten seconds and fifty megabytes for every file that copies one.
+class Body {
+ public:
+  Body() : Body(Opaque{}) {}
+  template <IsBody T>
+  Body(T value) : kind_(BodyKindOf<T>::value) {  // NOLINT: any body is one
+    ::new (static_cast<void*>(storage_)) T(std::move(value));
+  }
+  Body(const Body& other);
+  Body(Body&& other) noexcept;
+  Body& operator=(const Body& other);
+  Body& operator=(Body&& other) noexcept;
+  ~Body();
+
+  [[nodiscard]] BodyKind kind() const { return kind_; }
+
+  template <IsBody T>
+  friend const T* get_if(const Body* body) {
+    if (body->kind_ != BodyKindOf<T>::value) return nullptr;
+    return std::launder(reinterpret_cast<const T*>(body->storage_));
+  }
+
+ private:
+  static constexpr std::size_t kSize = std::max({sizeof(Opaque)
+#define TRB_SIZE(Name) , sizeof(Name)
+                                                     TRB_BODIES(TRB_SIZE)
+#undef TRB_SIZE
+  });
+  BodyKind kind_;
+  alignas(std::max_align_t) unsigned char storage_[kSize];
+};
+
+template <IsBody T>
+const T* get_if(const Body* body);
+
+template <IsBody T>
+T* get_if(Body* body) {
+  return const_cast<T*>(get_if<T>(static_cast<const Body*>(body)));
+}
+
+template <IsBody T>
+bool holds_alternative(const Body& body) {
+  return body.kind() == BodyKindOf<T>::value;
+}
+
+/// Throws std::bad_variant_access if it is another.
+template <IsBody T>
+const T& get(const Body& body) {
+  if (!holds_alternative<T>(body)) throw std::bad_variant_access();
+  return *get_if<T>(&body);
+}
+template <IsBody T>
+T& get(Body& body) {
+  return const_cast<T&>(get<T>(static_cast<const Body&>(body)));
+}
+
+/// Calls the visitor with the body that it is.
+template <class Visitor>
+decltype(auto) visit(Visitor&& visitor, const Body& body) {
+  switch (body.kind()) {
+#define TRB_CASE(Name) \
+  case BodyKind::Name: \
+    return visitor(*get_if<Name>(&body));
+    TRB_BODIES(TRB_CASE)
+#undef TRB_CASE
+    case BodyKind::Opaque:
+      break;
+  }
+  return visitor(*get_if<Opaque>(&body));
+}
 
 struct DecodeLimits {
   std::size_t bytes = 1U << 20U;

@@ -87,7 +87,7 @@ template <class T>
 std::vector<T> sent(const Outbox& outbox) {
   std::vector<T> out;
   for (const Send& send : outbox.sends) {
-    if (const T* body = std::get_if<T>(&send.body)) out.push_back(*body);
+    if (const T* body = get_if<T>(&send.body)) out.push_back(*body);
   }
   return out;
 }

@@ -133,7 +133,7 @@ class ServiceShell final : public Service {
       return;
     }
     inbound.body = std::move(*body);
-    if (std::holds_alternative<AdapterCountersRequest>(inbound.body)) {
+    if (holds_alternative<AdapterCountersRequest>(inbound.body)) {
       step([&](Now, Outbox& out) { out.reply(inbound, counters()); });
       return;
     }

@@ -54,8 +54,8 @@ void check_receiver(BytesView input, Encoding encoding) {
   }
 }
 
-/// A skill that runs while the robot says this has an outcome in the end, and nothing that the middleware keeps for itself
-/// is said to another node.
+/// A skill that runs while the robot says this has an outcome in the end, and nothing that the middleware keeps for
+/// itself is said to another node.
 void check_mode(BytesView input, Framing framing, Encoding encoding) {
   Settings settings = pioneer();
   settings.description.field_channel = channel(framing, encoding);
@@ -65,7 +65,7 @@ void check_mode(BytesView input, Framing framing, Encoding encoding) {
   bench.deliver(MessageType::command, order("go_to", R"({"place": "dock"})"), "pioneer");
   bench.say(input);
   for (const Send& send : bench.out.sends) {
-    const auto* opaque = std::get_if<Opaque>(&send.body);
+    const auto* opaque = get_if<Opaque>(&send.body);
     require(opaque == nullptr || !is_typed(opaque->subtype), "a robot says no word of the middleware's");
   }
   bench.wait(30);
@@ -87,7 +87,8 @@ void run(BytesView input) {
   check_framing(input);
   for (const Encoding encoding : {Encoding::text, Encoding::numeric}) {
     check_receiver(input, encoding);
-    for (const Framing framing : {Framing::newline, Framing::length, Framing::delay}) check_mode(input, framing, encoding);
+    for (const Framing framing : {Framing::newline, Framing::length, Framing::delay})
+      check_mode(input, framing, encoding);
   }
 }
 

@@ -159,12 +159,12 @@ class Play {
     }
     for (const Send& send : out_.sends) {
       require(decode_body(subtype_of(send.body), encode_body(send.body)).ok(), "what it says can be read");
-      if (const auto* reading = std::get_if<SensorReading>(&send.body);
+      if (const auto* reading = get_if<SensorReading>(&send.body);
           reading != nullptr && reading->watch + reading->count > 0)
         continue;
       // A watch that has ended says so by a second answer: the sensor is gone.
-      const bool end_of_watch = std::holds_alternative<Nack>(send.body) && watched_.count(send.reply_to) != 0;
-      if (std::holds_alternative<Ack>(send.body)) watched_.insert(send.reply_to);
+      const bool end_of_watch = holds_alternative<Nack>(send.body) && watched_.count(send.reply_to) != 0;
+      if (holds_alternative<Ack>(send.body)) watched_.insert(send.reply_to);
       if (send.reply_to != 0) require(open_.erase(send.reply_to) == 1 || end_of_watch, "one answer each");
     }
     out_.clear();

@@ -31,7 +31,7 @@ void check_mode(BytesView input) {
   bench.monitor(ur_started("trb_1"));
   bench.monitor(Bytes(input));
   for (const Send& send : bench.out.sends) {
-    if (const auto* fault = std::get_if<RobotFault>(&send.body)) {
+    if (const auto* fault = get_if<RobotFault>(&send.body)) {
       require(is_utf8(fault->text) && fault->text.size() <= 1024, "a fault's text is short and UTF-8");
     }
   }
@@ -42,11 +42,13 @@ void check_mode(BytesView input) {
 }  // namespace
 
 std::vector<Bytes> seeds() {
-  return {ur_state(), ur_state({.running = true, .protective = true}) + ur_state({.emergency = true, .mode = 3}),
+  return {ur_state(),
+          ur_state({.running = true, .protective = true}) + ur_state({.emergency = true, .mode = 3}),
           ur_started("trb_1") + ur_text("trb_1 done") + ur_stopped("trb_1"),
           ur_exception(2, 9, "compile_error_name_not_found:moovej:") + ur_stopped("trb_1"),
           ur_message(6, big_endian(153, 4) + big_endian(0, 4) + big_endian(3, 4) + Bytes(8, '\0') + "deviates"),
-          ur_message(3, "version"), big_endian(5, 4) + "\x10"};
+          ur_message(3, "version"),
+          big_endian(5, 4) + "\x10"};
 }
 
 void run(BytesView input) {

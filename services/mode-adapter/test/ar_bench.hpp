@@ -132,7 +132,7 @@ class DroneBench : public Bench {
   }
   std::vector<RobotFault> faults() {
     std::vector<RobotFault> found;
-    for (const Send& send : told<RobotFault>()) found.push_back(std::get<RobotFault>(send.body));
+    for (const Send& send : told<RobotFault>()) found.push_back(get<RobotFault>(send.body));
     return found;
   }
 

@@ -122,7 +122,7 @@ class PioneerBench : public Bench {
   }
   std::vector<RobotFault> faults() {
     std::vector<RobotFault> found;
-    for (const Send& send : told<RobotFault>()) found.push_back(std::get<RobotFault>(send.body));
+    for (const Send& send : told<RobotFault>()) found.push_back(get<RobotFault>(send.body));
     return found;
   }
 

@@ -42,7 +42,7 @@ TEST_CASE("what does not answer as ARCOS is given up after four attempts, and to
   bench.hear(Channel::command, "SSH-2.0-OpenSSH_9.2\r\n");
   bench.wait(0.2);
   CHECK(bench.closed().starts_with("no answer to SYNC0"));
-  CHECK(std::get<NodeProfile>(bench.told<NodeProfile>().back().body).detail.starts_with("no answer to SYNC0"));
+  CHECK(get<NodeProfile>(bench.told<NodeProfile>().back().body).detail.starts_with("no answer to SYNC0"));
 }
 
 TEST_CASE("the robot is kept awake by a PULSE a second, and given up when it says nothing for 3 s") {

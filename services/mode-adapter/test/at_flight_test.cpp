@@ -217,7 +217,7 @@ TEST_CASE("a skill that times out or is cancelled stands in the air, without a f
   DroneBench bench(kHovering);
   bench.execute("hover", R"({"duration": 30})");
   bench.deliver(MessageType::command, CancelExecution{attempt(), "the run is aborted"}, "drone");
-  CHECK(std::get<Outcome>(bench.told<Outcome>().at(0).body).outcome == TaskOutcome::failed);
+  CHECK(get<Outcome>(bench.told<Outcome>().at(0).body).outcome == TaskOutcome::failed);
   CHECK(bench.last("REF") == kRefAir);
   CHECK(bench.answer(bench.execute("land")) == "failed");  // the same attempt
   CHECK(bench.answer(bench.deliver(MessageType::command, order("land", "", 2), "drone")) == "running");

@@ -127,9 +127,9 @@ class Bench {
   std::vector<Send> told() {
     std::vector<Send> found;
     for (const Send& send : out.sends) {
-      if (std::holds_alternative<T>(send.body)) found.push_back(send);
+      if (holds_alternative<T>(send.body)) found.push_back(send);
     }
-    std::erase_if(out.sends, [](const Send& send) { return std::holds_alternative<T>(send.body); });
+    std::erase_if(out.sends, [](const Send& send) { return holds_alternative<T>(send.body); });
     return found;
   }
   /// The one body of that type that was sent.
@@ -137,23 +137,23 @@ class Bench {
   T one() {
     const auto found = told<T>();
     REQUIRE(found.size() == 1);
-    return std::get<T>(found.front().body);
+    return get<T>(found.front().body);
   }
   /// "ack STATE", "nack CODE" or the data: how the message was answered; empty: not yet.
   std::string answer(std::uint64_t id) {
     for (const Send& send : out.sends) {
       if (send.reply_to != id) continue;
-      if (const auto* ack = std::get_if<Ack>(&send.body)) return "ack " + ack->state;
-      if (const auto* nack = std::get_if<Nack>(&send.body)) return "nack " + nack->code;
-      if (const auto* opaque = std::get_if<Opaque>(&send.body)) return opaque->data;
-      if (const auto* state = std::get_if<ExecutionState>(&send.body)) return state->state;
-      if (const auto* end = std::get_if<Outcome>(&send.body)) return std::string(name_of(end->outcome));
+      if (const auto* ack = get_if<Ack>(&send.body)) return "ack " + ack->state;
+      if (const auto* nack = get_if<Nack>(&send.body)) return "nack " + nack->code;
+      if (const auto* opaque = get_if<Opaque>(&send.body)) return opaque->data;
+      if (const auto* state = get_if<ExecutionState>(&send.body)) return state->state;
+      if (const auto* end = get_if<Outcome>(&send.body)) return std::string(name_of(end->outcome));
     }
     return "";
   }
   Nack nack_of(std::uint64_t id) {
     for (const Send& send : out.sends) {
-      if (send.reply_to == id && std::holds_alternative<Nack>(send.body)) return std::get<Nack>(send.body);
+      if (send.reply_to == id && holds_alternative<Nack>(send.body)) return get<Nack>(send.body);
     }
     return {};
   }

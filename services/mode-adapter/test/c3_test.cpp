@@ -249,7 +249,7 @@ TEST_CASE("an error text without a stop is a fault, told once") {
   bench.live(1);
   const auto faults = bench.told<RobotFault>();
   REQUIRE(faults.size() == 2);
-  CHECK(std::get<RobotFault>(faults[0].body).text == "air is low");
+  CHECK(get<RobotFault>(faults[0].body).text == "air is low");
 }
 
 TEST_CASE("a request that commands.json maps is answered with the variable; another by the robot's program") {
@@ -287,7 +287,7 @@ TEST_CASE("the robot's own messages: chunk by chunk, and never in the middleware
   const auto told = bench.told<Opaque>();
   REQUIRE(told.size() == 1);
   CHECK(told[0].target == "ur3");
-  CHECK(std::get<Opaque>(told[0].body).data == "two\nlines");
+  CHECK(get<Opaque>(told[0].body).data == "two\nlines");
   say("stop", "", 0);
   say("greeting", "toolong", 2);
   say("two words", "", 0);

@@ -28,7 +28,7 @@ class ControlBench : public Bench {
   /// Who the fleet is told commands the robot, since the last look.
   std::string control() {
     const auto profiles = told<NodeProfile>();
-    return profiles.empty() ? "?" : std::get<NodeProfile>(profiles.back().body).control;
+    return profiles.empty() ? "?" : get<NodeProfile>(profiles.back().body).control;
   }
 };
 
@@ -131,7 +131,7 @@ TEST_CASE("a run waits while another commands the robot; its scheduler is told w
   CHECK(bench.execute() == "nack control_held");
   const auto states = bench.told<AdapterState>();
   REQUIRE(!states.empty());
-  CHECK(std::get<AdapterState>(states.back().body).control == "cloud");
+  CHECK(get<AdapterState>(states.back().body).control == "cloud");
   bench.wait(10);
   CHECK(bench.one<AdapterState>().control.empty());
   CHECK(bench.execute() == "running");

@@ -150,8 +150,8 @@ TEST_CASE("a protective stop is a fault of everything that the arm can do") {
   auto faults = bench.told<RobotFault>();
   REQUIRE(faults.size() == 2);
   CHECK(faults[0].target == "*");
-  CHECK(std::get<RobotFault>(faults[0].body).capability == "grab");
-  CHECK(std::get<RobotFault>(faults[1].body).severity == Severity::critical);
+  CHECK(get<RobotFault>(faults[0].body).capability == "grab");
+  CHECK(get<RobotFault>(faults[1].body).severity == Severity::critical);
   bench.state({.emergency = true});
   CHECK(bench.told<RobotFault>().size() == 2);
 }

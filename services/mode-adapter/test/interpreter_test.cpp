@@ -125,7 +125,7 @@ TEST_CASE("a message of the robot's arrives byte by byte and goes to the node th
   REQUIRE(said.size() == 1);
   CHECK(said[0].type == MessageType::information);
   CHECK(said[0].target == "ur3");
-  CHECK(std::get<Opaque>(said[0].body) == Opaque{"heat", "1\\2\n"});
+  CHECK(get<Opaque>(said[0].body) == Opaque{"heat", "1\\2\n"});
   CHECK(bench.counted("from_robot.heat") == 1);
 }
 
@@ -138,7 +138,7 @@ TEST_CASE("a megabyte in many chunks is one message") {
   REQUIRE(said.size() == 1);
   CHECK(said[0].type == MessageType::command);
   CHECK(said[0].flags == kFlagNoAnswer);
-  CHECK(std::get<Opaque>(said[0].body).data.size() == kMaxDataSize);
+  CHECK(get<Opaque>(said[0].body).data.size() == kMaxDataSize);
   CHECK(bench.closed().empty());
 }
 
@@ -257,7 +257,7 @@ TEST_CASE("a request is answered by the robot's information of that name to the 
   CHECK(said[0].reply_to == 0);
   CHECK(said[1].target == "operator");
   CHECK(said[1].reply_to == id);
-  CHECK(std::get<Opaque>(said[1].body) == Opaque{"position", "1 2"});
+  CHECK(get<Opaque>(said[1].body) == Opaque{"position", "1 2"});
   bench.say("information\nposition\noperator\n3\n1 3\n");
   CHECK(bench.told<Opaque>()[0].reply_to == 0);  // nobody waits any more
 }
@@ -319,7 +319,7 @@ TEST_CASE("a fault of the robot's is told to every node") {
   const auto said = good.told<RobotFault>();
   REQUIRE(said.size() == 1);
   CHECK(said[0].target == "*");
-  const auto& fault = std::get<RobotFault>(said[0].body);
+  const auto& fault = get<RobotFault>(said[0].body);
   CHECK(fault.capability == "mobile");
   CHECK(fault.severity == Severity::critical);
   CHECK(fault.text == "left wheel");

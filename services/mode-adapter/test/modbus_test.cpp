@@ -98,7 +98,7 @@ std::string online(Bench& bench) {
   bench.deliver(MessageType::request, AdapterStateRequest{}, "conveyor");
   const auto states = bench.told<AdapterState>();
   REQUIRE_FALSE(states.empty());
-  return std::get<AdapterState>(states.back().body).robot;
+  return get<AdapterState>(states.back().body).robot;
 }
 
 constexpr ModbusKind kHolding = ModbusKind::holding;

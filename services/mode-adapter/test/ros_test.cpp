@@ -39,7 +39,7 @@ struct RosBench : Bench {
   }
   std::vector<BridgeCommand> asked() {
     std::vector<BridgeCommand> found;
-    for (const Send& send : told<BridgeCommand>()) found.push_back(std::get<BridgeCommand>(send.body));
+    for (const Send& send : told<BridgeCommand>()) found.push_back(get<BridgeCommand>(send.body));
     return found;
   }
 };
@@ -157,7 +157,7 @@ TEST_CASE("a request for a stream is answered, and then told again and again unt
   for (int i = 0; i < 30; ++i) {
     bench.wait(0.1);
     bench.tell(asked[0].token, BridgeResult::value, "[" + std::to_string(i) + "]");
-    for (const Send& send : bench.told<Opaque>()) told.push_back(std::get<Opaque>(send.body).data);
+    for (const Send& send : bench.told<Opaque>()) told.push_back(get<Opaque>(send.body).data);
   }
   CHECK(told == std::vector<std::string>{"[4]", "[9]", "[14]"});
   const auto after = bench.asked();
@@ -190,7 +190,7 @@ TEST_CASE("without ROS the robot is offline and says why; what was under way is 
   RosBench bench;
   bench.bridge(false, 1, "no ROS master at http://10.0.0.9:11311");
   const auto profiles = bench.told<NodeProfile>();
-  CHECK(std::get<NodeProfile>(profiles.back().body).detail == "no ROS master at http://10.0.0.9:11311");
+  CHECK(get<NodeProfile>(profiles.back().body).detail == "no ROS master at http://10.0.0.9:11311");
   auto id = bench.command("move", "[1]");
   CHECK(bench.answer(id) == "nack robot_offline");
   bench.bridge(true);
@@ -201,7 +201,7 @@ TEST_CASE("without ROS the robot is offline and says why; what was under way is 
   CHECK(bench.answer(id) == "nack robot_offline");
   const auto told = bench.told<RobotConnection>();
   REQUIRE(told.size() == 1);
-  CHECK(std::get<RobotConnection>(told[0].body).detail == "the ROS master does not answer");
+  CHECK(get<RobotConnection>(told[0].body).detail == "the ROS master does not answer");
 }
 
 TEST_CASE("a bridge that has started anew, or says nothing for 4 s, has forgotten what was asked") {

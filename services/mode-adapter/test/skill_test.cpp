@@ -104,9 +104,9 @@ TEST_CASE("what can never succeed has failed at once, with the parameter's name"
   bench.wait(1);
   const auto told = bench.told<Outcome>();
   REQUIRE(told.size() == 3);
-  CHECK(std::get<Outcome>(told[0].body).reason.find("unknown_skill") != std::string::npos);
-  CHECK(std::get<Outcome>(told[1].body).reason.find("'place'") != std::string::npos);
-  CHECK(std::get<Outcome>(told[2].body).reason.find("'moon'") != std::string::npos);
+  CHECK(get<Outcome>(told[0].body).reason.find("unknown_skill") != std::string::npos);
+  CHECK(get<Outcome>(told[1].body).reason.find("'place'") != std::string::npos);
+  CHECK(get<Outcome>(told[2].body).reason.find("'moon'") != std::string::npos);
 }
 
 TEST_CASE("a robot that says `failed` gives its reason; a `done` that comes late is counted and dropped") {
@@ -160,7 +160,7 @@ TEST_CASE("cancelled while it runs, after it has ended, and before it was ever h
   bench.say("!stopped\n!released\n");
   const auto told = bench.told<Outcome>();
   REQUIRE(told.size() == 2);
-  CHECK(std::get<Outcome>(told[0].body).reason == "cancelled: the run is aborted");
+  CHECK(get<Outcome>(told[0].body).reason == "cancelled: the run is aborted");
 
   CHECK(bench.answer(bench.cancel(2)) == "failed");
   CHECK(bench.answer(bench.execute(order("home", "", 2))) == "failed");
@@ -277,7 +277,7 @@ TEST_CASE("a cancelled arm is told the vendor's stop, no fence is set") {
   bench.wait(0.5);
   const auto told = bench.told<Outcome>();
   REQUIRE(told.size() == 2);  // the news and the answer
-  CHECK(std::get<Outcome>(told[0].body).outcome == TaskOutcome::failed);
+  CHECK(get<Outcome>(told[0].body).outcome == TaskOutcome::failed);
   CHECK(bench.fence_writes.empty());
 }
 

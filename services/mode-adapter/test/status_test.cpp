@@ -36,7 +36,7 @@ TEST_CASE("a connection is news to the fleet once it has been there before") {
   const auto lost = bench.told<RobotConnection>();
   REQUIRE(lost.size() == 1);
   CHECK(lost[0].target == "*");
-  CHECK(std::get<RobotConnection>(lost[0].body).detail == "connection reset by peer");
+  CHECK(get<RobotConnection>(lost[0].body).detail == "connection reset by peer");
   bench.up(Channel::field);
   CHECK(bench.one<RobotConnection>().state == "ONLINE");
   CHECK(bench.counted("from_robot.ready") == 2);

@@ -44,7 +44,7 @@ TEST_CASE("a protective stop in the middle of a move fails the skill with the re
         std::string::npos);
   const auto faults = arm.told<RobotFault>();
   REQUIRE(faults.size() == 2);
-  const auto fault = std::get<RobotFault>(faults[0].body);
+  const auto fault = get<RobotFault>(faults[0].body);
   CHECK(fault.severity == Severity::critical);
   CHECK(fault.text == "protective stop: C153A0 position deviates from path");
   arm.live(1, {.protective = true});
@@ -58,7 +58,7 @@ TEST_CASE("an emergency stop is fatal; an old complaint is not taken for its cau
   arm.live(2.5, {.running = true});
   arm.state({.emergency = true});
   CHECK(arm.end().reason.find("the robot is in emergency stop") != std::string::npos);
-  const auto fault = std::get<RobotFault>(arm.told<RobotFault>().at(0).body);
+  const auto fault = get<RobotFault>(arm.told<RobotFault>().at(0).body);
   CHECK(fault.severity == Severity::fatal);
   CHECK(fault.text == "emergency stop");
 }
@@ -119,7 +119,7 @@ TEST_CASE("a runtime exception in a running program ends it with line and column
   Moving arm;
   arm.monitor(ur_exception(4, 7, "runtime_error_divide_by_zero"));
   CHECK(arm.end().reason.find("line 4, column 7: runtime_error_divide_by_zero") != std::string::npos);
-  const auto fault = std::get<RobotFault>(arm.told<RobotFault>().at(0).body);
+  const auto fault = get<RobotFault>(arm.told<RobotFault>().at(0).body);
   CHECK(fault.severity == Severity::warning);
   CHECK(fault.text == "trb_1: line 4, column 7: runtime_error_divide_by_zero");
 }
@@ -127,7 +127,7 @@ TEST_CASE("a runtime exception in a running program ends it with line and column
 TEST_CASE("a warning of the controller's is a fault of its severity; whatever its text, it stays text") {
   UrBench bench(with_power());
   bench.monitor(ur_error(4, 2, "\"hot\"\njoint\xff"));
-  const auto fault = std::get<RobotFault>(bench.told<RobotFault>().at(0).body);
+  const auto fault = get<RobotFault>(bench.told<RobotFault>().at(0).body);
   CHECK(fault.severity == Severity::warning);
   CHECK(fault.text == "C4A0 \"hot\"\njoint?");
   for (int i = 0; i < 50; ++i) {  // the controller says it again at each cycle

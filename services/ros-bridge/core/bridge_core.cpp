@@ -80,9 +80,9 @@ void BridgeCore::on_welcome(const NodeIdentity&, Now now, Outbox& out) {
 }
 
 void BridgeCore::on(const Inbound& message, Now now, Outbox& out) {
-  const auto* command = std::get_if<BridgeCommand>(&message.body);
+  const auto* command = get_if<BridgeCommand>(&message.body);
   if (command != nullptr && message.source == settings_.id) return on_command(*command, now, out);
-  if (std::holds_alternative<Nack>(message.body) || std::holds_alternative<Ack>(message.body)) return;
+  if (holds_alternative<Nack>(message.body) || holds_alternative<Ack>(message.body)) return;
   out.count("refused.unexpected");
   out.nack(message, fail(Errc::not_permitted, "only the node's own mode-adapter speaks to the ROS bridge"));
 }

@@ -84,20 +84,20 @@ void RouterCore::on_bus_message(ConnectionId from, const Message& message, Now n
   services_.heard(from, now.mono);
   auto body = decode_body(message.subtype, message.data);
   if (!body) return deny(from, message, body.error(), out);
-  if (std::holds_alternative<ServiceAlive>(*body)) {
+  if (holds_alternative<ServiceAlive>(*body)) {
     out.add(BusSend{from, to_service(config_.id, ++message_count_, message.id, ServiceAliveSeen{config_.instance})});
-  } else if (const auto* request = std::get_if<SignRequest>(&*body)) {
+  } else if (const auto* request = get_if<SignRequest>(&*body)) {
     sign_for(from, message, *request, out);
-  } else if (const auto* news = std::get_if<FleetNews>(&*body)) {
+  } else if (const auto* news = get_if<FleetNews>(&*body)) {
     auto taken = on_news(*news, 0, now, out);
     if (!taken) return deny(from, message, taken.error(), out);
     answer(from, message, Ack{"accepted", *taken}, out);
-  } else if (const auto* profile = std::get_if<NodeProfile>(&*body)) {
+  } else if (const auto* profile = get_if<NodeProfile>(&*body)) {
     if (connection->hello.service != "mode-adapter" || connection->probe) return;
     robot_profile_ = *profile;
     robot_profile_.plugged.clear();
     tell_own_profile(out);
-  } else if (const auto* sensors = std::get_if<NodeSensors>(&*body)) {
+  } else if (const auto* sensors = get_if<NodeSensors>(&*body)) {
     if (connection->hello.service == "sensor-bus" && !connection->probe) on_node_sensors(*sensors, out);
   } else if (auto reply = answer_to(message, now)) {
     answer(from, message, *reply, out);

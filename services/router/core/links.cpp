@@ -122,16 +122,16 @@ void RouterCore::on_peer_message(Link& link, const Message& message, Now now, Ef
   if (message.subtype == FleetNews::kSubtype) return on_news_message(&link, message, now, out);
   auto body = decode_body(message.subtype, message.data);
   if (!body) return deny_peer(link, message, body.error(), out);
-  if (const auto* seal = std::get_if<Seal>(&*body)) return on_seal(link, *seal, now, out);
-  if (const auto* alive = std::get_if<KeepAlive>(&*body)) return on_keep_alive(link, *alive, now);
-  if (const auto* profile = std::get_if<NodeProfile>(&*body)) {
+  if (const auto* seal = get_if<Seal>(&*body)) return on_seal(link, *seal, now, out);
+  if (const auto* alive = get_if<KeepAlive>(&*body)) return on_keep_alive(link, *alive, now);
+  if (const auto* profile = get_if<NodeProfile>(&*body)) {
     peers_.at(link.peer).profile = *profile;
     neighbour_changed(link.peer, now);
-  } else if (const auto* told = std::get_if<Neighbours>(&*body)) {
+  } else if (const auto* told = get_if<Neighbours>(&*body)) {
     on_neighbours(link, *told, now, out);
-  } else if (const auto* relayed = std::get_if<Relayed>(&*body)) {
+  } else if (const auto* relayed = get_if<Relayed>(&*body)) {
     on_relayed(link, message, *relayed, now, out);
-  } else if (const auto* goodbye = std::get_if<Goodbye>(&*body)) {
+  } else if (const auto* goodbye = get_if<Goodbye>(&*body)) {
     if (goodbye->reason == kUnheard)
       note_trouble(link.id, "one_way", "it does not hear this node, which hears it", now);
     drop_link(link.id, "the other side said goodbye: " + goodbye->reason, false, now, out);

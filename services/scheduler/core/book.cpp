@@ -20,32 +20,32 @@ Status Book::apply_start(const JournalRun& fact) {
 }
 
 Status Book::apply(const Body& fact) {
-  return std::visit(Overloaded{
-                        [&](const JournalRun& is) { return apply_start(is); },
-                        [&](const JournalStart& is) { return apply_to(is.key.run, is); },
-                        [&](const JournalResult& is) -> Status {
-                          const auto result = decode<TaskResult>(is.result.payload.bytes);
-                          return result ? apply_to(result->key.run, is) : Status(result.error());
-                        },
-                        [&](const JournalChoice& is) -> Status {
-                          const auto choice = decode<Choice>(is.choice.payload.bytes);
-                          return choice ? apply_to(choice->run, is) : Status(choice.error());
-                        },
-                        [&](const JournalDelivered& is) { return apply_to(is.run, is); },
-                        [&](const JournalAbort& is) -> Status {
-                          const auto order = decode<AbortOrder>(is.order.payload.bytes);
-                          return order ? apply_to(order->run, is) : Status(order.error());
-                        },
-                        [&](const JournalTombstone& is) -> Status {
-                          bury(is);
-                          return Done{};
-                        },
-                        [](const auto& other) -> Status {
-                          return fail(Errc::bad_value,
-                                      "'" + std::string(subtype_of(Body(other))) + "' is no journal record");
-                        },
-                    },
-                    fact);
+  return visit(Overloaded{
+                   [&](const JournalRun& is) { return apply_start(is); },
+                   [&](const JournalStart& is) { return apply_to(is.key.run, is); },
+                   [&](const JournalResult& is) -> Status {
+                     const auto result = decode<TaskResult>(is.result.payload.bytes);
+                     return result ? apply_to(result->key.run, is) : Status(result.error());
+                   },
+                   [&](const JournalChoice& is) -> Status {
+                     const auto choice = decode<Choice>(is.choice.payload.bytes);
+                     return choice ? apply_to(choice->run, is) : Status(choice.error());
+                   },
+                   [&](const JournalDelivered& is) { return apply_to(is.run, is); },
+                   [&](const JournalAbort& is) -> Status {
+                     const auto order = decode<AbortOrder>(is.order.payload.bytes);
+                     return order ? apply_to(order->run, is) : Status(order.error());
+                   },
+                   [&](const JournalTombstone& is) -> Status {
+                     bury(is);
+                     return Done{};
+                   },
+                   [](const auto& other) -> Status {
+                     return fail(Errc::bad_value,
+                                 "'" + std::string(subtype_of(Body(other))) + "' is no journal record");
+                   },
+               },
+               fact);
 }
 
 Run& Book::add(Run run) {

@@ -18,7 +18,7 @@ std::vector<Inbound> Held::take_if(Match match) {
 bool Held::add(const std::string& run, const Inbound& message, MonotonicTime now) {
   const auto same = std::find_if(entries_.begin(), entries_.end(), [&](const Entry& entry) {
     return entry.run == run && entry.message.source == message.source &&
-           entry.message.body.index() == message.body.index();
+           entry.message.body.kind() == message.body.kind();
   });
   if (same != entries_.end()) {
     *same = {run, now + kPatience, message};

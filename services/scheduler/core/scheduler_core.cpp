@@ -69,7 +69,7 @@ std::optional<MonotonicTime> SchedulerCore::next_deadline() const {
 }
 
 void SchedulerCore::dispatch(const Inbound& message, Step step) {
-  std::visit([&](const auto& body) { handle(body, message, step); }, message.body);
+  visit([&](const auto& body) { handle(body, message, step); }, message.body);
 }
 
 template <class Other>
@@ -80,7 +80,7 @@ void SchedulerCore::handle(const Other& body, const Inbound& from, Step step) {
 
 void SchedulerCore::refuse(const Inbound& from, const Error& error, Step step) {
   // A counter for every subtype that a peer makes up would be a leak.
-  const std::string subtype(std::holds_alternative<Opaque>(from.body) ? "opaque" : subtype_of(from.body));
+  const std::string subtype(holds_alternative<Opaque>(from.body) ? "opaque" : subtype_of(from.body));
   step.out.count("refused." + subtype + "." + std::string(errc_name(error.code)));
   step.out.nack(from, error);
 }

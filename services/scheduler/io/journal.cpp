@@ -33,28 +33,28 @@ std::string column(sqlite3_stmt* statement, int place) {
 
 Result<std::string> run_of(const Body& record) {
   using Run = Result<std::string>;
-  return std::visit(Overloaded{
-                        [](const JournalRun& is) -> Run {
-                          return run_in<RunStart>(is.start, [](const RunStart& start) { return start.run; });
-                        },
-                        [](const JournalStart& is) -> Run { return is.key.run; },
-                        [](const JournalResult& is) -> Run {
-                          return run_in<TaskResult>(is.result, [](const TaskResult& result) { return result.key.run; });
-                        },
-                        [](const JournalChoice& is) -> Run {
-                          return run_in<Choice>(is.choice, [](const Choice& choice) { return choice.run; });
-                        },
-                        [](const JournalDelivered& is) -> Run { return is.run; },
-                        [](const JournalAbort& is) -> Run {
-                          return run_in<AbortOrder>(is.order, [](const AbortOrder& order) { return order.run; });
-                        },
-                        [](const JournalTombstone& is) -> Run { return is.run; },
-                        [](const auto& other) -> Run {
-                          return fail(Errc::bad_value,
-                                      "'" + std::string(subtype_of(Body(other))) + "' is no journal record");
-                        },
-                    },
-                    record);
+  return visit(Overloaded{
+                   [](const JournalRun& is) -> Run {
+                     return run_in<RunStart>(is.start, [](const RunStart& start) { return start.run; });
+                   },
+                   [](const JournalStart& is) -> Run { return is.key.run; },
+                   [](const JournalResult& is) -> Run {
+                     return run_in<TaskResult>(is.result, [](const TaskResult& result) { return result.key.run; });
+                   },
+                   [](const JournalChoice& is) -> Run {
+                     return run_in<Choice>(is.choice, [](const Choice& choice) { return choice.run; });
+                   },
+                   [](const JournalDelivered& is) -> Run { return is.run; },
+                   [](const JournalAbort& is) -> Run {
+                     return run_in<AbortOrder>(is.order, [](const AbortOrder& order) { return order.run; });
+                   },
+                   [](const JournalTombstone& is) -> Run { return is.run; },
+                   [](const auto& other) -> Run {
+                     return fail(Errc::bad_value,
+                                 "'" + std::string(subtype_of(Body(other))) + "' is no journal record");
+                   },
+               },
+               record);
 }
 
 Result<std::unique_ptr<JournalFile>> JournalFile::open(const std::string& path) {
@@ -155,7 +155,7 @@ Status JournalFile::write_all(const std::vector<Journal>& records) {
   for (const Journal& journal : records) {
     const auto run_id = run_of(journal.record);
     if (!run_id) return run_id.error();
-    if (std::holds_alternative<JournalTombstone>(journal.record)) {
+    if (holds_alternative<JournalTombstone>(journal.record)) {
       if (auto dropped = drop_run(*run_id); !dropped) return dropped;
     }
     if (auto written = insert(*run_id, journal.record); !written) return written;
@@ -206,7 +206,7 @@ Status JournalFile::prune(UtcTime now) {
   const auto all = rows();
   if (!all) return all.error();
   for (const Row& row : *all) {
-    const auto* tombstone = std::get_if<JournalTombstone>(&row.record);
+    const auto* tombstone = get_if<JournalTombstone>(&row.record);
     if (tombstone == nullptr || tombstone->until > now.ns) continue;
     if (auto dropped = drop_row(row.sequence); !dropped) return dropped;
   }

@@ -68,11 +68,11 @@ TEST_CASE("records come back in the order of writing, also after the file is ope
   const auto records = opened(folder)->load();
   REQUIRE(records.ok());
   REQUIRE(records->size() == 4);
-  CHECK(std::get<JournalStart>((*records)[0]).key == AttemptKey{"b", "one", 1, 1});
-  CHECK(std::get<JournalStart>((*records)[0]).instance == 7);
-  CHECK(std::holds_alternative<JournalResult>((*records)[1]));
-  CHECK(std::get<JournalStart>((*records)[2]).key.run == "a");
-  CHECK(std::holds_alternative<JournalChoice>((*records)[3]));
+  CHECK(get<JournalStart>((*records)[0]).key == AttemptKey{"b", "one", 1, 1});
+  CHECK(get<JournalStart>((*records)[0]).instance == 7);
+  CHECK(holds_alternative<JournalResult>((*records)[1]));
+  CHECK(get<JournalStart>((*records)[2]).key.run == "a");
+  CHECK(holds_alternative<JournalChoice>((*records)[3]));
 }
 
 TEST_CASE("a tombstone takes the place of its run's records, until its own time has come") {
@@ -82,8 +82,8 @@ TEST_CASE("a tombstone takes the place of its run's records, until its own time 
   REQUIRE(journal->commit({{JournalTombstone{"a", RunState::finished, 100}}}).ok());
   const auto records = journal->load();
   REQUIRE(records->size() == 2);
-  CHECK(std::get<JournalStart>((*records)[0]).key.run == "b");
-  CHECK(std::get<JournalTombstone>((*records)[1]).run == "a");
+  CHECK(get<JournalStart>((*records)[0]).key.run == "b");
+  CHECK(get<JournalTombstone>((*records)[1]).run == "a");
   CHECK(journal->prune({99}).ok());
   CHECK(journal->load()->size() == 2);
   CHECK(journal->prune({100}).ok());

@@ -142,8 +142,8 @@ TEST_CASE("a choice is journaled before anything follows from it, and its repeti
   const Outbox out = story.pass({story.signed_by("ridgeback")});
   CHECK(sent<BatonJournaled>(out).size() == 1);
   REQUIRE(out.journal.size() == 2);
-  CHECK(std::holds_alternative<JournalChoice>(out.journal[0].record));
-  CHECK(std::holds_alternative<JournalStart>(out.journal[1].record));
+  CHECK(holds_alternative<JournalChoice>(out.journal[0].record));
+  CHECK(holds_alternative<JournalStart>(out.journal[1].record));
   REQUIRE(sent<Execute>(out).size() == 1);
   CHECK(sent<Execute>(out)[0].key.task == "right");
   REQUIRE(sent<SignRequest>(out).size() == 1);

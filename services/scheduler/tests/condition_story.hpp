@@ -76,7 +76,7 @@ struct Story {
     std::map<std::string, std::set<bool>> verdicts;
     for (const char* node : {"cloud", "conveyor", "drone", "pioneer", "ridgeback", "ur3"}) {
       for (const Body& record : fleet[node].journal) {
-        const auto* kept = std::get_if<JournalChoice>(&record);
+        const auto* kept = get_if<JournalChoice>(&record);
         if (kept == nullptr) continue;
         const auto choice = decode<Choice>(kept->choice.payload.bytes);
         for (const ChosenTask& one : choice->tasks) verdicts[one.task].insert(one.holds);

@@ -33,7 +33,7 @@ TEST_CASE("the skipped result carries the reading") {
   story.submit(left_or_right());
   REQUIRE(story.finishes());
   for (const Body& record : story.fleet["cloud"].journal) {
-    const auto* kept = std::get_if<JournalResult>(&record);
+    const auto* kept = get_if<JournalResult>(&record);
     if (kept == nullptr) continue;
     const auto result = decode<TaskResult>(kept->result.payload.bytes);
     if (result->outcome != TaskOutcome::skipped) continue;
@@ -171,7 +171,7 @@ TEST_CASE("a join's condition is read when all before it is final, by the actor 
   const auto chose = [&](const char* node) {
     const auto& journal = story.fleet[node].journal;
     return std::any_of(journal.begin(), journal.end(),
-                       [](const Body& record) { return std::holds_alternative<JournalChoice>(record); });
+                       [](const Body& record) { return holds_alternative<JournalChoice>(record); });
   };
   CHECK(chose("drone"));
   CHECK(chose("pioneer"));

@@ -21,7 +21,7 @@ void abort(Fleet& fleet, const std::string& node) {
 }
 
 std::string last_nack(const Fleet& fleet) {
-  const auto* nack = fleet.answers.empty() ? nullptr : std::get_if<Nack>(&fleet.answers.back());
+  const auto* nack = fleet.answers.empty() ? nullptr : get_if<Nack>(&fleet.answers.back());
   return nack == nullptr ? "" : nack->code;
 }
 
@@ -31,9 +31,8 @@ bool has_begun(Fleet& fleet, const std::string& robot) {
 
 std::size_t tombstones(Fleet& fleet, const std::string& node) {
   const auto& journal = fleet[node].journal;
-  return static_cast<std::size_t>(std::count_if(journal.begin(), journal.end(), [](const Body& record) {
-    return std::holds_alternative<JournalTombstone>(record);
-  }));
+  return static_cast<std::size_t>(std::count_if(
+      journal.begin(), journal.end(), [](const Body& record) { return holds_alternative<JournalTombstone>(record); }));
 }
 
 }  // namespace
@@ -45,8 +44,8 @@ TEST_CASE("an abort stops what runs, starts nothing more and is done when every 
   REQUIRE(fleet.until([&] { return has_begun(fleet, "ur3"); }));
   fleet["drone"].cut = true;  // has never heard of the run
   abort(fleet, "cloud");
-  REQUIRE(std::holds_alternative<Ack>(fleet.answers.back()));
-  CHECK(std::get<Ack>(fleet.answers.back()).state == "accepted");
+  REQUIRE(holds_alternative<Ack>(fleet.answers.back()));
+  CHECK(get<Ack>(fleet.answers.back()).state == "accepted");
   CHECK(fleet.view("cloud", kRun).state == RunState::aborting);
   fleet.pass(seconds(10));
   CHECK(fleet.view("cloud", kRun).state == RunState::aborting);
@@ -146,7 +145,7 @@ TEST_CASE("an expired run ends what runs, starts nothing more, and leaves a tomb
   CHECK(last_nack(fleet).empty());
   CHECK_FALSE(has_begun(fleet, "pioneer"));
   for (const char* node : {"cloud", "conveyor", "ridgeback", "ur3"}) CHECK(tombstones(fleet, node) == 1);
-  const auto& last = std::get<JournalTombstone>(fleet["cloud"].journal.back());
+  const auto& last = get<JournalTombstone>(fleet["cloud"].journal.back());
   CHECK(last.state == RunState::expired);
   submit(fleet, "cloud", seconds(3600));
   CHECK(last_nack(fleet) == "expired");
@@ -170,7 +169,7 @@ TEST_CASE("a finished run becomes a tombstone when it expires") {
   CHECK(tombstones(fleet, "cloud") == 0);
   fleet.pass(seconds(15));
   CHECK(tombstones(fleet, "cloud") == 1);
-  CHECK(std::get<JournalTombstone>(fleet["cloud"].journal.back()).state == RunState::finished);
+  CHECK(get<JournalTombstone>(fleet["cloud"].journal.back()).state == RunState::finished);
 }
 
 TEST_CASE("what is owed of an expired run is owed a day longer, then given up") {

@@ -3,11 +3,11 @@
 namespace trb::scheduler::test {
 
 void FakeAdapter::hear(const Inbound& message, MonotonicTime now) {
-  if (const auto* is = std::get_if<Execute>(&message.body)) execute(*is, message, now);
-  if (const auto* is = std::get_if<ExecutionQuery>(&message.body)) query(is->key, message.id);
-  if (std::holds_alternative<AdapterStateRequest>(message.body)) tell_state(message.id);
-  if (const auto* is = std::get_if<OutcomeJournaled>(&message.body)) outcomes_.erase(is->key);
-  if (const auto* is = std::get_if<CancelExecution>(&message.body)) cancel(is->key, now);
+  if (const auto* is = get_if<Execute>(&message.body)) execute(*is, message, now);
+  if (const auto* is = get_if<ExecutionQuery>(&message.body)) query(is->key, message.id);
+  if (holds_alternative<AdapterStateRequest>(message.body)) tell_state(message.id);
+  if (const auto* is = get_if<OutcomeJournaled>(&message.body)) outcomes_.erase(is->key);
+  if (const auto* is = get_if<CancelExecution>(&message.body)) cancel(is->key, now);
 }
 
 void FakeAdapter::cancel(const AttemptKey& key, MonotonicTime now) {

@@ -83,7 +83,7 @@ RunView Fleet::view(const std::string& node, const std::string& run) {
   nodes_.at(node).core->on({MessageType::request, node, node, ++count_, 0, 0, 1000, RunQuery{run}}, now(), out);
   const auto views = sent<RunView>(out);
   if (views.empty()) return {};
-  std::erase_if(out.sends, [](const Send& send) { return std::holds_alternative<RunView>(send.body); });
+  std::erase_if(out.sends, [](const Send& send) { return holds_alternative<RunView>(send.body); });
   carry_out(nodes_.at(node), out);
   return views.front();
 }
@@ -143,13 +143,13 @@ void Fleet::send(Node& node, const Send& send) {
 
 void Fleet::send_local(Node& node, const Inbound& message) {
   if (chance(weather.local_loss)) return;
-  if (const auto* request = std::get_if<SignRequest>(&message.body)) {
+  if (const auto* request = get_if<SignRequest>(&message.body)) {
     REQUIRE(may_sign(node.role, request->kind));
     REQUIRE(may_have_signed("scheduler", false, request->kind));
     answer(node.id, message, seconds(0.002), sign(node.id, request->kind, request->payload.bytes));
-  } else if (std::holds_alternative<RouteListRequest>(message.body)) {
+  } else if (holds_alternative<RouteListRequest>(message.body)) {
     answer(node.id, message, seconds(0.001), routes(node));
-  } else if (std::holds_alternative<SensorRead>(message.body)) {
+  } else if (holds_alternative<SensorRead>(message.body)) {
     read_sensor(node, message);
   } else {
     post({node.id, true, false, message}, seconds(0.001));
@@ -165,8 +165,7 @@ void Fleet::answer(const std::string& from, const Inbound& asked, Duration delay
 }
 
 void Fleet::read_sensor(Node& node, const Inbound& message) {
-  if (!node.sensors.hangs)
-    answer(node.id, message, seconds(0.01), node.sensors.answer(std::get<SensorRead>(message.body)));
+  if (!node.sensors.hangs) answer(node.id, message, seconds(0.01), node.sensors.answer(get<SensorRead>(message.body)));
 }
 
 RouteTable Fleet::routes(const Node& node) const {
@@ -193,7 +192,7 @@ void Fleet::send_away(Node& node, const Inbound& message) {
   REQUIRE(target != nodes_.end());
   ++carried[std::string(subtype_of(message.body))];
   if (node.cut || target->second.cut) return nack(node, message, Errc::peer_unreachable);
-  if (std::holds_alternative<SensorRead>(message.body)) {
+  if (holds_alternative<SensorRead>(message.body)) {
     if (!chance(weather.loss)) read_sensor(target->second, message);
     return;
   }

@@ -73,8 +73,8 @@ TEST_CASE("a baton with a good result is journaled, acknowledged, and starts the
   REQUIRE(sent<BatonJournaled>(out).size() == 1);
   CHECK(sent<BatonJournaled>(out)[0].tasks == std::vector<std::uint16_t>{1});
   REQUIRE(out.journal.size() == 2);
-  CHECK(std::holds_alternative<JournalResult>(out.journal[0].record));
-  CHECK(std::holds_alternative<JournalStart>(out.journal[1].record));
+  CHECK(holds_alternative<JournalResult>(out.journal[0].record));
+  CHECK(holds_alternative<JournalStart>(out.journal[1].record));
   REQUIRE(sent<Execute>(out).size() == 1);
   CHECK(sent<Execute>(out)[0].instance == 100);
   // Repeated: acknowledged again, and nothing else.

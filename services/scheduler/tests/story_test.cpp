@@ -46,7 +46,7 @@ TEST_CASE("the demonstration passes from robot to robot and each task is done on
   add_demonstration(fleet);
   submit(fleet, nine_tasks());
   REQUIRE(fleet.answers.size() == 1);
-  CHECK(std::get<RunAccepted>(fleet.answers[0]).run == kRun);
+  CHECK(get<RunAccepted>(fleet.answers[0]).run == kRun);
   REQUIRE(fleet.until(finished_at(fleet, "cloud")));
   check_each_once(fleet);
   fleet.pass(seconds(5));

@@ -181,7 +181,7 @@ SensorReading SensorBusCore::reading_of(const std::string& name, const BusValue&
 void SensorBusCore::deliver(const std::string& name, const SensorReading& reading, Now now, Outbox& out) {
   const auto is_over = [&](const Asker& one) {
     if (one.name != name) return false;
-    if (const auto* word = std::get_if<Opaque>(&one.asked.body)) {
+    if (const auto* word = get_if<Opaque>(&one.asked.body)) {
       out.reply(one.asked, Opaque{word->subtype, reading.is_text ? reading.text : plain_text(reading.number)});
     } else {
       out.reply(one.asked, reading);

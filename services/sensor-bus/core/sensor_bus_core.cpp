@@ -33,7 +33,7 @@ void SensorBusCore::on_welcome(const NodeIdentity&, Now now, Outbox& out) {
 }
 
 void SensorBusCore::on(const Inbound& message, Now now, Outbox& out) {
-  if (const auto* expired = std::get_if<PeerExpired>(&message.body); expired != nullptr && message.source == node_) {
+  if (const auto* expired = get_if<PeerExpired>(&message.body); expired != nullptr && message.source == node_) {
     forget_node(expired->id);
   } else if (message.type == MessageType::request && message.wants_answer()) {
     on_request(message, now, out);
@@ -44,16 +44,16 @@ void SensorBusCore::on(const Inbound& message, Now now, Outbox& out) {
 }
 
 void SensorBusCore::on_request(const Inbound& asked, Now now, Outbox& out) {
-  std::visit(Overloaded{[&](const SensorRead& body) { begin_read(asked, body, now, out); },
-                        [&](const SensorWatch& body) { order_watch(asked, body, now, out); },
-                        [&](const SensorSnapshot& body) { begin_picture(asked, body, now, out); },
-                        [&](const SensorListRequest& body) { tell_table(asked, body, out); },
-                        // Of a robot, or a person: the name of a sensor.
-                        [&](const Opaque& body) {
-                          begin_read(asked, SensorRead{body.subtype, "", 0}, now, out);
-                        },
-                        [&](const auto&) { refuse(asked, out); }},
-             asked.body);
+  visit(Overloaded{[&](const SensorRead& body) { begin_read(asked, body, now, out); },
+                   [&](const SensorWatch& body) { order_watch(asked, body, now, out); },
+                   [&](const SensorSnapshot& body) { begin_picture(asked, body, now, out); },
+                   [&](const SensorListRequest& body) { tell_table(asked, body, out); },
+                   // Of a robot, or a person: the name of a sensor.
+                   [&](const Opaque& body) {
+                     begin_read(asked, SensorRead{body.subtype, "", 0}, now, out);
+                   },
+                   [&](const auto&) { refuse(asked, out); }},
+        asked.body);
 }
 
 void SensorBusCore::refuse(const Inbound& message, Outbox& out) {

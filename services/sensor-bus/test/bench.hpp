@@ -128,11 +128,11 @@ struct Bench {
     for (const Send& send : out.sends) {
       if (send.reply_to != id) continue;
       text += text.empty() ? "" : "\n";
-      if (const auto* nack = std::get_if<Nack>(&send.body)) text += "nack " + nack->code + ": " + nack->what;
-      if (const auto* ack = std::get_if<Ack>(&send.body)) text += "ack " + ack->state;
-      if (const auto* word = std::get_if<Opaque>(&send.body)) text += word->subtype + " " + word->data;
-      if (const auto* image = std::get_if<SensorImage>(&send.body)) text += "image " + image->bytes.bytes;
-      if (const auto* one = std::get_if<SensorReading>(&send.body)) text += "reading " + text_of(*one);
+      if (const auto* nack = get_if<Nack>(&send.body)) text += "nack " + nack->code + ": " + nack->what;
+      if (const auto* ack = get_if<Ack>(&send.body)) text += "ack " + ack->state;
+      if (const auto* word = get_if<Opaque>(&send.body)) text += word->subtype + " " + word->data;
+      if (const auto* image = get_if<SensorImage>(&send.body)) text += "image " + image->bytes.bytes;
+      if (const auto* one = get_if<SensorReading>(&send.body)) text += "reading " + text_of(*one);
     }
     return text;
   }
@@ -154,7 +154,7 @@ struct Bench {
   SensorInfo info(const std::string& name) {
     const std::uint64_t id = ask(SensorListRequest{});
     for (const Send& send : out.sends) {
-      const auto* table = std::get_if<SensorTable>(&send.body);
+      const auto* table = get_if<SensorTable>(&send.body);
       if (table == nullptr || send.reply_to != id) continue;
       for (const SensorInfo& one : table->sensors) {
         if (one.name == name) return one;

@@ -199,7 +199,7 @@ TEST_CASE("a picture is taken once for all who ask, and goes on the lossy lane")
   CHECK(bench.answer(first) == "image JPEG");
   CHECK(bench.answer(second) == "image JPEG");
   for (const Send& send : bench.out.sends) {
-    if (std::holds_alternative<SensorImage>(send.body)) CHECK((send.flags & kFlagLossy) != 0);
+    if (holds_alternative<SensorImage>(send.body)) CHECK((send.flags & kFlagLossy) != 0);
   }
   CHECK(bench.answer(bench.read("camera")) == "nack bad_value: camera tells pictures");
   const auto third = bench.ask(SensorSnapshot{"camera", ""});
