@@ -217,15 +217,9 @@ void RouterCore::tell_services(Body body, Effects& out) {
   }
 }
 
-bool RouterCore::tell_hearers(const HeaderView& header, ConnectionId except, Effects& out) const {
-  if (header.type != MessageType::information || header.reply_to != 0) return false;
-  bool heard = false;
-  for (const ConnectionId hearer : services_.hearers(header.subtype)) {
-    if (hearer == except) continue;
-    out.add(BusSend{hearer, to_message(header)});
-    heard = true;
-  }
-  return heard;
+std::vector<ConnectionId> RouterCore::hearers_of(const HeaderView& header) const {
+  if (header.type != MessageType::information || header.reply_to != 0) return {};
+  return services_.hearers(header.subtype);
 }
 
 }  // namespace trb::router

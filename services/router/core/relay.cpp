@@ -268,12 +268,14 @@ void RouterCore::take_relayed(Link& link, const Peer& source, const RelayedFrame
   out.count("relayed.received");
   const Routing decision = route_relayed(*header, source.certificate, out);
   Message message = to_message(*header);
-  const bool heard = tell_hearers(*header, 0, out);
+  const bool may = decision.to == Routing::To::service || decision.reason == Errc::no_service;
+  const std::vector<ConnectionId> hearers = may ? hearers_of(*header) : std::vector<ConnectionId>{};
+  for (const ConnectionId hearer : hearers) out.add(BusSend{hearer, message});
   if (decision.to == Routing::To::service) {
     out.add(BusSend{decision.connection, std::move(message)});
   } else if (decision.to == Routing::To::router) {
     answer_relayed(source.id, message, now, out);
-  } else if (heard && decision.reason == Errc::no_service) {
+  } else if (!hearers.empty()) {
     return;
   } else if (auto nack = nack_relayed(*header, decision.reason, out)) {
     send_relayed(source.id, *nack, now, out);

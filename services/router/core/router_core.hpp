@@ -146,8 +146,9 @@ class RouterCore {
   /// Raises a counter; the shell calls it for Effects::counts.
   void count(std::string_view name, std::uint64_t by = 1);
 
-  /// Copies for those of the node's services that want to hear of it, but for `except`; true if there is one.
-  bool tell_hearers(const HeaderView& header, ConnectionId except, Effects& out) const;
+  /// The node's services that want a copy of it, besides the one that takes it. A link's waits for its seal as the
+  /// message does.
+  [[nodiscard]] std::vector<ConnectionId> hearers_of(const HeaderView& header) const;
 
  private:
   // road.cpp

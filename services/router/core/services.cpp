@@ -3,6 +3,7 @@
 #include <set>
 
 #include "common/base/ids.hpp"
+#include "common/security/rights.hpp"
 #include "proto/body.hpp"
 #include "services/router/core/config.hpp"
 
@@ -22,6 +23,8 @@ Result<std::uint16_t> Services::welcome(ConnectionId connection, const ServiceHe
     if (holder(hello.service)) return fail(Errc::already_claimed, "service '" + hello.service + "' is running already");
     for (const std::string& subtype : hello.subtypes) {
       if (!is_valid_word(subtype)) return fail(Errc::bad_value, "subtypes: '" + subtype + "' is no word");
+      if (!may_take(hello.service, subtype))
+        return fail(Errc::not_permitted, "subtype '" + subtype + "' is the middleware's own", "hear it: `hears`");
       if (by_subtype(subtype))
         return fail(Errc::already_claimed, "subtype '" + subtype + "' is taken by another service");
     }

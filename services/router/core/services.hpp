@@ -24,7 +24,8 @@ class Services {
   explicit Services(std::uint16_t first_slot) : next_slot_(first_slot) {}
 
   /// Takes a connection in. Errors: already_claimed (the holder of the service or of a subtype is still there),
-  /// queue_full. The caller has to have freed a holder whose connection is gone.
+  /// queue_full, bad_value, not_permitted (an operator's service would take a word of the middleware's). The caller has
+  /// to have freed a holder whose connection is gone.
   Result<std::uint16_t> welcome(ConnectionId connection, const ServiceHello& hello, bool probe, MonotonicTime now);
   void forget(ConnectionId connection);
   void heard(ConnectionId connection, MonotonicTime now);

@@ -34,7 +34,7 @@ TestNode& TestFleet::start(const std::string& id, const Options& options) {
   config.seal_before_delivery = options.seal_before_delivery;
   config.relay = options.relay;
   if (options.lane) config.lane = id + ":45001";
-  config.services = {"router", "mode-adapter", "scheduler", "resilience", "sensor-bus", "cloud-gateway"};
+  config.services = {"router", "mode-adapter", "scheduler", "resilience", "sensor-bus", "cloud-gateway", "fault-tally"};
   for (const std::string& seed : options.seeds) config.seeds.push_back({seed, keys(seed).link.public_key});
   for (const std::string& hint : options.known) config.known.push_back({hint, keys(hint).link.public_key});
   node->core = std::make_unique<RouterCore>(std::move(config));

@@ -86,6 +86,15 @@ void RouterShell::on_inbox_frame(BytesView routing_id, Frame& frame) {
   origin_ = {};
 }
 
+bool RouterShell::copy_to_hearers(LinkId link, const HeaderView& header, const Frame& frame) {
+  const std::vector<ConnectionId> hearers = core_.hearers_of(header);
+  for (const ConnectionId hearer : hearers) {
+    const SendResult result = deliver(link, header.sequence, hearer, to_frame(view_of(frame)));
+    if (result != SendResult::sent) core_.count("dropped.queue_full");
+  }
+  return !hearers.empty();
+}
+
 void RouterShell::on_link_frame(LinkId link, BytesView key, const HeaderView& header, Frame& frame) {
   Effects effects;
   const Now now = read_clocks();
@@ -93,8 +102,8 @@ void RouterShell::on_link_frame(LinkId link, BytesView key, const HeaderView& he
   const Link* known = core_.find_link(link);
   const bool was_up = known != nullptr && known->up;
   if (was_up && !hear(link, header, view_of(frame), now, effects)) return carry_out(effects);
-  const bool open = decision.to == Routing::To::service || decision.reason == Errc::no_service;
-  const bool heard = open && core_.tell_hearers(header, 0, effects);
+  const bool may = decision.to == Routing::To::service || decision.reason == Errc::no_service;
+  const bool heard = may && copy_to_hearers(link, header, frame);
   if (decision.to != Routing::To::drop || heard) tap('<', view_of(frame));
   switch (decision.to) {
     case Routing::To::service: {
@@ -230,8 +239,10 @@ void RouterShell::forward_to_link(ConnectionId from, LinkId link, const HeaderVi
 }
 
 void RouterShell::forward_to_all(ConnectionId from, Frame& frame, const HeaderView& header) {
-  Effects effects;
-  if (core_.tell_hearers(header, from, effects)) carry_out(effects);
+  for (const ConnectionId hearer : core_.hearers_of(header)) {
+    if (hearer != from && send_bus(hearer, to_frame(view_of(frame))) != SendResult::sent)
+      core_.count("dropped.queue_full");
+  }
   for (const std::string& peer : core_.relayed_peers()) forward_by_relay(from, peer, header, frame);
   for (const LinkId link : core_.up_links()) {
     tap('>', view_of(frame));

@@ -126,6 +126,8 @@ class RouterShell {
   void drain_inbox();
   void on_inbox_frame(BytesView routing_id, Frame& frame);
   void drain_dialled(LinkId link);
+  /// Copies of a link's message for those that want to hear it; true if there are any.
+  bool copy_to_hearers(LinkId link, const HeaderView& header, const Frame& frame);
   void on_link_frame(LinkId link, BytesView key, const HeaderView& header, Frame& frame);
   void dial(const Dial& effect);
   void open_dialled(const Dial& effect);
@@ -189,7 +191,7 @@ class RouterShell {
   std::unique_ptr<LaneServer> lane_;
   std::map<LinkId, Dialled> dialled_;
   std::map<LinkId, Dialled> heard_;  ///< the lanes of the peers
-  std::vector<Dialled> closed_;  ///< freed between turns: a monitor must not die inside its own call
+  std::vector<Dialled> closed_;      ///< freed between turns: a monitor must not die inside its own call
   std::map<LinkId, Accepted> accepted_;
   struct Held {
     std::uint64_t sequence = 0;
@@ -202,7 +204,7 @@ class RouterShell {
   InboxOrigin origin_;
   std::vector<LinkId> lost_links_;
   std::vector<std::pair<Message, Errc>> unpassed_;  ///< `relayed` of others that did not leave
-  std::unique_ptr<Door> bus_door_;  ///< of a bus over TCP
+  std::unique_ptr<Door> bus_door_;                  ///< of a bus over TCP
   std::unique_ptr<Socket> tap_;
   std::vector<std::unique_ptr<SocketMonitor>> bus_monitors_;  ///< of the bus, and of the tap
   unsigned tap_listeners_ = 0;
