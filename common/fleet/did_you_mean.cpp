@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <numeric>
 #include <utility>
+#include <vector>
 
 namespace trb {
 namespace {
@@ -11,15 +12,22 @@ constexpr std::size_t kMostEdits = 2;
 constexpr std::size_t kLongestWord = 64;
 constexpr std::size_t kMostListed = 40;
 
-/// Levenshtein's distance, one row at a time.
+/// Edits from one to the other: a letter more, less or another, or two neighbours exchanged (the commonest slip).
+/// Optimal string alignment, https://en.wikipedia.org/wiki/Damerau-Levenshtein_distance.
 std::size_t edits(std::string_view a, std::string_view b) {
+  std::vector<std::size_t> before(b.size() + 1);
+  std::vector<std::size_t> last(b.size() + 1);
   std::vector<std::size_t> row(b.size() + 1);
   std::iota(row.begin(), row.end(), std::size_t{0});
   for (std::size_t i = 1; i <= a.size(); ++i) {
-    std::size_t diagonal = std::exchange(row[0], i);
+    std::swap(before, last);
+    std::swap(last, row);
+    row[0] = i;
     for (std::size_t k = 1; k <= b.size(); ++k) {
-      const std::size_t replaced = diagonal + (a[i - 1] == b[k - 1] ? 0U : 1U);
-      diagonal = std::exchange(row[k], std::min({replaced, row[k] + 1, row[k - 1] + 1}));
+      const std::size_t replaced = last[k - 1] + (a[i - 1] == b[k - 1] ? 0U : 1U);
+      row[k] = std::min({replaced, last[k] + 1, row[k - 1] + 1});
+      const bool exchanged = i > 1 && k > 1 && a[i - 1] == b[k - 2] && a[i - 2] == b[k - 1];
+      if (exchanged) row[k] = std::min(row[k], before[k - 2] + 1);
     }
   }
   return row[b.size()];

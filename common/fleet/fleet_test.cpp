@@ -43,6 +43,7 @@ TEST_CASE("the nearest word is at most two edits away") {
   CHECK(nearest("xy", words).empty());
   CHECK(nearest("", words).empty());
   CHECK(nearest(std::string(100'000, 'a'), words).empty());
+  CHECK(nearest("retires", {"requires", "retries"}) == "retries");  // two letters exchanged are one slip
   CHECK(did_you_mean("speed", {}, "remove it") == "remove it");
   CHECK(did_you_mean("speed", words, "use one of") == "use one of: timeout_s, end, capability");
 }

@@ -1,5 +1,6 @@
 #include "common/scenario/definition.hpp"
 
+#include <algorithm>
 #include <utility>
 
 #include "common/base/ids.hpp"
@@ -7,11 +8,21 @@
 #include "common/fleet/object_reader.hpp"
 #include "common/scenario/condition_file.hpp"
 #include "common/scenario/cycles.hpp"
+#include "common/scenario/graph.hpp"
+#include "common/scenario/repeat.hpp"
+#include "common/scenario/task_data.hpp"
+#include "proto/body.hpp"
 
 namespace trb {
 namespace {
 
-constexpr std::size_t kMaxData = 65536;
+constexpr std::size_t kMaxScenario = DecodeLimits{}.bytes / 2;
+constexpr std::size_t kMaxRequires = 32;  ///< as Task::requires_
+constexpr std::string_view kWordCure = "use a letter, then letters, digits, '_' or '-', 64 at most";
+
+bool contains(const std::vector<std::string>& words, const std::string& word) {
+  return std::find(words.begin(), words.end(), word) != words.end();
+}
 
 std::string path_of(std::size_t index) {
   return "tasks[" + std::to_string(index) + "]";
@@ -23,59 +34,64 @@ struct ReadTask {
   std::vector<std::string> after;
 };
 
-std::string read_data(ObjectReader& reader) {
-  const Value* data = reader.value("data", Need::optional);
-  if (data == nullptr) return {};
-  if (!data->is_object()) {
-    reader.faults().add(reader.path("data"), "is a " + std::string(data->kind()),
-                        R"(write the skill's parameters as { "NAME": VALUE, … })");
-    return {};
+/// A text that must be a name, if it is there.
+std::string read_word(ObjectReader& reader, std::string_view key, Need need) {
+  const auto id = reader.text(key, need);
+  if (!id) return {};
+  if (auto checked = check_id(key, *id); !checked) {
+    reader.faults().add(reader.path(key), checked.error().what, checked.error().cure);
   }
-  std::string text = dump_json(*data);
-  if (text.size() <= kMaxData) return text;
-  reader.faults().add(reader.path("data"), "is " + std::to_string(text.size()) + " bytes long",
-                      "keep it to " + std::to_string(kMaxData));
-  return {};
+  return *id;
 }
 
-void check_words(const ObjectReader& reader, const Task& task) {
-  const std::vector<std::pair<std::string, Status>> checks = {{"id", check_id("id", task.id)},
-                                                              {"robot", check_id("robot", task.robot)}};
-  for (const auto& [key, status] : checks) {
-    const bool given = !(key == "id" ? task.id : task.robot).empty();
-    if (given && !status) reader.faults().add(reader.path(key), status.error().what, status.error().cure);
+std::string read_skill(ObjectReader& reader) {
+  const auto skill = reader.text("skill", Need::required);
+  if (!skill) return {};
+  if (!is_valid_word(*skill)) {
+    reader.faults().add(reader.path("skill"), in_quotes(*skill) + " is no name of a skill", std::string(kWordCure));
   }
-  if (task.skill.empty() || is_valid_word(task.skill)) return;
-  reader.faults().add(reader.path("skill"), in_quotes(task.skill) + " is no name of a skill",
-                      "use a letter, then letters, digits, '_' or '-', 64 at most");
+  return *skill;
 }
 
-/// A robot chosen late, by capability, is part of the format; refusing it here keeps it from being ignored.
+/// By name, or bound late: to whoever has the capabilities.
 void read_robot(ObjectReader& reader, Task& task) {
-  const bool late = reader.value("requires", Need::optional) != nullptr;
-  if (late) {
-    reader.faults().add(reader.path("requires"), "is not carried out by this version yet",
-                        "name the robot: \"robot\": \"ID\"");
+  const Value* late = reader.value("requires", Need::optional);
+  task.requires_ = reader.texts("requires", Need::optional, kMaxRequires);
+  for (const std::string& capability : task.requires_) {
+    if (is_valid_word(capability)) continue;
+    reader.faults().add(reader.path("requires"), in_quotes(capability) + " is no capability", std::string(kWordCure));
   }
-  task.robot = reader.text("robot", late ? Need::optional : Need::required).value_or("");
+  if (late != nullptr && late->is_list() && late->list().empty()) {
+    reader.faults().add(reader.path("requires"), "is empty",
+                        R"(name a capability, or leave it out and name the robot: "robot": "ID")");
+  }
+  task.robot = read_word(reader, "robot", late != nullptr ? Need::optional : Need::required);
+}
+
+void read_failure(ObjectReader& reader, Task& task) {
+  const auto retries = reader.integer("retries", Need::optional, 0, kMaxRetries);
+  task.retries = static_cast<std::uint32_t>(retries.value_or(0));
+  task.retry_after_s =
+      reader.number("retry_after_s", Need::optional, {kMinRetryAfterS, kMaxRetryAfterS}).value_or(task.retry_after_s);
+  task.on_failure = reader.one_of<OnFailure>("on_failure", Need::optional).value_or(task.on_failure);
 }
 
 ReadTask read_task(const Value& json, std::size_t index, const FileFaults& faults) {
   ObjectReader reader(json, path_of(index), faults);
   ReadTask out;
   Task& task = out.task;
-  task.id = reader.text("id", Need::required).value_or("");
+  task.id = read_word(reader, "id", Need::required);
   read_robot(reader, task);
-  task.skill = reader.text("skill", Need::required).value_or("");
-  task.data = read_data(reader);
+  task.skill = read_skill(reader);
+  read_data(reader, task);
   out.after = reader.texts("after", Need::optional, kMaxTasks);
   task.timeout_s = reader.number("timeout_s", Need::optional, {0, kSeconds.to}).value_or(0);
   task.pinned = reader.boolean("pinned", Need::optional).value_or(false);
+  read_failure(reader, task);
   if (const Value* when = reader.value("when", Need::optional)) {
     task.when.push_back(read_condition(*when, reader.path("when"), faults));
   }
   reader.refuse_unknown_keys();
-  check_words(reader, task);
   return out;
 }
 
@@ -94,6 +110,23 @@ Index index_tasks(const std::vector<ReadTask>& tasks, const FileFaults& faults) 
   return index;
 }
 
+/// A value can come only from a task that is done before, and whose result is brought along.
+void check_sources(const ReadTask& read, std::size_t at, const std::vector<std::string>& ids,
+                   const FileFaults& faults) {
+  for (const ValueFrom& value : read.task.values) {
+    if (contains(read.after, value.task) || faults.full()) continue;
+    const std::string key = path_of(at) + ".data." + value.parameter + ".from";
+    if (value.task == read.task.id) {
+      faults.add(key, "is the task itself", "name a task that comes before");
+    } else if (contains(ids, value.task)) {
+      faults.add(key, in_quotes(value.task) + " is not among the tasks that it waits for",
+                 "add \"" + value.task + "\" to its \"after\"");
+    } else {
+      faults.add(key, in_quotes(value.task) + " is no task", did_you_mean(value.task, ids, "use ids of this scenario"));
+    }
+  }
+}
+
 /// Turns the names of the predecessors into indexes.
 void link(std::vector<ReadTask>& tasks, const Index& index, const FileFaults& faults) {
   std::vector<std::string> ids;
@@ -109,6 +142,7 @@ void link(std::vector<ReadTask>& tasks, const Index& index, const FileFaults& fa
                    did_you_mean(name, ids, "use ids of this scenario"));
       }
     }
+    check_sources(tasks[i], i, ids, faults);
   }
 }
 
@@ -131,6 +165,38 @@ std::vector<ReadTask> read_tasks(ObjectReader& reader) {
   return tasks;
 }
 
+void check_repeated_ids(const std::vector<ReadTask>& tasks, std::uint32_t rounds, const FileFaults& faults) {
+  const std::size_t room = kMaxIdSize + 1 - round_id(" ", rounds).size();
+  for (std::size_t i = 0; i < tasks.size(); ++i) {
+    const std::string& id = tasks[i].task.id;
+    if (id.size() <= room || id.size() > kMaxIdSize) continue;
+    faults.add(path_of(i) + ".id", "has no room for the number of its round, as in " + in_quotes("ID#2"),
+               "keep it to " + std::to_string(room) + " bytes");
+  }
+}
+
+std::uint32_t read_repeat(ObjectReader& reader, const std::vector<ReadTask>& tasks) {
+  const auto rounds = static_cast<std::uint32_t>(reader.integer("repeat", Need::optional, 1, kMaxRounds).value_or(1));
+  const std::size_t all = rounds * tasks.size();
+  if (all > kMaxTasks) {
+    const std::string most = std::to_string(kMaxTasks);
+    reader.faults().add(
+        "repeat", "makes " + std::to_string(all) + " tasks of " + std::to_string(tasks.size()),
+        "use at most " + std::to_string(kMaxTasks / tasks.size()) + ": a scenario has " + most + " tasks at most");
+  }
+  check_repeated_ids(tasks, rounds, reader.faults());
+  return rounds;
+}
+
+/// A run's start is one message, which its members' certificates share.
+void check_size(const Scenario& scenario, const FileFaults& faults) {
+  const std::size_t size = encode(scenario).size();
+  if (size <= kMaxScenario) return;
+  faults.add("tasks", "are " + std::to_string(size) + " bytes long when they are sent",
+             "keep them to " + std::to_string(kMaxScenario) +
+                 ": fewer rounds, shorter data, or one task that waits for many in place of many that do");
+}
+
 }  // namespace
 
 Scenario read_scenario(const Value& json, const std::string& file, ConfigFaults& faults) {
@@ -140,11 +206,15 @@ Scenario read_scenario(const Value& json, const std::string& file, ConfigFaults&
   scenario.name = reader.text("name", Need::required, 64).value_or("");
   scenario.description = reader.text("description", Need::optional, 4096).value_or("");
   std::vector<ReadTask> tasks = read_tasks(reader);
+  const std::uint32_t rounds = read_repeat(reader, tasks);
   reader.refuse_unknown_keys();
   const Index index = index_tasks(tasks, sink);
   link(tasks, index, sink);
   for (ReadTask& read : tasks) scenario.tasks.push_back(std::move(read.task));
   check_cycles(scenario, sink);
+  if (!faults.empty()) return scenario;
+  scenario.tasks = repeat_tasks(scenario.tasks, rounds);
+  check_size(scenario, sink);
   return scenario;
 }
 

@@ -11,9 +11,10 @@
 
 namespace trb {
 
-/// Reads a scenario file: {"name", "description", "tasks": [{"id", "robot", "skill", "data": {…}, "after": ["ID", …],
-/// "timeout_s", "pinned", "when": {…}}]}. Every fault at once: cycles (naming the tasks on it), duplicate ids, unknown predecessors,
-/// wrong types, unknown keys. Task order is kept: a task's index is its place in the file.
+/// Reads a scenario file (config/scenarios/README.md has every key). Every fault at once: cycles (naming the tasks on
+/// it), duplicate ids, unknown predecessors, values of tasks that do not come before, wrong types, unknown keys. Task
+/// order is kept: a task's index is its place in the file; the rounds of a repeated scenario stand one behind the
+/// other. Without faults the scenario passes check_graph.
 Scenario read_scenario(const Value& json, const std::string& file, ConfigFaults& faults);
 
 /// Checks a scenario against what the nodes say of themselves (profiles by node id): unknown robots, skills and places;

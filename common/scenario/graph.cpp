@@ -5,13 +5,45 @@
 
 #include "common/base/ids.hpp"
 #include "common/scenario/condition.hpp"
+#include "common/scenario/repeat.hpp"
 
 namespace trb {
 namespace {
 
+Error wrong(Errc code, const Task& task, const std::string& what, std::string cure = {}) {
+  return fail(code, "task '" + task.id + "': " + what, std::move(cure));
+}
+
+Status check_id_and_robot(const Task& task) {
+  if (!is_valid_task_id(task.id)) return check_id("task", task.id);
+  if (!task.robot.empty() || !task.requires_.empty()) return Done{};
+  return wrong(Errc::bad_value, task, "has no robot", "name one, or capabilities: \"requires\"");
+}
+
+Status check_retries(const Task& task) {
+  const bool in_time = task.retry_after_s >= kMinRetryAfterS && task.retry_after_s <= kMaxRetryAfterS;
+  if (task.retries <= kMaxRetries && in_time) return Done{};
+  return wrong(Errc::bad_value, task, "retries out of bounds", "16 at most, after 0.1 s to 3600 s");
+}
+
+/// Its predecessors must have been checked.
+Status check_values(const Scenario& scenario, const Task& task) {
+  std::set<std::string> seen;
+  for (const ValueFrom& value : task.values) {
+    const auto gives = [&](TaskIndex before) { return scenario.tasks[before].id == value.task; };
+    if (std::none_of(task.after.begin(), task.after.end(), gives)) {
+      return wrong(Errc::bad_value, task, "'" + value.parameter + "' is from '" + value.task + "', no predecessor",
+                   "add it to the predecessors");
+    }
+    if (seen.insert(value.parameter).second) continue;
+    return wrong(Errc::duplicate, task, "'" + value.parameter + "' has two values");
+  }
+  return Done{};
+}
+
 Status check_task(const Scenario& scenario, std::size_t index, std::set<std::string>& ids) {
   const Task& task = scenario.tasks[index];
-  if (auto id = check_id("task", task.id); !id) return id.error();
+  if (auto begun = check_id_and_robot(task); !begun) return begun;
   if (!ids.insert(task.id).second) return fail(Errc::duplicate, "task '" + task.id + "' occurs twice", "rename one");
   std::set<TaskIndex> seen;
   for (const TaskIndex before : task.after) {
@@ -29,7 +61,8 @@ Status check_task(const Scenario& scenario, std::size_t index, std::set<std::str
       return fail(Errc::bad_value, "task '" + task.id + "': " + checked.error().what, checked.error().cure);
     }
   }
-  return Done{};
+  if (auto retries = check_retries(task); !retries) return retries;
+  return check_values(scenario, task);
 }
 
 /// Kahn's algorithm: what cannot be taken away is on a cycle or behind one.

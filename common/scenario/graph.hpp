@@ -14,8 +14,13 @@ namespace trb {
 /// A task's place in Scenario::tasks.
 using TaskIndex = std::uint16_t;
 
-/// Checks what can be checked without knowing the robots: 1 to kMaxTasks tasks, valid and unique ids, predecessors that
-/// exist and occur once, no cycle, at most one condition for each. Errors: too_large, bad_value, duplicate; each names the task.
+constexpr std::uint32_t kMaxRetries = 16;
+constexpr double kMinRetryAfterS = 0.1;
+constexpr double kMaxRetryAfterS = 3600;
+
+/// Checks what can be checked without knowing the robots: 1 to kMaxTasks tasks, valid and unique ids, a robot or what
+/// it must be capable of, predecessors that exist and occur once, no cycle, at most one condition for each, retries
+/// within bounds, values of predecessors. Errors: too_large, bad_value, duplicate; each names the task.
 Status check_graph(const Scenario& scenario);
 
 /// The direct successors of every task, ascending. The scenario must have passed check_graph.

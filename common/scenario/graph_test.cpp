@@ -2,6 +2,9 @@
 
 #include <doctest/doctest.h>
 
+#include <cmath>
+#include <functional>
+
 using namespace trb;
 
 namespace {
@@ -9,6 +12,7 @@ namespace {
 Task task(std::string id, std::vector<TaskIndex> after = {}) {
   Task out;
   out.id = std::move(id);
+  out.robot = "r";
   out.after = std::move(after);
   return out;
 }
@@ -38,6 +42,32 @@ TEST_CASE("a graph may fork and join, and nothing else") {
   CHECK(fault_of({task("a"), task("b", {0, 0})}) == Errc::duplicate);
   CHECK(fault_of({task("a", {2}), task("b", {0}), task("c", {1})}) == Errc::bad_value);
   CHECK(fault_of(std::vector<Task>(kMaxTasks + 1)) == Errc::too_large);
+}
+
+TEST_CASE("what stands on the wire is checked as the file was") {
+  const auto changed = [](const std::function<void(Task&)>& change) {
+    Task second = task("b", {0});
+    change(second);
+    return fault_of({task("a"), second});
+  };
+  CHECK(changed([](Task& is) { is.robot.clear(); }) == Errc::bad_value);
+  CHECK(changed([](Task& is) {
+          is.robot.clear();
+          is.requires_ = {"mobile"};
+        }) == Errc::ok);
+  CHECK(changed([](Task& is) { is.id = "b#2"; }) == Errc::ok);
+  for (const char* id : {"b#1", "b#", "b#02", "b#x", "#2", "b#2#3", "b#10000"}) {
+    CAPTURE(id);
+    CHECK(changed([&](Task& is) { is.id = id; }) == Errc::bad_value);
+  }
+  CHECK(changed([](Task& is) { is.retries = kMaxRetries; }) == Errc::ok);
+  CHECK(changed([](Task& is) { is.retries = kMaxRetries + 1; }) == Errc::bad_value);
+  CHECK(changed([](Task& is) { is.retry_after_s = 0; }) == Errc::bad_value);
+  CHECK(changed([](Task& is) { is.retry_after_s = NAN; }) == Errc::bad_value);
+  CHECK(changed([](Task& is) { is.retry_after_s = 1e9; }) == Errc::bad_value);
+  CHECK(changed([](Task& is) { is.values = {{"p", "a", ""}, {"q", "a", "x"}}; }) == Errc::ok);
+  CHECK(changed([](Task& is) { is.values = {{"p", "a", ""}, {"p", "a", "x"}}; }) == Errc::duplicate);
+  CHECK(changed([](Task& is) { is.values = {{"p", "b", ""}}; }) == Errc::bad_value);
 }
 
 TEST_CASE("a join is ready once all its predecessors are final") {

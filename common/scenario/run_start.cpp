@@ -80,12 +80,19 @@ std::vector<std::string> robots_of(const Assignment& assignment) {
 }
 
 RunStart build_run_start(Scenario scenario, std::vector<Member> members, std::string submitter, UtcTime now,
-                         UtcTime expires, std::string run) {
+                         UtcTime expires, std::string run, std::vector<std::string> robots) {
   RunStart start;
   start.run = std::move(run);
   start.digest.bytes = digest(encode(scenario));
-  for (const Task& task : scenario.tasks) start.first.robots.push_back(task.robot);
+  start.first.robots = std::move(robots);
+  if (start.first.robots.empty()) {
+    for (const Task& task : scenario.tasks) start.first.robots.push_back(task.robot);
+  }
   start.electorate = robots_of(start.first);
+  std::erase_if(start.electorate, [&](const std::string& id) {
+    return std::any_of(members.begin(), members.end(),
+                       [&](const Member& member) { return member.id == id && says_cloud(member); });
+  });
   if (start.electorate.size() % 2 == 0) {
     const auto cloud = std::find_if(members.begin(), members.end(), says_cloud);
     if (cloud != members.end()) start.electorate.push_back(cloud->id);

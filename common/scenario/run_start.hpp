@@ -13,9 +13,11 @@ namespace trb {
 /// Builds the start of a run, ready to be encoded and signed (purpose "run_start"). The tasks' robots become the first
 /// assignment; the digest is BLAKE2b-256 of encode(scenario); the electorate is the run's robots in the order of their
 /// first task, and the first cloud node among the members if their number is even. `run` is 32 lower-case hexadecimal
-/// digits that the caller has drawn. Nothing is checked here: see check_run_start.
+/// digits that the caller has drawn. `robots` are who does each task, where some are bound late (see bind_tasks); a
+/// cloud node among them is the run's decider, which chooses a robot when the task is due. Nothing is checked here: see
+/// check_run_start.
 RunStart build_run_start(Scenario scenario, std::vector<Member> members, std::string submitter, UtcTime now,
-                         UtcTime expires, std::string run);
+                         UtcTime expires, std::string run, std::vector<std::string> robots = {});
 
 /// Checks everything that needs no key: run id, graph, digest, an assigned member for every task, members once each,
 /// submitter and electorate among them, epoch 1, times. Errors: bad_value, duplicate, conflict (digest, epoch) and

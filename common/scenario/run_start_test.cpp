@@ -48,6 +48,38 @@ TEST_CASE("what is built passes the check") {
   CHECK(fault_of(start) == Errc::ok);
 }
 
+TEST_CASE("a task bound late goes to whom the submitter has chosen, and stays open to others") {
+  RunStart start = start_for({"a", "b"});
+  Scenario scenario = start.scenario;
+  scenario.tasks[1].robot.clear();
+  scenario.tasks[1].requires_ = {"mobile"};
+  start = build_run_start(scenario, start.members, "cloud", {10}, {20}, std::string(32, '7'), {"a", "a"});
+  CHECK(start.first.robots == std::vector<std::string>{"a", "a"});
+  CHECK(start.scenario.tasks[1].robot.empty());
+  CHECK(start.electorate == std::vector<std::string>{"a"});
+  CHECK(fault_of(start) == Errc::ok);
+}
+
+TEST_CASE("a task that the cloud holds until it is due gives it no vote: it has one where the robots' number is even") {
+  RunStart start = start_for({"a", "b", "b"});
+  Scenario scenario = start.scenario;
+  for (const std::size_t late : {1U, 2U}) {
+    scenario.tasks[late].robot.clear();
+    scenario.tasks[late].requires_ = {"mobile"};
+  }
+  const auto electorate = [&](const std::vector<std::string>& robots) {
+    start = build_run_start(scenario, start.members, "cloud", {10}, {20}, std::string(32, '7'), robots);
+    CHECK(start.first.robots == robots);
+    CHECK(fault_of(start) == Errc::ok);
+    return start.electorate;
+  };
+  CHECK(electorate({"a", "cloud", "cloud"}) == std::vector<std::string>{"a"});
+  CHECK(electorate({"a", "cloud", "b"}) == std::vector<std::string>{"a", "b", "cloud"});
+  scenario.tasks[0] = scenario.tasks[2];
+  scenario.tasks[0].id = "task-0";
+  CHECK(electorate({"cloud", "cloud", "cloud"}) == std::vector<std::string>{"cloud"});
+}
+
 TEST_CASE("a start that contradicts itself is refused") {
   const auto changed = [](auto change) {
     RunStart start = start_for({"a", "b"});

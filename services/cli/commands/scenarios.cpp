@@ -1,16 +1,14 @@
-// scenario check, run, list, watch, abort.
+// scenario run, list, watch, abort, pause, resume.
 #include <cstdio>
-#include <filesystem>
 #include <set>
 
-#include "common/base/files.hpp"
 #include "common/base/hex.hpp"
-#include "common/scenario/definition.hpp"
 #include "common/scenario/graph.hpp"
 #include "common/scenario/run_start.hpp"
 #include "common/security/keys.hpp"
 #include "common/transport/loop.hpp"
 #include "services/cli/commands/command.hpp"
+#include "services/cli/commands/scenario_check.hpp"
 #include "services/cli/core/table.hpp"
 #include "services/cli/io/print.hpp"
 #include "services/cli/io/probe.hpp"
@@ -18,61 +16,10 @@
 namespace trb::cli {
 namespace {
 
-/// Reads the file before a probe changes the working directory.
-Scenario read_file_scenario(const std::string& path, ConfigFaults& faults) {
-  auto text = read_file(path);
-  if (!text) {
-    faults.push_back(
-        {path, "", text.error().what, "name a scenario file, for example config/scenarios/paper-nine-tasks.json"});
-    return {};
-  }
-  auto json = parse_json(*text);
-  if (!json) {
-    faults.push_back({path, "", json.error().what, json.error().cure});
-    return {};
-  }
-  return read_scenario(*json, path, faults);
-}
-
-std::map<std::string, NodeProfile> profiles_of(const RouteTable& table) {
-  std::map<std::string, NodeProfile> out;
-  for (const Route& route : table.routes) out[route.id] = route.profile;
-  return out;
-}
-
-/// What may wait (a sensor that is plugged in later) stops nobody, but is told.
-void print_warnings(const ConfigFaults& faults) {
-  std::fputs(to_text(faults).c_str(), stderr);
-}
-
-int run_check(const Arguments& arguments) {
-  ConfigFaults faults;
-  const std::string& path = arguments.words[0];
-  const Scenario scenario = read_file_scenario(path, faults);
-  bool fleet = false;
-  if (faults.empty() && find_node(arguments).ok()) {
-    auto probe = open_probe(arguments);
-    if (!probe) return kFailed;
-    auto table = probe->ask_node<RouteTable>(RouteListRequest{});
-    if (!table) return print_error(arguments, table.error());
-    check_scenario(scenario, profiles_of(*table), path, faults);
-    fleet = true;
-  }
-  if (!faults_that_stop(faults).empty()) return print_faults(arguments, faults);
-  if (arguments.has("--json")) {
-    print_json(faults_json(faults));
-  } else {
-    print_warnings(faults);
-    print_line(path + ": " + std::to_string(scenario.tasks.size()) + " tasks, no faults" +
-               (fleet ? "" : " (robots, skills, places and sensors were not checked: no --node)"));
-  }
-  return kGood;
-}
-
 /// The run's robots, the own node, and every cloud node: those whose certificates the run needs.
-Result<std::vector<Member>> members_of(const Scenario& scenario, const RouteTable& table) {
+Result<std::vector<Member>> members_of(const std::vector<std::string>& robots, const RouteTable& table) {
   std::set<std::string> wanted{table.node};
-  for (const Task& task : scenario.tasks) wanted.insert(task.robot);
+  wanted.insert(robots.begin(), robots.end());
   std::vector<Member> out;
   for (const Route& route : table.routes) {
     if (wanted.erase(route.id) != 0 || route.role == Role::cloud) out.push_back({route.id, route.certificate});
@@ -82,12 +29,13 @@ Result<std::vector<Member>> members_of(const Scenario& scenario, const RouteTabl
   return out;
 }
 
-Result<std::string> submit(Probe& probe, Scenario scenario, const RouteTable& table, double hours) {
-  auto members = members_of(scenario, table);
+Result<std::string> submit(Probe& probe, Scenario scenario, std::vector<std::string> robots, const RouteTable& table,
+                           double hours) {
+  auto members = members_of(robots, table);
   if (!members) return members.error();
   const UtcTime utc = read_clocks().utc;
   const RunStart start = build_run_start(std::move(scenario), std::move(*members), probe.node(), utc,
-                                         utc + seconds(hours * 3600), to_hex(random_bytes(16)));
+                                         utc + seconds(hours * 3600), to_hex(random_bytes(16)), std::move(robots));
   auto record = probe.ask_node<SignedRecord>(SignRequest{std::string(kSignedRunStart), {encode(start)}});
   if (!record) return record.error();
   auto answer = probe.ask(Send{.type = MessageType::command, .target = probe.node(), .body = RunSubmit{*record}});
@@ -128,8 +76,8 @@ void print_changes(const RunView& before, const RunView& after) {
     const TaskState was = i < before.tasks.size() ? before.tasks[i].state : TaskState::waiting;
     if (task.state == was) continue;
     const std::string place = std::to_string(i + 1) + "/" + std::to_string(after.tasks.size());
-    print_line("  " + place + "  " + task.robot + " " + task.id + "  " + state_text(task) + " " + duration_text(task) +
-               why_text(task));
+    print_line("  " + place + "  " + (task.robot.empty() ? "-" : task.robot) + " " + task.id + "  " + state_text(task) +
+               " " + duration_text(task) + why_text(task));
   }
   if (after.waits_for != before.waits_for && !after.waits_for.empty()) print_line("  waits for: " + after.waits_for);
 }
@@ -200,14 +148,18 @@ int run_run(const Arguments& arguments) {
   if (!probe) return kFailed;
   auto table = probe->ask_node<RouteTable>(RouteListRequest{});
   if (!table) return print_error(arguments, table.error());
-  check_scenario(scenario, profiles_of(*table), path, faults);
+  const Binder binder = find_binder(*probe, scenario, *table);
+  std::vector<std::string> robots = robots_for(scenario, profiles_of(*table), binder, path, faults);
   if (!faults_that_stop(faults).empty()) return print_faults(arguments, faults);
-  if (!arguments.has("--json")) print_warnings(faults);
-  auto run = submit(*probe, std::move(scenario), *table, *hours);
+  const Value::List bound = bound_json(scenario, robots, binder);
+  if (!arguments.has("--json")) print_bound(scenario, robots, binder, faults);
+  auto run = submit(*probe, std::move(scenario), std::move(robots), *table, *hours);
   if (!run) return print_error(arguments, run.error());
   if (arguments.has("--watch")) return watch(arguments, *probe, *run);
   if (arguments.has("--json")) {
-    print_json(Value{Value::Object{{"run", Value{*run}}}});
+    Value::Object answer{{"run", Value{*run}}};
+    if (!bound.empty()) answer.emplace_back("bound", Value{bound});
+    print_json(Value{std::move(answer)});
   } else {
     print_line("run " + *run + " accepted; follow it with: trb scenario watch " + run->substr(0, 8));
   }
@@ -269,6 +221,36 @@ int run_abort(const Arguments& arguments) {
   return done ? kGood : kFailed;
 }
 
+int order_pause(const Arguments& arguments, bool paused) {
+  auto probe = open_probe(arguments);
+  if (!probe) return kFailed;
+  auto view = probe->ask_node<RunView>(RunQuery{arguments.words[0]});
+  if (!view) return print_error(arguments, view.error());
+  const std::string reason = arguments.get("--reason", paused ? "trb scenario pause" : "trb scenario resume");
+  const PauseOrder order{view->run, view->pause_number + 1, paused, probe->node(), reason, read_clocks().utc.ns};
+  auto record = probe->ask_node<SignedRecord>(SignRequest{std::string(kSignedRunPause), {encode(order)}});
+  if (!record) return print_error(arguments, record.error());
+  auto answer = probe->ask(Send{.type = MessageType::command, .target = probe->node(), .body = RunPause{*record}});
+  if (!answer) return print_error(arguments, answer.error());
+  view = probe->ask_node<RunView>(RunQuery{order.run});
+  if (!view) return print_error(arguments, view.error());
+  if (arguments.has("--json")) {
+    print_line(to_json(*view));
+  } else {
+    print_line("run " + view->run.substr(0, 8) + " " + std::string(name_of(view->state)) +
+               (view->waits_for.empty() ? "" : ": waits for " + view->waits_for));
+  }
+  return kGood;
+}
+
+int run_pause(const Arguments& arguments) {
+  return order_pause(arguments, true);
+}
+
+int run_resume(const Arguments& arguments) {
+  return order_pause(arguments, false);
+}
+
 const std::string kNode = "--node DIR|the node to ask (else TRB_NODE, else this folder)";
 const std::string kJson = "--json|for programs";
 const std::string kUntilPaused = "--until-paused|also end when the run waits for a person";
@@ -280,15 +262,17 @@ std::vector<Command> scenario_commands() {
       {{"scenario", "check"},
        {"scenario check FILE",
         "Tells every fault of a scenario; with a node also unknown robots, skills, places, sensors and wrong "
-        "parameters.",
+        "parameters,\nand the preflight: the tasks that nobody else in the fleet could take over now.",
         {kNode, kJson},
         {"trb scenario check config/scenarios/paper-nine-tasks.json"},
         1,
         1},
-       run_check},
+       run_scenario_check},
       {{"scenario", "run"},
        {"scenario run FILE",
-        "Checks, signs and submits a scenario. The run goes on without this command.",
+        "Checks, signs and submits a scenario. The run goes on without this command. The robot of a task that\n"
+        "names none is chosen when the task is due, by the ranking of replacements; at once, the first by id that can, "
+        "if\nno cloud node decides.",
         {"--watch|follow it to its end", kUntilPaused, "--expires-h H|nothing of it starts later than that (24)",
          "--timeout S|stop following after S seconds", kNode, kJson},
         {"trb scenario run config/scenarios/paper-nine-tasks.json --watch"},
@@ -314,6 +298,23 @@ std::vector<Command> scenario_commands() {
         1,
         1},
        run_abort},
+      {{"scenario", "pause"},
+       {"scenario pause RUN",
+        "Holds a run: what runs is finished, nothing is begun, on every node that can be reached; the others when they "
+        "come back. This stops no robot: trb stop does.",
+        {"--reason TEXT|for the record", kNode, kJson},
+        {"trb scenario pause 3f2a --reason 'the hall is being cleaned'"},
+        1,
+        1},
+       run_pause},
+      {{"scenario", "resume"},
+       {"scenario resume RUN",
+        "Lets a run go on that was held.",
+        {"--reason TEXT|for the record", kNode, kJson},
+        {"trb scenario resume 3f2a"},
+        1,
+        1},
+       run_resume},
   };
 }
 

@@ -1,0 +1,219 @@
+#include "common/scenario/crew.hpp"
+
+#include <algorithm>
+#include <set>
+
+#include "common/fleet/did_you_mean.hpp"
+#include "common/fleet/object_reader.hpp"
+#include "common/scenario/parameters.hpp"
+#include "common/scenario/repeat.hpp"
+
+namespace trb {
+namespace {
+
+constexpr std::size_t kWanted = 2;
+
+bool contains(const std::vector<std::string>& words, const std::string& word) {
+  return std::find(words.begin(), words.end(), word) != words.end();
+}
+
+const SkillInfo* find_skill(const NodeProfile& profile, const std::string& name) {
+  const auto at = std::ranges::find(profile.skills, name, &SkillInfo::name);
+  return at == profile.skills.end() ? nullptr : &*at;
+}
+
+bool comes_later(const Task& task, const std::string& parameter) {
+  return std::ranges::find(task.values, parameter, &ValueFrom::parameter) != task.values.end();
+}
+
+bool has_parameter(const SkillInfo& skill, const std::string& name) {
+  return std::ranges::find(skill.parameters, name, &ParameterInfo::name) != skill.parameters.end();
+}
+
+/// The same as no obstacles, without putting them into words.
+bool suits(const Task& task, const Value& data, const NodeProfile& profile) {
+  const SkillInfo* skill = find_skill(profile, task.skill);
+  const auto lacks = [&](const std::string& capability) { return !contains(profile.capabilities, capability); };
+  if (skill == nullptr || std::ranges::any_of(task.requires_, lacks)) return false;
+  const auto fits = [&](const ParameterInfo& info) {
+    const Value* value = data.find(info.name);
+    if (value == nullptr) return !info.required || comes_later(task, info.name);
+    return misfit_of(info, *value, profile.places) == Misfit::none;
+  };
+  return std::ranges::all_of(skill->parameters, fits) &&
+         std::ranges::all_of(data.object(), [&](const auto& given) { return has_parameter(*skill, given.first); }) &&
+         std::ranges::all_of(task.values, [&](const ValueFrom& from) { return has_parameter(*skill, from.parameter); });
+}
+
+void add_parameters(const Task& task, const Value& data, const SkillInfo& skill, const std::string& robot,
+                    const NodeProfile& profile, std::vector<Obstacle>& out) {
+  std::vector<std::string> names;
+  for (const ParameterInfo& info : skill.parameters) {
+    names.push_back(info.name);
+    const std::string key = "data." + info.name;
+    const Value* value = data.find(info.name);
+    if (value == nullptr) {
+      if (!info.required || comes_later(task, info.name)) continue;
+      out.push_back({key, "is missing: " + in_quotes(task.skill) + " needs it", "add " + wanted_text(info)});
+    } else if (const Misfit misfit = misfit_of(info, *value, profile.places); misfit != Misfit::none) {
+      out.push_back({key, misfit_text(misfit, info, *value, robot), misfit_cure(misfit, info, *value, profile.places)});
+    }
+  }
+  const auto known = [&](const std::string& name) {
+    if (contains(names, name)) return;
+    out.push_back({"data." + name, in_quotes(skill.name) + " has no such parameter",
+                   did_you_mean(name, names, names.empty() ? "remove it: the skill has none" : "use one of")});
+  };
+  for (const auto& [name, ignored] : data.object()) known(name);
+  for (const ValueFrom& from : task.values) known(from.parameter);
+}
+
+/// Everything that a task asks of whoever does it.
+std::string need_of(const Task& task) {
+  std::string out = task.skill + '\n' + task.data;
+  for (const std::string& capability : task.requires_) out += '\n' + capability;
+  for (const ValueFrom& from : task.values) out += "\n=" + from.parameter;
+  return out;
+}
+
+std::string in_words(const std::string& robot, const Obstacle& obstacle) {
+  if (!obstacle.key.starts_with("data.")) return obstacle.what;
+  return in_quotes(robot) + ": " + obstacle.key.substr(5) + " " + obstacle.what;
+}
+
+std::string why_no_spare(const Task& task, const Able& able, const std::string& robot) {
+  if (task.pinned) return "it is pinned to its robot";
+  const std::string reasons = able.reasons(robot);
+  return reasons.empty() ? "no other robot has the skill " + in_quotes(task.skill) : reasons;
+}
+
+}  // namespace
+
+Result<Value> parameters_of(const Task& task) {
+  auto parsed = parse_json(task.data.empty() ? "{}" : task.data);
+  if (parsed && parsed->is_object()) return parsed;
+  return fail(Errc::malformed, "is no JSON object", R"(write the skill's parameters as { "NAME": VALUE, … })");
+}
+
+std::vector<Obstacle> obstacles(const Task& task, const Value& data, const std::string& robot,
+                                const NodeProfile& profile) {
+  std::vector<Obstacle> out;
+  for (const std::string& capability : task.requires_) {
+    if (contains(profile.capabilities, capability)) continue;
+    out.push_back({"requires", in_quotes(robot) + " has no capability " + in_quotes(capability),
+                   did_you_mean(capability, profile.capabilities, "use another robot, or remove it; it has")});
+  }
+  if (const SkillInfo* skill = find_skill(profile, task.skill)) {
+    add_parameters(task, data, *skill, robot, profile, out);
+    return out;
+  }
+  std::vector<std::string> names;
+  for (const SkillInfo& info : profile.skills) names.push_back(info.name);
+  const std::string otherwise =
+      names.empty() ? "use another robot: this node has none, or its robot has no skills" : "use one of";
+  out.push_back({"skill", in_quotes(robot) + " has no skill " + in_quotes(task.skill),
+                 did_you_mean(task.skill, names, otherwise)});
+  return out;
+}
+
+std::string why_not_ready(const NodeProfile& profile) {
+  if (profile.robot.empty()) return "has no robot that tells its state";
+  if (profile.robot != "ONLINE") return "is " + profile.robot;
+  return profile.fenced ? "is stopped until it is released" : "";
+}
+
+std::string Able::reasons(const std::string& except) const {
+  std::string out;
+  for (const auto* list : {&waiting, &unable}) {
+    for (const Reason& reason : *list) {
+      if (reason.robot != except) out += (out.empty() ? "" : "; ") + reason.text;
+    }
+  }
+  return out;
+}
+
+Crew::Crew(const Profiles& profiles) : profiles_(profiles) {
+  for (const Robot& robot : profiles_) {
+    for (const SkillInfo& skill : robot.second.skills) {
+      auto& robots = by_skill_[skill.name];
+      if (robots.empty() || robots.back() != &robot) robots.push_back(&robot);
+    }
+  }
+}
+
+const Able& Crew::able(const Task& task) {
+  const auto [at, is_new] = known_.try_emplace(need_of(task));
+  Able& out = at->second;
+  const auto robots = by_skill_.find(task.skill);
+  const auto data = parameters_of(task);
+  if (!is_new || robots == by_skill_.end() || !data) return out;
+  for (const Robot* robot : robots->second) {
+    const auto& [id, profile] = *robot;
+    if (!suits(task, *data, profile)) {
+      if (out.unable.size() == Able::kMaxTold) continue;
+      out.unable.push_back({id, in_words(id, obstacles(task, *data, id, profile).at(0))});
+    } else if (const std::string why = why_not_ready(profile); !why.empty()) {
+      if (out.waiting.size() < Able::kMaxTold) out.waiting.push_back({id, in_quotes(id) + " " + why});
+    } else {
+      out.ready.push_back(id);
+    }
+    if (out.ready.size() == kWanted) break;
+  }
+  return out;
+}
+
+std::vector<std::string> Crew::skills() const {
+  std::vector<std::string> out;
+  for (const auto& [skill, robots] : by_skill_) out.emplace_back(skill);
+  return out;
+}
+
+std::vector<std::string> Crew::capabilities() const {
+  std::set<std::string> all;
+  for (const auto& [id, profile] : profiles_) {
+    if (!profile.skills.empty()) all.insert(profile.capabilities.begin(), profile.capabilities.end());
+  }
+  return {all.begin(), all.end()};
+}
+
+std::vector<std::string> bind_tasks(const Scenario& scenario, Crew& crew, const std::string& decider,
+                                    const std::string& file, ConfigFaults& faults) {
+  std::size_t when_due = decider.empty() ? 0 : kMaxBoundWhenDue;
+  std::vector<std::string> out;
+  std::set<std::string> told;
+  const FileFaults sink(file, faults);
+  for (std::size_t i = 0; i < scenario.tasks.size(); ++i) {
+    const Task& task = scenario.tasks[i];
+    out.push_back(task.robot);
+    if (!task.robot.empty()) continue;
+    if (when_due > 0) {
+      --when_due;
+      out.back() = decider;
+      continue;
+    }
+    const Able& able = crew.able(task);
+    if (!able.ready.empty()) {
+      out.back() = able.ready.front();
+    } else if (told.insert(first_id(task.id)).second) {  // the same of a later round is not told again
+      sink.add("tasks[" + std::to_string(i) + "].requires",
+               "task " + in_quotes(task.id) + ": nobody can do it now: " + able.reasons(),
+               "bring such a robot online, or name one; see: trb robot list");
+    }
+  }
+  return out;
+}
+
+std::vector<NoSpare> tasks_without_spare(const Scenario& scenario, Crew& crew) {
+  std::vector<NoSpare> out;
+  for (const Task& task : scenario.tasks) {
+    if (is_repetition(task.id)) continue;
+    const Able& able = crew.able(task);
+    const std::string robot = !task.robot.empty() ? task.robot : able.ready.empty() ? "" : able.ready.front();
+    const auto is_other = [&](const std::string& id) { return id != robot; };
+    if (!task.pinned && std::ranges::any_of(able.ready, is_other)) continue;
+    out.push_back({task.id, robot, why_no_spare(task, able, robot)});
+  }
+  return out;
+}
+
+}  // namespace trb

@@ -1,0 +1,93 @@
+// Who of the fleet can do a scenario's tasks: for its check, for its preflight, and to bind what is bound late.
+#pragma once
+
+#include <map>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "common/base/config_fault.hpp"
+#include "common/base/result.hpp"
+#include "proto/bodies/link.hpp"
+#include "proto/bodies/run.hpp"
+#include "proto/value.hpp"
+
+namespace trb {
+
+using Profiles = std::map<std::string, NodeProfile>;
+
+/// What keeps a robot from a task, as a fault of the scenario's file.
+struct Obstacle {
+  std::string key;  ///< within the task: "skill", "data.place"
+  std::string what;
+  std::string cure;
+};
+
+/// A task's data. Errors: malformed (no JSON object).
+Result<Value> parameters_of(const Task& task);
+
+/// Everything that keeps the robot from the task, except what it is doing now: capabilities, skill, parameters, places.
+/// Values that come from results are not there yet: their parameters must exist.
+std::vector<Obstacle> obstacles(const Task& task, const Value& data, const std::string& robot,
+                                const NodeProfile& profile);
+
+/// Why the robot cannot be given a task now, whatever task: "is OFFLINE", "is stopped until it is released"; or "".
+std::string why_not_ready(const NodeProfile& profile);
+
+/// Why a robot is not taken for a task.
+struct Reason {
+  std::string robot;
+  std::string text;  ///< with the robot's name
+};
+
+/// Who can do a task, by id. It is not looked further than to two that are ready: one who does it, and a spare.
+struct Able {
+  std::vector<std::string> ready;
+  std::vector<Reason> waiting;  ///< would be able, but "'pioneer2' is OFFLINE"; kMaxTold at most
+  std::vector<Reason> unable;   ///< have the skill, but "'drone' has no capability 'carry'"; kMaxTold at most
+
+  static constexpr std::size_t kMaxTold = 4;
+  /// The reasons, the nearest first, without those of `except`; "" if nobody else comes near.
+  [[nodiscard]] std::string reasons(const std::string& except = {}) const;
+};
+
+/// The fleet's robots by what they can do. Keeps the profiles by reference, and answers that were given already: tasks
+/// that ask the same are looked for once.
+class Crew {
+ public:
+  explicit Crew(const Profiles& profiles);
+
+  const Able& able(const Task& task);
+  /// All skills and capabilities that robots of the fleet have.
+  [[nodiscard]] std::vector<std::string> skills() const;
+  [[nodiscard]] std::vector<std::string> capabilities() const;
+
+ private:
+  using Robot = Profiles::value_type;
+
+  const Profiles& profiles_;
+  std::map<std::string_view, std::vector<const Robot*>> by_skill_;
+  std::map<std::string, Able> known_;
+};
+
+/// Of one run's tasks at most so many are bound when they are due: each takes a decision, and a run has 64.
+constexpr std::size_t kMaxBoundWhenDue = 32;
+
+/// Who holds each task at the start: the robot that it names; else `decider`, the cloud node that will choose one when
+/// the task is due; else, if there is no decider, or it has kMaxBoundWhenDue already, the first by id that is ready and
+/// able. What is left without anybody is a fault.
+std::vector<std::string> bind_tasks(const Scenario& scenario, Crew& crew, const std::string& decider,
+                                    const std::string& file, ConfigFaults& faults);
+
+/// A task that nobody else could take over now.
+struct NoSpare {
+  std::string task;
+  std::string robot;  ///< who does it; empty: bound late, and nobody can now
+  std::string why;
+};
+
+/// The tasks without a spare, in the file's order; of a repeated scenario, those of the first round.
+std::vector<NoSpare> tasks_without_spare(const Scenario& scenario, Crew& crew);
+
+}  // namespace trb

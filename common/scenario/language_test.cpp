@@ -1,0 +1,138 @@
+// What a scenario file says of failures, of results, of rounds, and of robots that are chosen late.
+#include <doctest/doctest.h>
+
+#include "common/scenario/definition.hpp"
+#include "common/scenario/graph.hpp"
+
+using namespace trb;
+
+namespace {
+
+struct Read {
+  Scenario scenario;
+  ConfigFaults faults;
+};
+
+Read read(const std::string& tasks, const std::string& more = "") {
+  const auto json = parse_json(R"({"name":"n",)" + more + R"("tasks":[)" + tasks + "]}");
+  REQUIRE_MESSAGE(json.ok(), tasks);
+  Read out;
+  out.scenario = read_scenario(*json, "s.json", out.faults);
+  for (const ConfigFault& fault : out.faults) CHECK_FALSE(fault.cure.empty());
+  if (out.faults.empty()) CHECK(check_graph(out.scenario).ok());
+  return out;
+}
+
+/// The only fault.
+ConfigFault fault_of(const std::string& tasks, const std::string& more = "") {
+  const Read r = read(tasks, more);
+  REQUIRE_MESSAGE(r.faults.size() == 1, to_text(r.faults));
+  return r.faults[0];
+}
+
+/// A task "carry" behind "scan", with these data.
+std::string behind_scan(const std::string& data, const std::string& after = R"("scan")") {
+  return R"({"id":"scan","robot":"r","skill":"look"},{"id":"count","robot":"r","skill":"look"},)"
+         R"({"id":"carry","robot":"r","skill":"go","after":[)" +
+         after + R"(],"data":)" + data + "}";
+}
+
+}  // namespace
+
+TEST_CASE("a task says how often it is tried again, and what follows when that was no use") {
+  const Task given = read(R"({"id":"a","robot":"r","skill":"go","retries":3,"retry_after_s":0.5,"on_failure":"skip"})")
+                         .scenario.tasks.at(0);
+  CHECK(given.retries == 3);
+  CHECK(given.retry_after_s == 0.5);
+  CHECK(given.on_failure == OnFailure::skip);
+  const Task plain = read(R"({"id":"a","robot":"r","skill":"go"})").scenario.tasks.at(0);
+  CHECK(plain.retries == 0);
+  CHECK(plain.retry_after_s == 1);
+  CHECK(plain.on_failure == OnFailure::resilience);
+  CHECK(fault_of(R"({"id":"a","robot":"r","skill":"go","on_failure":"abrot"})").cure ==
+        "use one of: resilience, skip, abort; did you mean 'abort'?");
+  CHECK(fault_of(R"({"id":"a","robot":"r","skill":"go","retires":3})").cure == "did you mean 'retries'?");
+}
+
+TEST_CASE("a task may ask for capabilities in place of a robot, or of its robot and whoever replaces it") {
+  const Task late = read(R"({"id":"a","skill":"go","requires":["mobile","carry"]})").scenario.tasks.at(0);
+  CHECK(late.robot.empty());
+  CHECK(late.requires_ == std::vector<std::string>{"mobile", "carry"});
+  const Task both = read(R"({"id":"a","robot":"r","skill":"go","requires":["mobile"]})").scenario.tasks.at(0);
+  CHECK(both.robot == "r");
+  CHECK(both.requires_ == std::vector<std::string>{"mobile"});
+}
+
+TEST_CASE("a parameter may be taken from the result of a task before") {
+  const Task task = read(behind_scan(R"({"to":{"from":"scan","value":"place"},"speed":1,"all":{"from":"scan"}})"))
+                        .scenario.tasks.at(2);
+  CHECK(task.data == R"({"speed":1})");
+  CHECK(task.values == std::vector<ValueFrom>{{"to", "scan", "place"}, {"all", "scan", ""}});
+  const Task none = read(behind_scan(R"({"to":{"x":1}})")).scenario.tasks.at(2);
+  CHECK(none.values.empty());
+  CHECK(none.data == R"({"to":{"x":1}})");
+}
+
+TEST_CASE("a value that cannot be there is told with what to do") {
+  const ConfigFault later = fault_of(behind_scan(R"({"to":{"from":"count"}})"));
+  CHECK(later.key == "tasks[2].data.to.from");
+  CHECK(later.cure == R"(add "count" to its "after")");
+  CHECK(fault_of(behind_scan(R"({"to":{"from":"carry"}})")).what == "is the task itself");
+  CHECK(fault_of(behind_scan(R"({"to":{"from":"scn"}})")).cure == "did you mean 'scan'?");
+  CHECK(fault_of(behind_scan(R"({"to":{"from":"scan","value":""}})")).key == "tasks[2].data.to.value");
+  CHECK(fault_of(behind_scan(R"({"to":{"from":"scan","vale":"x"}})")).cure == "did you mean 'value'?");
+  CHECK(fault_of(behind_scan(R"({"to":{"from":3}})")).key == "tasks[2].data.to.from");
+  const Read misspelt = read(behind_scan(R"({"to":{"form":"scan","value":"x"}})"));
+  REQUIRE(misspelt.faults.size() == 2);
+  CHECK(misspelt.faults[1].cure == "did you mean 'from'?");
+  std::string many;
+  for (int i = 0; i < 33; ++i) many += (i == 0 ? "\"p" : ",\"p") + std::to_string(i) + R"(":{"from":"scan"})";
+  CHECK(fault_of(behind_scan("{" + many + "}")).key == "tasks[2].data");
+  CHECK(fault_of(behind_scan("{\"" + std::string(65, 'p') + R"(":{"from":"scan"}})")).what.find("65") !=
+        std::string::npos);
+}
+
+TEST_CASE("rounds: ids, predecessors and values stay in their round, and the rounds in their order") {
+  const std::string tasks = R"({"id":"a","robot":"r","skill":"go"},{"id":"b","robot":"r","skill":"go","after":["a"],)"
+                            R"("data":{"p":{"from":"a"}}},{"id":"c","robot":"r","skill":"go","after":["a"]})";
+  const Scenario twice = read(tasks, R"("repeat":2,)").scenario;
+  REQUIRE(twice.tasks.size() == 6);
+  CHECK(twice.tasks[3].id == "a#2");
+  CHECK(twice.tasks[3].after == std::vector<std::uint16_t>{1, 2});
+  CHECK(twice.tasks[4].id == "b#2");
+  CHECK(twice.tasks[4].after == std::vector<std::uint16_t>{3});
+  CHECK(twice.tasks[4].values == std::vector<ValueFrom>{{"p", "a#2", ""}});
+  CHECK(twice.tasks[5].after == std::vector<std::uint16_t>{3});
+  CHECK(read(tasks, R"("repeat":1,)").scenario == read(tasks).scenario);
+  CHECK(read(tasks, R"("repeat":333,)").scenario.tasks.size() == 999);
+}
+
+TEST_CASE("rounds that are too many") {
+  const std::string one = R"({"id":"a","robot":"r","skill":"go"})";
+  const std::string three = one + R"(,{"id":"b","robot":"r","skill":"go"},{"id":"c","robot":"r","skill":"go"})";
+  const ConfigFault over = fault_of(three, R"("repeat":334,)");
+  CHECK(over.key == "repeat");
+  CHECK(over.what == "makes 1002 tasks of 3");
+  CHECK(over.cure == "use at most 333: a scenario has 1000 tasks at most");
+  CHECK(fault_of(one, R"("repeat":0,)").key == "repeat");
+  CHECK(fault_of(one, R"("repeat":1001,)").key == "repeat");
+  CHECK(fault_of(one, R"("repeat":"2",)").key == "repeat");
+  CHECK(fault_of(one, R"("repaet":2,)").cure == "did you mean 'repeat'?");
+  const std::string longest = R"({"id":")" + std::string(62, 'a') + R"(","robot":"r","skill":"go"})";
+  CHECK(read(longest, R"("repeat":9,)").faults.empty());
+  const ConfigFault no_room = fault_of(longest, R"("repeat":10,)");
+  CHECK(no_room.key == "tasks[0].id");
+  CHECK(no_room.cure == "keep it to 61 bytes");
+}
+
+TEST_CASE("a scenario that no message could carry") {
+  std::string tasks;
+  for (int i = 0; i < 500; ++i) {
+    tasks += (i == 0 ? "" : ",") + std::string(R"({"id":"t)") + std::to_string(i) + R"(","robot":"r","skill":"go"})";
+  }
+  CHECK(read(tasks).faults.empty());
+  // Each of the second round's tasks would wait for each of the first's.
+  const ConfigFault large = fault_of(tasks, R"("repeat":2,)");
+  CHECK(large.key == "tasks");
+  CHECK(large.cure.find("one task that waits for many") != std::string::npos);
+}

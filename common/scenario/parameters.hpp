@@ -1,0 +1,29 @@
+// Does a value fit a skill's parameter?
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "proto/bodies/link.hpp"
+#include "proto/value.hpp"
+
+namespace trb {
+
+/// What is wrong with a value. Told in words only when somebody asks: a thousand robots may be looked through.
+enum class Misfit : std::uint8_t { none = 0, type, range, count, place, word };
+
+/// `places` are those that the robot knows. A type that this build does not know is taken as it is: the robot's node
+/// checks it.
+Misfit misfit_of(const ParameterInfo& info, const Value& value, const std::vector<std::string>& places);
+
+/// "3 is out of range", "'dok' is no place that 'r1' knows"; `robot` is who was to take it.
+std::string misfit_text(Misfit misfit, const ParameterInfo& info, const Value& value, const std::string& robot);
+
+/// What to do about it.
+std::string misfit_cure(Misfit misfit, const ParameterInfo& info, const Value& value,
+                        const std::vector<std::string>& places);
+
+/// "\"speed\": a number from 0 to 1 m/s": what is to be written.
+std::string wanted_text(const ParameterInfo& info);
+
+}  // namespace trb
