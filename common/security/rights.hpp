@@ -38,6 +38,14 @@ bool may_send_out(Role role, std::string_view subtype);
 /// May this service (or a probe) of a node's own bus say it to another one there, or to the router?
 bool may_say(std::string_view service, bool probe, std::string_view subtype);
 
+/// A name of the middleware's own services, or of what else stands on a bus ("probe", "tap"): no operator's service
+/// bears it.
+bool is_reserved_service(std::string_view name);
+
+/// May this service take what bears the subtype? One of an operator's takes users' own words; the middleware's words it
+/// may hear, so that it never stands in the way of who takes them.
+bool may_take(std::string_view service, std::string_view subtype);
+
 /// May this role sign records of that purpose (a kSigned… word)?
 bool may_sign(Role role, std::string_view purpose);
 

@@ -78,6 +78,18 @@ TEST_CASE("on the bus a service says what it is for, and nobody says what the ro
   }
 }
 
+TEST_CASE("a service of an operator's takes users' words, and nothing of the middleware's") {
+  CHECK(may_take("scheduler", "baton"));
+  CHECK(may_take("fault-tally", "fault_tally"));
+  for (const std::string_view subtype : {"baton", "execute", "robot_fault", "stop", "outcome"}) {
+    CHECK_FALSE(may_take("fault-tally", subtype));
+  }
+  for (const std::string_view name : {"router", "cloud-gateway", "probe", "tap"}) CHECK(is_reserved_service(name));
+  CHECK_FALSE(is_reserved_service("fault-tally"));
+  CHECK_FALSE(may_have_signed("fault-tally", false, kSignedRunAbort));
+  CHECK_FALSE(may_say("fault-tally", false, "execute"));
+}
+
 TEST_CASE("proto/README.md prints the table as it is") {
   const auto readme = read_file(std::string(TRB_SOURCE_DIR) + "/proto/README.md");
   REQUIRE(readme.ok());
