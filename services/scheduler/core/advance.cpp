@@ -10,18 +10,23 @@ void SchedulerCore::advance(Step step) {
   if (!last_) return;  // not yet welcome: nothing can be sent
   last_ = step.now;
   end_runs(step);
+  for (Run* run : book_.runs()) {
+    std::erase_if(run->retry_at, [&](const auto& one) { return one.second <= step.now.mono; });
+  }
   permit_attempt(step);
   executor_.tick(step.now, step.out);
   start_next(step);
   for (Run* run : book_.runs()) {
     confirm_abort(*run, step);
     decide(*run, step);
+    abort_on_failure(*run, step);
     pass_on(*run, step);
     ask_needs(*run, step);
   }
   for (const Inbound& message : held_.take_late(step.now.mono)) {
-    refuse(message, fail(Errc::unknown_run, "its run's definition did not come"), step);
+    refuse(message, fail(Errc::unknown_run, "its run's definition, or its decision, did not come"), step);
   }
+  tell_watchers(step);
 }
 
 void SchedulerCore::end_runs(Step step) {
@@ -48,12 +53,18 @@ void SchedulerCore::permit_attempt(Step step) {
   if (!executor_.attempt()) return;
   const Run* run = book_.find(executor_.attempt()->execute.key.run);
   if (run == nullptr) return;
-  const Permit open = run->expired(step.now.utc) ? Permit::no_more : Permit::go;
-  executor_.allow(run->aborted() ? Permit::cancel : open);
+  const AttemptKey& key = executor_.attempt()->execute.key;
+  const TaskIndex task = *run->index_of(key.task);
+  if (run->aborted()) return executor_.allow(Permit::cancel, "the run is aborted");
+  if (run->is_void(task, key.attempt)) {
+    const std::string why = "epoch " + std::to_string(run->epoch()) + ": the task is for '" + run->robot_of(task) + "'";
+    return executor_.allow(Permit::cancel, why + " now");
+  }
+  executor_.allow(run->expired(step.now.utc) ? Permit::no_more : Permit::go, {});
 }
 
 bool SchedulerCore::may_start(const Run& run, UtcTime now) const {
-  return !run.aborted() && !run.expired(now) && run.troubles().empty();
+  return !run.aborted() && !run.expired(now) && !run.held() && run.troubles().empty();
 }
 
 void SchedulerCore::resume_attempt() {
@@ -71,6 +82,7 @@ void SchedulerCore::start_next(Step step) {
   for (Run* run : book_.runs()) {
     if (!may_start(*run, step.now.utc)) continue;
     for (const TaskIndex task : run->startable()) {
+      if (run->retry_at.contains(task)) continue;
       if (executor_.obstacle().empty()) return start(*run, task, step);
       executor_.want_adapter(true);
     }
@@ -78,9 +90,17 @@ void SchedulerCore::start_next(Step step) {
 }
 
 void SchedulerCore::start(Run& run, TaskIndex task, Step step) {
+  const std::uint32_t attempt = run.next_attempt(task);
+  if (attempt > kMaxAttempts) {
+    return step.out.log(LogLevel::error, "not_started", "task '" + run.tasks()[task].id + "': 64 attempts were made");
+  }
+  if (const auto data = run.data_for(task); !data) {
+    run.unbegun[task] = data.error().text();  // and fails with it, by decide()
+    return;
+  }
   JournalStart fact;
-  fact.key = {run.id(), run.tasks()[task].id, 1, 1};
-  fact.epoch = run.start().first.epoch;
+  fact.key = {run.id(), run.tasks()[task].id, 1, attempt};
+  fact.epoch = run.epoch();
   fact.instance = executor_.adapter()->instance;
   fact.time = step.now.utc.ns;
   step.out.record(fact);

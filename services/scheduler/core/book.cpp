@@ -36,6 +36,14 @@ Status Book::apply(const Body& fact) {
                      const auto order = decode<AbortOrder>(is.order.payload.bytes);
                      return order ? apply_to(order->run, is) : Status(order.error());
                    },
+                   [&](const JournalDecision& is) -> Status {
+                     const auto decision = decode<Decision>(is.decision.payload.bytes);
+                     return decision ? apply_to(decision->run, is) : Status(decision.error());
+                   },
+                   [&](const JournalPause& is) -> Status {
+                     const auto order = decode<PauseOrder>(is.order.payload.bytes);
+                     return order ? apply_to(order->run, is) : Status(order.error());
+                   },
                    [&](const JournalTombstone& is) -> Status {
                      bury(is);
                      return Done{};

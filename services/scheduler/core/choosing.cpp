@@ -1,6 +1,7 @@
 // SchedulerCore: conditions of tasks. What could start is asked for, chosen once, journaled; what is not to be done is
 // SKIPPED, and its robot not bothered.
 #include <algorithm>
+#include <set>
 
 #include "services/scheduler/core/scheduler_core.hpp"
 
@@ -17,14 +18,10 @@ bool same_source(const Run& run, TaskIndex task, const Inquiry& inquiry) {
 }  // namespace
 
 void SchedulerCore::decide(Run& run, Step step) {
-  if (!run.has_conditions()) return;
-  if (!may_start(run, step.now.utc)) {
-    run.inquiries.clear();
-    run.skips.clear();
-    return;
-  }
-  inquire(run, step);
-  skip(run, step);
+  const bool open = may_start(run, step.now.utc);
+  if (!open) run.inquiries.clear();
+  if (open && run.has_conditions()) inquire(run, step);
+  say_results(run, open, step);
 }
 
 void SchedulerCore::inquire(Run& run, Step step) {
@@ -55,15 +52,29 @@ void SchedulerCore::tell_waiting(const Run& run, TaskIndex task, const std::stri
   for (const std::string& cloud : run.clouds()) step.out.information(cloud, progress);
 }
 
-void SchedulerCore::skip(Run& run, Step step) {
-  const std::vector<TaskIndex> open = run.skippable();
-  std::erase_if(run.skips, [&](const auto& one) { return !std::binary_search(open.begin(), open.end(), one.first); });
-  for (const TaskIndex task : open) {
+/// Results that need no robot: SKIPPED, given back, what has yet to get a robot, and what cannot be begun.
+void SchedulerCore::say_results(Run& run, bool open, Step step) {
+  std::set<TaskIndex> wanted;
+  const auto say = [&](TaskIndex task, const auto& result) {
+    wanted.insert(task);
     const auto [at, is_new] = run.skips.try_emplace(task);
-    if (is_new)
-      at->second = {std::string(kSignedResult), encode(run.skipped_result(task, step.now.utc)), step.now.mono};
+    if (is_new) at->second = {std::string(kSignedResult), encode(result()), step.now.mono};
     at->second.tick(settings_.node, step.now, step.out);
+  };
+  const UtcTime now = step.now.utc;
+  if (!run.aborted() && !run.expired(now)) {
+    for (const TaskIndex task : run.releasable()) say(task, [&] { return run.released_result(task, now); });
   }
+  if (open) {
+    for (const TaskIndex task : run.to_bind()) say(task, [&] { return run.released_result(task, now); });
+  }
+  if (open && run.may_skip()) {
+    for (const TaskIndex task : run.skippable()) say(task, [&] { return run.skipped_result(task, now); });
+  }
+  for (const auto& [task, why] : run.unbegun) {
+    if (open) say(task, [&, of = task, text = why] { return run.unbegun_result(of, text, now); });
+  }
+  std::erase_if(run.skips, [&](const auto& one) { return !wanted.contains(one.first); });
 }
 
 /// Evaluates every condition that waits for this reading, at once: 19.9 and 20.1 never run both branches.
@@ -72,7 +83,7 @@ void SchedulerCore::choose_by(const SensorReading& reading, const std::string& n
   Choice choice;
   choice.run = run.id();
   choice.digest = run.start().digest;
-  choice.epoch = run.start().first.epoch;
+  choice.epoch = run.epoch();
   choice.by = settings_.node;
   for (const TaskIndex task : run.to_choose()) {
     if (!same_source(run, task, inquiry)) continue;

@@ -40,6 +40,10 @@ void Duties::drop(DutyKind kind, const std::string& to) {
   std::erase_if(open_, [&](const Duty& duty) { return duty.kind == kind && duty.to == to; });
 }
 
+void Duties::drop_batons() {
+  std::erase_if(open_, [](const Duty& duty) { return duty.kind == DutyKind::baton && !duty.tasks.empty(); });
+}
+
 Duty Duties::gather_results(const std::string& to, MonotonicTime now) {
   Duty all{DutyKind::results, to, {}, {}};
   for (Duty& duty : open_) {

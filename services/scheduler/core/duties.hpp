@@ -26,15 +26,15 @@ class BackOff {
   Duration wait_ = seconds(0.2);
 };
 
-enum class DutyKind : std::uint8_t { baton = 0, results, abort };
+enum class DutyKind : std::uint8_t { baton = 0, results, abort, decision, pause };
 constexpr auto enum_names(DutyKind) {
-  return std::array<std::string_view, 3>{"baton", "results", "abort"};
+  return std::array<std::string_view, 5>{"baton", "results", "abort", "decision", "pause"};
 }
 
 struct Duty {
   DutyKind kind{};
   std::string to;
-  std::vector<TaskIndex> tasks;  ///< baton: those it is for; results: those that ended; abort: none
+  std::vector<TaskIndex> tasks;  ///< baton: those it is for; results: those that ended; else none
   BackOff timer;
 };
 
@@ -47,6 +47,8 @@ class Duties {
   bool settle(DutyKind kind, const std::string& to, const std::vector<TaskIndex>& tasks);
   void drop(DutyKind kind);
   void drop(DutyKind kind, const std::string& to);
+  /// Every baton that is for tasks: a new epoch has its own.
+  void drop_batons();
 
   /// What is to be sent now; it is taken as sent. Results for one node are put together: those due, and with them those
   /// that wait for a node which has been away.

@@ -72,9 +72,10 @@ void Executor::command_if_possible(Now now, Outbox& out) {
   }
 }
 
-void Executor::allow(Permit permit) {
+void Executor::allow(Permit permit, const std::string& why) {
   if (!attempt_) return;
   attempt_->permit = permit;
+  attempt_->why = why;
   // What was refused will not be commanded again; whether it has begun all the same, its `unknown` will tell.
   if (permit != Permit::go && attempt_->phase == Phase::refused) attempt_->phase = Phase::commanded;
 }
@@ -104,7 +105,8 @@ void Executor::on(const ExecutionState& state, Now now, Outbox& out) {
   } else if (attempt_->phase != Phase::commanded) {
     return;  // what runs is not unknown to the same instance
   } else if (attempt_->permit != Permit::go) {
-    end(TaskOutcome::retriable, "the run ended before it was begun", now, out);
+    end(TaskOutcome::retriable,
+        attempt_->why.empty() ? "the run ended before it was begun" : attempt_->why + " before it was begun", now, out);
   } else {
     command_if_possible(now, out);
   }
@@ -133,7 +135,10 @@ void Executor::on_refusal(const Nack& nack, Now now, Outbox& out) {
 }
 
 void Executor::end(TaskOutcome outcome, std::string reason, Now now, Outbox& out) {
-  attempt_->result.outcome = outcome;
+  // Who is told to stop has not failed by itself: nothing is tried again, nothing skipped for it.
+  const bool failed = outcome == TaskOutcome::failed && attempt_->permit != Permit::cancel;
+  attempt_->result.outcome = failed ? attempt_->when_failed : outcome;
+  if (failed && attempt_->when_failed == TaskOutcome::skipped) reason = "failed, which skips it: " + reason;
   attempt_->result.reason = reason.substr(0, 1024);
   attempt_->result.ended = now.utc.ns;
   attempt_->phase = Phase::signing;
@@ -161,7 +166,7 @@ void Executor::tick(Now now, Outbox& out) {
   const bool cancel = attempt_->permit == Permit::cancel && attempt_->phase != Phase::signing;
   if (cancel && attempt_->next_cancel <= now.mono) {
     attempt_->next_cancel = now.mono + kQuestion;
-    out.command(node_, CancelExecution{attempt_->execute.key, "the run is aborted"});
+    out.command(node_, CancelExecution{attempt_->execute.key, attempt_->why});
   }
   if (attempt_->next > now.mono || attempt_->phase == Phase::refused) return;
   if (attempt_->phase == Phase::signing) {

@@ -13,17 +13,20 @@ namespace trb::scheduler {
 /// ended, the router is asked to sign the result.
 enum class Phase : std::uint8_t { commanded = 0, running, refused, signing };
 
-/// What the run allows the attempt: `no_more` (expired): end what runs, begin nothing. `cancel` (aborted): stop it.
+/// What the run allows the attempt: `no_more` (expired): end what runs, begin nothing. `cancel` (aborted, or the task
+/// is another robot's now): stop it.
 enum class Permit : std::uint8_t { go = 0, no_more, cancel };
 
 struct Attempt {
   Execute execute;
-  TaskResult result;  ///< filled in to the end that is known so far
+  TaskResult result;                              ///< filled in to the end that is known so far
+  TaskOutcome when_failed = TaskOutcome::failed;  ///< what the robot's own `failed` comes to: it may try again, or skip
   Phase phase{};
   Permit permit{};
   MonotonicTime next{};  ///< of the question or resend that the phase asks for
   MonotonicTime next_cancel{};
-  Bytes payload;  ///< signing: what the router was asked to sign
+  Bytes payload;    ///< signing: what the router was asked to sign
+  std::string why;  ///< it is cancelled
 };
 
 class Executor {
@@ -42,7 +45,7 @@ class Executor {
   void begin(Attempt attempt, Now now, Outbox& out);
   /// Takes up an attempt whose start record was found: it may or may not have been commanded.
   void resume(Attempt attempt);
-  void allow(Permit permit);
+  void allow(Permit permit, const std::string& why);
   /// A task waits for the mode-adapter: ask for its state now and then.
   void want_adapter(bool wanted) { wanted_ = wanted; }
 

@@ -32,6 +32,31 @@ void SchedulerCore::handle(const RunAbort& body, const Inbound& from, Step step)
   }
 }
 
+/// A task whose failure ends the run: the order is this node's, as if a person had given it here.
+void SchedulerCore::abort_on_failure(Run& run, Step step) {
+  if (!run.aborts_on_failure() || run.aborted() || run.expired(step.now.utc)) return;
+  for (const TaskIndex task : run.troubles()) {
+    const HeldResult& held = *run.results().of(task);
+    const bool ends = run.tasks()[task].on_failure == OnFailure::abort && held.result.robot == settings_.node &&
+                      held.result.outcome == TaskOutcome::failed;
+    if (!ends || run.abort_signature) continue;
+    const std::string why = "task '" + run.tasks()[task].id + "' failed: " + held.result.reason;
+    const AbortOrder order{run.id(), settings_.node, why.substr(0, 255), step.now.utc.ns};
+    run.abort_signature = Signature{std::string(kSignedRunAbort), encode(order), step.now.mono};
+  }
+  if (run.abort_signature) run.abort_signature->tick(settings_.node, step.now, step.out);
+}
+
+bool SchedulerCore::keep_signed_abort(Run& run, const SignedRecord& record, Step step) {
+  if (!run.abort_signature || !run.abort_signature->asks_for(record)) return false;
+  if (auto order = run.check_abort(record); !order) return wrong_signature(order.error(), step);
+  const JournalAbort fact{record, true};
+  step.out.record(fact);
+  step.out.log(LogLevel::warning, "run_aborted", "run " + run.id() + ": a task's failure ends it");
+  if (auto applied = run.apply(fact); !applied) return wrong_signature(applied.error(), step);
+  return true;
+}
+
 void SchedulerCore::confirm_abort(Run& run, Step step) {
   if (!run.aborted() || executor_.runs(run.id())) return;
   for (const std::string& member : run.confirm_to) step.out.information(member, AbortConfirmed{run.id()});
@@ -39,7 +64,7 @@ void SchedulerCore::confirm_abort(Run& run, Step step) {
 }
 
 void SchedulerCore::handle(const AbortConfirmed& body, const Inbound& from, Step step) {
-  if (Run* run = run_for(body.run, from, step)) delivered(*run, DutyKind::abort, from, {}, step);
+  if (Run* run = run_for(body.run, from, step)) delivered(*run, DutyKind::abort, from, {}, run->epoch(), step);
 }
 
 }  // namespace trb

@@ -44,4 +44,23 @@ void SchedulerCore::handle(const RunListRequest&, const Inbound& from, Step step
   step.out.reply(from, std::move(table));
 }
 
+void SchedulerCore::handle(const RunWatch& body, const Inbound& from, Step step) {
+  if (auto added = watchers_.add(from, body.lease_s, step.now); !added) return refuse(from, added.error(), step);
+  RunTable table;
+  for (const Run* run : newest_first(book_.runs())) {
+    table.runs.push_back(summary_of(*run, executor_, step.now.utc));
+    watchers_.told(from, run->id(), run->version());
+  }
+  step.out.reply(from, std::move(table));
+}
+
+void SchedulerCore::tell_watchers(Step step) {
+  if (watchers_.empty()) return;
+  watchers_.forget(step.now.mono);
+  for (const Run* run : book_.runs()) {
+    watchers_.tell(
+        run->id(), run->version(), [&] { return summary_of(*run, executor_, step.now.utc); }, step.out);
+  }
+}
+
 }  // namespace trb

@@ -12,6 +12,9 @@ void SchedulerCore::keep_result(Run& run, HeldResult held, Step step) {
   const SignedRecord record = held.record;
   const TaskResult result = held.result;
   if (!run.add(std::move(held))) return;
+  if (result.robot == settings_.node && result.outcome == TaskOutcome::retriable && run.current(task) == nullptr) {
+    run.retry_at[task] = step.now.mono + run.retry_pause(task);
+  }
   step.out.record(JournalResult{record});
   const std::string text = "run " + run.id() + ", task '" + result.key.task + "' on '" + result.robot + "'";
   step.out.log(LogLevel::info, "result_kept", text + ": " + std::string(name_of(result.outcome)));
@@ -70,7 +73,7 @@ void SchedulerCore::handle(const ResultsJournaled& body, const Inbound& from, St
       step.out.count("late.results_journaled");
     }
   }
-  for (auto& [id, tasks] : by_run) delivered(*book_.find(id), DutyKind::results, from, std::move(tasks), step);
+  for (auto& [id, tasks] : by_run) delivered(*book_.find(id), DutyKind::results, from, std::move(tasks), 1, step);
 }
 
 void SchedulerCore::handle(const TaskProgress& body, const Inbound& from, Step step) {
@@ -84,7 +87,9 @@ void SchedulerCore::handle(const TaskProgress& body, const Inbound& from, Step s
   }
   const bool shown =
       body.state == TaskState::initializing || body.state == TaskState::running || body.state == TaskState::paused;
-  const bool late = run->results().of(*task) != nullptr;
+  // An earlier attempt's result tells nothing of this one.
+  const HeldResult* held = run->results().of(*task);
+  const bool late = held != nullptr && (is_final(held->result.outcome) || held->result.key.attempt >= body.key.attempt);
   if (shown && !late) {
     run->progress[*task] = body.state;
     run->waits.erase(*task);

@@ -37,7 +37,7 @@ void SchedulerCore::handle(const Outcome& body, const Inbound& from, Step step) 
   if (attempt && attempt->execute.key == body.key) return executor_.on(body, step.now, step.out);
   const Run* run = book_.find(body.key.run);
   const auto task = run == nullptr ? std::nullopt : run->index_of(body.key.task);
-  const bool held = task && run->results().holds(*task, body.key);
+  const bool held = task && run->results().holds(*task, body.key, settings_.node);
   if (!held)
     step.out.log(LogLevel::warning, "outcome_of_no_attempt", "task '" + body.key.task + "' of run " + body.key.run);
   step.out.count(held ? "late.outcome" : "refused.outcome.unknown_run");
@@ -52,7 +52,9 @@ void SchedulerCore::handle(const SignedRecord& body, const Inbound& from, Step s
                      body.payload.bytes == attempt->payload;
   if (!asked) {
     for (Run* run : book_.runs()) {
-      if (keep_signed_choice(*run, body, step) || keep_signed_skip(*run, body, step)) return;
+      if (keep_signed_choice(*run, body, step) || keep_signed_skip(*run, body, step) ||
+          keep_signed_abort(*run, body, step))
+        return;
     }
     return step.out.count("late.signed_record");
   }
@@ -82,6 +84,8 @@ void SchedulerCore::handle(const Nack& body, const Inbound& from, Step step) {
     const bool over = run->expired(step.now.utc) && body.what.find(run->id()) != std::string::npos;
     if (over && body.subtype == Results::kSubtype) run->duties.drop(DutyKind::results, from.source);
     if (over && body.subtype == RunAbort::kSubtype) run->duties.drop(DutyKind::abort, from.source);
+    if (over && body.subtype == RunDecision::kSubtype) run->duties.drop(DutyKind::decision, from.source);
+    if (over && body.subtype == RunPause::kSubtype) run->duties.drop(DutyKind::pause, from.source);
   }
 }
 

@@ -20,6 +20,10 @@ Result<std::vector<Held>> check_all(const std::vector<SignedRecord>& records, co
   return out;
 }
 
+Error no_member(const std::string& run, const std::string& node) {
+  return fail(Errc::bad_value, "node '" + node + "' is no member of run " + run);
+}
+
 }  // namespace
 
 void SchedulerCore::handle(const RunSubmit& body, const Inbound& from, Step step) {
@@ -29,6 +33,7 @@ void SchedulerCore::handle(const RunSubmit& body, const Inbound& from, Step step
   auto run = book_.open(body.start);
   if (!run) return refuse(from, run.error(), step);
   const std::string id = run->id();
+  if (!run->is_member(settings_.node)) return refuse(from, no_member(id, settings_.node), step);
   Run* known = book_.find(id);
   if (book_.is_over(id)) return refuse(from, fail(Errc::expired, "run " + id + " is over"), step);
   if (known != nullptr && known->record().payload != body.start.payload) {
@@ -50,7 +55,10 @@ void SchedulerCore::handle(const RunSubmit& body, const Inbound& from, Step step
 Status SchedulerCore::check_baton(const Run& run, const Baton& baton, Step step) const {
   const std::string name = "run " + run.id() + ": baton: ";
   if (baton.digest != run.start().digest) return fail(Errc::conflict, name + "of another definition");
-  if (baton.epoch != run.start().first.epoch) return fail(Errc::conflict, name + "of another epoch");
+  if (baton.epoch != run.epoch()) {
+    return fail(Errc::conflict,
+                name + "of epoch " + std::to_string(baton.epoch) + ", this is epoch " + std::to_string(run.epoch()));
+  }
   if (run.expired(step.now.utc)) return fail(Errc::expired, name + "the run has expired");
   for (const TaskIndex task : baton.tasks) {
     if (task >= run.tasks().size() || !run.concerns(task)) {
@@ -62,7 +70,7 @@ Status SchedulerCore::check_baton(const Run& run, const Baton& baton, Step step)
 
 void SchedulerCore::handle(const Baton& body, const Inbound& from, Step step) {
   Run* run = run_or_hold(body.run, body.digest, from, step);
-  if (run == nullptr) return;
+  if (run == nullptr || hold_for_decisions(*run, body.epoch, from, step)) return;
   if (auto checked = check_baton(*run, body, step); !checked) return refuse(from, checked.error(), step);
   const auto bits = from_bitmap(body.final_tasks.bytes, run->tasks().size());
   if (!bits) return refuse(from, bits.error(), step);
@@ -85,10 +93,12 @@ void SchedulerCore::handle(const Baton& body, const Inbound& from, Step step) {
 void SchedulerCore::handle(const BatonJournaled& body, const Inbound& from, Step step) {
   Run* run = run_for(body.run, from, step);
   if (run == nullptr) return;
-  if (body.epoch != run->start().first.epoch) {
+  if (body.epoch == 0 || body.epoch > run->epoch()) {
     return refuse(from, fail(Errc::conflict, "run " + body.run + ": of another epoch"), step);
   }
-  delivered(*run, DutyKind::baton, from, body.tasks, step);
+  // A task that has gone and come back in a later epoch has to be passed again.
+  if (!run->is_of_epoch(body.tasks, body.epoch)) return step.out.count("late.baton_journaled");
+  delivered(*run, DutyKind::baton, from, body.tasks, body.epoch, step);
 }
 
 void SchedulerCore::handle(const NeedDefinition& body, const Inbound& from, Step step) {
@@ -97,11 +107,12 @@ void SchedulerCore::handle(const NeedDefinition& body, const Inbound& from, Step
   if (!body.digest.bytes.empty() && body.digest != run->start().digest) {
     return refuse(from, fail(Errc::conflict, "run " + body.run + " has another definition"), step);
   }
-  step.out.reply(from, Definition{run->record()});
+  step.out.reply(from, Definition{run->record(), run->decision_records()});
 }
 
 void SchedulerCore::handle(const Definition& body, const Inbound& from, Step step) {
   const auto claimed = decode<RunStart>(body.start.payload.bytes);
+  if (Run* known = claimed ? book_.find(claimed->run) : nullptr) return take_more_decisions(*known, body, from, step);
   if (!claimed || !held_.waits(claimed->run, from.source)) {
     return refuse(from, fail(Errc::unknown_run, "a definition that nothing waits for"), step);
   }
@@ -115,8 +126,28 @@ void SchedulerCore::handle(const Definition& body, const Inbound& from, Step ste
   }
   const std::string id = run->id();
   install(std::move(*run), body.start, false, step);
-  // Nothing starts before the step's end: an abort among them comes before any start.
-  for (const Inbound& message : held_.take(id)) dispatch(message, step);
+  if (auto taken = take_decisions(*book_.find(id), body.decisions, step); !taken) {
+    step.out.log(LogLevel::warning, "decisions_refused", "from '" + from.source + "': " + taken.error().text());
+  }
+  dispatch_held(id, step);
+}
+
+void SchedulerCore::take_more_decisions(Run& run, const Definition& body, const Inbound& from, Step step) {
+  if (run.asked_decisions.erase(from.source) == 0 || body.start.payload != run.record().payload) {
+    return refuse(from, fail(Errc::unknown_run, "a definition that nothing waits for"), step);
+  }
+  if (auto taken = take_decisions(run, body.decisions, step); !taken) {
+    step.out.log(LogLevel::warning, "decisions_refused", "from '" + from.source + "': " + taken.error().text());
+  }
+  dispatch_held(run.id(), step);
+}
+
+void SchedulerCore::dispatch_held(const std::string& run, Step step) {
+  // Nothing starts before the step's end: an abort among them comes before any start. Who has not told of the decision
+  // that its message needs is not asked again.
+  dispatching_held_ = true;
+  for (const Inbound& message : held_.take(run)) dispatch(message, step);
+  dispatching_held_ = false;
 }
 
 }  // namespace trb

@@ -45,7 +45,7 @@ Baton baton_for(const Run& run, const std::vector<TaskIndex>& tasks) {
   Baton baton;
   baton.run = run.id();
   baton.digest = run.start().digest;
-  baton.epoch = run.start().first.epoch;
+  baton.epoch = run.epoch();
   baton.final_tasks.bytes = to_bitmap(run.known_final());
   std::vector<TaskIndex> before;
   for (const TaskIndex task : tasks) {
@@ -73,6 +73,12 @@ void SchedulerCore::send(const Run& run, const Duty& duty, Step step) {
       break;
     case DutyKind::abort:
       step.out.command(duty.to, RunAbort{run.abort_order()});
+      break;
+    case DutyKind::decision:
+      step.out.command(duty.to, RunDecision{run.decision_records().back()});
+      break;
+    case DutyKind::pause:
+      step.out.command(duty.to, RunPause{run.pause_record()});
       break;
   }
 }

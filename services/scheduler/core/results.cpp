@@ -6,8 +6,16 @@
 namespace trb::scheduler {
 namespace {
 
+/// Smaller is kept rather.
+int weight(TaskOutcome outcome) {
+  if (outcome == TaskOutcome::finished) return 0;
+  return outcome == TaskOutcome::skipped ? 1 : 2;
+}
+
 auto rank(const HeldResult& held) {
-  return std::tie(held.result.key.iteration, held.result.key.attempt, held.record.payload.bytes);
+  const TaskResult& is = held.result;
+  return std::tuple(is.key.iteration, is.key.attempt, weight(is.outcome), ~is.epoch,
+                    std::string_view(held.record.payload.bytes));
 }
 
 bool before(const HeldResult& a, const HeldResult& b) {
@@ -24,10 +32,14 @@ bool ResultSet::add(TaskIndex task, HeldResult result) {
   auto& list = by_task_[task];
   const auto place = std::lower_bound(list.begin(), list.end(), result, before);
   if (place != list.end() && rank(*place) == rank(result)) return false;
-  const auto index = static_cast<std::size_t>(place - list.begin());
-  if (index >= kMaxPerTask) return false;
+  const auto same = [key = result.result.key](const HeldResult& held) { return held.result.key == key; };
+  const auto first = std::find_if(list.begin(), list.end(), same);
+  const auto index = place - first;
+  if (first != list.end() && index >= static_cast<std::ptrdiff_t>(kMaxPerAttempt)) return false;
   list.insert(place, std::move(result));
-  if (list.size() > kMaxPerTask) list.pop_back();
+  if (static_cast<std::size_t>(std::count_if(list.begin(), list.end(), same)) > kMaxPerAttempt) {
+    list.erase(std::prev(std::find_if(list.rbegin(), list.rend(), same).base()));
+  }
   return true;
 }
 
@@ -43,7 +55,12 @@ const HeldResult* ResultSet::of(TaskIndex task) const {
   const auto& list = found->second;
   const auto first_final =
       std::find_if(list.begin(), list.end(), [](const HeldResult& held) { return is_final(held.result.outcome); });
-  return first_final != list.end() ? &*first_final : &list.back();
+  if (first_final != list.end()) return &*first_final;
+  const auto age = [](const HeldResult& held) {
+    return std::tuple(held.result.key.iteration, held.result.epoch, held.result.key.attempt);
+  };
+  return &*std::max_element(list.begin(), list.end(),
+                            [&](const HeldResult& a, const HeldResult& b) { return age(a) < age(b); });
 }
 
 bool ResultSet::has_final(TaskIndex task) const {
@@ -56,11 +73,11 @@ bool ResultSet::is_skipped(TaskIndex task) const {
   return held != nullptr && held->result.outcome == TaskOutcome::skipped;
 }
 
-bool ResultSet::holds(TaskIndex task, const AttemptKey& key) const {
+bool ResultSet::holds(TaskIndex task, const AttemptKey& key, const std::string& robot) const {
   const auto found = by_task_.find(task);
   if (found == by_task_.end()) return false;
   return std::any_of(found->second.begin(), found->second.end(),
-                     [&](const HeldResult& held) { return held.result.key == key; });
+                     [&](const HeldResult& held) { return held.result.key == key && held.result.robot == robot; });
 }
 
 bool ResultSet::finished_twice(TaskIndex task) const {
@@ -86,7 +103,7 @@ std::vector<TaskIndex> ResultSet::tasks() const {
 }
 
 bool ResultSet::operator==(const ResultSet& other) const {
-  const auto same = [](const HeldResult& a, const HeldResult& b) { return a.record == b.record; };
+  const auto same = [](const HeldResult& a, const HeldResult& b) { return rank(a) == rank(b); };
   return std::equal(by_task_.begin(), by_task_.end(), other.by_task_.begin(), other.by_task_.end(),
                     [&](const auto& a, const auto& b) {
                       return a.first == b.first &&

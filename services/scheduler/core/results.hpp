@@ -2,6 +2,7 @@
 #pragma once
 
 #include <map>
+#include <string>
 #include <vector>
 
 #include "common/scenario/graph.hpp"
@@ -19,29 +20,32 @@ bool is_final(TaskOutcome outcome);
 
 class ResultSet {
  public:
-  /// At most so many different results of one task are kept, the smallest by (attempt, content): a robot that signs
-  /// endlessly fills nobody's disk, and joins still commute.
-  static constexpr std::size_t kMaxPerTask = 8;
+  /// At most so many different results of one attempt are kept: FINISHED before SKIPPED before the others, so that what
+  /// is final stays final; then those of the later epoch; then the smaller by content. Joins so commute, and a robot
+  /// that signs endlessly fills nobody's memory. Attempts are bounded by kMaxAttempts.
+  static constexpr std::size_t kMaxPerAttempt = 2;
 
   /// True if the set has grown.
   bool add(TaskIndex task, HeldResult result);
   void join(const ResultSet& other);
 
-  /// The result that counts: the first final one, else the latest attempt's; nullptr if there is none.
+  /// The result that counts: the first final one, else the latest epoch's latest attempt's; nullptr if there is none.
   [[nodiscard]] const HeldResult* of(TaskIndex task) const;
   [[nodiscard]] bool has_final(TaskIndex task) const;
   [[nodiscard]] bool is_skipped(TaskIndex task) const;
-  [[nodiscard]] bool holds(TaskIndex task, const AttemptKey& key) const;
+  /// True if there is that robot's result of the attempt: who was replaced may have counted on.
+  [[nodiscard]] bool holds(TaskIndex task, const AttemptKey& key, const std::string& robot) const;
   /// Two different FINISHED results of one task and iteration: it may have been done twice.
   [[nodiscard]] bool finished_twice(TaskIndex task) const;
   [[nodiscard]] std::vector<bool> final_tasks(std::size_t tasks) const;
   /// The tasks that have any result, ascending.
   [[nodiscard]] std::vector<TaskIndex> tasks() const;
 
+  /// By what the results say: a robot can sign one thing in several ways.
   bool operator==(const ResultSet& other) const;
 
  private:
-  std::map<TaskIndex, std::vector<HeldResult>> by_task_;  ///< each list in order of (iteration, attempt, content)
+  std::map<TaskIndex, std::vector<HeldResult>> by_task_;  ///< each list by iteration, attempt, then as they are kept
 };
 
 }  // namespace trb::scheduler

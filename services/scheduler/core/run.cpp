@@ -45,22 +45,25 @@ Result<Run> Run::open(const SignedRecord& record, const FleetAuthority& authorit
   if (auto checked = check_run_start(*start); !checked) return checked.error();
   Run run;
   run.self_ = self;
+  run.authority_ = authority;
   run.record_ = record;
   run.start_ = std::move(*start);
-  if (auto members = run.open_members(authority); !members) return members.error();
-  if (!run.is_member(self)) return fail(Errc::bad_value, "node '" + self + "' is no member of run " + run.id());
+  if (auto members = run.open_members(); !members) return members.error();
   run.index_tasks();
   return run;
 }
 
-Status Run::open_members(const FleetAuthority& authority) {
+Status Run::open_members() {
   for (const Member& member : start_.members) {
-    auto certificate = open_member(member, authority);
+    auto certificate = open_member(member, authority_);
     if (!certificate) return certificate.error();
+    if (decider_.empty() && certificate->role == Role::cloud) decider_ = member.id;
     members_.emplace(member.id, std::move(*certificate));
+    member_ids_.push_back(member.id);
   }
   for (std::size_t i = 0; i < tasks().size(); ++i) {
-    if (members_.at(start_.first.robots[i]).role == Role::robot) continue;
+    const bool bound_late = tasks()[i].robot.empty() && start_.first.robots[i] == decider_;
+    if (bound_late || members_.at(start_.first.robots[i]).role == Role::robot) continue;
     return fail(Errc::bad_value, "task '" + tasks()[i].id + "' is assigned to '" + start_.first.robots[i] +
                                      "', which is no robot's node");
   }
@@ -68,16 +71,20 @@ Status Run::open_members(const FleetAuthority& authority) {
 }
 
 void Run::index_tasks() {
+  robots_ = start_.first.robots;
+  since_.assign(tasks().size(), 1);
+  first_attempt_.assign(tasks().size(), 1);
   heard_.assign(tasks().size(), false);
   heard_skipped_ = heard_;
   successors_ = successors_of(start_.scenario);
   for (std::size_t i = 0; i < tasks().size(); ++i) {
     const auto task = static_cast<TaskIndex>(i);
     index_.emplace(tasks()[i].id, task);
-    if (robot_of(task) == self_) own_tasks_.push_back(task);
     has_conditions_ = has_conditions_ || is_conditional(task);
-    if (concerns(task)) concern_.push_back(task);
+    skips_on_failure_ = skips_on_failure_ || tasks()[i].on_failure == OnFailure::skip;
+    aborts_on_failure_ = aborts_on_failure_ || tasks()[i].on_failure == OnFailure::abort;
   }
+  index_own_tasks();
 }
 
 std::optional<TaskIndex> Run::index_of(const std::string& task) const {
@@ -104,13 +111,19 @@ Result<HeldResult> Run::check_result(const SignedRecord& record) const {
   const auto task = index_of(result->key.task);
   const std::string name = "run " + id() + ": result of task '" + result->key.task + "': ";
   if (result->key.run != id() || result->digest != start_.digest) return fail(Errc::conflict, name + "of another run");
-  if (result->epoch != start_.first.epoch) return fail(Errc::conflict, name + "of another epoch");
+  if (result->epoch == 0 || result->epoch > epoch()) return fail(Errc::conflict, name + "of another epoch");
   if (!task) return fail(Errc::bad_value, name + "no such task");
-  if (result->key.iteration != 1 || result->key.attempt == 0 || result->outcome == TaskOutcome::none) {
+  const std::uint32_t attempt = result->key.attempt;
+  if (result->key.iteration != 1 || attempt == 0 || attempt > kMaxAttempts || result->outcome == TaskOutcome::none) {
     return fail(Errc::bad_value, name + "no such attempt or outcome");
   }
-  if (result->robot != record.signer || robot_of(*task) != record.signer) {
+  if (result->robot != record.signer || robot_in(*task, result->epoch) != record.signer) {
     return fail(Errc::not_permitted, name + "'" + record.signer + "' is not its robot");
+  }
+  // A cloud node does nothing: its task is one that a decision skips, or one that a decision has yet to give a robot.
+  const bool gives_up = result->outcome == TaskOutcome::released && attempt == 1;
+  if (signer->second.role == Role::cloud && result->outcome != TaskOutcome::skipped && !gives_up) {
+    return fail(Errc::not_permitted, name + "'" + record.signer + "' can only skip it");
   }
   return HeldResult{record, std::move(*result)};
 }
@@ -134,9 +147,17 @@ std::optional<UtcTime> Run::next_end(UtcTime now) const {
 }
 
 Attempt Run::attempt_for(const JournalStart& fact) const {
-  const Task& task = tasks()[*index_of(fact.key.task)];
+  const TaskIndex index = *index_of(fact.key.task);
+  const Task& task = tasks()[index];
   Attempt attempt;
-  attempt.execute = {fact.key, fact.epoch, fact.instance, task.skill, task.data, task.timeout_s};
+  const auto data = data_for(index);
+  attempt.execute = {fact.key, fact.epoch, fact.instance, task.skill, data ? *data : task.data, task.timeout_s};
+  const std::uint32_t first = std::min(first_attempt_[index], fact.key.attempt);
+  if (fact.key.attempt - first < task.retries) {
+    attempt.when_failed = TaskOutcome::retriable;
+  } else if (task.on_failure == OnFailure::skip) {
+    attempt.when_failed = TaskOutcome::skipped;
+  }
   attempt.result.key = fact.key;
   attempt.result.digest = start_.digest;
   attempt.result.epoch = fact.epoch;
@@ -155,14 +176,20 @@ bool Run::all_final() const {
 std::vector<TaskIndex> Run::troubles() const {
   std::vector<TaskIndex> out;
   for (const TaskIndex task : results_.tasks()) {
-    if (!results_.has_final(task) || results_.finished_twice(task)) out.push_back(task);
+    const HeldResult* held = current(task);
+    const bool stuck = held != nullptr && !is_final(held->result.outcome) && !is_unbound(task);
+    if (stuck || results_.finished_twice(task)) out.push_back(task);
   }
   return out;
 }
 
+bool Run::wants_robot(TaskIndex task) const {
+  return is_unbound(task) && results_.of(task) != nullptr && !results_.has_final(task);
+}
+
 const JournalStart* Run::open_start() const {
   for (const auto& [task, start] : starts_) {
-    if (!results_.holds(task, start.key)) return &start;
+    if (!results_.holds(task, start.key, self_)) return &start;
   }
   return nullptr;
 }
@@ -175,7 +202,9 @@ std::vector<bool> Run::known_final() const {
 
 std::vector<bool> Run::known_skipped() const {
   std::vector<bool> out = heard_skipped_;
-  for (const TaskIndex task : results_.tasks()) out[task] = results_.is_skipped(task);
+  for (const TaskIndex task : results_.tasks()) {
+    if (results_.has_final(task)) out[task] = results_.is_skipped(task);
+  }
   return out;
 }
 
@@ -184,12 +213,13 @@ void Run::hear(const std::vector<bool>& final_tasks, const std::vector<bool>& sk
     heard_[i] = heard_[i] || final_tasks[i];
     heard_skipped_[i] = heard_skipped_[i] || (final_tasks[i] && skipped_tasks[i]);
   }
+  ++version_;
 }
 
 void Run::note_needs(const std::string& giver) {
   const std::vector<bool> known = known_final();
   for (const TaskIndex task : concern_) {
-    if (results_.of(task) != nullptr || !predecessors_final(tasks()[task], known)) continue;
+    if (current(task) != nullptr || !predecessors_final(tasks()[task], known)) continue;
     for (const TaskIndex before : tasks()[task].after) {
       if (!results_.has_final(before)) needs.try_emplace(before, Need{giver, {}});
     }

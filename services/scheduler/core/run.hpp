@@ -27,23 +27,45 @@ struct HeldChoice {
   Choice choice;
 };
 
-/// What is to become of a task whose predecessors are all final.
-enum class Fate : std::uint8_t { undecided = 0, goes, skipped };
+/// What is to become of a task whose predecessors are all final. `binds`: it goes once it has a robot.
+enum class Fate : std::uint8_t { undecided = 0, goes, binds, skipped };
+
+/// A bound on what a task may be tried again, by retries and decisions together.
+constexpr std::uint32_t kMaxAttempts = 64;
+/// As many as a Definition carries.
+constexpr std::size_t kMaxDecisions = 64;
 
 class Run {
  public:
-  /// Opens a signed start: the submitter's signature, every member's certificate, the digest, the graph; `self` must be
-  /// a member. Errors: those of open_record, open_certificate_any_time and check_run_start.
+  /// Opens a signed start: the submitter's signature, every member's certificate, the digest, the graph. `self` need
+  /// not be a member: a decision may make it one. Errors: those of open_record, open_certificate_any_time and
+  /// check_run_start.
   static Result<Run> open(const SignedRecord& record, const FleetAuthority& authority, const std::string& self);
 
   [[nodiscard]] const std::string& id() const { return start_.run; }
   [[nodiscard]] const RunStart& start() const { return start_; }
   [[nodiscard]] const SignedRecord& record() const { return record_; }
   [[nodiscard]] const std::vector<Task>& tasks() const { return start_.scenario.tasks; }
-  [[nodiscard]] const std::string& robot_of(TaskIndex task) const { return start_.first.robots[task]; }
+  /// Whose the task is in this epoch.
+  [[nodiscard]] const std::string& robot_of(TaskIndex task) const { return robots_[task]; }
+  /// Whose it was in that epoch, 1 to epoch().
+  [[nodiscard]] const std::string& robot_in(TaskIndex task, std::uint32_t epoch) const;
+  /// Whose a ruled task was before the last ruling.
+  [[nodiscard]] const std::string& robot_before(TaskIndex task) const { return robot_in(task, since_[task] - 1); }
+  [[nodiscard]] std::uint32_t epoch() const { return static_cast<std::uint32_t>(decisions_.size()) + 1; }
+  [[nodiscard]] const std::vector<Decision>& decisions() const { return decisions_; }
+  [[nodiscard]] const std::vector<SignedRecord>& decision_records() const { return decision_records_; }
+  /// The only node that may decide on this run: the first cloud node among the start's members; empty: none.
+  [[nodiscard]] const std::string& decider() const { return decider_; }
+  /// The start has left it to the decider to choose its robot, and that has not happened: the decider's node holds it.
+  [[nodiscard]] bool is_unbound(TaskIndex task) const { return !is_ruled(task) && robot_of(task) == decider_; }
+  /// It is due, and the decider's node has said that it has no robot.
+  [[nodiscard]] bool wants_robot(TaskIndex task) const;
   [[nodiscard]] bool is_conditional(TaskIndex task) const { return !tasks()[task].when.empty(); }
-  /// True if any task may be SKIPPED.
   [[nodiscard]] bool has_conditions() const { return has_conditions_; }
+  /// True if this node may have to say of a task that it is SKIPPED.
+  [[nodiscard]] bool may_skip() const { return has_conditions_ || skips_on_failure_ || !decisions_.empty(); }
+  [[nodiscard]] bool aborts_on_failure() const { return aborts_on_failure_; }
   /// Who evaluates a task's condition.
   [[nodiscard]] const std::string& chooser_of(TaskIndex task) const {
     return robot_of(trb::chooser_of(start_.scenario, task));
@@ -53,6 +75,8 @@ class Run {
   [[nodiscard]] bool concerns(TaskIndex task) const { return robot_of(task) == self_ || chooses_here(task); }
   [[nodiscard]] std::optional<TaskIndex> index_of(const std::string& task) const;
   [[nodiscard]] bool is_member(const std::string& node) const { return members_.contains(node); }
+  /// In the order of the start, then of the decisions.
+  [[nodiscard]] const std::vector<std::string>& members() const { return member_ids_; }
   /// The cloud nodes among the members, without this one, in the order of the start.
   [[nodiscard]] std::vector<std::string> clouds() const;
   [[nodiscard]] bool expired(UtcTime now) const { return now.ns >= start_.expires; }
@@ -67,6 +91,14 @@ class Run {
   /// Checks a choice on tasks of this run: signer, digest, epoch, tasks, and that each verdict is that of its reading.
   /// Errors: not_permitted, conflict, bad_value and those of open_record.
   [[nodiscard]] Result<HeldChoice> check_choice(const SignedRecord& record) const;
+  /// Checks the decision that makes the next epoch. Errors: not_permitted, conflict (of another epoch, or not built on
+  /// the decision before), bad_value, too_large and those of open_record and open_certificate_any_time.
+  [[nodiscard]] Result<Decision> check_decision(const SignedRecord& record) const;
+  /// Of a decision that check_decision has passed, by what this node holds: that nothing it rules on is final by now,
+  /// and that what is said to have been given up has been. Only its decider can tell. Error: conflict.
+  [[nodiscard]] Status check_grounds(const Decision& decision) const;
+  /// Checks an order to hold this run or to let it go on. Errors: not_permitted, conflict and those of open_record.
+  [[nodiscard]] Result<PauseOrder> check_pause(const SignedRecord& record) const;
   /// Checks an order to abort this run. Errors: not_permitted, conflict and those of open_record.
   [[nodiscard]] Result<AbortOrder> check_abort(const SignedRecord& record) const;
 
@@ -77,6 +109,8 @@ class Run {
   Status apply(const JournalChoice& fact);
   Status apply(const JournalDelivered& fact);
   Status apply(const JournalAbort& fact);
+  Status apply(const JournalDecision& fact);
+  Status apply(const JournalPause& fact);
   /// The same as apply(JournalResult) for a result that check_result has passed; true if it was new.
   bool add(HeldResult held);
   /// The same for a choice that check_choice has passed. What is chosen stays chosen: false if every task of it is.
@@ -86,6 +120,25 @@ class Run {
   [[nodiscard]] const ResultSet& results() const { return results_; }
   /// The choice on a task's condition, or nullptr.
   [[nodiscard]] const HeldChoice* choice_on(TaskIndex task) const;
+  /// The result of a task as things stand: nullptr if there is none, or if what ended so is void, because a decision or
+  /// its robot's retries have the task done again.
+  [[nodiscard]] const HeldResult* current(TaskIndex task) const;
+  /// The attempt that is to be made next.
+  [[nodiscard]] std::uint32_t next_attempt(TaskIndex task) const;
+  /// How long the robot waits before it tries a task again.
+  [[nodiscard]] Duration retry_pause(TaskIndex task) const;
+  /// True if a decision has taken that attempt's task from its robot, or has it done again.
+  [[nodiscard]] bool is_void(TaskIndex task, std::uint32_t attempt) const { return attempt < first_attempt_[task]; }
+  /// True if the task was moved, repeated or skipped by a decision.
+  [[nodiscard]] bool is_ruled(TaskIndex task) const { return since_[task] > 1; }
+  /// True if none of these tasks was ruled on in a later epoch than that.
+  [[nodiscard]] bool is_of_epoch(const std::vector<TaskIndex>& tasks, std::uint32_t epoch) const;
+  /// The order that counts; nullptr if there was none.
+  [[nodiscard]] const PauseOrder* pause() const { return pause_ ? &*pause_ : nullptr; }
+  [[nodiscard]] const SignedRecord& pause_record() const { return pause_record_; }
+  [[nodiscard]] bool held() const { return pause_ && pause_->paused; }
+  /// True if that order counts more than the one that is known.
+  [[nodiscard]] bool is_newer(const PauseOrder& order) const;
   [[nodiscard]] bool aborted() const { return abort_.has_value(); }
   [[nodiscard]] const SignedRecord& abort_order() const { return *abort_; }
   [[nodiscard]] bool abort_ordered_here() const { return abort_ordered_here_; }
@@ -98,12 +151,24 @@ class Run {
   [[nodiscard]] std::vector<TaskIndex> troubles() const;
   /// This node's tasks that could begin: not begun yet, all predecessors' final results held; ascending.
   [[nodiscard]] std::vector<TaskIndex> startable() const { return own_tasks_that(Fate::goes); }
+  /// Tasks that the decider's node, this one, has to say of that a robot is wanted; ascending.
+  [[nodiscard]] std::vector<TaskIndex> to_bind() const { return own_tasks_that(Fate::binds); }
   /// This node's tasks that are to be SKIPPED, and are not yet; ascending.
   [[nodiscard]] std::vector<TaskIndex> skippable() const { return own_tasks_that(Fate::skipped); }
   /// The tasks whose conditions this node has to evaluate now; ascending.
   [[nodiscard]] std::vector<TaskIndex> to_choose() const;
   /// SKIPPED, with the reason; to be signed.
   [[nodiscard]] TaskResult skipped_result(TaskIndex task, UtcTime now) const;
+  /// This node's tasks that it was asked to give back and has not begun; ascending.
+  [[nodiscard]] std::vector<TaskIndex> releasable() const;
+  /// `released`, by a robot or for want of one; to be signed.
+  [[nodiscard]] TaskResult released_result(TaskIndex task, UtcTime now) const;
+  /// `failed` without having been begun; to be signed.
+  [[nodiscard]] TaskResult unbegun_result(TaskIndex task, const std::string& why, UtcTime now) const;
+  /// The task's data, with the values that earlier results give. Errors: those of fill_values.
+  [[nodiscard]] Result<std::string> data_for(TaskIndex task) const;
+  /// Rises with every fact.
+  [[nodiscard]] std::uint64_t version() const { return version_; }
 
   /// Final by a held result or by hearsay of a baton.
   [[nodiscard]] std::vector<bool> known_final() const;
@@ -121,29 +186,63 @@ class Run {
 
   Duties duties;
   std::map<TaskIndex, Need> needs;
-  std::map<TaskIndex, TaskState> progress;  ///< what TaskProgress told
-  std::map<TaskIndex, std::string> waits;   ///< what TaskProgress told of a condition
-  std::vector<Inquiry> inquiries;           ///< for the conditions that this node has to evaluate
-  std::map<TaskIndex, Signature> skips;     ///< results that are being signed
-  std::set<std::string> confirm_to;         ///< members that wait for AbortConfirmed
+  std::map<TaskIndex, TaskState> progress;      ///< what TaskProgress told
+  std::map<TaskIndex, std::string> waits;       ///< what TaskProgress told of a condition
+  std::vector<Inquiry> inquiries;               ///< for the conditions that this node has to evaluate
+  std::map<TaskIndex, Signature> skips;         ///< results that are being signed without an attempt
+  std::map<TaskIndex, std::string> unbegun;     ///< why the task cannot be begun, and fails
+  std::map<TaskIndex, MonotonicTime> retry_at;  ///< when a task may be tried again
+  std::set<TaskIndex> asked_back;               ///< by the decider
+  std::optional<Signature> abort_signature;     ///< of the order that a failed task makes this node give
+  std::set<std::string> asked_decisions;        ///< whom the decisions were asked of
+  std::set<std::string> confirm_to;             ///< members that wait for AbortConfirmed
 
  private:
   Run() = default;
-  Status open_members(const FleetAuthority& authority);
+  Status open_members();
+  Status check_ruling(const Decision& decision, const TaskRuling& ruling) const;
+  [[nodiscard]] Result<std::map<std::string, Certificate>> open_new_members(const Decision& decision) const;
+  void adopt(const Decision& decision);
+  void owe_batons_anew();
+  void index_own_tasks();
+  [[nodiscard]] bool gives(TaskIndex task) const;
+  [[nodiscard]] bool decider_gives(TaskIndex task) const;
+  [[nodiscard]] bool has_passed(TaskIndex task) const;
+  /// Its robot will try it again by itself.
+  [[nodiscard]] bool tries_again(TaskIndex task, const TaskResult& result) const;
+  /// There is a start record of the next attempt.
+  [[nodiscard]] bool begun(TaskIndex task) const;
+  [[nodiscard]] TaskResult own_result(TaskIndex task, TaskOutcome outcome, UtcTime now) const;
   void index_tasks();
   void owe_first_batons();
   void owe_results(TaskIndex task);
+  void owe_to_successor(TaskIndex task);
   void owe_batons_after(TaskIndex task);
   [[nodiscard]] bool own_predecessors_final(TaskIndex task) const;
   [[nodiscard]] bool all_before_final(TaskIndex task) const;
   [[nodiscard]] bool all_before_skipped(TaskIndex task) const;
   [[nodiscard]] Fate fate_of(TaskIndex task) const;
   [[nodiscard]] std::vector<TaskIndex> own_tasks_that(Fate fate) const;
-  /// To whom a task goes from here: who evaluates its condition, then its robot.
+  /// To whom a task goes from here: who evaluates its condition, if that is not known to have happened, then its robot.
   [[nodiscard]] const std::string& next_hand(TaskIndex task) const;
   void owe_batons(const std::vector<TaskIndex>& tasks);
 
   std::string self_;
+  FleetAuthority authority_;
+  std::string decider_;
+  std::vector<std::string> robots_;           ///< of this epoch
+  std::vector<std::uint32_t> since_;          ///< the epoch of the last ruling on a task; 1: none
+  std::set<std::string> standing_;            ///< robots that lost a task by a person's word that they stand
+  std::vector<std::uint32_t> first_attempt_;  ///< earlier ones are void, unless they are final
+  std::vector<Decision> decisions_;
+  std::vector<SignedRecord> decision_records_;
+  std::vector<std::string> member_ids_;
+  std::map<std::pair<TaskIndex, std::string>, std::uint32_t>
+      passed_;  ///< in which epoch a task's baton was journaled there
+  std::optional<PauseOrder> pause_;
+  SignedRecord pause_record_;
+  bool pause_ordered_here_ = false;
+  std::uint64_t version_ = 0;
   SignedRecord record_;
   RunStart start_;
   std::map<std::string, Certificate> members_;
@@ -152,6 +251,8 @@ class Run {
   std::vector<TaskIndex> own_tasks_;
   std::vector<TaskIndex> concern_;  ///< tasks that this node executes or chooses on
   bool has_conditions_ = false;
+  bool aborts_on_failure_ = false;
+  bool skips_on_failure_ = false;
   bool submitted_here_ = false;
   ResultSet results_;
   std::map<TaskIndex, std::shared_ptr<const HeldChoice>> choices_;

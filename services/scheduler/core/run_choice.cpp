@@ -16,7 +16,7 @@ Result<HeldChoice> Run::check_choice(const SignedRecord& record) const {
   if (!choice) return choice.error();
   const std::string name = "run " + id() + ": choice of '" + record.signer + "': ";
   if (choice->run != id() || choice->digest != start_.digest) return fail(Errc::conflict, name + "of another run");
-  if (choice->epoch != start_.first.epoch) return fail(Errc::conflict, name + "of another epoch");
+  if (choice->epoch == 0 || choice->epoch > epoch()) return fail(Errc::conflict, name + "of another epoch");
   if (choice->by != record.signer) return fail(Errc::source_mismatch, name + "it names another node");
   if (choice->tasks.empty()) return fail(Errc::bad_value, name + "on no task");
   for (const ChosenTask& chosen : choice->tasks) {
@@ -24,7 +24,7 @@ Result<HeldChoice> Run::check_choice(const SignedRecord& record) const {
     if (!task || !is_conditional(*task) || chosen.iteration != 1) {
       return fail(Errc::bad_value, name + "there is none on task '" + chosen.task + "'");
     }
-    if (chooser_of(*task) != record.signer) {
+    if (robot_in(trb::chooser_of(start_.scenario, *task), choice->epoch) != record.signer) {
       return fail(Errc::not_permitted, name + "on task '" + chosen.task + "' it is another's");
     }
     const Condition& condition = tasks()[*task].when.front();
@@ -56,17 +56,19 @@ bool Run::all_before_skipped(TaskIndex task) const {
 }
 
 Fate Run::fate_of(TaskIndex task) const {
-  if (all_before_skipped(task)) return Fate::skipped;
-  if (!is_conditional(task)) return Fate::goes;
+  const bool is_skipped = robot_of(task) == decider_ && is_ruled(task);  // by a decision
+  if (is_skipped || all_before_skipped(task)) return Fate::skipped;
+  const Fate on = is_unbound(task) ? Fate::binds : Fate::goes;
+  if (!is_conditional(task)) return on;
   const HeldChoice* held = choice_on(task);
   if (held == nullptr) return Fate::undecided;
-  return holds(tasks()[task].when.front(), held->choice.reading) ? Fate::goes : Fate::skipped;
+  return holds(tasks()[task].when.front(), held->choice.reading) ? on : Fate::skipped;
 }
 
 std::vector<TaskIndex> Run::own_tasks_that(Fate fate) const {
   std::vector<TaskIndex> out;
   for (const TaskIndex task : own_tasks_) {
-    if (starts_.contains(task) || results_.of(task) != nullptr) continue;
+    if (begun(task) || current(task) != nullptr || asked_back.contains(task) || unbegun.contains(task)) continue;
     if (all_before_final(task) && fate_of(task) == fate) out.push_back(task);
   }
   return out;
@@ -75,23 +77,46 @@ std::vector<TaskIndex> Run::own_tasks_that(Fate fate) const {
 std::vector<TaskIndex> Run::to_choose() const {
   std::vector<TaskIndex> out;
   for (const TaskIndex task : concern_) {
-    if (!chooses_here(task) || results_.of(task) != nullptr) continue;
+    if (!chooses_here(task) || current(task) != nullptr) continue;
     if (all_before_final(task) && fate_of(task) == Fate::undecided) out.push_back(task);
   }
   return out;
 }
 
-TaskResult Run::skipped_result(TaskIndex task, UtcTime now) const {
+TaskResult Run::own_result(TaskIndex task, TaskOutcome outcome, UtcTime now) const {
   TaskResult out;
-  out.key = {id(), tasks()[task].id, 1, 1};
+  out.key = {id(), tasks()[task].id, 1, next_attempt(task)};
   out.digest = start_.digest;
-  out.epoch = start_.first.epoch;
+  out.epoch = epoch();
   out.robot = self_;
-  out.outcome = TaskOutcome::skipped;
+  out.outcome = outcome;
   out.started = now.ns;
   out.ended = now.ns;
+  return out;
+}
+
+TaskResult Run::released_result(TaskIndex task, UtcTime now) const {
+  TaskResult out = own_result(task, TaskOutcome::released, now);
+  out.reason = is_unbound(task) ? "its robot is to be chosen" : "given back to '" + decider_ + "', never begun";
+  return out;
+}
+
+TaskResult Run::unbegun_result(TaskIndex task, const std::string& why, UtcTime now) const {
+  const bool passes = tasks()[task].on_failure == OnFailure::skip;
+  TaskResult out = own_result(task, passes ? TaskOutcome::skipped : TaskOutcome::failed, now);
+  out.reason = why.substr(0, 1024);
+  return out;
+}
+
+TaskResult Run::skipped_result(TaskIndex task, UtcTime now) const {
+  TaskResult out = own_result(task, TaskOutcome::skipped, now);
   const HeldChoice* held = choice_on(task);
-  if (all_before_skipped(task) || held == nullptr) {
+  if (robot_of(task) == decider_ && is_ruled(task)) {
+    const Decision& by = decisions_[since_[task] - 2];
+    out.reason = ("by decision of " + (by.person.empty() ? "the policy" : "'" + by.person + "'") +
+                  (by.reason.empty() ? "" : ": " + by.reason))
+                     .substr(0, 1024);
+  } else if (all_before_skipped(task) || held == nullptr) {
     out.reason = "every task before it was skipped";
   } else {
     const Choice& choice = held->choice;

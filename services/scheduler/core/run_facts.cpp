@@ -28,14 +28,17 @@ Status Run::apply(const JournalRun& fact) {
   if (fact.start.payload != record_.payload) return not_of_this_run(id(), "a start");
   if (!fact.submitted_here || submitted_here_) return Done{};
   submitted_here_ = true;
+  ++version_;
   if (!aborted()) owe_first_batons();
   return Done{};
 }
 
 Status Run::apply(const JournalStart& fact) {
   const auto task = index_of(fact.key.task);
-  if (!task || robot_of(*task) != self_) return not_of_this_run(id(), "a start record");
+  const bool ours = task && fact.epoch >= 1 && fact.epoch <= epoch() && robot_in(*task, fact.epoch) == self_;
+  if (!ours) return not_of_this_run(id(), "a start record");
   starts_[*task] = fact;
+  ++version_;
   return Done{};
 }
 
@@ -57,21 +60,26 @@ Status Run::apply(const JournalDelivered& fact) {
   for (const TaskIndex task : fact.tasks) {
     if (task >= tasks().size()) return not_of_this_run(id(), "a delivery");
   }
-  for (const DutyKind kind : {DutyKind::baton, DutyKind::results, DutyKind::abort}) {
+  for (const DutyKind kind :
+       {DutyKind::baton, DutyKind::results, DutyKind::abort, DutyKind::decision, DutyKind::pause}) {
     if (fact.what == name_of(kind)) duties.settle(kind, fact.to, fact.tasks);
   }
+  if (fact.what != name_of(DutyKind::baton)) return Done{};
+  for (const TaskIndex task : fact.tasks) passed_[{task, fact.to}] = fact.epoch;
   return Done{};
 }
 
 Status Run::apply(const JournalAbort& fact) {
   if (auto order = check_abort(fact.order); !order) return order.error();
   if (!abort_) abort_ = fact.order;
+  ++version_;
+  abort_signature.reset();
   duties.drop(DutyKind::baton);
   needs.clear();
   if (!fact.ordered_here || abort_ordered_here_) return Done{};
   abort_ordered_here_ = true;
-  for (const Member& member : start_.members) {
-    if (member.id != self_) duties.owe(DutyKind::abort, member.id, {});
+  for (const std::string& member : member_ids_) {
+    if (member != self_) duties.owe(DutyKind::abort, member, {});
   }
   return Done{};
 }
@@ -79,11 +87,18 @@ Status Run::apply(const JournalAbort& fact) {
 bool Run::add(HeldResult held) {
   const TaskIndex task = *index_of(held.result.key.task);
   const bool was_final = results_.has_final(task);
+  const bool own = held.result.robot == self_;
+  const bool by_its_robot = held.result.robot == robot_of(task);
   if (!results_.add(task, std::move(held))) return false;
+  ++version_;
   if (results_.has_final(task)) needs.erase(task);
-  progress.erase(task);
-  waits.erase(task);
-  if (robot_of(task) == self_) owe_results(task);
+  if (by_its_robot || results_.has_final(task)) {
+    progress.erase(task);
+    waits.erase(task);
+  }
+  if (current(task) != nullptr) unbegun.erase(task);
+  if (own) owe_results(task);
+  owe_to_successor(task);
   if (!was_final && results_.has_final(task) && !aborted()) owe_batons_after(task);
   return true;
 }
@@ -96,6 +111,7 @@ bool Run::add(HeldChoice held) {
     if (!choices_.emplace(task, shared).second) continue;
     waits.erase(task);
     fresh.push_back(task);
+    ++version_;
   }
   if (shared->choice.by == self_ && !aborted()) owe_batons(fresh);
   return !fresh.empty();
@@ -105,6 +121,13 @@ void Run::owe_results(TaskIndex task) {
   std::vector<std::string> to = clouds();
   if (to.empty() && start_.submitter != self_) to.push_back(start_.submitter);
   for (const std::string& node : to) duties.owe(DutyKind::results, node, {task});
+}
+
+/// A robot that was replaced had finished after all: whoever took its task over need not begin it.
+void Run::owe_to_successor(TaskIndex task) {
+  const std::string& now = robot_of(task);
+  const bool late = results_.has_final(task) && results_.of(task)->result.robot != now;
+  if (late && self_ == decider_ && now != self_) duties.owe(DutyKind::results, now, {task});
 }
 
 /// To the actors of the tasks that wait for nothing, and to the cloud, so that it knows the run.
@@ -118,7 +141,8 @@ void Run::owe_first_batons() {
 }
 
 const std::string& Run::next_hand(TaskIndex task) const {
-  return is_conditional(task) && !chooses_here(task) ? chooser_of(task) : robot_of(task);
+  const bool to_choose = is_conditional(task) && !chooses_here(task) && choice_on(task) == nullptr;
+  return to_choose ? chooser_of(task) : robot_of(task);
 }
 
 void Run::owe_batons(const std::vector<TaskIndex>& tasks) {
@@ -137,8 +161,9 @@ void Run::owe_batons_after(TaskIndex task) {
   std::vector<TaskIndex> passed;
   for (const TaskIndex next : successors_[task]) {
     const bool here = chooses_here(next);
-    const bool ready = here ? all_before_skipped(next) && choice_on(next) == nullptr
-                            : robot_of(task) == self_ && own_predecessors_final(next);
+    const bool ready =
+        here ? all_before_skipped(next) && choice_on(next) == nullptr
+             : (robot_of(task) == self_ && own_predecessors_final(next)) || (decider_gives(next) && !has_passed(next));
     if (ready) passed.push_back(next);
   }
   owe_batons(passed);

@@ -9,11 +9,17 @@ SchedulerCore::SchedulerCore(SchedulerSettings settings)
 
 std::vector<std::string> SchedulerCore::subtypes() {
   std::vector<std::string> out;
-  for (const auto subtype :
-       {RunSubmit::kSubtype, Baton::kSubtype, BatonJournaled::kSubtype, NeedDefinition::kSubtype, Definition::kSubtype,
-        NeedResults::kSubtype, Results::kSubtype, ResultsJournaled::kSubtype, TaskProgress::kSubtype,
-        RunAbort::kSubtype, AbortConfirmed::kSubtype, RunQuery::kSubtype, RunListRequest::kSubtype,
-        AdapterState::kSubtype, ExecutionState::kSubtype, Outcome::kSubtype}) {
+  for (const auto subtype : {RunSubmit::kSubtype,      Baton::kSubtype,
+                             BatonJournaled::kSubtype, NeedDefinition::kSubtype,
+                             Definition::kSubtype,     NeedResults::kSubtype,
+                             Results::kSubtype,        ResultsJournaled::kSubtype,
+                             TaskProgress::kSubtype,   RunAbort::kSubtype,
+                             AbortConfirmed::kSubtype, RunQuery::kSubtype,
+                             RunListRequest::kSubtype, AdapterState::kSubtype,
+                             ExecutionState::kSubtype, Outcome::kSubtype,
+                             RunDecision::kSubtype,    DecisionJournaled::kSubtype,
+                             ReleaseTasks::kSubtype,   RunPause::kSubtype,
+                             PauseJournaled::kSubtype, RunWatch::kSubtype}) {
     out.emplace_back(subtype);
   }
   return out;
@@ -37,6 +43,7 @@ void SchedulerCore::on_welcome(const NodeIdentity& node, Now now, Outbox& out) {
     for (auto& [task, need] : run->needs) need.timer.restart();
     for (Inquiry& inquiry : run->inquiries) inquiry.restart(now);
     for (auto& [task, signature] : run->skips) signature.next = now.mono;
+    if (run->abort_signature) run->abort_signature->next = now.mono;
   }
   last_ = now;
   resume_attempt();
@@ -63,6 +70,8 @@ std::optional<MonotonicTime> SchedulerCore::next_deadline() const {
     for (const auto& [task, need] : run->needs) out = earlier(out, need.timer.next());
     for (const Inquiry& inquiry : run->inquiries) out = earlier(out, inquiry.next());
     for (const auto& [task, signature] : run->skips) out = earlier(out, signature.next);
+    for (const auto& [task, at] : run->retry_at) out = earlier(out, at);
+    if (run->abort_signature) out = earlier(out, run->abort_signature->next);
     if (const auto end = run->next_end(last_->utc)) out = earlier(out, last_->mono + Duration{end->ns - last_->utc.ns});
   }
   return out;
@@ -120,7 +129,8 @@ void SchedulerCore::install(Run run, const SignedRecord& start, bool submitted_h
   if (!applied) step.out.log(LogLevel::error, "run_not_applied", applied.error().text());
 }
 
-void SchedulerCore::delivered(Run& run, DutyKind kind, const Inbound& from, std::vector<TaskIndex> tasks, Step step) {
+void SchedulerCore::delivered(Run& run, DutyKind kind, const Inbound& from, std::vector<TaskIndex> tasks,
+                              std::uint32_t epoch, Step step) {
   if (!run.duties.settle(kind, from.source, tasks)) {
     step.out.count("late." + std::string(subtype_of(from.body)));
     return;
@@ -130,8 +140,11 @@ void SchedulerCore::delivered(Run& run, DutyKind kind, const Inbound& from, std:
   fact.to = from.source;
   fact.what = name_of(kind);
   fact.tasks = std::move(tasks);
-  fact.epoch = run.start().first.epoch;
+  fact.epoch = epoch;
   step.out.record(fact);
+  if (auto applied = run.apply(fact); !applied) {
+    step.out.log(LogLevel::error, "delivery_not_applied", applied.error().text());
+  }
 }
 
 }  // namespace trb

@@ -12,6 +12,7 @@
 #include "services/scheduler/core/book.hpp"
 #include "services/scheduler/core/executor.hpp"
 #include "services/scheduler/core/held.hpp"
+#include "services/scheduler/core/watchers.hpp"
 
 namespace trb {
 
@@ -43,7 +44,8 @@ class SchedulerCore : public Core {
     Outbox& out;
   };
 
-  // One handler a body; on_run.cpp, on_results.cpp, on_abort.cpp, on_robot.cpp, on_sensor.cpp, on_query.cpp.
+  // One handler a body; on_run.cpp, on_results.cpp, on_abort.cpp, on_robot.cpp, on_sensor.cpp, on_decision.cpp,
+  // on_pause.cpp, on_query.cpp.
   void handle(const RunSubmit& body, const Inbound& from, Step step);
   void handle(const Baton& body, const Inbound& from, Step step);
   void handle(const BatonJournaled& body, const Inbound& from, Step step);
@@ -55,6 +57,12 @@ class SchedulerCore : public Core {
   void handle(const TaskProgress& body, const Inbound& from, Step step);
   void handle(const RunAbort& body, const Inbound& from, Step step);
   void handle(const AbortConfirmed& body, const Inbound& from, Step step);
+  void handle(const RunDecision& body, const Inbound& from, Step step);
+  void handle(const DecisionJournaled& body, const Inbound& from, Step step);
+  void handle(const ReleaseTasks& body, const Inbound& from, Step step);
+  void handle(const RunPause& body, const Inbound& from, Step step);
+  void handle(const PauseJournaled& body, const Inbound& from, Step step);
+  void handle(const RunWatch& body, const Inbound& from, Step step);
   void handle(const RunQuery& body, const Inbound& from, Step step);
   void handle(const RunListRequest& body, const Inbound& from, Step step);
   void handle(const AdapterState& body, const Inbound& from, Step step);
@@ -77,15 +85,25 @@ class SchedulerCore : public Core {
   void install(Run run, const SignedRecord& start, bool submitted_here, Step step);
   void keep_result(Run& run, scheduler::HeldResult held, Step step);
   void keep_choice(Run& run, scheduler::HeldChoice held, Step step);
-  /// Keeps a choice, or a SKIPPED result, that was being signed; false if the record is none.
+  /// Keeps a choice, a result without an attempt, or an order to abort, that was being signed; false if the record is
+  /// none.
   bool keep_signed_choice(Run& run, const SignedRecord& record, Step step);
   bool keep_signed_skip(Run& run, const SignedRecord& record, Step step);
+  bool keep_signed_abort(Run& run, const SignedRecord& record, Step step);
+  /// Keeps a message that is of a later epoch than is known, and asks its sender for the decisions; false if it is not.
+  bool hold_for_decisions(Run& run, std::uint32_t epoch, const Inbound& from, Step step);
+  void keep_decision(Run& run, const SignedRecord& record, bool here, Step step);
+  Status take_decisions(Run& run, const std::vector<SignedRecord>& records, Step step);
+  /// Hands out what waited for a definition or for decisions.
+  void dispatch_held(const std::string& run, Step step);
+  void take_more_decisions(Run& run, const Definition& body, const Inbound& from, Step step);
   /// Logs that the own router has signed something else than was asked for, which is asked for again; true.
   bool wrong_signature(const Error& error, Step step);
   void refused_reading(const Nack& nack, const Inbound& from, Step step);
   Status check_baton(const Run& run, const Baton& baton, Step step) const;
   /// Journals that another node has what it was owed.
-  void delivered(Run& run, scheduler::DutyKind kind, const Inbound& from, std::vector<TaskIndex> tasks, Step step);
+  void delivered(Run& run, scheduler::DutyKind kind, const Inbound& from, std::vector<TaskIndex> tasks,
+                 std::uint32_t epoch, Step step);
 
   // The end of every step: advance.cpp, choosing.cpp, passing.cpp.
   void advance(Step step);
@@ -99,7 +117,9 @@ class SchedulerCore : public Core {
   void tell_progress(const Run& run, const AttemptKey& key, TaskState state, Step step);
   void decide(Run& run, Step step);
   void inquire(Run& run, Step step);
-  void skip(Run& run, Step step);
+  void say_results(Run& run, bool open, Step step);
+  void abort_on_failure(Run& run, Step step);
+  void tell_watchers(Step step);
   void choose_by(const SensorReading& reading, const std::string& node, Run& run, scheduler::Inquiry& inquiry,
                  Step step);
   void tell_waiting(const Run& run, TaskIndex task, const std::string& what, Step step);
@@ -112,6 +132,8 @@ class SchedulerCore : public Core {
   scheduler::Book book_;
   scheduler::Executor executor_;
   scheduler::Held held_;
+  scheduler::Watchers watchers_;
+  bool dispatching_held_ = false;
   std::optional<Now> last_;  ///< of the last step since the welcome: relates UTC to the monotonic clock
 };
 

@@ -17,8 +17,39 @@ std::string trouble_text(const Run& run, TaskIndex task) {
   if (result.outcome == TaskOutcome::interrupted) {
     return "a person has to decide: " + where + "was interrupted on '" + result.robot + "': " + why;
   }
+  if (result.outcome == TaskOutcome::released) {
+    return "a decision: " + where + "was given back by '" + result.robot + "'";
+  }
   return where + (result.outcome == TaskOutcome::failed ? "failed" : "is retriable") + " on '" + result.robot +
          "': " + why;
+}
+
+std::string held_text(const Run& run) {
+  const PauseOrder& order = *run.pause();
+  return "a person: held by '" + order.by + "'" + (order.reason.empty() ? "" : ": " + order.reason) +
+         "; trb scenario resume lets it go on";
+}
+
+/// The first task that waits for a robot to be chosen.
+std::optional<TaskIndex> first_unbound(const Run& run) {
+  for (std::size_t i = 0; i < run.tasks().size(); ++i) {
+    if (run.wants_robot(static_cast<TaskIndex>(i))) return static_cast<TaskIndex>(i);
+  }
+  return std::nullopt;
+}
+
+/// Choosing takes a moment; what takes longer waits for a robot to come.
+bool lacks_robot(const Run& run, UtcTime now) {
+  constexpr Duration kChoosing = std::chrono::seconds(10);
+  const auto task = first_unbound(run);
+  return task && now >= UtcTime{run.results().of(*task)->result.ended} + kChoosing;
+}
+
+std::string unbound_text(const Run& run) {
+  const auto task = first_unbound(run);
+  if (!task) return {};
+  return "a robot for task '" + run.tasks()[*task].id + "', to be chosen by '" + run.decider() +
+         "'; see: trb alert list";
 }
 
 std::string abort_text(const Run& run, const Executor& executor) {
@@ -51,6 +82,36 @@ std::string condition_obstacle(const Run& run) {
   }
   for (const auto& [task, told] : run.waits) {
     if (!told.empty()) return told;
+  }
+  return {};
+}
+
+/// When everything that stands before the task was final.
+UtcTime due_since(const Run& run, TaskIndex task) {
+  std::int64_t out = run.start().created;
+  for (const TaskIndex before : run.tasks()[task].after) {
+    out = std::max(out, run.results().of(before)->result.ended);
+  }
+  return UtcTime{out};
+}
+
+/// A task that could begin, and of which nothing is heard: who has to pass it on may be gone as well as who has to do
+/// it. Only the decider holds every result and is told of every beginning.
+std::string handover_text(const Run& run, UtcTime now) {
+  constexpr Duration kUsual = std::chrono::seconds(10);
+  const std::vector<std::string> clouds = run.clouds();
+  if (std::find(clouds.begin(), clouds.end(), run.decider()) != clouds.end()) return {};
+  for (std::size_t i = 0; i < run.tasks().size(); ++i) {
+    const auto task = static_cast<TaskIndex>(i);
+    const auto& after = run.tasks()[task].after;
+    const bool due = run.current(task) == nullptr && run.robot_of(task) != run.decider() &&
+                     std::all_of(after.begin(), after.end(), [&](TaskIndex is) { return run.results().has_final(is); });
+    if (!due || run.progress.contains(task) || now < due_since(run, task) + kUsual) continue;
+    const std::string name = "task '" + run.tasks()[task].id + "'";
+    const bool chooses = run.is_conditional(task) && run.choice_on(task) == nullptr;
+    if (chooses) return "'" + run.chooser_of(task) + "' to evaluate the condition of " + name;
+    const std::string& giver = after.empty() ? run.start().submitter : run.robot_of(after.back());
+    return "'" + run.robot_of(task) + "' to begin " + name + ", passed on by '" + giver + "'";
   }
   return {};
 }
@@ -101,13 +162,16 @@ TaskView task_view(const Run& run, const Executor& executor, TaskIndex task, Kno
   const Task& is = run.tasks()[task];
   TaskView view;
   view.id = is.id;
-  view.robot = run.robot_of(task);
+  if (!run.is_unbound(task)) view.robot = run.robot_of(task);
   view.skill = is.skill;
   view.after = is.after;
   view.condition = condition_of(run, task);
-  const HeldResult* held = run.results().of(task);
+  // A task comes from no robot if the decider's node has held it.
+  if (run.is_ruled(task) && run.robot_before(task) != run.decider()) view.moved_from = run.robot_before(task);
+  const HeldResult* held = run.current(task);
   if (held == nullptr) {
     view.state = open_state(run, executor, task, known);
+    view.attempt = run.results().of(task) == nullptr ? 0 : run.next_attempt(task);
     return view;
   }
   const TaskResult& result = held->result;
@@ -128,10 +192,10 @@ RunState state_of(const Run& run, const Executor& executor, UtcTime now) {
     const bool open = executor.runs(run.id()) || !run.duties.creditors(DutyKind::abort).empty();
     return open ? RunState::aborting : RunState::aborted;
   }
-  const bool trouble = !run.troubles().empty();
+  const bool trouble = run.held() || !run.troubles().empty();
   if (run.all_final() && !trouble) return RunState::finished;
   if (run.expired(now)) return RunState::expired;
-  return trouble ? RunState::paused : RunState::running;
+  return trouble || lacks_robot(run, now) ? RunState::paused : RunState::running;
 }
 
 std::string waits_for(const Run& run, const Executor& executor, UtcTime now) {
@@ -141,11 +205,15 @@ std::string waits_for(const Run& run, const Executor& executor, UtcTime now) {
       out = abort_text(run, executor);
       break;
     case RunState::paused:
-      out = trouble_text(run, run.troubles().front());
+      out = !run.troubles().empty() ? trouble_text(run, run.troubles().front())
+            : run.held()            ? held_text(run)
+                                    : unbound_text(run);
       break;
     case RunState::running:
       out = robot_text(run, executor);
       if (out.empty()) out = condition_obstacle(run);
+      if (out.empty()) out = unbound_text(run);
+      if (out.empty()) out = handover_text(run, now);
       break;
     case RunState::finished:
     case RunState::aborted:
@@ -161,10 +229,16 @@ RunView view_of(const Run& run, const Executor& executor, UtcTime now) {
   view.name = run.start().scenario.name;
   view.state = state_of(run, executor, now);
   view.waits_for = waits_for(run, executor, now);
-  view.epoch = run.start().first.epoch;
+  view.epoch = run.epoch();
   view.submitter = run.start().submitter;
   view.created = run.start().created;
   view.expires = run.start().expires;
+  for (std::size_t i = 0; i < run.decisions().size(); ++i) {
+    const Decision& by = run.decisions()[i];
+    view.decisions.push_back({by.epoch, by.by, by.alert, by.person, by.reason, by.time, by.tasks});
+  }
+  if (run.pause() != nullptr) view.pause_number = run.pause()->number;
+  if (run.held()) view.paused_by = run.pause()->by;
   const std::vector<bool> known = run.known_final();
   const std::vector<bool> skipped = run.known_skipped();
   for (std::size_t i = 0; i < run.tasks().size(); ++i) {
@@ -182,6 +256,8 @@ RunSummary summary_of(const Run& run, const Executor& executor, UtcTime now) {
   summary.created = run.start().created;
   summary.tasks = static_cast<std::uint32_t>(run.tasks().size());
   const std::vector<bool> known = run.known_final();
+  summary.epoch = run.epoch();
+  summary.version = run.version();
   summary.tasks_final = static_cast<std::uint32_t>(std::count(known.begin(), known.end(), true));
   return summary;
 }

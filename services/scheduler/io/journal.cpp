@@ -48,6 +48,12 @@ Result<std::string> run_of(const Body& record) {
                    [](const JournalAbort& is) -> Run {
                      return run_in<AbortOrder>(is.order, [](const AbortOrder& order) { return order.run; });
                    },
+                   [](const JournalDecision& is) -> Run {
+                     return run_in<Decision>(is.decision, [](const Decision& one) { return one.run; });
+                   },
+                   [](const JournalPause& is) -> Run {
+                     return run_in<PauseOrder>(is.order, [](const PauseOrder& order) { return order.run; });
+                   },
                    [](const JournalTombstone& is) -> Run { return is.run; },
                    [](const auto& other) -> Run {
                      return fail(Errc::bad_value,

@@ -29,7 +29,8 @@ void FakeAdapter::execute(const Execute& execute, const Inbound& message, Monoto
   if (!control_.empty()) return refuse(message, Errc::control_held);
   if (running_) return refuse(message, Errc::busy);
   ++begun[{instance, execute.key}];
-  running_ = Running{execute.key, now + skill_time};
+  given[execute.key] = execute.data;
+  running_ = Running{execute.key, now + skill_time, execute};
   said_.push_back({message.id, ExecutionState{execute.key, instance, "running"}});
   tell_state();
 }
@@ -43,17 +44,28 @@ void FakeAdapter::query(const AttemptKey& key, std::uint64_t id) {
   }
 }
 
-void FakeAdapter::end(TaskOutcome outcome, const std::string& reason) {
-  Outcome told{running_->key, instance, outcome, reason, R"({"done":true})", to_seconds(skill_time)};
+void FakeAdapter::end(TaskOutcome outcome, const std::string& reason, const std::string& result) {
+  Outcome told{running_->key, instance, outcome, reason, result, to_seconds(skill_time)};
   outcomes_[running_->key] = told;
   running_.reset();
   said_.push_back({0, told});
   tell_state();
 }
 
+void FakeAdapter::end_by_itself() {
+  const char* const stuck = "the gripper is stuck";
+  if (world) {
+    const auto [how, result] = world(running_->execute);
+    return end(how, how == TaskOutcome::finished ? "" : stuck, result);
+  }
+  const auto own = endings.find(running_->key.task);
+  const TaskOutcome how = own == endings.end() ? ending : own->second;
+  end(how, how == TaskOutcome::finished ? "" : stuck);
+}
+
 void FakeAdapter::tick(MonotonicTime now) {
   if (running_ && running_->until <= now) {
-    end(ending, ending == TaskOutcome::finished ? "" : "the gripper is stuck");
+    end_by_itself();
     resend_ = now + seconds(1);
   }
   if (!resend_ || *resend_ > now) return;

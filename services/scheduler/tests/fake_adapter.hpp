@@ -1,9 +1,11 @@
 // A mode-adapter for tests: every skill takes the same time and succeeds, unless a test says otherwise.
 #pragma once
 
+#include <functional>
 #include <map>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "common/actor/inbound.hpp"
@@ -33,6 +35,10 @@ class FakeAdapter {
   std::uint64_t instance = 100;
   Duration skill_time = seconds(1);
   TaskOutcome ending = TaskOutcome::finished;
+  std::map<std::string, TaskOutcome> endings;  ///< of some tasks, by id
+  /// In place of both: how an attempt ends, and the result that the robot tells.
+  std::function<std::pair<TaskOutcome, std::string>(const Execute&)> world;
+  std::map<AttemptKey, std::string> given;  ///< the data of every attempt that was begun
   /// How often each attempt was begun, by instance; and how often it was commanded.
   std::map<std::pair<std::uint64_t, AttemptKey>, int> begun;
   std::map<std::pair<std::uint64_t, AttemptKey>, int> commanded;
@@ -41,13 +47,15 @@ class FakeAdapter {
   void execute(const Execute& execute, const Inbound& message, MonotonicTime now);
   void cancel(const AttemptKey& key, MonotonicTime now);
   void query(const AttemptKey& key, std::uint64_t id);
-  void end(TaskOutcome outcome, const std::string& reason);
+  void end(TaskOutcome outcome, const std::string& reason, const std::string& result = R"({"done":true})");
+  void end_by_itself();
   void tell_state(std::uint64_t reply_to = 0);
   void refuse(const Inbound& message, Errc code);
 
   struct Running {
     AttemptKey key;
     MonotonicTime until;
+    Execute execute;
   };
   bool online_ = true;
   bool fenced_ = false;

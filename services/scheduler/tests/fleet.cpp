@@ -144,7 +144,7 @@ void Fleet::send(Node& node, const Send& send) {
 void Fleet::send_local(Node& node, const Inbound& message) {
   if (chance(weather.local_loss)) return;
   if (const auto* request = get_if<SignRequest>(&message.body)) {
-    REQUIRE(may_sign(node.role, request->kind));
+    REQUIRE_MESSAGE(may_sign(node.role, request->kind), (node.id + " " + request->kind));
     REQUIRE(may_have_signed("scheduler", false, request->kind));
     answer(node.id, message, seconds(0.002), sign(node.id, request->kind, request->payload.bytes));
   } else if (holds_alternative<RouteListRequest>(message.body)) {

@@ -20,38 +20,9 @@ HeldResult held(std::uint32_t attempt, TaskOutcome outcome, const std::string& d
   return {{"result", "ur3", {encode(result)}, {"signature"}}, result};
 }
 
-/// A different set for every seed, with many results of few tasks.
-ResultSet set_of(std::uint64_t seed) {
-  ResultSet out;
-  for (int i = 0; i < 30; ++i) {
-    seed = seed * 6364136223846793005U + 1442695040888963407U;
-    const auto draw = static_cast<std::uint32_t>(seed >> 40U);
-    const auto outcome = static_cast<TaskOutcome>(1 + draw % 5);
-    out.add(static_cast<TaskIndex>(draw % 3), held(1 + draw / 16 % 6, outcome, std::to_string(draw / 128 % 3)));
-  }
-  return out;
-}
-
-ResultSet joined(ResultSet a, const ResultSet& b) {
-  a.join(b);
-  return a;
-}
-
 }  // namespace
 
-TEST_CASE("joining result sets is idempotent, commutative and associative, also where the bound bites") {
-  for (std::uint64_t seed = 1; seed <= 50; ++seed) {
-    const ResultSet a = set_of(seed);
-    const ResultSet b = set_of(seed + 100);
-    const ResultSet c = set_of(seed + 200);
-    CHECK(joined(a, a) == a);
-    CHECK(joined(a, b) == joined(b, a));
-    CHECK(joined(joined(a, b), c) == joined(a, joined(b, c)));
-    CHECK(joined(joined(a, b), b) == joined(a, b));
-  }
-}
-
-TEST_CASE("the first final result counts, else the latest attempt's") {
+TEST_CASE("the first final result counts, else the latest attempt's; FINISHED is never lost to others of its attempt") {
   ResultSet set;
   CHECK(set.of(0) == nullptr);
   CHECK(set.add(0, held(2, TaskOutcome::failed)));
@@ -65,13 +36,32 @@ TEST_CASE("the first final result counts, else the latest attempt's") {
   CHECK(set.add(0, held(1, TaskOutcome::finished, "other")));
   CHECK(set.finished_twice(0));
   CHECK(set.final_tasks(2) == std::vector<bool>{true, false});
+  for (const char* data : {"", "a", "b"}) set.add(0, held(1, TaskOutcome::failed, data));
+  CHECK(set.finished_twice(0));
+}
+
+TEST_CASE("of what is not final the latest epoch's counts: who was replaced may have tried on") {
+  const auto of_epoch = [](std::uint32_t epoch, std::uint32_t attempt) {
+    HeldResult out = held(attempt, TaskOutcome::retriable);
+    out.result.epoch = epoch;
+    out.result.robot = epoch == 1 ? "ur3" : "drone";
+    out.record.payload.bytes = encode(out.result);
+    return out;
+  };
+  ResultSet set;
+  set.add(0, of_epoch(1, 3));
+  set.add(0, of_epoch(2, 2));
+  CHECK(set.of(0)->result.epoch == 2);
+  CHECK(set.holds(0, {"run", "task", 1, 2}, "drone"));
+  CHECK_FALSE(set.holds(0, {"run", "task", 1, 2}, "ur3"));
 }
 
 TEST_CASE("an endless signer fills nothing") {
   ResultSet set;
-  for (std::uint32_t i = 1; i <= 100; ++i) set.add(0, held(i, TaskOutcome::failed));
-  CHECK(set.of(0)->result.key.attempt == ResultSet::kMaxPerTask);
-  CHECK_FALSE(set.add(0, held(100, TaskOutcome::finished)));
+  for (int i = 0; i < 100; ++i) set.add(0, held(1, TaskOutcome::failed, std::to_string(100 + i)));
+  CHECK_FALSE(set.add(0, held(1, TaskOutcome::failed, "150")));
+  CHECK(set.add(0, held(2, TaskOutcome::finished)));
+  CHECK(set.has_final(0));
 }
 
 TEST_CASE("a duty is sent at once, then after 0.2 s, doubled up to 2 s, until it is settled") {

@@ -123,7 +123,7 @@ TEST_CASE("a baton of another epoch, definition, task or giver is refused") {
     change(baton);
     return nack_of(known.fleet.tell("ur3", from, MessageType::command, baton));
   };
-  CHECK(refused("ridgeback", [](Baton& is) { is.epoch = 2; }) == "conflict");
+  CHECK(refused("ridgeback", [](Baton& is) { is.epoch = 0; }) == "conflict");
   CHECK(refused("ridgeback", [](Baton& is) { is.digest.bytes[0] ^= 1; }) == "conflict");
   CHECK(refused("ridgeback", [](Baton& is) { is.tasks = {0}; }) == "bad_value");
   CHECK(refused("ridgeback", [](Baton& is) { is.tasks = {2}; }) == "bad_value");

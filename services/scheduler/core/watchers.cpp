@@ -1,0 +1,38 @@
+#include "services/scheduler/core/watchers.hpp"
+
+#include <algorithm>
+
+namespace trb::scheduler {
+
+Status Watchers::add(const Inbound& from, double lease_s, Now now) {
+  if (!(lease_s > 0 && lease_s <= kLongest_s)) {
+    return fail(Errc::bad_value, "lease_s: " + std::to_string(lease_s), "use more than 0, at most 60");
+  }
+  forget(now.mono);
+  // The upper 16 bits are the asking service's slot: its new watch follows its old one.
+  std::erase_if(watchers_,
+                [&](const Watcher& one) { return one.source == from.source && one.id >> 48U == from.id >> 48U; });
+  if (watchers_.size() >= kMax) {
+    // The own node's services come first: without its watch the resilience would see no run.
+    const auto foreign =
+        std::find_if(watchers_.begin(), watchers_.end(), [&](const Watcher& one) { return one.source != from.target; });
+    if (from.source != from.target || foreign == watchers_.end()) {
+      return fail(Errc::queue_full, "8 watch already", "wait for a lease to end");
+    }
+    watchers_.erase(foreign);
+  }
+  watchers_.push_back({from.source, from.id, now.mono + seconds(lease_s), {}});
+  return Done{};
+}
+
+void Watchers::forget(MonotonicTime now) {
+  std::erase_if(watchers_, [&](const Watcher& one) { return one.until <= now; });
+}
+
+void Watchers::told(const Inbound& from, const std::string& run, std::uint64_t version) {
+  for (Watcher& watcher : watchers_) {
+    if (watcher.source == from.source && watcher.id == from.id) watcher.told[run] = version;
+  }
+}
+
+}  // namespace trb::scheduler

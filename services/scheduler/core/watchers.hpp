@@ -1,0 +1,47 @@
+// Who wants to be told of runs, and what each has been told last.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/actor/outbox.hpp"
+#include "common/base/time.hpp"
+
+namespace trb::scheduler {
+
+class Watchers {
+ public:
+  static constexpr std::size_t kMax = 8;
+  static constexpr double kLongest_s = 60;
+
+  /// A new watch, or (of the same asker and service) one in the place of the older. Error: queue_full, bad_value.
+  Status add(const Inbound& from, double lease_s, Now now);
+  void forget(MonotonicTime now);
+  [[nodiscard]] bool empty() const { return watchers_.empty(); }
+  /// Tells those that have not been told of this version of the run. `summary` is made only if somebody has to be.
+  template <class Summary>
+  void tell(const std::string& run, std::uint64_t version, const Summary& summary, Outbox& out) {
+    for (Watcher& watcher : watchers_) {
+      const auto [told, is_new] = watcher.told.try_emplace(run, version);
+      if (!is_new && told->second == version) continue;
+      told->second = version;
+      out.sends.push_back({.target = watcher.source, .reply_to = watcher.id, .body = RunChanged{summary()}});
+    }
+  }
+  /// What the answer to a watch has told.
+  void told(const Inbound& from, const std::string& run, std::uint64_t version);
+
+ private:
+  struct Watcher {
+    std::string source;
+    std::uint64_t id = 0;
+    MonotonicTime until;
+    std::map<std::string, std::uint64_t> told;
+  };
+  std::vector<Watcher> watchers_;
+};
+
+}  // namespace trb::scheduler
