@@ -9,7 +9,7 @@ ModeAdapterCore::ModeAdapterCore(Settings settings, PersistFence persist, Inject
       faults_(robot_.settings.description.faults),
       sensors_(robot_.settings.description.sensors),
       stops_(robot_, std::move(persist)),
-      desk_(robot_) {}
+      desk_(robot_, faults_) {}
 
 void ModeAdapterCore::on_welcome(const NodeIdentity&, Now, Outbox& out) {
   status_.welcome(condition(), out);

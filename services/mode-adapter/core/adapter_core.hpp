@@ -75,7 +75,7 @@ class ModeAdapterCore : public Core {
   void on_progress(Token token, const char* state, Now now, Outbox& out);
   void on_refused(const Refused& refused, Now now, Outbox& out);
   void on_said(RobotMode& mode, const Said& said, Now now, Outbox& out);
-  void on_fault(const FaultSaid& fault, Outbox& out);
+  void on_fault(const FaultSaid& fault, Now now, Outbox& out);
   void on_link_up(RobotMode& mode, Now now, Outbox& out);
   void on_link_down(RobotMode& mode, const std::string& reason, Now now, Outbox& out);
   void expire(Askers& askers, const char* what, Now now, Outbox& out);

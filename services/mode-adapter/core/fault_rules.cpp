@@ -47,7 +47,7 @@ FaultSaid said(const FaultRule& rule, const RobotValue& value) {
 }  // namespace
 
 FaultRules::FaultRules(const std::vector<FaultRule>& rules) {
-  for (const FaultRule& rule : rules) watched_.push_back({&rule, false, {}, {}, {}});
+  for (const FaultRule& rule : rules) watched_.push_back({&rule, false, {}, {}, {}, {}});
 }
 
 void FaultRules::on_value(std::string_view name, const RobotValue& value, Now now, std::vector<FaultSaid>& told) {
@@ -61,8 +61,10 @@ void FaultRules::on_value(std::string_view name, const RobotValue& value, Now no
     const Condition condition = rule.when == FaultWhen::equals
                                     ? (equals(rule.wanted, value) ? Condition::met : Condition::over)
                                     : judge_limit(rule, value.numbers);
+    if (condition == Condition::met) watched.stands = said(rule, value);
     if (condition == Condition::met && !watched.begun) begin(watched, value, now, told);
     if (condition == Condition::over) {
+      watched.stands.reset();
       watched.begun = false;
       watched.waits.reset();
     }
@@ -72,6 +74,8 @@ void FaultRules::on_value(std::string_view name, const RobotValue& value, Now no
 void FaultRules::on_change(Watched& watched, const RobotValue& value, Now now, std::vector<FaultSaid>& told) {
   const bool changed = watched.last && *watched.last != value.json;
   watched.last = value.json;
+  watched.stands.reset();
+  if (!is_nothing(value.json)) watched.stands = said(*watched.rule, value);
   if (!changed) return;
   if (is_nothing(value.json)) return watched.waits.reset();
   begin(watched, value, now, told);
@@ -99,6 +103,19 @@ std::optional<MonotonicTime> FaultRules::next_deadline() const {
     if (watched.waits) next = earlier(next, watched.quiet_until);
   }
   return next;
+}
+
+const FaultSaid* FaultRules::standing(std::string_view capability) const {
+  for (const Watched& watched : watched_) {
+    const auto& stands = watched.stands;
+    if (!stands || stands->severity < Severity::critical) continue;
+    if (stands->capability.empty() || stands->capability == capability) return &*stands;
+  }
+  return nullptr;
+}
+
+void FaultRules::forget_standing() {
+  for (Watched& watched : watched_) watched.stands.reset();
 }
 
 }  // namespace trb::adapter

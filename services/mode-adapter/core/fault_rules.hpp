@@ -24,6 +24,10 @@ class FaultRules {
   void on_value(std::string_view name, const RobotValue& value, Now now, std::vector<FaultSaid>& told);
   void tick(Now now, std::vector<FaultSaid>& told);
   [[nodiscard]] std::optional<MonotonicTime> next_deadline() const;
+  /// The fault that takes the capability now, told or not: CRITICAL or FATAL, by the value that was heard last.
+  [[nodiscard]] const FaultSaid* standing(std::string_view capability) const;
+  /// The robot has left: what it comes back with, its values tell.
+  void forget_standing();
 
  private:
   struct Watched {
@@ -31,6 +35,7 @@ class FaultRules {
     bool begun = false;
     std::optional<std::string> last;  ///< of a change: the value before
     std::optional<FaultSaid> waits;
+    std::optional<FaultSaid> stands;  ///< by the value heard last
     std::optional<MonotonicTime> quiet_until;
   };
 

@@ -29,7 +29,7 @@ void ModeAdapterCore::on_event(RobotMode& mode, const ModeEvent& event, Now now,
                  },
                  [&](const Refused& refused) { on_refused(refused, now, out); },
                  [&](const Said& said) { on_said(mode, said, now, out); },
-                 [&](const FaultSaid& fault) { on_fault(fault, out); },
+                 [&](const FaultSaid& fault) { on_fault(fault, now, out); },
                  [&](const ValuesHeard&) {
                    desk_.on_values(&mode, now, out);
                    streams_.on_values(mode, now, out);
@@ -71,17 +71,17 @@ void ModeAdapterCore::on_said(RobotMode& mode, const Said& said, Now now, Outbox
   out.information(said.target, std::move(body));
 }
 
-void ModeAdapterCore::on_fault(const FaultSaid& fault, Outbox& out) {
+void ModeAdapterCore::on_fault(const FaultSaid& fault, Now now, Outbox& out) {
   out.count("from_robot.robot_fault");
   out.log(LogLevel::warning, "robot_fault",
           fault.capability + " " + std::string(name_of(fault.severity)) + " " + fault.text);
   const std::string text = cut_utf8(fault.text, kMaxText);
-  if (!fault.capability.empty()) {
-    return out.information(std::string(kEveryNode),
-                           RobotFault{fault.capability.substr(0, kMaxCapability), fault.severity, text});
-  }
-  for (const std::string& capability : robot_.settings.description.capabilities) {
+  // One that names none is of all.
+  std::vector<std::string> capabilities{fault.capability.substr(0, kMaxCapability)};
+  if (fault.capability.empty()) capabilities = robot_.settings.description.capabilities;
+  for (const std::string& capability : capabilities) {
     out.information(std::string(kEveryNode), RobotFault{capability, fault.severity, text});
+    desk_.on_fault(capability, fault.severity, text, now, out);
   }
 }
 
@@ -93,6 +93,7 @@ void ModeAdapterCore::on_link_up(RobotMode& mode, Now now, Outbox& out) {
 
 void ModeAdapterCore::on_link_down(RobotMode& mode, const std::string& reason, Now now, Outbox& out) {
   if (&mode == &robot_.primary()) status_.on_down(reason);
+  faults_.forget_standing();
   desk_.on_link_down(&mode, reason, now, out);
   streams_.on_link_down(mode);
   while (const auto asker = requests_.take_any_of(&mode)) {

@@ -30,6 +30,11 @@ bool may_be_tried_again(Errc code) {
          code == Errc::no_field_channel;
 }
 
+/// Nobody tells that the robot will not end it: that it does is seen by its place, or its state, alone.
+bool ends_unseen(const SkillEnd& end) {
+  return end.kind != EndKind::acknowledgement && !end.fails_at;
+}
+
 Error robot_offline() {
   return fail(Errc::robot_offline, "the robot is not connected", "look at its power, its network and its program");
 }
@@ -107,6 +112,9 @@ Status SkillDesk::hand_over(const Execute& order, const Skill& skill, Now now, O
     return fail(Errc::bad_value,
                 "skill '" + skill.name + "' ends with an acknowledgement, which this command never gets",
                 "give the robot a monitor and \"wrap\" in commands.json, or the skill another end");
+  }
+  if (const FaultSaid* fault = ends_unseen(skill.end) ? faults_.standing(skill.capability) : nullptr) {
+    return fail(Errc::robot_error, fault->text, "see that it is over; then trb alert decide ALERT --retry");
   }
   const Token token = robot_.next_token();
   const auto progress = mode.hand_over(
@@ -202,6 +210,14 @@ bool SkillDesk::reached(std::string_view name, const std::vector<double>& number
     if (std::abs(numbers[i] - target[i]) > wanted.tolerance) return false;
   }
   return true;
+}
+
+void SkillDesk::on_fault(std::string_view capability, Severity severity, const std::string& text, Now now,
+                         Outbox& out) {
+  if (!running_ || severity < Severity::critical || running_->skill->capability != capability) return;
+  if (!ends_unseen(running_->skill->end)) return;
+  halt(now, out);
+  end(TaskOutcome::failed, text, {}, now, out);
 }
 
 void SkillDesk::on_link_down(const RobotMode* mode, const std::string& reason, Now now, Outbox& out) {

@@ -1,6 +1,7 @@
 // The scheduler's side: one skill at a time is carried out, and every attempt has one outcome.
 #pragma once
 
+#include "services/mode-adapter/core/fault_rules.hpp"
 #include "services/mode-adapter/core/outcomes.hpp"
 #include "services/mode-adapter/core/robot_side.hpp"
 
@@ -13,7 +14,7 @@ namespace trb::adapter {
 /// ExecutionQuery   | "unknown"                           | "running"          | its Outcome
 class SkillDesk {
  public:
-  explicit SkillDesk(RobotSide& robot) : robot_(robot) {}
+  SkillDesk(RobotSide& robot, const FaultRules& faults) : robot_(robot), faults_(faults) {}
 
   /// `barred`: why nothing may begin, if so. True: the skill has begun.
   bool execute(const Inbound& message, const Execute& order, const std::optional<Error>& barred, Now now, Outbox& out);
@@ -31,6 +32,9 @@ class SkillDesk {
   void on_values(const RobotMode* mode, Now now, Outbox& out);
   /// Information that the robot has told its own node may be the state or position that ends a skill.
   void on_information(const RobotMode* mode, std::string_view subtype, BytesView data, Now now, Outbox& out);
+  /// A fault that takes the running skill's capability: if nobody would tell that the skill has ended of it, it is
+  /// halted and has failed.
+  void on_fault(std::string_view capability, Severity severity, const std::string& text, Now now, Outbox& out);
   void on_link_down(const RobotMode* mode, const std::string& reason, Now now, Outbox& out);
   void interrupt(const std::string& reason, Now now, Outbox& out);
 
@@ -62,6 +66,7 @@ class SkillDesk {
   void keep(Outcome outcome, Now now, Outbox& out);
 
   RobotSide& robot_;
+  const FaultRules& faults_;
   std::optional<Running> running_;
   Outcomes outcomes_;
 };

@@ -41,7 +41,7 @@ void ModeAdapterCore::tick_watch(Now now, Outbox& out) {
 }
 
 void ModeAdapterCore::tell_watched(const std::vector<FaultSaid>& told, Now now, Outbox& out) {
-  for (const FaultSaid& fault : told) on_fault(fault, out);
+  for (const FaultSaid& fault : told) on_fault(fault, now, out);
   sensors_.tick(now, out);
 }
 

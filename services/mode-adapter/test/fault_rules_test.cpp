@@ -148,6 +148,27 @@ TEST_CASE("changes: each new text of the robot's is told in its own words, its f
   CHECK(watch.hear({}, "\"motor hot\"") == Texts{"motor hot"});
 }
 
+TEST_CASE("what takes a capability now: by the last value, told or not, CRITICAL at least, until the robot leaves") {
+  FaultRule low = limit(FaultWhen::below, 20, 30);
+  Watch mild(low);
+  mild.hear(10);
+  CHECK(mild.watch.standing("mobile") == nullptr);
+  low.severity = Severity::critical;
+  Watch watch(low);
+  CHECK(watch.watch.standing("mobile") == nullptr);
+  watch.hear(10);
+  REQUIRE(watch.watch.standing("mobile") != nullptr);
+  CHECK(watch.watch.standing("carry") == nullptr);
+  watch.hear(25);  // not back by far enough
+  CHECK(watch.watch.standing("mobile") != nullptr);
+  watch.hear(31);
+  CHECK(watch.watch.standing("mobile") == nullptr);
+  watch.hear(10);  // not told again so soon, and there all the same
+  CHECK(watch.watch.standing("mobile") != nullptr);
+  watch.watch.forget_standing();
+  CHECK(watch.watch.standing("mobile") == nullptr);
+}
+
 TEST_CASE("in fields a value is what the robot tells its own node") {
   Settings settings = pioneer();
   settings.description.faults = {limit(FaultWhen::below, 20, 25)};

@@ -141,6 +141,73 @@ TEST_CASE("a skill ends as its state says: well at one value, badly at another")
   }
 }
 
+TEST_CASE("a critical fault ends the skill that needs what is gone: it is halted, and nobody waits for its time-out") {
+  for (const auto& [severity, capability] :
+       {std::pair{Severity::critical, "mobile"}, {Severity::warning, "mobile"}, {Severity::critical, "carry"}}) {
+    Settings settings = ridgeback();
+    settings.description.skills[0].capability = "mobile";
+    FaultRule rule;
+    rule.value = "error";
+    rule.when = FaultWhen::changes;
+    rule.severity = severity;
+    rule.capability = capability;
+    settings.description.faults = {rule};
+    settings.commands.requests["error"] = "/error data";
+    RosBench bench(std::move(settings));
+    bench.bridge(true);
+    const auto watched = bench.asked();
+    REQUIRE(watched.size() == 2);
+    const auto error = std::ranges::find(watched, "/error", &BridgeCommand::name)->token;
+    bench.tell(error, BridgeResult::value, "\"\"");
+    bench.deliver(MessageType::command, Execute{{"run", "t1", 1, 1}, 1, kInstance, "go_to", R"({"place":"dock"})", 0},
+                  "ridgeback");
+    bench.tell(bench.asked().at(0).token, BridgeResult::done);
+    bench.tell(error, BridgeResult::value, "\"a wheel is blocked\"");
+    CHECK(bench.told<RobotFault>().size() == 1);
+    const bool ends = severity == Severity::critical && std::string_view(capability) == "mobile";
+    const auto outcomes = bench.told<Outcome>();
+    REQUIRE(outcomes.size() == (ends ? 1 : 0));
+    CHECK(bench.asked().size() == (ends ? 2 : 0));  // its stop has two topics
+    if (!ends) continue;
+    const auto outcome = get<Outcome>(outcomes[0].body);
+    CHECK(outcome.outcome == TaskOutcome::failed);
+    CHECK(outcome.reason == "a wheel is blocked");
+  }
+}
+
+TEST_CASE(
+    "a skill whose capability a fault has taken is not begun: it fails at once, until the robot says that it is well") {
+  Settings settings = ridgeback();
+  settings.description.skills[0].capability = "mobile";
+  FaultRule rule;
+  rule.value = "error";
+  rule.when = FaultWhen::changes;
+  rule.severity = Severity::critical;
+  rule.capability = "mobile";
+  settings.description.faults = {rule};
+  settings.commands.requests["error"] = "/error data";
+  RosBench bench(std::move(settings));
+  bench.bridge(true);
+  const auto watched = bench.asked();
+  const auto error = std::ranges::find(watched, "/error", &BridgeCommand::name)->token;
+  std::uint32_t attempt = 0;
+  const auto go = [&] {
+    bench.deliver(MessageType::command,
+                  Execute{{"run", "t1", 1, ++attempt}, 1, kInstance, "go_to", R"({"place":"dock"})", 0}, "ridgeback");
+    return bench.told<Outcome>();
+  };
+  // Also the first value: the node may have been started after the fault, and then nobody is told of one.
+  bench.tell(error, BridgeResult::value, "\"a wheel is blocked\"");
+  const auto failed = go();
+  REQUIRE(failed.size() == 1);
+  CHECK(get<Outcome>(failed[0].body).outcome == TaskOutcome::failed);
+  CHECK(get<Outcome>(failed[0].body).reason.find("a wheel is blocked") != std::string::npos);
+  CHECK(bench.asked().empty());
+  bench.tell(error, BridgeResult::value, "\"\"");
+  CHECK(go().empty());
+  CHECK(bench.asked().size() == 1);
+}
+
 TEST_CASE("a request for a stream is answered, and then told again and again until its time is over") {
   RosBench bench;
   bench.bridge(true);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace trb::virtual_robots::ros {
 namespace {
@@ -37,6 +38,11 @@ void Body::go_to(const Pose& goal, double now) {
   if (!fault_.empty()) return;
   halt();
   legs_ = {{way_time(pose_, goal), goal}};
+  if (!next_goal_fault_.empty()) {
+    const Pose middle{(pose_.x + goal.x) / 2, (pose_.y + goal.y) / 2,
+                      pose_.yaw + shortest_turn(pose_.yaw, goal.yaw) / 2};
+    legs_ = {{way_time(pose_, goal) / 2, middle}};
+  }
   leg_left_ = legs_.front().seconds;
 }
 
@@ -50,7 +56,7 @@ void Body::load_out(double now) {
 
 void Body::begin_task(std::vector<Leg> legs, double now) {
   advance(now);
-  if (!fault_.empty() || !arm_fault_.empty()) {
+  if (!can_do(legs)) {
     task_ = Task::Failed;
     return;
   }
@@ -59,6 +65,12 @@ void Body::begin_task(std::vector<Leg> legs, double now) {
   leg_left_ = legs_.front().seconds;
   is_task_ = true;
   task_ = Task::Working;
+}
+
+/** A base that is broken keeps the arm on it from nothing. */
+bool Body::can_do(const std::vector<Leg>& legs) const {
+  const bool drives = std::any_of(legs.begin(), legs.end(), [](const Leg& leg) { return leg.goal.has_value(); });
+  return arm_fault_.empty() && (fault_.empty() || !drives);
 }
 
 void Body::cancel(double now) {
@@ -80,6 +92,7 @@ void Body::arm_fault(const std::string& text, double now) {
 void Body::clear() {
   fault_.clear();
   arm_fault_.clear();
+  next_goal_fault_.clear();
 }
 
 void Body::halt() {
@@ -138,7 +151,11 @@ void Body::finish_leg(const Leg& leg) {
     leg_left_ = legs_.front().seconds;
     return;
   }
-  if (is_task_) task_ = Task::Idle;
+  if (is_task_) {
+    task_ = Task::Idle;
+  } else if (!next_goal_fault_.empty()) {
+    fault_ = std::exchange(next_goal_fault_, {});
+  }
   is_task_ = false;
 }
 

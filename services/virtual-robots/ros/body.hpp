@@ -40,9 +40,11 @@ class Body {
   void load_out(double now);
   /** Stands still; the task, if there is one, has failed. */
   void cancel(double now);
-  /** Of the base: stands, and takes nothing until it is cleared. Of the arm: a task has failed, and none is taken. */
+  /** Of the base: stands, and drives nowhere until it is cleared. Of the arm: a task has failed, and none is taken. */
   void fault(const std::string& text, double now);
   void arm_fault(const std::string& text, double now);
+  /** A fault of the base, half way to the next goal. */
+  void fail_next_goal(const std::string& text) { next_goal_fault_ = text; }
   void clear();
 
   void advance(double now);
@@ -63,6 +65,7 @@ class Body {
     std::optional<Pose> goal;  // none: it stands and its arm works
   };
   void begin_task(std::vector<Leg> legs, double now);
+  [[nodiscard]] bool can_do(const std::vector<Leg>& legs) const;
   void halt();
   void move(double seconds);
   void finish_leg(const Leg& leg);
@@ -79,6 +82,7 @@ class Body {
   Task task_ = Task::Idle;
   std::string fault_;
   std::string arm_fault_;
+  std::string next_goal_fault_;
 };
 
 }  // namespace trb::virtual_robots::ros

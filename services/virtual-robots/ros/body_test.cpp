@@ -50,7 +50,7 @@ TEST_CASE("a task drives, grabs, drives and puts down; a cancelled one has faile
   CHECK(body.task() == Task::Idle);
 }
 
-TEST_CASE("a fault ends what it does, and it takes nothing until it is cleared; standing costs no charge") {
+TEST_CASE("a fault ends what it does, and it drives nowhere until it is cleared; standing costs no charge") {
   Body body({}, 50);
   body.go_to({10, 0, 0}, 0);
   body.fault("wheel blocked", 6);
@@ -58,7 +58,7 @@ TEST_CASE("a fault ends what it does, and it takes nothing until it is cleared; 
   CHECK(body.battery_percent() == doctest::Approx(49.9));
   body.go_to({0, 0, 0}, 7);
   body.drive({1, 0, 0}, 7, 8);
-  body.load_out(8);
+  body.fetch({0, 0, 0}, {1, 0, 0}, 8);
   body.advance(20);
   CHECK(body.pose().x == doctest::Approx(6));
   CHECK(body.task() == Task::Failed);
@@ -70,4 +70,34 @@ TEST_CASE("a fault ends what it does, and it takes nothing until it is cleared; 
   body.go_to({0, 0, 0}, 20);
   body.advance(30);
   CHECK(body.pose().x == doctest::Approx(0));
+}
+
+TEST_CASE("a base that is broken keeps the arm on it from nothing") {
+  Body body({}, 100);
+  body.fault("wheel blocked", 1);
+  body.load_out(2);
+  body.advance(3);
+  CHECK(body.task() == Task::Working);
+  body.advance(5);
+  CHECK(body.task() == Task::Idle);
+  CHECK(body.fault_text() == "wheel blocked");
+}
+
+TEST_CASE("told to, it fails half way to its next goal, however late one looks; a task is no goal") {
+  Body body({}, 100);
+  body.fail_next_goal("wheel blocked");
+  body.fetch({1, 0, 0}, {2, 0, 0}, 0);
+  body.advance(10);
+  CHECK(body.fault_text().empty());
+  body.go_to({6, 0, 0}, 10);
+  body.advance(11.9);
+  CHECK(body.fault_text().empty());
+  body.advance(100);
+  CHECK(body.fault_text() == "wheel blocked");
+  CHECK(body.pose().x == doctest::Approx(4));
+  body.clear();
+  body.go_to({6, 0, 0}, 101);
+  body.advance(110);
+  CHECK(body.fault_text().empty());
+  CHECK(body.pose().x == doctest::Approx(6));
 }

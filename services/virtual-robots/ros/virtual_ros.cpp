@@ -124,9 +124,12 @@ class VirtualRos {
     } else if (order == "clear") {
       body_.clear();
       warning_.clear();
+      told_base_fault_.clear();
       publish_errors();
     } else if (const auto fault = parse_fault_order(words); order == "fault" && fault) {
       take_fault(*fault);
+    } else if (order == "fail_next_goal") {
+      body_.fail_next_goal(words.empty() ? "mobile failed" : std::string(words));
     } else if (const auto percent = parse_number(words); order == "battery" && percent) {
       body_.set_battery(std::clamp(*percent, 0.0, 100.0));
     } else {
@@ -144,6 +147,11 @@ class VirtualRos {
     } else {
       body_.fault(text, now());
     }
+    tell_fault(text);
+  }
+
+  void tell_fault(const std::string& text) {
+    told_base_fault_ = body_.fault_text();
     publish_errors();
     print_line("fault " + escape_line(text));
   }
@@ -159,6 +167,7 @@ class VirtualRos {
 
   void step() {
     body_.advance(now());
+    if (body_.fault_text() != told_base_fault_) tell_fault(body_.fault_text());
     if (body_.task() != told_task_) {
       told_task_ = body_.task();
       print_line("task " + std::to_string(static_cast<int>(told_task_)));
@@ -221,6 +230,7 @@ class VirtualRos {
   StdinLines console_;
   ControlPort control_;
   std::string warning_;
+  std::string told_base_fault_;
   Task told_task_ = Task::Idle;
   double next_state_ = 0;
   double next_battery_ = 0;
