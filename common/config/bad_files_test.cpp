@@ -2,6 +2,7 @@
 #include <arpa/inet.h>
 #include <doctest/doctest.h>
 #include <sys/socket.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include "common/config/node_folder.hpp"
@@ -158,7 +159,7 @@ TEST_CASE("node.json: values") {
                 {"node.json", R"("interface": "lo")", R"("interface": "lo", "fault_injection": "robot:6000")",
                  "robot.fault_injection", "no address with a port"},
                 {"node.json", R"("interface": "lo")", R"("interface": "eth99")", "robot.interface", "no interface"},
-                {"node.json", R"("scheduler"])", R"("resilience"])", "services", "no service of this version"},
+                {"node.json", R"("scheduler"])", R"("resilient"])", "services", "no service of this version"},
                 {"node.json", R"("scheduler"])", R"("router"])", "services[2]", "occurs twice"},
                 {"node.json", R"(["router", )", "[", "services", "has no \"router\""},
                 {"node.json", R"("seeds": [])", R"("seeds": [{"address": "10.0.0.1", "key": ")" + key + "\"}]",
@@ -170,6 +171,35 @@ TEST_CASE("node.json: values") {
                 {"node.json", R"("seeds": [])",
                  R"("seeds": [{"address": "a:1", "key": ")" + key + R"("}, {"address": "a:1", "key": ")" + key + "\"}]",
                  "seeds[1].address", "occurs twice"}});
+}
+
+TEST_CASE("node.json: services of an operator's own have names of their own, and programs") {
+  const std::string after = R"("seeds": [])";
+  const auto own = [&](const std::string& json) { return after + R"(, "own_services": )" + json; };
+  check_changes(
+      "lines",
+      {{"node.json", after, own(R"(["fault-tally"])"), "own_services", "is a list"},
+       {"node.json", after, own(R"({"Fault Tally": "x"})"), "own_services.Fault Tally", "is no id"},
+       {"node.json", after, own(R"({"scheduler": "x"})"), "own_services.scheduler", "the middleware's"},
+       {"node.json", after, own(R"({"cloud-gateway": "x"})"), "own_services.cloud-gateway", "the middleware's"},
+       {"node.json", after, own(R"({"tally": ""})"), "own_services.tally", "no path"},
+       {"node.json", after, own(R"({"tally": ["x"]})"), "own_services.tally", "no path"}});
+}
+
+TEST_CASE(
+    "node.json: a service of an operator's own is one of the node's, and its program is there before the node starts") {
+  const NodeFolder folder;
+  folder.change("node.json", R"("seeds": [])", R"("seeds": [], "own_services": {"fault-tally": "bin/fault-tally"})");
+  const NodeCheck elsewhere = folder.check(true);  // in a container the others' programs are not there
+  CHECK(to_text(without_keys(elsewhere.faults)) == "");
+  CHECK(elsewhere.config.has_service("fault-tally"));
+  CHECK(elsewhere.config.own_services.at("fault-tally") == folder.path() + "/bin/fault-tally");
+
+  CHECK(only_fault(folder, false).key == "own_services.fault-tally");
+  folder.write("bin/fault-tally", "#!/bin/sh\n");
+  CHECK(only_fault(folder, false).what.find("no program that can be started") != std::string::npos);
+  REQUIRE(::chmod((folder.path() + "/bin/fault-tally").c_str(), 0755) == 0);
+  CHECK(to_text(without_keys(folder.check(false).faults)) == "");
 }
 
 TEST_CASE("node.json: a cloud node has no robot") {

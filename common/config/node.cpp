@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <charconv>
+#include <filesystem>
 
 #include "common/base/hex.hpp"
 #include "common/base/ids.hpp"
@@ -7,18 +8,20 @@
 #include "common/config/readers.hpp"
 #include "common/fleet/description_parts.hpp"
 #include "common/fleet/did_you_mean.hpp"
+#include "common/security/rights.hpp"
 
 namespace trb {
 namespace {
 
 constexpr std::size_t kMaxSeeds = 1000;
 constexpr std::size_t kMaxServices = 16;
+constexpr std::size_t kMaxPath = 4096;
 constexpr std::size_t kKeySize = 32;
 constexpr std::int64_t kMinProofLogMb = 8;
 const std::vector<std::string> kRobotServices = {"router", "mode-adapter", "scheduler"};
-const std::vector<std::string> kRobotChoice = {"router", "mode-adapter", "scheduler", "ros-bridge", "sensor-bus"};
+const std::vector<std::string> kRobotChoice = {"router", "mode-adapter", "scheduler", "ros-bridge", "sensor-bus", "resilience"};
 const std::vector<std::string> kCloudServices = {"router", "scheduler"};
-const std::vector<std::string> kCloudChoice = {"router", "scheduler", "sensor-bus"};
+const std::vector<std::string> kCloudChoice = {"router", "scheduler", "sensor-bus", "resilience"};
 
 bool is_address(std::string_view address) {
   const std::size_t colon = address.rfind(':');
@@ -101,7 +104,8 @@ void check_service(const std::string& name, const std::vector<std::string>& know
   if (role == Role::cloud && name == "mode-adapter") {
     return faults.add("services", "a cloud node has no robot, so no mode-adapter", "remove \"mode-adapter\"");
   }
-  faults.add("services", in_quotes(name) + " is no service of this version", did_you_mean(name, known, "use some of"));
+  faults.add("services", in_quotes(name) + " is no service of this version",
+             did_you_mean(name, known, "put your own into \"own_services\", or use some of"));
 }
 
 void read_services(ObjectReader& reader, NodeConfig& config) {
@@ -115,6 +119,31 @@ void read_services(ObjectReader& reader, NodeConfig& config) {
   for (const std::string& name : config.services) check_service(name, known, config.role, reader.faults());
   if (config.has_service("router")) return;
   reader.faults().add("services", "has no \"router\", the node's only door", "add \"router\"");
+}
+
+bool check_own_name(const std::string& name, const std::string& path, const FileFaults& faults) {
+  const Status named = check_id("service", name);
+  if (!named) faults.add(path, named.error().what, named.error().cure);
+  const bool reserved = is_reserved_service(name);
+  if (reserved) faults.add(path, in_quotes(name) + " is a name of the middleware's", "give it a name of your own");
+  return named.ok() && !reserved;
+}
+
+/// The operator's services: under a key of their own, so that a slip in "services" is told.
+void read_own_services(ObjectReader& reader, NodeConfig& config) {
+  const auto* members = reader.object("own_services", Need::optional, kMaxServices);
+  if (members == nullptr) return;
+  for (const auto& [name, program] : *members) {
+    const std::string path = "own_services." + name;
+    if (!check_own_name(name, path, reader.faults())) continue;
+    config.services.push_back(name);
+    if (!program.is_text() || program.text().empty() || program.text().size() > kMaxPath) {
+      reader.faults().add(path, "is no path of a program",
+                          R"(write "/opt/hall/bin/fault-tally", or a path relative to the node's folder)");
+      continue;
+    }
+    config.own_services[name] = (std::filesystem::path(config.dir) / program.text()).lexically_normal().string();
+  }
 }
 
 void refuse_robot(ObjectReader& reader) {
@@ -177,6 +206,7 @@ NodeFile read_node(const Value& json, NodeConfig& config, const FileFaults& faul
   config.relay = reader.boolean("relay", Need::optional).value_or(config.role == Role::cloud);
   read_seals(reader, config);
   read_services(reader, config);
+  read_own_services(reader, config);
   reader.refuse_unknown_keys();
   return file;
 }

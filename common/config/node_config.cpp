@@ -1,5 +1,7 @@
 #include "common/config/node_config.hpp"
 
+#include <unistd.h>
+
 #include <chrono>
 #include <filesystem>
 
@@ -7,6 +9,7 @@
 #include "common/config/json_file.hpp"
 #include "common/config/ports.hpp"
 #include "common/config/readers.hpp"
+#include "common/config/resilience_file.hpp"
 #include "common/config/sensor_files.hpp"
 #include "common/fleet/did_you_mean.hpp"
 #include "common/security/bus_keys.hpp"
@@ -38,9 +41,11 @@ class Checker {
     mode();
     check_value_names(out_.config, node.description, out_.faults);
     read_sensor_files(out_.config.dir, out_.faults);
+    read_resilience_file(out_.config.dir, out_.faults);
     if (node.usable) keys();
     if (!out_.config.bus.empty()) check_bus_keys(out_.config.dir, bus_names(out_.config), out_.faults);
     if (!running) ports();
+    if (!running) own_programs();
     return std::move(out_);
   }
 
@@ -147,6 +152,17 @@ class Checker {
     bus();
     if (config.mode != Mode::none && config.has_service("mode-adapter")) {
       port("TCP_PORT", config.network.robot_address, config.network.tcp_port);
+    }
+  }
+
+  void own_programs() {
+    for (const auto& [name, program] : out_.config.own_services) {
+      std::error_code none;
+      const bool starts = std::filesystem::is_regular_file(program, none) && ::access(program.c_str(), X_OK) == 0;
+      if (starts) continue;
+      sink("node.json")
+          .add("own_services." + name, in_quotes(program) + " is no program that can be started",
+               "build and install it, or correct the path (absolute, or relative to the node's folder)");
     }
   }
 

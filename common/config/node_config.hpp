@@ -77,7 +77,9 @@ struct NodeConfig {
   Role role{};
   std::string framework;  ///< empty for a node without a robot
   Mode mode{};
-  std::vector<std::string> services;
+  std::vector<std::string> services;  ///< the middleware's, then the operator's own
+  /// "own_services": name -> absolute path of its program, which is started as `PROGRAM NODE_DIR`.
+  std::map<std::string, std::string> own_services;
   RobotLink robot;
   std::vector<Seed> seeds;
   std::string bus;  ///< HOST:PORT of a bus over TCP, its tap one port further; empty: sockets in NODE_DIR/bus
@@ -103,7 +105,8 @@ std::vector<std::string> bus_names(const NodeConfig& config);
 
 /// Reads and checks a node's folder. Every fault of every file is returned at once; nothing is started, no port stays
 /// bound. Also checks what the files refer to: keys present with mode 0600, certificate valid for the id, interfaces
-/// that exist, ports that are free (skipped with `running`), a mode that this build has.
+/// that exist, ports that are free and own services' programs (both skipped with `running`), a mode that this build
+/// has.
 struct NodeCheck {
   NodeConfig config;
   ConfigFaults faults;

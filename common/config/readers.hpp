@@ -56,7 +56,7 @@ void check_value_names(const NodeConfig& config, const std::string& file, Config
 /// "bus" of node.json: nothing or "ipc", or "tcp://ADDRESS:PORT". Empty, or ADDRESS:PORT.
 std::string read_bus_key(ObjectReader& reader);
 
-/// What node.json says; `config.dir` is left alone.
+/// What node.json says; paths of own services are relative to `config.dir`.
 struct NodeFile {
   std::string description;  ///< path, relative to the node's folder or absolute
   bool usable = false;      ///< the id could be read

@@ -28,6 +28,7 @@ std::vector<Command> rank_commands();
 std::vector<Command> robot_check_commands();
 std::vector<Command> robot_conform_commands();
 std::vector<Command> sensor_commands();
+std::vector<Command> alert_commands();
 
 /// `trb help TOPIC`; the empty topic lists them. Empty if there is no such topic.
 std::string topic_text(const std::string& topic);

@@ -100,6 +100,12 @@ std::string one_line(const HeaderView& header, char direction) {
          "  " + std::to_string(header.data.size()) + " B  " + shown;
 }
 
+/// The message as JSON, and first which way it passed and when.
+std::string json_line(const HeaderView& header, char direction) {
+  return std::string("{\"direction\":\"") + direction + "\",\"time\":\"" + to_iso8601(read_clocks().utc) + "\"," +
+         message_to_json(to_message(header)).substr(1);
+}
+
 bool wanted(const Arguments& arguments, const HeaderView& header) {
   if (arguments.has("--subtype")) return header.subtype == arguments.get("--subtype");
   return arguments.has("--all") || phase_of(header.subtype) != Phase::upkeep;
@@ -125,8 +131,8 @@ int run_tap(const Arguments& arguments) {
     while (shown < *most && tap.receive(direction) && direction.more() && tap.receive(frame)) {
       const auto header = decode_frame(view_of(frame));
       if (!header || direction.size() != 1 || !wanted(arguments, *header)) continue;
-      print_line(arguments.has("--json") ? message_to_json(to_message(*header))
-                                         : one_line(*header, view_of(direction)[0]));
+      const char way = view_of(direction)[0];
+      print_line(arguments.has("--json") ? json_line(*header, way) : one_line(*header, way));
       ++shown;
     }
   }

@@ -81,9 +81,14 @@ Status make_keys_of_bus(const NodeConfig& config) {
 }
 
 /// The services to start: those of node.json, but for one that is started elsewhere.
-Result<std::vector<std::string>> services_to_start(const NodeConfig& config, const std::string& without) {
-  std::vector<std::string> services = config.services;
-  if (without.empty() || std::erase(services, without) == 1) return services;
+Result<std::vector<ServiceProgram>> services_to_start(const NodeConfig& config, const std::string& without) {
+  std::vector<ServiceProgram> services;
+  for (const std::string& name : config.services) {
+    const auto own = config.own_services.find(name);
+    const std::string shipped = program_dir() + "/trb-" + name;
+    if (name != without) services.push_back({name, own == config.own_services.end() ? shipped : own->second});
+  }
+  if (without.empty() || config.has_service(without)) return services;
   return fail(Errc::bad_value, "--without " + without + ": node.json names no such service",
               "it may stay away as it is, or put it into \"services\" of node.json");
 }
@@ -107,8 +112,7 @@ int run_up(const Arguments& arguments) {
   if (!held) return print_error(arguments, held.error());
   block_child_signal();
   const std::string id = check.config.id;
-  Supervisor supervisor(dir, program_dir(), *services,
-                        [&id](const std::string& text) { print_line(id + ": " + text); });
+  Supervisor supervisor(dir, *services, [&id](const std::string& text) { print_line(id + ": " + text); });
   const auto reload_ok = [&dir, &arguments] {
     const NodeCheck again = check_node_dir(dir, true);
     if (!again.faults.empty()) print_faults(arguments, again.faults);

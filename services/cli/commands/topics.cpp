@@ -21,6 +21,9 @@ const std::map<std::string, std::string> kTopics = {
 
   trb check DIR   tells every fault of these files; trb up DIR starts the node
 
+A service of your own: "own_services": {"fault-tally": "/opt/hall/bin/fault-tally"} in node.json; trb up starts it as
+PROGRAM NODE_DIR. How it is written: common/service/README.md.
+
 A container for each service: "bus": "tcp://ADDRESS:PORT" in node.json; keys/bus/ then proves who is who, see
 services/router/README.md.
 )"},

@@ -84,10 +84,12 @@ NodeLock::~NodeLock() {
   if (fd_ >= 0) ::close(fd_);
 }
 
-Supervisor::Supervisor(std::string node_dir, std::string program_dir, std::vector<std::string> services,
+Supervisor::Supervisor(std::string node_dir, std::vector<ServiceProgram> services,
                        std::function<void(const std::string&)> say)
-    : node_dir_(std::move(node_dir)), program_dir_(std::move(program_dir)), say_(std::move(say)) {
-  for (std::string& service : services) children_.push_back({std::move(service), 0, {}, {}, {}});
+    : node_dir_(std::move(node_dir)), say_(std::move(say)) {
+  for (ServiceProgram& one : services) {
+    children_.push_back({std::move(one.service), std::move(one.program), 0, {}, {}, {}});
+  }
 }
 
 int Supervisor::run(const std::function<bool()>& reload_ok, const std::function<bool()>& is_ready) {
@@ -120,7 +122,7 @@ void Supervisor::start_due(Now now) {
   for (Child& child : children_) {
     if (child.pid != 0 || now.mono < child.start_at) continue;
     const pid_t pid = ::fork();
-    if (pid == 0) become(program_dir_ + "/trb-" + child.service, node_dir_);
+    if (pid == 0) become(child.program, node_dir_);
     child.pid = pid > 0 ? pid : 0;
     child.started = now.mono;
     if (pid < 0) child.start_at = now.mono + kMostWait;

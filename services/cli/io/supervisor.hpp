@@ -31,11 +31,16 @@ class NodeLock {
   int fd_;
 };
 
+/// What is started as `PROGRAM NODE_DIR`.
+struct ServiceProgram {
+  std::string service;
+  std::string program;
+};
+
 class Supervisor {
  public:
-  /// `program_dir` holds the trb-* programs; `say` prints a line for the person.
-  Supervisor(std::string node_dir, std::string program_dir, std::vector<std::string> services,
-             std::function<void(const std::string&)> say);
+  /// `say` prints a line for the person.
+  Supervisor(std::string node_dir, std::vector<ServiceProgram> services, std::function<void(const std::string&)> say);
 
   /// Starts all and keeps them running until SIGTERM or SIGINT. `reload_ok` is asked at SIGHUP; if it agrees, every
   /// service is asked to start again once it is idle. Signals must be blocked (block_signals plus SIGCHLD) before.
@@ -44,6 +49,7 @@ class Supervisor {
  private:
   struct Child {
     std::string service;
+    std::string program;
     pid_t pid = 0;
     MonotonicTime started;
     Duration wait{};
@@ -57,7 +63,6 @@ class Supervisor {
   [[nodiscard]] Duration until_next(Now now, bool ready) const;
 
   std::string node_dir_;
-  std::string program_dir_;
   std::vector<Child> children_;
   std::function<void(const std::string&)> say_;
 };

@@ -102,6 +102,7 @@ bool Candidates::cover() const {
 
 Result<TaskNeed> need_of(const Task& task) {
   TaskNeed need{task.id, task.skill, task.requires_, {}, {}};
+  for (const ValueFrom& value : task.values) need.later.push_back(value.parameter);
   if (task.data.empty()) return need;
   auto data = parse_json(task.data);
   if (!data || !data->is_object()) {

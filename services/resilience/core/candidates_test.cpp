@@ -127,6 +127,8 @@ TEST_CASE("a scenario's task says what it needs") {
   CHECK(need_of(task).error().code == Errc::malformed);
   task.data = "";
   CHECK(need_of(task)->arguments.empty());
+  task.values = {{"to", "scan", "place"}};
+  CHECK(need_of(task)->later == std::vector<std::string>{"to"});
 }
 
 TEST_CASE("the spare of a task: somebody else, now") {

@@ -209,9 +209,14 @@ bool Fleet::on_value(std::string_view id, const std::string& name, const std::st
 }
 
 bool Fleet::on_fault(std::string_view id, const RobotFault& told, UtcTime now) {
-  RobotRecord* robot = existing(id);
-  if (robot == nullptr || told.capability.size() > kMaxIdSize) return false;
+  if (told.capability.size() > kMaxIdSize) return false;
+  const auto place = known(id);
+  if (!place) return false;
+  RobotRecord* robot = *place;
   Fault fault{told.capability, told.severity, cut_utf8(told.text, kMaxValueSize), now};
+  // A robot may tell it a thousand times a second: the disk need not know.
+  const auto same = [&](const Fault& one) { return rank(one) == rank(fault) && one.text == fault.text; };
+  if (std::ranges::any_of(robot->faults, same)) return true;
   const std::string of = fault.capability.empty() ? "" : fault.capability + ": ";
   note(*robot, "fault", std::string(name_of(fault.severity)) + " " + of + fault.text, now);
   add_fault(robot->faults, std::move(fault));

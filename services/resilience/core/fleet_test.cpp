@@ -44,6 +44,15 @@ TEST_CASE("a robot joins, fails, is mended, goes and comes back: it is a candida
   CHECK(kinds(fleet) == Ids{"joined", "connection", "profile", "fault", "fault", "fault_ended", "expired", "joined"});
 }
 
+TEST_CASE("a fault that comes before its node's profile is not lost") {
+  Fleet fleet;
+  REQUIRE(fleet.on_fault("ridgeback", {"mobile", Severity::critical, "motor"}, at_second(1)));
+  CHECK(who_can_drive(fleet).empty());
+  REQUIRE(fleet.on_route(route_of("ridgeback", carrier()), at_second(2)));
+  CHECK(who_can_drive(fleet).empty());
+  CHECK(find_candidates(fleet, {{load()}, {}}).robots == Ids{"ridgeback"});
+}
+
 TEST_CASE("a fault takes one capability: a Ridgeback that cannot move can still load") {
   Fleet fleet;
   REQUIRE(fleet.on_route(route_of("ridgeback", carrier()), at_second(0)));
@@ -139,6 +148,16 @@ TEST_CASE("a fault that is told again is the same one, with the moment at which 
   const auto& faults = fleet.find("a")->faults;
   REQUIRE(faults.size() == 1);
   CHECK(faults[0] == Fault{"mobile", Severity::critical, "motor at 95 degrees", at_second(1)});
+}
+
+TEST_CASE("a fault that is told again in the same words is nothing new: nothing is written") {
+  Fleet fleet;
+  REQUIRE(fleet.on_fault("a", {"mobile", Severity::critical, "motor"}, at_second(1)));
+  fleet.written();
+  for (int i = 0; i < 1000; ++i) CHECK(fleet.on_fault("a", {"mobile", Severity::critical, "motor"}, at_second(2)));
+  CHECK(fleet.changes().empty());
+  CHECK(fleet.on_fault("a", {"mobile", Severity::critical, "motor and gear"}, at_second(3)));
+  CHECK(fleet.changes().history.size() == 1);
 }
 
 TEST_CASE("what comes from outside is bounded: names, values, faults, history, numbers that are none") {

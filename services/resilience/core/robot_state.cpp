@@ -93,6 +93,12 @@ std::optional<Told<double>> charge_of(const RobotRecord& robot) {
   return percent ? std::optional(Told<double>{*percent, at->second.at}) : std::nullopt;
 }
 
+std::string_view charge_request(const NodeProfile& profile) {
+  const auto& names = profile.sensors;
+  const bool tells_percent = std::ranges::find(names, kChargeRequests[0]) != names.end();
+  return tells_percent || !full_battery(profile) ? kChargeRequests[0] : kChargeRequests[1];
+}
+
 std::optional<Told<HallPoint>> position_of(const RobotRecord& robot) {
   const NodeProfile& profile = robot.profile.is;
   const FrameInfo& frame = profile.frame;

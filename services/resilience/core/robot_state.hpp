@@ -29,5 +29,7 @@ namespace trb::resilience {
 /// Subtypes of the requests that bring charge and position up to date, as commands.json names them for every robot.
 inline constexpr std::string_view kChargeRequests[] = {"state_of_charge", "battery"};
 inline constexpr std::string_view kPositionRequest = "position";
+/// The one of kChargeRequests whose answer charge_of() can read, as far as the robot's profile tells.
+[[nodiscard]] std::string_view charge_request(const NodeProfile& profile);
 
 }  // namespace trb::resilience

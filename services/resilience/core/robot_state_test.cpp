@@ -62,6 +62,19 @@ TEST_CASE("state_of_charge wins over battery, unless it says nothing") {
   CHECK(charge_of(robot) == Told<double>{50, at_second(3)});
 }
 
+TEST_CASE("a robot is asked for its charge by the word whose answer can be read") {
+  const auto asked = [](const std::string& mode, const std::string& transport) {
+    return charge_request(robot_that_tells(mode, transport, "", "").profile.is);
+  };
+  CHECK(asked("ros", "ros") == "battery");
+  CHECK(asked("direct", "udp-at") == "battery");
+  CHECK(asked("interpreter", "") == "battery");
+  CHECK(asked("interpreter", "arcos") == "state_of_charge");
+  RobotRecord robot = robot_that_tells("ros", "ros", "", "");
+  robot.profile.is.sensors = {"state_of_charge"};
+  CHECK(charge_request(robot.profile.is) == "state_of_charge");
+}
+
 TEST_CASE("a position is told in the robot's frame and unit, and known in the hall's") {
   CHECK(place({1, 0, 0, 0}, "[2, 3, 0.5]") == HallPoint{2, 3});
   CHECK(place({1, 0, 0, 0}, "\"2 3 0.5\"") == HallPoint{2, 3});

@@ -74,6 +74,13 @@ Status CapabilityDb::drop_alert(const std::string& id) {
   return file_->run("DELETE FROM alerts WHERE id = ?", id);
 }
 
+Status CapabilityDb::keep_newest_alerts(std::int64_t state, std::int64_t other, std::int64_t most) {
+  return file_->run(
+      "DELETE FROM alerts WHERE state IN (?, ?) AND id NOT IN (SELECT id FROM alerts WHERE state IN (?, ?) ORDER BY "
+      "time DESC, id DESC LIMIT ?)",
+      state, other, state, other, most);
+}
+
 Result<std::vector<AlertRow>> CapabilityDb::alerts() {
   std::vector<AlertRow> out;
   const Status done =
@@ -98,6 +105,10 @@ Status CapabilityDb::put_decision(const DecisionRow& decision) {
 
 Status CapabilityDb::set_delivered(const std::string& run, std::uint32_t epoch) {
   return file_->run("UPDATE decisions SET delivered = 1 WHERE run = ? AND epoch = ?", run, epoch);
+}
+
+Status CapabilityDb::drop_decision(const std::string& run, std::uint32_t epoch) {
+  return file_->run("DELETE FROM decisions WHERE run = ? AND epoch = ?", run, epoch);
 }
 
 Status CapabilityDb::drop_decisions(const std::string& run) {

@@ -54,11 +54,14 @@ class CapabilityDb {
 
   Status put_alert(const AlertRow& alert);  ///< anew or in the place of the one of that id
   Status drop_alert(const std::string& id);
+  /// Of the alerts with one of these two states only the newest stay.
+  Status keep_newest_alerts(std::int64_t state, std::int64_t other, std::int64_t most);
   Result<std::vector<AlertRow>> alerts();  ///< by time, then id
 
   /// Error: conflict (another record of that run and epoch is there: a decision is never replaced).
   Status put_decision(const DecisionRow& decision);
   Status set_delivered(const std::string& run, std::uint32_t epoch);
+  Status drop_decision(const std::string& run, std::uint32_t epoch);
   Status drop_decisions(const std::string& run);
   Result<std::vector<DecisionRow>> decisions();  ///< by run, then epoch
 

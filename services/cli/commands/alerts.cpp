@@ -1,0 +1,200 @@
+// alert list, alert decide.
+#include <cstdio>
+#include <cstdlib>
+
+#include "services/cli/commands/command.hpp"
+#include "services/cli/core/table.hpp"
+#include "services/cli/io/print.hpp"
+#include "services/cli/io/probe.hpp"
+
+namespace trb::cli {
+namespace {
+
+constexpr std::size_t kShortId = 8;
+constexpr std::size_t kMostShown = 10;
+
+std::string or_dash(const std::string& text) {
+  return text.empty() ? "-" : text;
+}
+
+std::string joined(const std::vector<std::string>& words) {
+  std::string out;
+  for (const std::string& word : words) out += (out.empty() ? "" : ",") + word;
+  return or_dash(out);
+}
+
+std::string shown(double number, const char* format = "%.3f") {
+  char out[32];
+  std::snprintf(out, sizeof out, format, number);
+  return out;
+}
+
+bool is_open(const Alert& alert) {
+  return alert.state != AlertState::decided && alert.state != AlertState::closed;
+}
+
+// ---- list
+
+void print_table(const AlertTable& table) {
+  std::vector<std::vector<std::string>> rows{{"ALERT", "TIME", "STATE", "RUN", "ROBOT", "LOST", "SEVERITY", "TASKS"}};
+  for (const Alert& alert : table.alerts) {
+    rows.push_back({or_dash(alert.id.substr(0, kShortId)), to_iso8601({alert.time}), std::string(name_of(alert.state)),
+                    alert.run.empty() ? "-" : alert.run.substr(0, kShortId) + " " + alert.name, or_dash(alert.robot),
+                    alert.robot.empty()        ? "-"
+                    : alert.capability.empty() ? "all of it"
+                                               : alert.capability,
+                    alert.robot.empty() ? "-" : std::string(name_of(alert.severity)), joined(alert.tasks)});
+  }
+  print(format_table(rows));
+}
+
+/// "battery 80 % (0.12)": the value, and what it gave to the score.
+std::string part_text(const CriterionPart& part) {
+  return part.criterion + " " + shown(part.value, "%.4g") + (part.unit.empty() ? "" : " " + part.unit) + " (" +
+         shown(part.contribution) + ")";
+}
+
+std::string takers_of(const Proposal& proposal) {
+  if (!proposal.robot.empty()) return proposal.robot;
+  std::string out;
+  for (const TaskForRobot& one : proposal.tasks) out += (out.empty() ? "" : ", ") + one.robot + ": " + one.task;
+  return out;
+}
+
+void print_proposals(const Alert& alert) {
+  std::vector<std::vector<std::string>> rows{{"", "PROPOSAL", "SCORE", "BY", "NOTE"}};
+  for (std::size_t i = 0; i < alert.proposals.size() && i < kMostShown; ++i) {
+    const Proposal& one = alert.proposals[i];
+    std::string parts;
+    for (const CriterionPart& part : one.parts) parts += (parts.empty() ? "" : ", ") + part_text(part);
+    rows.push_back({std::to_string(i + 1), takers_of(one), shown(one.score), or_dash(parts), one.note});
+  }
+  if (rows.size() > 1) print(format_table(rows));
+  if (alert.proposals.size() > kMostShown) {
+    print_line("and " + std::to_string(alert.proposals.size() - kMostShown) + " more: --json has all");
+  }
+}
+
+void print_open(const Alert& alert) {
+  print_line("\n" + coloured(Colour::bad, alert.id.substr(0, kShortId)) + "  " + alert.robot +
+             (alert.robot.empty() ? "" : ": ") + alert.cause + ": " + alert.text);
+  if (alert.verdict != Verdict::none) {
+    print_line("decided by " + (alert.person.empty() ? "the policy" : alert.person) + ": " +
+               std::string(name_of(alert.verdict)) + (alert.reason.empty() ? "" : " (" + alert.reason + ")"));
+  } else if (!alert.run.empty()) {
+    print_line("policy: " + alert.policy + "; proposals hold until " + to_iso8601({alert.expires}));
+  }
+  print_proposals(alert);
+  for (std::size_t i = 0; i < alert.unfit.size() && i < kMostShown; ++i) {
+    print_line("not " + alert.unfit[i].robot + ": " + alert.unfit[i].why);
+  }
+  if (!alert.waits_for.empty()) print_line("waits for: " + alert.waits_for);
+}
+
+int run_list(const Arguments& arguments) {
+  auto probe = open_probe(arguments);
+  if (!probe) return kFailed;
+  auto table = probe->ask_node<AlertTable>(AlertListRequest{arguments.has("--all")});
+  if (!table) return print_error(arguments, table.error());
+  if (arguments.has("--json")) {
+    print_line(to_json(*table));
+    return kGood;
+  }
+  if (table->alerts.empty()) {
+    print_line(arguments.has("--all") ? "no alerts" : "no open alerts; --all has those that are over");
+    return kGood;
+  }
+  print_table(*table);
+  for (const Alert& alert : table->alerts) {
+    if (is_open(alert)) print_open(alert);
+  }
+  return kGood;
+}
+
+// ---- decide
+
+std::string user() {
+  const char* name = std::getenv("USER");
+  return name == nullptr || *name == '\0' ? "somebody" : name;
+}
+
+Result<AlertDecide> verdict_of(const Arguments& arguments) {
+  AlertDecide out;
+  out.alert = arguments.words[0];
+  int said = 0;
+  const auto say = [&](const char* option, Verdict verdict) {
+    if (!arguments.has(option)) return;
+    out.verdict = verdict;
+    ++said;
+  };
+  say("--robot", Verdict::accept);
+  say("--override", Verdict::override_);
+  say("--retry", Verdict::retry);
+  say("--skip", Verdict::skip);
+  say("--abort", Verdict::abort);
+  if (said > 1) {
+    return fail(Errc::bad_value, "several verdicts", "one of --robot, --override, --retry, --skip and --abort");
+  }
+  // The best proposal is what one says yes to.
+  if (said == 0) out.verdict = Verdict::accept;
+  out.robot = arguments.get("--robot", arguments.get("--override"));
+  out.person = arguments.get("--person", user());
+  out.reason = arguments.get("--reason");
+  out.stands = arguments.has("--stands");
+  if (out.verdict == Verdict::override_ && out.reason.empty()) {
+    return fail(Errc::missing, "an override needs a reason", "--reason TEXT");
+  }
+  return out;
+}
+
+int run_decide(const Arguments& arguments) {
+  const auto verdict = verdict_of(arguments);
+  if (!verdict) {
+    print_error(arguments, verdict.error());
+    return kWrongUse;
+  }
+  auto probe = open_probe(arguments);
+  if (!probe) return kFailed;
+  auto answer = probe->ask(Send{.type = MessageType::command, .target = probe->node(), .body = *verdict});
+  if (!answer) return print_error(arguments, answer.error());
+  const auto ack = decode<Ack>(answer->data);
+  if (!ack) return print_error(arguments, ack.error());
+  print_line(arguments.has("--json") ? to_json(*ack) : ack->text);
+  return kGood;
+}
+
+}  // namespace
+
+std::vector<Command> alert_commands() {
+  const std::string node = "--node DIR|the node that decides, the cloud's (else TRB_NODE, else this folder)";
+  return {
+      {{"alert", "list"},
+       {"alert list",
+        "Lists what robots cannot do any more, who could take over and why in this order; behind them, without an id, "
+        "the\n"
+        "WARNING and URGENT faults of the last 15 minutes.",
+        {"--all|those that are over as well", node, "--json|for programs: everything that is known of each"},
+        {"trb alert list", "trb alert list --all --json"},
+        0,
+        0},
+       run_list},
+      {{"alert", "decide"},
+       {"alert decide ALERT",
+        "Decides on an alert; without a verdict the best proposal is accepted.\n"
+        "ALERT is a unique beginning of its id. A robot that failed gives its tasks back before others get them; if "
+        "it\n"
+        "is silent, or nobody knows what became of a task, somebody must have seen that it stands.",
+        {"--robot R|accept the proposal of this robot", "--override R|this robot, though it is not proposed",
+         "--retry|the same robot tries again: it works; after a decision too, to say that it is mended",
+         "--skip|what has failed is left out", "--abort|the run ends",
+         "--stands|I have seen that the failed robot stands", "--reason TEXT|why; an override needs one",
+         "--person NAME|who decides ($USER)", node, "--json|for programs"},
+        {"trb alert decide 3f2a", "trb alert decide 3f2a --robot pioneer2",
+         "trb alert decide 3f2a --override turtlebot --reason 'it stands next to it' --stands"},
+        1,
+        1},
+       run_decide},
+  };
+}
+
+}  // namespace trb::cli

@@ -1,0 +1,124 @@
+#include "services/resilience/core/alert_book.hpp"
+
+#include <algorithm>
+#include <tuple>
+
+#include "common/base/hex.hpp"
+#include "common/security/keys.hpp"
+#include "proto/body.hpp"
+#include "proto/message.hpp"
+
+namespace trb::resilience {
+namespace {
+
+constexpr std::size_t kIdBytes = 8;
+constexpr std::size_t kMaxNamed = 8;
+
+/// An answer is one message: of very many alerts the lesser proposals are left out, at last the oldest alerts.
+void fit(AlertTable& table) {
+  constexpr std::size_t kMost = kMaxDataSize - (384U << 10U);  // lesser faults come behind them
+  for (const std::size_t kept : {16U, 4U, 1U, 0U}) {
+    if (encode(table).size() <= kMost) return;
+    for (Alert& alert : table.alerts) {
+      if (alert.proposals.size() > kept) alert.proposals.resize(kept);
+      if (alert.unfit.size() > kept) alert.unfit.resize(kept);
+    }
+  }
+  while (encode(table).size() > kMost) table.alerts.resize(table.alerts.size() / 2);
+}
+
+bool earlier_of(const Alert* a, const Alert* b) {
+  return std::tie(a->time, a->id) < std::tie(b->time, b->id);
+}
+
+}  // namespace
+
+bool is_open(const Alert& alert) {
+  return alert.state != AlertState::decided && alert.state != AlertState::closed;
+}
+
+void AlertBook::put(Alert alert) {
+  const std::string id = alert.id;
+  alerts_[id] = std::move(alert);
+}
+
+Alert* AlertBook::add(Alert alert) {
+  const std::vector<Alert*> others = open();
+  if (others.size() >= kMaxOpen) return nullptr;
+  const auto lone = std::ranges::count_if(others, [](const Alert* other) { return other->run.empty(); });
+  if (alert.run.empty() && static_cast<std::size_t>(lone) >= kMaxLone) return nullptr;
+  do {
+    const std::string of =
+        alert.run + '\n' + alert.robot + '\n' + std::to_string(alert.time) + '\n' + std::to_string(++count_);
+    alert.id = to_hex(digest(of).substr(0, kIdBytes));
+  } while (alerts_.contains(alert.id));
+  const std::string id = alert.id;
+  put(std::move(alert));
+  return find(id);
+}
+
+Alert* AlertBook::find(std::string_view id) {
+  const auto at = alerts_.find(id);
+  return at == alerts_.end() ? nullptr : &at->second;
+}
+
+Result<Alert*> AlertBook::choose(const std::string& beginning) {
+  std::vector<Alert*> matches;
+  for (auto& [id, alert] : alerts_) {
+    if (id.starts_with(beginning)) matches.push_back(&alert);
+  }
+  if (matches.size() == 1 && !beginning.empty()) return matches.front();
+  if (matches.empty() || beginning.empty()) {
+    return fail(Errc::unknown_target, "no alert begins with '" + beginning + "'", "trb alert list names them");
+  }
+  std::string names;
+  for (std::size_t i = 0; i < matches.size() && i < kMaxNamed; ++i) names += (i == 0 ? "" : ", ") + matches[i]->id;
+  return fail(Errc::bad_value, "'" + beginning + "' is the beginning of several alerts: " + names,
+              "give more of the id");
+}
+
+bool AlertBook::has_since(std::string_view robot, std::string_view capability, std::int64_t time) const {
+  return std::ranges::any_of(alerts_, [&](const auto& row) {
+    const Alert& alert = row.second;
+    const bool of_it = alert.capability.empty() || alert.capability == capability;
+    return alert.robot == robot && of_it && !alert.run.empty() && alert.time >= time;
+  });
+}
+
+std::vector<Alert*> AlertBook::open() {
+  std::vector<Alert*> out;
+  for (auto& [id, alert] : alerts_) {
+    if (is_open(alert)) out.push_back(&alert);
+  }
+  std::sort(out.begin(), out.end(), earlier_of);
+  return out;
+}
+
+AlertTable AlertBook::table(bool all) const {
+  std::vector<const Alert*> chosen;
+  for (const auto& [id, alert] : alerts_) {
+    if (all || is_open(alert)) chosen.push_back(&alert);
+  }
+  std::sort(chosen.begin(), chosen.end(),
+            [](const Alert* a, const Alert* b) { return is_open(*a) != is_open(*b) ? is_open(*a) : earlier_of(b, a); });
+  if (chosen.size() > kMaxTable) chosen.resize(kMaxTable);
+  std::sort(chosen.begin(), chosen.end(), [](const Alert* a, const Alert* b) { return earlier_of(b, a); });
+  AlertTable out;
+  for (const Alert* alert : chosen) out.alerts.push_back(*alert);
+  fit(out);
+  return out;
+}
+
+void AlertBook::prune() {
+  std::vector<Alert*> done;
+  for (auto& [id, alert] : alerts_) {
+    if (!is_open(alert)) done.push_back(&alert);
+  }
+  if (done.size() <= kMaxDone) return;
+  std::sort(done.begin(), done.end(), earlier_of);
+  std::vector<std::string> old;
+  for (std::size_t i = 0; i + kMaxDone < done.size(); ++i) old.push_back(done[i]->id);
+  for (const std::string& id : old) alerts_.erase(id);
+}
+
+}  // namespace trb::resilience

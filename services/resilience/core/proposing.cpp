@@ -1,0 +1,229 @@
+// ResilienceCore: an open alert's proposals, and the policy.
+#include <algorithm>
+
+#include "common/ranking/pairwise.hpp"
+#include "proto/value.hpp"
+#include "services/resilience/core/plan.hpp"
+#include "services/resilience/core/resilience_core.hpp"
+#include "services/resilience/core/robot_state.hpp"
+
+namespace trb::resilience {
+namespace {
+
+constexpr Duration kRankAgain = std::chrono::seconds(5);
+/// What fails of one cause comes within seconds: the policy waits for it, people take longer anyway.
+constexpr Duration kGather = std::chrono::seconds(2);
+constexpr const char* kGathers = "other tasks may fail of the same cause";
+/// What is older is asked for; what is not answered so long after that stays as it was told.
+constexpr Duration kFresh = std::chrono::seconds(10);
+constexpr Duration kPatience = std::chrono::seconds(2);
+constexpr Duration kLoneLife = std::chrono::hours(24);
+
+}  // namespace
+
+void ResilienceCore::look_at_alerts(Now now, Outbox& out) {
+  for (Alert* alert : book_.open()) {
+    if (alert->run.empty()) {
+      look_at_lone(*alert, now, out);
+    } else if (alert->state == AlertState::releasing) {
+      advance(*alert, now, out);
+    } else {
+      look_at_open(*alert, now, out);
+    }
+  }
+  book_.prune();
+}
+
+/// No run needs the robot.
+void ResilienceCore::look_at_lone(Alert& alert, Now now, Outbox& out) {
+  const RobotRecord* robot = fleet_.find(alert.robot);
+  if (robot == nullptr || fault_of(*robot, alert.capability) == nullptr) return close(alert, "the fault is over", out);
+  if (now.utc - Duration{alert.time} >= UtcTime{kLoneLife.count()}) return close(alert, "a day has passed", out);
+  for (const Alert* other : book_.open()) {
+    if (!other->run.empty() && other->robot == alert.robot) return close(alert, "run alert " + other->id, out);
+  }
+  alert.waits_for =
+      "somebody to mend " + alert.robot + "; then: trb alert decide " + alert.id.substr(0, 8) + " --retry";
+}
+
+void ResilienceCore::look_at_open(Alert& alert, Now now, Outbox& out) {
+  const WatchedRun* run = watcher_.find(alert.run);
+  if (run == nullptr) {
+    if (watcher_.has_table()) close(alert, "its run is over", out);
+    return;
+  }
+  if (!run->is_known()) return;
+  Work& work = works_[alert.id];
+  const bool again = !work.ranked_at || now.mono - *work.ranked_at >= kRankAgain;
+  const bool unasked = wants_robot(alert) && !work.asked_at;  // nobody may look at it again
+  if (unasked || (again && (alert.proposals.empty() || is_stale(alert)))) {
+    const Alert before = alert;
+    propose(alert, *run, now);
+    ask_values(alert, now, out);
+    if (!(alert.proposals == before.proposals && alert.unfit == before.unfit)) out.record(alert);
+  }
+  if (alert.state == AlertState::open && alert.expires <= now.utc.ns) {
+    alert.state = AlertState::expired;
+    out.record(alert);
+    out.log(LogLevel::warning, "alert_expired", alert.id + ": nobody has decided; its run stays paused");
+  }
+  alert.waits_for = open_text(alert);
+  if (alert.state == AlertState::open) try_policy(alert, now, out);
+}
+
+/// Charge and position of whoever is proposed, if they are not known or old.
+void ResilienceCore::ask_values(const Alert& alert, Now now, Outbox& out) {
+  Work& work = works_[alert.id];
+  if (work.asked_at && now.mono - *work.asked_at < kRankAgain) return;
+  work.asked_at = now.mono;
+  work.awaited.clear();
+  if (wants_robot(alert)) {  // nobody tells that a robot was stopped: the table does
+    ask_routes(now, Duration{0});
+    work.awaited.emplace(settings_.node, RouteListRequest::kSubtype);
+  }
+  std::set<std::string> robots;
+  for (const Proposal& proposal : alert.proposals) {
+    for (const TaskForRobot& one : proposal.tasks) robots.insert(one.robot);
+  }
+  // A task is often due because somebody has just arrived: what was told on the way is wrong already.
+  const Duration fresh = wants_robot(alert) ? Duration{0} : kFresh;
+  const auto is_old = [&](const auto& told) { return !told || told->at + fresh < now.utc; };
+  for (const std::string& id : robots) {
+    const RobotRecord* robot = fleet_.find(id);
+    if (robot == nullptr) continue;
+    const auto ask = [&](std::string_view value) {
+      out.request(id, Opaque{std::string(value), ""});
+      work.awaited.emplace(id, value);
+    };
+    if (is_old(charge_of(*robot))) ask(charge_request(robot->profile.is));
+    if (is_old(position_of(*robot))) ask(kPositionRequest);
+  }
+}
+
+void ResilienceCore::answered(const std::string& robot, const std::string& value) {
+  for (auto& [alert, work] : works_) {
+    if (work.awaited.erase({robot, value}) != 0) stirred_ = true;
+  }
+}
+
+/// An answer: nobody has seen the proposals for long, they follow it.
+void ResilienceCore::hear(const Opaque& value, const std::string& robot, Now now, Outbox& out) {
+  answered(robot, value.subtype);
+  const bool asked = value.subtype == kPositionRequest ||
+                     std::ranges::find(kChargeRequests, value.subtype) != std::end(kChargeRequests);
+  if (!asked || !fleet_.on_value(robot, value.subtype, value.data, now.utc)) return out.count("dropped.value");
+  for (Alert* alert : book_.open()) {
+    const WatchedRun* run = watcher_.find(alert->run);
+    const Work& work = works_[alert->id];
+    const bool waits = work.asked_at && now.mono - *work.asked_at <= kPatience;
+    if (!waits || alert->verdict != Verdict::none || run == nullptr || !run->is_known()) continue;
+    const std::vector<Proposal> before = alert->proposals;
+    propose(*alert, *run, now);
+    if (alert->proposals != before) out.record(*alert);
+  }
+}
+
+/// Somebody who was proposed cannot do it any more.
+bool ResilienceCore::is_stale(const Alert& alert) const {
+  const WatchedRun* run = watcher_.find(alert.run);
+  const auto is_able_to = [&](const TaskForRobot& one) {
+    const RobotRecord* robot = fleet_.find(one.robot);
+    if (robot == nullptr || !is_fit(*robot)) return false;
+    const auto index = run == nullptr ? std::nullopt : run->find_task(one.task);
+    const SkillInfo* skill = index ? find_skill(*robot, run->view->tasks[*index].skill) : nullptr;
+    return skill == nullptr || skill->capability.empty() || is_able(*robot, skill->capability);
+  };
+  return std::ranges::any_of(
+      alert.proposals, [&](const Proposal& proposal) { return !std::ranges::all_of(proposal.tasks, is_able_to); });
+}
+
+void ResilienceCore::propose(Alert& alert, const WatchedRun& run, Now now) {
+  works_[alert.id].ranked_at = now.mono;
+  alert.expires = (now.utc + settings_.resilience.expires).ns;
+  alert.proposals.clear();
+  alert.unfit.clear();
+  std::vector<std::size_t> tasks;
+  for (const std::string& id : alert.tasks) {
+    const auto index = run.find_task(id);
+    if (!index) continue;
+    if (run.start->scenario.tasks[*index].pinned && !wants_robot(alert)) {
+      alert.unfit.push_back({alert.robot, "task '" + id + "' is pinned to it: nobody else may do it"});
+      return;
+    }
+    tasks.push_back(*index);
+  }
+  const auto needs = needs_of(run, tasks, alert.robot);
+  if (!needs) return alert.unfit.push_back({alert.robot, cut_utf8(needs.error().what, 255)});
+  Ways ways = find_ways(fleet_, *needs, settings_.places, settings_.resilience.weights, now.utc);
+  alert.proposals = std::move(ways.proposals);
+  alert.unfit = std::move(ways.unfit);
+}
+
+bool ResilienceCore::decides(const Alert& alert) const {
+  const WatchedRun* run = watcher_.find(alert.run);
+  return settings_.role == Role::cloud && run != nullptr && run->decider() == settings_.node;
+}
+
+std::string ResilienceCore::open_text(const Alert& alert) const {
+  const WatchedRun* run = watcher_.find(alert.run);
+  if (!decides(alert)) {
+    const std::string who = run == nullptr ? "" : run->decider();
+    return who.empty() ? "a cloud node: the run has none, so nobody decides; abort it" : "a verdict on node " + who;
+  }
+  std::string out = "a verdict: trb alert decide " + alert.id.substr(0, 8);
+  if (wants_robot(alert)) {
+    if (!alert.proposals.empty()) return out;
+    return "a robot that can do task '" + alert.tasks.front() + "', or " + out + " --skip or --abort";
+  }
+  if (alert.proposals.empty()) out += " (no robot can take over: --retry, --skip or --abort)";
+  if (alert.needs_word) out += "; nobody hears what " + alert.robot + " does: --stands if you have seen that it stands";
+  return out;
+}
+
+/// Why the policy does not decide; empty: it does.
+std::string ResilienceCore::why_ask(const Alert& alert, Now now) {
+  const ReplacementPolicy& policy = settings_.resilience.policy;
+  const Work& work = works_[alert.id];
+  if (!work.asks_for.empty()) return work.asks_for;
+  if (alert.needs_word) return "only a person can say that " + alert.robot + " stands";
+  if (alert.proposals.empty()) return "no robot can take over";
+  if (alert.severity > policy.max_severity) return "the fault is " + std::string(name_of(alert.severity));
+  const double best = alert.proposals[0].score;
+  const double lead = best - (alert.proposals.size() > 1 ? alert.proposals[1].score : 0);
+  if (best < policy.min_score) return "the best score is " + short_number(best);
+  if (lead < policy.min_lead) return "the best leads by " + short_number(lead) + " only";
+  if (work.grown_at && now.mono - *work.grown_at < kGather) return kGathers;
+  return {};
+}
+
+/// Why nobody is chosen yet for a task that names no robot; empty: the best is. One task after the other: who gets one
+/// is less at hand for the next.
+std::string ResilienceCore::why_wait(const Alert& alert, Now now) {
+  const Work& work = works_[alert.id];
+  if (!work.asks_for.empty()) return work.asks_for;
+  if (alert.proposals.empty()) return "no robot can do it now";
+  for (const Alert* other : book_.open()) {
+    if (other->state == AlertState::releasing && wants_robot(*other)) return "alert " + other->id + " comes first";
+  }
+  const bool waits = work.asked_at && now.mono - *work.asked_at < kPatience && !work.awaited.empty();
+  return waits ? "what " + work.awaited.begin()->first + " answers" : "";
+}
+
+void ResilienceCore::try_policy(Alert& alert, Now now, Outbox& out) {
+  const ReplacementPolicy& policy = settings_.resilience.policy;
+  const bool binds = wants_robot(alert);
+  if (!(binds ? !policy.asks_who_begins : policy.automatic) || !decides(alert)) return;
+  const std::string why = binds ? why_wait(alert, now) : why_ask(alert, now);
+  const std::string asks = binds || why == kGathers ? "automatic, waits: " : "automatic, but asks: ";
+  alert.policy = why.empty() ? "automatic" : cut_utf8(asks + why, 255);
+  if (!why.empty()) return;
+  if (binds) propose(alert, *watcher_.find(alert.run), now);  // somebody may have got a task meanwhile
+  if (alert.proposals.empty()) return;
+  AlertDecide verdict;
+  verdict.verdict = Verdict::accept;
+  verdict.reason =
+      (binds ? "it names no robot: the best of " : "policy: the best of ") + std::to_string(alert.proposals.size());
+  if (const auto decided = decide(alert, verdict, now, out); !decided) works_[alert.id].asks_for = decided.error().what;
+}
+
+}  // namespace trb::resilience

@@ -1,0 +1,254 @@
+#include "services/resilience/core/resilience_core.hpp"
+
+#include <algorithm>
+
+namespace trb::resilience {
+namespace {
+
+constexpr Duration kRoutes = std::chrono::seconds(30);
+constexpr Duration kRoutesWhileOpen = std::chrono::seconds(5);
+constexpr Duration kRoutesAtOnce = std::chrono::seconds(1);
+constexpr Duration kLook = std::chrono::seconds(1);
+constexpr Duration kLoose = std::chrono::seconds(2);  ///< a run's alert may still come
+constexpr std::size_t kMaxLoose = 256;
+
+}  // namespace
+
+std::vector<std::string> ResilienceCore::subtypes() {
+  return {std::string(AlertListRequest::kSubtype), std::string(AlertDecide::kSubtype)};
+}
+
+std::vector<std::string> ResilienceCore::hears() {
+  std::vector<std::string> out;
+  for (const std::string_view word : {RobotFault::kSubtype, RobotConnection::kSubtype, RobotState::kSubtype,
+                                      PeerJoined::kSubtype, PeerExpired::kSubtype}) {
+    out.emplace_back(word);
+  }
+  return out;
+}
+
+void ResilienceCore::restore(std::vector<Alert> alerts, const std::vector<StoredDecision>& decisions) {
+  for (Alert& alert : alerts) book_.restore(std::move(alert));
+  book_.prune();
+  for (const auto& [id, robot] : fleet_.robots()) fleet_.set_later_tasks(id, 0);  // the runs say it anew
+  for (const StoredDecision& stored : decisions) {
+    const auto decision = decode<Decision>(stored.record.payload.bytes);
+    if (stored.delivered || !decision) continue;
+    const Alert* alert = book_.find(decision->alert);
+    if (alert == nullptr || alert->state != AlertState::releasing) continue;
+    Work& work = works_[alert->id];
+    work.record = stored.record;
+    work.epoch = decision->epoch;
+  }
+}
+
+void ResilienceCore::on_welcome(const NodeIdentity& node, Now now, Outbox& out) {
+  welcomed_ = true;
+  settings_.node = node.id;
+  settings_.role = node.role;
+  watcher_.on_welcome(node.id, now);
+  ask_routes_at_ = now.mono;
+  settle(now, out);
+}
+
+void ResilienceCore::on(const Inbound& message, Now now, Outbox& out) {
+  if (message.type == MessageType::information) {
+    on_information(message, now, out);
+  } else {
+    on_request(message, now, out);
+  }
+  settle(now, out);
+}
+
+void ResilienceCore::on_request(const Inbound& message, Now now, Outbox& out) {
+  stirred_ = true;
+  visit(Overloaded{[&](const AlertListRequest& body) { handle(body, message, now, out); },
+                   [&](const AlertDecide& body) { handle(body, message, now, out); },
+                   [&](const auto&) {
+                     out.count("refused.unexpected");
+                     out.nack(message, fail(Errc::unknown_subtype, "trb-resilience does not take '" +
+                                                                       std::string(subtype_of(message.body)) + "'"));
+                   }},
+        message.body);
+}
+
+void ResilienceCore::on_information(const Inbound& message, Now now, Outbox& out) {
+  const std::string& from = message.source;
+  const bool own = from == settings_.node;
+  visit(Overloaded{[&](const RobotState& body) {
+                     if (!fleet_.on_state(from, body, now.utc)) out.count("dropped.robot_state");
+                   },
+                   [&](const RobotFault& body) { hear(body, from, now, out); },
+                   [&](const RobotConnection& body) {
+                     if (!fleet_.on_connection(from, body, now.utc)) out.count("dropped.robot_connection");
+                     look_at_robot(from, now);
+                     ask_routes(now, kRoutesAtOnce);
+                   },
+                   [&](const PeerJoined& body) {
+                     if (!own) return out.count("dropped.foreign");
+                     ask_routes(now, kRoutesAtOnce);
+                     if (fleet_.find(body.id) == nullptr) return;  // the table says whether it has a robot
+                     if (const Status known = fleet_.on_joined(body.id, now.utc); !known)
+                       out.count("dropped.peer_joined");
+                     look_at_robot(body.id, now);
+                   },
+                   [&](const PeerExpired& body) {
+                     if (!own) return out.count("dropped.foreign");
+                     fleet_.on_expired(body.id, body.reason, now.utc);
+                     look_at_robot(body.id, now, true);
+                   },
+                   [&](const RouteTable& body) { own ? hear(body, now, out) : out.count("dropped.foreign"); },
+                   [&](const RunTable& body) { own ? watcher_.on(body, now) : out.count("dropped.foreign"); },
+                   [&](const RunChanged& body) { own ? watcher_.on(body) : out.count("dropped.foreign"); },
+                   [&](const RunView& body) { own ? watcher_.on(body) : out.count("dropped.foreign"); },
+                   [&](const Definition& body) { own ? watcher_.on(body) : out.count("dropped.foreign"); },
+                   [&](const SignedRecord& body) { own ? on_signed(body, out) : out.count("dropped.foreign"); },
+                   // Of the own scheduler: it has taken a decision or an order; what came of it the view tells.
+                   [&](const Ack&) {
+                     const Alert* alert = own ? book_.find(handed_) : nullptr;
+                     if (alert != nullptr) watcher_.refresh(alert->run);
+                   },
+                   // Nobody refuses in the own scheduler's place.
+                   [&](const Nack& body) {
+                     const bool asked_here =
+                         body.subtype == RunDecision::kSubtype || body.subtype == RunAbort::kSubtype;
+                     own || !asked_here ? hear(body, now, out) : out.count("dropped.foreign");
+                   },
+                   [&](const Opaque& body) {
+                     message.reply_to != 0 ? hear(body, from, now, out) : out.count("dropped.unexpected");
+                   },
+                   [&](const auto&) { out.count("dropped.unexpected"); }},
+        message.body);
+}
+
+void ResilienceCore::hear(const RobotFault& fault, const std::string& robot, Now now, Outbox& out) {
+  const RobotRecord* known = fleet_.find(robot);
+  const std::vector<Fault> before = known == nullptr ? std::vector<Fault>{} : known->faults;
+  if (!fleet_.on_fault(robot, fault, now.utc)) return out.count("dropped.robot_fault");
+  // Told again in the same words it changes nothing for any run.
+  if (fleet_.find(robot)->faults != before) {
+    ask_routes(now, kRoutesAtOnce);
+    look_at_robot(robot, now);
+  }
+  if (fault.severity < Severity::critical || loose_.size() >= kMaxLoose) return;
+  const bool waits = std::ranges::any_of(
+      loose_, [&](const LooseFault& one) { return one.robot == robot && one.fault.capability == fault.capability; });
+  if (!waits) loose_.push_back({robot, fault, now.mono + kLoose});
+}
+
+void ResilienceCore::hear(const RouteTable& table, Now now, Outbox& out) {
+  routes_heard_ = true;
+  answered(settings_.node, std::string(RouteListRequest::kSubtype));
+  presence_.begin();
+  for (const Route& route : table.routes) {
+    // A cloud node has no robot: it takes no tasks, and its certificate is the run's already.
+    if (route.role != Role::robot) continue;
+    if (const Status taken = fleet_.on_route(route, now.utc); !taken) {
+      out.count("dropped.route");
+      continue;
+    }
+    certificates_[route.id] = route.certificate;
+  }
+  std::set<std::string> robots;
+  for (const auto& [id, run] : watcher_.runs()) {
+    if (!run.view) continue;
+    for (const TaskView& task : run.view->tasks) robots.insert(task.robot);
+    robots.erase("");
+  }
+  for (const std::string& robot : robots) presence_.look(robot, fleet_.find(robot), now);
+  for (const auto& [id, run] : watcher_.runs()) {
+    stirred_runs_.insert(id);
+    count_tasks(id);  // of robots that are new here
+  }
+  stirred_ = true;
+}
+
+void ResilienceCore::hear(const Nack& nack, Now now, Outbox& out) {
+  answered(nack.target, nack.subtype);
+  if (nack.subtype == RunDecision::kSubtype || nack.subtype == RunAbort::kSubtype) {
+    out.count("nacked." + nack.subtype);
+    out.log(LogLevel::warning, "decision_refused", nack.code + ": " + nack.what);
+    Alert* alert = book_.find(handed_);
+    if (alert == nullptr || !is_open(*alert)) return;  // late
+    // What is only not delivered is sent again.
+    constexpr Errc kNotDelivered[] = {Errc::no_service, Errc::queue_full, Errc::expired, Errc::timeout};
+    const auto code = errc_of(nack.code);
+    if (!code || std::ranges::find(kNotDelivered, *code) == std::end(kNotDelivered)) {
+      works_[alert->id].refusal = nack.what;
+    }
+    return watcher_.refresh(alert->run);
+  }
+  if (nack.subtype == ReleaseTasks::kSubtype || nack.subtype == SignRequest::kSubtype) {
+    out.count("nacked." + nack.subtype);
+    return out.log(LogLevel::warning, "not_yet", nack.subtype + " to '" + nack.target + "': " + nack.what);
+  }
+  for (const std::string_view word : {RunWatch::kSubtype, RunQuery::kSubtype, NeedDefinition::kSubtype}) {
+    if (nack.subtype == word) watcher_.on_nack(nack, now, out);
+  }
+}
+
+/// Something about the robot is another than before: its runs are looked at.
+void ResilienceCore::look_at_robot(const std::string& robot, Now now, bool expired) {
+  stirred_ = true;
+  for (const auto& [id, run] : watcher_.runs()) {
+    if (!run.view) continue;
+    const bool needed = std::ranges::any_of(run.view->tasks, [&](const TaskView& task) { return task.robot == robot; });
+    if (!needed) continue;
+    presence_.look(robot, fleet_.find(robot), now, expired);
+    stirred_runs_.insert(id);
+  }
+}
+
+void ResilienceCore::ask_routes(Now now, Duration at_most_every) {
+  const MonotonicTime at = asked_routes_ ? std::max(now.mono, *asked_routes_ + at_most_every) : now.mono;
+  ask_routes_at_ = earlier(ask_routes_at_, at);
+}
+
+void ResilienceCore::tick(Now now, Outbox& out) {
+  settle(now, out);
+}
+
+/// At what has changed, and once a second at what is open.
+void ResilienceCore::look(Now now, Outbox& out) {
+  const bool due = look_at_ && *look_at_ <= now.mono;
+  look_at_runs(due, now, out);
+  tell_loose_faults(now, out);
+  if (!stirred_ && !due) return;
+  stirred_ = false;
+  looked_at_ = now.mono;
+  look_at_alerts(now, out);
+}
+
+/// The end of every step.
+void ResilienceCore::settle(Now now, Outbox& out) {
+  if (!welcomed_) return;
+  if (routes_heard_) look(now, out);
+  const bool open = !book_.open().empty();
+  look_at_ = open && looked_at_ ? std::optional(*looked_at_ + kLook) : std::nullopt;
+  for (const auto& [id, work] : works_) {
+    for (const Backoff* backoff : {&work.release, &work.sign, &work.hand}) {
+      if (backoff->next() && *backoff->next() > now.mono) look_at_ = earlier(look_at_, backoff->next());
+    }
+  }
+  look_at_ = earlier(look_at_, presence_.next(now));
+  if (routes_heard_ && !stirred_runs_.empty()) look_at_ = now.mono;
+  if (open) ask_routes(now, kRoutesWhileOpen);
+  // Who is not there may be there again, and its word of it have been lost with a link that was just being built.
+  if (presence_.next(now)) ask_routes(now, kRoutesAtOnce);
+  if (ask_routes_at_ && *ask_routes_at_ <= now.mono) {
+    out.request(settings_.node, RouteListRequest{});
+    asked_routes_ = now.mono;
+    ask_routes_at_ = now.mono + kRoutes;
+  }
+  watcher_.tick(now, out);
+}
+
+std::optional<MonotonicTime> ResilienceCore::next_deadline() const {
+  if (!welcomed_) return std::nullopt;
+  auto out = earlier(earlier(look_at_, ask_routes_at_), watcher_.next_deadline());
+  if (!routes_heard_) return out;
+  for (const LooseFault& one : loose_) out = earlier(out, one.due);
+  return out;
+}
+
+}  // namespace trb::resilience

@@ -1,0 +1,153 @@
+// trb-resilience: watches the fleet and the own scheduler's runs, raises alerts, ranks who could take over, and turns a
+// verdict into a signed decision.
+#pragma once
+
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "common/actor/core.hpp"
+#include "services/resilience/core/alert_book.hpp"
+#include "services/resilience/core/proposals.hpp"
+#include "services/resilience/core/run_watcher.hpp"
+#include "services/resilience/core/troubles.hpp"
+
+namespace trb::resilience {
+
+struct CoreSettings {
+  std::string node;
+  Role role{};  ///< only a cloud node decides: the router of a robot's node signs no decision
+  ResilienceSettings resilience;
+  HallPlaces places;
+};
+
+/// A decision as the database has it.
+struct StoredDecision {
+  SignedRecord record;
+  bool delivered = false;  ///< the scheduler has it
+};
+
+// Its journal, as bodies: Alert (anew or instead of the one of that id), RunDecision (signed, not yet handed on),
+// JournalDelivered with `what` "decision" (the scheduler has it) or "decision_dropped" (it never will: forget it).
+class ResilienceCore final : public Core {
+ public:
+  explicit ResilienceCore(CoreSettings settings) : settings_(std::move(settings)) {}
+
+  /// What it takes of the node's bus, and what it hears.
+  static std::vector<std::string> subtypes();
+  static std::vector<std::string> hears();
+
+  void restore(std::vector<Alert> alerts, const std::vector<StoredDecision>& decisions);
+
+  void on_welcome(const NodeIdentity& node, Now now, Outbox& out) override;
+  void on(const Inbound& message, Now now, Outbox& out) override;
+  void tick(Now now, Outbox& out) override;
+  [[nodiscard]] std::optional<MonotonicTime> next_deadline() const override;
+
+  /// Its changes are written by who runs the core.
+  Fleet& fleet() { return fleet_; }
+
+ private:
+  /// What is under way of an alert; lost at a restart but for `record`.
+  struct Work {
+    std::optional<MonotonicTime> grown_at;  ///< the alert's tasks, or itself
+    std::optional<MonotonicTime> ranked_at;
+    std::optional<MonotonicTime> asked_at;  ///< the candidates, for their values
+    std::set<std::pair<std::string, std::string>> awaited;  ///< robot, value
+    Backoff release;
+    Backoff sign;
+    Backoff hand;
+    Bytes signing;                       ///< what the router is asked to sign
+    std::optional<SignedRecord> record;  ///< the decision, or the order to abort
+    std::uint32_t epoch = 0;             ///< of the decision
+    std::string refusal;                 ///< the scheduler's
+    std::string asks_for;                ///< why the policy keeps out
+  };
+  /// A fault of which no run's alert tells yet.
+  struct LooseFault {
+    std::string robot;
+    RobotFault fault;
+    MonotonicTime due;
+  };
+
+  // what is heard (resilience_core.cpp)
+  void on_request(const Inbound& message, Now now, Outbox& out);
+  void on_information(const Inbound& message, Now now, Outbox& out);
+  void hear(const RobotFault& fault, const std::string& robot, Now now, Outbox& out);
+  void hear(const RouteTable& table, Now now, Outbox& out);
+  void hear(const Nack& nack, Now now, Outbox& out);
+  void look_at_robot(const std::string& robot, Now now, bool expired = false);
+  void ask_routes(Now now, Duration at_most_every);
+  void look(Now now, Outbox& out);
+  void settle(Now now, Outbox& out);
+
+  // detecting.cpp
+  void look_at_runs(bool all, Now now, Outbox& out);
+  void look_at_run(const WatchedRun& run, Now now, Outbox& out);
+  void count_tasks(const std::string& run);
+  void meet(const WatchedRun& run, const Trouble& trouble, Now now, Outbox& out);
+  Alert* raise(Alert alert, Now now, Outbox& out);
+  void tell_loose_faults(Now now, Outbox& out);
+  void close(Alert& alert, const std::string& why, Outbox& out);
+  void mend(const Alert& alert, const std::string& why, Now now);
+
+  // proposing.cpp
+  void look_at_alerts(Now now, Outbox& out);
+  void look_at_open(Alert& alert, Now now, Outbox& out);
+  void look_at_lone(Alert& alert, Now now, Outbox& out);
+  void propose(Alert& alert, const WatchedRun& run, Now now);
+  void ask_values(const Alert& alert, Now now, Outbox& out);
+  void hear(const Opaque& value, const std::string& robot, Now now, Outbox& out);
+  void answered(const std::string& robot, const std::string& value);
+  [[nodiscard]] bool is_stale(const Alert& alert) const;
+  void try_policy(Alert& alert, Now now, Outbox& out);
+  [[nodiscard]] std::string why_ask(const Alert& alert, Now now);
+  [[nodiscard]] std::string why_wait(const Alert& alert, Now now);
+  [[nodiscard]] std::string open_text(const Alert& alert) const;
+  [[nodiscard]] bool decides(const Alert& alert) const;
+
+  // verdicts.cpp
+  void handle(const AlertListRequest& body, const Inbound& from, Now now, Outbox& out);
+  void handle(const AlertDecide& body, const Inbound& from, Now now, Outbox& out);
+  Result<std::string> decide(Alert& alert, const AlertDecide& body, Now now, Outbox& out);
+  Result<std::string> decide_again(Alert& alert, const AlertDecide& body, Now now, Outbox& out);
+  Result<std::string> decide_lone(Alert& alert, const AlertDecide& body, Now now, Outbox& out);
+  [[nodiscard]] Status check_taker(Alert& alert, const AlertDecide& body, const WatchedRun& run, Now now);
+  [[nodiscard]] Status check_word(const Alert& alert, const AlertDecide& body, const WatchedRun& run) const;
+  [[nodiscard]] Status check_retry(const Alert& alert, Now now) const;
+
+  // deciding.cpp
+  void advance(Alert& alert, Now now, Outbox& out);
+  void advance_abort(Alert& alert, const WatchedRun& run, Now now, Outbox& out);
+  void advance_decision(Alert& alert, const WatchedRun& run, Now now, Outbox& out);
+  void hand_on(Alert& alert, const WatchedRun& run, Now now, Outbox& out);
+  void begin_signing(Alert& alert, const WatchedRun& run, std::vector<TaskRuling> rulings, Now now, Outbox& out);
+  void on_signed(const SignedRecord& record, Outbox& out);
+  void record_handed(const Alert& alert, const std::string& what, Outbox& out) const;
+  void finish(Alert& alert, Outbox& out);
+  void reopen(Alert& alert, const std::string& why, Now now, Outbox& out);
+  [[nodiscard]] std::string busy_with(const Alert& alert);
+
+  CoreSettings settings_;
+  Fleet fleet_;
+  RunWatcher watcher_;
+  Presence presence_;
+  AlertBook book_;
+  std::map<std::string, Work, std::less<>> works_;  ///< by alert
+  std::map<std::string, SignedRecord, std::less<>> certificates_;
+  std::map<std::string, std::map<std::string, std::uint32_t>, std::less<>> open_tasks_;  ///< run -> robot -> tasks
+  std::vector<LooseFault> loose_;
+  std::set<std::string> stirred_runs_;  ///< to be looked at
+  std::string handed_;                  ///< the alert whose decision or order was sent last
+  bool welcomed_ = false;
+  bool stirred_ = true;        ///< something has changed that alerts may depend on
+  bool routes_heard_ = false;  ///< before, nobody is known to be reached: nothing is judged
+  std::optional<MonotonicTime> looked_at_;
+  std::optional<MonotonicTime> look_at_;
+  std::optional<MonotonicTime> ask_routes_at_;
+  std::optional<MonotonicTime> asked_routes_;
+};
+
+}  // namespace trb::resilience

@@ -1,0 +1,139 @@
+#include "services/resilience/core/run_watcher.hpp"
+
+#include "proto/body.hpp"
+
+namespace trb::resilience {
+namespace {
+
+constexpr double kLease_s = 10;
+constexpr Duration kRenew = std::chrono::seconds(5);
+constexpr Duration kComplain = std::chrono::minutes(1);
+
+}  // namespace
+
+void RunWatcher::on_welcome(std::string node, Now now) {
+  node_ = std::move(node);
+  has_table_ = false;
+  renew_at_ = now.mono;
+  for (auto& [run, asking] : asking_) asking = {};
+}
+
+void RunWatcher::take(const RunSummary& summary) {
+  if (is_over(summary.state)) return forget(summary.run);
+  const auto [at, is_new] = runs_.try_emplace(summary.run);
+  WatchedRun& run = at->second;
+  const bool same = !is_new && run.summary.version == summary.version && run.summary.state == summary.state &&
+                    run.summary.epoch == summary.epoch && run.summary.tasks_final == summary.tasks_final;
+  run.summary = summary;
+  if (!same) refresh(summary.run);
+}
+
+void RunWatcher::forget(const std::string& run) {
+  asking_.erase(run);
+  if (runs_.erase(run) != 0) changed_.insert(run);
+}
+
+const WatchedRun* RunWatcher::find(std::string_view run) const {
+  const auto at = runs_.find(run);
+  return at == runs_.end() ? nullptr : &at->second;
+}
+
+void RunWatcher::refresh(std::string_view run) {
+  if (find(run) == nullptr) return;
+  Asking& asking = asking_[std::string(run)];
+  asking.view_wanted = true;
+  if (!asking.view_asked) asking.view.reset();
+}
+
+void RunWatcher::on(const RunTable& table, Now now) {
+  std::set<std::string> named;
+  for (const RunSummary& summary : table.runs) {
+    named.insert(summary.run);
+    take(summary);
+  }
+  std::vector<std::string> gone;
+  for (const auto& [id, run] : runs_) {
+    if (!named.contains(id)) gone.push_back(id);
+  }
+  for (const std::string& id : gone) forget(id);
+  has_table_ = true;
+  renew_at_ = now.mono + kRenew;
+}
+
+void RunWatcher::on(const RunChanged& changed) {
+  take(changed.run);
+}
+
+void RunWatcher::on(const RunView& view) {
+  const auto at = runs_.find(view.run);
+  if (at == runs_.end()) return;
+  if (is_over(view.state)) return forget(view.run);
+  at->second.view = view;
+  Asking& asking = asking_[view.run];
+  asking.view_asked = false;
+  if (asking.view_wanted) asking.view.reset();
+  changed_.insert(view.run);
+}
+
+void RunWatcher::on(const Definition& definition) {
+  auto start = decode<RunStart>(definition.start.payload.bytes);
+  const auto at = start ? runs_.find(start->run) : runs_.end();
+  if (at == runs_.end()) return;
+  std::vector<Decision> decisions;
+  for (const SignedRecord& record : definition.decisions) {
+    auto decision = decode<Decision>(record.payload.bytes);
+    if (!decision || decision->epoch != decisions.size() + 2) return;  // asked for again
+    decisions.push_back(std::move(*decision));
+  }
+  WatchedRun& run = at->second;
+  run.start = std::move(*start);
+  run.decisions = std::move(decisions);
+  run.last_decision = definition.decisions.empty() ? Bytes() : definition.decisions.back().payload.bytes;
+  const std::string& id = run.start->run;
+  if (run.is_current()) asking_[id].definition.reset();
+  if (run.view && run.decisions.size() + 1 > run.view->epoch) refresh(id);
+  changed_.insert(id);
+}
+
+void RunWatcher::on_nack(const Nack& nack, Now now, Outbox& out) {
+  out.count("nacked." + nack.subtype);
+  if (nack.subtype == RunWatch::kSubtype) renew_at_ = now.mono + kRenew;
+  if (complained_ && now.mono - *complained_ < kComplain) return;
+  complained_ = now.mono;
+  out.log(LogLevel::warning, "runs_not_seen", "the scheduler: " + nack.subtype + ": " + nack.code + ": " + nack.what);
+}
+
+void RunWatcher::tick(Now now, Outbox& out) {
+  if (node_.empty()) return;
+  if (renew_at_ && *renew_at_ <= now.mono) {
+    renew_at_ = now.mono + kRenew;
+    out.request(node_, RunWatch{kLease_s});
+  }
+  for (auto& [id, asking] : asking_) {
+    if (asking.view_wanted || asking.view_asked) {
+      if (asking.view.due(now.mono)) {
+        asking.view.said(now.mono);
+        asking.view_wanted = false;
+        asking.view_asked = true;
+        out.request(node_, RunQuery{id});
+      }
+    }
+    if (wants_definition(runs_.at(id)) && asking.definition.due(now.mono)) {
+      asking.definition.said(now.mono);
+      out.request(node_, NeedDefinition{id, {}});
+    }
+  }
+}
+
+std::optional<MonotonicTime> RunWatcher::next_deadline() const {
+  if (node_.empty()) return std::nullopt;
+  std::optional<MonotonicTime> out = renew_at_;
+  constexpr MonotonicTime kNow{0};
+  for (const auto& [id, asking] : asking_) {
+    if (asking.view_wanted || asking.view_asked) out = earlier(out, asking.view.next().value_or(kNow));
+    if (wants_definition(runs_.at(id))) out = earlier(out, asking.definition.next().value_or(kNow));
+  }
+  return out;
+}
+
+}  // namespace trb::resilience

@@ -1,0 +1,58 @@
+// Keeps the own scheduler's runs in sight: the watch is renewed, what has changed is asked for.
+#pragma once
+
+#include <map>
+#include <set>
+#include <string>
+
+#include "common/actor/outbox.hpp"
+#include "services/resilience/core/backoff.hpp"
+#include "services/resilience/core/watched_run.hpp"
+
+namespace trb::resilience {
+
+class RunWatcher {
+ public:
+  using Runs = std::map<std::string, WatchedRun, std::less<>>;
+
+  void on_welcome(std::string node, Now now);
+  void on(const RunTable& table, Now now);
+  void on(const RunChanged& changed);
+  void on(const RunView& view);
+  void on(const Definition& definition);
+  void on_nack(const Nack& nack, Now now, Outbox& out);
+  /// What is due is asked.
+  void tick(Now now, Outbox& out);
+  [[nodiscard]] std::optional<MonotonicTime> next_deadline() const;
+
+  /// Not over, by id.
+  [[nodiscard]] const Runs& runs() const { return runs_; }
+  [[nodiscard]] const WatchedRun* find(std::string_view run) const;
+  /// A table has come since the welcome: who is not in runs() is over, or not known to this scheduler.
+  [[nodiscard]] bool has_table() const { return has_table_; }
+  /// Asks for the run anew: something was said to the scheduler.
+  void refresh(std::string_view run);
+  /// The runs that are new, have changed or are over since the last call.
+  std::set<std::string> take_changed() { return std::exchange(changed_, {}); }
+
+ private:
+  struct Asking {
+    bool view_wanted = true;
+    bool view_asked = false;  ///< and not yet answered
+    Backoff view;
+    Backoff definition;
+  };
+  void take(const RunSummary& summary);
+  void forget(const std::string& run);
+  [[nodiscard]] bool wants_definition(const WatchedRun& run) const { return run.view && !run.is_current(); }
+
+  std::string node_;
+  Runs runs_;
+  std::map<std::string, Asking, std::less<>> asking_;
+  std::set<std::string> changed_;
+  bool has_table_ = false;
+  std::optional<MonotonicTime> renew_at_;
+  std::optional<MonotonicTime> complained_;
+};
+
+}  // namespace trb::resilience

@@ -1,0 +1,160 @@
+#include "services/resilience/core/troubles.hpp"
+
+#include <algorithm>
+
+namespace trb::resilience {
+namespace {
+
+/// The run waits for somebody because of this task: what its own robot tries again is no trouble yet.
+bool waits_for_help(const WatchedRun& run, std::size_t index) {
+  const TaskView& task = run.view->tasks[index];
+  if (is_final(task) || !run.has_stopped(index)) return false;
+  if (task.outcome == TaskOutcome::released) return true;
+  if (run.view->state != RunState::paused) return false;
+  // Held by a person it is PAUSED whether or not the task has tries left.
+  return run.view->paused_by.empty() || task.attempt > run.start->scenario.tasks[index].retries;
+}
+
+/// The worst thing known of a robot, as it is found task by task.
+class Finder {
+ public:
+  Finder(const WatchedRun& run, const Fleet& fleet, const std::string& robot, const Presence::Gone* gone)
+      : run_(run), fleet_(fleet), record_(fleet.find(robot)), gone_(gone) {
+    out_.robot = robot;
+  }
+
+  void look(std::size_t index) {
+    const TaskView& task = run_.view->tasks[index];
+    if (is_final(task)) return;
+    const bool stopped = waits_for_help(run_, index);
+    const std::string capability = capability_of(run_, index, fleet_);
+    const Fault* fault = record_ == nullptr ? nullptr : fault_of(*record_, capability);
+    if (!stopped && fault == nullptr && gone_ == nullptr) return;
+    out_.tasks.push_back(index);
+    out_.failed = out_.failed || stopped;
+    out_.needs_word = out_.needs_word || !why_word(run_, index, fleet_, false).empty();
+    if (gone_ != nullptr) tell(gone_->cause, Severity::critical, "", gone_->text);
+    if (fault != nullptr) tell("robot_fault", fault->severity, fault->capability, fault->text);
+    if (!stopped) return;
+    const bool interrupted = task.outcome == TaskOutcome::interrupted;
+    tell(interrupted ? "task_interrupted" : "task_failed", interrupted ? Severity::critical : Severity::urgent,
+         capability, "task '" + task.id + "': " + (task.reason.empty() ? "stopped" : task.reason));
+  }
+
+  Trouble take() { return std::move(out_); }
+
+ private:
+  void tell(const std::string& cause, Severity severity, const std::string& capability, const std::string& text) {
+    const int mine = strength_of(cause);
+    const int known = strength_of(out_.cause);
+    if (mine < known || (mine == known && severity <= out_.severity && !out_.cause.empty())) return;
+    out_.cause = cause;
+    out_.severity = severity;
+    out_.capability = capability;
+    out_.text = text;
+  }
+
+  const WatchedRun& run_;
+  const Fleet& fleet_;
+  const RobotRecord* record_;
+  const Presence::Gone* gone_;
+  Trouble out_;
+};
+
+std::string joined(const std::vector<std::string>& words) {
+  std::string out;
+  for (const std::string& word : words) out += (out.empty() ? "" : ", ") + word;
+  return out;
+}
+
+Trouble robot_wanted(const Task& task, std::size_t index) {
+  Trouble out;
+  out.cause = kWantsRobot;
+  out.text = "task '" + task.id + "' wants a robot with '" + task.skill + "' and " + joined(task.requires_);
+  out.tasks = {index};
+  return out;
+}
+
+}  // namespace
+
+bool wants_robot(const Alert& alert) {
+  return alert.cause == kWantsRobot;
+}
+
+bool is_about(const Alert& alert, const WatchedRun& run, const Trouble& trouble) {
+  if (alert.run != run.summary.run || alert.robot != trouble.robot) return false;
+  return !trouble.robot.empty() || alert.tasks == std::vector<std::string>{run.view->tasks[trouble.tasks.front()].id};
+}
+
+int strength_of(std::string_view cause) {
+  if (cause == "peer_expired" || cause == "robot_connection") return 4;
+  if (cause == "robot_fault") return 3;
+  if (cause == "task_interrupted") return 2;
+  return cause == "task_failed" || cause == kWantsRobot ? 1 : 0;
+}
+
+std::string capability_of(const WatchedRun& run, std::size_t task, const Fleet& fleet) {
+  const RobotRecord* robot = fleet.find(run.view->tasks[task].robot);
+  const SkillInfo* skill = robot == nullptr ? nullptr : find_skill(*robot, run.view->tasks[task].skill);
+  return skill == nullptr ? std::string() : skill->capability;
+}
+
+std::string why_word(const WatchedRun& run, std::size_t index, const Fleet& fleet, bool retry) {
+  const TaskView& task = run.view->tasks[index];
+  if (is_final(task)) return {};
+  const RobotRecord* robot = fleet.find(task.robot);
+  const bool stopped = run.has_stopped(index);
+  if (stopped && task.outcome == TaskOutcome::interrupted) {
+    const SkillInfo* skill = robot == nullptr ? nullptr : find_skill(*robot, task.skill);
+    if (retry && skill != nullptr && skill->repeatable) return {};
+    return "nobody knows what became of task '" + task.id + "'";
+  }
+  if (stopped) return {};
+  if (retry || (robot != nullptr && robot->reached)) return {};
+  return task.robot + " is silent";
+}
+
+std::vector<Alert> lesser_faults(const Fleet& fleet, UtcTime since) {
+  std::vector<Alert> out;
+  for (const auto& [id, robot] : fleet.robots()) {
+    for (const Fault& fault : robot.faults) {
+      if (fault.severity >= Severity::critical || fault.since < since || fault_of(robot, fault.capability) != nullptr)
+        continue;
+      Alert& shown = out.emplace_back();
+      shown.robot = id;
+      shown.capability = fault.capability;
+      shown.severity = fault.severity;
+      shown.cause = "robot_fault";
+      shown.text = fault.text;
+      shown.time = fault.since.ns;
+      shown.state = AlertState::closed;
+    }
+  }
+  std::ranges::stable_sort(out, std::ranges::greater{}, &Alert::time);
+  return out;
+}
+
+std::vector<Trouble> troubles_of(const WatchedRun& run, const Fleet& fleet, const Presence& presence, Now now) {
+  const std::string decider = run.decider();  // it has no robot: its tasks are those that it skips
+  std::vector<std::string> order;
+  std::map<std::string, Finder, std::less<>> finders;
+  std::vector<Trouble> out;
+  for (std::size_t i = 0; i < run.view->tasks.size() && i < run.start->scenario.tasks.size(); ++i) {
+    const std::string& robot = run.view->tasks[i].robot;
+    if (robot.empty() && run.has_stopped(i)) out.push_back(robot_wanted(run.start->scenario.tasks[i], i));
+    if (robot.empty() || robot == decider) continue;
+    auto at = finders.find(robot);
+    if (at == finders.end()) {
+      order.push_back(robot);
+      at = finders.emplace(robot, Finder(run, fleet, robot, presence.find(robot, now))).first;
+    }
+    at->second.look(i);
+  }
+  for (const std::string& robot : order) {
+    Trouble trouble = finders.at(robot).take();
+    if (!trouble.tasks.empty()) out.push_back(std::move(trouble));
+  }
+  return out;
+}
+
+}  // namespace trb::resilience

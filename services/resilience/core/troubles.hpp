@@ -1,0 +1,49 @@
+// What a run's robots cannot do any more: from what the fleet and the run say now, and from nothing else.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "proto/bodies/resilience.hpp"
+#include "services/resilience/core/presence.hpp"
+#include "services/resilience/core/watched_run.hpp"
+
+namespace trb::resilience {
+
+/// Alert::cause of a task that is due and names no robot: nothing has failed, somebody has to be chosen.
+constexpr std::string_view kWantsRobot = "robot_wanted";
+
+struct Trouble {
+  std::string robot;
+  std::string capability;  ///< that is gone; empty: the whole robot
+  Severity severity{};
+  std::string cause;  ///< as Alert::cause
+  std::string text;
+  std::vector<std::size_t> tasks;  ///< of the run, that cannot go on with this robot
+  bool needs_word = false;
+  bool failed = false;  ///< a task of them has stopped: the robot's coming back alone does not end it
+};
+
+/// One for each robot that has any, in the order of its first task; before them one for each task that wants a robot,
+/// with none in `robot`. The run is_known().
+std::vector<Trouble> troubles_of(const WatchedRun& run, const Fleet& fleet, const Presence& presence, Now now);
+
+/// Why it may be decided only on a person's word; empty: it may be without. `retry`: the same robot does it again.
+std::string why_word(const WatchedRun& run, std::size_t task, const Fleet& fleet, bool retry);
+
+/// The capability that the robot's skill of that task needs; empty: it is not known.
+std::string capability_of(const WatchedRun& run, std::size_t task, const Fleet& fleet);
+
+/// The fleet's WARNING and URGENT faults since then of what is not lost anyway, newest first: alerts without an id that
+/// nobody decides on.
+std::vector<Alert> lesser_faults(const Fleet& fleet, UtcTime since);
+
+[[nodiscard]] bool wants_robot(const Alert& alert);
+/// It is the alert that this trouble made: one for each robot of a run, one for each task that wants a robot.
+[[nodiscard]] bool is_about(const Alert& alert, const WatchedRun& run, const Trouble& trouble);
+
+/// Of two causes the one that explains more: a fault explains the task that has failed of it.
+int strength_of(std::string_view cause);
+
+}  // namespace trb::resilience

@@ -1,0 +1,69 @@
+#include "services/resilience/core/watched_run.hpp"
+
+#include <algorithm>
+
+#include "proto/body.hpp"
+
+namespace trb::resilience {
+
+std::string WatchedRun::decider() const {
+  if (!start) return {};
+  for (const Member& member : start->members) {
+    // The own scheduler has checked it before it took the run.
+    const auto certificate = decode<Certificate>(member.certificate.payload.bytes);
+    if (certificate && certificate->role == Role::cloud) return member.id;
+  }
+  return {};
+}
+
+bool WatchedRun::is_member(std::string_view node) const {
+  const auto names = [&](const std::vector<Member>& members) {
+    return std::ranges::any_of(members, [&](const Member& member) { return member.id == node; });
+  };
+  if (start && names(start->members)) return true;
+  return std::ranges::any_of(decisions, [&](const Decision& decision) { return names(decision.members); });
+}
+
+std::optional<std::size_t> WatchedRun::find_task(std::string_view id) const {
+  if (!view) return std::nullopt;
+  const auto at = std::ranges::find(view->tasks, id, &TaskView::id);
+  if (at == view->tasks.end()) return std::nullopt;
+  return static_cast<std::size_t>(at - view->tasks.begin());
+}
+
+std::uint32_t WatchedRun::first_attempt(std::size_t task) const {
+  std::uint32_t out = 1;
+  for (const DecisionView& decision : view->decisions) {
+    for (const TaskRuling& ruling : decision.tasks) {
+      if (ruling.task == view->tasks[task].id) out = std::max(out, ruling.attempt);
+    }
+  }
+  return out;
+}
+
+std::uint32_t WatchedRun::last_attempt(std::size_t task) const {
+  return std::max(first_attempt(task), view->tasks[task].attempt);
+}
+
+std::uint32_t WatchedRun::last_possible_attempt(std::size_t task) const {
+  return std::max(last_attempt(task), first_attempt(task) + start->scenario.tasks[task].retries);
+}
+
+bool WatchedRun::has_stopped(std::size_t index) const {
+  const TaskView& task = view->tasks[index];
+  const bool ended = task.outcome == TaskOutcome::failed || task.outcome == TaskOutcome::retriable ||
+                     task.outcome == TaskOutcome::interrupted || task.outcome == TaskOutcome::released;
+  // The result of an attempt that a decision has made void is a thing of the past.
+  return ended && task.attempt >= last_attempt(index);
+}
+
+bool is_over(RunState state) {
+  return state != RunState::running && state != RunState::paused;
+}
+
+bool is_final(const TaskView& task) {
+  return task.state == TaskState::finished || task.state == TaskState::skipped ||
+         task.outcome == TaskOutcome::finished || task.outcome == TaskOutcome::skipped;
+}
+
+}  // namespace trb::resilience

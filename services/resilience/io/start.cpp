@@ -1,0 +1,49 @@
+#include "services/resilience/io/start.hpp"
+
+#include <cstdio>
+
+#include "common/base/files.hpp"
+#include "common/config/node_config.hpp"
+#include "common/log/log.hpp"
+#include "common/service/service.hpp"
+#include "services/resilience/io/steps.hpp"
+#include "services/resilience/io/store.hpp"
+
+namespace trb::resilience {
+namespace {
+
+int complain(const std::string& text) {
+  std::fprintf(stderr, "trb-resilience: %s\n", text.c_str());
+  return 1;
+}
+
+CoreSettings settings_of(const NodeConfig& config) {
+  ConfigFaults faults;  // told by the check
+  CoreSettings out{config.id, config.role, read_resilience_file(config.dir, faults), {}};
+  for (const auto& [name, pose] : config.places) out.places[name] = {pose.x, pose.y};
+  return out;
+}
+
+}  // namespace
+
+int start(const std::string& node_dir) {
+  const NodeCheck check = check_node_dir(node_dir, true);
+  const NodeConfig& config = check.config;
+  if (!faults_that_stop(check.faults).empty()) return complain("nothing started\n" + to_text(check.faults));
+  if (auto made = make_dir(config.dir + "/state", 0700); !made) return complain(made.error().text());
+  auto db = CapabilityDb::open(config.dir + "/state/capability.db");
+  if (!db) return complain(db.error().text());
+  ResilienceCore core(settings_of(config));
+  if (Status restored = restore(**db, core); !restored) return complain(restored.error().text());
+  auto service = Service::open({config.dir, "resilience", ResilienceCore::subtypes(), ResilienceCore::hears()});
+  if (!service) return complain(service.error().text());
+  Steps steps(core, **db);
+  (*service)->on_journal([&](const std::vector<Journal>& records) { return commit(**db, records); });
+  const int status = (*service)->run(steps);
+  if (Status written = steps.flush(now()); !written) {
+    log_event(Level::error, "fleet_not_written", written.error().text());
+  }
+  return status;
+}
+
+}  // namespace trb::resilience

@@ -1,0 +1,221 @@
+#include "services/resilience/test/bench.hpp"
+
+#include <stdlib.h>
+
+#include <algorithm>
+#include <filesystem>
+
+namespace trb::resilience::test {
+
+Bench::Bench(ResilienceSettings resilience, Role role)
+    : settings{"cloud", role, resilience, {{"dock", {0, 0}}, {"table1", {4, 0}}}} {
+  init_crypto();
+  std::string name = (std::filesystem::temp_directory_path() / "trb-resilience-XXXXXX").string();
+  REQUIRE(::mkdtemp(name.data()) != nullptr);
+  folder_ = name;
+  authority_key_ = make_signing_key();
+  authority_ = {"test", authority_key_.public_key};
+  key_ = make_signing_key();
+  open();
+}
+
+Bench::~Bench() {
+  steps_.reset();
+  core_.reset();
+  db_.reset();
+  std::filesystem::remove_all(folder_);
+}
+
+void Bench::open() {
+  auto db = CapabilityDb::open(folder_ + "/capability.db");
+  REQUIRE_MESSAGE(db.ok(), (db ? "" : db.error().text()));
+  db_ = std::move(*db);
+  core_ = std::make_unique<ResilienceCore>(settings);
+  const Status restored = trb::resilience::restore(*db_, *core_);
+  REQUIRE_MESSAGE(restored.ok(), (restored ? "" : restored.error().text()));
+  steps_ = std::make_unique<Steps>(*core_, *db_);
+  step([&](Outbox& out) { steps_->on_welcome({"cloud", settings.role, 1}, now, out); });
+}
+
+void Bench::restart() {
+  steps_.reset();
+  core_.reset();
+  db_.reset();
+  inbox_.clear();
+  watched_ = false;
+  open();
+}
+
+SignedRecord Bench::sign(std::string_view purpose, Bytes payload) const {
+  return trb::sign(purpose, "cloud", authority_.id(), std::move(payload), key_);
+}
+
+SignedRecord Bench::certificate(const std::string& id, Role role) const {
+  Certificate of;
+  of.id = id;
+  of.role = role;
+  return trb::sign(kSignedCertificate, "", authority_.id(), encode(of), authority_key_);
+}
+
+// ---- the loop
+
+void Bench::step(const std::function<void(Outbox&)>& effect) {
+  Outbox out;
+  effect(out);
+  carry_out(out);
+}
+
+void Bench::carry_out(const Outbox& out) {
+  if (!out.journal.empty()) {
+    const Status done = commit(*db_, out.journal);
+    REQUIRE_MESSAGE(done.ok(), (done ? "" : done.error().text()));
+    if (++commits == crash_at) return restart();
+  }
+  for (const Send& send : out.sends) handle(send);
+}
+
+void Bench::settle() {
+  for (int i = 0; i < 10'000; ++i) {
+    if (!inbox_.empty()) {
+      const Inbound message = std::move(inbox_.front());
+      inbox_.pop_front();
+      step([&](Outbox& out) { steps_->on(message, now, out); });
+    } else if (const auto next = steps_->next_deadline(); next && *next <= now.mono) {
+      step([&](Outbox& out) { steps_->tick(now, out); });
+    } else {
+      return;
+    }
+  }
+  FAIL("the core never comes to rest");
+}
+
+void Bench::wait(Duration time) {
+  settle();
+  const MonotonicTime end = now.mono + time;
+  while (true) {
+    const auto next = steps_->next_deadline();
+    const MonotonicTime to = next ? std::min(std::max(*next, now.mono), end) : end;
+    const Duration passed = to - now.mono;
+    now = {to, now.utc + passed};
+    settle();
+    if (to >= end) return;
+  }
+}
+
+void Bench::answer(const std::string& from, Body body) {
+  inbox_.push_back({MessageType::information, from, "cloud", ++count_, 1, 0, 1000, std::move(body)});
+}
+
+void Bench::nack(const Send& send, const std::string& from, const std::string& code, const std::string& what) {
+  answer(from, Nack{code, std::string(subtype_of(send.body)), send.target, what, ""});
+}
+
+void Bench::handle(const Send& sent) {
+  auto body = decode_body(subtype_of(sent.body), encode_body(sent.body));
+  REQUIRE_MESSAGE(body.ok(), (body ? "" : body.error().text()));
+  Send send = sent;
+  send.body = std::move(*body);
+  ++heard[std::string(subtype_of(send.body))];
+  if (send.reply_to != 0) {
+    if (send.reply_to == asked_) told_ = send.body;
+    return;
+  }
+  if (send.target == "cloud") return handle_own(send);
+  const auto route = routes.find(send.target);
+  REQUIRE(route != routes.end());
+  if (route->second.state != "ONLINE") return nack(send, "cloud", "peer_expired", "not there");
+  if (const auto* question = get_if<Opaque>(&send.body)) {
+    if (mute.contains(send.target)) return;
+    const auto& known = values[send.target];
+    const auto value = known.find(question->subtype);
+    if (value == known.end()) return nack(send, send.target, "unknown_subtype", "not told");
+    return answer(send.target, Opaque{value->first, value->second});
+  }
+  const auto* order = get_if<ReleaseTasks>(&send.body);
+  REQUIRE(order != nullptr);
+  release(send.target, *order);
+}
+
+void Bench::handle_own(const Send& send) {
+  if (holds_alternative<RouteListRequest>(send.body)) {
+    RouteTable table{"cloud", {}};
+    for (const auto& [id, route] : routes) table.routes.push_back(route);
+    return answer("cloud", table);
+  }
+  if (const auto* request = get_if<SignRequest>(&send.body)) {
+    return answer("cloud", sign(request->kind, request->payload.bytes));
+  }
+  if (deaf) return;
+  if (holds_alternative<RunWatch>(send.body)) {
+    if (!knows_watch) return nack(send, "cloud", "no_service", "nobody takes it");
+    watched_ = true;
+    RunTable table;
+    if (!view.run.empty()) {
+      table.runs.push_back({kRun, view.name, view.state, "", 0, 9, 3, view.epoch, version_});
+    }
+    return answer("cloud", table);
+  }
+  if (holds_alternative<RunQuery>(send.body)) return answer("cloud", view);
+  if (holds_alternative<NeedDefinition>(send.body)) {
+    return answer("cloud", Definition{sign(kSignedRunStart, encode(start)), decisions});
+  }
+  if (const auto* decision = get_if<RunDecision>(&send.body)) {
+    if (!refuses.empty()) return nack(send, "cloud", refuses, "the test says so");
+    const Status good = take(decision->decision);
+    CHECK_MESSAGE(good.ok(), (good ? "" : good.error().text()));
+    if (!good) return nack(send, "cloud", "bad_value", good.error().what);
+    return answer("cloud", Ack{"accepted", ""});
+  }
+  if (holds_alternative<RunAbort>(send.body)) {
+    view.state = RunState::aborted;
+    answer("cloud", Ack{"accepted", ""});
+    return changed();
+  }
+  FAIL("the core says ", std::string(subtype_of(send.body)));
+}
+
+// ---- people
+
+std::vector<Alert> Bench::alerts(bool all) {
+  asked_ = 1'000'000 + ++count_;
+  told_.reset();
+  inbox_.push_back({MessageType::request, "cloud", "cloud", asked_, 0, 0, 1000, AlertListRequest{all}});
+  settle();
+  REQUIRE(told_);
+  return get<AlertTable>(*told_).alerts;
+}
+
+Alert Bench::alert() {
+  const auto open = alerts();
+  REQUIRE(open.size() == 1);
+  return open.front();
+}
+
+Alert Bench::any(const std::string& id) {
+  for (const Alert& one : alerts(true)) {
+    if (one.id == id) return one;
+  }
+  FAIL("no alert ", id);
+  return {};
+}
+
+std::string Bench::decide(AlertDecide verdict) {
+  asked_ = 1'000'000 + ++count_;
+  told_.reset();
+  verdict.person = "ann";
+  inbox_.push_back({MessageType::command, "cloud", "cloud", asked_, 0, 0, 1000, verdict});
+  settle();
+  if (!told_) return "lost";
+  if (const auto* ack = get_if<Ack>(&*told_)) {
+    last_text = ack->text;
+    return ack->state;
+  }
+  last_text = get<Nack>(*told_).what + " | " + get<Nack>(*told_).cure;
+  return get<Nack>(*told_).code;
+}
+
+std::string Bench::decide(Verdict verdict, const std::string& robot, bool stands, const std::string& reason) {
+  return decide(AlertDecide{alert().id, verdict, robot, "", reason, stands});
+}
+
+}  // namespace trb::resilience::test

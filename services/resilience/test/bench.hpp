@@ -1,0 +1,115 @@
+// A resilience core in virtual time, on a real capability.db: the test plays the router, the robots and a scheduler
+// that takes decisions as the real one must.
+#pragma once
+
+#include <doctest/doctest.h>
+
+#include <deque>
+#include <map>
+#include <memory>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "common/security/keys.hpp"
+#include "services/resilience/core/fleet_stories.hpp"
+#include "services/resilience/io/steps.hpp"
+#include "services/resilience/io/store.hpp"
+
+namespace trb::resilience::test {
+
+inline const std::string kRun = "0123456789abcdef0123456789abcdef";
+
+class Bench {
+ public:
+  explicit Bench(ResilienceSettings settings = default_resilience(), Role role = Role::cloud);
+  Bench(const Bench&) = delete;
+  Bench& operator=(const Bench&) = delete;
+  ~Bench();
+
+  // ---- the fleet
+  void add(const std::string& id, const NodeProfile& profile, double charge, double x, double y);
+  void say(const std::string& robot, Body information);
+  void fault(const std::string& robot, const std::string& capability, Severity severity = Severity::critical);
+  /// Its node's lease runs out; or it is back.
+  void silence(const std::string& robot);
+  void back(const std::string& robot);
+
+  // ---- the run
+  /// The paper's nine tasks as they stand in the middle: t1 to t3 are finished, t4 runs.
+  void begin_run();
+  TaskView& task(const std::string& id);
+  /// The running attempt ends so; the run is PAUSED by all but FINISHED.
+  void end_task(const std::string& id, TaskOutcome outcome, const std::string& reason = "");
+  /// Something about the run has changed: watchers are told.
+  void changed();
+  /// The scheduler's own rule for a decision. The error of what it would refuse.
+  Status take(const SignedRecord& record);
+
+  // ---- people
+  std::vector<Alert> alerts(bool all = false);
+  Alert alert();  ///< the only one that is open
+  Alert any(const std::string& id);
+  /// "accepted", or the Nack's code, or "lost" in a crash.
+  std::string decide(AlertDecide verdict);
+  std::string decide(Verdict verdict, const std::string& robot = "", bool stands = false,
+                     const std::string& reason = "");
+
+  // ---- time
+  void settle();  ///< until nobody has anything to say
+  void wait(Duration time);
+  void restart();
+
+  Now now{{1'000'000'000'000}, {1'700'000'000'000'000'000}};
+  std::map<std::string, Route> routes;
+  std::map<std::string, std::map<std::string, std::string>> values;  ///< of robots, by name: what they answer
+  RunView view;
+  RunStart start;
+  std::vector<SignedRecord> decisions;
+  std::vector<Decision> taken;
+  std::vector<ReleaseTasks> releases;  ///< that robots were asked
+  std::map<std::string, int> heard;    ///< by subtype: what the core has said
+  std::string last_text;               ///< of the last Ack or Nack to a person
+  std::size_t commits = 0;
+  std::size_t crash_at = 0;  ///< the process ends with this commit, its messages are lost; 0: never
+  bool deaf = false;         ///< the scheduler does not answer
+  bool knows_watch = true;
+  std::string refuses;          ///< the scheduler Nacks decisions with this code
+  std::set<std::string> keeps;  ///< robots that do not answer release_tasks
+  std::set<std::string> mute;   ///< robots that do not answer what they are asked for
+  CoreSettings settings;
+
+ private:
+  void step(const std::function<void(Outbox&)>& effect);
+  void carry_out(const Outbox& out);
+  void answer(const std::string& from, Body body);
+  void handle(const Send& send);
+  void handle_own(const Send& send);
+  void release(const std::string& robot, const ReleaseTasks& order);
+  void nack(const Send& send, const std::string& from, const std::string& code, const std::string& what);
+  [[nodiscard]] SignedRecord sign(std::string_view purpose, Bytes payload) const;
+  [[nodiscard]] SignedRecord certificate(const std::string& id, Role role) const;
+  void open();
+
+  std::string folder_;
+  FleetAuthority authority_;
+  SigningKey authority_key_;
+  SigningKey key_;
+  std::unique_ptr<CapabilityDb> db_;
+  std::unique_ptr<ResilienceCore> core_;
+  std::unique_ptr<Steps> steps_;
+  std::deque<Inbound> inbox_;
+  std::uint64_t count_ = 0;
+  std::uint64_t version_ = 0;
+  std::uint64_t asked_ = 0;  ///< id of the person's message
+  std::optional<Body> told_;
+  bool watched_ = false;
+};
+
+/// A bench with the paper's hall: ridgeback, two Pioneers, a TurtleBot and an arm, and the run under way.
+std::unique_ptr<Bench> paper(ResilienceSettings settings = default_resilience());
+ResilienceSettings automatic(double min_score = 0, double min_lead = 0);
+/// "t4>pioneer1 t7>pioneer1": what the decision rules.
+std::string rulings(const Decision& decision);
+
+}  // namespace trb::resilience::test

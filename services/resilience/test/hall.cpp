@@ -1,0 +1,205 @@
+// The bench's fleet, its scheduler and the run.
+#include <algorithm>
+
+#include "services/resilience/test/bench.hpp"
+
+namespace trb::resilience::test {
+
+// ---- the scheduler
+
+Status Bench::take(const SignedRecord& record) {
+  const auto decision = decode<Decision>(record.payload.bytes);
+  if (!decision) return decision.error();
+  if (!decisions.empty() && decisions.back().payload == record.payload) return Done{};
+  if (decision->epoch != view.epoch + 1) return fail(Errc::conflict, "of another epoch");
+  const Bytes before = decisions.empty() ? Bytes() : digest(decisions.back().payload.bytes);
+  if (decision->previous.bytes != before) return fail(Errc::conflict, "does not build on the last one");
+  if (decision->run != kRun || decision->digest != start.digest || decision->by != "cloud") {
+    return fail(Errc::bad_value, "of another run");
+  }
+  DecisionView shown{decision->epoch,  decision->by,   decision->alert, decision->person,
+                     decision->reason, decision->time, decision->tasks};
+  for (const TaskRuling& ruling : decision->tasks) {
+    TaskView& of = task(ruling.task);
+    const bool stopped = of.outcome != TaskOutcome::none;
+    if (ruling.evidence == Evidence::result && !stopped) return fail(Errc::bad_value, of.id + " was not given back");
+    if (ruling.attempt != std::max<std::uint32_t>(1, of.attempt) + 1) return fail(Errc::bad_value, "wrong attempt");
+    const auto member = [&](const std::vector<Member>& members) {
+      return std::ranges::any_of(members, [&](const Member& one) { return one.id == ruling.robot; });
+    };
+    if (!member(start.members) && !member(decision->members)) return fail(Errc::bad_value, "no member");
+    if (ruling.robot != of.robot) of.moved_from = of.robot;
+    of.robot = ruling.robot;
+    of.attempt = ruling.attempt;
+    of.outcome = ruling.ruling == Ruling::skip ? TaskOutcome::skipped : TaskOutcome::none;
+    of.state = ruling.ruling == Ruling::skip ? TaskState::skipped : TaskState::waiting;
+  }
+  view.epoch = decision->epoch;
+  view.decisions.push_back(std::move(shown));
+  decisions.push_back(record);
+  taken.push_back(*decision);
+  changed();
+  return Done{};
+}
+
+void Bench::changed() {
+  ++version_;
+  const auto stopped = [](const TaskView& task) {
+    return task.outcome == TaskOutcome::failed || task.outcome == TaskOutcome::interrupted ||
+           task.outcome == TaskOutcome::retriable;
+  };
+  if (view.state == RunState::running || view.state == RunState::paused) {
+    view.state = std::ranges::any_of(view.tasks, stopped) ? RunState::paused : RunState::running;
+  }
+  if (!watched_ || deaf) return;
+  answer("cloud", RunChanged{{kRun, view.name, view.state, "", 0, 9, 3, view.epoch, version_}});
+}
+
+TaskView& Bench::task(const std::string& id) {
+  const auto at = std::ranges::find(view.tasks, id, &TaskView::id);
+  REQUIRE(at != view.tasks.end());
+  return *at;
+}
+
+void Bench::end_task(const std::string& id, TaskOutcome outcome, const std::string& reason) {
+  TaskView& of = task(id);
+  of.outcome = outcome;
+  of.attempt = std::max<std::uint32_t>(1, of.attempt);
+  of.reason = reason;
+  of.state = outcome == TaskOutcome::finished ? TaskState::finished
+             : outcome == TaskOutcome::failed ? TaskState::failed
+                                              : TaskState::retriable;
+  changed();
+  settle();
+}
+
+void Bench::release(const std::string& robot, const ReleaseTasks& order) {
+  releases.push_back(order);
+  if (keeps.contains(robot)) return;
+  for (const std::uint16_t index : order.tasks) {
+    TaskView& of = view.tasks.at(index);
+    CHECK(of.robot == robot);
+    if (of.state != TaskState::waiting || of.outcome != TaskOutcome::none) continue;
+    of.outcome = TaskOutcome::released;
+    of.attempt = std::max<std::uint32_t>(1, of.attempt);
+  }
+  answer(robot, Ack{"accepted", ""});
+  changed();
+}
+
+void Bench::begin_run() {
+  struct Row {
+    const char* robot;
+    const char* skill;
+    const char* data;
+  };
+  constexpr Row kRows[] = {{"ridgeback", "go_to", R"({"place": "dock"})"},
+                           {"ur3", "grab", ""},
+                           {"ur3", "grab", ""},
+                           {"ridgeback", "go_to", R"({"place": "table1"})"},
+                           {"ur3", "grab", ""},
+                           {"turtlebot", "go_to", R"({"place": "dock"})"},
+                           {"ridgeback", "go_to", R"({"place": "dock"})"},
+                           {"ur3", "grab", ""},
+                           {"ridgeback", "load_out", R"({"side": "l"})"}};
+  start.run = kRun;
+  start.digest.bytes = Bytes(32, 'd');
+  start.members = {{"cloud", certificate("cloud", Role::cloud)}};
+  for (const char* id : {"ridgeback", "turtlebot", "ur3"}) start.members.push_back({id, certificate(id, Role::robot)});
+  view.run = kRun;
+  view.name = "demonstration";
+  for (const Row& row : kRows) {
+    Task task;
+    task.id = "t" + std::to_string(start.scenario.tasks.size() + 1);
+    task.robot = row.robot;
+    task.skill = row.skill;
+    task.data = row.data;
+    TaskView shown;
+    shown.id = task.id;
+    shown.robot = row.robot;
+    shown.skill = row.skill;
+    start.scenario.tasks.push_back(std::move(task));
+    view.tasks.push_back(std::move(shown));
+  }
+  for (const char* id : {"t1", "t2", "t3"}) {
+    task(id).state = TaskState::finished;
+    task(id).outcome = TaskOutcome::finished;
+    task(id).attempt = 1;
+  }
+  task("t4").state = TaskState::running;
+  changed();
+  wait(seconds(6));
+}
+
+// ---- the fleet
+
+void Bench::add(const std::string& id, const NodeProfile& profile, double charge, double x, double y) {
+  Route route = route_of(id, profile);
+  route.certificate = certificate(id, Role::robot);
+  routes[id] = route;
+  answer("cloud", PeerJoined{id, 1});
+  wait(seconds(1));
+  values[id] = {{"battery", std::to_string(charge / 100)},
+                {"position", "[" + std::to_string(x) + ", " + std::to_string(y) + ", 0]"}};
+  RobotState told;
+  for (const auto& [name, value] : values[id]) told.values.push_back({name, value});
+  say(id, told);
+}
+
+void Bench::say(const std::string& robot, Body information) {
+  inbox_.push_back({MessageType::information, robot, "*", ++count_, 0, 0, 1000, std::move(information)});
+  settle();
+}
+
+void Bench::fault(const std::string& robot, const std::string& capability, Severity severity) {
+  say(robot, RobotFault{capability, severity, capability + " is broken"});
+}
+
+void Bench::silence(const std::string& robot) {
+  routes[robot].state = "OFFLINE";
+  say("cloud", PeerExpired{robot, "lease"});
+}
+
+void Bench::back(const std::string& robot) {
+  routes[robot].state = "ONLINE";
+  say("cloud", PeerJoined{robot, 2});
+}
+
+// ---- stories' beginnings
+
+std::unique_ptr<Bench> paper(ResilienceSettings settings) {
+  auto bench = std::make_unique<Bench>(settings);
+  NodeProfile arm;
+  arm.mode = "direct";
+  arm.capabilities = {"grab"};
+  arm.skills = {{"grab", "grab", {}, false, 10}};
+  arm.robot = "ONLINE";
+  arm.frame = {1, 4, 1, 0};
+  bench->add("ridgeback", carrier(), 70, 2, 0);
+  bench->add("pioneer1", mobile_robot(), 80, 4, 3.1);
+  bench->add("pioneer2", mobile_robot(), 55, 4, 4.2);
+  bench->add("turtlebot", mobile_robot(), 90, 4, 6.5);
+  bench->add("ur3", arm, 0, 0, 0);
+  bench->begin_run();
+  return bench;
+}
+
+ResilienceSettings automatic(double min_score, double min_lead) {
+  ResilienceSettings out = default_resilience();
+  out.policy.automatic = true;
+  out.policy.min_score = min_score;
+  out.policy.min_lead = min_lead;
+  return out;
+}
+
+std::string rulings(const Decision& decision) {
+  std::string out;
+  for (const TaskRuling& one : decision.tasks) {
+    const char* sign = one.ruling == Ruling::move ? ">" : one.ruling == Ruling::retry ? "!" : "/";
+    out += (out.empty() ? "" : " ") + one.task + sign + one.robot;
+    if (one.evidence == Evidence::word) out += "?";
+  }
+  return out;
+}
+
+}  // namespace trb::resilience::test

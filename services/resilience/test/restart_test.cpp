@@ -1,0 +1,93 @@
+// The service ends at any commit, its messages lost, and goes on from capability.db: the same end, one decision.
+#include <doctest/doctest.h>
+
+#include "services/resilience/test/bench.hpp"
+
+using namespace trb;
+using namespace trb::resilience;
+using namespace trb::resilience::test;
+
+namespace {
+
+/// The paper's story with a person who says it again if nobody answers. The number of commits that it took.
+std::size_t story(std::size_t crash_at, Verdict verdict) {
+  auto bench = paper();
+  bench->commits = 0;
+  bench->crash_at = crash_at;
+  bench->fault("ridgeback", "mobile");
+  bench->end_task("t4", TaskOutcome::failed, "mobile is broken");
+  bench->wait(seconds(10));
+  const Alert alert = bench->alert();
+  CHECK(alert.tasks == std::vector<std::string>{"t4", "t7"});
+  const AlertDecide word{alert.id, verdict, "", "", "", false};
+  if (bench->decide(word) == "lost") {
+    bench->wait(seconds(1));
+    CHECK(bench->decide(word) == "accepted");
+  }
+  bench->wait(seconds(30));
+  CHECK(bench->any(alert.id).state == AlertState::decided);
+  CHECK(bench->alerts().empty());
+  if (verdict == Verdict::abort) {
+    CHECK(bench->view.state == RunState::aborted);
+  } else {
+    REQUIRE(bench->taken.size() == 1);
+    CHECK(rulings(bench->taken[0]) == (verdict == Verdict::retry ? "t4!ridgeback" : "t4>pioneer1 t7>pioneer1"));
+  }
+  return bench->commits;
+}
+
+}  // namespace
+
+TEST_CASE("killed after any of its commits it comes to the same end") {
+  for (const Verdict verdict : {Verdict::accept, Verdict::retry, Verdict::abort}) {
+    const std::size_t commits = story(0, verdict);
+    CHECK(commits >= 3);
+    for (std::size_t at = 1; at <= commits; ++at) {
+      CAPTURE(at);
+      story(at, verdict);
+    }
+  }
+}
+
+TEST_CASE("killed while the scheduler is away, with the decision signed: it is that very decision that is handed on") {
+  auto bench = paper();
+  bench->fault("ridgeback", "mobile");
+  bench->end_task("t4", TaskOutcome::failed, "mobile is broken");
+  bench->refuses = "no_service";
+  CHECK(bench->decide(Verdict::accept) == "accepted");
+  bench->wait(seconds(5));
+  CHECK(bench->heard["run_decision"] >= 3);
+  const int signed_before = bench->heard["sign_request"];
+  bench->restart();
+  bench->refuses.clear();
+  bench->wait(seconds(5));
+  REQUIRE(bench->taken.size() == 1);
+  CHECK(bench->heard["sign_request"] == signed_before);
+  CHECK(bench->alerts().empty());
+  bench->restart();
+  bench->wait(seconds(20));
+  CHECK(bench->taken.size() == 1);
+  CHECK(bench->alerts().empty());
+}
+
+TEST_CASE("after a restart nothing is judged before the router and the scheduler have spoken") {
+  auto bench = paper();
+  bench->deaf = true;
+  bench->restart();
+  bench->wait(seconds(60));
+  CHECK(bench->alerts().empty());
+  bench->deaf = false;
+  bench->wait(seconds(10));
+  CHECK(bench->alerts().empty());
+  bench->end_task("t4", TaskOutcome::failed, "stuck");
+  const Alert alert = bench->alert();
+  bench->deaf = true;
+  bench->restart();
+  bench->wait(seconds(30));
+  CHECK(bench->alert().id == alert.id);
+  CHECK(bench->decide(Verdict::accept) == "unknown_run");
+  bench->deaf = false;
+  bench->wait(seconds(10));
+  CHECK(bench->decide(Verdict::accept) == "accepted");
+  CHECK(bench->taken.size() == 1);
+}
