@@ -1,0 +1,27 @@
+# The installed package: `cmake --install build/release --component sdk --prefix DIR`, then find_package(talkrobots) gives
+# talkrobots::service. What of it is public, and how it is used: common/service/README.md.
+include(CMakePackageConfigHelpers)
+include(GNUInstallDirs)
+
+set(SDK_INCLUDES ${CMAKE_INSTALL_INCLUDEDIR}/talkrobots)
+set(SDK_CMAKE ${CMAKE_INSTALL_LIBDIR}/cmake/talkrobots)
+# service, and what it is linked from. Only the headers of base, proto and actor are public besides its own.
+foreach(PART base proto actor fleet ranking security config log transport service)
+  set_target_properties(trb_${PART} PROPERTIES EXPORT_NAME ${PART})
+  install(TARGETS trb_${PART} EXPORT talkrobotsTargets COMPONENT sdk DESTINATION ${CMAKE_INSTALL_LIBDIR}
+          INCLUDES DESTINATION ${SDK_INCLUDES})
+endforeach()
+target_compile_features(trb_base INTERFACE cxx_std_20)
+
+install(DIRECTORY proto DESTINATION ${SDK_INCLUDES} COMPONENT sdk FILES_MATCHING PATTERN *.hpp)
+install(DIRECTORY common/base common/actor DESTINATION ${SDK_INCLUDES}/common COMPONENT sdk FILES_MATCHING PATTERN *.hpp)
+install(FILES common/service/service.hpp common/service/version.hpp DESTINATION ${SDK_INCLUDES}/common/service COMPONENT sdk)
+install(FILES common/service/README.md LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT sdk)
+
+install(EXPORT talkrobotsTargets NAMESPACE talkrobots:: DESTINATION ${SDK_CMAKE} COMPONENT sdk)
+configure_package_config_file(cmake/talkrobotsConfig.cmake.in ${CMAKE_BINARY_DIR}/cmake/talkrobotsConfig.cmake
+                              INSTALL_DESTINATION ${SDK_CMAKE})
+# Below 1.0 a minor version may break what is built against it.
+write_basic_package_version_file(${CMAKE_BINARY_DIR}/cmake/talkrobotsConfigVersion.cmake COMPATIBILITY SameMinorVersion)
+install(FILES ${CMAKE_BINARY_DIR}/cmake/talkrobotsConfig.cmake ${CMAKE_BINARY_DIR}/cmake/talkrobotsConfigVersion.cmake
+        DESTINATION ${SDK_CMAKE} COMPONENT sdk)
