@@ -22,7 +22,7 @@ LAYERS = {
     "common/ranking": ["proto"],
     "common/consensus": ["proto", "common/security"],
     "common/scenario": ["common/fleet", "common/security"],
-    "common/config": ["common/fleet", "common/security"],
+    "common/config": ["common/fleet", "common/ranking", "common/security"],
     "common/transport": ["common/base"],
     "common/service": ["common/actor", "common/config", "common/log", "common/security", "common/transport"],
     "services": ["common/service", "common/config", "common/scenario", "common/ranking", "common/consensus",

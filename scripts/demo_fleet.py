@@ -9,6 +9,7 @@ import subprocess
 import sys
 import time
 
+import demo_fault
 import fleet_cost
 import sensor_side
 import trb_fleet
@@ -39,8 +40,9 @@ def observed_messages(fleet):
     return total
 
 
-def equation12(n, k, sum_m, direct, interpreted, sensors, remote):
-    """Equation 12 by its terms (Equations 1, 2, 3, 7, 8, 10, 11): sensors that nobody watches, remote requests, no faults."""
+def equation12(n, k, sum_m, direct, interpreted, sensors, remote, faults):
+    """Equation 12 by its terms (Equations 1, 2, 3, 7, 8, 10, 11): sensors that nobody watches, remote requests, faulty
+    robots."""
     tasks = direct + interpreted
     terms = {
         "boot": 3 * n + 1,
@@ -49,7 +51,7 @@ def equation12(n, k, sum_m, direct, interpreted, sensors, remote):
         "task": 4 * direct + 8 * interpreted,
         "forward": tasks - sum_m + k - 1,
         "sensor": 4 * remote,
-        "fail": 0,
+        "fail": 2 * faults,
     }
     terms["total"] = sum(terms.values())
     return terms
@@ -79,13 +81,15 @@ def plug_sensor(fleet, degrees):
         say("  " + line)
 
 
-def run_scenario(fleet):
+def run_scenario(fleet, fault=None):
     """Submits and follows the run; progress goes straight to the person. Returns the final view."""
-    command = [fleet.programs / "trb", "scenario", "run", SCENARIO, "--watch", "--until-paused", "--timeout", "120",
-               "--node", fleet.dir(trb_fleet.CLOUD)]
-    child = subprocess.Popen(command, preexec_fn=trb_fleet.end_with_parent)
+    command = [fleet.programs / "trb", "scenario", "run", SCENARIO, "--watch", "--node", fleet.dir(trb_fleet.CLOUD)]
+    command += ["--timeout", str(fault.run_limit_s())] if fault else ["--timeout", "120", "--until-paused"]
+    child = subprocess.Popen([str(word) for word in command], preexec_fn=trb_fleet.end_with_parent)
     while child.poll() is None:
         fleet.pump()
+        if fault and not fault.follow():
+            child.terminate()
         time.sleep(0.02)
     return fleet.json("scenario", "watch", "--once", node=trb_fleet.CLOUD, check=False)
 
@@ -118,7 +122,22 @@ def report_cost(rows):
                     f"{row['run_percent']:.1f} %"] for row in rows])
 
 
-def report(fleet, view, wall_s):
+def report_fault(fault, view, result):
+    """Equation 11's row, taken apart: from which node to which, by the tap."""
+    fault.pump()
+    result["fault"] = fault.result(view)
+    wire = result["messages"]["fault_on_the_wire"] = fault.wire(view)
+    say("\n== Equation 11: two messages for a faulty robot. What went from node to node, by the tap at two routers")
+    print_table(demo_fault.wire_rows(wire))
+    say("  The row 'fail' above counts at their senders, each broadcast once, what also stays within a node: the decision on its\n"
+        "  way to the own scheduler. Batons of the new epoch count as forward, the failed attempt as a task.")
+    times = result["fault"].get("times")
+    if times:
+        say(f"\n== fault to alert {times['fault_to_alert_s']:.3f} s, alert to decision {times['alert_to_decision_s']:.3f} s, "
+            f"decision to the replacement's command {times['decision_to_commanded_s']:.3f} s")
+
+
+def report(fleet, view, wall_s, faults):
     rows = [["#", "TASK", "ROBOT", "SKILL", "MODE", "TRANSPORT", "STATE", "DURATION"]]
     for i, task in enumerate(view["tasks"], 1):
         rows.append([i, task["id"], task["robot"], task["skill"], task.get("mode", ""), task.get("transport", ""),
@@ -130,9 +149,9 @@ def report(fleet, view, wall_s):
     direct = sum(task.get("mode") in ("direct", "ros") for task in done)
     n, k, sum_m = len(fleet.robots), view["blocks_k"], view["blocks_sum_m"]
     observed = observed_messages(fleet)
-    model = equation12(n, k, sum_m, direct, len(done) - direct, sensors=1, remote=1)
+    model = equation12(n, k, sum_m, direct, len(done) - direct, sensors=1, remote=1, faults=faults)
     say(f"\n== messages by phase, beside Equation 12 for n={n}, k={k}, sum m={sum_m}, "
-        f"N_d={direct}, N_i={len(done) - direct}, s=1 (watched by nobody), R_e=1, N_f=0")
+        f"N_d={direct}, N_i={len(done) - direct}, s=1 (watched by nobody), R_e=1, N_f={faults}")
     print_table([["PHASE", "OBSERVED", "EQUATION 12"]] + [[p, observed[p], model.get(p, "-")] for p in PHASES + ["total"]])
     say(f"  without upkeep: {observed['total'] - observed['upkeep']}. Observed counts every message that a router took in or\n"
         "  made and every field or word between robot and node. More than the model: services join their own bus (boot),\n"
@@ -147,11 +166,12 @@ def report(fleet, view, wall_s):
             "messages": {"observed": observed, "equation12": model}, "wall_s": round(wall_s, 2)}
 
 
-def print_next_steps(fleet):
+def print_next_steps(fleet, fault):
     bin_dir = os.path.relpath(fleet.programs)
     say("\n== the fleet stays up until Ctrl-C. Try in another terminal, from this folder:")
     say(f"  export PATH=$PWD/{bin_dir}:$PATH TRB_NODE=$PWD/{os.path.relpath(fleet.dir('cloud'))}")
-    for line in ["trb robot list", "trb send ur3 command move '[0.5,-1.2,1.0,-1.4,-1.57,0]'", "trb request ur3 position",
+    mended = fault.next_steps() if fault else []
+    for line in [*mended, "trb robot list", "trb send ur3 command move '[0.5,-1.2,1.0,-1.4,-1.57,0]'", "trb request ur3 position",
                  "trb send pioneer1 command turn '[90]'", "trb request drone altitude", "trb sensor list", "trb sensor read temperature", "trb sensor watch temperature",
                  "trb tap", "trb scenario run config/scenarios/paper-temperature.json --watch",
                  "trb stop --all", "trb release --all", "trb help"]:
@@ -172,12 +192,19 @@ def take_lock(root):
 def parse():
     parser = argparse.ArgumentParser(
         prog="scripts/demo", description="Starts a fleet of ten nodes on this machine (127.0.1.x), nine robots over six makers' protocols, and runs the paper's nine-task scenario.",
-        epilog="examples:  scripts/demo      scripts/demo --once --json run.json      scripts/demo --speed 4 --temperature 25")
+        epilog="examples:  scripts/demo      scripts/demo --once --json run.json      scripts/demo --speed 4 --temperature 25\n          scripts/demo --fault --once      scripts/demo --fault --policy ask",
+        formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--once", action="store_true", help="end after the run; exit 0 only if it FINISHED")
     parser.add_argument("--json", metavar="FILE", help="write the run, the message counts and the time as JSON")
     parser.add_argument("--speed", type=float, default=1.0, help="how much faster than real the robots move (1)")
     parser.add_argument("--temperature", type=float, default=15.0, metavar="DEGREES",
                         help="what the thermometer at the conveyor shows: up to 20 degC the UR3 picks left, above right (15)")
+    parser.add_argument("--fault", action="store_true",
+                        help="the Ridgeback's base fails on its way to the UR3, another robot takes over (section 6.1 whole)")
+    parser.add_argument("--policy", choices=["automatic", "ask"], help="of --fault: the best one takes over at once (automatic), "
+                        "or you are asked, and decide in another terminal")
+    parser.add_argument("--patience", type=float, default=600, metavar="SECONDS",
+                        help="of --policy ask: how long the demonstration waits for you (600)")
     parser.add_argument("--programs", required=True, help=argparse.SUPPRESS)
     parser.add_argument("--root", required=True, help=argparse.SUPPRESS)
     parser.add_argument("--block", type=int, default=1, help=argparse.SUPPRESS)
@@ -187,15 +214,21 @@ def parse():
         parser.error("--speed: between 0 and 100")
     if not -40 <= arguments.temperature <= 125:
         parser.error("--temperature: between -40 and 125")
+    if arguments.policy and not arguments.fault:
+        parser.error("--policy: only with --fault")
+    if not 1 <= arguments.patience <= 86400:
+        parser.error("--patience: between 1 and 86400")
     return arguments
 
 
-def start(fleet):
+def start(fleet, fault):
     say(f"== making the fleet '{fleet.name}': an authority, {len(fleet.node_names)} nodes, their keys and certificates")
     fleet.make()
+    if fault:
+        fault.configure()
     say("== starting the virtual robots and the nodes, each service a process of its own")
     fleet.start()
-    seconds = fleet.wait_formed()
+    seconds = fleet.wait_formed(30)
     say(f"== every node knows every other ({seconds:.1f} s); the cloud node's table:")
     for line in fleet.trb("route", "list", node=trb_fleet.CLOUD).stdout.splitlines():
         say("  " + line)
@@ -210,24 +243,33 @@ def main():
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))
     began = time.monotonic()
     with trb_fleet.Fleet(root, arguments.programs, block=arguments.block, udp_port=arguments.udp_port,
-                         robots=trb_fleet.DEMO_ROBOTS, speed=arguments.speed) as fleet:
+                         robots=demo_fault.ROBOTS if arguments.fault else trb_fleet.DEMO_ROBOTS,
+                         speed=arguments.speed) as fleet:
         sensor_side.SensorSide(fleet, SENSOR_NODE)
-        start(fleet)
+        fault = None
+        if arguments.fault:
+            fault = demo_fault.Fault(fleet, arguments.policy or "automatic", arguments.patience, say)
+        start(fleet, fault)
         rest = cost_at_rest(fleet)
         plug_sensor(fleet, arguments.temperature)
         say(f"\n== the scenario {SCENARIO.relative_to(trb_fleet.REPO)}")
         before = cost(fleet)
-        view = run_scenario(fleet)
+        if fault:
+            fault.begin()
+        view = run_scenario(fleet, fault)
         run = before, cost(fleet)
         wall_s = time.monotonic() - began - REST_S
         wait_acknowledged(fleet)
-        result = report(fleet, view, wall_s)
+        result = report(fleet, view, wall_s, faults=1 if fault else 0)
+        if fault:
+            report_fault(fault, view, result)
+            fault.stop()
         result["cost"] = fleet_cost.rows(rest, run)
         report_cost(result["cost"])
         if arguments.json:
             pathlib.Path(arguments.json).write_text(json.dumps(result, indent=2) + "\n")
         if not arguments.once:
-            print_next_steps(fleet)
+            print_next_steps(fleet, fault)
             while True:
                 fleet.pump()
                 time.sleep(0.2)

@@ -17,9 +17,13 @@ class SensorSide:
 
     def start(self):
         self.bus.start()
-        command = [self.fleet.programs / "trb-sensor-bus", self.fleet.dir(self.node)]
         if not self.no_hall:
             self.hall = udev_hall.Hall(self.fleet.root)
+        self.start_service()
+
+    def start_service(self):
+        command = [self.fleet.programs / "trb-sensor-bus", self.fleet.dir(self.node)]
+        if self.hall:
             command = self.hall.inside(command)
         self.service = trb_fleet.Process(command, self.fleet.root / f"sensor-bus-{self.node}.log")
 

@@ -227,7 +227,7 @@ class Fleet:
 
     def node_json(self, node):
         if node not in self.robots:
-            return {"id": node, "role": "cloud", "services": ["router", "scheduler"]}
+            return {"id": node, "role": "cloud", "services": ["router", "scheduler", "resilience"]}
         framework, description, _ = self.robots[node]
         robot = {"host": self.robot_address(node), "interface": self.address(node),
                  "fault_injection": f"{self.robot_address(node)}:{CONTROL_PORT}"}
@@ -294,12 +294,14 @@ class Fleet:
         return [self.programs / f"trb-virtual-{name}", "--address", address, *port]
 
     def start_node(self, node):
+        self.start_supervisor(node)
+        if node in self.sensor_sides:
+            self.sensor_sides[node].start()
+
+    def start_supervisor(self, node):
         log = self.root / f"up-{node}.log"
-        side = self.sensor_sides.get(node)
-        without = ["--without", "sensor-bus"] if side else []
+        without = ["--without", "sensor-bus"] if node in self.sensor_sides else []
         self.nodes[node] = Process([self.programs / "trb", "up", self.dir(node), *without, "--die-with-parent"], log)
-        if side:
-            side.start()
 
     def start(self):
         if self.ros_robots():
