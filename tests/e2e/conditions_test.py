@@ -112,7 +112,10 @@ class Conditions(support.FleetTest):
         self.assertEqual(len(values), 1, values)
 
     def test_the_paper_s_task_six(self):
-        self.assertEqual(self.ask("scenario", "check", TEMPERATURE), (0, {"faults": []}))
+        status, answer = self.ask("scenario", "check", TEMPERATURE)
+        self.assertEqual((status, answer["faults"]), (0, []))
+        alone = {one["task"]: one["robot"] for one in answer["no_spare"]}
+        self.assertEqual(alone["run_conveyor"], "conveyor")
         for degrees, goes, skipped in (("15.5", "left", "right"), ("25.5", "right", "left")):
             with self.subTest(degrees=degrees):
                 self.feed(degrees)

@@ -3,6 +3,7 @@ and the fleet in which seals_test.py and proof_test.py play them.
 """
 import ctypes
 import hashlib
+import os
 import time
 import unittest
 
@@ -10,6 +11,7 @@ import zmq
 
 import authority
 import support
+import trb_fleet
 import wire
 from strangers_test import Client, Member
 
@@ -161,11 +163,22 @@ class Case(unittest.TestCase):
     def setUpClass(cls):
         cls.context = zmq.Context()
         cls.addClassCleanup(cls.context.term)
-        services = {TARGET: ["router", "scheduler"], "bee": ["router"], STRICT: ["router", "scheduler"], "cat": ["router"],
-                    "dog": ["router"], "elk": ["router"], "gnu": ["router"]}
+        services = {TARGET: ["router", "scheduler"], "bee": ["router"], STRICT: ["router", "scheduler", "sensor-bus"],
+                    "cat": ["router"], "dog": ["router"], "elk": ["router"], "gnu": ["router"]}
         cls.fleet = support.make_fleet(cls, Sealing, services=services, block=BLOCK, udp_port=UDP_PORT)
+        cls.ear = cls.listen("task_progress")
         cls.fleet.bring_up(TARGET, "bee", STRICT)
         cls.cat, cls.dog = Signer(cls.fleet, "cat"), Signer(cls.fleet, "dog")
+
+    @classmethod
+    def listen(cls, *subtypes):
+        """The strict node's sensor-bus, which wants to hear these."""
+        ear = cls.context.socket(zmq.DEALER)
+        cls.addClassCleanup(ear.close, 0)
+        ear.connect(f"ipc://{cls.fleet.dir(STRICT)}/bus/sensor-bus.ipc")
+        hello = wire.pack(["sensor-bus", [], 1, os.getpid(), "independent", list(subtypes)])
+        ear.send(wire.Frame("service_hello", "", "", type=wire.COMMAND, id=1, data=hello).encode())
+        return ear
 
     def setUp(self):
         self.fleet.wait("the fleet is linked", lambda: {"bee", STRICT} <= self.online(), 15)
@@ -221,6 +234,13 @@ class Case(unittest.TestCase):
 
 
 class Sealing(support.RouterFleet):
+    """The strict node's sensor-bus is played by a test."""
+
+    def start_node(self, node):
+        without = ["--without", "sensor-bus"] if node == STRICT else []
+        up = [self.programs / "trb", "up", self.dir(node), *without, "--die-with-parent"]
+        self.nodes[node] = trb_fleet.Process(up, self.root / f"up-{node}.log")
+
     def node_json(self, node):
         more = {"seal": "before_delivery"} if node == STRICT else {}
         return {**super().node_json(node), **more}

@@ -205,6 +205,25 @@ class BeforeDelivery(Case):
         self.assertEqual(client.answer_to(ident).subtype, "run_table")
         self.assertEqual(self.strict.rise(), {})
 
+    def test_a_copy_for_who_hears_waits_for_the_seal_too(self):
+        self.heard()
+        client = self.joined(target=STRICT)
+        client.seal()
+        client.say("task_progress", b"one")
+        ident = self.ask_router(client)
+        self.assertEqual(client.answer_to(ident).subtype, "route_table")
+        self.assertEqual(self.heard(), [], "it was heard before its seal was checked")
+        client.seal()
+        self.assertTrue(self.ear.poll(WAIT * 1000))
+        self.assertEqual(self.heard(), [("task_progress", "cat")])
+        self.assertEqual(self.strict.rise(), {})
+
+    def heard(self):
+        frames = []
+        while self.ear.poll(0):
+            frames.append(wire.decode(self.ear.recv()))
+        return [(frame.subtype, frame.source) for frame in frames if frame.subtype == "task_progress"]
+
     def test_each_message_to_one_that_wants_it_is_sealed_by_itself(self):
         client = self.joined(target=STRICT)
         client.seal()

@@ -1,0 +1,80 @@
+"""A node's resilience: faults become alerts, which outlive kill -9, and end with a word. Addresses 127.0.196.x and 127.0.197.x."""
+import json
+import os
+import signal
+import subprocess
+import unittest
+
+import support
+import trb_fleet
+from trb_fleet import CLOUD
+
+ROBOTS = {name: trb_fleet.ROBOTS[name] for name in ("ridgeback", "pioneer1")}
+
+
+class Alerts(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.fleet = support.make_fleet(cls, block=196, udp_port=50196, robots=ROBOTS)
+        cls.fleet.start()
+        cls.fleet.wait_formed()
+
+    def alerts(self, *more):
+        return self.fleet.json("alert", "list", *more, node=CLOUD)["alerts"]
+
+    def wait_open(self, count, timeout=10):
+        self.fleet.wait(f"{count} open alerts", lambda: len(self.alerts()) == count, timeout)
+        return self.alerts()
+
+    def decide(self, *words):
+        done = self.fleet.trb("alert", "decide", *words, "--json", node=CLOUD, check=False)
+        return done.returncode, json.loads(done.stdout)
+
+    def test_a_fault_without_a_run_is_told_outlives_a_kill_and_ends_when_somebody_says_so(self):
+        self.fleet.trb("robot", "fault", "ridgeback", "mobile", "--text", "wheel is off", node=CLOUD)
+        alert, = self.wait_open(1)
+        self.assertEqual((alert["robot"], alert["capability"], alert["cause"], alert["run"]),
+                         ("ridgeback", "mobile", "robot_fault", ""))
+        text = self.fleet.trb("alert", "list", node=CLOUD).stdout
+        self.assertIn("ridgeback", text)
+        self.assertIn("--retry", text)
+
+        os.kill(self.fleet.pid(CLOUD, "resilience"), signal.SIGKILL)
+        again, = self.wait_open_after_restart()
+        self.assertEqual(again["id"], alert["id"])
+
+        code, told = self.decide(alert["id"][:6], "--skip")
+        self.assertEqual((code, told["error"]["code"]), (1, "bad_value"))
+        code, told = self.decide("ffffffffffffffff", "--retry")
+        self.assertEqual((code, told["error"]["code"]), (1, "unknown_target"))
+        code, told = self.decide(alert["id"][:6], "--retry", "--person", "ann")
+        self.assertEqual((code, told["state"]), (0, "accepted"))
+        self.assertEqual(self.alerts(), [])
+        closed, = self.alerts("--all")
+        self.assertEqual((closed["state"], closed["person"]), ("CLOSED", "ann"))
+
+    def wait_open_after_restart(self):
+        def answered():
+            done = self.fleet.trb("alert", "list", "--json", node=CLOUD, check=False)
+            return done.returncode == 0 and len(json.loads(done.stdout)["alerts"]) == 1
+        self.fleet.wait("the alert is told again", answered, 10)
+        return self.alerts()
+
+    def test_words_that_make_no_sense_are_refused_before_anything_is_asked(self):
+        for words in (["x", "--retry", "--skip"], ["x", "--override", "pioneer1"], []):
+            with self.subTest(words):
+                done = self.fleet.trb("alert", "decide", *words, node=CLOUD, check=False)
+                self.assertEqual(done.returncode, 2)
+
+    def test_trb_check_reads_resilience_json(self):
+        path = self.fleet.dir(CLOUD) / "resilience.json"
+        self.addCleanup(path.unlink)
+        path.write_text('{"policy": {"mode": "sometimes"}}')
+        done = subprocess.run([support.PROGRAMS / "trb", "check", self.fleet.dir(CLOUD), "--json"], capture_output=True,
+                              text=True)
+        faults = [fault for fault in json.loads(done.stdout)["faults"] if fault["file"] == "resilience.json"]
+        self.assertEqual([fault["key"] for fault in faults], ["policy.mode"])
+
+
+if __name__ == "__main__":
+    unittest.main()
