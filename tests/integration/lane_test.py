@@ -204,8 +204,10 @@ class Lane(unittest.TestCase):
 
     def test_a_stream_goes_beside_the_link(self):
         before = self.sent(self.watch_arm)
-        self.arm.stream(TARGET, 200, reply_to=self.cloud.as_asker)
-        values = [self.cloud.receive() for _ in range(200)]
+        values = []
+        for _ in range(5):  # libzmq hears of room by halves of its bound of 256: all 200 at once might not fit
+            self.arm.stream(TARGET, 40, reply_to=self.cloud.as_asker)
+            values += [self.cloud.receive() for _ in range(40)]
         self.assertEqual({(value.subtype, value.source, value.flags, value.data) for value in values},
                          {("temperature", "arm", LOSSY, b"21.5")})
         self.fleet.wait("all are counted", lambda: self.sent(self.watch_arm) == before + 200, 3)
