@@ -20,6 +20,7 @@ void SchedulerCore::advance(Step step) {
     confirm_abort(*run, step);
     decide(*run, step);
     abort_on_failure(*run, step);
+    pass_overdue(*run, step);
     pass_on(*run, step);
     ask_needs(*run, step);
   }

@@ -1,4 +1,6 @@
 // SchedulerCore: what the own node says: its mode-adapter, its router's signatures, and what could not be delivered.
+#include <algorithm>
+
 #include "services/scheduler/core/scheduler_core.hpp"
 
 namespace trb {
@@ -78,6 +80,7 @@ void SchedulerCore::handle(const Nack& body, const Inbound& from, Step step) {
   if (from.source == settings_.node && body.subtype == SignRequest::kSubtype) {
     return step.out.log(LogLevel::error, "not_signed", body.code + ": " + body.what);
   }
+  if (body.subtype == Baton::kSubtype && body.code == errc_name(Errc::conflict)) return ask_newer(body, from, step);
   // A peer has buried the run and will never journal what it is owed. Its clock alone is not believed.
   if (body.code != errc_name(Errc::expired)) return;
   for (Run* run : book_.runs()) {
@@ -86,6 +89,17 @@ void SchedulerCore::handle(const Nack& body, const Inbound& from, Step step) {
     if (over && body.subtype == RunAbort::kSubtype) run->duties.drop(DutyKind::abort, from.source);
     if (over && body.subtype == RunDecision::kSubtype) run->duties.drop(DutyKind::decision, from.source);
     if (over && body.subtype == RunPause::kSubtype) run->duties.drop(DutyKind::pause, from.source);
+  }
+}
+
+/// Who refuses a baton may be in a later epoch, and the decider gone that would tell of it.
+void SchedulerCore::ask_newer(const Nack& body, const Inbound& from, Step step) {
+  for (Run* run : book_.runs()) {
+    const std::vector<std::string> owed = run->duties.creditors(DutyKind::baton);
+    const bool is_its = body.what.find(run->id()) != std::string::npos;
+    if (!is_its || std::find(owed.begin(), owed.end(), from.source) == owed.end()) continue;
+    run->asked_decisions.insert(from.source);
+    step.out.request(from.source, NeedDefinition{run->id(), run->start().digest});
   }
 }
 

@@ -11,6 +11,8 @@ namespace scheduler {
 
 namespace {
 
+/// Who has ended a task passes it on within seconds; the decider waits longer for it than a restart takes.
+constexpr Duration kPassPatience = std::chrono::seconds(30);
 constexpr std::size_t kMaxPacked = 512U << 10U;  // half of a message, so that headers and a large result always fit
 
 std::size_t size_of(const SignedRecord& record) {
@@ -80,6 +82,21 @@ void SchedulerCore::send(const Run& run, const Duty& duty, Step step) {
     case DutyKind::pause:
       step.out.command(duty.to, RunPause{run.pause_record()});
       break;
+  }
+}
+
+/// A robot may have died for good between its result and the pass. A baton that comes twice does no harm.
+void SchedulerCore::pass_overdue(Run& run, Step step) {
+  if (run.pass_version != run.version()) {
+    run.pass_version = run.version();
+    const std::vector<TaskIndex> unpassed = run.unpassed();
+    std::erase_if(run.pass_at, [&](const auto& one) { return !std::ranges::binary_search(unpassed, one.first); });
+    for (const TaskIndex task : unpassed) run.pass_at.try_emplace(task, step.now.mono + kPassPatience);
+  }
+  for (auto& [task, at] : run.pass_at) {
+    if (at > step.now.mono) continue;
+    at = step.now.mono + kPassPatience;
+    run.pass_instead(task);
   }
 }
 

@@ -53,9 +53,11 @@ const HeldResult* ResultSet::of(TaskIndex task) const {
   const auto found = by_task_.find(task);
   if (found == by_task_.end()) return nullptr;
   const auto& list = found->second;
-  const auto first_final =
-      std::find_if(list.begin(), list.end(), [](const HeldResult& held) { return is_final(held.result.outcome); });
-  if (first_final != list.end()) return &*first_final;
+  for (const TaskOutcome outcome : {TaskOutcome::finished, TaskOutcome::skipped}) {
+    const auto first =
+        std::find_if(list.begin(), list.end(), [&](const HeldResult& held) { return held.result.outcome == outcome; });
+    if (first != list.end()) return &*first;
+  }
   const auto age = [](const HeldResult& held) {
     return std::tuple(held.result.key.iteration, held.result.epoch, held.result.key.attempt);
   };

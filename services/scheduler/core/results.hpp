@@ -29,7 +29,8 @@ class ResultSet {
   bool add(TaskIndex task, HeldResult result);
   void join(const ResultSet& other);
 
-  /// The result that counts: the first final one, else the latest epoch's latest attempt's; nullptr if there is none.
+  /// The result that counts: the first FINISHED one, else the first SKIPPED one (what was done was not left out,
+  /// whoever thought so), else the latest epoch's latest attempt's; nullptr if there is none.
   [[nodiscard]] const HeldResult* of(TaskIndex task) const;
   [[nodiscard]] bool has_final(TaskIndex task) const;
   [[nodiscard]] bool is_skipped(TaskIndex task) const;

@@ -34,6 +34,8 @@ enum class Fate : std::uint8_t { undecided = 0, goes, binds, skipped };
 constexpr std::uint32_t kMaxAttempts = 64;
 /// As many as a Definition carries.
 constexpr std::size_t kMaxDecisions = 64;
+/// Orders that hold a run are numbered up to this; one more lets it go on, whatever was said before.
+constexpr std::uint32_t kMaxPauses = 1000;
 
 class Run {
  public:
@@ -151,6 +153,9 @@ class Run {
   [[nodiscard]] std::vector<TaskIndex> troubles() const;
   /// This node's tasks that could begin: not begun yet, all predecessors' final results held; ascending.
   [[nodiscard]] std::vector<TaskIndex> startable() const { return own_tasks_that(Fate::goes); }
+  [[nodiscard]] std::vector<TaskIndex> unpassed() const;
+  /// Owes the task's baton in the place of whoever has not passed it, unless it is known to have begun.
+  void pass_instead(TaskIndex task);
   /// Tasks that the decider's node, this one, has to say of that a robot is wanted; ascending.
   [[nodiscard]] std::vector<TaskIndex> to_bind() const { return own_tasks_that(Fate::binds); }
   /// This node's tasks that are to be SKIPPED, and are not yet; ascending.
@@ -192,6 +197,8 @@ class Run {
   std::map<TaskIndex, Signature> skips;         ///< results that are being signed without an attempt
   std::map<TaskIndex, std::string> unbegun;     ///< why the task cannot be begun, and fails
   std::map<TaskIndex, MonotonicTime> retry_at;  ///< when a task may be tried again
+  std::map<TaskIndex, MonotonicTime> pass_at;   ///< when the decider passes it on itself
+  std::uint64_t pass_version = 0;               ///< of the facts behind pass_at
   std::set<TaskIndex> asked_back;               ///< by the decider
   std::optional<Signature> abort_signature;     ///< of the order that a failed task makes this node give
   std::set<std::string> asked_decisions;        ///< whom the decisions were asked of

@@ -10,6 +10,9 @@
 namespace trb::scheduler {
 namespace {
 
+constexpr std::size_t kRecordOverhead = 256;
+constexpr std::size_t kDefinitionOverhead = 4096;
+
 const TaskRuling* find_ruling(const Decision& decision, const std::string& task) {
   const auto at = std::find_if(decision.tasks.begin(), decision.tasks.end(),
                                [&](const TaskRuling& ruling) { return ruling.task == task; });
@@ -42,6 +45,12 @@ Result<Decision> Run::check_decision(const SignedRecord& record) const {
   const Bytes before = decision_records_.empty() ? Bytes{} : digest(decision_records_.back().payload.bytes);
   if (decision->previous.bytes != before) return fail(Errc::conflict, name + "it is not built on the one before");
   if (decisions_.size() >= kMaxDecisions) return fail(Errc::too_large, name + "there are 64 already", "abort the run");
+  // A member that comes late is told all of it in one message.
+  std::size_t size = record_.payload.bytes.size() + record.payload.bytes.size();
+  for (const SignedRecord& one : decision_records_) size += one.payload.bytes.size() + kRecordOverhead;
+  if (size > kMaxDataSize - kDefinitionOverhead) {
+    return fail(Errc::too_large, name + "with the ones before it has no place in a message", "abort the run");
+  }
   if (decision->tasks.empty()) return fail(Errc::bad_value, name + "on no task");
   if (auto added = open_new_members(*decision); !added) return added.error();
   std::set<std::string> seen;
@@ -239,6 +248,22 @@ bool Run::decider_gives(TaskIndex task) const {
          });
 }
 
+/// Tasks that nobody is known to have passed on, though the decider, this node, holds every result before them.
+std::vector<TaskIndex> Run::unpassed() const {
+  std::vector<TaskIndex> out;
+  if (self_ != decider_ || aborted() || held()) return out;
+  for (std::size_t i = 0; i < tasks().size(); ++i) {
+    const auto task = static_cast<TaskIndex>(i);
+    const bool is_open = results_.of(task) == nullptr && !tasks()[task].after.empty() && next_hand(task) != self_;
+    if (is_open && !has_passed(task) && all_before_final(task)) out.push_back(task);
+  }
+  return out;
+}
+
+void Run::pass_instead(TaskIndex task) {
+  if (!progress.contains(task) && !has_passed(task)) owe_batons({task});
+}
+
 bool Run::has_passed(TaskIndex task) const {
   const auto passed = passed_.find({task, next_hand(task)});
   return passed != passed_.end() && passed->second >= since_[task];
@@ -268,6 +293,12 @@ Result<PauseOrder> Run::check_pause(const SignedRecord& record) const {
   if (!order) return order;
   if (order->run != id()) return fail(Errc::conflict, "run " + id() + ": the order is for another run");
   if (order->by != record.signer) return fail(Errc::source_mismatch, "run " + id() + ": the order names another node");
+  if (order->number == 0 || order->number > kMaxPauses + (order->paused ? 0 : 1)) {
+    return fail(Errc::bad_value,
+                "run " + id() + ": number " + std::to_string(order->number) + " is not one of 1 to " +
+                    std::to_string(kMaxPauses),
+                "who was held so often is aborted and begun anew");
+  }
   return order;
 }
 

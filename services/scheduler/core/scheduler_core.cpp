@@ -71,6 +71,7 @@ std::optional<MonotonicTime> SchedulerCore::next_deadline() const {
     for (const Inquiry& inquiry : run->inquiries) out = earlier(out, inquiry.next());
     for (const auto& [task, signature] : run->skips) out = earlier(out, signature.next);
     for (const auto& [task, at] : run->retry_at) out = earlier(out, at);
+    for (const auto& [task, at] : run->pass_at) out = earlier(out, at);
     if (run->abort_signature) out = earlier(out, run->abort_signature->next);
     if (const auto end = run->next_end(last_->utc)) out = earlier(out, last_->mono + Duration{end->ns - last_->utc.ns});
   }

@@ -100,6 +100,7 @@ class SchedulerCore : public Core {
   /// Logs that the own router has signed something else than was asked for, which is asked for again; true.
   bool wrong_signature(const Error& error, Step step);
   void refused_reading(const Nack& nack, const Inbound& from, Step step);
+  void ask_newer(const Nack& nack, const Inbound& from, Step step);
   Status check_baton(const Run& run, const Baton& baton, Step step) const;
   /// Journals that another node has what it was owed.
   void delivered(Run& run, scheduler::DutyKind kind, const Inbound& from, std::vector<TaskIndex> tasks,
@@ -123,6 +124,7 @@ class SchedulerCore : public Core {
   void choose_by(const SensorReading& reading, const std::string& node, Run& run, scheduler::Inquiry& inquiry,
                  Step step);
   void tell_waiting(const Run& run, TaskIndex task, const std::string& what, Step step);
+  void pass_overdue(Run& run, Step step);
   void pass_on(Run& run, Step step);
   void send(const Run& run, const scheduler::Duty& duty, Step step);
   void ask_needs(Run& run, Step step);

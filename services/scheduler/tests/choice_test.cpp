@@ -1,5 +1,6 @@
 // A condition is evaluated once, whatever dies, is lost or is forged meanwhile.
 #include "services/scheduler/tests/condition_story.hpp"
+#include "services/scheduler/tests/crashes.hpp"
 
 using namespace trb;
 using namespace trb::scheduler::test;
@@ -64,29 +65,17 @@ TEST_CASE("tasks of different robots go by one reading: 19.9 and 20.1 never run 
 }
 
 TEST_CASE("whoever evaluates, goes by it or keeps it may die at any record, and there is one verdict") {
-  const auto dies = [](const std::string& victim, bool after_sends) {
-    std::size_t steps = 1000;
-    for (std::size_t k = 1; k <= steps; ++k) {
-      CAPTURE(victim);
-      CAPTURE(after_sends);
-      CAPTURE(k);
-      Story story;
-      story.fleet["conveyor"].sensors.plug("temperature", {19.9, 20.1, 19.8, 20.2});
-      story.fleet[victim].crash_at = k;
-      story.fleet[victim].crash_after_sends = after_sends;
-      story.submit(left_or_right("ur3", "drone"));
-      REQUIRE(story.finishes());
-      story.check_one_branch();
-      story.check_one_verdict_each();
-      story.fleet.pass(seconds(10));
-      steps = story.fleet[victim].commits;
-    }
-    CHECK(steps < 100);
-  };
-  for (const char* victim : {"ridgeback", "ur3", "drone", "pioneer", "cloud"}) {
-    dies(victim, false);
-    dies(victim, true);
-  }
+  die_at_every_record({"ridgeback", "ur3", "drone", "pioneer", "cloud"}, 100, [](const auto& victim, const Doom& doom) {
+    Story story;
+    story.fleet["conveyor"].sensors.plug("temperature", {19.9, 20.1, 19.8, 20.2});
+    doom(story.fleet);
+    story.submit(left_or_right("ur3", "drone"));
+    REQUIRE(story.finishes());
+    story.check_one_branch();
+    story.check_one_verdict_each();
+    story.fleet.pass(seconds(10));
+    return story.fleet[victim].commits;
+  });
 }
 
 TEST_CASE("whoever evaluates may die between its question and its record: it asks again, nothing was said") {

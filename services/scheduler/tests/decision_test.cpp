@@ -1,6 +1,7 @@
 // A robot fails, a decision makes the next epoch, the run goes on: in virtual time, in any weather, whoever dies.
 #include <doctest/doctest.h>
 
+#include "services/scheduler/tests/crashes.hpp"
 #include "services/scheduler/tests/decision_story.hpp"
 
 using namespace trb;
@@ -115,26 +116,16 @@ TEST_CASE("in any weather a task is moved once, and done once by whom it was mov
 }
 
 TEST_CASE("any scheduler may die after any of its records while a robot is replaced") {
-  for (const char* victim : {"cloud", "ridgeback", "pioneer", "ur3", "drone"}) {
-    for (const bool after_sends : {false, true}) {
-      std::size_t steps = 1000;
-      for (std::size_t k = 1; k <= steps; ++k) {
-        CAPTURE(victim);
-        CAPTURE(after_sends);
-        CAPTURE(k);
-        Story story;
-        story.fleet[victim].crash_at = k;
-        story.fleet[victim].crash_after_sends = after_sends;
-        story.submit();
-        if (story.fleet.answers.empty()) story.fleet.until([&] { return story.fleet["cloud"].up; });
-        REQUIRE(story.run());
-        story.check_done_right();
-        story.fleet.pass(seconds(10));
-        steps = story.fleet[victim].commits;
-      }
-      CHECK(steps < 120);
-    }
-  }
+  die_at_every_record({"cloud", "ridgeback", "pioneer", "ur3", "drone"}, 120, [](const auto& victim, const Doom& doom) {
+    Story story;
+    doom(story.fleet);
+    story.submit();
+    if (story.fleet.answers.empty()) story.fleet.until([&] { return story.fleet["cloud"].up; });
+    REQUIRE(story.run());
+    story.check_done_right();
+    story.fleet.pass(seconds(10));
+    return story.fleet[victim].commits;
+  });
 }
 
 TEST_CASE("a robot that comes back after it was replaced is told the epoch, and stands down") {

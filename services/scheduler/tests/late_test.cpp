@@ -1,6 +1,7 @@
 // Tasks that name no robot: the decider's node holds them, says when they are due, and a decision gives them to a
 // robot.
 #include "services/scheduler/tests/condition_story.hpp"
+#include "services/scheduler/tests/crashes.hpp"
 #include "services/scheduler/tests/decision_story.hpp"
 
 #include "common/scenario/run_start.hpp"
@@ -212,27 +213,17 @@ TEST_CASE("in any weather each task is given to one robot, and done once") {
 }
 
 TEST_CASE("any scheduler may die after any of its records while a robot is chosen") {
-  for (const char* victim : {"cloud", "ridgeback", "pioneer", "ur3", "drone"}) {
-    for (const bool after_sends : {false, true}) {
-      std::size_t steps = 1000;
-      for (std::size_t k = 1; k <= steps; ++k) {
-        CAPTURE(victim);
-        CAPTURE(after_sends);
-        CAPTURE(k);
-        Late story(Takers{{"carry", "pioneer"}});
-        story.fleet[victim].crash_at = k;
-        story.fleet[victim].crash_after_sends = after_sends;
-        story.submit(whoever_can());
-        if (story.fleet.answers.empty()) story.fleet.until([&] { return story.fleet["cloud"].up; });
-        REQUIRE(story.ends());
-        story.check_each_once();
-        CHECK(story.begun_by("pioneer") == 1);
-        story.fleet.pass(seconds(10));
-        steps = story.fleet[victim].commits;
-      }
-      CHECK(steps < 60);
-    }
-  }
+  die_at_every_record({"cloud", "ridgeback", "pioneer", "ur3", "drone"}, 60, [](const auto& victim, const Doom& doom) {
+    Late story(Takers{{"carry", "pioneer"}});
+    doom(story.fleet);
+    story.submit(whoever_can());
+    if (story.fleet.answers.empty()) story.fleet.until([&] { return story.fleet["cloud"].up; });
+    REQUIRE(story.ends());
+    story.check_each_once();
+    CHECK(story.begun_by("pioneer") == 1);
+    story.fleet.pass(seconds(10));
+    return story.fleet[victim].commits;
+  });
 }
 
 TEST_CASE("what a cloud node may hold and say of a task is bounded") {

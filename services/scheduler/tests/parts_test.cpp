@@ -22,7 +22,8 @@ HeldResult held(std::uint32_t attempt, TaskOutcome outcome, const std::string& d
 
 }  // namespace
 
-TEST_CASE("the first final result counts, else the latest attempt's; FINISHED is never lost to others of its attempt") {
+TEST_CASE(
+    "the first FINISHED result counts, else the latest attempt's; FINISHED is never lost to others of its attempt") {
   ResultSet set;
   CHECK(set.of(0) == nullptr);
   CHECK(set.add(0, held(2, TaskOutcome::failed)));
@@ -38,6 +39,17 @@ TEST_CASE("the first final result counts, else the latest attempt's; FINISHED is
   CHECK(set.final_tasks(2) == std::vector<bool>{true, false});
   for (const char* data : {"", "a", "b"}) set.add(0, held(1, TaskOutcome::failed, data));
   CHECK(set.finished_twice(0));
+}
+
+TEST_CASE("what was FINISHED is not SKIPPED, whoever said that first") {
+  for (const bool skipped_first : {true, false}) {
+    ResultSet set;
+    for (const bool skipped : {skipped_first, !skipped_first}) {
+      set.add(0, skipped ? held(1, TaskOutcome::skipped) : held(2, TaskOutcome::finished));
+    }
+    CHECK(set.of(0)->result.outcome == TaskOutcome::finished);
+    CHECK_FALSE(set.is_skipped(0));
+  }
 }
 
 TEST_CASE("of what is not final the latest epoch's counts: who was replaced may have tried on") {

@@ -65,6 +65,18 @@ TEST_CASE("of several orders the highest number counts, of two with one number t
   CHECK(story.fleet.view("conveyor", kStoryRun).paused_by == "ur3");
 }
 
+TEST_CASE("no number holds a run for ever") {
+  Held story;
+  REQUIRE(story.fleet.until([&] { return story.fleet.view("conveyor", kStoryRun).run == kStoryRun; }));
+  for (const std::uint32_t number : {0U, 1001U, 0xFFFFFFFFU}) {
+    CHECK(story.tell("conveyor", "ur3", story.order(number, true, "ur3")) == "bad_value");
+  }
+  CHECK(story.tell("conveyor", "ur3", story.order(1000, true, "ur3")).empty());
+  CHECK(story.tell("conveyor", "cloud", story.order(1002, false)) == "bad_value");
+  CHECK(story.tell("conveyor", "cloud", story.order(1001, false)).empty());
+  CHECK(story.fleet.view("conveyor", kStoryRun).paused_by.empty());
+}
+
 TEST_CASE("a forged order, a stranger's, and one for a run that is over are refused") {
   Held story;
   REQUIRE(story.fleet.until([&] { return story.fleet.view("conveyor", kStoryRun).run == kStoryRun; }));

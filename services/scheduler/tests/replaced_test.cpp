@@ -144,18 +144,69 @@ TEST_CASE("a task that goes away and comes back is begun anew by its first robot
   CHECK(story.begun("pioneer", "task-0") == 0);
 }
 
-TEST_CASE("a robot dies between its result and the baton, and had nothing else to do: the run names it") {
+TEST_CASE("a robot dies for good between its result and the baton: the run names it, then the decider passes on") {
   Story story({"ur3", "drone"});
   story.fleet["drone"].cut = true;
   REQUIRE(story.fleet.until([&] { return story.task(0).state == TaskState::finished; }));
   story.fleet["ur3"].cut = true;
   story.fleet["drone"].cut = false;
-  story.fleet.pass(seconds(60));
+  story.fleet.pass(seconds(20));
   const RunView view = story.fleet.view("cloud", kStoryRun);
   CHECK(view.waits_for == "'drone' to begin task 'task-1', passed on by 'ur3'");
-  story.fleet["ur3"].cut = false;
-  REQUIRE(story.until(RunState::finished));
+  story.fleet.stop("cloud");  // it forgets how long it has waited, no more
+  story.fleet.start("cloud");
+  REQUIRE(story.until(RunState::finished, seconds(60)));
   CHECK(story.fleet.view("cloud", kStoryRun).waits_for.empty());
+  story.fleet["ur3"].cut = false;
+  story.fleet.pass(seconds(60));
+  CHECK(story.begun("drone", "task-1") == 1);
+}
+
+TEST_CASE("what was passed on and has not begun for long costs no second baton") {
+  Story story({"ur3", "drone"});
+  story.fleet["drone"].adapter.set(true, true);  // stopped: it takes the baton, and begins nothing
+  REQUIRE(story.fleet.until([&] { return story.task(0).state == TaskState::finished; }));
+  story.fleet.pass(seconds(20));
+  const int batons = story.fleet.carried["baton"];
+  story.fleet.pass(seconds(200));
+  CHECK(story.fleet.carried["baton"] == batons + 1);  // the decider's own, once: it cannot know of the other
+  story.fleet["drone"].adapter.set(true, false);
+  REQUIRE(story.until(RunState::finished));
+}
+
+TEST_CASE("the decider is gone before everybody has its decision: who is behind asks whoever refuses its baton") {
+  Story story({"ur3", "drone", "ur3"});
+  story.fleet["ur3"].adapter.skill_time = seconds(10);
+  REQUIRE(story.fleet.until([&] { return story.task(0).state == TaskState::running; }));
+  story.fleet["ur3"].cut = true;
+  REQUIRE(story.decide({move("task-2", "pioneer", 2)}) == "accepted");
+  story.fleet.pass(seconds(3));
+  story.fleet["cloud"].cut = true;
+  story.fleet["ur3"].cut = false;
+  const auto done = [&] { return story.begun("pioneer", "task-2") == 1; };
+  REQUIRE(story.fleet.until(done, seconds(60)));
+  CHECK(story.fleet.view("ur3", kStoryRun).epoch == 2);
+  CHECK(story.begun("drone", "task-1") == 1);
+}
+
+TEST_CASE("decisions stay so small together that a member which comes late can be told of all") {
+  Story story(std::vector<std::string>(1000, "ur3"));
+  story.fleet["ur3"].cut = true;
+  std::string said;
+  std::uint32_t attempt = 1;
+  while (said.empty() || said == "accepted") {
+    ++attempt;
+    REQUIRE(attempt < scheduler::kMaxDecisions);
+    std::vector<TaskRuling> rulings;
+    for (int i = 1; i < 1000; ++i) {
+      rulings.push_back(move("task-" + std::to_string(i), attempt % 2 == 0 ? "pioneer" : "ur3", attempt));
+    }
+    said = story.decide(std::move(rulings));
+  }
+  CHECK(said == "too_large");
+  CHECK(attempt > 5);
+  Outbox out = story.fleet.tell("cloud", "cloud", MessageType::request, NeedDefinition{kStoryRun, {}}, 0);
+  CHECK(encode(sent<Definition>(out).at(0)).size() < kMaxDataSize);
 }
 
 TEST_CASE("a member that has buried the run is not told of its decisions and pauses for another day") {

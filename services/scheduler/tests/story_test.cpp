@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "services/scheduler/tests/fleet.hpp"
+#include "services/scheduler/tests/crashes.hpp"
 
 using namespace trb;
 using namespace trb::scheduler::test;
@@ -96,29 +96,19 @@ TEST_CASE("the same seed gives the same story") {
 }
 
 TEST_CASE("a scheduler may die after any of its records and nothing is done twice or lost") {
-  for (const char* victim : {"ridgeback", "ur3", "pioneer", "cloud"}) {
-    for (const bool after_sends : {false, true}) {
-      std::size_t steps = 1000;
-      for (std::size_t k = 1; k <= steps; ++k) {
-        CAPTURE(victim);
-        CAPTURE(after_sends);
-        CAPTURE(k);
-        Fleet fleet;
-        add_demonstration(fleet);
-        fleet[victim].crash_at = k;
-        fleet[victim].crash_after_sends = after_sends;
-        submit(fleet, nine_tasks());
-        // A submitter that died before it could answer is asked again by its person.
-        if (fleet.answers.empty()) fleet.until([&] { return fleet["cloud"].up; });
-        REQUIRE(fleet.until([&] { return fleet["cloud"].up && is(fleet, "cloud", RunState::finished); }));
-        check_each_once(fleet);
-        for (const auto& [key, times] : fleet[victim].adapter.commanded) CHECK(times == 1);
-        fleet.pass(seconds(10));
-        steps = fleet[victim].commits;
-      }
-      CHECK(steps < 100);
-    }
-  }
+  die_at_every_record({"ridgeback", "ur3", "pioneer", "cloud"}, 100, [](const auto& victim, const Doom& doom) {
+    Fleet fleet;
+    add_demonstration(fleet);
+    doom(fleet);
+    submit(fleet, nine_tasks());
+    // A submitter that died before it could answer is asked again by its person.
+    if (fleet.answers.empty()) fleet.until([&] { return fleet["cloud"].up; });
+    REQUIRE(fleet.until([&] { return fleet["cloud"].up && is(fleet, "cloud", RunState::finished); }));
+    check_each_once(fleet);
+    for (const auto& [key, times] : fleet[victim].adapter.commanded) CHECK(times == 1);
+    fleet.pass(seconds(10));
+    return fleet[victim].commits;
+  });
 }
 
 TEST_CASE("dying in bad weather does no harm either") {
