@@ -80,7 +80,7 @@ TEST_CASE("a value out of its range, none of the words, or too many numbers") {
   CHECK(check(named("pioneer1", "go_to", R"({"place":"dock","speed":1})")).empty());
   const auto fast = check(named("pioneer1", "go_to", R"({"place":"dock","speed":3})"));
   REQUIRE(fast.size() == 1);
-  CHECK(fast[0].what == "task 't': 3 is out of range");
+  CHECK(fast[0].what == "task 't': 3 is over 1 m/s");
   CHECK(fast[0].cure == R"(use "speed": a number from 0.1 to 1 in m/s)");
   const auto word = check(named("ridgeback", "load_out", R"({"side":"lfet"})"));
   CHECK(word.at(0).key == "tasks[0].data.side");

@@ -1,6 +1,7 @@
 #include "common/scenario/parameters.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <limits>
 
@@ -22,6 +23,7 @@ std::string number_text(double number) {
 }
 
 bool in_range(const ParameterInfo& info, const Value& value) {
+  if (!std::isfinite(value.number())) return false;
   if (info.range.size() != 2) return true;
   return value.number() >= info.range[0] && value.number() <= info.range[1];
 }
@@ -50,6 +52,20 @@ double outside(const ParameterInfo& info, const Value& value) {
   return std::find_if(items.begin(), items.end(), [&](const Value& item) { return !in_range(info, item); })->number();
 }
 
+std::string outside_text(const ParameterInfo& info, double number) {
+  if (!std::isfinite(number)) return "is no finite number";
+  const bool is_under = number < info.range[0];
+  const std::string unit = info.unit.empty() ? "" : " " + info.unit;
+  return number_text(number) + (is_under ? " is under " : " is over ") + number_text(info.range[is_under ? 0 : 1]) +
+         unit;
+}
+
+std::string type_text(const std::string& type) {
+  if (type == "integer") return "a whole number";
+  if (type == "numbers") return "a list of numbers";
+  return type == "bool" ? "true or false" : "a " + type;
+}
+
 }  // namespace
 
 Misfit misfit_of(const ParameterInfo& info, const Value& value, const std::vector<std::string>& places) {
@@ -71,9 +87,9 @@ std::string misfit_text(Misfit misfit, const ParameterInfo& info, const Value& v
     case Misfit::none:
       return {};
     case Misfit::type:
-      return "is a " + std::string(value.kind());
+      return "is a " + std::string(value.kind()) + ", not " + type_text(info.type);
     case Misfit::range:
-      return number_text(outside(info, value)) + " is out of range";
+      return outside_text(info, outside(info, value));
     case Misfit::count:
       return "has " + std::to_string(value.list().size()) + " numbers, not " + std::to_string(info.count);
     case Misfit::place:

@@ -16,7 +16,7 @@ enum class Misfit : std::uint8_t { none = 0, type, range, count, place, word };
 /// checks it.
 Misfit misfit_of(const ParameterInfo& info, const Value& value, const std::vector<std::string>& places);
 
-/// "3 is out of range", "'dok' is no place that 'r1' knows"; `robot` is who was to take it.
+/// "3 is over 1 m/s", "'dok' is no place that 'r1' knows"; `robot` is who was to take it.
 std::string misfit_text(Misfit misfit, const ParameterInfo& info, const Value& value, const std::string& robot);
 
 /// What to do about it.

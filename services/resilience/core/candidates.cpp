@@ -28,7 +28,7 @@ std::vector<RobotNumber> ask(const FleetIndex& index, std::set<std::string> word
 bool suits(const RobotRecord& robot, const TaskNeed& need) {
   if (need.skill.empty()) return true;
   const SkillInfo* skill = find_skill(robot, need.skill);
-  return skill != nullptr && misfit(*skill, need, robot.profile.is.places).empty();
+  return skill != nullptr && misfit(*skill, need, robot).empty();
 }
 
 std::string lacks_capability(const RobotRecord& robot, const std::string& capability) {
@@ -122,7 +122,7 @@ std::string why_unable(const RobotRecord& robot, const TaskNeed& need) {
   if (!skill->capability.empty()) {
     if (auto why = lacks_capability(robot, skill->capability); !why.empty()) return why;
   }
-  return misfit(*skill, need, robot.profile.is.places);
+  return misfit(*skill, need, robot);
 }
 
 Candidates find_candidates(const Fleet& fleet, const Needs& needs) {
