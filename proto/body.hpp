@@ -40,7 +40,8 @@
   X(JournalRun) X(JournalStart) X(JournalResult) X(JournalDelivered) X(JournalAbort) X(JournalTombstone)           \
   X(JournalChoice) X(JournalDecision) X(JournalPause)                                                              \
   X(Decision) X(RunDecision) X(DecisionJournaled) X(ReleaseTasks) X(PauseOrder) X(RunPause) X(PauseJournaled)      \
-  X(RunWatch) X(RunChanged) X(Alert) X(AlertListRequest) X(AlertTable) X(AlertDecide)
+  X(RunWatch) X(RunChanged) X(Alert) X(AlertListRequest) X(AlertTable) X(AlertDecide)                        \
+  X(HistoryListRequest) X(HistoryTable)
 // clang-format on
 
 namespace trb {

@@ -47,6 +47,8 @@ constexpr auto kRows = [] {
       Row{"alert_list", Phase::upkeep},
       Row{"alert_table", Phase::upkeep},
       Row{"alert_decide", Phase::upkeep},
+      Row{"history_list", Phase::upkeep},
+      Row{"history_table", Phase::upkeep},
       Row{"stop", Phase::fail},
       Row{"release", Phase::fail},
       Row{"ack", Phase::upkeep},

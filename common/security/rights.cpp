@@ -39,6 +39,8 @@ constexpr auto kSubtypes = [] {
       SubtypeRight{"run_changed", fleet, true, true},
       SubtypeRight{"alert_list", fleet, true, true},
       SubtypeRight{"alert_table", fleet, true, true},
+      SubtypeRight{"history_list", fleet, true, true},
+      SubtypeRight{"history_table", fleet, true, true},
       SubtypeRight{"task_progress", fleet, true, true},
       SubtypeRight{"run_query", fleet, true, true},
       SubtypeRight{"run_view", fleet, true, true},
@@ -165,8 +167,9 @@ struct BusRight {
   std::string_view sayer;  ///< a service, "probe", or "*" for any of them
 };
 
-// What is no word from node to node and stands not here, the router alone says. Nobody else on the bus can command the
-// robot past the control lease, or tell of an outcome that the robot has not had.
+// What is no word from node to node and stands not here, the router alone says; a word from node to node that stands
+// here, only these say. Nobody else on the bus can command the robot past the control lease, tell of an outcome that
+// the robot has not had, or take a task from it.
 constexpr BusRight kBusRights[] = {
     {"adapter_state", "mode-adapter"},
     {"adapter_state_request", "scheduler"},
@@ -184,6 +187,9 @@ constexpr BusRight kBusRights[] = {
     {"node_sensors", "sensor-bus"},
     {"outcome", "mode-adapter"},
     {"outcome_journaled", "scheduler"},
+    {"release_tasks", "resilience"},
+    {"run_decision", "resilience"},
+    {"run_decision", "scheduler"},
     {"run_submit", kProbe},
     {"run_submit", "cloud-gateway"},
     {"service_alive", kAnyService},
@@ -250,11 +256,14 @@ bool may_send_out(Role role, std::string_view subtype) {
 bool may_say(std::string_view service, bool probe, std::string_view subtype) {
   const SubtypeRight* right = find_right(subtype);
   if (right == nullptr) return !is_typed(subtype);
-  if (right->road == Road::fleet) return true;
   const std::string_view saying = probe ? kProbe : service;
-  return std::any_of(std::begin(kBusRights), std::end(kBusRights), [&](const BusRight& row) {
-    return row.subtype == subtype && (row.sayer == kAnyService || row.sayer == saying);
-  });
+  bool is_listed = false;
+  for (const BusRight& row : kBusRights) {
+    if (row.subtype != subtype) continue;
+    if (row.sayer == kAnyService || row.sayer == saying) return true;
+    is_listed = true;
+  }
+  return right->road == Road::fleet && !is_listed;
 }
 
 bool is_reserved_service(std::string_view name) {

@@ -76,6 +76,13 @@ TEST_CASE("on the bus a service says what it is for, and nobody says what the ro
     CHECK_FALSE(may_say("scheduler", true, subtype));  // a probe, whatever it calls itself
     CHECK_FALSE(may_say("resilience", false, subtype));
   }
+  // From node to node any service may speak, but for what takes a task from a robot.
+  CHECK(may_say("resilience", false, "release_tasks"));
+  CHECK(may_say("scheduler", false, "run_decision"));
+  for (const std::string_view subtype : {"release_tasks", "run_decision"}) {
+    CHECK_FALSE(may_say("cli", true, subtype));
+    CHECK_FALSE(may_say("fault-tally", false, subtype));
+  }
 }
 
 TEST_CASE("a service of an operator's takes users' words, and nothing of the middleware's") {

@@ -145,4 +145,32 @@ struct AlertDecide {
   }
 };
 
+/// Asks a node's trb-resilience what it has seen of its fleet's robots.
+struct HistoryListRequest {
+  static constexpr std::string_view kSubtype = "history_list";
+  std::string robot;         ///< empty: of every one
+  std::uint32_t most = 100;  ///< events: 1 to 500
+  static constexpr auto fields() {
+    return std::tuple{field("robot", &HistoryListRequest::robot, 64), field("most", &HistoryListRequest::most)};
+  }
+};
+
+/// Something that happened to a robot.
+struct RobotEvent {
+  std::int64_t time = 0;  ///< UTC ns, as the node that tells it learnt of it
+  std::string robot;
+  std::string kind;  ///< joined, expired, connection, fenced, released, profile, fault, fault_ended, forgotten
+  std::string text;
+  static constexpr auto fields() {
+    return std::tuple{field("time", &RobotEvent::time), field("robot", &RobotEvent::robot, 64),
+                      field("kind", &RobotEvent::kind, 32), field("text", &RobotEvent::text, 255)};
+  }
+};
+
+struct HistoryTable {
+  static constexpr std::string_view kSubtype = "history_table";
+  std::vector<RobotEvent> events;  ///< newest first
+  static constexpr auto fields() { return std::tuple{field("events", &HistoryTable::events, 500)}; }
+};
+
 }  // namespace trb

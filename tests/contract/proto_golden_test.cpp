@@ -180,6 +180,8 @@ TEST_CASE("alerts and what is decided on them") {
   CHECK(to_hex(encode(AlertDecide{"a", Verdict::override_, "p1", "Ann", "why", true})) ==
         "96a16102a27031a3416e6ea3776879c3");
   CHECK(to_hex(encode(AlertListRequest{true})) == "91c3");
+  CHECK(to_hex(encode(HistoryListRequest{"ur3", 7})) == "92a375723307");
+  CHECK(to_hex(encode(HistoryTable{{{9, "ur3", "fault", "x"}}})) == "91919409a3757233a56661756c74a178");
   CHECK(to_hex(encode(RunWatch{10})) == "91cb4024000000000000");
 }
 

@@ -52,6 +52,18 @@ class Alerts(unittest.TestCase):
         self.assertEqual(self.alerts(), [])
         closed, = self.alerts("--all")
         self.assertEqual((closed["state"], closed["person"]), ("CLOSED", "ann"))
+        self.check_history()
+
+    def check_history(self):
+        """What was told before the kill and after it, newest first."""
+        events = self.fleet.json("robot", "history", "ridgeback", node=CLOUD)["events"]
+        self.assertEqual([event["text"] for event in events if event["kind"] in ("fault", "fault_ended")],
+                         ["mobile: said by 'ann'", "CRITICAL mobile: wheel is off"])
+        self.assertIn("fault_ended", self.fleet.trb("robot", "history", "--most", "500", node=CLOUD).stdout)
+        self.assertEqual(len(self.fleet.json("robot", "history", "--most", "1", node=CLOUD)["events"]), 1)
+        for words, status in ((["--most", "0"], 2), (["--most", "1.5"], 2), (["nobody"], 1)):
+            done = self.fleet.trb("robot", "history", *words, node=CLOUD, check=False)
+            self.assertEqual(done.returncode, status, done)
 
     def wait_open_after_restart(self):
         def answered():

@@ -19,6 +19,7 @@ std::vector<Command> node_commands();
 std::vector<Command> message_commands();
 std::vector<Command> list_commands();
 std::vector<Command> fault_commands();
+std::vector<Command> history_commands();
 std::vector<Command> scenario_commands();
 std::vector<Command> fleet_commands();
 std::vector<Command> doctor_commands();

@@ -15,7 +15,8 @@ constexpr std::size_t kMaxLoose = 256;
 }  // namespace
 
 std::vector<std::string> ResilienceCore::subtypes() {
-  return {std::string(AlertListRequest::kSubtype), std::string(AlertDecide::kSubtype)};
+  return {std::string(AlertListRequest::kSubtype), std::string(AlertDecide::kSubtype),
+          std::string(HistoryListRequest::kSubtype)};
 }
 
 std::vector<std::string> ResilienceCore::hears() {

@@ -35,7 +35,7 @@ class ResilienceCore final : public Core {
  public:
   explicit ResilienceCore(CoreSettings settings) : settings_(std::move(settings)) {}
 
-  /// What it takes of the node's bus, and what it hears.
+  /// What the service takes of the node's bus (`history_list` is its shell's), and what it hears.
   static std::vector<std::string> subtypes();
   static std::vector<std::string> hears();
 
@@ -54,7 +54,7 @@ class ResilienceCore final : public Core {
   struct Work {
     std::optional<MonotonicTime> grown_at;  ///< the alert's tasks, or itself
     std::optional<MonotonicTime> ranked_at;
-    std::optional<MonotonicTime> asked_at;  ///< the candidates, for their values
+    std::optional<MonotonicTime> asked_at;                  ///< the candidates, for their values
     std::set<std::pair<std::string, std::string>> awaited;  ///< robot, value
     Backoff release;
     Backoff sign;
@@ -105,6 +105,7 @@ class ResilienceCore final : public Core {
   void try_policy(Alert& alert, Now now, Outbox& out);
   [[nodiscard]] std::string why_ask(const Alert& alert, Now now);
   [[nodiscard]] std::string why_wait(const Alert& alert, Now now);
+  [[nodiscard]] static std::string awaits(const Work& work, Duration patience, Now now);
   [[nodiscard]] std::string open_text(const Alert& alert) const;
   [[nodiscard]] bool decides(const Alert& alert) const;
 
@@ -124,6 +125,7 @@ class ResilienceCore final : public Core {
   void advance_decision(Alert& alert, const WatchedRun& run, Now now, Outbox& out);
   void hand_on(Alert& alert, const WatchedRun& run, Now now, Outbox& out);
   void begin_signing(Alert& alert, const WatchedRun& run, std::vector<TaskRuling> rulings, Now now, Outbox& out);
+  [[nodiscard]] bool take_turn(const std::string& alert, Now now);
   void on_signed(const SignedRecord& record, Outbox& out);
   void record_handed(const Alert& alert, const std::string& what, Outbox& out) const;
   void finish(Alert& alert, Outbox& out);

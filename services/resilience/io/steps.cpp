@@ -4,6 +4,7 @@ namespace trb::resilience {
 namespace {
 
 constexpr Duration kTogether = std::chrono::seconds(3);
+constexpr std::uint32_t kMostEvents = 500;  ///< as many as a HistoryTable holds
 
 }  // namespace
 
@@ -13,6 +14,8 @@ void Steps::on_welcome(const NodeIdentity& node, Now now, Outbox& out) {
 }
 
 void Steps::on(const Inbound& message, Now now, Outbox& out) {
+  const auto* asked = get_if<HistoryListRequest>(&message.body);
+  if (asked != nullptr && message.type == MessageType::request) return tell_history(*asked, message, out);
   core_.on(message, now, out);
   keep(now, out);
 }
@@ -24,6 +27,20 @@ void Steps::tick(Now now, Outbox& out) {
 
 std::optional<MonotonicTime> Steps::next_deadline() const {
   return earlier(core_.next_deadline(), write_at_);
+}
+
+void Steps::tell_history(const HistoryListRequest& asked, const Inbound& from, Outbox& out) {
+  if (asked.most == 0 || asked.most > kMostEvents) {
+    return out.nack(from, fail(Errc::bad_value, "most: " + std::to_string(asked.most), "use 1 to 500"));
+  }
+  const auto entries = db_.history(asked.robot, asked.most);
+  if (!entries) return out.nack(from, entries.error());
+  if (entries->empty() && !asked.robot.empty() && core_.fleet().find(asked.robot) == nullptr) {
+    return out.nack(from, fail(Errc::unknown_target, "'" + asked.robot + "' was never heard", "trb robot list"));
+  }
+  HistoryTable table;
+  for (const HistoryEntry& one : *entries) table.events.push_back({one.time.ns, one.robot, one.kind, one.text});
+  out.reply(from, std::move(table));
 }
 
 /// A disk that takes nothing keeps nobody from asking: the changes wait.

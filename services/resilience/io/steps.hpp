@@ -1,4 +1,5 @@
 // Runs the core and writes what the fleet has told: before anything is said of it, or, values, every few seconds.
+// Answers `history_list` out of the file: the core keeps no past.
 #pragma once
 
 #include "common/actor/core.hpp"
@@ -21,6 +22,7 @@ class Steps final : public Core {
 
  private:
   void keep(Now now, Outbox& out);
+  void tell_history(const HistoryListRequest& asked, const Inbound& from, Outbox& out);
 
   ResilienceCore& core_;
   CapabilityDb& db_;

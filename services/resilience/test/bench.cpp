@@ -176,13 +176,17 @@ void Bench::handle_own(const Send& send) {
 
 // ---- people
 
-std::vector<Alert> Bench::alerts(bool all) {
+Body Bench::ask(Body question) {
   asked_ = 1'000'000 + ++count_;
   told_.reset();
-  inbox_.push_back({MessageType::request, "cloud", "cloud", asked_, 0, 0, 1000, AlertListRequest{all}});
+  inbox_.push_back({MessageType::request, "cloud", "cloud", asked_, 0, 0, 1000, std::move(question)});
   settle();
   REQUIRE(told_);
-  return get<AlertTable>(*told_).alerts;
+  return *told_;
+}
+
+std::vector<Alert> Bench::alerts(bool all) {
+  return get<AlertTable>(ask(AlertListRequest{all})).alerts;
 }
 
 Alert Bench::alert() {

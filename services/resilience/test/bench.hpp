@@ -30,6 +30,8 @@ class Bench {
   // ---- the fleet
   void add(const std::string& id, const NodeProfile& profile, double charge, double x, double y);
   void say(const std::string& robot, Body information);
+  /// A robot's answer to something that it was asked.
+  void answer(const std::string& from, Body body);
   void fault(const std::string& robot, const std::string& capability, Severity severity = Severity::critical);
   /// Its node's lease runs out; or it is back.
   void silence(const std::string& robot);
@@ -47,6 +49,8 @@ class Bench {
   Status take(const SignedRecord& record);
 
   // ---- people
+  /// Asked on the node itself; the answer.
+  Body ask(Body question);
   std::vector<Alert> alerts(bool all = false);
   Alert alert();  ///< the only one that is open
   Alert any(const std::string& id);
@@ -82,7 +86,6 @@ class Bench {
  private:
   void step(const std::function<void(Outbox&)>& effect);
   void carry_out(const Outbox& out);
-  void answer(const std::string& from, Body body);
   void handle(const Send& send);
   void handle_own(const Send& send);
   void release(const std::string& robot, const ReleaseTasks& order);

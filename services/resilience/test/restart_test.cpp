@@ -91,3 +91,27 @@ TEST_CASE("after a restart nothing is judged before the router and the scheduler
   CHECK(bench->decide(Verdict::accept) == "accepted");
   CHECK(bench->taken.size() == 1);
 }
+
+TEST_CASE("what has happened to a robot is told newest first, also after a restart") {
+  auto bench = paper();
+  bench->fault("ridgeback", "mobile");
+  bench->wait(seconds(1));
+  bench->silence("ridgeback");
+  bench->restart();
+  bench->wait(seconds(6));
+  const auto kinds = [&](const HistoryListRequest& asked) {
+    std::vector<std::string> out;
+    const Body answer = bench->ask(asked);
+    for (const RobotEvent& one : get<HistoryTable>(answer).events) {
+      if (!asked.robot.empty()) CHECK(one.robot == asked.robot);
+      out.push_back(one.kind);
+    }
+    return out;
+  };
+  CHECK(kinds({"ridgeback", 2}) == std::vector<std::string>{"expired", "fault"});
+  CHECK(kinds({"ridgeback", 500}).back() == "connection");
+  CHECK(kinds({"", 500}).size() > kinds({"ridgeback", 500}).size());
+  for (const std::uint32_t most : {0U, 501U})
+    CHECK(get<Nack>(bench->ask(HistoryListRequest{"", most})).code == "bad_value");
+  CHECK(get<Nack>(bench->ask(HistoryListRequest{"nobody", 5})).code == "unknown_target");
+}
