@@ -17,7 +17,7 @@ TEXT = "the left drive does not turn"
 TASK = "go_to_ur3"
 SCENARIO_S = 120  # what the run may take, people apart
 LOOK_S = 0.25
-VALUES_S = 1.5
+VALUES_S = 5  # as long as an answer changes the proposals
 ASK_AFTER_S = 8  # the policy gathers for 2 s; after this it is waiting for a person, too
 # Not equally charged, so that the nearest is not the best by that alone.
 ROBOTS = {

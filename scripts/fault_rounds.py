@@ -20,7 +20,7 @@ from trb_fleet import CLOUD
 SCENARIO = trb_fleet.REPO / "config" / "scenarios" / "paper-temperature.json"
 FAULTS = [("ridgeback", "mobile"), ("ridgeback", "carry"), ("ur3", "grab"), ("drone", "fly"), ("conveyor", "convey")]
 SEVERITIES = ("CRITICAL", "CRITICAL", "FATAL")
-SETTLED_S = 4.0  # a run that shows the same for so long waits for somebody; the policy decides within 2 s
+SETTLED_S = 6.5  # a run that shows the same for so long waits for somebody; the policy decides within 5 s
 TIMEOUT_S = 20.0  # of each task: the robots are faster than real, and so is what finds a silent one
 STUCK_S = 45.0  # a run that says RUNNING, and nothing happens: longer than any time-out
 AGREE_S = 20.0

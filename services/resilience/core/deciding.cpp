@@ -32,10 +32,8 @@ void ResilienceCore::advance_abort(Alert& alert, const WatchedRun& run, Now now,
   alert.waits_for = "the run's end";
   if (!work.refusal.empty()) return reopen(alert, "the order to abort was refused: " + work.refusal, now, out);
   if (work.record) {
-    if (!work.hand.due(now.mono)) return;
-    work.hand.said(now.mono);
-    handed_ = alert.id;
-    return out.command(settings_.node, RunAbort{*work.record}, 0);
+    if (take_turn(alert.id, now)) out.command(settings_.node, RunAbort{*work.record}, 0);
+    return;
   }
   if (work.signing.empty()) {
     const std::string reason = alert.reason.empty() ? "alert " + alert.id : alert.reason;
@@ -143,14 +141,19 @@ void ResilienceCore::hand_on(Alert& alert, const WatchedRun& run, Now now, Outbo
   }
   if (run.view->epoch >= work.epoch) return reopen(alert, "its run has come to another epoch", now, out);
   if (!work.refusal.empty()) return reopen(alert, "its decision was refused: " + work.refusal, now, out);
-  // One at a time: an answer names no run.
+  if (take_turn(alert.id, now)) out.command(settings_.node, RunDecision{*work.record}, 0);
+}
+
+/// True if it is the alert's turn to hand its record on. One at a time: an answer names no run.
+bool ResilienceCore::take_turn(const std::string& alert, Now now) {
   const auto other = works_.find(handed_);
-  const bool busy = handed_ != alert.id && other != works_.end() && other->second.record && other->second.hand.next() &&
+  const bool busy = handed_ != alert && other != works_.end() && other->second.record && other->second.hand.next() &&
                     !other->second.hand.due(now.mono);
-  if (busy || !work.hand.due(now.mono)) return;
-  work.hand.said(now.mono);
-  handed_ = alert.id;
-  out.command(settings_.node, RunDecision{*work.record}, 0);
+  Backoff& hand = works_[alert].hand;
+  if (busy || !hand.due(now.mono)) return false;
+  hand.said(now.mono);
+  handed_ = alert;
+  return true;
 }
 
 /// What has become of the alert's decision, if one was signed.

@@ -60,7 +60,8 @@ class Fleet {
   bool on_state(std::string_view id, const RobotState& state, UtcTime now);
   /// One value: the answer to a request of that subtype.
   bool on_value(std::string_view id, const std::string& name, const std::string& value, UtcTime now);
-  /// Also of a robot that is not known yet, which then is: a fault is told once, and may come before its node's profile.
+  /// Also of a robot that is not known yet, which then is: a fault is told once, and may come before its node's
+  /// profile.
   bool on_fault(std::string_view id, const RobotFault& fault, UtcTime now);
 
   /// The faults of that capability (empty: of the whole robot, and no others) are over; `why` is kept in the history.

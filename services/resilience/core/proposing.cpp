@@ -14,9 +14,10 @@ constexpr Duration kRankAgain = std::chrono::seconds(5);
 /// What fails of one cause comes within seconds: the policy waits for it, people take longer anyway.
 constexpr Duration kGather = std::chrono::seconds(2);
 constexpr const char* kGathers = "other tasks may fail of the same cause";
-/// What is older is asked for; what is not answered so long after that stays as it was told.
+/// What is older is asked for. An answer changes the proposals so long after that: later, somebody has read them.
 constexpr Duration kFresh = std::chrono::seconds(10);
-constexpr Duration kPatience = std::chrono::seconds(2);
+constexpr Duration kAnswers = std::chrono::seconds(5);
+constexpr Duration kPatience = std::chrono::seconds(2);  ///< so long a task that names no robot waits for answers
 constexpr Duration kLoneLife = std::chrono::hours(24);
 
 }  // namespace
@@ -115,7 +116,7 @@ void ResilienceCore::hear(const Opaque& value, const std::string& robot, Now now
   for (Alert* alert : book_.open()) {
     const WatchedRun* run = watcher_.find(alert->run);
     const Work& work = works_[alert->id];
-    const bool waits = work.asked_at && now.mono - *work.asked_at <= kPatience;
+    const bool waits = work.asked_at && now.mono - *work.asked_at <= kAnswers;
     if (!waits || alert->verdict != Verdict::none || run == nullptr || !run->is_known()) continue;
     const std::vector<Proposal> before = alert->proposals;
     propose(*alert, *run, now);
@@ -193,7 +194,13 @@ std::string ResilienceCore::why_ask(const Alert& alert, Now now) {
   if (best < policy.min_score) return "the best score is " + short_number(best);
   if (lead < policy.min_lead) return "the best leads by " + short_number(lead) + " only";
   if (work.grown_at && now.mono - *work.grown_at < kGather) return kGathers;
-  return {};
+  return awaits(work, kAnswers, now);
+}
+
+/// Who is to answer yet, if it was asked less than `patience` ago; empty: nobody.
+std::string ResilienceCore::awaits(const Work& work, Duration patience, Now now) {
+  const bool waits = work.asked_at && now.mono - *work.asked_at < patience && !work.awaited.empty();
+  return waits ? "what " + work.awaited.begin()->first + " answers" : "";
 }
 
 /// Why nobody is chosen yet for a task that names no robot; empty: the best is. One task after the other: who gets one
@@ -205,8 +212,7 @@ std::string ResilienceCore::why_wait(const Alert& alert, Now now) {
   for (const Alert* other : book_.open()) {
     if (other->state == AlertState::releasing && wants_robot(*other)) return "alert " + other->id + " comes first";
   }
-  const bool waits = work.asked_at && now.mono - *work.asked_at < kPatience && !work.awaited.empty();
-  return waits ? "what " + work.awaited.begin()->first + " answers" : "";
+  return awaits(work, kPatience, now);
 }
 
 void ResilienceCore::try_policy(Alert& alert, Now now, Outbox& out) {
@@ -214,7 +220,8 @@ void ResilienceCore::try_policy(Alert& alert, Now now, Outbox& out) {
   const bool binds = wants_robot(alert);
   if (!(binds ? !policy.asks_who_begins : policy.automatic) || !decides(alert)) return;
   const std::string why = binds ? why_wait(alert, now) : why_ask(alert, now);
-  const std::string asks = binds || why == kGathers ? "automatic, waits: " : "automatic, but asks: ";
+  const bool passes = binds || why == kGathers || why == awaits(works_[alert.id], kAnswers, now);
+  const std::string asks = passes ? "automatic, waits: " : "automatic, but asks: ";
   alert.policy = why.empty() ? "automatic" : cut_utf8(asks + why, 255);
   if (!why.empty()) return;
   if (binds) propose(alert, *watcher_.find(alert.run), now);  // somebody may have got a task meanwhile

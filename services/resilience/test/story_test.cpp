@@ -131,6 +131,26 @@ TEST_CASE("an automatic policy decides once the cause has shown all of its tasks
   CHECK(bench->alerts(true).front().policy == "automatic");
 }
 
+TEST_CASE("an automatic policy waits for who is proposed to say how it is, for 5 s") {
+  for (const bool answers : {true, false}) {
+    auto bench = paper(automatic());
+    bench->wait(seconds(60));
+    bench->mute.insert("turtlebot");
+    bench->fault("ridgeback", "mobile");
+    bench->end_task("t4", TaskOutcome::failed, "stuck");
+    bench->wait(seconds(4));
+    CHECK(bench->alert().policy == "automatic, waits: what turtlebot answers");
+    CHECK(bench->taken.empty());
+    if (answers) {
+      for (const auto& [name, value] : bench->values["turtlebot"]) bench->answer("turtlebot", Opaque{name, value});
+    } else {
+      bench->wait(seconds(2));
+    }
+    bench->wait(seconds(1));
+    CHECK(bench->taken.size() == 1);
+  }
+}
+
 TEST_CASE("a policy whose conditions do not hold asks, and says why") {
   const auto asks = [](ResilienceSettings settings) {
     auto bench = paper(settings);
