@@ -3,8 +3,6 @@ and that nothing of it stays behind."""
 import json
 import os
 import signal
-import subprocess
-import sys
 import unittest
 
 import support
@@ -27,37 +25,9 @@ EQUATION_12 = {"boot": 28, "identification": 45, "devices": 2, "task": 36, "forw
                "total": 122}
 
 
-class Demo(unittest.TestCase):
+class Demo(support.Demonstration, unittest.TestCase):
     def setUp(self):
-        self.folder = support.temporary_folder()
-        self.root = self.folder / "demo"
-        self.addCleanup(self.end_all)
-
-    def end_all(self):
-        for pid in self.left():
-            support.send_signal(pid, signal.SIGKILL)
-
-    def left(self):
-        return support.processes_of(self.root, BLOCK)
-
-    def start(self, *arguments):
-        script = support.REPO / "scripts" / "demo_fleet.py"
-        command = [sys.executable, script, "--programs", support.PROGRAMS, "--root", self.root, "--block", BLOCK,
-                   "--udp-port", 50000 + BLOCK, *arguments]
-        child = subprocess.Popen([str(word) for word in command], stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
-                                 stderr=subprocess.STDOUT, text=True, start_new_session=True)
-        self.addCleanup(child.stdout.close)
-        self.addCleanup(lambda: child.poll() is None and child.kill())
-        return child
-
-    def read_until(self, child, wanted):
-        """The script's words up to a line; ctest's time limit is the deadline."""
-        seen = []
-        for line in child.stdout:
-            seen.append(line)
-            if wanted in line:
-                return
-        self.fail(f"the demonstration ended without {wanted!r}:\n" + "".join(seen))
+        self.make_demonstration(BLOCK)
 
     def test_the_cold_left(self):
         self.once(15, skipped="pick_right")

@@ -4,9 +4,7 @@ import json
 import math
 import os
 import shlex
-import signal
 import subprocess
-import sys
 import unittest
 
 import support
@@ -18,40 +16,18 @@ UR3_FRONT, LOADING_AREA = (5, 1), (1, 0)
 MORE = {"robot_fault", "run_decision", "release_tasks", "position", "battery", "decision_journaled", "ack"}
 
 
-class Fault(unittest.TestCase):
+class Fault(support.Demonstration, unittest.TestCase):
     def setUp(self):
-        self.folder = support.temporary_folder()
-        self.root = self.folder / "demo"
+        self.make_demonstration(BLOCK, "--fault", "--once", "--speed", "4")
         self.out = self.folder / "run.json"
-        self.addCleanup(self.end_all)
-
-    def end_all(self):
-        for pid in support.processes_of(self.root, BLOCK):
-            support.send_signal(pid, signal.SIGKILL)
 
     def start(self, *arguments):
-        script = support.REPO / "scripts" / "demo_fleet.py"
-        command = [sys.executable, script, "--programs", support.PROGRAMS, "--root", self.root, "--block", BLOCK,
-                   "--udp-port", 50000 + BLOCK, "--fault", "--once", "--speed", "4", "--json", self.out, *arguments]
-        child = subprocess.Popen([str(word) for word in command], stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
-                                 stderr=subprocess.STDOUT, text=True, start_new_session=True)
-        self.addCleanup(child.stdout.close)
-        self.addCleanup(lambda: child.poll() is None and child.kill())
-        return child
-
-    def read_until(self, child, wanted):
-        """The script's words up to a line; ctest's time limit is the deadline."""
-        seen = []
-        for line in child.stdout:
-            seen.append(line)
-            if wanted in line:
-                return "".join(seen)
-        self.fail(f"the demonstration ended without {wanted!r}:\n" + "".join(seen))
+        return super().start("--json", self.out, *arguments)
 
     def end(self, child, status):
         said = child.communicate(timeout=120)[0]
         self.assertEqual(child.returncode, status, said)
-        self.assertEqual(support.processes_of(self.root, BLOCK), {})
+        self.assertEqual(self.left(), {})
         return said, json.loads(self.out.read_text())
 
     # ---- the stories

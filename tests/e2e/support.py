@@ -6,6 +6,7 @@ import os
 import pathlib
 import shutil
 import signal
+import subprocess
 import sys
 import tempfile
 import time
@@ -277,6 +278,41 @@ class FleetTest(unittest.TestCase):
         os.kill(pid, signal.SIGSTOP)
         self.addCleanup(send_signal, pid, signal.SIGCONT)
         return pid
+
+
+class Demonstration:
+    """For a test case: scripts/demo_fleet.py in a folder and an address block of the test's own, ended whole."""
+
+    def make_demonstration(self, block, *options):
+        self.block, self.options = block, options
+        self.folder = temporary_folder()
+        self.root = self.folder / "demo"
+        self.addCleanup(self.end_all)
+
+    def end_all(self):
+        for pid in self.left():
+            send_signal(pid, signal.SIGKILL)
+
+    def left(self):
+        return processes_of(self.root, self.block)
+
+    def start(self, *arguments):
+        command = [sys.executable, REPO / "scripts" / "demo_fleet.py", "--programs", PROGRAMS, "--root", self.root,
+                   "--block", self.block, "--udp-port", 50000 + self.block, *self.options, *arguments]
+        child = subprocess.Popen([str(word) for word in command], stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
+                                 stderr=subprocess.STDOUT, text=True, start_new_session=True)
+        self.addCleanup(child.stdout.close)
+        self.addCleanup(lambda: child.poll() is None and child.kill())
+        return child
+
+    def read_until(self, child, wanted):
+        """The script's words up to a line; ctest's time limit is the deadline."""
+        seen = []
+        for line in child.stdout:
+            seen.append(line)
+            if wanted in line:
+                return "".join(seen)
+        self.fail(f"the demonstration ended without {wanted!r}:\n" + "".join(seen))
 
 
 def send_signal(pid, number):
