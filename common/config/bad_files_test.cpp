@@ -133,8 +133,8 @@ TEST_CASE("a description watches what the robot tells, and nothing else") {
   check_changes("ur", {{"robots/r.json", R"("skills":)",
                         R"("faults": {"off": {"value": "robot_mod", "equals": 3, "severity": "WARNING"}}, "skills":)",
                         "faults.off.value", "no value that commands.json names under 'ur'"},
-                       {"robots/r.json", R"("skills":)", R"("sensors": ["robot_mode", "battery"], "skills":)", "sensors",
-                        "'battery' is no value"}});
+                       {"robots/r.json", R"("skills":)", R"("sensors": ["robot_mode", "battery"], "skills":)",
+                        "sensors", "'battery' is no value"}});
   const NodeFolder folder("ur");
   folder.change("robots/r.json", R"("skills":)", R"("sensors": ["robot_mode", "joints"], "skills":)");
   CHECK(without_keys(folder.check().faults).empty());

@@ -19,7 +19,8 @@ constexpr std::size_t kMaxPath = 4096;
 constexpr std::size_t kKeySize = 32;
 constexpr std::int64_t kMinProofLogMb = 8;
 const std::vector<std::string> kRobotServices = {"router", "mode-adapter", "scheduler"};
-const std::vector<std::string> kRobotChoice = {"router", "mode-adapter", "scheduler", "ros-bridge", "sensor-bus", "resilience"};
+const std::vector<std::string> kRobotChoice = {"router",     "mode-adapter", "scheduler",
+                                               "ros-bridge", "sensor-bus",   "resilience"};
 const std::vector<std::string> kCloudServices = {"router", "scheduler"};
 const std::vector<std::string> kCloudChoice = {"router", "scheduler", "sensor-bus", "resilience"};
 
@@ -169,8 +170,8 @@ void read_dbus(ObjectReader& reader, NodeConfig& config) {
   if (!text) return;
   config.dbus = *text;
   constexpr std::string_view kPath = "unix:path=/";
-  const bool is_path = text->starts_with(kPath) && text->size() > kPath.size() &&
-                       text->find_first_of(",; ") == std::string::npos;
+  const bool is_path =
+      text->starts_with(kPath) && text->size() > kPath.size() && text->find_first_of(",; ") == std::string::npos;
   if (*text == "system" || *text == "session" || is_path) return;
   reader.faults().add("dbus", in_quotes(*text) + " is no D-Bus",
                       R"(use "system", "session" or an address: "unix:path=/run/robot/bus")");

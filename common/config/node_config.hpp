@@ -23,10 +23,10 @@ struct Seed {
 };
 
 struct RobotLink {
-  std::string host;           ///< the robot's address: dialled in direct mode, the only one let in on TCP_PORT
-  std::string ros_namespace;  ///< where its relative topic names are; empty: "/"
-  std::string interface;      ///< an interface or a local address: where TCP_PORT is bound
-  std::optional<Pose> origin;  ///< in the hall; wins over the description's, which robots of one make share
+  std::string host;             ///< the robot's address: dialled in direct mode, the only one let in on TCP_PORT
+  std::string ros_namespace;    ///< where its relative topic names are; empty: "/"
+  std::string interface;        ///< an interface or a local address: where TCP_PORT is bound
+  std::optional<Pose> origin;   ///< in the hall; wins over the description's, which robots of one make share
   std::string fault_injection;  ///< HOST:PORT, the control port of a virtual robot; empty: a real one
 };
 

@@ -23,8 +23,8 @@ struct ReplacementWeights {
 struct ReplacementPolicy {
   bool automatic = false;
   bool asks_who_begins = false;  ///< of a task that names no robot, too: nothing failed, so nobody is asked otherwise
-  double min_score = 0;  ///< of the best proposal; all scores sum to 1
-  double min_lead = 0;   ///< of the best one's score over the second's
+  double min_score = 0;          ///< of the best proposal; all scores sum to 1
+  double min_lead = 0;           ///< of the best one's score over the second's
   Severity max_severity = Severity::fatal;
 };
 

@@ -121,7 +121,8 @@ TEST_CASE("a whole description") {
 }
 
 TEST_CASE("a parameter's range, words and count are told to the fleet") {
-  const auto read = description_of(R"({"maker": "A", "model": "B", "capabilities": ["c"], "skills": {"s": {"capability": "c",
+  const auto read =
+      description_of(R"({"maker": "A", "model": "B", "capabilities": ["c"], "skills": {"s": {"capability": "c",
     "parameters": {"joints": {"type": "numbers", "count": 6, "maximum": 2}, "side": {"type": "text", "one_of": ["a", "b"]}},
     "end": {"kind": "acknowledgement"}}}})");
   const auto infos = skill_infos(read.description);
