@@ -1,4 +1,6 @@
 // robot history: what a node's trb-resilience has seen of the fleet's robots.
+#include <cmath>
+
 #include "services/cli/commands/command.hpp"
 #include "services/cli/core/table.hpp"
 #include "services/cli/io/print.hpp"
@@ -7,17 +9,23 @@
 namespace trb::cli {
 namespace {
 
-int run_history(const Arguments& arguments) {
+Result<std::uint32_t> most_of(const Arguments& arguments) {
   const auto most = arguments.number("--most", 50);
-  if (!most) return print_error(arguments, most.error());
-  if (*most < 1 || *most > 500 || *most != static_cast<std::uint32_t>(*most)) {
-    print_error(arguments, fail(Errc::bad_value, "--most: not a number of events", "use 1 to 500"));
+  if (!most) return most.error();
+  if (*most >= 1 && *most <= 500 && *most == std::floor(*most)) return static_cast<std::uint32_t>(*most);
+  return fail(Errc::bad_value, "--most: '" + arguments.get("--most") + "'", "use a whole number from 1 to 500");
+}
+
+int run_history(const Arguments& arguments) {
+  const auto most = most_of(arguments);
+  if (!most) {
+    print_error(arguments, most.error());
     return kWrongUse;
   }
   auto probe = open_probe(arguments);
   if (!probe) return kFailed;
   const std::string robot = arguments.words.empty() ? "" : arguments.words[0];
-  auto table = probe->ask_node<HistoryTable>(HistoryListRequest{robot, static_cast<std::uint32_t>(*most)});
+  auto table = probe->ask_node<HistoryTable>(HistoryListRequest{robot, *most});
   if (!table) return print_error(arguments, table.error());
   if (arguments.has("--json")) {
     print_line(to_json(*table));
