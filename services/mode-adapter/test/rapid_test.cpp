@@ -264,6 +264,31 @@ TEST_CASE("a service task that is silent for 2 s: the robot is gone, and what wa
   CHECK(bench.answer(bench.command("move", "[1, 1]")) == "nack robot_offline");
 }
 
+TEST_CASE("the robot is there once both of its tasks are, whichever comes last, and whichever was lost alone") {
+  for (const Channel last : {Channel::command, Channel::monitor}) {
+    for (const bool restarts : {false, true}) {
+      CAPTURE(name_of(last));
+      CAPTURE(restarts);
+      RapidBench bench;
+      bench.welcome();
+      bench.told<AdapterState>();
+      bench.down(last);
+      if (restarts) bench.down(last == Channel::command ? Channel::monitor : Channel::command);
+      CHECK(bench.one<AdapterState>().robot == "CONNECTION_BROKEN");
+      if (restarts) bench.up(last == Channel::command ? Channel::monitor : Channel::command);
+      bench.live(0.5);
+      CHECK(bench.told<AdapterState>().empty());
+      bench.up(last);
+      bench.live(0.5);
+      CHECK(bench.one<AdapterState>().robot == "ONLINE");
+      bench.flags = kFlagTakeControl;
+      const auto id = bench.command("move", "[1, 1]");
+      CHECK(bench.sent() == "2 1 1 #");
+      static_cast<void>(id);
+    }
+  }
+}
+
 TEST_CASE("an answer of another code: the two sides are out of step, and the connection is closed") {
   RapidBench bench;
   const auto id = bench.command("move", "[1, 1]");

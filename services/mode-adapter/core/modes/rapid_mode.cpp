@@ -212,6 +212,7 @@ void RapidMode::drop_all(const Error& why, const ModeOut& out) {
 }
 
 void RapidMode::on_up(Channel channel, Now now, const ModeOut& out) {
+  const bool before = online();
   if (channel == Channel::command) {
     program_up_ = true;
     program_.clear();
@@ -223,6 +224,8 @@ void RapidMode::on_up(Channel channel, Now now, const ModeOut& out) {
     next_poll_ = next_values_ = now.mono;
   }
   if (program_up_ && service_up_) poll(now, out);
+  // The service task may have told its state before the program was there.
+  if (!before && online()) out.emit(LinkUp{});
 }
 
 void RapidMode::on_down(Channel channel, const std::string& reason, Now, const ModeOut& out) {
