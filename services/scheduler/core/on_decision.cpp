@@ -83,7 +83,8 @@ void SchedulerCore::handle(const DecisionJournaled& body, const Inbound& from, S
 }
 
 void SchedulerCore::handle(const ReleaseTasks& body, const Inbound& from, Step step) {
-  Run* run = run_for(body.run, from, step);
+  // Whom the run has not reached yet gives its tasks back all the same: the run may be paused long before it does.
+  Run* run = run_or_hold(body.run, {}, from, step);
   if (run == nullptr) return;
   const std::string name = "run " + run->id() + ": ";
   if (from.source != run->decider()) {

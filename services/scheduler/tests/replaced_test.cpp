@@ -100,6 +100,28 @@ TEST_CASE("without a person's word nothing leaves a robot that has not said that
   CHECK(story.begun("pioneer", "task-0") == 0);
 }
 
+TEST_CASE("a robot that the run has not reached yet gives its tasks back all the same") {
+  Story story({"ur3", "drone"});
+  story.fleet["ur3"].adapter.skill_time = seconds(60);
+  REQUIRE(story.fleet.until([&] { return story.task(0).state == TaskState::running; }));
+  CHECK(story.fleet.view("drone", kStoryRun).run.empty());
+  const auto tell = [&](const std::string& to, const std::string& from, MessageType type, Body body) {
+    return story.fleet.tell(to, from, type, std::move(body), type == MessageType::information ? 1 : 0);
+  };
+  const ReleaseTasks order{kStoryRun, 1, {1}};
+  Outbox out = tell("drone", "cloud", MessageType::command, order);
+  REQUIRE(sent<NeedDefinition>(out).size() == 1);
+  CHECK(sent<Nack>(out).empty());
+  out = tell("cloud", "drone", MessageType::request, NeedDefinition{kStoryRun, {}});
+  out = tell("drone", "cloud", MessageType::information, sent<Definition>(out).at(0));
+  CHECK(sent<Ack>(out).size() == 1);
+  REQUIRE(story.fleet.until([&] { return story.task(1).outcome == TaskOutcome::released; }, seconds(20)));
+  REQUIRE(story.decide({move("task-1", "pioneer", 2, Evidence::result)}) == "accepted");
+  REQUIRE(story.until(RunState::finished));
+  CHECK(story.begun("drone", "task-1") == 0);
+  CHECK(story.begun("pioneer", "task-1") == 1);
+}
+
 TEST_CASE("who replaces a robot that had finished after all is told before it begins") {
   Story story({"ur3", "drone"});
   REQUIRE(story.fleet.until([&] { return story.task(0).state == TaskState::running; }));
