@@ -195,16 +195,17 @@ struct MessageForm {
   std::uint32_t size = 0;
   std::string data;
   Blob data_hex;
+  template <class T = MessageForm>
   static constexpr auto fields() {
-    return std::tuple{field("type", &MessageForm::type),
-                      field("subtype", &MessageForm::subtype, 64),
-                      field("source", &MessageForm::source, 64),
-                      field("target", &MessageForm::target, 64),
-                      field("id", &MessageForm::id),
-                      field("reply_to", &MessageForm::reply_to),
-                      field("size", &MessageForm::size),
-                      field("data", &MessageForm::data, kMaxDataSize),
-                      field("data_hex", &MessageForm::data_hex, kMaxDataSize)};
+    return std::tuple{field("type", &T::type),
+                      field("subtype", &T::subtype, 64),
+                      field("source", &T::source, 64),
+                      field("target", &T::target, 64),
+                      field("id", &T::id),
+                      field("reply_to", &T::reply_to),
+                      field("size", &T::size),
+                      field("data", &T::data, kMaxDataSize),
+                      field("data_hex", &T::data_hex, kMaxDataSize)};
   }
 };
 

@@ -5,6 +5,7 @@
 
 #include "common/base/files.hpp"
 #include "common/config/node_folder.hpp"
+#include "tests/support/paths.hpp"
 
 using namespace trb;
 
@@ -21,7 +22,7 @@ std::string what_of(std::string_view words) {
 class PioneerFolder : public NodeFolder {
  public:
   PioneerFolder() : NodeFolder("pioneer") {
-    const std::string config = std::string(TRB_SOURCE_DIR) + "/config/";
+    const std::string config = test::source_dir() + "/config/";
     for (const char* file : {"profile.json", "commands.json", "places.json"}) write(file, *read_file(config + file));
     write("robots/r.json", *read_file(config + "robots/pioneer.json"));
   }

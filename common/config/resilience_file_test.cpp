@@ -4,6 +4,7 @@
 
 #include "common/base/files.hpp"
 #include "common/config/node_folder.hpp"
+#include "tests/support/paths.hpp"
 
 using namespace trb;
 
@@ -45,7 +46,7 @@ TEST_CASE("without a file Figure 8's priorities count, and people decide") {
 }
 
 TEST_CASE("the shipped files are good, and the one of the defaults says what they are") {
-  const std::string folder = std::string(TRB_SOURCE_DIR) + "/config/resilience/";
+  const std::string folder = test::source_dir() + "/config/resilience/";
   CHECK(good(*read_file(folder + "figure-8.json")).weights == default_resilience().weights);
   const ResilienceSettings automatic = good(*read_file(folder + "automatic.json"));
   CHECK(automatic.policy.automatic);

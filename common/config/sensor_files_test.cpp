@@ -4,6 +4,7 @@
 
 #include "common/base/files.hpp"
 #include "common/config/node_folder.hpp"
+#include "tests/support/paths.hpp"
 
 using namespace trb;
 
@@ -14,7 +15,7 @@ TEST_CASE("a node without rules for sensors has no fault") {
 
 TEST_CASE("the shipped rules are good") {
   ConfigFaults faults;
-  const auto rules = read_sensor_files(std::string(TRB_SOURCE_DIR) + "/config", faults);
+  const auto rules = read_sensor_files(test::source_dir() + "/config", faults);
   CHECK_MESSAGE(faults.empty(), to_text(faults));
   REQUIRE(rules.size() == 8);
   CHECK(rules.front().file == "sensors/camera.json");

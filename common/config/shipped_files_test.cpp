@@ -6,12 +6,13 @@
 #include "common/base/files.hpp"
 #include "common/config/node_folder.hpp"
 #include "common/scenario/definition.hpp"
+#include "tests/support/paths.hpp"
 
 using namespace trb;
 
 namespace {
 
-const std::string kConfig = std::string(TRB_SOURCE_DIR) + "/config/";
+const std::string kConfig = test::source_dir() + "/config/";
 /// Robots that speak in fields, as the end-to-end tests have them.
 const std::string kFieldRobots = "../tests/support/robots/";
 

@@ -4,6 +4,7 @@
 #include "common/base/files.hpp"
 #include "common/security/rights.hpp"
 #include "proto/body.hpp"
+#include "tests/support/paths.hpp"
 
 using namespace trb;
 
@@ -98,7 +99,7 @@ TEST_CASE("a service of an operator's takes users' words, and nothing of the mid
 }
 
 TEST_CASE("proto/README.md prints the table as it is") {
-  const auto readme = read_file(std::string(TRB_SOURCE_DIR) + "/proto/README.md");
+  const auto readme = read_file(test::source_dir() + "/proto/README.md");
   REQUIRE(readme.ok());
   INFO("put the output of `trb help rights` between the marks");
   CHECK(readme->find("<!-- rights -->\n" + rights_text() + "<!-- /rights -->") != std::string::npos);

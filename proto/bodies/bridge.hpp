@@ -28,11 +28,11 @@ struct BridgeCommand {
   std::string data;                ///< JSON
   std::vector<std::string> paths;  ///< of a value: the list of these alone, as "pose.position.x"; empty: all of it
   double timeout_s = 5;
+  template <class T = BridgeCommand>
   static constexpr auto fields() {
-    return std::tuple{field("instance", &BridgeCommand::instance), field("token", &BridgeCommand::token),
-                      field("action", &BridgeCommand::action),     field("name", &BridgeCommand::name),
-                      field("type", &BridgeCommand::type),         field("data", &BridgeCommand::data, 65536),
-                      field("paths", &BridgeCommand::paths, 32),   field("timeout_s", &BridgeCommand::timeout_s)};
+    return std::tuple{field("instance", &T::instance), field("token", &T::token),        field("action", &T::action),
+                      field("name", &T::name),         field("type", &T::type),          field("data", &T::data, 65536),
+                      field("paths", &T::paths, 32),   field("timeout_s", &T::timeout_s)};
   }
 };
 
@@ -51,11 +51,11 @@ struct BridgeEvent {
   std::string code;  ///< of a failure: an Errc's name
   std::string what;
   std::string cure;
+  template <class T = BridgeEvent>
   static constexpr auto fields() {
-    return std::tuple{field("instance", &BridgeEvent::instance), field("token", &BridgeEvent::token),
-                      field("result", &BridgeEvent::result),     field("data", &BridgeEvent::data, 65536),
-                      field("code", &BridgeEvent::code, 32),     field("what", &BridgeEvent::what, 1024),
-                      field("cure", &BridgeEvent::cure, 1024)};
+    return std::tuple{field("instance", &T::instance), field("token", &T::token),   field("result", &T::result),
+                      field("data", &T::data, 65536),  field("code", &T::code, 32), field("what", &T::what, 1024),
+                      field("cure", &T::cure, 1024)};
   }
 };
 
@@ -65,9 +65,9 @@ struct BridgeState {
   std::uint64_t connection = 0;  ///< another number: what was under way or watched before is forgotten
   bool up = false;
   std::string detail;  ///< why not
+  template <class T = BridgeState>
   static constexpr auto fields() {
-    return std::tuple{field("connection", &BridgeState::connection), field("up", &BridgeState::up),
-                      field("detail", &BridgeState::detail)};
+    return std::tuple{field("connection", &T::connection), field("up", &T::up), field("detail", &T::detail)};
   }
 };
 

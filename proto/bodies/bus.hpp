@@ -14,10 +14,11 @@ struct ServiceHello {
   std::uint32_t pid = 0;
   std::string version;
   std::vector<std::string> hears{};  ///< information that it wants a copy of; as many services as like may hear one
+  template <class T = ServiceHello>
   static constexpr auto fields() {
-    return std::tuple{field("service", &ServiceHello::service, 64), field("subtypes", &ServiceHello::subtypes, 64),
-                      field("instance", &ServiceHello::instance),   field("pid", &ServiceHello::pid),
-                      field("version", &ServiceHello::version, 32), field("hears", &ServiceHello::hears, 64)};
+    return std::tuple{field("service", &T::service, 64), field("subtypes", &T::subtypes, 64),
+                      field("instance", &T::instance),   field("pid", &T::pid),
+                      field("version", &T::version, 32), field("hears", &T::hears, 64)};
   }
 };
 
@@ -28,10 +29,10 @@ struct ServiceWelcome {
   std::uint16_t slot = 0;  ///< the upper 16 bits of every message id that this connection makes
   std::uint64_t router_instance = 0;
   std::uint64_t boot = 0;  ///< the node's boot counter
+  template <class T = ServiceWelcome>
   static constexpr auto fields() {
-    return std::tuple{field("node", &ServiceWelcome::node, 64), field("role", &ServiceWelcome::role, 32),
-                      field("slot", &ServiceWelcome::slot), field("router_instance", &ServiceWelcome::router_instance),
-                      field("boot", &ServiceWelcome::boot)};
+    return std::tuple{field("node", &T::node, 64), field("role", &T::role, 32), field("slot", &T::slot),
+                      field("router_instance", &T::router_instance), field("boot", &T::boot)};
   }
 };
 
@@ -39,19 +40,28 @@ struct ServiceWelcome {
 struct ServiceAlive {
   static constexpr std::string_view kSubtype = "service_alive";
   std::uint64_t instance = 0;
-  static constexpr auto fields() { return std::tuple{field("instance", &ServiceAlive::instance)}; }
+  template <class T = ServiceAlive>
+  static constexpr auto fields() {
+    return std::tuple{field("instance", &T::instance)};
+  }
 };
 
 struct ServiceAliveSeen {
   static constexpr std::string_view kSubtype = "service_alive_seen";
   std::uint64_t router_instance = 0;
-  static constexpr auto fields() { return std::tuple{field("router_instance", &ServiceAliveSeen::router_instance)}; }
+  template <class T = ServiceAliveSeen>
+  static constexpr auto fields() {
+    return std::tuple{field("router_instance", &T::router_instance)};
+  }
 };
 
 /// The router does not know this connection (it was restarted): say ServiceHello again.
 struct HelloWanted {
   static constexpr std::string_view kSubtype = "hello_wanted";
-  static constexpr auto fields() { return std::tuple{}; }
+  template <class = void>
+  static constexpr auto fields() {
+    return std::tuple{};
+  }
 };
 
 /// The negative answer to any command or request, and to information that could not be delivered. Never Nacked itself.
@@ -62,10 +72,10 @@ struct Nack {
   std::string target;   ///< of the message that failed
   std::string what;
   std::string cure;
+  template <class T = Nack>
   static constexpr auto fields() {
-    return std::tuple{field("code", &Nack::code, 64), field("subtype", &Nack::subtype, 64),
-                      field("target", &Nack::target, 64), field("what", &Nack::what, 1024),
-                      field("cure", &Nack::cure, 1024)};
+    return std::tuple{field("code", &T::code, 64), field("subtype", &T::subtype, 64), field("target", &T::target, 64),
+                      field("what", &T::what, 1024), field("cure", &T::cure, 1024)};
   }
 };
 
@@ -74,8 +84,9 @@ struct Ack {
   static constexpr std::string_view kSubtype = "ack";
   std::string state;  ///< how far it has come: "handed_over", "started", "stopped", "released", "accepted"
   std::string text;
+  template <class T = Ack>
   static constexpr auto fields() {
-    return std::tuple{field("state", &Ack::state, 32), field("text", &Ack::text, 1024)};
+    return std::tuple{field("state", &T::state, 32), field("text", &T::text, 1024)};
   }
 };
 
@@ -84,19 +95,26 @@ struct SignRequest {
   static constexpr std::string_view kSubtype = "sign_request";
   std::string kind;  ///< a kSigned… purpose, proto/bodies/signed.hpp
   Blob payload;
+  template <class T = SignRequest>
   static constexpr auto fields() {
-    return std::tuple{field("kind", &SignRequest::kind, 32), field("payload", &SignRequest::payload, 1U << 19U)};
+    return std::tuple{field("kind", &T::kind, 32), field("payload", &T::payload, 1U << 19U)};
   }
 };
 
 struct RouteListRequest {
   static constexpr std::string_view kSubtype = "route_list";
-  static constexpr auto fields() { return std::tuple{}; }
+  template <class = void>
+  static constexpr auto fields() {
+    return std::tuple{};
+  }
 };
 
 struct ServiceListRequest {
   static constexpr std::string_view kSubtype = "service_list";
-  static constexpr auto fields() { return std::tuple{}; }
+  template <class = void>
+  static constexpr auto fields() {
+    return std::tuple{};
+  }
 };
 
 struct ServiceEntry {
@@ -109,16 +127,12 @@ struct ServiceEntry {
   double last_heard_s = 0;
   std::vector<std::string> subtypes;
   std::string note;  ///< what a person should know of it, as a certificate that ends soon
+  template <class T = ServiceEntry>
   static constexpr auto fields() {
-    return std::tuple{field("service", &ServiceEntry::service, 64),
-                      field("state", &ServiceEntry::state, 16),
-                      field("pid", &ServiceEntry::pid),
-                      field("instance", &ServiceEntry::instance),
-                      field("version", &ServiceEntry::version, 32),
-                      field("up_s", &ServiceEntry::up_s),
-                      field("last_heard_s", &ServiceEntry::last_heard_s),
-                      field("subtypes", &ServiceEntry::subtypes, 64),
-                      field("note", &ServiceEntry::note)};
+    return std::tuple{
+        field("service", &T::service, 64),       field("state", &T::state, 16),       field("pid", &T::pid),
+        field("instance", &T::instance),         field("version", &T::version, 32),   field("up_s", &T::up_s),
+        field("last_heard_s", &T::last_heard_s), field("subtypes", &T::subtypes, 64), field("note", &T::note)};
   }
 };
 
@@ -126,27 +140,35 @@ struct ServiceTable {
   static constexpr std::string_view kSubtype = "service_table";
   std::string node;
   std::vector<ServiceEntry> services;
+  template <class T = ServiceTable>
   static constexpr auto fields() {
-    return std::tuple{field("node", &ServiceTable::node, 64), field("services", &ServiceTable::services, 32)};
+    return std::tuple{field("node", &T::node, 64), field("services", &T::services, 32)};
   }
 };
 
 /// Asks a router for its counters ("sent.SUBTYPE", "refused.REASON" …).
 struct RouterCountersRequest {
   static constexpr std::string_view kSubtype = "router_counters";
-  static constexpr auto fields() { return std::tuple{}; }
+  template <class = void>
+  static constexpr auto fields() {
+    return std::tuple{};
+  }
 };
 
 struct AdapterCountersRequest {
   static constexpr std::string_view kSubtype = "adapter_counters";
-  static constexpr auto fields() { return std::tuple{}; }
+  template <class = void>
+  static constexpr auto fields() {
+    return std::tuple{};
+  }
 };
 
 struct Counter {
   std::string name;
   std::uint64_t value = 0;
+  template <class T = Counter>
   static constexpr auto fields() {
-    return std::tuple{field("name", &Counter::name, 128), field("value", &Counter::value)};
+    return std::tuple{field("name", &T::name, 128), field("value", &T::value)};
   }
 };
 
@@ -155,9 +177,10 @@ struct Counters {
   std::string node;
   std::string service;
   std::vector<Counter> values;
+  template <class T = Counters>
   static constexpr auto fields() {
-    return std::tuple{field("node", &Counters::node, 64), field("service", &Counters::service, 64),
-                      field("values", &Counters::values, 1024)};
+    return std::tuple{field("node", &T::node, 64), field("service", &T::service, 64),
+                      field("values", &T::values, 1024)};
   }
 };
 

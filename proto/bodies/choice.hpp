@@ -23,11 +23,12 @@ struct Condition {
   std::string text;
   std::string unit;  ///< a number's: a value in another unit is not taken
   bool operator==(const Condition&) const = default;
+  template <class T = Condition>
   static constexpr auto fields() {
-    return std::tuple{field("sensor", &Condition::sensor, 64),      field("of", &Condition::of, 64),
-                      field("identity", &Condition::identity, 128), field("op", &Condition::op),
-                      field("is_text", &Condition::is_text),        field("number", &Condition::number),
-                      field("text", &Condition::text, 1024),        field("unit", &Condition::unit, 16)};
+    return std::tuple{field("sensor", &T::sensor, 64),      field("of", &T::of, 64),
+                      field("identity", &T::identity, 128), field("op", &T::op),
+                      field("is_text", &T::is_text),        field("number", &T::number),
+                      field("text", &T::text, 1024),        field("unit", &T::unit, 16)};
   }
 };
 
@@ -37,9 +38,9 @@ struct ChosenTask {
   std::uint32_t iteration = 1;
   bool holds = false;  ///< the condition: else the task is SKIPPED
   bool operator==(const ChosenTask&) const = default;
+  template <class T = ChosenTask>
   static constexpr auto fields() {
-    return std::tuple{field("task", &ChosenTask::task, 64), field("iteration", &ChosenTask::iteration),
-                      field("holds", &ChosenTask::holds)};
+    return std::tuple{field("task", &T::task, 64), field("iteration", &T::iteration), field("holds", &T::holds)};
   }
 };
 
@@ -56,11 +57,11 @@ struct Choice {
   SensorReading reading;  ///< the value
   std::int64_t time = 0;  ///< of the choice: UTC ns
   bool operator==(const Choice&) const = default;
+  template <class T = Choice>
   static constexpr auto fields() {
-    return std::tuple{field("run", &Choice::run, 64),       field("digest", &Choice::digest, 32),
-                      field("epoch", &Choice::epoch),       field("by", &Choice::by, 64),
-                      field("tasks", &Choice::tasks, 1000), field("node", &Choice::node, 64),
-                      field("reading", &Choice::reading),   field("time", &Choice::time)};
+    return std::tuple{field("run", &T::run, 64),     field("digest", &T::digest, 32), field("epoch", &T::epoch),
+                      field("by", &T::by, 64),       field("tasks", &T::tasks, 1000), field("node", &T::node, 64),
+                      field("reading", &T::reading), field("time", &T::time)};
   }
 };
 

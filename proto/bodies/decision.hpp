@@ -11,8 +11,9 @@ struct Member {
   std::string id;
   SignedRecord certificate;
   bool operator==(const Member&) const = default;
+  template <class T = Member>
   static constexpr auto fields() {
-    return std::tuple{field("id", &Member::id, 64), field("certificate", &Member::certificate)};
+    return std::tuple{field("id", &T::id, 64), field("certificate", &T::certificate)};
   }
 };
 
@@ -37,10 +38,10 @@ struct TaskRuling {
   std::uint32_t attempt = 1;  ///< the next attempt: earlier ones are void, unless they FINISHED
   Evidence evidence{};
   bool operator==(const TaskRuling&) const = default;
+  template <class T = TaskRuling>
   static constexpr auto fields() {
-    return std::tuple{field("task", &TaskRuling::task, 64), field("ruling", &TaskRuling::ruling),
-                      field("robot", &TaskRuling::robot, 64), field("attempt", &TaskRuling::attempt),
-                      field("evidence", &TaskRuling::evidence)};
+    return std::tuple{field("task", &T::task, 64), field("ruling", &T::ruling), field("robot", &T::robot, 64),
+                      field("attempt", &T::attempt), field("evidence", &T::evidence)};
   }
 };
 
@@ -60,18 +61,13 @@ struct Decision {
   std::string reason;
   std::int64_t time = 0;  ///< UTC ns
   bool operator==(const Decision&) const = default;
+  template <class T = Decision>
   static constexpr auto fields() {
-    return std::tuple{field("run", &Decision::run, 64),
-                      field("digest", &Decision::digest, 32),
-                      field("epoch", &Decision::epoch),
-                      field("previous", &Decision::previous, 32),
-                      field("by", &Decision::by, 64),
-                      field("tasks", &Decision::tasks, 1000),
-                      field("members", &Decision::members, 1000),
-                      field("alert", &Decision::alert, 64),
-                      field("person", &Decision::person, 64),
-                      field("reason", &Decision::reason, 1024),
-                      field("time", &Decision::time)};
+    return std::tuple{
+        field("run", &T::run, 64),           field("digest", &T::digest, 32), field("epoch", &T::epoch),
+        field("previous", &T::previous, 32), field("by", &T::by, 64),         field("tasks", &T::tasks, 1000),
+        field("members", &T::members, 1000), field("alert", &T::alert, 64),   field("person", &T::person, 64),
+        field("reason", &T::reason, 1024),   field("time", &T::time)};
   }
 };
 
@@ -80,7 +76,10 @@ struct Decision {
 struct RunDecision {
   static constexpr std::string_view kSubtype = "run_decision";
   SignedRecord decision;
-  static constexpr auto fields() { return std::tuple{field("decision", &RunDecision::decision)}; }
+  template <class T = RunDecision>
+  static constexpr auto fields() {
+    return std::tuple{field("decision", &T::decision)};
+  }
 };
 
 /// The member holds every decision up to that epoch on disk.
@@ -88,8 +87,9 @@ struct DecisionJournaled {
   static constexpr std::string_view kSubtype = "decision_journaled";
   std::string run;
   std::uint32_t epoch = 1;
+  template <class T = DecisionJournaled>
   static constexpr auto fields() {
-    return std::tuple{field("run", &DecisionJournaled::run, 64), field("epoch", &DecisionJournaled::epoch)};
+    return std::tuple{field("run", &T::run, 64), field("epoch", &T::epoch)};
   }
 };
 
@@ -100,9 +100,9 @@ struct ReleaseTasks {
   std::string run;
   std::uint32_t epoch = 1;
   std::vector<std::uint16_t> tasks;
+  template <class T = ReleaseTasks>
   static constexpr auto fields() {
-    return std::tuple{field("run", &ReleaseTasks::run, 64), field("epoch", &ReleaseTasks::epoch),
-                      field("tasks", &ReleaseTasks::tasks, 1000)};
+    return std::tuple{field("run", &T::run, 64), field("epoch", &T::epoch), field("tasks", &T::tasks, 1000)};
   }
 };
 
@@ -116,10 +116,10 @@ struct PauseOrder {
   std::string by;
   std::string reason;
   std::int64_t time = 0;  ///< UTC ns
+  template <class T = PauseOrder>
   static constexpr auto fields() {
-    return std::tuple{field("run", &PauseOrder::run, 64),        field("number", &PauseOrder::number),
-                      field("paused", &PauseOrder::paused),      field("by", &PauseOrder::by, 64),
-                      field("reason", &PauseOrder::reason, 255), field("time", &PauseOrder::time)};
+    return std::tuple{field("run", &T::run, 64), field("number", &T::number),      field("paused", &T::paused),
+                      field("by", &T::by, 64),   field("reason", &T::reason, 255), field("time", &T::time)};
   }
 };
 
@@ -127,15 +127,19 @@ struct PauseOrder {
 struct RunPause {
   static constexpr std::string_view kSubtype = "run_pause";
   SignedRecord order;
-  static constexpr auto fields() { return std::tuple{field("order", &RunPause::order)}; }
+  template <class T = RunPause>
+  static constexpr auto fields() {
+    return std::tuple{field("order", &T::order)};
+  }
 };
 
 struct PauseJournaled {
   static constexpr std::string_view kSubtype = "pause_journaled";
   std::string run;
   std::uint32_t number = 1;
+  template <class T = PauseJournaled>
   static constexpr auto fields() {
-    return std::tuple{field("run", &PauseJournaled::run, 64), field("number", &PauseJournaled::number)};
+    return std::tuple{field("run", &T::run, 64), field("number", &T::number)};
   }
 };
 

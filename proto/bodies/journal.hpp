@@ -10,8 +10,9 @@ struct JournalRun {
   static constexpr std::string_view kSubtype = "journal_run";
   SignedRecord start;
   bool submitted_here = false;  ///< this scheduler owes the batons to the first actors
+  template <class T = JournalRun>
   static constexpr auto fields() {
-    return std::tuple{field("start", &JournalRun::start), field("submitted_here", &JournalRun::submitted_here)};
+    return std::tuple{field("start", &T::start), field("submitted_here", &T::submitted_here)};
   }
 };
 
@@ -22,9 +23,10 @@ struct JournalStart {
   std::uint32_t epoch = 1;
   std::uint64_t instance = 0;  ///< of the mode-adapter that is to execute it
   std::int64_t time = 0;       ///< UTC ns
+  template <class T = JournalStart>
   static constexpr auto fields() {
-    return std::tuple{field("key", &JournalStart::key), field("epoch", &JournalStart::epoch),
-                      field("instance", &JournalStart::instance), field("time", &JournalStart::time)};
+    return std::tuple{field("key", &T::key), field("epoch", &T::epoch), field("instance", &T::instance),
+                      field("time", &T::time)};
   }
 };
 
@@ -32,14 +34,20 @@ struct JournalStart {
 struct JournalResult {
   static constexpr std::string_view kSubtype = "journal_result";
   SignedRecord result;
-  static constexpr auto fields() { return std::tuple{field("result", &JournalResult::result)}; }
+  template <class T = JournalResult>
+  static constexpr auto fields() {
+    return std::tuple{field("result", &T::result)};
+  }
 };
 
 /// A signed choice on tasks' conditions: this node's own, or another's.
 struct JournalChoice {
   static constexpr std::string_view kSubtype = "journal_choice";
   SignedRecord choice;
-  static constexpr auto fields() { return std::tuple{field("choice", &JournalChoice::choice)}; }
+  template <class T = JournalChoice>
+  static constexpr auto fields() {
+    return std::tuple{field("choice", &T::choice)};
+  }
 };
 
 /// Another node has journaled what this one owed it.
@@ -50,10 +58,10 @@ struct JournalDelivered {
   std::string what;  ///< "baton", "results", "abort", "decision", "pause"
   std::vector<std::uint16_t> tasks;
   std::uint32_t epoch = 1;
+  template <class T = JournalDelivered>
   static constexpr auto fields() {
-    return std::tuple{field("run", &JournalDelivered::run, 64), field("to", &JournalDelivered::to, 64),
-                      field("what", &JournalDelivered::what, 16), field("tasks", &JournalDelivered::tasks, kMaxTasks),
-                      field("epoch", &JournalDelivered::epoch)};
+    return std::tuple{field("run", &T::run, 64), field("to", &T::to, 64), field("what", &T::what, 16),
+                      field("tasks", &T::tasks, kMaxTasks), field("epoch", &T::epoch)};
   }
 };
 
@@ -62,8 +70,9 @@ struct JournalAbort {
   static constexpr std::string_view kSubtype = "journal_abort";
   SignedRecord order;
   bool ordered_here = false;  ///< this scheduler owes the order to the members
+  template <class T = JournalAbort>
   static constexpr auto fields() {
-    return std::tuple{field("order", &JournalAbort::order), field("ordered_here", &JournalAbort::ordered_here)};
+    return std::tuple{field("order", &T::order), field("ordered_here", &T::ordered_here)};
   }
 };
 
@@ -72,9 +81,9 @@ struct JournalDecision {
   static constexpr std::string_view kSubtype = "journal_decision";
   SignedRecord decision;
   bool decided_here = false;  ///< this scheduler owes it to the members
+  template <class T = JournalDecision>
   static constexpr auto fields() {
-    return std::tuple{field("decision", &JournalDecision::decision),
-                      field("decided_here", &JournalDecision::decided_here)};
+    return std::tuple{field("decision", &T::decision), field("decided_here", &T::decided_here)};
   }
 };
 
@@ -83,8 +92,9 @@ struct JournalPause {
   static constexpr std::string_view kSubtype = "journal_pause";
   SignedRecord order;
   bool ordered_here = false;  ///< this scheduler owes the order to the members
+  template <class T = JournalPause>
   static constexpr auto fields() {
-    return std::tuple{field("order", &JournalPause::order), field("ordered_here", &JournalPause::ordered_here)};
+    return std::tuple{field("order", &T::order), field("ordered_here", &T::ordered_here)};
   }
 };
 
@@ -94,9 +104,9 @@ struct JournalTombstone {
   std::string run;
   RunState state{};
   std::int64_t until = 0;  ///< UTC ns
+  template <class T = JournalTombstone>
   static constexpr auto fields() {
-    return std::tuple{field("run", &JournalTombstone::run, 64), field("state", &JournalTombstone::state),
-                      field("until", &JournalTombstone::until)};
+    return std::tuple{field("run", &T::run, 64), field("state", &T::state), field("until", &T::until)};
   }
 };
 

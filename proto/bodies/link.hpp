@@ -17,11 +17,11 @@ struct ParameterInfo {
   std::vector<std::string> one_of{};  ///< the words that a text or a place may be; empty: any
   std::uint32_t count = 0;            ///< of "numbers", how many; 0: any
   bool operator==(const ParameterInfo&) const = default;
+  template <class T = ParameterInfo>
   static constexpr auto fields() {
-    return std::tuple{field("name", &ParameterInfo::name, 64),     field("type", &ParameterInfo::type, 16),
-                      field("required", &ParameterInfo::required), field("unit", &ParameterInfo::unit, 16),
-                      field("range", &ParameterInfo::range, 2),    field("one_of", &ParameterInfo::one_of, 64),
-                      field("count", &ParameterInfo::count)};
+    return std::tuple{field("name", &T::name, 64), field("type", &T::type, 16),  field("required", &T::required),
+                      field("unit", &T::unit, 16), field("range", &T::range, 2), field("one_of", &T::one_of, 64),
+                      field("count", &T::count)};
   }
 };
 
@@ -32,10 +32,11 @@ struct SkillInfo {
   bool repeatable = false;  ///< may be done again if nobody knows whether it was done
   double timeout_s = 0;
   bool operator==(const SkillInfo&) const = default;
+  template <class T = SkillInfo>
   static constexpr auto fields() {
-    return std::tuple{field("name", &SkillInfo::name, 64), field("capability", &SkillInfo::capability, 64),
-                      field("parameters", &SkillInfo::parameters, 32), field("repeatable", &SkillInfo::repeatable),
-                      field("timeout_s", &SkillInfo::timeout_s)};
+    return std::tuple{field("name", &T::name, 64), field("capability", &T::capability, 64),
+                      field("parameters", &T::parameters, 32), field("repeatable", &T::repeatable),
+                      field("timeout_s", &T::timeout_s)};
   }
 };
 
@@ -46,9 +47,9 @@ struct FrameInfo {
   double y = 0;
   double yaw = 0;  ///< and how it is turned, rad
   bool operator==(const FrameInfo&) const = default;
+  template <class T = FrameInfo>
   static constexpr auto fields() {
-    return std::tuple{field("length", &FrameInfo::length), field("x", &FrameInfo::x), field("y", &FrameInfo::y),
-                      field("yaw", &FrameInfo::yaw)};
+    return std::tuple{field("length", &T::length), field("x", &T::x), field("y", &T::y), field("yaw", &T::yaw)};
   }
 };
 
@@ -71,22 +72,23 @@ struct NodeProfile {
   std::vector<SensorInfo> plugged;  ///< sensors of the node's PC; each adds its kind to `capabilities`
   FrameInfo frame{};                ///< of the robot's own `position`
   bool operator==(const NodeProfile&) const = default;
+  template <class T = NodeProfile>
   static constexpr auto fields() {
-    return std::tuple{field("framework", &NodeProfile::framework, 64),
-                      field("mode", &NodeProfile::mode, 16),
-                      field("transport", &NodeProfile::transport, 16),
-                      field("maker", &NodeProfile::maker, 64),
-                      field("model", &NodeProfile::model, 64),
-                      field("capabilities", &NodeProfile::capabilities, 64),
-                      field("sensors", &NodeProfile::sensors, 255),
-                      field("skills", &NodeProfile::skills, 128),
-                      field("places", &NodeProfile::places, 255),
-                      field("robot", &NodeProfile::robot, 32),
-                      field("detail", &NodeProfile::detail, 255),
-                      field("fenced", &NodeProfile::fenced),
-                      field("control", &NodeProfile::control, 64),
-                      field("plugged", &NodeProfile::plugged, 255),
-                      field("frame", &NodeProfile::frame)};
+    return std::tuple{field("framework", &T::framework, 64),
+                      field("mode", &T::mode, 16),
+                      field("transport", &T::transport, 16),
+                      field("maker", &T::maker, 64),
+                      field("model", &T::model, 64),
+                      field("capabilities", &T::capabilities, 64),
+                      field("sensors", &T::sensors, 255),
+                      field("skills", &T::skills, 128),
+                      field("places", &T::places, 255),
+                      field("robot", &T::robot, 32),
+                      field("detail", &T::detail, 255),
+                      field("fenced", &T::fenced),
+                      field("control", &T::control, 64),
+                      field("plugged", &T::plugged, 255),
+                      field("frame", &T::frame)};
   }
 };
 
@@ -104,18 +106,19 @@ struct Hello {
   std::string seal = "behind";    ///< "behind" the delivery, or "before_delivery"
   bool relay = false;             ///< carries messages between members that cannot reach each other
   std::string lane;               ///< where the sender's lossy lane can be dialled, HOST:PORT; empty: it has none
+  template <class T = Hello>
   static constexpr auto fields() {
-    return std::tuple{field("certificate", &Hello::certificate),
-                      field("boot", &Hello::boot),
-                      field("address", &Hello::address, 80),
-                      field("version", &Hello::version, 32),
-                      field("utc", &Hello::utc),
-                      field("clock_verified", &Hello::clock_verified),
-                      field("profile", &Hello::profile),
-                      field("revocations", &Hello::revocations),
-                      field("seal", &Hello::seal, 16),
-                      field("relay", &Hello::relay),
-                      field("lane", &Hello::lane, 80)};
+    return std::tuple{field("certificate", &T::certificate),
+                      field("boot", &T::boot),
+                      field("address", &T::address, 80),
+                      field("version", &T::version, 32),
+                      field("utc", &T::utc),
+                      field("clock_verified", &T::clock_verified),
+                      field("profile", &T::profile),
+                      field("revocations", &T::revocations),
+                      field("seal", &T::seal, 16),
+                      field("relay", &T::relay),
+                      field("lane", &T::lane, 80)};
   }
 };
 
@@ -123,7 +126,10 @@ struct Hello {
 struct Seal {
   static constexpr std::string_view kSubtype = "seal";
   SignedRecord range;  ///< a SealedRange
-  static constexpr auto fields() { return std::tuple{field("range", &Seal::range)}; }
+  template <class T = Seal>
+  static constexpr auto fields() {
+    return std::tuple{field("range", &T::range)};
+  }
 };
 
 /// What the authority has said since: the newest revocation list, renewed certificates. Any member may bring it, for
@@ -132,9 +138,9 @@ struct FleetNews {
   static constexpr std::string_view kSubtype = "fleet_news";
   SignedRecord revocations;  ///< a RevocationList; an empty kind for none
   std::vector<SignedRecord> certificates;
+  template <class T = FleetNews>
   static constexpr auto fields() {
-    return std::tuple{field("revocations", &FleetNews::revocations),
-                      field("certificates", &FleetNews::certificates, 256)};
+    return std::tuple{field("revocations", &T::revocations), field("certificates", &T::certificates, 256)};
   }
 };
 
@@ -146,10 +152,11 @@ struct Neighbour {
   std::string version;
   bool clock_verified = true;
   NodeProfile profile;
+  template <class T = Neighbour>
   static constexpr auto fields() {
-    return std::tuple{field("certificate", &Neighbour::certificate),       field("boot", &Neighbour::boot),
-                      field("address", &Neighbour::address, 80),           field("version", &Neighbour::version, 32),
-                      field("clock_verified", &Neighbour::clock_verified), field("profile", &Neighbour::profile)};
+    return std::tuple{field("certificate", &T::certificate),       field("boot", &T::boot),
+                      field("address", &T::address, 80),           field("version", &T::version, 32),
+                      field("clock_verified", &T::clock_verified), field("profile", &T::profile)};
   }
 };
 
@@ -157,8 +164,9 @@ struct Neighbour {
 struct NeighbourGone {
   std::string id;
   std::uint64_t silent_ms = 0;  ///< since its last sign of life there: the others' lease runs from then
+  template <class T = NeighbourGone>
   static constexpr auto fields() {
-    return std::tuple{field("id", &NeighbourGone::id, 64), field("silent_ms", &NeighbourGone::silent_ms)};
+    return std::tuple{field("id", &T::id, 64), field("silent_ms", &T::silent_ms)};
   }
 };
 
@@ -167,8 +175,9 @@ struct Neighbours {
   static constexpr std::string_view kSubtype = "neighbours";
   std::vector<Neighbour> reached;
   std::vector<NeighbourGone> gone;
+  template <class T = Neighbours>
   static constexpr auto fields() {
-    return std::tuple{field("reached", &Neighbours::reached, 64), field("gone", &Neighbours::gone, 1024)};
+    return std::tuple{field("reached", &T::reached, 64), field("gone", &T::gone, 1024)};
   }
 };
 
@@ -176,13 +185,19 @@ struct Neighbours {
 struct Relayed {
   static constexpr std::string_view kSubtype = "relayed";
   SignedRecord record;  ///< a RelayedFrame
-  static constexpr auto fields() { return std::tuple{field("record", &Relayed::record)}; }
+  template <class T = Relayed>
+  static constexpr auto fields() {
+    return std::tuple{field("record", &T::record)};
+  }
 };
 
 /// Asks a router what has gone wrong with its links: for `trb doctor`.
 struct LinkTroublesRequest {
   static constexpr std::string_view kSubtype = "link_troubles";
-  static constexpr auto fields() { return std::tuple{}; }
+  template <class = void>
+  static constexpr auto fields() {
+    return std::tuple{};
+  }
 };
 
 struct LinkTrouble {
@@ -192,10 +207,10 @@ struct LinkTrouble {
   std::string text;
   std::uint64_t count = 0;  ///< how often, one after the other
   double last_s = 0;        ///< how long ago the last was
+  template <class T = LinkTrouble>
   static constexpr auto fields() {
-    return std::tuple{field("peer", &LinkTrouble::peer, 64), field("address", &LinkTrouble::address, 80),
-                      field("code", &LinkTrouble::code, 64), field("text", &LinkTrouble::text, 512),
-                      field("count", &LinkTrouble::count),   field("last_s", &LinkTrouble::last_s)};
+    return std::tuple{field("peer", &T::peer, 64),  field("address", &T::address, 80), field("code", &T::code, 64),
+                      field("text", &T::text, 512), field("count", &T::count),         field("last_s", &T::last_s)};
   }
 };
 
@@ -204,8 +219,9 @@ struct LinkTroubles {
   static constexpr std::string_view kSubtype = "link_trouble_table";
   std::string node;
   std::vector<LinkTrouble> troubles;
+  template <class T = LinkTroubles>
   static constexpr auto fields() {
-    return std::tuple{field("node", &LinkTroubles::node, 64), field("troubles", &LinkTroubles::troubles, 256)};
+    return std::tuple{field("node", &T::node, 64), field("troubles", &T::troubles, 256)};
   }
 };
 
@@ -213,35 +229,48 @@ struct LinkTroubles {
 struct EchoRequest {
   static constexpr std::string_view kSubtype = "echo_request";
   Blob pad;
-  static constexpr auto fields() { return std::tuple{field("pad", &EchoRequest::pad, 65536)}; }
+  template <class T = EchoRequest>
+  static constexpr auto fields() {
+    return std::tuple{field("pad", &T::pad, 65536)};
+  }
 };
 
 struct Echo {
   static constexpr std::string_view kSubtype = "echo";
   Blob pad;
-  static constexpr auto fields() { return std::tuple{field("pad", &Echo::pad, 65536)}; }
+  template <class T = Echo>
+  static constexpr auto fields() {
+    return std::tuple{field("pad", &T::pad, 65536)};
+  }
 };
 
 /// Four in a lease. `heard` is the sequence last received, so that a one-way cut ends the lease on both sides.
 struct KeepAlive {
   static constexpr std::string_view kSubtype = "keep_alive";
   std::uint64_t heard = 0;
-  static constexpr auto fields() { return std::tuple{field("heard", &KeepAlive::heard)}; }
+  template <class T = KeepAlive>
+  static constexpr auto fields() {
+    return std::tuple{field("heard", &T::heard)};
+  }
 };
 
 /// The link is over; the reason is for the log.
 struct Goodbye {
   static constexpr std::string_view kSubtype = "goodbye";
   std::string reason;
-  static constexpr auto fields() { return std::tuple{field("reason", &Goodbye::reason, 128)}; }
+  template <class T = Goodbye>
+  static constexpr auto fields() {
+    return std::tuple{field("reason", &T::reason, 128)};
+  }
 };
 
 struct PeerJoined {
   static constexpr std::string_view kSubtype = "peer_joined";
   std::string id;
   std::uint64_t boot = 0;
+  template <class T = PeerJoined>
   static constexpr auto fields() {
-    return std::tuple{field("id", &PeerJoined::id, 64), field("boot", &PeerJoined::boot)};
+    return std::tuple{field("id", &T::id, 64), field("boot", &T::boot)};
   }
 };
 
@@ -249,8 +278,9 @@ struct PeerExpired {
   static constexpr std::string_view kSubtype = "peer_expired";
   std::string id;
   std::string reason;
+  template <class T = PeerExpired>
   static constexpr auto fields() {
-    return std::tuple{field("id", &PeerExpired::id, 64), field("reason", &PeerExpired::reason, 128)};
+    return std::tuple{field("id", &T::id, 64), field("reason", &T::reason, 128)};
   }
 };
 
@@ -269,20 +299,21 @@ struct Route {
   SignedRecord certificate;
   NodeProfile profile;
   std::string via;  ///< the relay by which it is reached; empty for a link of one's own
+  template <class T = Route>
   static constexpr auto fields() {
-    return std::tuple{field("id", &Route::id, 64),
-                      field("role", &Route::role),
-                      field("address", &Route::address, 80),
-                      field("state", &Route::state, 32),
-                      field("last_heard_s", &Route::last_heard_s),
-                      field("boot", &Route::boot),
-                      field("link", &Route::link),
-                      field("dialled_by", &Route::dialled_by, 64),
-                      field("version", &Route::version, 32),
-                      field("clock", &Route::clock, 16),
-                      field("certificate", &Route::certificate),
-                      field("profile", &Route::profile),
-                      field("via", &Route::via, 64)};
+    return std::tuple{field("id", &T::id, 64),
+                      field("role", &T::role),
+                      field("address", &T::address, 80),
+                      field("state", &T::state, 32),
+                      field("last_heard_s", &T::last_heard_s),
+                      field("boot", &T::boot),
+                      field("link", &T::link),
+                      field("dialled_by", &T::dialled_by, 64),
+                      field("version", &T::version, 32),
+                      field("clock", &T::clock, 16),
+                      field("certificate", &T::certificate),
+                      field("profile", &T::profile),
+                      field("via", &T::via, 64)};
   }
 };
 
@@ -290,8 +321,9 @@ struct RouteTable {
   static constexpr std::string_view kSubtype = "route_table";
   std::string node;
   std::vector<Route> routes;
+  template <class T = RouteTable>
   static constexpr auto fields() {
-    return std::tuple{field("node", &RouteTable::node, 64), field("routes", &RouteTable::routes, 2000)};
+    return std::tuple{field("node", &T::node, 64), field("routes", &T::routes, 2000)};
   }
 };
 

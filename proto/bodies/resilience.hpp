@@ -14,10 +14,10 @@ struct CriterionPart {
   double weight = 0;        ///< of the criterion, among all
   double contribution = 0;  ///< to the score; they add up to it
   bool operator==(const CriterionPart&) const = default;
+  template <class T = CriterionPart>
   static constexpr auto fields() {
-    return std::tuple{field("criterion", &CriterionPart::criterion, 64), field("value", &CriterionPart::value),
-                      field("unit", &CriterionPart::unit, 16), field("weight", &CriterionPart::weight),
-                      field("contribution", &CriterionPart::contribution)};
+    return std::tuple{field("criterion", &T::criterion, 64), field("value", &T::value), field("unit", &T::unit, 16),
+                      field("weight", &T::weight), field("contribution", &T::contribution)};
   }
 };
 
@@ -25,8 +25,9 @@ struct TaskForRobot {
   std::string task;
   std::string robot;
   bool operator==(const TaskForRobot&) const = default;
+  template <class T = TaskForRobot>
   static constexpr auto fields() {
-    return std::tuple{field("task", &TaskForRobot::task, 64), field("robot", &TaskForRobot::robot, 64)};
+    return std::tuple{field("task", &T::task, 64), field("robot", &T::robot, 64)};
   }
 };
 
@@ -38,10 +39,10 @@ struct Proposal {
   std::vector<CriterionPart> parts;  ///< of `robot`, or of the tasks' robots in their order
   std::string note;                  ///< what a person should know, as a value that is old
   bool operator==(const Proposal&) const = default;
+  template <class T = Proposal>
   static constexpr auto fields() {
-    return std::tuple{field("robot", &Proposal::robot, 64), field("tasks", &Proposal::tasks, 1000),
-                      field("score", &Proposal::score), field("parts", &Proposal::parts, 256),
-                      field("note", &Proposal::note, 512)};
+    return std::tuple{field("robot", &T::robot, 64), field("tasks", &T::tasks, 1000), field("score", &T::score),
+                      field("parts", &T::parts, 256), field("note", &T::note, 512)};
   }
 };
 
@@ -50,7 +51,10 @@ struct Unfit {
   std::string robot;
   std::string why;
   bool operator==(const Unfit&) const = default;
-  static constexpr auto fields() { return std::tuple{field("robot", &Unfit::robot, 64), field("why", &Unfit::why)}; }
+  template <class T = Unfit>
+  static constexpr auto fields() {
+    return std::tuple{field("robot", &T::robot, 64), field("why", &T::why)};
+  }
 };
 
 /// OPEN: waits for a word. RELEASING: decided; the failed robot is to give its tasks back. DECIDED: the decision is
@@ -92,41 +96,48 @@ struct Alert {
   std::uint32_t epoch = 0;  ///< of the decision; 0: none yet
   std::string waits_for;    ///< in words
   bool operator==(const Alert&) const = default;
+  template <class T = Alert>
   static constexpr auto fields() {
-    return std::tuple{field("id", &Alert::id, 64),
-                      field("run", &Alert::run, 64),
-                      field("name", &Alert::name, 64),
-                      field("robot", &Alert::robot, 64),
-                      field("capability", &Alert::capability, 64),
-                      field("severity", &Alert::severity),
-                      field("cause", &Alert::cause, 32),
-                      field("text", &Alert::text, 1024),
-                      field("tasks", &Alert::tasks, 1000),
-                      field("time", &Alert::time),
-                      field("expires", &Alert::expires),
-                      field("state", &Alert::state),
-                      field("proposals", &Alert::proposals, 64),
-                      field("unfit", &Alert::unfit, 64),
-                      field("policy", &Alert::policy),
-                      field("needs_word", &Alert::needs_word),
-                      field("verdict", &Alert::verdict),
-                      field("person", &Alert::person, 64),
-                      field("reason", &Alert::reason, 1024),
-                      field("epoch", &Alert::epoch),
-                      field("waits_for", &Alert::waits_for, 512)};
+    return std::tuple{field("id", &T::id, 64),
+                      field("run", &T::run, 64),
+                      field("name", &T::name, 64),
+                      field("robot", &T::robot, 64),
+                      field("capability", &T::capability, 64),
+                      field("severity", &T::severity),
+                      field("cause", &T::cause, 32),
+                      field("text", &T::text, 1024),
+                      field("tasks", &T::tasks, 1000),
+                      field("time", &T::time),
+                      field("expires", &T::expires),
+                      field("state", &T::state),
+                      field("proposals", &T::proposals, 64),
+                      field("unfit", &T::unfit, 64),
+                      field("policy", &T::policy),
+                      field("needs_word", &T::needs_word),
+                      field("verdict", &T::verdict),
+                      field("person", &T::person, 64),
+                      field("reason", &T::reason, 1024),
+                      field("epoch", &T::epoch),
+                      field("waits_for", &T::waits_for, 512)};
   }
 };
 
 struct AlertListRequest {
   static constexpr std::string_view kSubtype = "alert_list";
   bool all = false;  ///< also those that are DECIDED or CLOSED
-  static constexpr auto fields() { return std::tuple{field("all", &AlertListRequest::all)}; }
+  template <class T = AlertListRequest>
+  static constexpr auto fields() {
+    return std::tuple{field("all", &T::all)};
+  }
 };
 
 struct AlertTable {
   static constexpr std::string_view kSubtype = "alert_table";
   std::vector<Alert> alerts;  ///< newest first
-  static constexpr auto fields() { return std::tuple{field("alerts", &AlertTable::alerts, 256)}; }
+  template <class T = AlertTable>
+  static constexpr auto fields() {
+    return std::tuple{field("alerts", &T::alerts, 256)};
+  }
 };
 
 /// A verdict on an alert (command), on the decider's own bus. Answered by Ack "accepted" once journaled, or a Nack.
@@ -138,10 +149,10 @@ struct AlertDecide {
   std::string person;
   std::string reason;   ///< an override needs one
   bool stands = false;  ///< the person's word that the failed robot stands
+  template <class T = AlertDecide>
   static constexpr auto fields() {
-    return std::tuple{field("alert", &AlertDecide::alert, 64),     field("verdict", &AlertDecide::verdict),
-                      field("robot", &AlertDecide::robot, 64),     field("person", &AlertDecide::person, 64),
-                      field("reason", &AlertDecide::reason, 1024), field("stands", &AlertDecide::stands)};
+    return std::tuple{field("alert", &T::alert, 64),   field("verdict", &T::verdict),     field("robot", &T::robot, 64),
+                      field("person", &T::person, 64), field("reason", &T::reason, 1024), field("stands", &T::stands)};
   }
 };
 
@@ -150,8 +161,9 @@ struct HistoryListRequest {
   static constexpr std::string_view kSubtype = "history_list";
   std::string robot;         ///< empty: of every one
   std::uint32_t most = 100;  ///< events: 1 to 500
+  template <class T = HistoryListRequest>
   static constexpr auto fields() {
-    return std::tuple{field("robot", &HistoryListRequest::robot, 64), field("most", &HistoryListRequest::most)};
+    return std::tuple{field("robot", &T::robot, 64), field("most", &T::most)};
   }
 };
 
@@ -161,16 +173,20 @@ struct RobotEvent {
   std::string robot;
   std::string kind;  ///< joined, expired, connection, fenced, released, profile, fault, fault_ended, forgotten
   std::string text;
+  template <class T = RobotEvent>
   static constexpr auto fields() {
-    return std::tuple{field("time", &RobotEvent::time), field("robot", &RobotEvent::robot, 64),
-                      field("kind", &RobotEvent::kind, 32), field("text", &RobotEvent::text, 255)};
+    return std::tuple{field("time", &T::time), field("robot", &T::robot, 64), field("kind", &T::kind, 32),
+                      field("text", &T::text, 255)};
   }
 };
 
 struct HistoryTable {
   static constexpr std::string_view kSubtype = "history_table";
   std::vector<RobotEvent> events;  ///< newest first
-  static constexpr auto fields() { return std::tuple{field("events", &HistoryTable::events, 500)}; }
+  template <class T = HistoryTable>
+  static constexpr auto fields() {
+    return std::tuple{field("events", &T::events, 500)};
+  }
 };
 
 }  // namespace trb

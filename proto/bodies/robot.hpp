@@ -26,9 +26,10 @@ struct AttemptKey {
   std::uint32_t attempt = 1;
   bool operator==(const AttemptKey&) const = default;
   auto operator<=>(const AttemptKey&) const = default;
+  template <class T = AttemptKey>
   static constexpr auto fields() {
-    return std::tuple{field("run", &AttemptKey::run, 64), field("task", &AttemptKey::task, 64),
-                      field("iteration", &AttemptKey::iteration), field("attempt", &AttemptKey::attempt)};
+    return std::tuple{field("run", &T::run, 64), field("task", &T::task, 64), field("iteration", &T::iteration),
+                      field("attempt", &T::attempt)};
   }
 };
 
@@ -41,10 +42,10 @@ struct Execute {
   std::string skill;
   std::string data;      ///< the skill's parameters, a JSON object
   double timeout_s = 0;  ///< 0: the description's
+  template <class T = Execute>
   static constexpr auto fields() {
-    return std::tuple{field("key", &Execute::key),           field("epoch", &Execute::epoch),
-                      field("instance", &Execute::instance), field("skill", &Execute::skill, 64),
-                      field("data", &Execute::data, 65536),  field("timeout_s", &Execute::timeout_s)};
+    return std::tuple{field("key", &T::key),         field("epoch", &T::epoch),      field("instance", &T::instance),
+                      field("skill", &T::skill, 64), field("data", &T::data, 65536), field("timeout_s", &T::timeout_s)};
   }
 };
 
@@ -53,8 +54,9 @@ struct CancelExecution {
   static constexpr std::string_view kSubtype = "cancel_execution";
   AttemptKey key;
   std::string reason;
+  template <class T = CancelExecution>
   static constexpr auto fields() {
-    return std::tuple{field("key", &CancelExecution::key), field("reason", &CancelExecution::reason, 255)};
+    return std::tuple{field("key", &T::key), field("reason", &T::reason, 255)};
   }
 };
 
@@ -62,7 +64,10 @@ struct CancelExecution {
 struct ExecutionQuery {
   static constexpr std::string_view kSubtype = "execution_query";
   AttemptKey key;
-  static constexpr auto fields() { return std::tuple{field("key", &ExecutionQuery::key)}; }
+  template <class T = ExecutionQuery>
+  static constexpr auto fields() {
+    return std::tuple{field("key", &T::key)};
+  }
 };
 
 /// `state` is "running", or "unknown": this instance was never given it.
@@ -71,9 +76,9 @@ struct ExecutionState {
   AttemptKey key;
   std::uint64_t instance = 0;
   std::string state;
+  template <class T = ExecutionState>
   static constexpr auto fields() {
-    return std::tuple{field("key", &ExecutionState::key), field("instance", &ExecutionState::instance),
-                      field("state", &ExecutionState::state, 16)};
+    return std::tuple{field("key", &T::key), field("instance", &T::instance), field("state", &T::state, 16)};
   }
 };
 
@@ -86,10 +91,11 @@ struct Outcome {
   std::string reason;  ///< why not finished, for a person
   std::string data;    ///< the result, JSON text or empty
   double duration_s = 0;
+  template <class T = Outcome>
   static constexpr auto fields() {
-    return std::tuple{field("key", &Outcome::key),          field("instance", &Outcome::instance),
-                      field("outcome", &Outcome::outcome),  field("reason", &Outcome::reason, 1024),
-                      field("data", &Outcome::data, 65536), field("duration_s", &Outcome::duration_s)};
+    return std::tuple{field("key", &T::key),          field("instance", &T::instance),
+                      field("outcome", &T::outcome),  field("reason", &T::reason, 1024),
+                      field("data", &T::data, 65536), field("duration_s", &T::duration_s)};
   }
 };
 
@@ -97,7 +103,10 @@ struct Outcome {
 struct OutcomeJournaled {
   static constexpr std::string_view kSubtype = "outcome_journaled";
   AttemptKey key;
-  static constexpr auto fields() { return std::tuple{field("key", &OutcomeJournaled::key)}; }
+  template <class T = OutcomeJournaled>
+  static constexpr auto fields() {
+    return std::tuple{field("key", &T::key)};
+  }
 };
 
 /// Mode-adapter -> scheduler: at its start, at each change, and as answer to AdapterStateRequest. The paper's "ready".
@@ -108,16 +117,19 @@ struct AdapterState {
   bool fenced = false;
   bool busy = false;
   std::string control;  ///< who else holds the control lease, so that no skill begins; empty: nobody
+  template <class T = AdapterState>
   static constexpr auto fields() {
-    return std::tuple{field("instance", &AdapterState::instance), field("robot", &AdapterState::robot, 32),
-                      field("fenced", &AdapterState::fenced), field("busy", &AdapterState::busy),
-                      field("control", &AdapterState::control, 64)};
+    return std::tuple{field("instance", &T::instance), field("robot", &T::robot, 32), field("fenced", &T::fenced),
+                      field("busy", &T::busy), field("control", &T::control, 64)};
   }
 };
 
 struct AdapterStateRequest {
   static constexpr std::string_view kSubtype = "adapter_state_request";
-  static constexpr auto fields() { return std::tuple{}; }
+  template <class = void>
+  static constexpr auto fields() {
+    return std::tuple{};
+  }
 };
 
 /// Told to every node: the robot reports a fault of one capability.
@@ -126,9 +138,10 @@ struct RobotFault {
   std::string capability;
   Severity severity{};
   std::string text;  ///< the robot's own words
+  template <class T = RobotFault>
   static constexpr auto fields() {
-    return std::tuple{field("capability", &RobotFault::capability, 64), field("severity", &RobotFault::severity),
-                      field("text", &RobotFault::text, 1024)};
+    return std::tuple{field("capability", &T::capability, 64), field("severity", &T::severity),
+                      field("text", &T::text, 1024)};
   }
 };
 
@@ -136,8 +149,9 @@ struct RobotFault {
 struct RobotValueTold {
   std::string name;
   std::string value;
+  template <class T = RobotValueTold>
   static constexpr auto fields() {
-    return std::tuple{field("name", &RobotValueTold::name, 64), field("value", &RobotValueTold::value, 1024)};
+    return std::tuple{field("name", &T::name, 64), field("value", &T::value, 1024)};
   }
 };
 
@@ -146,7 +160,10 @@ struct RobotValueTold {
 struct RobotState {
   static constexpr std::string_view kSubtype = "robot_state";
   std::vector<RobotValueTold> values;
-  static constexpr auto fields() { return std::tuple{field("values", &RobotState::values, 32)}; }
+  template <class T = RobotState>
+  static constexpr auto fields() {
+    return std::tuple{field("values", &T::values, 32)};
+  }
 };
 
 /// To the node of a virtual robot (command): let it fail, as its maker's robot would. Answered by Ack "handed_over";
@@ -156,9 +173,10 @@ struct InjectFault {
   std::string capability;  ///< empty: everything that was injected is over
   Severity severity{};
   std::string text;  ///< the robot's own words
+  template <class T = InjectFault>
   static constexpr auto fields() {
-    return std::tuple{field("capability", &InjectFault::capability, 64), field("severity", &InjectFault::severity),
-                      field("text", &InjectFault::text, 1024)};
+    return std::tuple{field("capability", &T::capability, 64), field("severity", &T::severity),
+                      field("text", &T::text, 1024)};
   }
 };
 
@@ -167,8 +185,9 @@ struct RobotConnection {
   static constexpr std::string_view kSubtype = "robot_connection";
   std::string state;  ///< as NodeProfile::robot
   std::string detail;
+  template <class T = RobotConnection>
   static constexpr auto fields() {
-    return std::tuple{field("state", &RobotConnection::state, 32), field("detail", &RobotConnection::detail, 255)};
+    return std::tuple{field("state", &T::state, 32), field("detail", &T::detail, 255)};
   }
 };
 
@@ -177,14 +196,20 @@ struct RobotConnection {
 struct Stop {
   static constexpr std::string_view kSubtype = "stop";
   std::string reason;
-  static constexpr auto fields() { return std::tuple{field("reason", &Stop::reason, 255)}; }
+  template <class T = Stop>
+  static constexpr auto fields() {
+    return std::tuple{field("reason", &T::reason, 255)};
+  }
 };
 
 /// Lifts the fence. Answered by Ack "released".
 struct Release {
   static constexpr std::string_view kSubtype = "release";
   std::string reason;
-  static constexpr auto fields() { return std::tuple{field("reason", &Release::reason, 255)}; }
+  template <class T = Release>
+  static constexpr auto fields() {
+    return std::tuple{field("reason", &T::reason, 255)};
+  }
 };
 
 }  // namespace trb

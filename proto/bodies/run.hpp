@@ -18,9 +18,9 @@ struct ValueFrom {
   std::string task;  ///< a direct predecessor
   std::string name;  ///< of the value in its result, a JSON object; empty: the whole result
   bool operator==(const ValueFrom&) const = default;
+  template <class T = ValueFrom>
   static constexpr auto fields() {
-    return std::tuple{field("parameter", &ValueFrom::parameter, 64), field("task", &ValueFrom::task, 64),
-                      field("name", &ValueFrom::name, 64)};
+    return std::tuple{field("parameter", &T::parameter, 64), field("task", &T::task, 64), field("name", &T::name, 64)};
   }
 };
 
@@ -47,20 +47,21 @@ struct Task {
   OnFailure on_failure{};
   std::vector<ValueFrom> values{};
   bool operator==(const Task&) const = default;
+  template <class T = Task>
   static constexpr auto fields() {
-    return std::tuple{field("id", &Task::id, 64),
-                      field("robot", &Task::robot, 64),
-                      field("requires", &Task::requires_, 32),
-                      field("skill", &Task::skill, 64),
-                      field("data", &Task::data, 65536),
-                      field("after", &Task::after, kMaxTasks),
-                      field("timeout_s", &Task::timeout_s),
-                      field("pinned", &Task::pinned),
-                      field("when", &Task::when, 8),
-                      field("retries", &Task::retries),
-                      field("retry_after_s", &Task::retry_after_s),
-                      field("on_failure", &Task::on_failure),
-                      field("values", &Task::values, 32)};
+    return std::tuple{field("id", &T::id, 64),
+                      field("robot", &T::robot, 64),
+                      field("requires", &T::requires_, 32),
+                      field("skill", &T::skill, 64),
+                      field("data", &T::data, 65536),
+                      field("after", &T::after, kMaxTasks),
+                      field("timeout_s", &T::timeout_s),
+                      field("pinned", &T::pinned),
+                      field("when", &T::when, 8),
+                      field("retries", &T::retries),
+                      field("retry_after_s", &T::retry_after_s),
+                      field("on_failure", &T::on_failure),
+                      field("values", &T::values, 32)};
   }
 };
 
@@ -70,9 +71,10 @@ struct Scenario {
   std::string description;
   std::vector<Task> tasks;
   bool operator==(const Scenario&) const = default;
+  template <class T = Scenario>
   static constexpr auto fields() {
-    return std::tuple{field("name", &Scenario::name, 64), field("description", &Scenario::description, 4096),
-                      field("tasks", &Scenario::tasks, kMaxTasks)};
+    return std::tuple{field("name", &T::name, 64), field("description", &T::description, 4096),
+                      field("tasks", &T::tasks, kMaxTasks)};
   }
 };
 
@@ -80,8 +82,9 @@ struct Scenario {
 struct Assignment {
   std::uint32_t epoch = 1;
   std::vector<std::string> robots;
+  template <class T = Assignment>
   static constexpr auto fields() {
-    return std::tuple{field("epoch", &Assignment::epoch), field("robots", &Assignment::robots, kMaxTasks)};
+    return std::tuple{field("epoch", &T::epoch), field("robots", &T::robots, kMaxTasks)};
   }
 };
 
@@ -97,16 +100,17 @@ struct RunStart {
   std::string submitter;
   std::int64_t created = 0;  ///< UTC ns
   std::int64_t expires = 0;  ///< UTC ns
+  template <class T = RunStart>
   static constexpr auto fields() {
-    return std::tuple{field("run", &RunStart::run, 64),
-                      field("digest", &RunStart::digest, 32),
-                      field("scenario", &RunStart::scenario),
-                      field("first", &RunStart::first),
-                      field("members", &RunStart::members, kMaxMembers),
-                      field("electorate", &RunStart::electorate, kMaxMembers),
-                      field("submitter", &RunStart::submitter, 64),
-                      field("created", &RunStart::created),
-                      field("expires", &RunStart::expires)};
+    return std::tuple{field("run", &T::run, 64),
+                      field("digest", &T::digest, 32),
+                      field("scenario", &T::scenario),
+                      field("first", &T::first),
+                      field("members", &T::members, kMaxMembers),
+                      field("electorate", &T::electorate, kMaxMembers),
+                      field("submitter", &T::submitter, 64),
+                      field("created", &T::created),
+                      field("expires", &T::expires)};
   }
 };
 
@@ -123,12 +127,13 @@ struct TaskResult {
   std::int64_t started = 0;  ///< UTC ns
   std::int64_t ended = 0;    ///< UTC ns
   double duration_s = 0;     ///< by the robot's monotonic clock
+  template <class T = TaskResult>
   static constexpr auto fields() {
-    return std::tuple{field("key", &TaskResult::key),          field("digest", &TaskResult::digest, 32),
-                      field("epoch", &TaskResult::epoch),      field("robot", &TaskResult::robot, 64),
-                      field("outcome", &TaskResult::outcome),  field("reason", &TaskResult::reason, 1024),
-                      field("data", &TaskResult::data, 65536), field("started", &TaskResult::started),
-                      field("ended", &TaskResult::ended),      field("duration_s", &TaskResult::duration_s)};
+    return std::tuple{field("key", &T::key),          field("digest", &T::digest, 32),
+                      field("epoch", &T::epoch),      field("robot", &T::robot, 64),
+                      field("outcome", &T::outcome),  field("reason", &T::reason, 1024),
+                      field("data", &T::data, 65536), field("started", &T::started),
+                      field("ended", &T::ended),      field("duration_s", &T::duration_s)};
   }
 };
 
@@ -139,9 +144,10 @@ struct AbortOrder {
   std::string by;
   std::string reason;
   std::int64_t time = 0;
+  template <class T = AbortOrder>
   static constexpr auto fields() {
-    return std::tuple{field("run", &AbortOrder::run, 64), field("by", &AbortOrder::by, 64),
-                      field("reason", &AbortOrder::reason, 255), field("time", &AbortOrder::time)};
+    return std::tuple{field("run", &T::run, 64), field("by", &T::by, 64), field("reason", &T::reason, 255),
+                      field("time", &T::time)};
   }
 };
 
@@ -149,13 +155,19 @@ struct AbortOrder {
 struct RunSubmit {
   static constexpr std::string_view kSubtype = "run_submit";
   SignedRecord start;
-  static constexpr auto fields() { return std::tuple{field("start", &RunSubmit::start)}; }
+  template <class T = RunSubmit>
+  static constexpr auto fields() {
+    return std::tuple{field("start", &T::start)};
+  }
 };
 
 struct RunAccepted {
   static constexpr std::string_view kSubtype = "run_accepted";
   std::string run;
-  static constexpr auto fields() { return std::tuple{field("run", &RunAccepted::run, 64)}; }
+  template <class T = RunAccepted>
+  static constexpr auto fields() {
+    return std::tuple{field("run", &T::run, 64)};
+  }
 };
 
 /// What passes from actor to actor (command); resent until BatonJournaled.
@@ -169,15 +181,16 @@ struct Baton {
   std::vector<std::uint16_t> tasks;   ///< the receiver's tasks, to execute or to choose on, that this baton is for
   std::vector<SignedRecord> choices;  ///< on those tasks
   Blob skipped_tasks;                 ///< those of `final_tasks` that are known to be SKIPPED
+  template <class T = Baton>
   static constexpr auto fields() {
-    return std::tuple{field("run", &Baton::run, 64),
-                      field("digest", &Baton::digest, 32),
-                      field("epoch", &Baton::epoch),
-                      field("final_tasks", &Baton::final_tasks, 128),
-                      field("results", &Baton::results, kMaxTasks),
-                      field("tasks", &Baton::tasks, kMaxTasks),
-                      field("choices", &Baton::choices, kMaxTasks),
-                      field("skipped_tasks", &Baton::skipped_tasks, 128)};
+    return std::tuple{field("run", &T::run, 64),
+                      field("digest", &T::digest, 32),
+                      field("epoch", &T::epoch),
+                      field("final_tasks", &T::final_tasks, 128),
+                      field("results", &T::results, kMaxTasks),
+                      field("tasks", &T::tasks, kMaxTasks),
+                      field("choices", &T::choices, kMaxTasks),
+                      field("skipped_tasks", &T::skipped_tasks, 128)};
   }
 };
 
@@ -187,9 +200,9 @@ struct BatonJournaled {
   std::string run;
   std::uint32_t epoch = 1;
   std::vector<std::uint16_t> tasks;  ///< those of the baton
+  template <class T = BatonJournaled>
   static constexpr auto fields() {
-    return std::tuple{field("run", &BatonJournaled::run, 64), field("epoch", &BatonJournaled::epoch),
-                      field("tasks", &BatonJournaled::tasks, kMaxTasks)};
+    return std::tuple{field("run", &T::run, 64), field("epoch", &T::epoch), field("tasks", &T::tasks, kMaxTasks)};
   }
 };
 
@@ -197,8 +210,9 @@ struct NeedDefinition {
   static constexpr std::string_view kSubtype = "need_definition";
   std::string run;
   Blob digest;
+  template <class T = NeedDefinition>
   static constexpr auto fields() {
-    return std::tuple{field("run", &NeedDefinition::run, 64), field("digest", &NeedDefinition::digest, 32)};
+    return std::tuple{field("run", &T::run, 64), field("digest", &T::digest, 32)};
   }
 };
 
@@ -206,8 +220,9 @@ struct Definition {
   static constexpr std::string_view kSubtype = "definition";
   SignedRecord start;
   std::vector<SignedRecord> decisions{};  ///< every one that the giver holds, from epoch 2 on
+  template <class T = Definition>
   static constexpr auto fields() {
-    return std::tuple{field("start", &Definition::start), field("decisions", &Definition::decisions, 64)};
+    return std::tuple{field("start", &T::start), field("decisions", &T::decisions, 64)};
   }
 };
 
@@ -216,8 +231,9 @@ struct NeedResults {
   static constexpr std::string_view kSubtype = "need_results";
   std::string run;
   std::vector<std::uint16_t> tasks;
+  template <class T = NeedResults>
   static constexpr auto fields() {
-    return std::tuple{field("run", &NeedResults::run, 64), field("tasks", &NeedResults::tasks, kMaxTasks)};
+    return std::tuple{field("run", &T::run, 64), field("tasks", &T::tasks, kMaxTasks)};
   }
 };
 
@@ -227,16 +243,20 @@ struct Results {
   std::string run;
   std::vector<SignedRecord> results;
   std::vector<SignedRecord> choices;  ///< on the tasks of these results
+  template <class T = Results>
   static constexpr auto fields() {
-    return std::tuple{field("run", &Results::run, 64), field("results", &Results::results, kMaxTasks),
-                      field("choices", &Results::choices, kMaxTasks)};
+    return std::tuple{field("run", &T::run, 64), field("results", &T::results, kMaxTasks),
+                      field("choices", &T::choices, kMaxTasks)};
   }
 };
 
 struct ResultsJournaled {
   static constexpr std::string_view kSubtype = "results_journaled";
   std::vector<AttemptKey> keys;
-  static constexpr auto fields() { return std::tuple{field("keys", &ResultsJournaled::keys, kMaxTasks)}; }
+  template <class T = ResultsJournaled>
+  static constexpr auto fields() {
+    return std::tuple{field("keys", &T::keys, kMaxTasks)};
+  }
 };
 
 /// VDA 5050's action states, and SKIPPED.
@@ -262,9 +282,10 @@ struct TaskProgress {
   std::string robot;  ///< the task's, or, WAITING, who chooses on it
   TaskState state{};
   std::string detail;  ///< of WAITING: what its condition waits for, in words
+  template <class T = TaskProgress>
   static constexpr auto fields() {
-    return std::tuple{field("key", &TaskProgress::key), field("robot", &TaskProgress::robot, 64),
-                      field("state", &TaskProgress::state), field("detail", &TaskProgress::detail, 512)};
+    return std::tuple{field("key", &T::key), field("robot", &T::robot, 64), field("state", &T::state),
+                      field("detail", &T::detail, 512)};
   }
 };
 
@@ -272,14 +293,20 @@ struct TaskProgress {
 struct RunAbort {
   static constexpr std::string_view kSubtype = "run_abort";
   SignedRecord order;
-  static constexpr auto fields() { return std::tuple{field("order", &RunAbort::order)}; }
+  template <class T = RunAbort>
+  static constexpr auto fields() {
+    return std::tuple{field("order", &T::order)};
+  }
 };
 
 /// The member has journaled the abort and runs nothing of the run any more.
 struct AbortConfirmed {
   static constexpr std::string_view kSubtype = "abort_confirmed";
   std::string run;
-  static constexpr auto fields() { return std::tuple{field("run", &AbortConfirmed::run, 64)}; }
+  template <class T = AbortConfirmed>
+  static constexpr auto fields() {
+    return std::tuple{field("run", &T::run, 64)};
+  }
 };
 
 enum class RunState : std::uint8_t { running = 0, paused, aborting, finished, aborted, expired };
@@ -301,20 +328,21 @@ struct TaskView {
   std::vector<std::uint16_t> after;
   std::string condition;   ///< in words, with the value that decided if that is known; empty: it has none
   std::string moved_from;  ///< the robot that had it before; empty: it was never moved
+  template <class T = TaskView>
   static constexpr auto fields() {
-    return std::tuple{field("id", &TaskView::id, 64),
-                      field("robot", &TaskView::robot, 64),
-                      field("skill", &TaskView::skill, 64),
-                      field("state", &TaskView::state),
-                      field("outcome", &TaskView::outcome),
-                      field("reason", &TaskView::reason, 1024),
-                      field("attempt", &TaskView::attempt),
-                      field("started", &TaskView::started),
-                      field("ended", &TaskView::ended),
-                      field("duration_s", &TaskView::duration_s),
-                      field("after", &TaskView::after, kMaxTasks),
-                      field("condition", &TaskView::condition, 512),
-                      field("moved_from", &TaskView::moved_from, 64)};
+    return std::tuple{field("id", &T::id, 64),
+                      field("robot", &T::robot, 64),
+                      field("skill", &T::skill, 64),
+                      field("state", &T::state),
+                      field("outcome", &T::outcome),
+                      field("reason", &T::reason, 1024),
+                      field("attempt", &T::attempt),
+                      field("started", &T::started),
+                      field("ended", &T::ended),
+                      field("duration_s", &T::duration_s),
+                      field("after", &T::after, kMaxTasks),
+                      field("condition", &T::condition, 512),
+                      field("moved_from", &T::moved_from, 64)};
   }
 };
 
@@ -327,11 +355,12 @@ struct DecisionView {
   std::string reason;
   std::int64_t time = 0;
   std::vector<TaskRuling> tasks;
+  template <class T = DecisionView>
   static constexpr auto fields() {
-    return std::tuple{field("epoch", &DecisionView::epoch),           field("by", &DecisionView::by, 64),
-                      field("alert", &DecisionView::alert, 64),       field("person", &DecisionView::person, 64),
-                      field("reason", &DecisionView::reason, 1024),   field("time", &DecisionView::time),
-                      field("tasks", &DecisionView::tasks, kMaxTasks)};
+    return std::tuple{field("epoch", &T::epoch),           field("by", &T::by, 64),
+                      field("alert", &T::alert, 64),       field("person", &T::person, 64),
+                      field("reason", &T::reason, 1024),   field("time", &T::time),
+                      field("tasks", &T::tasks, kMaxTasks)};
   }
 };
 
@@ -350,31 +379,38 @@ struct RunView {
   std::vector<DecisionView> decisions;
   std::uint32_t pause_number = 0;  ///< of the pause order that counts; 0: there was none
   std::string paused_by;           ///< empty: it is not held
+  template <class T = RunView>
   static constexpr auto fields() {
-    return std::tuple{field("run", &RunView::run, 64),
-                      field("name", &RunView::name, 64),
-                      field("state", &RunView::state),
-                      field("waits_for", &RunView::waits_for, 1024),
-                      field("epoch", &RunView::epoch),
-                      field("submitter", &RunView::submitter, 64),
-                      field("created", &RunView::created),
-                      field("expires", &RunView::expires),
-                      field("tasks", &RunView::tasks, kMaxTasks),
-                      field("decisions", &RunView::decisions, 64),
-                      field("pause_number", &RunView::pause_number),
-                      field("paused_by", &RunView::paused_by, 64)};
+    return std::tuple{field("run", &T::run, 64),
+                      field("name", &T::name, 64),
+                      field("state", &T::state),
+                      field("waits_for", &T::waits_for, 1024),
+                      field("epoch", &T::epoch),
+                      field("submitter", &T::submitter, 64),
+                      field("created", &T::created),
+                      field("expires", &T::expires),
+                      field("tasks", &T::tasks, kMaxTasks),
+                      field("decisions", &T::decisions, 64),
+                      field("pause_number", &T::pause_number),
+                      field("paused_by", &T::paused_by, 64)};
   }
 };
 
 struct RunQuery {
   static constexpr std::string_view kSubtype = "run_query";
   std::string run;  ///< the id, or a unique beginning of it, or "" for the newest
-  static constexpr auto fields() { return std::tuple{field("run", &RunQuery::run, 64)}; }
+  template <class T = RunQuery>
+  static constexpr auto fields() {
+    return std::tuple{field("run", &T::run, 64)};
+  }
 };
 
 struct RunListRequest {
   static constexpr std::string_view kSubtype = "run_list";
-  static constexpr auto fields() { return std::tuple{}; }
+  template <class = void>
+  static constexpr auto fields() {
+    return std::tuple{};
+  }
 };
 
 struct RunSummary {
@@ -387,16 +423,17 @@ struct RunSummary {
   std::uint32_t tasks_final = 0;
   std::uint32_t epoch = 1;
   std::uint64_t version = 0;  ///< rises with every change that this scheduler has seen since its start
+  template <class T = RunSummary>
   static constexpr auto fields() {
-    return std::tuple{field("run", &RunSummary::run, 64),
-                      field("name", &RunSummary::name, 64),
-                      field("state", &RunSummary::state),
-                      field("waits_for", &RunSummary::waits_for, 1024),
-                      field("created", &RunSummary::created),
-                      field("tasks", &RunSummary::tasks),
-                      field("tasks_final", &RunSummary::tasks_final),
-                      field("epoch", &RunSummary::epoch),
-                      field("version", &RunSummary::version)};
+    return std::tuple{field("run", &T::run, 64),
+                      field("name", &T::name, 64),
+                      field("state", &T::state),
+                      field("waits_for", &T::waits_for, 1024),
+                      field("created", &T::created),
+                      field("tasks", &T::tasks),
+                      field("tasks_final", &T::tasks_final),
+                      field("epoch", &T::epoch),
+                      field("version", &T::version)};
   }
 };
 
@@ -405,20 +442,29 @@ struct RunSummary {
 struct RunWatch {
   static constexpr std::string_view kSubtype = "run_watch";
   double lease_s = 10;
-  static constexpr auto fields() { return std::tuple{field("lease_s", &RunWatch::lease_s)}; }
+  template <class T = RunWatch>
+  static constexpr auto fields() {
+    return std::tuple{field("lease_s", &T::lease_s)};
+  }
 };
 
 /// A run has changed since the last word of it (information, may be lost: the next RunTable has it).
 struct RunChanged {
   static constexpr std::string_view kSubtype = "run_changed";
   RunSummary run;
-  static constexpr auto fields() { return std::tuple{field("run", &RunChanged::run)}; }
+  template <class T = RunChanged>
+  static constexpr auto fields() {
+    return std::tuple{field("run", &T::run)};
+  }
 };
 
 struct RunTable {
   static constexpr std::string_view kSubtype = "run_table";
   std::vector<RunSummary> runs;
-  static constexpr auto fields() { return std::tuple{field("runs", &RunTable::runs, 1000)}; }
+  template <class T = RunTable>
+  static constexpr auto fields() {
+    return std::tuple{field("runs", &T::runs, 1000)};
+  }
 };
 
 }  // namespace trb

@@ -22,11 +22,12 @@ struct SensorInfo {
   SensorState state{};
   std::string detail;  ///< why, when not ok
   bool operator==(const SensorInfo&) const = default;
+  template <class T = SensorInfo>
   static constexpr auto fields() {
-    return std::tuple{field("name", &SensorInfo::name, 64),      field("kind", &SensorInfo::kind, 64),
-                      field("unit", &SensorInfo::unit, 16),      field("identity", &SensorInfo::identity, 128),
-                      field("device", &SensorInfo::device, 128), field("state", &SensorInfo::state),
-                      field("detail", &SensorInfo::detail, 255)};
+    return std::tuple{field("name", &T::name, 64),      field("kind", &T::kind, 64),
+                      field("unit", &T::unit, 16),      field("identity", &T::identity, 128),
+                      field("device", &T::device, 128), field("state", &T::state),
+                      field("detail", &T::detail, 255)};
   }
 };
 
@@ -35,7 +36,10 @@ struct SensorInfo {
 struct NodeSensors {
   static constexpr std::string_view kSubtype = "node_sensors";
   std::vector<SensorInfo> sensors;
-  static constexpr auto fields() { return std::tuple{field("sensors", &NodeSensors::sensors, 255)}; }
+  template <class T = NodeSensors>
+  static constexpr auto fields() {
+    return std::tuple{field("sensors", &T::sensors, 255)};
+  }
 };
 
 /// To a node's sensor-bus (request): one value, the next that the sensor tells. Answered by SensorReading or a Nack
@@ -45,9 +49,10 @@ struct SensorRead {
   std::string sensor;    ///< a sensor's name; else a kind, if one sensor of the node is of it
   std::string identity;  ///< wins over `sensor`
   double timeout_s = 0;  ///< 0: three of its periods, 3 s at least
+  template <class T = SensorRead>
   static constexpr auto fields() {
-    return std::tuple{field("sensor", &SensorRead::sensor, 64), field("identity", &SensorRead::identity, 128),
-                      field("timeout_s", &SensorRead::timeout_s)};
+    return std::tuple{field("sensor", &T::sensor, 64), field("identity", &T::identity, 128),
+                      field("timeout_s", &T::timeout_s)};
   }
 };
 
@@ -61,10 +66,10 @@ struct SensorWatch {
   std::uint64_t watch = 0;  ///< the asker's number for it
   double every_s = 1;       ///< 0.01 at least; more often than it is told there is nothing
   double lease_s = 10;      ///< 60 at most
+  template <class T = SensorWatch>
   static constexpr auto fields() {
-    return std::tuple{field("sensor", &SensorWatch::sensor, 64), field("identity", &SensorWatch::identity, 128),
-                      field("watch", &SensorWatch::watch), field("every_s", &SensorWatch::every_s),
-                      field("lease_s", &SensorWatch::lease_s)};
+    return std::tuple{field("sensor", &T::sensor, 64), field("identity", &T::identity, 128), field("watch", &T::watch),
+                      field("every_s", &T::every_s), field("lease_s", &T::lease_s)};
   }
 };
 
@@ -83,13 +88,14 @@ struct SensorReading {
   std::uint64_t watch = 0;  ///< as in SensorWatch; 0: answers a SensorRead
   std::uint64_t count = 0;  ///< of the watch: 1, 2, 3 …; a gap is what the lane lost
   bool operator==(const SensorReading&) const = default;
+  template <class T = SensorReading>
   static constexpr auto fields() {
-    return std::tuple{field("sensor", &SensorReading::sensor, 64),   field("identity", &SensorReading::identity, 128),
-                      field("unit", &SensorReading::unit, 16),       field("is_text", &SensorReading::is_text),
-                      field("number", &SensorReading::number),       field("text", &SensorReading::text, 1024),
-                      field("time", &SensorReading::time),           field("age_s", &SensorReading::age_s),
-                      field("quality", &SensorReading::quality, 16), field("watch", &SensorReading::watch),
-                      field("count", &SensorReading::count)};
+    return std::tuple{field("sensor", &T::sensor, 64),   field("identity", &T::identity, 128),
+                      field("unit", &T::unit, 16),       field("is_text", &T::is_text),
+                      field("number", &T::number),       field("text", &T::text, 1024),
+                      field("time", &T::time),           field("age_s", &T::age_s),
+                      field("quality", &T::quality, 16), field("watch", &T::watch),
+                      field("count", &T::count)};
   }
 };
 
@@ -99,8 +105,9 @@ struct SensorSnapshot {
   static constexpr std::string_view kSubtype = "sensor_snapshot";
   std::string sensor;
   std::string identity;  ///< wins over `sensor`
+  template <class T = SensorSnapshot>
   static constexpr auto fields() {
-    return std::tuple{field("sensor", &SensorSnapshot::sensor, 64), field("identity", &SensorSnapshot::identity, 128)};
+    return std::tuple{field("sensor", &T::sensor, 64), field("identity", &T::identity, 128)};
   }
 };
 
@@ -111,10 +118,11 @@ struct SensorImage {
   std::string media_type;  ///< "image/jpeg"
   std::int64_t time = 0;   ///< UTC, ns
   Blob bytes;
+  template <class T = SensorImage>
   static constexpr auto fields() {
-    return std::tuple{field("sensor", &SensorImage::sensor, 64), field("identity", &SensorImage::identity, 128),
-                      field("media_type", &SensorImage::media_type, 32), field("time", &SensorImage::time),
-                      field("bytes", &SensorImage::bytes, 1'000'000)};
+    return std::tuple{field("sensor", &T::sensor, 64), field("identity", &T::identity, 128),
+                      field("media_type", &T::media_type, 32), field("time", &T::time),
+                      field("bytes", &T::bytes, 1'000'000)};
   }
 };
 
@@ -122,7 +130,10 @@ struct SensorImage {
 struct SensorListRequest {
   static constexpr std::string_view kSubtype = "sensor_list";
   bool unknown = false;  ///< the devices that no rule knows, too
-  static constexpr auto fields() { return std::tuple{field("unknown", &SensorListRequest::unknown)}; }
+  template <class T = SensorListRequest>
+  static constexpr auto fields() {
+    return std::tuple{field("unknown", &T::unknown)};
+  }
 };
 
 /// A device that no rule knows, and a rule for it to edit.
@@ -130,9 +141,10 @@ struct UnknownDevice {
   std::string device;      ///< its path below /sys
   std::string properties;  ///< lines NAME=VALUE, for people
   std::string rule;        ///< JSON text
+  template <class T = UnknownDevice>
   static constexpr auto fields() {
-    return std::tuple{field("device", &UnknownDevice::device, 512),
-                      field("properties", &UnknownDevice::properties, 4096), field("rule", &UnknownDevice::rule, 2048)};
+    return std::tuple{field("device", &T::device, 512), field("properties", &T::properties, 4096),
+                      field("rule", &T::rule, 2048)};
   }
 };
 
@@ -142,9 +154,10 @@ struct SensorTable {
   std::vector<SensorInfo> sensors;
   std::vector<UnknownDevice> unknown;
   std::string bus;  ///< the D-Bus: empty if it is there, else what is wrong with it
+  template <class T = SensorTable>
   static constexpr auto fields() {
-    return std::tuple{field("node", &SensorTable::node, 64), field("sensors", &SensorTable::sensors, 255),
-                      field("unknown", &SensorTable::unknown, 64), field("bus", &SensorTable::bus, 255)};
+    return std::tuple{field("node", &T::node, 64), field("sensors", &T::sensors, 255),
+                      field("unknown", &T::unknown, 64), field("bus", &T::bus, 255)};
   }
 };
 

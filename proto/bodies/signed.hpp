@@ -27,10 +27,10 @@ struct SignedRecord {
   Blob payload;        ///< the msgpack body of that purpose
   Blob signature;      ///< 64 bytes
   bool operator==(const SignedRecord&) const = default;
+  template <class T = SignedRecord>
   static constexpr auto fields() {
-    return std::tuple{field("kind", &SignedRecord::kind, 32), field("signer", &SignedRecord::signer, 64),
-                      field("payload", &SignedRecord::payload, 1U << 19U),
-                      field("signature", &SignedRecord::signature, 64)};
+    return std::tuple{field("kind", &T::kind, 32), field("signer", &T::signer, 64),
+                      field("payload", &T::payload, 1U << 19U), field("signature", &T::signature, 64)};
   }
 };
 
@@ -51,15 +51,16 @@ struct Certificate {
   std::int64_t not_before = 0;  ///< UTC ns
   std::int64_t not_after = 0;   ///< UTC ns
   bool operator==(const Certificate&) const = default;
+  template <class T = Certificate>
   static constexpr auto fields() {
-    return std::tuple{field("fleet", &Certificate::fleet, 16),
-                      field("serial", &Certificate::serial),
-                      field("id", &Certificate::id, 64),
-                      field("role", &Certificate::role),
-                      field("identity_key", &Certificate::identity_key, 32),
-                      field("link_key", &Certificate::link_key, 32),
-                      field("not_before", &Certificate::not_before),
-                      field("not_after", &Certificate::not_after)};
+    return std::tuple{field("fleet", &T::fleet, 16),
+                      field("serial", &T::serial),
+                      field("id", &T::id, 64),
+                      field("role", &T::role),
+                      field("identity_key", &T::identity_key, 32),
+                      field("link_key", &T::link_key, 32),
+                      field("not_before", &T::not_before),
+                      field("not_after", &T::not_after)};
   }
 };
 
@@ -70,10 +71,10 @@ struct CertificateRequest {
   Role role{};
   Blob identity_key;
   Blob link_key;
+  template <class T = CertificateRequest>
   static constexpr auto fields() {
-    return std::tuple{field("id", &CertificateRequest::id, 64), field("role", &CertificateRequest::role),
-                      field("identity_key", &CertificateRequest::identity_key, 32),
-                      field("link_key", &CertificateRequest::link_key, 32)};
+    return std::tuple{field("id", &T::id, 64), field("role", &T::role), field("identity_key", &T::identity_key, 32),
+                      field("link_key", &T::link_key, 32)};
   }
 };
 
@@ -85,9 +86,10 @@ struct Beacon {
   std::uint64_t boot = 0;
   std::int64_t sent = 0;    ///< UTC ns
   std::uint64_t count = 0;  ///< rises within a boot: an older one is a replay
+  template <class T = Beacon>
   static constexpr auto fields() {
-    return std::tuple{field("certificate", &Beacon::certificate), field("address", &Beacon::address, 80),
-                      field("boot", &Beacon::boot), field("sent", &Beacon::sent), field("count", &Beacon::count)};
+    return std::tuple{field("certificate", &T::certificate), field("address", &T::address, 80), field("boot", &T::boot),
+                      field("sent", &T::sent), field("count", &T::count)};
   }
 };
 
@@ -98,9 +100,10 @@ struct Revocation {
   std::string reason;
   std::int64_t at = 0;  ///< UTC ns
   bool operator==(const Revocation&) const = default;
+  template <class T = Revocation>
   static constexpr auto fields() {
-    return std::tuple{field("serial", &Revocation::serial), field("id", &Revocation::id, 64),
-                      field("reason", &Revocation::reason, 128), field("at", &Revocation::at)};
+    return std::tuple{field("serial", &T::serial), field("id", &T::id, 64), field("reason", &T::reason, 128),
+                      field("at", &T::at)};
   }
 };
 
@@ -109,8 +112,9 @@ struct SealedKey {
   std::string id;
   Blob box;
   bool operator==(const SealedKey&) const = default;
+  template <class T = SealedKey>
   static constexpr auto fields() {
-    return std::tuple{field("id", &SealedKey::id, 64), field("box", &SealedKey::box, 80)};
+    return std::tuple{field("id", &T::id, 64), field("box", &T::box, 80)};
   }
 };
 
@@ -125,13 +129,14 @@ struct RevocationList {
   std::uint32_t beacon_number = 0;
   std::vector<SealedKey> beacon_keys;
   bool operator==(const RevocationList&) const = default;
+  template <class T = RevocationList>
   static constexpr auto fields() {
-    return std::tuple{field("fleet", &RevocationList::fleet, 16),
-                      field("number", &RevocationList::number),
-                      field("issued", &RevocationList::issued),
-                      field("revoked", &RevocationList::revoked, 2000),
-                      field("beacon_number", &RevocationList::beacon_number),
-                      field("beacon_keys", &RevocationList::beacon_keys, 2000)};
+    return std::tuple{field("fleet", &T::fleet, 16),
+                      field("number", &T::number),
+                      field("issued", &T::issued),
+                      field("revoked", &T::revoked, 2000),
+                      field("beacon_number", &T::beacon_number),
+                      field("beacon_keys", &T::beacon_keys, 2000)};
   }
 };
 
@@ -149,16 +154,17 @@ struct SealedRange {
   Blob hash;      ///< BLAKE2b-256 of `previous` and, for each frame as sent, its size (u32, big-endian) and its bytes
   std::int64_t utc = 0;
   bool operator==(const SealedRange&) const = default;
+  template <class T = SealedRange>
   static constexpr auto fields() {
-    return std::tuple{field("link", &SealedRange::link),
-                      field("serial", &SealedRange::serial),
-                      field("peer_serial", &SealedRange::peer_serial),
-                      field("dialled", &SealedRange::dialled),
-                      field("first", &SealedRange::first),
-                      field("last", &SealedRange::last),
-                      field("previous", &SealedRange::previous, 32),
-                      field("hash", &SealedRange::hash, 32),
-                      field("utc", &SealedRange::utc)};
+    return std::tuple{field("link", &T::link),
+                      field("serial", &T::serial),
+                      field("peer_serial", &T::peer_serial),
+                      field("dialled", &T::dialled),
+                      field("first", &T::first),
+                      field("last", &T::last),
+                      field("previous", &T::previous, 32),
+                      field("hash", &T::hash, 32),
+                      field("utc", &T::utc)};
   }
 };
 
@@ -173,11 +179,11 @@ struct RelayedFrame {
   std::int64_t expires = 0;  ///< UTC ns
   Blob frame;                ///< the message as on any link, link and sequence 0
   bool operator==(const RelayedFrame&) const = default;
+  template <class T = RelayedFrame>
   static constexpr auto fields() {
-    return std::tuple{
-        field("target", &RelayedFrame::target, 64),       field("target_boot", &RelayedFrame::target_boot),
-        field("source_boot", &RelayedFrame::source_boot), field("count", &RelayedFrame::count),
-        field("expires", &RelayedFrame::expires),         field("frame", &RelayedFrame::frame, (1U << 19U) - 1024)};
+    return std::tuple{field("target", &T::target, 64),       field("target_boot", &T::target_boot),
+                      field("source_boot", &T::source_boot), field("count", &T::count),
+                      field("expires", &T::expires),         field("frame", &T::frame, (1U << 19U) - 1024)};
   }
 };
 

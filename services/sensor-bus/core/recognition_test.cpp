@@ -3,6 +3,7 @@
 #include <doctest/doctest.h>
 
 #include "common/config/sensor_files.hpp"
+#include "tests/support/paths.hpp"
 
 using namespace trb;
 using namespace trb::sensor;
@@ -11,7 +12,7 @@ namespace {
 
 std::vector<SensorRule> shipped() {
   ConfigFaults faults;
-  auto rules = read_sensor_files(std::string(TRB_SOURCE_DIR) + "/config", faults);
+  auto rules = read_sensor_files(test::source_dir() + "/config", faults);
   REQUIRE_MESSAGE(faults.empty(), to_text(faults));
   return rules;
 }

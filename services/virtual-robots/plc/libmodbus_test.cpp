@@ -12,6 +12,8 @@
 #include <memory>
 #include <string>
 
+#include "tests/support/paths.hpp"
+
 namespace {
 
 constexpr const char* kAddress = "127.0.143.8";
@@ -25,8 +27,8 @@ class Plc {
     pid_ = ::fork();
     if (pid_ == 0) {
       ::dup2(out[1], 1);
-      ::execl(TRB_BIN_DIR "/trb-virtual-plc", "trb-virtual-plc", "--address", kAddress, "--port", "auto", "--speed",
-              "100", "--bring-boxes", "--die-with-parent", nullptr);
+      ::execl((trb::test::bin_dir() + "/trb-virtual-plc").c_str(), "trb-virtual-plc", "--address", kAddress, "--port",
+              "auto", "--speed", "100", "--bring-boxes", "--die-with-parent", nullptr);
       ::_exit(127);
     }
     ::close(out[1]);

@@ -16,6 +16,7 @@
 #include <set>
 
 #include "common/config/sensor_files.hpp"
+#include "tests/support/paths.hpp"
 
 using namespace trb;
 using namespace trb::sensor;
@@ -163,7 +164,7 @@ Descriptor make_pty() {
 
 std::vector<SensorRule> shipped() {
   ConfigFaults faults;
-  auto rules = read_sensor_files(std::string(TRB_SOURCE_DIR) + "/config", faults);
+  auto rules = read_sensor_files(test::source_dir() + "/config", faults);
   REQUIRE_MESSAGE(faults.empty(), to_text(faults));
   return rules;
 }

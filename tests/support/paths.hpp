@@ -1,0 +1,11 @@
+// Where a test finds the repository and the programs that were built with it.
+#pragma once
+
+#include <string>
+
+namespace trb::test {
+
+std::string source_dir();
+std::string bin_dir();
+
+}  // namespace trb::test
