@@ -28,6 +28,7 @@
   X(RouterCountersRequest) X(AdapterCountersRequest) X(Counters)                                                   \
   X(Certificate) X(CertificateRequest) X(Beacon) X(NodeProfile) X(Hello) X(KeepAlive) X(Goodbye) X(PeerJoined)     \
   X(RevocationList) X(Seal) X(SealedRange) X(FleetNews) X(Neighbours) X(Relayed) X(RelayedFrame)                   \
+  X(RelayAlive) X(RelayRefused)                                                                                    \
   X(LinkTroublesRequest) X(LinkTroubles) X(EchoRequest) X(Echo)                                                    \
   X(PeerExpired) X(Execute) X(CancelExecution) X(ExecutionQuery) X(ExecutionState) X(Outcome) X(OutcomeJournaled)  \
   X(AdapterState) X(AdapterStateRequest) X(RobotFault) X(RobotConnection) X(RobotState) X(InjectFault)             \

@@ -147,10 +147,6 @@ struct StringBuffer {
 Status read_prefix(BytesView frame, HeaderView& view) {
   if (frame.size() > kMaxFrameSize) return fail(Errc::too_large, "frame of " + std::to_string(frame.size()) + " bytes");
   if (frame.size() < kPrefixSize) return fail(Errc::malformed, "frame shorter than its prefix");
-  if (get<std::uint8_t>(frame.data()) != kWireVersion) {
-    return fail(Errc::version_mismatch, "wire version " + std::to_string(get<std::uint8_t>(frame.data())),
-                "update the older node");
-  }
   const auto type = get<std::uint8_t>(frame.data() + 1);
   if (type < 1 || type > 3) return fail(Errc::bad_value, "type " + std::to_string(type));
   view.type = static_cast<MessageType>(type);
@@ -188,7 +184,19 @@ Bytes encode_frame(const Message& message) {
   return frame;
 }
 
+std::uint8_t wire_version(BytesView frame) {
+  return frame.empty() ? 0 : get<std::uint8_t>(frame.data());
+}
+
 Result<HeaderView> decode_frame(BytesView frame) {
+  if (!frame.empty() && wire_version(frame) != kWireVersion) {
+    return fail(Errc::version_mismatch, "wire version " + std::to_string(wire_version(frame)),
+                "install the same version of talkrobots on both nodes");
+  }
+  return decode_frame_of_any_version(frame);
+}
+
+Result<HeaderView> decode_frame_of_any_version(BytesView frame) {
   HeaderView view;
   if (Status prefix = read_prefix(frame, view); !prefix) return prefix.error();
   std::size_t offset = kPrefixSize;
@@ -227,6 +235,10 @@ Message to_message(const HeaderView& view) {
 
 std::uint32_t decode_remaining(BytesView frame) {
   return get<std::uint32_t>(frame.data() + 4);
+}
+
+void stamp_version(char* frame, std::uint8_t version) {
+  put<std::uint8_t>(frame, version);
 }
 
 void stamp_link(char* frame, std::uint64_t link, std::uint64_t sequence, std::uint32_t remaining_ms) {

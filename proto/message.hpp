@@ -20,7 +20,7 @@ constexpr auto enum_names(MessageType) {
   return std::array<std::string_view, 4>{"none", "command", "request", "information"};
 }
 
-constexpr std::uint8_t kWireVersion = 1;
+constexpr std::uint8_t kWireVersion = 2;  ///< 2: relayed frames are locked, certificates say who may relay
 constexpr std::size_t kPrefixSize = 24;
 constexpr std::size_t kMaxDataSize = 1U << 20U;  ///< 1 MiB
 constexpr std::size_t kMaxFrameSize = kMaxDataSize + 1024;
@@ -70,6 +70,13 @@ Bytes encode_frame(const Message& message);
 /// Reads a frame. Errors: too_large, version_mismatch, malformed (naming the field), bad_value.
 /// The view is valid as long as the frame.
 Result<HeaderView> decode_frame(BytesView frame);
+
+/// The version that a frame bears; 0 for an empty one.
+std::uint8_t wire_version(BytesView frame);
+/// The same of a frame of whatever version: prefix and header are alike in all of them, so that a node of another one can
+/// be refused by name, and told why in its own.
+Result<HeaderView> decode_frame_of_any_version(BytesView frame);
+void stamp_version(char* frame, std::uint8_t version);
 
 /// A message of its own from a view.
 Message to_message(const HeaderView& view);

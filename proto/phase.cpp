@@ -70,6 +70,8 @@ constexpr auto kRows = [] {
       Row{"seal", Phase::upkeep},
       Row{"fleet_news", Phase::upkeep},
       Row{"neighbours", Phase::identification},
+      Row{"relay_alive", Phase::upkeep},
+      Row{"relay_refused", Phase::upkeep},
       Row{"relayed", Phase::upkeep},
       Row{"link_troubles", Phase::upkeep},
       Row{"link_trouble_table", Phase::upkeep},

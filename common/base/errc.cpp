@@ -40,6 +40,8 @@ std::string_view errc_name(Errc code) {
       return "timeout";
     case Errc::expired:
       return "expired";
+    case Errc::not_confirmed:
+      return "not_confirmed";
     case Errc::fenced:
       return "fenced";
     case Errc::busy:

@@ -28,6 +28,7 @@ enum class Errc : std::uint8_t {
   robot_offline,     ///< the robot's own connection is down
   timeout,           ///< the answer or the end did not come in time
   expired,           ///< the deadline had passed on arrival
+  not_confirmed,     ///< it left, and nobody has confirmed that it came: it may or may not have
   // robot
   fenced,           ///< stopped by `stop`; `release` is needed
   busy,             ///< one skill at a time

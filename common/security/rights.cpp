@@ -76,6 +76,7 @@ constexpr auto kSubtypes = [] {
       SubtypeRight{"fleet_news", link, true, true},  // the authority has signed what is in it
       SubtypeRight{"neighbours", link, true, true},
       SubtypeRight{"relayed", link, true, true},
+      SubtypeRight{"relay_refused", link, true, true},
       SubtypeRight{"node_sensors", bus, false, false},
       SubtypeRight{"service_hello", bus, false, false},
       SubtypeRight{"service_welcome", bus, false, false},
@@ -105,6 +106,7 @@ constexpr auto kSubtypes = [] {
       SubtypeRight{"revocation_list", record, false, false},
       SubtypeRight{"sealed_range", record, false, false},
       SubtypeRight{"relayed_frame", record, false, false},
+      SubtypeRight{"relay_alive", record, false, false},  // inside one
       SubtypeRight{"scenario", record, false, false},
       SubtypeRight{"run_start", record, false, false},
       SubtypeRight{"result", record, false, false},

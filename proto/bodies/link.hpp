@@ -144,40 +144,54 @@ struct FleetNews {
   }
 };
 
-/// A node that a relay is linked with.
-struct Neighbour {
-  SignedRecord certificate;
-  std::uint64_t boot = 0;
-  std::string address;
-  std::string version;
-  bool clock_verified = true;
-  NodeProfile profile;
-  template <class T = Neighbour>
-  static constexpr auto fields() {
-    return std::tuple{field("certificate", &T::certificate),       field("boot", &T::boot),
-                      field("address", &T::address, 80),           field("version", &T::version, 32),
-                      field("clock_verified", &T::clock_verified), field("profile", &T::profile)};
-  }
-};
-
-/// A node that a relay was linked with.
-struct NeighbourGone {
-  std::string id;
-  std::uint64_t silent_ms = 0;  ///< since its last sign of life there: the others' lease runs from then
-  template <class T = NeighbourGone>
-  static constexpr auto fields() {
-    return std::tuple{field("id", &T::id, 64), field("silent_ms", &T::silent_ms)};
-  }
-};
-
 /// A relay tells whom it reaches: all of them when a link comes up (in several messages if need be), then each change.
+/// A hint: whether they are there, where, and what they are, they say themselves (RelayAlive, NodeProfile).
 struct Neighbours {
   static constexpr std::string_view kSubtype = "neighbours";
-  std::vector<Neighbour> reached;
-  std::vector<NeighbourGone> gone;
+  std::vector<SignedRecord> reached;  ///< their certificates
+  std::vector<std::string> gone;      ///< ids
   template <class T = Neighbours>
   static constexpr auto fields() {
     return std::tuple{field("reached", &T::reached, 64), field("gone", &T::gone, 1024)};
+  }
+};
+
+/// What two nodes that only a relay links say to each other through it, four times in a lease: it proves that the other
+/// one is there now, and what of the messages that way has come. Inside a `relayed` alone.
+struct RelayAlive {
+  static constexpr std::string_view kSubtype = "relay_alive";
+  std::uint64_t nonce = 0;       ///< made up anew each time; the other side repeats it
+  std::uint64_t echo = 0;        ///< the newest of the other side's boot that is proven; 0: none is
+  std::uint64_t echo_other = 0;  ///< the newest of a boot that is not proven; 0: none was heard
+  std::uint64_t heard_boot = 0;  ///< the other side's boot that is proven; 0: none is
+  std::uint64_t heard = 0;       ///< the highest count taken of it
+  std::uint64_t mask = 0;        ///< bit i: count heard - i was taken
+  std::string address;           ///< where the sender's inbox can be dialled
+  std::string version;
+  bool clock_verified = true;
+  template <class T = RelayAlive>
+  static constexpr auto fields() {
+    return std::tuple{field("nonce", &T::nonce),
+                      field("echo", &T::echo),
+                      field("echo_other", &T::echo_other),
+                      field("heard_boot", &T::heard_boot),
+                      field("heard", &T::heard),
+                      field("mask", &T::mask),
+                      field("address", &T::address, 80),
+                      field("version", &T::version, 32),
+                      field("clock_verified", &T::clock_verified)};
+  }
+};
+
+/// A relay could not pass this one on; to its signer.
+struct RelayRefused {
+  static constexpr std::string_view kSubtype = "relay_refused";
+  std::string target;
+  std::uint64_t count = 0;
+  std::string reason;  ///< an errc_name()
+  template <class T = RelayRefused>
+  static constexpr auto fields() {
+    return std::tuple{field("target", &T::target, 64), field("count", &T::count), field("reason", &T::reason, 64)};
   }
 };
 

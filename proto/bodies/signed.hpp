@@ -50,6 +50,7 @@ struct Certificate {
   Blob link_key;                ///< CURVE public key, 32 bytes
   std::int64_t not_before = 0;  ///< UTC ns
   std::int64_t not_after = 0;   ///< UTC ns
+  bool relay = false;           ///< may carry messages between members that cannot reach each other
   bool operator==(const Certificate&) const = default;
   template <class T = Certificate>
   static constexpr auto fields() {
@@ -60,7 +61,8 @@ struct Certificate {
                       field("identity_key", &T::identity_key, 32),
                       field("link_key", &T::link_key, 32),
                       field("not_before", &T::not_before),
-                      field("not_after", &T::not_after)};
+                      field("not_after", &T::not_after),
+                      field("relay", &T::relay)};
   }
 };
 
@@ -71,10 +73,11 @@ struct CertificateRequest {
   Role role{};
   Blob identity_key;
   Blob link_key;
+  bool relay = false;  ///< it asks for the right to relay; the authority decides
   template <class T = CertificateRequest>
   static constexpr auto fields() {
     return std::tuple{field("id", &T::id, 64), field("role", &T::role), field("identity_key", &T::identity_key, 32),
-                      field("link_key", &T::link_key, 32)};
+                      field("link_key", &T::link_key, 32), field("relay", &T::relay)};
   }
 };
 
@@ -173,17 +176,17 @@ struct SealedRange {
 struct RelayedFrame {
   static constexpr std::string_view kSubtype = "relayed_frame";
   std::string target;
-  std::uint64_t target_boot = 0;  ///< meant for this start of the target's router alone
+  std::uint64_t target_boot = 0;  ///< meant for this start of the target's router alone; 0 in a relay_alive: not known
   std::uint64_t source_boot = 0;
   std::uint64_t count = 0;   ///< rises within a boot of the source, for each target: an older one is a replay
   std::int64_t expires = 0;  ///< UTC ns
-  Blob frame;                ///< the message as on any link, link and sequence 0
+  Blob box;                  ///< the message as on any link, link and sequence 0, which the target alone can open
   bool operator==(const RelayedFrame&) const = default;
   template <class T = RelayedFrame>
   static constexpr auto fields() {
     return std::tuple{field("target", &T::target, 64),       field("target_boot", &T::target_boot),
                       field("source_boot", &T::source_boot), field("count", &T::count),
-                      field("expires", &T::expires),         field("frame", &T::frame, (1U << 19U) - 1024)};
+                      field("expires", &T::expires),         field("box", &T::box, (1U << 19U) - 1024)};
   }
 };
 

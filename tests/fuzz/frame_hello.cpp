@@ -125,7 +125,7 @@ std::vector<Bytes> seeds() {
           frame_of(EchoRequest{{"pad"}}, 2, MessageType::request),
           frame_of(FleetNews{{}, {keys.cat.record}}, 2),
           frame_of(Seal{sign_seal(first_range(), "bee", keys.authority.fleet.id(), keys.bee.identity)}, 2),
-          frame_of(Neighbours{{{keys.cat.record, 1, "cat:45000", "1.0", true, profile}}, {{"dog", 9000}}}, 2),
+          frame_of(Neighbours{{keys.cat.record}, {"dog"}}, 2),
           frame_of(move, 2),
           encode(first_range())};
 }

@@ -34,6 +34,7 @@ struct RouterConfig {
   SignedRecord certificate;
   Certificate own;
   SigningKey identity;
+  LinkKey link_key;
   std::string address;  ///< HOST:PORT of the inbox
   std::string lane;     ///< HOST:PORT of the lossy lane; empty: none
   std::uint64_t boot = 1;
@@ -45,7 +46,7 @@ struct RouterConfig {
   std::vector<SeedAddress> known;     ///< peers that were linked before the last end: hints where to dial
   std::vector<std::string> services;  ///< that may claim subtypes
   bool beacon = true;
-  bool relay = false;                 ///< carries messages between members that cannot reach each other
+  bool relay = false;                 ///< relays, if its certificate has the right
   FleetNews news;                     ///< what the authority said before this start, the list first of all
   UtcTime utc_bound;                  ///< a time that has certainly passed; of an earlier start
   bool seal_before_delivery = false;  ///< deliver what comes by a link only once its seal was checked
@@ -61,7 +62,10 @@ constexpr std::size_t kMaxHelloSize = 4096;
 constexpr std::size_t kMaxPeers = 1024;
 constexpr std::string_view kFullCure =
     "1024 nodes are the most: revoke those that are gone for good, and start this one again";
-constexpr std::uint32_t kBeaconsChecked = 512;  ///< signatures of beacons, in a second: a thousand nodes send 200
+constexpr std::uint32_t kBeaconsChecked = 512;   ///< signatures of beacons, in a second: a thousand nodes send 200
+constexpr std::uint32_t kHellosOfOne = 8;        ///< of one member, in a second
+constexpr std::size_t kSpareLinks = 2;           ///< accepted of one member, beside the one that carries
+constexpr std::uint32_t kRelayedChecked = 1000;  ///< signatures of what one relay brings of one source, in a second
 constexpr Duration kStorePause = std::chrono::seconds(5);  ///< changes of where peers are, gathered for one write
 constexpr Duration kViaPause = std::chrono::seconds(4);    ///< between dials to who is reached by a relay
 constexpr Duration kHintPause = std::chrono::seconds(30);  ///< between dials to where a peer once was

@@ -54,6 +54,7 @@ struct StorePeers {
 struct RefuseCandidate {
   LinkId link = 0;
   Message message;
+  std::uint8_t version = kWireVersion;  ///< of the wire, in which the candidate reads it
 };
 
 /// What the authority said, to be on disk before what follows in the list is done; the beacon key of the list, if this

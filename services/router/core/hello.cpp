@@ -1,4 +1,6 @@
 // Hello: proven by certificate and key; of two links of one pair of nodes one stays.
+#include <algorithm>
+
 #include "services/router/core/router_core.hpp"
 
 namespace trb::router {
@@ -11,7 +13,7 @@ void RouterCore::send_hello(Link& link, Now now, Effects& out) {
   const UtcTime utc = checked_utc(now.utc);
   const std::string_view seal = config_.seal_before_delivery ? kSealBeforeDelivery : kSealBehind;
   Hello hello{config_.certificate, config_.boot, config_.address,   config_.version,   utc.ns,
-              utc == now.utc,      profile_,     news_.list.number, std::string(seal), config_.relay,
+              utc == now.utc,      profile_,     news_.list.number, std::string(seal), relays(),
               config_.lane};
   link.profile = profile_number_;
   if (encode(hello).size() > kMaxHelloSize) {
@@ -55,10 +57,15 @@ Result<Certificate> RouterCore::check_hello(const Link& link, const Message& mes
   if (known == peers_.end() && peers_.size() >= kMaxPeers)
     return fail(Errc::queue_full, "the routing table is full", std::string(kFullCure));
   if (Status newest = check_newest(*certificate); !newest) return newest.error();
-  const bool same = known != peers_.end() && known->second.certificate.identity_key == certificate->identity_key;
-  if (same && known->second.proven_boot > hello.boot) {
-    return fail(Errc::conflict, "an older boot of '" + certificate->id + "'",
-                "set its clock: a node whose state/ was lost counts its boots from the time");
+  // Only a link that is up keeps an older boot out: who has the keys and says a boot that nothing can follow is rid of
+  // with its link.
+  const Link* up = known == peers_.end() ? nullptr : find_link(known->second.link);
+  if (up != nullptr && up->key == link.key && up->boot > hello.boot) {
+    return fail(Errc::conflict,
+                "boot " + std::to_string(hello.boot) + " of '" + certificate->id + "' while its boot " +
+                    std::to_string(up->boot) + " is linked",
+                "two computers, or two copies of one node's folder, use the same keys: stop one; if its keys were "
+                "stolen: trb fleet revoke");
   }
   return certificate;
 }
@@ -76,11 +83,69 @@ Result<Hello> RouterCore::read_hello(LinkId id, BytesView key, const Message& me
   return decode<Hello>(message.data);
 }
 
+/// A member makes a link now and then. One that says Hello without end has each signature checked, holds descriptors
+/// and is told all the news each time: it stays out for a while, and has three links at most.
+bool RouterCore::may_say_hello(LinkId id, BytesView key, Now now, Effects& out) {
+  const auto name = peers_by_key_.find(key);
+  if (name == peers_by_key_.end()) return true;
+  Peer& peer = peers_.at(name->second);
+  if (!peer.hellos.take(now.mono)) {
+    out.count("refused.too_many_hellos");
+    out.log(LogLevel::warning, "too_many_hellos",
+            peer.id + " says Hello over " + std::to_string(kHellosOfOne) +
+                " times in a second; its key stays out for a while");
+    noisy_[Bytes(key)] = now.mono + config_.timing.denied;
+    tell_candidate(id, Goodbye{"too many Hellos"}, out);
+    return false;
+  }
+  std::vector<const Link*> waiting;
+  for (const auto& [other, link] : links_) {
+    if (!link.dialled && link.key == key && other != peer.link) waiting.push_back(&link);
+  }
+  if (waiting.size() < kSpareLinks) return true;
+  const auto oldest = std::min_element(waiting.begin(), waiting.end(),
+                                       [](const Link* a, const Link* b) { return a->opened < b->opened; });
+  drop_link((*oldest)->id, "more links than one node makes", true, now, out);
+  return true;
+}
+
+void RouterCore::on_other_version(LinkId id, BytesView key, std::uint8_t version, const HeaderView& header, Now now,
+                                  Effects& out) {
+  const auto known = peers_by_key_.find(key);
+  std::string name = known == peers_by_key_.end() ? "" : known->second;
+  if (name.empty() && header.subtype == Hello::kSubtype) {
+    // A body only grows at its tail: what an older or newer Hello says of its certificate is read all the same.
+    const auto hello = decode<Hello>(header.data);
+    const auto certificate =
+        hello ? open_certificate_any_time(hello->certificate, config_.authority) : Result<Certificate>(hello.error());
+    if (certificate && certificate->link_key.bytes == key) name = certificate->id;
+  }
+  const std::string apart = "version " + std::to_string(kWireVersion) + " of the wire here, " + std::to_string(version);
+  const std::string text = (name.empty() ? "a node that proves no name" : "'" + name + "'") +
+                           " speaks another: " + apart +
+                           " there; install the same version of talkrobots on both, then trb fleet renew";
+  out.count("refused.version_mismatch");
+  out.log(LogLevel::warning, "version_mismatch", text);
+  troubles_.note(name, "", errc_name(Errc::version_mismatch), text, now.mono);
+  if (links_.count(id) != 0) return drop_link(id, "version_mismatch: " + apart + " there", false, now, out);
+  tell_candidate(header.link, Goodbye{"version_mismatch: " + apart + " there: install the same on both nodes"}, out,
+                 version);
+}
+
+void RouterCore::on_second_link(LinkId id, Now now, Effects& out) {
+  const auto at = links_.find(id);
+  if (at == links_.end()) return;
+  out.count("refused.second_hello");
+  out.log(LogLevel::warning, "second_hello", at->second.peer + " wants a second link on one connection");
+  drop_link(id, "a second link on one connection", true, now, out);
+}
+
 void RouterCore::on_hello(LinkId id, BytesView key, const Message& message, std::uint64_t sequence, Now now,
                           Effects& out) {
   const auto known = links_.find(id);
   const bool dialled = known != links_.end() && known->second.dialled && !known->second.up;
   if (known != links_.end() && !dialled) return out.count("refused.repeated_hello");
+  if (!dialled && !may_say_hello(id, key, now, out)) return;
   Link fresh;
   fresh.id = id;
   fresh.key = key;
@@ -116,8 +181,13 @@ Peer& RouterCore::make_peer(const Certificate& certificate, const SignedRecord& 
   Peer& peer = peers_[certificate.id];
   if (peer.certificate.link_key != certificate.link_key) peers_by_key_.erase(peer.certificate.link_key.bytes);
   // Another computer under the same name counts its own boots and messages.
-  if (peer.certificate.identity_key != certificate.identity_key) {
-    peer.proven_boot = peer.beacon_boot = peer.beacon_count = peer.relayed_boot = peer.relayed_in = 0;
+  const bool other =
+      peer.certificate.identity_key != certificate.identity_key || peer.certificate.link_key != certificate.link_key;
+  if (other) {
+    peer.beacon_boot = peer.beacon_count = 0;
+    peer.by_relay = false;
+    peer.relay_key.clear();
+    peer.road = RelayRoad(config_.boot, {.lease = config_.timing.lease, .alive = config_.timing.keep_alive});
   }
   peer.id = certificate.id;
   peer.certificate = certificate;
@@ -134,7 +204,7 @@ void RouterCore::link_up(Link& link, const Certificate& certificate, const Hello
   link.peer = certificate.id;
   link.boot = hello.boot;
   link.peer_address = hello.address;
-  link.relay = hello.relay;
+  link.relay = hello.relay && certificate.relay;
   if (hello.clock_verified) link.utc_at_zero = hello.utc - now.mono.ns;
   link.up = true;
   link.last_heard = now.mono;
@@ -160,7 +230,7 @@ void RouterCore::carry_by(Link& link, const Hello& hello, Now now, Effects& out)
   if (peer.link != 0 && !settle_double(link, peer, now, out)) return;
   const bool again = peer.boot == hello.boot && peer.met && !peer.expired;
   peer.boot = hello.boot;
-  peer.proven_boot = hello.boot;
+  if (peer.beacon_boot > hello.boot) peer.beacon_boot = peer.beacon_count = 0;
   if (peer.address != hello.address || links_.at(id).dialled) next_store_ = now.mono + kStorePause;
   if (links_.at(id).dialled) peer.good_address = links_.at(id).address;
   peer.address = hello.address;
@@ -182,7 +252,7 @@ void RouterCore::carry_by(Link& link, const Hello& hello, Now now, Effects& out)
   forget_told_renewal(peer.certificate);
   forget_ended_renewals(now);
   tell_news(links_.at(id), hello.revocations, out);
-  tell_all_neighbours(links_.at(id), now, out);
+  tell_all_neighbours(links_.at(id), out);
   neighbour_changed(peer.id, now);
 }
 
@@ -208,14 +278,14 @@ void RouterCore::refuse_candidate(LinkId id, BytesView key, const Error& error, 
   tell_candidate(id, Goodbye{std::string(errc_name(error.code))}, out);
 }
 
-void RouterCore::tell_candidate(LinkId id, const Body& body, Effects& out) {
+void RouterCore::tell_candidate(LinkId id, const Body& body, Effects& out, std::uint8_t version) {
   Message message;
   message.type = MessageType::information;
   message.subtype = subtype_of(body);
   message.source = config_.id;
   message.id = ++message_count_;
   message.data = encode_body(body);
-  out.add(RefuseCandidate{id, std::move(message)});
+  out.add(RefuseCandidate{id, std::move(message), version});
 }
 
 void RouterCore::hand_news(LinkId id, bool dialled, const std::string& to, const Error& refusal, const Hello& hello,

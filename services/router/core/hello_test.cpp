@@ -41,6 +41,72 @@ struct Inbox {
 
 }  // namespace
 
+TEST_CASE("a member that says Hello without end is kept out for a while, and its link stays") {
+  Inbox inbox;
+  LinkId link = 100;
+  inbox.say_hello(link, inbox.bee);
+  const LinkId first = inbox.ant.link_to("bee");
+  CHECK(first == 100);
+  for (int i = 0; i < 1000; ++i) inbox.say_hello(++link, inbox.bee);
+  CHECK(inbox.ant.count("refused.too_many_hellos") > 900);
+  CHECK_FALSE(inbox.admit(inbox.bee.link.public_key));
+  CHECK(inbox.ant.count("refused.noisy_key") == 1);
+  CHECK(inbox.admit(inbox.fleet.keys("cat").link.public_key));
+  CHECK(inbox.ant.peer("bee")->link != 0);
+  inbox.fleet.run(Seconds(9));
+  CHECK_FALSE(inbox.admit(inbox.bee.link.public_key));
+  inbox.fleet.run(Seconds(3));
+  CHECK(inbox.admit(inbox.bee.link.public_key));
+}
+
+TEST_CASE("a member has three accepted links at most, however slowly it makes them") {
+  Inbox inbox;
+  for (LinkId link = 100; link < 140; ++link) {
+    inbox.say_hello(link, inbox.bee);
+    inbox.fleet.run(milliseconds(200));
+    std::size_t links = 0;
+    for (LinkId id = 100; id <= link; ++id) links += inbox.ant.core->find_link(id) != nullptr ? 1 : 0;
+    CHECK(links <= 3);
+  }
+  CHECK(inbox.ant.count("refused.too_many_hellos") == 0);
+}
+
+TEST_CASE("a connection that carries a link and names another loses both") {
+  Inbox inbox;
+  inbox.say_hello(100, inbox.bee);
+  REQUIRE(inbox.ant.link_to("bee") == 100);
+  Effects effects;
+  inbox.ant.core->on_second_link(100, inbox.fleet.now, effects);
+  inbox.fleet.carry_out(inbox.ant, effects);
+  CHECK(inbox.ant.link_to("bee") == 0);
+  CHECK(inbox.ant.count("refused.second_hello") == 1);
+  CHECK(inbox.ant.closed == std::vector<LinkId>{100});
+}
+
+TEST_CASE("a node of another version is refused by name, and told why in the version that it reads") {
+  Inbox inbox;
+  const Message message = make_message(MessageType::information, "bee", "", inbox.hello(inbox.bee));
+  HeaderView header = header_of(message, 1);
+  header.link = 100;
+  const auto come = [&](const Bytes& key) {
+    Effects effects;
+    inbox.ant.core->on_other_version(0, key, 1, header, inbox.fleet.now, effects);
+    inbox.fleet.carry_out(inbox.ant, effects);
+  };
+  come(inbox.bee.link.public_key);
+  CHECK(inbox.ant.count("refused.version_mismatch") == 1);
+  REQUIRE(inbox.ant.refused.size() == 1);
+  CHECK(inbox.ant.refused[0].version == 1);
+  CHECK(inbox.ant.refused[0].link == 100);
+  const std::string why = decode<Goodbye>(inbox.ant.refused[0].message.data)->reason;
+  CHECK(why == "version_mismatch: version 2 of the wire here, 1 there: install the same on both nodes");
+  CHECK(inbox.ant.log.back().find("version_mismatch 'bee' speaks another") == 0);
+  // Whoever only says that it is bee is not called so.
+  come(key_number(1));
+  CHECK(inbox.ant.log.back().find("a node that proves no name") != std::string::npos);
+  CHECK(inbox.ant.link_to("bee") == 0);
+}
+
 TEST_CASE("of strangers thirty-two are let in, the next is refused, and a silent one is denied after two seconds") {
   Inbox inbox;
   for (int i = 0; i < 32; ++i) CHECK(inbox.admit(key_number(i)));

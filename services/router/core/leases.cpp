@@ -13,6 +13,7 @@ std::optional<MonotonicTime> RouterCore::next_deadline() const {
     next = earlier(next, link.lane.dial_at);
   }
   for (const auto& [id, peer] : peers_) {
+    next = earlier(earlier(next, peer.road.next_deadline()), profile_due(peer));
     if (peer.link != 0) continue;
     next = earlier(next, peer.redial.at);
     if (peer.lost && !peer.expired) next = earlier(next, *peer.lost + config_.timing.lease);
@@ -33,6 +34,7 @@ void RouterCore::tick(Now now, Effects& out) {
   tick_candidates(now, out);
   tick_known(now, out);
   tick_relay(now, out);
+  tick_roads(now, out);
   tick_sensors(now, out);
   tick_lanes(now, out);
 }
@@ -141,6 +143,7 @@ void RouterCore::tick_candidates(Now now, Effects& out) {
     if (denied_.size() < 8 * kMaxCandidates) denied_[at->first] = now.mono + config_.timing.denied;
     at = candidates_.erase(at);
   }
+  std::erase_if(noisy_, [&](const auto& row) { return now.mono >= row.second; });
   std::erase_if(denied_, [&](const auto& row) { return now.mono >= row.second; });
 }
 
@@ -171,7 +174,7 @@ void RouterCore::on_beacon(BytesView plain, Now now, Effects& out) {
   const auto known = peers_.find(certificate->id);
   if (known != peers_.end()) {
     const Peer& peer = known->second;
-    const bool old = outer->boot < peer.proven_boot ||
+    const bool old = (peer.link != 0 && outer->boot < peer.boot) ||
                      std::pair(outer->boot, outer->count) <= std::pair(peer.beacon_boot, peer.beacon_count) ||
                      certificate->serial < peer.certificate.serial;
     if (old) return refuse_beacon("replayed", "of '" + peer.id + "', not newer than one that was heard", now, out);

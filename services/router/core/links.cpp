@@ -68,6 +68,10 @@ bool RouterCore::admit(BytesView key, MonotonicTime now, Effects& out) {
   if (key == config_.own.link_key.bytes || refuse_revoked_key(key, now, out)) return false;
   // One that is revoked knows that no Hello of its own is taken; one that has only ended may be brought its renewal.
   if (find_revocation(news_.list, config_.own) != nullptr) return false;
+  if (const auto at = noisy_.find(key); at != noisy_.end() && now < at->second) {
+    out.count("refused.noisy_key");
+    return false;
+  }
   // Members, and those whom node.json names though they were never met: no crowd of strangers keeps them out.
   if (is_expected(key)) return true;
   if (const auto at = denied_.find(key); at != denied_.end() && now < at->second) {
@@ -126,11 +130,12 @@ void RouterCore::on_peer_message(Link& link, const Message& message, Now now, Ef
   if (const auto* alive = get_if<KeepAlive>(&*body)) return on_keep_alive(link, *alive, now);
   if (const auto* profile = get_if<NodeProfile>(&*body)) {
     peers_.at(link.peer).profile = *profile;
-    neighbour_changed(link.peer, now);
   } else if (const auto* told = get_if<Neighbours>(&*body)) {
     on_neighbours(link, *told, now, out);
   } else if (const auto* relayed = get_if<Relayed>(&*body)) {
     on_relayed(link, message, *relayed, now, out);
+  } else if (const auto* refused = get_if<RelayRefused>(&*body)) {
+    on_relay_refused(link, *refused, out);
   } else if (const auto* goodbye = get_if<Goodbye>(&*body)) {
     if (goodbye->reason == kUnheard)
       note_trouble(link.id, "one_way", "it does not hear this node, which hears it", now);
@@ -178,8 +183,9 @@ void RouterCore::drop_link(LinkId id, const std::string& why, bool say_goodbye, 
   Peer& peer = peers_.at(name);
   peer.link = 0;
   // The lease runs from the last sign of life, not from when its end was noticed.
-  if (relay_of(peer) == nullptr) peer.lost = std::min(gone.last_heard, gone.confirmed);
+  peer.lost = std::min(gone.last_heard, gone.confirmed);
   peer.last_heard = gone.last_heard;
+  if (carrier_of(peer) != nullptr) peer.road.begin(now.mono);
   neighbour_changed(name, now);
   relay_lost(gone, out);
   // Both may dial again; the greater id gives the smaller a head start.

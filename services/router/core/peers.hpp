@@ -10,8 +10,11 @@
 #include "common/base/time.hpp"
 #include "common/security/keys.hpp"
 #include "proto/bodies/link.hpp"
+#include "services/router/core/budget.hpp"
+#include "services/router/core/config.hpp"
 #include "services/router/core/effects.hpp"
 #include "services/router/core/lane.hpp"
+#include "services/router/core/relay_road.hpp"
 
 namespace trb::router {
 
@@ -26,7 +29,7 @@ struct Link {
   Bytes key;                                ///< the other side's CURVE key
   std::string address;                      ///< that was dialled
   std::string own_address;                  ///< where this node could be dialled when it said Hello here
-  bool relay = false;                       ///< the other side carries messages to its other peers
+  bool relay = false;                       ///< the other side relays, and its certificate lets it
   std::optional<std::int64_t> utc_at_zero;  ///< by the other side's clock, if it is verified: UTC at monotonic 0
   std::string peer_address;                 ///< where the other side said that it could be
   bool up = false;                          ///< Hello heard and accepted
@@ -60,11 +63,15 @@ struct Peer {
   std::string good_address;  ///< where this node has reached it, if that is another one: a seed's, behind a translator
   bool try_good = false;     ///< the next dial goes there
   std::uint64_t boot = 0;
-  std::uint64_t proven_boot = 0;   ///< the highest that it said itself; a relay's word is none
   std::set<std::string> relays;    ///< members that say they reach it
-  std::uint64_t relayed_out = 0;   ///< count of the last message to it by a relay
-  std::uint64_t relayed_boot = 0;  ///< of the last message from it by a relay: a replay is not newer
-  std::uint64_t relayed_in = 0;
+  std::string carrier;             ///< which of them is given what is for it
+  bool by_relay = false;           ///< there is no link, but the road by relays is open
+  RelayRoad road;                  ///< to it by relays
+  Bytes relay_key;                 ///< locks what goes that way; empty until it is needed
+  std::uint64_t told_profile = 0;  ///< number of this node's profile that it was last told by a relay
+  MonotonicTime profile_told_at{};
+  std::map<std::string, Budget> carried_by{};  ///< by relay: what it brings of this peer
+  Budget hellos{kHellosOfOne};
   std::uint64_t beacon_boot = 0;
   std::uint64_t beacon_count = 0;
   MonotonicTime last_beacon;

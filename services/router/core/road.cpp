@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "common/security/rights.hpp"
+#include "services/router/core/nack.hpp"
 #include "services/router/core/router_core.hpp"
 
 namespace trb::router {
@@ -19,6 +20,7 @@ constexpr std::string_view kOwnSubtypes[] = {
     Neighbours::kSubtype,
     NodeProfile::kSubtype,
     NodeSensors::kSubtype,
+    RelayRefused::kSubtype,
     Relayed::kSubtype,
     RouteListRequest::kSubtype,
     RouterCountersRequest::kSubtype,
@@ -54,6 +56,8 @@ std::string_view cure_of(Errc reason) {
       return "it is not for this role or service to say: trb help rights";
     case Errc::expired:
       return "give the message more time";
+    case Errc::not_confirmed:
+      return "it may or may not have come: ask for the state before you say it again";
     case Errc::bad_value:
       return "only information goes to every node, and only information answers";
     default:
@@ -176,15 +180,10 @@ Message RouterCore::make_nack(const HeaderView& header, Errc reason) const {
   return message;
 }
 
-namespace {
-
-/// Nobody waits for an answer to an answer, or to the middleware's own information.
 bool deserves_nack(const HeaderView& header) {
   if (header.reply_to != 0 || header.id == 0 || is_lossy(header)) return false;
   return header.type != MessageType::information || !is_typed(header.subtype);
 }
-
-}  // namespace
 
 void RouterCore::nack_local(ConnectionId from, const HeaderView& header, Errc reason, Effects& out) {
   const bool forbidden = reason == Errc::not_permitted;

@@ -56,11 +56,12 @@ RouteTable RouterCore::route_table(Now now) const {
   for (const auto& [id, peer] : peers_) {
     const Link* link = find_link(peer.link);
     const Link* relay = link == nullptr ? relay_of(peer) : nullptr;
-    const Link* heard_by = link != nullptr ? link : relay;
-    const std::string state = heard_by != nullptr         ? "ONLINE"
-                              : peer.expired || !peer.met ? "OFFLINE"
-                                                          : "CONNECTION_BROKEN";
-    const MonotonicTime heard = heard_by != nullptr ? heard_by->last_heard : peer.last_heard;
+    const std::string state = link != nullptr || relay != nullptr ? "ONLINE"
+                              : peer.expired || !peer.met         ? "OFFLINE"
+                                                                  : "CONNECTION_BROKEN";
+    const MonotonicTime heard = link != nullptr    ? link->last_heard
+                                : relay != nullptr ? peer.road.last_sign()
+                                                   : peer.last_heard;
     table.routes.push_back({id, peer.certificate.role, peer.address, state, to_seconds(now.mono - heard), peer.boot,
                             peer.link,
                             link == nullptr ? ""

@@ -50,14 +50,16 @@ class RouterCore {
   [[nodiscard]] std::vector<LinkId> up_links() const;
   /// Peers that are reached by a relay alone.
   [[nodiscard]] std::vector<std::string> relayed_peers() const;
-  /// A frame of the bus, signed for itself and addressed to the relay that reaches its target. Errors: too_large (over
-  /// 512 kB), peer_unreachable.
-  Result<Relaying> relay_out(std::string_view target, BytesView frame, std::uint32_t remaining_ms, Now now);
+  /// A frame of the bus, locked for its target, signed, and addressed to the relay that reaches it. If who sent it
+  /// waits for an answer, it is told when nobody confirms that it came. Errors: too_large (over 511 kB), queue_full
+  /// (256 unconfirmed), peer_unreachable.
+  Result<Relaying> relay_out(ConnectionId from, std::string_view target, const HeaderView& header, BytesView frame,
+                             Now now);
   /// The answer to a message that could not be delivered.
   void nack_local(ConnectionId from, const HeaderView& header, Errc reason, Effects& out);
   void nack_peer(LinkId from, const HeaderView& header, Errc reason, Effects& out);
 
-  /// A `relayed` of another node could not be passed on: its sender is Nacked.
+  /// A `relayed` could not leave by a link: its signer, this node or another, is told.
   void not_passed_on(const Message& message, Errc reason, Effects& out);
 
   // ---- the node's own bus
@@ -84,6 +86,12 @@ class RouterCore {
                        Effects& out);
   /// A frame that is none came by this link, or by a connection without one (0): the next of the link would be missing.
   void on_bad_frame(LinkId link, const Error& error, Now now, Effects& out);
+  /// What came by a connection, or by this dialled link, is of another version of the wire: its node is refused by
+  /// name, and told why in the version that it reads.
+  void on_other_version(LinkId link, BytesView key, std::uint8_t version, const HeaderView& header, Now now,
+                        Effects& out);
+  /// A connection that carries this link names another one: one connection is one link. It is over.
+  void on_second_link(LinkId link, Now now, Effects& out);
   void on_beacon(BytesView plain, Now now, Effects& out);
 
   // ---- the lossy lane: where this node is heard, and hears others, of what may be lost
@@ -184,6 +192,7 @@ class RouterCore {
   void on_peer_message(Link& link, const Message& message, Now now, Effects& out);
   [[nodiscard]] Result<Hello> read_hello(LinkId id, BytesView key, const Message& message) const;
   void on_hello(LinkId id, BytesView key, const Message& message, std::uint64_t sequence, Now now, Effects& out);
+  bool may_say_hello(LinkId id, BytesView key, Now now, Effects& out);
   Result<Certificate> check_hello(const Link& link, const Message& message, const Hello& hello, Now now, Effects& out);
   /// Whether a Hello that is refused is at least of the node that it names, whatever else is wrong with it.
   [[nodiscard]] bool proves_name(const Link& link, const Message& message, const Hello& hello) const;
@@ -191,7 +200,7 @@ class RouterCore {
   void carry_by(Link& link, const Hello& hello, Now now, Effects& out);
   bool settle_double(Link& link, Peer& peer, Now now, Effects& out);
   void drop_link(LinkId id, const std::string& why, bool say_goodbye, Now now, Effects& out);
-  void tell_candidate(LinkId id, const Body& body, Effects& out);
+  void tell_candidate(LinkId id, const Body& body, Effects& out, std::uint8_t version = kWireVersion);
   void hand_news(LinkId id, bool dialled, const std::string& to, const Error& refusal, const Hello& hello,
                  Effects& out);
   void refuse_candidate(LinkId id, BytesView key, const Error& error, Now now, Effects& out);
@@ -211,17 +220,20 @@ class RouterCore {
 
   // relay.cpp
   void neighbour_changed(const std::string& id, Now now);
-  void tell_neighbours(Link& to, const std::set<std::string>& about, Now now, Effects& out);
-  void tell_all_neighbours(Link& to, Now now, Effects& out);
+  [[nodiscard]] bool relays() const { return config_.relay && config_.own.relay; }
+  void tell_neighbours(Link& to, const std::set<std::string>& about, Effects& out);
+  void tell_all_neighbours(Link& to, Effects& out);
   void tick_relay(Now now, Effects& out);
-  [[nodiscard]] UtcTime utc_by(const Link& relay, Now now) const;
+  /// The relay that would be given what is for the peer, or nullptr: whether or not the road by it is open.
+  [[nodiscard]] const Link* carrier_of(const Peer& peer) const;
+  /// The relay by which the peer is reached now, or nullptr.
   [[nodiscard]] const Link* relay_of(const Peer& peer) const;
+  void change_carrier(Peer& peer);
   void on_neighbours(Link& link, const Neighbours& told, Now now, Effects& out);
-  void learn_neighbour(const Link& link, const Neighbour& told, Now now, Effects& out);
+  void learn_neighbour(Link& link, const SignedRecord& told, Now now, Effects& out);
   static void refuse_neighbour(const Link& relay, const Error& error, Effects& out);
-  void forget_relay(Peer& peer, const std::string& relay, MonotonicTime last_sign, Effects& out);
+  void forget_relay(Peer& peer, const std::string& relay, Effects& out);
   void relay_lost(const Link& relay, Effects& out);
-  void send_relayed(const std::string& to, const Message& message, Now now, Effects& out);
   static void send_on(Link& link, Message message, Effects& out);
   static void refuse_relayed(const Link& link, std::string_view reason, const std::string& text, Effects& out);
   void on_relayed(Link& link, const Message& message, const Relayed& body, Now now, Effects& out);
@@ -230,7 +242,26 @@ class RouterCore {
                                                                                       const SignedRecord& record,
                                                                                       const RelayedFrame& inner,
                                                                                       Now now) const;
-  void take_relayed(Link& link, const Peer& source, const RelayedFrame& inner, Now now, Effects& out);
+
+  // relayed.cpp
+  [[nodiscard]] UtcTime utc_by(const Link& relay, Now now) const;
+  Message wrap(Peer& peer, const Link& relay, std::uint64_t target_boot, std::uint64_t count, BytesView frame,
+               std::uint32_t remaining_ms, Now now);
+  void not_relayed(std::string_view target, std::uint64_t count, Errc reason, Effects& out);
+  void on_relay_refused(const Link& link, const RelayRefused& told, Effects& out);
+  void tell_lost(const Unconfirmed& question, Errc reason, Effects& out);
+  void tell_lost(const std::vector<Unconfirmed>& questions, Effects& out);
+  void send_relayed(const std::string& to, const Message& message, Now now, Effects& out);
+  void say_alive(Peer& peer, Now now, Effects& out);
+  void tick_roads(Now now, Effects& out);
+  void leave_road(Peer& peer, const std::string& why, Effects& out);
+  void on_relay_alive(const Link& link, Peer& peer, const RelayedFrame& inner, const HeaderView& header, Now now,
+                      Effects& out);
+  void join_by_relay(Peer& peer, const Link& relay, Now now, Effects& out);
+  [[nodiscard]] std::optional<MonotonicTime> profile_due(const Peer& peer) const;
+  void tell_profile_by_relay(Peer& peer, Now now, Effects& out);
+  void take_profile(Peer& peer, BytesView data, Now now, Effects& out);
+  void take_relayed(Peer& source, const HeaderView& header, Now now, Effects& out);
   void answer_relayed(const std::string& to, const Message& asked, Now now, Effects& out);
 
   // moves.cpp
@@ -306,6 +337,7 @@ class RouterCore {
   std::vector<Seed> seeds_;
   std::map<Bytes, MonotonicTime, std::less<>> candidates_;  ///< key -> until when a Hello must have come
   std::map<Bytes, MonotonicTime, std::less<>> denied_;      ///< key -> until when it stays out
+  std::map<Bytes, MonotonicTime, std::less<>> noisy_;       ///< members' keys -> until when they stay out
   std::string waits_for_;                                   ///< why this node has no address; empty if it has one
   std::optional<MonotonicTime> next_store_;
   MonotonicTime started_{};

@@ -20,6 +20,7 @@ TestNode& TestFleet::start(const std::string& id, const Options& options) {
   auto node = std::make_unique<TestNode>();
   node->id = id;
   node->clock_off = options.clock_off;
+  if (options.relay) authority.let_relay(keys(id));
   node->keys = keys(id);
   RouterConfig config;
   config.id = id;
@@ -27,6 +28,7 @@ TestNode& TestFleet::start(const std::string& id, const Options& options) {
   config.certificate = node->keys.record;
   config.own = node->keys.certificate;
   config.identity = node->keys.identity;
+  config.link_key = node->keys.link;
   config.address = id;
   places_[id] = id;
   config.boot = options.boot;
@@ -130,7 +132,7 @@ void TestFleet::carry_out(TestNode& node, Effects& effects) {
 
 void TestFleet::send(TestNode& node, LinkId link, const Message& message) {
   const auto wire = wires_.find(link);
-  if (wire == wires_.end() || !wire->second.open) return;
+  if (wire == wires_.end() || !wire->second.open || (withhold && withhold(node.id, message))) return;
   if (node.core->seal_is_overdue(link)) send_seal(node, link);
   Bytes frame = encode_frame(message);
   if (!node.core->stamp(link, frame.data(), frame.size())) return;

@@ -30,6 +30,12 @@ struct TestAuthority {
   SigningKey key = make_signing_key();
   FleetAuthority fleet{"hall", key.public_key};
 
+  /// The same keys, with the right to relay.
+  void let_relay(TestKeys& keys) const {
+    keys.certificate.relay = true;
+    keys.record = sign(kSignedCertificate, "", fleet.id(), encode(keys.certificate), key);
+  }
+
   TestKeys sign_node(const std::string& id, Role role = Role::robot, std::uint64_t serial = 1) const {
     TestKeys keys;
     keys.certificate = {{fleet.id()},
@@ -39,7 +45,8 @@ struct TestAuthority {
                         {keys.identity.public_key},
                         {keys.link.public_key},
                         kStartUtc - 1'000'000'000,
-                        kStartUtc + 86'400'000'000'000};
+                        kStartUtc + 86'400'000'000'000,
+                        false};
     keys.record = sign(kSignedCertificate, "", fleet.id(), encode(keys.certificate), key);
     return keys;
   }
@@ -94,7 +101,7 @@ class TestFleet {
     bool beacon = true;
     std::vector<std::string> seeds{};
     std::vector<std::string> known{};  ///< hints of the run before
-    bool relay = false;
+    bool relay = false;                ///< its certificate lets it, too
     bool lane = true;
     bool seal_before_delivery = false;
     Duration clock_off{};  ///< of the node's clock of UTC
@@ -115,6 +122,8 @@ class TestFleet {
   void move(const std::string& id, const std::string& address);
   /// May change each message that one node sends the other, or have it lost (false).
   std::function<bool(const std::string& from, LinkId link, std::uint64_t& sequence, Message& message)> meddle;
+  /// A node that keeps to itself what it should send: nothing of it shows on the link.
+  std::function<bool(const std::string& from, const Message& message)> withhold;
   /// A service of this node says something to another node, through the road that the shell takes.
   void say(const std::string& from, const std::string& to, const std::string& word, const Bytes& data);
   /// Lossy information by whatever way its core chooses; returns that way. What the lane carries arrives at once.

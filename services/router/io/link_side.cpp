@@ -57,6 +57,8 @@ VisitorId RouterShell::inbox_visitor(const Frame& frame) {
 
 void RouterShell::on_inbox_frame(BytesView routing_id, Frame& frame) {
   const auto header = decode_frame(view_of(frame));
+  const bool other_version = !header && header.error().code == Errc::version_mismatch;
+  if (other_version && door_.is_undecided(connection_fd(frame))) return on_other_version(routing_id, frame);
   if (!header) {
     const auto from = std::find_if(accepted_.begin(), accepted_.end(), [&](const auto& row) {
       return row.second.routing_id == routing_id && row.second.user == user_id(frame);
@@ -76,12 +78,36 @@ void RouterShell::on_inbox_frame(BytesView routing_id, Frame& frame) {
     // Another connection names a link that is not its own.
     effects.count("refused.link_theft");
     effects.log(LogLevel::warning, "link_theft", "a connection used another one's link id");
+  } else if (!door_.is_undecided(connection_fd(frame))) {
+    const auto own = std::find_if(accepted_.begin(), accepted_.end(),
+                                  [&](const auto& row) { return row.second.visitor == origin_.visitor; });
+    if (own == accepted_.end()) {
+      effects.count("dropped.closed_link");
+    } else {
+      core_.on_second_link(own->first, read_clocks(), effects);
+    }
   } else {
     const Now now = read_clocks();
     const bool fresh = core_.find_link(header->link) == nullptr;
     core_.on_link_message(header->link, *key, to_message(*header), header->sequence, now, effects);
     if (fresh) hear(header->link, *header, view_of(frame), now, effects);
   }
+  carry_out(effects);
+  origin_ = {};
+}
+
+/// The first word of a connection, in another version of the wire.
+void RouterShell::on_other_version(BytesView routing_id, Frame& frame) {
+  const auto header = decode_frame_of_any_version(view_of(frame));
+  const auto key = from_hex(user_id(frame));
+  const VisitorId visitor = inbox_visitor(frame);
+  if (!header || !key || key->size() != 32) {
+    door_.leave(visitor);
+    return on_bad_frame(0, fail(Errc::version_mismatch, "wire version " + std::to_string(wire_version(view_of(frame)))));
+  }
+  origin_ = {Bytes(routing_id), Bytes(user_id(frame)), visitor};
+  Effects effects;
+  core_.on_other_version(0, *key, wire_version(view_of(frame)), *header, read_clocks(), effects);
   carry_out(effects);
   origin_ = {};
 }
@@ -134,11 +160,18 @@ void RouterShell::drain_dialled(LinkId link) {
       continue;
     }
     const auto header = decode_frame(view_of(frame));
+    const Link* known = core_.find_link(link);
     if (!header) {
-      on_bad_frame(link, header.error());
+      const auto other = decode_frame_of_any_version(view_of(frame));
+      if (header.error().code == Errc::version_mismatch && other && known != nullptr && !known->up) {
+        Effects effects;
+        core_.on_other_version(link, Bytes(known->key), wire_version(view_of(frame)), *other, read_clocks(), effects);
+        carry_out(effects);
+      } else {
+        on_bad_frame(link, header.error());
+      }
       continue;
     }
-    const Link* known = core_.find_link(link);
     if (known == nullptr || header->link != link) {
       core_.count("refused.malformed");
       continue;
@@ -253,12 +286,13 @@ void RouterShell::forward_to_all(ConnectionId from, Frame& frame, const HeaderVi
 
 void RouterShell::forward_by_relay(ConnectionId from, std::string_view target, const HeaderView& header,
                                    const Frame& frame) {
-  auto relaying = core_.relay_out(target, view_of(frame), header.remaining_ms, read_clocks());
+  auto relaying = core_.relay_out(from, target, header, view_of(frame), read_clocks());
+  Effects effects;
   if (relaying) {
     tap('>', view_of(frame));
-    return forward_to_link(from, relaying->link, header, to_frame(encode_frame(relaying->message)));
+    effects.add(LinkSend{relaying->link, std::move(relaying->message)});
+    return carry_out(effects);
   }
-  Effects effects;
   core_.nack_local(from, header, relaying.error().code, effects);
   carry_out(effects);
 }

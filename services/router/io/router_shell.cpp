@@ -107,6 +107,7 @@ void RouterShell::carry_out(Effects& effects) {
                      if (origin_.routing_id.empty()) return;
                      Bytes frame = encode_frame(refuse.message);
                      stamp_link(frame.data(), refuse.link, 1, refuse.message.remaining_ms);
+                     stamp_version(frame.data(), refuse.version);
                      inbox_->send_to(origin_.routing_id, to_frame(frame));
                      door_.leave(origin_.visitor);
                    },

@@ -125,6 +125,7 @@ class RouterShell {
   // link_side.cpp
   void drain_inbox();
   void on_inbox_frame(BytesView routing_id, Frame& frame);
+  void on_other_version(BytesView routing_id, Frame& frame);
   void drain_dialled(LinkId link);
   /// Copies of a link's message for those that want to hear it; true if there are any.
   bool copy_to_hearers(LinkId link, const HeaderView& header, const Frame& frame);

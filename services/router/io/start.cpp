@@ -68,6 +68,7 @@ RouterConfig make_config(const NodeConfig& node, const NodeKeys& keys, std::uint
   config.certificate = keys.certificate_record;
   config.own = keys.certificate;
   config.identity = keys.identity;
+  config.link_key = keys.link;
   const std::string& address = node.network.address;
   if (!address.empty()) config.address = join_host_port(without_scope(address), node.network.tcp_port_ext);
   config.boot = boot;

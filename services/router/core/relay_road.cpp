@@ -1,0 +1,132 @@
+#include "services/router/core/relay_road.hpp"
+
+#include <algorithm>
+#include <utility>
+
+namespace trb::router {
+
+std::optional<Unconfirmed> RelayRoad::withdraw(std::uint64_t count) {
+  const auto at = std::find_if(unconfirmed_.begin(), unconfirmed_.end(),
+                               [&](const Unconfirmed& question) { return question.count == count; });
+  if (at == unconfirmed_.end()) return std::nullopt;
+  Unconfirmed out = std::move(*at);
+  unconfirmed_.erase(at);
+  return out;
+}
+
+void RelayRoad::begin(MonotonicTime at) {
+  wait_ = {};
+  unanswered_ = 0;
+  say_by(at);
+}
+
+void RelayRoad::say_by(MonotonicTime at) {
+  // Whoever makes this node answer pays more than it: one word in so much time at most.
+  next_word_ = earlier(next_word_, std::max(at, last_word_ + timing_.acknowledge));
+}
+
+RelayAlive RelayRoad::make_word(RelayAlive own, std::uint64_t nonce, MonotonicTime now) {
+  constexpr std::size_t kNonces = 8;
+  if (nonces_.size() >= kNonces) nonces_.pop_front();
+  nonces_.push_back({nonce, now});
+  wait_ = since_ ? timing_.alive : std::clamp(wait_ * 2, timing_.first, timing_.most);
+  last_word_ = now;
+  next_word_ = now + wait_;
+  untold_ = 0;
+  ++unanswered_;
+  own.nonce = nonce;
+  own.echo = echo_;
+  own.echo_other = echo_other_;
+  own.heard_boot = since_ ? boot_ : 0;
+  own.heard = highest_;
+  own.mask = mask_;
+  return own;
+}
+
+RelayRoad::Heard RelayRoad::hear(const RelayAlive& word, std::uint64_t boot, std::uint64_t count, MonotonicTime now) {
+  Heard out;
+  const auto nonce = std::find_if(nonces_.begin(), nonces_.end(), [&](const Nonce& one) {
+    return (one.value == word.echo || one.value == word.echo_other) && now < one.sent + timing_.lease;
+  });
+  const bool same_boot = boot == boot_ && boot_ != 0;
+  if (same_boot && !take(boot, count, false, now)) return out;  // repeated
+  out.fresh = nonce != nonces_.end();
+  if (!out.fresh) {
+    // It has not heard this node, or a relay plays an old word again: to answer is cheap, to believe is not.
+    (same_boot ? echo_ : echo_other_) = word.nonce;
+    say_by(now);
+    return out;
+  }
+  out.new_boot = !since_ || !same_boot;
+  if (!same_boot) {
+    out.lost = take_all();
+    boot_ = boot;
+    highest_ = count;
+    mask_ = 1;
+    echo_other_ = 0;
+  }
+  echo_ = word.nonce;
+  since_ = std::max(since_.value_or(nonce->sent), nonce->sent);
+  unanswered_ = 0;
+  knows_us_ = word.heard_boot == own_boot_;
+  if (out.new_boot || !knows_us_) say_by(now);
+  if (knows_us_) settle(word, out.lost);
+  return out;
+}
+
+/// What the other side has, by its own word, is confirmed; what it has not, though it has later ones, is lost.
+void RelayRoad::settle(const RelayAlive& word, std::vector<Unconfirmed>& lost) {
+  while (!unconfirmed_.empty() && unconfirmed_.front().count <= word.heard) {
+    const std::uint64_t behind = word.heard - unconfirmed_.front().count;
+    const bool taken = behind < kWindow && ((word.mask >> behind) & 1U) != 0;
+    if (!taken) lost.push_back(std::move(unconfirmed_.front()));
+    unconfirmed_.pop_front();
+  }
+}
+
+bool RelayRoad::take(std::uint64_t boot, std::uint64_t count, bool answer, MonotonicTime now) {
+  if (boot != boot_ || boot_ == 0 || count == 0) return false;
+  if (count > highest_) {
+    const std::uint64_t ahead = count - highest_;
+    mask_ = ahead < kWindow ? (mask_ << ahead) | 1U : 1U;
+    highest_ = count;
+  } else {
+    const std::uint64_t behind = highest_ - count;
+    if (behind >= kWindow || ((mask_ >> behind) & 1U) != 0) return false;
+    mask_ |= std::uint64_t{1} << behind;
+  }
+  if (!answer) return true;
+  ++untold_;
+  say_by(untold_ >= kAcknowledgeEach ? now : now + timing_.acknowledge);
+  return true;
+}
+
+std::vector<Unconfirmed> RelayRoad::overdue(MonotonicTime now) {
+  std::vector<Unconfirmed> out;
+  while (!unconfirmed_.empty() && now >= unconfirmed_.front().sent + timing_.confirmed_in) {
+    out.push_back(std::move(unconfirmed_.front()));
+    unconfirmed_.pop_front();
+  }
+  return out;
+}
+
+std::vector<Unconfirmed> RelayRoad::take_all() {
+  const auto all = std::exchange(unconfirmed_, {});
+  return {all.begin(), all.end()};
+}
+
+bool RelayRoad::lapse(MonotonicTime now) {
+  if (!since_ || now < *since_ + timing_.lease) return false;
+  since_.reset();
+  knows_us_ = false;
+  return true;
+}
+
+std::optional<MonotonicTime> RelayRoad::next_deadline() const {
+  std::optional<MonotonicTime> next = next_word_;
+  if (since_) next = earlier(next, *since_ + timing_.lease);
+  if (!unconfirmed_.empty()) next = earlier(next, unconfirmed_.front().sent + timing_.confirmed_in);
+  return next;
+}
+
+}  // namespace trb::router
