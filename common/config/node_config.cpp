@@ -138,7 +138,14 @@ class Checker {
     check_node_keys(config.dir, config.id, utc_now(), out_.faults);
     if (out_.faults.size() != before) return;
     const auto keys = load_node_keys(config.dir);
-    if (!keys || keys->certificate.role == config.role) return;
+    if (!keys) return;
+    if (config.relay && !keys->certificate.relay) {
+      sink("keys/certificate.json")
+          .add("relay", "does not let this node relay, node.json wants it to",
+               "trb fleet renew FLEET_DIR " + config.id + " --relay, or \"relay\": false in node.json");
+      out_.faults.back().may_wait = true;
+    }
+    if (keys->certificate.role == config.role) return;
     sink("keys/certificate.json")
         .add("role",
              "is " + in_quotes(name_of(keys->certificate.role)) + ", node.json says " + in_quotes(name_of(config.role)),

@@ -22,6 +22,9 @@ struct Authority {
 
 constexpr std::size_t kMinPassphrase = 12;
 
+/// May the node carry messages between members that cannot reach each other? By its role: a cloud may.
+enum class RelayRight : unsigned char { by_role, yes, no };
+
 /// Makes fleet.json (public) and authority.key (0600, argon2id + XSalsa20-Poly1305). Errors: conflict if there is one
 /// already, bad_value (passphrase under kMinPassphrase characters), io_error.
 Result<Authority> make_authority(const std::string& dir, const std::string& name, const std::string& passphrase);
@@ -40,7 +43,7 @@ Result<Authority> read_authority(const std::string& dir);
 /// the certificate in issued.json. Errors: malformed, bad_signature, bad_value, conflict (a living certificate of that
 /// id has other keys), cert_revoked (these keys were revoked), io_error.
 Result<CertificateFile> sign_request(Authority& authority, const std::string& dir, const SignedRecord& request,
-                                     UtcTime now, Duration validity);
+                                     UtcTime now, Duration validity, RelayRight relay = RelayRight::by_role);
 
 /// The newest certificate of that id that is neither over nor revoked, or nullptr.
 const Certificate* find_living(const Authority& authority, std::string_view id, UtcTime now);
@@ -55,9 +58,10 @@ Result<Certificate> adopt_certificate(Authority& authority, const std::string& d
 /// and open_revocations, io_error.
 Result<bool> catch_up(Authority& authority, const std::string& dir, const FleetNews& known);
 
-/// A new certificate for the same node and keys, with the next serial. Errors: io_error.
+/// A new certificate for the same node and keys, with the next serial; by_role, a right to relay that it has stays.
+/// Errors: io_error.
 Result<SignedRecord> renew_certificate(Authority& authority, const std::string& dir, const Certificate& old,
-                                       UtcTime now, Duration validity);
+                                       UtcTime now, Duration validity, RelayRight relay = RelayRight::by_role);
 
 /// The next list: these certificates are over too, and every node that stays has a new beacon key. What it says is in
 /// force for the authority once this returns. Errors: too_large (over 400 kB), io_error.

@@ -131,7 +131,7 @@ const Certificate* find_living(const Authority& authority, std::string_view id, 
 }
 
 Result<CertificateFile> sign_request(Authority& authority, const std::string& dir, const SignedRecord& record,
-                                     UtcTime now, Duration validity) {
+                                     UtcTime now, Duration validity, RelayRight relay) {
   auto request = decode<CertificateRequest>(record.payload.bytes);
   if (!request) return request.error();
   if (Status good = check_id("id", request->id); !good) return good.error();
@@ -139,7 +139,15 @@ Result<CertificateFile> sign_request(Authority& authority, const std::string& di
     return fail(Errc::bad_signature, "request of '" + request->id + "' was not signed with the key it names",
                 "run trb fleet request on the node again");
   }
-  const Certificate wanted{{}, 0, request->id, request->role, request->identity_key, request->link_key, 0, 0};
+  const Certificate wanted{{},
+                           0,
+                           request->id,
+                           request->role,
+                           request->identity_key,
+                           request->link_key,
+                           0,
+                           0,
+                           relay == RelayRight::yes || (relay == RelayRight::by_role && request->role == Role::cloud)};
   for (const Certificate& old : authority.issued) {
     const bool shared = old.identity_key == wanted.identity_key || old.link_key == wanted.link_key;
     if (shared && find_revocation(authority.list, old) != nullptr) {
@@ -177,8 +185,11 @@ Result<Certificate> adopt_certificate(Authority& authority, const std::string& d
 }
 
 Result<SignedRecord> renew_certificate(Authority& authority, const std::string& dir, const Certificate& old,
-                                       UtcTime now, Duration validity) {
-  return issue(authority, dir, old, now, validity);
+                                       UtcTime now, Duration validity, RelayRight relay) {
+  Certificate next = old;
+  if (old.role == Role::cloud) next.relay = true;  // one of an earlier version names no right
+  if (relay != RelayRight::by_role) next.relay = relay == RelayRight::yes;
+  return issue(authority, dir, std::move(next), now, validity);
 }
 
 Status revoke_certificates(Authority& authority, const std::string& dir, const std::vector<Certificate>& over,

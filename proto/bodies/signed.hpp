@@ -73,11 +73,10 @@ struct CertificateRequest {
   Role role{};
   Blob identity_key;
   Blob link_key;
-  bool relay = false;  ///< it asks for the right to relay; the authority decides
   template <class T = CertificateRequest>
   static constexpr auto fields() {
     return std::tuple{field("id", &T::id, 64), field("role", &T::role), field("identity_key", &T::identity_key, 32),
-                      field("link_key", &T::link_key, 32), field("relay", &T::relay)};
+                      field("link_key", &T::link_key, 32)};
   }
 };
 

@@ -30,11 +30,11 @@ Message example() {
 TEST_CASE("the frame of a message: 24 bytes of prefix, six header fields, the data") {
   Bytes frame = encode_frame(example());
   CHECK(to_hex(frame) ==
-        "01020001000001f400000000000000000000000000000000"  // version type flags remaining link sequence
+        "02020001000001f400000000000000000000000000000000"  // version type flags remaining link sequence
         "96a46d6f7665a3757233a770696f6e656572cf00020000000000070103"
         "312032");
   stamp_link(frame.data(), 0x0102030405060708, 9, 499);
-  CHECK(to_hex(frame.substr(0, kPrefixSize)) == "01020001000001f301020304050607080000000000000009");
+  CHECK(to_hex(frame.substr(0, kPrefixSize)) == "02020001000001f301020304050607080000000000000009");
   CHECK(decode_frame(frame)->sequence == 9);
   CHECK(to_message(*decode_frame(encode_frame(example()))) == example());
 }

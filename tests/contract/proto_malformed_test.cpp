@@ -145,12 +145,12 @@ TEST_CASE("a frame that is cut, changed or lies about itself is refused") {
   });
   check_refused(decode_frame(good + "x"), Errc::malformed);
   Bytes bad = good;
-  bad[0] = 2;
+  bad[0] = 1;
   check_refused(decode_frame(bad), Errc::version_mismatch);
   bad = good;
   bad[1] = 4;
   check_refused(decode_frame(bad), Errc::bad_value);
-  check_refused(decode_frame(Bytes(kMaxFrameSize + 1, '\1')), Errc::too_large);
+  check_refused(decode_frame(Bytes(kMaxFrameSize + 1, static_cast<char>(kWireVersion))), Errc::too_large);
   Message message = example();
   message.subtype = "no word";
   check_refused(decode_frame(encode_frame(message)), Errc::bad_value);

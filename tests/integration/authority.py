@@ -5,6 +5,7 @@ import ctypes
 import ctypes.util
 import hashlib
 import json
+import secrets
 import time
 
 import wire
@@ -22,6 +23,23 @@ def sign_with(secret, purpose, signer, fleet, payload):
     signature = ctypes.create_string_buffer(64)
     SODIUM.crypto_sign_detached(signature, None, message, ctypes.c_ulonglong(len(message)), secret)
     return [purpose, signer, payload, signature.raw]
+
+
+def box(own_secret, other_public, plain):
+    """What only the other side opens: a nonce and a box, made with raw link keys of 32 bytes."""
+    nonce = secrets.token_bytes(24)
+    out = ctypes.create_string_buffer(len(plain) + MAC)
+    if SODIUM.crypto_box_easy(out, plain, ctypes.c_ulonglong(len(plain)), nonce, other_public, own_secret):
+        raise ValueError("no key")
+    return nonce + out.raw
+
+
+def unbox(own_secret, other_public, sealed):
+    out = ctypes.create_string_buffer(max(len(sealed) - 24 - MAC, 1))
+    size = ctypes.c_ulonglong(len(sealed) - 24)
+    if SODIUM.crypto_box_open_easy(out, sealed[24:], size, sealed[:24], other_public, own_secret):
+        raise ValueError("it does not open")
+    return out.raw[:len(sealed) - 24 - MAC]
 
 
 class Authority:
@@ -44,7 +62,7 @@ class Authority:
         """A SignedRecord of the authority, as a body."""
         return sign_with(self.secret, purpose, "", fleet or self.fleet, payload)
 
-    def certificate(self, old, serial=None, begins=-DAY, ends=DAY, role=None, link_key=None):
+    def certificate(self, old, serial=None, begins=-DAY, ends=DAY, role=None, link_key=None, relay=None):
         """A certificate like `old` (a SignedRecord as a body); times from now."""
         body, _ = wire.unpack(old[2])
         now = time.time_ns()
@@ -52,6 +70,7 @@ class Authority:
         body[3] = body[3] if role is None else role
         body[5] = link_key or body[5]
         body[6:8] = now + begins, now + ends
+        body[8] = body[8] if relay is None else relay
         return self.sign("certificate", wire.pack(body))
 
     def revocations(self, number, revoked=(), beacon_number=1):

@@ -334,7 +334,7 @@ class Dates(Life):
 
     def test_another_version_of_the_wire(self):
         dog = Member(self.fleet, "dog")
-        for count, version in enumerate((0, 2), 1):
+        for count, version in enumerate((1, 3), 1):
             client = self.linked(dog)
             frame = wire.Frame("route_list", "dog", TARGET, type=wire.REQUEST, id=9, link=client.link, sequence=2)
             client.socket.send(bytes([version]) + frame.encode()[1:])

@@ -4,7 +4,7 @@ msgpack header of six, then the data. Only what the grammar needs of msgpack is 
 import dataclasses
 import struct
 
-VERSION = 1
+VERSION = 2
 COMMAND, REQUEST, INFORMATION = 1, 2, 3
 PREFIX = struct.Struct(">BBHIQQ")
 

@@ -10,6 +10,7 @@
 #include "common/transport/loop.hpp"
 #include "proto/body.hpp"
 #include "services/cli/commands/command.hpp"
+#include "services/cli/commands/relay_right.hpp"
 #include "services/cli/io/passphrase.hpp"
 #include "services/cli/io/print.hpp"
 #include "services/cli/io/probe.hpp"
@@ -119,6 +120,8 @@ int run_renew(const Arguments& arguments) {
   if (!authority) return print_error(arguments, authority.error());
   const auto days = arguments.number("--days", 365);
   if (!days) return print_error(arguments, days.error());
+  const auto relay = relay_right(arguments);
+  if (!relay) return print_error(arguments, relay.error());
   const std::string& dir = arguments.words[0];
   if (auto learned = learn_from(*authority, dir, arguments.get("--via")); !learned)
     return print_error(arguments, learned.error());
@@ -127,7 +130,7 @@ int run_renew(const Arguments& arguments) {
   const UtcTime now = read_clocks().utc;
   std::vector<SignedRecord> renewed;
   for (const Certificate& certificate : *old) {
-    auto record = renew_certificate(*authority, dir, certificate, now, seconds(*days * 86400));
+    auto record = renew_certificate(*authority, dir, certificate, now, seconds(*days * 86400), *relay);
     if (!record) return print_error(arguments, record.error());
     renewed.push_back(std::move(*record));
     const Certificate& fresh = authority->issued.back();
@@ -194,7 +197,7 @@ std::vector<Command> fleet_news_commands() {
       {{"fleet", "renew"},
        {"fleet renew FLEET_DIR ID|SERIAL|CERTIFICATE ...",
         "Signs new certificates for the same keys; a fleet that is up takes them without a restart.",
-        {"--days N|how long the certificate is valid (365)", kVia, kPassphrase, kJson},
+        {"--days N|how long the certificate is valid (365)", kRelay, kNoRelay, kVia, kPassphrase, kJson},
         {"trb fleet renew ~/hall-3-authority ur3 ur5 --via nodes/cloud"},
         2,
         1000},

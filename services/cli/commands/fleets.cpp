@@ -13,6 +13,7 @@
 #include "common/transport/loop.hpp"
 #include "proto/body.hpp"
 #include "services/cli/commands/command.hpp"
+#include "services/cli/commands/relay_right.hpp"
 #include "services/cli/core/table.hpp"
 #include "services/cli/io/passphrase.hpp"
 #include "services/cli/io/print.hpp"
@@ -79,7 +80,9 @@ Result<CertificateFile> sign_file(Authority& authority, const Arguments& argumen
   if (!record) return fail(record.error().code, path + ": " + record.error().what, "run trb fleet request again");
   const auto days = arguments.number("--days", 365);
   if (!days) return days.error();
-  return sign_request(authority, arguments.words[0], *record, read_clocks().utc, seconds(*days * 86400));
+  const auto relay = relay_right(arguments);
+  if (!relay) return relay.error();
+  return sign_request(authority, arguments.words[0], *record, read_clocks().utc, seconds(*days * 86400), *relay);
 }
 
 int run_sign(const Arguments& arguments) {
@@ -116,6 +119,7 @@ int show_certificate(const Arguments& arguments, const std::string& path) {
   print_line("valid     " + to_iso8601({certificate->not_before}) + " to " + to_iso8601({certificate->not_after}));
   print_line("link key  " + to_hex(certificate->link_key.bytes) + "   (the \"key\" of a seed)");
   print_line("identity  " + to_hex(certificate->identity_key.bytes));
+  if (certificate->relay) print_line("may relay between members that cannot reach each other");
   return kGood;
 }
 
@@ -204,7 +208,7 @@ std::vector<Command> fleet_commands() {
       {{"fleet", "sign"},
        {"fleet sign FLEET_DIR REQUEST ...",
         "Signs requests; writes the certificate beside each, as certificate.json.",
-        {"--days N|how long the certificate is valid (365)", kPassphrase, kJson},
+        {"--days N|how long the certificate is valid (365)", kRelay, kNoRelay, kPassphrase, kJson},
         {"trb fleet sign ~/hall-3-authority nodes/*/keys/request.json"},
         2,
         1000},
