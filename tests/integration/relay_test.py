@@ -103,7 +103,8 @@ class Relays(unittest.TestCase):
         while time.monotonic() < end:
             frame = client.receive_until(lambda one: one.subtype == "relayed")
             record = frame.body()[0]
-            self.assertEqual(record[:2], ["relayed", signer])
+            if record[:2] != ["relayed", signer]:
+                continue  # the other router speaks to belt through cloud, too
             inner, _ = wire.unpack(record[2])
             answered = wire.decode(authority.unbox(self.key(inner[0], "link"), self.link_key(signer), inner[5]))
             if answered.subtype == subtype:
@@ -235,12 +236,13 @@ class Relays(unittest.TestCase):
             "relay_alive", "crane", TARGET, id=5000,
             data=wire.pack([7, 1, 0, self.boot(TARGET), 0, 0, "", "independent", True])).encode(), ends=60 * SECOND)
 
+        lies = {"belt": belt, "next": 0.0}
+
         def over():
-            self.hand(belt, kept)
-            belt.send("neighbours", "belt", data=wire.pack([[self.members["crane"].certificate], []]))
-            belt.send("keep_alive", "belt", data=wire.pack([belt.heard]))
-            while belt.socket.poll(0):
-                belt.receive()
+            if time.monotonic() >= lies["next"]:  # on a new link each time: this client does not seal
+                lies["belt"], lies["next"] = self.linked("belt", relay=True), time.monotonic() + 3
+            self.hand(lies["belt"], kept)
+            lies["belt"].send("neighbours", "belt", data=wire.pack([[self.members["crane"].certificate], []]))
             return self.row("crane").get("state") == "OFFLINE"
 
         self.fleet.wait("crane is known to be gone", over, 16)
