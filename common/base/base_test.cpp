@@ -1,7 +1,9 @@
 #include <doctest/doctest.h>
 
+#include "common/base/address.hpp"
 #include "common/base/hex.hpp"
 #include "common/base/ids.hpp"
+#include "common/base/saturate.hpp"
 #include "common/base/time.hpp"
 
 using namespace trb;
@@ -36,4 +38,55 @@ TEST_CASE("the earlier deadline wins, none loses") {
 
 TEST_CASE("an error names its code, its field and its cure") {
   CHECK(fail(Errc::missing, "node.json: id", "add it").text() == "missing: node.json: id; add it");
+}
+
+TEST_CASE("an address is numbers and a port; a name, half an address and what ends a line are none") {
+  for (const char* good : {"10.0.0.1:1", "127.0.0.1:65535", "[::1]:45000", "[fd00::1]:45000", "[fe80::1%eth0]:45000"})
+    CHECK_MESSAGE(is_numeric_endpoint(good), good);
+  using namespace std::string_view_literals;
+  for (const std::string_view bad : {""sv,
+                                     ":"sv,
+                                     "localhost:1"sv,
+                                     "a.b:45000"sv,
+                                     "10.0.0.1"sv,
+                                     "10.0.0.1:"sv,
+                                     "10.0.0.1:0"sv,
+                                     "10.0.0.1:65536"sv,
+                                     "10.0.0.1:-1"sv,
+                                     "10.0.0.1:+1"sv,
+                                     "10.0.0.1: 1"sv,
+                                     "10.0.1:1"sv,
+                                     "10.1:1"sv,
+                                     "167772161:1"sv,
+                                     "0x0a000001:1"sv,
+                                     "010.0.0.1:1"sv,
+                                     "10.0.0.1 :1"sv,
+                                     "10.0.0.1\0x:1"sv,
+                                     "::1:1"sv,
+                                     "[::1:1"sv,
+                                     "::1]:1"sv,
+                                     "[]:1"sv,
+                                     "[hub]:1"sv,
+                                     "[10.0.0.1]:1"sv,
+                                     "[fe80::1%]:1"sv,
+                                     "[fe80::1%a b]:1"sv,
+                                     "[fe80::1%\n]:1"sv,
+                                     "[fe80::1%x/y]:1"sv,
+                                     "[fe80::1%0123456789abcdef]:1"sv,
+                                     "*:1"sv,
+                                     "10.0.0.1:1\n"sv,
+                                     "tcp://10.0.0.1:1"sv})
+    CHECK_MESSAGE(!is_numeric_endpoint(bad), bad);
+}
+
+TEST_CASE("sums of what others have chosen stay in their range") {
+  constexpr std::int64_t kMost = std::numeric_limits<std::int64_t>::max();
+  constexpr std::int64_t kLeast = std::numeric_limits<std::int64_t>::min();
+  CHECK(saturating_add(kMost, 1) == kMost);
+  CHECK(saturating_add(kLeast, -1) == kLeast);
+  CHECK(saturating_add(kMost, kLeast) == -1);
+  CHECK(saturating_sub(kMost, -1) == kMost);
+  CHECK(saturating_sub(kLeast, 1) == kLeast);
+  CHECK(saturating_sub(0, kLeast) == kMost);
+  CHECK(saturating_sub(7, 9) == -2);
 }

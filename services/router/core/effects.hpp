@@ -26,7 +26,7 @@ struct LinkSend {
 };
 struct Dial {
   LinkId link = 0;
-  std::string address;
+  std::string address;  ///< of a seed it may be a host's name; then on_name_found() or on_name_unknown() follows
   Bytes server_key;
 };
 /// The other side's lossy lane, to be heard beside this link and closed with it.

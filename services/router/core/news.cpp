@@ -155,8 +155,9 @@ std::size_t RouterCore::flood_news(const FleetNews& fresh, LinkId from, Effects&
   return told;
 }
 
-void RouterCore::tell_news(Link& link, std::uint64_t known_list, Effects& out) {
+void RouterCore::tell_news(Link& link, std::uint64_t known_list, Now now, Effects& out) {
   FleetNews news = known_news();
+  std::erase_if(news.certificates, [&](const SignedRecord& record) { return has_ended(record, now); });
   if (news_.list.number <= known_list) news.revocations = {};
   if (!news.revocations.kind.empty() || !news.certificates.empty()) link_send(link, news, out);
 }
@@ -188,11 +189,14 @@ std::optional<FleetNews> RouterCore::news_for(const Error& refusal, const Hello&
   return std::nullopt;
 }
 
+bool RouterCore::has_ended(const SignedRecord& renewal, Now now) const {
+  const auto renewed = decode<Certificate>(renewal.payload.bytes);
+  return !renewed || renewed->not_after <= checked_utc(now.utc).ns;
+}
+
 void RouterCore::forget_ended_renewals(Now now) {
-  std::erase_if(news_.renewed, [&](const auto& row) {
-    const auto renewed = decode<Certificate>(row.second.payload.bytes);
-    return !renewed || renewed->not_after <= checked_utc(now.utc).ns;
-  });
+  // By a clock that is far ahead for a moment all have ended.
+  if (clock_.is_steady(now)) std::erase_if(news_.renewed, [&](const auto& row) { return has_ended(row.second, now); });
 }
 
 void RouterCore::forget_told_renewal(const Certificate& certificate) {

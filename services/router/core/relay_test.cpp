@@ -613,3 +613,14 @@ TEST_CASE("a profile goes to who is reached by a relay, by its own word, at once
   tell("ur5");
   CHECK(three.bee->peer("ant")->profile.model == "ur5");
 }
+
+TEST_CASE("a word by a relay that names a host instead of numbers is refused, and its sender not dialled there") {
+  Triangle three;
+  RelayAlive alive;
+  alive.address = "hub.example:45000";
+  Message word = make_message(MessageType::information, "ant", "bee", alive);
+  word.remaining_ms = 5000;
+  three.hand_to_bee(three.signed_by_ant(three.frame(1, word)));
+  CHECK(three.bee->count("refused.relayed_bad_value") == 1);
+  CHECK(three.bee->peer("ant")->address == three.fleet.address("ant"));
+}

@@ -9,6 +9,7 @@
 
 #include "proto/body.hpp"
 #include "services/router/core/budget.hpp"
+#include "services/router/core/clock_bound.hpp"
 #include "services/router/core/config.hpp"
 #include "services/router/core/news.hpp"
 #include "services/router/core/peers.hpp"
@@ -81,6 +82,10 @@ class RouterCore {
   bool admit(BytesView key, MonotonicTime now, Effects& out);
   void on_dial_connected(LinkId link, Now now, Effects& out);
   void on_link_ended(LinkId link, LinkEnd how, Now now, Effects& out);
+  /// A seed's host name was found: what is dialled for this link is this, in numbers.
+  void on_name_found(LinkId link, const std::string& address);
+  /// It is not known, or not yet: the dial ends as one that failed. `why` is for people; empty: nothing to tell yet.
+  void on_name_unknown(LinkId link, const std::string& why, Now now, Effects& out);
   /// A message for the router itself, or the first one (Hello), that came by a link.
   void on_link_message(LinkId link, BytesView key, const Message& message, std::uint64_t sequence, Now now,
                        Effects& out);
@@ -280,8 +285,9 @@ class RouterCore {
   [[nodiscard]] FleetNews known_news() const;
   void store_news(Effects& out) const;
   std::size_t flood_news(const FleetNews& fresh, LinkId from, Effects& out);
-  void tell_news(Link& link, std::uint64_t known_list, Effects& out);
+  void tell_news(Link& link, std::uint64_t known_list, Now now, Effects& out);
   void forget_ended_renewals(Now now);
+  [[nodiscard]] bool has_ended(const SignedRecord& renewal, Now now) const;
   void forget_told_renewal(const Certificate& certificate);
   void on_news_message(const Link* link, const Message& message, Now now, Effects& out);
   /// What a refused node has to know to come back: its renewed certificate, or the list that it is on.
@@ -352,8 +358,10 @@ class RouterCore {
   std::uint64_t message_count_ = 0;
   Troubles troubles_;
   NewsState news_;
-  std::map<LinkId, LinkSeals> seals_;  ///< until the shell has closed the link: a Goodbye follows its end
-  std::vector<LinkId> fresh_;          ///< have something unsealed for which no time is set yet
+  ClockBound clock_;
+  std::optional<MonotonicTime> next_own_check_;  ///< while the own certificate does not count
+  std::map<LinkId, LinkSeals> seals_;            ///< until the shell has closed the link: a Goodbye follows its end
+  std::vector<LinkId> fresh_;                    ///< have something unsealed for which no time is set yet
   std::optional<MonotonicTime> next_seal_;
 };
 

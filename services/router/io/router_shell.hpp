@@ -21,6 +21,7 @@
 #include "services/router/io/keys_watch.hpp"
 #include "services/router/io/lane_server.hpp"
 #include "services/router/io/proof_log.hpp"
+#include "services/router/io/resolver.hpp"
 #include "services/router/io/seal_checker.hpp"
 
 namespace trb::router {
@@ -77,6 +78,7 @@ class RouterShell {
   struct Dialled {
     std::unique_ptr<Socket> socket;
     std::unique_ptr<SocketMonitor> monitor;
+    std::string name;  ///< of a seed that was resolved
   };
   struct Accepted {
     Bytes routing_id;
@@ -131,7 +133,8 @@ class RouterShell {
   bool copy_to_hearers(LinkId link, const HeaderView& header, const Frame& frame);
   void on_link_frame(LinkId link, BytesView key, const HeaderView& header, Frame& frame);
   void dial(const Dial& effect);
-  void open_dialled(const Dial& effect);
+  void dial_numbers(const Dial& effect, const std::string& name);
+  void open_dialled(const Dial& effect, const std::string& name);
   void close_link(LinkId link);
   SendResult send_link(LinkId link, Frame&& frame);
   SendResult put_on_link(LinkId link, Frame&& frame);
@@ -202,6 +205,7 @@ class RouterShell {
   std::map<LinkId, std::deque<Held>> held_;  ///< until their seal is checked; as many as may be unsealed
   ProofLog proof_;
   SealChecker checker_;
+  Resolver resolver_;
   InboxOrigin origin_;
   std::vector<LinkId> lost_links_;
   std::vector<std::pair<Message, Errc>> unpassed_;  ///< `relayed` of others that did not leave
