@@ -20,7 +20,7 @@ std::optional<MonotonicTime> RouterCore::next_deadline() const {
   }
   for (const Seed& seed : seeds_) next = earlier(next, seed.redial.at);
   for (const auto& [key, until] : candidates_) next = earlier(next, until);
-  return earlier(next, next_own_check_);
+  return earlier(earlier(next, next_own_check_), unstored_.next());
 }
 
 void RouterCore::tick(Now now, Effects& out) {
@@ -33,6 +33,7 @@ void RouterCore::tick(Now now, Effects& out) {
   tick_beacon(now, out);
   tick_candidates(now, out);
   tick_known(now, out);
+  tick_unstored(now, out);
   tick_relay(now, out);
   tick_roads(now, out);
   tick_sensors(now, out);

@@ -120,6 +120,7 @@ void RouterCore::take_own_certificate(const SignedRecord& record, const Certific
   news_.warned.reset();
   out.log(LogLevel::info, "certificate_renewed",
           "serial " + std::to_string(certificate.serial) + ", to " + to_iso8601({certificate.not_after}));
+  unstored_.asked(Kept::certificate);
   out.add(StoreCertificate{record});
 }
 
@@ -132,7 +133,7 @@ FleetNews RouterCore::known_news() const {
   return news;
 }
 
-void RouterCore::store_news(Effects& out) const {
+void RouterCore::store_news(Effects& out) {
   StoreNews store{known_news(), news_.list.beacon_number, {}};
   for (const SealedKey& sealed : news_.list.beacon_keys) {
     if (sealed.id == config_.id) store.beacon_box = sealed.box.bytes;
@@ -142,7 +143,49 @@ void RouterCore::store_news(Effects& out) const {
     out.log(LogLevel::warning, "no_beacon_key",
             "list " + std::to_string(news_.list.number) + " has no beacon key for this node: trb fleet sign it again");
   }
+  unstored_.asked(Kept::news);
   out.add(std::move(store));
+}
+
+void RouterCore::answer_news(ConnectionId from, const Message& message, const FleetNews& news, Now now, Effects& out) {
+  auto taken = on_news(news, 0, now, out);
+  if (!taken) return deny(from, message, taken.error(), out);
+  // It may be known already, and not on disk.
+  if (!unstored_.waits() && unstored_.news_failure()) store_news(out);
+  if (!unstored_.waits()) return answer(from, message, Ack{"accepted", *taken}, out);
+  if (askers_.size() >= kMaxAskers)
+    return deny(from, message,
+                fail(Errc::queue_full, "in force, but whether it is on disk is not known yet", "try again"), out);
+  askers_.push_back({from, message, std::move(*taken)});
+  askers_.back().message.data.clear();
+}
+
+void RouterCore::on_stored(Kept what, const Status& done, Now now, Effects& out) {
+  if (!done) {
+    out.count("not_stored");
+    out.log(LogLevel::error, "not_stored", done.error().text());
+  }
+  unstored_.answered(what, done, now.mono);
+  if (unstored_.waits()) return;
+  const auto failure = unstored_.news_failure();
+  for (const Asker& asker : std::exchange(askers_, {})) {
+    if (failure) {
+      deny(asker.from, asker.message, *failure, out);
+    } else {
+      answer(asker.from, asker.message, Ack{"accepted", asker.text}, out);
+    }
+  }
+}
+
+void RouterCore::tick_unstored(Now now, Effects& out) {
+  for (const Kept what : unstored_.take_due(now.mono)) {
+    if (what == Kept::news) {
+      store_news(out);
+      continue;
+    }
+    unstored_.asked(what);
+    out.add(what == Kept::boot ? Effect(StoreBoot{config_.boot}) : Effect(StoreCertificate{config_.certificate}));
+  }
 }
 
 std::size_t RouterCore::flood_news(const FleetNews& fresh, LinkId from, Effects& out) {

@@ -16,6 +16,7 @@
 #include "services/router/core/seals.hpp"
 #include "services/router/core/services.hpp"
 #include "services/router/core/troubles.hpp"
+#include "services/router/core/unstored.hpp"
 
 namespace trb::router {
 
@@ -145,6 +146,10 @@ class RouterCore {
   /// told to the others. Returns it in words. Errors: bad_signature, foreign_fleet, downgraded, conflict, malformed,
   /// cert_revoked, cert_expired, cert_not_yet_valid.
   Result<std::string> on_news(const FleetNews& news, LinkId from, Now now, Effects& out);
+
+  /// The shell has stored what an effect told it to, or could not: then what it is stays in force, is told to people
+  /// and tried again.
+  void on_stored(Kept what, const Status& done, Now now, Effects& out);
 
   /// The same of a file on this node; refusals are counted and logged.
   void on_news_of_file(const FleetNews& news, Now now, Effects& out);
@@ -283,7 +288,9 @@ class RouterCore {
   Result<bool> take_certificate(const SignedRecord& record, Now now, Effects& out);
   void take_own_certificate(const SignedRecord& record, const Certificate& certificate, Effects& out);
   [[nodiscard]] FleetNews known_news() const;
-  void store_news(Effects& out) const;
+  void store_news(Effects& out);
+  void answer_news(ConnectionId from, const Message& message, const FleetNews& news, Now now, Effects& out);
+  void tick_unstored(Now now, Effects& out);
   std::size_t flood_news(const FleetNews& fresh, LinkId from, Effects& out);
   void tell_news(Link& link, std::uint64_t known_list, Now now, Effects& out);
   void forget_ended_renewals(Now now);
@@ -358,6 +365,14 @@ class RouterCore {
   std::uint64_t message_count_ = 0;
   Troubles troubles_;
   NewsState news_;
+  /// Who has brought news, and what it is told once that is on disk.
+  struct Asker {
+    ConnectionId from = 0;
+    Message message;  ///< without its data
+    std::string text;
+  };
+  Unstored unstored_;
+  std::vector<Asker> askers_;
   ClockBound clock_;
   std::optional<MonotonicTime> next_own_check_;  ///< while the own certificate does not count
   std::map<LinkId, LinkSeals> seals_;            ///< until the shell has closed the link: a Goodbye follows its end

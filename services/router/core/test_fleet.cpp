@@ -11,6 +11,10 @@ Bytes frame_of(LinkId link, std::uint64_t sequence, const Message& message) {
   return frame;
 }
 
+Error no_room() {
+  return fail(Errc::io_error, "/n/state/news: cannot write: No space left on device", "make room: df -h /n");
+}
+
 std::string lane_of(const std::string& address) {
   return address.substr(0, address.rfind(':')) + ":45001";
 }
@@ -43,6 +47,8 @@ TestNode& TestFleet::start(const std::string& id, const Options& options) {
   config.address = address(id);
   places_[config.address] = id;
   config.boot = options.boot;
+  if (options.disk_full) config.boot_stored = no_room();
+  node->disk = options.disk_full ? TestNode::Disk::full : TestNode::Disk::good;
   config.beacon = options.beacon;
   config.seal_before_delivery = options.seal_before_delivery;
   config.relay = options.relay;
@@ -131,8 +137,18 @@ void TestFleet::carry_out(TestNode& node, Effects& effects) {
                      node.refused.push_back(refuse);
                      if (!origin_.empty()) packets_.push_back({node.id, origin_, refuse.link, 1, refuse.message});
                    },
-                   [&](StoreNews& store) { node.stored_news.push_back(store); },
-                   [&](StoreCertificate& store) { node.stored_certificates.push_back(store.record); },
+                   [&](StoreNews& store) {
+                     node.stored_news.push_back(store);
+                     this->store(node, Kept::news);
+                   },
+                   [&](StoreCertificate& store) {
+                     node.stored_certificates.push_back(store.record);
+                     this->store(node, Kept::certificate);
+                   },
+                   [&](StoreBoot&) {
+                     ++node.stored_boots;
+                     this->store(node, Kept::boot);
+                   },
                    [&](StoreUtc& store) { node.stored_utc.push_back(store.utc); },
                    [&](Log& line) { node.log.push_back(line.event + " " + line.text); },
                },
@@ -141,6 +157,14 @@ void TestFleet::carry_out(TestNode& node, Effects& effects) {
   for (const std::string& name : effects.counts) ++node.counts[name];
   for (const Dial& dial : dials) connect(node, dial);
   for (const DialLane& dial : lanes) connect_lane(node, dial);
+}
+
+void TestFleet::store(TestNode& node, Kept what) {
+  if (node.disk == TestNode::Disk::silent) return;
+  const bool full = node.disk == TestNode::Disk::full;
+  Effects effects;
+  node.core->on_stored(what, full ? Status(no_room()) : Status(Done{}), now_of(node), effects);
+  carry_out(node, effects);
 }
 
 void TestFleet::send(TestNode& node, LinkId link, const Message& message) {

@@ -65,6 +65,8 @@ struct TestNode {
   std::vector<DialLane> lane_dials;
   std::vector<Bytes> beacons;
   std::string stored;  ///< what StorePeers would have written
+  enum class Disk : unsigned char { good, full, silent } disk = Disk::good;
+  std::size_t stored_boots = 0;  ///< that were tried
   std::vector<StoreNews> stored_news;
   std::vector<SignedRecord> stored_certificates;
   std::vector<UtcTime> stored_utc;
@@ -103,6 +105,7 @@ class TestFleet {
     std::vector<std::string> known{};                  ///< hints of the run before
     std::map<std::string, std::string> seed_names{};   ///< id -> the HOST:PORT that its seed names
     std::map<std::string, std::string> known_names{};  ///< of hints
+    bool disk_full = false;                            ///< also when it starts
     bool relay = false;                                ///< its certificate lets it, too
     bool lane = true;
     bool seal_before_delivery = false;
@@ -163,6 +166,7 @@ class TestFleet {
     std::uint64_t sequence = 0;
     Message message;
   };
+  void store(TestNode& node, Kept what);
   void connect(TestNode& node, const Dial& dial);
   void connect_numbers(TestNode& node, const Dial& dial);
   void deliver(const Packet& packet);

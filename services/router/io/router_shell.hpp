@@ -47,6 +47,10 @@ struct ShellOptions {
   TcpBus bus;
 };
 
+constexpr const char* kBootFile = "state/boot";
+/// Errors: io_error, with what to do.
+Status write_boot(std::uint64_t boot);
+
 /// How a dialled connection has ended, if that is what the event tells.
 std::optional<LinkEnd> to_end(LinkEvent event);
 
@@ -158,7 +162,9 @@ class RouterShell {
   // news_side.cpp
   void store_news(const StoreNews& store);
   void store_certificate(const StoreCertificate& store);
+  void store_boot(const StoreBoot& store);
   void store_utc(const StoreUtc& store);
+  void stored(Kept what, const Status& done);
   void read_key_folder();  ///< a person may have put a new certificate.json or news.json there
   // seal_side.cpp
   SendResult send_seal(LinkId link);
