@@ -1,14 +1,19 @@
 """A full disk: nothing is acknowledged that is not on it, and a node that starts on it can still be asked, and stopped.
 Also: of a node's folder nothing but its configuration can be read by others.
 """
+import json
 import os
 import pathlib
+import shutil
 import stat
 import unittest
+
+from zmq.utils import z85
 
 import own_world
 import support
 import trb_fleet
+from strangers_test import Member
 
 CONFIGURATION = {"node.json", "network.json", "profile.json", "commands.json", "places.json", "robots", "keys"}
 
@@ -54,10 +59,17 @@ class Revocation(unittest.TestCase):
         self.disk.room()
         self.fleet.wait("it is stored", lambda: "not on disk" not in self.note(), 15)
         self.fleet.trb("fleet", "tell", authority, "--via", self.fleet.dir("ant"))
-        # Alone, so that nobody tells it anew.
-        self.fleet.nodes.pop("bee").stop()
+        # Alone, so that nobody tells it anew; cat has forgotten that it is out.
+        for node in "bee", "cat":
+            self.fleet.nodes.pop(node).stop()
         self.restart("ant")
         watch = support.Watch(self.fleet, "ant")
+        shutil.rmtree(self.fleet.dir("cat") / "state")
+        key = z85.decode(Member(self.fleet, "ant").public).hex()
+        path = self.fleet.dir("cat") / "node.json"
+        seeds = [{"address": f"{self.fleet.address('ant')}:45000", "key": key}]
+        path.write_text(json.dumps(dict(json.loads(path.read_text()), seeds=seeds)))
+        self.fleet.bring_up("cat")
         watch.wait_counted("refused.cert_revoked", timeout=10)
         self.assertNotEqual(self.states("ant").get("cat"), "ONLINE")
 
