@@ -518,7 +518,7 @@ TEST_CASE("a member without the right is no relay, whatever its Hello says") {
     ant.core->on_link_message(4711, thief.link.public_key, message, sequence, fleet.now, effects);
     fleet.carry_out(ant, effects);
   };
-  say(1, Hello{thief.record, 3, "thief", "1", kStartUtc, true, {}, 0, "behind", true, ""});
+  say(1, Hello{thief.record, 3, "10.0.0.9:45000", "1", kStartUtc, true, {}, 0, "behind", true, ""});
   REQUIRE(ant.link_to("thief") == 4711);
   say(2, Neighbours{{fleet.keys("bee").record}, {}});
   CHECK(ant.count("refused.not_permitted") == 1);
