@@ -1,7 +1,16 @@
 #include <doctest/doctest.h>
+#include <stdlib.h>
+#include <sys/stat.h>
 
+#include <filesystem>
+#include <fstream>
+#include <limits>
+
+#include "common/base/address.hpp"
+#include "common/base/files.hpp"
 #include "common/base/hex.hpp"
 #include "common/base/ids.hpp"
+#include "common/base/saturate.hpp"
 #include "common/base/time.hpp"
 
 using namespace trb;
@@ -36,4 +45,120 @@ TEST_CASE("the earlier deadline wins, none loses") {
 
 TEST_CASE("an error names its code, its field and its cure") {
   CHECK(fail(Errc::missing, "node.json: id", "add it").text() == "missing: node.json: id; add it");
+}
+
+TEST_CASE("an address is numbers and a port; a name, half an address and what ends a line are none") {
+  for (const char* good : {"10.0.0.1:1", "127.0.0.1:65535", "[::1]:45000", "[fd00::1]:45000", "[fe80::1%eth0]:45000"})
+    CHECK_MESSAGE(is_numeric_endpoint(good), good);
+  using namespace std::string_view_literals;
+  for (const std::string_view bad : {""sv,
+                                     ":"sv,
+                                     "localhost:1"sv,
+                                     "a.b:45000"sv,
+                                     "10.0.0.1"sv,
+                                     "10.0.0.1:"sv,
+                                     "10.0.0.1:0"sv,
+                                     "10.0.0.1:65536"sv,
+                                     "10.0.0.1:-1"sv,
+                                     "10.0.0.1:+1"sv,
+                                     "10.0.0.1: 1"sv,
+                                     "10.0.1:1"sv,
+                                     "10.1:1"sv,
+                                     "167772161:1"sv,
+                                     "0x0a000001:1"sv,
+                                     "010.0.0.1:1"sv,
+                                     "10.0.0.1 :1"sv,
+                                     "10.0.0.1\0x:1"sv,
+                                     "::1:1"sv,
+                                     "[::1:1"sv,
+                                     "::1]:1"sv,
+                                     "[]:1"sv,
+                                     "[hub]:1"sv,
+                                     "[10.0.0.1]:1"sv,
+                                     "[fe80::1%]:1"sv,
+                                     "[fe80::1%a b]:1"sv,
+                                     "[fe80::1%\n]:1"sv,
+                                     "[fe80::1%x/y]:1"sv,
+                                     "[fe80::1%0123456789abcdef]:1"sv,
+                                     "*:1"sv,
+                                     "10.0.0.1:1\n"sv,
+                                     "tcp://10.0.0.1:1"sv})
+    CHECK_MESSAGE(!is_numeric_endpoint(bad), bad);
+}
+
+TEST_CASE("sums of what others have chosen stay in their range") {
+  constexpr std::int64_t kMost = std::numeric_limits<std::int64_t>::max();
+  constexpr std::int64_t kLeast = std::numeric_limits<std::int64_t>::min();
+  CHECK(saturating_add(kMost, 1) == kMost);
+  CHECK(saturating_add(kLeast, -1) == kLeast);
+  CHECK(saturating_add(kMost, kLeast) == -1);
+  CHECK(saturating_sub(kMost, -1) == kMost);
+  CHECK(saturating_sub(kLeast, 1) == kLeast);
+  CHECK(saturating_sub(0, kLeast) == kMost);
+  CHECK(saturating_sub(7, 9) == -2);
+}
+
+namespace {
+
+struct Folder {
+  std::string path = [] {
+    char name[] = "/tmp/trb-base-XXXXXX";
+    return std::string(::mkdtemp(name));
+  }();
+  Folder() = default;
+  Folder(const Folder&) = delete;
+  Folder& operator=(const Folder&) = delete;
+  ~Folder() { std::filesystem::remove_all(path); }
+};
+
+unsigned mode_of(const std::string& path) {
+  struct stat facts {};
+  REQUIRE(::lstat(path.c_str(), &facts) == 0);
+  return facts.st_mode & 0777U;
+}
+
+}  // namespace
+
+TEST_CASE("a file that cannot be replaced stays whole, and nothing of the new one is left") {
+  Folder folder;
+  const std::string path = folder.path + "/file";
+  std::filesystem::create_directories(path + "/in-the-way");
+  CHECK(write_file(path, "new").error().code == Errc::io_error);
+  CHECK(std::distance(std::filesystem::directory_iterator(folder.path), {}) == 1);
+  CHECK(write_file(folder.path + "/none/file", "new").error().code == Errc::io_error);
+  CHECK(write_file("/dev/full/file", "new").error().code == Errc::io_error);
+}
+
+TEST_CASE("a file is written over in place, not made, and a disk that is full is told") {
+  Folder folder;
+  const std::string path = folder.path + "/number";
+  CHECK(overwrite_file(path, "1").error().code == Errc::missing);
+  CHECK_FALSE(file_exists(path));
+  REQUIRE(write_file(path, "0001\n"));
+  REQUIRE(overwrite_file(path, "0002\n"));
+  CHECK(*read_file(path) == "0002\n");
+  CHECK(overwrite_file("/dev/full", "1").error().code == Errc::io_error);
+}
+
+TEST_CASE("a private folder, and all that is or comes to be in it, is its user's alone") {
+  Folder folder;
+  const std::string log = folder.path + "/log";
+  const std::string outside = folder.path + "/outside";
+  ::umask(022);
+  std::filesystem::create_directories(log + "/proof");
+  std::ofstream(log + "/old.log") << "words";
+  std::ofstream(log + "/proof/1") << "words";
+  std::ofstream(outside) << "words";
+  std::filesystem::create_symlink(outside, log + "/link");
+  CHECK(mode_of(log + "/old.log") == 0644);
+  REQUIRE(make_private_dir(log));
+  CHECK(mode_of(log) == 0700);
+  CHECK(mode_of(log + "/proof") == 0700);
+  CHECK(mode_of(log + "/old.log") == 0600);
+  CHECK(mode_of(log + "/proof/1") == 0600);
+  CHECK(mode_of(outside) == 0644);
+  std::ofstream(log + "/new.log") << "words";
+  CHECK(mode_of(log + "/new.log") == 0600);
+  CHECK(make_private_dir(outside + "/log").error().code == Errc::io_error);
+  ::umask(022);
 }

@@ -34,10 +34,20 @@ bool write_all(int fd, BytesView bytes) {
   return true;
 }
 
-void sync_folder(const std::string& path) {
+/// False: the new name may be gone after a power cut. A file system that knows no such thing is not asked for it.
+bool sync_folder(const std::string& path) {
   const std::string folder = std::filesystem::path(path).parent_path().string();
   const Descriptor dir{::open(folder.empty() ? "." : folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)};
-  if (dir.fd >= 0) ::fsync(dir.fd);
+  return dir.fd < 0 || ::fsync(dir.fd) == 0 || (errno != EIO && errno != ENOSPC);
+}
+
+void close_to_others(const std::filesystem::directory_entry& entry) {
+  namespace fs = std::filesystem;
+  std::error_code ignored;  // another user's, or gone again: the folder itself is closed
+  const fs::file_status is = entry.symlink_status(ignored);
+  if (is.type() == fs::file_type::symlink || (is.permissions() & fs::perms(077)) == fs::perms::none) return;
+  fs::permissions(entry.path(), fs::perms(077), fs::perm_options::remove | fs::perm_options::nofollow, ignored);
+  if (ignored) fs::permissions(entry.path(), fs::perms(077), fs::perm_options::remove, ignored);
 }
 
 }  // namespace
@@ -72,8 +82,20 @@ Status write_file(const std::string& path, BytesView bytes, unsigned mode) {
       return problem;
     }
   }
-  if (std::rename(beside.c_str(), path.c_str()) != 0) return io_fault(path, "replace");
-  sync_folder(path);
+  if (std::rename(beside.c_str(), path.c_str()) != 0) {
+    const Error problem = io_fault(path, "replace");
+    ::unlink(beside.c_str());
+    return problem;
+  }
+  if (!sync_folder(path)) return io_fault(path, "sync the folder of");
+  return Done{};
+}
+
+Status overwrite_file(const std::string& path, BytesView bytes) {
+  const Descriptor file{::open(path.c_str(), O_WRONLY | O_CLOEXEC)};
+  if (file.fd < 0 && errno == ENOENT) return fail(Errc::missing, path + ": no such file");
+  if (file.fd < 0) return io_fault(path, "open");
+  if (!write_all(file.fd, bytes) || ::fsync(file.fd) != 0) return io_fault(path, "write over");
   return Done{};
 }
 
@@ -82,6 +104,22 @@ Status make_dir(const std::string& path, unsigned mode) {
   std::filesystem::create_directories(path, problem);
   if (problem) return fail(Errc::io_error, path + ": cannot make the folder: " + problem.message());
   if (::chmod(path.c_str(), mode) != 0) return io_fault(path, "set the mode of");
+  return Done{};
+}
+
+Status make_private_dir(const std::string& path) {
+  namespace fs = std::filesystem;
+  ::umask(077);
+  std::error_code problem;
+  fs::create_directories(path, problem);
+  if (!fs::is_directory(path, problem))
+    return fail(Errc::io_error, path + ": cannot make the folder: " + problem.message());
+  ::chmod(path.c_str(), 0700);
+  std::error_code ignored;
+  for (fs::recursive_directory_iterator at(path, ignored), end; at != end; at.increment(ignored)) {
+    if (ignored) break;
+    close_to_others(*at);
+  }
   return Done{};
 }
 

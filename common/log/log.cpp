@@ -41,9 +41,15 @@ std::string one_line(std::string_view text) {
 void open_log(const std::string& service, const std::string& path) {
   std::vector<spdlog::sink_ptr> sinks;
   auto console = std::make_shared<spdlog::sinks::stderr_sink_st>();
+  std::string problem;
   if (!path.empty()) {
-    sinks.push_back(std::make_shared<spdlog::sinks::rotating_file_sink_st>(path, kFileSize, kFiles - 1));
-    console->set_level(spdlog::level::warn);
+    // A service whose log cannot be written does its work all the same.
+    try {
+      sinks.push_back(std::make_shared<spdlog::sinks::rotating_file_sink_st>(path, kFileSize, kFiles - 1));
+      console->set_level(spdlog::level::warn);
+    } catch (const spdlog::spdlog_ex& fault) {
+      problem = fault.what();
+    }
   }
   sinks.push_back(console);
   auto logger = std::make_shared<spdlog::logger>(service, sinks.begin(), sinks.end());
@@ -51,6 +57,7 @@ void open_log(const std::string& service, const std::string& path) {
   logger->set_level(spdlog::level::info);
   logger->flush_on(spdlog::level::info);
   spdlog::set_default_logger(std::move(logger));
+  if (!problem.empty()) log_event(Level::warning, "no_log_file", problem);
 }
 
 void log_event(Level level, std::string_view event, std::string_view text) {

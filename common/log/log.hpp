@@ -12,7 +12,8 @@ namespace trb {
 
 enum class Level : std::uint8_t { debug = 0, info, warning, error };
 
-/// Logs to `path` (and warnings to standard error as well); an empty path: to standard error alone.
+/// Logs to `path` (and warnings to standard error as well); an empty path, or one that cannot be written
+/// to: to standard error alone.
 void open_log(const std::string& service, const std::string& path);
 
 /// `event` is a word in snake_case; `text` the facts. Control characters in it are replaced: one event stays one line.

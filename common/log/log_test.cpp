@@ -52,3 +52,9 @@ TEST_CASE("one event stays one line, whatever its text holds") {
   open_log("tester", "");
   std::filesystem::remove_all(folder);
 }
+
+TEST_CASE("a log that cannot be written to stops nobody") {
+  open_log("tester", "/dev/null/tester.log");
+  log_event(Level::info, "goes_on", "to standard error");
+  open_log("tester", "");
+}

@@ -190,3 +190,36 @@ TEST_CASE("damaged files of the authority's folder are told, never taken for emp
   REQUIRE(write_file(hall.dir + "/revocations.json", to_json(forged)).ok());
   CHECK(code_of(open_authority(hall.dir, kPassphrase)) == Errc::bad_signature);
 }
+
+TEST_CASE("a list that cannot be stored is none: nothing of it is on disk, and it can be made again") {
+  Hall hall;
+  hall.join("ur3");
+  hall.join("ur5");
+  const Authority before = hall.authority;
+  // A folder stands where the file would go: its replacement fails, as on a full disk.
+  std::filesystem::create_directories(hall.dir + "/revocations.json/in-the-way");
+  CHECK(hall.revoke("ur3").error().code == Errc::io_error);
+  CHECK(hall.authority.list.number == 0);
+  CHECK(hall.authority.beacon.number == before.beacon.number);
+  CHECK(find_living(hall.authority, "ur3", kNow) != nullptr);
+  for (const auto& entry : std::filesystem::directory_iterator(hall.dir))
+    CHECK_MESSAGE(entry.path().string().find(".new") == std::string::npos, entry.path().string());
+  std::filesystem::remove_all(hall.dir + "/revocations.json");
+  CHECK(find_living(hall.reopened(), "ur3", kNow) != nullptr);
+  REQUIRE(hall.revoke("ur3").ok());
+  CHECK(hall.reopened().list.number == 1);
+}
+
+TEST_CASE("a list that is stored counts, whatever becomes of the copy of its beacon number in fleet.json") {
+  Hall hall;
+  hall.join("ur3");
+  hall.join("ur5");
+  const auto fleet = read_file(hall.dir + "/fleet.json");
+  std::filesystem::remove(hall.dir + "/fleet.json");
+  std::filesystem::create_directories(hall.dir + "/fleet.json/in-the-way");
+  CHECK(hall.revoke("ur3").ok());
+  std::filesystem::remove_all(hall.dir + "/fleet.json");
+  REQUIRE(write_file(hall.dir + "/fleet.json", *fleet).ok());
+  CHECK(hall.reopened().beacon.number == hall.authority.beacon.number);
+  CHECK(hall.reopened().beacon.secret == hall.authority.beacon.secret);
+}

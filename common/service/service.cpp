@@ -202,8 +202,9 @@ Result<std::unique_ptr<Service>> Service::open(ServiceOptions options) {
   if (::chdir(options.node_dir.c_str()) != 0) {
     return fail(Errc::missing, options.node_dir + ": no such folder", "name a node's folder");
   }
-  if (Status made = make_dir("log"); !made) return made.error();
-  if (Status made = make_dir("state", 0700); !made) return made.error();
+  for (const char* folder : {"log", "state"}) {
+    if (Status made = make_private_dir(folder); !made) return made.error();
+  }
   open_log(options.name, options.own_log ? "log/" + options.name + ".log" : "");
   auto bus = bus_address(options.name);
   if (!bus) return bus.error();

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstdio>
 
+#include "common/base/address.hpp"
 #include "common/base/files.hpp"
 #include "common/config/interfaces.hpp"
 #include "common/config/node_config.hpp"
@@ -84,7 +85,12 @@ void collect_addresses(const NodeConfig& config, Observed& seen) {
 }
 
 void try_addresses(Observed& seen) {
-  probe_ports(seen.addresses);
+  const auto names = std::stable_partition(seen.addresses.begin(), seen.addresses.end(), [](const AddressProbe& probe) {
+    return is_numeric_endpoint(probe.address);
+  });
+  std::vector<AddressProbe> numbers(seen.addresses.begin(), names);
+  probe_ports(numbers);
+  std::copy(numbers.begin(), numbers.end(), seen.addresses.begin());
   for (AddressProbe& probe : seen.addresses) {
     // Only a way that carries something can carry too little.
     if (probe.port == Port::zmtp && !probe.address.starts_with("127."))

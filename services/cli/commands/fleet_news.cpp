@@ -94,6 +94,12 @@ Result<bool> learn_from(Authority& authority, const std::string& dir, const std:
   return learned;
 }
 
+/// The list itself is in the folder by now.
+Error not_handed_on(const Status& told, const std::string& dir) {
+  return fail(told.error().code, "signed, and in " + dir + ", but the fleet does not know: " + told.error().what,
+              "make room there (df -h " + dir + "), then trb fleet tell " + dir + " --via NODE_DIR");
+}
+
 /// Hands news.json to the fleet by a running node's router, or says how else it gets there.
 int hand_on(const Arguments& arguments) {
   const std::string path = std::filesystem::absolute(arguments.words[0] + "/news.json").string();
@@ -168,7 +174,7 @@ int run_revoke(const Arguments& arguments) {
                " certificates were signed before this folder kept them; their nodes "
                "get no new beacon key. Name their certificate.json in trb fleet renew, then revoke again.");
   }
-  if (Status told = tell_news(*authority, dir, {}, now); !told) return print_error(arguments, told.error());
+  if (Status told = tell_news(*authority, dir, {}, now); !told) return print_error(arguments, not_handed_on(told, dir));
   return hand_on(arguments);
 }
 
@@ -179,7 +185,9 @@ int run_tell(const Arguments& arguments) {
   if (!authority) return print_error(arguments, authority.error());
   auto learned = learn_from(*authority, dir, arguments.get("--via"));
   if (!learned) return print_error(arguments, learned.error());
-  if (*learned) {
+  // It was not written if the disk was full when the list was.
+  const auto news = read_news(dir + "/news.json");
+  if (*learned || !news || !(news->revocations == authority->revocations)) {
     if (Status told = tell_news(*authority, dir, {}, read_clocks().utc); !told)
       return print_error(arguments, told.error());
   }

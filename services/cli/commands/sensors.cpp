@@ -147,7 +147,7 @@ int read_picture(const Arguments& arguments, Probe& probe, const FoundSensor& se
   }
   auto image = take_picture(probe, sensor, wait_s);
   if (!image) return print_error(arguments, image.error());
-  if (Status written = write_file(file, image->bytes.bytes); !written) return print_error(arguments, written.error());
+  if (Status written = write_file(file, image->bytes.bytes, 0644); !written) return print_error(arguments, written.error());
   if (arguments.has("--json")) {
     print_json(Value{Value::Object{{"node", Value{sensor.node}},
                                    {"sensor", Value{image->sensor}},

@@ -28,6 +28,7 @@ constexpr Cause kCauses[] = {
     {"version_mismatch", "versions_apart", "it speaks another version of the messages",
      "install the same release on both"},
     {"clock_off", "clock_off", "", "set the clock: timedatectl; on a PC without a battery let NTP do it"},
+    {"no_name", "no_name", "", "until then it is not dialled; everything else goes on"},
     {"one_way", "one_way", "what this node sends does not arrive there, what it sends does",
      "look for a firewall rule or a broken fibre in that direction; ping both ways"},
     {"not_heard", "silent", "nothing was heard of it for a lease of 10 s", "look at its power and cable; ping it"},

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <set>
 
+#include "common/base/address.hpp"
 #include "services/cli/core/causes.hpp"
 
 namespace trb::cli {
@@ -275,7 +276,12 @@ class Doctor {
                        "look at its power and cable; ping it; a firewall that drops says nothing either");
       case Port::zmtp:
         return speaks(id, address, *probe);
-      case Port::not_tried:
+      case Port::not_tried:  // a host's name: only its router asks where that is
+        if (is_numeric_endpoint(address)) return;
+        if (fails_at_handshake(id, address) || says_no_hello(id, address))
+          problem("no_answer", subject, "its name was found, but no link comes of the dial" + at,
+                  "is it up there, and is the key in \"seeds\" its own (trb fleet show NODE_DIR)? then look at its "
+                  "address: getent hosts NAME");
         return;
     }
   }

@@ -253,3 +253,20 @@ TEST_CASE("strangers: a named one that is kept out is a problem, a foreign beaco
   for (LinkTrouble& trouble : ant.seen.troubles.troubles) trouble.last_s = 1000;
   CHECK(diagnose(ant.seen).empty());
 }
+
+TEST_CASE("a seed that is a host's name: a name server that is silent is named, and a host that does not answer") {
+  Ant ant;
+  ant.add_seed("hub.example:45000", Port::not_tried);
+  CHECK(diagnose(ant.seen).empty());  // linked: nothing is wrong with it
+  SUBCASE("silent") {
+    ant.trouble("", "no_name", "the name server has not answered for hub.example yet: look", "hub.example:45000");
+    const auto findings = diagnose(ant.seen);
+    const Finding* finding = find(findings, "no_name", "hub.example:45000");
+    REQUIRE(finding != nullptr);
+    CHECK(finding->what == "the name server has not answered for hub.example yet: look");
+  }
+  SUBCASE("found, but nobody there") {
+    ant.trouble("", "failed", "the dial ended before a Hello was heard", "hub.example:45000");
+    CHECK(find(diagnose(ant.seen), "no_answer", "hub.example:45000") != nullptr);
+  }
+}

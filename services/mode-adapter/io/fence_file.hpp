@@ -16,6 +16,8 @@ class FenceFile {
   Status save(bool fenced) const;
 
  private:
+  [[nodiscard]] Status make_empty() const;
+
   std::string folder_;
   std::string path_;
 };

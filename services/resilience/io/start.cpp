@@ -30,7 +30,7 @@ int start(const std::string& node_dir) {
   const NodeCheck check = check_node_dir(node_dir, true);
   const NodeConfig& config = check.config;
   if (!faults_that_stop(check.faults).empty()) return complain("nothing started\n" + to_text(check.faults));
-  if (auto made = make_dir(config.dir + "/state", 0700); !made) return complain(made.error().text());
+  if (auto made = make_private_dir(config.dir + "/state"); !made) return complain(made.error().text());
   auto db = CapabilityDb::open(config.dir + "/state/capability.db");
   if (!db) return complain(db.error().text());
   ResilienceCore core(settings_of(config));

@@ -19,6 +19,15 @@ Message to_service(const std::string& node, std::uint64_t id, std::uint64_t repl
   return message;
 }
 
+/// As much of both as a note may be long; no letter is cut in two.
+std::string join_notes(const std::string& first, const std::string& second) {
+  std::string out = first + (first.empty() || second.empty() ? "" : "; ") + second;
+  if (out.size() <= kDefaultMaxSize) return out;
+  std::size_t end = kDefaultMaxSize;
+  while (end > 0 && (static_cast<unsigned char>(out[end]) & 0xc0U) == 0x80) --end;
+  return out.substr(0, end);
+}
+
 }  // namespace
 
 Status RouterCore::may_be(const ServiceHello& hello, std::string_view proven) const {
@@ -89,9 +98,7 @@ void RouterCore::on_bus_message(ConnectionId from, const Message& message, Now n
   } else if (const auto* request = get_if<SignRequest>(&*body)) {
     sign_for(from, message, *request, out);
   } else if (const auto* news = get_if<FleetNews>(&*body)) {
-    auto taken = on_news(*news, 0, now, out);
-    if (!taken) return deny(from, message, taken.error(), out);
-    answer(from, message, Ack{"accepted", *taken}, out);
+    answer_news(from, message, *news, now, out);
   } else if (const auto* profile = get_if<NodeProfile>(&*body)) {
     if (connection->hello.service != "mode-adapter" || connection->probe) return;
     robot_profile_ = *profile;
@@ -179,7 +186,7 @@ ServiceTable RouterCore::service_table(Now now) const {
                             to_seconds(now.mono - started_),
                             0,
                             {},
-                            own_note(now)});
+                            join_notes(own_note(now), unstored_.note())});
   for (const std::string& name : config_.services) {
     if (name == "router") continue;
     ServiceEntry entry{name, "down", 0, 0, "", 0, 0, {}, {}};

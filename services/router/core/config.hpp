@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "common/base/result.hpp"
 #include "common/base/time.hpp"
 #include "common/security/keys.hpp"
 #include "proto/bodies/link.hpp"
@@ -38,6 +39,7 @@ struct RouterConfig {
   std::string address;  ///< HOST:PORT of the inbox
   std::string lane;     ///< HOST:PORT of the lossy lane; empty: none
   std::uint64_t boot = 1;
+  Status boot_stored = Done{};  ///< why it is not on disk
   std::uint64_t instance = 1;
   std::uint32_t pid = 0;
   std::uint16_t first_slot = 1;
@@ -69,6 +71,7 @@ constexpr std::uint32_t kRelayedChecked = 1000;  ///< signatures of what one rel
 constexpr Duration kStorePause = std::chrono::seconds(5);  ///< changes of where peers are, gathered for one write
 constexpr Duration kViaPause = std::chrono::seconds(4);    ///< between dials to who is reached by a relay
 constexpr Duration kHintPause = std::chrono::seconds(30);  ///< between dials to where a peer once was
+constexpr std::size_t kMaxAskers = 16;                     ///< who brought news and wait until it is on disk
 constexpr std::string_view kProbe = "probe";               ///< who comes for a person, not as a service
 constexpr std::size_t kMaxConnections = 64;                ///< on the node's own bus
 

@@ -26,7 +26,7 @@ struct LinkSend {
 };
 struct Dial {
   LinkId link = 0;
-  std::string address;
+  std::string address;  ///< of a seed it may be a host's name; then on_name_found() or on_name_unknown() follows
   Bytes server_key;
 };
 /// The other side's lossy lane, to be heard beside this link and closed with it.
@@ -58,7 +58,7 @@ struct RefuseCandidate {
 };
 
 /// What the authority said, to be on disk before what follows in the list is done; the beacon key of the list, if this
-/// node has a box in it, is used from then on.
+/// node has a box in it, is used from then on. RouterCore::on_stored follows, for this and the next two.
 struct StoreNews {
   FleetNews news;
   std::uint32_t beacon_number = 0;
@@ -67,6 +67,10 @@ struct StoreNews {
 /// This node's own renewed certificate: into keys/certificate.json.
 struct StoreCertificate {
   SignedRecord record;
+};
+/// This start's boot number, which was not stored when it began.
+struct StoreBoot {
+  std::uint64_t boot = 0;
 };
 /// A time that has certainly passed, for a start with a clock that is behind.
 struct StoreUtc {
@@ -91,8 +95,9 @@ struct DeliverHeld {
   std::uint64_t last = 0;
 };
 
-using Effect = std::variant<BusSend, LinkSend, Dial, CloseLink, AcceptLink, SendBeacon, StorePeers, RefuseCandidate,
-                            Log, StoreNews, StoreCertificate, StoreUtc, SealDue, CheckSeal, DeliverHeld, DialLane>;
+using Effect =
+    std::variant<BusSend, LinkSend, Dial, CloseLink, AcceptLink, SendBeacon, StorePeers, RefuseCandidate, Log,
+                 StoreNews, StoreCertificate, StoreBoot, StoreUtc, SealDue, CheckSeal, DeliverHeld, DialLane>;
 
 struct Effects {
   std::vector<Effect> list;

@@ -1,6 +1,8 @@
 // Hello: proven by certificate and key; of two links of one pair of nodes one stays.
 #include <algorithm>
 
+#include "common/base/address.hpp"
+#include "common/base/saturate.hpp"
 #include "services/router/core/router_core.hpp"
 
 namespace trb::router {
@@ -66,6 +68,9 @@ Result<Certificate> RouterCore::check_hello(const Link& link, const Message& mes
                     std::to_string(up->boot) + " is linked",
                 "two computers, or two copies of one node's folder, use the same keys: stop one; if its keys were "
                 "stolen: trb fleet revoke");
+  }
+  for (const auto& [field, address] : {std::pair("address", hello.address), std::pair("lane", hello.lane)}) {
+    if (Status numbers = check_address(field, address, certificate->id); !numbers) return numbers.error();
   }
   return certificate;
 }
@@ -205,7 +210,7 @@ void RouterCore::link_up(Link& link, const Certificate& certificate, const Hello
   link.boot = hello.boot;
   link.peer_address = hello.address;
   link.relay = hello.relay && certificate.relay;
-  if (hello.clock_verified) link.utc_at_zero = hello.utc - now.mono.ns;
+  if (hello.clock_verified) link.utc_at_zero = saturating_sub(hello.utc, now.mono.ns);
   link.up = true;
   link.last_heard = now.mono;
   link.confirmed = now.mono;
@@ -232,7 +237,7 @@ void RouterCore::carry_by(Link& link, const Hello& hello, Now now, Effects& out)
   peer.boot = hello.boot;
   if (peer.beacon_boot > hello.boot) peer.beacon_boot = peer.beacon_count = 0;
   if (peer.address != hello.address || links_.at(id).dialled) next_store_ = now.mono + kStorePause;
-  if (links_.at(id).dialled) peer.good_address = links_.at(id).address;
+  if (links_.at(id).dialled && is_numeric_endpoint(links_.at(id).address)) peer.good_address = links_.at(id).address;
   peer.address = hello.address;
   peer.version = hello.version;
   peer.clock_verified = hello.clock_verified;
@@ -251,7 +256,7 @@ void RouterCore::carry_by(Link& link, const Hello& hello, Now now, Effects& out)
   find_lane(links_.at(id), hello, now);
   forget_told_renewal(peer.certificate);
   forget_ended_renewals(now);
-  tell_news(links_.at(id), hello.revocations, out);
+  tell_news(links_.at(id), hello.revocations, now, out);
   tell_all_neighbours(links_.at(id), out);
   neighbour_changed(peer.id, now);
 }

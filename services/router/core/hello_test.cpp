@@ -20,7 +20,7 @@ struct Inbox {
   TestKeys bee = fleet.keys("bee");
 
   Hello hello(const TestKeys& keys) const {
-    return {keys.record, 3, "bee", "1", kStartUtc, true, {}, 0, "behind", false, ""};
+    return {keys.record, 3, "10.0.0.2:45000", "1", kStartUtc, true, {}, 0, "behind", false, ""};
   }
 
   void say(LinkId link, const Bytes& key, const Message& message, std::uint64_t sequence = 1) {

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "common/base/address.hpp"
 #include "common/security/rights.hpp"
 #include "services/router/core/router_core.hpp"
 
@@ -15,7 +16,7 @@ Routing drop(Errc reason) {
 
 /// The other side's lane: what it dialled is reached where this node has reached it, whatever it calls itself.
 std::string lane_address(const Link& link, const Hello& hello) {
-  if (hello.lane.empty() || !link.dialled) return hello.lane;
+  if (hello.lane.empty() || !link.dialled || !is_numeric_endpoint(link.address)) return hello.lane;
   const auto port = hello.lane.rfind(':');
   return link.address.substr(0, link.address.rfind(':')) + (port == std::string::npos ? "" : hello.lane.substr(port));
 }

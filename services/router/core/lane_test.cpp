@@ -68,7 +68,7 @@ TEST_CASE("each end of a link hears the other's lane, and a stream goes by it be
 TEST_CASE("a lane is dialled after its link, and again when it has broken, ever less often") {
   Stream stream;
   REQUIRE(stream.bee.lane_dials.size() == 1);
-  CHECK(stream.bee.lane_dials[0].address == "ant:45001");
+  CHECK(stream.bee.lane_dials[0].address == "10.0.0.1:45001");
   stream.fleet.run(Seconds(20));
   CHECK(stream.bee.lane_dials.size() == 1);
   stream.fleet.break_lane("bee", "ant");
@@ -84,9 +84,9 @@ TEST_CASE("a lane is dialled after its link, and again when it has broken, ever 
 TEST_CASE("the lane ends with its link, and comes back with it") {
   Stream stream;
   const LinkId old = stream.bee.link_to("ant");
-  stream.fleet.move("ant", "ant-elsewhere");
+  stream.fleet.move("ant", "10.0.1.1:45000");
   CHECK_FALSE(stream.fleet.hears("bee", "ant"));
-  stream.ant.core->set_lane("ant-elsewhere:45001");
+  stream.ant.core->set_lane("10.0.1.1:45001");
   stream.fleet.run(Seconds(4));
   CHECK(stream.bee.link_to("ant") != old);
   CHECK(stream.fleet.hears("bee", "ant"));

@@ -20,7 +20,7 @@ std::optional<MonotonicTime> RouterCore::next_deadline() const {
   }
   for (const Seed& seed : seeds_) next = earlier(next, seed.redial.at);
   for (const auto& [key, until] : candidates_) next = earlier(next, until);
-  return next;
+  return earlier(earlier(next, next_own_check_), unstored_.next());
 }
 
 void RouterCore::tick(Now now, Effects& out) {
@@ -33,6 +33,7 @@ void RouterCore::tick(Now now, Effects& out) {
   tick_beacon(now, out);
   tick_candidates(now, out);
   tick_known(now, out);
+  tick_unstored(now, out);
   tick_relay(now, out);
   tick_roads(now, out);
   tick_sensors(now, out);
@@ -90,7 +91,12 @@ void RouterCore::tick_peers(Now now, Effects& out) {
         peer.redial.at = now.mono + config_.timing.redial_first;
         continue;
       }
-      dial(peer.redial, address_to_dial(peer), peer.certificate.link_key.bytes, now, out);
+      const std::string& address = address_to_dial(peer);
+      if (address.empty()) {
+        peer.redial.at.reset();  // until it tells one: by a beacon, a relay, or a link that it makes
+        continue;
+      }
+      dial(peer.redial, address, peer.certificate.link_key.bytes, now, out);
     }
   }
 }
@@ -168,6 +174,8 @@ void RouterCore::on_beacon(BytesView plain, Now now, Effects& out) {
   auto certificate = open_member(outer->certificate, now, out);
   if (!certificate) return refuse(certificate.error());
   if (auto proven = open_record<Beacon>(*record, kSignedBeacon, *certificate); !proven) return refuse(proven.error());
+  if (Status numbers = check_address("address", outer->address, certificate->id); !numbers)
+    return refuse(numbers.error());
   if (peers_.size() >= kMaxPeers && peers_.count(certificate->id) == 0) {
     return refuse_beacon("too_many_peers", "the routing table has no row for '" + certificate->id + "'", now, out);
   }

@@ -293,7 +293,7 @@ TEST_CASE("a Hello read after its dialler gave it up takes nothing: the link tha
 
   // ant, whose dial would win, has closed the connection long before bee comes to read what was in it.
   const TestKeys& ant = fleet.keys("ant");
-  const Hello stale{ant.record, 1, "ant", "1", kStartUtc, true, {}, 0, "behind", false, ""};
+  const Hello stale{ant.record, 1, fleet.address("ant"), "1", kStartUtc, true, {}, 0, "behind", false, ""};
   const LinkId late = 4711;
   Effects effects;
   bee.core->on_link_message(late, ant.link.public_key, make_message(MessageType::information, "ant", "bee", stale), 1,

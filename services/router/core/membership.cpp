@@ -9,7 +9,7 @@ namespace trb::router {
 
 UtcTime RouterCore::checked_utc(UtcTime utc) const {
   // A clock before a time that has certainly passed is wrong: that time is the lower bound.
-  return std::max({utc, UtcTime{config_.own.not_before}, news_.utc_bound});
+  return std::max({utc, UtcTime{config_.own.not_before}, clock_.bound()});
 }
 
 Result<Certificate> RouterCore::open_known(const SignedRecord& record) const {
@@ -124,9 +124,12 @@ std::string RouterCore::own_note(Now now) const {
 
 void RouterCore::check_own(Now now, Effects& out) {
   const std::string trouble = own_trouble(now);
+  // Nothing else may be due while it is mute, and it is its clock alone that may end that.
+  if (!trouble.empty()) next_own_check_ = now.mono + config_.timing.redial_most;
   if (trouble.empty() == !news_.muted) return warn_of_end(now, out);
   if (!trouble.empty()) return mute(trouble, now, out);
   news_.muted = false;
+  next_own_check_.reset();
   troubles_.recovered(config_.id, "");
   out.log(LogLevel::info, "member_again", "serial " + std::to_string(config_.own.serial));
   if (config_.beacon && !config_.address.empty()) next_beacon_ = now.mono;
@@ -150,7 +153,9 @@ void RouterCore::mute(const std::string& why, Now now, Effects& out) {
 
 void RouterCore::warn_of_end(Now now, Effects& out) {
   const UtcTime utc = checked_utc(now.utc);
-  if (news_.muted || (news_.warned && utc < *news_.warned + kWarnEvery)) return;
+  // Also if it was said while the clock was far ahead.
+  const bool said = news_.warned && utc < *news_.warned + kWarnEvery && utc > *news_.warned - kWarnEvery;
+  if (news_.muted || said) return;
   const std::string note = own_note(now);
   if (note.empty()) return;
   news_.warned = utc;
@@ -159,17 +164,18 @@ void RouterCore::warn_of_end(Now now, Effects& out) {
 
 void RouterCore::raise_utc_bound(UtcTime utc, Effects& out) {
   if (utc <= checked_utc({})) return;
-  news_.utc_bound = utc;
-  news_.utc_stored = utc;
+  clock_.raise(utc);
   out.add(StoreUtc{utc});
 }
 
 void RouterCore::note_time(Now now, Effects& out) {
-  constexpr Duration kStoreEvery = std::chrono::minutes(10);  // a Raspberry Pi's card wears out by writes
-  const bool verified = checked_utc(now.utc) == now.utc;
-  if (!verified || now.utc < news_.utc_stored + kStoreEvery || now.utc.ns >= config_.own.not_after) return;
-  news_.utc_stored = now.utc;
-  out.add(StoreUtc{now.utc});
+  clock_.watch(now);
+  if (checked_utc(now.utc) != now.utc || now.utc.ns >= config_.own.not_after) return;
+  std::vector<std::int64_t> peers;
+  for (const auto& [id, link] : links_) {
+    if (link.up && link.utc_at_zero) peers.push_back(*link.utc_at_zero);
+  }
+  if (const auto utc = clock_.to_store(now, peers)) out.add(StoreUtc{*utc});
 }
 
 }  // namespace trb::router

@@ -33,9 +33,21 @@ bool RouterCore::is_expected(BytesView key) const {
 /// Where it says that it is, and where it was reached, one after the other: behind a translator only the second is
 /// good, after a move only the first.
 const std::string& RouterCore::address_to_dial(Peer& peer) {
+  if (peer.address.empty()) return peer.good_address;
   const bool choice = !peer.good_address.empty() && peer.good_address != peer.address;
   peer.try_good = choice && !peer.try_good;
   return peer.try_good ? peer.good_address : peer.address;
+}
+
+void RouterCore::on_name_found(LinkId id, const std::string& address) {
+  if (const auto at = links_.find(id); at != links_.end()) at->second.address = address;
+}
+
+void RouterCore::on_name_unknown(LinkId id, const std::string& why, Now now, Effects& out) {
+  if (links_.count(id) == 0) return;
+  out.count("dial.no_name");
+  if (!why.empty()) note_trouble(id, "no_name", why, now);
+  drop_link(id, why.empty() ? "its name is asked for" : why, false, now, out);
 }
 
 void RouterCore::set_peer_address(Peer& peer, const std::string& address, Now now, Effects& out) {

@@ -32,11 +32,11 @@ TEST_CASE(
       check_linked(fleet, "ant", "bee");
       const std::string other = std::string(mover) == "ant" ? "bee" : "ant";
       const LinkId before = fleet.at(other).link_to(mover);
-      fleet.move(mover, "elsewhere");
+      fleet.move(mover, "10.0.1.1:45000");
       fleet.run(milliseconds(500));
       check_linked(fleet, "ant", "bee");
       CHECK(fleet.at(other).link_to(mover) != before);
-      CHECK(fleet.at(other).peer(mover)->address == "elsewhere");
+      CHECK(fleet.at(other).peer(mover)->address == "10.0.1.1:45000");
       const std::size_t closed = fleet.at("ant").closed.size() + fleet.at("bee").closed.size();
       fleet.run(Seconds(30));
       CHECK(fleet.at("ant").closed.size() + fleet.at("bee").closed.size() == closed);
@@ -82,7 +82,7 @@ TEST_CASE("a node without an address dials by its seeds, sends no beacon, and sa
   CHECK(ant.beacons.empty());
   CHECK(ant.core->route_table(fleet.now).routes.at(0).address.empty());
   fleet.start("bee");
-  fleet.move("ant", "ant");
+  fleet.move("ant", fleet.address("ant"));
   fleet.run(Seconds(2));
   CHECK_FALSE(ant.beacons.empty());
   check_linked(fleet, "ant", "bee");
@@ -102,7 +102,7 @@ TEST_CASE("the peers of the last run are dialled at the start, and gathered for 
   TestNode& ant = fleet.start("ant", {.beacon = false, .seeds = {"bee"}});
   fleet.start("bee", {.beacon = false});
   fleet.run(Seconds(10));
-  CHECK(ant.stored.starts_with("bee "));
+  CHECK(ant.stored.starts_with(fleet.address("bee") + " "));
   CHECK(std::count(ant.stored.begin(), ant.stored.end(), '\n') == 1);
   fleet.stop("ant");
   fleet.stop("bee");
@@ -120,4 +120,104 @@ TEST_CASE("a hint that leads nowhere is dialled ever more seldom") {
   fleet.run(Seconds(120));
   CHECK(early >= 4);
   CHECK(ant.dials.size() - early <= 5);
+}
+
+TEST_CASE("a Hello and a beacon that name a host instead of numbers are refused, and never dialled") {
+  const std::vector<std::string> names = {"hub.example:45000", "localhost:45000",     "10.0.0.9",
+                                          "10.0.0.9:0",        "10.0.0.9:70000",      "010.0.0.9:45000",
+                                          "[fe80::1%a b]:1",   "[fd00::1:45000",      "fd00::1:45000",
+                                          "0x0a000001:45000",  "10.0.0.9:45000\nx:1", "[::1]@hub:45000"};
+  for (const std::string& name : names) {
+    CAPTURE(name);
+    TestFleet fleet;
+    TestNode& ant = fleet.start("ant", {.beacon = false});
+    const TestKeys cat = fleet.keys("cat");
+    Effects effects;
+    const auto greet = [&](const std::string& id, const std::string& address, const std::string& lane) {
+      const TestKeys keys = fleet.keys(id);
+      const Hello hello{keys.record, 3, address, "1", kStartUtc, true, {}, 0, "behind", false, lane};
+      ant.core->on_link_message(random_u64(), keys.link.public_key,
+                                make_message(MessageType::information, id, "", hello), 1, fleet.now, effects);
+    };
+    greet("bee", name, "");
+    greet("dog", "", name);
+    const Beacon beacon{cat.record, name, 1, kStartUtc, 1};
+    const SignedRecord record =
+        sign(kSignedBeacon, "cat", fleet.authority.fleet.id(), encode(beacon), fleet.keys("cat").identity);
+    ant.core->on_beacon(encode(record), fleet.now, effects);
+    fleet.carry_out(ant, effects);
+    fleet.run(Seconds(10));
+    CHECK(ant.count("refused.bad_value") == 2);
+    CHECK(ant.count("beacon.bad_value") == 1);
+    for (const char* id : {"bee", "cat", "dog"}) CHECK(ant.peer(id) == nullptr);
+    CHECK(ant.dials.empty());
+    CHECK(ant.log.end() != std::find_if(ant.log.begin(), ant.log.end(), [](const std::string& line) {
+            return line.find("lane of 'dog' is no IPv4 or IPv6 address with a port") != std::string::npos;
+          }));
+  }
+}
+
+TEST_CASE("a Hello with an IPv6 address, or without one, is taken") {
+  for (const std::string address : {"[fd00::1]:45000", "[fe80::1%eth0]:45000", ""}) {
+    CAPTURE(address);
+    TestFleet fleet;
+    TestNode& ant = fleet.start("ant", {.beacon = false});
+    const TestKeys bee = fleet.keys("bee");
+    const Hello hello{bee.record, 3, address, "1", kStartUtc, true, {}, 0, "behind", false, ""};
+    Effects effects;
+    ant.core->on_link_message(9, bee.link.public_key, make_message(MessageType::information, "bee", "", hello), 1,
+                              fleet.now, effects);
+    fleet.carry_out(ant, effects);
+    CHECK(ant.link_to("bee") == 9);
+  }
+}
+
+TEST_CASE("a peer that tells no address is not dialled when its link has ended, until it tells one") {
+  TestFleet fleet;
+  TestNode& ant = fleet.start("ant", {.beacon = false});
+  const TestKeys bee = fleet.keys("bee");
+  const Hello hello{bee.record, 3, "", "1", kStartUtc, true, {}, 0, "behind", false, ""};
+  Effects effects;
+  ant.core->on_link_message(9, bee.link.public_key, make_message(MessageType::information, "bee", "", hello), 1,
+                            fleet.now, effects);
+  fleet.carry_out(ant, effects);
+  REQUIRE(ant.link_to("bee") == 9);
+  Effects ended;
+  ant.core->on_link_ended(9, LinkEnd::disconnected, fleet.now, ended);
+  fleet.carry_out(ant, ended);
+  fleet.run(Seconds(30));
+  CHECK(ant.dials.empty());
+  fleet.start("bee", {.boot = 4});
+  fleet.run(Seconds(3));
+  CHECK_FALSE(ant.dials.empty());
+  check_linked(fleet, "ant", "bee");
+}
+
+TEST_CASE("a seed may be a host's name: what it was found to be is known as its address, and stored; a name never is") {
+  TestFleet fleet;
+  TestNode& ant = fleet.start("ant", {.beacon = false});
+  TestNode& bee = fleet.start("bee", {.beacon = false, .seed_names = {{"ant", "hub.example:45000"}}});
+  fleet.run(Seconds(3));
+  CHECK(bee.link_to("ant") == 0);
+  CHECK(bee.count("dial.no_name") >= 3);
+  const auto asked = [&](std::string_view word) {
+    return std::any_of(bee.log.begin(), bee.log.end(),
+                       [&](const std::string& line) { return line.find(word) != std::string::npos; });
+  };
+  CHECK(asked("dial_ended unproven: the name server has not answered for hub.example:45000 yet"));
+  fleet.hosts["hub.example:45000"] = fleet.address("ant");
+  fleet.run(Seconds(10));
+  check_linked(fleet, "ant", "bee");
+  CHECK(bee.peer("ant")->good_address == fleet.address("ant"));
+  CHECK(bee.lane_dials.at(0).address == "10.0.0.1:45001");
+  CHECK(bee.stored.starts_with(fleet.address("ant") + " "));
+  CHECK(ant.link_to("bee") != 0);
+}
+
+TEST_CASE("a name among the peers of the last run, as an earlier release stored it, is left out") {
+  TestFleet fleet;
+  TestNode& ant = fleet.start("ant", {.beacon = false, .known_names = {{"bee", "hub.example:45000"}}});
+  fleet.run(Seconds(30));
+  CHECK(ant.dials.empty());
+  CHECK(ant.count("dial.no_name") == 0);
 }

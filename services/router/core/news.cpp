@@ -120,6 +120,7 @@ void RouterCore::take_own_certificate(const SignedRecord& record, const Certific
   news_.warned.reset();
   out.log(LogLevel::info, "certificate_renewed",
           "serial " + std::to_string(certificate.serial) + ", to " + to_iso8601({certificate.not_after}));
+  unstored_.asked(Kept::certificate);
   out.add(StoreCertificate{record});
 }
 
@@ -132,7 +133,7 @@ FleetNews RouterCore::known_news() const {
   return news;
 }
 
-void RouterCore::store_news(Effects& out) const {
+void RouterCore::store_news(Effects& out) {
   StoreNews store{known_news(), news_.list.beacon_number, {}};
   for (const SealedKey& sealed : news_.list.beacon_keys) {
     if (sealed.id == config_.id) store.beacon_box = sealed.box.bytes;
@@ -142,7 +143,49 @@ void RouterCore::store_news(Effects& out) const {
     out.log(LogLevel::warning, "no_beacon_key",
             "list " + std::to_string(news_.list.number) + " has no beacon key for this node: trb fleet sign it again");
   }
+  unstored_.asked(Kept::news);
   out.add(std::move(store));
+}
+
+void RouterCore::answer_news(ConnectionId from, const Message& message, const FleetNews& news, Now now, Effects& out) {
+  auto taken = on_news(news, 0, now, out);
+  if (!taken) return deny(from, message, taken.error(), out);
+  // It may be known already, and not on disk.
+  if (!unstored_.waits() && unstored_.news_failure()) store_news(out);
+  if (!unstored_.waits()) return answer(from, message, Ack{"accepted", *taken}, out);
+  if (askers_.size() >= kMaxAskers)
+    return deny(from, message,
+                fail(Errc::queue_full, "in force, but whether it is on disk is not known yet", "try again"), out);
+  askers_.push_back({from, message, std::move(*taken)});
+  askers_.back().message.data.clear();
+}
+
+void RouterCore::on_stored(Kept what, const Status& done, Now now, Effects& out) {
+  if (!done) {
+    out.count("not_stored");
+    out.log(LogLevel::error, "not_stored", done.error().text());
+  }
+  unstored_.answered(what, done, now.mono);
+  if (unstored_.waits()) return;
+  const auto failure = unstored_.news_failure();
+  for (const Asker& asker : std::exchange(askers_, {})) {
+    if (failure) {
+      deny(asker.from, asker.message, *failure, out);
+    } else {
+      answer(asker.from, asker.message, Ack{"accepted", asker.text}, out);
+    }
+  }
+}
+
+void RouterCore::tick_unstored(Now now, Effects& out) {
+  for (const Kept what : unstored_.take_due(now.mono)) {
+    if (what == Kept::news) {
+      store_news(out);
+      continue;
+    }
+    unstored_.asked(what);
+    out.add(what == Kept::boot ? Effect(StoreBoot{config_.boot}) : Effect(StoreCertificate{config_.certificate}));
+  }
 }
 
 std::size_t RouterCore::flood_news(const FleetNews& fresh, LinkId from, Effects& out) {
@@ -155,8 +198,9 @@ std::size_t RouterCore::flood_news(const FleetNews& fresh, LinkId from, Effects&
   return told;
 }
 
-void RouterCore::tell_news(Link& link, std::uint64_t known_list, Effects& out) {
+void RouterCore::tell_news(Link& link, std::uint64_t known_list, Now now, Effects& out) {
   FleetNews news = known_news();
+  std::erase_if(news.certificates, [&](const SignedRecord& record) { return has_ended(record, now); });
   if (news_.list.number <= known_list) news.revocations = {};
   if (!news.revocations.kind.empty() || !news.certificates.empty()) link_send(link, news, out);
 }
@@ -188,11 +232,14 @@ std::optional<FleetNews> RouterCore::news_for(const Error& refusal, const Hello&
   return std::nullopt;
 }
 
+bool RouterCore::has_ended(const SignedRecord& renewal, Now now) const {
+  const auto renewed = decode<Certificate>(renewal.payload.bytes);
+  return !renewed || renewed->not_after <= checked_utc(now.utc).ns;
+}
+
 void RouterCore::forget_ended_renewals(Now now) {
-  std::erase_if(news_.renewed, [&](const auto& row) {
-    const auto renewed = decode<Certificate>(row.second.payload.bytes);
-    return !renewed || renewed->not_after <= checked_utc(now.utc).ns;
-  });
+  // By a clock that is far ahead for a moment all have ended.
+  if (clock_.is_steady(now)) std::erase_if(news_.renewed, [&](const auto& row) { return has_ended(row.second, now); });
 }
 
 void RouterCore::forget_told_renewal(const Certificate& certificate) {

@@ -1,5 +1,4 @@
-// What a router has learned of its authority since it was made: who is out, whose certificate was renewed, what time it
-// is at least.
+// What a router has learned of its authority since it was made: who is out, whose certificate was renewed.
 #pragma once
 
 #include <map>
@@ -17,8 +16,6 @@ struct NewsState {
   /// Of others, by id: newer than what they say themselves. Handed to them when they come back.
   std::map<std::string, SignedRecord> renewed;
   std::map<Bytes, Certificate, std::less<>> revoked_keys;  ///< link keys that are over, as far as they were met
-  UtcTime utc_bound;                                       ///< this time has passed
-  UtcTime utc_stored;
   bool muted = false;  ///< the own certificate is revoked or has ended: no beacon, no dialling
   std::optional<UtcTime> warned;
 };

@@ -6,7 +6,9 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <string_view>
 
+#include "common/base/result.hpp"
 #include "common/base/time.hpp"
 #include "common/security/keys.hpp"
 #include "proto/bodies/link.hpp"
@@ -94,6 +96,10 @@ struct Seed {
   Redial redial;
   bool hint = false;  ///< from the last run, not from node.json: given up for the peer's own address once it was met
 };
+
+/// An address that another node tells is numbers, or empty: to ask a name server where it is would wait for one, as
+/// long as that likes. Errors: bad_value, naming the field.
+Status check_address(std::string_view field, std::string_view address, std::string_view whose);
 
 /// Of two links to one peer: does the new one take the old one's place? Both sides come to the same answer.
 /// A higher boot counter wins (the old process is gone); else, if either side has another address than when the old

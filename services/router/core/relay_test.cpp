@@ -518,7 +518,7 @@ TEST_CASE("a member without the right is no relay, whatever its Hello says") {
     ant.core->on_link_message(4711, thief.link.public_key, message, sequence, fleet.now, effects);
     fleet.carry_out(ant, effects);
   };
-  say(1, Hello{thief.record, 3, "thief", "1", kStartUtc, true, {}, 0, "behind", true, ""});
+  say(1, Hello{thief.record, 3, "10.0.0.9:45000", "1", kStartUtc, true, {}, 0, "behind", true, ""});
   REQUIRE(ant.link_to("thief") == 4711);
   say(2, Neighbours{{fleet.keys("bee").record}, {}});
   CHECK(ant.count("refused.not_permitted") == 1);
@@ -612,4 +612,15 @@ TEST_CASE("a profile goes to who is reached by a relay, by its own word, at once
   CHECK(three.bee->peer("ant")->profile.model == "ur3");
   tell("ur5");
   CHECK(three.bee->peer("ant")->profile.model == "ur5");
+}
+
+TEST_CASE("a word by a relay that names a host instead of numbers is refused, and its sender not dialled there") {
+  Triangle three;
+  RelayAlive alive;
+  alive.address = "hub.example:45000";
+  Message word = make_message(MessageType::information, "ant", "bee", alive);
+  word.remaining_ms = 5000;
+  three.hand_to_bee(three.signed_by_ant(three.frame(1, word)));
+  CHECK(three.bee->count("refused.relayed_bad_value") == 1);
+  CHECK(three.bee->peer("ant")->address == three.fleet.address("ant"));
 }

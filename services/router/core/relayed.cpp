@@ -1,6 +1,7 @@
 // Messages by way of a relay, end to end: locked and signed here, checked, opened and confirmed there.
 #include <algorithm>
 
+#include "common/base/saturate.hpp"
 #include "common/security/relay_box.hpp"
 #include "services/router/core/nack.hpp"
 #include "services/router/core/router_core.hpp"
@@ -35,7 +36,7 @@ HeaderView view_of_header(const Message& message) {
 /// A node that came up without knowing the time would sign what has run out already: it takes the relay's word for it.
 UtcTime RouterCore::utc_by(const Link& relay, Now now) const {
   const UtcTime own = checked_utc(now.utc);
-  return own == now.utc || !relay.utc_at_zero ? own : std::max(own, {*relay.utc_at_zero + now.mono.ns});
+  return own == now.utc || !relay.utc_at_zero ? own : std::max(own, {saturating_add(*relay.utc_at_zero, now.mono.ns)});
 }
 
 // ---- out
@@ -45,7 +46,8 @@ Message RouterCore::wrap(Peer& peer, const Link& relay, std::uint64_t target_boo
   if (peer.relay_key.empty()) peer.relay_key = relay_key(config_.link_key, peer.certificate.link_key.bytes);
   Bytes plain(frame);
   stamp_link(plain.data(), 0, 0, remaining_ms);
-  const std::int64_t expires = utc_by(relay, now).ns + static_cast<std::int64_t>(remaining_ms) * 1'000'000;
+  const std::int64_t expires =
+      saturating_add(utc_by(relay, now).ns, static_cast<std::int64_t>(remaining_ms) * 1'000'000);
   const RelayedFrame body{peer.id, target_boot, config_.boot, count, expires, {lock_relayed(peer.relay_key, plain)}};
   Message message;
   message.type = MessageType::information;
@@ -211,6 +213,8 @@ void RouterCore::on_relay_alive(const Link& link, Peer& peer, const RelayedFrame
                                 Now now, Effects& out) {
   const auto word = decode<RelayAlive>(header.data);
   if (!word) return refuse_relayed(link, "malformed", "of '" + peer.id + "': " + word.error().text(), out);
+  if (Status numbers = check_address("address", word->address, peer.id); !numbers)
+    return refuse_relayed(link, "bad_value", numbers.error().text(), out);
   const bool first_relay = peer.relays.insert(link.peer).second;
   if (first_relay && peer.carrier.empty()) peer.carrier = link.peer;
   const RelayRoad::Heard heard = peer.road.hear(*word, inner.source_boot, inner.count, now.mono);

@@ -1,5 +1,7 @@
 #include "services/router/core/router_core.hpp"
 
+#include "common/base/address.hpp"
+
 namespace trb::router {
 
 RouterCore::RouterCore(RouterConfig config) : config_(std::move(config)), services_(config_.first_slot) {
@@ -7,6 +9,7 @@ RouterCore::RouterCore(RouterConfig config) : config_(std::move(config)), servic
     if (seed.key != config_.own.link_key.bytes) seeds_.push_back({seed.address, seed.key, {}, {}});
   }
   for (const SeedAddress& hint : config_.known) {
+    if (!is_numeric_endpoint(hint.address)) continue;  // as an earlier release stored it
     if (hint.key != config_.own.link_key.bytes && !is_expected(hint.key))
       seeds_.push_back({hint.address, hint.key, {}, {}, true});
   }
@@ -17,8 +20,7 @@ void RouterCore::start(Now now, Effects& out) {
   out.log(LogLevel::info, "started", config_.id + " at " + config_.address + ", boot " + std::to_string(config_.boot));
   for (Seed& seed : seeds_) seed.redial.at = now.mono;
   if (config_.beacon && !config_.address.empty()) next_beacon_ = now.mono;
-  news_.utc_bound = config_.utc_bound;
-  news_.utc_stored = config_.utc_bound;
+  clock_.start(config_.utc_bound, now);
   if (checked_utc(now.utc) != now.utc) {
     out.log(LogLevel::warning, "clock_unverified",
             "the clock says " + to_iso8601(now.utc) + ", but it is " + to_iso8601(checked_utc(now.utc)) +
@@ -27,6 +29,10 @@ void RouterCore::start(Now now, Effects& out) {
   // What was in force before this start is now, before the first link; each of it is checked anew.
   on_news_of_file(config_.news, now, out);
   check_own(now, out);
+  if (!config_.boot_stored) {
+    unstored_.asked(Kept::boot);
+    on_stored(Kept::boot, config_.boot_stored, now, out);
+  }
 }
 
 const Link* RouterCore::find_link(LinkId id) const {

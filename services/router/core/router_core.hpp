@@ -9,12 +9,14 @@
 
 #include "proto/body.hpp"
 #include "services/router/core/budget.hpp"
+#include "services/router/core/clock_bound.hpp"
 #include "services/router/core/config.hpp"
 #include "services/router/core/news.hpp"
 #include "services/router/core/peers.hpp"
 #include "services/router/core/seals.hpp"
 #include "services/router/core/services.hpp"
 #include "services/router/core/troubles.hpp"
+#include "services/router/core/unstored.hpp"
 
 namespace trb::router {
 
@@ -81,6 +83,10 @@ class RouterCore {
   bool admit(BytesView key, MonotonicTime now, Effects& out);
   void on_dial_connected(LinkId link, Now now, Effects& out);
   void on_link_ended(LinkId link, LinkEnd how, Now now, Effects& out);
+  /// A seed's host name was found: what is dialled for this link is this, in numbers.
+  void on_name_found(LinkId link, const std::string& address);
+  /// It is not known, or not yet: the dial ends as one that failed. `why` is for people; empty: nothing to tell yet.
+  void on_name_unknown(LinkId link, const std::string& why, Now now, Effects& out);
   /// A message for the router itself, or the first one (Hello), that came by a link.
   void on_link_message(LinkId link, BytesView key, const Message& message, std::uint64_t sequence, Now now,
                        Effects& out);
@@ -140,6 +146,10 @@ class RouterCore {
   /// told to the others. Returns it in words. Errors: bad_signature, foreign_fleet, downgraded, conflict, malformed,
   /// cert_revoked, cert_expired, cert_not_yet_valid.
   Result<std::string> on_news(const FleetNews& news, LinkId from, Now now, Effects& out);
+
+  /// The shell has stored what an effect told it to, or could not: then what it is stays in force, is told to people
+  /// and tried again.
+  void on_stored(Kept what, const Status& done, Now now, Effects& out);
 
   /// The same of a file on this node; refusals are counted and logged.
   void on_news_of_file(const FleetNews& news, Now now, Effects& out);
@@ -278,10 +288,13 @@ class RouterCore {
   Result<bool> take_certificate(const SignedRecord& record, Now now, Effects& out);
   void take_own_certificate(const SignedRecord& record, const Certificate& certificate, Effects& out);
   [[nodiscard]] FleetNews known_news() const;
-  void store_news(Effects& out) const;
+  void store_news(Effects& out);
+  void answer_news(ConnectionId from, const Message& message, const FleetNews& news, Now now, Effects& out);
+  void tick_unstored(Now now, Effects& out);
   std::size_t flood_news(const FleetNews& fresh, LinkId from, Effects& out);
-  void tell_news(Link& link, std::uint64_t known_list, Effects& out);
+  void tell_news(Link& link, std::uint64_t known_list, Now now, Effects& out);
   void forget_ended_renewals(Now now);
+  [[nodiscard]] bool has_ended(const SignedRecord& renewal, Now now) const;
   void forget_told_renewal(const Certificate& certificate);
   void on_news_message(const Link* link, const Message& message, Now now, Effects& out);
   /// What a refused node has to know to come back: its renewed certificate, or the list that it is on.
@@ -352,8 +365,18 @@ class RouterCore {
   std::uint64_t message_count_ = 0;
   Troubles troubles_;
   NewsState news_;
-  std::map<LinkId, LinkSeals> seals_;  ///< until the shell has closed the link: a Goodbye follows its end
-  std::vector<LinkId> fresh_;          ///< have something unsealed for which no time is set yet
+  /// Who has brought news, and what it is told once that is on disk.
+  struct Asker {
+    ConnectionId from = 0;
+    Message message;  ///< without its data
+    std::string text;
+  };
+  Unstored unstored_;
+  std::vector<Asker> askers_;
+  ClockBound clock_;
+  std::optional<MonotonicTime> next_own_check_;  ///< while the own certificate does not count
+  std::map<LinkId, LinkSeals> seals_;            ///< until the shell has closed the link: a Goodbye follows its end
+  std::vector<LinkId> fresh_;                    ///< have something unsealed for which no time is set yet
   std::optional<MonotonicTime> next_seal_;
 };
 

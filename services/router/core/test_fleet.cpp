@@ -1,5 +1,7 @@
 #include "services/router/core/test_fleet.hpp"
 
+#include "common/base/address.hpp"
+
 namespace trb::router {
 namespace {
 
@@ -9,11 +11,24 @@ Bytes frame_of(LinkId link, std::uint64_t sequence, const Message& message) {
   return frame;
 }
 
+Error no_room() {
+  return fail(Errc::io_error, "/n/state/news: cannot write: No space left on device", "make room: df -h /n");
+}
+
+std::string lane_of(const std::string& address) {
+  return address.substr(0, address.rfind(':')) + ":45001";
+}
+
 }  // namespace
 
 TestKeys& TestFleet::keys(const std::string& id) {
   const auto at = keys_.find(id);
   return at != keys_.end() ? at->second : keys_.emplace(id, authority.sign_node(id)).first->second;
+}
+
+std::string TestFleet::address(const std::string& id) {
+  const auto number = std::to_string(addresses_.size() + 1);
+  return addresses_.try_emplace(id, "10.0.0." + number + ":45000").first->second;
 }
 
 TestNode& TestFleet::start(const std::string& id, const Options& options) {
@@ -29,16 +44,20 @@ TestNode& TestFleet::start(const std::string& id, const Options& options) {
   config.own = node->keys.certificate;
   config.identity = node->keys.identity;
   config.link_key = node->keys.link;
-  config.address = id;
-  places_[id] = id;
+  config.address = address(id);
+  places_[config.address] = id;
   config.boot = options.boot;
+  if (options.disk_full) config.boot_stored = no_room();
+  node->disk = options.disk_full ? TestNode::Disk::full : TestNode::Disk::good;
   config.beacon = options.beacon;
   config.seal_before_delivery = options.seal_before_delivery;
   config.relay = options.relay;
-  if (options.lane) config.lane = id + ":45001";
+  if (options.lane) config.lane = lane_of(config.address);
   config.services = {"router", "mode-adapter", "scheduler", "resilience", "sensor-bus", "cloud-gateway", "fault-tally"};
-  for (const std::string& seed : options.seeds) config.seeds.push_back({seed, keys(seed).link.public_key});
-  for (const std::string& hint : options.known) config.known.push_back({hint, keys(hint).link.public_key});
+  for (const std::string& seed : options.seeds) config.seeds.push_back({address(seed), keys(seed).link.public_key});
+  for (const std::string& hint : options.known) config.known.push_back({address(hint), keys(hint).link.public_key});
+  for (const auto& [seed, name] : options.seed_names) config.seeds.push_back({name, keys(seed).link.public_key});
+  for (const auto& [hint, name] : options.known_names) config.known.push_back({name, keys(hint).link.public_key});
   node->core = std::make_unique<RouterCore>(std::move(config));
   TestNode& out = *node;
   nodes_[id] = std::move(node);
@@ -118,8 +137,18 @@ void TestFleet::carry_out(TestNode& node, Effects& effects) {
                      node.refused.push_back(refuse);
                      if (!origin_.empty()) packets_.push_back({node.id, origin_, refuse.link, 1, refuse.message});
                    },
-                   [&](StoreNews& store) { node.stored_news.push_back(store); },
-                   [&](StoreCertificate& store) { node.stored_certificates.push_back(store.record); },
+                   [&](StoreNews& store) {
+                     node.stored_news.push_back(store);
+                     this->store(node, Kept::news);
+                   },
+                   [&](StoreCertificate& store) {
+                     node.stored_certificates.push_back(store.record);
+                     this->store(node, Kept::certificate);
+                   },
+                   [&](StoreBoot&) {
+                     ++node.stored_boots;
+                     this->store(node, Kept::boot);
+                   },
                    [&](StoreUtc& store) { node.stored_utc.push_back(store.utc); },
                    [&](Log& line) { node.log.push_back(line.event + " " + line.text); },
                },
@@ -128,6 +157,14 @@ void TestFleet::carry_out(TestNode& node, Effects& effects) {
   for (const std::string& name : effects.counts) ++node.counts[name];
   for (const Dial& dial : dials) connect(node, dial);
   for (const DialLane& dial : lanes) connect_lane(node, dial);
+}
+
+void TestFleet::store(TestNode& node, Kept what) {
+  if (node.disk == TestNode::Disk::silent) return;
+  const bool full = node.disk == TestNode::Disk::full;
+  Effects effects;
+  node.core->on_stored(what, full ? Status(no_room()) : Status(Done{}), now_of(node), effects);
+  carry_out(node, effects);
 }
 
 void TestFleet::send(TestNode& node, LinkId link, const Message& message) {
@@ -165,6 +202,18 @@ void TestFleet::say(const std::string& from, const std::string& to, const std::s
 }
 
 void TestFleet::connect(TestNode& node, const Dial& dial) {
+  if (is_numeric_endpoint(dial.address)) return connect_numbers(node, dial);
+  if (const auto host = hosts.find(dial.address); host != hosts.end()) {
+    node.core->on_name_found(dial.link, host->second);
+    return connect_numbers(node, {dial.link, host->second, dial.server_key});
+  }
+  Effects effects;
+  node.core->on_name_unknown(dial.link, "the name server has not answered for " + dial.address + " yet", now_of(node),
+                             effects);
+  carry_out(node, effects);
+}
+
+void TestFleet::connect_numbers(TestNode& node, const Dial& dial) {
   node.dials.push_back(dial);
   const auto place = places_.find(dial.address);
   const std::string there_is = place == places_.end() ? "" : place->second;
@@ -187,7 +236,7 @@ void TestFleet::connect(TestNode& node, const Dial& dial) {
 
 void TestFleet::connect_lane(TestNode& node, const DialLane& dial) {
   node.lane_dials.push_back(dial);
-  const auto place = places_.find(dial.address.substr(0, dial.address.rfind(':')));
+  const auto place = places_.find(dial.address.substr(0, dial.address.rfind(':')) + ":45000");
   const auto other = nodes_.find(place == places_.end() ? "" : place->second);
   const Bytes own_key = node.keys.link.public_key;
   Effects there;

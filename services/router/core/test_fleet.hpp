@@ -65,6 +65,8 @@ struct TestNode {
   std::vector<DialLane> lane_dials;
   std::vector<Bytes> beacons;
   std::string stored;  ///< what StorePeers would have written
+  enum class Disk : unsigned char { good, full, silent } disk = Disk::good;
+  std::size_t stored_boots = 0;  ///< that were tried
   std::vector<StoreNews> stored_news;
   std::vector<SignedRecord> stored_certificates;
   std::vector<UtcTime> stored_utc;
@@ -100,8 +102,11 @@ class TestFleet {
     std::uint64_t boot = 1;
     bool beacon = true;
     std::vector<std::string> seeds{};
-    std::vector<std::string> known{};  ///< hints of the run before
-    bool relay = false;                ///< its certificate lets it, too
+    std::vector<std::string> known{};                  ///< hints of the run before
+    std::map<std::string, std::string> seed_names{};   ///< id -> the HOST:PORT that its seed names
+    std::map<std::string, std::string> known_names{};  ///< of hints
+    bool disk_full = false;                            ///< also when it starts
+    bool relay = false;                                ///< its certificate lets it, too
     bool lane = true;
     bool seal_before_delivery = false;
     Duration clock_off{};  ///< of the node's clock of UTC
@@ -110,9 +115,13 @@ class TestFleet {
   TestNode& start(const std::string& id, const Options& options);
   TestNode& start(const std::string& id) { return start(id, Options{}); }
   TestNode& at(const std::string& id) { return *nodes_.at(id); }
+  /// Where a node is at first, in numbers; it may not have been started yet.
+  std::string address(const std::string& id);
   /// The keys of a node that may not have been started yet.
   TestKeys& keys(const std::string& id);
 
+  /// What a name server knows of the hosts that seeds name: HOST:PORT -> address.
+  std::map<std::string, std::string> hosts;
   /// Lets time pass in small steps; every message that is due arrives.
   void run(Duration time);
   /// Nothing sent from one node arrives at the other any more; nobody is told.
@@ -157,7 +166,9 @@ class TestFleet {
     std::uint64_t sequence = 0;
     Message message;
   };
+  void store(TestNode& node, Kept what);
   void connect(TestNode& node, const Dial& dial);
+  void connect_numbers(TestNode& node, const Dial& dial);
   void deliver(const Packet& packet);
   void hand_over(TestNode& node, const Packet& packet, Effects& effects);
   void break_wire(LinkId link);
@@ -171,7 +182,8 @@ class TestFleet {
 
   std::map<std::string, std::unique_ptr<TestNode>> nodes_;
   std::map<std::string, TestKeys> keys_;
-  std::map<std::string, std::string> places_;  ///< address -> id: at first each is at an address like its id
+  std::map<std::string, std::string> places_;     ///< HOST:PORT -> id
+  std::map<std::string, std::string> addresses_;  ///< by id, at first
   std::map<LinkId, Wire> wires_;
   std::map<std::pair<std::string, LinkId>, std::string> lanes_;  ///< (who listens, by which link) -> to whom
   std::set<std::pair<std::string, LinkId>> bound_;               ///< (node, link): accepted by its shell

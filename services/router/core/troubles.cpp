@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "common/base/saturate.hpp"
 #include "services/router/core/router_core.hpp"
 
 namespace trb::router {
@@ -64,7 +65,7 @@ void RouterCore::note_up(const Link& link, const Hello& hello, Now now) {
   for (const Seed& seed : seeds_) {
     if (seed.key == link.key) troubles_.recovered(link.peer, seed.address);
   }
-  const std::int64_t apart = hello.utc - now.utc.ns;
+  const std::int64_t apart = saturating_sub(hello.utc, now.utc.ns);
   if (apart <= kClockApart && apart >= -kClockApart) return;
   troubles_.note(link.peer, "", "clock_off",
                  "its clock is " + std::to_string(apart / 1'000'000'000) + " s away from this node's", now.mono);

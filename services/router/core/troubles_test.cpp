@@ -78,7 +78,7 @@ TEST_CASE("a member whose clock is minutes away is told of, though its link is u
   TestNode& ant = fleet.start("ant", {.beacon = false});
   const TestKeys bee = fleet.keys("bee");
   const auto hello = [&](std::int64_t utc) {
-    const Hello body{bee.record, 3, "bee:1", "1", utc, true, {}, 0, "behind", false, ""};
+    const Hello body{bee.record, 3, "10.0.0.2:1", "1", utc, true, {}, 0, "behind", false, ""};
     return make_message(MessageType::information, "bee", "", body);
   };
   Effects effects;
@@ -93,7 +93,7 @@ TEST_CASE("a stranger's certificate and a beacon that does not open leave a row 
   TestNode& ant = fleet.start("ant", {.beacon = false});
   TestAuthority other;
   const TestKeys foreign = other.sign_node("bee");
-  const Hello body{foreign.record, 1, "bee:1", "1", kStartUtc, true, {}, 0, "behind", false, ""};
+  const Hello body{foreign.record, 1, "10.0.0.2:1", "1", kStartUtc, true, {}, 0, "behind", false, ""};
   Effects effects;
   ant.core->on_link_message(5, foreign.link.public_key, make_message(MessageType::information, "bee", "", body), 1,
                             fleet.now, effects);

@@ -1,4 +1,5 @@
 // Lossy information: out by the own lane (lane_server.hpp), in by the lanes of the peers, one SUB for each.
+#include "common/base/address.hpp"
 #include "services/router/io/router_shell.hpp"
 
 namespace trb::router {
@@ -44,6 +45,7 @@ void RouterShell::dial_lane(const DialLane& effect) {
     core_.on_lane_ended(link, how, read_clocks(), effects);
     carry_out(effects);
   };
+  if (!is_numeric_endpoint(effect.address)) return ended(LinkEnd::failed);
   try {
     close_heard(link);
     Dialled dialled;

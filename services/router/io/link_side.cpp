@@ -1,6 +1,7 @@
 // Links to other routers: the inbox (accepted) and a DEALER for each dialled one.
 #include <algorithm>
 
+#include "common/base/address.hpp"
 #include "common/base/hex.hpp"
 #include "services/router/io/router_shell.hpp"
 
@@ -183,8 +184,22 @@ void RouterShell::drain_dialled(LinkId link) {
 }
 
 void RouterShell::dial(const Dial& effect) {
+  if (is_numeric_endpoint(effect.address)) return dial_numbers(effect, "");
+  const Now now = read_clocks();
+  const Resolver::Found found = resolver_.find(effect.address, now.mono);
+  if (!found.address.empty()) {
+    core_.on_name_found(effect.link, found.address);
+    return dial_numbers({effect.link, found.address, effect.server_key}, effect.address);
+  }
+  Effects effects;
+  core_.on_name_unknown(effect.link, found.trouble, now, effects);
+  carry_out(effects);
+}
+
+/// libzmq asks the name server on the one thread that carries everything: it gets numbers only.
+void RouterShell::dial_numbers(const Dial& effect, const std::string& name) {
   try {
-    open_dialled(effect);
+    open_dialled(effect, name);
   } catch (const zmq::error_t& problem) {
     // No descriptor is left: it ends as a dial that failed, and is tried again.
     core_.count("dial.no_descriptor");
@@ -194,8 +209,9 @@ void RouterShell::dial(const Dial& effect) {
   }
 }
 
-void RouterShell::open_dialled(const Dial& effect) {
+void RouterShell::open_dialled(const Dial& effect, const std::string& name) {
   Dialled dialled;
+  dialled.name = name;
   dialled.socket = std::make_unique<Socket>(Socket::dialler(context_, options_.link_keys, effect.server_key));
   const LinkId link = effect.link;
   dialled.monitor =
@@ -232,6 +248,7 @@ void RouterShell::close_link(LinkId link) {
   held_.erase(link);
   const auto at = dialled_.find(link);
   if (at == dialled_.end()) return;
+  if (!at->second.name.empty()) resolver_.ended(at->second.name, read_clocks().mono);
   loop_.remove_socket(at->second.socket->handle());
   closed_.push_back(std::move(at->second));
   dialled_.erase(at);

@@ -131,7 +131,7 @@ bool ProofWriter::open_segment(std::uint64_t room) {
     ::unlink(path_of(segments_.front().number).c_str());
     total -= segments_.front().size;
   }
-  if (Status made = make_dir(dir_, 0700); !made) {
+  if (Status made = make_private_dir(dir_); !made) {
     tell(made.error().text());
     return false;
   }

@@ -14,33 +14,35 @@ constexpr int kAgain = 75;  ///< the supervisor starts the router again at once
 }  // namespace
 
 RouterShell::RouterShell(RouterConfig config, ShellOptions options)
-    : core_(std::move(config)), options_(std::move(options)), proof_("log/proof", kUnsealed ? 0 : options_.proof_log_bytes) {}
+    : core_(std::move(config)),
+      options_(std::move(options)),
+      proof_("log/proof", kUnsealed ? 0 : options_.proof_log_bytes) {}
 
 Status RouterShell::open() {
   // ZAP first: an inbox without it would let every key in.
   zap_ = std::make_unique<ZapServer>(context_, loop_, [this](BytesView domain, BytesView key) {
     if (domain == kBusDomain) return admit_to_bus(key);
     Effects effects;
-    const bool good = domain == kLaneDomain ? core_.admit_to_lane(key, effects)
-                                            : core_.admit(key, read_clocks().mono, effects);
+    const bool good =
+        domain == kLaneDomain ? core_.admit_to_lane(key, effects) : core_.admit(key, read_clocks().mono, effects);
     carry_out(effects);
     return good;
   });
   door_.set_friends([this] { return sources_of_peers(); });
-  lane_ = std::make_unique<LaneServer>(
-      context_, loop_, core_, options_.link_keys, options_.visitors,
-      LaneServer::Owner{[this](Effects& effects) { carry_out(effects); },
-                        [this](const char* event, const std::string& text) {
-                          log_limited(limit_, read_clocks().mono, Level::warning, event, text);
-                        },
-                        [this] { return sources_of_peers(); }});
+  lane_ = std::make_unique<LaneServer>(context_, loop_, core_, options_.link_keys, options_.visitors,
+                                       LaneServer::Owner{[this](Effects& effects) { carry_out(effects); },
+                                                         [this](const char* event, const std::string& text) {
+                                                           log_limited(limit_, read_clocks().mono, Level::warning,
+                                                                       event, text);
+                                                         },
+                                                         [this] { return sources_of_peers(); }});
   if (Status bus = open_bus(); !bus) return bus;
   return open_place();
 }
 
 Status RouterShell::open_bus() {
   if (!options_.bus.endpoint.empty()) return open_tcp_bus();
-  if (Status made = make_dir("bus", 0700); !made) return made;
+  if (Status made = make_private_dir("bus"); !made) return made;
   std::vector<std::string> names = core_.config().services;
   names.emplace_back(kProbe);
   for (const std::string& name : names) {
@@ -121,6 +123,7 @@ void RouterShell::carry_out(Effects& effects) {
                    },
                    [this](StoreNews& store) { store_news(store); },
                    [this](StoreCertificate& store) { store_certificate(store); },
+                   [this](StoreBoot& store) { store_boot(store); },
                    [this](StoreUtc& store) { store_utc(store); },
                    [this](Log& line) {
                      log_limited(limit_, read_clocks().mono, static_cast<Level>(line.level), line.event, line.text);

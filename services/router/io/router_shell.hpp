@@ -21,6 +21,7 @@
 #include "services/router/io/keys_watch.hpp"
 #include "services/router/io/lane_server.hpp"
 #include "services/router/io/proof_log.hpp"
+#include "services/router/io/resolver.hpp"
 #include "services/router/io/seal_checker.hpp"
 
 namespace trb::router {
@@ -45,6 +46,10 @@ struct ShellOptions {
   std::uint64_t proof_log_bytes = 0;  ///< at most so much in log/proof; 0: no proof log
   TcpBus bus;
 };
+
+constexpr const char* kBootFile = "state/boot";
+/// Errors: io_error, with what to do.
+Status write_boot(std::uint64_t boot);
 
 /// How a dialled connection has ended, if that is what the event tells.
 std::optional<LinkEnd> to_end(LinkEvent event);
@@ -77,6 +82,7 @@ class RouterShell {
   struct Dialled {
     std::unique_ptr<Socket> socket;
     std::unique_ptr<SocketMonitor> monitor;
+    std::string name;  ///< of a seed that was resolved
   };
   struct Accepted {
     Bytes routing_id;
@@ -131,7 +137,8 @@ class RouterShell {
   bool copy_to_hearers(LinkId link, const HeaderView& header, const Frame& frame);
   void on_link_frame(LinkId link, BytesView key, const HeaderView& header, Frame& frame);
   void dial(const Dial& effect);
-  void open_dialled(const Dial& effect);
+  void dial_numbers(const Dial& effect, const std::string& name);
+  void open_dialled(const Dial& effect, const std::string& name);
   void close_link(LinkId link);
   SendResult send_link(LinkId link, Frame&& frame);
   SendResult put_on_link(LinkId link, Frame&& frame);
@@ -155,7 +162,9 @@ class RouterShell {
   // news_side.cpp
   void store_news(const StoreNews& store);
   void store_certificate(const StoreCertificate& store);
+  void store_boot(const StoreBoot& store);
   void store_utc(const StoreUtc& store);
+  void stored(Kept what, const Status& done);
   void read_key_folder();  ///< a person may have put a new certificate.json or news.json there
   // seal_side.cpp
   SendResult send_seal(LinkId link);
@@ -202,6 +211,7 @@ class RouterShell {
   std::map<LinkId, std::deque<Held>> held_;  ///< until their seal is checked; as many as may be unsealed
   ProofLog proof_;
   SealChecker checker_;
+  Resolver resolver_;
   InboxOrigin origin_;
   std::vector<LinkId> lost_links_;
   std::vector<std::pair<Message, Errc>> unpassed_;  ///< `relayed` of others that did not leave

@@ -29,13 +29,19 @@ std::uint64_t stored_number(const std::string& path) {
   return text ? std::strtoull(text->c_str(), nullptr, 10) : 0;
 }
 
+/// What is no time in nanoseconds is as if it were not there.
+UtcTime stored_time(const std::string& path) {
+  const std::uint64_t ns = stored_number(path);
+  constexpr std::uint64_t kMost = 1ULL << 62U;
+  return {ns < kMost ? static_cast<std::int64_t>(ns) : 0};
+}
+
 /// The boot counter rises at each start and survives all of them: peers tell an old process from a new one by it. It is
-/// the seconds of UTC if the clock can be right, so that it rises also for a node whose state folder was lost.
-Result<std::uint64_t> count_boot(UtcTime now, UtcTime bound) {
-  std::uint64_t boot = stored_number("state/boot") + 1;
-  if (now >= bound) boot = std::max(boot, static_cast<std::uint64_t>(now.ns / 1'000'000'000));
-  if (Status stored = write_file("state/boot", std::to_string(boot) + "\n"); !stored) return stored.error();
-  return boot;
+/// the seconds of UTC if the clock can be right, so that it rises also for a node whose state folder was lost, or whose
+/// disk is full: whoever wants to stop the robot must find a router.
+std::uint64_t count_boot(UtcTime now, UtcTime bound) {
+  const std::uint64_t boot = stored_number(kBootFile) + 1;
+  return now >= bound ? std::max(boot, static_cast<std::uint64_t>(now.ns / 1'000'000'000)) : boot;
 }
 
 /// The peers of the last run, as StorePeers wrote them. Hints: what cannot be read is left out.
@@ -125,15 +131,15 @@ int start(const std::string& node_dir) {
   if (!faults_that_stop(check.faults).empty()) return refuse("nothing started\n" + to_text(check.faults));
   if (::chdir(node_dir.c_str()) != 0) return refuse(node_dir + ": no such folder");
   for (const char* folder : {"log", "state"}) {
-    if (Status made = make_dir(folder, 0700); !made) return refuse(made.error().text());
+    if (Status made = make_private_dir(folder); !made) return refuse(made.error().text());
   }
   open_log("router", "log/router.log");
   auto keys = load_node_keys(".");
   if (!keys) return refuse(keys.error().text());
-  const UtcTime bound{static_cast<std::int64_t>(stored_number("state/utc"))};
-  auto boot = count_boot(read_clocks().utc, std::max(bound, UtcTime{keys->certificate.not_before}));
-  if (!boot) return refuse(boot.error().text());
-  RouterConfig config = make_config(check.config, *keys, *boot);
+  const UtcTime bound = stored_time("state/utc");
+  const std::uint64_t boot = count_boot(read_clocks().utc, std::max(bound, UtcTime{keys->certificate.not_before}));
+  RouterConfig config = make_config(check.config, *keys, boot);
+  config.boot_stored = write_boot(boot);
   config.utc_bound = bound;
   config.news = stored_news();
   auto bus = read_tcp_bus(check.config);

@@ -42,7 +42,7 @@ int start(const std::string& node_dir) {
   if (!faults_that_stop(check.faults).empty()) return refuse("nothing started\n" + to_text(check.faults));
   const auto keys = load_node_keys(check.config.dir);
   if (!keys) return refuse(keys.error().text());
-  if (auto made = make_dir(check.config.dir + "/state", 0700); !made) return refuse(made.error().text());
+  if (auto made = make_private_dir(check.config.dir + "/state"); !made) return refuse(made.error().text());
   auto journal = JournalFile::open(check.config.dir + "/state/journal.db");
   if (!journal) return refuse(journal.error().text());
   auto service = Service::open({check.config.dir, "scheduler", SchedulerCore::subtypes()});

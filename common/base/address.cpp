@@ -1,0 +1,46 @@
+#include "common/base/address.hpp"
+
+#include <arpa/inet.h>
+
+#include <algorithm>
+#include <charconv>
+#include <string>
+
+namespace trb {
+namespace {
+
+bool is_port(std::string_view digits) {
+  unsigned port = 0;
+  const auto [end, problem] = std::from_chars(digits.data(), digits.data() + digits.size(), port);
+  return problem == std::errc() && end == digits.data() + digits.size() && port >= 1 && port <= 65535;
+}
+
+/// The name of an interface as Linux lets it be, and nothing that would end a line or a word.
+bool is_scope(std::string_view name) {
+  constexpr std::size_t kMost = 15;  // IFNAMSIZ
+  return !name.empty() && name.size() <= kMost && std::all_of(name.begin(), name.end(), [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-' || c == '_' ||
+           c == '.' || c == '@';
+  });
+}
+
+bool is_address(int family, std::string_view text) {
+  in6_addr room{};
+  // A zero inside would end the text for inet_pton alone.
+  return text.find('\0') == std::string_view::npos && inet_pton(family, std::string(text).c_str(), &room) == 1;
+}
+
+}  // namespace
+
+bool is_numeric_endpoint(std::string_view text) {
+  const std::size_t colon = text.rfind(':');
+  if (colon == std::string_view::npos || !is_port(text.substr(colon + 1))) return false;
+  std::string_view host = text.substr(0, colon);
+  if (host.size() < 2 || host.front() != '[' || host.back() != ']') return is_address(AF_INET, host);
+  host = host.substr(1, host.size() - 2);
+  const std::size_t percent = host.find('%');
+  if (percent == std::string_view::npos) return is_address(AF_INET6, host);
+  return is_scope(host.substr(percent + 1)) && is_address(AF_INET6, host.substr(0, percent));
+}
+
+}  // namespace trb

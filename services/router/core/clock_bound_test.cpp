@@ -1,0 +1,186 @@
+// The time that has certainly passed: raised by a clock that can be believed alone. Time is injected, nothing sleeps.
+#include <doctest/doctest.h>
+
+#include <limits>
+
+#include "services/router/core/clock_bound.hpp"
+#include "services/router/core/test_fleet.hpp"
+
+using namespace trb;
+using namespace trb::router;
+using Seconds = std::chrono::seconds;
+using std::chrono::hours;
+using std::chrono::minutes;
+
+namespace {
+
+constexpr std::int64_t kMost = std::numeric_limits<std::int64_t>::max();
+constexpr std::int64_t kLeast = std::numeric_limits<std::int64_t>::min();
+
+/// A clock of UTC beside the monotonic one, and what would have been written to state/utc.
+struct Bench {
+  ClockBound clock;
+  Now now{{1'000'000'000}, {kStartUtc}};
+  std::vector<std::int64_t> peers;
+  std::vector<UtcTime> stored;
+
+  Bench() { clock.start({}, now); }
+  void run(Duration time) {
+    for (Duration left = time; left > Duration{}; left -= Seconds(2)) {
+      now = {now.mono + Seconds(2), now.utc + Seconds(2)};
+      clock.watch(now);
+      if (const auto utc = clock.to_store(now, peers)) stored.push_back(*utc);
+    }
+  }
+  void jump(Duration by) { now.utc = now.utc + by; }
+  /// A peer's clock is so far from this node's.
+  void peer(Duration off) { peers.push_back((now.utc + off).ns - now.mono.ns); }
+};
+
+}  // namespace
+
+TEST_CASE("a time is stored once the clock has run in step for ten minutes, then every ten") {
+  Bench bench;
+  bench.run(minutes(10) - Seconds(2));
+  CHECK(bench.stored.empty());
+  bench.run(Seconds(2));
+  REQUIRE(bench.stored.size() == 1);
+  CHECK(bench.stored[0] == bench.now.utc);
+  bench.run(minutes(30));
+  CHECK(bench.stored.size() == 4);
+}
+
+TEST_CASE("a clock that was 40 days ahead for 4 s leaves nothing behind") {
+  Bench bench;
+  bench.run(minutes(20));
+  const auto stored = bench.stored;
+  bench.jump(hours(24 * 40));
+  bench.run(Seconds(4));
+  bench.jump(-hours(24 * 40));
+  bench.run(minutes(10) - Seconds(4));
+  CHECK(bench.stored == stored);
+  bench.run(Seconds(8));
+  REQUIRE(bench.stored.size() == stored.size() + 1);
+  CHECK(bench.stored.back() <= bench.now.utc);
+}
+
+TEST_CASE("a jump is more than 2 s, whichever way; what a time server corrects little by little is none") {
+  for (const Duration by : {Duration(Seconds(3)), Duration(-Seconds(3))}) {
+    Bench bench;
+    bench.run(minutes(8));
+    bench.jump(by);
+    bench.run(minutes(9));
+    CHECK(bench.stored.empty());
+  }
+  Bench slewed;
+  for (int i = 0; i < 40; ++i) {
+    slewed.jump(std::chrono::milliseconds(100));
+    slewed.run(minutes(1));
+  }
+  CHECK(slewed.stored.size() >= 3);
+}
+
+TEST_CASE("a clock that is ahead of most peers' is not believed, however steady") {
+  Bench bench;
+  SUBCASE("of two of three") {
+    bench.peer(-minutes(6));
+    bench.peer(-hours(24 * 40));
+    bench.peer({});
+    bench.run(minutes(30));
+    CHECK(bench.stored.empty());
+  }
+  SUBCASE("a half of them is no majority, nor is one that is a little behind, or ahead") {
+    bench.peer(-minutes(6));
+    bench.peer(-minutes(4));
+    bench.peer(minutes(9));
+    bench.peer(-minutes(9));
+    bench.run(minutes(15));
+    CHECK(bench.stored.size() == 1);
+  }
+}
+
+TEST_CASE("no clock overflows it") {
+  for (const std::int64_t utc : {kMost, kLeast}) {
+    Bench bench;
+    bench.peers = {kMost, kLeast, kLeast};
+    bench.now.utc = {utc};
+    bench.clock.watch(bench.now);
+    CHECK_FALSE(bench.clock.to_store(bench.now, bench.peers));
+    bench.clock.start({utc}, {{1}, {0}});
+    CHECK_FALSE(bench.clock.to_store({{2}, {0}}, bench.peers));
+  }
+}
+
+TEST_CASE("a router whose clock jumps past the end of its certificate and back is a member again by itself") {
+  for (const bool alone : {true, false}) {
+    CAPTURE(alone);
+    TestFleet fleet;
+    TestNode& ant = fleet.start("ant");
+    if (!alone) fleet.start("bee");
+    fleet.run(Seconds(3));
+    ant.clock_off = hours(24 * 40);
+    fleet.run(Seconds(4));
+    CHECK(ant.count("own_certificate_over") == 1);
+    ant.clock_off = {};
+    const std::size_t beacons = ant.beacons.size();
+    fleet.run(Seconds(8));
+    CHECK(ant.beacons.size() > beacons);
+    if (!alone) CHECK(ant.link_to("bee") != 0);
+    CHECK(ant.stored_utc.empty());
+    CHECK(ant.core->route_table(fleet.now).routes[0].clock == "verified");
+  }
+}
+
+TEST_CASE("a jump of the clock does not throw away what another node has to be told") {
+  TestFleet fleet;
+  TestNode& ant = fleet.start("ant");
+  fleet.start("bee");
+  fleet.start("dog");
+  fleet.run(Seconds(3));
+  fleet.stop("dog");
+  Certificate renewed = fleet.keys("dog").certificate;
+  renewed.serial = 5;
+  const SignedRecord record =
+      sign(kSignedCertificate, "", fleet.authority.fleet.id(), encode(renewed), fleet.authority.key);
+  Effects effects;
+  REQUIRE(ant.core->on_news({{}, {record}}, 0, fleet.now, effects));
+  fleet.carry_out(ant, effects);
+  fleet.run(Seconds(1));
+  ant.clock_off = hours(24 * 40);
+  fleet.run(Seconds(4));
+  ant.clock_off = {};
+  fleet.run(Seconds(8));
+  REQUIRE(ant.link_to("bee") != 0);
+  TestNode& dog = fleet.start("dog", {.boot = 2});
+  fleet.run(Seconds(6));
+  CHECK(dog.core->config().own.serial == 5);
+}
+
+TEST_CASE("a Hello may tell any time: nothing overflows, and it is told as a clock that is off") {
+  for (const std::int64_t utc : {kMost, kLeast}) {
+    TestFleet fleet;
+    TestNode& ant = fleet.start("ant", {.beacon = false});
+    TestKeys& bee = fleet.keys("bee");
+    fleet.authority.let_relay(bee);
+    const Hello hello{bee.record, 3, "", "1", utc, true, {}, 0, "behind", true, ""};
+    Effects effects;
+    ant.core->on_link_message(9, bee.link.public_key, make_message(MessageType::information, "bee", "", hello), 1,
+                              {{-5'000'000'000}, {-5}}, effects);
+    fleet.carry_out(ant, effects);
+    REQUIRE(ant.link_to("bee") == 9);
+    // A node without the time takes a relay's: of that one, too, it makes a time.
+    Effects words;
+    const Neighbours told{{fleet.keys("cat").record}, {}};
+    ant.core->on_link_message(9, bee.link.public_key, make_message(MessageType::information, "bee", "ant", told), 2,
+                              fleet.now, words);
+    for (int i = 1; i < 5; ++i) ant.core->tick({fleet.now.mono + Seconds(i), {0}}, words);
+    std::vector<std::int64_t> ends;
+    for (const Effect& effect : words.list) {
+      const auto* send = std::get_if<LinkSend>(&effect);
+      if (send == nullptr || send->message.subtype != Relayed::kSubtype) continue;
+      ends.push_back(decode<RelayedFrame>(decode<Relayed>(send->message.data)->record.payload.bytes)->expires);
+    }
+    REQUIRE_FALSE(ends.empty());
+    CHECK((utc == kMost ? ends[0] == kMost : ends[0] < kStartUtc + 60'000'000'000));
+  }
+}

@@ -1,0 +1,45 @@
+// What this node must keep over a restart and has not got onto its disk: told to people, tried again, and not
+// acknowledged.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "common/base/result.hpp"
+#include "common/base/time.hpp"
+
+namespace trb::router {
+
+enum class Kept : std::uint8_t { news, certificate, boot };
+
+constexpr Duration kStoreAgain = std::chrono::seconds(10);
+
+class Unstored {
+ public:
+  /// The shell was told to store it.
+  void asked(Kept what) { waiting_.insert(what); }
+  /// It has, or could not.
+  void answered(Kept what, const Status& done, MonotonicTime now);
+
+  /// The shell has not answered yet.
+  [[nodiscard]] bool waits() const { return !waiting_.empty(); }
+  /// Why what the authority has said is not on disk, and what to do; nothing if it is, as far as is known.
+  [[nodiscard]] std::optional<Error> news_failure() const;
+  /// For people: what is not on disk, and what to do; empty if all is.
+  [[nodiscard]] std::string note() const;
+
+  [[nodiscard]] std::optional<MonotonicTime> next() const { return again_; }
+  /// What is to be tried again now.
+  std::vector<Kept> take_due(MonotonicTime now);
+
+ private:
+  std::set<Kept> waiting_;
+  std::map<Kept, Error> failed_;
+  std::optional<MonotonicTime> again_;
+};
+
+}  // namespace trb::router

@@ -1,0 +1,192 @@
+"""A full disk: nothing is acknowledged that is not on it, and a node that starts on it can still be asked, and stopped.
+Also: of a node's folder nothing but its configuration can be read by others.
+"""
+import json
+import os
+import pathlib
+import shutil
+import stat
+import unittest
+
+from zmq.utils import z85
+
+import own_world
+import support
+import trb_fleet
+from strangers_test import Member
+
+CONFIGURATION = {"node.json", "network.json", "profile.json", "commands.json", "places.json", "robots", "keys"}
+
+
+class Revocation(unittest.TestCase):
+    def setUp(self):
+        self.fleet = support.make_fleet(self, support.RouterFleet, block=171,
+                                        services={"ant": ["router"], "bee": ["router"], "cat": ["router"]})
+        self.disk = own_world.SmallDisk(self.fleet.dir("ant"))
+        self.addCleanup(self.disk.gone)
+        self.addCleanup(self.fleet.stop)
+        self.fleet.bring_up("ant", "bee", "cat")
+        self.fleet.wait_formed()
+
+    def states(self, node):
+        return {row["id"]: row["state"] for row in self.fleet.json("route", "list", node=node)["routes"]}
+
+    def note(self):
+        return self.fleet.services("ant")["router"]["note"]
+
+    def restart(self, node):
+        self.fleet.nodes.pop(node).stop()
+        self.fleet.start_node(node)
+        self.fleet.nodes[node].wait_line("ready", 20)
+
+    def test_a_list_that_is_not_on_disk_is_not_acknowledged(self):
+        authority = self.fleet.authority_dir()
+        self.disk.fill()
+        done = self.fleet.trb("fleet", "revoke", authority, "cat", "--via", self.fleet.dir("ant"), check=False)
+        self.assertNotEqual(done.returncode, 0, done.stdout)
+        self.assertIn("io_error: in force until this router ends, but not on disk", done.stderr)
+        self.assertIn("No space left on device", done.stderr)
+        self.assertIn(f"df -h {self.fleet.dir('ant')}/state", done.stderr)
+        # It is in force, and told to the others.
+        for node in "ant", "bee":
+            self.fleet.wait(f"cat is out at {node}", lambda: "cat" not in self.states(node), 5)
+        self.assertIn("not on disk, and lost in a restart", self.note())
+        doctor = self.fleet.trb("doctor", node="ant", check=False)
+        self.assertIn("not on disk, and lost in a restart", doctor.stdout)
+        told = self.fleet.trb("fleet", "tell", authority, "--via", self.fleet.dir("ant"), check=False)
+        self.assertNotEqual(told.returncode, 0, told.stdout)
+        # Room is made: it is stored by itself, and then acknowledged.
+        self.disk.room()
+        self.fleet.wait("it is stored", lambda: "not on disk" not in self.note(), 15)
+        self.fleet.trb("fleet", "tell", authority, "--via", self.fleet.dir("ant"))
+        # Alone, so that nobody tells it anew; cat has forgotten that it is out.
+        for node in "bee", "cat":
+            self.fleet.nodes.pop(node).stop()
+        self.restart("ant")
+        watch = support.Watch(self.fleet, "ant")
+        shutil.rmtree(self.fleet.dir("cat") / "state")
+        key = z85.decode(Member(self.fleet, "ant").public).hex()
+        path = self.fleet.dir("cat") / "node.json"
+        seeds = [{"address": f"{self.fleet.address('ant')}:45000", "key": key}]
+        path.write_text(json.dumps(dict(json.loads(path.read_text()), seeds=seeds)))
+        self.fleet.bring_up("cat")
+        watch.wait_counted("refused.cert_revoked", timeout=10)
+        self.assertNotEqual(self.states("ant").get("cat"), "ONLINE")
+
+    def test_the_authoritys_folder_on_a_full_disk(self):
+        authority = self.fleet.authority_dir()
+        disk = own_world.SmallDisk(authority)
+        self.addCleanup(disk.gone)
+        before = {path.name: path.read_bytes() for path in authority.iterdir()}
+        disk.fill()
+        done = self.fleet.trb("fleet", "revoke", authority, "cat", "--via", self.fleet.dir("ant"), check=False)
+        self.assertNotEqual(done.returncode, 0, done.stdout)
+        self.assertIn("No space left on device", done.stderr)
+        disk.room()
+        self.assertEqual({path.name: path.read_bytes() for path in authority.iterdir()}, before)
+        self.assertEqual(self.states("ant")["cat"], "ONLINE")
+        self.fleet.trb("fleet", "revoke", authority, "cat", "--via", self.fleet.dir("ant"))
+        self.fleet.wait("cat is out", lambda: "cat" not in self.states("bee"), 5)
+
+    def test_news_that_could_not_be_written_is_told_later(self):
+        """The list was stored, news.json was not: trb fleet tell does not hand on an older one."""
+        authority = self.fleet.authority_dir()
+        way = authority / "news.json"
+        (way / "in-the-way").mkdir(parents=True)
+        done = self.fleet.trb("fleet", "revoke", authority, "cat", "--via", self.fleet.dir("ant"), check=False)
+        self.assertNotEqual(done.returncode, 0, done.stdout)
+        self.assertIn(f"then trb fleet tell {authority}", done.stderr)
+        (way / "in-the-way").rmdir()
+        way.rmdir()
+        self.fleet.trb("fleet", "tell", authority, "--via", self.fleet.dir("ant"))
+        self.fleet.wait("cat is out", lambda: "cat" not in self.states("bee"), 5)
+
+
+class Robot(unittest.TestCase):
+    def setUp(self):
+        self.fleet = support.make_fleet(self, trb_fleet.Fleet, block=173, robots={"drone": trb_fleet.ROBOTS["drone"]})
+        self.disk = own_world.SmallDisk(self.fleet.dir("drone"))
+        self.addCleanup(self.disk.gone)
+        self.addCleanup(self.fleet.stop)
+
+    def is_up(self, service):
+        done = self.fleet.trb("service", "list", "--json", node="drone", check=False)
+        return done.returncode == 0 and f'"service":"{service}","state":"up"' in done.stdout.replace(" ", "")
+
+    def is_fenced(self):
+        rows = self.fleet.json("route", "list", node="cloud")["routes"]
+        return any(row["id"] == "drone" and row["profile"]["fenced"] for row in rows)
+
+    def start_full(self, first):
+        """A start with a full disk: the node's first, or one after a life with room."""
+        if not first:
+            self.fleet.start()
+            self.fleet.wait_formed()
+            self.fleet.nodes.pop("drone").stop()
+        else:
+            self.fleet.start_robot("drone")
+            self.fleet.start_node("cloud")
+        self.disk.fill()
+        self.fleet.start_node("drone")
+        for service in "router", "mode-adapter":
+            self.fleet.wait(f"{service} is up", lambda: self.is_up(service), 20)
+        self.fleet.wait("the cloud sees the robot", lambda: self.fleet.formed("cloud"), 20)
+
+    def check_stop(self):
+        done = self.fleet.trb("stop", "drone", node="cloud", check=False)
+        self.fleet.wait("the robot is fenced", self.is_fenced, 5)
+        fence = self.fleet.dir("drone") / "state" / "fence"
+        if done.returncode == 0:
+            self.assertTrue(fence.exists())  # acknowledged: then it outlives a restart
+        else:
+            self.assertIn("the fence is not on disk", done.stderr)
+        return done
+
+    def test_a_node_that_starts_again_on_a_full_disk_can_be_stopped(self):
+        self.start_full(first=False)
+        before = int((self.fleet.dir("drone") / "state" / "boot").read_text())
+        self.assertEqual(self.check_stop().returncode, 0)
+        self.fleet.nodes.pop("drone").stop()
+        self.fleet.start_node("drone")
+        self.fleet.wait("the router is up", lambda: self.is_up("router"), 20)
+        # Its number has risen, for there was room for that where the last one stood.
+        self.assertGreater(int((self.fleet.dir("drone") / "state" / "boot").read_text()), before)
+        self.fleet.wait("the fence is there again", self.is_fenced, 15)
+
+    def test_a_node_whose_first_start_is_on_a_full_disk_can_be_stopped(self):
+        self.start_full(first=True)
+        self.assertIn("not on disk, and lost in a restart", self.fleet.services("drone")["router"]["note"])
+        self.check_stop()
+        self.disk.room()
+        self.fleet.wait("the boot number is stored", lambda: not self.fleet.services("drone")["router"]["note"], 15)
+        self.fleet.wait("the scheduler comes by itself", lambda: self.is_up("scheduler"), 20)
+
+
+class Rights(unittest.TestCase):
+    def test_nothing_but_its_configuration_can_be_read_by_others(self):
+        os.umask(0o022)
+        fleet = support.make_fleet(self, trb_fleet.Fleet, block=175, robots={"drone": trb_fleet.ROBOTS["drone"]})
+        old = fleet.dir("cloud") / "log"
+        old.mkdir(mode=0o755)
+        (old / "router.log").write_text("of an earlier release\n")
+        (old / "router.log").chmod(0o644)
+        fleet.start()
+        fleet.wait_formed()
+        fleet.trb("stop", "drone", node="cloud")
+        seen = set()
+        for node in "drone", "cloud":
+            folder = pathlib.Path(fleet.dir(node))
+            for path in sorted(folder.rglob("*")):
+                seen.add(path.name)
+                top = path.relative_to(folder).parts[0]
+                if top in CONFIGURATION - {"keys"} or path.is_symlink():
+                    continue
+                mode = stat.S_IMODE(path.lstat().st_mode)
+                self.assertEqual(mode & 0o077, 0, f"{path} has the mode {mode:o}")
+        self.assertLessEqual({"router.log", "mode-adapter.log", "journal.db", "fence", "boot", "up.lock", "probe.ipc",
+                              "link.key"}, seen)
+
+
+if __name__ == "__main__":
+    own_world.enter()
+    unittest.main(verbosity=2)
