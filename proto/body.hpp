@@ -93,7 +93,14 @@ class Body {
   Body& operator=(Body&& other) noexcept;
   ~Body();
 
+  /// The body of that kind with every field at its default.
+  static Body of(BodyKind kind) { return Body(kind); }
+
   [[nodiscard]] BodyKind kind() const { return kind_; }
+
+  /// The body's struct, for who goes by its shape (shape.hpp).
+  [[nodiscard]] const void* data() const { return storage_; }
+  [[nodiscard]] void* data() { return storage_; }
 
   template <IsBody T>
   friend const T* get_if(const Body* body) {
@@ -107,6 +114,8 @@ class Body {
                                                      TRB_BODIES(TRB_SIZE)
 #undef TRB_SIZE
   });
+  explicit Body(BodyKind kind);
+
   BodyKind kind_;
   alignas(std::max_align_t) unsigned char storage_[kSize];
 };
@@ -156,19 +165,41 @@ struct DecodeLimits {
   std::size_t items = 100'000;
 };
 
+/// The codecs, without the body's type: `value` is the struct that the shape tells of. The error's code is `ok` if
+/// there is none; else the value is filled in part.
+const Shape& shape_of(BodyKind kind);
+Bytes pack(const Shape& shape, const void* value);
+Error unpack(const Shape& shape, BytesView bytes, void* value);
+std::string write_json(const Shape& shape, const void* value);
+Error read_json(const Shape& shape, std::string_view json, void* value);
+
 /// msgpack: an array in declared order. Encoding cuts a text that is over its bound. Decoding ignores an unknown tail
 /// and fills a missing one with defaults. Errors: malformed, too_large, bad_value; the text names the field by its path
 /// ("tasks[3].id").
 template <class T>
-Bytes encode(const T& body);
+Bytes encode(const T& body) {
+  return pack(shape_of(BodyKindOf<T>::value), &body);
+}
 template <class T>
-Result<T> decode(BytesView bytes);
+Result<T> decode(BytesView bytes) {
+  T out{};
+  Error error = unpack(shape_of(BodyKindOf<T>::value), bytes, &out);
+  if (error.code != Errc::ok) return error;
+  return out;
+}
 
 /// JSON: an object by field names. Decoding refuses a key that is no field; a missing key is its default.
 template <class T>
-std::string to_json(const T& body);
+std::string to_json(const T& body) {
+  return write_json(shape_of(BodyKindOf<T>::value), &body);
+}
 template <class T>
-Result<T> from_json(std::string_view json);
+Result<T> from_json(std::string_view json) {
+  T out{};
+  Error error = read_json(shape_of(BodyKindOf<T>::value), json, &out);
+  if (error.code != Errc::ok) return error;
+  return out;
+}
 
 /// True if a body is defined for the subtype: it belongs to the middleware and never reaches a robot as fields.
 bool is_typed(std::string_view subtype);

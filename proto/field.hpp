@@ -2,11 +2,12 @@
 #pragma once
 
 #include <array>
-#include <concepts>
+#include <bit>
+#include <cstddef>
 #include <cstdint>
 #include <string>
 #include <string_view>
-#include <tuple>
+#include <type_traits>
 #include <vector>
 
 namespace trb {
@@ -19,18 +20,28 @@ struct Blob {
 
 constexpr std::uint32_t kDefaultMaxSize = 255;
 
+struct Shape;  // shape.hpp
+
+/// The only shape of a type that a field may have. Its templates are in make_shape.hpp: only the codec pays for them.
+template <class T>
+const Shape& make_shape();
+
 /// One field of a body. `max` bounds a text or blob in bytes and a list in items; numbers ignore it.
-template <class Owner, class Member>
-struct Field {
+struct FieldEntry {
   std::string_view name;
-  Member Owner::*member;
+  std::ptrdiff_t offset = 0;  ///< in its struct, bytes
+  const Shape* shape = nullptr;
   std::uint32_t max = kDefaultMaxSize;
 };
 
+/// The fields of a struct, in the order in which msgpack has them.
+using FieldTable = std::vector<FieldEntry>;
+
 template <class Owner, class Member>
-constexpr Field<Owner, Member> field(std::string_view name, Member Owner::*member,
-                                     std::uint32_t max = kDefaultMaxSize) {
-  return {name, member, max};
+FieldEntry field(std::string_view name, Member Owner::*member, std::uint32_t max = kDefaultMaxSize) {
+  static_assert(std::is_standard_layout_v<Owner>, "only such a struct's fields have a place of their own in it");
+  // A pointer to a data member is its offset: so says the Itanium ABI, which GCC and clang follow.
+  return {name, std::bit_cast<std::ptrdiff_t>(member), &make_shape<Member>(), max};
 }
 
 /// A struct with a field list; it may be a body or a part of one.

@@ -2,13 +2,14 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <limits>
-#include <nlohmann/json.hpp>
 #include <optional>
+#include <span>
+#include <utility>
 
 #include "common/base/hex.hpp"
 #include "common/base/ids.hpp"
 #include "proto/body.hpp"
+#include "proto/make_shape.hpp"
 #include "proto/message.hpp"
 #include "proto/value.hpp"
 
@@ -17,57 +18,85 @@ namespace {
 
 // ---- writing
 
-template <class T>
-Value put(const T& value) {
-  if constexpr (std::is_same_v<T, bool> || std::is_same_v<T, std::string>) {
-    return Value{value};
-  } else if constexpr (std::is_enum_v<T>) {
-    return Value{std::string(name_of(value))};
-  } else if constexpr (std::is_floating_point_v<T>) {
-    return Value{static_cast<double>(value)};
-  } else if constexpr (std::is_same_v<T, std::uint64_t>) {
-    // Beyond 2^53 a JSON reader may round: such numbers are identifiers, and go as text.
-    return value > (1ULL << 53U) ? Value{std::to_string(value)} : Value{static_cast<std::int64_t>(value)};
-  } else if constexpr (std::is_integral_v<T>) {
-    return Value{static_cast<std::int64_t>(value)};
-  } else if constexpr (std::is_same_v<T, Blob>) {
-    return Value{to_hex(value.bytes)};
-  } else if constexpr (IsVector<T>::value) {
-    Value::List out;
-    for (const auto& item : value) out.push_back(put(item));
-    return Value{std::move(out)};
-  } else {
-    Value::Object out;
-    std::apply([&](const auto&... f) { (out.emplace_back(std::string(f.name), put(value.*(f.member))), ...); },
-               T::fields());
-    return Value{std::move(out)};
-  }
+Value text_of(std::string_view text) {
+  return Value{std::string(text)};
 }
 
-// ---- reading
+Value put_unsigned(std::uint64_t value) {
+  // Beyond 2^53 a JSON reader may round: such numbers are identifiers, and go as text.
+  return value > (1ULL << 53U) ? Value{std::to_string(value)} : Value{static_cast<std::int64_t>(value)};
+}
+
+Value put(const Shape& shape, const void* value);
+
+Value put_list(const ListShape& shape, const void* value) {
+  Value::List out;
+  const std::size_t size = shape.size(value);
+  const void* at = shape.data(value);
+  for (std::size_t i = 0; i < size; ++i, at = behind(at, shape.stride)) out.push_back(put(*shape.item, at));
+  return Value{std::move(out)};
+}
+
+Value put_fields(std::span<const FieldEntry> fields, const void* value) {
+  Value::Object out;
+  for (const FieldEntry& f : fields) out.emplace_back(std::string(f.name), put(*f.shape, behind(value, f.offset)));
+  return Value{std::move(out)};
+}
+
+Value put(const Shape& shape, const void* value) {
+  switch (shape.kind) {
+    case FieldKind::boolean:
+      return Value{as<bool>(value)};
+    case FieldKind::enumeration: {
+      const auto index = as<std::uint8_t>(value);
+      return text_of(index < shape.names.size() ? shape.names[index] : std::string_view("?"));
+    }
+    case FieldKind::uint16:
+      return put_unsigned(as<std::uint16_t>(value));
+    case FieldKind::uint32:
+      return put_unsigned(as<std::uint32_t>(value));
+    case FieldKind::uint64:
+      return put_unsigned(as<std::uint64_t>(value));
+    case FieldKind::int64:
+      return Value{as<std::int64_t>(value)};
+    case FieldKind::number:
+      return Value{as<double>(value)};
+    case FieldKind::text:
+      return Value{as<std::string>(value)};
+    case FieldKind::blob:
+      return Value{to_hex(as<Blob>(value).bytes)};
+    case FieldKind::list:
+      return put_list(shape.list, value);
+    case FieldKind::record:
+      break;
+  }
+  return put_fields(shape.fields, value);
+}
+
+// ---- reading: returns false after having set `error`
 
 struct Reader {
   std::string path;
   Error error;
 
+  bool take(const Shape& shape, const Value& from, void* out, std::uint32_t max);
+
+ private:
   bool refuse(Errc code, std::string_view what) {
     if (error.code == Errc::ok)
       error = fail(code, (path.empty() ? std::string("body") : path) + ": " + std::string(what));
     return false;
   }
+  bool needs(std::string_view what, const Value& from) {
+    return refuse(Errc::malformed, "needs " + std::string(what) + ", got " + std::string(from.kind()));
+  }
 
-  template <class T>
-  bool take(const Value& from, T& out, std::uint32_t max);
-
- private:
   template <class T>
   bool take_integer(const Value& from, T& out);
-  template <class T>
-  bool take_enum(const Value& from, T& out);
-  template <class T>
-  bool take_list(const Value& from, std::vector<T>& out, std::uint32_t max);
-  template <class T>
-  bool take_fields(const Value& from, T& out);
+  bool take_unsigned(const Value& from, std::uint64_t& out);
+  bool take_enum(std::span<const std::string_view> names, const Value& from, std::uint8_t& out);
+  bool take_list(const ListShape& shape, const Value& from, void* out, std::uint32_t max);
+  bool take_fields(std::span<const FieldEntry> fields, const Value& from, void* out);
   bool take_double(const Value& from, double& out);
   bool take_text(const Value& from, std::string& out, std::uint32_t max);
   bool take_blob(const Value& from, Blob& out, std::uint32_t max);
@@ -75,28 +104,26 @@ struct Reader {
 
 template <class T>
 bool Reader::take_integer(const Value& from, T& out) {
-  if constexpr (std::is_same_v<T, std::uint64_t>) {
-    if (from.is_text()) {
-      const std::string& text = from.text();
-      const char* const end = text.data() + text.size();
-      const auto [stop, problem] = std::from_chars(text.data(), end, out);
-      if (stop != end || problem == std::errc::invalid_argument) return refuse(Errc::malformed, "no whole number");
-      return problem == std::errc{} || refuse(Errc::bad_value, text + " is out of range");
-    }
-  }
-  if (!from.is_integer()) return refuse(Errc::malformed, "needs a whole number, got " + std::string(from.kind()));
+  if (!from.is_integer()) return needs("a whole number", from);
   const std::int64_t raw = from.integer();
   if (!std::in_range<T>(raw)) return refuse(Errc::bad_value, std::to_string(raw) + " is out of range");
   out = static_cast<T>(raw);
   return true;
 }
 
-template <class T>
-bool Reader::take_enum(const Value& from, T& out) {
-  constexpr auto names = enum_names(T{});
+bool Reader::take_unsigned(const Value& from, std::uint64_t& out) {
+  if (!from.is_text()) return take_integer(from, out);
+  const std::string& text = from.text();
+  const char* const end = text.data() + text.size();
+  const auto [stop, problem] = std::from_chars(text.data(), end, out);
+  if (stop != end || problem == std::errc::invalid_argument) return refuse(Errc::malformed, "no whole number");
+  return problem == std::errc{} || refuse(Errc::bad_value, text + " is out of range");
+}
+
+bool Reader::take_enum(std::span<const std::string_view> names, const Value& from, std::uint8_t& out) {
   for (std::size_t i = 0; from.is_text() && i < names.size(); ++i) {
     if (from.text() != names[i]) continue;
-    out = static_cast<T>(i);
+    out = static_cast<std::uint8_t>(i);
     return true;
   }
   std::string all;
@@ -105,20 +132,20 @@ bool Reader::take_enum(const Value& from, T& out) {
 }
 
 bool Reader::take_double(const Value& from, double& out) {
-  if (!from.is_number()) return refuse(Errc::malformed, "needs a number, got " + std::string(from.kind()));
+  if (!from.is_number()) return needs("a number", from);
   out = from.number();
   return std::isfinite(out) || refuse(Errc::bad_value, "not a finite number");
 }
 
 bool Reader::take_text(const Value& from, std::string& out, std::uint32_t max) {
-  if (!from.is_text()) return refuse(Errc::malformed, "needs text, got " + std::string(from.kind()));
+  if (!from.is_text()) return needs("text", from);
   if (from.text().size() > max) return refuse(Errc::too_large, "text over " + std::to_string(max) + " bytes");
   out = from.text();
   return true;
 }
 
 bool Reader::take_blob(const Value& from, Blob& out, std::uint32_t max) {
-  if (!from.is_text()) return refuse(Errc::malformed, "needs hexadecimal text, got " + std::string(from.kind()));
+  if (!from.is_text()) return needs("hexadecimal text", from);
   auto bytes = from_hex(from.text());
   if (!bytes) return refuse(Errc::malformed, bytes.error().what);
   if (bytes->size() > max) return refuse(Errc::too_large, "over " + std::to_string(max) + " bytes");
@@ -126,62 +153,69 @@ bool Reader::take_blob(const Value& from, Blob& out, std::uint32_t max) {
   return true;
 }
 
-template <class T>
-bool Reader::take_list(const Value& from, std::vector<T>& out, std::uint32_t max) {
-  if (!from.is_list()) return refuse(Errc::malformed, "needs a list, got " + std::string(from.kind()));
+bool Reader::take_list(const ListShape& shape, const Value& from, void* out, std::uint32_t max) {
+  if (!from.is_list()) return needs("a list", from);
   if (from.list().size() > max) return refuse(Errc::too_large, "list over " + std::to_string(max) + " items");
-  out.clear();
+  void* at = shape.renew(out, from.list().size());
   const std::size_t stem = path.size();
+  std::size_t index = 0;
   for (const Value& item : from.list()) {
-    path += "[" + std::to_string(out.size()) + "]";
-    if (!take(item, out.emplace_back(), kDefaultMaxSize)) return false;
+    path += "[" + std::to_string(index++) + "]";
+    if (!take(*shape.item, item, at, kDefaultMaxSize)) return false;
     path.resize(stem);
+    at = behind(at, shape.stride);
   }
   return true;
 }
 
-template <class T>
-bool Reader::take_fields(const Value& from, T& out) {
-  if (!from.is_object()) return refuse(Errc::malformed, "needs an object, got " + std::string(from.kind()));
+bool Reader::take_fields(std::span<const FieldEntry> fields, const Value& from, void* out) {
+  if (!from.is_object()) return needs("an object", from);
   const std::size_t stem = path.size();
   for (const auto& [key, member] : from.object()) {
-    bool known = false;
-    bool good = true;
-    const auto one = [&](const auto& f) {
-      if (f.name != key) return;
-      known = true;
-      good = take(member, out.*(f.member), f.max);
-    };
     path += (stem > 0 ? "." : "") + key;
-    std::apply([&](const auto&... f) { (one(f), ...); }, T::fields());
-    if (!known) return refuse(Errc::unknown_key, "no such field");
-    if (!good) return false;
+    const auto is_named = [&key = key](const FieldEntry& f) { return f.name == key; };
+    const auto f = std::find_if(fields.begin(), fields.end(), is_named);
+    if (f == fields.end()) return refuse(Errc::unknown_key, "no such field");
+    if (!take(*f->shape, member, behind(out, f->offset), f->max)) return false;
     path.resize(stem);
   }
   return true;
 }
 
-template <class T>
-bool Reader::take(const Value& from, T& out, std::uint32_t max) {
-  if constexpr (std::is_same_v<T, bool>) {
-    if (!from.is_bool()) return refuse(Errc::malformed, "needs true or false, got " + std::string(from.kind()));
-    out = from.boolean();
-    return true;
-  } else if constexpr (std::is_enum_v<T>) {
-    return take_enum(from, out);
-  } else if constexpr (std::is_integral_v<T>) {
-    return take_integer(from, out);
-  } else if constexpr (std::is_floating_point_v<T>) {
-    return take_double(from, out);
-  } else if constexpr (std::is_same_v<T, std::string>) {
-    return take_text(from, out, max);
-  } else if constexpr (std::is_same_v<T, Blob>) {
-    return take_blob(from, out, max);
-  } else if constexpr (IsVector<T>::value) {
-    return take_list(from, out, max);
-  } else {
-    return take_fields(from, out);
+bool Reader::take(const Shape& shape, const Value& from, void* out, std::uint32_t max) {
+  switch (shape.kind) {
+    case FieldKind::boolean:
+      if (!from.is_bool()) return needs("true or false", from);
+      as<bool>(out) = from.boolean();
+      return true;
+    case FieldKind::enumeration:
+      return take_enum(shape.names, from, as<std::uint8_t>(out));
+    case FieldKind::uint16:
+      return take_integer(from, as<std::uint16_t>(out));
+    case FieldKind::uint32:
+      return take_integer(from, as<std::uint32_t>(out));
+    case FieldKind::uint64:
+      return take_unsigned(from, as<std::uint64_t>(out));
+    case FieldKind::int64:
+      return take_integer(from, as<std::int64_t>(out));
+    case FieldKind::number:
+      return take_double(from, as<double>(out));
+    case FieldKind::text:
+      return take_text(from, as<std::string>(out), max);
+    case FieldKind::blob:
+      return take_blob(from, as<Blob>(out), max);
+    case FieldKind::list:
+      return take_list(shape.list, from, out, max);
+    case FieldKind::record:
+      break;
   }
+  return take_fields(shape.fields, from, out);
+}
+
+Error read(const Shape& shape, const Value& from, void* out) {
+  Reader reader;
+  reader.take(shape, from, out, kDefaultMaxSize);
+  return std::move(reader.error);
 }
 
 /// The message as JSON reads it; `size` is checked against the data.
@@ -196,8 +230,8 @@ struct MessageForm {
   std::string data;
   Blob data_hex;
   template <class T = MessageForm>
-  static constexpr auto fields() {
-    return std::tuple{field("type", &T::type),
+  static FieldTable fields() {
+    return FieldTable{field("type", &T::type),
                       field("subtype", &T::subtype, 64),
                       field("source", &T::source, 64),
                       field("target", &T::target, 64),
@@ -209,50 +243,34 @@ struct MessageForm {
   }
 };
 
-template <class T>
-Result<T> read(const Value& value) {
-  Reader reader;
-  T out{};
-  if (!reader.take(value, out, kDefaultMaxSize)) return reader.error;
-  return out;
-}
-
 }  // namespace
 
-template <class T>
-std::string to_json(const T& body) {
-  return dump_json(put(body));
+std::string write_json(const Shape& shape, const void* value) {
+  return dump_json(put(shape, value));
 }
 
-template <class T>
-Result<T> from_json(std::string_view json) {
-  auto value = parse_json(json);
-  if (!value) return value.error();
-  return read<T>(*value);
+Error read_json(const Shape& shape, std::string_view json, void* value) {
+  const auto parsed = parse_json(json);
+  if (!parsed) return parsed.error();
+  return read(shape, *parsed, value);
 }
-
-#define TRB_INSTANTIATE(Name)                \
-  template std::string to_json(const Name&); \
-  template Result<Name> from_json(std::string_view);
-TRB_BODIES(TRB_INSTANTIATE)
-#undef TRB_INSTANTIATE
 
 std::string message_to_json(const Message& message) {
   Value::Object out;
   const auto add = [&out](std::string_view key, Value value) { out.emplace_back(std::string(key), std::move(value)); };
-  add("type", put(message.type));
-  add("subtype", put(message.subtype));
-  add("source", put(message.source));
-  add("target", put(message.target));
-  add("id", put(message.id));
-  if (message.reply_to != 0) add("reply_to", put(message.reply_to));
-  add("size", put(static_cast<std::uint64_t>(message.data.size())));
+  add("type", text_of(name_of(message.type)));
+  add("subtype", text_of(message.subtype));
+  add("source", text_of(message.source));
+  add("target", text_of(message.target));
+  add("id", put_unsigned(message.id));
+  if (message.reply_to != 0) add("reply_to", put_unsigned(message.reply_to));
+  add("size", put_unsigned(message.data.size()));
   const auto body = is_typed(message.subtype) ? body_to_json(message.subtype, message.data)
                                               : Result<std::string>(fail(Errc::bad_value, "opaque"));
   if (body) {
     add("body", *parse_json(*body, {.bytes = SIZE_MAX}));
   } else if (is_utf8(message.data)) {
-    add("data", put(message.data));
+    add("data", text_of(message.data));
   } else {
     add("data_hex", Value{to_hex(message.data)});
   }
@@ -299,20 +317,20 @@ Result<Message> message_from_json(std::string_view json) {
   auto value = parse_json(json, {.bytes = 4 * kMaxDataSize});
   if (!value) return value.error();
   const std::optional<Value> body = take_member(*value, "body");
-  auto form = read<MessageForm>(*value);
-  if (!form) return form.error();
-  if (form->type == MessageType::none) return fail(Errc::missing, "type: missing or none");
-  if (form->subtype.empty()) return fail(Errc::missing, "subtype: missing");
-  if (!is_valid_word(form->subtype)) return fail(Errc::bad_value, "subtype: '" + form->subtype + "' is no word");
-  auto data = data_of(*form, body, value->find("size") != nullptr);
+  MessageForm form;
+  if (Error error = read(make_shape<MessageForm>(), *value, &form); error.code != Errc::ok) return error;
+  if (form.type == MessageType::none) return fail(Errc::missing, "type: missing or none");
+  if (form.subtype.empty()) return fail(Errc::missing, "subtype: missing");
+  if (!is_valid_word(form.subtype)) return fail(Errc::bad_value, "subtype: '" + form.subtype + "' is no word");
+  auto data = data_of(form, body, value->find("size") != nullptr);
   if (!data) return data.error();
   Message message;
-  message.type = form->type;
-  message.subtype = std::move(form->subtype);
-  message.source = std::move(form->source);
-  message.target = std::move(form->target);
-  message.id = form->id;
-  message.reply_to = form->reply_to;
+  message.type = form.type;
+  message.subtype = std::move(form.subtype);
+  message.source = std::move(form.source);
+  message.target = std::move(form.target);
+  message.id = form.id;
+  message.reply_to = form.reply_to;
   message.data = std::move(*data);
   return message;
 }

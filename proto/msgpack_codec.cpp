@@ -1,10 +1,13 @@
 // The msgpack codec of every body (see body.hpp).
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <limits>
 #include <msgpack.hpp>
+#include <span>
 
 #include "proto/body.hpp"
+#include "proto/shape.hpp"
 #include "proto/value.hpp"
 
 namespace trb {
@@ -39,35 +42,50 @@ void put_text(Packer& packer, const std::string& value, std::uint32_t max) {
   packer.pack_str_body(value.data(), static_cast<std::uint32_t>(value.size()));
 }
 
-template <class T>
-void put(Packer& packer, const T& value, std::uint32_t max) {
-  if constexpr (std::is_same_v<T, bool>) {
-    value ? packer.pack_true() : packer.pack_false();
-  } else if constexpr (std::is_enum_v<T>) {
-    packer.pack_uint64(static_cast<std::uint64_t>(value));
-  } else if constexpr (std::is_floating_point_v<T>) {
-    packer.put_double(value);
-  } else if constexpr (std::is_integral_v<T>) {
-    if constexpr (std::is_signed_v<T>) {
-      packer.pack_int64(value);
-    } else {
-      packer.pack_uint64(value);
+void put(Packer& packer, const Shape& shape, const void* value, std::uint32_t max) {
+  switch (shape.kind) {
+    case FieldKind::boolean:
+      as<bool>(value) ? packer.pack_true() : packer.pack_false();
+      return;
+    case FieldKind::enumeration:
+      packer.pack_uint64(as<std::uint8_t>(value));
+      return;
+    case FieldKind::uint16:
+      packer.pack_uint64(as<std::uint16_t>(value));
+      return;
+    case FieldKind::uint32:
+      packer.pack_uint64(as<std::uint32_t>(value));
+      return;
+    case FieldKind::uint64:
+      packer.pack_uint64(as<std::uint64_t>(value));
+      return;
+    case FieldKind::int64:
+      packer.pack_int64(as<std::int64_t>(value));
+      return;
+    case FieldKind::number:
+      packer.put_double(as<double>(value));
+      return;
+    case FieldKind::text:
+      put_text(packer, as<std::string>(value), max);
+      return;
+    case FieldKind::blob: {
+      const std::string& bytes = as<Blob>(value).bytes;
+      packer.pack_bin(static_cast<std::uint32_t>(bytes.size()));
+      packer.pack_bin_body(bytes.data(), static_cast<std::uint32_t>(bytes.size()));
+      return;
     }
-  } else if constexpr (std::is_same_v<T, std::string>) {
-    put_text(packer, value, max);
-  } else if constexpr (std::is_same_v<T, Blob>) {
-    packer.pack_bin(static_cast<std::uint32_t>(value.bytes.size()));
-    packer.pack_bin_body(value.bytes.data(), static_cast<std::uint32_t>(value.bytes.size()));
-  } else if constexpr (IsVector<T>::value) {
-    packer.pack_array(static_cast<std::uint32_t>(value.size()));
-    for (const auto& item : value) put(packer, item, kDefaultMaxSize);
-  } else {
-    std::apply(
-        [&](const auto&... fields) {
-          packer.pack_array(sizeof...(fields));
-          (put(packer, value.*(fields.member), fields.max), ...);
-        },
-        T::fields());
+    case FieldKind::list: {
+      const std::size_t size = shape.list.size(value);
+      const void* at = shape.list.data(value);
+      packer.pack_array(static_cast<std::uint32_t>(size));
+      for (std::size_t i = 0; i < size; ++i, at = behind(at, shape.list.stride))
+        put(packer, *shape.list.item, at, kDefaultMaxSize);
+      return;
+    }
+    case FieldKind::record:
+      packer.pack_array(static_cast<std::uint32_t>(shape.fields.size()));
+      for (const FieldEntry& f : shape.fields) put(packer, *f.shape, behind(value, f.offset), f.max);
+      return;
   }
 }
 
@@ -83,16 +101,14 @@ struct Reader {
     return false;
   }
 
-  template <class T>
-  bool take(const msgpack::object& from, T& out, std::uint32_t max);
+  bool take(const Shape& shape, const msgpack::object& from, void* out, std::uint32_t max);
 
  private:
   template <class T>
   bool take_integer(const msgpack::object& from, T& out);
-  template <class T>
-  bool take_list(const msgpack::object& from, std::vector<T>& out, std::uint32_t max);
-  template <class T>
-  bool take_fields(const msgpack::object& from, T& out);
+  bool take_enum(std::span<const std::string_view> names, const msgpack::object& from, std::uint8_t& out);
+  bool take_list(const ListShape& shape, const msgpack::object& from, void* out, std::uint32_t max);
+  bool take_fields(std::span<const FieldEntry> fields, const msgpack::object& from, void* out);
   bool take_double(const msgpack::object& from, double& out);
   bool take_text(const msgpack::object& from, std::string& out, std::uint32_t max);
   bool take_blob(const msgpack::object& from, Blob& out, std::uint32_t max);
@@ -142,62 +158,69 @@ bool Reader::take_blob(const msgpack::object& from, Blob& out, std::uint32_t max
   return true;
 }
 
-template <class T>
-bool Reader::take_list(const msgpack::object& from, std::vector<T>& out, std::uint32_t max) {
+bool Reader::take_enum(std::span<const std::string_view> names, const msgpack::object& from, std::uint8_t& out) {
+  std::uint8_t raw = 0;
+  if (!take_integer(from, raw)) return false;
+  if (raw >= names.size()) return refuse(Errc::bad_value, std::to_string(raw) + " is none of its values");
+  out = raw;
+  return true;
+}
+
+bool Reader::take_list(const ListShape& shape, const msgpack::object& from, void* out, std::uint32_t max) {
   if (from.type != msgpack::type::ARRAY) return refuse(Errc::malformed, "no list");
   if (from.via.array.size > max) return refuse(Errc::too_large, "list over " + std::to_string(max) + " items");
-  out.clear();
-  out.reserve(from.via.array.size);
+  void* at = shape.renew(out, from.via.array.size);
   const std::size_t stem = path.size();
-  for (std::uint32_t i = 0; i < from.via.array.size; ++i) {
+  for (std::uint32_t i = 0; i < from.via.array.size; ++i, at = behind(at, shape.stride)) {
     path += "[" + std::to_string(i) + "]";
-    if (!take(from.via.array.ptr[i], out.emplace_back(), kDefaultMaxSize)) return false;
+    if (!take(*shape.item, from.via.array.ptr[i], at, kDefaultMaxSize)) return false;
     path.resize(stem);
   }
   return true;
 }
 
-template <class T>
-bool Reader::take_fields(const msgpack::object& from, T& out) {
+bool Reader::take_fields(std::span<const FieldEntry> fields, const msgpack::object& from, void* out) {
   if (from.type != msgpack::type::ARRAY) return refuse(Errc::malformed, "no list of fields");
-  std::uint32_t index = 0;
   const std::size_t stem = path.size();
-  const auto one = [&](const auto& f) {
-    if (index >= from.via.array.size) return true;
+  const std::size_t told = std::min<std::size_t>(fields.size(), from.via.array.size);
+  for (std::size_t i = 0; i < told; ++i) {
+    const FieldEntry& f = fields[i];
     if (stem > 0) path += '.';
     path += f.name;
-    const bool good = take(from.via.array.ptr[index++], out.*(f.member), f.max);
-    if (good) path.resize(stem);
-    return good;
-  };
-  return std::apply([&](const auto&... f) { return (one(f) && ...); }, T::fields());
+    if (!take(*f.shape, from.via.array.ptr[i], behind(out, f.offset), f.max)) return false;
+    path.resize(stem);
+  }
+  return true;
 }
 
-template <class T>
-bool Reader::take(const msgpack::object& from, T& out, std::uint32_t max) {
-  if constexpr (std::is_same_v<T, bool>) {
-    if (from.type != msgpack::type::BOOLEAN) return refuse(Errc::malformed, "neither true nor false");
-    out = from.via.boolean;
-    return true;
-  } else if constexpr (std::is_enum_v<T>) {
-    std::uint8_t raw = 0;
-    if (!take_integer(from, raw)) return false;
-    if (raw >= enum_names(T{}).size()) return refuse(Errc::bad_value, std::to_string(raw) + " is none of its values");
-    out = static_cast<T>(raw);
-    return true;
-  } else if constexpr (std::is_integral_v<T>) {
-    return take_integer(from, out);
-  } else if constexpr (std::is_floating_point_v<T>) {
-    return take_double(from, out);
-  } else if constexpr (std::is_same_v<T, std::string>) {
-    return take_text(from, out, max);
-  } else if constexpr (std::is_same_v<T, Blob>) {
-    return take_blob(from, out, max);
-  } else if constexpr (IsVector<T>::value) {
-    return take_list(from, out, max);
-  } else {
-    return take_fields(from, out);
+bool Reader::take(const Shape& shape, const msgpack::object& from, void* out, std::uint32_t max) {
+  switch (shape.kind) {
+    case FieldKind::boolean:
+      if (from.type != msgpack::type::BOOLEAN) return refuse(Errc::malformed, "neither true nor false");
+      as<bool>(out) = from.via.boolean;
+      return true;
+    case FieldKind::enumeration:
+      return take_enum(shape.names, from, as<std::uint8_t>(out));
+    case FieldKind::uint16:
+      return take_integer(from, as<std::uint16_t>(out));
+    case FieldKind::uint32:
+      return take_integer(from, as<std::uint32_t>(out));
+    case FieldKind::uint64:
+      return take_integer(from, as<std::uint64_t>(out));
+    case FieldKind::int64:
+      return take_integer(from, as<std::int64_t>(out));
+    case FieldKind::number:
+      return take_double(from, as<double>(out));
+    case FieldKind::text:
+      return take_text(from, as<std::string>(out), max);
+    case FieldKind::blob:
+      return take_blob(from, as<Blob>(out), max);
+    case FieldKind::list:
+      return take_list(shape.list, from, out, max);
+    case FieldKind::record:
+      break;
   }
+  return take_fields(shape.fields, from, out);
 }
 
 Result<msgpack::object_handle> parse(BytesView bytes) {
@@ -220,29 +243,20 @@ Result<msgpack::object_handle> parse(BytesView bytes) {
 
 }  // namespace
 
-template <class T>
-Bytes encode(const T& body) {
+Bytes pack(const Shape& shape, const void* value) {
   Bytes out;
   StringBuffer buffer{out};
   Packer packer(buffer);
-  put(packer, body, kDefaultMaxSize);
+  put(packer, shape, value, kDefaultMaxSize);
   return out;
 }
 
-template <class T>
-Result<T> decode(BytesView bytes) {
-  auto handle = parse(bytes);
+Error unpack(const Shape& shape, BytesView bytes, void* value) {
+  const auto handle = parse(bytes);
   if (!handle) return handle.error();
   Reader reader;
-  T out{};
-  if (!reader.take(handle->get(), out, kDefaultMaxSize)) return reader.error;
-  return out;
+  reader.take(shape, handle->get(), value, kDefaultMaxSize);
+  return std::move(reader.error);
 }
-
-#define TRB_INSTANTIATE(Name)         \
-  template Bytes encode(const Name&); \
-  template Result<Name> decode(BytesView);
-TRB_BODIES(TRB_INSTANTIATE)
-#undef TRB_INSTANTIATE
 
 }  // namespace trb

@@ -29,8 +29,8 @@ struct BridgeCommand {
   std::vector<std::string> paths;  ///< of a value: the list of these alone, as "pose.position.x"; empty: all of it
   double timeout_s = 5;
   template <class T = BridgeCommand>
-  static constexpr auto fields() {
-    return std::tuple{field("instance", &T::instance), field("token", &T::token),        field("action", &T::action),
+  static FieldTable fields() {
+    return FieldTable{field("instance", &T::instance), field("token", &T::token),        field("action", &T::action),
                       field("name", &T::name),         field("type", &T::type),          field("data", &T::data, 65536),
                       field("paths", &T::paths, 32),   field("timeout_s", &T::timeout_s)};
   }
@@ -52,8 +52,8 @@ struct BridgeEvent {
   std::string what;
   std::string cure;
   template <class T = BridgeEvent>
-  static constexpr auto fields() {
-    return std::tuple{field("instance", &T::instance), field("token", &T::token),   field("result", &T::result),
+  static FieldTable fields() {
+    return FieldTable{field("instance", &T::instance), field("token", &T::token),   field("result", &T::result),
                       field("data", &T::data, 65536),  field("code", &T::code, 32), field("what", &T::what, 1024),
                       field("cure", &T::cure, 1024)};
   }
@@ -66,8 +66,8 @@ struct BridgeState {
   bool up = false;
   std::string detail;  ///< why not
   template <class T = BridgeState>
-  static constexpr auto fields() {
-    return std::tuple{field("connection", &T::connection), field("up", &T::up), field("detail", &T::detail)};
+  static FieldTable fields() {
+    return FieldTable{field("connection", &T::connection), field("up", &T::up), field("detail", &T::detail)};
   }
 };
 

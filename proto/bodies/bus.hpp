@@ -15,8 +15,8 @@ struct ServiceHello {
   std::string version;
   std::vector<std::string> hears{};  ///< information that it wants a copy of; as many services as like may hear one
   template <class T = ServiceHello>
-  static constexpr auto fields() {
-    return std::tuple{field("service", &T::service, 64), field("subtypes", &T::subtypes, 64),
+  static FieldTable fields() {
+    return FieldTable{field("service", &T::service, 64), field("subtypes", &T::subtypes, 64),
                       field("instance", &T::instance),   field("pid", &T::pid),
                       field("version", &T::version, 32), field("hears", &T::hears, 64)};
   }
@@ -30,8 +30,8 @@ struct ServiceWelcome {
   std::uint64_t router_instance = 0;
   std::uint64_t boot = 0;  ///< the node's boot counter
   template <class T = ServiceWelcome>
-  static constexpr auto fields() {
-    return std::tuple{field("node", &T::node, 64), field("role", &T::role, 32), field("slot", &T::slot),
+  static FieldTable fields() {
+    return FieldTable{field("node", &T::node, 64), field("role", &T::role, 32), field("slot", &T::slot),
                       field("router_instance", &T::router_instance), field("boot", &T::boot)};
   }
 };
@@ -41,8 +41,8 @@ struct ServiceAlive {
   static constexpr std::string_view kSubtype = "service_alive";
   std::uint64_t instance = 0;
   template <class T = ServiceAlive>
-  static constexpr auto fields() {
-    return std::tuple{field("instance", &T::instance)};
+  static FieldTable fields() {
+    return FieldTable{field("instance", &T::instance)};
   }
 };
 
@@ -50,8 +50,8 @@ struct ServiceAliveSeen {
   static constexpr std::string_view kSubtype = "service_alive_seen";
   std::uint64_t router_instance = 0;
   template <class T = ServiceAliveSeen>
-  static constexpr auto fields() {
-    return std::tuple{field("router_instance", &T::router_instance)};
+  static FieldTable fields() {
+    return FieldTable{field("router_instance", &T::router_instance)};
   }
 };
 
@@ -59,8 +59,8 @@ struct ServiceAliveSeen {
 struct HelloWanted {
   static constexpr std::string_view kSubtype = "hello_wanted";
   template <class = void>
-  static constexpr auto fields() {
-    return std::tuple{};
+  static FieldTable fields() {
+    return FieldTable{};
   }
 };
 
@@ -73,8 +73,8 @@ struct Nack {
   std::string what;
   std::string cure;
   template <class T = Nack>
-  static constexpr auto fields() {
-    return std::tuple{field("code", &T::code, 64), field("subtype", &T::subtype, 64), field("target", &T::target, 64),
+  static FieldTable fields() {
+    return FieldTable{field("code", &T::code, 64), field("subtype", &T::subtype, 64), field("target", &T::target, 64),
                       field("what", &T::what, 1024), field("cure", &T::cure, 1024)};
   }
 };
@@ -85,8 +85,8 @@ struct Ack {
   std::string state;  ///< how far it has come: "handed_over", "started", "stopped", "released", "accepted"
   std::string text;
   template <class T = Ack>
-  static constexpr auto fields() {
-    return std::tuple{field("state", &T::state, 32), field("text", &T::text, 1024)};
+  static FieldTable fields() {
+    return FieldTable{field("state", &T::state, 32), field("text", &T::text, 1024)};
   }
 };
 
@@ -96,24 +96,24 @@ struct SignRequest {
   std::string kind;  ///< a kSigned… purpose, proto/bodies/signed.hpp
   Blob payload;
   template <class T = SignRequest>
-  static constexpr auto fields() {
-    return std::tuple{field("kind", &T::kind, 32), field("payload", &T::payload, 1U << 19U)};
+  static FieldTable fields() {
+    return FieldTable{field("kind", &T::kind, 32), field("payload", &T::payload, 1U << 19U)};
   }
 };
 
 struct RouteListRequest {
   static constexpr std::string_view kSubtype = "route_list";
   template <class = void>
-  static constexpr auto fields() {
-    return std::tuple{};
+  static FieldTable fields() {
+    return FieldTable{};
   }
 };
 
 struct ServiceListRequest {
   static constexpr std::string_view kSubtype = "service_list";
   template <class = void>
-  static constexpr auto fields() {
-    return std::tuple{};
+  static FieldTable fields() {
+    return FieldTable{};
   }
 };
 
@@ -128,8 +128,8 @@ struct ServiceEntry {
   std::vector<std::string> subtypes;
   std::string note;  ///< what a person should know of it, as a certificate that ends soon
   template <class T = ServiceEntry>
-  static constexpr auto fields() {
-    return std::tuple{
+  static FieldTable fields() {
+    return FieldTable{
         field("service", &T::service, 64),       field("state", &T::state, 16),       field("pid", &T::pid),
         field("instance", &T::instance),         field("version", &T::version, 32),   field("up_s", &T::up_s),
         field("last_heard_s", &T::last_heard_s), field("subtypes", &T::subtypes, 64), field("note", &T::note)};
@@ -141,8 +141,8 @@ struct ServiceTable {
   std::string node;
   std::vector<ServiceEntry> services;
   template <class T = ServiceTable>
-  static constexpr auto fields() {
-    return std::tuple{field("node", &T::node, 64), field("services", &T::services, 32)};
+  static FieldTable fields() {
+    return FieldTable{field("node", &T::node, 64), field("services", &T::services, 32)};
   }
 };
 
@@ -150,16 +150,16 @@ struct ServiceTable {
 struct RouterCountersRequest {
   static constexpr std::string_view kSubtype = "router_counters";
   template <class = void>
-  static constexpr auto fields() {
-    return std::tuple{};
+  static FieldTable fields() {
+    return FieldTable{};
   }
 };
 
 struct AdapterCountersRequest {
   static constexpr std::string_view kSubtype = "adapter_counters";
   template <class = void>
-  static constexpr auto fields() {
-    return std::tuple{};
+  static FieldTable fields() {
+    return FieldTable{};
   }
 };
 
@@ -167,8 +167,8 @@ struct Counter {
   std::string name;
   std::uint64_t value = 0;
   template <class T = Counter>
-  static constexpr auto fields() {
-    return std::tuple{field("name", &T::name, 128), field("value", &T::value)};
+  static FieldTable fields() {
+    return FieldTable{field("name", &T::name, 128), field("value", &T::value)};
   }
 };
 
@@ -178,8 +178,8 @@ struct Counters {
   std::string service;
   std::vector<Counter> values;
   template <class T = Counters>
-  static constexpr auto fields() {
-    return std::tuple{field("node", &T::node, 64), field("service", &T::service, 64),
+  static FieldTable fields() {
+    return FieldTable{field("node", &T::node, 64), field("service", &T::service, 64),
                       field("values", &T::values, 1024)};
   }
 };

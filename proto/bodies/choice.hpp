@@ -24,8 +24,8 @@ struct Condition {
   std::string unit;  ///< a number's: a value in another unit is not taken
   bool operator==(const Condition&) const = default;
   template <class T = Condition>
-  static constexpr auto fields() {
-    return std::tuple{field("sensor", &T::sensor, 64),      field("of", &T::of, 64),
+  static FieldTable fields() {
+    return FieldTable{field("sensor", &T::sensor, 64),      field("of", &T::of, 64),
                       field("identity", &T::identity, 128), field("op", &T::op),
                       field("is_text", &T::is_text),        field("number", &T::number),
                       field("text", &T::text, 1024),        field("unit", &T::unit, 16)};
@@ -39,8 +39,8 @@ struct ChosenTask {
   bool holds = false;  ///< the condition: else the task is SKIPPED
   bool operator==(const ChosenTask&) const = default;
   template <class T = ChosenTask>
-  static constexpr auto fields() {
-    return std::tuple{field("task", &T::task, 64), field("iteration", &T::iteration), field("holds", &T::holds)};
+  static FieldTable fields() {
+    return FieldTable{field("task", &T::task, 64), field("iteration", &T::iteration), field("holds", &T::holds)};
   }
 };
 
@@ -58,8 +58,8 @@ struct Choice {
   std::int64_t time = 0;  ///< of the choice: UTC ns
   bool operator==(const Choice&) const = default;
   template <class T = Choice>
-  static constexpr auto fields() {
-    return std::tuple{field("run", &T::run, 64),     field("digest", &T::digest, 32), field("epoch", &T::epoch),
+  static FieldTable fields() {
+    return FieldTable{field("run", &T::run, 64),     field("digest", &T::digest, 32), field("epoch", &T::epoch),
                       field("by", &T::by, 64),       field("tasks", &T::tasks, 1000), field("node", &T::node, 64),
                       field("reading", &T::reading), field("time", &T::time)};
   }

@@ -12,8 +12,8 @@ struct Member {
   SignedRecord certificate;
   bool operator==(const Member&) const = default;
   template <class T = Member>
-  static constexpr auto fields() {
-    return std::tuple{field("id", &T::id, 64), field("certificate", &T::certificate)};
+  static FieldTable fields() {
+    return FieldTable{field("id", &T::id, 64), field("certificate", &T::certificate)};
   }
 };
 
@@ -39,8 +39,8 @@ struct TaskRuling {
   Evidence evidence{};
   bool operator==(const TaskRuling&) const = default;
   template <class T = TaskRuling>
-  static constexpr auto fields() {
-    return std::tuple{field("task", &T::task, 64), field("ruling", &T::ruling), field("robot", &T::robot, 64),
+  static FieldTable fields() {
+    return FieldTable{field("task", &T::task, 64), field("ruling", &T::ruling), field("robot", &T::robot, 64),
                       field("attempt", &T::attempt), field("evidence", &T::evidence)};
   }
 };
@@ -62,8 +62,8 @@ struct Decision {
   std::int64_t time = 0;  ///< UTC ns
   bool operator==(const Decision&) const = default;
   template <class T = Decision>
-  static constexpr auto fields() {
-    return std::tuple{
+  static FieldTable fields() {
+    return FieldTable{
         field("run", &T::run, 64),           field("digest", &T::digest, 32), field("epoch", &T::epoch),
         field("previous", &T::previous, 32), field("by", &T::by, 64),         field("tasks", &T::tasks, 1000),
         field("members", &T::members, 1000), field("alert", &T::alert, 64),   field("person", &T::person, 64),
@@ -77,8 +77,8 @@ struct RunDecision {
   static constexpr std::string_view kSubtype = "run_decision";
   SignedRecord decision;
   template <class T = RunDecision>
-  static constexpr auto fields() {
-    return std::tuple{field("decision", &T::decision)};
+  static FieldTable fields() {
+    return FieldTable{field("decision", &T::decision)};
   }
 };
 
@@ -88,8 +88,8 @@ struct DecisionJournaled {
   std::string run;
   std::uint32_t epoch = 1;
   template <class T = DecisionJournaled>
-  static constexpr auto fields() {
-    return std::tuple{field("run", &T::run, 64), field("epoch", &T::epoch)};
+  static FieldTable fields() {
+    return FieldTable{field("run", &T::run, 64), field("epoch", &T::epoch)};
   }
 };
 
@@ -101,8 +101,8 @@ struct ReleaseTasks {
   std::uint32_t epoch = 1;
   std::vector<std::uint16_t> tasks;
   template <class T = ReleaseTasks>
-  static constexpr auto fields() {
-    return std::tuple{field("run", &T::run, 64), field("epoch", &T::epoch), field("tasks", &T::tasks, 1000)};
+  static FieldTable fields() {
+    return FieldTable{field("run", &T::run, 64), field("epoch", &T::epoch), field("tasks", &T::tasks, 1000)};
   }
 };
 
@@ -117,8 +117,8 @@ struct PauseOrder {
   std::string reason;
   std::int64_t time = 0;  ///< UTC ns
   template <class T = PauseOrder>
-  static constexpr auto fields() {
-    return std::tuple{field("run", &T::run, 64), field("number", &T::number),      field("paused", &T::paused),
+  static FieldTable fields() {
+    return FieldTable{field("run", &T::run, 64), field("number", &T::number),      field("paused", &T::paused),
                       field("by", &T::by, 64),   field("reason", &T::reason, 255), field("time", &T::time)};
   }
 };
@@ -128,8 +128,8 @@ struct RunPause {
   static constexpr std::string_view kSubtype = "run_pause";
   SignedRecord order;
   template <class T = RunPause>
-  static constexpr auto fields() {
-    return std::tuple{field("order", &T::order)};
+  static FieldTable fields() {
+    return FieldTable{field("order", &T::order)};
   }
 };
 
@@ -138,8 +138,8 @@ struct PauseJournaled {
   std::string run;
   std::uint32_t number = 1;
   template <class T = PauseJournaled>
-  static constexpr auto fields() {
-    return std::tuple{field("run", &T::run, 64), field("number", &T::number)};
+  static FieldTable fields() {
+    return FieldTable{field("run", &T::run, 64), field("number", &T::number)};
   }
 };
 

@@ -11,8 +11,8 @@ struct JournalRun {
   SignedRecord start;
   bool submitted_here = false;  ///< this scheduler owes the batons to the first actors
   template <class T = JournalRun>
-  static constexpr auto fields() {
-    return std::tuple{field("start", &T::start), field("submitted_here", &T::submitted_here)};
+  static FieldTable fields() {
+    return FieldTable{field("start", &T::start), field("submitted_here", &T::submitted_here)};
   }
 };
 
@@ -24,8 +24,8 @@ struct JournalStart {
   std::uint64_t instance = 0;  ///< of the mode-adapter that is to execute it
   std::int64_t time = 0;       ///< UTC ns
   template <class T = JournalStart>
-  static constexpr auto fields() {
-    return std::tuple{field("key", &T::key), field("epoch", &T::epoch), field("instance", &T::instance),
+  static FieldTable fields() {
+    return FieldTable{field("key", &T::key), field("epoch", &T::epoch), field("instance", &T::instance),
                       field("time", &T::time)};
   }
 };
@@ -35,8 +35,8 @@ struct JournalResult {
   static constexpr std::string_view kSubtype = "journal_result";
   SignedRecord result;
   template <class T = JournalResult>
-  static constexpr auto fields() {
-    return std::tuple{field("result", &T::result)};
+  static FieldTable fields() {
+    return FieldTable{field("result", &T::result)};
   }
 };
 
@@ -45,8 +45,8 @@ struct JournalChoice {
   static constexpr std::string_view kSubtype = "journal_choice";
   SignedRecord choice;
   template <class T = JournalChoice>
-  static constexpr auto fields() {
-    return std::tuple{field("choice", &T::choice)};
+  static FieldTable fields() {
+    return FieldTable{field("choice", &T::choice)};
   }
 };
 
@@ -59,8 +59,8 @@ struct JournalDelivered {
   std::vector<std::uint16_t> tasks;
   std::uint32_t epoch = 1;
   template <class T = JournalDelivered>
-  static constexpr auto fields() {
-    return std::tuple{field("run", &T::run, 64), field("to", &T::to, 64), field("what", &T::what, 16),
+  static FieldTable fields() {
+    return FieldTable{field("run", &T::run, 64), field("to", &T::to, 64), field("what", &T::what, 16),
                       field("tasks", &T::tasks, kMaxTasks), field("epoch", &T::epoch)};
   }
 };
@@ -71,8 +71,8 @@ struct JournalAbort {
   SignedRecord order;
   bool ordered_here = false;  ///< this scheduler owes the order to the members
   template <class T = JournalAbort>
-  static constexpr auto fields() {
-    return std::tuple{field("order", &T::order), field("ordered_here", &T::ordered_here)};
+  static FieldTable fields() {
+    return FieldTable{field("order", &T::order), field("ordered_here", &T::ordered_here)};
   }
 };
 
@@ -82,8 +82,8 @@ struct JournalDecision {
   SignedRecord decision;
   bool decided_here = false;  ///< this scheduler owes it to the members
   template <class T = JournalDecision>
-  static constexpr auto fields() {
-    return std::tuple{field("decision", &T::decision), field("decided_here", &T::decided_here)};
+  static FieldTable fields() {
+    return FieldTable{field("decision", &T::decision), field("decided_here", &T::decided_here)};
   }
 };
 
@@ -93,8 +93,8 @@ struct JournalPause {
   SignedRecord order;
   bool ordered_here = false;  ///< this scheduler owes the order to the members
   template <class T = JournalPause>
-  static constexpr auto fields() {
-    return std::tuple{field("order", &T::order), field("ordered_here", &T::ordered_here)};
+  static FieldTable fields() {
+    return FieldTable{field("order", &T::order), field("ordered_here", &T::ordered_here)};
   }
 };
 
@@ -105,8 +105,8 @@ struct JournalTombstone {
   RunState state{};
   std::int64_t until = 0;  ///< UTC ns
   template <class T = JournalTombstone>
-  static constexpr auto fields() {
-    return std::tuple{field("run", &T::run, 64), field("state", &T::state), field("until", &T::until)};
+  static FieldTable fields() {
+    return FieldTable{field("run", &T::run, 64), field("state", &T::state), field("until", &T::until)};
   }
 };
 

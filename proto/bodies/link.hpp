@@ -18,8 +18,8 @@ struct ParameterInfo {
   std::uint32_t count = 0;            ///< of "numbers", how many; 0: any
   bool operator==(const ParameterInfo&) const = default;
   template <class T = ParameterInfo>
-  static constexpr auto fields() {
-    return std::tuple{field("name", &T::name, 64), field("type", &T::type, 16),  field("required", &T::required),
+  static FieldTable fields() {
+    return FieldTable{field("name", &T::name, 64), field("type", &T::type, 16),  field("required", &T::required),
                       field("unit", &T::unit, 16), field("range", &T::range, 2), field("one_of", &T::one_of, 64),
                       field("count", &T::count)};
   }
@@ -33,8 +33,8 @@ struct SkillInfo {
   double timeout_s = 0;
   bool operator==(const SkillInfo&) const = default;
   template <class T = SkillInfo>
-  static constexpr auto fields() {
-    return std::tuple{field("name", &T::name, 64), field("capability", &T::capability, 64),
+  static FieldTable fields() {
+    return FieldTable{field("name", &T::name, 64), field("capability", &T::capability, 64),
                       field("parameters", &T::parameters, 32), field("repeatable", &T::repeatable),
                       field("timeout_s", &T::timeout_s)};
   }
@@ -48,8 +48,8 @@ struct FrameInfo {
   double yaw = 0;  ///< and how it is turned, rad
   bool operator==(const FrameInfo&) const = default;
   template <class T = FrameInfo>
-  static constexpr auto fields() {
-    return std::tuple{field("length", &T::length), field("x", &T::x), field("y", &T::y), field("yaw", &T::yaw)};
+  static FieldTable fields() {
+    return FieldTable{field("length", &T::length), field("x", &T::x), field("y", &T::y), field("yaw", &T::yaw)};
   }
 };
 
@@ -73,8 +73,8 @@ struct NodeProfile {
   FrameInfo frame{};                ///< of the robot's own `position`
   bool operator==(const NodeProfile&) const = default;
   template <class T = NodeProfile>
-  static constexpr auto fields() {
-    return std::tuple{field("framework", &T::framework, 64),
+  static FieldTable fields() {
+    return FieldTable{field("framework", &T::framework, 64),
                       field("mode", &T::mode, 16),
                       field("transport", &T::transport, 16),
                       field("maker", &T::maker, 64),
@@ -107,8 +107,8 @@ struct Hello {
   bool relay = false;             ///< carries messages between members that cannot reach each other
   std::string lane;               ///< where the sender's lossy lane can be dialled, HOST:PORT; empty: it has none
   template <class T = Hello>
-  static constexpr auto fields() {
-    return std::tuple{field("certificate", &T::certificate),
+  static FieldTable fields() {
+    return FieldTable{field("certificate", &T::certificate),
                       field("boot", &T::boot),
                       field("address", &T::address, 80),
                       field("version", &T::version, 32),
@@ -127,8 +127,8 @@ struct Seal {
   static constexpr std::string_view kSubtype = "seal";
   SignedRecord range;  ///< a SealedRange
   template <class T = Seal>
-  static constexpr auto fields() {
-    return std::tuple{field("range", &T::range)};
+  static FieldTable fields() {
+    return FieldTable{field("range", &T::range)};
   }
 };
 
@@ -139,8 +139,8 @@ struct FleetNews {
   SignedRecord revocations;  ///< a RevocationList; an empty kind for none
   std::vector<SignedRecord> certificates;
   template <class T = FleetNews>
-  static constexpr auto fields() {
-    return std::tuple{field("revocations", &T::revocations), field("certificates", &T::certificates, 256)};
+  static FieldTable fields() {
+    return FieldTable{field("revocations", &T::revocations), field("certificates", &T::certificates, 256)};
   }
 };
 
@@ -151,8 +151,8 @@ struct Neighbours {
   std::vector<SignedRecord> reached;  ///< their certificates
   std::vector<std::string> gone;      ///< ids
   template <class T = Neighbours>
-  static constexpr auto fields() {
-    return std::tuple{field("reached", &T::reached, 64), field("gone", &T::gone, 1024)};
+  static FieldTable fields() {
+    return FieldTable{field("reached", &T::reached, 64), field("gone", &T::gone, 1024)};
   }
 };
 
@@ -170,8 +170,8 @@ struct RelayAlive {
   std::string version;
   bool clock_verified = true;
   template <class T = RelayAlive>
-  static constexpr auto fields() {
-    return std::tuple{field("nonce", &T::nonce),
+  static FieldTable fields() {
+    return FieldTable{field("nonce", &T::nonce),
                       field("echo", &T::echo),
                       field("echo_other", &T::echo_other),
                       field("heard_boot", &T::heard_boot),
@@ -190,8 +190,8 @@ struct RelayRefused {
   std::uint64_t count = 0;
   std::string reason;  ///< an errc_name()
   template <class T = RelayRefused>
-  static constexpr auto fields() {
-    return std::tuple{field("target", &T::target, 64), field("count", &T::count), field("reason", &T::reason, 64)};
+  static FieldTable fields() {
+    return FieldTable{field("target", &T::target, 64), field("count", &T::count), field("reason", &T::reason, 64)};
   }
 };
 
@@ -200,8 +200,8 @@ struct Relayed {
   static constexpr std::string_view kSubtype = "relayed";
   SignedRecord record;  ///< a RelayedFrame
   template <class T = Relayed>
-  static constexpr auto fields() {
-    return std::tuple{field("record", &T::record)};
+  static FieldTable fields() {
+    return FieldTable{field("record", &T::record)};
   }
 };
 
@@ -209,8 +209,8 @@ struct Relayed {
 struct LinkTroublesRequest {
   static constexpr std::string_view kSubtype = "link_troubles";
   template <class = void>
-  static constexpr auto fields() {
-    return std::tuple{};
+  static FieldTable fields() {
+    return FieldTable{};
   }
 };
 
@@ -222,8 +222,8 @@ struct LinkTrouble {
   std::uint64_t count = 0;  ///< how often, one after the other
   double last_s = 0;        ///< how long ago the last was
   template <class T = LinkTrouble>
-  static constexpr auto fields() {
-    return std::tuple{field("peer", &T::peer, 64),  field("address", &T::address, 80), field("code", &T::code, 64),
+  static FieldTable fields() {
+    return FieldTable{field("peer", &T::peer, 64),  field("address", &T::address, 80), field("code", &T::code, 64),
                       field("text", &T::text, 512), field("count", &T::count),         field("last_s", &T::last_s)};
   }
 };
@@ -234,8 +234,8 @@ struct LinkTroubles {
   std::string node;
   std::vector<LinkTrouble> troubles;
   template <class T = LinkTroubles>
-  static constexpr auto fields() {
-    return std::tuple{field("node", &T::node, 64), field("troubles", &T::troubles, 256)};
+  static FieldTable fields() {
+    return FieldTable{field("node", &T::node, 64), field("troubles", &T::troubles, 256)};
   }
 };
 
@@ -244,8 +244,8 @@ struct EchoRequest {
   static constexpr std::string_view kSubtype = "echo_request";
   Blob pad;
   template <class T = EchoRequest>
-  static constexpr auto fields() {
-    return std::tuple{field("pad", &T::pad, 65536)};
+  static FieldTable fields() {
+    return FieldTable{field("pad", &T::pad, 65536)};
   }
 };
 
@@ -253,8 +253,8 @@ struct Echo {
   static constexpr std::string_view kSubtype = "echo";
   Blob pad;
   template <class T = Echo>
-  static constexpr auto fields() {
-    return std::tuple{field("pad", &T::pad, 65536)};
+  static FieldTable fields() {
+    return FieldTable{field("pad", &T::pad, 65536)};
   }
 };
 
@@ -263,8 +263,8 @@ struct KeepAlive {
   static constexpr std::string_view kSubtype = "keep_alive";
   std::uint64_t heard = 0;
   template <class T = KeepAlive>
-  static constexpr auto fields() {
-    return std::tuple{field("heard", &T::heard)};
+  static FieldTable fields() {
+    return FieldTable{field("heard", &T::heard)};
   }
 };
 
@@ -273,8 +273,8 @@ struct Goodbye {
   static constexpr std::string_view kSubtype = "goodbye";
   std::string reason;
   template <class T = Goodbye>
-  static constexpr auto fields() {
-    return std::tuple{field("reason", &T::reason, 128)};
+  static FieldTable fields() {
+    return FieldTable{field("reason", &T::reason, 128)};
   }
 };
 
@@ -283,8 +283,8 @@ struct PeerJoined {
   std::string id;
   std::uint64_t boot = 0;
   template <class T = PeerJoined>
-  static constexpr auto fields() {
-    return std::tuple{field("id", &T::id, 64), field("boot", &T::boot)};
+  static FieldTable fields() {
+    return FieldTable{field("id", &T::id, 64), field("boot", &T::boot)};
   }
 };
 
@@ -293,8 +293,8 @@ struct PeerExpired {
   std::string id;
   std::string reason;
   template <class T = PeerExpired>
-  static constexpr auto fields() {
-    return std::tuple{field("id", &T::id, 64), field("reason", &T::reason, 128)};
+  static FieldTable fields() {
+    return FieldTable{field("id", &T::id, 64), field("reason", &T::reason, 128)};
   }
 };
 
@@ -314,8 +314,8 @@ struct Route {
   NodeProfile profile;
   std::string via;  ///< the relay by which it is reached; empty for a link of one's own
   template <class T = Route>
-  static constexpr auto fields() {
-    return std::tuple{field("id", &T::id, 64),
+  static FieldTable fields() {
+    return FieldTable{field("id", &T::id, 64),
                       field("role", &T::role),
                       field("address", &T::address, 80),
                       field("state", &T::state, 32),
@@ -336,8 +336,8 @@ struct RouteTable {
   std::string node;
   std::vector<Route> routes;
   template <class T = RouteTable>
-  static constexpr auto fields() {
-    return std::tuple{field("node", &T::node, 64), field("routes", &T::routes, 2000)};
+  static FieldTable fields() {
+    return FieldTable{field("node", &T::node, 64), field("routes", &T::routes, 2000)};
   }
 };
 

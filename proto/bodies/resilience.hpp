@@ -15,8 +15,8 @@ struct CriterionPart {
   double contribution = 0;  ///< to the score; they add up to it
   bool operator==(const CriterionPart&) const = default;
   template <class T = CriterionPart>
-  static constexpr auto fields() {
-    return std::tuple{field("criterion", &T::criterion, 64), field("value", &T::value), field("unit", &T::unit, 16),
+  static FieldTable fields() {
+    return FieldTable{field("criterion", &T::criterion, 64), field("value", &T::value), field("unit", &T::unit, 16),
                       field("weight", &T::weight), field("contribution", &T::contribution)};
   }
 };
@@ -26,8 +26,8 @@ struct TaskForRobot {
   std::string robot;
   bool operator==(const TaskForRobot&) const = default;
   template <class T = TaskForRobot>
-  static constexpr auto fields() {
-    return std::tuple{field("task", &T::task, 64), field("robot", &T::robot, 64)};
+  static FieldTable fields() {
+    return FieldTable{field("task", &T::task, 64), field("robot", &T::robot, 64)};
   }
 };
 
@@ -40,8 +40,8 @@ struct Proposal {
   std::string note;                  ///< what a person should know, as a value that is old
   bool operator==(const Proposal&) const = default;
   template <class T = Proposal>
-  static constexpr auto fields() {
-    return std::tuple{field("robot", &T::robot, 64), field("tasks", &T::tasks, 1000), field("score", &T::score),
+  static FieldTable fields() {
+    return FieldTable{field("robot", &T::robot, 64), field("tasks", &T::tasks, 1000), field("score", &T::score),
                       field("parts", &T::parts, 256), field("note", &T::note, 512)};
   }
 };
@@ -52,8 +52,8 @@ struct Unfit {
   std::string why;
   bool operator==(const Unfit&) const = default;
   template <class T = Unfit>
-  static constexpr auto fields() {
-    return std::tuple{field("robot", &T::robot, 64), field("why", &T::why)};
+  static FieldTable fields() {
+    return FieldTable{field("robot", &T::robot, 64), field("why", &T::why)};
   }
 };
 
@@ -97,8 +97,8 @@ struct Alert {
   std::string waits_for;    ///< in words
   bool operator==(const Alert&) const = default;
   template <class T = Alert>
-  static constexpr auto fields() {
-    return std::tuple{field("id", &T::id, 64),
+  static FieldTable fields() {
+    return FieldTable{field("id", &T::id, 64),
                       field("run", &T::run, 64),
                       field("name", &T::name, 64),
                       field("robot", &T::robot, 64),
@@ -126,8 +126,8 @@ struct AlertListRequest {
   static constexpr std::string_view kSubtype = "alert_list";
   bool all = false;  ///< also those that are DECIDED or CLOSED
   template <class T = AlertListRequest>
-  static constexpr auto fields() {
-    return std::tuple{field("all", &T::all)};
+  static FieldTable fields() {
+    return FieldTable{field("all", &T::all)};
   }
 };
 
@@ -135,8 +135,8 @@ struct AlertTable {
   static constexpr std::string_view kSubtype = "alert_table";
   std::vector<Alert> alerts;  ///< newest first
   template <class T = AlertTable>
-  static constexpr auto fields() {
-    return std::tuple{field("alerts", &T::alerts, 256)};
+  static FieldTable fields() {
+    return FieldTable{field("alerts", &T::alerts, 256)};
   }
 };
 
@@ -150,8 +150,8 @@ struct AlertDecide {
   std::string reason;   ///< an override needs one
   bool stands = false;  ///< the person's word that the failed robot stands
   template <class T = AlertDecide>
-  static constexpr auto fields() {
-    return std::tuple{field("alert", &T::alert, 64),   field("verdict", &T::verdict),     field("robot", &T::robot, 64),
+  static FieldTable fields() {
+    return FieldTable{field("alert", &T::alert, 64),   field("verdict", &T::verdict),     field("robot", &T::robot, 64),
                       field("person", &T::person, 64), field("reason", &T::reason, 1024), field("stands", &T::stands)};
   }
 };
@@ -162,8 +162,8 @@ struct HistoryListRequest {
   std::string robot;         ///< empty: of every one
   std::uint32_t most = 100;  ///< events: 1 to 500
   template <class T = HistoryListRequest>
-  static constexpr auto fields() {
-    return std::tuple{field("robot", &T::robot, 64), field("most", &T::most)};
+  static FieldTable fields() {
+    return FieldTable{field("robot", &T::robot, 64), field("most", &T::most)};
   }
 };
 
@@ -174,8 +174,8 @@ struct RobotEvent {
   std::string kind;  ///< joined, expired, connection, fenced, released, profile, fault, fault_ended, forgotten
   std::string text;
   template <class T = RobotEvent>
-  static constexpr auto fields() {
-    return std::tuple{field("time", &T::time), field("robot", &T::robot, 64), field("kind", &T::kind, 32),
+  static FieldTable fields() {
+    return FieldTable{field("time", &T::time), field("robot", &T::robot, 64), field("kind", &T::kind, 32),
                       field("text", &T::text, 255)};
   }
 };
@@ -184,8 +184,8 @@ struct HistoryTable {
   static constexpr std::string_view kSubtype = "history_table";
   std::vector<RobotEvent> events;  ///< newest first
   template <class T = HistoryTable>
-  static constexpr auto fields() {
-    return std::tuple{field("events", &T::events, 500)};
+  static FieldTable fields() {
+    return FieldTable{field("events", &T::events, 500)};
   }
 };
 

@@ -27,8 +27,8 @@ struct AttemptKey {
   bool operator==(const AttemptKey&) const = default;
   auto operator<=>(const AttemptKey&) const = default;
   template <class T = AttemptKey>
-  static constexpr auto fields() {
-    return std::tuple{field("run", &T::run, 64), field("task", &T::task, 64), field("iteration", &T::iteration),
+  static FieldTable fields() {
+    return FieldTable{field("run", &T::run, 64), field("task", &T::task, 64), field("iteration", &T::iteration),
                       field("attempt", &T::attempt)};
   }
 };
@@ -43,8 +43,8 @@ struct Execute {
   std::string data;      ///< the skill's parameters, a JSON object
   double timeout_s = 0;  ///< 0: the description's
   template <class T = Execute>
-  static constexpr auto fields() {
-    return std::tuple{field("key", &T::key),         field("epoch", &T::epoch),      field("instance", &T::instance),
+  static FieldTable fields() {
+    return FieldTable{field("key", &T::key),         field("epoch", &T::epoch),      field("instance", &T::instance),
                       field("skill", &T::skill, 64), field("data", &T::data, 65536), field("timeout_s", &T::timeout_s)};
   }
 };
@@ -55,8 +55,8 @@ struct CancelExecution {
   AttemptKey key;
   std::string reason;
   template <class T = CancelExecution>
-  static constexpr auto fields() {
-    return std::tuple{field("key", &T::key), field("reason", &T::reason, 255)};
+  static FieldTable fields() {
+    return FieldTable{field("key", &T::key), field("reason", &T::reason, 255)};
   }
 };
 
@@ -65,8 +65,8 @@ struct ExecutionQuery {
   static constexpr std::string_view kSubtype = "execution_query";
   AttemptKey key;
   template <class T = ExecutionQuery>
-  static constexpr auto fields() {
-    return std::tuple{field("key", &T::key)};
+  static FieldTable fields() {
+    return FieldTable{field("key", &T::key)};
   }
 };
 
@@ -77,8 +77,8 @@ struct ExecutionState {
   std::uint64_t instance = 0;
   std::string state;
   template <class T = ExecutionState>
-  static constexpr auto fields() {
-    return std::tuple{field("key", &T::key), field("instance", &T::instance), field("state", &T::state, 16)};
+  static FieldTable fields() {
+    return FieldTable{field("key", &T::key), field("instance", &T::instance), field("state", &T::state, 16)};
   }
 };
 
@@ -92,8 +92,8 @@ struct Outcome {
   std::string data;    ///< the result, JSON text or empty
   double duration_s = 0;
   template <class T = Outcome>
-  static constexpr auto fields() {
-    return std::tuple{field("key", &T::key),          field("instance", &T::instance),
+  static FieldTable fields() {
+    return FieldTable{field("key", &T::key),          field("instance", &T::instance),
                       field("outcome", &T::outcome),  field("reason", &T::reason, 1024),
                       field("data", &T::data, 65536), field("duration_s", &T::duration_s)};
   }
@@ -104,8 +104,8 @@ struct OutcomeJournaled {
   static constexpr std::string_view kSubtype = "outcome_journaled";
   AttemptKey key;
   template <class T = OutcomeJournaled>
-  static constexpr auto fields() {
-    return std::tuple{field("key", &T::key)};
+  static FieldTable fields() {
+    return FieldTable{field("key", &T::key)};
   }
 };
 
@@ -118,8 +118,8 @@ struct AdapterState {
   bool busy = false;
   std::string control;  ///< who else holds the control lease, so that no skill begins; empty: nobody
   template <class T = AdapterState>
-  static constexpr auto fields() {
-    return std::tuple{field("instance", &T::instance), field("robot", &T::robot, 32), field("fenced", &T::fenced),
+  static FieldTable fields() {
+    return FieldTable{field("instance", &T::instance), field("robot", &T::robot, 32), field("fenced", &T::fenced),
                       field("busy", &T::busy), field("control", &T::control, 64)};
   }
 };
@@ -127,8 +127,8 @@ struct AdapterState {
 struct AdapterStateRequest {
   static constexpr std::string_view kSubtype = "adapter_state_request";
   template <class = void>
-  static constexpr auto fields() {
-    return std::tuple{};
+  static FieldTable fields() {
+    return FieldTable{};
   }
 };
 
@@ -139,8 +139,8 @@ struct RobotFault {
   Severity severity{};
   std::string text;  ///< the robot's own words
   template <class T = RobotFault>
-  static constexpr auto fields() {
-    return std::tuple{field("capability", &T::capability, 64), field("severity", &T::severity),
+  static FieldTable fields() {
+    return FieldTable{field("capability", &T::capability, 64), field("severity", &T::severity),
                       field("text", &T::text, 1024)};
   }
 };
@@ -150,8 +150,8 @@ struct RobotValueTold {
   std::string name;
   std::string value;
   template <class T = RobotValueTold>
-  static constexpr auto fields() {
-    return std::tuple{field("name", &T::name, 64), field("value", &T::value, 1024)};
+  static FieldTable fields() {
+    return FieldTable{field("name", &T::name, 64), field("value", &T::value, 1024)};
   }
 };
 
@@ -161,8 +161,8 @@ struct RobotState {
   static constexpr std::string_view kSubtype = "robot_state";
   std::vector<RobotValueTold> values;
   template <class T = RobotState>
-  static constexpr auto fields() {
-    return std::tuple{field("values", &T::values, 32)};
+  static FieldTable fields() {
+    return FieldTable{field("values", &T::values, 32)};
   }
 };
 
@@ -174,8 +174,8 @@ struct InjectFault {
   Severity severity{};
   std::string text;  ///< the robot's own words
   template <class T = InjectFault>
-  static constexpr auto fields() {
-    return std::tuple{field("capability", &T::capability, 64), field("severity", &T::severity),
+  static FieldTable fields() {
+    return FieldTable{field("capability", &T::capability, 64), field("severity", &T::severity),
                       field("text", &T::text, 1024)};
   }
 };
@@ -186,8 +186,8 @@ struct RobotConnection {
   std::string state;  ///< as NodeProfile::robot
   std::string detail;
   template <class T = RobotConnection>
-  static constexpr auto fields() {
-    return std::tuple{field("state", &T::state, 32), field("detail", &T::detail, 255)};
+  static FieldTable fields() {
+    return FieldTable{field("state", &T::state, 32), field("detail", &T::detail, 255)};
   }
 };
 
@@ -197,8 +197,8 @@ struct Stop {
   static constexpr std::string_view kSubtype = "stop";
   std::string reason;
   template <class T = Stop>
-  static constexpr auto fields() {
-    return std::tuple{field("reason", &T::reason, 255)};
+  static FieldTable fields() {
+    return FieldTable{field("reason", &T::reason, 255)};
   }
 };
 
@@ -207,8 +207,8 @@ struct Release {
   static constexpr std::string_view kSubtype = "release";
   std::string reason;
   template <class T = Release>
-  static constexpr auto fields() {
-    return std::tuple{field("reason", &T::reason, 255)};
+  static FieldTable fields() {
+    return FieldTable{field("reason", &T::reason, 255)};
   }
 };
 

@@ -19,8 +19,8 @@ struct ValueFrom {
   std::string name;  ///< of the value in its result, a JSON object; empty: the whole result
   bool operator==(const ValueFrom&) const = default;
   template <class T = ValueFrom>
-  static constexpr auto fields() {
-    return std::tuple{field("parameter", &T::parameter, 64), field("task", &T::task, 64), field("name", &T::name, 64)};
+  static FieldTable fields() {
+    return FieldTable{field("parameter", &T::parameter, 64), field("task", &T::task, 64), field("name", &T::name, 64)};
   }
 };
 
@@ -48,8 +48,8 @@ struct Task {
   std::vector<ValueFrom> values{};
   bool operator==(const Task&) const = default;
   template <class T = Task>
-  static constexpr auto fields() {
-    return std::tuple{field("id", &T::id, 64),
+  static FieldTable fields() {
+    return FieldTable{field("id", &T::id, 64),
                       field("robot", &T::robot, 64),
                       field("requires", &T::requires_, 32),
                       field("skill", &T::skill, 64),
@@ -72,8 +72,8 @@ struct Scenario {
   std::vector<Task> tasks;
   bool operator==(const Scenario&) const = default;
   template <class T = Scenario>
-  static constexpr auto fields() {
-    return std::tuple{field("name", &T::name, 64), field("description", &T::description, 4096),
+  static FieldTable fields() {
+    return FieldTable{field("name", &T::name, 64), field("description", &T::description, 4096),
                       field("tasks", &T::tasks, kMaxTasks)};
   }
 };
@@ -83,8 +83,8 @@ struct Assignment {
   std::uint32_t epoch = 1;
   std::vector<std::string> robots;
   template <class T = Assignment>
-  static constexpr auto fields() {
-    return std::tuple{field("epoch", &T::epoch), field("robots", &T::robots, kMaxTasks)};
+  static FieldTable fields() {
+    return FieldTable{field("epoch", &T::epoch), field("robots", &T::robots, kMaxTasks)};
   }
 };
 
@@ -101,8 +101,8 @@ struct RunStart {
   std::int64_t created = 0;  ///< UTC ns
   std::int64_t expires = 0;  ///< UTC ns
   template <class T = RunStart>
-  static constexpr auto fields() {
-    return std::tuple{field("run", &T::run, 64),
+  static FieldTable fields() {
+    return FieldTable{field("run", &T::run, 64),
                       field("digest", &T::digest, 32),
                       field("scenario", &T::scenario),
                       field("first", &T::first),
@@ -128,8 +128,8 @@ struct TaskResult {
   std::int64_t ended = 0;    ///< UTC ns
   double duration_s = 0;     ///< by the robot's monotonic clock
   template <class T = TaskResult>
-  static constexpr auto fields() {
-    return std::tuple{field("key", &T::key),          field("digest", &T::digest, 32),
+  static FieldTable fields() {
+    return FieldTable{field("key", &T::key),          field("digest", &T::digest, 32),
                       field("epoch", &T::epoch),      field("robot", &T::robot, 64),
                       field("outcome", &T::outcome),  field("reason", &T::reason, 1024),
                       field("data", &T::data, 65536), field("started", &T::started),
@@ -145,8 +145,8 @@ struct AbortOrder {
   std::string reason;
   std::int64_t time = 0;
   template <class T = AbortOrder>
-  static constexpr auto fields() {
-    return std::tuple{field("run", &T::run, 64), field("by", &T::by, 64), field("reason", &T::reason, 255),
+  static FieldTable fields() {
+    return FieldTable{field("run", &T::run, 64), field("by", &T::by, 64), field("reason", &T::reason, 255),
                       field("time", &T::time)};
   }
 };
@@ -156,8 +156,8 @@ struct RunSubmit {
   static constexpr std::string_view kSubtype = "run_submit";
   SignedRecord start;
   template <class T = RunSubmit>
-  static constexpr auto fields() {
-    return std::tuple{field("start", &T::start)};
+  static FieldTable fields() {
+    return FieldTable{field("start", &T::start)};
   }
 };
 
@@ -165,8 +165,8 @@ struct RunAccepted {
   static constexpr std::string_view kSubtype = "run_accepted";
   std::string run;
   template <class T = RunAccepted>
-  static constexpr auto fields() {
-    return std::tuple{field("run", &T::run, 64)};
+  static FieldTable fields() {
+    return FieldTable{field("run", &T::run, 64)};
   }
 };
 
@@ -182,8 +182,8 @@ struct Baton {
   std::vector<SignedRecord> choices;  ///< on those tasks
   Blob skipped_tasks;                 ///< those of `final_tasks` that are known to be SKIPPED
   template <class T = Baton>
-  static constexpr auto fields() {
-    return std::tuple{field("run", &T::run, 64),
+  static FieldTable fields() {
+    return FieldTable{field("run", &T::run, 64),
                       field("digest", &T::digest, 32),
                       field("epoch", &T::epoch),
                       field("final_tasks", &T::final_tasks, 128),
@@ -201,8 +201,8 @@ struct BatonJournaled {
   std::uint32_t epoch = 1;
   std::vector<std::uint16_t> tasks;  ///< those of the baton
   template <class T = BatonJournaled>
-  static constexpr auto fields() {
-    return std::tuple{field("run", &T::run, 64), field("epoch", &T::epoch), field("tasks", &T::tasks, kMaxTasks)};
+  static FieldTable fields() {
+    return FieldTable{field("run", &T::run, 64), field("epoch", &T::epoch), field("tasks", &T::tasks, kMaxTasks)};
   }
 };
 
@@ -211,8 +211,8 @@ struct NeedDefinition {
   std::string run;
   Blob digest;
   template <class T = NeedDefinition>
-  static constexpr auto fields() {
-    return std::tuple{field("run", &T::run, 64), field("digest", &T::digest, 32)};
+  static FieldTable fields() {
+    return FieldTable{field("run", &T::run, 64), field("digest", &T::digest, 32)};
   }
 };
 
@@ -221,8 +221,8 @@ struct Definition {
   SignedRecord start;
   std::vector<SignedRecord> decisions{};  ///< every one that the giver holds, from epoch 2 on
   template <class T = Definition>
-  static constexpr auto fields() {
-    return std::tuple{field("start", &T::start), field("decisions", &T::decisions, 64)};
+  static FieldTable fields() {
+    return FieldTable{field("start", &T::start), field("decisions", &T::decisions, 64)};
   }
 };
 
@@ -232,8 +232,8 @@ struct NeedResults {
   std::string run;
   std::vector<std::uint16_t> tasks;
   template <class T = NeedResults>
-  static constexpr auto fields() {
-    return std::tuple{field("run", &T::run, 64), field("tasks", &T::tasks, kMaxTasks)};
+  static FieldTable fields() {
+    return FieldTable{field("run", &T::run, 64), field("tasks", &T::tasks, kMaxTasks)};
   }
 };
 
@@ -244,8 +244,8 @@ struct Results {
   std::vector<SignedRecord> results;
   std::vector<SignedRecord> choices;  ///< on the tasks of these results
   template <class T = Results>
-  static constexpr auto fields() {
-    return std::tuple{field("run", &T::run, 64), field("results", &T::results, kMaxTasks),
+  static FieldTable fields() {
+    return FieldTable{field("run", &T::run, 64), field("results", &T::results, kMaxTasks),
                       field("choices", &T::choices, kMaxTasks)};
   }
 };
@@ -254,8 +254,8 @@ struct ResultsJournaled {
   static constexpr std::string_view kSubtype = "results_journaled";
   std::vector<AttemptKey> keys;
   template <class T = ResultsJournaled>
-  static constexpr auto fields() {
-    return std::tuple{field("keys", &T::keys, kMaxTasks)};
+  static FieldTable fields() {
+    return FieldTable{field("keys", &T::keys, kMaxTasks)};
   }
 };
 
@@ -283,8 +283,8 @@ struct TaskProgress {
   TaskState state{};
   std::string detail;  ///< of WAITING: what its condition waits for, in words
   template <class T = TaskProgress>
-  static constexpr auto fields() {
-    return std::tuple{field("key", &T::key), field("robot", &T::robot, 64), field("state", &T::state),
+  static FieldTable fields() {
+    return FieldTable{field("key", &T::key), field("robot", &T::robot, 64), field("state", &T::state),
                       field("detail", &T::detail, 512)};
   }
 };
@@ -294,8 +294,8 @@ struct RunAbort {
   static constexpr std::string_view kSubtype = "run_abort";
   SignedRecord order;
   template <class T = RunAbort>
-  static constexpr auto fields() {
-    return std::tuple{field("order", &T::order)};
+  static FieldTable fields() {
+    return FieldTable{field("order", &T::order)};
   }
 };
 
@@ -304,8 +304,8 @@ struct AbortConfirmed {
   static constexpr std::string_view kSubtype = "abort_confirmed";
   std::string run;
   template <class T = AbortConfirmed>
-  static constexpr auto fields() {
-    return std::tuple{field("run", &T::run, 64)};
+  static FieldTable fields() {
+    return FieldTable{field("run", &T::run, 64)};
   }
 };
 
@@ -329,8 +329,8 @@ struct TaskView {
   std::string condition;   ///< in words, with the value that decided if that is known; empty: it has none
   std::string moved_from;  ///< the robot that had it before; empty: it was never moved
   template <class T = TaskView>
-  static constexpr auto fields() {
-    return std::tuple{field("id", &T::id, 64),
+  static FieldTable fields() {
+    return FieldTable{field("id", &T::id, 64),
                       field("robot", &T::robot, 64),
                       field("skill", &T::skill, 64),
                       field("state", &T::state),
@@ -356,8 +356,8 @@ struct DecisionView {
   std::int64_t time = 0;
   std::vector<TaskRuling> tasks;
   template <class T = DecisionView>
-  static constexpr auto fields() {
-    return std::tuple{field("epoch", &T::epoch),           field("by", &T::by, 64),
+  static FieldTable fields() {
+    return FieldTable{field("epoch", &T::epoch),           field("by", &T::by, 64),
                       field("alert", &T::alert, 64),       field("person", &T::person, 64),
                       field("reason", &T::reason, 1024),   field("time", &T::time),
                       field("tasks", &T::tasks, kMaxTasks)};
@@ -380,8 +380,8 @@ struct RunView {
   std::uint32_t pause_number = 0;  ///< of the pause order that counts; 0: there was none
   std::string paused_by;           ///< empty: it is not held
   template <class T = RunView>
-  static constexpr auto fields() {
-    return std::tuple{field("run", &T::run, 64),
+  static FieldTable fields() {
+    return FieldTable{field("run", &T::run, 64),
                       field("name", &T::name, 64),
                       field("state", &T::state),
                       field("waits_for", &T::waits_for, 1024),
@@ -400,16 +400,16 @@ struct RunQuery {
   static constexpr std::string_view kSubtype = "run_query";
   std::string run;  ///< the id, or a unique beginning of it, or "" for the newest
   template <class T = RunQuery>
-  static constexpr auto fields() {
-    return std::tuple{field("run", &T::run, 64)};
+  static FieldTable fields() {
+    return FieldTable{field("run", &T::run, 64)};
   }
 };
 
 struct RunListRequest {
   static constexpr std::string_view kSubtype = "run_list";
   template <class = void>
-  static constexpr auto fields() {
-    return std::tuple{};
+  static FieldTable fields() {
+    return FieldTable{};
   }
 };
 
@@ -424,8 +424,8 @@ struct RunSummary {
   std::uint32_t epoch = 1;
   std::uint64_t version = 0;  ///< rises with every change that this scheduler has seen since its start
   template <class T = RunSummary>
-  static constexpr auto fields() {
-    return std::tuple{field("run", &T::run, 64),
+  static FieldTable fields() {
+    return FieldTable{field("run", &T::run, 64),
                       field("name", &T::name, 64),
                       field("state", &T::state),
                       field("waits_for", &T::waits_for, 1024),
@@ -443,8 +443,8 @@ struct RunWatch {
   static constexpr std::string_view kSubtype = "run_watch";
   double lease_s = 10;
   template <class T = RunWatch>
-  static constexpr auto fields() {
-    return std::tuple{field("lease_s", &T::lease_s)};
+  static FieldTable fields() {
+    return FieldTable{field("lease_s", &T::lease_s)};
   }
 };
 
@@ -453,8 +453,8 @@ struct RunChanged {
   static constexpr std::string_view kSubtype = "run_changed";
   RunSummary run;
   template <class T = RunChanged>
-  static constexpr auto fields() {
-    return std::tuple{field("run", &T::run)};
+  static FieldTable fields() {
+    return FieldTable{field("run", &T::run)};
   }
 };
 
@@ -462,8 +462,8 @@ struct RunTable {
   static constexpr std::string_view kSubtype = "run_table";
   std::vector<RunSummary> runs;
   template <class T = RunTable>
-  static constexpr auto fields() {
-    return std::tuple{field("runs", &T::runs, 1000)};
+  static FieldTable fields() {
+    return FieldTable{field("runs", &T::runs, 1000)};
   }
 };
 

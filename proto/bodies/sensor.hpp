@@ -23,8 +23,8 @@ struct SensorInfo {
   std::string detail;  ///< why, when not ok
   bool operator==(const SensorInfo&) const = default;
   template <class T = SensorInfo>
-  static constexpr auto fields() {
-    return std::tuple{field("name", &T::name, 64),      field("kind", &T::kind, 64),
+  static FieldTable fields() {
+    return FieldTable{field("name", &T::name, 64),      field("kind", &T::kind, 64),
                       field("unit", &T::unit, 16),      field("identity", &T::identity, 128),
                       field("device", &T::device, 128), field("state", &T::state),
                       field("detail", &T::detail, 255)};
@@ -37,8 +37,8 @@ struct NodeSensors {
   static constexpr std::string_view kSubtype = "node_sensors";
   std::vector<SensorInfo> sensors;
   template <class T = NodeSensors>
-  static constexpr auto fields() {
-    return std::tuple{field("sensors", &T::sensors, 255)};
+  static FieldTable fields() {
+    return FieldTable{field("sensors", &T::sensors, 255)};
   }
 };
 
@@ -50,8 +50,8 @@ struct SensorRead {
   std::string identity;  ///< wins over `sensor`
   double timeout_s = 0;  ///< 0: three of its periods, 3 s at least
   template <class T = SensorRead>
-  static constexpr auto fields() {
-    return std::tuple{field("sensor", &T::sensor, 64), field("identity", &T::identity, 128),
+  static FieldTable fields() {
+    return FieldTable{field("sensor", &T::sensor, 64), field("identity", &T::identity, 128),
                       field("timeout_s", &T::timeout_s)};
   }
 };
@@ -67,8 +67,8 @@ struct SensorWatch {
   double every_s = 1;       ///< 0.01 at least; more often than it is told there is nothing
   double lease_s = 10;      ///< 60 at most
   template <class T = SensorWatch>
-  static constexpr auto fields() {
-    return std::tuple{field("sensor", &T::sensor, 64), field("identity", &T::identity, 128), field("watch", &T::watch),
+  static FieldTable fields() {
+    return FieldTable{field("sensor", &T::sensor, 64), field("identity", &T::identity, 128), field("watch", &T::watch),
                       field("every_s", &T::every_s), field("lease_s", &T::lease_s)};
   }
 };
@@ -89,8 +89,8 @@ struct SensorReading {
   std::uint64_t count = 0;  ///< of the watch: 1, 2, 3 …; a gap is what the lane lost
   bool operator==(const SensorReading&) const = default;
   template <class T = SensorReading>
-  static constexpr auto fields() {
-    return std::tuple{field("sensor", &T::sensor, 64),   field("identity", &T::identity, 128),
+  static FieldTable fields() {
+    return FieldTable{field("sensor", &T::sensor, 64),   field("identity", &T::identity, 128),
                       field("unit", &T::unit, 16),       field("is_text", &T::is_text),
                       field("number", &T::number),       field("text", &T::text, 1024),
                       field("time", &T::time),           field("age_s", &T::age_s),
@@ -106,8 +106,8 @@ struct SensorSnapshot {
   std::string sensor;
   std::string identity;  ///< wins over `sensor`
   template <class T = SensorSnapshot>
-  static constexpr auto fields() {
-    return std::tuple{field("sensor", &T::sensor, 64), field("identity", &T::identity, 128)};
+  static FieldTable fields() {
+    return FieldTable{field("sensor", &T::sensor, 64), field("identity", &T::identity, 128)};
   }
 };
 
@@ -119,8 +119,8 @@ struct SensorImage {
   std::int64_t time = 0;   ///< UTC, ns
   Blob bytes;
   template <class T = SensorImage>
-  static constexpr auto fields() {
-    return std::tuple{field("sensor", &T::sensor, 64), field("identity", &T::identity, 128),
+  static FieldTable fields() {
+    return FieldTable{field("sensor", &T::sensor, 64), field("identity", &T::identity, 128),
                       field("media_type", &T::media_type, 32), field("time", &T::time),
                       field("bytes", &T::bytes, 1'000'000)};
   }
@@ -131,8 +131,8 @@ struct SensorListRequest {
   static constexpr std::string_view kSubtype = "sensor_list";
   bool unknown = false;  ///< the devices that no rule knows, too
   template <class T = SensorListRequest>
-  static constexpr auto fields() {
-    return std::tuple{field("unknown", &T::unknown)};
+  static FieldTable fields() {
+    return FieldTable{field("unknown", &T::unknown)};
   }
 };
 
@@ -142,8 +142,8 @@ struct UnknownDevice {
   std::string properties;  ///< lines NAME=VALUE, for people
   std::string rule;        ///< JSON text
   template <class T = UnknownDevice>
-  static constexpr auto fields() {
-    return std::tuple{field("device", &T::device, 512), field("properties", &T::properties, 4096),
+  static FieldTable fields() {
+    return FieldTable{field("device", &T::device, 512), field("properties", &T::properties, 4096),
                       field("rule", &T::rule, 2048)};
   }
 };
@@ -155,8 +155,8 @@ struct SensorTable {
   std::vector<UnknownDevice> unknown;
   std::string bus;  ///< the D-Bus: empty if it is there, else what is wrong with it
   template <class T = SensorTable>
-  static constexpr auto fields() {
-    return std::tuple{field("node", &T::node, 64), field("sensors", &T::sensors, 255),
+  static FieldTable fields() {
+    return FieldTable{field("node", &T::node, 64), field("sensors", &T::sensors, 255),
                       field("unknown", &T::unknown, 64), field("bus", &T::bus, 255)};
   }
 };

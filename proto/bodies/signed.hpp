@@ -28,8 +28,8 @@ struct SignedRecord {
   Blob signature;      ///< 64 bytes
   bool operator==(const SignedRecord&) const = default;
   template <class T = SignedRecord>
-  static constexpr auto fields() {
-    return std::tuple{field("kind", &T::kind, 32), field("signer", &T::signer, 64),
+  static FieldTable fields() {
+    return FieldTable{field("kind", &T::kind, 32), field("signer", &T::signer, 64),
                       field("payload", &T::payload, 1U << 19U), field("signature", &T::signature, 64)};
   }
 };
@@ -53,8 +53,8 @@ struct Certificate {
   bool relay = false;           ///< may carry messages between members that cannot reach each other
   bool operator==(const Certificate&) const = default;
   template <class T = Certificate>
-  static constexpr auto fields() {
-    return std::tuple{field("fleet", &T::fleet, 16),
+  static FieldTable fields() {
+    return FieldTable{field("fleet", &T::fleet, 16),
                       field("serial", &T::serial),
                       field("id", &T::id, 64),
                       field("role", &T::role),
@@ -74,8 +74,8 @@ struct CertificateRequest {
   Blob identity_key;
   Blob link_key;
   template <class T = CertificateRequest>
-  static constexpr auto fields() {
-    return std::tuple{field("id", &T::id, 64), field("role", &T::role), field("identity_key", &T::identity_key, 32),
+  static FieldTable fields() {
+    return FieldTable{field("id", &T::id, 64), field("role", &T::role), field("identity_key", &T::identity_key, 32),
                       field("link_key", &T::link_key, 32)};
   }
 };
@@ -89,8 +89,8 @@ struct Beacon {
   std::int64_t sent = 0;    ///< UTC ns
   std::uint64_t count = 0;  ///< rises within a boot: an older one is a replay
   template <class T = Beacon>
-  static constexpr auto fields() {
-    return std::tuple{field("certificate", &T::certificate), field("address", &T::address, 80), field("boot", &T::boot),
+  static FieldTable fields() {
+    return FieldTable{field("certificate", &T::certificate), field("address", &T::address, 80), field("boot", &T::boot),
                       field("sent", &T::sent), field("count", &T::count)};
   }
 };
@@ -103,8 +103,8 @@ struct Revocation {
   std::int64_t at = 0;  ///< UTC ns
   bool operator==(const Revocation&) const = default;
   template <class T = Revocation>
-  static constexpr auto fields() {
-    return std::tuple{field("serial", &T::serial), field("id", &T::id, 64), field("reason", &T::reason, 128),
+  static FieldTable fields() {
+    return FieldTable{field("serial", &T::serial), field("id", &T::id, 64), field("reason", &T::reason, 128),
                       field("at", &T::at)};
   }
 };
@@ -115,8 +115,8 @@ struct SealedKey {
   Blob box;
   bool operator==(const SealedKey&) const = default;
   template <class T = SealedKey>
-  static constexpr auto fields() {
-    return std::tuple{field("id", &T::id, 64), field("box", &T::box, 80)};
+  static FieldTable fields() {
+    return FieldTable{field("id", &T::id, 64), field("box", &T::box, 80)};
   }
 };
 
@@ -132,8 +132,8 @@ struct RevocationList {
   std::vector<SealedKey> beacon_keys;
   bool operator==(const RevocationList&) const = default;
   template <class T = RevocationList>
-  static constexpr auto fields() {
-    return std::tuple{field("fleet", &T::fleet, 16),
+  static FieldTable fields() {
+    return FieldTable{field("fleet", &T::fleet, 16),
                       field("number", &T::number),
                       field("issued", &T::issued),
                       field("revoked", &T::revoked, 2000),
@@ -157,8 +157,8 @@ struct SealedRange {
   std::int64_t utc = 0;
   bool operator==(const SealedRange&) const = default;
   template <class T = SealedRange>
-  static constexpr auto fields() {
-    return std::tuple{field("link", &T::link),
+  static FieldTable fields() {
+    return FieldTable{field("link", &T::link),
                       field("serial", &T::serial),
                       field("peer_serial", &T::peer_serial),
                       field("dialled", &T::dialled),
@@ -182,8 +182,8 @@ struct RelayedFrame {
   Blob box;                  ///< the message as on any link, link and sequence 0, which the target alone can open
   bool operator==(const RelayedFrame&) const = default;
   template <class T = RelayedFrame>
-  static constexpr auto fields() {
-    return std::tuple{field("target", &T::target, 64),       field("target_boot", &T::target_boot),
+  static FieldTable fields() {
+    return FieldTable{field("target", &T::target, 64),       field("target_boot", &T::target_boot),
                       field("source_boot", &T::source_boot), field("count", &T::count),
                       field("expires", &T::expires),         field("box", &T::box, (1U << 19U) - 1024)};
   }

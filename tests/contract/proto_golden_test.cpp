@@ -1,6 +1,8 @@
 // The bytes on the wire, written down. A field that is moved, removed or changes its type fails here.
 #include <doctest/doctest.h>
 
+#include <tuple>
+
 #include "common/base/hex.hpp"
 #include "proto/body.hpp"
 #include "proto/figure3.hpp"

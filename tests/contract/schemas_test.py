@@ -5,11 +5,14 @@ import json
 import pathlib
 import sys
 
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
+
+import skips  # noqa: E402
+
 try:
     import jsonschema
 except ImportError:
-    print("skipped: /usr/bin/python3 has no jsonschema (Debian: python3-jsonschema)")
-    sys.exit(77)
+    skips.leave("/usr/bin/python3 has no jsonschema (Debian: python3-jsonschema)")
 
 CONFIG = pathlib.Path(__file__).resolve().parents[2] / "config"
 

@@ -13,8 +13,9 @@ import time
 import unittest
 
 REPO = pathlib.Path(__file__).resolve().parent.parent.parent
-sys.path.insert(0, str(REPO / "scripts"))
+sys.path[:0] = [str(REPO / "scripts"), str(REPO / "tests" / "support")]
 import trb_fleet  # noqa: E402
+from skips import main  # noqa: E402, F401
 
 PROGRAMS = pathlib.Path(os.environ.get("TRB_PROGRAMS", REPO / "build" / "dev" / "bin"))
 CLOUD = trb_fleet.CLOUD
@@ -335,7 +336,3 @@ def is_alive(pid):
 
 def tell(text):
     print(text, file=sys.stderr, flush=True)
-
-
-def main():
-    unittest.main(verbosity=2)

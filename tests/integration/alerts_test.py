@@ -89,4 +89,4 @@ class Alerts(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    unittest.main()
+    support.main()

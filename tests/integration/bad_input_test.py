@@ -430,4 +430,4 @@ class Living(Case):
 
 
 if __name__ == "__main__":
-    unittest.main(verbosity=2)
+    support.main()

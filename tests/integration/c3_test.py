@@ -6,8 +6,8 @@ import json
 import struct
 import tempfile
 import unittest
-
 import arm_fleet
+import support
 from arm_fleet import CLOUD
 
 ADDRESS = "127.0.149.100"
@@ -249,4 +249,4 @@ class Node(arm_fleet.ArmTest, unittest.TestCase):
 
 
 if __name__ == "__main__":
-    unittest.main(verbosity=2)
+    support.main()

@@ -483,4 +483,4 @@ class Rights(Life):
 
 
 if __name__ == "__main__":
-    unittest.main(verbosity=2)
+    support.main()

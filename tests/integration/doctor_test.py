@@ -204,4 +204,4 @@ class OfPeers(Doctor):
 
 
 if __name__ == "__main__":
-    unittest.main()
+    support.main()

@@ -432,4 +432,4 @@ class Doors(Pressure):
 
 
 if __name__ == "__main__":
-    unittest.main(verbosity=2)
+    support.main()

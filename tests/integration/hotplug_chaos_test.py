@@ -11,6 +11,7 @@ import time
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
 
 import sensor_node  # noqa: E402
+import skips  # noqa: E402
 
 AT_ONCE = 24  # devices
 GARBAGE = [b"$GPGGA,x*00\n", b"\xff\xfe\x00\n", b"$GPRMC*\n", b"$" * 900 + b"\n", b"T=\nH=1e999\n", b"\r\n\r\n", b"T=nan;H=inf\n"]
@@ -182,8 +183,7 @@ def main():
     arguments = parser.parse_args()
     missing = sensor_node.skip_reason()
     if missing:
-        print(f"skipped: {missing}")
-        return 77
+        skips.leave(missing)
     print(f"seed {arguments.seed}", flush=True)
     case = Case()
     try:

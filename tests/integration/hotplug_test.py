@@ -7,6 +7,7 @@ import unittest
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
 
 import sensor_node  # noqa: E402
+import skips  # noqa: E402
 from sensor_node import NODE  # noqa: E402
 
 GGA = "$GPGGA,123519,4807.038,N,01131.000,E,1,08,0.9,545.4,M,46.9,M,,*47\r\n"
@@ -19,7 +20,6 @@ class Hotplug(unittest.TestCase):
     def setUpClass(cls):
         missing = sensor_node.skip_reason()
         if missing:
-            print(f"skipped: {missing}")
             raise unittest.SkipTest(missing)
         cls.node = sensor_node.SensorNode(cls, block=232, udp_port=50932)
         cls.hall = cls.node.hall
@@ -226,4 +226,4 @@ class Hotplug(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    unittest.main(verbosity=2)
+    skips.main()

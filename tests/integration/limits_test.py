@@ -177,4 +177,4 @@ class Limits(Pressure):
 
 
 if __name__ == "__main__":
-    unittest.main(verbosity=2)
+    support.main()

@@ -4,7 +4,7 @@ import secrets
 import shutil
 import time
 import unittest
-
+import support
 from sealer import TARGET, WAIT, Case
 
 
@@ -117,4 +117,4 @@ class Log(Case):
 
 
 if __name__ == "__main__":
-    unittest.main(verbosity=2)
+    support.main()

@@ -92,4 +92,4 @@ class Rank(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    unittest.main()
+    support.main()

@@ -5,8 +5,8 @@ Addresses 127.0.150.x and 127.0.151.x.
 import json
 import tempfile
 import unittest
-
 import arm_fleet
+import support
 
 ADDRESS = "127.0.151.100"
 
@@ -195,4 +195,4 @@ class Node(arm_fleet.ArmTest, unittest.TestCase):
 
 
 if __name__ == "__main__":
-    unittest.main(verbosity=2)
+    support.main()

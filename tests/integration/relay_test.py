@@ -254,4 +254,4 @@ class Relays(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    unittest.main()
+    support.main()

@@ -148,4 +148,4 @@ class RosRobots(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    unittest.main(verbosity=2)
+    support.main()

@@ -4,6 +4,7 @@ import subprocess
 import sys
 import unittest
 
+import support
 try:
     import genmsg
     import genmsg.gentools
@@ -37,4 +38,4 @@ class Sums(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    unittest.main(verbosity=2)
+    support.main()

@@ -150,4 +150,4 @@ class ScenarioLanguage(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    unittest.main()
+    support.main()

@@ -295,4 +295,4 @@ class FullBus(Case):
 
 
 if __name__ == "__main__":
-    unittest.main(verbosity=2)
+    support.main()

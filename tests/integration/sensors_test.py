@@ -8,12 +8,11 @@ import subprocess
 import tempfile
 import time
 import unittest
-
 import dbus
 import dbus.bus
 import dbus.lowlevel
 
-from support import PROGRAMS, RouterFleet, make_fleet
+from support import PROGRAMS, RouterFleet, main, make_fleet
 import private_bus
 import trb_fleet
 from fake_devices import Devices
@@ -411,4 +410,4 @@ class Robots(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    unittest.main()
+    main()

@@ -473,4 +473,4 @@ class Strangers(Door):
 
 
 if __name__ == "__main__":
-    unittest.main(verbosity=2)
+    support.main()

@@ -6,9 +6,10 @@ import sys
 import tempfile
 
 REPO = pathlib.Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(REPO / "scripts"))
+sys.path[:0] = [str(REPO / "scripts"), str(REPO / "tests" / "support")]
 
 import trb_fleet  # noqa: E402
+from skips import main  # noqa: E402, F401
 
 PROGRAMS = pathlib.Path(os.environ.get("TRB_BIN_DIR", REPO / "build" / "dev" / "bin"))
 

@@ -6,15 +6,19 @@ and says how long the fleet took to be right again. Every case runs by itself, s
 import argparse
 import json
 import os
+import pathlib
 import shutil
 import signal
 import subprocess
 import sys
 import time
 
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
+
 import crowd  # noqa: F401  adds its case
 import doctor_cases  # noqa: F401  adds its case
 import sites  # noqa: F401  adds its cases
+import skips
 from cases import CASES, Report, trb_fleet
 
 
@@ -94,9 +98,6 @@ def print_table(results):
             print(f"{result['case']}: FAULT {fault}")
 
 
-CANNOT = 77  # not a fault of what is tested: ctest skips
-
-
 def what_is_missing():
     """Why hosts cannot be built here, or nothing."""
     if os.geteuid() != 0:
@@ -129,8 +130,7 @@ def main():
         # Two runs on one machine must not meet: the tag is made of this process's number.
         return run_one(arguments.one, arguments.rounds, f"{os.getpid() % 100000}")
     if missing := what_is_missing():
-        print(f"scripts/test-network: {missing}", file=sys.stderr)
-        return CANNOT
+        skips.leave(f"scripts/test-network {missing}")
     unknown = [name for name in arguments.cases if name not in CASES]
     if unknown:
         sys.exit(f"scripts/test-network: no case {', '.join(unknown)}; there are: {', '.join(CASES)}")

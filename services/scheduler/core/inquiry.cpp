@@ -1,6 +1,7 @@
 #include "services/scheduler/core/inquiry.hpp"
 
 #include <algorithm>
+#include <tuple>
 
 #include "common/base/errc.hpp"
 

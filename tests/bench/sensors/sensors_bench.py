@@ -14,9 +14,10 @@ import time
 import zmq
 
 REPO = pathlib.Path(__file__).resolve().parents[3]
-sys.path[:0] = [str(REPO / "tests" / "integration"), str(REPO / "tests" / "bench" / "lane"), str(REPO / "scripts")]
+sys.path[:0] = [str(REPO / "tests" / each) for each in ("support", "integration", "bench/lane")] + [str(REPO / "scripts")]
 
 import sensor_side  # noqa: E402
+import skips  # noqa: E402
 import support  # noqa: E402
 import trb_fleet  # noqa: E402
 import udev_hall  # noqa: E402
@@ -126,8 +127,7 @@ def main():
         options.rounds, options.sensors, options.streams = 1, options.sensors // 10, options.streams // 10
     missing = udev_hall.why_not() or ("" if len(os.sched_getaffinity(0)) > 1 else "it needs two cores")
     if missing:
-        print(f"skipped: {missing}")
-        return 77
+        skips.leave(missing)
     load = None
     with tempfile.TemporaryDirectory(prefix="trb-sensors-") as folder:
         fleet, side = make_fleet(folder, options.programs)

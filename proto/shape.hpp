@@ -1,0 +1,62 @@
+// What a body is made of, as data: one codec walks it, instead of one being compiled for each body.
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <string_view>
+
+#include "proto/field.hpp"
+
+namespace trb {
+
+/// The type of a field, or of an item of a list.
+enum class FieldKind : std::uint8_t {
+  boolean = 0,
+  enumeration,  ///< of one byte
+  uint16,
+  uint32,
+  uint64,
+  int64,
+  number,  ///< double
+  text,    ///< std::string
+  blob,
+  list,   ///< std::vector
+  record  ///< a struct with fields
+};
+
+/// How a std::vector is handled by who does not know its items' type.
+struct ListShape {
+  const Shape* item = nullptr;
+  std::ptrdiff_t stride = 0;  ///< sizeof an item
+  std::size_t (*size)(const void* list) = nullptr;
+  const void* (*data)(const void* list) = nullptr;
+  void* (*renew)(void* list, std::size_t size) = nullptr;  ///< makes it that many fresh items; returns the first
+};
+
+/// Made once for each type, and never changed.
+struct Shape {
+  FieldKind kind = FieldKind::boolean;
+  std::span<const std::string_view> names{};  ///< of an enumeration
+  ListShape list{};                           ///< of a list
+  std::span<const FieldEntry> fields{};       ///< of a record
+};
+
+/// A value whose type its shape tells.
+template <class T>
+const T& as(const void* value) {
+  return *static_cast<const T*>(value);
+}
+template <class T>
+T& as(void* value) {
+  return *static_cast<T*>(value);
+}
+
+/// Where a field is, by its offset, or a list's item.
+inline const void* behind(const void* at, std::ptrdiff_t bytes) {
+  return static_cast<const char*>(at) + bytes;
+}
+inline void* behind(void* at, std::ptrdiff_t bytes) {
+  return static_cast<char*>(at) + bytes;
+}
+
+}  // namespace trb
