@@ -9,7 +9,8 @@ namespace {
 
 constexpr std::uint64_t kFirstIoThread = 1;  // masks: a bit for each
 constexpr std::uint64_t kLaneIoThread = 2;
-constexpr int kEnforceDomain = 93;  // ZMQ_ZAP_ENFORCE_DOMAIN, a draft name in Debian's header
+constexpr int kEnforceDomain = 93;    // ZMQ_ZAP_ENFORCE_DOMAIN, a draft name in Debian's header
+constexpr int kZeroCopyReceive = 10;  // ZMQ_ZERO_COPY_RECV, another one
 constexpr std::int64_t kMaxMessage = (1 << 20) + 1024;
 
 zmq::socket_t make(Context& context, zmq::socket_type type) {
@@ -17,7 +18,7 @@ zmq::socket_t make(Context& context, zmq::socket_type type) {
   socket.set(zmq::sockopt::affinity, kFirstIoThread);
   socket.set(zmq::sockopt::linger, 0);
   socket.set(zmq::sockopt::sndhwm, kHighWaterMark);
-  socket.set(zmq::sockopt::rcvhwm, kHighWaterMark);
+  socket.set(zmq::sockopt::rcvhwm, kReceiveHighWaterMark);
   socket.set(zmq::sockopt::maxmsgsize, kMaxMessage);
   return socket;
 }
@@ -73,6 +74,8 @@ Context::Context(int io_threads) : context_(io_threads) {
   // Of a thousand links each takes six: its own and its lane's, and two to watch each.
   context_.set(zmq::ctxopt::max_sockets, 8192);
   context_.set(zmq::ctxopt::ipv6, 1);
+  // Else a small message that waits keeps the buffer of 18 kB alive that it was read into.
+  if (zmq_ctx_set(context_.handle(), kZeroCopyReceive, 0) != 0) throw zmq::error_t();
 }
 
 Socket Socket::bus_client(Context& context, const std::string& endpoint, const CurveClient* curve) {

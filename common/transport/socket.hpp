@@ -48,8 +48,14 @@ constexpr std::string_view kLaneDomain = "talkrobots-lane";
 
 enum class SendResult { sent, full, unroutable };
 
-/// How many messages may wait in a socket, each way. A full one refuses (queue_full), it never blocks.
+/// How many messages may wait for one who hears. A full queue refuses (queue_full), it never blocks. Of large ones a
+/// ByteBudget bounds the bytes.
 constexpr int kHighWaterMark = 1000;
+/// How many that have come on one connection may wait for the loop; more stay with their sender. A message has 1 MiB at
+/// most: 64 MiB for a connection whose sender is faster than the loop. libzmq gives room back by the half of it.
+constexpr int kReceiveHighWaterMark = 64;
+/// The bytes that a loop takes from one socket before the others have their turn.
+constexpr std::size_t kTurnBytes = 1U << 20U;
 constexpr int kLaneHighWaterMark = 256;  ///< of the lossy lane, for each who listens
 
 class Socket {

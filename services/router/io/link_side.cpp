@@ -37,9 +37,11 @@ std::optional<LinkEnd> to_end(LinkEvent event) {
 void RouterShell::drain_inbox() {
   Frame routing_id;
   Frame frame;
-  for (int i = 0; i < kBatch; ++i) {
+  std::size_t bytes = 0;
+  for (int i = 0; i < kBatch && bytes < kTurnBytes; ++i) {
     if (!inbox_->receive(routing_id)) return;
     if (!routing_id.more() || !inbox_->receive(frame)) continue;
+    bytes += frame.size();
     if (frame.more()) {
       inbox_->skip_rest(frame);
       core_.count("refused.malformed");
@@ -151,9 +153,11 @@ void RouterShell::on_link_frame(LinkId link, BytesView key, const HeaderView& he
 
 void RouterShell::drain_dialled(LinkId link) {
   Frame frame;
-  for (int i = 0; i < kBatch; ++i) {
+  std::size_t bytes = 0;
+  for (int i = 0; i < kBatch && bytes < kTurnBytes; ++i) {
     const auto at = dialled_.find(link);
     if (at == dialled_.end() || !at->second.socket->receive(frame)) return;
+    bytes += frame.size();
     if (frame.more()) {
       at->second.socket->skip_rest(frame);
       core_.count("refused.malformed");
@@ -196,6 +200,7 @@ void RouterShell::dial(const Dial& effect) {
 
 void RouterShell::open_dialled(const Dial& effect) {
   Dialled dialled;
+  dialled.budget = new_budget();
   dialled.socket = std::make_unique<Socket>(Socket::dialler(context_, options_.link_keys, effect.server_key));
   const LinkId link = effect.link;
   dialled.monitor =
@@ -255,10 +260,15 @@ SendResult RouterShell::send_link(LinkId link, Frame&& frame) {
 }
 
 SendResult RouterShell::put_on_link(LinkId link, Frame&& frame) {
-  if (const auto at = dialled_.find(link); at != dialled_.end()) return at->second.socket->send(std::move(frame));
+  if (const auto at = dialled_.find(link); at != dialled_.end()) {
+    Socket& socket = *at->second.socket;
+    return send_within(at->second.budget, frame, [&](Frame&& one) { return socket.send(std::move(one)); });
+  }
   const auto at = accepted_.find(link);
   if (at == accepted_.end()) return SendResult::unroutable;
-  return inbox_->send_to(at->second.routing_id, std::move(frame));
+  const Accepted& accepted = at->second;
+  return send_within(accepted.budget, frame,
+                     [&](Frame&& one) { return inbox_->send_to(accepted.routing_id, std::move(one)); });
 }
 
 void RouterShell::forward_to_link(ConnectionId from, LinkId link, const HeaderView& header, Frame&& frame) {

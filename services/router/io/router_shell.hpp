@@ -9,6 +9,7 @@
 #include "common/config/interfaces.hpp"
 #include "common/log/log.hpp"
 #include "common/security/beacon_key.hpp"
+#include "common/transport/byte_budget.hpp"
 #include "common/transport/loop.hpp"
 #include "common/transport/monitor.hpp"
 #include "common/transport/signals.hpp"
@@ -73,8 +74,10 @@ class RouterShell {
     BusSocket* socket = nullptr;
     Bytes routing_id;
     std::string name;  ///< whom it proves
+    std::shared_ptr<ByteBudget> budget;
   };
   struct Dialled {
+    std::shared_ptr<ByteBudget> budget;
     std::unique_ptr<Socket> socket;
     std::unique_ptr<SocketMonitor> monitor;
   };
@@ -82,6 +85,7 @@ class RouterShell {
     Bytes routing_id;
     Bytes user;  ///< User-Id: the key, in hexadecimal
     VisitorId visitor = 0;
+    std::shared_ptr<ByteBudget> budget;
   };
   /// Where the message now being handled came from, for AcceptLink and RefuseCandidate.
   struct InboxOrigin {
@@ -171,6 +175,7 @@ class RouterShell {
   void carry_out(Effects& effects);
   void nack_unpassed();
   void end_lost_links();
+  [[nodiscard]] std::shared_ptr<ByteBudget> new_budget() const;
   void send_own(LinkSend& send);
   void tap(char direction, BytesView frame);
   void drain_tap();
@@ -181,6 +186,8 @@ class RouterShell {
   ShellOptions options_;
   Context context_{2};
   Loop loop_;
+  std::shared_ptr<ByteBudget> whole_;       ///< of what waits in all queues
+  std::shared_ptr<ByteBudget> tap_budget_;  ///< of all who listen to the tap: they share each message
   std::unique_ptr<ZapServer> zap_;
   std::map<std::string, std::unique_ptr<BusSocket>> buses_;
   std::map<ConnectionId, BusConnection> connections_;
