@@ -129,7 +129,12 @@ void RouterShell::on_link_frame(LinkId link, BytesView key, const HeaderView& he
   const Routing decision = core_.route_peer(link, header, now, effects);
   const Link* known = core_.find_link(link);
   const bool was_up = known != nullptr && known->up;
-  if (was_up && !hear(link, header, view_of(frame), now, effects)) return carry_out(effects);
+  if (was_up && !hear(link, header, view_of(frame), now, effects)) {
+    // It is the one that was too many: told before the Goodbye.
+    auto nack = decision.to == Routing::To::service ? core_.nack_unsealed(header, effects) : std::nullopt;
+    if (nack) effects.list.insert(effects.list.begin(), LinkSend{link, std::move(*nack)});
+    return carry_out(effects);
+  }
   const bool may = decision.to == Routing::To::service || decision.reason == Errc::no_service;
   const bool heard = may && copy_to_hearers(link, header, frame);
   if (decision.to != Routing::To::drop || heard) tap('<', view_of(frame));

@@ -105,6 +105,7 @@ void RouterShell::carry_out(Effects& effects) {
                    [this](SealDue& due) { send_seal(due.link); },
                    [this](CheckSeal& seal) { check_seal(std::move(seal)); },
                    [this](DeliverHeld& proven) { deliver_held(proven); },
+                   [this](ReturnHeld& of) { return_held(of); },
                    [this](Dial& dial) { this->dial(dial); },
                    [this](DialLane& dial) { dial_lane(dial); },
                    [this](CloseLink& close) { close_link(close.link); },

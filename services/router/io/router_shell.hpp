@@ -171,6 +171,7 @@ class RouterShell {
   void take_checked();
   SendResult deliver(LinkId link, std::uint64_t sequence, ConnectionId to, Frame&& frame);
   void deliver_held(const DeliverHeld& proven);
+  void return_held(const ReturnHeld& of);
   // router_shell.cpp
   void carry_out(Effects& effects);
   void nack_unpassed();
@@ -206,7 +207,7 @@ class RouterShell {
     ConnectionId to = 0;
     Frame frame;
   };
-  std::map<LinkId, std::deque<Held>> held_;  ///< until their seal is checked; as many as may be unsealed
+  std::map<LinkId, std::deque<Held>> held_;  ///< until their seal is checked; kMaxUnsealed and kMaxHeldBytes at most
   ProofLog proof_;
   SealChecker checker_;
   InboxOrigin origin_;
