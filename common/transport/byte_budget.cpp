@@ -19,15 +19,16 @@ void let_go(void* /*data*/, void* counted) noexcept {
 
 ByteBudget::ByteBudget(std::size_t most, std::shared_ptr<ByteBudget> whole) : most_(most), whole_(std::move(whole)) {}
 
-bool ByteBudget::take(std::size_t bytes) {
-  // Nobody else takes: what is used can only have become less meanwhile.
+bool ByteBudget::has_room(std::size_t bytes) const {
   const std::size_t wanted = used() + bytes;
-  if (wanted > most_) return false;
-  if (whole_) {
-    const std::size_t used_of_all = whole_->used();
-    if (used_of_all + wanted > whole_->most_ || !whole_->take(bytes)) return false;
-  }
+  return wanted <= most_ && (!whole_ || whole_->used() + wanted <= whole_->most_);
+}
+
+bool ByteBudget::take(std::size_t bytes) {
+  // Nobody else takes: what is used can only become less meanwhile.
+  if (!has_room(bytes)) return false;
   used_.fetch_add(bytes, std::memory_order_relaxed);
+  if (whole_) whole_->used_.fetch_add(bytes, std::memory_order_relaxed);
   return true;
 }
 

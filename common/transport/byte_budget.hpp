@@ -21,6 +21,8 @@ class ByteBudget {
   /// False, and nothing is taken: this one would have more than its own, or more than is left for all. So those who
   /// take all that they can leave to whoever has taken nothing as much as each of them has.
   [[nodiscard]] bool take(std::size_t bytes);
+  /// What take() would say: before work is spent on what would be refused.
+  [[nodiscard]] bool has_room(std::size_t bytes) const;
   void give_back(std::size_t bytes);
   [[nodiscard]] std::size_t used() const { return used_.load(std::memory_order_relaxed); }
 

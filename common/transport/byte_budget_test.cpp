@@ -59,7 +59,9 @@ struct Pair {
 TEST_CASE("a destination takes its own, and no more") {
   const auto one = budget(10);
   CHECK(one->take(6));
+  CHECK_FALSE(one->has_room(5));
   CHECK_FALSE(one->take(5));
+  CHECK(one->has_room(4));
   CHECK(one->take(4));
   CHECK_FALSE(one->take(1));
   one->give_back(6);

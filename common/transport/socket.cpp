@@ -111,6 +111,7 @@ Result<Socket> Socket::inbox(Context& context, const std::string& endpoint, cons
     zmq::socket_t socket = make(context, zmq::socket_type::router);
     socket.set(zmq::sockopt::router_mandatory, true);
     be_curve_server(socket, keys, kInboxDomain);
+    socket.set(zmq::sockopt::rcvhwm, kLinkReceiveHighWaterMark);
     watch_connections(socket);
     if (!endpoint.empty()) socket.bind(endpoint);
     return Socket(std::move(socket));
@@ -123,6 +124,7 @@ Socket Socket::dialler(Context& context, const CurveKeys& keys, BytesView server
   zmq::socket_t socket = make(context, zmq::socket_type::dealer);
   // One connection is one link: libzmq must never reconnect behind the core's back.
   socket.set(zmq::sockopt::immediate, true);
+  socket.set(zmq::sockopt::rcvhwm, kLinkReceiveHighWaterMark);
   socket.set(zmq::sockopt::reconnect_ivl, -1);
   socket.set(zmq::sockopt::connect_timeout, 1000);
   watch_connections(socket);

@@ -247,7 +247,16 @@ void RouterShell::close_link(LinkId link) {
   dialled_.erase(at);
 }
 
+bool RouterShell::link_has_room(LinkId link, std::size_t bytes) const {
+  if (bytes < kCountedFrame) return true;
+  if (const auto at = dialled_.find(link); at != dialled_.end()) return at->second.budget->has_room(bytes);
+  const auto at = accepted_.find(link);
+  return at == accepted_.end() || at->second.budget->has_room(bytes);
+}
+
 SendResult RouterShell::send_link(LinkId link, Frame&& frame) {
+  // Before a megabyte is hashed in vain.
+  if (!link_has_room(link, frame.size())) return SendResult::full;
   if (core_.seal_is_overdue(link)) {
     if (const SendResult result = send_seal(link); result != SendResult::sent) return result;
   }

@@ -137,6 +137,7 @@ class RouterShell {
   void dial(const Dial& effect);
   void open_dialled(const Dial& effect);
   void close_link(LinkId link);
+  [[nodiscard]] bool link_has_room(LinkId link, std::size_t bytes) const;
   SendResult send_link(LinkId link, Frame&& frame);
   SendResult put_on_link(LinkId link, Frame&& frame);
   void forward_to_link(ConnectionId from, LinkId link, const HeaderView& header, Frame&& frame);
