@@ -35,7 +35,7 @@ void watch_connections(zmq::socket_t& socket) {
 void be_lane(zmq::socket_t& socket) {
   socket.set(zmq::sockopt::affinity, kLaneIoThread);
   socket.set(zmq::sockopt::sndhwm, kLaneHighWaterMark);
-  socket.set(zmq::sockopt::rcvhwm, kLaneHighWaterMark);
+  socket.set(zmq::sockopt::rcvhwm, kLaneReceiveHighWaterMark);
   socket.set(zmq::sockopt::sndbuf, 256 << 10);
   socket.set(zmq::sockopt::rcvbuf, 256 << 10);
   watch_connections(socket);

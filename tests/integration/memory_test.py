@@ -21,7 +21,7 @@ MEGABYTE = 1 << 20
 PICTURE = MEGABYTE - 256  # with its header below 1 MiB
 DESTINATION = 8  # MiB that may wait for one; see router_shell.cpp
 NODE = 64
-RECEIVED = 64  # of one connection of the bus; see socket.hpp
+RECEIVED = 128  # of one connection of the bus; see socket.hpp
 REST = 32  # the log of proof's queue, a message of each link that is being encrypted, the heaps
 SANITIZED = b"__asan_init" in (support.PROGRAMS / "trb-router").read_bytes()
 
