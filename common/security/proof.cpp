@@ -97,6 +97,23 @@ void finish_proof_records(Bytes& records, std::size_t from) {
   }
 }
 
+std::size_t whole_proof_records(BytesView file) {
+  if (kHead.starts_with(file)) return file == kHead ? file.size() : 0;
+  if (!file.starts_with(kHead)) return file.size();
+  std::size_t whole = kHead.size();
+  while (whole < file.size()) {
+    BytesView rest = file.substr(whole);
+    if (rest.size() < kRecordHead) return whole;
+    const BytesView head = rest.substr(0, 5);
+    const auto size = static_cast<std::size_t>(take(rest, 4));
+    (void)take(rest, 1);
+    if (take(rest, 3) != (check_of(head) & 0xffffffU)) return file.size();
+    if (rest.size() < 8 + size) return whole;
+    whole += kRecordHead + size;
+  }
+  return whole;
+}
+
 void ProofChecker::fault(const Place& at, std::string what) {
   report_.faults.push_back({at.file, at.record, at.offset, std::move(what)});
 }

@@ -31,6 +31,10 @@ void append_proof_end(Bytes& out, std::uint64_t link, UtcTime at, std::string_vi
 /// has no time for them, whoever writes them has.
 void finish_proof_records(Bytes& records, std::size_t from);
 
+/// How many bytes of a log's file lie before a record at its end that was only begun. All of them, if there is none, or
+/// if the file was damaged in another way: what somebody has changed stays to be seen.
+std::size_t whole_proof_records(BytesView file);
+
 enum class ProofState : std::uint8_t {
   proven,         ///< sealed by its sender
   authenticated,  ///< the link's encryption proved it to the keeper of the log; no seal came after it

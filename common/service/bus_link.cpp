@@ -3,6 +3,7 @@
 namespace trb {
 namespace {
 
+constexpr std::size_t kBytes = 8U << 20U;  ///< that may wait for a router which stands still
 constexpr Duration kHelloInterval = std::chrono::milliseconds(100);
 constexpr Duration kAliveInterval = std::chrono::seconds(1);
 constexpr Duration kRouterLease = std::chrono::seconds(3);
@@ -10,7 +11,9 @@ constexpr Duration kRouterLease = std::chrono::seconds(3);
 }  // namespace
 
 BusLink::BusLink(Context& context, const BusAddress& bus, ServiceHello hello)
-    : socket_(Socket::bus_client(context, bus.curve ? "" : bus.endpoint, bus.keys())), hello_(std::move(hello)) {
+    : socket_(Socket::bus_client(context, bus.curve ? "" : bus.endpoint, bus.keys())),
+      budget_(std::make_shared<ByteBudget>(kBytes)),
+      hello_(std::move(hello)) {
   if (bus.curve) {
     // Watched before it is dialled: a key is refused once.
     key_watch_.emplace(context, socket_);
@@ -73,8 +76,9 @@ std::uint64_t BusLink::send(Message message) {
   if (!welcome_) return 0;
   message.source = welcome_->node;
   message.id = static_cast<std::uint64_t>(welcome_->slot) << 48U | ++counter_;
-  const Bytes frame = encode_frame(message);
-  return socket_.send(to_frame(frame)) == SendResult::sent ? message.id : 0;
+  Frame frame = to_frame(encode_frame(message));
+  const SendResult result = send_within(budget_, frame, [this](Frame&& one) { return socket_.send(std::move(one)); });
+  return result == SendResult::sent ? message.id : 0;
 }
 
 void BusLink::say_hello() {

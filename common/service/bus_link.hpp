@@ -9,6 +9,7 @@
 
 #include "common/actor/core.hpp"
 #include "common/service/bus_address.hpp"
+#include "common/transport/byte_budget.hpp"
 #include "common/transport/monitor.hpp"
 #include "common/transport/socket.hpp"
 
@@ -46,6 +47,7 @@ class BusLink {
   void say_hello();
 
   Socket socket_;
+  std::shared_ptr<ByteBudget> budget_;     ///< of what the router has not read
   std::optional<RefusalWatch> key_watch_;  ///< over TCP
   ServiceHello hello_;
   std::optional<ServiceWelcome> welcome_;

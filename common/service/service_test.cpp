@@ -105,6 +105,27 @@ TEST_CASE("a service says hello until it is welcomed, then its messages bear its
   CHECK(heard->id == id);
 }
 
+TEST_CASE("of large messages for a router that stands still a few megabytes wait, small ones still have room") {
+  init_crypto();
+  Folder folder;
+  Router router;
+  Context context;
+  BusLink link(context, ipc_bus("probe"), hello());
+  REQUIRE(hear(link, router, ServiceHello::kSubtype));
+  router.say(ServiceWelcome{"ant", "robot", 1, 1, 1});
+  REQUIRE(link_until(link, [&] { return link.up(); }));
+  Message picture;
+  picture.type = MessageType::information;
+  picture.subtype = "picture";
+  picture.target = "bee";
+  picture.data = Bytes(1'000'000, 'p');
+  int sent = 0;
+  while (sent < 2 * kHighWaterMark && link.send(picture) != 0) ++sent;
+  // Besides, the router's own end has taken some.
+  CHECK(sent < kReceiveHighWaterMark + 16);
+  CHECK(link.send(Send{.type = MessageType::command, .target = "bee", .body = Stop{"x"}}) != 0);
+}
+
 TEST_CASE("a router that was started again is told hello again") {
   init_crypto();
   Folder folder;

@@ -9,7 +9,8 @@ namespace {
 
 constexpr std::uint64_t kFirstIoThread = 1;  // masks: a bit for each
 constexpr std::uint64_t kLaneIoThread = 2;
-constexpr int kEnforceDomain = 93;  // ZMQ_ZAP_ENFORCE_DOMAIN, a draft name in Debian's header
+constexpr int kEnforceDomain = 93;    // ZMQ_ZAP_ENFORCE_DOMAIN, a draft name in Debian's header
+constexpr int kZeroCopyReceive = 10;  // ZMQ_ZERO_COPY_RECV, another one
 constexpr std::int64_t kMaxMessage = (1 << 20) + 1024;
 
 zmq::socket_t make(Context& context, zmq::socket_type type) {
@@ -17,7 +18,7 @@ zmq::socket_t make(Context& context, zmq::socket_type type) {
   socket.set(zmq::sockopt::affinity, kFirstIoThread);
   socket.set(zmq::sockopt::linger, 0);
   socket.set(zmq::sockopt::sndhwm, kHighWaterMark);
-  socket.set(zmq::sockopt::rcvhwm, kHighWaterMark);
+  socket.set(zmq::sockopt::rcvhwm, kReceiveHighWaterMark);
   socket.set(zmq::sockopt::maxmsgsize, kMaxMessage);
   return socket;
 }
@@ -34,7 +35,7 @@ void watch_connections(zmq::socket_t& socket) {
 void be_lane(zmq::socket_t& socket) {
   socket.set(zmq::sockopt::affinity, kLaneIoThread);
   socket.set(zmq::sockopt::sndhwm, kLaneHighWaterMark);
-  socket.set(zmq::sockopt::rcvhwm, kLaneHighWaterMark);
+  socket.set(zmq::sockopt::rcvhwm, kLaneReceiveHighWaterMark);
   socket.set(zmq::sockopt::sndbuf, 256 << 10);
   socket.set(zmq::sockopt::rcvbuf, 256 << 10);
   watch_connections(socket);
@@ -73,6 +74,8 @@ Context::Context(int io_threads) : context_(io_threads) {
   // Of a thousand links each takes six: its own and its lane's, and two to watch each.
   context_.set(zmq::ctxopt::max_sockets, 8192);
   context_.set(zmq::ctxopt::ipv6, 1);
+  // Else a small message that waits keeps the buffer of 18 kB alive that it was read into.
+  if (zmq_ctx_set(context_.handle(), kZeroCopyReceive, 0) != 0) throw zmq::error_t();
 }
 
 Socket Socket::bus_client(Context& context, const std::string& endpoint, const CurveClient* curve) {
@@ -108,6 +111,7 @@ Result<Socket> Socket::inbox(Context& context, const std::string& endpoint, cons
     zmq::socket_t socket = make(context, zmq::socket_type::router);
     socket.set(zmq::sockopt::router_mandatory, true);
     be_curve_server(socket, keys, kInboxDomain);
+    socket.set(zmq::sockopt::rcvhwm, kLinkReceiveHighWaterMark);
     watch_connections(socket);
     if (!endpoint.empty()) socket.bind(endpoint);
     return Socket(std::move(socket));
@@ -120,6 +124,7 @@ Socket Socket::dialler(Context& context, const CurveKeys& keys, BytesView server
   zmq::socket_t socket = make(context, zmq::socket_type::dealer);
   // One connection is one link: libzmq must never reconnect behind the core's back.
   socket.set(zmq::sockopt::immediate, true);
+  socket.set(zmq::sockopt::rcvhwm, kLinkReceiveHighWaterMark);
   socket.set(zmq::sockopt::reconnect_ivl, -1);
   socket.set(zmq::sockopt::connect_timeout, 1000);
   watch_connections(socket);

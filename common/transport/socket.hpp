@@ -48,9 +48,20 @@ constexpr std::string_view kLaneDomain = "talkrobots-lane";
 
 enum class SendResult { sent, full, unroutable };
 
-/// How many messages may wait in a socket, each way. A full one refuses (queue_full), it never blocks.
+/// How many messages may wait for one who hears. A full queue refuses (queue_full), it never blocks. Of large ones a
+/// ByteBudget bounds the bytes.
 constexpr int kHighWaterMark = 1000;
+/// How many that have come on one connection may wait for the loop; more stay with their sender. libzmq counts no bytes
+/// here, and a message has 1 MiB at most. On a bus the I/O thread is faster than the loop, which hashes: 128 MiB of a
+/// service that floods. By the links next to nothing waits while the loop runs, for the I/O thread decrypts what the
+/// loop only hashes; 256, so that a burst costs no wake-ups. (With 64 a message of a burst cost a third more processor
+/// time.)
+constexpr int kReceiveHighWaterMark = 128;
+constexpr int kLinkReceiveHighWaterMark = 256;
 constexpr int kLaneHighWaterMark = 256;  ///< of the lossy lane, for each who listens
+constexpr int kLaneReceiveHighWaterMark = 64;
+/// The bytes that a loop takes from one socket before the others have their turn.
+constexpr std::size_t kTurnBytes = 1U << 20U;
 
 class Socket {
  public:

@@ -2,9 +2,7 @@
 
 #include <arpa/inet.h>
 #include <linux/filter.h>
-#include <linux/sockios.h>
 #include <netinet/in.h>
-#include <sys/ioctl.h>
 #include <sys/socket.h>
 
 #include <cstdint>
@@ -117,11 +115,6 @@ std::string source_of(const std::string& address) {
   if (::inet_pton(AF_INET, address.c_str(), &v4.sin_addr) == 1) return end_of(v4).source;
   sockaddr_in6 v6{};
   return ::inet_pton(AF_INET6, address.c_str(), &v6.sin6_addr) == 1 ? end_of(v6).source : "";
-}
-
-std::size_t unsent_bytes(int fd) {
-  int bytes = 0;
-  return ::ioctl(fd, SIOCOUTQ, &bytes) == 0 && bytes > 0 ? static_cast<std::size_t>(bytes) : 0;
 }
 
 void cut_connection(int fd, const RemoteEnd& expected) {

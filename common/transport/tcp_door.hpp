@@ -25,9 +25,6 @@ std::optional<RemoteEnd> remote_end(int fd);
 /// descriptor is another connection by now.
 void cut_connection(int fd, const RemoteEnd& expected);
 
-/// What was sent on this connection and has not arrived, as far as the kernel has it; 0 for what is no connection.
-std::size_t unsent_bytes(int fd);
-
 /// Drops the packets that would make a new connection, in the kernel, so that a flood costs neither descriptors nor
 /// wake-ups. Connections that are there are left alone. Linux (a classic BPF filter on the listening sockets).
 class SourceFilter {

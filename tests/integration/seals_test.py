@@ -233,7 +233,8 @@ class BeforeDelivery(Case):
             client.answer_to(ident)
             self.assertEqual(client.receive().subtype, "seal")
 
-    def test_a_message_with_a_wrong_seal_is_never_delivered(self):
+    def test_a_message_with_a_wrong_seal_is_never_delivered_and_its_sender_is_told(self):
+        """By a Nack before the Goodbye, under a seal of the router's."""
         client = self.joined(target=STRICT)
         client.seal()
         ident = self.ask_scheduler(client)
@@ -247,7 +248,11 @@ class BeforeDelivery(Case):
             while True:
                 heard.append(client.receive(0.5))
         self.assertEqual(heard[-1].body()[0], "seal_broken: wrong_signature")
-        self.assertFalse([frame for frame in heard if frame.reply_to == ident])
+        answers = [frame for frame in heard if frame.reply_to == ident]
+        self.assertEqual([(frame.subtype, wire.nack(frame)["code"]) for frame in answers], [("nack", "seal_broken")])
+        self.assertEqual(heard[heard.index(answers[0]) + 1].subtype, "seal")
+        self.assertEqual(self.strict.rise(("dropped.seal",)), {"dropped.seal_broken": 1})
+        self.assertIn("undelivered 1 messages of cat waited for their seal and are not delivered", self.strict.log())
         self.strict.wait_counted("refused.seal_wrong_signature")
         self.assertEqual(self.strict.rise(), {"refused.seal_wrong_signature": 1})
 

@@ -85,7 +85,7 @@ A software stop is not a safety function (ISO 13850, ISO 10218). Use the emergen
   trb logs NODE_DIR router      the same with times
 )"},
     {"proof",
-     R"(A router keeps what came by its links, with the seals over it, in NODE_DIR/log/proof: 64 MB, the oldest go first
+     R"(A router keeps what came by its links, with the seals over it, in NODE_DIR/log/proof: 64 MB, a share for each peer
 (node.json: "proof_log_mb", 0 keeps none). A third party needs that folder and the fleet's public key, fleet.json:
 
   trb proof nodes/ur3/log/proof --fleet fleet.json

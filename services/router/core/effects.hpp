@@ -95,9 +95,18 @@ struct DeliverHeld {
   std::uint64_t last = 0;
 };
 
+/// The link ends: what is held of it is not delivered. With `tell` it can still carry the Nacks; a seal and a Goodbye
+/// follow.
+struct ReturnHeld {
+  LinkId link = 0;
+  std::string peer;
+  std::string why;
+  bool tell = false;
+};
+
 using Effect =
     std::variant<BusSend, LinkSend, Dial, CloseLink, AcceptLink, SendBeacon, StorePeers, RefuseCandidate, Log,
-                 StoreNews, StoreCertificate, StoreBoot, StoreUtc, SealDue, CheckSeal, DeliverHeld, DialLane>;
+                 StoreNews, StoreCertificate, StoreBoot, StoreUtc, SealDue, CheckSeal, DeliverHeld, DialLane, ReturnHeld>;
 
 struct Effects {
   std::vector<Effect> list;

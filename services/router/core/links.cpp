@@ -168,6 +168,7 @@ void RouterCore::drop_link(LinkId id, const std::string& why, bool say_goodbye, 
   Link& link = at->second;
   const bool carried = link.up && peers_.count(link.peer) != 0 && peers_.at(link.peer).link == id;
   if (link.up) tell_unsealed(id, link.peer, out);
+  if (link.up && holds(id)) out.add(ReturnHeld{id, link.peer, why, say_goodbye});
   if (say_goodbye && link.up) last_seal(id, out);
   if (say_goodbye && link.up) link_send(link, Goodbye{why.substr(0, 128)}, out);
   // A node that is off is dialled for ever: names apart, so that its lines do not use up what may be logged of real

@@ -60,6 +60,10 @@ class RouterCore {
   /// The answer to a message that could not be delivered.
   void nack_local(ConnectionId from, const HeaderView& header, Errc reason, Effects& out);
   void nack_peer(LinkId from, const HeaderView& header, Errc reason, Effects& out);
+  /// The same of one that came by a link which ends before its seal came: counted, and the Nack, if it deserves one.
+  std::optional<Message> nack_unsealed(const HeaderView& header, Effects& out) {
+    return nack_relayed(header, Errc::seal_broken, out);
+  }
 
   /// A `relayed` could not leave by a link: its signer, this node or another, is told.
   void not_passed_on(const Message& message, Errc reason, Effects& out);

@@ -110,7 +110,8 @@ void RouterCore::seal_now(LinkId link, Effects& out) const {
 }
 
 void RouterCore::last_seal(LinkId link, Effects& out) {
-  seal_now(link, out);
+  // Over what is unsealed by then: Nacks may leave before it.
+  out.add(SealDue{link});
   // A Goodbye follows, which no seal covers.
   if (const auto at = seals_.find(link); at != seals_.end()) at->second.each = false;
 }
@@ -146,7 +147,9 @@ void RouterCore::hear_frame(LinkId id, const HeaderView& header, BytesView frame
   LinkSeals& seals = at->second;
   // With a Goodbye the link ends: its sender seals what was before it.
   if (header.subtype == Seal::kSubtype || header.subtype == Goodbye::kSubtype) return;
-  if (!seals.reader.add(frame)) return seal_broken(id, link->second.peer, SealFault::missing, now, out);
+  seals.held += holds(id) ? frame.size() : 0;
+  if (!seals.reader.add(frame) || seals.held > kMaxHeldBytes)
+    return seal_broken(id, link->second.peer, SealFault::missing, now, out);
   if (header.subtype == KeepAlive::kSubtype && !seals.reader.keep_alive(header.sequence)) {
     seal_broken(id, link->second.peer, SealFault::late, now, out);
   }
@@ -165,6 +168,7 @@ void RouterCore::on_seal(const Link& link, const Seal& seal, Now now, Effects& o
   const std::size_t messages = seals.reader.unsealed();
   const SealFault fault = seals.reader.close(seals.in, *range, link.heard, seal.range.payload.bytes);
   if (fault != SealFault::none) return seal_broken(link.id, link.peer, fault, now, out);
+  seals.held = 0;
   out.add(CheckSeal{link.id, range->last, messages, seal.range, seals.signer});
 }
 

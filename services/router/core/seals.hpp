@@ -22,16 +22,20 @@ constexpr bool kUnsealed = true;  ///< the second router of tests/bench: what do
 constexpr bool kUnsealed = false;
 #endif
 
+/// Of a link whose messages wait for their seal so many bytes may wait; its sender seals each by itself.
+constexpr std::size_t kMaxHeldBytes = 8U << 20U;
+
 /// Both directions of one link.
 struct LinkSeals {
   SealScope out;
   SealScope in;
   SealWriter writer;
   SealReader reader;
-  SignedRecord own;    ///< the certificate that this node's Hello carried
-  SignedRecord peer;   ///< the one that the other side's carried
-  Certificate signer;  ///< the latter, opened: a renewal keeps the identity key
-  bool each = false;   ///< one of the two sides wants each message sealed by itself
+  std::size_t held = 0;  ///< bytes, since the last seal, that wait for one
+  SignedRecord own;      ///< the certificate that this node's Hello carried
+  SignedRecord peer;     ///< the one that the other side's carried
+  Certificate signer;    ///< the latter, opened: a renewal keeps the identity key
+  bool each = false;     ///< one of the two sides wants each message sealed by itself
   std::optional<MonotonicTime> due;
   bool overdue = false;              ///< must leave before anything else
   SignedRecord made;                 ///< the last seal, until it is told that it has left

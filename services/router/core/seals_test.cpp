@@ -154,6 +154,68 @@ TEST_CASE("before_delivery: a message waits for its seal, and the sender seals e
   CHECK(pair.bee.delivered.size() == 3);
 }
 
+namespace {
+
+/// Nacks that ant's services were told, for messages of this subtype.
+std::size_t nacks(const TestNode& node, std::string_view code) {
+  return static_cast<std::size_t>(std::count_if(node.delivered.begin(), node.delivered.end(), [&](const Message& one) {
+    const auto nack = decode<Nack>(one.data);
+    return one.subtype == Nack::kSubtype && nack && nack->code == code;
+  }));
+}
+
+}  // namespace
+
+TEST_CASE("before_delivery: what waits for a seal when the link ends is counted, told its sender, and not delivered") {
+  Pair pair(true);
+  Effects effects;
+  pair.ant.core->on_service_hello(1, {"mode-adapter", {}, 5, 100, "1"}, "mode-adapter", pair.fleet.now, effects);
+  pair.fleet.carry_out(pair.ant, effects);
+  pair.fleet.run(milliseconds(100));
+  const std::uint64_t sealed = pair.bee.count("seals.checked");
+  SUBCASE("its seal is wrong: the link carries the Nacks before its Goodbye, sealed") {
+    pair.change_seals([](SealedRange& range) { range.hash.bytes[0] = static_cast<char>(range.hash.bytes[0] ^ 1); });
+    pair.fleet.ask("ant", "bee", "greet", "one");
+    pair.fleet.run(milliseconds(100));
+    CHECK(nacks(pair.ant, "seal_broken") == 1);
+    CHECK(pair.ant.count("seals.open_ends") == 0);
+  }
+  SUBCASE("the connection is gone: nobody can be told, and it is counted") {
+    pair.fleet.meddle = [](const std::string& from, LinkId, std::uint64_t&, Message& message) {
+      return from != "ant" || message.subtype != Seal::kSubtype;
+    };
+    pair.fleet.ask("ant", "bee", "greet", "one");
+    pair.fleet.run(milliseconds(10));
+    Effects ended;
+    pair.bee.core->on_link_ended(pair.bee.link_to("ant"), LinkEnd::disconnected, pair.fleet.now, ended);
+    pair.fleet.carry_out(pair.bee, ended);
+    CHECK(nacks(pair.ant, "seal_broken") == 0);
+  }
+  CHECK(pair.bee.count("dropped.seal_broken") == 1);
+  CHECK(pair.bee.delivered.empty());
+  CHECK(pair.bee.count("seals.checked") == sealed);
+}
+
+TEST_CASE("before_delivery: so many bytes wait for a seal and no more") {
+  Pair pair(true);
+  std::map<LinkId, std::uint64_t> lost;
+  pair.fleet.meddle = [&](const std::string& from, LinkId link, std::uint64_t& sequence, Message& message) {
+    if (from != "ant") return true;
+    const bool seal = message.subtype == Seal::kSubtype;
+    sequence -= lost[link];
+    lost[link] += seal ? 1 : 0;
+    return !seal;
+  };
+  const LinkId link = pair.bee.link_to("ant");
+  const Bytes large(1'000'000, 'x');
+  for (int i = 0; i < 8; ++i) pair.say(large);
+  pair.fleet.run(milliseconds(10));
+  CHECK(pair.bee.link_to("ant") == link);
+  pair.say(large);
+  pair.check_alarm("missing");
+  CHECK(pair.bee.delivered.empty());
+}
+
 TEST_CASE("a Hello that wants not to be sealed, or in a way unknown here, is refused as a downgrade") {
   TestFleet fleet;
   TestNode& ant = fleet.start("ant");

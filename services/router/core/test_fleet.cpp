@@ -116,6 +116,14 @@ void TestFleet::carry_out(TestNode& node, Effects& effects) {
                      for (; !held.empty() && held.front().first <= proven.last; held.pop_front())
                        node.delivered.push_back(held.front().second);
                    },
+                   [&](ReturnHeld& of) {
+                     Effects nacks;
+                     for (const auto& [sequence, message] : held_[{node.id, of.link}]) {
+                       auto nack = node.core->nack_unsealed(header_of(message, sequence), nacks);
+                       if (nack && of.tell) nacks.add(LinkSend{of.link, std::move(*nack)});
+                     }
+                     carry_out(node, nacks);
+                   },
                    [&](Dial& dial) { dials.push_back(dial); },
                    [&](DialLane& dial) { lanes.push_back(dial); },
                    [&](CloseLink& close) {
@@ -199,6 +207,24 @@ void TestFleet::say(const std::string& from, const std::string& to, const std::s
   message.target = to;
   message.data = data;
   send(at(from), at(from).link_to(to), message);
+}
+
+void TestFleet::ask(const std::string& from, const std::string& to, const std::string& word, const Bytes& data) {
+  TestNode& node = at(from);
+  std::uint64_t slot = 0;
+  for (const BusSend& send : node.bus) {
+    if (send.to == 1 && send.message.subtype == ServiceWelcome::kSubtype)
+      slot = decode<ServiceWelcome>(send.message.data)->slot;
+  }
+  Message message;
+  message.type = MessageType::request;
+  message.subtype = word;
+  message.source = from;
+  message.target = to;
+  message.id = slot << 48U | 1U;
+  message.data = data;
+  const Routing way = node.core->route_local(1, header_of(message));
+  if (way.to == Routing::To::peer) send(node, way.link, message);
 }
 
 void TestFleet::connect(TestNode& node, const Dial& dial) {

@@ -135,6 +135,8 @@ class TestFleet {
   std::function<bool(const std::string& from, const Message& message)> withhold;
   /// A service of this node says something to another node, through the road that the shell takes.
   void say(const std::string& from, const std::string& to, const std::string& word, const Bytes& data);
+  /// The service that has connection 1 of this node asks another node something.
+  void ask(const std::string& from, const std::string& to, const std::string& word, const Bytes& data);
   /// Lossy information by whatever way its core chooses; returns that way. What the lane carries arrives at once.
   Routing stream(const std::string& from, const Message& message);
   /// This node hears that one's lane.

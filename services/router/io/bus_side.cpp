@@ -12,9 +12,11 @@ constexpr int kLossyCounts = 32;  ///< for so many: a flood of what may be lost 
 void RouterShell::drain_bus(BusSocket& bus) {
   Frame routing_id;
   Frame frame;
-  for (int i = 0; i < kBatch; ++i) {
+  std::size_t bytes = 0;
+  for (int i = 0; i < kBatch && bytes < kTurnBytes; ++i) {
     if (!bus.socket.receive(routing_id)) return;
     if (!routing_id.more() || !bus.socket.receive(frame)) continue;
+    bytes += frame.size();
     if (frame.more()) {
       bus.socket.skip_rest(frame);
       core_.count("refused.malformed");
@@ -32,7 +34,7 @@ ConnectionId RouterShell::connection_of(const BusSocket& bus, BytesView routing_
 ConnectionId RouterShell::add_connection(BusSocket& bus, BytesView routing_id, const std::string& name) {
   const ConnectionId id = ++next_connection_;
   bus.connections.emplace(Bytes(routing_id), id);
-  connections_[id] = {&bus, Bytes(routing_id), name};
+  connections_[id] = {&bus, Bytes(routing_id), name, new_budget()};
   return id;
 }
 
@@ -169,7 +171,10 @@ void RouterShell::forget_connection(ConnectionId connection, Effects& effects) {
 SendResult RouterShell::send_bus(ConnectionId to, Frame&& frame) {
   const auto at = connections_.find(to);
   if (at == connections_.end()) return SendResult::unroutable;
-  const SendResult result = at->second.socket->socket.send_to(at->second.routing_id, std::move(frame));
+  const BusConnection& connection = at->second;
+  const SendResult result = send_within(connection.budget, frame, [&](Frame&& one) {
+    return connection.socket->socket.send_to(connection.routing_id, std::move(one));
+  });
   if (result == SendResult::unroutable) {
     Effects effects;
     forget_connection(to, effects);

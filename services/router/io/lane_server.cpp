@@ -9,7 +9,8 @@ namespace trb::router {
 namespace {
 
 constexpr int kBatch = 64;
-constexpr char kListen = 1;  ///< a subscription's first byte; the rest is its topic
+constexpr std::size_t kBytes = 4U << 20U;  ///< that may wait for one who listens
+constexpr char kListen = 1;                ///< a subscription's first byte; the rest is its topic
 constexpr char kListenNoMore = 0;
 
 /// Only peers have anything to do here, each with one connection: strangers get less room than at the inbox.
@@ -22,21 +23,13 @@ VisitorLimits limits_of(const VisitorLimits& inbox) {
 
 }  // namespace
 
-bool Backlog::take(std::size_t size, std::size_t unsent, MonotonicTime now) {
-  if (size <= kLarge) return true;
-  if (unsent < kLarge && now - last_ > std::chrono::milliseconds(20)) waiting_ = 0;
-  if (waiting_ + size > kMost) return false;
-  waiting_ += size;
-  last_ = now;
-  return true;
-}
-
 LaneServer::LaneServer(Context& context, Loop& loop, RouterCore& core, CurveKeys keys, const VisitorLimits& inbox,
-                       Owner owner)
+                       std::shared_ptr<ByteBudget> whole, Owner owner)
     : context_(context),
       loop_(loop),
       core_(core),
       keys_(std::move(keys)),
+      whole_(std::move(whole)),
       owner_(std::move(owner)),
       door_(
           loop, limits_of(inbox),
@@ -89,14 +82,14 @@ void LaneServer::also_at(const std::string& host) {
   also_ = endpoint;
 }
 
-SendResult LaneServer::publish(LinkId link, BytesView topic, Frame&& frame, MonotonicTime now) {
+SendResult LaneServer::publish(LinkId link, BytesView topic, Frame&& frame) {
   const auto at = listeners_.find(link);
   if (at == listeners_.end()) return SendResult::unroutable;
-  const std::size_t unsent = frame.size() > Backlog::kLarge ? unsent_bytes(at->second.fd) : 0;
-  if (!at->second.backlog.take(frame.size(), unsent, now)) return SendResult::full;
-  // Whoever has room for the first part has it for the second.
-  if (const SendResult result = socket_->send(to_frame(topic), true); result != SendResult::sent) return result;
-  return socket_->send(std::move(frame));
+  return send_within(at->second.budget, frame, [&](Frame&& one) {
+    // Whoever has room for the first part has it for the second.
+    if (const SendResult result = socket_->send(to_frame(topic), true); result != SendResult::sent) return result;
+    return socket_->send(std::move(one));
+  });
 }
 
 void LaneServer::link_closed(LinkId link) {
@@ -140,17 +133,18 @@ void LaneServer::on_word(const Frame& frame) {
   } else if (word[0] == kListen && visitor != 0) {
     if (const auto link = core_.on_listen(*key, word.substr(1), effects)) {
       owner_.carry_out(effects);
-      return listen(*link, visitor, fd, word.substr(1));
+      return listen(*link, visitor, word.substr(1));
     }
   }
   owner_.carry_out(effects);
   door_.leave(visitor);
 }
 
-void LaneServer::listen(LinkId link, VisitorId visitor, int fd, BytesView topic) {
+void LaneServer::listen(LinkId link, VisitorId visitor, BytesView topic) {
   socket_->let_listen(topic);
   door_.linked(visitor);
-  const VisitorId old = std::exchange(listeners_[link], Listener{visitor, fd, {}}).visitor;
+  Listener now{visitor, std::make_shared<ByteBudget>(kBytes, whole_)};
+  const VisitorId old = std::exchange(listeners_[link], std::move(now)).visitor;
   // A dialler makes a second connection when its first is dead; what waits for that one must not be in its way.
   if (old != 0 && old != visitor) door_.leave(old);
 }

@@ -6,6 +6,7 @@
 #include <memory>
 #include <string>
 
+#include "common/transport/byte_budget.hpp"
 #include "common/transport/loop.hpp"
 #include "common/transport/monitor.hpp"
 #include "common/transport/socket.hpp"
@@ -14,21 +15,6 @@
 
 namespace trb::router {
 
-/// How much of what is large may wait for one who listens; of the rest the number is bounded (kLaneHighWaterMark).
-class Backlog {
- public:
-  static constexpr std::size_t kLarge = 64U << 10U;
-  static constexpr std::size_t kMost = 4U << 20U;
-
-  /// False if there is no room. `unsent` is what the kernel has of the connection: if that is little, nothing waits
-  /// before it, once the I/O thread has had time to hand over what was sent last.
-  bool take(std::size_t size, std::size_t unsent, MonotonicTime now);
-
- private:
-  std::size_t waiting_ = 0;
-  MonotonicTime last_;
-};
-
 class LaneServer {
  public:
   struct Owner {
@@ -36,8 +22,10 @@ class LaneServer {
     std::function<void(const char* event, const std::string& text)> warn;
     std::function<std::vector<std::string>()> friends;  ///< see Door::set_friends
   };
-  /// ZAP must be bound before, and the context have two I/O threads.
-  LaneServer(Context& context, Loop& loop, RouterCore& core, CurveKeys keys, const VisitorLimits& inbox, Owner owner);
+  /// ZAP must be bound before, and the context have two I/O threads. `whole` bounds what waits in all queues of the
+  /// node.
+  LaneServer(Context& context, Loop& loop, RouterCore& core, CurveKeys keys, const VisitorLimits& inbox,
+             std::shared_ptr<ByteBudget> whole, Owner owner);
 
   /// At this address; every connection to another is gone. Port 0: any. Errors: io_error naming the address.
   Status open(const std::string& host, std::uint16_t port);
@@ -48,20 +36,19 @@ class LaneServer {
   [[nodiscard]] std::uint16_t port() const { return port_; }
 
   /// To the peer of that link, who listens to `topic`.
-  SendResult publish(LinkId link, BytesView topic, Frame&& frame, MonotonicTime now);
+  SendResult publish(LinkId link, BytesView topic, Frame&& frame);
   /// The link is closed: what listens because of it is cut.
   void link_closed(LinkId link);
 
  private:
   struct Listener {
     VisitorId visitor = 0;
-    int fd = -1;
-    Backlog backlog;
+    std::shared_ptr<ByteBudget> budget;
   };
 
   void drain();
   void on_word(const Frame& frame);
-  void listen(LinkId link, VisitorId visitor, int fd, BytesView topic);
+  void listen(LinkId link, VisitorId visitor, BytesView topic);
   VisitorId visitor_on(int fd);
   void on_event(LinkEvent event, int fd);
   void count(const std::string& name, const char* event, const std::string& text);
@@ -70,6 +57,7 @@ class LaneServer {
   Loop& loop_;
   RouterCore& core_;
   CurveKeys keys_;
+  std::shared_ptr<ByteBudget> whole_;
   Owner owner_;
   Door door_;
   std::unique_ptr<Socket> socket_;

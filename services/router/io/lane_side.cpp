@@ -30,7 +30,7 @@ void RouterShell::forward_lossy(ConnectionId from, std::string_view to, const He
   if (way.to == Routing::To::relay) return forward_by_relay(from, to, header, frame);
   if (way.to != Routing::To::lane) return;
   tap('>', view_of(frame));
-  const SendResult result = lane_->publish(way.link, topic_of(to), std::move(frame), now.mono);
+  const SendResult result = lane_->publish(way.link, topic_of(to), std::move(frame));
   core_.count(result == SendResult::sent ? "lane.sent" : "dropped.lane_full");
 }
 

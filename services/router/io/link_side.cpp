@@ -38,9 +38,11 @@ std::optional<LinkEnd> to_end(LinkEvent event) {
 void RouterShell::drain_inbox() {
   Frame routing_id;
   Frame frame;
-  for (int i = 0; i < kBatch; ++i) {
+  std::size_t bytes = 0;
+  for (int i = 0; i < kBatch && bytes < kTurnBytes; ++i) {
     if (!inbox_->receive(routing_id)) return;
     if (!routing_id.more() || !inbox_->receive(frame)) continue;
+    bytes += frame.size();
     if (frame.more()) {
       inbox_->skip_rest(frame);
       core_.count("refused.malformed");
@@ -128,7 +130,12 @@ void RouterShell::on_link_frame(LinkId link, BytesView key, const HeaderView& he
   const Routing decision = core_.route_peer(link, header, now, effects);
   const Link* known = core_.find_link(link);
   const bool was_up = known != nullptr && known->up;
-  if (was_up && !hear(link, header, view_of(frame), now, effects)) return carry_out(effects);
+  if (was_up && !hear(link, header, view_of(frame), now, effects)) {
+    // It is the one that was too many: told before the Goodbye.
+    auto nack = decision.to == Routing::To::service ? core_.nack_unsealed(header, effects) : std::nullopt;
+    if (nack) effects.list.insert(effects.list.begin(), LinkSend{link, std::move(*nack)});
+    return carry_out(effects);
+  }
   const bool may = decision.to == Routing::To::service || decision.reason == Errc::no_service;
   const bool heard = may && copy_to_hearers(link, header, frame);
   if (decision.to != Routing::To::drop || heard) tap('<', view_of(frame));
@@ -152,9 +159,11 @@ void RouterShell::on_link_frame(LinkId link, BytesView key, const HeaderView& he
 
 void RouterShell::drain_dialled(LinkId link) {
   Frame frame;
-  for (int i = 0; i < kBatch; ++i) {
+  std::size_t bytes = 0;
+  for (int i = 0; i < kBatch && bytes < kTurnBytes; ++i) {
     const auto at = dialled_.find(link);
     if (at == dialled_.end() || !at->second.socket->receive(frame)) return;
+    bytes += frame.size();
     if (frame.more()) {
       at->second.socket->skip_rest(frame);
       core_.count("refused.malformed");
@@ -212,6 +221,7 @@ void RouterShell::dial_numbers(const Dial& effect, const std::string& name) {
 void RouterShell::open_dialled(const Dial& effect, const std::string& name) {
   Dialled dialled;
   dialled.name = name;
+  dialled.budget = new_budget();
   dialled.socket = std::make_unique<Socket>(Socket::dialler(context_, options_.link_keys, effect.server_key));
   const LinkId link = effect.link;
   dialled.monitor =
@@ -254,7 +264,16 @@ void RouterShell::close_link(LinkId link) {
   dialled_.erase(at);
 }
 
+bool RouterShell::link_has_room(LinkId link, std::size_t bytes) const {
+  if (bytes < kCountedFrame) return true;
+  if (const auto at = dialled_.find(link); at != dialled_.end()) return at->second.budget->has_room(bytes);
+  const auto at = accepted_.find(link);
+  return at == accepted_.end() || at->second.budget->has_room(bytes);
+}
+
 SendResult RouterShell::send_link(LinkId link, Frame&& frame) {
+  // Before a megabyte is hashed in vain.
+  if (!link_has_room(link, frame.size())) return SendResult::full;
   if (core_.seal_is_overdue(link)) {
     if (const SendResult result = send_seal(link); result != SendResult::sent) return result;
   }
@@ -272,10 +291,15 @@ SendResult RouterShell::send_link(LinkId link, Frame&& frame) {
 }
 
 SendResult RouterShell::put_on_link(LinkId link, Frame&& frame) {
-  if (const auto at = dialled_.find(link); at != dialled_.end()) return at->second.socket->send(std::move(frame));
+  if (const auto at = dialled_.find(link); at != dialled_.end()) {
+    Socket& socket = *at->second.socket;
+    return send_within(at->second.budget, frame, [&](Frame&& one) { return socket.send(std::move(one)); });
+  }
   const auto at = accepted_.find(link);
   if (at == accepted_.end()) return SendResult::unroutable;
-  return inbox_->send_to(at->second.routing_id, std::move(frame));
+  const Accepted& accepted = at->second;
+  return send_within(accepted.budget, frame,
+                     [&](Frame&& one) { return inbox_->send_to(accepted.routing_id, std::move(one)); });
 }
 
 void RouterShell::forward_to_link(ConnectionId from, LinkId link, const HeaderView& header, Frame&& frame) {

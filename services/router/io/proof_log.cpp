@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "common/base/ids.hpp"
+
 namespace trb::router {
 namespace {
 
@@ -20,6 +22,7 @@ void ProofLog::heard(const LinkSeals& link, UtcTime now, BytesView frame) {
   const auto [at, fresh] = open_.try_emplace(link.in.link);
   Open& open = at->second;
   if (fresh) {
+    open.peer = is_valid_id(link.signer.id) ? link.signer.id : "";  // it becomes part of a file's name
     open.link = std::make_shared<const ProofLink>(
         ProofLink{link.in.link, !link.in.dialled, 1, first_previous(), link.own, link.peer});
   }
@@ -46,8 +49,9 @@ void ProofLog::ended(LinkId link, UtcTime now, std::string_view why) {
 
 void ProofLog::hand_over(Open& open, bool last) {
   const std::size_t size = open.records.size();
-  ProofBatch batch{open.link, open.first, open.previous, std::exchange(open.records, {}), open.retell, last};
   const std::uint64_t frames = std::exchange(open.frames, 0);
+  ProofBatch batch{open.peer, open.link,   open.first, open.previous, std::exchange(open.records, {}),
+                   frames,    open.retell, last};
   open.retell = std::exchange(open.overflow, false) || !writer_->put(std::move(batch));
   if (open.retell) dropped_ += frames;
   // The next range will be much like this one.

@@ -24,13 +24,15 @@ class ProofLog {
   void sealed(const LinkSeals& link);
   /// The link is over; what is unsealed is written too.
   void ended(LinkId link, UtcTime now, std::string_view why);
-  /// Frames that are not in the log, since the last call: the disk is slower than the links.
-  std::uint64_t take_dropped() { return std::exchange(dropped_, 0); }
+  /// Frames that are not in the log, since the last call: the disk is slower than the links, or they are more than the
+  /// peer's share.
+  std::uint64_t take_dropped() { return std::exchange(dropped_, 0) + (on() ? writer_->take_dropped() : 0); }
   /// What could not be written since the last call: the reason, or empty.
   std::string take_problem() { return on() ? writer_->take_problem() : std::string(); }
 
  private:
   struct Open {
+    std::string peer;
     std::shared_ptr<const ProofLink> link;
     std::uint64_t first = 1;
     Bytes previous = first_previous();

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <map>
 
 #include "common/base/files.hpp"
 #include "common/transport/loop.hpp"
@@ -26,18 +27,26 @@ struct TempDir {
   ~TempDir() { std::filesystem::remove_all(path); }
 };
 
-/// bee's router, to which ant, who dialled, speaks on a link.
+/// One fleet for all who speak in a test.
+const SigningKey& shared_authority() {
+  static const SigningKey key = make_signing_key();
+  return key;
+}
+
+/// bee's router, to which ant (or another), who dialled, speaks on a link.
 struct Speaker {
-  SigningKey authority = make_signing_key();
+  SigningKey authority = shared_authority();
   FleetAuthority fleet{"hall", authority.public_key};
   SigningKey identity = make_signing_key();
   LinkSeals at_bee;
   SealWriter writer;
+  std::string name;
 
-  explicit Speaker(LinkId link) {
+  explicit Speaker(LinkId link, std::string of = "ant") : name(std::move(of)) {
     at_bee.in = {link, 7, 7, true};
     at_bee.own = certificate("bee", make_signing_key());
-    at_bee.peer = certificate("ant", identity);
+    at_bee.peer = certificate(name, identity);
+    at_bee.signer.id = name;
   }
   SignedRecord certificate(const std::string& id, const SigningKey& key) const {
     const Certificate body{
@@ -49,7 +58,7 @@ struct Speaker {
     Message message;
     message.type = MessageType::information;
     message.subtype = subtype;
-    message.source = "ant";
+    message.source = name;
     message.target = "bee";
     message.data = data;
     Bytes out = encode_frame(message);
@@ -64,7 +73,7 @@ struct Speaker {
   }
   void seal(ProofLog& log) {
     const SealedRange range = writer.range(at_bee.in, kUtc);
-    const SignedRecord record = sign_seal(range, "ant", fleet.id(), identity);
+    const SignedRecord record = sign_seal(range, name, fleet.id(), identity);
     log.heard(at_bee, kUtc, frame("seal", encode(Seal{record})));
     REQUIRE(at_bee.reader.close(at_bee.in, range, range.last + 1, record.payload.bytes) == SealFault::none);
     writer.sealed(record.payload.bytes);
@@ -136,7 +145,7 @@ TEST_CASE("the log stays below its bound, the oldest go, and every file can be r
   CHECK(bytes_in(temp.path) >= 5 * kMegabyte);
   const auto files = files_in(temp.path);
   CHECK(files.size() >= 5);
-  CHECK(files.front().find("proof-0000000001.log") == std::string::npos);
+  CHECK(files.front().find("proof-0000000001-") == std::string::npos);
   for (const std::string& file : files) {
     ProofChecker checker({"", ant.fleet.public_key});
     checker.read(file, *read_file(file, 64 * kMegabyte));
@@ -167,7 +176,7 @@ TEST_CASE("a router that starts again goes on in a new file, within the same bou
     ant.seal(log);
   }
   CHECK(bytes_in(temp.path) <= 8 * kMegabyte);
-  CHECK(files_in(temp.path).back().find("proof-0000000008.log") != std::string::npos);
+  CHECK(files_in(temp.path).back().find("proof-0000000008-ant.log") != std::string::npos);
 }
 
 TEST_CASE("too much between two seals is left out, counted, and no fault of what comes after it") {
@@ -191,6 +200,136 @@ TEST_CASE("too much between two seals is left out, counted, and no fault of what
   REQUIRE(report.gaps.size() == 1);
   CHECK(report.gaps[0].first == 3);
   CHECK(report.gaps[0].last == 9);
+}
+
+TEST_CASE("rubbish of one peer pushes out nothing of another's that has no more than its share") {
+  init_crypto();
+  const TempDir temp;
+  Speaker ant(5);
+  Speaker cat(6, "cat");
+  {
+    ProofLog log(temp.path, 8 * kMegabyte);
+    ant.say(log, "move the arm");
+    ant.seal(log);
+    for (int i = 0; i < 100; ++i) {
+      cat.say(log, Bytes(1'000'000, 'x'));
+      cat.seal(log);
+      // At half its share by and by, in the middle of the flood.
+      if (i % 20 != 0) continue;
+      ant.say(log, Bytes(400'000, 'a'));
+      ant.seal(log);
+    }
+    log.take_dropped();
+  }
+  CHECK(bytes_in(temp.path) <= 8 * kMegabyte);
+  const ProofReport report = read_all(ant, temp.path);
+  CHECK(report.faults.empty());
+  CHECK(report.proven.at("ant") == 6);
+  CHECK(report.proven.at("cat") > 0);
+  const auto gap_of_ant = [](const ProofGap& gap) { return gap.by == "ant"; };
+  CHECK(std::none_of(report.gaps.begin(), report.gaps.end(), gap_of_ant));
+}
+
+TEST_CASE("who wants more than its share gives way to itself first, whoever came first") {
+  init_crypto();
+  const TempDir temp;
+  LinkId link = 0;
+  for (const char* name : {"ant", "cat", "ant"}) {
+    for (int part = 0; part < 4; ++part) {
+      // Little enough for what may wait for the disk; it is there when the log has gone.
+      ProofLog log(temp.path, 8 * kMegabyte);
+      Speaker one(++link, name);
+      for (int i = 0; i < 100; ++i) {
+        one.say(log, Bytes(40'000, 'x'));
+        one.seal(log);
+      }
+      CHECK(log.take_dropped() == 0);
+    }
+  }
+  std::map<std::string, std::uint64_t> bytes;
+  for (const std::string& file : files_in(temp.path))
+    bytes[file.find("-ant.log") != std::string::npos ? "ant" : "cat"] += std::filesystem::file_size(file);
+  CHECK(bytes["ant"] + bytes["cat"] <= 8 * kMegabyte);
+  CHECK(bytes["ant"] >= 3 * kMegabyte);
+  CHECK(bytes["cat"] >= 3 * kMegabyte);
+}
+
+TEST_CASE("a thousand peers have a place each beside one that floods") {
+  init_crypto();
+  const TempDir temp;
+  const Speaker first(1, "p0");
+  {
+    ProofLog log(temp.path, 64 * kMegabyte);
+    Speaker flood(9999, "flood");
+    for (int i = 0; i < 1000; ++i) {
+      Speaker one(static_cast<LinkId>(i + 1), "p" + std::to_string(i));
+      one.say(log, "promise");
+      one.seal(log);
+      flood.say(log, Bytes(200'000, 'x'));
+      flood.seal(log);
+    }
+  }
+  CHECK(bytes_in(temp.path) <= 64 * kMegabyte);
+  const ProofReport report = read_all(first, temp.path);
+  CHECK(report.faults.empty());
+  std::size_t kept = 0;
+  for (int i = 0; i < 1000; ++i) kept += report.proven.count("p" + std::to_string(i));
+  CHECK(kept == 1000);
+  CHECK(report.proven.at("flood") > 50);
+}
+
+TEST_CASE("files of an earlier version, all peers in one, are read and go by the same rule") {
+  init_crypto();
+  const TempDir temp;
+  {
+    Speaker unnamed(4);
+    unnamed.at_bee.signer.id.clear();  // as those were written
+    ProofLog log(temp.path, 8 * kMegabyte);
+    unnamed.say(log, "long ago");
+    unnamed.seal(log);
+  }
+  REQUIRE(files_in(temp.path).at(0).find("proof-0000000001.log") != std::string::npos);
+  Speaker ant(5);
+  {
+    ProofLog log(temp.path, 8 * kMegabyte);
+    ant.say(log, "today");
+    ant.seal(log);
+  }
+  CHECK(files_in(temp.path).at(1).find("proof-0000000002-ant.log") != std::string::npos);
+  CHECK(read_all(ant, temp.path).proven.at("ant") == 2);
+}
+
+TEST_CASE("the half of a record that a crash has left goes at the next start; other damage stays to be seen") {
+  init_crypto();
+  const TempDir temp;
+  Speaker ant(5);
+  {
+    ProofLog log(temp.path, 8 * kMegabyte);
+    ant.say(log, "one");
+    ant.seal(log);
+    ant.say(log, "two");
+    log.ended(5, kUtc, "closed");
+  }
+  const std::string file = files_in(temp.path).at(0);
+  const Bytes whole = *read_file(file, kMegabyte);
+  Bytes left = whole;
+  SUBCASE("in its data") {
+    left.resize(whole.size() - 3);
+  }
+  SUBCASE("in its head") {
+    left += whole.substr(9, 7);
+  }
+  SUBCASE("in the file's own head") {
+    left.resize(4);
+  }
+  SUBCASE("a byte was changed") {
+    left[whole.size() / 2] = static_cast<char>(left[whole.size() / 2] ^ 1);
+  }
+  REQUIRE(write_file(file, left));
+  { const ProofLog again(temp.path, 8 * kMegabyte); }
+  const bool changed = left.size() == whole.size();
+  CHECK(read_all(ant, temp.path).faults.empty() != changed);
+  if (changed) CHECK(*read_file(file, kMegabyte) == left);
 }
 
 TEST_CASE("a folder that cannot be written to is told, and nothing else stops") {

@@ -14,6 +14,7 @@
 #include <utility>
 
 #include "common/base/files.hpp"
+#include "common/base/ids.hpp"
 #include "services/router/io/worker_thread.hpp"
 
 namespace trb::router {
@@ -21,18 +22,25 @@ namespace {
 
 constexpr std::string_view kPrefix = "proof-";
 constexpr std::string_view kSuffix = ".log";
-constexpr std::uint64_t kSegmentsAtLeast = 8;
-constexpr std::uint64_t kMaxSegment = 64U << 20U;
-constexpr std::size_t kMaxFiles = 1024;  ///< a router that starts again and again leaves small ones
+/// Small, so that a peer that has to give way loses little more than it must: of 64 MB a thousand peers have one each.
+constexpr std::uint64_t kSegments = 1024;
+constexpr std::uint64_t kLeastSegment = 64U << 10U;
+/// A router that starts again and again leaves small ones: each counts as at least so much of a whole one, so that
+/// their number is bounded too.
+constexpr std::uint64_t kLeastPart = 8;
 constexpr std::size_t kMaxQueued = 16U << 20U;
 constexpr std::size_t kWriteAtOnce = 1U << 20U;
+constexpr std::size_t kMaxMended = 80U << 20U;  ///< a segment of the largest log that may be, and a range
 constexpr auto kGather = std::chrono::milliseconds(100);
+
+std::string problem_with(const std::string& path, ssize_t put) {
+  return path + ": " + (put < 0 ? std::strerror(errno) : "the disk is full");
+}
 
 }  // namespace
 
 ProofWriter::ProofWriter(std::string dir, std::uint64_t max_bytes)
-    : dir_(std::move(dir)), max_bytes_(max_bytes), segment_bytes_(std::min(max_bytes / kSegmentsAtLeast, kMaxSegment)) {
-  find_segments();
+    : dir_(std::move(dir)), max_bytes_(max_bytes), segment_bytes_(std::max(max_bytes / kSegments, kLeastSegment)) {
   thread_ = start_without_signals([this] { run(); });
 }
 
@@ -43,21 +51,28 @@ ProofWriter::~ProofWriter() {
   }
   wake_.notify_one();
   thread_.join();
-  if (fd_ >= 0) ::close(fd_);
 }
 
 bool ProofWriter::put(ProofBatch&& batch) {
   bool wake = false;
   {
     const std::lock_guard lock(mutex_);
-    if (queued_ + batch.records.size() > kMaxQueued) return false;
+    const std::size_t size = batch.records.size();
+    std::size_t& of_peer = queued_of_[batch.peer];
+    if (of_peer + size > kMaxQueued - queued_) return false;
     const std::size_t before = queued_;
-    queued_ += batch.records.size();
+    of_peer += size;
+    queued_ += size;
     wake = queue_.empty() || (before < kWriteAtOnce && queued_ >= kWriteAtOnce);
     queue_.push_back(std::move(batch));
   }
   if (wake) wake_.notify_one();
   return true;
+}
+
+std::uint64_t ProofWriter::take_dropped() {
+  const std::lock_guard lock(mutex_);
+  return std::exchange(dropped_, 0);
 }
 
 std::string ProofWriter::take_problem() {
@@ -71,6 +86,7 @@ void ProofWriter::tell(std::string problem) {
 }
 
 void ProofWriter::run() {
+  find_segments();
   std::unique_lock lock(mutex_);
   while (true) {
     wake_.wait(lock, [this] { return ending_ || !queue_.empty(); });
@@ -78,78 +94,167 @@ void ProofWriter::run() {
     wake_.wait_for(lock, kGather, [this] { return ending_ || queued_ >= kWriteAtOnce; });
     auto batches = std::exchange(queue_, {});
     queued_ = 0;
+    queued_of_.clear();
     lock.unlock();
     for (ProofBatch& batch : batches) write(batch);
-    flush();
+    flush_all();
     lock.lock();
   }
 }
 
 void ProofWriter::write(ProofBatch& batch) {
-  const std::size_t size = batch.records.size();
-  const bool full = fd_ >= 0 && segments_.back().size + out_.size() + size > segment_bytes_;
-  if (full) flush();
-  if ((fd_ < 0 || full) && !open_segment(size)) return;
-  const std::size_t from = out_.size();
-  // Each segment can be read alone: it begins with the links that it goes on with.
-  if (told_.insert(batch.link->link).second || batch.retell) {
+  const auto at = peers_.try_emplace(batch.peer).first;
+  Peer& peer = at->second;
+  if (peer.open && peer.segments.back().size + batch.records.size() > segment_bytes_) {
+    flush(at);
+    peer.open = false;
+  }
+  // Its own last segment may be what has to go: then it needs another beginning.
+  bool was_open = false;
+  Bytes records;
+  do {
+    was_open = peer.open;
+    records = records_of(peer, batch);
+    if (make_room(at, records.size())) continue;
+    peer.told.erase(batch.link->link);
+    const std::lock_guard lock(mutex_);
+    dropped_ += batch.frames;
+    return;
+  } while (was_open && !peer.open);
+  if (!peer.open) {
+    peer.segments.push_back({next_number_++, 0});
+    peer.cost += cost_of(peer.segments.back());
+    cost_ += cost_of(peer.segments.back());
+    peer.open = true;
+    peer.written = 0;
+    peer.told.clear();
+  }
+  peer.told.insert(batch.link->link);
+  if (batch.last) peer.told.erase(batch.link->link);
+  resize_last(peer, peer.segments.back().size + records.size());
+  peer.out += records;
+  unwritten_ += records.size();
+  if (unwritten_ >= kWriteAtOnce) flush_all();
+}
+
+/// As they go into its last segment, or into a new one. Each segment can be read alone: it begins with the links that
+/// it goes on with.
+Bytes ProofWriter::records_of(const Peer& peer, ProofBatch& batch) {
+  Bytes out = peer.open ? Bytes() : proof_head();
+  const std::size_t from = out.size();
+  if (!peer.open || batch.retell || peer.told.count(batch.link->link) == 0) {
     ProofLink link = *batch.link;
     link.first = batch.first;
     link.previous = batch.previous;
-    append_proof_link(out_, link);
+    append_proof_link(out, link);
   }
-  out_ += batch.records;
-  finish_proof_records(out_, from);
-  if (batch.last) told_.erase(batch.link->link);
-  if (out_.size() >= kWriteAtOnce) flush();
+  out += batch.records;
+  finish_proof_records(out, from);
+  return out;
 }
 
-void ProofWriter::flush() {
-  if (out_.empty() || fd_ < 0) return;
-  const Bytes out = std::exchange(out_, {});
-  const ssize_t put = ::write(fd_, out.data(), out.size());
-  if (put == static_cast<ssize_t>(out.size())) {
-    segments_.back().size += out.size();
-    return;
-  }
-  std::string problem = path_of(segments_.back().number) + ": " + (put < 0 ? std::strerror(errno) : "the disk is full");
-  // No half record stays, and what comes next begins with its links again.
-  if (::ftruncate(fd_, static_cast<off_t>(segments_.back().size)) != 0) problem += std::string("; ") + strerror(errno);
-  told_.clear();
-  tell(std::move(problem));
+std::uint64_t ProofWriter::cost_of(const Segment& segment) const {
+  return std::max(segment.size, segment_bytes_ / kLeastPart);
 }
 
-bool ProofWriter::open_segment(std::uint64_t room) {
-  if (fd_ >= 0) ::close(fd_);
-  fd_ = -1;
-  told_.clear();
-  out_.clear();
-  const std::uint64_t number = segments_.empty() ? 1 : segments_.back().number + 1;
-  std::uint64_t total = std::max(room, segment_bytes_);
-  for (const Segment& segment : segments_) total += segment.size;
-  for (; !segments_.empty() && (total > max_bytes_ || segments_.size() >= kMaxFiles); segments_.pop_front()) {
-    ::unlink(path_of(segments_.front().number).c_str());
-    total -= segments_.front().size;
+void ProofWriter::resize_last(Peer& peer, std::uint64_t size) {
+  Segment& last = peer.segments.back();
+  const std::uint64_t before = cost_of(last);
+  last.size = size;
+  peer.cost += cost_of(last) - before;
+  cost_ += cost_of(last) - before;
+}
+
+/// False: it does not fit even without anything that the peer has, and the others have less than it would.
+bool ProofWriter::make_room(Peers::iterator peer, std::uint64_t bytes) {
+  const std::uint64_t needed = bytes + segment_bytes_ / kLeastPart;
+  while (cost_ + needed > max_bytes_) {
+    auto most = peer;
+    std::uint64_t cost = peer->second.cost + needed;
+    for (auto at = peers_.begin(); at != peers_.end(); ++at) {
+      if (at->second.cost <= cost) continue;
+      most = at;
+      cost = at->second.cost;
+    }
+    if (most->second.segments.empty()) return false;
+    remove_oldest(most);
   }
-  if (Status made = make_private_dir(dir_); !made) {
-    tell(made.error().text());
-    return false;
-  }
-  const std::string path = path_of(number);
-  fd_ = ::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_APPEND | O_CLOEXEC, 0600);
-  if (fd_ < 0) {
-    tell(path + ": " + std::strerror(errno));
-    return false;
-  }
-  segments_.push_back({number, 0});
-  out_ = proof_head();
   return true;
 }
 
-std::string ProofWriter::path_of(std::uint64_t number) const {
+void ProofWriter::remove_oldest(Peers::iterator at) {
+  Peer& peer = at->second;
+  const Segment oldest = peer.segments.front();
+  peer.segments.pop_front();
+  peer.cost -= cost_of(oldest);
+  cost_ -= cost_of(oldest);
+  if (peer.segments.empty() && peer.open) {
+    unwritten_ -= peer.out.size();
+    peer.out.clear();
+    peer.open = false;
+  }
+  ::unlink(path_of(at->first, oldest.number).c_str());
+}
+
+void ProofWriter::remove_last(Peers::iterator at) {
+  Peer& peer = at->second;
+  peer.cost -= cost_of(peer.segments.back());
+  cost_ -= cost_of(peer.segments.back());
+  ::unlink(path_of(at->first, peer.segments.back().number).c_str());
+  peer.segments.pop_back();
+}
+
+void ProofWriter::flush_all() {
+  for (auto at = peers_.begin(); at != peers_.end();) {
+    flush(at);
+    at = at->second.segments.empty() ? peers_.erase(at) : std::next(at);
+  }
+}
+
+void ProofWriter::flush(Peers::iterator at) {
+  Peer& peer = at->second;
+  if (peer.out.empty()) return;
+  unwritten_ -= peer.out.size();
+  const std::string problem = append(at);
+  if (problem.empty()) {
+    peer.written += peer.out.size();
+    peer.out.clear();
+    return;
+  }
+  // What comes next begins with its links again.
+  peer.out.clear();
+  peer.open = false;
+  resize_last(peer, peer.written);
+  if (peer.written == 0) remove_last(at);
+  tell(problem);
+}
+
+/// Opened for each write: a thousand peers need no thousand descriptors. Returns what went wrong; then nothing of it is
+/// in the file.
+std::string ProofWriter::append(Peers::const_iterator at) {
+  const Peer& peer = at->second;
+  const std::string path = path_of(at->first, peer.segments.back().number);
+  if (peer.written == 0) {
+    if (Status made = make_private_dir(dir_, 0700); !made) return made.error().text();
+  }
+  const int flags = O_WRONLY | O_APPEND | O_CLOEXEC | (peer.written == 0 ? O_CREAT | O_EXCL : 0);
+  const int fd = ::open(path.c_str(), flags, 0600);
+  if (fd < 0) return problem_with(path, -1);
+  std::string problem;
+  const ssize_t put = ::write(fd, peer.out.data(), peer.out.size());
+  if (put != static_cast<ssize_t>(peer.out.size())) {
+    problem = problem_with(path, put);
+    if (::ftruncate(fd, static_cast<off_t>(peer.written)) != 0) problem += std::string("; ") + std::strerror(errno);
+  }
+  ::close(fd);
+  return problem;
+}
+
+/// A router of an earlier version wrote the segments of all peers as one: they have no peer in their name.
+std::string ProofWriter::path_of(const std::string& peer, std::uint64_t number) const {
   std::array<char, 32> digits{};
   std::snprintf(digits.data(), digits.size(), "%010llu", static_cast<unsigned long long>(number));
-  return dir_ + "/" + std::string(kPrefix) + digits.data() + std::string(kSuffix);
+  return dir_ + "/" + std::string(kPrefix) + digits.data() + (peer.empty() ? "" : "-" + peer) + std::string(kSuffix);
 }
 
 void ProofWriter::find_segments() {
@@ -157,13 +262,36 @@ void ProofWriter::find_segments() {
   for (const auto& entry : std::filesystem::directory_iterator(dir_, problem)) {
     const std::string name = entry.path().filename().string();
     if (!name.starts_with(kPrefix) || !name.ends_with(kSuffix)) continue;
+    const char* end = name.data() + name.size() - kSuffix.size();
     std::uint64_t number = 0;
-    std::from_chars(name.data() + kPrefix.size(), name.data() + name.size() - kSuffix.size(), number);
+    const char* after = std::from_chars(name.data() + kPrefix.size(), end, number).ptr;
+    const std::string peer(after == end ? after : after + 1, end);
     std::error_code none;
     const auto size = entry.file_size(none);
-    if (!none && path_of(number) == dir_ + "/" + name) segments_.push_back({number, size});
+    if (none || path_of(peer, number) != dir_ + "/" + name) continue;
+    peers_[peer].segments.push_back({number, size});
+    next_number_ = std::max(next_number_, number + 1);
   }
-  std::sort(segments_.begin(), segments_.end(), [](const Segment& a, const Segment& b) { return a.number < b.number; });
+  for (auto at = peers_.begin(); at != peers_.end(); ++at) {
+    Peer& peer = at->second;
+    std::sort(peer.segments.begin(), peer.segments.end(),
+              [](const Segment& a, const Segment& b) { return a.number < b.number; });
+    for (const Segment& segment : peer.segments) peer.cost += cost_of(segment);
+    cost_ += peer.cost;
+    mend_last(at);
+  }
+}
+
+/// A router that was killed while it wrote may have left the half of a record.
+void ProofWriter::mend_last(Peers::iterator at) {
+  Peer& peer = at->second;
+  const std::string path = path_of(at->first, peer.segments.back().number);
+  const auto file = read_file(path, kMaxMended);
+  if (!file) return;
+  const std::size_t whole = whole_proof_records(*file);
+  if (whole == file->size() || ::truncate(path.c_str(), static_cast<off_t>(whole)) != 0) return;
+  resize_last(peer, whole);
+  if (whole == 0) remove_last(at);
 }
 
 }  // namespace trb::router

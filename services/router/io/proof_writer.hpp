@@ -4,6 +4,7 @@
 #include <condition_variable>
 #include <cstdint>
 #include <deque>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <set>
@@ -16,16 +17,20 @@ namespace trb::router {
 
 /// Records of one link, cut where a seal ends.
 struct ProofBatch {
+  std::string peer;                       ///< whose link it is: an id
   std::shared_ptr<const ProofLink> link;  ///< its two certificates
   std::uint64_t first = 1;                ///< where the records go on, for a file that begins with them
   Bytes previous;
-  Bytes records;        ///< as append_proof_*() makes them
-  bool retell = false;  ///< what was before is not in the log
-  bool last = false;    ///< the link is over
+  Bytes records;             ///< as append_proof_*() makes them
+  std::uint64_t frames = 0;  ///< in `records`
+  bool retell = false;       ///< what was before is not in the log
+  bool last = false;         ///< the link is over
 };
 
-/// Segments proof-0000000001.log, -0000000002.log ... in a folder, mode 0600, never more than `max_bytes` in all: the
-/// oldest go. What comes within a tenth of a second is one write.
+/// Segments proof-0000000001-PEER.log, proof-0000000002-OTHER.log ... in a folder, mode 0600, never more than
+/// `max_bytes` in all. Each peer has segments of its own. When room is needed the oldest segment of the peer that has
+/// most goes, so that a peer with no more than its share of the whole loses nothing, whatever the others say. What
+/// comes within a tenth of a second is one write for each peer.
 class ProofWriter {
  public:
   ProofWriter(std::string dir, std::uint64_t max_bytes);
@@ -34,23 +39,44 @@ class ProofWriter {
   ProofWriter(const ProofWriter&) = delete;
   ProofWriter& operator=(const ProofWriter&) = delete;
 
-  /// Never waits for the disk. False: too much is waiting for it already; the batch is gone.
+  /// Never waits for the disk. False: too much is waiting for it already, of this peer or of all; the batch is gone. A
+  /// peer may have as much as it leaves to the others.
   bool put(ProofBatch&& batch);
+  /// Frames that were taken and are not on the disk, since the last call.
+  std::uint64_t take_dropped();
   /// What could not be written since the last call: the reason, or empty.
   std::string take_problem();
 
  private:
   struct Segment {
     std::uint64_t number = 0;
-    std::uint64_t size = 0;
+    std::uint64_t size = 0;  ///< with what is not written yet
   };
+  struct Peer {
+    std::deque<Segment> segments;
+    std::uint64_t cost = 0;        ///< of all of them, see cost_of()
+    bool open = false;             ///< the last one takes more
+    std::uint64_t written = 0;     ///< of the last one
+    Bytes out;                     ///< for it, not yet written
+    std::set<std::uint64_t> told;  ///< links that it knows
+  };
+  using Peers = std::map<std::string, Peer, std::less<>>;
+
   void run();
   void write(ProofBatch& batch);
-  void flush();
-  bool open_segment(std::uint64_t room);
+  [[nodiscard]] static Bytes records_of(const Peer& peer, ProofBatch& batch);
+  bool make_room(Peers::iterator peer, std::uint64_t bytes);
+  void remove_oldest(Peers::iterator peer);
+  void remove_last(Peers::iterator peer);
+  void resize_last(Peer& peer, std::uint64_t size);
+  [[nodiscard]] std::uint64_t cost_of(const Segment& segment) const;
+  void flush(Peers::iterator peer);
+  void flush_all();
+  std::string append(Peers::const_iterator peer);
   void find_segments();
+  void mend_last(Peers::iterator peer);
   void tell(std::string problem);
-  [[nodiscard]] std::string path_of(std::uint64_t number) const;
+  [[nodiscard]] std::string path_of(const std::string& peer, std::uint64_t number) const;
 
   const std::string dir_;
   const std::uint64_t max_bytes_;
@@ -58,15 +84,17 @@ class ProofWriter {
 
   std::mutex mutex_;
   std::condition_variable wake_;
-  std::deque<ProofBatch> queue_;  ///< this and the next three under the mutex; all below is the thread's alone
-  std::size_t queued_ = 0;
+  std::deque<ProofBatch> queue_;  ///< this and the next five under the mutex; all below is the thread's alone
+  std::size_t queued_ = 0;        ///< bytes
+  std::map<std::string, std::size_t, std::less<>> queued_of_;
+  std::uint64_t dropped_ = 0;
   std::string problem_;
   bool ending_ = false;
 
-  std::deque<Segment> segments_;  ///< the last one is written to while fd_ is open
-  int fd_ = -1;
-  Bytes out_;                     ///< for the last segment, not yet written
-  std::set<std::uint64_t> told_;  ///< links that the last segment knows
+  Peers peers_;
+  std::uint64_t cost_ = 0;  ///< of all
+  std::uint64_t next_number_ = 1;
+  std::size_t unwritten_ = 0;
   std::thread thread_;
 };
 

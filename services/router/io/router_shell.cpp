@@ -11,11 +11,18 @@ namespace {
 
 constexpr int kAgain = 75;  ///< the supervisor starts the router again at once
 
+/// What may wait, in bytes, for one who hears (a service, a link, the tap), and in the whole node. One message more of
+/// each is encrypted in libzmq's I/O thread, and the kernel has its buffers.
+constexpr std::size_t kDestinationBytes = 8U << 20U;
+constexpr std::size_t kNodeBytes = 64U << 20U;
+
 }  // namespace
 
 RouterShell::RouterShell(RouterConfig config, ShellOptions options)
     : core_(std::move(config)),
       options_(std::move(options)),
+      whole_(std::make_shared<ByteBudget>(kNodeBytes)),
+      tap_budget_(new_budget()),
       proof_("log/proof", kUnsealed ? 0 : options_.proof_log_bytes) {}
 
 Status RouterShell::open() {
@@ -29,7 +36,7 @@ Status RouterShell::open() {
     return good;
   });
   door_.set_friends([this] { return sources_of_peers(); });
-  lane_ = std::make_unique<LaneServer>(context_, loop_, core_, options_.link_keys, options_.visitors,
+  lane_ = std::make_unique<LaneServer>(context_, loop_, core_, options_.link_keys, options_.visitors, whole_,
                                        LaneServer::Owner{[this](Effects& effects) { carry_out(effects); },
                                                          [this](const char* event, const std::string& text) {
                                                            log_limited(limit_, read_clocks().mono, Level::warning,
@@ -92,17 +99,18 @@ void RouterShell::carry_out(Effects& effects) {
                      count_sent(send.message.subtype);
                      const Bytes frame = encode_frame(send.message);
                      tap('=', frame);
-                     send_bus(send.to, to_frame(frame));
+                     if (send_bus(send.to, to_frame(frame)) == SendResult::full) core_.count("dropped.queue_full");
                    },
                    [this](LinkSend& send) { send_own(send); },
                    [this](SealDue& due) { send_seal(due.link); },
                    [this](CheckSeal& seal) { check_seal(std::move(seal)); },
                    [this](DeliverHeld& proven) { deliver_held(proven); },
+                   [this](ReturnHeld& of) { return_held(of); },
                    [this](Dial& dial) { this->dial(dial); },
                    [this](DialLane& dial) { dial_lane(dial); },
                    [this](CloseLink& close) { close_link(close.link); },
                    [this](AcceptLink& accept) {
-                     accepted_[accept.link] = {origin_.routing_id, origin_.user, origin_.visitor};
+                     accepted_[accept.link] = {origin_.routing_id, origin_.user, origin_.visitor, new_budget()};
                      door_.linked(origin_.visitor);
                    },
                    [this](RefuseCandidate& refuse) {
@@ -155,6 +163,10 @@ void RouterShell::end_lost_links() {
   }
 }
 
+std::shared_ptr<ByteBudget> RouterShell::new_budget() const {
+  return std::make_shared<ByteBudget>(kDestinationBytes, whole_);
+}
+
 void RouterShell::send_own(LinkSend& send) {
   count_sent(send.message.subtype);
   const Bytes frame = encode_frame(send.message);
@@ -172,8 +184,12 @@ void RouterShell::send_own(LinkSend& send) {
 
 void RouterShell::tap(char direction, BytesView frame) {
   if (tap_listeners_ == 0) return;
-  tap_->send(to_frame(std::string(1, direction)), true);
-  tap_->send(to_frame(frame));
+  Frame copy = to_frame(frame);
+  const SendResult result = send_within(tap_budget_, copy, [&](Frame&& one) {
+    tap_->send(to_frame(std::string(1, direction)), true);
+    return tap_->send(std::move(one));
+  });
+  if (result != SendResult::sent) core_.count("dropped.tap_full");
 }
 
 void RouterShell::drain_tap() {

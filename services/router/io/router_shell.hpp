@@ -9,6 +9,7 @@
 #include "common/config/interfaces.hpp"
 #include "common/log/log.hpp"
 #include "common/security/beacon_key.hpp"
+#include "common/transport/byte_budget.hpp"
 #include "common/transport/loop.hpp"
 #include "common/transport/monitor.hpp"
 #include "common/transport/signals.hpp"
@@ -78,8 +79,10 @@ class RouterShell {
     BusSocket* socket = nullptr;
     Bytes routing_id;
     std::string name;  ///< whom it proves
+    std::shared_ptr<ByteBudget> budget;
   };
   struct Dialled {
+    std::shared_ptr<ByteBudget> budget;
     std::unique_ptr<Socket> socket;
     std::unique_ptr<SocketMonitor> monitor;
     std::string name;  ///< of a seed that was resolved
@@ -88,6 +91,7 @@ class RouterShell {
     Bytes routing_id;
     Bytes user;  ///< User-Id: the key, in hexadecimal
     VisitorId visitor = 0;
+    std::shared_ptr<ByteBudget> budget;
   };
   /// Where the message now being handled came from, for AcceptLink and RefuseCandidate.
   struct InboxOrigin {
@@ -140,6 +144,7 @@ class RouterShell {
   void dial_numbers(const Dial& effect, const std::string& name);
   void open_dialled(const Dial& effect, const std::string& name);
   void close_link(LinkId link);
+  [[nodiscard]] bool link_has_room(LinkId link, std::size_t bytes) const;
   SendResult send_link(LinkId link, Frame&& frame);
   SendResult put_on_link(LinkId link, Frame&& frame);
   void forward_to_link(ConnectionId from, LinkId link, const HeaderView& header, Frame&& frame);
@@ -176,10 +181,12 @@ class RouterShell {
   void take_checked();
   SendResult deliver(LinkId link, std::uint64_t sequence, ConnectionId to, Frame&& frame);
   void deliver_held(const DeliverHeld& proven);
+  void return_held(const ReturnHeld& of);
   // router_shell.cpp
   void carry_out(Effects& effects);
   void nack_unpassed();
   void end_lost_links();
+  [[nodiscard]] std::shared_ptr<ByteBudget> new_budget() const;
   void send_own(LinkSend& send);
   void tap(char direction, BytesView frame);
   void drain_tap();
@@ -190,6 +197,8 @@ class RouterShell {
   ShellOptions options_;
   Context context_{2};
   Loop loop_;
+  std::shared_ptr<ByteBudget> whole_;       ///< of what waits in all queues
+  std::shared_ptr<ByteBudget> tap_budget_;  ///< of all who listen to the tap: they share each message
   std::unique_ptr<ZapServer> zap_;
   std::map<std::string, std::unique_ptr<BusSocket>> buses_;
   std::map<ConnectionId, BusConnection> connections_;
@@ -208,7 +217,7 @@ class RouterShell {
     ConnectionId to = 0;
     Frame frame;
   };
-  std::map<LinkId, std::deque<Held>> held_;  ///< until their seal is checked; as many as may be unsealed
+  std::map<LinkId, std::deque<Held>> held_;  ///< until their seal is checked; kMaxUnsealed and kMaxHeldBytes at most
   ProofLog proof_;
   SealChecker checker_;
   Resolver resolver_;

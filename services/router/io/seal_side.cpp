@@ -85,4 +85,26 @@ void RouterShell::deliver_held(const DeliverHeld& proven) {
   }
 }
 
+void RouterShell::return_held(const ReturnHeld& of) {
+  const auto at = held_.find(of.link);
+  if (at == held_.end()) return;
+  const std::deque<Held> held = std::exchange(at->second, {});
+  Effects effects;
+  std::size_t messages = 0;
+  std::uint64_t last = 0;
+  for (const Held& one : held) {
+    // Some have copies, for those that hear them too.
+    const auto header = decode_frame(view_of(one.frame));
+    if (!header || std::exchange(last, one.sequence) == one.sequence) continue;
+    ++messages;
+    auto nack = core_.nack_unsealed(*header, effects);
+    if (nack && of.tell) effects.add(LinkSend{of.link, std::move(*nack)});
+  }
+  if (messages == 0) return;
+  effects.log(LogLevel::warning, "undelivered",
+              std::to_string(messages) + " messages of " + of.peer +
+                  " waited for their seal and are not delivered: " + of.why + (of.tell ? "" : "; it cannot be told"));
+  carry_out(effects);
+}
+
 }  // namespace trb::router

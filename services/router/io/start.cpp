@@ -1,5 +1,6 @@
 #include "services/router/io/start.hpp"
 
+#include <malloc.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -112,6 +113,13 @@ Result<TcpBus> read_tcp_bus(const NodeConfig& node) {
   return bus;
 }
 
+/// What a flood took goes back to the system when it is over. Left alone, glibc raises the first bound to the size of
+/// what was freed and keeps messages of that size in its heaps for good.
+void give_memory_back() {
+  ::mallopt(M_MMAP_THRESHOLD, 128 << 10);
+  ::mallopt(M_TRIM_THRESHOLD, 128 << 10);
+}
+
 int refuse(const std::string& text) {
   std::fprintf(stderr, "trb-router: %s\n", text.c_str());
   return 1;
@@ -120,6 +128,7 @@ int refuse(const std::string& text) {
 }  // namespace
 
 int start(const std::string& node_dir) {
+  give_memory_back();
   init_crypto();
   block_signals();
   const std::size_t descriptors = raise_descriptor_limit();
