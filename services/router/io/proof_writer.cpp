@@ -235,7 +235,7 @@ std::string ProofWriter::append(Peers::const_iterator at) {
   const Peer& peer = at->second;
   const std::string path = path_of(at->first, peer.segments.back().number);
   if (peer.written == 0) {
-    if (Status made = make_private_dir(dir_, 0700); !made) return made.error().text();
+    if (Status made = make_private_dir(dir_); !made) return made.error().text();
   }
   const int flags = O_WRONLY | O_APPEND | O_CLOEXEC | (peer.written == 0 ? O_CREAT | O_EXCL : 0);
   const int fd = ::open(path.c_str(), flags, 0600);
