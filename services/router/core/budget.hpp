@@ -21,6 +21,8 @@ class Budget {
     --left_;
     return true;
   }
+  /// Of the second of the last take().
+  [[nodiscard]] std::uint32_t left() const { return left_; }
 
  private:
   std::uint32_t each_second_;

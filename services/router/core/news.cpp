@@ -11,6 +11,10 @@ Result<std::string> RouterCore::on_news(const FleetNews& news, LinkId from, Now 
   FleetNews fresh;
   std::optional<Error> refusal;
   bool known = false;
+  const Link* link = find_link(from);
+  const auto teller = link == nullptr ? peers_.end() : peers_.find(link->peer);
+  // A signature costs 50 us to check: what one member tells costs this node no more than so many in a second.
+  const auto may_check = [&] { return teller == peers_.end() || teller->second.news_checks.take(now.mono); };
   const auto sort_out = [&](const Result<bool>& taken) {
     if (!taken) {
       refusal = refusal ? refusal : taken.error();
@@ -19,11 +23,19 @@ Result<std::string> RouterCore::on_news(const FleetNews& news, LinkId from, Now 
     }
     return taken.ok() && *taken;
   };
-  if (!news.revocations.kind.empty() && sort_out(take_list(news.revocations, now, out))) {
-    fresh.revocations = news.revocations;
-  }
+  const bool lists = !news.revocations.kind.empty() && news.revocations != news_.record;
+  known = !news.revocations.kind.empty() && !lists;
+  if (lists && may_check() && sort_out(take_list(news.revocations, now, out))) fresh.revocations = news.revocations;
   const bool no_list = refusal.has_value();  // what else is known or new must not hide that
   for (const SignedRecord& record : news.certificates) {
+    if (is_known_certificate(record)) {
+      known = true;
+      continue;
+    }
+    if (!may_check()) {
+      refusal = fail(Errc::queue_full, "over " + std::to_string(kNewsChecked) + " signatures in a second");
+      break;
+    }
     if (sort_out(take_certificate(record, now, out))) fresh.certificates.push_back(record);
     // Who brings one that is forged brings more: a message of 256 would cost as many checks.
     if (refusal && refusal->code == Errc::bad_signature) break;
@@ -48,6 +60,17 @@ void RouterCore::on_news_of_file(const FleetNews& news, Now now, Effects& out) {
   if (taken || taken.error().code == Errc::downgraded) return;
   out.count("refused." + std::string(errc_name(taken.error().code)));
   out.log(LogLevel::warning, "news_refused", "of a file: " + taken.error().text());
+}
+
+/// The very record that is held already; its signature was checked.
+bool RouterCore::is_known_certificate(const SignedRecord& record) const {
+  if (record == config_.certificate) return true;
+  const auto shown = decode<Certificate>(record.payload.bytes);
+  if (!shown) return false;
+  const auto peer = peers_.find(shown->id);
+  if (peer != peers_.end() && record == peer->second.certificate_record) return true;
+  const auto renewed = news_.renewed.find(shown->id);
+  return renewed != news_.renewed.end() && record == renewed->second;
 }
 
 Result<bool> RouterCore::take_list(const SignedRecord& record, Now now, Effects& out) {
@@ -76,14 +99,11 @@ Result<bool> RouterCore::take_list(const SignedRecord& record, Now now, Effects&
 }
 
 Result<bool> RouterCore::take_certificate(const SignedRecord& record, Now now, Effects& out) {
-  if (record == config_.certificate) return false;
+  if (is_known_certificate(record)) return false;
   auto certificate = open_member(record, now, out);
   if (!certificate) return certificate.error();
   const bool own = certificate->id == config_.id;
   const auto peer = peers_.find(certificate->id);
-  if (peer != peers_.end() && record == peer->second.certificate_record) return false;
-  if (const auto at = news_.renewed.find(certificate->id); at != news_.renewed.end() && at->second == record)
-    return false;
   if (Status newest = check_newest(*certificate); !newest) return newest.error();
   if (own && (certificate->identity_key != config_.own.identity_key || certificate->link_key != config_.own.link_key)) {
     return fail(Errc::wrong_key, "a certificate of '" + config_.id + "' for other keys than this node's",
@@ -208,6 +228,9 @@ void RouterCore::tell_news(Link& link, std::uint64_t known_list, Now now, Effect
 void RouterCore::on_news_message(const Link* link, const Message& message, Now now, Effects& out) {
   auto news = message.data.size() > kMaxNews ? Result<FleetNews>(fail(Errc::too_large, "FleetNews over 512 kB"))
                                              : decode<FleetNews>(message.data);
+  if (const auto peer = link == nullptr ? peers_.end() : peers_.find(link->peer);
+      peer != peers_.end() && !peer->second.news.take(now.mono))
+    return out.count("refused.too_much_news");
   const LinkId from = link == nullptr ? 0 : link->id;
   const std::string who = link == nullptr || link->peer.empty() ? "the node that was dialled" : link->peer;
   auto taken = news ? on_news(*news, from, now, out) : Result<std::string>(news.error());

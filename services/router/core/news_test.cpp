@@ -231,6 +231,51 @@ TEST_CASE("a renewal with another role is not taken by a node that runs: its ser
   CHECK(three.ant.stored_certificates.empty());
 }
 
+TEST_CASE("256 copies of one certificate cost one check, and a member's news no more than 300 a second") {
+  Three three;
+  Certificate fresh = three.renewed("cat", 2);
+  const SignedRecord record =
+      sign(kSignedCertificate, "", three.fleet.authority.fleet.id(), encode(fresh), three.fleet.authority.key);
+  FleetNews copies;
+  copies.certificates.assign(256, record);
+  const auto tell = [&](const FleetNews& news) {
+    Effects effects;
+    effects.add(LinkSend{three.bee.link_to("ant"), make_message(MessageType::information, "bee", "ant", news)});
+    three.fleet.carry_out(three.bee, effects);
+    three.fleet.run(2 * kStep);
+  };
+  tell(copies);
+  CHECK(three.ant.count("news.certificates") == 1);
+  CHECK(three.ant.core->peers().at("bee").news_checks.left() == kNewsChecked - 1);
+  tell(copies);
+  CHECK(three.ant.core->peers().at("bee").news_checks.left() == kNewsChecked - 1);
+
+  // Each of them the authority's, and none of them new.
+  FleetNews old;
+  for (std::uint64_t i = 0; i < 256; ++i) {
+    const TestKeys keys = three.fleet.authority.sign_node("cat", Role::robot, 1);
+    old.certificates.push_back(keys.record);
+  }
+  tell(old);
+  tell(old);
+  CHECK(three.ant.core->peers().at("bee").news_checks.left() == 0);
+  CHECK(three.ant.link_to("bee") != 0);
+}
+
+TEST_CASE("over sixteen news of one member in a second are not even read; another's are") {
+  Three three;
+  const auto tell = [&](TestNode& from, const FleetNews& news) {
+    Effects effects;
+    effects.add(LinkSend{from.link_to("ant"), make_message(MessageType::information, from.id, "ant", news)});
+    three.fleet.carry_out(from, effects);
+  };
+  for (int i = 0; i < 40; ++i) tell(three.bee, {});
+  tell(three.cat, {list_of(three.fleet.authority, 1, {"dog"}), {}});
+  three.fleet.run(2 * kStep);
+  CHECK(three.ant.count("refused.too_much_news") == 24);
+  CHECK(three.ant.count("news.lists") == 1);
+}
+
 TEST_CASE("that a list is refused is told, whatever came with it") {
   Three three;
   const SignedRecord known = three.sign_certificate(three.renewed("cat", 5));

@@ -74,6 +74,9 @@ struct Peer {
   MonotonicTime profile_told_at{};
   std::map<std::string, Budget> carried_by{};  ///< by relay: what it brings of this peer
   Budget hellos{kHellosOfOne};
+  Budget news{kNewsOfOne};
+  Budget news_checks{kNewsChecked};
+  Budget neighbour_checks{kNeighboursChecked};
   std::uint64_t beacon_boot = 0;
   std::uint64_t beacon_count = 0;
   MonotonicTime last_beacon;

@@ -148,6 +148,8 @@ void RouterCore::refuse_neighbour(const Link& relay, const Error& error, Effects
 
 /// A hint that a member is there: what it is it says itself, once this node has spoken to it through the relay.
 void RouterCore::learn_neighbour(Link& link, const SignedRecord& told, Now now, Effects& out) {
+  Budget& checks = peers_.at(link.peer).neighbour_checks;
+  if (!is_known_certificate(told) && !checks.take(now.mono)) return out.count("refused.neighbour_too_many");
   auto certificate = open_member(told, now, out);
   if (!certificate) return refuse_neighbour(link, certificate.error(), out);
   if (certificate->id == config_.id) return;

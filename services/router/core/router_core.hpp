@@ -288,6 +288,7 @@ class RouterCore {
   void note_up(const Link& link, const Hello& hello, Now now);
 
   // news.cpp
+  [[nodiscard]] bool is_known_certificate(const SignedRecord& record) const;
   Result<bool> take_list(const SignedRecord& record, Now now, Effects& out);
   Result<bool> take_certificate(const SignedRecord& record, Now now, Effects& out);
   void take_own_certificate(const SignedRecord& record, const Certificate& certificate, Effects& out);
