@@ -104,9 +104,9 @@ struct ReturnHeld {
   bool tell = false;
 };
 
-using Effect =
-    std::variant<BusSend, LinkSend, Dial, CloseLink, AcceptLink, SendBeacon, StorePeers, RefuseCandidate, Log,
-                 StoreNews, StoreCertificate, StoreBoot, StoreUtc, SealDue, CheckSeal, DeliverHeld, DialLane, ReturnHeld>;
+using Effect = std::variant<BusSend, LinkSend, Dial, CloseLink, AcceptLink, SendBeacon, StorePeers, RefuseCandidate,
+                            Log, StoreNews, StoreCertificate, StoreBoot, StoreUtc, SealDue, CheckSeal, DeliverHeld,
+                            DialLane, ReturnHeld>;
 
 struct Effects {
   std::vector<Effect> list;
