@@ -118,6 +118,16 @@ Bytes encode_body(const Body& body) {
   return pack(shape_of(body.kind()), body.data());
 }
 
+Result<Bytes> pack_body(const Body& body) {
+  const auto* opaque = get_if<Opaque>(&body);
+  Result<Bytes> data = opaque == nullptr ? pack_readable(shape_of(body.kind()), body.data()) : opaque->data;
+  const std::size_t most = DecodeLimits{}.bytes;
+  if (data && data->size() > most)
+    data = fail(Errc::too_large, std::to_string(data->size()) + " bytes, over " + std::to_string(most));
+  if (data) return data;
+  return fail(data.error().code, std::string(subtype_of(body)) + ": " + data.error().what, "say less at once");
+}
+
 Result<Body> decode_body(std::string_view subtype, BytesView data) {
   const BodyKind kind = kind_of(subtype);
   if (kind == BodyKind::Opaque) return Body{Opaque{std::string(subtype), Bytes(data)}};

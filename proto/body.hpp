@@ -169,6 +169,7 @@ struct DecodeLimits {
 /// there is none; else the value is filled in part.
 const Shape& shape_of(BodyKind kind);
 Bytes pack(const Shape& shape, const void* value);
+Result<Bytes> pack_readable(const Shape& shape, const void* value);
 Error unpack(const Shape& shape, BytesView bytes, void* value);
 std::string write_json(const Shape& shape, const void* value);
 Error read_json(const Shape& shape, std::string_view json, void* value);
@@ -179,6 +180,12 @@ Error read_json(const Shape& shape, std::string_view json, void* value);
 template <class T>
 Bytes encode(const T& body) {
   return pack(shape_of(BodyKindOf<T>::value), &body);
+}
+/// The same, for whatever goes to another process: refused if its reader would refuse it. Errors: too_large (a list or
+/// blob over its bound, or the whole over 1 MiB), bad_value (a number that is not finite); the text names the field.
+template <class T>
+Result<Bytes> pack(const T& body) {
+  return pack_readable(shape_of(BodyKindOf<T>::value), &body);
 }
 template <class T>
 Result<T> decode(BytesView bytes) {
@@ -206,6 +213,8 @@ bool is_typed(std::string_view subtype);
 
 std::string_view subtype_of(const Body& body);
 Bytes encode_body(const Body& body);
+/// pack() of what it is; the error names the subtype, too.
+Result<Bytes> pack_body(const Body& body);
 
 /// Opaque for a subtype that is not typed.
 Result<Body> decode_body(std::string_view subtype, BytesView data);

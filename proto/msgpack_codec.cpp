@@ -24,13 +24,24 @@ class Packer : public msgpack::packer<StringBuffer> {
   /// Always as float 64: the library packs 1.0 as the integer 1 and loses the sign of -0.0, and digests rest on the
   /// bytes.
   void put_double(double value) {
+    if (!std::isfinite(value)) refuse(Errc::bad_value, "not a finite number");
     const auto bits = std::bit_cast<std::uint64_t>(value);
     out_ += '\xcb';
     for (int shift = 56; shift >= 0; shift -= 8) out_ += static_cast<char>(bits >> static_cast<unsigned>(shift));
   }
 
+  /// The field that is being packed, for refuse().
+  void enter(std::string_view field) { field_ = field; }
+  /// A reader will not take this.
+  void refuse(Errc code, std::string_view what) {
+    if (error_.code == Errc::ok) error_ = fail(code, std::string(field_) + ": " + std::string(what));
+  }
+  [[nodiscard]] const Error& error() const { return error_; }
+
  private:
   Bytes& out_;
+  std::string_view field_ = "body";
+  Error error_;
 };
 
 // ---- packing
@@ -70,6 +81,7 @@ void put(Packer& packer, const Shape& shape, const void* value, std::uint32_t ma
       return;
     case FieldKind::blob: {
       const std::string& bytes = as<Blob>(value).bytes;
+      if (bytes.size() > max) packer.refuse(Errc::too_large, "over " + std::to_string(max) + " bytes");
       packer.pack_bin(static_cast<std::uint32_t>(bytes.size()));
       packer.pack_bin_body(bytes.data(), static_cast<std::uint32_t>(bytes.size()));
       return;
@@ -77,6 +89,7 @@ void put(Packer& packer, const Shape& shape, const void* value, std::uint32_t ma
     case FieldKind::list: {
       const std::size_t size = shape.list.size(value);
       const void* at = shape.list.data(value);
+      if (size > max) packer.refuse(Errc::too_large, "list over " + std::to_string(max) + " items");
       packer.pack_array(static_cast<std::uint32_t>(size));
       for (std::size_t i = 0; i < size; ++i, at = behind(at, shape.list.stride))
         put(packer, *shape.list.item, at, kDefaultMaxSize);
@@ -84,7 +97,10 @@ void put(Packer& packer, const Shape& shape, const void* value, std::uint32_t ma
     }
     case FieldKind::record:
       packer.pack_array(static_cast<std::uint32_t>(shape.fields.size()));
-      for (const FieldEntry& f : shape.fields) put(packer, *f.shape, behind(value, f.offset), f.max);
+      for (const FieldEntry& f : shape.fields) {
+        packer.enter(f.name);
+        put(packer, *f.shape, behind(value, f.offset), f.max);
+      }
       return;
   }
 }
@@ -248,6 +264,17 @@ Bytes pack(const Shape& shape, const void* value) {
   StringBuffer buffer{out};
   Packer packer(buffer);
   put(packer, shape, value, kDefaultMaxSize);
+  return out;
+}
+
+Result<Bytes> pack_readable(const Shape& shape, const void* value) {
+  Bytes out;
+  StringBuffer buffer{out};
+  Packer packer(buffer);
+  put(packer, shape, value, kDefaultMaxSize);
+  if (packer.error().code != Errc::ok) return packer.error();
+  if (const std::size_t most = DecodeLimits{}.bytes; out.size() > most)
+    return fail(Errc::too_large, std::to_string(out.size()) + " bytes, over " + std::to_string(most));
   return out;
 }
 

@@ -82,6 +82,8 @@ std::string_view errc_name(Errc code) {
       return "downgraded";
     case Errc::seal_broken:
       return "seal_broken";
+    case Errc::not_asked:
+      return "not_asked";
     case Errc::control_held:
       return "control_held";
     case Errc::unknown_run:

@@ -51,6 +51,7 @@ enum class Errc : std::uint8_t {
   replayed,      ///< not newer than one that was heard
   downgraded,    ///< an older certificate, list or protection than what is known
   seal_broken,   ///< a seal is missing, wrong, late or out of order
+  not_asked,     ///< an answer of one that was not asked that
   control_held,  ///< another one has the control lease of this robot
   // state
   unknown_run,

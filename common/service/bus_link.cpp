@@ -11,7 +11,8 @@ constexpr Duration kRouterLease = std::chrono::seconds(3);
 }  // namespace
 
 BusLink::BusLink(Context& context, const BusAddress& bus, ServiceHello hello)
-    : socket_(Socket::bus_client(context, bus.curve ? "" : bus.endpoint, bus.keys())),
+    : endpoint_(bus.endpoint),
+      socket_(Socket::bus_client(context, bus.curve ? "" : bus.endpoint, bus.keys())),
       budget_(std::make_shared<ByteBudget>(kBytes)),
       hello_(std::move(hello)) {
   if (bus.curve) {
@@ -39,6 +40,7 @@ bool BusLink::consume(const Message& message, Now now) {
       welcome_ = std::move(*body);
       newly_welcomed = true;
       refusal_.clear();
+      redial_.reset();
       last_seen_ = now.mono;
       next_ = now.mono + kAliveInterval;
     }
@@ -50,6 +52,7 @@ bool BusLink::consume(const Message& message, Now now) {
   }
   if (message.subtype == HelloWanted::kSubtype) {
     welcome_.reset();
+    redial_ = now.mono + kRouterLease;
     next_ = now.mono;
     return true;
   }
@@ -60,7 +63,9 @@ bool BusLink::consume(const Message& message, Now now) {
   return false;
 }
 
-std::uint64_t BusLink::send(const Send& send) {
+Result<std::uint64_t> BusLink::send(const Send& send) {
+  auto data = pack_body(send.body);
+  if (!data) return data.error();
   Message message;
   message.type = send.type;
   message.flags = send.flags;
@@ -68,15 +73,18 @@ std::uint64_t BusLink::send(const Send& send) {
   message.subtype = subtype_of(send.body);
   message.target = send.target;
   message.reply_to = send.reply_to;
-  message.data = encode_body(send.body);
+  message.data = std::move(*data);
   return this->send(std::move(message));
 }
 
-std::uint64_t BusLink::send(Message message) {
-  if (!welcome_) return 0;
+Result<std::uint64_t> BusLink::send(Message message) {
+  if (!welcome_) return std::uint64_t{0};
   message.source = welcome_->node;
-  message.id = static_cast<std::uint64_t>(welcome_->slot) << 48U | ++counter_;
-  Frame frame = to_frame(encode_frame(message));
+  message.id = ids_.next(welcome_->slot);
+  const Bytes bytes = encode_frame(message);
+  if (const auto readable = decode_frame(bytes); !readable)
+    return fail(readable.error().code, message.subtype + ": " + readable.error().what, readable.error().cure);
+  Frame frame = to_frame(bytes);
   const SendResult result = send_within(budget_, frame, [this](Frame&& one) { return socket_.send(std::move(one)); });
   return result == SendResult::sent ? message.id : 0;
 }
@@ -94,6 +102,12 @@ void BusLink::tick(Now now) {
   if (!next_ || now.mono < *next_) return;
   if (welcome_ && now.mono - last_seen_ > kRouterLease) welcome_.reset();
   if (!welcome_) {
+    // What is under way to a router that was only slow is not lost: it has a lease more to answer the hello.
+    if (!redial_) redial_ = now.mono + kRouterLease;
+    if (*redial_ <= now.mono) {
+      socket_.dial_again(endpoint_);
+      redial_ = now.mono + kRouterLease;
+    }
     if (key_watch_ && key_watch_->refused()) {
       key_refused_ = true;
       refusal_ =
@@ -104,7 +118,7 @@ void BusLink::tick(Now now) {
     next_ = now.mono + kHelloInterval;
     return;
   }
-  send(Send{.type = MessageType::information, .target = welcome_->node, .body = ServiceAlive{hello_.instance}});
+  (void)send(Send{.type = MessageType::information, .target = welcome_->node, .body = ServiceAlive{hello_.instance}});
   next_ = now.mono + kAliveInterval;
 }
 

@@ -9,6 +9,7 @@
 
 #include "common/actor/core.hpp"
 #include "common/service/bus_address.hpp"
+#include "common/service/message_ids.hpp"
 #include "common/transport/byte_budget.hpp"
 #include "common/transport/monitor.hpp"
 #include "common/transport/socket.hpp"
@@ -26,9 +27,10 @@ class BusLink {
   /// True while there may be more to receive that the handle does not tell of.
   [[nodiscard]] bool* unseen() { return socket_.unseen(); }
 
-  /// Sends; the id given is returned, or 0 if the link is not up or full (the message is lost, as on any road).
-  std::uint64_t send(const Send& send);
-  std::uint64_t send(Message message);
+  /// Sends; the id given is returned, or 0 if the link is not up or full (the message is lost, as on any road). Errors:
+  /// too_large, bad_value, malformed: whoever hears it would have to refuse it, so it has not left.
+  Result<std::uint64_t> send(const Send& send);
+  Result<std::uint64_t> send(Message message);
 
   void tick(Now now);
   [[nodiscard]] std::optional<MonotonicTime> next_deadline() const { return next_; }
@@ -46,6 +48,7 @@ class BusLink {
   bool consume(const Message& message, Now now);
   void say_hello();
 
+  std::string endpoint_;
   Socket socket_;
   std::shared_ptr<ByteBudget> budget_;     ///< of what the router has not read
   std::optional<RefusalWatch> key_watch_;  ///< over TCP
@@ -53,8 +56,9 @@ class BusLink {
   std::optional<ServiceWelcome> welcome_;
   std::string refusal_;
   bool key_refused_ = false;
-  std::uint64_t counter_ = 0;
+  MessageIds ids_;
   MonotonicTime last_seen_;
+  std::optional<MonotonicTime> redial_;  ///< when the connection is taken for dead, if its router says nothing
   std::optional<MonotonicTime> next_;
 };
 

@@ -4,6 +4,7 @@
 #include <csignal>
 #include <filesystem>
 #include <map>
+#include <utility>
 
 #include "common/base/files.hpp"
 #include "common/log/log.hpp"
@@ -20,6 +21,8 @@ constexpr int kAgain = 75;        ///< EX_TEMPFAIL: the supervisor starts the se
 constexpr int kJournalLost = 74;  ///< EX_IOERR
 constexpr int kRefused = 73;      ///< EX_CANTCREAT: another process is this service
 constexpr int kBatch = 256;
+constexpr std::size_t kMostRefused = 64;
+constexpr std::uint64_t kRefusedHere = 1;  ///< a Nack answers something; ids are not told to cores
 constexpr Duration kIdleCheck = std::chrono::milliseconds(200);
 
 Level to_level(LogLevel level) {
@@ -63,6 +66,8 @@ class ServiceShell final : public Service {
     loop_.add_timer([this] { return link_.next_deadline(); }, [this](Now now) { tick_link(now); });
     loop_.add_timer([this] { return core_->next_deadline(); },
                     [this](Now) { step([this](Now now, Outbox& out) { core_->tick(now, out); }); });
+    loop_.add_timer([this] { return refused_.empty() ? std::nullopt : std::optional(MonotonicTime{0}); },
+                    [this](Now) { tell_refused(); });
     loop_.add_timer([this] { return reload_check_; }, [this](Now now) { try_reload(now); });
     loop_.run();
     loop_.remove_socket(link_.handle());
@@ -149,7 +154,12 @@ class ServiceShell final : public Service {
   void carry_out(const Outbox& out) {
     if (!out.journal.empty() && !commit(out.journal)) return;
     for (const Send& send : out.sends) {
-      if (link_.send(send) == 0) count("dropped.no_router");
+      const auto sent = link_.send(send);
+      if (!sent) {
+        not_sent(send, sent.error());
+      } else if (*sent == 0) {
+        count("dropped.no_router");
+      }
     }
     for (const auto& output : robot_) {
       if (!(out.writes.empty() && out.closes.empty())) output(out);
@@ -157,6 +167,29 @@ class ServiceShell final : public Service {
     for (const std::string& name : out.counts) count(name);
     for (const Log& line : out.logs) {
       log_limited(limit_, read_clocks().mono, to_level(line.level), line.event, line.text);
+    }
+  }
+
+  /// Nobody could read it. Who waits for it as an answer is told so; of anything else the core itself.
+  void not_sent(const Send& send, const Error& why) {
+    const std::string subtype(subtype_of(send.body));
+    count("dropped." + std::string(errc_name(why.code)));
+    log_limited(limit_, read_clocks().mono, Level::error, "not_sent",
+                subtype + " for '" + send.target + "': " + why.text());
+    Nack nack{std::string(errc_name(why.code)), subtype, send.target, why.what, why.cure};
+    if (send.reply_to != 0) {
+      (void)link_.send(Send{.target = send.target, .reply_to = send.reply_to, .body = std::move(nack)});
+    } else if (refused_.size() < kMostRefused) {
+      refused_.push_back(std::move(nack));
+    }
+  }
+
+  /// In a turn of their own: a core that sends the same again at once must not keep the loop.
+  void tell_refused() {
+    for (Nack& nack : std::exchange(refused_, {})) {
+      const Inbound inbound{MessageType::information, node_,          node_, 0, kRefusedHere, 0,
+                            kDefaultRemainingMs,      std::move(nack)};
+      step([&](Now now, Outbox& out) { core_->on(inbound, now, out); });
     }
   }
 
@@ -186,6 +219,7 @@ class ServiceShell final : public Service {
   std::function<bool()> idle_;
   std::optional<MonotonicTime> reload_check_;
   std::map<std::string, std::uint64_t> counts_;
+  std::vector<Nack> refused_;  ///< what the core has said and nobody could read
   RateLimit limit_{20, std::chrono::seconds(10)};
   int exit_ = 0;
 };

@@ -156,6 +156,12 @@ void Socket::dial(const std::string& endpoint) {
   socket_.connect(endpoint);
 }
 
+void Socket::dial_again(const std::string& endpoint) {
+  *unseen_ = true;
+  zmq_disconnect(socket_.handle(), endpoint.c_str());  // of one that it has given up it may know nothing any more
+  socket_.connect(endpoint);
+}
+
 Result<Socket> Socket::tap_server(Context& context, const std::string& endpoint, const CurveKeys* curve) {
   try {
     zmq::socket_t socket = make(context, zmq::socket_type::xpub);

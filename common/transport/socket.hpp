@@ -79,6 +79,8 @@ class Socket {
   /// A dialled link: one connection, never made again by libzmq. Connect with dial() after the monitor is attached.
   static Socket dialler(Context& context, const CurveKeys& keys, BytesView server_key);
   void dial(const std::string& endpoint);
+  /// Dials anew: libzmq gives a connection up for good on which something came that is none, or too large.
+  void dial_again(const std::string& endpoint);
   /// The tap: XPUB, so that nothing is published while nobody listens.
   static Result<Socket> tap_server(Context& context, const std::string& endpoint, const CurveKeys* curve = nullptr);
   static Socket tap_client(Context& context, const std::string& endpoint, const CurveClient* curve = nullptr);

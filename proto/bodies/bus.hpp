@@ -101,11 +101,13 @@ struct SignRequest {
   }
 };
 
+/// Asks a router for its table, which comes in pages: common/actor/route_pages.hpp.
 struct RouteListRequest {
   static constexpr std::string_view kSubtype = "route_list";
-  template <class = void>
+  std::string after{};  ///< the last row's id of the page before; empty: the first page
+  template <class T = RouteListRequest>
   static FieldTable fields() {
-    return FieldTable{};
+    return FieldTable{field("after", &T::after, 64)};
   }
 };
 

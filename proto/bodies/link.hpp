@@ -53,6 +53,10 @@ struct FrameInfo {
   }
 };
 
+/// Encoded. The largest robot of config/robots takes 0.4 kB, a plugged sensor 125 bytes: 255 of them, the most, half of
+/// this. Its node refuses more, and so does every peer: so each table of many can be told.
+constexpr std::size_t kMaxProfileSize = 64U << 10U;
+
 /// What a node tells of its robot: mode-adapter -> router -> every peer, in Hello and again at each change.
 struct NodeProfile {
   static constexpr std::string_view kSubtype = "node_profile";
@@ -335,9 +339,12 @@ struct RouteTable {
   static constexpr std::string_view kSubtype = "route_table";
   std::string node;
   std::vector<Route> routes;
+  bool more = false;    ///< there are rows behind the last of these: ask on
+  std::string after{};  ///< what this page was asked with
   template <class T = RouteTable>
   static FieldTable fields() {
-    return FieldTable{field("node", &T::node, 64), field("routes", &T::routes, 2000)};
+    return FieldTable{field("node", &T::node, 64), field("routes", &T::routes, 2000), field("more", &T::more),
+                      field("after", &T::after, 64)};
   }
 };
 

@@ -18,6 +18,11 @@ RouterCore linked_router() {
   core.on_link_message(kLink, keys.bee.link.public_key,
                        make_message(MessageType::information, "bee", "ant", make_hello(keys.bee, "bee")), 1, kNow,
                        effects);
+  // The seed's answer is to this: the slot is the router's first.
+  const Message asked = make_message(MessageType::request, "ant", "bee", SensorWatch{});
+  HeaderView header = header_of(asked);
+  header.id = 2ULL << 48U | 3U;
+  (void)core.route_local(1, header);
   return core;
 }
 
@@ -55,7 +60,7 @@ std::vector<Bytes> seeds() {
     out.push_back(encode_frame(value));
   }
   value.target = "*";
-  value.reply_to = 1ULL << 48U | 3U;
+  value.reply_to = 2ULL << 48U | 3U;
   out.push_back(encode_frame(value));
   value.flags = 0;
   out.push_back(encode_frame(value));

@@ -15,6 +15,7 @@ import zmq
 from zmq.utils.monitor import parse_monitor_message
 
 import support
+import trb_fleet
 import wire
 from strangers_test import PLAIN_GREETING, Client, Member
 
@@ -28,16 +29,17 @@ MOST_RATIO = 20  # an alarm, not a measure: two cores are shared by both routers
 
 
 class Probe:
-    """A program on a node's bus: asks, streams, hears answers."""
+    """A program on a node's bus: asks, streams, hears answers. Or a service of it that takes these subtypes."""
 
-    def __init__(self, context, fleet, node):
+    def __init__(self, context, fleet, node, service="probe", subtypes=()):
         self.node = node
         self.bus = context.socket(zmq.DEALER)
         self.bus.setsockopt(zmq.LINGER, 0)
-        self.bus.connect(f"ipc://{fleet.dir(node)}/bus/probe.ipc")
-        hello = wire.pack(["cli", [], 1, os.getpid(), "independent"])
+        self.bus.connect(f"ipc://{fleet.dir(node)}/bus/{service}.ipc")
+        name = "cli" if service == "probe" else service
+        hello = wire.pack([name, list(subtypes), 1, os.getpid(), "independent"])
         self.bus.send(wire.Frame("service_hello", "", "", type=wire.COMMAND, id=1, data=hello).encode())
-        self.slot = self.receive().body()[2]
+        self.slot = self.receive(20).body()[2]
         self.ids = itertools.count(1)
         self.next_alive = 0
 
@@ -68,23 +70,36 @@ class Probe:
         for _ in range(count):
             self.bus.send(self.value(to, data, reply_to))
 
-    def ask(self, target):
-        """One question to that node's router and its answer; in seconds."""
-        self.live()
+    def send_request(self, target, subtype, body):
         ident = self.slot << 48 | next(self.ids)
-        began = time.monotonic()
-        self.bus.send(wire.Frame("echo_request", self.node, target, type=wire.REQUEST, id=ident,
-                                 data=wire.pack([b"x" * 48])).encode())
+        self.bus.send(wire.Frame(subtype, self.node, target, type=wire.REQUEST, id=ident, data=wire.pack(body)).encode())
+        return ident
+
+    def asks(self, target):
+        """One question to that node's router, which is answered: the id, to which that node may answer more."""
+        self.live()
+        ident = self.send_request(target, "echo_request", [b"x" * 48])
         while True:
             frame = self.receive()
             if frame.reply_to == ident:
                 if frame.subtype != "echo":
                     raise AssertionError(f"{frame.subtype}: {frame.data}")
-                return time.monotonic() - began
+                return ident
 
-    @property
-    def as_asker(self):
-        return self.slot << 48 | 1
+    def ask(self, target):
+        """As asks(); in seconds."""
+        began = time.monotonic()
+        self.asks(target)
+        return time.monotonic() - began
+
+
+class Lanes(support.RouterFleet):
+    """Arm's sensor-bus is played by a test."""
+
+    def start_node(self, node):
+        without = ["--without", "sensor-bus"] if node == "arm" else []
+        up = [self.programs / "trb", "up", self.dir(node), *without, "--die-with-parent"]
+        self.nodes[node] = trb_fleet.Process(up, self.root / f"up-{node}.log")
 
 
 class Listener:
@@ -133,8 +148,14 @@ class Lane(unittest.TestCase):
         cls.context = zmq.Context()
         cls.addClassCleanup(cls.context.term)
         services = {name: ["router"] for name in (TARGET, "arm", "belt", "crane")}
-        cls.fleet = support.make_fleet(cls, support.RouterFleet, services=services, block=BLOCK, udp_port=UDP_PORT)
-        cls.fleet.bring_up(TARGET, "arm")
+        services["arm"] = ["router", "sensor-bus"]
+        cls.fleet = support.make_fleet(cls, Lanes, services=services, block=BLOCK, udp_port=UDP_PORT)
+        for node in (TARGET, "arm"):
+            cls.fleet.start_node(node)
+        cls.sensors = Probe(cls.context, cls.fleet, "arm", "sensor-bus", ["sensor_read"])
+        cls.addClassCleanup(cls.sensors.bus.close)
+        for node in (TARGET, "arm"):
+            cls.fleet.nodes[node].wait_line("ready", 20)
         cls.address = cls.fleet.address(TARGET)
         cls.server_key = Member(cls.fleet, TARGET).public
         cls.belt, cls.crane = Member(cls.fleet, "belt"), Member(cls.fleet, "crane")
@@ -142,6 +163,7 @@ class Lane(unittest.TestCase):
     def setUp(self):
         self.fleet.wait("arm is linked", lambda: self.route("arm")["state"] == "ONLINE", 10)
         self.cloud, self.arm = self.probe(TARGET), self.probe("arm")
+        self.cloud_asked, self.arm_asked = self.cloud.asks("arm"), self.arm.asks(TARGET)
         self.watch = support.Watch(self.fleet, TARGET)
         self.watch_arm = support.Watch(self.fleet, "arm")
         self.fleet.wait("each hears the other's lane", lambda: self.lane_is_there(), 10)
@@ -162,8 +184,8 @@ class Lane(unittest.TestCase):
     def lane_is_there(self):
         """What goes out is counted as sent by the lane."""
         before = (self.sent(self.watch), self.sent(self.watch_arm))
-        self.cloud.stream("arm", reply_to=self.arm.as_asker)
-        self.arm.stream(TARGET, reply_to=self.cloud.as_asker)
+        self.cloud.stream("arm", reply_to=self.arm_asked)
+        self.arm.stream(TARGET, reply_to=self.cloud_asked)
         there = (self.arm.receive().subtype, self.cloud.receive().subtype) == ("temperature", "temperature")
         return there and self.sent(self.watch) > before[0] and self.sent(self.watch_arm) > before[1]
 
@@ -206,7 +228,7 @@ class Lane(unittest.TestCase):
         before = self.sent(self.watch_arm)
         values = []
         for _ in range(5):  # libzmq hears of room by halves of its bound of 256: all 200 at once might not fit
-            self.arm.stream(TARGET, 40, reply_to=self.cloud.as_asker)
+            self.arm.stream(TARGET, 40, reply_to=self.cloud_asked)
             values += [self.cloud.receive() for _ in range(40)]
         self.assertEqual({(value.subtype, value.source, value.flags, value.data) for value in values},
                          {("temperature", "arm", LOSSY, b"21.5")})
@@ -215,14 +237,14 @@ class Lane(unittest.TestCase):
 
     def test_a_picture_goes_by_the_lane(self):
         picture = os.urandom(1_000_000)
-        self.arm.stream(TARGET, data=picture, reply_to=self.cloud.as_asker)
+        self.arm.stream(TARGET, data=picture, reply_to=self.cloud_asked)
         self.assertEqual(self.cloud.receive().data, picture)
 
     def test_a_flood_is_not_in_the_way_of_control(self):
         asker = self.probe("arm")
         idle = [asker.ask(TARGET) for _ in range(300)]
         before = self.sent(self.watch_arm)
-        frames = self.arm.value(TARGET, b"x" * 200, self.cloud.as_asker)
+        frames = self.arm.value(TARGET, b"x" * 200, self.cloud_asked)
         ended = threading.Event()
 
         def flood():
@@ -321,7 +343,7 @@ class Lane(unittest.TestCase):
         self.watch.wait_counted("refused.lane_word")
         talker.wait_event(zmq.EVENT_DISCONNECTED)
         for _ in range(20):
-            self.cloud.stream("arm", reply_to=self.arm.as_asker)
+            self.cloud.stream("arm", reply_to=self.arm_asked)
             self.assertEqual(self.arm.receive().subtype, "temperature")
         self.assertTrue(talker.hears_nothing(0))
         again = self.of_belt(b"belt\0")
@@ -380,7 +402,11 @@ class Lane(unittest.TestCase):
     def test_lossy_words_of_one_s_own_node_need_no_lane(self):
         other = self.probe("arm")
         before = self.sent(self.watch_arm)
-        self.arm.stream("arm", 50, reply_to=other.as_asker)
+        other.send_request("arm", "sensor_read", ["temperature", "", 1.0])
+        asked = self.sensors.receive()
+        self.arm.stream("arm", 5, reply_to=asked.id)  # of one that was not asked
+        self.watch_arm.wait_counted("refused.not_asked", 5)
+        self.sensors.stream("arm", 50, reply_to=asked.id)
         self.assertEqual([other.receive().data for _ in range(50)], [b"21.5"] * 50)
         self.arm.stream("nobody", 5)
         self.watch_arm.wait_counted("dropped.unknown_target", 5, prefixes=("dropped.",))

@@ -5,6 +5,7 @@
 #include "common/transport/loop.hpp"
 #include "proto/phase.hpp"
 #include "services/cli/commands/command.hpp"
+#include "services/cli/core/answers.hpp"
 #include "services/cli/core/table.hpp"
 #include "services/cli/io/print.hpp"
 #include "services/cli/io/probe.hpp"
@@ -59,10 +60,11 @@ int ask_and_print(const Arguments& arguments, const std::string& target, Message
     return kGood;
   }
   // Information has no answer; a Nack, if there is one, is quick.
-  const std::uint64_t id = probe->send(send);
+  const auto id = probe->send(send);
+  if (!id) return print_error(arguments, id.error());
   while (auto message = probe->receive(std::chrono::milliseconds(300))) {
-    const auto nack = message->reply_to == id && message->subtype == Nack::kSubtype ? decode<Nack>(message->data)
-                                                                                    : Result<Nack>(Error{});
+    const auto nack = message->reply_to == *id && message->subtype == Nack::kSubtype ? decode<Nack>(message->data)
+                                                                                     : Result<Nack>(Error{});
     if (nack) return print_error(arguments, nack_error(*nack));
   }
   if (!arguments.has("--json")) print_line(target + ": sent (information has no answer)");
@@ -176,17 +178,18 @@ std::vector<StopReport> order_all(Probe& probe, const std::vector<std::string>& 
   std::map<std::uint64_t, std::size_t> asked;
   std::vector<StopReport> reports;
   for (const std::string& target : targets) {
-    const std::uint64_t id = probe.send(Send{.type = MessageType::command, .target = target, .body = body});
-    reports.push_back(
-        {target, id == 0 ? "unreachable" : "sent", id == 0 ? "the router takes no message" : "no answer in time"});
-    if (id != 0) asked[id] = reports.size() - 1;
+    const auto id = probe.send(Send{.type = MessageType::command, .target = target, .body = body});
+    const bool sent = id && *id != 0;
+    const std::string why = id ? "the router takes no message" : id.error().text();
+    reports.push_back({target, sent ? "sent" : "unreachable", sent ? "no answer in time" : why});
+    if (sent) asked[*id] = reports.size() - 1;
   }
   const MonotonicTime end = read_clocks().mono + wait;
   while (!asked.empty() && read_clocks().mono < end) {
     auto message = probe.receive(end - read_clocks().mono);
     if (!message) break;
     const auto at = asked.find(message->reply_to);
-    if (at == asked.end()) continue;
+    if (at == asked.end() || !answers(*message, at->first, reports[at->second].robot)) continue;
     reports[at->second].text.clear();
     take_answer(*message, reports[at->second]);
     asked.erase(at);

@@ -29,6 +29,8 @@ constexpr Cause kCauses[] = {
      "install the same release on both"},
     {"clock_off", "clock_off", "", "set the clock: timedatectl; on a PC without a battery let NTP do it"},
     {"no_name", "no_name", "", "until then it is not dialled; everything else goes on"},
+    {"profile_too_large", "profile_too_large", "",
+     "if it is yours: name fewer skills, places and sensors in its robot's description; if not: trb fleet revoke"},
     {"one_way", "one_way", "what this node sends does not arrive there, what it sends does",
      "look for a firewall rule or a broken fibre in that direction; ping both ways"},
     {"not_heard", "silent", "nothing was heard of it for a lease of 10 s", "look at its power and cable; ping it"},

@@ -8,6 +8,7 @@
 #include "common/security/keys.hpp"
 #include "common/service/version.hpp"
 #include "common/transport/loop.hpp"
+#include "services/cli/core/answers.hpp"
 #include "services/cli/io/print.hpp"
 
 namespace trb::cli {
@@ -74,7 +75,9 @@ std::optional<Message> Probe::receive(Duration wait) {
 }
 
 Result<Message> Probe::ask(const Send& send, Duration wait) {
-  const std::uint64_t id = link_->send(send);
+  const auto sent = link_->send(send);
+  if (!sent) return sent.error();
+  const std::uint64_t id = *sent;
   if (id == 0) return fail(Errc::queue_full, "the router takes no message now", "see trb service list");
   const MonotonicTime end = read_clocks().mono + wait;
   for (;;) {
@@ -84,11 +87,26 @@ Result<Message> Probe::ask(const Send& send, Duration wait) {
                   "see trb route list and trb service list");
     }
     auto message = receive(left);
-    if (!message || message->reply_to != id) continue;
+    if (!message || !answers(*message, id, send.target)) continue;
     if (message->subtype != Nack::kSubtype) return std::move(*message);
     auto nack = decode<Nack>(message->data);
     if (!nack) return nack.error();
     return nack_error(*nack);
+  }
+}
+
+Result<RouteTable> Probe::ask_routes(Duration wait) {
+  RoutePages pages;
+  RouteListRequest question;
+  for (;;) {
+    auto answer = ask(Send{.type = MessageType::request, .target = node(), .body = question}, wait);
+    if (!answer) return answer.error();
+    auto page = decode<RouteTable>(answer->data);
+    if (!page) return page.error();
+    auto taken = pages.take(std::move(*page));
+    if (taken.whole) return std::move(*taken.whole);
+    if (!taken.next) return fail(Errc::conflict, "the router of '" + node() + "' tells another page than it was asked");
+    question = std::move(*taken.next);
   }
 }
 

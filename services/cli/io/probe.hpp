@@ -5,6 +5,7 @@
 #include <memory>
 #include <string>
 
+#include "common/actor/route_pages.hpp"
 #include "common/service/bus_link.hpp"
 #include "services/cli/core/arguments.hpp"
 
@@ -22,16 +23,17 @@ class Probe {
 
   [[nodiscard]] const std::string& node() const { return link_->welcome()->node; }
 
-  /// Sends one message; 0 if the router is gone.
-  std::uint64_t send(const Send& send) { return link_->send(send); }
+  /// Sends one message; 0 if the router is gone. Errors: too_large, bad_value (it could not be read).
+  Result<std::uint64_t> send(const Send& send) { return link_->send(send); }
   /// The next message within the time, if any.
   std::optional<Message> receive(Duration wait);
-  /// Sends and waits for the answer. A Nack becomes its error: code and text. Errors also: timeout.
+  /// Sends and waits for the answer of whom it asked. A Nack becomes its error: code and text. Errors also: timeout.
   Result<Message> ask(const Send& send, Duration wait = std::chrono::seconds(5));
 
-  /// Asks this node for a typed body.
+  /// Asks this node for a typed body; for a RouteTable, page after page.
   template <class Answer, class Question>
   Result<Answer> ask_node(Question question, Duration wait = std::chrono::seconds(5)) {
+    if constexpr (std::is_same_v<Answer, RouteTable>) return ask_routes(wait);
     auto answer = ask(Send{.type = MessageType::request, .target = node(), .body = std::move(question)}, wait);
     if (!answer) return answer.error();
     return decode<Answer>(answer->data);
@@ -40,6 +42,7 @@ class Probe {
  private:
   explicit Probe(const BusAddress& bus);
   Status wait_welcome(Duration wait);
+  Result<RouteTable> ask_routes(Duration wait);
 
   Context context_;
   std::unique_ptr<BusLink> link_;

@@ -98,7 +98,7 @@ void ResilienceCore::on_information(const Inbound& message, Now now, Outbox& out
                      fleet_.on_expired(body.id, body.reason, now.utc);
                      look_at_robot(body.id, now, true);
                    },
-                   [&](const RouteTable& body) { own ? hear(body, now, out) : out.count("dropped.foreign"); },
+                   [&](const RouteTable& body) { own ? take_page(body, now, out) : out.count("dropped.foreign"); },
                    [&](const RunTable& body) { own ? watcher_.on(body, now) : out.count("dropped.foreign"); },
                    [&](const RunChanged& body) { own ? watcher_.on(body) : out.count("dropped.foreign"); },
                    [&](const RunView& body) { own ? watcher_.on(body) : out.count("dropped.foreign"); },
@@ -135,6 +135,12 @@ void ResilienceCore::hear(const RobotFault& fault, const std::string& robot, Now
   const bool waits = std::ranges::any_of(
       loose_, [&](const LooseFault& one) { return one.robot == robot && one.fault.capability == fault.capability; });
   if (!waits) loose_.push_back({robot, fault, now.mono + kLoose});
+}
+
+void ResilienceCore::take_page(const RouteTable& page, Now now, Outbox& out) {
+  auto taken = routes_.take(page);
+  if (taken.whole) return hear(*taken.whole, now, out);
+  if (taken.next) out.request(settings_.node, std::move(*taken.next));
 }
 
 void ResilienceCore::hear(const RouteTable& table, Now now, Outbox& out) {
@@ -239,7 +245,8 @@ void ResilienceCore::settle(Now now, Outbox& out) {
   if (ask_routes_at_ && *ask_routes_at_ <= now.mono) {
     out.request(settings_.node, RouteListRequest{});
     asked_routes_ = now.mono;
-    ask_routes_at_ = now.mono + kRoutes;
+    // Without a first table nothing is judged: whatever has kept it away, it is asked for again soon.
+    ask_routes_at_ = now.mono + (routes_heard_ ? kRoutes : kRoutesAtOnce);
   }
   watcher_.tick(now, out);
 }

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "common/actor/core.hpp"
+#include "common/actor/route_pages.hpp"
 #include "services/resilience/core/alert_book.hpp"
 #include "services/resilience/core/proposals.hpp"
 #include "services/resilience/core/run_watcher.hpp"
@@ -76,6 +77,7 @@ class ResilienceCore final : public Core {
   void on_request(const Inbound& message, Now now, Outbox& out);
   void on_information(const Inbound& message, Now now, Outbox& out);
   void hear(const RobotFault& fault, const std::string& robot, Now now, Outbox& out);
+  void take_page(const RouteTable& page, Now now, Outbox& out);
   void hear(const RouteTable& table, Now now, Outbox& out);
   void hear(const Nack& nack, Now now, Outbox& out);
   void look_at_robot(const std::string& robot, Now now, bool expired = false);
@@ -136,6 +138,7 @@ class ResilienceCore final : public Core {
   Fleet fleet_;
   RunWatcher watcher_;
   Presence presence_;
+  RoutePages routes_;
   AlertBook book_;
   std::map<std::string, Work, std::less<>> works_;  ///< by alert
   std::map<std::string, SignedRecord, std::less<>> certificates_;

@@ -137,9 +137,14 @@ void Bench::handle(const Send& sent) {
 }
 
 void Bench::handle_own(const Send& send) {
-  if (holds_alternative<RouteListRequest>(send.body)) {
-    RouteTable table{"cloud", {}};
-    for (const auto& [id, route] : routes) table.routes.push_back(route);
+  if (const auto* asked = get_if<RouteListRequest>(&send.body)) {
+    if (no_table) return;
+    RouteTable table{"cloud", {}, false, asked->after};
+    for (auto at = routes.upper_bound(asked->after); at != routes.end(); ++at) {
+      table.more = table.routes.size() == page;
+      if (table.more) break;
+      table.routes.push_back(at->second);
+    }
     return answer("cloud", table);
   }
   if (const auto* request = get_if<SignRequest>(&send.body)) {

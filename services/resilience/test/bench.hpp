@@ -77,6 +77,8 @@ class Bench {
   std::size_t commits = 0;
   std::size_t crash_at = 0;  ///< the process ends with this commit, its messages are lost; 0: never
   bool deaf = false;         ///< the scheduler does not answer
+  bool no_table = false;     ///< the router does not answer route_list, or it is lost
+  std::size_t page = 1024;   ///< rows of the router's table in a message
   bool knows_watch = true;
   std::string refuses;          ///< the scheduler Nacks decisions with this code
   std::set<std::string> keeps;  ///< robots that do not answer release_tasks

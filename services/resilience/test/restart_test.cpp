@@ -92,6 +92,24 @@ TEST_CASE("after a restart nothing is judged before the router and the scheduler
   CHECK(bench->taken.size() == 1);
 }
 
+TEST_CASE("a router that does not tell its table is asked again soon, and one that tells it in pages asked on") {
+  auto bench = paper();
+  bench->no_table = true;
+  bench->restart();
+  bench->heard["route_list"] = 0;
+  bench->wait(seconds(10));
+  CHECK(bench->heard["route_list"] >= 9);
+  CHECK(bench->heard["route_list"] <= 12);
+  bench->no_table = false;
+  bench->page = 1;
+  bench->wait(seconds(3));
+  bench->end_task("t4", TaskOutcome::failed, "stuck");
+  CHECK(bench->alert().proposals.size() > 1);
+  bench->heard["route_list"] = 0;
+  bench->wait(seconds(11));  // every 5 s while an alert is open
+  CHECK(bench->heard["route_list"] >= 2 * static_cast<int>(bench->routes.size()));
+}
+
 TEST_CASE("what has happened to a robot is told newest first, also after a restart") {
   auto bench = paper();
   bench->fault("ridgeback", "mobile");

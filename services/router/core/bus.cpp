@@ -5,19 +5,36 @@
 #include "services/router/core/router_core.hpp"
 
 namespace trb::router {
-namespace {
 
-Message to_service(const std::string& node, std::uint64_t id, std::uint64_t reply_to, const Body& body) {
+/// A message of this router's own. What its hearer would have to refuse is not made; who waits for it is told so.
+std::optional<Message> RouterCore::make_own(const std::string& target, std::uint64_t reply_to, const Body& body,
+                                            Effects& out) {
+  auto data = pack_body(body);
   Message message;
   message.type = MessageType::information;
   message.subtype = subtype_of(body);
-  message.source = node;
-  message.target = node;
-  message.id = id;
+  message.source = config_.id;
+  message.target = target;
+  message.id = ++message_count_;
   message.reply_to = reply_to;
-  message.data = encode_body(body);
+  if (data) {
+    message.data = std::move(*data);
+    return message;
+  }
+  const Error& why = data.error();
+  out.count("dropped." + std::string(errc_name(why.code)));
+  out.log(LogLevel::error, "not_sent", message.subtype + " for '" + target + "': " + why.text());
+  if (reply_to == 0) return std::nullopt;
+  message.data = encode(Nack{std::string(errc_name(why.code)), message.subtype, target, why.what, why.cure});
+  message.subtype = Nack::kSubtype;
   return message;
 }
+
+void RouterCore::bus_send(ConnectionId to, std::uint64_t reply_to, const Body& body, Effects& out) {
+  if (auto message = make_own(config_.id, reply_to, body, out)) out.add(BusSend{to, std::move(*message)});
+}
+
+namespace {
 
 /// As much of both as a note may be long; no letter is cut in two.
 std::string join_notes(const std::string& first, const std::string& second) {
@@ -57,12 +74,12 @@ void RouterCore::on_service_hello(ConnectionId from, const ServiceHello& hello, 
     const Nack nack{std::string(errc_name(slot.error().code)), std::string(ServiceHello::kSubtype), config_.id,
                     slot.error().what,
                     slot.error().cure.empty() ? "stop the other process first: trb service list" : slot.error().cure};
-    out.add(BusSend{from, to_service(config_.id, ++message_count_, 1, nack)});
+    bus_send(from, 1, nack, out);
     return;
   }
   if (!probe) out.log(LogLevel::info, "service_up", hello.service + " (pid " + std::to_string(hello.pid) + ")");
   const ServiceWelcome welcome{config_.id, std::string(name_of(config_.role)), *slot, config_.instance, config_.boot};
-  out.add(BusSend{from, to_service(config_.id, ++message_count_, 1, welcome)});
+  bus_send(from, 1, welcome, out);
 }
 
 void RouterCore::forget_silent_probes(Now now, Effects& out) {
@@ -73,7 +90,7 @@ void RouterCore::forget_silent_probes(Now now, Effects& out) {
   }
   for (const ConnectionId id : silent) {
     services_.forget(id);
-    out.add(BusSend{id, to_service(config_.id, ++message_count_, 0, HelloWanted{})});
+    bus_send(id, 0, HelloWanted{}, out);
   }
 }
 
@@ -94,16 +111,14 @@ void RouterCore::on_bus_message(ConnectionId from, const Message& message, Now n
   auto body = decode_body(message.subtype, message.data);
   if (!body) return deny(from, message, body.error(), out);
   if (holds_alternative<ServiceAlive>(*body)) {
-    out.add(BusSend{from, to_service(config_.id, ++message_count_, message.id, ServiceAliveSeen{config_.instance})});
+    bus_send(from, message.id, ServiceAliveSeen{config_.instance}, out);
   } else if (const auto* request = get_if<SignRequest>(&*body)) {
     sign_for(from, message, *request, out);
   } else if (const auto* news = get_if<FleetNews>(&*body)) {
     answer_news(from, message, *news, now, out);
   } else if (const auto* profile = get_if<NodeProfile>(&*body)) {
     if (connection->hello.service != "mode-adapter" || connection->probe) return;
-    robot_profile_ = *profile;
-    robot_profile_.plugged.clear();
-    tell_own_profile(out);
+    on_robot_profile(*profile, now, out);
   } else if (const auto* sensors = get_if<NodeSensors>(&*body)) {
     if (connection->hello.service == "sensor-bus" && !connection->probe) on_node_sensors(*sensors, out);
   } else if (auto reply = answer_to(message, now)) {
@@ -115,7 +130,11 @@ void RouterCore::on_bus_message(ConnectionId from, const Message& message, Now n
 
 Result<Body> RouterCore::answer_to(const Message& message, Now now) const {
   if (message.type == MessageType::request) {
-    if (message.subtype == RouteListRequest::kSubtype) return Body{route_table(now)};
+    if (message.subtype == RouteListRequest::kSubtype) {
+      auto asked = decode<RouteListRequest>(message.data);
+      if (!asked) return asked.error();
+      return Body{route_table(now, asked->after)};
+    }
     if (message.subtype == ServiceListRequest::kSubtype) return Body{service_table(now)};
     if (message.subtype == RouterCountersRequest::kSubtype) return Body{counters()};
     if (message.subtype == LinkTroublesRequest::kSubtype) return Body{troubles_.table(config_.id, now.mono)};
@@ -129,7 +148,7 @@ Result<Body> RouterCore::answer_to(const Message& message, Now now) const {
 }
 
 void RouterCore::answer(ConnectionId to, const Message& asked, const Body& body, Effects& out) {
-  out.add(BusSend{to, to_service(config_.id, ++message_count_, asked.id, body)});
+  bus_send(to, asked.id, body, out);
 }
 
 void RouterCore::deny(ConnectionId to, const Message& asked, const Error& error, Effects& out) {
@@ -217,10 +236,10 @@ Counters RouterCore::counters() const {
 void RouterCore::tell_services(Body body, Effects& out) {
   const std::string_view subtype = subtype_of(body);
   if (const auto taker = services_.by_subtype(subtype)) {
-    out.add(BusSend{*taker, to_service(config_.id, ++message_count_, 0, body)});
+    bus_send(*taker, 0, body, out);
   }
   for (const ConnectionId hearer : services_.hearers(subtype)) {
-    out.add(BusSend{hearer, to_service(config_.id, ++message_count_, 0, body)});
+    bus_send(hearer, 0, body, out);
   }
 }
 

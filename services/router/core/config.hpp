@@ -58,7 +58,7 @@ struct RouterConfig {
 /// From when on a person is told that a certificate ends.
 constexpr Duration kWarnBefore = std::chrono::hours(24 * 30);
 constexpr Duration kWarnEvery = std::chrono::hours(24);
-constexpr std::size_t kMaxNews = 512U * 1024U;  ///< of a FleetNews
+constexpr std::size_t kMaxNews = 516U * 1024U;  ///< of a FleetNews: the largest signed list, and what is around it
 constexpr std::size_t kMaxCandidates = 32;
 constexpr std::size_t kMaxHelloSize = 4096;
 constexpr std::size_t kMaxPeers = 1024;

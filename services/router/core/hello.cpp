@@ -80,11 +80,10 @@ bool RouterCore::proves_name(const Link& link, const Message& message, const Hel
   return certificate && certificate->link_key.bytes == link.key && certificate->id == message.source;
 }
 
-Result<Hello> RouterCore::read_hello(LinkId id, BytesView key, const Message& message) const {
+Result<Hello> RouterCore::read_hello(LinkId id, const Message& message) {
   if (id == 0) return fail(Errc::malformed, "Hello without a link id");
-  if (message.data.size() > kMaxHelloSize && peers_by_key_.count(key) == 0) {
-    return fail(Errc::too_large, "Hello over 4 kB");
-  }
+  // A member's, too: nobody says more, for a profile that does not fit follows.
+  if (message.data.size() > kMaxHelloSize) return fail(Errc::too_large, "Hello over 4 kB");
   return decode<Hello>(message.data);
 }
 
@@ -155,7 +154,7 @@ void RouterCore::on_hello(LinkId id, BytesView key, const Message& message, std:
   fresh.id = id;
   fresh.key = key;
   fresh.opened = now.mono;
-  auto hello = read_hello(id, key, message);
+  auto hello = read_hello(id, message);
   auto certificate = hello ? check_hello(dialled ? known->second : fresh, message, *hello, now, out)
                            : Result<Certificate>(hello.error());
   if (!certificate) {
@@ -189,6 +188,7 @@ Peer& RouterCore::make_peer(const Certificate& certificate, const SignedRecord& 
   const bool other =
       peer.certificate.identity_key != certificate.identity_key || peer.certificate.link_key != certificate.link_key;
   if (other) {
+    peer.number = ++peer_count_;
     peer.beacon_boot = peer.beacon_count = 0;
     peer.by_relay = false;
     peer.relay_key.clear();
@@ -284,13 +284,7 @@ void RouterCore::refuse_candidate(LinkId id, BytesView key, const Error& error, 
 }
 
 void RouterCore::tell_candidate(LinkId id, const Body& body, Effects& out, std::uint8_t version) {
-  Message message;
-  message.type = MessageType::information;
-  message.subtype = subtype_of(body);
-  message.source = config_.id;
-  message.id = ++message_count_;
-  message.data = encode_body(body);
-  out.add(RefuseCandidate{id, std::move(message), version});
+  if (auto message = make_own("", 0, body, out)) out.add(RefuseCandidate{id, std::move(*message), version});
 }
 
 void RouterCore::hand_news(LinkId id, bool dialled, const std::string& to, const Error& refusal, const Hello& hello,

@@ -82,9 +82,10 @@ Routing RouterCore::route_lane(LinkId id, const HeaderView& header, Effects& out
   // The words of a link have no meaning here, nor what a node keeps to itself.
   if (!may_send_out(peers_.at(link->peer).certificate.role, header.subtype))
     return refuse(Errc::not_permitted, "not_permitted");
-  const Routing own = header.remaining_ms == 0 ? drop(Errc::expired) : route_to_self(header);
+  const Routing own = header.remaining_ms == 0 ? drop(Errc::expired) : route_from(peers_.at(link->peer), header, out);
   if (own.to == Routing::To::router) return refuse(Errc::not_permitted, "not_permitted");
-  if (own.to == Routing::To::drop) out.count("dropped." + std::string(errc_name(own.reason)));
+  if (own.to == Routing::To::drop)
+    out.count((own.reason == Errc::not_asked ? "refused." : "dropped.") + std::string(errc_name(own.reason)));
   return own;
 }
 

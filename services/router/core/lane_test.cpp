@@ -21,15 +21,22 @@ struct Stream {
     Effects effects;
     bee.core->on_service_hello(1, {"scheduler", {"baton"}, 5, 100, "1"}, "scheduler", fleet.now, effects);
     fleet.carry_out(bee, effects);
+    Message watch = make_message(MessageType::request, "bee", "ant", SensorWatch{});
+    watch.id = asked_id();
+    CHECK(bee.core->route_local(1, header_of(watch)).to == To::peer);
+  }
+  [[nodiscard]] std::uint64_t asked_id() const {
+    for (const BusSend& send : bee.bus) {
+      if (send.message.subtype == ServiceWelcome::kSubtype)
+        return static_cast<std::uint64_t>(decode<ServiceWelcome>(send.message.data)->slot) << 48U | 5U;
+    }
+    return 0;
   }
   /// A value that answers what bee's service asked.
   [[nodiscard]] Message value(const std::string& from = "ant") const {
     Message message = make_message(MessageType::information, from, "bee", SensorReading{});
     message.flags = kFlagLossy;
-    for (const BusSend& send : bee.bus) {
-      if (send.message.subtype == ServiceWelcome::kSubtype)
-        message.reply_to = static_cast<std::uint64_t>(decode<ServiceWelcome>(send.message.data)->slot) << 48U | 5U;
-    }
+    message.reply_to = asked_id();
     return message;
   }
   /// What bee makes of a message that came by ant's lane.
@@ -159,6 +166,23 @@ TEST_CASE("what comes by a lane is its peer's own lossy information for this nod
   CHECK(stream.bee.count("refused.lane_not_permitted") == 7);
   CHECK(stream.bee.count("dropped.expired") == 1);
   CHECK(stream.bee.told(Nack::kSubtype) + stream.ant.told(Nack::kSubtype) == 0);
+}
+
+TEST_CASE("a stream that nobody asked for is refused by a lane as it is by a link") {
+  Stream stream;
+  Message value = stream.value();
+  value.reply_to += 1;
+  CHECK(stream.come(value).reason == Errc::not_asked);
+  CHECK(stream.bee.count("refused.not_asked") == 1);
+  CHECK(stream.bee.log.back().find("not_asked ant sent sensor_reading") == 0);
+
+  TestNode& cat = stream.fleet.start("cat");
+  stream.fleet.run(Seconds(2));
+  Effects effects;
+  CHECK(stream.bee.core->route_lane(stream.bee.link_to("cat"), header_of(stream.value("cat")), effects).reason ==
+        Errc::not_asked);
+  CHECK(stream.fleet.hears("bee", "cat"));
+  CHECK(cat.delivered.empty());
 }
 
 TEST_CASE("a peer that does not listen gets a stream by its link, and of a flood no more than that") {

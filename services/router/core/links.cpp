@@ -53,15 +53,9 @@ void RouterCore::on_dial_connected(LinkId id, Now now, Effects& out) {
 }
 
 void RouterCore::link_send(Link& link, const Body& body, Effects& out, const Message* asked) {
-  Message message;
-  message.type = MessageType::information;
-  message.subtype = subtype_of(body);
-  message.source = config_.id;
-  message.target = asked != nullptr ? asked->source : link.peer;
-  message.id = ++message_count_;
-  message.reply_to = asked != nullptr ? asked->id : 0;
-  message.data = encode_body(body);
-  out.add(LinkSend{link.id, std::move(message)});
+  const std::string& target = asked != nullptr ? asked->source : link.peer;
+  if (auto message = make_own(target, asked != nullptr ? asked->id : 0, body, out))
+    out.add(LinkSend{link.id, std::move(*message)});
 }
 
 bool RouterCore::admit(BytesView key, MonotonicTime now, Effects& out) {
@@ -124,13 +118,12 @@ void RouterCore::on_early_message(LinkId id, BytesView key, const Message& messa
 
 void RouterCore::on_peer_message(Link& link, const Message& message, Now now, Effects& out) {
   if (message.subtype == FleetNews::kSubtype) return on_news_message(&link, message, now, out);
+  if (message.subtype == NodeProfile::kSubtype) return take_profile(peers_.at(link.peer), message.data, now, out);
   auto body = decode_body(message.subtype, message.data);
   if (!body) return deny_peer(link, message, body.error(), out);
   if (const auto* seal = get_if<Seal>(&*body)) return on_seal(link, *seal, now, out);
   if (const auto* alive = get_if<KeepAlive>(&*body)) return on_keep_alive(link, *alive, now);
-  if (const auto* profile = get_if<NodeProfile>(&*body)) {
-    peers_.at(link.peer).profile = *profile;
-  } else if (const auto* told = get_if<Neighbours>(&*body)) {
+  if (const auto* told = get_if<Neighbours>(&*body)) {
     on_neighbours(link, *told, now, out);
   } else if (const auto* relayed = get_if<Relayed>(&*body)) {
     on_relayed(link, message, *relayed, now, out);

@@ -212,7 +212,7 @@ std::size_t RouterCore::flood_news(const FleetNews& fresh, LinkId from, Effects&
   std::size_t told = 0;
   for (const LinkId id : up_links()) {
     if (id == from) continue;
-    link_send(links_.at(id), fresh, out);
+    send_news(links_.at(id), fresh, out);
     ++told;
   }
   return told;
@@ -222,7 +222,25 @@ void RouterCore::tell_news(Link& link, std::uint64_t known_list, Now now, Effect
   FleetNews news = known_news();
   std::erase_if(news.certificates, [&](const SignedRecord& record) { return has_ended(record, now); });
   if (news_.list.number <= known_list) news.revocations = {};
-  if (!news.revocations.kind.empty() || !news.certificates.empty()) link_send(link, news, out);
+  if (!news.revocations.kind.empty() || !news.certificates.empty()) send_news(link, news, out);
+}
+
+/// In messages that their hearer takes: the list first, certificates apart from it if need be.
+void RouterCore::send_news(Link& link, const FleetNews& news, Effects& out) {
+  if (encode(news).size() <= kMaxNews) return link_send(link, news, out);
+  if (!news.revocations.kind.empty()) link_send(link, FleetNews{news.revocations, {}}, out);
+  FleetNews part;
+  std::size_t size = 0;
+  for (const SignedRecord& record : news.certificates) {
+    const std::size_t more = encode(record).size();
+    if (size + more > kMaxNews / 2 && !part.certificates.empty()) {
+      link_send(link, std::exchange(part, {}), out);
+      size = 0;
+    }
+    part.certificates.push_back(record);
+    size += more;
+  }
+  if (!part.certificates.empty()) link_send(link, part, out);
 }
 
 void RouterCore::on_news_message(const Link* link, const Message& message, Now now, Effects& out) {

@@ -1,8 +1,14 @@
 #include "services/router/core/peers.hpp"
 
 #include "common/base/address.hpp"
+#include "proto/body.hpp"
 
 namespace trb::router {
+
+bool fits(const NodeProfile& profile) {
+  const auto packed = pack(profile);
+  return packed && packed->size() <= kMaxProfileSize;
+}
 
 Status check_address(std::string_view field, std::string_view address, std::string_view whose) {
   if (address.empty() || is_numeric_endpoint(address)) return Done{};

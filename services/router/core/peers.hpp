@@ -59,6 +59,7 @@ struct Redial {
 
 struct Peer {
   std::string id;
+  std::uint64_t number = 0;  ///< of its own, never used again: whose answers count, without comparing names
   SignedRecord certificate_record;
   Certificate certificate;
   std::string address;       ///< where it says that it can be dialled
@@ -103,6 +104,9 @@ struct Seed {
 /// An address that another node tells is numbers, or empty: to ask a name server where it is would wait for one, as
 /// long as that likes. Errors: bad_value, naming the field.
 Status check_address(std::string_view field, std::string_view address, std::string_view whose);
+
+/// A profile that may be kept and told on: kMaxProfileSize.
+bool fits(const NodeProfile& profile);
 
 /// Of two links to one peer: does the new one take the old one's place? Both sides come to the same answer.
 /// A higher boot counter wins (the old process is gone); else, if either side has another address than when the old

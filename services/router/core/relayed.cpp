@@ -266,11 +266,24 @@ void RouterCore::tell_profile_by_relay(Peer& peer, Now now, Effects& out) {
   send_relayed(peer.id, message, now, out);
 }
 
-/// Of a peer's robot and sensors, by its own word.
-void RouterCore::take_profile(Peer& peer, BytesView data, Now, Effects& out) {
-  auto profile = decode<NodeProfile>(data);
-  if (!profile) return out.count("refused." + std::string(errc_name(profile.error().code)));
-  peer.profile = std::move(*profile);
+/// Of a peer's robot and sensors, by its own word. It is told on, row beside row: none takes the others' room.
+void RouterCore::take_profile(Peer& peer, BytesView data, Now now, Effects& out) {
+  if (data.size() <= kMaxProfileSize) {
+    auto profile = decode<NodeProfile>(data);
+    if (!profile) {
+      out.count("refused." + std::string(errc_name(profile.error().code)));
+      return out.log(LogLevel::warning, "message_refused", peer.id + " sent node_profile: " + profile.error().text());
+    }
+    if (fits(*profile)) {
+      peer.profile = std::move(*profile);
+      return;
+    }
+  }
+  const std::string text = "it told a profile of " + std::to_string(data.size()) + " bytes, " +
+                           std::to_string(kMaxProfileSize) + " are the most";
+  out.count("refused.profile_too_large");
+  out.log(LogLevel::warning, "profile_too_large", peer.id + ": " + text + "; the one before stands");
+  troubles_.note(peer.id, "", "profile_too_large", text, now.mono);
 }
 
 void RouterCore::take_relayed(Peer& source, const HeaderView& header, Now now, Effects& out) {
@@ -295,15 +308,7 @@ void RouterCore::take_relayed(Peer& source, const HeaderView& header, Now now, E
 void RouterCore::answer_relayed(const std::string& to, const Message& asked, Now now, Effects& out) {
   const auto body = answer_to(asked, now);
   if (!body) return out.count("refused." + std::string(errc_name(body.error().code)));
-  Message message;
-  message.type = MessageType::information;
-  message.subtype = subtype_of(*body);
-  message.source = config_.id;
-  message.target = to;
-  message.id = ++message_count_;
-  message.reply_to = asked.id;
-  message.data = encode_body(*body);
-  send_relayed(to, message, now, out);
+  if (const auto message = make_own(to, asked.id, *body, out)) send_relayed(to, *message, now, out);
 }
 
 }  // namespace trb::router

@@ -41,6 +41,16 @@ Routing drop(Errc reason) {
   return {.reason = reason};
 }
 
+bool is_refusal(Errc reason) {
+  return reason == Errc::source_mismatch || reason == Errc::not_permitted || reason == Errc::unknown_peer_key ||
+         reason == Errc::not_asked;
+}
+
+/// Nor, on another node, for what becomes of a word to every node.
+bool waits_elsewhere(const HeaderView& header) {
+  return header.target != kEveryNode && deserves_nack(header);
+}
+
 std::string_view cure_of(Errc reason) {
   switch (reason) {
     case Errc::unknown_target:
@@ -67,6 +77,11 @@ std::string_view cure_of(Errc reason) {
 
 }  // namespace
 
+bool deserves_nack(const HeaderView& header) {
+  if (header.reply_to != 0 || header.id == 0 || is_lossy(header)) return false;
+  return header.type != MessageType::information || !is_typed(header.subtype);
+}
+
 Routing RouterCore::route_local(ConnectionId from, const HeaderView& header) {
   const Connection* connection = services_.find(from);
   if (connection == nullptr) return drop(Errc::no_service);
@@ -76,10 +91,12 @@ Routing RouterCore::route_local(ConnectionId from, const HeaderView& header) {
   if (header.target == config_.id) {
     const ServiceHello& by = connection->hello;
     if (!may_say(by.service, connection->probe, header.subtype)) return drop(Errc::not_permitted);
-    const Routing own = route_to_self(header);
+    const Routing own = route_to_self(header, party_of_connection(from));
     // What a robot says to its own node and nobody takes must not come back to it as fields.
     const bool echo = own.to == Routing::To::service && own.connection == from && header.reply_to == 0;
-    return echo ? drop(Errc::no_service) : own;
+    if (echo) return drop(Errc::no_service);
+    if (own.to == Routing::To::service) note_asked(from, header, party_of_connection(own.connection));
+    return own;
   }
   if (!may_send_out(config_.role, header.subtype)) return drop(Errc::not_permitted);
   if (header.target == kEveryNode) {
@@ -88,10 +105,20 @@ Routing RouterCore::route_local(ConnectionId from, const HeaderView& header) {
   }
   const auto peer = peers_.find(header.target);
   if (peer == peers_.end()) return drop(Errc::unknown_target);
-  if (const Link* relay = peer->second.link == 0 ? relay_of(peer->second) : nullptr)
+  const Party whom = party_of_peer(peer->second.number);
+  if (const Link* relay = peer->second.link == 0 ? relay_of(peer->second) : nullptr) {
+    note_asked(from, header, whom);
     return {.to = Routing::To::relay, .link = relay->id};
+  }
   if (peer->second.link == 0) return drop(peer->second.expired ? Errc::peer_expired : Errc::peer_unreachable);
+  note_asked(from, header, whom);
   return {.to = Routing::To::peer, .link = peer->second.link};
+}
+
+void RouterCore::note_asked(ConnectionId from, const HeaderView& header, Party whom) {
+  if (header.reply_to != 0 || header.id == 0) return;
+  const bool question = header.type != MessageType::information;
+  if (question || deserves_nack(header)) services_.asked_of(from)->note(header.id, question, whom);
 }
 
 Routing RouterCore::route_peer(LinkId id, const HeaderView& header, Now now, Effects& out) {
@@ -125,7 +152,7 @@ Routing RouterCore::route_peer(LinkId id, const HeaderView& header, Now now, Eff
     return drop(Errc::not_permitted);
   }
   if (header.remaining_ms == 0) return drop(Errc::expired);
-  return route_to_self(header);
+  return route_from(peers_.at(link.peer), header, out);
 }
 
 /// The words of a link have no meaning by a relay; what one node keeps to itself stays there by any road.
@@ -137,17 +164,38 @@ Routing RouterCore::route_relayed(const HeaderView& header, const Certificate& s
     return drop(Errc::not_permitted);
   }
   if (header.remaining_ms == 0) return drop(Errc::expired);
-  return route_to_self(header);
+  return route_from(peers_.at(source.id), header, out);
 }
 
-Routing RouterCore::route_to_self(const HeaderView& header) const {
+/// What another node has for this one, by whatever way.
+Routing RouterCore::route_from(const Peer& peer, const HeaderView& header, Effects& out) const {
+  const Routing own = route_to_self(header, party_of_peer(peer.number));
+  if (own.reason == Errc::not_asked) {
+    out.log(LogLevel::warning, "not_asked",
+            peer.id + " sent " + std::string(header.subtype) + " as an answer to what '" +
+                asker_of(header.reply_to)->hello.service + "' of " + config_.id + " did not ask of it");
+  }
+  return own;
+}
+
+const Connection* RouterCore::asker_of(std::uint64_t reply_to) const {
+  const auto connection = services_.by_slot(static_cast<std::uint16_t>(reply_to >> 48U));
+  return connection ? services_.find(*connection) : nullptr;
+}
+
+Routing RouterCore::route_to_self(const HeaderView& header, Party from) const {
   const auto to_service = [](std::optional<ConnectionId> connection) {
     if (!connection) return drop(Errc::no_service);
     return Routing{.to = Routing::To::service, .connection = *connection};
   };
   // Only information answers: else a peer could bring a command past the claims, straight to a service of its choice.
   if (header.reply_to != 0 && header.type != MessageType::information) return drop(Errc::bad_value);
-  if (header.reply_to != 0) return to_service(services_.by_slot(static_cast<std::uint16_t>(header.reply_to >> 48U)));
+  if (header.reply_to != 0) {
+    const Connection* asker = asker_of(header.reply_to);
+    if (asker == nullptr) return drop(Errc::no_service);
+    if (!asker->asked.may_answer(header.reply_to, header.subtype == Nack::kSubtype, from)) return drop(Errc::not_asked);
+    return to_service(services_.by_slot(asker->slot));
+  }
   if (contains(kOwnSubtypes, header.subtype)) return {.to = Routing::To::router};
   if (const auto claimed = services_.by_subtype(header.subtype)) return to_service(claimed);
   if (is_typed(header.subtype)) return drop(Errc::no_service);
@@ -180,18 +228,17 @@ Message RouterCore::make_nack(const HeaderView& header, Errc reason) const {
   return message;
 }
 
-bool deserves_nack(const HeaderView& header) {
-  if (header.reply_to != 0 || header.id == 0 || is_lossy(header)) return false;
-  return header.type != MessageType::information || !is_typed(header.subtype);
-}
-
 void RouterCore::nack_local(ConnectionId from, const HeaderView& header, Errc reason, Effects& out) {
   const bool forbidden = reason == Errc::not_permitted;
-  out.count((forbidden ? "refused." : "dropped.") + std::string(errc_name(reason)));
-  if (const Connection* by = services_.find(from); forbidden && by != nullptr) {
-    out.log(LogLevel::warning, "not_permitted",
+  const bool not_asked = reason == Errc::not_asked;
+  out.count((forbidden || not_asked ? "refused." : "dropped.") + std::string(errc_name(reason)));
+  if (const Connection* by = services_.find(from); (forbidden || not_asked) && by != nullptr) {
+    const Connection* asker = not_asked ? asker_of(header.reply_to) : nullptr;
+    out.log(LogLevel::warning, std::string(errc_name(reason)),
             "service '" + by->hello.service + "' (pid " + std::to_string(by->hello.pid) + ") said " +
-                std::string(header.subtype) + ", which is not its word: trb help rights");
+                std::string(header.subtype) +
+                (asker == nullptr ? ", which is not its word: trb help rights"
+                                  : " as an answer to what '" + asker->hello.service + "' did not ask of it"));
   }
   if (!deserves_nack(header)) return;
   Message message = make_nack(header, reason);
@@ -200,20 +247,17 @@ void RouterCore::nack_local(ConnectionId from, const HeaderView& header, Errc re
 }
 
 void RouterCore::nack_peer(LinkId from, const HeaderView& header, Errc reason, Effects& out) {
-  out.count((reason == Errc::source_mismatch || reason == Errc::not_permitted || reason == Errc::unknown_peer_key
-                 ? "refused."
-                 : "dropped.") +
-            std::string(errc_name(reason)));
+  out.count((is_refusal(reason) ? "refused." : "dropped.") + std::string(errc_name(reason)));
   const auto at = links_.find(from);
-  if (at == links_.end() || !at->second.up || header.source != at->second.peer || !deserves_nack(header)) return;
+  if (at == links_.end() || !at->second.up || header.source != at->second.peer || !waits_elsewhere(header)) return;
   Message message = make_nack(header, reason);
   message.id = ++message_count_;
   out.add(LinkSend{from, std::move(message)});
 }
 
 std::optional<Message> RouterCore::nack_relayed(const HeaderView& header, Errc reason, Effects& out) {
-  out.count((reason == Errc::not_permitted ? "refused." : "dropped.") + std::string(errc_name(reason)));
-  if (!deserves_nack(header)) return std::nullopt;
+  out.count((is_refusal(reason) ? "refused." : "dropped.") + std::string(errc_name(reason)));
+  if (!waits_elsewhere(header)) return std::nullopt;
   Message message = make_nack(header, reason);
   message.id = ++message_count_;
   return message;

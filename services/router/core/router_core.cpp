@@ -54,31 +54,56 @@ void RouterCore::count(std::string_view name, std::uint64_t by) {
   }
 }
 
-RouteTable RouterCore::route_table(Now now) const {
-  RouteTable table{config_.id, {}};
-  const bool verified = checked_utc(now.utc) == now.utc;
-  table.routes.push_back({config_.id, config_.role, config_.address, "self", 0, config_.boot, 0, "", config_.version,
-                          verified ? "verified" : "unverified", config_.certificate, profile_, ""});
-  for (const auto& [id, peer] : peers_) {
-    const Link* link = find_link(peer.link);
-    const Link* relay = link == nullptr ? relay_of(peer) : nullptr;
-    const std::string state = link != nullptr || relay != nullptr ? "ONLINE"
-                              : peer.expired || !peer.met         ? "OFFLINE"
-                                                                  : "CONNECTION_BROKEN";
-    const MonotonicTime heard = link != nullptr    ? link->last_heard
-                                : relay != nullptr ? peer.road.last_sign()
-                                                   : peer.last_heard;
-    table.routes.push_back({id, peer.certificate.role, peer.address, state, to_seconds(now.mono - heard), peer.boot,
-                            peer.link,
-                            link == nullptr ? ""
-                            : link->dialled ? config_.id
-                                            : id,
-                            peer.version, peer.clock_verified ? "verified" : "unverified", peer.certificate_record,
-                            peer.profile, relay == nullptr ? "" : relay->peer});
+namespace {
+
+constexpr std::size_t kRoutePage = 256U << 10U;  ///< of it a row takes 66 kB at most
+constexpr std::size_t kRouteWords = 512;         ///< a row's own words and numbers, at most
+
+}  // namespace
+
+Route RouterCore::route_of(const Peer& peer, Now now) const {
+  const Link* link = find_link(peer.link);
+  const Link* relay = link == nullptr ? relay_of(peer) : nullptr;
+  const std::string state = link != nullptr || relay != nullptr ? "ONLINE"
+                            : peer.expired || !peer.met         ? "OFFLINE"
+                                                                : "CONNECTION_BROKEN";
+  const MonotonicTime heard = link != nullptr    ? link->last_heard
+                              : relay != nullptr ? peer.road.last_sign()
+                                                 : peer.last_heard;
+  return {peer.id,
+          peer.certificate.role,
+          peer.address,
+          state,
+          to_seconds(now.mono - heard),
+          peer.boot,
+          peer.link,
+          link == nullptr ? ""
+          : link->dialled ? config_.id
+                          : peer.id,
+          peer.version,
+          peer.clock_verified ? "verified" : "unverified",
+          peer.certificate_record,
+          peer.profile,
+          relay == nullptr ? "" : relay->peer};
+}
+
+RouteTable RouterCore::route_table(Now now, const std::string& after) const {
+  RouteTable table{config_.id, {}, false, after};
+  std::size_t size = 0;
+  const auto add = [&](Route&& route) {
+    size += kRouteWords + encode(route.certificate).size() + encode(route.profile).size();
+    // The first always has room, and this node's own row is never the last: the cursor runs over peers.
+    table.more = size > kRoutePage && table.routes.size() > 1;
+    if (!table.more) table.routes.push_back(std::move(route));
+    return !table.more;
+  };
+  if (after.empty()) {
+    const bool verified = checked_utc(now.utc) == now.utc;
+    add({config_.id, config_.role, config_.address, "self", 0, config_.boot, 0, "", config_.version,
+         verified ? "verified" : "unverified", config_.certificate, profile_, ""});
   }
-  // It has to fit into a message: of sensors their names and kinds stay.
-  if (encode(table).size() > kMaxDataSize) {
-    for (Route& route : table.routes) route.profile.plugged.clear();
+  for (auto at = peers_.upper_bound(after); at != peers_.end(); ++at) {
+    if (!add(route_of(at->second, now))) break;
   }
   return table;
 }

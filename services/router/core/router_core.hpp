@@ -158,7 +158,8 @@ class RouterCore {
   /// The same of a file on this node; refusals are counted and logged.
   void on_news_of_file(const FleetNews& news, Now now, Effects& out);
 
-  [[nodiscard]] RouteTable route_table(Now now) const;
+  /// A page of the table: this node first, then the peers whose ids come behind `after`.
+  [[nodiscard]] RouteTable route_table(Now now, const std::string& after = {}) const;
   [[nodiscard]] const std::map<std::string, Peer, std::less<>>& peers() const { return peers_; }
   [[nodiscard]] const Link* find_link(LinkId id) const;
   [[nodiscard]] const RouterConfig& config() const { return config_; }
@@ -176,10 +177,15 @@ class RouterCore {
   // road.cpp
   [[nodiscard]] Routing route_relayed(const HeaderView& header, const Certificate& source, Effects& out) const;
   std::optional<Message> nack_relayed(const HeaderView& header, Errc reason, Effects& out);
-  [[nodiscard]] Routing route_to_self(const HeaderView& header) const;
+  [[nodiscard]] Routing route_to_self(const HeaderView& header, Party from) const;
+  [[nodiscard]] Routing route_from(const Peer& peer, const HeaderView& header, Effects& out) const;
+  [[nodiscard]] const Connection* asker_of(std::uint64_t reply_to) const;
+  void note_asked(ConnectionId from, const HeaderView& header, Party whom);
   [[nodiscard]] Message make_nack(const HeaderView& header, Errc reason) const;
 
   // bus.cpp
+  std::optional<Message> make_own(const std::string& target, std::uint64_t reply_to, const Body& body, Effects& out);
+  void bus_send(ConnectionId to, std::uint64_t reply_to, const Body& body, Effects& out);
   [[nodiscard]] Status may_be(const ServiceHello& hello, std::string_view proven) const;
   void answer(ConnectionId to, const Message& asked, const Body& body, Effects& out);
   void deny(ConnectionId to, const Message& asked, const Error& error, Effects& out);
@@ -194,6 +200,9 @@ class RouterCore {
   // sensors.cpp
   [[nodiscard]] bool is_plugged(std::string_view sensor) const;
   void on_node_sensors(const NodeSensors& told, Effects& out);
+  void on_robot_profile(const NodeProfile& told, Now now, Effects& out);
+  void profile_refused(std::size_t size, Now now, Effects& out);
+  bool make_fit(NodeProfile& profile) const;
   void tell_own_profile(Effects& out);
   void sensor_bus_gone(const Connection& connection, Now now);
   [[nodiscard]] std::optional<MonotonicTime> sensors_end() const;
@@ -204,7 +213,7 @@ class RouterCore {
   void send_hello(Link& link, Now now, Effects& out);
   void on_early_message(LinkId id, BytesView key, const Message& message, Now now, Effects& out);
   void on_peer_message(Link& link, const Message& message, Now now, Effects& out);
-  [[nodiscard]] Result<Hello> read_hello(LinkId id, BytesView key, const Message& message) const;
+  [[nodiscard]] static Result<Hello> read_hello(LinkId id, const Message& message);
   void on_hello(LinkId id, BytesView key, const Message& message, std::uint64_t sequence, Now now, Effects& out);
   bool may_say_hello(LinkId id, BytesView key, Now now, Effects& out);
   Result<Certificate> check_hello(const Link& link, const Message& message, const Hello& hello, Now now, Effects& out);
@@ -231,6 +240,8 @@ class RouterCore {
   void find_lane(Link& link, const Hello& hello, Now now);
   void tick_lanes(Now now, Effects& out);
   Link* linked_by_key(BytesView key);
+
+  [[nodiscard]] Route route_of(const Peer& peer, Now now) const;
 
   // relay.cpp
   void neighbour_changed(const std::string& id, Now now);
@@ -298,6 +309,7 @@ class RouterCore {
   void tick_unstored(Now now, Effects& out);
   std::size_t flood_news(const FleetNews& fresh, LinkId from, Effects& out);
   void tell_news(Link& link, std::uint64_t known_list, Now now, Effects& out);
+  void send_news(Link& link, const FleetNews& news, Effects& out);
   void forget_ended_renewals(Now now);
   [[nodiscard]] bool has_ended(const SignedRecord& renewal, Now now) const;
   void forget_told_renewal(const Certificate& certificate);
@@ -368,6 +380,7 @@ class RouterCore {
   Budget beacon_budget_{kBeaconsChecked};
   std::map<std::string, std::uint64_t, std::less<>> counts_;
   std::uint64_t message_count_ = 0;
+  std::uint64_t peer_count_ = 0;  ///< that there ever were
   Troubles troubles_;
   NewsState news_;
   /// Who has brought news, and what it is told once that is on disk.

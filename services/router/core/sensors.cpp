@@ -30,6 +30,36 @@ void RouterCore::on_node_sensors(const NodeSensors& told, Effects& out) {
   tell_own_profile(out);
 }
 
+void RouterCore::on_robot_profile(const NodeProfile& told, Now now, Effects& out) {
+  NodeProfile profile = told;
+  profile.plugged.clear();
+  if (!fits(profile)) return profile_refused(encode(profile).size(), now, out);
+  robot_profile_ = std::move(profile);
+  tell_own_profile(out);
+}
+
+/// No peer would take it: it is not told, and whoever looks sees why.
+void RouterCore::profile_refused(std::size_t size, Now now, Effects& out) {
+  const std::string text = "this node's own profile of " + std::to_string(size) + " bytes is not told, " +
+                           std::to_string(kMaxProfileSize) + " are the most";
+  out.count("refused.profile_too_large");
+  out.log(LogLevel::error, "profile_too_large",
+          text + "; the one before stands: name fewer skills, places or words in the robot's description");
+  troubles_.note(config_.id, "", "profile_too_large", text, now.mono);
+}
+
+/// Every peer must be able to take it: what sensors say of themselves goes first, then the sensors, never the robot.
+bool RouterCore::make_fit(NodeProfile& profile) const {
+  if (fits(profile)) return true;
+  for (SensorInfo& sensor : profile.plugged) sensor.detail.clear();
+  if (fits(profile)) return false;
+  for (SensorInfo& sensor : profile.plugged) sensor.device.clear();
+  if (fits(profile)) return false;
+  profile.plugged.clear();
+  if (!fits(profile)) profile = robot_profile_;
+  return false;
+}
+
 /// What the mode-adapter said and what the sensor-bus said, as one; told to every peer if it is another than before.
 void RouterCore::tell_own_profile(Effects& out) {
   NodeProfile profile = robot_profile_;
@@ -39,7 +69,14 @@ void RouterCore::tell_own_profile(Effects& out) {
     room = add_once(profile.sensors, sensor.name, kMaxNames) && room;
     room = add_once(profile.capabilities, sensor.kind, kMaxCapabilities) && room;
   }
+  const bool whole = make_fit(profile);
   if (profile == profile_) return;
+  if (!whole) {
+    out.count("dropped.profile_details");
+    out.log(LogLevel::warning, "profile_too_large",
+            "with all that is plugged in the profile is over " + std::to_string(kMaxProfileSize) +
+                " bytes: the fleet is not told all of its sensors (trb sensor list tells it here): plug in fewer");
+  }
   if (!room) {
     out.log(LogLevel::warning, "too_many_sensors",
             "a profile has " + std::to_string(kMaxNames) + " sensors and " + std::to_string(kMaxCapabilities) +

@@ -7,6 +7,7 @@
 
 #include "common/base/time.hpp"
 #include "proto/bodies/bus.hpp"
+#include "services/router/core/asked.hpp"
 #include "services/router/core/effects.hpp"
 
 namespace trb::router {
@@ -17,6 +18,7 @@ struct Connection {
   std::uint16_t slot = 0;
   MonotonicTime since;
   MonotonicTime last_heard;
+  Asked asked{};  ///< goes with the slot: who comes anew has asked nothing
 };
 
 class Services {
@@ -31,6 +33,7 @@ class Services {
   void heard(ConnectionId connection, MonotonicTime now);
 
   [[nodiscard]] const Connection* find(ConnectionId connection) const;
+  [[nodiscard]] Asked* asked_of(ConnectionId connection);
   [[nodiscard]] std::optional<ConnectionId> holder(std::string_view service) const;
   [[nodiscard]] std::optional<ConnectionId> by_subtype(std::string_view subtype) const;
   /// Those that want a copy of information of that subtype.

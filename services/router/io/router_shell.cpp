@@ -97,9 +97,10 @@ void RouterShell::carry_out(Effects& effects) {
     std::visit(Overloaded{
                    [this](BusSend& send) {
                      count_sent(send.message.subtype);
-                     const Bytes frame = encode_frame(send.message);
-                     tap('=', frame);
-                     if (send_bus(send.to, to_frame(frame)) == SendResult::full) core_.count("dropped.queue_full");
+                     const auto frame = own_frame(send.message);
+                     if (!frame) return;
+                     tap('=', *frame);
+                     if (send_bus(send.to, to_frame(*frame)) == SendResult::full) core_.count("dropped.queue_full");
                    },
                    [this](LinkSend& send) { send_own(send); },
                    [this](SealDue& due) { send_seal(due.link); },
@@ -115,10 +116,11 @@ void RouterShell::carry_out(Effects& effects) {
                    },
                    [this](RefuseCandidate& refuse) {
                      if (origin_.routing_id.empty()) return;
-                     Bytes frame = encode_frame(refuse.message);
-                     stamp_link(frame.data(), refuse.link, 1, refuse.message.remaining_ms);
-                     stamp_version(frame.data(), refuse.version);
-                     inbox_->send_to(origin_.routing_id, to_frame(frame));
+                     if (auto frame = own_frame(refuse.message)) {
+                       stamp_link(frame->data(), refuse.link, 1, refuse.message.remaining_ms);
+                       stamp_version(frame->data(), refuse.version);
+                       inbox_->send_to(origin_.routing_id, to_frame(*frame));
+                     }
                      door_.leave(origin_.visitor);
                    },
                    [this](SendBeacon& beacon) {
@@ -167,11 +169,23 @@ std::shared_ptr<ByteBudget> RouterShell::new_budget() const {
   return std::make_shared<ByteBudget>(kDestinationBytes, whole_);
 }
 
+/// Nothing if its hearer would have to refuse it: the core makes none such, and a link must not end by one.
+std::optional<Bytes> RouterShell::own_frame(const Message& message) {
+  Bytes frame = encode_frame(message);
+  const auto readable = decode_frame(frame);
+  if (readable) return frame;
+  core_.count("dropped." + std::string(errc_name(readable.error().code)));
+  log_limited(limit_, read_clocks().mono, Level::error, "not_sent",
+              message.subtype + " for '" + message.target + "': " + readable.error().text());
+  return std::nullopt;
+}
+
 void RouterShell::send_own(LinkSend& send) {
   count_sent(send.message.subtype);
-  const Bytes frame = encode_frame(send.message);
-  tap('>', frame);
-  const SendResult result = send_link(send.link, to_frame(frame));
+  const auto frame = own_frame(send.message);
+  if (!frame) return;
+  tap('>', *frame);
+  const SendResult result = send_link(send.link, to_frame(*frame));
   if (result == SendResult::sent) return;
   if (result == SendResult::unroutable) lost_links_.push_back(send.link);
   if (send.message.subtype == Relayed::kSubtype) {

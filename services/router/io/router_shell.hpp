@@ -188,6 +188,7 @@ class RouterShell {
   void end_lost_links();
   [[nodiscard]] std::shared_ptr<ByteBudget> new_budget() const;
   void send_own(LinkSend& send);
+  std::optional<Bytes> own_frame(const Message& message);
   void tap(char direction, BytesView frame);
   void drain_tap();
   void count_sent(std::string_view subtype);

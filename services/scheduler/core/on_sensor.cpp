@@ -9,8 +9,11 @@ void SchedulerCore::handle(const RouteTable& body, const Inbound& from, Step ste
   if (from.source != settings_.node) {
     return refuse(from, fail(Errc::not_permitted, "only the own router tells whom it reaches"), step);
   }
+  auto taken = routes_.take(body);
+  if (taken.next) step.out.request(settings_.node, std::move(*taken.next));
+  if (!taken.whole) return;
   for (Run* run : book_.runs()) {
-    for (Inquiry& inquiry : run->inquiries) inquiry.on(body, step.now, step.out);
+    for (Inquiry& inquiry : run->inquiries) inquiry.on(*taken.whole, step.now, step.out);
   }
 }
 

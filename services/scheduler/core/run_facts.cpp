@@ -10,11 +10,14 @@ Status not_of_this_run(const std::string& run, std::string_view what) {
   return fail(Errc::conflict, "run " + run + ": " + std::string(what) + " is not of this run");
 }
 
+/// Tasks of one baton: the choices on so many, their tasks and what was read, take 300 kB, beside 512 kB of results.
+constexpr std::size_t kMostPassed = 64;
+
 /// Puts a task into the group of its robot; groups stay in the order of their first task.
 void group(std::vector<std::pair<std::string, std::vector<TaskIndex>>>& groups, const std::string& robot,
            TaskIndex task) {
   for (auto& [to, tasks] : groups) {
-    if (to == robot) {
+    if (to == robot && tasks.size() < kMostPassed) {
       tasks.push_back(task);
       return;
     }

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "common/actor/core.hpp"
+#include "common/actor/route_pages.hpp"
 #include "common/security/keys.hpp"
 #include "services/scheduler/core/book.hpp"
 #include "services/scheduler/core/executor.hpp"
@@ -131,6 +132,7 @@ class SchedulerCore : public Core {
   void confirm_abort(Run& run, Step step);
 
   SchedulerSettings settings_;
+  RoutePages routes_;  ///< of the own router
   scheduler::Book book_;
   scheduler::Executor executor_;
   scheduler::Held held_;

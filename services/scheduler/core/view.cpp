@@ -3,6 +3,8 @@
 #include <algorithm>
 
 #include "common/scenario/condition.hpp"
+#include "proto/message.hpp"
+#include "proto/value.hpp"
 
 namespace trb::scheduler {
 namespace {
@@ -223,6 +225,22 @@ std::string waits_for(const Run& run, const Executor& executor, UtcTime now) {
   return out.substr(0, 1024);
 }
 
+void fit(RunView& view) {
+  constexpr std::size_t kMost = kMaxDataSize - 1024;
+  for (const std::size_t kept : {128U, 0U}) {
+    if (encode(view).size() <= kMost) return;
+    for (TaskView& task : view.tasks) {
+      task.reason = cut_utf8(task.reason, kept);
+      task.condition = cut_utf8(task.condition, kept);
+    }
+  }
+  const std::size_t decisions = view.decisions.size();
+  for (const std::size_t oldest : {decisions / 2, decisions}) {
+    if (encode(view).size() <= kMost) return;
+    for (std::size_t i = 0; i < oldest; ++i) view.decisions[i].tasks.clear();
+  }
+}
+
 RunView view_of(const Run& run, const Executor& executor, UtcTime now) {
   RunView view;
   view.run = run.id();
@@ -244,6 +262,7 @@ RunView view_of(const Run& run, const Executor& executor, UtcTime now) {
   for (std::size_t i = 0; i < run.tasks().size(); ++i) {
     view.tasks.push_back(task_view(run, executor, static_cast<TaskIndex>(i), {known[i], skipped[i]}));
   }
+  fit(view);
   return view;
 }
 

@@ -12,6 +12,8 @@ RunState state_of(const Run& run, const Executor& executor, UtcTime now);
 /// What a run waits for, in words: when PAUSED or ABORTING, and when this node's next task finds its robot not ready.
 std::string waits_for(const Run& run, const Executor& executor, UtcTime now);
 
+/// A view is one message: of a very large run the longest words are left out, then what the oldest decisions were on.
+void fit(RunView& view);
 RunView view_of(const Run& run, const Executor& executor, UtcTime now);
 RunSummary summary_of(const Run& run, const Executor& executor, UtcTime now);
 

@@ -147,8 +147,8 @@ void Fleet::send_local(Node& node, const Inbound& message) {
     REQUIRE_MESSAGE(may_sign(node.role, request->kind), (node.id + " " + request->kind));
     REQUIRE(may_have_signed("scheduler", false, request->kind));
     answer(node.id, message, seconds(0.002), sign(node.id, request->kind, request->payload.bytes));
-  } else if (holds_alternative<RouteListRequest>(message.body)) {
-    answer(node.id, message, seconds(0.001), routes(node));
+  } else if (const auto* asked = get_if<RouteListRequest>(&message.body)) {
+    answer(node.id, message, seconds(0.001), routes(node, asked->after));
   } else if (holds_alternative<SensorRead>(message.body)) {
     read_sensor(node, message);
   } else {
@@ -168,9 +168,13 @@ void Fleet::read_sensor(Node& node, const Inbound& message) {
   if (!node.sensors.hangs) answer(node.id, message, seconds(0.01), node.sensors.answer(get<SensorRead>(message.body)));
 }
 
-RouteTable Fleet::routes(const Node& node) const {
-  RouteTable table{node.id, {}};
-  for (const auto& [id, other] : nodes_) {
+RouteTable Fleet::routes(const Node& node, const std::string& after) const {
+  constexpr std::size_t kPage = 2;
+  RouteTable table{node.id, {}, false, after};
+  for (auto at = nodes_.upper_bound(after); at != nodes_.end(); ++at) {
+    const auto& [id, other] = *at;
+    table.more = table.routes.size() == kPage;
+    if (table.more) break;
     Route route;
     route.id = id;
     route.state = id == node.id ? "self" : node.cut || other.cut ? "CONNECTION_BROKEN" : "ONLINE";

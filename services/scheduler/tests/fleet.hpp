@@ -94,7 +94,7 @@ class Fleet {
   void nack(Node& node, const Inbound& message, Errc code);
   void answer(const std::string& from, const Inbound& asked, Duration delay, Body body);
   void read_sensor(Node& node, const Inbound& message);
-  [[nodiscard]] RouteTable routes(const Node& node) const;
+  [[nodiscard]] RouteTable routes(const Node& node, const std::string& after) const;
   void happen(Event event);
   void run_adapter(Node& node);
   void run_core(Node& node, const std::function<void(SchedulerCore&, Outbox&)>& step);

@@ -218,6 +218,19 @@ TEST_CASE("a fenced or absent robot waits, says why, and goes on") {
   CHECK(begun(fleet) == std::map<std::string, int>{{"task-0", 1}, {"task-1", 1}});
 }
 
+TEST_CASE("very many tasks at once are passed in several batons, each of which fits into a message") {
+  Fleet fleet;
+  add_demonstration(fleet);
+  fleet["ridgeback"].adapter.set(true, true);  // fenced: it begins none of them
+  fleet.pass(seconds(1));
+  Scenario scenario = chain(std::vector<std::string>(130, "ridgeback"));
+  for (Task& task : scenario.tasks) task.after.clear();
+  submit(fleet, scenario);
+  fleet.pass(seconds(5));
+  CHECK(fleet.carried["baton"] == 3);
+  CHECK(fleet.carried["baton_journaled"] == 3);
+}
+
 TEST_CASE("a robot that another commands keeps its task waiting, says who it is, and goes on") {
   Fleet fleet;
   add_demonstration(fleet);

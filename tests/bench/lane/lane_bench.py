@@ -29,12 +29,12 @@ LOADS = [("streams", 500, 100), ("pictures", 4, 200_000), ("ten times", 5000, 10
 GOAL = 1.2
 
 
-def stream(folder, node, to, slot, rate, size):
+def stream(folder, node, to, asked, rate, size):
     """The load's process: until it is ended. A rate of 0: as much as the bus takes."""
     os.sched_setaffinity(0, LOAD)
     fleet = type("Nodes", (), {"dir": staticmethod(lambda name: pathlib.Path(folder) / name)})
     probe = Probe(zmq.Context(), fleet, node)
-    frame = probe.value(to, bytes(size), slot << 48 | 1)
+    frame = probe.value(to, bytes(size), asked)
     began, count = time.monotonic(), 0
     print("streaming", flush=True)
     while True:
@@ -47,11 +47,11 @@ def stream(folder, node, to, slot, rate, size):
 
 
 def hear(folder, node):
-    """The asker's process: says its slot, then hears what comes."""
+    """The asker's process: asks the streamer's node, says the id that is answered, then hears what comes."""
     os.sched_setaffinity(0, LOAD)
     fleet = type("Nodes", (), {"dir": staticmethod(lambda name: pathlib.Path(folder) / name)})
     probe = Probe(zmq.Context(), fleet, node)
-    print(f"slot {probe.slot}", flush=True)
+    print(f"asked {probe.asks(FROM)}", flush=True)
     while True:
         probe.live()
         if probe.bus.poll(100):
@@ -85,12 +85,12 @@ class Bench:
         times = sorted(self.asker.ask(TO) for _ in range(self.questions))
         return statistics.median(times), times[int(len(times) * 0.99)]
 
-    def measure(self, slot, rate, size, rounds):
+    def measure(self, asked, rate, size, rounds):
         idle, loaded, seconds = [], [], 0.0
         before = self.counters(FROM), self.counters(TO)
         for _ in range(rounds):
             idle.append(self.ask())
-            load = self.play("--play", "stream", str(self.nodes), str(slot), str(rate), str(size))
+            load = self.play("--play", "stream", str(self.nodes), str(asked), str(rate), str(size))
             load.wait_line("streaming", 10)
             began = time.monotonic()
             while time.monotonic() - began < 1:
@@ -137,17 +137,17 @@ def main():
             for node in (FROM, TO):
                 pin(fleet.pid(node, "router"))
             bench = Bench(fleet, 100 if options.quick else 500)
-            line, _ = bench.play("--play", "hear", str(bench.nodes)).wait_line("slot", 10)
-            slot = int(line.split()[1])
             fleet.wait("the two are linked", lambda: bench.counters(FROM).get("seals.checked", 0) > 0, 10)
-            bench.asker.stream(TO, reply_to=slot << 48 | 1)
+            line, _ = bench.play("--play", "hear", str(bench.nodes)).wait_line("asked", 10)
+            asked = int(line.split()[1])
+            bench.asker.stream(TO, reply_to=asked)
 
             def by_lane():
-                bench.asker.stream(TO, reply_to=slot << 48 | 1)
+                bench.asker.stream(TO, reply_to=asked)
                 return bench.counters(FROM).get("lane.sent", 0) > 0
 
             fleet.wait("the lane is there", by_lane, 10)
-            results = {name: bench.measure(slot, rate, size, 1 if options.quick else options.rounds)
+            results = {name: bench.measure(asked, rate, size, 1 if options.quick else options.rounds)
                        for name, rate, size in LOADS}
         finally:
             if bench:

@@ -1,0 +1,107 @@
+// The largest that each body may become by the bounds of its fields: what passes a message's 1 MiB has a place that
+// bounds it.
+#include <doctest/doctest.h>
+
+#include <map>
+
+#include "proto/message.hpp"
+#include "proto/shape.hpp"
+#include "tests/contract/fill.hpp"
+
+using namespace trb;
+
+namespace {
+
+std::uint64_t largest(const Shape& shape, std::uint32_t max) {
+  constexpr std::uint64_t kHead = 5;
+  switch (shape.kind) {
+    case FieldKind::boolean:
+    case FieldKind::enumeration:
+      return 1;
+    case FieldKind::uint16:
+      return 3;
+    case FieldKind::uint32:
+      return 5;
+    case FieldKind::uint64:
+    case FieldKind::int64:
+    case FieldKind::number:
+      return 9;
+    case FieldKind::text:
+    case FieldKind::blob:
+      return kHead + max;
+    case FieldKind::list:
+      return kHead + max * largest(*shape.list.item, kDefaultMaxSize);
+    case FieldKind::record:
+      break;
+  }
+  std::uint64_t sum = kHead;
+  for (const FieldEntry& field : shape.fields) sum += largest(*field.shape, field.max);
+  return sum;
+}
+
+/// What passes a message by its fields' bounds, and what keeps it within one.
+const std::map<std::string, std::string> kBounded = {
+    // Between nodes and services.
+    {"alert_table", "resilience AlertBook::table: fit"},
+    {"baton", "scheduler run_facts.cpp: kMostPassed; passing.cpp: pack_results"},
+    {"definition", "scheduler Run::check_decision"},
+    {"fleet_news", "router RouterCore::send_news: kMaxNews"},
+    {"hello", "router RouterCore::send_hello: kMaxHelloSize"},
+    {"neighbours", "router RouterCore::tell_neighbours: 64 certificates, each signed by the authority"},
+    {"node_profile", "router RouterCore::make_fit, on_robot_profile, take_profile: kMaxProfileSize"},
+    {"results", "scheduler passing.cpp: pack_results"},
+    {"route_table", "router RouterCore::route_table: pages"},
+    {"run_table", "scheduler RunBook::kMaxRuns, 256 of 1.3 kB"},
+    {"run_view", "scheduler view.cpp: fit"},
+    // Never a message of their own: they are what a SignedRecord signs, 512 kB at most, or rows of a database.
+    {"alert", "alert_table; the database"},
+    {"decision", "SignRequest::payload"},
+    {"run_start", "SignRequest::payload"},
+    {"scenario", "SignRequest::payload, as part of run_start"},
+};
+
+}  // namespace
+
+TEST_CASE("every body is within a message by the bounds of its fields, or has a place that bounds it") {
+  for (const contract::AnyBody& is : contract::every_body()) {
+    const std::uint64_t size = largest(shape_of(is.kind), kDefaultMaxSize);
+    INFO(is.subtype, ": ", size, " bytes");
+    CHECK((size > kMaxDataSize) == kBounded.contains(std::string(is.subtype)));
+  }
+}
+
+TEST_CASE("what a reader would refuse is not packed: a list or blob over its bound, the whole, a number that is none") {
+  RobotState state;
+  state.values.resize(32);
+  CHECK(pack(state).ok());
+  state.values.resize(33);
+  REQUIRE_FALSE(pack(state).ok());
+  CHECK(pack(state).error().text() == "too_large: values: list over 32 items");
+  CHECK_FALSE(decode<RobotState>(encode(state)).ok());
+
+  SignRequest request{"result", {std::string((1U << 19U) + 1, 'x')}};
+  CHECK(pack_body(request).error().text() == "too_large: sign_request: payload: over 524288 bytes; say less at once");
+  request.payload.bytes.pop_back();
+  CHECK(pack(request).ok());
+
+  Execute execute;
+  execute.timeout_s = 1.0 / 0.0;
+  CHECK(pack(execute).error().text() == "bad_value: timeout_s: not a finite number");
+
+  FleetNews news;
+  news.certificates.assign(3, SignedRecord{"x", "y", {std::string(1U << 19U, 'x')}, {}});
+  CHECK(pack(news).error().code == Errc::too_large);
+  CHECK(pack_body(Opaque{"word", std::string(kMaxDataSize, 'x')}).ok());
+  CHECK(pack_body(Opaque{"word", std::string(kMaxDataSize + 1, 'x')}).error().code == Errc::too_large);
+}
+
+TEST_CASE("what is packed is what encode makes, and its reader takes it") {
+  for (const contract::AnyBody& is : contract::every_body()) {
+    CAPTURE(is.subtype);
+    const Body body = contract::filled(is.kind);
+    const auto packed = pack_body(body);
+    REQUIRE(packed.ok());
+    CHECK(*packed == is.encode(body));
+    CHECK(is.decode(*packed).ok());
+  }
+}
