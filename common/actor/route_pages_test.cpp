@@ -9,7 +9,7 @@ namespace {
 RouteTable page(const std::string& after, const std::vector<std::string>& ids, bool more) {
   RouteTable out;
   out.node = "ant";
-  for (const std::string& id : ids) out.routes.push_back({.id = id});
+  for (const std::string& id : ids) out.routes.emplace_back().id = id;
   out.more = more;
   out.after = after;
   return out;

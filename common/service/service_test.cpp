@@ -144,7 +144,9 @@ TEST_CASE("what its hearer would have to refuse does not leave, and the maker is
   state.values.resize(33);
   CHECK(refused(state).code == Errc::too_large);
   CHECK(refused(state).what == "robot_state: values: list over 32 items");
-  CHECK(refused(SensorImage{.bytes = {std::string(1'000'001, 'x')}}).what == "sensor_image: bytes: over 1000000 bytes");
+  SensorImage image;
+  image.bytes.bytes.resize(1'000'001);
+  CHECK(refused(image).what == "sensor_image: bytes: over 1000000 bytes");
   CHECK(refused(Opaque{"picture", std::string(kMaxDataSize + 1, 'x')}).code == Errc::too_large);
   SensorReading reading;
   reading.number = std::numeric_limits<double>::quiet_NaN();

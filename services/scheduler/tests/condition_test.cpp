@@ -27,6 +27,19 @@ TEST_CASE("by 20 degC the UR picks left or right, and the reading that decided i
   }
 }
 
+TEST_CASE("the sensor is found in a router's table that comes page by page, also if some are lost") {
+  for (const unsigned loss : {0U, 200U}) {
+    Story story;
+    story.fleet.page = 1;
+    story.fleet.weather.local_loss = loss;
+    FakeSensor& sensor = story.fleet["conveyor"].sensors.plug("temperature", {25.1});
+    story.submit(left_or_right());
+    REQUIRE(story.finishes());
+    CHECK(sensor.asked >= 1);
+    story.check_one_branch();
+  }
+}
+
 TEST_CASE("the skipped result carries the reading") {
   Story story;
   story.fleet["conveyor"].sensors.plug("temperature", {25.1});

@@ -169,11 +169,10 @@ void Fleet::read_sensor(Node& node, const Inbound& message) {
 }
 
 RouteTable Fleet::routes(const Node& node, const std::string& after) const {
-  constexpr std::size_t kPage = 2;
   RouteTable table{node.id, {}, false, after};
   for (auto at = nodes_.upper_bound(after); at != nodes_.end(); ++at) {
     const auto& [id, other] = *at;
-    table.more = table.routes.size() == kPage;
+    table.more = table.routes.size() == page;
     if (table.more) break;
     Route route;
     route.id = id;

@@ -70,6 +70,7 @@ class Fleet {
   void pass(Duration time);
 
   Weather weather;
+  std::size_t page = 1024;  ///< rows of a router's table in a message
   std::vector<Body> answers;
   std::map<std::string, int> carried;  ///< messages between nodes, by subtype
   std::map<std::string, int> counted;
