@@ -277,7 +277,7 @@ class Strangers(Door):
         again.wait_event(zmq.EVENT_HANDSHAKE_FAILED_AUTH)
         self.assert_refused("refused.denied_key", "denied_key the key ", also=("refused.unknown_peer_key", "refused.key"))
         client.hello(self.belt.certificate, "belt")  # on the connection that was refused, too
-        self.watch.wait_counted("refused.denied_key", 2)
+        self.fleet.wait("it is not read", lambda: self.watch.counters().get("dropped.closed_link", 0) >= 1, WAIT)
 
     def test_a_certificate_of_another_fleet(self):
         intruder = Member(self.foreign, "intruder")
