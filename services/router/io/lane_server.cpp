@@ -110,8 +110,9 @@ void LaneServer::drain() {
   }
 }
 
+/// The descriptor may have been another connection's a moment ago: first what the monitor has to tell of that one's end.
 VisitorId LaneServer::visitor_on(int fd) {
-  if (door_.visitor(fd) == 0) monitor_->catch_up();
+  monitor_->catch_up();
   return door_.visitor(fd);
 }
 

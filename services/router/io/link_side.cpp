@@ -53,15 +53,15 @@ void RouterShell::drain_inbox() {
 }
 
 VisitorId RouterShell::inbox_visitor(const Frame& frame) {
-  const int fd = connection_fd(frame);
-  if (door_.visitor(fd) == 0) inbox_monitor_->catch_up();
-  return door_.visitor(fd);
+  inbox_monitor_->catch_up();  // the descriptor may have been another connection's a moment ago
+  return door_.visitor(connection_fd(frame));
 }
 
 void RouterShell::on_inbox_frame(BytesView routing_id, Frame& frame) {
   const auto header = decode_frame(view_of(frame));
   const bool other_version = !header && header.error().code == Errc::version_mismatch;
-  if (other_version && door_.is_undecided(connection_fd(frame))) return on_other_version(routing_id, frame);
+  if (other_version && inbox_visitor(frame) != 0 && door_.is_undecided(connection_fd(frame)))
+    return on_other_version(routing_id, frame);
   if (!header) {
     const auto from = std::find_if(accepted_.begin(), accepted_.end(), [&](const auto& row) {
       return row.second.routing_id == routing_id && row.second.user == user_id(frame);

@@ -70,7 +70,7 @@ std::string RouterShell::whom_it_proves(const BusSocket& bus, const Frame& frame
 void RouterShell::note_bus_visitor(const BusSocket& bus, const Frame& frame, ConnectionId from) {
   if (!bus.name.empty()) return;
   const int fd = connection_fd(frame);
-  if (bus_door_->visitor(fd) == 0) bus_monitors_.front()->catch_up();
+  bus_monitors_.front()->catch_up();  // the descriptor may have been another connection's a moment ago
   const VisitorId visitor = bus_door_->visitor(fd);
   if (core_.knows(from)) return bus_door_->linked(visitor);
   bus_door_->leave(visitor);  // refused; it reads why first
