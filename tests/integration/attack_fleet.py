@@ -16,7 +16,7 @@ import trb_fleet
 import wire
 
 TARGET, FRIEND = "ant", "bee"
-ATTACKERS = ("cat", "dog", "elk", "fox", "gnu", "hen", "ibis", "jay")
+ATTACKERS = ("cat", "dog", "elk", "fox", "gnu", "hen", "ibis", "jay", "kite", "lark")
 SLOWEST_S = 1.5  # an honest answer, on a machine that others use too
 MEMORY_MIB = 96  # what an attack may add while it lasts: see "Memory" in services/router/README.md
 DESCRIPTORS = 64
@@ -86,6 +86,16 @@ class Honest(threading.Thread):
         self.fleet, self.at, self.other = fleet, at, other
         self.ended = threading.Event()
         self.times, self.fault = [], None
+
+    def wait_answers(self, count):
+        """So many more; what keeps it from them is told by `fault`."""
+        count, end = count + len(self.times), time.monotonic() + 15
+        while len(self.times) < count and self.is_alive() and time.monotonic() < end:
+            self.ended.wait(0.01)
+
+    def end(self):
+        self.ended.set()
+        self.join(15)
 
     def run(self):
         context = zmq.Context()
@@ -179,7 +189,7 @@ class Case(unittest.TestCase):
         one = Attacker(self, name, certificate=hello.pop("certificate", None))
         self.addCleanup(one.close)
         one.join(**hello)
-        self.assertEqual(one.receive().subtype, "hello")
+        one.receive_until(lambda frame: frame.subtype == "hello")
         return one
 
     def relay(self, name):
@@ -210,11 +220,12 @@ class Attempt:
         self.watch = support.Watch(fleet, TARGET)
         self.honest = Honest(fleet)
         self.honest.start()
+        self.honest.wait_answers(1)
         return self
 
     def __exit__(self, kind, *_):
-        self.honest.ended.set()
-        self.honest.join(15)
+        self.honest.wait_answers(10)
+        self.honest.end()
         if kind is not None:
             return
         case = self.case
@@ -229,7 +240,8 @@ class Attempt:
         for name in self.counted:
             self.watch.wait_counted(name, prefixes=self.prefixes)
         worst = max(self.honest.times)
-        print(f"honest: {len(self.honest.times)} answers, worst {worst * 1000:.0f} ms;", end=" ", flush=True)
+        print(f"honest: {len(self.honest.times)} answers, worst {worst * 1000:.0f} ms; "
+              f"{self.watch.rise(self.prefixes) or 'nothing refused'};", end=" ", flush=True)
 
 
 class PlayedFleet(support.RouterFleet):

@@ -189,8 +189,8 @@ class OverTcp(unittest.TestCase):
         before, honest = resident(pid), Honest(self.fleet)
         honest.start()
         attack()
-        honest.ended.set()
-        honest.join(15)
+        honest.wait_answers(5)
+        honest.end()
         self.assertIsNone(honest.fault)
         self.assertLess(max(honest.times), SLOWEST_S)
         self.assertEqual(self.fleet.pid(TARGET, "router"), pid)
@@ -250,8 +250,8 @@ class Programs(unittest.TestCase):
 
     def tearDown(self):
         self.fleet.wait("the sensor-bus answers", lambda: self.fleet.trb("sensor", "list", node=TARGET, check=False).returncode == 0, 15)
-        self.honest.ended.set()
-        self.honest.join(15)
+        self.honest.wait_answers(5)
+        self.honest.end()
         self.assertIsNone(self.honest.fault)
         self.assertLess(max(self.honest.times), SLOWEST_S)
         self.assertEqual(self.fleet.pid(TARGET, "sensor-bus"), self.pid)

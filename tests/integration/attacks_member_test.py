@@ -9,7 +9,7 @@ import support
 import trb_fleet
 import wire
 import zmq
-from attack_fleet import FRIEND, TARGET, Attacker, Case
+from attack_fleet import FRIEND, TARGET, Attacker, Case, Service
 from sealer import Signer
 
 FOR_EVER = 2**64 - 1
@@ -17,11 +17,15 @@ ESCAPES = "\x1b]0;owned\x07\x1b[2J\x9b31m\x7f\r"
 NOTHING = wire.pack([])
 
 
+def cut(text, size):
+    return text.encode()[:size].decode(errors="ignore")
+
+
 def profile(text="", words=0, detail=""):
     """Of a node whose robot says these words."""
-    many = [(text + str(number))[:64] for number in range(words)]
-    return ["lines", text[:16], text[:16], text[:64], text[:64], many[:64], many[:255], [], many[:255], "ONLINE", detail[:255],
-            False, text[:64]]
+    many = [cut(f"{number}{text}", 64) for number in range(words)]
+    return ["lines", cut(text, 16), cut(text, 16), cut(text, 64), cut(text, 64), many[:64], many, [], many, "ONLINE",
+            cut(detail, 255), False, cut(text, 64)]
 
 
 class Words(Case):
@@ -29,8 +33,8 @@ class Words(Case):
 
     def test_a_robot_claims_the_words_of_the_cloud(self):
         key = authority.Authority(self.fleet.authority_dir(), self.fleet.passphrase())
-        robot = key.certificate(Signer(self.fleet, "cat").certificate, serial=900, role=0)
-        cat = self.attacker("cat", certificate=robot)
+        robot = key.certificate(Signer(self.fleet, "kite").certificate, serial=900, role=0)
+        cat = self.attacker("kite", certificate=robot)
         with self.attempt("refused.not_permitted"):
             for subtype in ("run_decision", "release_tasks"):
                 cat.put(subtype, NOTHING, type=wire.COMMAND)
@@ -56,12 +60,19 @@ class Words(Case):
                 elk.seal()
 
     def test_answers_and_nacks_for_another_s_questions(self):
+        """Of a connection whose slot it knows, and that has asked somebody else; and of all the others."""
         fox = self.attacker("fox")
+        asker = Service(self.context, f"ipc://{self.fleet.dir(TARGET)}/bus/probe.ipc")
+        self.addCleanup(asker.close)
         with self.attempt("refused.not_asked"):
-            for slot in range(1, 40):
-                for count in range(20):
-                    fox.put("nack", wire.pack(["queue_full", "echo_request", TARGET, "", ""]), reply_to=slot << 48 | count)
-                    fox.put("echo", wire.pack([b"forged"]), reply_to=slot << 48 | secrets.randbits(48))
+            asked = [asker.say(TARGET, FRIEND, "echo_request", wire.pack([b""]), wire.REQUEST) for _ in range(50)]
+            for ident in asked + [slot << 48 | 1 for slot in range(100)]:
+                fox.put("nack", wire.pack(["queue_full", "echo_request", TARGET, "", ""]), reply_to=ident)
+                fox.put("echo", wire.pack([b"forged"]), reply_to=ident)
+                fox.put("echo", wire.pack([b"forged"]), reply_to=asker.slot << 48 | secrets.randbits(48))
+            fox.live()
+        heard = [(frame.subtype, frame.source, frame.body()) for frame in asker.drain()]
+        self.assertEqual(heard, [("echo", FRIEND, [b""])] * 50)
 
     def test_a_keep_alive_that_confirms_what_was_never_sent(self):
         gnu = self.attacker("gnu")
@@ -74,8 +85,8 @@ class Words(Case):
             self.assertEqual(gnu.answer_to(ident).subtype, "route_table")
 
     def test_sequences_at_their_ends(self):
-        for sequence in (0, FOR_EVER, 2**63):
-            with self.subTest(sequence=sequence), self.attempt("refused.sequence"):
+        with self.attempt("refused.sequence"):
+            for sequence in (0, FOR_EVER, 2**63):
                 hen = self.attacker("hen")
                 hen.send("greeting", "hen", sequence=sequence)
                 self.assertIn("sequence", hen.wait_goodbye())
@@ -90,7 +101,7 @@ class Words(Case):
             self.assertEqual(ibis.answer_to(long).subtype, "route_table")
 
     def test_flags_and_types_that_nobody_knows(self):
-        with self.attempt("refused.malformed"):
+        with self.attempt("refused.bad_value"):
             for kind, flags in ((0, 0), (255, 0), (wire.REQUEST, 0xFFFF)):
                 jay = self.attacker("jay")
                 jay.put("route_list", NOTHING, type=kind, flags=flags)
@@ -145,11 +156,11 @@ class Words(Case):
         """Every text at its bound and full of escapes: trb and the logs show them, no terminal obeys."""
         gnu = self.attacker("gnu")
         with self.attempt():
-            gnu.put("node_profile", wire.pack(profile(ESCAPES, 255, ESCAPES * 20)))
+            gnu.put("node_profile", wire.pack(profile(ESCAPES, 255, ESCAPES * 9)))
             gnu.seal()
             self.fleet.wait("it is told", lambda: "owned" in self.row("gnu").get("profile", {}).get("maker", ""), 5)
             self.assert_nothing_commands_a_terminal()
-        self.assertEqual(self.row("gnu")["profile"]["maker"], ESCAPES[:64])  # for a program it is what was said
+        self.assertEqual(self.row("gnu")["profile"]["maker"], ESCAPES)  # for a program it is what was said
 
     def assert_nothing_commands_a_terminal(self):
         """What trb prints and the routers log: no control character but the newline."""
@@ -195,15 +206,17 @@ class Words(Case):
     def test_addresses_that_lead_nowhere_or_to_the_victim(self):
         """It is dialled with patience when it is gone, and the victim does not talk to itself."""
         own = f"{self.fleet.address(TARGET)}:45000"
-        for name, address in zip(("cat", "dog", "elk", "fox", "gnu"),
-                                 ("", "255.255.255.255:1", f"{self.fleet.address(TARGET)}:0", own, "0.0.0.0:45000")):
-            with self.subTest(address=address), self.attempt() as seen:
-                try:
-                    self.attacker(name, address=address, lane=address).close()
-                except (AssertionError, TimeoutError):
-                    pass  # refused: as good
-                time.sleep(0.5)
-                self.assertLess(seen.watch.log().count("dial_ended"), 20)
+        nowhere = ("", "255.255.255.255:1", f"{self.fleet.address(TARGET)}:0", own, "0.0.0.0:45000")
+        with self.attempt() as seen:
+            for name, address in zip(("cat", "dog", "elk", "fox", "gnu"), nowhere):
+                one = Attacker(self, name)
+                self.addCleanup(one.close)
+                one.join(address=address, lane=address)
+                word = one.receive_until(lambda frame: frame.subtype in ("hello", "goodbye"))
+                print(address or "none", word.subtype, end="; ")
+                one.close()
+            seen.honest.wait_answers(100)
+            self.assertLess(seen.watch.log().count("dial_ended"), 50)
 
     def test_an_address_that_is_a_name(self):
         with self.attempt("refused.bad_value"):
@@ -216,15 +229,15 @@ class Words(Case):
         self.assert_nothing_commands_a_terminal()
 
     def test_clocks_at_the_ends_of_time(self):
-        for name, utc in (("ibis", 2**63 - 1), ("cat", -2**63), ("dog", 0)):
-            with self.subTest(utc=utc), self.attempt():
+        with self.attempt():
+            for name, utc in (("ibis", 2**63 - 1), ("cat", -2**63), ("dog", 0)):
                 self.attacker(name, utc=utc).live()
         self.assertEqual(self.fleet.json("route", "list", node=TARGET)["routes"][0]["clock"], "verified")
 
     def test_a_goodbye_of_a_megabyte(self):
         with self.attempt():
             one = self.attacker("elk")
-            one.put("goodbye", wire.pack([ESCAPES * 50_000]))
+            one.put("goodbye", wire.pack([ESCAPES * 40_000]))
             one.seal()
             one.nacks(0.2)
         self.assert_nothing_commands_a_terminal()

@@ -159,8 +159,8 @@ class Robots(unittest.TestCase):
                 time.sleep(0.05)
             for robot in self.robots.values():
                 robot.round = "silent"
-            honest.ended.set()
-            honest.join(15)
+            honest.wait_answers(5)
+            honest.end()
             self.assertIsNone(honest.fault)
             worst = max(honest.times)
             print(f"\n{what}: worst answer {worst * 1000:.0f} ms", end=" ")
