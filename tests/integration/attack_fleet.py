@@ -245,8 +245,9 @@ class Attempt:
 
 
 class PlayedFleet(support.RouterFleet):
-    """The sensor-bus of each node that has one is played by a test."""
+    """Only the routers run; the other services are played by a test, or not there."""
 
     def start_node(self, node):
-        up = [self.programs / "trb", "up", self.dir(node), "--without", "sensor-bus", "--die-with-parent"]
+        without = [word for name in self.services_of[node] if name != "router" for word in ("--without", name)]
+        up = [self.programs / "trb", "up", self.dir(node), *without, "--die-with-parent"]
         self.nodes[node] = trb_fleet.Process(up, self.root / f"up-{node}.log")

@@ -10,8 +10,8 @@ import unittest
 import dbus.bus
 import dbus.lowlevel
 
-import private_bus
 import support
+import private_bus
 import wire
 import zmq
 from attack_fleet import FRIEND, SANITIZED, SLOWEST_S, TARGET, Case, Honest, PlayedFleet, Service, resident
@@ -24,7 +24,7 @@ class Bus(Case):
     """The sensor-bus of the target is the attacker."""
 
     BLOCK, UDP_PORT = 188, 50188
-    services = {TARGET: ["router", "sensor-bus"], FRIEND: ["router"]}
+    services = {TARGET: ["router", "sensor-bus", "resilience"], FRIEND: ["router"]}
     kind = PlayedFleet
 
     @classmethod
@@ -49,7 +49,7 @@ class Bus(Case):
 
     def test_it_claims_another_service_s_name(self):
         with self.attempt("refused.impersonation"):
-            for name in ("scheduler", "mode-adapter", "router", "resilience"):
+            for name in ("scheduler", "mode-adapter", "router", "resilience"):  # the last is there
                 self.service.hello(name, ["stop", "execute", "baton"])
             self.assertEqual(len(self.codes()), 4)
 
@@ -82,12 +82,16 @@ class Bus(Case):
                 self.assertEqual(answer.subtype, "nack", kind)
 
     def test_it_answers_what_others_were_asked(self):
+        asker = Service(self.context, f"ipc://{self.fleet.dir(TARGET)}/bus/probe.ipc")
+        self.addCleanup(asker.close)
         with self.attempt("refused.not_asked"):
-            for slot in range(1, 60):
-                for count in range(20):
-                    self.service.say(TARGET, TARGET, "nack", wire.pack(["ok", "", "", "", ""]), wire.INFORMATION,
-                                     reply_to=slot << 48 | count)
-                    self.service.say(TARGET, FRIEND, "echo", wire.pack([b""]), wire.INFORMATION, reply_to=slot << 48 | count)
+            for _ in range(50):
+                ident = asker.say(TARGET, FRIEND, "echo_request", wire.pack([b""]), wire.REQUEST)
+                for target in (TARGET, FRIEND):
+                    for word, body in (("nack", ["queue_full", "", "", "", ""]), ("echo", [b"forged"])):
+                        self.service.say(TARGET, target, word, wire.pack(body), wire.INFORMATION, reply_to=ident)
+        heard = [(frame.subtype, frame.source, frame.body()) for frame in asker.drain()]
+        self.assertEqual(heard, [("echo", FRIEND, [b""])] * 50)
 
     def test_it_says_hello_a_thousand_times(self):
         with self.attempt():
