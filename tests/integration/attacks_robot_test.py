@@ -167,7 +167,7 @@ class Robots(unittest.TestCase):
             for framework, robot in self.robots.items():
                 with self.subTest(protocol=framework, says=what):
                     self.assertGreater(robot.said.get(what, 0), 0, "nothing could be said")
-                    self.assertEqual(self.fleet.pid(framework, "mode-adapter"), pids[framework], "another process")
+                    self.assertTrue(os.path.exists(f"/proc/{pids[framework]}"), "the adapter has ended")
                     if not SANITIZED:
                         self.assertLess(most[framework] - memory[framework], MEMORY_MIB)
             with self.subTest(says=what):
