@@ -10,6 +10,7 @@
 #include "common/base/files.hpp"
 #include "common/base/hex.hpp"
 #include "common/base/ids.hpp"
+#include "common/base/printable.hpp"
 #include "common/base/saturate.hpp"
 #include "common/base/time.hpp"
 
@@ -20,6 +21,14 @@ TEST_CASE("hexadecimal goes there and back, and refuses what is none") {
   CHECK(*from_hex("00FF10") == std::string("\x00\xff\x10", 3));
   CHECK(from_hex("0").error().code == Errc::malformed);
   CHECK(from_hex("0g").error().code == Errc::malformed);
+}
+
+TEST_CASE("text of others cannot command a terminal, and is the same text in JSON") {
+  CHECK(printable("a robot\n\t\u00e9 \u20ac") == "a robot\n\t\u00e9 \u20ac");
+  CHECK(printable("\x1b]0;owned\x07") == "\\u001b]0;owned\\u0007");
+  CHECK(printable("\xc2\x9b"
+                  "31m\x7f\r") == "\\u009b31m\\u007f\\u000d");
+  CHECK(printable(std::string_view("\0\xc2", 2)) == "\\u0000\xc2");
 }
 
 TEST_CASE("an id is short, lower-case and starts with a letter") {

@@ -7,6 +7,8 @@
 #include <memory>
 #include <vector>
 
+#include "common/base/printable.hpp"
+
 namespace trb {
 namespace {
 
@@ -33,7 +35,7 @@ std::string one_line(std::string_view text) {
   for (char& c : out) {
     if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = ' ';
   }
-  return out;
+  return printable(out);  // C1 is left
 }
 
 }  // namespace

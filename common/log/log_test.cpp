@@ -44,11 +44,14 @@ TEST_CASE("one event stays one line, whatever its text holds") {
   char name[] = "/tmp/trb-log-XXXXXX";
   const std::string folder = ::mkdtemp(name);
   open_log("tester", folder + "/tester.log");
-  log_event(Level::info, "hostile", std::string("a\nb\r\x1b[31m\tc\x7f") + std::string(1, '\0') + "d");
+  log_event(Level::info, "hostile",
+            std::string("a\nb\r\x1b[31m\tc\x7f") + std::string(1, '\0') +
+                "d\xc2\x9b"
+                "31m");
   const auto text = read_file(folder + "/tester.log");
   REQUIRE(text.ok());
   CHECK(std::count(text->begin(), text->end(), '\n') == 1);
-  CHECK(text->find("info tester hostile a b  [31m c  d") != std::string::npos);
+  CHECK(text->find("info tester hostile a b  [31m c  d\\u009b31m") != std::string::npos);
   open_log("tester", "");
   std::filesystem::remove_all(folder);
 }

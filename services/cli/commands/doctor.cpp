@@ -26,7 +26,7 @@ constexpr std::size_t kMostProbes = 64;  ///< a fleet of hundreds is asked peer 
 
 /// Says on a terminal what is being waited for.
 void progress(const Arguments& arguments, const std::string& text) {
-  if (!arguments.has("--json") && ::isatty(STDERR_FILENO) == 1) std::fprintf(stderr, "trb: %s ...\n", text.c_str());
+  if (!arguments.has("--json") && ::isatty(STDERR_FILENO) == 1) print_problem("trb: " + text + " ...\n");
 }
 
 void look_at_folder(const std::string& dir, Observed& seen, NodeConfig& config) {

@@ -147,7 +147,8 @@ int read_picture(const Arguments& arguments, Probe& probe, const FoundSensor& se
   }
   auto image = take_picture(probe, sensor, wait_s);
   if (!image) return print_error(arguments, image.error());
-  if (Status written = write_file(file, image->bytes.bytes, 0644); !written) return print_error(arguments, written.error());
+  if (Status written = write_file(file, image->bytes.bytes, 0644); !written)
+    return print_error(arguments, written.error());
   if (arguments.has("--json")) {
     print_json(Value{Value::Object{{"node", Value{sensor.node}},
                                    {"sensor", Value{image->sensor}},
@@ -261,7 +262,7 @@ class Watcher {
     next_ = read_clocks().mono + kLookAgain / 5;
     say(why + "; looks for it");
   }
-  static void say(const std::string& text) { std::fprintf(stderr, "trb: %s\n", text.c_str()); }
+  static void say(const std::string& text) { print_problem("trb: " + text + "\n"); }
 
   const Arguments& arguments_;
   Probe& probe_;

@@ -5,11 +5,45 @@
 #include <cstdio>
 #include <cstdlib>
 
+#include "common/base/printable.hpp"
+
 namespace trb::cli {
 
+namespace {
+
+constexpr std::string_view kEscape = "\x1b[";
+constexpr std::string_view kReset = "\x1b[0m";
+
+/// The length of a colour of ours that begins the text, or 0.
+std::size_t colour_at(std::string_view text) {
+  for (const std::string_view colour :
+       {std::string_view("\x1b[32m"), std::string_view("\x1b[31m"), std::string_view("\x1b[2m"), kReset}) {
+    if (text.substr(0, colour.size()) == colour) return colour.size();
+  }
+  return 0;
+}
+
+}  // namespace
+
 void print(const std::string& text) {
-  std::fwrite(text.data(), 1, text.size(), stdout);
+  // What is printed is mostly the words of other nodes and robots: of escapes only colours pass.
+  std::string out;
+  for (std::string_view left = text; !left.empty();) {
+    const std::size_t colour = colour_at(left);
+    out += left.substr(0, colour);
+    left.remove_prefix(colour);
+    std::size_t end = left.find(kEscape, colour == 0 ? 1 : 0);
+    if (end == std::string_view::npos) end = left.size();
+    out += printable(left.substr(0, end));
+    left.remove_prefix(end);
+  }
+  std::fwrite(out.data(), 1, out.size(), stdout);
   std::fflush(stdout);
+}
+
+void print_problem(const std::string& text) {
+  const std::string out = printable(text);
+  std::fwrite(out.data(), 1, out.size(), stderr);
 }
 
 void print_line(const std::string& text) {
@@ -27,8 +61,7 @@ int print_error(const Arguments& arguments, const Error& error) {
     print_json(Value{Value::Object{{"error", Value{std::move(inner)}}}});
   } else {
     const std::string cure = error.cure.empty() ? "" : "\n     " + error.cure;
-    std::fprintf(stderr, "trb: %s: %s%s\n", std::string(errc_name(error.code)).c_str(), error.what.c_str(),
-                 cure.c_str());
+    print_problem("trb: " + std::string(errc_name(error.code)) + ": " + error.what + cure + "\n");
   }
   return kFailed;
 }
@@ -49,7 +82,7 @@ int print_faults(const Arguments& arguments, const ConfigFaults& faults) {
   if (arguments.has("--json")) {
     print_json(faults_json(faults));
   } else {
-    std::fputs(to_text(faults).c_str(), stderr);
+    print_problem(to_text(faults));
     std::fprintf(stderr, "trb: %zu fault%s, nothing was started\n", faults.size(), faults.size() == 1 ? "" : "s");
   }
   return kFailed;
@@ -59,7 +92,7 @@ std::string coloured(Colour colour, const std::string& text) {
   static const bool terminal = ::isatty(STDOUT_FILENO) == 1 && std::getenv("NO_COLOR") == nullptr;
   if (!terminal || colour == Colour::plain) return text;
   const char* code = colour == Colour::good ? "32" : colour == Colour::bad ? "31" : "2";
-  return "\x1b[" + std::string(code) + "m" + text + "\x1b[0m";
+  return std::string(kEscape) + code + "m" + text + std::string(kReset);
 }
 
 }  // namespace trb::cli

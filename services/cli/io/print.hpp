@@ -13,7 +13,10 @@ constexpr int kGood = 0;
 constexpr int kFailed = 1;
 constexpr int kWrongUse = 2;
 
+/// The words of others among it cannot command the terminal: control characters are shown as \u00XX.
 void print(const std::string& text);
+/// To standard error, as print().
+void print_problem(const std::string& text);
 void print_line(const std::string& text);
 void print_json(const Value& value);
 

@@ -30,4 +30,25 @@ class Budget {
   MonotonicTime end_;
 };
 
+/// So many bytes in a second: what is made for one who asks is counted when it is made, so it is over by one at most.
+class ByteRate {
+ public:
+  explicit ByteRate(std::uint64_t each_second) : each_second_(each_second) {}
+
+  /// False if this second's are spent.
+  bool has_room(MonotonicTime now) {
+    if (now >= end_) {
+      spent_ = 0;
+      end_ = now + std::chrono::seconds(1);
+    }
+    return spent_ < each_second_;
+  }
+  void spend(std::uint64_t bytes) { spent_ += bytes; }
+
+ private:
+  std::uint64_t each_second_;
+  std::uint64_t spent_ = 0;
+  MonotonicTime end_;
+};
+
 }  // namespace trb::router

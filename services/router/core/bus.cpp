@@ -128,6 +128,19 @@ void RouterCore::on_bus_message(ConnectionId from, const Message& message, Now n
   }
 }
 
+/// A table costs a question of a hundred bytes: who asks without end would have this node work and speak for him alone.
+/// An echo is as long as its question.
+Result<Body> RouterCore::answer_peer(Peer& peer, const Message& message, Now now) const {
+  const bool table = message.type == MessageType::request && message.subtype != EchoRequest::kSubtype;
+  if (table && !peer.answers.has_room(now.mono)) {
+    return fail(Errc::queue_full,
+                message.subtype + ": in this second '" + peer.id + "' was told " + std::to_string(kAnsweredOfOne) +
+                    " bytes already",
+                "ask less often");
+  }
+  return answer_to(message, now);
+}
+
 Result<Body> RouterCore::answer_to(const Message& message, Now now) const {
   if (message.type == MessageType::request) {
     if (message.subtype == RouteListRequest::kSubtype) {

@@ -54,8 +54,11 @@ void RouterCore::on_dial_connected(LinkId id, Now now, Effects& out) {
 
 void RouterCore::link_send(Link& link, const Body& body, Effects& out, const Message* asked) {
   const std::string& target = asked != nullptr ? asked->source : link.peer;
-  if (auto message = make_own(target, asked != nullptr ? asked->id : 0, body, out))
+  if (auto message = make_own(target, asked != nullptr ? asked->id : 0, body, out)) {
+    if (asked != nullptr && asked->subtype != EchoRequest::kSubtype)
+      peers_.at(link.peer).answers.spend(message->data.size());
     out.add(LinkSend{link.id, std::move(*message)});
+  }
 }
 
 bool RouterCore::admit(BytesView key, MonotonicTime now, Effects& out) {
@@ -133,10 +136,11 @@ void RouterCore::on_peer_message(Link& link, const Message& message, Now now, Ef
     if (goodbye->reason == kUnheard)
       note_trouble(link.id, "one_way", "it does not hear this node, which hears it", now);
     drop_link(link.id, "the other side said goodbye: " + goodbye->reason, false, now, out);
-  } else if (auto reply = answer_to(message, now)) {
+  } else if (auto reply = answer_peer(peers_.at(link.peer), message, now)) {
     link_send(link, *reply, out, &message);
   } else {
-    deny_peer(link, message, fail(Errc::not_permitted, reply.error().what), out);
+    const bool full = reply.error().code == Errc::queue_full;
+    deny_peer(link, message, full ? reply.error() : fail(Errc::not_permitted, reply.error().what), out);
   }
 }
 

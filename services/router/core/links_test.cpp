@@ -316,3 +316,40 @@ TEST_CASE("the second word on the better link makes it the link") {
   CHECK(fleet.at("ant").core->find_link(fleet.at("ant").link_to("bee"))->dialled);
   CHECK_FALSE(fleet.at("bee").core->find_link(fleet.at("bee").link_to("ant"))->waiting);
 }
+
+TEST_CASE("a member that asks for tables without end is told no more than its bytes of a second, by name") {
+  TestFleet fleet;
+  TestNode& ant = fleet.start("ant");
+  fleet.start("bee");
+  fleet.start("cat");
+  fleet.run(Seconds(1));
+  const auto ask = [&](const std::string& who, const auto& question) {
+    const LinkId link = ant.link_to(who);
+    const std::uint64_t next = ant.core->find_link(link)->heard + 1;
+    Effects effects;
+    ant.core->route_peer(link, header_of(make_message(MessageType::request, who, "ant", question), next), fleet.now,
+                         effects);
+    ant.core->on_link_message(link, ant.core->find_link(link)->key,
+                              make_message(MessageType::request, who, "ant", question), next, fleet.now, effects);
+    for (const Effect& effect : effects.list) {
+      if (const auto* send = std::get_if<LinkSend>(&effect)) return send->message;
+    }
+    return Message{};
+  };
+  std::size_t bytes = 0;
+  Message answer;
+  for (int i = 0; i < 100'000 && answer.subtype != Nack::kSubtype; ++i) {
+    answer = ask("bee", RouteListRequest{});
+    bytes += answer.data.size();
+  }
+  REQUIRE(answer.subtype == Nack::kSubtype);
+  CHECK(decode<Nack>(answer.data)->code == "queue_full");
+  CHECK(bytes > kAnsweredOfOne);
+  CHECK(bytes < kAnsweredOfOne + (2U << 10U) * 10);
+  CHECK(ask("bee", RouterCountersRequest{}).subtype == Nack::kSubtype);
+  // An echo is no longer than its question; another member has bytes of its own.
+  CHECK(ask("bee", EchoRequest{}).subtype == Echo::kSubtype);
+  CHECK(ask("cat", RouteListRequest{}).subtype == RouteTable::kSubtype);
+  fleet.run(Seconds(1));
+  CHECK(ask("bee", RouteListRequest{}).subtype == RouteTable::kSubtype);
+}

@@ -75,6 +75,7 @@ struct Peer {
   MonotonicTime profile_told_at{};
   std::map<std::string, Budget> carried_by{};  ///< by relay: what it brings of this peer
   Budget hellos{kHellosOfOne};
+  ByteRate answers{kAnsweredOfOne};  ///< tables that it asked for
   Budget news{kNewsOfOne};
   Budget news_checks{kNewsChecked};
   Budget neighbour_checks{kNeighboursChecked};

@@ -306,9 +306,13 @@ void RouterCore::take_relayed(Peer& source, const HeaderView& header, Now now, E
 }
 
 void RouterCore::answer_relayed(const std::string& to, const Message& asked, Now now, Effects& out) {
-  const auto body = answer_to(asked, now);
+  Peer& peer = peers_.at(to);
+  const auto body = answer_peer(peer, asked, now);
   if (!body) return out.count("refused." + std::string(errc_name(body.error().code)));
-  if (const auto message = make_own(to, asked.id, *body, out)) send_relayed(to, *message, now, out);
+  if (const auto message = make_own(to, asked.id, *body, out)) {
+    if (asked.subtype != EchoRequest::kSubtype) peer.answers.spend(message->data.size());
+    send_relayed(to, *message, now, out);
+  }
 }
 
 }  // namespace trb::router

@@ -195,6 +195,7 @@ class RouterCore {
   [[nodiscard]] ServiceTable service_table(Now now) const;
   [[nodiscard]] Counters counters() const;
   Result<Body> answer_to(const Message& message, Now now) const;
+  Result<Body> answer_peer(Peer& peer, const Message& message, Now now) const;
   void tell_services(Body body, Effects& out);
 
   // sensors.cpp
