@@ -15,7 +15,7 @@ import trb_fleet
 from attack_fleet import SANITIZED, SLOWEST_S, Honest, resident
 
 BLOCK = 186
-ROUND_S = 2.5
+ROUND_S = 1.5
 MEMORY_MIB = 32
 # framework: (description, ports, what announces far more than will come)
 ROBOTS = {

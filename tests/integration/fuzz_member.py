@@ -36,7 +36,7 @@ def programs(given):
 def options():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("seconds", nargs="?", type=float, default=600)
-    parser.add_argument("--seed", type=int, default=None, help="repeats what was said, in the same order")
+    parser.add_argument("--seed", type=int, default=None, help="of the mutations; keys and moments differ from run to run")
     parser.add_argument("--programs", default=None)
     return parser.parse_args()
 
