@@ -146,4 +146,4 @@ class StolenKeys(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    unittest.main(verbosity=2)
+    support.main()

@@ -189,4 +189,4 @@ class Rights(unittest.TestCase):
 
 if __name__ == "__main__":
     own_world.enter()
-    unittest.main(verbosity=2)
+    support.main()

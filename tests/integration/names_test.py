@@ -166,4 +166,4 @@ class Names(unittest.TestCase):
 
 if __name__ == "__main__":
     own_world.enter()
-    unittest.main(verbosity=2)
+    support.main()

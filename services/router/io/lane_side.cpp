@@ -1,5 +1,6 @@
 // Lossy information: out by the own lane (lane_server.hpp), in by the lanes of the peers, one SUB for each.
 #include "common/base/address.hpp"
+#include "services/router/io/lane_server.hpp"
 #include "services/router/io/router_shell.hpp"
 
 namespace trb::router {

@@ -3,6 +3,7 @@
 
 #include "common/base/address.hpp"
 #include "common/base/hex.hpp"
+#include "services/router/io/lane_server.hpp"
 #include "services/router/io/router_shell.hpp"
 
 namespace trb::router {

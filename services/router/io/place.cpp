@@ -1,6 +1,7 @@
 // Where this node is: the inbox and the beacons follow the addresses of HOST_INT and VPN_INT.
 #include "common/base/hex.hpp"
 #include "common/config/interfaces.hpp"
+#include "services/router/io/lane_server.hpp"
 #include "services/router/io/router_shell.hpp"
 
 namespace trb::router {

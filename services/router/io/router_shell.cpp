@@ -1,3 +1,4 @@
+#include "services/router/io/lane_server.hpp"
 #include "services/router/io/router_shell.hpp"
 
 #include <poll.h>
@@ -24,6 +25,8 @@ RouterShell::RouterShell(RouterConfig config, ShellOptions options)
       whole_(std::make_shared<ByteBudget>(kNodeBytes)),
       tap_budget_(new_budget()),
       proof_("log/proof", kUnsealed ? 0 : options_.proof_log_bytes) {}
+
+RouterShell::~RouterShell() = default;
 
 Status RouterShell::open() {
   // ZAP first: an inbox without it would let every key in.

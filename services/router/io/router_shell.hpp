@@ -20,12 +20,13 @@
 #include "services/router/io/door.hpp"
 #include "services/router/io/interface_watch.hpp"
 #include "services/router/io/keys_watch.hpp"
-#include "services/router/io/lane_server.hpp"
 #include "services/router/io/proof_log.hpp"
 #include "services/router/io/resolver.hpp"
 #include "services/router/io/seal_checker.hpp"
 
 namespace trb::router {
+
+class LaneServer;
 
 /// A bus over TCP; without an address it is sockets in the node's folder.
 struct TcpBus {
@@ -63,6 +64,7 @@ constexpr Errc why_undelivered(SendResult result) {
 class RouterShell {
  public:
   RouterShell(RouterConfig config, ShellOptions options);
+  ~RouterShell();
 
   /// Binds everything that is there; an interface that is not is waited for. Errors: io_error naming the address.
   Status open();
