@@ -254,6 +254,28 @@ TEST_CASE("who wants more than its share gives way to itself first, whoever came
   CHECK(bytes["cat"] >= 3 * kMegabyte);
 }
 
+TEST_CASE("who has the log to itself writes few files, and loses a small part of it at a time") {
+  init_crypto();
+  const TempDir temp;
+  std::uint64_t least = 64 * kMegabyte;
+  for (LinkId link = 1; link <= 12; ++link) {
+    {
+      // Little enough for what may wait for the disk; it is there when the log has gone.
+      ProofLog log(temp.path, 64 * kMegabyte);
+      Speaker flood(link, "flood");
+      for (int i = 0; i < 60; ++i) {
+        flood.say(log, Bytes(200'000, 'x'));
+        flood.seal(log);
+      }
+      CHECK(log.take_dropped() == 0);
+    }
+    if (link > 6) least = std::min(least, bytes_in(temp.path));
+  }
+  CHECK(bytes_in(temp.path) <= 64 * kMegabyte);
+  CHECK(least >= 54 * kMegabyte);
+  CHECK(files_in(temp.path).size() < 60);
+}
+
 TEST_CASE("a thousand peers have a place each beside one that floods") {
   init_crypto();
   const TempDir temp;

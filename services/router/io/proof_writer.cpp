@@ -22,8 +22,10 @@ namespace {
 
 constexpr std::string_view kPrefix = "proof-";
 constexpr std::string_view kSuffix = ".log";
-/// Small, so that a peer that has to give way loses little more than it must: of 64 MB a thousand peers have one each.
+/// The least of a segment is small: of 64 MB a thousand peers have one each.
 constexpr std::uint64_t kSegments = 1024;
+/// Who has much has large ones: a file is made and removed seldom, and who gives way loses a sixteenth of what it has.
+constexpr std::uint64_t kSegmentsOfPeer = 16;
 constexpr std::uint64_t kLeastSegment = 64U << 10U;
 /// A router that starts again and again leaves small ones: each counts as at least so much of a whole one, so that
 /// their number is bounded too.
@@ -105,23 +107,24 @@ void ProofWriter::run() {
 void ProofWriter::write(ProofBatch& batch) {
   const auto at = peers_.try_emplace(batch.peer).first;
   Peer& peer = at->second;
-  if (peer.open && peer.segments.back().size + batch.records.size() > segment_bytes_) {
+  if (peer.open && peer.segments.back().size + batch.records.size() > peer.segment_bytes) {
     flush(at);
     peer.open = false;
   }
   // Its own last segment may be what has to go: then it needs another beginning.
   bool was_open = false;
-  Bytes records;
+  Bytes beginning;
   do {
     was_open = peer.open;
-    records = records_of(peer, batch);
-    if (make_room(at, records.size())) continue;
+    beginning = beginning_of(peer, batch);
+    if (make_room(at, beginning.size() + batch.records.size())) continue;
     peer.told.erase(batch.link->link);
     const std::lock_guard lock(mutex_);
     dropped_ += batch.frames;
     return;
   } while (was_open && !peer.open);
   if (!peer.open) {
+    peer.segment_bytes = std::max(peer.cost / kSegmentsOfPeer, segment_bytes_);
     peer.segments.push_back({next_number_++, 0});
     peer.cost += cost_of(peer.segments.back());
     cost_ += cost_of(peer.segments.back());
@@ -131,25 +134,25 @@ void ProofWriter::write(ProofBatch& batch) {
   }
   peer.told.insert(batch.link->link);
   if (batch.last) peer.told.erase(batch.link->link);
-  resize_last(peer, peer.segments.back().size + records.size());
-  peer.out += records;
-  unwritten_ += records.size();
+  const std::size_t from = peer.out.size() + (peer.segments.back().size == 0 ? proof_head().size() : 0);
+  peer.out += beginning;
+  peer.out += batch.records;
+  finish_proof_records(peer.out, from);
+  resize_last(peer, peer.segments.back().size + beginning.size() + batch.records.size());
+  unwritten_ += beginning.size() + batch.records.size();
   if (unwritten_ >= kWriteAtOnce) flush_all();
 }
 
-/// As they go into its last segment, or into a new one. Each segment can be read alone: it begins with the links that
-/// it goes on with.
-Bytes ProofWriter::records_of(const Peer& peer, ProofBatch& batch) {
+/// What stands before its records, in its peer's last segment or in a new one. Each segment can be read alone: it
+/// begins with the links that it goes on with.
+Bytes ProofWriter::beginning_of(const Peer& peer, const ProofBatch& batch) {
   Bytes out = peer.open ? Bytes() : proof_head();
-  const std::size_t from = out.size();
   if (!peer.open || batch.retell || peer.told.count(batch.link->link) == 0) {
     ProofLink link = *batch.link;
     link.first = batch.first;
     link.previous = batch.previous;
     append_proof_link(out, link);
   }
-  out += batch.records;
-  finish_proof_records(out, from);
   return out;
 }
 

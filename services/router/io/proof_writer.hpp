@@ -54,17 +54,18 @@ class ProofWriter {
   };
   struct Peer {
     std::deque<Segment> segments;
-    std::uint64_t cost = 0;        ///< of all of them, see cost_of()
-    bool open = false;             ///< the last one takes more
-    std::uint64_t written = 0;     ///< of the last one
-    Bytes out;                     ///< for it, not yet written
-    std::set<std::uint64_t> told;  ///< links that it knows
+    std::uint64_t cost = 0;           ///< of all of them, see cost_of()
+    std::uint64_t segment_bytes = 0;  ///< the last one takes so much at most
+    bool open = false;                ///< the last one takes more
+    std::uint64_t written = 0;        ///< of the last one
+    Bytes out;                        ///< for it, not yet written
+    std::set<std::uint64_t> told;     ///< links that it knows
   };
   using Peers = std::map<std::string, Peer, std::less<>>;
 
   void run();
   void write(ProofBatch& batch);
-  [[nodiscard]] static Bytes records_of(const Peer& peer, ProofBatch& batch);
+  [[nodiscard]] static Bytes beginning_of(const Peer& peer, const ProofBatch& batch);
   bool make_room(Peers::iterator peer, std::uint64_t bytes);
   void remove_oldest(Peers::iterator peer);
   void remove_last(Peers::iterator peer);
