@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "common/actor/inbound.hpp"
+#include "common/actor/log_line.hpp"
 #include "common/base/result.hpp"
 #include "proto/body.hpp"
 
@@ -41,15 +42,6 @@ struct RobotWrite {
 struct RobotClose {
   Channel channel{};
   std::string reason;
-};
-
-enum class LogLevel : std::uint8_t { debug = 0, info, warning, error };
-
-/// A log line: an event's name in snake_case and the facts.
-struct Log {
-  LogLevel level{};
-  std::string event;
-  std::string text;
 };
 
 /// Collects one step's effects. Also counts: counters are cheap and always on.

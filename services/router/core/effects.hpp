@@ -5,7 +5,7 @@
 #include <variant>
 #include <vector>
 
-#include "common/actor/outbox.hpp"
+#include "common/actor/log_line.hpp"
 #include "common/base/time.hpp"
 #include "proto/bodies/link.hpp"
 #include "proto/message.hpp"
@@ -111,11 +111,9 @@ using Effect = std::variant<BusSend, LinkSend, Dial, CloseLink, AcceptLink, Send
 struct Effects {
   std::vector<Effect> list;
   std::vector<std::string> counts;
-  void add(Effect effect) { list.push_back(std::move(effect)); }
-  void log(LogLevel level, std::string event, std::string text) {
-    list.emplace_back(Log{level, std::move(event), std::move(text)});
-  }
-  void count(std::string name) { counts.push_back(std::move(name)); }
+  void add(Effect effect);
+  void log(LogLevel level, std::string event, std::string text);
+  void count(std::string name);
 };
 
 /// A message wrapped for a relay, and the relay's link.

@@ -4,6 +4,8 @@
 #include "common/base/address.hpp"
 #include "common/base/hex.hpp"
 #include "services/router/io/lane_server.hpp"
+#include "services/router/io/proof_log.hpp"
+#include "services/router/io/resolver.hpp"
 #include "services/router/io/router_shell.hpp"
 
 namespace trb::router {
@@ -107,7 +109,8 @@ void RouterShell::on_other_version(BytesView routing_id, Frame& frame) {
   const VisitorId visitor = inbox_visitor(frame);
   if (!header || !key || key->size() != 32) {
     door_.leave(visitor);
-    return on_bad_frame(0, fail(Errc::version_mismatch, "wire version " + std::to_string(wire_version(view_of(frame)))));
+    return on_bad_frame(0,
+                        fail(Errc::version_mismatch, "wire version " + std::to_string(wire_version(view_of(frame)))));
   }
   origin_ = {Bytes(routing_id), Bytes(user_id(frame)), visitor};
   Effects effects;
@@ -196,7 +199,7 @@ void RouterShell::drain_dialled(LinkId link) {
 void RouterShell::dial(const Dial& effect) {
   if (is_numeric_endpoint(effect.address)) return dial_numbers(effect, "");
   const Now now = read_clocks();
-  const Resolver::Found found = resolver_.find(effect.address, now.mono);
+  const Resolver::Found found = resolver_->find(effect.address, now.mono);
   if (!found.address.empty()) {
     core_.on_name_found(effect.link, found.address);
     return dial_numbers({effect.link, found.address, effect.server_key}, effect.address);
@@ -255,11 +258,11 @@ void RouterShell::close_link(LinkId link) {
   lane_->link_closed(link);
   close_heard(link);
   core_.forget_link(link);
-  proof_.ended(link, read_clocks().utc, "closed");
+  proof_->ended(link, read_clocks().utc, "closed");
   held_.erase(link);
   const auto at = dialled_.find(link);
   if (at == dialled_.end()) return;
-  if (!at->second.name.empty()) resolver_.ended(at->second.name, read_clocks().mono);
+  if (!at->second.name.empty()) resolver_->ended(at->second.name, read_clocks().mono);
   loop_.remove_socket(at->second.socket->handle());
   closed_.push_back(std::move(at->second));
   dialled_.erase(at);

@@ -1,4 +1,3 @@
-#include "services/router/io/lane_server.hpp"
 #include "services/router/io/router_shell.hpp"
 
 #include <poll.h>
@@ -6,6 +5,10 @@
 #include <csignal>
 
 #include "common/base/files.hpp"
+#include "services/router/io/lane_server.hpp"
+#include "services/router/io/proof_log.hpp"
+#include "services/router/io/resolver.hpp"
+#include "services/router/io/seal_checker.hpp"
 
 namespace trb::router {
 namespace {
@@ -24,7 +27,9 @@ RouterShell::RouterShell(RouterConfig config, ShellOptions options)
       options_(std::move(options)),
       whole_(std::make_shared<ByteBudget>(kNodeBytes)),
       tap_budget_(new_budget()),
-      proof_("log/proof", kUnsealed ? 0 : options_.proof_log_bytes) {}
+      proof_(std::make_unique<ProofLog>("log/proof", kUnsealed ? 0 : options_.proof_log_bytes)),
+      checker_(std::make_unique<SealChecker>()),
+      resolver_(std::make_unique<Resolver>()) {}
 
 RouterShell::~RouterShell() = default;
 
@@ -84,7 +89,7 @@ int RouterShell::run() {
   tell_place();
   keys_watch_ = std::make_unique<KeysWatch>(loop_, "keys", [this] { read_key_folder(); });
   read_key_folder();
-  loop_.add_fd(checker_.fd(), POLLIN, [this](short) { take_checked(); });
+  loop_.add_fd(checker_->fd(), POLLIN, [this](short) { take_checked(); });
   loop_.add_timer([this] { return core_.next_deadline(); },
                   [this](Now now) {
                     Effects due;

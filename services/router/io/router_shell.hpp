@@ -20,13 +20,13 @@
 #include "services/router/io/door.hpp"
 #include "services/router/io/interface_watch.hpp"
 #include "services/router/io/keys_watch.hpp"
-#include "services/router/io/proof_log.hpp"
-#include "services/router/io/resolver.hpp"
-#include "services/router/io/seal_checker.hpp"
 
 namespace trb::router {
 
 class LaneServer;
+class ProofLog;
+class Resolver;
+class SealChecker;
 
 /// A bus over TCP; without an address it is sockets in the node's folder.
 struct TcpBus {
@@ -221,9 +221,9 @@ class RouterShell {
     Frame frame;
   };
   std::map<LinkId, std::deque<Held>> held_;  ///< until their seal is checked; kMaxUnsealed and kMaxHeldBytes at most
-  ProofLog proof_;
-  SealChecker checker_;
-  Resolver resolver_;
+  std::unique_ptr<ProofLog> proof_;
+  std::unique_ptr<SealChecker> checker_;
+  std::unique_ptr<Resolver> resolver_;
   InboxOrigin origin_;
   std::vector<LinkId> lost_links_;
   std::vector<std::pair<Message, Errc>> unpassed_;  ///< `relayed` of others that did not leave

@@ -1,5 +1,7 @@
 // Seals on their way out, and what waits for one on its way in.
+#include "services/router/io/proof_log.hpp"
 #include "services/router/io/router_shell.hpp"
+#include "services/router/io/seal_checker.hpp"
 
 namespace trb::router {
 
@@ -20,10 +22,10 @@ SendResult RouterShell::put_seal(LinkId link, BytesView seal) {
 }
 
 bool RouterShell::hear(LinkId link, const HeaderView& header, BytesView frame, Now now, Effects& effects) {
-  if (proof_.on()) {
+  if (proof_->on()) {
     const LinkSeals* seals = core_.seals_of(link);
     const Link* known = core_.find_link(link);
-    if (seals != nullptr && known != nullptr && known->up) proof_.heard(*seals, now.utc, frame);
+    if (seals != nullptr && known != nullptr && known->up) proof_->heard(*seals, now.utc, frame);
   }
   core_.hear_frame(link, header, frame, now, effects);
   return core_.find_link(link) != nullptr;
@@ -32,15 +34,15 @@ bool RouterShell::hear(LinkId link, const HeaderView& header, BytesView frame, N
 void RouterShell::keep_proof(LinkId link) {
   const LinkSeals* seals = core_.seals_of(link);
   // A seal that was refused is written when its link is closed.
-  if (!proof_.on() || seals == nullptr || core_.find_link(link) == nullptr) return;
-  proof_.sealed(*seals);
-  if (const std::uint64_t dropped = proof_.take_dropped(); dropped > 0) {
+  if (!proof_->on() || seals == nullptr || core_.find_link(link) == nullptr) return;
+  proof_->sealed(*seals);
+  if (const std::uint64_t dropped = proof_->take_dropped(); dropped > 0) {
     core_.count("proof.dropped", dropped);
     log_limited(
         limit_, read_clocks().mono, Level::warning, "proof_log",
         "the disk is slower than the links: " + std::to_string(dropped) + " messages are not kept for trb proof");
   }
-  const std::string problem = proof_.take_problem();
+  const std::string problem = proof_->take_problem();
   if (problem.empty()) return;
   core_.count("proof.write_failed");
   log_limited(limit_, read_clocks().mono, Level::warning, "proof_log", problem + ": not kept for trb proof");
@@ -48,7 +50,7 @@ void RouterShell::keep_proof(LinkId link) {
 
 void RouterShell::check_seal(CheckSeal&& seal) {
   // What waits for its seal is not to wait for another thread too.
-  if (!core_.holds(seal.link) && checker_.put(std::move(seal))) return;
+  if (!core_.holds(seal.link) && checker_->put(std::move(seal))) return;
   Effects effects;
   const bool good = verify_seal(seal.record, seal.signer);
   core_.on_seal_checked(seal, good, read_clocks(), effects);
@@ -56,7 +58,7 @@ void RouterShell::check_seal(CheckSeal&& seal) {
 }
 
 void RouterShell::take_checked() {
-  for (const SealChecker::Checked& row : checker_.take()) {
+  for (const SealChecker::Checked& row : checker_->take()) {
     Effects effects;
     core_.on_seal_checked(row.seal, row.good, read_clocks(), effects);
     carry_out(effects);
