@@ -207,11 +207,14 @@ Status revoke_certificates(Authority& authority, const std::string& dir, const s
   for (const auto& [id, certificate] : members(authority, now)) {
     authority.list.beacon_keys.push_back({id, {seal_beacon_key(fresh, certificate->link_key.bytes)}});
   }
-  const Bytes payload = encode(authority.list);
-  const SignedRecord record = sign(kSignedRevocations, "", authority.fleet.id(), payload, authority.key);
-  const Status stored = payload.size() > kMaxList ? fail(Errc::too_large, "the revocation list has over 400 kB",
-                                                         "give shorter reasons; a fleet has room for about 2000 nodes")
-                                                  : write_revocations(dir, record);
+  const Result<Bytes> payload = pack(authority.list);
+  if (!payload || payload->size() > kMaxList) {
+    authority.list = before;
+    return fail(Errc::too_large, "the revocation list has over 400 kB, or over 2000 names",
+                "give shorter reasons; a fleet has room for about 2000 nodes");
+  }
+  const SignedRecord record = sign(kSignedRevocations, "", authority.fleet.id(), *payload, authority.key);
+  const Status stored = write_revocations(dir, record);
   if (!stored) {
     authority.list = before;
     return stored;
@@ -240,7 +243,7 @@ Status tell_news(const Authority& authority, const std::string& dir, const std::
   if (renewed.size() > kMaxRenewed) {
     return fail(Errc::too_large, "over 256 renewals at once", "renew them in several parts, and hand each on");
   }
-  if (news.certificates.size() > kMaxRenewed) news.certificates.resize(kMaxRenewed);
+  news.certificates.resize(std::min(news.certificates.size(), kMaxRenewed));
   return write_news(path, news);
 }
 
