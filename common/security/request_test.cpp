@@ -97,6 +97,15 @@ TEST_CASE("a certificate is living up to its last moment, and not in it") {
   CHECK(hall.living("ur3").serial == 2);
 }
 
+TEST_CASE("of two certificates of one serial, which a folder put back may have signed, the first one counts") {
+  Hall hall;
+  hall.join("ur3");
+  Certificate twin = hall.living("ur3");
+  twin.link_key.bytes = Bytes(32, 'l');
+  hall.authority.issued.push_back(twin);
+  CHECK(find_living(hall.authority, "ur3", kNow) == &hall.authority.issued.front());
+}
+
 TEST_CASE("what cannot be stored is not handed out") {
   Hall hall;
   hall.join("ur3");
