@@ -178,8 +178,7 @@ Result<Certificate> adopt_certificate(Authority& authority, const std::string& d
   if (known) return certificate;
   authority.next_serial = std::max(authority.next_serial, certificate->serial + 1);
   authority.issued.push_back(*certificate);
-  std::sort(authority.issued.begin(), authority.issued.end(),
-            [](const Certificate& a, const Certificate& b) { return a.serial < b.serial; });
+  std::ranges::stable_sort(authority.issued, {}, &Certificate::serial);
   if (Status stored = write_issued(dir, authority); !stored) return stored.error();
   return certificate;
 }

@@ -97,7 +97,7 @@ SealFault SealReader::close(const SealScope& scope, const SealedRange& range, st
 }
 
 bool SealReader::keep_alive(std::uint64_t sequence) {
-  // What is unsealed begins with first_: the keep-alive itself, if nothing came before it.
+  // A keep-alive that is sealed lies before first_.
   const bool late = first_ <= last_keep_alive_;
   last_keep_alive_ = sequence;
   return !late;
