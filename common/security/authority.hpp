@@ -64,7 +64,7 @@ Result<SignedRecord> renew_certificate(Authority& authority, const std::string& 
                                        UtcTime now, Duration validity, RelayRight relay = RelayRight::by_role);
 
 /// The next list: these certificates are over too, and every node that stays has a new beacon key. What it says is in
-/// force for the authority once this returns. Errors: too_large (over 400 kB), io_error.
+/// force for the authority once this returns. Errors: too_large (over 400 kB, or 2000 names of either kind), io_error.
 Status revoke_certificates(Authority& authority, const std::string& dir, const std::vector<Certificate>& over,
                            const std::string& reason, UtcTime now);
 

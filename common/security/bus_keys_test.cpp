@@ -79,3 +79,32 @@ TEST_CASE("keys that are missing, open to others, damaged or of two pairs are to
   CHECK(faults[2].file == "keys/bus/probe.pub");
   CHECK(faults[2].what.find("public half") != std::string::npos);
 }
+
+TEST_CASE("a public key that a hand has copied may end in no line or in two, and must be a key") {
+  const Folder folder;
+  REQUIRE(make_bus_keys(folder.path, kNames).ok());
+  const Bytes key = *load_bus_public(folder.path, "router");
+  for (const std::string& text : {to_hex(key), to_hex(key) + "\n\n"}) {
+    REQUIRE(write_file(folder.at("router.pub"), text).ok());
+    CHECK(*load_bus_public(folder.path, "router") == key);
+  }
+  for (const std::string& text : {std::string(), std::string("\n"), std::string("no key"), to_hex(key) + "00"}) {
+    REQUIRE(write_file(folder.at("router.pub"), text).ok());
+    const auto read = load_bus_public(folder.path, "router");
+    REQUIRE_FALSE(read.ok());
+    CHECK(read.error().code == Errc::malformed);
+    REQUIRE(folder.faults().size() == 1);
+    CHECK(folder.faults()[0].file == "keys/bus/router.pub");
+  }
+}
+
+TEST_CASE("a lost public half is not made anew from a secret that is damaged") {
+  const Folder folder;
+  REQUIRE(make_bus_keys(folder.path, kNames).ok());
+  std::filesystem::remove(folder.at("probe.pub"));
+  REQUIRE(write_file(folder.at("probe.key"), "no key", 0600).ok());
+  CHECK(make_bus_keys(folder.path, kNames).error().code == Errc::malformed);
+  CHECK_FALSE(file_exists(folder.at("probe.pub")));
+  REQUIRE(folder.faults().size() == 1);
+  CHECK(folder.faults()[0].file == "keys/bus/probe.key");
+}

@@ -178,8 +178,7 @@ Result<Certificate> adopt_certificate(Authority& authority, const std::string& d
   if (known) return certificate;
   authority.next_serial = std::max(authority.next_serial, certificate->serial + 1);
   authority.issued.push_back(*certificate);
-  std::sort(authority.issued.begin(), authority.issued.end(),
-            [](const Certificate& a, const Certificate& b) { return a.serial < b.serial; });
+  std::ranges::stable_sort(authority.issued, {}, &Certificate::serial);
   if (Status stored = write_issued(dir, authority); !stored) return stored.error();
   return certificate;
 }
@@ -207,11 +206,14 @@ Status revoke_certificates(Authority& authority, const std::string& dir, const s
   for (const auto& [id, certificate] : members(authority, now)) {
     authority.list.beacon_keys.push_back({id, {seal_beacon_key(fresh, certificate->link_key.bytes)}});
   }
-  const Bytes payload = encode(authority.list);
-  const SignedRecord record = sign(kSignedRevocations, "", authority.fleet.id(), payload, authority.key);
-  const Status stored = payload.size() > kMaxList ? fail(Errc::too_large, "the revocation list has over 400 kB",
-                                                         "give shorter reasons; a fleet has room for about 2000 nodes")
-                                                  : write_revocations(dir, record);
+  const Result<Bytes> payload = pack(authority.list);
+  if (!payload || payload->size() > kMaxList) {
+    authority.list = before;
+    return fail(Errc::too_large, "the revocation list has over 400 kB, or over 2000 names",
+                "give shorter reasons; a fleet has room for about 2000 nodes");
+  }
+  const SignedRecord record = sign(kSignedRevocations, "", authority.fleet.id(), *payload, authority.key);
+  const Status stored = write_revocations(dir, record);
   if (!stored) {
     authority.list = before;
     return stored;
@@ -240,7 +242,7 @@ Status tell_news(const Authority& authority, const std::string& dir, const std::
   if (renewed.size() > kMaxRenewed) {
     return fail(Errc::too_large, "over 256 renewals at once", "renew them in several parts, and hand each on");
   }
-  if (news.certificates.size() > kMaxRenewed) news.certificates.resize(kMaxRenewed);
+  news.certificates.resize(std::min(news.certificates.size(), kMaxRenewed));
   return write_news(path, news);
 }
 

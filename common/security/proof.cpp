@@ -101,7 +101,7 @@ std::size_t whole_proof_records(BytesView file) {
   if (kHead.starts_with(file)) return file == kHead ? file.size() : 0;
   if (!file.starts_with(kHead)) return file.size();
   std::size_t whole = kHead.size();
-  while (whole < file.size()) {
+  for (;;) {
     BytesView rest = file.substr(whole);
     if (rest.size() < kRecordHead) return whole;
     const BytesView head = rest.substr(0, 5);
@@ -111,7 +111,6 @@ std::size_t whole_proof_records(BytesView file) {
     if (rest.size() < 8 + size) return whole;
     whole += kRecordHead + size;
   }
-  return whole;
 }
 
 void ProofChecker::fault(const Place& at, std::string what) {

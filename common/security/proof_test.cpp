@@ -63,6 +63,17 @@ struct Log {
     append_proof_frame(file, 5, kUtc, frame("seal", encode(Seal{record})));
     writer.sealed(record.payload.bytes);
   }
+  /// A record as a later version, or somebody else, might write it.
+  void add_record(char kind, const Bytes& payload) {
+    for (const unsigned shift : {24U, 16U, 8U, 0U}) file += static_cast<char>(payload.size() >> shift);
+    file += kind + Bytes(11, '\0') + payload;
+  }
+  /// The fault of the only record that has one.
+  std::string fault() const {
+    const ProofReport report = read();
+    REQUIRE(report.faults.size() == 1);
+    return report.faults[0].what;
+  }
   Bytes written() const {
     Bytes out = file;
     finish_proof_records(out, proof_head().size());
@@ -248,4 +259,213 @@ TEST_CASE("a file that takes a link up in its middle can be read alone") {
   log.seal();
   CHECK(log.read().faults.empty());
   CHECK(log.read().proven.at("ant") == 1);
+}
+
+TEST_CASE("the end of a link is told in the log, and proves and breaks nothing") {
+  init_crypto();
+  Log log;
+  log.say("one");
+  log.seal();
+  const std::size_t before = log.file.size();
+  append_proof_end(log.file, 5, {258}, "keep-alive missed");
+  const Bytes head("\0\0\0\x21\x03\0\0\0\0\0\0\0\0\0\0\0", 16);
+  const Bytes body("\0\0\0\0\0\0\0\5\0\0\0\0\0\0\1\2", 16);
+  CHECK(log.file.substr(before) == head + body + "keep-alive missed");
+  const std::size_t long_one = log.file.size();
+  append_proof_end(log.file, 5, kUtc, std::string(300, 'w'));
+  CHECK(log.file.size() == long_one + 16 + 16 + 255);
+  log.add_record(3, "");
+  const ProofReport report = log.read();
+  CHECK(report.faults.empty());
+  CHECK(report.messages.size() == 1);
+  CHECK(report.proven.at("ant") == 1);
+}
+
+TEST_CASE("a record of a kind that is still to come is told; what follows is read") {
+  init_crypto();
+  Log log;
+  log.add_record(4, "later");
+  log.say("one");
+  log.seal();
+  CHECK(log.fault().find("does not know") != std::string::npos);
+  CHECK(log.read().faults[0].record == 2);
+  CHECK(log.read().proven.at("ant") == 1);
+}
+
+TEST_CASE("a record may be as long as the longest frame and its times, and no longer") {
+  init_crypto();
+  Log log;
+  log.add_record(2, Bytes(kMaxFrameSize + 64, '\0'));
+  CHECK(log.fault().find("not told of") != std::string::npos);  // it was read
+  log.file = proof_head();
+  log.add_record(2, Bytes(kMaxFrameSize + 65, '\0'));
+  CHECK(log.fault().find("damaged: its head") == 0);
+}
+
+TEST_CASE("a file holds on its own: no link of the file before goes on in it untold") {
+  init_crypto();
+  Log log;
+  log.say("one");
+  log.seal();
+  const Bytes first = log.written();
+  log.file = proof_head();
+  log.say("two");
+  ProofChecker checker({"", log.fleet.public_key});
+  checker.read("first", first);
+  CHECK(checker.report().faults.empty());
+  checker.read("second", log.written());
+  REQUIRE(checker.report().faults.size() == 1);
+  CHECK(checker.report().faults[0].what.find("link 5, which is not told of before") != std::string::npos);
+}
+
+TEST_CASE("a link without two good certificates is none, also if it was one before") {
+  init_crypto();
+  Log log;
+  log.say("one");
+  log.seal();
+  const std::size_t own = log.file.size() + 16 + 8 + 1 + 8 + 32 + 4;
+  const auto again = [&](SignedRecord keeper, SignedRecord sender) {
+    append_proof_link(log.file, {5, false, log.writer.next(), first_previous(), std::move(keeper), std::move(sender)});
+  };
+  std::string why;
+  SUBCASE("the keeper's cannot be read") {
+    again(log.bee.record, log.ant.record);
+    log.file[own] = '\xc1';
+    why = "malformed";
+  }
+  SUBCASE("the sender's cannot be read") {
+    again(log.bee.record, log.ant.record);
+    log.file[own + encode(log.bee.record).size()] = '\xc1';
+    why = "malformed";
+  }
+  SUBCASE("it breaks off in the hash of the seal before") {
+    log.add_record(1, Bytes("\0\0\0\0\0\0\0\5", 8) + Bytes(20, '\0'));
+    why = "malformed";
+  }
+  SUBCASE("the keeper's was changed") {
+    again(log.bee.record, log.ant.record);
+    log.file[own + encode(log.bee.record).size() - 1] ^= 1;
+    why = "a certificate of link 5";
+  }
+  SUBCASE("the sender's was changed") {
+    again(log.bee.record, log.ant.record);
+    log.file.back() ^= 1;
+    why = "a certificate of link 5";
+  }
+  log.say("two");
+  const ProofReport report = log.read();
+  REQUIRE(report.faults.size() == 2);
+  CHECK(report.faults[0].what.find(why) == 0);
+  CHECK(report.faults[1].what.find("not told of") != std::string::npos);
+  CHECK(report.messages.size() == 1);
+}
+
+TEST_CASE("a link that its keeper dialled is sealed as one that the other side took") {
+  init_crypto();
+  Log log;
+  log.scope.dialled = false;
+  log.file = proof_head();
+  append_proof_link(log.file, {5, true, 1, first_previous(), log.bee.record, log.ant.record});
+  log.say("one");
+  log.seal();
+  CHECK(log.read().faults.empty());
+  CHECK(log.read().proven.at("ant") == 1);
+}
+
+TEST_CASE("a goodbye is in no seal: it is authenticated, and takes nothing from what was sealed before") {
+  init_crypto();
+  Log log;
+  log.say("one");
+  log.seal();
+  append_proof_frame(log.file, 5, kUtc, log.frame("goodbye", encode(Goodbye{"shutdown"})));
+  const ProofReport report = log.read();
+  CHECK(report.faults.empty());
+  REQUIRE(report.messages.size() == 2);
+  CHECK(report.messages[1].state == ProofState::authenticated);
+  CHECK(report.messages[1].sequence == 3);
+}
+
+TEST_CASE("more messages than a seal may cover are told, each that is too many") {
+  init_crypto();
+  Log log;
+  for (std::size_t i = 0; i < kMaxUnsealed; ++i) log.say("word");
+  CHECK(log.read().faults.empty());
+  log.say("word");
+  CHECK(log.fault().find("more messages than one seal covers") == 0);
+}
+
+TEST_CASE("a seal that another key made, or that is none, breaks what it should have proven") {
+  init_crypto();
+  Log log;
+  log.say("one");
+  const SealedRange range = log.writer.range(log.scope, kUtc);
+  Bytes data;
+  std::string why;
+  SUBCASE("another key") {
+    data = encode(Seal{sign_seal(range, "ant", log.fleet.id(), log.bee.identity)});
+    why = "wrong_signature";
+  }
+  SUBCASE("no seal") {
+    data = "no seal";
+    why = "malformed";
+  }
+  SUBCASE("no range in it") {
+    data = encode(Seal{sign(kSignedSeal, "ant", log.fleet.id(), "no range", log.ant.identity)});
+    why = "malformed";
+  }
+  append_proof_frame(log.file, 5, kUtc, log.frame("seal", data));
+  CHECK(log.fault().find(why) != std::string::npos);
+  const ProofReport report = log.read();
+  CHECK(report.seals == 0);
+  CHECK(report.proven.empty());
+  REQUIRE(report.messages.size() == 1);
+  CHECK(report.messages[0].state == ProofState::broken);
+  CHECK(report.messages[0].sealed == UtcTime{});
+}
+
+TEST_CASE("a seal counts from the first moment of its certificate to the last, and in no other") {
+  init_crypto();
+  const auto read = [](std::int64_t utc) {
+    Log log;
+    log.say("one");
+    log.seal({utc});
+    return log.read();
+  };
+  for (const std::int64_t good : {kUtc.ns - 1000, kUtc.ns + 999'999'999'999}) {
+    CHECK(read(good).faults.empty());
+    CHECK(read(good).messages[0].sealed.ns == good);
+  }
+  for (const std::int64_t bad : {kUtc.ns - 1001, kUtc.ns + 1'000'000'000'000}) {
+    const ProofReport report = read(bad);
+    REQUIRE(report.faults.size() == 1);
+    CHECK(report.faults[0].what.find("when its certificate was not valid") != std::string::npos);
+    CHECK(report.messages[0].state == ProofState::broken);
+    CHECK(report.seals == 0);
+  }
+}
+
+TEST_CASE("what a crash has begun is cut from a log; nothing that somebody has changed is") {
+  init_crypto();
+  Log log;
+  log.say("one");
+  const std::size_t first = log.file.size();
+  log.say("two");
+  const std::size_t second = log.file.size();
+  log.add_record(3, "");
+  const Bytes written = log.written();
+  CHECK(whole_proof_records("") == 0);
+  CHECK(whole_proof_records(proof_head()) == proof_head().size());
+  CHECK(whole_proof_records(proof_head().substr(0, 5)) == 0);
+  CHECK(whole_proof_records("another file") == 12);
+  CHECK(whole_proof_records(written) == written.size());
+  CHECK(whole_proof_records(written.substr(0, second)) == second);
+  for (std::size_t size = first; size < written.size(); ++size) {
+    CAPTURE(size);
+    CHECK(whole_proof_records(written.substr(0, size)) == (size < second ? first : second));
+  }
+  for (std::size_t i = 0; i < 8; ++i) {
+    Bytes changed = written.substr(0, written.size() - 1);
+    changed[first + i] = static_cast<char>(changed[first + i] ^ 1);
+    CHECK(whole_proof_records(changed) == changed.size());
+  }
 }

@@ -125,8 +125,7 @@ constexpr auto kSubtypes = [] {
       SubtypeRight{"journal_abort", record, false, false},
       SubtypeRight{"journal_tombstone", record, false, false},
   };
-  std::sort(rows.begin(), rows.end(),
-            [](const SubtypeRight& a, const SubtypeRight& b) { return a.subtype < b.subtype; });
+  std::ranges::sort(rows, {}, &SubtypeRight::subtype);
   return rows;
 }();
 
@@ -240,8 +239,7 @@ std::string makers_of(const SigningRight& right) {
 }  // namespace
 
 const SubtypeRight* find_right(std::string_view subtype) {
-  const auto* at = std::lower_bound(kSubtypes.begin(), kSubtypes.end(), subtype,
-                                    [](const SubtypeRight& row, std::string_view word) { return row.subtype < word; });
+  const auto* at = std::ranges::lower_bound(kSubtypes, subtype, {}, &SubtypeRight::subtype);
   return at != kSubtypes.end() && at->subtype == subtype ? at : nullptr;
 }
 

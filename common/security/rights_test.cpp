@@ -19,7 +19,9 @@ TEST_CASE("every typed subtype has its row, and no row is for a word that is non
   TRB_BODIES(TRB_CHECK_ROW)
 #undef TRB_CHECK_ROW
   CHECK(typed > 60);
-  CHECK(find_right("move") == nullptr);
+  for (const std::string_view word : {"", "a", "abort", "move", "zzz"}) CHECK(find_right(word) == nullptr);
+  CHECK(find_right("stop")->road == Road::fleet);
+  CHECK(find_right("execute")->road == Road::bus);
 }
 
 TEST_CASE("over a link goes what the table names for the role, and a user's own words") {
@@ -36,6 +38,9 @@ TEST_CASE("over a link goes what the table names for the role, and a user's own 
     CHECK_FALSE(may_send_out(role, "seal"));
     CHECK(may_send_out(role, "move"));
     CHECK(may_send_out(role, "echo_request"));
+    for (const std::string_view word : {"run_decision", "release_tasks"})
+      CHECK(may_send_out(role, word) == (role == Role::cloud));
+    CHECK(may_send_out(role, "robot_state") == (role == Role::robot));
   }
 }
 

@@ -146,6 +146,45 @@ TEST_CASE("what came before the last keep-alive must be sealed at the next, howe
   CHECK_FALSE(reader.keep_alive(3));
 }
 
+TEST_CASE("the first word of a link may be a keep-alive, and must be sealed at the next one like any other") {
+  init_crypto();
+  SealReader reader;
+  CHECK(reader.add("keep_alive"));
+  CHECK(reader.keep_alive(1));
+  CHECK(reader.add("keep_alive"));
+  CHECK_FALSE(reader.keep_alive(2));
+}
+
+TEST_CASE("keep-alives that are sealed in time are never late") {
+  init_crypto();
+  Direction link;
+  for (int i = 0; i < 3; ++i) {
+    const std::uint64_t sequence = link.writer.next();
+    REQUIRE(link.say("keep_alive"));
+    CHECK(link.reader.keep_alive(sequence));
+    link.seal();
+  }
+}
+
+TEST_CASE("a seal over nothing is none, though all in it is right") {
+  init_crypto();
+  Direction link;
+  CHECK(link.hear(link.range()) == SealFault::wrong_range);
+  link.say("move");
+  link.seal();
+  CHECK(link.hear(link.range()) == SealFault::wrong_range);
+}
+
+TEST_CASE("a seal has the number behind the messages that it covers") {
+  init_crypto();
+  Direction link;
+  link.say("move");
+  const SealedRange range = link.range();
+  CHECK(link.reader.close(link.scope, range, 1, encode(range)) == SealFault::wrong_range);
+  CHECK(link.reader.close(link.scope, range, 3, encode(range)) == SealFault::wrong_range);
+  CHECK(link.reader.close(link.scope, range, 2, encode(range)) == SealFault::none);
+}
+
 TEST_CASE("a seal is the sender's, made with the key that its certificate names") {
   init_crypto();
   const SigningKey key = make_signing_key();

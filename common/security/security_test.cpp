@@ -102,6 +102,41 @@ TEST_CASE("a signature holds for its purpose, fleet and signer alone") {
   CHECK(code_of(open_record<Decision>(decision, kSignedDecision, ur3)) == Errc::not_permitted);
 }
 
+TEST_CASE("a record passes for no other kind, whatever its label says, and needs a whole key and signature") {
+  const Fleet fleet;
+  const Bytes id = fleet.authority.id();
+  SignedRecord order = sign(kSignedRunAbort, "ur3", id, "payload", fleet.identity);
+  CHECK(verify(order, kSignedRunAbort, id, fleet.identity.public_key));
+  CHECK_FALSE(verify(order, kSignedRunAbort, id, fleet.key.public_key));
+  CHECK_FALSE(verify(order, kSignedRunAbort, id, fleet.identity.public_key.substr(1)));
+  CHECK_FALSE(verify(order, kSignedRunAbort, id, ""));
+  SignedRecord cut = order;
+  cut.signature.bytes.pop_back();
+  CHECK_FALSE(verify(cut, kSignedRunAbort, id, fleet.identity.public_key));
+  order.kind = kSignedResult;  // the signature is still that of an abort
+  CHECK_FALSE(verify(order, kSignedRunAbort, id, fleet.identity.public_key));
+}
+
+TEST_CASE("a certificate needs both of its keys, and a payload that is one") {
+  const Fleet fleet;
+  Certificate short_key = fleet.certificate();
+  short_key.identity_key.bytes.pop_back();
+  CHECK(code_of(open_certificate_any_time(fleet.issue(short_key), fleet.authority)) == Errc::malformed);
+  const SignedRecord none = sign(kSignedCertificate, "", fleet.authority.id(), "none", fleet.key);
+  CHECK_FALSE(open_certificate(none, fleet.authority, kNow).ok());
+}
+
+TEST_CASE("a number by chance is never zero, which stands for none, and never the one before") {
+  init_crypto();
+  const std::uint64_t first = random_u64();
+  const std::uint64_t second = random_u64();
+  CHECK(first != 0);
+  CHECK(second != 0);
+  CHECK(first != second);
+  CHECK(random_bytes(32) != random_bytes(32));
+  CHECK(random_bytes(5).size() == 5);
+}
+
 TEST_CASE("who may sign what is a table, and what it does not name is denied") {
   for (const Role role : {Role::robot, Role::cloud}) {
     CHECK(may_sign(role, kSignedBeacon));

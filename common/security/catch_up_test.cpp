@@ -1,0 +1,139 @@
+// A folder put back from a copy hears what the fleet knows.
+#include "common/security/test_hall.hpp"
+
+using namespace trb;
+using namespace trb::test;
+
+namespace {
+
+/// The same authority twice: as it went on, and as a copy of the folder from before knows it.
+struct Restored : Hall {
+  std::string copy_dir = root + "/copy";
+  Authority copy;
+
+  Restored() {
+    for (const char* id : {"ur3", "ur5", "cloud"}) join(id);
+  }
+  void put_back() {
+    std::filesystem::copy(dir, copy_dir);
+    copy = authority;
+  }
+  Status revoke_in_copy(const std::string& id, const std::string& reason) {
+    return revoke_certificates(copy, copy_dir, {*find_living(copy, id, kNow)}, reason, kNow);
+  }
+  Result<bool> hear(const std::vector<SignedRecord>& certificates = {}) {
+    return catch_up(copy, copy_dir, {authority.revocations, certificates});
+  }
+  SignedRecord renew(const std::string& id) { return *renew_certificate(authority, dir, living(id), kNow, kYear); }
+};
+
+}  // namespace
+
+TEST_CASE("certificates alone are news too, and are kept, oldest first") {
+  Restored hall;
+  hall.put_back();
+  const SignedRecord first = hall.renew("ur3");
+  const SignedRecord second = hall.renew("ur5");
+  const auto learned = hall.hear({second, first, second});
+  REQUIRE(learned.ok());
+  CHECK(*learned);
+  CHECK(hall.copy.issued == hall.authority.issued);
+  CHECK(hall.copy.next_serial == hall.authority.next_serial);
+  CHECK(read_authority(hall.copy_dir)->issued == hall.authority.issued);
+  CHECK_FALSE(*hall.hear({first, second}));
+  CHECK_FALSE(*hall.hear());
+  CHECK(hall.copy.revocations.kind.empty());
+}
+
+TEST_CASE("a newer list is in force at once, on disk too, with its beacon key") {
+  Restored hall;
+  hall.put_back();
+  REQUIRE(hall.revoke("ur3").ok());
+  const auto learned = hall.hear();
+  REQUIRE(learned.ok());
+  CHECK(*learned);
+  CHECK(hall.copy.list == hall.authority.list);
+  CHECK(hall.copy.beacon.secret == hall.authority.beacon.secret);
+  const auto stored = read_authority(hall.copy_dir);
+  CHECK(stored->revocations == hall.authority.revocations);
+  CHECK(stored->beacon.number == 2);
+  CHECK(read_file(hall.copy_dir + "/fleet.json")->find("\"beacon_key_number\":2") != std::string::npos);
+}
+
+TEST_CASE("who has no passphrase learns the list, and makes up no beacon key") {
+  Restored hall;
+  hall.put_back();
+  hall.copy = *read_authority(hall.copy_dir);
+  REQUIRE(hall.revoke("ur3").ok());
+  CHECK(*hall.hear());
+  CHECK(hall.copy.beacon.number == 2);
+  CHECK(hall.copy.beacon.secret.empty());
+}
+
+TEST_CASE("an older list, and one that the authority did not sign, change nothing") {
+  Restored hall;
+  REQUIRE(hall.revoke("ur3").ok());
+  const SignedRecord older = hall.authority.revocations;
+  REQUIRE(hall.revoke("ur5").ok());
+  hall.put_back();
+  const RevocationList before = hall.copy.list;
+  const auto learned = catch_up(hall.copy, hall.copy_dir, {older, {}});
+  REQUIRE(learned.ok());
+  CHECK_FALSE(*learned);
+  SignedRecord forged = older;
+  forged.signature.bytes[0] ^= 1;
+  CHECK(code_of(catch_up(hall.copy, hall.copy_dir, {forged, {}})) == Errc::bad_signature);
+  CHECK(hall.copy.list == before);
+  CHECK(hall.copy.beacon.number == 3);
+}
+
+TEST_CASE("news with a forged certificate among them is refused whole, its list too") {
+  Restored hall;
+  hall.put_back();
+  SignedRecord forged = hall.renew("ur5");
+  forged.signature.bytes[0] ^= 1;
+  REQUIRE(hall.revoke("ur3").ok());
+  CHECK(code_of(hall.hear({forged})) == Errc::bad_signature);
+  CHECK(hall.copy.list.number == 0);
+}
+
+TEST_CASE("two lists of one number are joined: nobody's entry is lost, and none stands twice") {
+  Restored hall;
+  const auto rows = [&] {
+    std::vector<std::pair<std::string, std::uint64_t>> out;
+    for (const Revocation& row : hall.copy.list.revoked) out.emplace_back(row.id, row.serial);
+    return out;
+  };
+  using Rows = decltype(rows());
+  SUBCASE("of two nodes, the later signed one in the other list") {
+    hall.put_back();
+    REQUIRE(hall.revoke("cloud").ok());
+    REQUIRE(hall.revoke_in_copy("ur3", "sold").ok());
+    CHECK(*hall.hear());
+    CHECK(rows() == Rows{{"cloud", 3}, {"ur3", 1}});
+  }
+  SUBCASE("of one node and certificate") {
+    hall.put_back();
+    REQUIRE(hall.revoke("ur3", "stolen").ok());
+    REQUIRE(hall.revoke_in_copy("ur3", "sold").ok());
+    CHECK(*hall.hear());
+    CHECK(rows() == Rows{{"ur3", 1}});
+  }
+  SUBCASE("of one node, whose newer certificate the other list covers") {
+    hall.put_back();
+    hall.renew("ur3");
+    REQUIRE(hall.revoke("ur3").ok());
+    REQUIRE(hall.revoke_in_copy("ur3", "sold").ok());
+    CHECK(*hall.hear());
+    CHECK(rows() == Rows{{"ur3", 4}});
+  }
+  SUBCASE("of one node, whose newer certificate only the own list covers") {
+    const Certificate first = hall.living("ur3");
+    hall.renew("ur3");
+    hall.put_back();
+    REQUIRE(revoke_certificates(hall.authority, hall.dir, {first}, "stolen", kNow).ok());
+    REQUIRE(hall.revoke_in_copy("ur3", "sold").ok());
+    CHECK(*hall.hear());
+    CHECK(find_living(hall.copy, "ur3", kNow) == nullptr);
+  }
+}

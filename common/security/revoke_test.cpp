@@ -1,0 +1,180 @@
+// Revocation lists: what stands in one, for how long, and how large it may grow; and the news that carry it.
+#include "common/security/test_hall.hpp"
+
+using namespace trb;
+using namespace trb::test;
+
+namespace {
+
+Certificate made_for(const Hall& hall, const std::string& id, std::uint64_t serial) {
+  return {{hall.authority.fleet.id()},
+          serial,
+          id,
+          Role::robot,
+          {Bytes(32, 'i')},
+          {Bytes(32, 'l')},
+          kNow.ns,
+          (kNow + kYear).ns};
+}
+
+}  // namespace
+
+TEST_CASE("an entry stays as long as a certificate that it covers would be taken, and no moment longer") {
+  Hall hall;
+  hall.join("ur3");
+  const Certificate first = hall.living("ur3");
+  REQUIRE(hall.revoke("ur3").ok());
+  REQUIRE(revoke_certificates(hall.authority, hall.dir, {}, "", {first.not_after - 1}).ok());
+  CHECK(hall.authority.list.revoked.size() == 1);
+  // Its successor lives on under the same name: that is no reason.
+  REQUIRE(sign_request(hall.authority, hall.dir, hall.request("new-pc", "ur3"), kNow, 2 * kYear).ok());
+  REQUIRE(revoke_certificates(hall.authority, hall.dir, {}, "", {first.not_after}).ok());
+  CHECK(hall.authority.list.revoked.empty());
+  CHECK(hall.authority.list.issued == first.not_after);
+}
+
+TEST_CASE("who is revoked again stands there once, with what was said last") {
+  Hall hall;
+  hall.join("ur3");
+  const Certificate first = hall.living("ur3");
+  hall.join("ur3");
+  const Certificate second = hall.living("ur3");
+  REQUIRE(revoke_certificates(hall.authority, hall.dir, {second}, "lost", kNow).ok());
+  REQUIRE(revoke_certificates(hall.authority, hall.dir, {second}, "stolen", kNow + Duration(5)).ok());
+  const Revocation row{2, "ur3", "stolen", kNow.ns + 5};
+  CHECK(hall.authority.list.revoked == std::vector{row});
+  // The older one was covered already.
+  REQUIRE(revoke_certificates(hall.authority, hall.dir, {first}, "sold", kNow).ok());
+  CHECK(hall.authority.list.revoked == std::vector{row});
+}
+
+TEST_CASE("an entry is of one name: the same serial of another node is not revoked by it") {
+  const RevocationList list{{}, 1, 0, {{5, "ur3", "stolen", 0}}, 2, {}};
+  const Hall hall;
+  CHECK(find_revocation(list, made_for(hall, "ur3", 5)) == &list.revoked.front());
+  CHECK(find_revocation(list, made_for(hall, "ur3", 4)) != nullptr);
+  CHECK(find_revocation(list, made_for(hall, "ur3", 6)) == nullptr);
+  CHECK(find_revocation(list, made_for(hall, "ur5", 4)) == nullptr);
+}
+
+TEST_CASE("a list of another fleet, changed, or of other bytes, opens for nobody") {
+  Hall hall;
+  hall.join("ur3");
+  REQUIRE(hall.revoke("ur3").ok());
+  SignedRecord record = hall.authority.revocations;
+  CHECK(open_revocations(record, hall.authority.fleet).ok());
+  SignedRecord renamed = record;
+  renamed.kind = kSignedCertificate;
+  CHECK(code_of(open_revocations(renamed, hall.authority.fleet)) == Errc::bad_signature);
+  record.payload.bytes = "no list";
+  CHECK_FALSE(open_revocations(record, hall.authority.fleet).ok());
+}
+
+namespace {
+
+/// Fills the authority's list with what one long revoked certificate allows.
+struct LongList : Hall {
+  std::vector<Revocation>& rows = authority.list.revoked;
+
+  LongList() {
+    join("ur5");
+    authority.issued.push_back(made_for(*this, name, 256));
+  }
+  void add(std::size_t count, const std::string& reason) {
+    for (std::size_t i = 0; i < count; ++i) rows.push_back({256 + rows.size(), name, reason, kNow.ns});
+  }
+  Status next() { return revoke_certificates(authority, dir, {}, "", kNow); }
+  [[nodiscard]] std::size_t size() const { return encode(authority.list).size(); }
+  /// Another list is refused, and the one before is in force as it was.
+  void is_refused() {
+    const Authority before = authority;
+    REQUIRE(code_of(next()) == Errc::too_large);
+    CHECK(authority.list == before.list);
+    CHECK(authority.revocations == before.revocations);
+    CHECK(authority.beacon.number == before.beacon.number);
+    CHECK(read()->revocations == before.revocations);
+  }
+
+ private:
+  const std::string name = std::string(64, 'x');
+};
+
+}  // namespace
+
+TEST_CASE("a list of 400 kB is made, and of one byte more it is not") {
+  LongList hall;
+  const std::string reason(128, 'r');
+  hall.add(20, reason);
+  REQUIRE(hall.next().ok());
+  const std::size_t before = hall.size();
+  hall.add(1, reason);
+  const std::size_t row = hall.size() - before;
+  hall.add((400'000 - before) / row, reason);
+  const std::size_t over = hall.size() - 400'000;
+  for (std::size_t i = 0; i < over; ++i) hall.rows[i].reason.pop_back();
+  REQUIRE(hall.next().ok());
+  CHECK(hall.authority.revocations.payload.bytes.size() == 400'000);
+  CHECK(hall.read()->list == hall.authority.list);
+  hall.rows[0].reason.resize(128, 'r');
+  hall.is_refused();
+}
+
+TEST_CASE("a list with more entries than a node takes is not signed: the authority could not read it itself") {
+  LongList hall;
+  hall.add(2000, "");
+  REQUIRE(hall.next().ok());
+  CHECK(hall.read()->list.revoked.size() == 2000);
+  hall.add(1, "");
+  hall.is_refused();
+}
+
+TEST_CASE("the news hold each living certificate once, and none that is revoked, replaced or forged") {
+  Hall hall;
+  for (const char* id : {"ur3", "ur5", "cloud"}) hall.join(id);
+  const auto renew = [&](const std::string& id) {
+    return *renew_certificate(hall.authority, hall.dir, hall.living(id), kNow, kYear);
+  };
+  const auto told = [&](const std::vector<SignedRecord>& renewed) {
+    REQUIRE(tell_news(hall.authority, hall.dir, renewed, kNow).ok());
+    return read_news(hall.dir + "/news.json")->certificates;
+  };
+  const SignedRecord older = renew("ur3");
+  CHECK(told({older}) == std::vector{older});
+  CHECK(told({older}) == std::vector{older});
+  const SignedRecord newer = renew("ur3");
+  const SignedRecord cloud = renew("cloud");
+  SignedRecord forged = cloud;
+  forged.signature.bytes[0] ^= 1;
+  CHECK(told({forged, newer, cloud}) == std::vector{newer, cloud});
+  REQUIRE(hall.revoke("ur3").ok());
+  CHECK(told({}) == std::vector{cloud});
+}
+
+TEST_CASE("news carry 256 renewals; of older ones as many as have room beside the new") {
+  Hall hall;
+  std::vector<SignedRecord> renewed;
+  for (std::uint64_t serial = 1; serial <= 257; ++serial) {
+    hall.authority.issued.push_back(made_for(hall, "ur" + std::to_string(serial), serial));
+    renewed.push_back(hall.sign_certificate(hall.authority.issued.back()));
+  }
+  const auto told = [&] { return read_news(hall.dir + "/news.json")->certificates; };
+  CHECK(code_of(tell_news(hall.authority, hall.dir, renewed, kNow)) == Errc::too_large);
+  CHECK_FALSE(file_exists(hall.dir + "/news.json"));
+  const SignedRecord last = renewed.back();
+  renewed.pop_back();
+  REQUIRE(tell_news(hall.authority, hall.dir, renewed, kNow).ok());
+  CHECK(told() == renewed);
+  REQUIRE(tell_news(hall.authority, hall.dir, {last}, kNow).ok());
+  CHECK(told().size() == 256);
+  CHECK(told().front() == last);
+  CHECK(told()[1] == renewed.front());
+}
+
+TEST_CASE("news that are not there, or damaged, are told with their path") {
+  const Hall hall;
+  const std::string path = hall.dir + "/news.json";
+  CHECK(code_of(read_news(path)) == Errc::missing);
+  REQUIRE(write_file(path, "{").ok());
+  CHECK(code_of(read_news(path)) == Errc::malformed);
+  CHECK(read_news(path).error().what.find(path) == 0);
+}
