@@ -1025,3 +1025,32 @@ TEST_CASE("who is reached by a relay within the lease has not joined anew; a ser
   CHECK(Triangle::route(*three.ant, "bee", three.fleet)->via == "cloud");
   CHECK(three.ant->told("peer_joined") == joined + 1);
 }
+
+TEST_CASE("whose link ends and who is reached by a relay right after, of the same boot, has not joined anew") {
+  TestFleet fleet;
+  fleet.start("cloud", {.beacon = false, .relay = true});
+  TestNode& ant = fleet.start("ant", {.beacon = false, .seeds = {"bee"}});
+  TestNode& bee = fleet.start("bee", {.beacon = false});
+  fleet.run(Seconds(1));
+  REQUIRE(ant.link_to("bee") != 0);
+  fleet.start("dock", {.beacon = false, .seeds = {"ant", "bee"}, .relay = true});
+  Triangle::serve(fleet, ant);
+  fleet.run(Seconds(3));
+  const std::size_t joined = ant.told("peer_joined");
+  const auto by_relay = [&] {
+    return std::count_if(ant.log.begin(), ant.log.end(),
+                         [](const std::string& line) { return line.starts_with("peer_joined bee by way of dock"); });
+  };
+  REQUIRE(by_relay() == 0);
+  fleet.cut("ant", "bee");
+  fleet.cut("bee", "ant");
+  const LinkId link = ant.link_to("bee");
+  for (TestNode* node : {&ant, &bee}) {
+    Effects broken;
+    node->core->on_link_ended(link, LinkEnd::disconnected, fleet.now, broken);
+    fleet.carry_out(*node, broken);
+  }
+  fleet.run(Seconds(4));
+  CHECK(by_relay() == 1);
+  CHECK(ant.told("peer_joined") == joined);
+}
