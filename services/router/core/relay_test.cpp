@@ -1034,7 +1034,9 @@ TEST_CASE("whose link ends and who is reached by a relay right after, of the sam
   fleet.run(Seconds(1));
   REQUIRE(ant.link_to("bee") != 0);
   fleet.start("dock", {.beacon = false, .seeds = {"ant", "bee"}, .relay = true});
-  Triangle::serve(fleet, ant);
+  Effects hello;
+  ant.core->on_service_hello(1, {"resilience", {"peer_joined"}, 5, 100, "1"}, "resilience", fleet.now, hello);
+  fleet.carry_out(ant, hello);
   fleet.run(Seconds(3));
   const std::size_t joined = ant.told("peer_joined");
   const auto by_relay = [&] {
