@@ -197,3 +197,52 @@ TEST_CASE("the tables are for requests, and only the mode-adapter tells the prof
   bus.ask(1, profile);
   CHECK(bus.ant.core->route_table(bus.fleet.now).routes.at(0).profile.maker.empty());
 }
+
+TEST_CASE("a service that says hello again has what it says now, once, and what it said before no longer") {
+  Bus bus;
+  const auto hello = [&](std::vector<std::string> subtypes, std::vector<std::string> hears) {
+    Effects effects;
+    bus.ant.core->on_service_hello(1, {"scheduler", std::move(subtypes), 5, 100, "1", std::move(hears)}, "scheduler",
+                                   bus.fleet.now, effects);
+    bus.fleet.carry_out(bus.ant, effects);
+    return decode<ServiceWelcome>(bus.ant.bus.back().message.data)->slot;
+  };
+  const auto slot = hello({"baton", "relay_race"}, {"robot_fault"});
+  CHECK(hello({"baton"}, {"robot_fault"}) == slot);
+  const Message fault = make_message(MessageType::information, "bee", "*", RobotFault{});
+  CHECK(bus.ant.core->hearers_of(header_of(fault)) == std::vector<ConnectionId>{1});
+  CHECK(bus.hello(2, "resilience", {"baton"}) == "already_claimed");
+  CHECK(bus.hello(2, "resilience", {"relay_race"}) == "service_welcome");
+}
+
+TEST_CASE("a connection that is now somebody else's has a slot of its own; a probe hears any word") {
+  Bus bus;
+  const auto slot = [&](const std::string& service, bool probe) {
+    Effects effects;
+    bus.ant.core->on_service_hello(1, {service, {}, 7, 100, "1", {"move"}}, probe ? kProbe : std::string_view(service),
+                                   bus.fleet.now, effects);
+    bus.fleet.carry_out(bus.ant, effects);
+    const Message& last = bus.ant.bus.back().message;
+    return last.subtype == ServiceWelcome::kSubtype ? decode<ServiceWelcome>(last.data)->slot : 0;
+  };
+  const auto first = slot("scheduler", true);
+  REQUIRE(first != 0);
+  const auto second = slot("trb", true);
+  CHECK(second != first);
+  CHECK(bus.hello(1, "scheduler") == "service_welcome");
+  const auto proven = decode<ServiceWelcome>(bus.ant.bus.back().message.data)->slot;
+  CHECK(proven != second);
+  CHECK(slot("scheduler", true) != proven);
+}
+
+TEST_CASE("of counters with made-up names there are a thousand, and those that are there go on") {
+  Bus bus;
+  RouterCore& core = *bus.ant.core;
+  core.count("known");
+  for (int i = 0; i < 2000; ++i) core.count("made_up." + std::to_string(i));
+  int there = 0;
+  for (int i = 0; i < 2000; ++i) there += core.counter("made_up." + std::to_string(i)) == 0 ? 0 : 1;
+  CHECK(there == 999);
+  core.count("known", 2);
+  CHECK(core.counter("known") == 3);
+}

@@ -105,7 +105,7 @@ void RouterCore::on_link_message(LinkId id, BytesView key, const Message& messag
 void RouterCore::on_early_message(LinkId id, BytesView key, const Message& message, Now now, Effects& out) {
   if (const auto at = links_.find(id); at != links_.end()) {
     // What it says before its Goodbye may be what this node has to know: its own renewed certificate.
-    if (message.subtype == FleetNews::kSubtype) return on_news_message(&at->second, message, now, out);
+    if (message.subtype == FleetNews::kSubtype) return on_news_message(at->second, message, now, out);
     // Dialled, and answered by something else than Hello: the other side refuses.
     auto goodbye = decode<Goodbye>(message.data);
     const bool said = message.subtype == Goodbye::kSubtype && goodbye;
@@ -120,7 +120,7 @@ void RouterCore::on_early_message(LinkId id, BytesView key, const Message& messa
 }
 
 void RouterCore::on_peer_message(Link& link, const Message& message, Now now, Effects& out) {
-  if (message.subtype == FleetNews::kSubtype) return on_news_message(&link, message, now, out);
+  if (message.subtype == FleetNews::kSubtype) return on_news_message(link, message, now, out);
   if (message.subtype == NodeProfile::kSubtype) return take_profile(peers_.at(link.peer), message.data, now, out);
   auto body = decode_body(message.subtype, message.data);
   if (!body) return deny_peer(link, message, body.error(), out);

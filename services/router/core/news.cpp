@@ -10,21 +10,16 @@ namespace trb::router {
 Result<std::string> RouterCore::on_news(const FleetNews& news, LinkId from, Now now, Effects& out) {
   FleetNews fresh;
   std::optional<Error> refusal;
-  bool known = false;
   const Link* link = find_link(from);
   const auto teller = link == nullptr ? peers_.end() : peers_.find(link->peer);
   // A signature costs 50 us to check: what one member tells costs this node no more than so many in a second.
   const auto may_check = [&] { return teller == peers_.end() || teller->second.news_checks.take(now.mono); };
-  const auto sort_out = [&](const Result<bool>& taken) {
-    if (!taken) {
-      refusal = refusal ? refusal : taken.error();
-    } else if (!*taken) {
-      known = true;
-    }
-    return taken.ok() && *taken;
+  const auto sort_out = [&](const Status& taken) {
+    if (!taken && !refusal) refusal = taken.error();
+    return taken.ok();
   };
   const bool lists = !news.revocations.kind.empty() && news.revocations != news_.record;
-  known = !news.revocations.kind.empty() && !lists;
+  bool known = !news.revocations.kind.empty() && !lists;
   if (lists && may_check() && sort_out(take_list(news.revocations, now, out))) fresh.revocations = news.revocations;
   const bool no_list = refusal.has_value();  // what else is known or new must not hide that
   for (const SignedRecord& record : news.certificates) {
@@ -73,8 +68,7 @@ bool RouterCore::is_known_certificate(const SignedRecord& record) const {
   return renewed != news_.renewed.end() && record == renewed->second;
 }
 
-Result<bool> RouterCore::take_list(const SignedRecord& record, Now now, Effects& out) {
-  if (record == news_.record) return false;
+Status RouterCore::take_list(const SignedRecord& record, Now now, Effects& out) {
   auto list = open_revocations(record, config_.authority);
   if (!list) return list.error();
   if (list->number < std::max<std::uint64_t>(news_.list.number, 1)) {
@@ -95,11 +89,10 @@ Result<bool> RouterCore::take_list(const SignedRecord& record, Now now, Effects&
   out.count("news.lists");
   news_.record = record;
   news_.list = std::move(*list);
-  return true;
+  return Done{};
 }
 
-Result<bool> RouterCore::take_certificate(const SignedRecord& record, Now now, Effects& out) {
-  if (is_known_certificate(record)) return false;
+Status RouterCore::take_certificate(const SignedRecord& record, Now now, Effects& out) {
   auto certificate = open_member(record, now, out);
   if (!certificate) return certificate.error();
   const bool own = certificate->id == config_.id;
@@ -119,7 +112,7 @@ Result<bool> RouterCore::take_certificate(const SignedRecord& record, Now now, E
   out.count("news.certificates");
   if (own) {
     take_own_certificate(record, *certificate, out);
-    return true;
+    return Done{};
   }
   if (news_.renewed.size() >= kMaxPeers && news_.renewed.count(certificate->id) == 0)
     return fail(Errc::queue_full, "no room for another node's renewed certificate", std::string(kFullCure));
@@ -131,7 +124,7 @@ Result<bool> RouterCore::take_certificate(const SignedRecord& record, Now now, E
     peer->second.certificate = *certificate;
     peer->second.certificate_record = record;
   }
-  return true;
+  return Done{};
 }
 
 void RouterCore::take_own_certificate(const SignedRecord& record, const Certificate& certificate, Effects& out) {
@@ -243,15 +236,14 @@ void RouterCore::send_news(Link& link, const FleetNews& news, Effects& out) {
   if (!part.certificates.empty()) link_send(link, part, out);
 }
 
-void RouterCore::on_news_message(const Link* link, const Message& message, Now now, Effects& out) {
+void RouterCore::on_news_message(const Link& link, const Message& message, Now now, Effects& out) {
   auto news = message.data.size() > kMaxNews ? Result<FleetNews>(fail(Errc::too_large, "FleetNews over 512 kB"))
                                              : decode<FleetNews>(message.data);
-  if (const auto peer = link == nullptr ? peers_.end() : peers_.find(link->peer);
-      peer != peers_.end() && !peer->second.news.take(now.mono))
+  if (const auto peer = peers_.find(link.peer); peer != peers_.end() && !peer->second.news.take(now.mono))
     return out.count("refused.too_much_news");
-  const LinkId from = link == nullptr ? 0 : link->id;
-  const std::string who = link == nullptr || link->peer.empty() ? "the node that was dialled" : link->peer;
-  auto taken = news ? on_news(*news, from, now, out) : Result<std::string>(news.error());
+  // It may be gone before the refusal is written down: the list may say so.
+  const std::string who = link.peer.empty() ? "the node that was dialled" : link.peer;
+  auto taken = news ? on_news(*news, link.id, now, out) : Result<std::string>(news.error());
   if (taken) return;
   out.count("refused." + std::string(errc_name(taken.error().code)));
   out.log(LogLevel::warning, "news_refused", "of " + who + ": " + taken.error().text());

@@ -360,3 +360,327 @@ TEST_CASE("a node that starts in 1970 joins, unverified, by what the authority h
           late.stored_utc.end());
   }
 }
+
+namespace {
+
+/// As a later release would write it: with a field behind those that are known here.
+SignedRecord sign_long(const TestAuthority& authority, const Certificate& certificate, std::size_t more) {
+  Bytes payload = encode(certificate);
+  payload[0] = static_cast<char>(payload[0] + 1);
+  payload += Bytes("\xc5", 1) + static_cast<char>(more >> 8U) + static_cast<char>(more & 0xffU) + Bytes(more, 'x');
+  return sign(kSignedCertificate, "", authority.fleet.id(), payload, authority.key);
+}
+
+/// All that was said of news from one node to another since this began to listen.
+struct Heard {
+  std::vector<FleetNews> news;
+  Heard(TestFleet& fleet, const std::string& from, TestNode& node, const std::string& to) {
+    fleet.meddle = [this, from, &node, to](const std::string& by, LinkId link, std::uint64_t&, Message& message) {
+      if (by == from && link == node.link_to(to) && message.subtype == FleetNews::kSubtype)
+        news.push_back(*decode<FleetNews>(message.data));
+      return true;
+    };
+  }
+};
+
+Certificate of_another(const TestFleet& fleet, const std::string& id, std::uint64_t serial) {
+  return fleet.authority.sign_node(id, Role::robot, serial).certificate;
+}
+
+}  // namespace
+
+TEST_CASE("who brings news is not told them again, the others are, and who asked hears how many") {
+  Three three;
+  Heard back(three.fleet, "ant", three.ant, "bee");
+  Effects effects;
+  const FleetNews news{list_of(three.fleet.authority, 1, {"dog"}, {"ant", "bee", "cat"}), {}};
+  const auto taken = three.ant.core->on_news(news, three.ant.link_to("bee"), three.fleet.now, effects);
+  three.fleet.carry_out(three.ant, effects);
+  three.fleet.run(2 * kStep);
+  REQUIRE(taken.ok());
+  CHECK(*taken == "list 1, 0 renewed certificates, told to 1 nodes");
+  CHECK(back.news.empty());
+  CHECK(three.cat.count("news.lists") == 1);
+  CHECK(three.ant.stored_utc.empty());  // its clock is right
+}
+
+TEST_CASE("one certificate that is refused hides neither what is behind it nor what is known") {
+  Three three;
+  const SignedRecord old = three.sign_certificate(three.renewed("cat", 0));
+  const SignedRecord fresh = three.sign_certificate(three.renewed("bee", 6));
+  CHECK(three.code(three.ant, {{}, {old, fresh}}) == Errc::ok);
+  CHECK(three.ant.peer("bee")->certificate.serial == 6);
+  CHECK(three.code(three.ant, {{}, {old, fresh}}) == Errc::ok);  // nothing new
+  CHECK(three.code(three.ant, {{}, {old}}) == Errc::downgraded);
+  const SignedRecord list = list_of(three.fleet.authority, 3, {});
+  CHECK(three.code(three.ant, {list, {}}) == Errc::ok);
+  CHECK(three.code(three.ant, {list, {old}}) == Errc::ok);
+  CHECK(three.code(three.ant, {list_of(three.fleet.authority, 2, {}), {fresh}}) == Errc::downgraded);
+}
+
+TEST_CASE("what a node knows already costs no signature, whoever's it is") {
+  Three three;
+  const SignedRecord away = three.sign_certificate(of_another(three.fleet, "dog", 4));
+  REQUIRE(three.tell(three.ant, {{}, {away}}).ok());
+  const std::uint64_t taken = three.ant.count("news.certificates");
+  const std::uint32_t left = three.ant.peer("bee")->news_checks.left();
+  Effects effects;
+  const FleetNews known{{}, {three.ant.keys.record, three.cat.keys.record, away}};
+  const auto told = three.ant.core->on_news(known, three.ant.link_to("bee"), three.fleet.now, effects);
+  CHECK(*told == "nothing new");
+  CHECK(effects.list.empty());
+  CHECK(three.ant.peer("bee")->news_checks.left() == left);
+  CHECK(three.ant.count("news.certificates") == taken);
+}
+
+TEST_CASE("a member whose signatures of this second are spent brings not even a list") {
+  Three three;
+  FleetNews noise;
+  for (std::uint64_t i = 0; i < 256; ++i) noise.certificates.push_back(three.sign_certificate(three.renewed("cat", 0)));
+  const auto bring = [&](const FleetNews& news) {
+    Effects effects;
+    const auto taken = three.ant.core->on_news(news, three.ant.link_to("bee"), three.fleet.now, effects);
+    three.fleet.carry_out(three.ant, effects);
+    return taken ? Errc::ok : taken.error().code;
+  };
+  CHECK(bring(noise) == Errc::downgraded);
+  CHECK(bring(noise) == Errc::queue_full);
+  REQUIRE(three.ant.peer("bee")->news_checks.left() == 0);
+  CHECK(bring({list_of(three.fleet.authority, 1, {"dog"}), {}}) == Errc::ok);
+  CHECK(three.ant.count("news.lists") == 0);
+  three.fleet.run(Seconds(2));
+  CHECK(bring({list_of(three.fleet.authority, 1, {"dog"}), {}}) == Errc::ok);
+  CHECK(three.ant.count("news.lists") == 1);
+}
+
+TEST_CASE("an old file that was left on the node is no attack; one that the authority has not signed is told") {
+  Three three;
+  REQUIRE(three.tell(three.ant, {list_of(three.fleet.authority, 3, {}), {}}).ok());
+  const auto read = [&](const SignedRecord& list) {
+    Effects effects;
+    three.ant.core->on_news_of_file({list, {}}, three.fleet.now, effects);
+    three.fleet.carry_out(three.ant, effects);
+  };
+  read(list_of(three.fleet.authority, 2, {}));
+  read(list_of(three.fleet.authority, 3, {}));
+  CHECK_FALSE(logged(three.ant, "news_refused"));
+  read(list_of(TestAuthority(), 4, {}));
+  CHECK(three.ant.count("refused.foreign_fleet") == 1);
+  CHECK(logged(three.ant, "news_refused of a file: "));
+  read(list_of(three.fleet.authority, 4, {}));
+  CHECK(three.ant.count("news.lists") == 2);
+}
+
+TEST_CASE("a list tells a clock that is behind what time it is at least") {
+  TestFleet fleet;
+  TestNode& ant = fleet.start("ant", {.beacon = false, .clock_off = -hours(24 * 300)});
+  RevocationList list;
+  list.fleet = {fleet.authority.fleet.id()};
+  list.number = 1;
+  list.issued = kStartUtc + 3'600'000'000'000;
+  const SignedRecord record =
+      sign(kSignedRevocations, "", fleet.authority.fleet.id(), encode(list), fleet.authority.key);
+  Effects effects;
+  REQUIRE(ant.core->on_news({record, {}}, 0, fleet.now_of(ant), effects).ok());
+  fleet.carry_out(ant, effects);
+  REQUIRE_FALSE(ant.stored_utc.empty());
+  CHECK(ant.stored_utc.back() == UtcTime{list.issued});
+}
+
+TEST_CASE("a list without this node's beacon key is told in the log, but not of one that is out, nor without a list") {
+  Three three;
+  REQUIRE(three.tell(three.ant, {{}, {three.sign_certificate(three.renewed("dog", 3))}}).ok());
+  CHECK_FALSE(logged(three.ant, "no_beacon_key"));
+  REQUIRE(three.tell(three.ant, {list_of(three.fleet.authority, 1, {"cat"}, {"ant"}), {}}).ok());
+  three.fleet.run(milliseconds(100));
+  CHECK_FALSE(logged(three.ant, "no_beacon_key"));
+  CHECK(three.ant.stored_news.back().beacon_box == Bytes(80, 'b'));
+  CHECK(logged(three.bee, "no_beacon_key"));
+  CHECK(three.bee.stored_news.back().beacon_box.empty());
+  REQUIRE(logged(three.cat, "own_certificate_over"));
+  CHECK_FALSE(logged(three.cat, "no_beacon_key"));
+}
+
+TEST_CASE("a certificate with other keys is remembered for the node that will come with them; the link keeps the old") {
+  Three three;
+  Certificate anew = of_another(three.fleet, "cat", 5);
+  SUBCASE("both are others") {}
+  SUBCASE("only the link's") {
+    anew.identity_key = three.cat.keys.certificate.identity_key;
+  }
+  SUBCASE("only the node's") {
+    anew.link_key = three.cat.keys.certificate.link_key;
+  }
+  const LinkId link = three.ant.link_to("cat");
+  REQUIRE(three.tell(three.ant, {{}, {three.sign_certificate(anew)}}).ok());
+  CHECK(three.ant.peer("cat")->certificate.serial == 1);
+  CHECK(three.ant.link_to("cat") == link);
+  CHECK(three.ant.stored_news.back().news.certificates.size() == 1);
+  // For this node itself there are no other keys than those it has.
+  Certificate own = three.renewed("ant", 9);
+  own.identity_key = anew.identity_key;
+  CHECK(three.code(three.ant, {{}, {three.sign_certificate(own)}}) == Errc::wrong_key);
+}
+
+TEST_CASE("of others 1024 renewals are kept and 256 told on; one more finds no room, a newer one of the same does") {
+  TestFleet fleet;
+  TestNode& ant = fleet.start("ant", {.beacon = false});
+  const auto tell = [&](const std::string& id, std::uint64_t serial) {
+    Certificate certificate = fleet.keys("ant").certificate;
+    certificate.id = id;
+    certificate.serial = serial;
+    Effects effects;
+    auto taken = ant.core->on_news(
+        {{}, {sign(kSignedCertificate, "", fleet.authority.fleet.id(), encode(certificate), fleet.authority.key)}}, 0,
+        fleet.now, effects);
+    ant.stored_news.clear();
+    fleet.carry_out(ant, effects);
+    return taken ? Errc::ok : taken.error().code;
+  };
+  std::size_t taken = 0;
+  for (std::size_t i = 0; i < kMaxPeers; ++i) taken += tell("n" + std::to_string(i), 2) == Errc::ok ? 1 : 0;
+  CHECK(taken == kMaxPeers);
+  CHECK(ant.stored_news.back().news.certificates.size() == 256);
+  CHECK(tell("one-more", 2) == Errc::queue_full);
+  CHECK(tell("n7", 3) == Errc::ok);
+}
+
+TEST_CASE("news that are too much for one message go in several: the list first, then the certificates") {
+  Three three;
+  FleetNews all{list_of(three.fleet.authority, 1, {"dog"}, {"ant", "bee", "cat"}), {}};
+  for (std::size_t i = 0; i < 200; ++i) {
+    const Certificate one = of_another(three.fleet, "n" + std::to_string(i), 2);
+    all.certificates.push_back(sign_long(three.fleet.authority, one, 3000));
+  }
+  SUBCASE("with a list") {}
+  SUBCASE("without one") {
+    all.revocations = {};
+  }
+  REQUIRE(encode(all).size() > kMaxNews);
+  Heard heard(three.fleet, "ant", three.ant, "bee");
+  REQUIRE(three.tell(three.ant, all).ok());
+  three.fleet.run(2 * kStep);
+  const std::size_t lists = all.revocations.kind.empty() ? 0 : 1;
+  REQUIRE(heard.news.size() == lists + 3);
+  if (lists == 1) {
+    CHECK(heard.news[0].revocations == all.revocations);
+    CHECK(heard.news[0].certificates.empty());
+  }
+  std::vector<SignedRecord> certificates;
+  for (std::size_t i = lists; i < heard.news.size(); ++i) {
+    CHECK(heard.news[i].revocations.kind.empty());
+    CHECK_FALSE(heard.news[i].certificates.empty());
+    CHECK(encode(heard.news[i]).size() <= kMaxNews);
+    certificates.insert(certificates.end(), heard.news[i].certificates.begin(), heard.news[i].certificates.end());
+  }
+  CHECK(certificates == all.certificates);
+  CHECK(three.bee.count("news.certificates") == 200);
+}
+
+TEST_CASE("who links again is told what it does not know, and no renewal that its node has shown itself") {
+  Three three;
+  three.fleet.stop("cat");
+  three.fleet.stop("bee");
+  const SignedRecord renewed = three.sign_certificate(three.renewed("cat", 5));
+  REQUIRE(three.tell(three.ant, {list_of(three.fleet.authority, 1, {"dog"}, {"ant", "bee", "cat"}), {renewed}}).ok());
+  CHECK(three.ant.stored_news.back().news.certificates.size() == 1);
+  TestNode& bee = three.fleet.start("bee", {.boot = 2});
+  three.fleet.run(Seconds(4));
+  CHECK(bee.count("news.lists") == 1);
+  CHECK(bee.count("news.certificates") == 1);
+  three.fleet.start("cat", {.boot = 2});
+  three.fleet.run(Seconds(4));
+  REQUIRE(three.ant.link_to("cat") != 0);
+  REQUIRE(three.ant.link_to("bee") != 0);
+  // All know all by now.
+  std::size_t told = 0;
+  three.fleet.meddle = [&](const std::string&, LinkId, std::uint64_t&, Message& message) {
+    told += message.subtype == FleetNews::kSubtype ? 1 : 0;
+    return true;
+  };
+  for (const std::string other : {"bee", "cat"}) {
+    three.fleet.cut("ant", other);
+    three.fleet.cut(other, "ant");
+  }
+  three.fleet.run(Seconds(12));
+  REQUIRE(three.ant.link_to("bee") == 0);
+  three.fleet.heal();
+  three.fleet.run(Seconds(8));
+  REQUIRE(three.ant.link_to("bee") != 0);
+  CHECK(told == 0);
+}
+
+TEST_CASE("news over their size are not read; the log names who brought what was refused") {
+  Three three;
+  const auto bring = [&](std::size_t size) {
+    const LinkId link = three.ant.link_to("bee");
+    Message message = make_message(MessageType::information, "bee", "ant", FleetNews{});
+    message.data = Bytes(size, '\xc1');
+    three.fleet.arrive(three.ant, link, three.ant.core->find_link(link)->heard + 1, message);
+  };
+  bring(kMaxNews);
+  CHECK(three.ant.count("refused.malformed") == 1);
+  CHECK(logged(three.ant, "news_refused of bee: "));
+  bring(kMaxNews + 1);
+  CHECK(three.ant.count("refused.too_large") == 1);
+}
+
+TEST_CASE("who was dialled and has not said Hello may bring news, and is named as what it is") {
+  TestFleet fleet;
+  TestNode& ant = fleet.start("ant", {.beacon = false, .seeds = {"bee"}});
+  fleet.start("bee", {.beacon = false});
+  fleet.withhold = [](const std::string& from, const Message&) { return from == "bee"; };
+  fleet.run(2 * kStep);
+  REQUIRE_FALSE(ant.dials.empty());
+  SignedRecord forged = list_of(fleet.authority, 1, {"dog"});
+  forged.signature.bytes[5] ^= 1;
+  fleet.arrive(ant, ant.dials.back().link, 1, make_message(MessageType::information, "bee", "", FleetNews{forged, {}}));
+  CHECK(ant.count("refused.bad_signature") == 1);
+  CHECK(logged(ant, "news_refused of the node that was dialled: "));
+}
+
+TEST_CASE("a refused node is handed what it does not know, and nothing else") {
+  Three three;
+  TestNode& ant = three.ant;
+  const auto hello = [&](const TestKeys& keys, std::uint64_t list) {
+    Effects effects;
+    ant.refused.clear();
+    const Hello said{keys.record, 9, "10.0.0.9:1", "1", kStartUtc, true, {}, list, "behind", false, ""};
+    ant.core->on_link_message(random_u64(), keys.link.public_key,
+                              make_message(MessageType::information, keys.certificate.id, "", said), 1, three.fleet.now,
+                              effects);
+    three.fleet.carry_out(ant, effects);
+    return std::any_of(ant.refused.begin(), ant.refused.end(),
+                       [](const RefuseCandidate& one) { return one.message.subtype == FleetNews::kSubtype; });
+  };
+  SUBCASE("the list, unless it says that it has it") {
+    REQUIRE(three.tell(ant, {list_of(three.fleet.authority, 2, {"dog", "eel"}), {}}).ok());
+    CHECK(hello(three.fleet.authority.sign_node("dog"), 1));
+    CHECK_FALSE(hello(three.fleet.authority.sign_node("eel"), 2));
+  }
+  SUBCASE("a newer certificate that this node has of it by its own word") {
+    three.fleet.stop("cat");
+    TestKeys cat = three.fleet.keys("cat");
+    TestKeys old = cat;
+    old.certificate.serial = 0;
+    old.record = three.sign_certificate(old.certificate);
+    CHECK(hello(old, 0));
+    REQUIRE_FALSE(ant.refused.empty());
+    CHECK(decode<FleetNews>(ant.refused.front().message.data)->certificates == std::vector{cat.record});
+  }
+  SUBCASE("nothing, if its certificate is the newest and has ended") {
+    three.fleet.stop("cat");
+    three.fleet.now.utc = three.fleet.now.utc + hours(25);
+    CHECK_FALSE(hello(three.fleet.keys("cat"), 0));
+    CHECK_FALSE(ant.refused.empty());
+  }
+  SUBCASE("nothing, if its certificate is not valid yet, though a later one is known") {
+    Certificate renewed = of_another(three.fleet, "dog", 5);
+    REQUIRE(three.tell(ant, {{}, {three.sign_certificate(renewed)}}).ok());
+    TestKeys early = three.fleet.authority.sign_node("dog", Role::robot, 6);
+    early.certificate.not_before = kStartUtc + 3'600'000'000'000;
+    early.record = three.sign_certificate(early.certificate);
+    CHECK_FALSE(hello(early, 0));
+    CHECK_FALSE(ant.refused.empty());
+  }
+}

@@ -213,3 +213,21 @@ TEST_CASE("what a hearer would have to refuse is not sent; who waits for it is t
   CHECK(decode<Nack>(nack->message.data)->what == "service_table: services: list over 32 items");
   CHECK(effects.counts.back() == "dropped.too_large");
 }
+
+TEST_CASE("a profile fits to the byte") {
+  NodeProfile profile;
+  profile.places.assign(254, std::string(255, 'p'));
+  const auto size = [&] { return encode(profile).size(); };
+  REQUIRE(size() < kMaxProfileSize);
+  while (kMaxProfileSize - size() > 500) profile.sensors.emplace_back(255, 's');
+  profile.maker = std::string(40, 'm');
+  while (size() < kMaxProfileSize) {
+    std::string& last = profile.maker.size() < 120 ? profile.maker : profile.sensors.emplace_back();
+    last += 'x';
+  }
+  REQUIRE(size() >= kMaxProfileSize);
+  CHECK(fits(profile) == (size() == kMaxProfileSize));
+  NodeProfile more = profile;
+  more.maker += "xx";
+  CHECK_FALSE(fits(more));
+}

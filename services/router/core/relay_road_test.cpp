@@ -269,3 +269,97 @@ TEST_CASE("as many questions may wait as have room; the end of the road gives th
   CHECK(all.size() == RelayRoad::kMaxUnconfirmed);
   CHECK(two.ant.has_room());
 }
+
+TEST_CASE("a count that is 64 ahead forgets all that was taken before it, and a count of nothing is none") {
+  TwoEnds two;
+  two.greet();
+  CHECK_FALSE(two.bee.take(kAnt, 0, false, two.now));
+  CHECK(two.bee.take(kAnt, 20, false, two.now));
+  CHECK(two.bee.take(kAnt, 21, false, two.now));
+  CHECK(two.bee.take(kAnt, 21 + 64, false, two.now));
+  CHECK(two.bee.take(kAnt, 20 + 64, false, two.now));
+  CHECK_FALSE(two.bee.take(kAnt, 20 + 64, false, two.now));
+}
+
+TEST_CASE("of what is unconfirmed a word speaks for the last 64 counts: what is older is lost") {
+  TwoEnds two;
+  two.greet();
+  std::vector<std::uint64_t> counts;
+  for (int i = 0; i < 66; ++i) counts.push_back(two.ask());
+  for (const std::uint64_t count : counts) CHECK(two.bee.take(kAnt, count, true, two.now));
+  two.now = two.now + milliseconds(100);
+  const auto heard = two.to_ant(two.of_bee());
+  REQUIRE(heard.lost.size() == 2);
+  CHECK(heard.lost[0].count == counts[0]);
+  CHECK(heard.lost[1].count == counts[1]);
+  CHECK(two.ant.overdue(two.now + Seconds(10)).empty());
+}
+
+TEST_CASE("a question that is taken back is that one, and the others wait on") {
+  TwoEnds two;
+  two.greet();
+  const std::uint64_t first = two.ask();
+  const std::uint64_t second = two.ask();
+  REQUIRE(two.ant.withdraw(second).has_value());
+  CHECK_FALSE(two.ant.withdraw(second).has_value());
+  const auto kept = two.ant.withdraw(first);
+  REQUIRE(kept.has_value());
+  CHECK(kept->count == first);
+}
+
+TEST_CASE("of what this end has said the last eight words prove who repeats them, an older one nothing") {
+  TwoEnds two;
+  const Word first = two.of_ant();
+  const auto repeated = [&](std::uint64_t nonce) {
+    RelayAlive word;
+    word.nonce = 3;
+    word.echo = nonce;
+    RelayRoad here = two.ant;
+    return here.hear(word, kBee, 1, two.now).fresh;
+  };
+  for (int i = 0; i < 7; ++i) (void)two.of_ant();
+  CHECK(repeated(first.said.nonce));
+  (void)two.of_ant();
+  CHECK_FALSE(repeated(first.said.nonce));
+  CHECK(repeated(first.said.nonce + 1));
+}
+
+TEST_CASE("who has just been proven hears so at once, and who speaks of an earlier boot of ours, too") {
+  TwoEnds two;
+  two.to_bee(two.of_ant());
+  two.to_ant(two.of_bee());
+  two.now = two.now + Seconds(1);
+  two.to_bee(two.of_ant());  // it knows bee's boot, and is new to bee
+  CHECK(two.bee.word_due(two.now));
+  two.to_ant(two.of_bee());
+  CHECK_FALSE(two.ant.word_due(two.now));
+  two.now = two.now + Seconds(1);
+  Word word = two.of_bee();
+  word.said.heard_boot = kAnt - 1;
+  CHECK(two.to_ant(word).fresh);
+  CHECK(two.ant.word_due(two.now));
+}
+
+TEST_CASE("a first word without a boot number is answered as any other") {
+  RelayRoad road(kAnt);
+  RelayAlive word;
+  word.nonce = 3;
+  CHECK_FALSE(road.hear(word, 0, 1, MonotonicTime{10'000'000'000}).fresh);
+  CHECK(road.word_due(MonotonicTime{10'000'000'000}));
+}
+
+TEST_CASE("the road is over a lease after the last sign of life and not before; its next moment is the earliest") {
+  TwoEnds two;
+  two.greet();
+  const MonotonicTime said = two.ant.last_sign();
+  CHECK_FALSE(two.ant.lapse(said));
+  CHECK_FALSE(two.ant.lapse(said + Seconds(10) - milliseconds(1)));
+  CHECK(two.ant.open());
+  two.ant.rest();
+  CHECK(two.ant.next_deadline() == said + Seconds(10));
+  two.now = two.now + Seconds(1);
+  (void)two.ask();
+  CHECK(two.ant.next_deadline() == two.now + Seconds(3));
+  CHECK(two.ant.lapse(said + Seconds(10)));
+  CHECK_FALSE(two.ant.open());
+}

@@ -624,3 +624,435 @@ TEST_CASE("a word by a relay that names a host instead of numbers is refused, an
   CHECK(three.bee->count("refused.relayed_bad_value") == 1);
   CHECK(three.bee->peer("ant")->address == three.fleet.address("ant"));
 }
+
+TEST_CASE("a relay tells of many in several messages, of who has gone too, and nobody of itself") {
+  TestFleet fleet;
+  TestNode& cloud = fleet.start("cloud", {.beacon = false, .relay = true});
+  std::vector<TestKeys> many;
+  const auto come = [&](std::uint64_t number) {
+    many.push_back(fleet.authority.sign_node("n" + std::to_string(number)));
+    Effects effects;
+    const Hello hello{many.back().record, 3, "10.1.0.1:1", "1", kStartUtc, true, {}, 0, "behind", false, ""};
+    cloud.core->on_link_message(9000 + number, many.back().link.public_key,
+                                make_message(MessageType::information, many.back().certificate.id, "", hello), 1,
+                                fleet.now, effects);
+    fleet.carry_out(cloud, effects);
+  };
+  for (std::uint64_t i = 0; i < 65; ++i) come(i);
+  fleet.run(milliseconds(300));
+  TestNode& ant = fleet.start("ant", {.beacon = false, .seeds = {"cloud"}});
+  std::vector<Neighbours> told;
+  fleet.meddle = [&](const std::string& from, LinkId, std::uint64_t&, Message& message) {
+    if (from == "cloud" && message.subtype == Neighbours::kSubtype) told.push_back(*decode<Neighbours>(message.data));
+    return true;
+  };
+  fleet.run(Seconds(1));
+  REQUIRE(cloud.link_to("ant") != 0);
+  REQUIRE(told.size() == 2);
+  CHECK(told[0].reached.size() == 64);
+  CHECK(told[1].reached.size() == 1);
+  CHECK(told[0].gone.empty());
+  for (const SignedRecord& one : told[0].reached) CHECK(one != ant.keys.record);
+  CHECK(ant.peer("n64")->relays == std::set<std::string>{"cloud"});
+
+  // All are told at once of those whose connections end at once.
+  told.clear();
+  Effects effects;
+  for (std::uint64_t i = 0; i < 65; ++i) cloud.core->on_link_ended(9000 + i, LinkEnd::disconnected, fleet.now, effects);
+  fleet.carry_out(cloud, effects);
+  fleet.run(milliseconds(90));
+  CHECK(told.empty());
+  fleet.run(milliseconds(60));
+  REQUIRE(told.size() == 2);
+  CHECK(told[0].gone.size() == 64);
+  CHECK(told[1].gone.size() == 1);
+  CHECK(told[0].reached.empty());
+  CHECK(ant.peer("n64")->relays.empty());
+}
+
+TEST_CASE(
+    "a target that the relay has never heard of is told from one that it has lost; a stranger's words go nowhere") {
+  Triangle three;
+  RelayedFrame for_dog = three.frame(30, three.numbered("x"));
+  for_dog.target = "dog";
+  three.put(*three.ant, "cloud",
+            make_message(MessageType::information, "ant", "cloud", Relayed{three.signed_by_ant(for_dog)}));
+  CHECK(three.cloud.count("dropped.unknown_target") == 1);
+  CHECK(three.ant->count("refused.not_permitted") == 1);  // ant knows no dog either
+  CHECK(three.cloud.count("relayed.sent") > 0);
+
+  // What cannot leave is told its signer, if that is there.
+  const auto stuck = [&](TestNode& node, const SignedRecord& record) {
+    Effects effects;
+    node.core->not_passed_on(make_message(MessageType::information, node.id, "bee", Relayed{record}), Errc::queue_full,
+                             effects);
+    return effects.list.size();
+  };
+  SignedRecord nobodys = three.signed_by_ant(for_dog);
+  nobodys.signer = "nobody";
+  CHECK(stuck(three.cloud, nobodys) == 0);
+  CHECK(stuck(*three.ant, three.signed_by_ant(for_dog)) == 0);
+  CHECK(stuck(three.cloud, three.signed_by_ant(for_dog)) == 1);
+  three.fleet.stop("ant");
+  Effects ended;
+  three.cloud.core->on_link_ended(three.cloud.link_to("ant"), LinkEnd::disconnected, three.fleet.now, ended);
+  three.fleet.carry_out(three.cloud, ended);
+  CHECK(stuck(three.cloud, nobodys) == 0);
+}
+
+TEST_CASE("what a relay says of nodes that nobody knows, or of this one itself, changes nothing") {
+  Triangle three;
+  const auto tell = [&](const Neighbours& told) {
+    three.put(three.cloud, "ant", make_message(MessageType::information, "cloud", "ant", told));
+  };
+  const std::size_t peers = three.ant->core->peers().size();
+  tell({{three.ant->keys.record}, {"nobody", "ant"}});
+  CHECK(three.ant->core->peers().size() == peers);
+  CHECK(three.ant->peer("ant") == nullptr);
+  CHECK(Triangle::route(*three.ant, "bee", three.fleet)->via == "cloud");
+  tell({{}, {"bee"}});
+  CHECK(Triangle::route(*three.ant, "bee", three.fleet)->state == "CONNECTION_BROKEN");
+  CHECK(std::count(three.ant->log.begin(), three.ant->log.end(), "route_lost bee was reached by cloud") == 1);
+}
+
+TEST_CASE("a relay that tells of ever new nodes is listened to for so many signatures in a second") {
+  TestFleet fleet;
+  TestNode& cloud = fleet.start("cloud", {.beacon = false, .relay = true});
+  TestNode& ant = fleet.start("ant", {.beacon = false, .seeds = {"cloud"}});
+  fleet.run(Seconds(2));
+  const auto tell = [&](const SignedRecord& record) {
+    Effects effects;
+    ant.core->on_link_message(ant.link_to("cloud"), cloud.keys.link.public_key,
+                              make_message(MessageType::information, "cloud", "ant", Neighbours{{record}, {}}), 1,
+                              fleet.now, effects);
+    for (const std::string& name : effects.counts) ++ant.counts[name];
+  };
+  for (std::size_t i = 0; i + 1 < kMaxPeers; ++i) tell(fleet.authority.sign_node("n" + std::to_string(i)).record);
+  CHECK(ant.core->peers().size() == kMaxPeers);
+  CHECK(ant.count("refused.neighbour_queue_full") == 0);
+  const SignedRecord more = fleet.authority.sign_node("one-more").record;
+  tell(more);
+  CHECK(ant.count("refused.neighbour_queue_full") == 1);
+  tell(ant.core->peers().at("n5").certificate_record);  // known: there is room, and no signature to check
+  CHECK(ant.count("refused.neighbour_queue_full") == 1);
+  for (int i = 0; i < 100; ++i) tell(more);
+  CHECK(ant.count("refused.neighbour_too_many") == 100 - 64);
+  tell(ant.core->peers().at("n5").certificate_record);
+  CHECK(ant.count("refused.neighbour_too_many") == 100 - 64);
+  CHECK(cloud.link_to("ant") != 0);
+}
+
+TEST_CASE(
+    "what leaves by a relay has the time that its sender gave it, by the sender's own clock while that is right") {
+  TestFleet fleet;
+  fleet.cut("ant", "bee");
+  fleet.cut("bee", "ant");
+  fleet.start("cloud", {.beacon = false, .relay = true, .clock_off = std::chrono::hours(1)});
+  TestNode& ant = fleet.start("ant", {.beacon = false, .seeds = {"cloud"}});
+  fleet.start("bee", {.beacon = false, .seeds = {"cloud"}});
+  fleet.run(Seconds(3));
+  Message message;
+  message.type = MessageType::information;
+  message.subtype = "numbered";
+  message.source = "ant";
+  message.target = "bee";
+  message.remaining_ms = 700;
+  const auto out = ant.core->relay_out(1, "bee", header_of(message), encode_frame(message), fleet.now);
+  REQUIRE(out.ok());
+  const auto inner = decode<RelayedFrame>(decode<Relayed>(out->message.data)->record.payload.bytes);
+  CHECK(inner->expires == fleet.now.utc.ns + 700'000'000);
+  CHECK(out->message.remaining_ms == 700);
+}
+
+TEST_CASE(
+    "by a relay goes a message of 511 kB, and 256 that wait to hear whether they came; one that does not wait goes") {
+  Triangle three;
+  const std::size_t most = (1U << 19U) - 1024 - kRelayBoxOverhead;
+  const auto out = [&](const Message& message) {
+    const auto relaying =
+        three.ant->core->relay_out(1, "bee", header_of(message), encode_frame(message), three.fleet.now);
+    return relaying ? Errc::ok : relaying.error().code;
+  };
+  std::string text(most, 'x');
+  while (encode_frame(three.numbered(text)).size() > most) text.pop_back();
+  REQUIRE(encode_frame(three.numbered(text)).size() == most);
+  CHECK(out(three.numbered(text)) == Errc::ok);
+  CHECK(out(three.numbered(text + "x")) == Errc::too_large);
+  for (std::size_t i = 0; i < RelayRoad::kMaxUnconfirmed - 1; ++i) {
+    REQUIRE(out(three.command(*three.ant)) == Errc::ok);
+  }
+  CHECK(out(three.command(*three.ant)) == Errc::queue_full);
+  Message typed = three.numbered("x");
+  typed.subtype = RobotFault::kSubtype;
+  CHECK(out(typed) == Errc::ok);
+  CHECK(three.ant->core->relay_out(1, "nobody", header_of(typed), encode_frame(typed), three.fleet.now).error().code ==
+        Errc::peer_unreachable);
+}
+
+namespace {
+
+/// ant and bee reach each other by two relays, cloud and dock.
+struct TwoRelays {
+  TestFleet fleet;
+  TestNode* ant = nullptr;
+  TestNode* bee = nullptr;
+  std::string first;  ///< carries what ant says
+  std::string other;
+
+  TwoRelays() {
+    fleet.cut("ant", "bee");
+    fleet.cut("bee", "ant");
+    fleet.start("cloud", {.beacon = false, .relay = true});
+    fleet.start("dock", {.beacon = false, .seeds = {"cloud"}, .relay = true});
+    ant = &fleet.start("ant", {.beacon = false, .seeds = {"cloud", "dock"}});
+    bee = &fleet.start("bee", {.beacon = false, .seeds = {"cloud", "dock"}});
+    Triangle::serve(fleet, *ant);
+    Triangle::serve(fleet, *bee);
+    fleet.run(Seconds(4));
+    first = Triangle::route(*ant, "bee", fleet)->via;
+    other = first == "cloud" ? "dock" : "cloud";
+    REQUIRE_FALSE(first.empty());
+  }
+  /// A command that ant has given its relay and the relay has not passed on; its count.
+  std::uint64_t lost() {
+    Message message;
+    message.type = MessageType::command;
+    message.subtype = "numbered";
+    message.source = "ant";
+    message.target = "bee";
+    message.id = 5;
+    const auto out = ant->core->relay_out(1, "bee", header_of(message), encode_frame(message), fleet.now);
+    REQUIRE(out.ok());
+    return decode<RelayedFrame>(decode<Relayed>(out->message.data)->record.payload.bytes)->count;
+  }
+  void refuse(const std::string& relay, const std::string& target, std::uint64_t count, Errc reason) {
+    const LinkId link = ant->link_to(relay);
+    fleet.arrive(*ant, link, ant->core->find_link(link)->heard + 1,
+                 make_message(MessageType::information, relay, "ant",
+                              RelayRefused{target, count, std::string(errc_name(reason))}));
+  }
+  [[nodiscard]] std::string via() const { return Triangle::route(*ant, "bee", fleet)->via; }
+};
+
+}  // namespace
+
+TEST_CASE("a relay speaks of what it carries, and of nothing else") {
+  TwoRelays two;
+  const std::uint64_t count = two.lost();
+  two.refuse(two.other, "bee", count, Errc::peer_unreachable);
+  CHECK(two.ant->count("refused.not_permitted") == 1);
+  CHECK(Triangle::nacks(*two.ant).empty());
+  two.refuse(two.first, "nobody", count, Errc::peer_unreachable);
+  CHECK(two.ant->count("refused.not_permitted") == 2);
+  two.refuse(two.first, "bee", count + 1000, Errc::peer_unreachable);  // is not waited for
+  CHECK(two.ant->count("refused.not_permitted") == 2);
+  CHECK(Triangle::nacks(*two.ant).empty());
+  CHECK(two.via() == two.first);
+  two.refuse(two.first, "bee", count, Errc::queue_full);
+  CHECK(Triangle::nacks(*two.ant) == std::vector<std::string>{"queue_full"});
+  CHECK(two.via() == two.first);
+  two.refuse(two.first, "bee", two.lost(), Errc::unknown_target);
+  CHECK(Triangle::nacks(*two.ant) == std::vector<std::string>{"queue_full", "peer_unreachable"});
+  CHECK(two.via() == two.other);
+  two.refuse(two.other, "bee", two.lost(), Errc::unknown_target);
+  CHECK(two.via() == two.first);  // in turn
+
+  Triangle three;
+  const LinkId link = three.cloud.link_to("bee");
+  three.fleet.arrive(three.cloud, link, three.cloud.core->find_link(link)->heard + 1,
+                     make_message(MessageType::information, "bee", "cloud", RelayRefused{"ant", 1, "queue_full"}));
+  CHECK(three.cloud.count("refused.not_permitted") == 1);  // bee is no relay
+}
+
+TEST_CASE("when the last relay goes, who waits to hear whether its command came is told at once") {
+  Triangle three;
+  three.fleet.withhold = [](const std::string& from, const Message& message) {
+    return from == "cloud" && message.subtype == Relayed::kSubtype;
+  };
+  three.put(*three.ant, "cloud", three.wrap(three.command(*three.ant)).message);
+  three.fleet.stop("cloud");
+  three.fleet.run(2 * kStep);
+  Effects effects;
+  if (three.ant->link_to("cloud") != 0)
+    three.ant->core->on_link_ended(three.ant->link_to("cloud"), LinkEnd::disconnected, three.fleet.now, effects);
+  three.fleet.carry_out(*three.ant, effects);
+  CHECK(three.nacks(*three.ant) == std::vector<std::string>{"not_confirmed"});
+  CHECK(three.ant->count("relayed.unconfirmed") == 1);
+  CHECK(std::count_if(three.ant->log.begin(), three.ant->log.end(),
+                      [](const std::string& line) { return line.starts_with("route_lost bee"); }) == 1);
+}
+
+TEST_CASE("what a node says to every node is taken by a relay too; one whose time or certificate is over is not") {
+  Triangle three;
+  Message all = three.numbered("to all");
+  all.target = "*";
+  three.hand_to_bee(three.signed_by_ant(three.frame(40, all)));
+  CHECK(three.delivered() == 1);
+
+  const auto hand = [&](const RelayedFrame& frame) {
+    const LinkId link = three.bee->link_to("cloud");
+    three.fleet.arrive(*three.bee, link, three.bee->core->find_link(link)->heard + 1,
+                       make_message(MessageType::information, "cloud", "bee", Relayed{three.signed_by_ant(frame)}));
+  };
+  RelayedFrame last = three.frame(41, three.numbered("x"));
+  last.expires = three.fleet.now.utc.ns;
+  hand(last);
+  CHECK(three.bee->count("refused.relayed_late") == 1);
+  last.expires = three.fleet.now.utc.ns + 1;
+  hand(last);
+  CHECK(three.delivered() == 2);
+  Message spent = three.numbered("x");
+  spent.remaining_ms = 0;
+  hand(three.frame(42, spent));
+  CHECK(three.bee->count("dropped.expired") == 1);
+
+  three.fleet.now.utc = {three.ant->keys.certificate.not_after - 1};
+  hand(three.frame(43, three.numbered("x")));
+  CHECK(three.delivered() == 3);
+  three.fleet.now.utc = {three.ant->keys.certificate.not_after};
+  hand(three.frame(44, three.numbered("x")));
+  CHECK(three.bee->count("refused.relayed_cert_expired") == 1);
+  CHECK(three.delivered() == 3);
+}
+
+TEST_CASE("what one relay brings of one node is checked so often in a second and no more") {
+  Triangle three;
+  SignedRecord forged = three.signed_by_ant(three.frame(50, three.numbered("x")));
+  forged.payload.bytes.back() ^= 1;
+  const LinkId link = three.bee->link_to("cloud");
+  Effects effects;
+  for (std::uint32_t i = 0; i < kRelayedChecked + 50; ++i) {
+    three.bee->core->on_link_message(link, three.cloud.keys.link.public_key,
+                                     make_message(MessageType::information, "cloud", "bee", Relayed{forged}), 1,
+                                     three.fleet.now, effects);
+  }
+  three.fleet.carry_out(*three.bee, effects);
+  CHECK(three.bee->count("refused.relayed_too_many") >= 50);
+  CHECK(three.bee->count("refused.relayed_too_many") < 60);
+  CHECK(three.bee->count("refused.relayed_bad_signature") > kRelayedChecked - 10);
+}
+
+TEST_CASE("by a relay a router is asked for its tables, hears who listens, and says when nobody takes a message") {
+  Triangle three;
+  Effects effects;
+  three.bee->core->on_service_hello(3, {"resilience", {}, 5, 100, "1", {"robot_fault"}}, "resilience", three.fleet.now,
+                                    effects);
+  three.fleet.carry_out(*three.bee, effects);
+  three.put(*three.ant, "cloud",
+            three.wrap(make_message(MessageType::information, "ant", "bee", RobotFault{})).message);
+  three.fleet.run(milliseconds(100));
+  CHECK(three.bee->told("robot_fault") == 1);
+  CHECK(three.bee->count("dropped.no_service") == 0);  // somebody heard it
+
+  const auto ask = [&](const std::string& word, const Bytes& data, MessageType type) {
+    Message question = three.command(*three.ant);
+    question.type = type;
+    question.subtype = word;
+    question.data = data;
+    const Routing way = three.ant->core->route_local(1, header_of(question));
+    REQUIRE(way.to == Routing::To::relay);
+    three.put(*three.ant, "cloud", three.wrap(question).message);
+    three.fleet.run(milliseconds(200));
+  };
+  ask(std::string(RouteListRequest::kSubtype), encode(RouteListRequest{}), MessageType::request);
+  CHECK(three.ant->told(RouteTable::kSubtype) == 1);
+  ask(std::string(EchoRequest::kSubtype), encode(EchoRequest{{"ping"}}), MessageType::request);
+  CHECK(three.ant->told(Echo::kSubtype) == 1);
+  ask("unknown_thing", "x", MessageType::command);
+  CHECK(three.bee->count("dropped.no_service") == 1);
+  CHECK(Triangle::nacks(*three.ant) == std::vector<std::string>{"no_service"});
+}
+
+TEST_CASE("of a profile that changes often one is told in a second by a relay, the newest") {
+  Triangle three;
+  Effects said;
+  three.ant->core->on_service_hello(2, {"mode-adapter", {}, 5, 100, "1"}, "mode-adapter", three.fleet.now, said);
+  three.fleet.carry_out(*three.ant, said);
+  std::size_t sent = 0;
+  const auto tell = [&](const std::string& model) {
+    NodeProfile profile;
+    profile.model = model;
+    Effects effects;
+    three.ant->core->on_bus_message(2, make_message(MessageType::information, "ant", "ant", profile), three.fleet.now,
+                                    effects);
+    three.fleet.carry_out(*three.ant, effects);
+    three.fleet.run(5 * kStep);
+  };
+  tell("a");
+  three.fleet.run(Seconds(2));
+  REQUIRE(three.bee->peer("ant")->profile.model == "a");
+  tell("b");
+  CHECK(three.bee->peer("ant")->profile.model == "b");
+  for (const char* model : {"c", "d", "e"}) tell(model);
+  CHECK(three.bee->peer("ant")->profile.model == "b");
+  const std::uint64_t before = three.bee->count("relayed.received");
+  three.fleet.run(Seconds(1));
+  CHECK(three.bee->peer("ant")->profile.model == "e");
+  sent = three.bee->count("relayed.received") - before;
+  CHECK(sent == 1);
+}
+
+TEST_CASE("who is reached by a relay within the lease has not joined anew; a service hears of one that was gone") {
+  Triangle three;
+  three.fleet.heal();
+  three.fleet.run(Seconds(6));
+  REQUIRE(three.ant->link_to("bee") != 0);
+  Effects effects;
+  three.ant->core->on_service_hello(3, {"resilience", {"peer_joined", "peer_expired"}, 5, 100, "1"}, "resilience",
+                                    three.fleet.now, effects);
+  three.fleet.carry_out(*three.ant, effects);
+  const std::size_t joined = three.ant->told("peer_joined");
+  three.fleet.cut("ant", "bee");
+  three.fleet.cut("bee", "ant");
+  const LinkId link = three.ant->link_to("bee");
+  for (TestNode* node : {three.ant, three.bee}) {
+    Effects broken;
+    node->core->on_link_ended(link, LinkEnd::disconnected, three.fleet.now, broken);
+    three.fleet.carry_out(*node, broken);
+  }
+  three.fleet.run(Seconds(4));
+  REQUIRE(Triangle::route(*three.ant, "bee", three.fleet)->via == "cloud");
+  CHECK(three.ant->told("peer_joined") == joined);
+  CHECK(three.ant->told("peer_expired") == 0);
+  three.fleet.stop("bee");
+  Effects ended;
+  three.cloud.core->on_link_ended(three.cloud.link_to("bee"), LinkEnd::disconnected, three.fleet.now, ended);
+  three.fleet.carry_out(three.cloud, ended);
+  three.fleet.run(Seconds(15));
+  CHECK(three.ant->told("peer_expired") == 1);
+  three.fleet.start("bee", {.boot = 2, .beacon = false, .seeds = {"cloud"}});
+  three.fleet.run(Seconds(4));
+  CHECK(Triangle::route(*three.ant, "bee", three.fleet)->via == "cloud");
+  CHECK(three.ant->told("peer_joined") == joined + 1);
+}
+
+TEST_CASE("whose link ends and who is reached by a relay right after, of the same boot, has not joined anew") {
+  TestFleet fleet;
+  fleet.start("cloud", {.beacon = false, .relay = true});
+  TestNode& ant = fleet.start("ant", {.beacon = false, .seeds = {"bee"}});
+  TestNode& bee = fleet.start("bee", {.beacon = false});
+  fleet.run(Seconds(1));
+  REQUIRE(ant.link_to("bee") != 0);
+  fleet.start("dock", {.beacon = false, .seeds = {"ant", "bee"}, .relay = true});
+  Effects hello;
+  ant.core->on_service_hello(1, {"resilience", {"peer_joined"}, 5, 100, "1"}, "resilience", fleet.now, hello);
+  fleet.carry_out(ant, hello);
+  fleet.run(Seconds(3));
+  const std::size_t joined = ant.told("peer_joined");
+  const auto by_relay = [&] {
+    return std::count_if(ant.log.begin(), ant.log.end(),
+                         [](const std::string& line) { return line.starts_with("peer_joined bee by way of dock"); });
+  };
+  REQUIRE(by_relay() == 0);
+  fleet.cut("ant", "bee");
+  fleet.cut("bee", "ant");
+  const LinkId link = ant.link_to("bee");
+  for (TestNode* node : {&ant, &bee}) {
+    Effects broken;
+    node->core->on_link_ended(link, LinkEnd::disconnected, fleet.now, broken);
+    fleet.carry_out(*node, broken);
+  }
+  fleet.run(Seconds(4));
+  CHECK(by_relay() == 1);
+  CHECK(ant.told("peer_joined") == joined);
+}

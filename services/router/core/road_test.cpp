@@ -194,10 +194,12 @@ TEST_CASE("who comes anew has asked nothing; who says hello again still waits") 
     pair.ant.core->on_service_hello(100, {"cli", {}, static_cast<std::uint64_t>(i) + 10, 100, "1"}, kProbe,
                                     pair.fleet.now, effects);
     const auto slot = decode<ServiceWelcome>(std::get<BusSend>(effects.list.at(0)).message.data)->slot;
+    REQUIRE(slot != 0);
     if (slot != id >> 48U) continue;
     CHECK(pair.come(answer).reason == Errc::not_asked);
-    break;
+    return;
   }
+  FAIL("the slot was not given again");
 }
 
 TEST_CASE("a user's information may be Nacked by whom it went to, and is answered by nobody") {
@@ -313,4 +315,105 @@ TEST_CASE("a Nack answers commands, requests and the user's own information, nev
   const Message& last = pair.ant.bus.back().message;
   CHECK(last.reply_to == pair.local("cat", "move").id);
   CHECK(decode<Nack>(last.data)->code == "unknown_target");
+}
+
+TEST_CASE("who is unknown on the bus says nothing; what a robot says to its own node does not come back to it") {
+  Pair pair;
+  CHECK(pair.ant.core->route_local(99, header_of(pair.local("bee", "move"))).reason == Errc::no_service);
+  CHECK(pair.route(pair.local("ant", "greeting", MessageType::information)).reason == Errc::no_service);
+  Message from_scheduler = pair.local("ant", "greeting", MessageType::information);
+  from_scheduler.id = pair.slot(1) << 48U | 3U;
+  CHECK(pair.ant.core->route_local(2, header_of(from_scheduler)).connection == 1);
+  // An answer to itself is one.
+  Message question = pair.local("ant", "stop", MessageType::command);
+  question.id = pair.slot(1) << 48U | 4U;
+  CHECK(pair.ant.core->route_local(2, header_of(question)).connection == 1);
+}
+
+TEST_CASE("what comes by a link that is not there, for another node, or too late is refused with the reason") {
+  Pair pair;
+  Effects effects;
+  CHECK(pair.ant.core->route_peer(4711, header_of(pair.remote("move"), 1), pair.fleet.now, effects).reason ==
+        Errc::unknown_peer_key);
+  Message astray = pair.remote("move");
+  astray.target = "cat";
+  CHECK(pair.come(astray).reason == Errc::unknown_target);
+  Message all = pair.remote("greeting", MessageType::information);
+  all.target = "*";
+  CHECK(pair.come(all).connection == 1);
+  Message late = pair.remote("move");
+  late.remaining_ms = 0;
+  CHECK(pair.come(late).reason == Errc::expired);
+  CHECK(pair.ant.count("dropped.expired") == 1);
+}
+
+TEST_CASE("a peer is Nacked what it waits for, in its own name, by its own link, and refusals are counted apart") {
+  Pair pair;
+  const LinkId link = pair.ant.link_to("bee");
+  const auto nacked = [&](LinkId by, const Message& message, Errc reason) {
+    Effects effects;
+    pair.ant.core->nack_peer(by, header_of(message), reason, effects);
+    for (const std::string& name : effects.counts) ++pair.ant.counts[name];
+    if (effects.list.empty()) return std::string();
+    const auto& send = std::get<LinkSend>(effects.list.at(0));
+    CHECK(send.link == by);
+    CHECK(send.message.reply_to == message.id);
+    return decode<Nack>(send.message.data)->code;
+  };
+  CHECK(nacked(link, pair.remote("move"), Errc::no_service) == "no_service");
+  CHECK(nacked(4711, pair.remote("move"), Errc::no_service).empty());
+  Message forged = pair.remote("move");
+  forged.source = "cat";
+  CHECK(nacked(link, forged, Errc::source_mismatch).empty());
+  Message nameless = pair.remote("move");
+  nameless.id = 0;
+  CHECK(nacked(link, nameless, Errc::no_service).empty());
+  CHECK(pair.ant.count("dropped.no_service") == 3);
+  for (const Errc reason : {Errc::source_mismatch, Errc::not_permitted, Errc::unknown_peer_key, Errc::not_asked}) {
+    const std::string name = "refused." + std::string(errc_name(reason));
+    const std::uint64_t before = pair.ant.count(name);
+    nacked(link, pair.remote("move"), reason);
+    CHECK(pair.ant.count(name) == before + 1);
+  }
+}
+
+TEST_CASE("a service that says what is not its word is named in the log, and what nobody takes is only dropped") {
+  Pair pair;
+  const auto nack = [&](ConnectionId from, Errc reason) {
+    Effects effects;
+    pair.ant.log.clear();
+    pair.ant.core->nack_local(from, header_of(pair.local("bee", "execute")), reason, effects);
+    pair.fleet.carry_out(pair.ant, effects);
+  };
+  nack(2, Errc::not_permitted);
+  CHECK(pair.ant.count("refused.not_permitted") == 1);
+  REQUIRE(pair.ant.log.size() == 1);
+  CHECK(pair.ant.log[0] ==
+        "not_permitted service 'scheduler' (pid 100) said execute, which is not its word: trb help rights");
+  nack(99, Errc::not_permitted);
+  CHECK(pair.ant.log.empty());
+  nack(2, Errc::unknown_target);
+  CHECK(pair.ant.count("dropped.unknown_target") == 1);
+  CHECK(pair.ant.log.empty());
+}
+
+TEST_CASE("what is an answer, has no number or may be lost has asked nothing") {
+  Pair pair;
+  const std::uint64_t id = pair.slot(1) << 48U | 4U;
+  Message answer = pair.remote("nack", MessageType::information);
+  const auto said = [&](std::uint64_t number, const std::function<void(Message&)>& change) {
+    Message message{.type = MessageType::information,
+                    .subtype = "greeting",
+                    .source = "ant",
+                    .target = "bee",
+                    .id = number,
+                    .data = {}};
+    change(message);
+    REQUIRE(pair.ant.core->route_local(2, header_of(message)).to == To::peer);
+    answer.reply_to = number;
+    return pair.come(answer);
+  };
+  CHECK(said(id, [](Message&) {}).connection == 2);
+  CHECK(said(id + 1, [](Message& message) { message.reply_to = 5; }).reason == Errc::not_asked);
+  CHECK(said(id + 2, [](Message& message) { message.flags = kFlagLossy; }).reason == Errc::not_asked);
 }

@@ -29,10 +29,7 @@ void RouterCore::start(Now now, Effects& out) {
   // What was in force before this start is now, before the first link; each of it is checked anew.
   on_news_of_file(config_.news, now, out);
   check_own(now, out);
-  if (!config_.boot_stored) {
-    unstored_.asked(Kept::boot);
-    on_stored(Kept::boot, config_.boot_stored, now, out);
-  }
+  if (!config_.boot_stored) on_stored(Kept::boot, config_.boot_stored, now, out);
 }
 
 const Link* RouterCore::find_link(LinkId id) const {

@@ -301,8 +301,8 @@ class RouterCore {
 
   // news.cpp
   [[nodiscard]] bool is_known_certificate(const SignedRecord& record) const;
-  Result<bool> take_list(const SignedRecord& record, Now now, Effects& out);
-  Result<bool> take_certificate(const SignedRecord& record, Now now, Effects& out);
+  Status take_list(const SignedRecord& record, Now now, Effects& out);
+  Status take_certificate(const SignedRecord& record, Now now, Effects& out);
   void take_own_certificate(const SignedRecord& record, const Certificate& certificate, Effects& out);
   [[nodiscard]] FleetNews known_news() const;
   void store_news(Effects& out);
@@ -314,7 +314,7 @@ class RouterCore {
   void forget_ended_renewals(Now now);
   [[nodiscard]] bool has_ended(const SignedRecord& renewal, Now now) const;
   void forget_told_renewal(const Certificate& certificate);
-  void on_news_message(const Link* link, const Message& message, Now now, Effects& out);
+  void on_news_message(const Link& link, const Message& message, Now now, Effects& out);
   /// What a refused node has to know to come back: its renewed certificate, or the list that it is on.
   [[nodiscard]] std::optional<FleetNews> news_for(const Error& refusal, const Hello& hello) const;
 

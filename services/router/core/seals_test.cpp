@@ -75,6 +75,113 @@ TEST_CASE("what a node says is sealed within 20 ms and checked; an idle link sta
   CHECK(pair.ant.count("seals.sent") == pair.bee.count("seals.checked"));
 }
 
+TEST_CASE("a seal leaves 20 ms after the first message that it covers, and no router is awake for nothing") {
+  Pair pair;
+  pair.fleet.run(milliseconds(100));
+  const std::uint64_t sent = pair.ant.count("seals.sent");
+  const std::uint64_t messages = pair.bee.count("seals.messages");
+  const LinkId link = pair.ant.link_to("bee");
+  CHECK(*pair.ant.core->next_deadline() > pair.fleet.now.mono);
+  CHECK_FALSE(pair.ant.core->make_seal(link, pair.fleet.now).has_value());  // there is nothing to seal
+  pair.say("one");
+  pair.say("two");
+  CHECK(*pair.ant.core->next_deadline() <= pair.fleet.now.mono);
+  pair.fleet.run(kStep);
+  CHECK(*pair.ant.core->next_deadline() == pair.fleet.now.mono + kSealWithin);
+  pair.fleet.run(kStep);
+  CHECK(pair.ant.count("seals.sent") == sent);
+  pair.fleet.run(kStep);
+  CHECK(pair.ant.count("seals.sent") == sent + 1);
+  pair.fleet.run(kStep);
+  CHECK(pair.bee.count("seals.messages") == messages + 2);
+  CHECK(*pair.ant.core->next_deadline() > pair.fleet.now.mono);
+}
+
+TEST_CASE("a frame that did not leave is taken back: the next one bears its number, and no seal covers it") {
+  Pair pair;
+  const LinkId link = pair.ant.link_to("bee");
+  Bytes lost = encode_frame(make_message(MessageType::information, "ant", "bee", RobotFault{}));
+  REQUIRE(pair.ant.core->stamp(link, lost.data(), lost.size()));
+  pair.ant.core->take_back(link);
+  pair.say("one");
+  pair.fleet.run(milliseconds(100));
+  CHECK(pair.bee.delivered.size() == 1);
+  CHECK(pair.bee.link_to("ant") == link);
+  // The seal that was made over the last of 64 has not left either: it is no longer urgent.
+  for (std::size_t i = 0; i < kMaxUnsealed; ++i) REQUIRE(pair.ant.core->stamp(link, lost.data(), lost.size()));
+  CHECK(pair.ant.core->seal_is_overdue(link));
+  pair.ant.core->take_back(link);
+  CHECK_FALSE(pair.ant.core->seal_is_overdue(link));
+}
+
+TEST_CASE("of a link that is not there nothing is sealed, numbered or heard") {
+  Pair pair;
+  RouterCore& core = *pair.ant.core;
+  const LinkId none = 4711;
+  Bytes frame = encode_frame(make_message(MessageType::information, "ant", "bee", RobotFault{}));
+  const std::uint64_t sent = pair.ant.count("seals.sent");
+  CHECK_FALSE(core.stamp(none, frame.data(), frame.size()));
+  core.take_back(none);
+  CHECK_FALSE(core.seal_is_overdue(none));
+  CHECK_FALSE(core.seals_each(none));
+  CHECK_FALSE(core.make_seal(none, pair.fleet.now));
+  core.seal_left(none);
+  CHECK(pair.ant.count("seals.sent") == sent);
+  CHECK_FALSE(core.holds(none));
+  Effects effects;
+  core.hear_frame(none, header_of(make_message(MessageType::information, "bee", "ant", RobotFault{}), 5), frame,
+                  pair.fleet.now, effects);
+  CHECK(effects.list.empty());
+
+  // One that is closed while something of it is unsealed.
+  const LinkId link = pair.ant.link_to("bee");
+  REQUIRE(core.stamp(link, frame.data(), frame.size()));
+  core.forget_link(link);
+  CHECK(core.seals_of(link) == nullptr);
+  core.tick(pair.fleet.now, effects);
+}
+
+TEST_CASE("before the peer's Hello nobody knows for whom to seal") {
+  TestFleet fleet;
+  TestNode& ant = fleet.start("ant", {.beacon = false, .seeds = {"bee"}});
+  fleet.start("bee", {.beacon = false, .seal_before_delivery = true});
+  fleet.withhold = [](const std::string& from, const Message&) { return from == "bee"; };
+  fleet.run(milliseconds(200));
+  REQUIRE_FALSE(ant.dials.empty());
+  const LinkId link = ant.dials.back().link;
+  REQUIRE(ant.core->seals_of(link) != nullptr);
+  CHECK(ant.core->seals_of(link)->writer.unsealed() == 1);  // its Hello
+  CHECK_FALSE(ant.core->make_seal(link, fleet.now));
+  CHECK_FALSE(ant.core->seals_each(link));
+  CHECK(*ant.core->next_deadline() > fleet.now.mono);
+  const std::size_t heard = ant.core->seals_of(link)->reader.unsealed();
+  Effects effects;
+  const Message early = make_message(MessageType::information, "bee", "ant", RobotFault{});
+  ant.core->hear_frame(link, header_of(early, 1), encode_frame(early), fleet.now, effects);
+  CHECK(ant.core->seals_of(link)->reader.unsealed() == heard);
+}
+
+TEST_CASE("a signature that is found wrong when its link has ended raises the alarm all the same, and ends no other") {
+  Pair pair;
+  const LinkId link = pair.bee.link_to("ant");
+  CheckSeal late;
+  late.link = 4711;
+  late.signer = pair.ant.keys.certificate;
+  Effects effects;
+  pair.bee.core->on_seal_checked(late, false, pair.fleet.now, effects);
+  pair.fleet.carry_out(pair.bee, effects);
+  CHECK(pair.bee.count("refused.seal_wrong_signature") == 1);
+  CHECK(logged(pair.bee, "seal_alarm_wrong_signature link 4711 of ant, which has ended: wrong_signature") == 1);
+  CHECK(pair.bee.link_to("ant") == link);
+  late.link = link;
+  const std::uint64_t heard = pair.bee.core->find_link(link)->heard;
+  pair.bee.core->on_seal_checked(late, false, pair.fleet.now, effects);
+  pair.fleet.carry_out(pair.bee, effects);
+  CHECK(logged(pair.bee, "seal_alarm_wrong_signature link " + std::to_string(link) + " of ant, after sequence " +
+                             std::to_string(heard) + ": wrong_signature") == 1);
+  CHECK(pair.bee.link_to("ant") == 0);
+}
+
 TEST_CASE("a burst is sealed by the 64") {
   Pair pair;
   const std::uint64_t sent = pair.ant.count("seals.sent");
@@ -208,10 +315,18 @@ TEST_CASE("before_delivery: so many bytes wait for a seal and no more") {
   };
   const LinkId link = pair.bee.link_to("ant");
   const Bytes large(1'000'000, 'x');
+  pair.fleet.run(milliseconds(50));
+  REQUIRE(pair.bee.core->seals_of(link)->held == 0);
   for (int i = 0; i < 8; ++i) pair.say(large);
   pair.fleet.run(milliseconds(10));
+  // To the byte.
+  const std::size_t held = pair.bee.core->seals_of(link)->held;
+  const std::size_t around = held / 8 - large.size();
+  pair.say(Bytes(kMaxHeldBytes - held - around, 'x'));
+  pair.fleet.run(milliseconds(10));
+  CHECK(pair.bee.core->seals_of(link)->held == kMaxHeldBytes);
   CHECK(pair.bee.link_to("ant") == link);
-  pair.say(large);
+  pair.say("x");
   pair.check_alarm("missing");
   CHECK(pair.bee.delivered.empty());
 }

@@ -185,3 +185,71 @@ TEST_CASE("a sensor-bus that hangs takes its sensors along after a lease") {
   hall.fleet.run(Seconds(12));
   CHECK(hall.bee_knows_none());
 }
+
+TEST_CASE("a robot's own sensors and what is plugged in are 255 together; that some are not among them is told once") {
+  Hall hall;
+  const auto warned = [&] {
+    return std::count_if(hall.ant.log.begin(), hall.ant.log.end(),
+                         [](const std::string& line) { return line.starts_with("too_many_sensors"); });
+  };
+  NodeProfile robot;
+  robot.sensors = {"joints"};
+  hall.say(kAdapter, robot);
+  std::vector<SensorInfo> many;
+  for (int i = 0; i < 254; ++i) many.push_back(sensor("s" + std::to_string(i), ""));
+  hall.plug(many);
+  CHECK(hall.profile().sensors.size() == 255);
+  CHECK(hall.profile().capabilities.empty());
+  CHECK(warned() == 0);
+  many.push_back(sensor("s254", ""));
+  hall.plug(many);
+  CHECK(hall.profile().sensors.size() == 255);
+  CHECK(hall.profile().plugged.size() == 255);
+  CHECK(warned() == 1);
+}
+
+TEST_CASE("a robot that fills its profile is told whole; what is plugged in gives way, and how much of it is counted") {
+  Hall hall;
+  NodeProfile robot;
+  robot.places.assign(250, std::string(250, 'p'));
+  hall.say(kAdapter, robot);
+  hall.fleet.run(kStep * 2);
+  REQUIRE(hall.profile().places.size() == 250);
+  std::vector<SensorInfo> few = {sensor("t", "temperature")};
+  hall.plug(few);
+  CHECK(hall.profile().plugged.size() == 1);
+  CHECK(hall.ant.count("dropped.profile_details") == 0);
+  std::vector<SensorInfo> many;
+  for (int i = 0; i < 250; ++i) many.push_back(sensor("s" + std::to_string(i), ""));
+  hall.plug(many);
+  CHECK(hall.profile().plugged.empty());
+  CHECK(hall.profile().sensors.size() == 250);
+  CHECK(hall.profile().places == robot.places);
+  CHECK(hall.ant.count("dropped.profile_details") == 1);
+  for (SensorInfo& one : many) one.name = std::string(50, 'n') + one.name;
+  hall.plug(many);
+  CHECK(hall.profile() == robot);
+  // What a mode-adapter says of plugged sensors is nobody's: it does not make its profile too large.
+  robot.model = "UR5";
+  NodeProfile forged = robot;
+  forged.plugged = many;
+  hall.say(kAdapter, forged);
+  hall.fleet.run(kStep * 2);
+  CHECK(hall.profile() == robot);
+  CHECK(hall.ant.count("refused.profile_too_large") == 0);
+}
+
+TEST_CASE("sensors go three seconds after their service's connection, and with nobody else's") {
+  Hall hall;
+  hall.plug({sensor("temp", "temperature")});
+  hall.hello(kTrb, "sensor-bus", {}, true);
+  hall.gone(kTrb);
+  hall.gone(kAdapter);
+  hall.live(Seconds(5));
+  CHECK(hall.profile().plugged.size() == 1);
+  hall.gone(kSensors);
+  hall.fleet.run(Seconds(3) - kStep);
+  CHECK(hall.ant.core->route_table(hall.fleet.now).routes.at(0).profile.plugged.size() == 1);
+  hall.fleet.run(kStep);
+  CHECK(hall.ant.core->route_table(hall.fleet.now).routes.at(0).profile.plugged.empty());
+}

@@ -5,6 +5,7 @@
 
 using namespace trb;
 using namespace trb::router;
+using std::chrono::milliseconds;
 using Seconds = std::chrono::seconds;
 
 namespace {
@@ -71,6 +72,85 @@ TEST_CASE("a cut both ways is silence on both sides") {
   CHECK(has(ask(fleet, bee), "ant", "not_heard"));
   CHECK(has(ask(fleet, ant), "bee", "not_heard"));
   CHECK_FALSE(has(ask(fleet, ant), "bee", "one_way"));
+  fleet.heal();
+  fleet.run(Seconds(5));
+  REQUIRE(ant.link_to("bee") != 0);
+  CHECK(ask(fleet, ant).troubles.empty());
+  CHECK(ask(fleet, bee).troubles.empty());
+}
+
+TEST_CASE("what a link that comes up ends is its peer's and its address's trouble, and nobody else's") {
+  Troubles troubles;
+  const MonotonicTime now{1'000'000'000};
+  const auto codes = [&] {
+    std::string out;
+    for (const LinkTrouble& row : troubles.table("ant", now).troubles) out += row.code;
+    return out;
+  };
+  troubles.note("", "", "a", "", now);
+  troubles.note("", "host:1", "b", "", now);
+  troubles.note("bee", "", "c", "", now);
+  troubles.note("cat", "host:2", "d", "", now);
+  CHECK(codes() == "abcd");  // of the same moment in the order of their names
+  troubles.recovered("", "");
+  CHECK(codes() == "abcd");
+  troubles.recovered("", "host:1");
+  CHECK(codes() == "acd");
+  troubles.recovered("bee", "");
+  CHECK(codes() == "ad");
+  troubles.recovered("dog", "host:2");
+  CHECK(codes() == "a");
+}
+
+TEST_CASE("a trouble that comes again is no new row and pushes none out; of the same age the first by name goes") {
+  Troubles troubles;
+  for (std::size_t i = 0; i < kMaxTroubles; ++i) troubles.note("", std::to_string(100 + i), "x", "", MonotonicTime{5});
+  troubles.note("", "120", "x", "again", MonotonicTime{6});
+  REQUIRE(troubles.table("ant", MonotonicTime{9}).troubles.size() == kMaxTroubles);
+  CHECK(troubles.table("ant", MonotonicTime{9}).troubles.front().count == 2);
+  const auto there = [&](const std::string& address) {
+    const LinkTroubles table = troubles.table("ant", MonotonicTime{9});
+    return std::any_of(table.troubles.begin(), table.troubles.end(),
+                       [&](const LinkTrouble& row) { return row.address == address; });
+  };
+  CHECK(there("100"));
+  troubles.note("", "new", "x", "", MonotonicTime{7});
+  CHECK_FALSE(there("100"));
+  CHECK(there("355"));
+}
+
+TEST_CASE("a trouble is written down under whom its link belongs to") {
+  TestFleet fleet;
+  TestNode& ant = fleet.start("ant", {.beacon = false, .seeds = {"bee", "cat"}});
+  fleet.start("bee", {.beacon = false});
+  fleet.cut("ant", "cat");
+  fleet.start("cat", {.beacon = false});
+  fleet.run(milliseconds(100));
+  REQUIRE(ant.link_to("bee") != 0);
+  const auto row = [&](const std::string& code) {
+    for (const LinkTrouble& one : ask(fleet, ant).troubles) {
+      if (one.code == code) return one.peer + "@" + one.address;
+    }
+    return std::string("none");
+  };
+  ant.core->note_trouble(0, "nobodys", "", fleet.now);
+  CHECK(row("nobodys") == "@");
+  ant.core->note_trouble(ant.link_to("bee"), "of_bee", "", fleet.now);
+  CHECK(row("of_bee") == "bee@");
+  const auto dial = std::find_if(ant.dials.begin(), ant.dials.end(),
+                                 [&](const Dial& one) { return one.address == fleet.address("cat"); });
+  REQUIRE(dial != ant.dials.end());
+  ant.core->note_trouble(dial->link, "of_a_seed", "", fleet.now);
+  CHECK(row("of_a_seed") == "@" + fleet.address("cat"));
+  // A peer that was linked is dialled for itself.
+  fleet.cut("ant", "bee");
+  fleet.cut("bee", "ant");
+  fleet.run(Seconds(12));
+  LinkId last = 0;
+  for (const Dial& one : ant.dials) last = one.address == fleet.address("bee") ? one.link : last;
+  REQUIRE(ant.core->find_link(last) != nullptr);
+  ant.core->note_trouble(last, "of_a_peer", "", fleet.now);
+  CHECK(row("of_a_peer") == "bee@" + fleet.address("bee"));
 }
 
 TEST_CASE("a member whose clock is minutes away is told of, though its link is up") {
@@ -86,6 +166,26 @@ TEST_CASE("a member whose clock is minutes away is told of, though its link is u
   fleet.carry_out(ant, effects);
   REQUIRE(ant.link_to("bee") == 9);
   CHECK(has(ask(fleet, ant), "bee", "clock_off"));
+}
+
+TEST_CASE("a clock is told of when it is over a minute away, before or behind") {
+  constexpr std::int64_t kMinute = 60'000'000'000;
+  const auto told = [](std::int64_t off) {
+    TestFleet fleet;
+    TestNode& ant = fleet.start("ant", {.beacon = false});
+    const TestKeys bee = fleet.keys("bee");
+    const Hello body{bee.record, 3, "10.0.0.2:1", "1", fleet.now.utc.ns + off, true, {}, 0, "behind", false, ""};
+    Effects effects;
+    ant.core->on_link_message(9, bee.link.public_key, make_message(MessageType::information, "bee", "", body), 1,
+                              fleet.now, effects);
+    fleet.carry_out(ant, effects);
+    REQUIRE(ant.link_to("bee") == 9);
+    return has(ask(fleet, ant), "bee", "clock_off");
+  };
+  CHECK_FALSE(told(kMinute));
+  CHECK(told(kMinute + 1));
+  CHECK_FALSE(told(-kMinute));
+  CHECK(told(-kMinute - 1));
 }
 
 TEST_CASE("a stranger's certificate and a beacon that does not open leave a row each") {

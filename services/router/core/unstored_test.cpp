@@ -97,6 +97,8 @@ TEST_CASE("a list that is not on disk is in force, told to the others, not ackno
   const std::size_t tried = two.ant.stored_news.size();
   two.fleet.run(Seconds(31));
   CHECK(two.ant.stored_news.size() == tried + 3);
+  CHECK(two.ant.stored_certificates.empty());
+  CHECK(two.ant.count("not_stored") == tried + 3);
   two.ant.disk = TestNode::Disk::good;
   two.fleet.run(Seconds(11));
   CHECK(two.note().find("not on disk") == std::string::npos);
@@ -106,6 +108,7 @@ TEST_CASE("a list that is not on disk is in force, told to the others, not ackno
   two.ant.bus.clear();
   two.ask({two.list, {}});
   CHECK(two.ant.told(Ack::kSubtype) == 1);
+  CHECK(two.ant.stored_news.size() == stored);  // it is there
 }
 
 TEST_CASE("a renewed certificate of this node that is not on disk is not acknowledged") {
@@ -128,10 +131,37 @@ TEST_CASE("a renewed certificate of this node that is not on disk is not acknowl
   CHECK(two.ant.told(Ack::kSubtype) == 1);
 }
 
+TEST_CASE("a renewed certificate of this node is acknowledged when it is on disk, and not with the news beside it") {
+  Two two;
+  two.ant.disk = TestNode::Disk::silent;
+  Certificate renewed = two.ant.keys.certificate;
+  renewed.serial = 5;
+  const SignedRecord record =
+      sign(kSignedCertificate, "", two.fleet.authority.fleet.id(), encode(renewed), two.fleet.authority.key);
+  two.ask({{}, {record}});
+  const auto stored = [&](Kept what, const Status& done) {
+    Effects effects;
+    two.ant.core->on_stored(what, done, two.fleet.now, effects);
+    two.fleet.carry_out(two.ant, effects);
+  };
+  stored(Kept::news, Done{});
+  CHECK(two.ant.bus.empty());
+  stored(Kept::certificate, kFull);
+  CHECK(two.ant.told(Nack::kSubtype) == 1);
+  // It is tried again, and whoever asks meanwhile waits for how that ends.
+  two.fleet.run(Seconds(11));
+  CHECK(two.ant.stored_certificates.size() == 2);
+  two.ask({{}, {record}});
+  CHECK(two.ant.told(Ack::kSubtype) + two.ant.told(Nack::kSubtype) == 1);
+  stored(Kept::certificate, Done{});
+  CHECK(two.ant.told(Ack::kSubtype) == 1);
+}
+
 TEST_CASE("who asks while the disk has not answered waits; a crowd is told that the queue is full") {
   Two two;
   two.ant.disk = TestNode::Disk::silent;
   for (int i = 0; i < 40; ++i) two.ask({two.list, {}});
+  CHECK(two.ant.stored_news.size() == 1);
   CHECK(two.ant.told(Ack::kSubtype) == 0);
   CHECK(two.ant.told(Nack::kSubtype) == 24);
   CHECK(two.nack()->code == "queue_full");
@@ -171,4 +201,27 @@ TEST_CASE("a note that is too long for its field is cut between two letters, and
   CHECK(note.starts_with("certificate ends"));
   CHECK(note.size() >= 254);
   CHECK(note.size() <= 255);
+}
+
+TEST_CASE("of two that are not on disk the note tells the first and how many more; what is stored is told no more") {
+  Unstored unstored;
+  const MonotonicTime now{1'000'000'000};
+  CHECK(unstored.note().empty());
+  unstored.answered(Kept::news, kFull, now);
+  CHECK(unstored.note().find("more)") == std::string::npos);
+  unstored.answered(Kept::boot, fail(Errc::io_error, "/n/state/boot: cannot write", ""), now + Seconds(5));
+  CHECK(unstored.note().find("/n/state/news: cannot write: No space left on device (and 1 more)") != std::string::npos);
+  CHECK(unstored.next() == now + Seconds(10));
+  CHECK(unstored.take_due(now + Seconds(10) - kStep).empty());
+  CHECK(unstored.take_due(now + Seconds(10)) == std::vector{Kept::news, Kept::boot});
+  CHECK(unstored.take_due(now + Seconds(10)).empty());
+  unstored.answered(Kept::news, Done{}, now + Seconds(10));
+  CHECK_FALSE(unstored.news_failure());
+  CHECK(unstored.next() == now + Seconds(20));
+  CHECK(unstored.note() == "not on disk, and lost in a restart: /n/state/boot: cannot write");
+  unstored.answered(Kept::boot, Done{}, now + Seconds(10));
+  CHECK_FALSE(unstored.next());
+  unstored.answered(Kept::certificate, fail(Errc::io_error, "/n/keys: cannot write", ""), now + Seconds(11));
+  REQUIRE(unstored.news_failure());
+  CHECK(unstored.news_failure()->cure.starts_with("it is tried again every 10 s"));
 }
