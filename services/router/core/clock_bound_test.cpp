@@ -80,6 +80,20 @@ TEST_CASE("a jump is more than 2 s, whichever way; what a time server corrects l
   CHECK(slewed.stored.size() >= 3);
 }
 
+TEST_CASE("two seconds to the dot are no jump yet, and five minutes ahead of the others not too much") {
+  for (const Duration by : {Duration(Seconds(2)), Duration(-Seconds(2))}) {
+    Bench bench;
+    bench.run(minutes(8));
+    bench.jump(by);
+    bench.run(minutes(3));
+    CHECK(bench.stored.size() == 1);
+  }
+  Bench bench;
+  bench.peer(-minutes(5));
+  bench.run(minutes(15));
+  CHECK(bench.stored.size() == 1);
+}
+
 TEST_CASE("a clock that is ahead of most peers' is not believed, however steady") {
   Bench bench;
   SUBCASE("of two of three") {
