@@ -140,6 +140,7 @@ TEST_CASE("a router whose clock jumps past the end of its certificate and back i
     fleet.run(Seconds(8));
     CHECK(ant.beacons.size() > beacons);
     if (!alone) CHECK(ant.link_to("bee") != 0);
+    CHECK(*ant.core->next_deadline() > fleet.now.mono);  // nothing stays due
     CHECK(ant.stored_utc.empty());
     CHECK(ant.core->route_table(fleet.now).routes[0].clock == "verified");
   }
@@ -197,4 +198,15 @@ TEST_CASE("a Hello may tell any time: nothing overflows, and it is told as a clo
     REQUIRE_FALSE(ends.empty());
     CHECK((utc == kMost ? ends[0] == kMost : ends[0] < kStartUtc + 60'000'000'000));
   }
+}
+
+TEST_CASE("a router stores the time once its clock has run in step for ten minutes since it jumped last") {
+  TestFleet fleet;
+  TestNode& ant = fleet.start("ant");
+  fleet.run(minutes(9));
+  ant.clock_off = Seconds(3);
+  fleet.run(minutes(9));
+  CHECK(ant.stored_utc.empty());
+  fleet.run(minutes(2));
+  CHECK(ant.stored_utc.size() == 1);
 }
