@@ -321,3 +321,44 @@ TEST_CASE("a beacon that was heard before a link stays a replay after it") {
   inbox.fleet.carry_out(inbox.ant, effects);
   CHECK(inbox.ant.count("beacon.replayed") == 1);
 }
+
+TEST_CASE("a linked peer that tells by a beacon of a new start, or of another place, is cut and dialled there") {
+  for (const bool again : {true, false}) {
+    CAPTURE(again);
+    Inbox inbox;
+    inbox.say_hello(9, inbox.bee);
+    const Beacon body{inbox.bee.record, again ? "10.0.0.2:45000" : "10.0.0.3:45000", again ? 4U : 3U, kStartUtc, 1};
+    Effects effects;
+    inbox.ant.core->on_beacon(
+        encode(sign(kSignedBeacon, "bee", inbox.fleet.authority.fleet.id(), encode(body), inbox.bee.identity)),
+        inbox.fleet.now, effects);
+    inbox.fleet.carry_out(inbox.ant, effects);
+    CHECK(inbox.ant.link_to("bee") == 0);
+    CHECK(inbox.ant.closed == std::vector<LinkId>{9});
+    CHECK(inbox.ant.log.back() ==
+          std::string("link_closed bee: ") + (again ? "its node was started again" : "its address has changed"));
+    inbox.fleet.run(kStep);
+    REQUIRE(inbox.ant.dials.size() == 1);
+    CHECK(inbox.ant.dials[0].address == body.address);
+  }
+}
+
+TEST_CASE("a link ends at the moment at which its peer's certificate does, and is counted so") {
+  Inbox inbox;
+  TestKeys brief = inbox.bee;
+  brief.certificate.not_after = kStartUtc + 2'000'000'000;
+  brief.record = sign(kSignedCertificate, "", inbox.fleet.authority.fleet.id(), encode(brief.certificate),
+                      inbox.fleet.authority.key);
+  inbox.say_hello(9, brief);
+  const MonotonicTime start = inbox.fleet.now.mono;
+  const auto tick = [&](Duration after) {
+    Effects effects;
+    inbox.ant.core->tick({start + after, UtcTime{kStartUtc} + after}, effects);
+    inbox.fleet.carry_out(inbox.ant, effects);
+  };
+  tick(Seconds(2) - Duration(1));
+  CHECK(inbox.ant.link_to("bee") == 9);
+  tick(Seconds(2));
+  CHECK(inbox.ant.link_to("bee") == 0);
+  CHECK(inbox.ant.count("refused.cert_expired") == 1);
+}

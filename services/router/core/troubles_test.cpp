@@ -116,6 +116,18 @@ TEST_CASE("a node that was dialled and shows a certificate that does not hold le
   CHECK(table.troubles[0].address == fleet.address("bee"));
 }
 
+TEST_CASE("a node that is refused where it dials writes down that it was, and with which word") {
+  TestFleet fleet;
+  fleet.keys("ant").record.signature.bytes[0] ^= 1;
+  fleet.start("bee", {.beacon = false});
+  TestNode& ant = fleet.start("ant", {.beacon = false, .seeds = {"bee"}});
+  fleet.run(std::chrono::milliseconds(500));
+  const LinkTroubles table = ask(fleet, ant);
+  REQUIRE_FALSE(table.troubles.empty());
+  CHECK(table.troubles.back().code == "refused_us");
+  CHECK(table.troubles.back().text == "bad_signature");
+}
+
 TEST_CASE("a node of another version leaves a row, by its name once that is proven") {
   TestFleet fleet;
   TestNode& ant = fleet.start("ant", {.beacon = false});
