@@ -140,6 +140,8 @@ TEST_CASE("who talks to the lane instead of listening is kept out as long as its
 TEST_CASE("what comes by a lane is its peer's own lossy information for this node, and nothing else") {
   Stream stream;
   CHECK(stream.come(stream.value()).connection == 1);
+  Effects effects;
+  CHECK(stream.bee.core->route_lane(4711, header_of(stream.value()), effects).reason == Errc::unknown_peer_key);
   Message other = stream.value("cat");
   CHECK(stream.come(other).reason == Errc::source_mismatch);
   other = stream.value();

@@ -68,6 +68,8 @@ TEST_CASE("a beacon about a linked peer at the same address changes nothing") {
   const LinkId link = fleet.at("ant").link_to("bee");
   fleet.run(Seconds(60));
   CHECK(fleet.at("bee").beacons.size() > 10);
+  CHECK(fleet.at("bee").beacons.size() < 20);  // a few at its start, then one in five seconds
+  CHECK(fleet.at("bee").count("sent.beacon") == fleet.at("bee").beacons.size());
   CHECK(fleet.at("ant").link_to("bee") == link);
   CHECK(fleet.at("ant").dials.size() == 1);
 }
