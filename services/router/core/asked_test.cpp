@@ -36,6 +36,12 @@ TEST_CASE("what was never asked has no answer: another count, another random par
   CHECK_FALSE(asked.may_answer(0, true, Party::nobody));
 }
 
+TEST_CASE("nothing that bears no id is ever answered") {
+  Asked asked;
+  asked.note(0, true, kArm);
+  CHECK_FALSE(asked.may_answer(0, false, kArm));
+}
+
 TEST_CASE("a newer question takes the place of one that is a whole table older") {
   Asked asked;
   asked.note(kId, true, kArm);

@@ -39,8 +39,7 @@ namespace {
 /// As much of both as a note may be long; no letter is cut in two.
 std::string join_notes(const std::string& first, const std::string& second) {
   std::string out = first + (first.empty() || second.empty() ? "" : "; ") + second;
-  if (out.size() <= kDefaultMaxSize) return out;
-  std::size_t end = kDefaultMaxSize;
+  auto end = std::min<std::size_t>(out.size(), kDefaultMaxSize);
   while (end > 0 && (static_cast<unsigned char>(out[end]) & 0xc0U) == 0x80) --end;
   return out.substr(0, end);
 }

@@ -246,3 +246,92 @@ TEST_CASE("of counters with made-up names there are a thousand, and those that a
   core.count("known", 2);
   CHECK(core.counter("known") == 3);
 }
+
+TEST_CASE("a decision is signed on a cloud node for its resilience, and names that node") {
+  Bus bus;
+  RouterConfig config = bus.ant.core->config();
+  config.role = Role::cloud;
+  bus.ant.core = std::make_unique<RouterCore>(std::move(config));
+  REQUIRE(bus.hello(1, "resilience") == "service_welcome");
+  const auto asks = [&](const std::string& by) {
+    return bus.ask(1, SignRequest{std::string(kSignedDecision), {payload_of(kSignedDecision, by)}});
+  };
+  CHECK(asks("ant") == "signed_record");
+  CHECK(asks("bee") == "source_mismatch");
+}
+
+TEST_CASE("a service that says that it is alive is told of which start this router is") {
+  Bus bus;
+  REQUIRE(bus.hello(1, "scheduler") == "service_welcome");
+  CHECK(bus.ask(1, ServiceAlive{100}) == "service_alive_seen");
+  CHECK(bus.ant.bus.back().message.reply_to == 77);
+}
+
+TEST_CASE("what a router does not answer is Nacked to who asks, and to nobody who only tells or answers") {
+  Bus bus;
+  REQUIRE(bus.hello(1, "scheduler") == "service_welcome");
+  CHECK(bus.ask(1, KeepAlive{1}) == "bad_value");
+  Message word = make_message(MessageType::information, "ant", "ant", KeepAlive{1});
+  const auto say = [&] {
+    const std::size_t before = bus.ant.bus.size();
+    Effects effects;
+    bus.ant.core->on_bus_message(1, word, bus.fleet.now, effects);
+    bus.fleet.carry_out(bus.ant, effects);
+    return bus.ant.bus.size() - before;
+  };
+  CHECK(say() == 0);
+  word.type = MessageType::request;
+  word.reply_to = 5;
+  CHECK(say() == 0);
+  CHECK(bus.ant.count("refused.bad_value") == 3);
+}
+
+TEST_CASE("the end of a service is written down, that of a probe is not") {
+  Bus bus;
+  const auto ends = [&] {
+    return std::count_if(bus.ant.log.begin(), bus.ant.log.end(),
+                         [](const std::string& line) { return line.starts_with("service_gone"); });
+  };
+  bus.hello(1, "trb", {}, true);
+  bus.hello(2, "scheduler");
+  bus.gone(1);
+  CHECK(ends() == 0);
+  bus.gone(2);
+  CHECK(ends() == 1);
+  bus.gone(2);
+  CHECK(ends() == 1);
+}
+
+TEST_CASE("a probe that was silent for a lease is still one; a moment later it is forgotten") {
+  Bus bus;
+  bus.hello(1, "trb", {}, true);
+  bus.fleet.run(Seconds(10));
+  bus.hello(2, "trb", {}, true);
+  CHECK(bus.ant.told(HelloWanted::kSubtype) == 0);
+  bus.fleet.run(kStep);
+  bus.hello(3, "trb", {}, true);
+  CHECK(bus.ant.told(HelloWanted::kSubtype) == 1);
+  CHECK_FALSE(bus.ant.core->knows(1));
+}
+
+TEST_CASE("the table of services has one row each, and calls silent who said nothing for over three seconds") {
+  Bus bus;
+  bus.hello(1, "scheduler");
+  bus.hello(9, "trb", {}, true);
+  const auto row = [&](std::size_t at) {
+    REQUIRE(bus.ask(9, ServiceListRequest{}) == "service_table");
+    const auto table = decode<ServiceTable>(bus.ant.bus.back().message.data);
+    CHECK(table->services.size() == bus.ant.core->config().services.size());
+    return table->services.at(at);
+  };
+  bus.fleet.run(Seconds(3));
+  CHECK(row(0).service == "router");
+  CHECK(row(1).service == "mode-adapter");
+  CHECK(row(1).state == "down");
+  CHECK(row(2).service == "scheduler");
+  CHECK(row(2).state == "up");
+  bus.fleet.run(kStep);
+  CHECK(row(2).state == "silent");
+  bus.ask(1, ServiceAlive{100});
+  CHECK(row(2).state == "up");
+}

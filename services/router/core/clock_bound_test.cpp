@@ -80,6 +80,20 @@ TEST_CASE("a jump is more than 2 s, whichever way; what a time server corrects l
   CHECK(slewed.stored.size() >= 3);
 }
 
+TEST_CASE("two seconds to the dot are no jump yet, and five minutes ahead of the others not too much") {
+  for (const Duration by : {Duration(Seconds(2)), Duration(-Seconds(2))}) {
+    Bench bench;
+    bench.run(minutes(8));
+    bench.jump(by);
+    bench.run(minutes(3));
+    CHECK(bench.stored.size() == 1);
+  }
+  Bench bench;
+  bench.peer(-minutes(5));
+  bench.run(minutes(15));
+  CHECK(bench.stored.size() == 1);
+}
+
 TEST_CASE("a clock that is ahead of most peers' is not believed, however steady") {
   Bench bench;
   SUBCASE("of two of three") {
@@ -126,6 +140,7 @@ TEST_CASE("a router whose clock jumps past the end of its certificate and back i
     fleet.run(Seconds(8));
     CHECK(ant.beacons.size() > beacons);
     if (!alone) CHECK(ant.link_to("bee") != 0);
+    CHECK(*ant.core->next_deadline() > fleet.now.mono);  // nothing stays due
     CHECK(ant.stored_utc.empty());
     CHECK(ant.core->route_table(fleet.now).routes[0].clock == "verified");
   }
@@ -183,4 +198,15 @@ TEST_CASE("a Hello may tell any time: nothing overflows, and it is told as a clo
     REQUIRE_FALSE(ends.empty());
     CHECK((utc == kMost ? ends[0] == kMost : ends[0] < kStartUtc + 60'000'000'000));
   }
+}
+
+TEST_CASE("a router stores the time once its clock has run in step for ten minutes since it jumped last") {
+  TestFleet fleet;
+  TestNode& ant = fleet.start("ant");
+  fleet.run(minutes(9));
+  ant.clock_off = Seconds(3);
+  fleet.run(minutes(9));
+  CHECK(ant.stored_utc.empty());
+  fleet.run(minutes(2));
+  CHECK(ant.stored_utc.size() == 1);
 }

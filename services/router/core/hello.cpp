@@ -107,8 +107,7 @@ bool RouterCore::may_say_hello(LinkId id, BytesView key, Now now, Effects& out) 
     if (!link.dialled && link.key == key && other != peer.link) waiting.push_back(&link);
   }
   if (waiting.size() < kSpareLinks) return true;
-  const auto oldest = std::min_element(waiting.begin(), waiting.end(),
-                                       [](const Link* a, const Link* b) { return a->opened < b->opened; });
+  const auto oldest = std::ranges::min_element(waiting, {}, &Link::opened);
   drop_link((*oldest)->id, "more links than one node makes", true, now, out);
   return true;
 }

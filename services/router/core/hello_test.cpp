@@ -49,6 +49,9 @@ TEST_CASE("a member that says Hello without end is kept out for a while, and its
   CHECK(first == 100);
   for (int i = 0; i < 1000; ++i) inbox.say_hello(++link, inbox.bee);
   CHECK(inbox.ant.count("refused.too_many_hellos") > 900);
+  CHECK(inbox.ant.core->find_link(link) == nullptr);
+  REQUIRE(inbox.ant.refused.size() == inbox.ant.count("refused.too_many_hellos"));
+  CHECK(decode<Goodbye>(inbox.ant.refused.back().message.data)->reason == "too many Hellos");
   CHECK_FALSE(inbox.admit(inbox.bee.link.public_key));
   CHECK(inbox.ant.count("refused.noisy_key") == 1);
   CHECK(inbox.admit(inbox.fleet.keys("cat").link.public_key));
@@ -67,6 +70,7 @@ TEST_CASE("a member has three accepted links at most, however slowly it makes th
     std::size_t links = 0;
     for (LinkId id = 100; id <= link; ++id) links += inbox.ant.core->find_link(id) != nullptr ? 1 : 0;
     CHECK(links <= 3);
+    CHECK(inbox.ant.core->find_link(link) != nullptr);
   }
   CHECK(inbox.ant.count("refused.too_many_hellos") == 0);
 }
@@ -196,4 +200,165 @@ TEST_CASE("a dialler that is refused hears so, does not shut the other out, and 
   CHECK(ant.core->admit(good.link.public_key, fleet.now.mono, effects));
   fleet.run(Seconds(6));
   CHECK(ant.dials.size() >= 4);
+}
+
+TEST_CASE("a routing table that is full takes no stranger, by a Hello or a beacon, and keeps whom it knows") {
+  Inbox inbox;
+  TestNode& ant = inbox.ant;
+  const auto beacon = [&](const TestKeys& keys, std::uint64_t count) {
+    const Beacon body{keys.record, "10.0.0.9:45000", 1, kStartUtc, count};
+    const std::string& id = keys.certificate.id;
+    Effects effects;
+    ant.core->on_beacon(encode(sign(kSignedBeacon, id, inbox.fleet.authority.fleet.id(), encode(body), keys.identity)),
+                        inbox.fleet.now, effects);
+    inbox.fleet.carry_out(ant, effects);
+  };
+  beacon(inbox.bee, 1);
+  for (std::size_t i = 1; i < kMaxPeers; ++i) {
+    if (i % kBeaconsChecked == 0) inbox.fleet.now.mono = inbox.fleet.now.mono + Seconds(1);
+    beacon(inbox.fleet.authority.sign_node("node-" + std::to_string(i)), 1);
+  }
+  REQUIRE(ant.core->peers().size() == kMaxPeers);
+  inbox.fleet.now.mono = inbox.fleet.now.mono + Seconds(1);
+  const TestKeys cat = inbox.fleet.keys("cat");
+  beacon(cat, 1);
+  CHECK(ant.count("beacon.too_many_peers") == 1);
+  inbox.say_hello(9, cat, "cat");
+  CHECK(ant.count("refused.queue_full") == 1);
+  CHECK(ant.peer("cat") == nullptr);
+  beacon(inbox.bee, 2);
+  CHECK(ant.count("beacon.too_many_peers") == 1);
+  CHECK(ant.peer("bee")->beacon_count == 2);
+  inbox.say_hello(10, inbox.bee);
+  CHECK(ant.link_to("bee") == 10);
+}
+
+TEST_CASE("a member that was a stranger until its Hello is nobody that said nothing") {
+  Inbox inbox;
+  CHECK(inbox.admit(inbox.bee.link.public_key));
+  CHECK(inbox.ant.count("candidates") == 1);
+  inbox.say_hello(9, inbox.bee);
+  inbox.fleet.run(Seconds(4));
+  CHECK(inbox.ant.count("refused.no_hello") == 0);
+}
+
+TEST_CASE("a stranger that was refused makes room for the next one at once") {
+  Inbox inbox;
+  const TestAuthority elsewhere;
+  const TestKeys foreign = elsewhere.sign_node("bee");
+  CHECK(inbox.admit(foreign.link.public_key));
+  inbox.say_hello(1, foreign);
+  for (int i = 0; i < 32; ++i) CHECK(inbox.admit(key_number(i)));
+  CHECK_FALSE(inbox.admit(key_number(32)));
+  inbox.fleet.run(Seconds(3));
+  CHECK(inbox.ant.count("refused.no_hello") == 32);
+}
+
+TEST_CASE("of strangers that were refused 256 are remembered") {
+  Inbox inbox;
+  for (int i = 0; i < 300; ++i) {
+    const Bytes key = Bytes(30, 'k') + static_cast<char>(i % 100) + static_cast<char>(i / 100);
+    inbox.say(1, key, make_message(MessageType::information, "dog", "", KeepAlive{1}));
+  }
+  int denied = 0;
+  for (int i = 0; i < 300; ++i)
+    denied += inbox.admit(Bytes(30, 'k') + static_cast<char>(i % 100) + static_cast<char>(i / 100)) ? 0 : 1;
+  CHECK(inbox.ant.count("refused.denied_key") == 256);
+  CHECK(denied == 256 + 300 - 256 - static_cast<int>(kMaxCandidates));
+}
+
+TEST_CASE("another computer under a name takes it over: the key of the one before is a stranger's") {
+  Inbox inbox;
+  inbox.say_hello(9, inbox.bee);
+  const TestKeys fresh = inbox.fleet.authority.sign_node("bee", Role::robot, 2);
+  Effects effects;
+  inbox.ant.core->on_link_ended(9, LinkEnd::disconnected, inbox.fleet.now, effects);
+  inbox.fleet.carry_out(inbox.ant, effects);
+  inbox.say_hello(10, fresh);
+  REQUIRE(inbox.ant.link_to("bee") == 10);
+  const Message word = make_message(MessageType::information, "bee", "", KeepAlive{1});
+  inbox.say(11, fresh.link.public_key, word);
+  CHECK(inbox.ant.count("dropped.closed_link") == 1);
+  inbox.say(12, inbox.bee.link.public_key, word);
+  CHECK(inbox.ant.count("refused.unknown_peer_key") == 1);
+}
+
+TEST_CASE("services hear of a peer that was started again or had expired, not of one whose link broke for a moment") {
+  TestFleet fleet;
+  TestNode& ant = fleet.start("ant");
+  const TestKeys bee = fleet.keys("bee");
+  Effects effects;
+  ant.core->on_service_hello(1, {"resilience", {"peer_joined"}, 5, 100, "1"}, "resilience", fleet.now, effects);
+  fleet.carry_out(ant, effects);
+  LinkId link = 0;
+  const auto come = [&](std::uint64_t boot) {
+    const Hello hello{bee.record, boot, "10.0.0.2:45000", "1", kStartUtc, true, {}, 0, "behind", false, ""};
+    Effects out;
+    ant.core->on_link_message(++link, bee.link.public_key, make_message(MessageType::information, "bee", "", hello), 1,
+                              fleet.now, out);
+    ant.core->on_link_ended(link, LinkEnd::disconnected, fleet.now, out);
+    fleet.carry_out(ant, out);
+    return ant.told("peer_joined");
+  };
+  CHECK(come(3) == 1);
+  CHECK(come(3) == 1);
+  CHECK(come(4) == 2);
+  fleet.run(Seconds(11));
+  REQUIRE(ant.peer("bee")->expired);
+  CHECK(come(4) == 3);
+}
+
+TEST_CASE("a beacon that was heard before a link stays a replay after it") {
+  Inbox inbox;
+  const Beacon body{inbox.bee.record, "10.0.0.2:45000", 3, kStartUtc, 1};
+  const Bytes beacon =
+      encode(sign(kSignedBeacon, "bee", inbox.fleet.authority.fleet.id(), encode(body), inbox.bee.identity));
+  Effects effects;
+  inbox.ant.core->on_beacon(beacon, inbox.fleet.now, effects);
+  inbox.say_hello(9, inbox.bee);  // of the same boot
+  REQUIRE(inbox.ant.link_to("bee") == 9);
+  inbox.ant.core->on_beacon(beacon, inbox.fleet.now, effects);
+  inbox.fleet.carry_out(inbox.ant, effects);
+  CHECK(inbox.ant.count("beacon.replayed") == 1);
+}
+
+TEST_CASE("a linked peer that tells by a beacon of a new start, or of another place, is cut and dialled there") {
+  for (const bool again : {true, false}) {
+    CAPTURE(again);
+    Inbox inbox;
+    inbox.say_hello(9, inbox.bee);
+    const Beacon body{inbox.bee.record, again ? "10.0.0.2:45000" : "10.0.0.3:45000", again ? 4U : 3U, kStartUtc, 1};
+    Effects effects;
+    inbox.ant.core->on_beacon(
+        encode(sign(kSignedBeacon, "bee", inbox.fleet.authority.fleet.id(), encode(body), inbox.bee.identity)),
+        inbox.fleet.now, effects);
+    inbox.fleet.carry_out(inbox.ant, effects);
+    CHECK(inbox.ant.link_to("bee") == 0);
+    CHECK(inbox.ant.closed == std::vector<LinkId>{9});
+    CHECK(inbox.ant.log.back() ==
+          std::string("link_closed bee: ") + (again ? "its node was started again" : "its address has changed"));
+    inbox.fleet.run(kStep);
+    REQUIRE(inbox.ant.dials.size() == 1);
+    CHECK(inbox.ant.dials[0].address == body.address);
+  }
+}
+
+TEST_CASE("a link ends at the moment at which its peer's certificate does, and is counted so") {
+  Inbox inbox;
+  TestKeys brief = inbox.bee;
+  brief.certificate.not_after = kStartUtc + 2'000'000'000;
+  brief.record = sign(kSignedCertificate, "", inbox.fleet.authority.fleet.id(), encode(brief.certificate),
+                      inbox.fleet.authority.key);
+  inbox.say_hello(9, brief);
+  const MonotonicTime start = inbox.fleet.now.mono;
+  const auto tick = [&](Duration after) {
+    Effects effects;
+    inbox.ant.core->tick({start + after, UtcTime{kStartUtc} + after}, effects);
+    inbox.fleet.carry_out(inbox.ant, effects);
+  };
+  tick(Seconds(2) - Duration(1));
+  CHECK(inbox.ant.link_to("bee") == 9);
+  tick(Seconds(2));
+  CHECK(inbox.ant.link_to("bee") == 0);
+  CHECK(inbox.ant.count("refused.cert_expired") == 1);
 }

@@ -119,6 +119,7 @@ TEST_CASE("only the key of a peer whose link is up may listen, and only for its 
     CHECK_FALSE(stream.listens("be", topic));
   CHECK(stream.ant.count("refused.lane_topic") == 6);
   CHECK_FALSE(stream.listens("cat", topic_of("cat")));
+  CHECK(stream.ant.count("refused.lane_key") == 3);
   stream.fleet.stop("bee");
   stream.fleet.run(Seconds(11));
   CHECK_FALSE(stream.admits(stream.fleet.keys("bee")));
@@ -139,6 +140,8 @@ TEST_CASE("who talks to the lane instead of listening is kept out as long as its
 TEST_CASE("what comes by a lane is its peer's own lossy information for this node, and nothing else") {
   Stream stream;
   CHECK(stream.come(stream.value()).connection == 1);
+  Effects effects;
+  CHECK(stream.bee.core->route_lane(4711, header_of(stream.value()), effects).reason == Errc::unknown_peer_key);
   Message other = stream.value("cat");
   CHECK(stream.come(other).reason == Errc::source_mismatch);
   other = stream.value();
@@ -234,4 +237,29 @@ TEST_CASE("nobody is told of lossy information that was dropped, not even of the
   stream.bee.core->nack_local(1, header_of(lost), Errc::queue_full, effects);
   CHECK(effects.list.empty());
   CHECK(effects.counts == std::vector<std::string>{"dropped.queue_full", "dropped.queue_full"});
+}
+
+TEST_CASE("what a peer gets by its link instead of the lane is bounded to the byte, for a second") {
+  Spare spare;
+  const MonotonicTime now{1'000'000'000};
+  CHECK(spare.take(Spare::kBytes, now));
+  CHECK_FALSE(spare.take(1, now + std::chrono::milliseconds(999)));
+  CHECK(spare.take(1, now + Seconds(1)));
+}
+
+TEST_CASE("a lane that breaks again and again is dialled ever less often; one that was heard for long at once") {
+  using std::chrono::milliseconds;
+  Stream stream;
+  const auto comes_back_after = [&](Duration wait) {
+    stream.fleet.break_lane("bee", "ant");
+    stream.fleet.run(wait - 2 * kStep);
+    CHECK_FALSE(stream.fleet.hears("bee", "ant"));
+    stream.fleet.run(3 * kStep);
+    CHECK(stream.fleet.hears("bee", "ant"));
+  };
+  comes_back_after(milliseconds(200));
+  comes_back_after(milliseconds(400));
+  comes_back_after(milliseconds(800));
+  stream.fleet.run(Seconds(11));
+  comes_back_after(milliseconds(200));
 }

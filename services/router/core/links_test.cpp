@@ -353,3 +353,28 @@ TEST_CASE("a member that asks for tables without end is told no more than its by
   fleet.run(Seconds(1));
   CHECK(ask("bee", RouteListRequest{}).subtype == RouteTable::kSubtype);
 }
+
+TEST_CASE("what a peer may not ask is Nacked if it asks, and not if it only tells or answers") {
+  TestFleet fleet;
+  TestNode& ant = fleet.start("ant");
+  fleet.start("bee");
+  fleet.run(Seconds(1));
+  const LinkId link = ant.link_to("bee");
+  const auto nacks = [&](const Message& message) {
+    Effects effects;
+    ant.core->on_link_message(link, ant.core->find_link(link)->key, message, 99, fleet.now, effects);
+    return std::count_if(effects.list.begin(), effects.list.end(), [](const Effect& effect) {
+      const auto* send = std::get_if<LinkSend>(&effect);
+      return send != nullptr && send->message.subtype == Nack::kSubtype;
+    });
+  };
+  Message message = make_message(MessageType::request, "bee", "ant", ServiceHello{});
+  CHECK(nacks(message) == 1);
+  message.data = "noise";
+  CHECK(nacks(message) == 1);
+  message.reply_to = 5;
+  CHECK(nacks(message) == 0);
+  message.reply_to = 0;
+  message.type = MessageType::information;
+  CHECK(nacks(message) == 0);
+}

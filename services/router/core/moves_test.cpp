@@ -68,6 +68,8 @@ TEST_CASE("a beacon about a linked peer at the same address changes nothing") {
   const LinkId link = fleet.at("ant").link_to("bee");
   fleet.run(Seconds(60));
   CHECK(fleet.at("bee").beacons.size() > 10);
+  CHECK(fleet.at("bee").beacons.size() < 20);  // a few at its start, then one in five seconds
+  CHECK(fleet.at("bee").count("sent.beacon") == fleet.at("bee").beacons.size());
   CHECK(fleet.at("ant").link_to("bee") == link);
   CHECK(fleet.at("ant").dials.size() == 1);
 }
@@ -220,4 +222,48 @@ TEST_CASE("a name among the peers of the last run, as an earlier release stored 
   fleet.run(Seconds(30));
   CHECK(ant.dials.empty());
   CHECK(ant.count("dial.no_name") == 0);
+}
+
+TEST_CASE("a dial to where a peer no longer is ends when its beacon tells another address") {
+  TestFleet fleet;
+  TestNode& ant = fleet.start("ant", {.beacon = false});
+  const TestKeys bee = fleet.keys("bee");
+  const auto hear = [&](const std::string& address, std::uint64_t count) {
+    const Beacon beacon{bee.record, address, 1, kStartUtc, count};
+    Effects effects;
+    ant.core->on_beacon(encode(sign(kSignedBeacon, "bee", fleet.authority.fleet.id(), encode(beacon), bee.identity)),
+                        fleet.now, effects);
+    ant.core->tick(fleet.now, effects);
+    return effects;
+  };
+  const auto dial_of = [](const Effects& effects) {
+    for (const Effect& effect : effects.list) {
+      if (const auto* dial = std::get_if<Dial>(&effect)) return *dial;
+    }
+    return Dial{};
+  };
+  const Dial first = dial_of(hear("10.0.0.2:45000", 1));
+  CHECK(first.address == "10.0.0.2:45000");
+  const Effects moved = hear("10.0.0.3:45000", 2);
+  CHECK(ant.core->find_link(first.link) == nullptr);
+  CHECK(dial_of(moved).address == "10.0.0.3:45000");
+}
+
+TEST_CASE("a dial whose name is not known ends at once, and one that is over is not counted") {
+  TestFleet fleet;
+  TestNode& ant = fleet.start("ant", {.beacon = false});
+  RouterConfig config = ant.core->config();
+  config.seeds.push_back({"hub.example:45000", fleet.keys("bee").link.public_key});
+  RouterCore core(std::move(config));
+  Effects effects;
+  core.start(fleet.now, effects);
+  core.tick(fleet.now, effects);
+  const auto* dial = std::get_if<Dial>(&effects.list.back());
+  REQUIRE(dial != nullptr);
+  const LinkId link = dial->link;
+  Effects out;
+  core.on_name_unknown(link, "no such name", fleet.now, out);
+  core.on_name_unknown(link, "no such name", fleet.now, out);
+  CHECK(core.find_link(link) == nullptr);
+  CHECK(out.counts == std::vector<std::string>{"dial.no_name"});
 }

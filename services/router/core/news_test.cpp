@@ -84,6 +84,8 @@ TEST_CASE("a revocation that one node hears of is in force on all, and the revok
   CHECK(three.ant.count("refused.cert_revoked") == 1);
   CHECK(three.bee.count("refused.cert_revoked") == 1);
   CHECK(logged(three.cat, "own_certificate_over this node's certificate is revoked: stolen"));
+  Effects effects;
+  CHECK_FALSE(three.cat.core->admit(three.ant.keys.link.public_key, three.fleet.now.mono, effects));
   three.cat.beacons.clear();
   const std::size_t dials = three.cat.dials.size();
   three.fleet.run(Seconds(20));

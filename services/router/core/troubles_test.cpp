@@ -204,6 +204,41 @@ TEST_CASE("a stranger's certificate and a beacon that does not open leave a row 
   CHECK(has(table, "", "beacon.foreign_fleet"));
 }
 
+TEST_CASE("a node that was dialled and shows a certificate that does not hold leaves a row with its address") {
+  TestFleet fleet;
+  fleet.keys("bee").record.signature.bytes[0] ^= 1;
+  fleet.start("bee", {.beacon = false});
+  TestNode& ant = fleet.start("ant", {.beacon = false, .seeds = {"bee"}});
+  fleet.run(Seconds(1));
+  const LinkTroubles table = ask(fleet, ant);
+  REQUIRE(table.troubles.size() == 1);
+  CHECK(table.troubles[0].code == "bad_signature");
+  CHECK(table.troubles[0].address == fleet.address("bee"));
+}
+
+TEST_CASE("a node that is refused where it dials writes down that it was, and with which word") {
+  TestFleet fleet;
+  fleet.keys("ant").record.signature.bytes[0] ^= 1;
+  fleet.start("bee", {.beacon = false});
+  TestNode& ant = fleet.start("ant", {.beacon = false, .seeds = {"bee"}});
+  fleet.run(std::chrono::milliseconds(500));
+  const LinkTroubles table = ask(fleet, ant);
+  REQUIRE_FALSE(table.troubles.empty());
+  CHECK(table.troubles.back().code == "refused_us");
+  CHECK(table.troubles.back().text == "bad_signature");
+}
+
+TEST_CASE("a node of another version leaves a row, by its name once that is proven") {
+  TestFleet fleet;
+  TestNode& ant = fleet.start("ant", {.beacon = false});
+  const TestKeys bee = fleet.keys("bee");
+  const Hello body{bee.record, 1, "", "1", kStartUtc, true, {}, 0, "behind", false, ""};
+  const Message hello = make_message(MessageType::information, "bee", "", body);
+  Effects effects;
+  ant.core->on_other_version(0, bee.link.public_key, 1, header_of(hello, 1), fleet.now, effects);
+  CHECK(has(ask(fleet, ant), "bee", "version_mismatch"));
+}
+
 TEST_CASE("troubles are bounded, and the oldest gives way") {
   Troubles troubles;
   for (int i = 0; i < 300; ++i) troubles.note("", "host:" + std::to_string(i), "failed", "", MonotonicTime{i + 1});

@@ -9,7 +9,7 @@ VisitorLimits limits_for(std::size_t descriptors) {
   constexpr std::size_t kOwn = 128;  // files, the bus, libzmq itself
   constexpr std::size_t kFewest = 32;
   VisitorLimits limits;
-  const std::size_t rest = descriptors > kOwn ? descriptors - kOwn : 0;
+  const std::size_t rest = descriptors - std::min(descriptors, kOwn);
   limits.open = std::clamp(rest / 4, kFewest, limits.open);
   limits.open_from_one = std::max<std::size_t>(limits.open / 8, 16);
   return limits;
@@ -36,12 +36,11 @@ VisitorId Visitors::accepted(const std::string& source, MonotonicTime now) {
   visitor.cut_at = now + limits_.proof;
   cuts_.emplace(*visitor.cut_at, id);
   ++unproven_;
-  if (Source* from = source_of(source, now); from != nullptr) ++from->open;
-  const auto known = sources_.find(source);
-  const bool too_many = known != sources_.end() && known->second.open > limits_.open_from_one;
+  Source* from = source_of(source, now);
+  if (from != nullptr) ++from->open;
   if (blocked_.count(source) != 0) {
     orders_.cut.push_back(id);  // it was in the queue of the listening socket when its source was shut out
-  } else if (too_many) {
+  } else if (from != nullptr && from->open > limits_.open_from_one) {
     block(source, now);
   }
   if (unproven_ >= limits_.open) set_closed(true);
@@ -52,7 +51,7 @@ void Visitors::count_out(const Visitor& visitor) {
   if (visitor.linked) return;
   --unproven_;
   if (const auto at = sources_.find(visitor.source); at != sources_.end() && at->second.open > 0) --at->second.open;
-  if (closed_ && unproven_ <= limits_.open / 2) set_closed(false);
+  if (unproven_ <= limits_.open / 2) set_closed(false);
 }
 
 void Visitors::linked(VisitorId id) {

@@ -16,6 +16,9 @@ struct Inbox {
   Visitors::Orders orders;
 
   VisitorId come(const std::string& source) { return visitors.accepted(source, now); }
+  void fail(const std::string& source, int times) {
+    for (int i = 0; i < times; ++i) visitors.gone(come(source), now);
+  }
   const Visitors::Orders& look() { return orders = visitors.take_orders(); }
   /// Lets time pass, from deadline to deadline.
   const Visitors::Orders& wait(double time_s) {
@@ -26,6 +29,7 @@ struct Inbox {
       visitors.tick(now);
       auto more = visitors.take_orders();
       all.cut.insert(all.cut.end(), more.cut.begin(), more.cut.end());
+      all.expired.insert(all.expired.end(), more.expired.begin(), more.expired.end());
       all.filter_changed = all.filter_changed || more.filter_changed;
     }
     now = end;
@@ -118,7 +122,10 @@ TEST_CASE("from many sources: the inbox closes until half of them are gone") {
   for (int i = 0; i < 12; ++i) ids.push_back(inbox.come("source " + std::to_string(i)));
   CHECK(inbox.look().filter_changed);
   CHECK(inbox.visitors.closed());
-  for (int i = 0; i < 6; ++i) inbox.visitors.gone(ids[static_cast<std::size_t>(i)], inbox.now);
+  for (std::size_t i = 0; i < 5; ++i) inbox.visitors.gone(ids[i], inbox.now);
+  CHECK_FALSE(inbox.look().filter_changed);
+  CHECK(inbox.visitors.closed());
+  inbox.visitors.gone(ids[5], inbox.now);
   CHECK(inbox.look().filter_changed);
   CHECK(!inbox.visitors.closed());
 }
@@ -135,6 +142,106 @@ TEST_CASE("more sources than can be kept out, or remembered") {
   CHECK(inbox.visitors.unproven() == 0);
   inbox.wait(30);
   CHECK(!inbox.visitors.next_deadline());
+}
+
+TEST_CASE("only who said nothing in time has expired; who stays all the same is cut again and again") {
+  Inbox inbox;
+  const auto silent = inbox.come("a");
+  const auto refused = inbox.come("b");
+  inbox.visitors.leave(refused, inbox.now);
+  CHECK(inbox.wait(5).cut == std::vector<VisitorId>{refused, silent});
+  CHECK(inbox.orders.expired == std::vector<VisitorId>{silent});
+  CHECK(inbox.wait(10).cut == std::vector<VisitorId>{refused, silent});
+  CHECK(inbox.wait(10).cut == std::vector<VisitorId>{refused, silent});
+}
+
+TEST_CASE("a second refusal buys no more time, and a number that is nobody's changes nothing") {
+  Inbox inbox;
+  const auto refused = inbox.come("a");
+  inbox.visitors.leave(refused, inbox.now);
+  CHECK(inbox.wait(0.4).cut.empty());
+  inbox.visitors.leave(refused, inbox.now);
+  inbox.visitors.linked(refused);
+  const VisitorId nobody = refused + 1;
+  inbox.visitors.linked(nobody);
+  inbox.visitors.leave(nobody, inbox.now);
+  inbox.visitors.gone(nobody, inbox.now);
+  CHECK(inbox.visitors.unproven() == 1);
+  CHECK_FALSE(inbox.visitors.undecided(nobody));
+  CHECK(inbox.wait(0.2).cut == std::vector<VisitorId>{refused});
+}
+
+TEST_CASE("a link of a source that is shut out stays") {
+  Inbox inbox;
+  const auto member = inbox.come("nat");
+  inbox.visitors.linked(member);
+  std::vector<VisitorId> strangers;
+  for (int i = 0; i < 5; ++i) strangers.push_back(inbox.come("nat"));
+  CHECK(inbox.look().newly_blocked == std::vector<std::string>{"nat"});
+  CHECK(inbox.orders.cut == strangers);
+}
+
+TEST_CASE("failures are counted anew when their window ends, to the moment") {
+  Inbox inbox;
+  inbox.fail("clumsy", 8);
+  inbox.now = inbox.now + seconds(10);
+  inbox.fail("clumsy", 8);
+  CHECK(inbox.look().newly_blocked.empty());
+  inbox.fail("clumsy", 1);
+  CHECK(inbox.look().newly_blocked == std::vector<std::string>{"clumsy"});
+}
+
+TEST_CASE("the filter is set anew when a source is shut out or let in again, and for nothing else") {
+  Inbox inbox;
+  inbox.fail("bad", 9);
+  inbox.visitors.tick(inbox.now);
+  CHECK(inbox.look().filter_changed);
+  inbox.visitors.tick(inbox.now + seconds(9.9));
+  CHECK_FALSE(inbox.look().filter_changed);
+  inbox.visitors.tick(inbox.now + seconds(10));
+  CHECK(inbox.look().filter_changed);
+}
+
+TEST_CASE("a source is forgotten when nothing of it is open and its window is over, not before") {
+  Inbox inbox;
+  SUBCASE("then nothing is due any more") {
+    inbox.fail("once", 1);
+    inbox.visitors.tick(inbox.now + seconds(5));
+    CHECK(inbox.visitors.next_deadline() == inbox.now + seconds(10));
+    inbox.wait(10);
+    CHECK_FALSE(inbox.visitors.next_deadline());
+  }
+  SUBCASE("one that holds connections open is known by them") {
+    for (int i = 0; i < 4; ++i) inbox.come("slow");
+    inbox.wait(11);
+    inbox.come("slow");
+    CHECK(inbox.look().newly_blocked == std::vector<std::string>{"slow"});
+  }
+  SUBCASE("one that came later has its own window") {
+    inbox.fail("early", 1);
+    inbox.wait(5);
+    inbox.fail("late", 8);
+    inbox.wait(6);
+    inbox.fail("late", 1);
+    CHECK(inbox.look().newly_blocked == std::vector<std::string>{"late"});
+  }
+}
+
+TEST_CASE("a source beyond those that can be remembered is not counted, and counts right once there is room") {
+  Inbox inbox;
+  for (int source = 0; source < 19; ++source) inbox.fail("source " + std::to_string(source), 1);
+  for (int i = 0; i < 5; ++i) inbox.come("the twentieth");
+  CHECK(inbox.look().newly_blocked == std::vector<std::string>{"the twentieth"});
+  std::vector<VisitorId> uncounted;
+  for (int i = 0; i < 5; ++i) uncounted.push_back(inbox.come("the next"));
+  CHECK(inbox.look().newly_blocked.empty());
+  inbox.wait(11);
+  for (const VisitorId id : uncounted) inbox.visitors.gone(id, inbox.now);
+  inbox.look();
+  for (int i = 0; i < 4; ++i) inbox.come("the next");
+  CHECK(inbox.look().newly_blocked.empty());
+  inbox.come("the next");
+  CHECK(inbox.look().newly_blocked == std::vector<std::string>{"the next"});
 }
 
 TEST_CASE("few descriptors: strangers get a quarter of them, and some in any case") {

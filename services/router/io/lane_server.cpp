@@ -110,7 +110,8 @@ void LaneServer::drain() {
   }
 }
 
-/// The descriptor may have been another connection's a moment ago: first what the monitor has to tell of that one's end.
+/// The descriptor may have been another connection's a moment ago: first what the monitor has to tell of that one's
+/// end.
 VisitorId LaneServer::visitor_on(int fd) {
   monitor_->catch_up();
   return door_.visitor(fd);
