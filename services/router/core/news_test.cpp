@@ -369,7 +369,8 @@ namespace {
 SignedRecord sign_long(const TestAuthority& authority, const Certificate& certificate, std::size_t more) {
   Bytes payload = encode(certificate);
   payload[0] = static_cast<char>(payload[0] + 1);
-  payload += Bytes("\xc5", 1) + static_cast<char>(more >> 8U) + static_cast<char>(more & 0xffU) + Bytes(more, 'x');
+  payload.append({'\xc5', static_cast<char>(more >> 8U), static_cast<char>(more & 0xffU)});
+  payload.append(more, 'x');
   return sign(kSignedCertificate, "", authority.fleet.id(), payload, authority.key);
 }
 
