@@ -299,3 +299,35 @@ TEST_CASE("at the moment at which a node's certificate has ended its clock is no
     CHECK(one.ant.stored_utc.size() == (ends ? 1 : 2));
   }
 }
+
+TEST_CASE(
+    "a clock that is behind what the certificate says is not stored, and a peer's that is unsure counts for nothing") {
+  Ant one;
+  one.tick({}, -Duration(hours(1)));
+  one.tick(minutes(10), minutes(10) - hours(1));
+  CHECK(one.ant.stored_utc.empty());
+  Ant other;
+  const TestKeys bee = other.fleet.keys("bee");
+  const Hello unsure{bee.record, 3, "10.0.0.2:45000", "1", 0, false, {}, 0, "behind", false, ""};
+  other.tick({});
+  other.say(9, bee, make_message(MessageType::information, "bee", "", unsure));
+  REQUIRE(other.ant.link_to("bee") == 9);
+  other.tick(minutes(10));
+  CHECK(other.ant.stored_utc.size() == 1);
+}
+
+TEST_CASE("a renewal that has ended is forgotten when somebody joins, once the clock has run in step for long") {
+  Ant one;
+  Certificate brief = one.fleet.keys("dog").certificate;
+  brief.serial = 4;
+  brief.not_after = kStartUtc + Duration(minutes(11)).count();
+  Effects effects;
+  REQUIRE(one.ant.core->on_news({{}, {one.sign_certificate(brief)}}, 0, one.fleet.now, effects).ok());
+  for (const int minute : {5, 12}) {
+    CAPTURE(minute);
+    one.tick(minutes(minute));
+    one.greet(static_cast<LinkId>(minute), one.fleet.keys("bee"));
+    one.revoke(static_cast<std::uint64_t>(minute), {"eel"});
+    CHECK(one.ant.stored_news.back().news.certificates.size() == (minute == 5 ? 1 : 0));
+  }
+}
