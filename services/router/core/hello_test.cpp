@@ -108,6 +108,10 @@ TEST_CASE("a node of another version is refused by name, and told why in the ver
   // Whoever only says that it is bee is not called so.
   come(key_number(1));
   CHECK(inbox.ant.log.back().find("a node that proves no name") != std::string::npos);
+  // Nor who says it in anything but a Hello.
+  header.subtype = "profile";
+  come(inbox.bee.link.public_key);
+  CHECK(inbox.ant.log.back().find("a node that proves no name") != std::string::npos);
   CHECK(inbox.ant.link_to("bee") == 0);
 }
 
@@ -361,4 +365,183 @@ TEST_CASE("a link ends at the moment at which its peer's certificate does, and i
   tick(Seconds(2));
   CHECK(inbox.ant.link_to("bee") == 0);
   CHECK(inbox.ant.count("refused.cert_expired") == 1);
+}
+
+TEST_CASE("a member that was noisy is let in again ten seconds later, to the moment") {
+  Inbox inbox;
+  for (LinkId link = 100; link < 110; ++link) inbox.say_hello(link, inbox.bee);
+  REQUIRE(inbox.ant.count("refused.too_many_hellos") > 0);
+  inbox.fleet.now.mono = inbox.fleet.now.mono + Seconds(10) - Duration(1);
+  CHECK_FALSE(inbox.admit(inbox.bee.link.public_key));
+  inbox.fleet.now.mono = inbox.fleet.now.mono + Duration(1);
+  CHECK(inbox.admit(inbox.bee.link.public_key));
+}
+
+TEST_CASE("a Hello of 4096 bytes goes with its profile and is taken; of one byte more the profile follows") {
+  NodeProfile profile;
+  for (int i = 0; i < 80; ++i) profile.skills.push_back({"skill_number_" + std::to_string(i), "grab", {}, true, 2});
+  const auto said = [&](const std::string& maker) {
+    profile.maker = maker;
+    TestFleet fleet;
+    TestNode& ant = fleet.start("ant", {.beacon = false, .seeds = {"bee"}});
+    TestNode& bee = fleet.start("bee", {.beacon = false});
+    Effects effects;
+    ant.core->on_service_hello(1, {"mode-adapter", {}, 5, 100, "1"}, "mode-adapter", fleet.now, effects);
+    ant.core->on_bus_message(1, make_message(MessageType::information, "ant", "ant", profile), fleet.now, effects);
+    fleet.carry_out(ant, effects);
+    Message hello;
+    std::size_t follow = 0;
+    fleet.meddle = [&](const std::string& from, LinkId, std::uint64_t&, Message& message) {
+      if (from == "ant" && message.subtype == Hello::kSubtype) hello = message;
+      if (from == "ant" && message.subtype == NodeProfile::kSubtype) ++follow;
+      return true;
+    };
+    fleet.run(Seconds(1));
+    REQUIRE(bee.link_to("ant") != 0);
+    CHECK(bee.peer("ant")->profile == profile);
+    return std::pair(hello.data.size(), follow);
+  };
+  // Maker is a word of up to 64 letters, its skills fill the rest.
+  auto [size, follow] = said(std::string(33, 'm'));
+  while (size < kMaxHelloSize - 30) {
+    profile.skills.back().name += std::string(std::min<std::size_t>(kMaxHelloSize - 30 - size, 30), 'x');
+    profile.skills.push_back({"s", "grab", {}, true, 2});
+    std::tie(size, follow) = said(std::string(33, 'm'));
+  }
+  REQUIRE(size <= kMaxHelloSize);
+  const std::string maker(33 + kMaxHelloSize - size, 'm');
+  REQUIRE(maker.size() < 64);
+  CHECK(said(maker) == std::pair(kMaxHelloSize, std::size_t{0}));
+  CHECK(said(maker + "m").second == 1);
+}
+
+TEST_CASE("another key under a name, the node's or its link's, is another computer: its beacons count anew") {
+  for (const bool identity : {true, false}) {
+    CAPTURE(identity);
+    Inbox inbox;
+    const auto beacon = [&](const TestKeys& keys, std::uint64_t count) {
+      const Beacon body{keys.record, "10.0.0.2:45000", 3, kStartUtc, count};
+      Effects effects;
+      inbox.ant.core->on_beacon(
+          encode(sign(kSignedBeacon, "bee", inbox.fleet.authority.fleet.id(), encode(body), keys.identity)),
+          inbox.fleet.now, effects);
+      inbox.fleet.carry_out(inbox.ant, effects);
+    };
+    beacon(inbox.bee, 9);
+    TestKeys fresh = inbox.fleet.authority.sign_node("bee", Role::robot, 2);
+    if (identity) {
+      fresh.link = inbox.bee.link;
+      fresh.certificate.link_key = inbox.bee.certificate.link_key;
+    } else {
+      fresh.identity = inbox.bee.identity;
+      fresh.certificate.identity_key = inbox.bee.certificate.identity_key;
+    }
+    fresh.record = sign(kSignedCertificate, "", inbox.fleet.authority.fleet.id(), encode(fresh.certificate),
+                        inbox.fleet.authority.key);
+    inbox.say_hello(9, fresh);
+    REQUIRE(inbox.ant.link_to("bee") == 9);
+    beacon(fresh, 1);
+    CHECK(inbox.ant.count("beacon.replayed") == 0);
+    CHECK(inbox.ant.link_to("bee") == 9);
+  }
+}
+
+namespace {
+
+/// Dials the bee, whose answer does not come.
+struct Dialler {
+  TestFleet fleet;
+  TestNode& node;
+  TestKeys bee = fleet.keys("bee");
+  explicit Dialler(const std::string& id) : node(fleet.start(id, {.beacon = false, .seeds = {"bee"}})) {
+    fleet.start("bee", {.beacon = false});
+    fleet.cut(id, "bee");
+    fleet.run(kStep);
+    REQUIRE(node.dials.size() == 1);
+  }
+  [[nodiscard]] LinkId dial() const { return node.dials[0].link; }
+  void greet(LinkId link, const std::string& address = "10.0.0.2:45000") {
+    const Hello hello{bee.record, 3, address, "1", kStartUtc, true, {}, 0, "behind", false, ""};
+    Effects effects;
+    node.core->on_link_message(link, bee.link.public_key, make_message(MessageType::information, "bee", node.id, hello),
+                               1, fleet.now, effects);
+    fleet.carry_out(node, effects);
+  }
+  /// A second word by this link.
+  void speak(LinkId link) {
+    Effects effects;
+    node.core->route_peer(link, header_of(make_message(MessageType::information, "bee", node.id, KeepAlive{}), 2),
+                          fleet.now, effects);
+    fleet.carry_out(node, effects);
+  }
+};
+
+}  // namespace
+
+TEST_CASE("a Hello that comes while its node is being dialled carries nothing until a second word comes by its link") {
+  Dialler one("ant");
+  one.greet(9);
+  REQUIRE(one.node.core->find_link(9) != nullptr);
+  CHECK(one.node.core->find_link(9)->up);
+  CHECK(one.node.link_to("bee") == 0);
+  one.speak(9);
+  CHECK(one.node.link_to("bee") == 9);
+}
+
+TEST_CASE("a dial that is answered after the better link is there is ended, and the better link stays") {
+  Dialler one("cat");
+  one.greet(9);
+  one.speak(9);
+  REQUIRE(one.node.link_to("bee") == 9);  // the smaller id's
+  one.greet(one.dial());
+  CHECK(one.node.link_to("bee") == 9);
+  CHECK(one.node.core->find_link(one.dial()) == nullptr);
+  CHECK(one.node.log.back() == "link_closed bee: a better link to bee is up");
+}
+
+TEST_CASE("where peers are is stored 5 s after one told a new address or was dialled, and for nothing else") {
+  Inbox inbox;
+  TestNode& ant = inbox.ant;
+  const auto stores = [&](const std::string& address, LinkId link) {
+    const Hello hello{inbox.bee.record, 3, address, "1", kStartUtc, true, {}, 0, "behind", false, ""};
+    inbox.say(link, inbox.bee.link.public_key, make_message(MessageType::information, "bee", "", hello));
+    REQUIRE(ant.link_to("bee") == link);
+    ant.stored.clear();
+    const MonotonicTime start = inbox.fleet.now.mono;
+    const auto tick = [&](Duration after) {
+      inbox.fleet.now.mono = start + after;
+      Effects effects;
+      ant.core->tick(inbox.fleet.now, effects);
+      inbox.fleet.carry_out(ant, effects);
+      return !ant.stored.empty();
+    };
+    CHECK_FALSE(tick(Seconds(5) - Duration(1)));
+    const bool stored = tick(Seconds(5));
+    Effects effects;
+    ant.core->on_link_ended(link, LinkEnd::disconnected, inbox.fleet.now, effects);
+    inbox.fleet.carry_out(ant, effects);
+    return stored;
+  };
+  CHECK(stores("10.0.0.2:45000", 9));
+  CHECK_FALSE(stores("10.0.0.2:45000", 10));
+  CHECK(stores("10.0.0.3:45000", 11));
+}
+
+TEST_CASE("the name of a host that was dialled is nobody's good address") {
+  TestFleet fleet;
+  RouterConfig config = fleet.start("ant", {.beacon = false}).core->config();
+  const TestKeys bee = fleet.keys("bee");
+  config.seeds.push_back({"hub.example:45000", bee.link.public_key});
+  RouterCore core(std::move(config));
+  Effects effects;
+  core.start(fleet.now, effects);
+  core.tick(fleet.now, effects);
+  const auto* dial = std::get_if<Dial>(&effects.list.back());
+  REQUIRE(dial != nullptr);
+  const LinkId link = dial->link;
+  const Hello hello{bee.record, 3, "", "1", kStartUtc, true, {}, 0, "behind", false, ""};
+  core.on_link_message(link, bee.link.public_key, make_message(MessageType::information, "bee", "ant", hello), 1,
+                       fleet.now, effects);
+  REQUIRE(core.peers().at("bee").link == link);
+  CHECK(core.peers().at("bee").good_address.empty());
 }

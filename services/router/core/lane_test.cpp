@@ -260,6 +260,43 @@ TEST_CASE("a lane that breaks again and again is dialled ever less often; one th
   comes_back_after(milliseconds(200));
   comes_back_after(milliseconds(400));
   comes_back_after(milliseconds(800));
+  CHECK(stream.bee.count("lane.disconnected") == 3);
   stream.fleet.run(Seconds(11));
   comes_back_after(milliseconds(200));
+}
+
+TEST_CASE("a lane is dialled half a second after its link, to the moment; one that a peer has not is never") {
+  for (const bool lane : {true, false}) {
+    CAPTURE(lane);
+    TestFleet fleet;
+    TestNode& ant = fleet.start("ant", {.beacon = false, .seeds = {"bee"}});
+    fleet.start("bee", {.beacon = false, .lane = lane});
+    while (ant.link_to("bee") == 0) fleet.run(kStep);
+    const MonotonicTime linked = fleet.now.mono;
+    REQUIRE(ant.core->find_link(ant.link_to("bee"))->dialled);
+    const auto dialled_at = [&](MonotonicTime time) {
+      Effects effects;
+      ant.core->tick({time, fleet.now.utc}, effects);
+      return std::any_of(effects.list.begin(), effects.list.end(),
+                         [](const Effect& effect) { return std::holds_alternative<DialLane>(effect); });
+    };
+    CHECK_FALSE(dialled_at(linked + kLaneAfter - Duration(1)));
+    CHECK(dialled_at(linked + kLaneAfter) == lane);
+  }
+}
+
+TEST_CASE("a lane was heard for long if it was for more than a lease") {
+  for (const Duration more : {Duration{}, Duration(1)}) {
+    Stream stream;
+    RouterCore& bee = *stream.bee.core;
+    const LinkId link = stream.bee.link_to("ant");
+    const auto ends = [&](Duration after) {
+      Effects effects;
+      bee.on_lane_ended(link, LinkEnd::disconnected, {stream.fleet.now.mono + after, stream.fleet.now.utc}, effects);
+      return *bee.find_link(link)->lane.dial_at - stream.fleet.now.mono - after;
+    };
+    CHECK(ends({}) == kLaneFirst);
+    bee.on_lane_connected(link, stream.fleet.now);
+    CHECK(ends(Seconds(10) + more) == (more == Duration{} ? 2 * kLaneFirst : kLaneFirst));
+  }
 }

@@ -14,7 +14,6 @@ std::optional<MonotonicTime> RouterCore::next_deadline() const {
   }
   for (const auto& [id, peer] : peers_) {
     next = earlier(earlier(next, peer.road.next_deadline()), profile_due(peer));
-    if (peer.link != 0) continue;
     next = earlier(next, peer.redial.at);
     if (peer.lost && !peer.expired) next = earlier(next, *peer.lost + config_.timing.lease);
   }
@@ -80,7 +79,6 @@ void RouterCore::tick_links(Now now, Effects& out) {
 
 void RouterCore::tick_peers(Now now, Effects& out) {
   for (auto& [id, peer] : peers_) {
-    if (peer.link != 0) continue;
     if (peer.lost && !peer.expired && now.mono >= *peer.lost + config_.timing.lease) expire(peer, "lease ended", out);
     if (peer.redial.at && now.mono >= *peer.redial.at) {
       if (news_.muted) {
@@ -149,8 +147,9 @@ void RouterCore::tick_candidates(Now now, Effects& out) {
     if (denied_.size() < 8 * kMaxCandidates) denied_[at->first] = now.mono + config_.timing.denied;
     at = candidates_.erase(at);
   }
-  std::erase_if(noisy_, [&](const auto& row) { return now.mono >= row.second; });
-  std::erase_if(denied_, [&](const auto& row) { return now.mono >= row.second; });
+  const auto is_over = [&](const auto& row) { return now.mono >= row.second; };
+  std::erase_if(noisy_, is_over);
+  std::erase_if(denied_, is_over);
 }
 
 void RouterCore::refuse_beacon(std::string_view reason, const std::string& text, Now now, Effects& out) {
@@ -208,7 +207,7 @@ void RouterCore::on_beacon(BytesView plain, Now now, Effects& out) {
   peer.redial.at = now.mono + (own_is_smaller(peer.id) ? Duration{} : config_.timing.yield);
   constexpr Duration kAnswer = std::chrono::milliseconds(200);
   if (!own_is_smaller(peer.id) && next_beacon_ && now.mono - last_beacon_ > 2 * kAnswer) {
-    next_beacon_ = std::min(next_beacon_.value_or(now.mono + kAnswer), now.mono + kAnswer);
+    next_beacon_ = std::min(*next_beacon_, now.mono + kAnswer);
   }
 }
 

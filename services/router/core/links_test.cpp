@@ -363,6 +363,7 @@ TEST_CASE("what a peer may not ask is Nacked if it asks, and not if it only tell
   const auto nacks = [&](const Message& message) {
     Effects effects;
     ant.core->on_link_message(link, ant.core->find_link(link)->key, message, 99, fleet.now, effects);
+    for (const std::string& name : effects.counts) ++ant.counts[name];
     return std::count_if(effects.list.begin(), effects.list.end(), [](const Effect& effect) {
       const auto* send = std::get_if<LinkSend>(&effect);
       return send != nullptr && send->message.subtype == Nack::kSubtype;
@@ -370,6 +371,7 @@ TEST_CASE("what a peer may not ask is Nacked if it asks, and not if it only tell
   };
   Message message = make_message(MessageType::request, "bee", "ant", ServiceHello{});
   CHECK(nacks(message) == 1);
+  CHECK(ant.count("refused.not_permitted") == 1);
   message.data = "noise";
   CHECK(nacks(message) == 1);
   message.reply_to = 5;
@@ -377,4 +379,142 @@ TEST_CASE("what a peer may not ask is Nacked if it asks, and not if it only tell
   message.reply_to = 0;
   message.type = MessageType::information;
   CHECK(nacks(message) == 0);
+}
+
+TEST_CASE("the end of one dial says nothing of another: each seed is dialled again after its own") {
+  TestFleet fleet;
+  TestNode& ant = fleet.start("ant", {.beacon = false, .seeds = {"bee", "cat"}});
+  fleet.start("cat", {.beacon = false});
+  fleet.cut("ant", "cat");  // it does not answer; nobody at all is where bee should be
+  const auto dials = [&](const std::string& to) {
+    return std::count_if(ant.dials.begin(), ant.dials.end(),
+                         [&](const Dial& dial) { return dial.address == fleet.address(to); });
+  };
+  fleet.run(milliseconds(2150));
+  CHECK(dials("bee") == 4);  // at once, then 0.2, 0.4 and 0.8 s later
+  CHECK(dials("cat") == 1);
+  fleet.run(milliseconds(150));
+  CHECK(dials("cat") == 2);  // two seconds for its Hello, and 0.2 s
+}
+
+TEST_CASE("who is reached by a relay is dialled more seldom than who is not reached at all") {
+  for (const bool relay : {true, false}) {
+    CAPTURE(relay);
+    TestFleet fleet;
+    fleet.start("cloud", {.beacon = false, .relay = relay});
+    TestNode& ant = fleet.start("ant", {.seeds = {"cloud"}});
+    fleet.start("bee", {.seeds = {"cloud"}});
+    fleet.run(Seconds(3));
+    check_linked(fleet, "ant", "bee");
+    fleet.cut("ant", "bee");
+    fleet.cut("bee", "ant");
+    fleet.run(Seconds(40));
+    CHECK(ant.link_to("bee") == 0);
+    CHECK(ant.peer("bee")->by_relay == relay);
+    const std::size_t before = ant.dials.size();
+    fleet.run(Seconds(60));
+    // Each dial waits two seconds for its Hello, and then four seconds or two.
+    CHECK(ant.dials.size() - before == (relay ? 10 : 15));
+  }
+}
+
+TEST_CASE("a dial that is answered by anything but a Hello has failed; only a Goodbye that can be read tells why") {
+  const auto answered = [](const std::string& subtype, const Bytes& data) {
+    TestFleet fleet;
+    TestNode& ant = fleet.start("ant", {.beacon = false, .seeds = {"bee"}});
+    fleet.start("bee", {.beacon = false});
+    fleet.withhold = [](const std::string& from, const Message&) { return from == "bee"; };
+    fleet.run(2 * kStep);
+    Message word = make_message(MessageType::information, "bee", "", Goodbye{});
+    word.subtype = subtype;
+    word.data = data;
+    fleet.arrive(ant, ant.dials.back().link, 1, word);
+    CHECK(ant.count("dial.refused") == 1);
+    CHECK(ant.core->find_link(ant.dials.back().link) == nullptr);
+    return ant.log.back();
+  };
+  CHECK(answered("goodbye", encode(Goodbye{"other fleet"})) == "dial_ended unproven: refused: other fleet");
+  CHECK(answered("goodbye", "noise") == "dial_ended unproven: answered without Hello");
+  CHECK(answered("keep_alive", encode(Goodbye{"other fleet"})) == "dial_ended unproven: answered without Hello");
+}
+
+namespace {
+
+bool says(const Effects& effects, std::string_view subtype) {
+  return std::any_of(effects.list.begin(), effects.list.end(), [&](const Effect& effect) {
+    const auto* send = std::get_if<LinkSend>(&effect);
+    return send != nullptr && send->message.subtype == subtype;
+  });
+}
+
+template <class T>
+bool has(const Effects& effects) {
+  return std::any_of(effects.list.begin(), effects.list.end(),
+                     [](const Effect& effect) { return std::holds_alternative<T>(effect); });
+}
+
+}  // namespace
+
+TEST_CASE("a link that is closed here ends with a seal and a Goodbye; one that broke, or was never up, with neither") {
+  TestFleet fleet;
+  TestNode& ant = fleet.start("ant", {.beacon = false, .seeds = {"bee", "cat", "dog"}});
+  for (const char* id : {"bee", "cat", "dog"}) fleet.start(id, {.beacon = false});
+  fleet.cut("ant", "dog");
+  fleet.run(Seconds(1));
+  const LinkId dial = std::find_if(ant.dials.begin(), ant.dials.end(), [&](const Dial& one) {
+                        return one.address == fleet.address("dog");
+                      })->link;
+  Effects closed;
+  ant.core->on_bad_frame(ant.link_to("bee"), fail(Errc::malformed, "header: no array"), fleet.now, closed);
+  CHECK(says(closed, Goodbye::kSubtype));
+  CHECK(has<SealDue>(closed));
+  CHECK_FALSE(has<ReturnHeld>(closed));  // what came by it was delivered at once
+  Effects broken;
+  ant.core->on_link_ended(ant.link_to("cat"), LinkEnd::disconnected, fleet.now, broken);
+  CHECK(has<CloseLink>(broken));
+  CHECK_FALSE(says(broken, Goodbye::kSubtype));
+  CHECK_FALSE(has<SealDue>(broken));
+  Effects never;
+  ant.core->on_bad_frame(dial, fail(Errc::malformed, "header: no array"), fleet.now, never);
+  CHECK(has<CloseLink>(never));
+  CHECK_FALSE(says(never, Goodbye::kSubtype));
+  CHECK_FALSE(has<SealDue>(never));
+}
+
+TEST_CASE("how a dial ended is counted, unless nobody was there or the connection broke, as happens every day") {
+  for (const auto how : {LinkEnd::failed, LinkEnd::disconnected, LinkEnd::refused_key, LinkEnd::no_curve}) {
+    TestFleet fleet;
+    TestNode& ant = fleet.start("ant", {.beacon = false, .seeds = {"bee"}});
+    fleet.start("bee", {.beacon = false});
+    fleet.cut("ant", "bee");
+    fleet.run(kStep);
+    Effects effects;
+    ant.core->on_link_ended(ant.dials.back().link, how, fleet.now, effects);
+    const bool counted = how == LinkEnd::refused_key || how == LinkEnd::no_curve;
+    CHECK(effects.counts ==
+          (counted ? std::vector<std::string>{"dial." + std::string(name_of(how))} : std::vector<std::string>{}));
+  }
+}
+
+TEST_CASE("a keep-alive is confirmed by one that has heard it, and by none that has heard only what was before it") {
+  for (const bool heard : {true, false}) {
+    CAPTURE(heard);
+    TestFleet fleet;
+    TestNode& ant = fleet.start("ant", {.beacon = false});
+    const TestKeys bee = fleet.keys("bee");
+    const Hello hello{bee.record, 3, "10.0.0.2:45000", "1", kStartUtc, true, {}, 0, "behind", false, ""};
+    const auto say = [&](const auto& body) {
+      Effects effects;
+      ant.core->on_link_message(9, bee.link.public_key, make_message(MessageType::information, "bee", "ant", body), 1,
+                                fleet.now, effects);
+      fleet.carry_out(ant, effects);
+    };
+    say(hello);
+    fleet.run(milliseconds(2500));
+    const auto& sent = ant.core->find_link(9)->unconfirmed;
+    REQUIRE(sent.size() == 1);
+    say(KeepAlive{sent.front() - (heard ? 0 : 1)});
+    CHECK(ant.core->find_link(9)->unconfirmed.empty() == heard);
+    CHECK((ant.core->find_link(9)->confirmed == fleet.now.mono) == heard);
+  }
 }

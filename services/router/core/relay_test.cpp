@@ -1056,3 +1056,21 @@ TEST_CASE("whose link ends and who is reached by a relay right after, of the sam
   CHECK(by_relay() == 1);
   CHECK(ant.told("peer_joined") == joined);
 }
+
+TEST_CASE("a word by a relay that one service takes and another hears comes to both") {
+  Triangle three;
+  Effects effects;
+  three.bee->core->on_service_hello(3, {"resilience", {}, 5, 100, "1", {"robot_fault"}}, "resilience", three.fleet.now,
+                                    effects);
+  three.bee->core->on_service_hello(4, {"cloud-gateway", {"robot_fault"}, 6, 100, "1"}, "cloud-gateway",
+                                    three.fleet.now, effects);
+  three.fleet.carry_out(*three.bee, effects);
+  three.put(*three.ant, "cloud",
+            three.wrap(make_message(MessageType::information, "ant", "bee", RobotFault{})).message);
+  three.fleet.run(milliseconds(100));
+  std::string heard;
+  for (const BusSend& send : three.bee->bus) {
+    if (send.message.subtype == RobotFault::kSubtype) heard += std::to_string(send.to) + " ";
+  }
+  CHECK(heard == "3 4 ");
+}

@@ -97,6 +97,21 @@ TEST_CASE("a seal leaves 20 ms after the first message that it covers, and no ro
   CHECK(*pair.ant.core->next_deadline() > pair.fleet.now.mono);
 }
 
+TEST_CASE("the 64th message calls for its seal at once, though nothing is said after it") {
+  Pair pair;
+  pair.fleet.run(milliseconds(100));
+  const std::uint64_t sent = pair.ant.count("seals.sent");
+  pair.say("first");
+  pair.fleet.run(kStep);
+  REQUIRE(*pair.ant.core->next_deadline() == pair.fleet.now.mono + kSealWithin);
+  for (std::uint32_t i = 2; i < kMaxUnsealed; ++i) pair.say("more");
+  CHECK(*pair.ant.core->next_deadline() == pair.fleet.now.mono + kSealWithin);
+  pair.say("last");
+  CHECK(*pair.ant.core->next_deadline() <= pair.fleet.now.mono);
+  pair.fleet.run(kStep);
+  CHECK(pair.ant.count("seals.sent") == sent + 1);
+}
+
 TEST_CASE("a frame that did not leave is taken back: the next one bears its number, and no seal covers it") {
   Pair pair;
   const LinkId link = pair.ant.link_to("bee");

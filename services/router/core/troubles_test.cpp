@@ -305,3 +305,13 @@ TEST_CASE("a stranger's trouble bears no name that it has not proven") {
                             1, fleet.now, effects);
   CHECK(has(ask(fleet, ant), "dog", "cert_expired"));
 }
+
+TEST_CASE("a frame that is none leaves a row of the peer that sent it") {
+  TestFleet fleet;
+  TestNode& ant = fleet.start("ant");
+  fleet.start("bee");
+  fleet.run(milliseconds(500));
+  Effects effects;
+  ant.core->on_bad_frame(ant.link_to("bee"), fail(Errc::malformed, "header: no array"), fleet.now, effects);
+  CHECK(has(ask(fleet, ant), "bee", "malformed"));
+}
