@@ -261,7 +261,8 @@ void RouterCore::carry_by(Link& link, const Hello& hello, Now now, Effects& out)
 }
 
 bool RouterCore::settle_double(Link& link, Peer& peer, Now now, Effects& out) {
-  if (new_link_wins(links_.at(peer.link), link, own_is_smaller(peer.id))) {
+  const auto old = links_.find(peer.link);
+  if (old == links_.end() || new_link_wins(old->second, link, own_is_smaller(peer.id))) {
     const LinkId gone = peer.link;
     peer.link = 0;
     drop_link(gone, "a better link to " + peer.id + " came up", true, now, out);

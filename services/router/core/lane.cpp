@@ -16,8 +16,9 @@ Routing drop(Errc reason) {
 
 /// The other side's lane: what it dialled is reached where this node has reached it, whatever it calls itself.
 std::string lane_address(const Link& link, const Hello& hello) {
-  if (hello.lane.empty() || !is_numeric_endpoint(link.address)) return hello.lane;
-  return link.address.substr(0, link.address.rfind(':')) + hello.lane.substr(hello.lane.rfind(':'));
+  if (hello.lane.empty() || !link.dialled || !is_numeric_endpoint(link.address)) return hello.lane;
+  const auto port = hello.lane.rfind(':');
+  return link.address.substr(0, link.address.rfind(':')) + (port == std::string::npos ? "" : hello.lane.substr(port));
 }
 
 }  // namespace

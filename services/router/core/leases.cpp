@@ -14,6 +14,7 @@ std::optional<MonotonicTime> RouterCore::next_deadline() const {
   }
   for (const auto& [id, peer] : peers_) {
     next = earlier(earlier(next, peer.road.next_deadline()), profile_due(peer));
+    if (peer.link != 0) continue;
     next = earlier(next, peer.redial.at);
     if (peer.lost && !peer.expired) next = earlier(next, *peer.lost + config_.timing.lease);
   }
@@ -79,6 +80,7 @@ void RouterCore::tick_links(Now now, Effects& out) {
 
 void RouterCore::tick_peers(Now now, Effects& out) {
   for (auto& [id, peer] : peers_) {
+    if (peer.link != 0) continue;
     if (peer.lost && !peer.expired && now.mono >= *peer.lost + config_.timing.lease) expire(peer, "lease ended", out);
     if (peer.redial.at && now.mono >= *peer.redial.at) {
       if (news_.muted) {

@@ -57,8 +57,9 @@ void RouterCore::remember_revoked(const Certificate& certificate) {
 bool RouterCore::refuse_revoked_key(BytesView key, MonotonicTime now, Effects& out) {
   const auto at = news_.revoked_keys.find(key);
   if (at == news_.revoked_keys.end()) return false;
-  const Revocation& entry = *find_revocation(news_.list, at->second);
-  troubles_.note(at->second.id, "", "cert_revoked", "its key has knocked since: " + entry.reason, now);
+  const Revocation* entry = find_revocation(news_.list, at->second);
+  troubles_.note(at->second.id, "", "cert_revoked",
+                 "its key has knocked since: " + (entry == nullptr ? std::string("revoked") : entry->reason), now);
   out.count("refused.cert_revoked");
   out.log(LogLevel::warning, "revoked_key", "the revoked key of '" + at->second.id + "' knocked: " + to_hex(key));
   return true;
@@ -140,6 +141,7 @@ void RouterCore::check_own(Now now, Effects& out) {
 
 void RouterCore::mute(const std::string& why, Now now, Effects& out) {
   news_.muted = true;
+  next_beacon_.reset();
   out.count("own_certificate_over");
   const bool revoked = find_revocation(news_.list, config_.own) != nullptr;
   troubles_.note(config_.id, "", revoked ? "own.cert_revoked" : "own.cert_expired", why, now.mono);

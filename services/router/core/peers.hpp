@@ -87,11 +87,10 @@ struct Peer {
   NodeProfile profile;
   LinkId link = 0;  ///< the link that is up, or 0
   bool expired = false;
-  bool met = false;  ///< was linked at least once
-  std::optional<MonotonicTime>
-      lost;  ///< since when the lease runs: the last sign of life on the link that went down; not while one is up
+  bool met = false;                   ///< was linked at least once
+  std::optional<MonotonicTime> lost;  ///< since when the lease runs: the last sign of life on the link that went down
   MonotonicTime last_heard;
-  Redial redial;  ///< nothing while a link is up
+  Redial redial;
   Spare spare;
 };
 
