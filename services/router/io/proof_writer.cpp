@@ -26,13 +26,14 @@ constexpr std::string_view kSuffix = ".log";
 constexpr std::uint64_t kSegments = 1024;
 /// Who has much has large ones: a file is made and removed seldom, and who gives way loses a sixteenth of what it has.
 constexpr std::uint64_t kSegmentsOfPeer = 16;
+constexpr std::uint64_t kMostSegment = 64U << 20U;  ///< what reads one has it in memory: the start, trb proof
 constexpr std::uint64_t kLeastSegment = 64U << 10U;
 /// A router that starts again and again leaves small ones: each counts as at least so much of a whole one, so that
 /// their number is bounded too.
 constexpr std::uint64_t kLeastPart = 8;
 constexpr std::size_t kMaxQueued = 16U << 20U;
 constexpr std::size_t kWriteAtOnce = 1U << 20U;
-constexpr std::size_t kMaxMended = 80U << 20U;  ///< a segment of the largest log that may be, and a range
+constexpr std::size_t kMaxMended = 80U << 20U;  ///< the largest segment, and a range
 constexpr auto kGather = std::chrono::milliseconds(100);
 
 std::string problem_with(const std::string& path, ssize_t put) {
@@ -42,7 +43,7 @@ std::string problem_with(const std::string& path, ssize_t put) {
 }  // namespace
 
 ProofWriter::ProofWriter(std::string dir, std::uint64_t max_bytes)
-    : dir_(std::move(dir)), max_bytes_(max_bytes), segment_bytes_(std::max(max_bytes / kSegments, kLeastSegment)) {
+    : dir_(std::move(dir)), max_bytes_(max_bytes), segment_bytes_(std::clamp(max_bytes / kSegments, kLeastSegment, kMostSegment)) {
   thread_ = start_without_signals([this] { run(); });
 }
 
@@ -124,7 +125,7 @@ void ProofWriter::write(ProofBatch& batch) {
     return;
   } while (was_open && !peer.open);
   if (!peer.open) {
-    peer.segment_bytes = std::max(peer.cost / kSegmentsOfPeer, segment_bytes_);
+    peer.segment_bytes = std::clamp(peer.cost / kSegmentsOfPeer, segment_bytes_, kMostSegment);
     peer.segments.push_back({next_number_++, 0});
     peer.cost += cost_of(peer.segments.back());
     cost_ += cost_of(peer.segments.back());
