@@ -43,7 +43,9 @@ std::string problem_with(const std::string& path, ssize_t put) {
 }  // namespace
 
 ProofWriter::ProofWriter(std::string dir, std::uint64_t max_bytes)
-    : dir_(std::move(dir)), max_bytes_(max_bytes), segment_bytes_(std::clamp(max_bytes / kSegments, kLeastSegment, kMostSegment)) {
+    : dir_(std::move(dir)),
+      max_bytes_(max_bytes),
+      segment_bytes_(std::clamp(max_bytes / kSegments, kLeastSegment, kMostSegment)) {
   thread_ = start_without_signals([this] { run(); });
 }
 
