@@ -31,15 +31,15 @@
   X(RelayAlive) X(RelayRefused)                                                                                    \
   X(LinkTroublesRequest) X(LinkTroubles) X(EchoRequest) X(Echo)                                                    \
   X(PeerExpired) X(Execute) X(CancelExecution) X(ExecutionQuery) X(ExecutionState) X(Outcome) X(OutcomeJournaled)  \
-  X(AdapterState) X(AdapterStateRequest) X(RobotFault) X(RobotConnection) X(RobotState) X(InjectFault)             \
+  X(AdapterState) X(AdapterStateRequest) X(RobotFault) X(TakeOutOfUse) X(TakeIntoUse) X(RobotConnection) X(RobotState) X(InjectFault)             \
   X(NodeSensors) X(SensorRead) X(SensorReading) X(SensorWatch) X(SensorSnapshot) X(SensorImage)                    \
   X(SensorListRequest) X(SensorTable)                                                                              \
   X(Stop) X(Release) X(BridgeCommand) X(BridgeEvent) X(BridgeState)                                                \
   X(Scenario) X(RunStart) X(TaskResult) X(AbortOrder) X(RunSubmit) X(RunAccepted) X(Baton) X(BatonJournaled)       \
   X(NeedDefinition) X(Definition) X(NeedResults) X(Results) X(ResultsJournaled) X(TaskProgress) X(RunAbort)        \
-  X(AbortConfirmed) X(RunQuery) X(RunView) X(RunListRequest) X(RunTable) X(Choice)                                 \
+  X(AbortConfirmed) X(RunEnd) X(RunOver) X(NeedEnd) X(RunQuery) X(RunView) X(RunListRequest) X(RunTable) X(Choice)                                 \
   X(JournalRun) X(JournalStart) X(JournalResult) X(JournalDelivered) X(JournalAbort) X(JournalTombstone)           \
-  X(JournalChoice) X(JournalDecision) X(JournalPause)                                                              \
+  X(JournalChoice) X(JournalDecision) X(JournalPause) X(JournalEnd) X(JournalArchive) X(JournalTime) X(JournalLost)                                                              \
   X(Decision) X(RunDecision) X(DecisionJournaled) X(ReleaseTasks) X(PauseOrder) X(RunPause) X(PauseJournaled)      \
   X(RunWatch) X(RunChanged) X(Alert) X(AlertListRequest) X(AlertTable) X(AlertDecide)                        \
   X(HistoryListRequest) X(HistoryTable)

@@ -25,7 +25,8 @@ constexpr auto enum_names(Ruling) {
 }
 
 /// Why the task may leave its robot, or be done again. `result`: the robot's own signed result says that the attempt
-/// has ended or was never begun. `word`: a person has said that the robot stands.
+/// has ended or was never begun. `word`: a person has said that the robot stands; or the task is one that its scenario
+/// skips if it does not begin in time.
 enum class Evidence : std::uint8_t { result = 0, word };
 constexpr auto enum_names(Evidence) {
   return std::array<std::string_view, 2>{"result", "word"};
@@ -116,10 +117,14 @@ struct PauseOrder {
   std::string by;
   std::string reason;
   std::int64_t time = 0;  ///< UTC ns
+  std::vector<std::string>
+      doubles{};  ///< tasks that were done twice, as far as it was known: they hold the run no more
   template <class T = PauseOrder>
   static FieldTable fields() {
-    return FieldTable{field("run", &T::run, 64), field("number", &T::number),      field("paused", &T::paused),
-                      field("by", &T::by, 64),   field("reason", &T::reason, 255), field("time", &T::time)};
+    return FieldTable{field("run", &T::run, 64),          field("number", &T::number),
+                      field("paused", &T::paused),        field("by", &T::by, 64),
+                      field("reason", &T::reason, 255),   field("time", &T::time),
+                      field("doubles", &T::doubles, 1000)};
   }
 };
 

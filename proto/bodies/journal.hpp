@@ -98,7 +98,63 @@ struct JournalPause {
   }
 };
 
-/// The run is over; its records are dropped, and anything that still comes for it is refused until `until`.
+/// The run has FINISHED: the signed RunEnd.
+struct JournalEnd {
+  static constexpr std::string_view kSubtype = "journal_end";
+  SignedRecord end;
+  template <class T = JournalEnd>
+  static FieldTable fields() {
+    return FieldTable{field("end", &T::end)};
+  }
+};
+
+/// The run is over: its records are dropped, and this is kept in their place, in the archive; anything that still comes
+/// for it is refused until `until`.
+struct JournalArchive {
+  static constexpr std::string_view kSubtype = "journal_archive";
+  RunView view;
+  std::vector<SignedRecord> results;  ///< that count, one a task
+  std::vector<SignedRecord> choices;
+  std::vector<SignedRecord> decisions;
+  std::vector<SignedRecord> orders;
+  SignedRecord end;        ///< the RunEnd; without a kind: there is none
+  std::int64_t until = 0;  ///< by the node's steady time, UTC ns
+  template <class T = JournalArchive>
+  static FieldTable fields() {
+    return FieldTable{field("view", &T::view),
+                      field("results", &T::results, kMaxTasks),
+                      field("choices", &T::choices, kMaxTasks),
+                      field("decisions", &T::decisions, 64),
+                      field("orders", &T::orders, kMaxOrders),
+                      field("end", &T::end),
+                      field("until", &T::until)};
+  }
+};
+
+/// The node's steady time (common/base/steady_time.hpp), now and then. The newest one counts.
+struct JournalTime {
+  static constexpr std::string_view kSubtype = "journal_time";
+  std::int64_t steady = 0;  ///< UTC ns
+  template <class T = JournalTime>
+  static FieldTable fields() {
+    return FieldTable{field("steady", &T::steady)};
+  }
+};
+
+/// This journal is new though the node is not: what an older one held is lost, and nothing is begun before a person has
+/// looked at the robot. `over`: somebody has.
+struct JournalLost {
+  static constexpr std::string_view kSubtype = "journal_lost";
+  std::int64_t time = 0;  ///< UTC ns
+  bool over = false;
+  template <class T = JournalLost>
+  static FieldTable fields() {
+    return FieldTable{field("time", &T::time), field("over", &T::over)};
+  }
+};
+
+/// Of an earlier version. The run is over; its records are dropped, and anything that still comes for it is refused
+/// until `until`.
 struct JournalTombstone {
   static constexpr std::string_view kSubtype = "journal_tombstone";
   std::string run;

@@ -1,6 +1,7 @@
 // Bodies between routers, and what a router knows of the fleet.
 #pragma once
 
+#include "proto/bodies/robot.hpp"
 #include "proto/bodies/sensor.hpp"
 #include "proto/bodies/signed.hpp"
 #include "proto/field.hpp"
@@ -53,6 +54,18 @@ struct FrameInfo {
   }
 };
 
+/// A number that the robot's description tells of it, as its payload in kg.
+struct NamedNumber {
+  std::string name;
+  double value = 0;
+  std::string unit;
+  bool operator==(const NamedNumber&) const = default;
+  template <class T = NamedNumber>
+  static FieldTable fields() {
+    return FieldTable{field("name", &T::name, 64), field("value", &T::value), field("unit", &T::unit, 16)};
+  }
+};
+
 /// Encoded. The largest robot of config/robots takes 0.4 kB, a plugged sensor 125 bytes: 255 of them, the most, half of
 /// this. Its node refuses more, and so does every peer: so each table of many can be told.
 constexpr std::size_t kMaxProfileSize = 64U << 10U;
@@ -73,8 +86,10 @@ struct NodeProfile {
   std::string detail;   ///< why, when not ONLINE
   bool fenced = false;  ///< stopped until `release`
   std::string control;  ///< who commands it: a node's id, or "run ID"; empty: whoever comes first
-  std::vector<SensorInfo> plugged;  ///< sensors of the node's PC; each adds its kind to `capabilities`
-  FrameInfo frame{};                ///< of the robot's own `position`
+  std::vector<SensorInfo> plugged;     ///< sensors of the node's PC; each adds its kind to `capabilities`
+  FrameInfo frame{};                   ///< of the robot's own `position`
+  std::vector<OutOfUse> out_of_use{};  ///< what stands: faults, and that it is retired
+  std::vector<NamedNumber> numbers{};  ///< of the description
   bool operator==(const NodeProfile&) const = default;
   template <class T = NodeProfile>
   static FieldTable fields() {
@@ -92,7 +107,9 @@ struct NodeProfile {
                       field("fenced", &T::fenced),
                       field("control", &T::control, 64),
                       field("plugged", &T::plugged, 255),
-                      field("frame", &T::frame)};
+                      field("frame", &T::frame),
+                      field("out_of_use", &T::out_of_use, kMaxOutOfUse),
+                      field("numbers", &T::numbers, 64)};
   }
 };
 

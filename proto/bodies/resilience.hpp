@@ -13,11 +13,16 @@ struct CriterionPart {
   std::string unit;
   double weight = 0;        ///< of the criterion, among all
   double contribution = 0;  ///< to the score; they add up to it
+  std::string robot{};      ///< whose part it is
   bool operator==(const CriterionPart&) const = default;
   template <class T = CriterionPart>
   static FieldTable fields() {
-    return FieldTable{field("criterion", &T::criterion, 64), field("value", &T::value), field("unit", &T::unit, 16),
-                      field("weight", &T::weight), field("contribution", &T::contribution)};
+    return FieldTable{field("criterion", &T::criterion, 64),
+                      field("value", &T::value),
+                      field("unit", &T::unit, 16),
+                      field("weight", &T::weight),
+                      field("contribution", &T::contribution),
+                      field("robot", &T::robot, 64)};
   }
 };
 
@@ -38,11 +43,12 @@ struct Proposal {
   double score = 0;                  ///< the scores of an alert's proposals add up to 1; of several robots, their mean
   std::vector<CriterionPart> parts;  ///< of `robot`, or of the tasks' robots in their order
   std::string note;                  ///< what a person should know, as a value that is old
+  double merit = 0;                  ///< 0 to 1: against the best that is possible, not against the others
   bool operator==(const Proposal&) const = default;
   template <class T = Proposal>
   static FieldTable fields() {
-    return FieldTable{field("robot", &T::robot, 64), field("tasks", &T::tasks, 1000), field("score", &T::score),
-                      field("parts", &T::parts, 256), field("note", &T::note, 512)};
+    return FieldTable{field("robot", &T::robot, 64),  field("tasks", &T::tasks, 1000), field("score", &T::score),
+                      field("parts", &T::parts, 256), field("note", &T::note, 512),    field("merit", &T::merit)};
   }
 };
 
@@ -80,7 +86,8 @@ struct Alert {
   std::string robot;
   std::string capability;  ///< that is gone; empty: the whole robot
   Severity severity{};
-  std::string cause;  ///< "robot_fault", "robot_connection", "peer_expired", "task_failed", "task_interrupted"
+  std::string cause;  ///< "robot_fault", "robot_retired", "robot_connection", "peer_expired", "task_failed",
+                      ///< "task_interrupted", "task_overdue", "robot_wanted", "double_execution", "run_ends", "asked"
   std::string text;   ///< the robot's or the node's own words
   std::vector<std::string> tasks;  ///< of the run, that cannot go on with this robot
   std::int64_t time = 0;           ///< UTC ns
@@ -147,12 +154,15 @@ struct AlertDecide {
   Verdict verdict{};
   std::string robot;  ///< accept: the proposal's robot, empty for the best; override: the robot that takes over
   std::string person;
-  std::string reason;   ///< an override needs one
-  bool stands = false;  ///< the person's word that the failed robot stands
+  std::string reason;                ///< an override needs one
+  bool stands = false;               ///< the person's word that the failed robot stands
+  std::string run{};                 ///< without an alert: the run (or a unique beginning of its id) ...
+  std::vector<std::string> tasks{};  ///< ... and its tasks; with one: those of its tasks that are meant, empty: all
   template <class T = AlertDecide>
   static FieldTable fields() {
     return FieldTable{field("alert", &T::alert, 64),   field("verdict", &T::verdict),     field("robot", &T::robot, 64),
-                      field("person", &T::person, 64), field("reason", &T::reason, 1024), field("stands", &T::stands)};
+                      field("person", &T::person, 64), field("reason", &T::reason, 1024), field("stands", &T::stands),
+                      field("run", &T::run, 64),       field("tasks", &T::tasks, 1000)};
   }
 };
 
@@ -171,7 +181,8 @@ struct HistoryListRequest {
 struct RobotEvent {
   std::int64_t time = 0;  ///< UTC ns, as the node that tells it learnt of it
   std::string robot;
-  std::string kind;  ///< joined, expired, connection, fenced, released, profile, fault, fault_ended, forgotten
+  std::string kind;  ///< joined, expired, connection, fenced, released, profile, fault, fault_ended, retired, returned,
+                     ///< forgotten
   std::string text;
   template <class T = RobotEvent>
   static FieldTable fields() {

@@ -109,6 +109,66 @@ struct OutcomeJournaled {
   }
 };
 
+/// What keeps a robot, or one capability of it, out of use until its end is told or a person says so.
+struct OutOfUse {
+  std::string capability;  ///< empty: the whole robot
+  Severity severity{};     ///< of the fault
+  std::string text;        ///< the robot's own words, or the person's reason
+  std::int64_t since = 0;  ///< UTC ns
+  bool retired = false;    ///< no fault: a person has taken it out of service (`trb robot retire`)
+  std::string by;          ///< whose word it is: a person, or a service of the node; empty: the robot's
+  bool operator==(const OutOfUse&) const = default;
+  template <class T = OutOfUse>
+  static FieldTable fields() {
+    return FieldTable{field("capability", &T::capability, 64),
+                      field("severity", &T::severity),
+                      field("text", &T::text, 255),
+                      field("since", &T::since),
+                      field("retired", &T::retired),
+                      field("by", &T::by, 64)};
+  }
+};
+
+/// One for each capability, one for the whole robot, and one that it is retired.
+constexpr std::uint32_t kMaxOutOfUse = 66;
+
+/// Takes the robot out of use (command to its mode-adapter; a person's `retired`, or a fault that the node's own
+/// services have found). What runs goes on. Answered by Ack "out_of_use" once it is on disk, or a Nack.
+struct TakeOutOfUse {
+  static constexpr std::string_view kSubtype = "take_out_of_use";
+  OutOfUse what;
+  template <class T = TakeOutOfUse>
+  static FieldTable fields() {
+    return FieldTable{field("what", &T::what)};
+  }
+};
+
+/// A person's word that the robot is repaired, or returns to service (command to its mode-adapter). Answered by Ack
+/// "in_use" once it is on disk, or a Nack: conflict, if nothing of that kind kept it out of use.
+struct TakeIntoUse {
+  static constexpr std::string_view kSubtype = "take_into_use";
+  std::string capability;  ///< that is repaired; empty: all of them
+  bool retired = false;    ///< `trb robot return`; else `trb robot repaired`
+  std::string by;          ///< the person
+  template <class T = TakeIntoUse>
+  static FieldTable fields() {
+    return FieldTable{field("capability", &T::capability, 64), field("retired", &T::retired), field("by", &T::by, 64)};
+  }
+};
+
+/// What a scheduler has to know of a skill of its robot.
+struct SkillUse {
+  std::string name;
+  std::string capability;   ///< that it needs
+  bool repeatable = false;  ///< may be done again if nobody knows whether it was done
+  bool operator==(const SkillUse&) const = default;
+  template <class T = SkillUse>
+  static FieldTable fields() {
+    return FieldTable{field("name", &T::name, 64), field("capability", &T::capability, 64),
+                      field("repeatable", &T::repeatable)};
+  }
+};
+
 /// Mode-adapter -> scheduler: at its start, at each change, and as answer to AdapterStateRequest. The paper's "ready".
 struct AdapterState {
   static constexpr std::string_view kSubtype = "adapter_state";
@@ -117,10 +177,14 @@ struct AdapterState {
   bool fenced = false;
   bool busy = false;
   std::string control;  ///< who else holds the control lease, so that no skill begins; empty: nobody
+  std::vector<OutOfUse> out_of_use{};
+  std::vector<SkillUse> skills{};
   template <class T = AdapterState>
   static FieldTable fields() {
-    return FieldTable{field("instance", &T::instance), field("robot", &T::robot, 32), field("fenced", &T::fenced),
-                      field("busy", &T::busy), field("control", &T::control, 64)};
+    return FieldTable{field("instance", &T::instance),   field("robot", &T::robot, 32),
+                      field("fenced", &T::fenced),       field("busy", &T::busy),
+                      field("control", &T::control, 64), field("out_of_use", &T::out_of_use, kMaxOutOfUse),
+                      field("skills", &T::skills, 128)};
   }
 };
 
@@ -137,11 +201,12 @@ struct RobotFault {
   static constexpr std::string_view kSubtype = "robot_fault";
   std::string capability;
   Severity severity{};
-  std::string text;  ///< the robot's own words
+  std::string text;    ///< the robot's own words
+  bool ended = false;  ///< the robot says that this fault is over
   template <class T = RobotFault>
   static FieldTable fields() {
     return FieldTable{field("capability", &T::capability, 64), field("severity", &T::severity),
-                      field("text", &T::text, 1024)};
+                      field("text", &T::text, 1024), field("ended", &T::ended)};
   }
 };
 

@@ -11,6 +11,9 @@ namespace trb {
 
 constexpr std::uint32_t kMaxTasks = 1000;
 constexpr std::uint32_t kMaxMembers = 1000;
+constexpr std::uint32_t kMaxPriority = 9;
+/// Orders that count for a run: one to hold it or to let it go on, one to abort it.
+constexpr std::uint32_t kMaxOrders = 2;
 
 /// A parameter whose value an earlier task's result gives.
 struct ValueFrom {
@@ -25,10 +28,11 @@ struct ValueFrom {
 };
 
 /// What follows when a task has failed for good. `resilience`: the run waits, the fleet looks for another robot.
-/// `skip`: it counts as SKIPPED. `abort`: the run is aborted.
-enum class OnFailure : std::uint8_t { resilience = 0, skip, abort };
+/// `skip`: it counts as SKIPPED, and so does what follows nothing else. `abort`: the run is aborted. `continue`: it
+/// counts as SKIPPED, and what follows goes on.
+enum class OnFailure : std::uint8_t { resilience = 0, skip, abort, continue_ };
 constexpr auto enum_names(OnFailure) {
-  return std::array<std::string_view, 3>{"resilience", "skip", "abort"};
+  return std::array<std::string_view, 4>{"resilience", "skip", "abort", "continue"};
 }
 
 /// A node of the scenario's graph: a skill with data, given to a robot, or to whoever has the capabilities.
@@ -46,6 +50,7 @@ struct Task {
   double retry_after_s = 1;     ///< before the first of them; doubled each time, 60 s at most
   OnFailure on_failure{};
   std::vector<ValueFrom> values{};
+  double start_within_s = 0;  ///< once it is due; not begun by then it has failed. 0: it waits
   bool operator==(const Task&) const = default;
   template <class T = Task>
   static FieldTable fields() {
@@ -61,7 +66,8 @@ struct Task {
                       field("retries", &T::retries),
                       field("retry_after_s", &T::retry_after_s),
                       field("on_failure", &T::on_failure),
-                      field("values", &T::values, 32)};
+                      field("values", &T::values, 32),
+                      field("start_within_s", &T::start_within_s)};
   }
 };
 
@@ -98,8 +104,9 @@ struct RunStart {
   std::vector<Member> members;          ///< the run's robots, the submitter's node and the cloud node
   std::vector<std::string> electorate;  ///< the run's robots, and the cloud node if their number is even
   std::string submitter;
-  std::int64_t created = 0;  ///< UTC ns
-  std::int64_t expires = 0;  ///< UTC ns
+  std::int64_t created = 0;    ///< UTC ns
+  std::int64_t expires = 0;    ///< UTC ns
+  std::uint32_t priority = 0;  ///< 0 to kMaxPriority: of two runs that want a robot the higher one begins
   template <class T = RunStart>
   static FieldTable fields() {
     return FieldTable{field("run", &T::run, 64),
@@ -110,7 +117,8 @@ struct RunStart {
                       field("electorate", &T::electorate, kMaxMembers),
                       field("submitter", &T::submitter, 64),
                       field("created", &T::created),
-                      field("expires", &T::expires)};
+                      field("expires", &T::expires),
+                      field("priority", &T::priority)};
   }
 };
 
@@ -127,13 +135,15 @@ struct TaskResult {
   std::int64_t started = 0;  ///< UTC ns
   std::int64_t ended = 0;    ///< UTC ns
   double duration_s = 0;     ///< by the robot's monotonic clock
+  bool goes_on = false;      ///< SKIPPED, and what follows goes on all the same
   template <class T = TaskResult>
   static FieldTable fields() {
     return FieldTable{field("key", &T::key),          field("digest", &T::digest, 32),
                       field("epoch", &T::epoch),      field("robot", &T::robot, 64),
                       field("outcome", &T::outcome),  field("reason", &T::reason, 1024),
                       field("data", &T::data, 65536), field("started", &T::started),
-                      field("ended", &T::ended),      field("duration_s", &T::duration_s)};
+                      field("ended", &T::ended),      field("duration_s", &T::duration_s),
+                      field("goes_on", &T::goes_on)};
   }
 };
 
@@ -148,6 +158,48 @@ struct AbortOrder {
   static FieldTable fields() {
     return FieldTable{field("run", &T::run, 64), field("by", &T::by, 64), field("reason", &T::reason, 255),
                       field("time", &T::time)};
+  }
+};
+
+enum class RunState : std::uint8_t { running = 0, paused, aborting, finished, aborted, expired };
+constexpr auto enum_names(RunState) {
+  return std::array<std::string_view, 6>{"RUNNING", "PAUSED", "ABORTING", "FINISHED", "ABORTED", "EXPIRED"};
+}
+
+/// That a run has FINISHED, signed (purpose "run_end") by who holds every result: the run's decider, or, without one,
+/// its submitter's node. Nothing is owed of it any more.
+struct RunEnd {
+  static constexpr std::string_view kSubtype = "run_end";
+  std::string run;
+  Blob digest;
+  std::string by;
+  RunState state{};       ///< FINISHED
+  std::int64_t time = 0;  ///< UTC ns
+  template <class T = RunEnd>
+  static FieldTable fields() {
+    return FieldTable{field("run", &T::run, 64), field("digest", &T::digest, 32), field("by", &T::by, 64),
+                      field("state", &T::state), field("time", &T::time)};
+  }
+};
+
+/// Carries a RunEnd to a member (information): told once, and again to whoever asks.
+struct RunOver {
+  static constexpr std::string_view kSubtype = "run_over";
+  SignedRecord end;
+  template <class T = RunOver>
+  static FieldTable fields() {
+    return FieldTable{field("end", &T::end)};
+  }
+};
+
+/// A member that has nothing left to do of a run asks who signs its end (request). Answered by RunOver, or Ack
+/// "not_over".
+struct NeedEnd {
+  static constexpr std::string_view kSubtype = "need_end";
+  std::string run;
+  template <class T = NeedEnd>
+  static FieldTable fields() {
+    return FieldTable{field("run", &T::run, 64)};
   }
 };
 
@@ -176,11 +228,12 @@ struct Baton {
   std::string run;
   Blob digest;
   std::uint32_t epoch = 1;
-  Blob final_tasks;                   ///< bitmap, task i is bit i%8 of byte i/8
-  std::vector<SignedRecord> results;  ///< of the direct predecessors
-  std::vector<std::uint16_t> tasks;   ///< the receiver's tasks, to execute or to choose on, that this baton is for
-  std::vector<SignedRecord> choices;  ///< on those tasks
-  Blob skipped_tasks;                 ///< those of `final_tasks` that are known to be SKIPPED
+  Blob final_tasks;                    ///< bitmap, task i is bit i%8 of byte i/8
+  std::vector<SignedRecord> results;   ///< of the direct predecessors
+  std::vector<std::uint16_t> tasks;    ///< the receiver's tasks, to execute or to choose on, that this baton is for
+  std::vector<SignedRecord> choices;   ///< on those tasks
+  Blob skipped_tasks;                  ///< those of `final_tasks` that are known to be SKIPPED
+  std::vector<SignedRecord> orders{};  ///< that the giver knows: they count before any of the tasks begins
   template <class T = Baton>
   static FieldTable fields() {
     return FieldTable{field("run", &T::run, 64),
@@ -190,7 +243,8 @@ struct Baton {
                       field("results", &T::results, kMaxTasks),
                       field("tasks", &T::tasks, kMaxTasks),
                       field("choices", &T::choices, kMaxTasks),
-                      field("skipped_tasks", &T::skipped_tasks, 128)};
+                      field("skipped_tasks", &T::skipped_tasks, 128),
+                      field("orders", &T::orders, kMaxOrders)};
   }
 };
 
@@ -220,9 +274,11 @@ struct Definition {
   static constexpr std::string_view kSubtype = "definition";
   SignedRecord start;
   std::vector<SignedRecord> decisions{};  ///< every one that the giver holds, from epoch 2 on
+  std::vector<SignedRecord> orders{};     ///< that it knows, as in Baton
   template <class T = Definition>
   static FieldTable fields() {
-    return FieldTable{field("start", &T::start), field("decisions", &T::decisions, 64)};
+    return FieldTable{field("start", &T::start), field("decisions", &T::decisions, 64),
+                      field("orders", &T::orders, kMaxOrders)};
   }
 };
 
@@ -309,11 +365,6 @@ struct AbortConfirmed {
   }
 };
 
-enum class RunState : std::uint8_t { running = 0, paused, aborting, finished, aborted, expired };
-constexpr auto enum_names(RunState) {
-  return std::array<std::string_view, 6>{"RUNNING", "PAUSED", "ABORTING", "FINISHED", "ABORTED", "EXPIRED"};
-}
-
 struct TaskView {
   std::string id;
   std::string robot;
@@ -326,8 +377,13 @@ struct TaskView {
   std::int64_t ended = 0;
   double duration_s = 0;
   std::vector<std::uint16_t> after;
-  std::string condition;   ///< in words, with the value that decided if that is known; empty: it has none
-  std::string moved_from;  ///< the robot that had it before; empty: it was never moved
+  std::string condition;                 ///< in words, with the value that decided if that is known; empty: it has none
+  std::string moved_from;                ///< the robot that had it before; empty: it was never moved
+  std::vector<std::string> failed_by{};  ///< robots that have tried it and not done it
+  bool twice = false;                    ///< two different FINISHED results: double_execution
+  bool due = false;                      ///< nothing stands before it any more, and it has not begun
+  std::string waits_for{};               ///< when due: what for, in words, if this node knows
+  std::string data{};                    ///< its result's first 1024 bytes
   template <class T = TaskView>
   static FieldTable fields() {
     return FieldTable{field("id", &T::id, 64),
@@ -342,7 +398,12 @@ struct TaskView {
                       field("duration_s", &T::duration_s),
                       field("after", &T::after, kMaxTasks),
                       field("condition", &T::condition, 512),
-                      field("moved_from", &T::moved_from, 64)};
+                      field("moved_from", &T::moved_from, 64),
+                      field("failed_by", &T::failed_by, 64),
+                      field("twice", &T::twice),
+                      field("due", &T::due),
+                      field("waits_for", &T::waits_for),
+                      field("data", &T::data, 1024)};
   }
 };
 
@@ -379,6 +440,9 @@ struct RunView {
   std::vector<DecisionView> decisions;
   std::uint32_t pause_number = 0;  ///< of the pause order that counts; 0: there was none
   std::string paused_by;           ///< empty: it is not held
+  std::uint32_t priority = 0;
+  double left_s = 0;      ///< of its time to live
+  std::int64_t over = 0;  ///< when this node put it into its archive, UTC ns; 0: it is not over here
   template <class T = RunView>
   static FieldTable fields() {
     return FieldTable{field("run", &T::run, 64),
@@ -392,7 +456,10 @@ struct RunView {
                       field("tasks", &T::tasks, kMaxTasks),
                       field("decisions", &T::decisions, 64),
                       field("pause_number", &T::pause_number),
-                      field("paused_by", &T::paused_by, 64)};
+                      field("paused_by", &T::paused_by, 64),
+                      field("priority", &T::priority),
+                      field("left_s", &T::left_s),
+                      field("over", &T::over)};
   }
 };
 
@@ -405,11 +472,16 @@ struct RunQuery {
   }
 };
 
+/// Answered by a RunTable of the runs that are not over here, or, with `all`, by a page of those that are, newest
+/// first.
 struct RunListRequest {
   static constexpr std::string_view kSubtype = "run_list";
-  template <class = void>
+  bool all = false;
+  std::string after;         ///< the last run of the page before; empty: the first page
+  std::uint32_t most = 100;  ///< 1 to 500
+  template <class T = RunListRequest>
   static FieldTable fields() {
-    return FieldTable{};
+    return FieldTable{field("all", &T::all), field("after", &T::after, 64), field("most", &T::most)};
   }
 };
 
@@ -423,6 +495,9 @@ struct RunSummary {
   std::uint32_t tasks_final = 0;
   std::uint32_t epoch = 1;
   std::uint64_t version = 0;  ///< rises with every change that this scheduler has seen since its start
+  std::uint32_t priority = 0;
+  double left_s = 0;      ///< of its time to live
+  std::int64_t over = 0;  ///< as in RunView
   template <class T = RunSummary>
   static FieldTable fields() {
     return FieldTable{field("run", &T::run, 64),
@@ -433,7 +508,10 @@ struct RunSummary {
                       field("tasks", &T::tasks),
                       field("tasks_final", &T::tasks_final),
                       field("epoch", &T::epoch),
-                      field("version", &T::version)};
+                      field("version", &T::version),
+                      field("priority", &T::priority),
+                      field("left_s", &T::left_s),
+                      field("over", &T::over)};
   }
 };
 
@@ -461,9 +539,13 @@ struct RunChanged {
 struct RunTable {
   static constexpr std::string_view kSubtype = "run_table";
   std::vector<RunSummary> runs;
+  bool more = false;           ///< of a page: there are older ones
+  std::uint32_t open = 0;      ///< runs that are not over on this node
+  std::uint32_t open_max = 0;  ///< so many it takes
   template <class T = RunTable>
   static FieldTable fields() {
-    return FieldTable{field("runs", &T::runs, 1000)};
+    return FieldTable{field("runs", &T::runs, 1000), field("more", &T::more), field("open", &T::open),
+                      field("open_max", &T::open_max)};
   }
 };
 

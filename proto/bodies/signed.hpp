@@ -12,6 +12,7 @@ constexpr std::string_view kSignedBeacon = "beacon";
 constexpr std::string_view kSignedRunStart = "run_start";
 constexpr std::string_view kSignedRunAbort = "run_abort";
 constexpr std::string_view kSignedRunPause = "run_pause";
+constexpr std::string_view kSignedRunEnd = "run_end";
 constexpr std::string_view kSignedResult = "result";
 constexpr std::string_view kSignedChoice = "choice";
 constexpr std::string_view kSignedDecision = "decision";

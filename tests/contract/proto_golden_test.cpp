@@ -54,16 +54,25 @@ TEST_CASE("the datagram of Figure 3: 32 bytes of header, the data") {
 }
 
 TEST_CASE("a node's profile") {
-  const NodeProfile profile{"ur",       "direct",
-                            "tcp-text", "UR",
-                            "UR3",      {"grab"},
-                            {"t1"},     {{"go_to", "mobile", {{"place", "place", true, "m", {-1, 2.5}, {"a"}, 6}}, true, 2.5}},
-                            {"a"},      "ONLINE",
-                            "d",        true,
-                            "cloud",    {{"t1", "temperature", "degC", "7", "d", SensorState::ok, ""}},
-                            {1, 2.5, 0, -1}};
+  const NodeProfile profile{"ur",
+                            "direct",
+                            "tcp-text",
+                            "UR",
+                            "UR3",
+                            {"grab"},
+                            {"t1"},
+                            {{"go_to", "mobile", {{"place", "place", true, "m", {-1, 2.5}, {"a"}, 6}}, true, 2.5}},
+                            {"a"},
+                            "ONLINE",
+                            "d",
+                            true,
+                            "cloud",
+                            {{"t1", "temperature", "degC", "7", "d", SensorState::ok, ""}},
+                            {1, 2.5, 0, -1},
+                            {{"grab", Severity::fatal, "t", 5, false, "b"}},
+                            {{"payload", 3, "kg"}}};
   CHECK(to_hex(encode(profile)) ==
-        "9f"
+        "dc0011"
         "a27572"
         "a6646972656374"
         "a87463702d74657874"
@@ -86,7 +95,9 @@ TEST_CASE("a node's profile") {
         "c3"
         "a5636c6f7564"
         "9197a27431ab74656d7065726174757265a464656743a137a16401a0"
-        "94cb3ff0000000000000cb4004000000000000cb0000000000000000cbbff0000000000000");
+        "94cb3ff0000000000000cb4004000000000000cb0000000000000000cbbff0000000000000"
+        "9196a46772616203a17405c2a162"
+        "9193a77061796c6f6164cb4008000000000000a26b67");
 }
 
 TEST_CASE("the start of a run") {
@@ -94,11 +105,11 @@ TEST_CASE("the start of a run") {
   start.scenario.tasks.push_back({"a", "ur3", {"grab"}, "go_to", "{}", {0, 300}, 1.0, true, {}});
   start.scenario.tasks[0].when = {{"t", "c", "7", Comparison::at_most, false, 20, "", "degC"}};
   CHECK(to_hex(encode(start)) ==
-        std::string("99"
+        std::string("9a"
                     "a172"
                     "c40164"
                     "93a173a174"
-                    "919d"
+                    "919e"
                     "a161"
                     "a3757233"
                     "91a467726162"
@@ -107,7 +118,7 @@ TEST_CASE("the start of a run") {
                     "9200cd012c"
                     "cb3ff0000000000000"
                     "c3"
-                    "9198a174a163a13701c2cb4034000000000000a0a46465674300cb3ff00000000000000090"
+                    "9198a174a163a13701c2cb4034000000000000a0a46465674300cb3ff00000000000000090cb0000000000000000"
                     "9202"
                     "91a3757233"
                     "9192a3757233") +
@@ -115,16 +126,17 @@ TEST_CASE("the start of a run") {
             "91a3757233"
             "a5636c6f7564"
             "05"
-            "fa");
+            "fa"
+            "00");
 }
 
 TEST_CASE("a baton and a task's result") {
-  CHECK(to_hex(encode(Baton{"r", {"d"}, 3, {"\x05"}, {kRecord}, {1, 2}, {kRecord}, {"\x04"}})) ==
-        std::string("98a172c4016403c4010591") + kRecordHex + "92010291" + kRecordHex + "c40104");
+  CHECK(to_hex(encode(Baton{"r", {"d"}, 3, {"\x05"}, {kRecord}, {1, 2}, {kRecord}, {"\x04"}, {kRecord}})) ==
+        std::string("99a172c4016403c4010591") + kRecordHex + "92010291" + kRecordHex + "c4010491" + kRecordHex);
   CHECK(to_hex(encode(Results{"r", {}, {kRecord}})) == std::string("93a1729091") + kRecordHex);
-  const TaskResult result{{"r", "t", 1, 2}, {"d"}, 3, "ur3", TaskOutcome::failed, "why", "7", 10, 20, -0.0};
+  const TaskResult result{{"r", "t", 1, 2}, {"d"}, 3, "ur3", TaskOutcome::failed, "why", "7", 10, 20, -0.0, true};
   CHECK(to_hex(encode(result)) ==
-        "9a"
+        "9b"
         "94a172a1740102"
         "c40164"
         "03"
@@ -134,7 +146,8 @@ TEST_CASE("a baton and a task's result") {
         "a137"
         "0a"
         "14"
-        "cb8000000000000000");
+        "cb8000000000000000"
+        "c3");
 }
 
 TEST_CASE("a choice keeps the reading that decided") {
@@ -159,12 +172,14 @@ TEST_CASE("a decision says what becomes of each task, and by what right") {
   CHECK(to_hex(encode(RunDecision{kRecord})) == std::string("91") + kRecordHex);
   CHECK(to_hex(encode(DecisionJournaled{"r", 3})) == "92a17203");
   CHECK(to_hex(encode(ReleaseTasks{"r", 1, {3, 6}})) == "93a17201920306");
-  CHECK(to_hex(encode(PauseOrder{"r", 2, true, "cloud", "why", 7})) == "96a17202c3a5636c6f7564a377687907");
+  CHECK(to_hex(encode(PauseOrder{"r", 2, true, "cloud", "why", 7, {"go"}})) ==
+        "97a17202c3a5636c6f7564a37768790791a2676f");
+  CHECK(to_hex(encode(RunEnd{"r", {"d"}, "cloud", RunState::finished, 7})) == "95a172c40164a5636c6f75640307");
   CHECK(to_hex(encode(JournalDecision{kRecord, true})) == std::string("92") + kRecordHex + "c3");
 }
 
 TEST_CASE("alerts and what is decided on them") {
-  const Proposal proposal{"p1", {{"go", "p1"}}, 0.5, {{"battery", 80, "%", 0.25, 0.125}}, "n"};
+  const Proposal proposal{"p1", {{"go", "p1"}}, 0.5, {{"battery", 80, "%", 0.25, 0.125, "p1"}}, "n", 0.5};
   Alert alert;
   std::tie(alert.id, alert.run, alert.name, alert.robot, alert.capability) = std::tuple("a", "r", "n", "ur3", "grab");
   std::tie(alert.severity, alert.cause, alert.text, alert.time) = std::tuple(Severity::fatal, "robot_fault", "t", 7);
@@ -173,14 +188,15 @@ TEST_CASE("alerts and what is decided on them") {
   CHECK(to_hex(encode(alert)) ==
         "dc0015a161a172a16ea3757233a46772616203ab726f626f745f6661756c74a17491a2676f070000"
         "91"
-        "95a2703191"
+        "96a2703191"
         "92a2676fa27031"
         "cb3fe0000000000000"
-        "9195a762617474657279cb4054000000000000a125cb3fd0000000000000cb3fc0000000000000"
+        "9196a762617474657279cb4054000000000000a125cb3fd0000000000000cb3fc0000000000000a27031"
         "a16e"
+        "cb3fe0000000000000"
         "90a0c200a0a000a0");
-  CHECK(to_hex(encode(AlertDecide{"a", Verdict::override_, "p1", "Ann", "why", true})) ==
-        "96a16102a27031a3416e6ea3776879c3");
+  CHECK(to_hex(encode(AlertDecide{"a", Verdict::override_, "p1", "Ann", "why", true, "r", {"go"}})) ==
+        "98a16102a27031a3416e6ea3776879c3a17291a2676f");
   CHECK(to_hex(encode(AlertListRequest{true})) == "91c3");
   CHECK(to_hex(encode(HistoryListRequest{"ur3", 7})) == "92a375723307");
   CHECK(to_hex(encode(HistoryTable{{{9, "ur3", "fault", "x"}}})) == "91919409a3757233a56661756c74a178");
@@ -196,8 +212,9 @@ TEST_CASE("bodies of link and bus") {
   CHECK(to_hex(encode(Hello{kRecord, 1, "h:1", "v", 2, false, {}, 3, "s", true, "l"})) ==
         std::string("9b") + kRecordHex +
             "01a3683a31a17602c2"
-            "9fa0a0a0a0a090909090a0a0c2a090"
+            "dc0011a0a0a0a0a090909090a0a0c2a090"
             "94cb0000000000000000cb0000000000000000cb0000000000000000cb0000000000000000"
+            "9090"
             "03a173c3a16c");
   CHECK(to_hex(encode(Beacon{kRecord, "h:1", 1, 2, 3})) == std::string("95") + kRecordHex + "a3683a31010203");
   CHECK(to_hex(encode(InjectFault{"grab", Severity::fatal, "t"})) == "93a46772616203a174");
@@ -226,7 +243,8 @@ TEST_CASE("the JSON of a message, with text, with bytes, with a body") {
   CHECK(
       message_to_json(message) ==
       R"({"type":"request","subtype":"stop","source":"ur3","target":"pioneer","id":"18446744073709551615","size":5,"body":{"reason":"now"}})");
-  CHECK(to_json(RobotFault{"grab", Severity::fatal, "t"}) == R"({"capability":"grab","severity":"FATAL","text":"t"})");
+  CHECK(to_json(RobotFault{"grab", Severity::fatal, "t"}) ==
+        R"({"capability":"grab","severity":"FATAL","text":"t","ended":false})");
   CHECK(to_json(AbortOrder{"r", "b", "", -1}) == R"({"run":"r","by":"b","reason":"","time":-1})");
   CHECK(to_json(NeedDefinition{"r", {"\xab"}}) == R"({"run":"r","digest":"ab"})");
 }

@@ -95,7 +95,10 @@ TEST_CASE("every typed subtype that is sent has a row of its own in the phase ta
                                               "journal_tombstone", "choice",
                                               "journal_choice",    "decision",
                                               "pause_order",       "journal_decision",
-                                              "journal_pause",     "alert"};
+                                              "journal_pause",     "alert",
+                                              "run_end",           "journal_end",
+                                              "journal_archive",   "journal_time",
+                                              "journal_lost"};
   for (const AnyBody& is : every_body()) {
     CAPTURE(is.subtype);
     const bool stays = std::find(kept.begin(), kept.end(), is.subtype) != kept.end();

@@ -51,12 +51,13 @@ const std::map<std::string, std::string> kBounded = {
     {"node_profile", "router RouterCore::make_fit, on_robot_profile, take_profile: kMaxProfileSize"},
     {"results", "scheduler passing.cpp: pack_results"},
     {"route_table", "router RouterCore::route_table: pages"},
-    {"run_table", "scheduler RunBook::kMaxRuns, 256 of 1.3 kB"},
+    {"run_table", "scheduler Book::kMaxRuns, 512 of 1.4 kB; pages of 500"},
     {"run_view", "scheduler view.cpp: fit"},
     // Never a message of their own: they are what a SignedRecord signs, 512 kB at most, or rows of a database.
     {"alert", "alert_table; the database"},
     {"decision", "SignRequest::payload"},
     {"run_start", "SignRequest::payload"},
+    {"journal_archive", "the journal: a run's facts, each of which came in a message"},
     {"scenario", "SignRequest::payload, as part of run_start"},
 };
 

@@ -187,6 +187,8 @@ Status RouterCore::may_sign_for(const Connection& from, const SignRequest& reque
     if (auto body = decode<AbortOrder>(request.payload.bytes)) maker = body->by;
   } else if (request.kind == kSignedRunPause) {
     if (auto body = decode<PauseOrder>(request.payload.bytes)) maker = body->by;
+  } else if (request.kind == kSignedRunEnd) {
+    if (auto body = decode<RunEnd>(request.payload.bytes)) maker = body->by;
   } else if (request.kind == kSignedDecision) {
     if (auto body = decode<trb::Decision>(request.payload.bytes)) maker = body->by;
   } else {
