@@ -1,0 +1,36 @@
+#include "common/base/steady_time.hpp"
+
+#include <cstdlib>
+
+namespace trb {
+namespace {
+
+bool is_near(std::int64_t a, std::int64_t b) {
+  return a > b ? a - b <= SteadyTime::kSlack.count() : b - a <= SteadyTime::kSlack.count();
+}
+
+}  // namespace
+
+UtcTime SteadyTime::at(Now now) {
+  const std::int64_t offset = now.utc.ns - now.mono.ns;
+  if (!offset_) {
+    const bool was_short = restored_ && now.utc >= *restored_ - kSlack && now.utc <= *restored_ + kShortStop;
+    offset_ = restored_ && !was_short ? restored_->ns - now.mono.ns : offset;
+  }
+  if (is_near(offset, *offset_)) {
+    offset_ = offset;
+    step_.reset();
+  } else if (!step_ || !is_near(offset, step_->offset)) {
+    step_ = Step{offset, now.mono};
+  } else if (now.mono - step_->since >= kSteady) {
+    offset_ = offset;
+    step_.reset();
+  }
+  return {now.mono.ns + *offset_};
+}
+
+std::optional<MonotonicTime> SteadyTime::next() const {
+  return step_ ? std::optional(step_->since + kSteady) : std::nullopt;
+}
+
+}  // namespace trb
