@@ -142,6 +142,7 @@ template Result<AbortOrder> open_record(const SignedRecord&, std::string_view, c
 template Result<TaskResult> open_record(const SignedRecord&, std::string_view, const Certificate&);
 template Result<Decision> open_record(const SignedRecord&, std::string_view, const Certificate&);
 template Result<PauseOrder> open_record(const SignedRecord&, std::string_view, const Certificate&);
+template Result<RunEnd> open_record(const SignedRecord&, std::string_view, const Certificate&);
 template Result<Choice> open_record(const SignedRecord&, std::string_view, const Certificate&);
 
 bool same_secret(BytesView a, BytesView b) {

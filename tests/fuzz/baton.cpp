@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "services/scheduler/core/scheduler_core.hpp"
+#include "services/scheduler/tests/memory_archive.hpp"
 #include "tests/fuzz/run_proof.hpp"
 
 namespace trb::fuzz {
@@ -15,7 +16,7 @@ constexpr std::uint64_t kInstance = 100;
 /// A scheduler of "a", that knows the run or has yet to hear of it, its robot ready.
 class Node {
  public:
-  explicit Node(bool knows) : core_({"a", Keys::get().authority, true}) {
+  explicit Node(bool knows) : core_({"a", Keys::get().authority, true}, archive_) {
     if (knows) journal_.push_back(JournalRun{Keys::get().start, false});
     require(core_.restore(journal_).ok(), "a journal is taken in");
     Outbox out;
@@ -50,7 +51,7 @@ class Node {
     if (execute_) hear("a", Outcome{execute_->key, kInstance, outcome, "", "7", 1});
   }
   void end() {
-    SchedulerCore again({"a", Keys::get().authority, true});
+    SchedulerCore again({"a", Keys::get().authority, true}, archive_);
     require(again.restore(journal_).ok(), "what was journaled is taken in again");
   }
   [[nodiscard]] const Proof& proof() const { return proof_; }
@@ -63,7 +64,7 @@ class Node {
   }
   void take(const Outbox& out) {
     for (const Journal& one : out.journal) {
-      journal_.push_back(one.record);
+      scheduler::test::journal_as_file(journal_, archive_, one.record);
       proof_.take(one.record);
     }
     bool refused = false;
@@ -80,6 +81,7 @@ class Node {
     require(!refused || counted, "what is refused is counted");
   }
 
+  scheduler::test::MemoryArchive archive_;
   SchedulerCore core_;
   Now now_{{1'000'000'000}, {kEpoch}};
   std::uint64_t count_ = 0;
@@ -202,13 +204,35 @@ class Script {
             results(),
             tasks(),
             choices(),
-            bitmap()};
+            bitmap(),
+            orders()};
   }
   Definition definition() {
     Definition out{Keys::get().start, {}};
     if (!bits_.mostly()) out.start.payload.bytes.back() ^= 1;
     if (bits_.below(2) == 1) out.decisions.push_back(decision());
+    out.orders = orders();
     return out;
+  }
+  SignedRecord pause(const std::string& from) {
+    const auto number = static_cast<std::uint32_t>(bits_.below(6));
+    PauseOrder order{kRun, number, number % 2 == 1, from, "", 0, {}};
+    if (!bits_.mostly()) order.doubles = {"own"};
+    return sign(from, kSignedRunPause, encode(order));
+  }
+  SignedRecord abort(const std::string& from) {
+    return sign(from, kSignedRunAbort, encode(AbortOrder{kRun, from, "", 0}));
+  }
+  std::vector<SignedRecord> orders() {
+    const std::string from = somebody();
+    if (bits_.mostly()) return {};
+    return {bits_.mostly() ? pause(from) : abort(from)};
+  }
+  /// That all is done, mostly before it is.
+  void end(const std::string& from) {
+    const RunEnd end{kRun, Keys::get().digest, bits_.mostly() ? "cloud" : from,
+                     bits_.mostly() ? RunState::finished : RunState::running, 0};
+    node_.hear(from, RunOver{sign(bits_.mostly() ? "cloud" : from, kSignedRunEnd, encode(end))});
   }
 
   /// Of more runs than anybody has.
@@ -238,13 +262,9 @@ class Script {
   }
 
   void order(const std::string& from) {
-    const auto number = static_cast<std::uint32_t>(bits_.below(6));
-    if (bits_.mostly()) {
-      const PauseOrder order{kRun, number, number % 2 == 1, from, "", 0};
-      node_.hear(from, RunPause{sign(from, kSignedRunPause, encode(order))});
-    } else {
-      node_.hear(from, RunAbort{sign(from, kSignedRunAbort, encode(AbortOrder{kRun, from, "", 0}))});
-    }
+    if (!bits_.mostly()) return end(from);
+    if (bits_.mostly()) return void(node_.hear(from, RunPause{pause(from)}));
+    node_.hear(from, RunAbort{abort(from)});
   }
 
   void step() {

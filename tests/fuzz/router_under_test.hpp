@@ -51,7 +51,17 @@ inline void check_table(const router::RouterCore& core) {
 
 /// A member's Hello, as a body.
 inline Hello make_hello(const router::TestKeys& keys, const std::string& id) {
-  return {keys.record, 3, id == "bee" ? "10.0.0.2:45000" : "10.0.0.3:45000", "1.0", router::kStartUtc, true, {}, 0, "behind", false, ""};
+  return {keys.record,
+          3,
+          id == "bee" ? "10.0.0.2:45000" : "10.0.0.3:45000",
+          "1.0",
+          router::kStartUtc,
+          true,
+          {},
+          0,
+          "behind",
+          false,
+          ""};
 }
 
 }  // namespace trb::fuzz

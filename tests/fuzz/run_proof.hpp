@@ -95,7 +95,8 @@ class Proof {
                      [&](const JournalDecision& is) { decision(is.decision); },
                      [&](const JournalStart& is) { start(is); }, [&](const JournalPause& is) { pause(is.order); },
                      [&](const JournalAbort& is) { abort(is.order); }, [](const JournalDelivered&) {},
-                     [](const JournalTombstone&) {}, [](const auto&) { require(false, "only facts are journaled"); }},
+                     [&](const JournalEnd& is) { end(is.end); }, [](const JournalArchive&) {},
+                     [](const JournalTime&) {}, [](const auto&) { require(false, "only facts are journaled"); }},
           record);
   }
   void command(const Execute& execute) const {
@@ -169,6 +170,12 @@ class Proof {
     aborted_ = true;
   }
 
+  void end(const SignedRecord& record) {
+    require(record.signer == "cloud", "only who holds every result says that all is done");
+    require(opened<RunEnd>(record, kSignedRunEnd).state == RunState::finished, "the end is FINISHED");
+    ended_ = true;
+  }
+
   [[nodiscard]] bool is_final(std::size_t index) const {
     return std::any_of(results_.begin(), results_.end(), [&](const Said& said) {
       return said.task == index &&
@@ -197,7 +204,7 @@ class Proof {
     require(is.key.run == kRun && robot_in(index, epoch()) == "a", "it starts what is its own");
     require(is.epoch == epoch(), "it starts in this epoch");
     require(started_.insert(is.key).second, "no attempt is started twice");
-    require(!aborted_ && !held_, "nothing starts in a run that is aborted or held");
+    require(!aborted_ && !held_ && !ended_, "nothing starts in a run that is aborted, held or over");
     require(!is_final(index), "what is final is not done again");
     for (const std::uint16_t before : of.after) require(is_final(before), "all before it is final");
     require(of.when.empty() || (verdicts_.contains(of.id) && verdicts_.at(of.id)), "its condition holds");
@@ -213,6 +220,7 @@ class Proof {
   std::set<AttemptKey> started_;
   bool aborted_ = false;
   bool held_ = false;
+  bool ended_ = false;
 };
 
 }  // namespace trb::fuzz

@@ -44,9 +44,9 @@ Status Book::apply(const Body& fact) {
                      const auto order = decode<PauseOrder>(is.order.payload.bytes);
                      return order ? apply_to(order->run, is) : Status(order.error());
                    },
-                   [&](const JournalTombstone& is) -> Status {
-                     bury(is);
-                     return Done{};
+                   [&](const JournalEnd& is) -> Status {
+                     const auto end = decode<RunEnd>(is.end.payload.bytes);
+                     return end ? apply_to(end->run, is) : Status(end.error());
                    },
                    [](const auto& other) -> Status {
                      return fail(Errc::bad_value,
@@ -71,18 +71,9 @@ Run* Book::find(const std::string& run) {
   return found == runs_.end() ? nullptr : &found->second;
 }
 
-void Book::bury(const JournalTombstone& tombstone) {
-  std::erase_if(by_age_, [&](const Run* run) { return run->id() == tombstone.run; });
-  runs_.erase(tombstone.run);
-  tombstones_[tombstone.run] = tombstone;
-  if (tombstones_.size() <= kMaxTombstones) return;
-  tombstones_.erase(std::min_element(tombstones_.begin(), tombstones_.end(), [](const auto& a, const auto& b) {
-    return std::tie(a.second.until, a.first) < std::tie(b.second.until, b.first);
-  }));
-}
-
-void Book::forget(UtcTime now) {
-  std::erase_if(tombstones_, [&](const auto& tombstone) { return tombstone.second.until <= now.ns; });
+void Book::remove(const std::string& run) {
+  std::erase_if(by_age_, [&](const Run* one) { return one->id() == run; });
+  runs_.erase(run);
 }
 
 }  // namespace trb::scheduler

@@ -1,4 +1,4 @@
-// Every run that this node knows, and the tombstones of those that are over.
+// Every run that is not over on this node.
 #pragma once
 
 #include <map>
@@ -13,8 +13,8 @@ namespace trb::scheduler {
 
 class Book {
  public:
-  static constexpr std::size_t kMaxRuns = 256;
-  static constexpr std::size_t kMaxTombstones = 4096;
+  /// Those that are over take no place.
+  static constexpr std::size_t kMaxRuns = 512;
 
   Book(std::string self, FleetAuthority authority) : self_(std::move(self)), authority_(std::move(authority)) {}
 
@@ -29,10 +29,8 @@ class Book {
   /// Oldest first.
   [[nodiscard]] const std::vector<Run*>& runs() const { return by_age_; }
 
-  [[nodiscard]] bool is_over(const std::string& run) const { return tombstones_.contains(run); }
-  void bury(const JournalTombstone& tombstone);
-  /// Forgets tombstones whose time has come.
-  void forget(UtcTime now);
+  /// The run is over.
+  void remove(const std::string& run);
 
  private:
   Status apply_start(const JournalRun& fact);
@@ -43,7 +41,6 @@ class Book {
   FleetAuthority authority_;
   std::map<std::string, Run> runs_;
   std::vector<Run*> by_age_;
-  std::map<std::string, JournalTombstone> tombstones_;
 };
 
 }  // namespace trb::scheduler

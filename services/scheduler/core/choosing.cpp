@@ -18,7 +18,7 @@ bool same_source(const Run& run, TaskIndex task, const Inquiry& inquiry) {
 }  // namespace
 
 void SchedulerCore::decide(Run& run, Step step) {
-  const bool open = may_start(run, step.now.utc);
+  const bool open = may_start(run, step.steady);
   if (!open) run.inquiries.clear();
   if (open && run.has_conditions()) inquire(run, step);
   say_results(run, open, step);
@@ -62,7 +62,7 @@ void SchedulerCore::say_results(Run& run, bool open, Step step) {
     at->second.tick(settings_.node, step.now, step.out);
   };
   const UtcTime now = step.now.utc;
-  if (!run.aborted() && !run.expired(now)) {
+  if (!run.aborted() && !run.ended() && !run.expired(step.steady)) {
     for (const TaskIndex task : run.releasable()) say(task, [&] { return run.released_result(task, now); });
   }
   if (open) {

@@ -13,6 +13,17 @@ void BackOff::sent(MonotonicTime now) {
   wait_ = std::min(wait_ * 2, seconds(2));
 }
 
+bool Pace::due(MonotonicTime now) {
+  if (!next_) {
+    next_ = now + wait_;
+    return false;
+  }
+  if (*next_ > now) return false;
+  wait_ = std::min<Duration>(wait_ * 2, kLongest);
+  next_ = now + wait_;
+  return true;
+}
+
 void Duties::owe(DutyKind kind, const std::string& to, const std::vector<TaskIndex>& tasks) {
   const bool owed = std::any_of(open_.begin(), open_.end(), [&](const Duty& duty) {
     return duty.kind == kind && duty.to == to && duty.tasks == tasks;
@@ -77,6 +88,16 @@ std::optional<MonotonicTime> Duties::next() const {
   std::optional<MonotonicTime> out;
   for (const Duty& duty : open_) out = earlier(out, duty.timer.next());
   return out;
+}
+
+bool Duties::owes(DutyKind kind, const std::string& to) const {
+  return std::any_of(open_.begin(), open_.end(), [&](const Duty& duty) { return duty.kind == kind && duty.to == to; });
+}
+
+bool Duties::owes_baton(TaskIndex task) const {
+  return std::any_of(open_.begin(), open_.end(), [&](const Duty& duty) {
+    return duty.kind == DutyKind::baton && std::find(duty.tasks.begin(), duty.tasks.end(), task) != duty.tasks.end();
+  });
 }
 
 std::vector<std::string> Duties::creditors(DutyKind kind) const {

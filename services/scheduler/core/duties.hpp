@@ -26,6 +26,22 @@ class BackOff {
   Duration wait_ = seconds(0.2);
 };
 
+/// When to ask again: after kFirst, doubled up to kLongest.
+class Pace {
+ public:
+  static constexpr Duration kFirst = std::chrono::seconds(30);
+  static constexpr Duration kLongest = std::chrono::minutes(10);
+
+  /// True if it is time; begins to count at the first call.
+  bool due(MonotonicTime now);
+  void reset() { *this = Pace{}; }
+  [[nodiscard]] std::optional<MonotonicTime> next() const { return next_; }
+
+ private:
+  std::optional<MonotonicTime> next_;
+  Duration wait_ = kFirst;
+};
+
 enum class DutyKind : std::uint8_t { baton = 0, results, abort, decision, pause };
 constexpr auto enum_names(DutyKind) {
   return std::array<std::string_view, 5>{"baton", "results", "abort", "decision", "pause"};
@@ -58,6 +74,9 @@ class Duties {
 
   [[nodiscard]] bool empty() const { return open_.empty(); }
   [[nodiscard]] std::optional<MonotonicTime> next() const;
+  [[nodiscard]] bool owes(DutyKind kind, const std::string& to) const;
+  /// The baton for that task is owed to somebody.
+  [[nodiscard]] bool owes_baton(TaskIndex task) const;
   /// To whom something of that kind is owed, in order of owing.
   [[nodiscard]] std::vector<std::string> creditors(DutyKind kind) const;
 

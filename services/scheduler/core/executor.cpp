@@ -4,6 +4,7 @@
 
 #include "common/base/errc.hpp"
 #include "proto/body.hpp"
+#include "proto/value.hpp"
 
 namespace trb::scheduler {
 namespace {
@@ -26,7 +27,7 @@ bool passes(const std::string& code) {
 
 }  // namespace
 
-std::string Executor::obstacle() const {
+std::string Executor::obstacle(const std::string& skill) const {
   if (!adapter_) return "its mode-adapter has not been heard";
   if (adapter_->robot != "ONLINE") return "the robot is " + (adapter_->robot.empty() ? "not there" : adapter_->robot);
   if (adapter_->fenced) return "the robot is stopped until 'release'";
@@ -34,7 +35,28 @@ std::string Executor::obstacle() const {
     return "the robot is controlled by '" + adapter_->control + "', until 10 s after its last command";
   }
   if (adapter_->busy) return "the robot is busy";
+  const SkillUse* use = find_skill(skill);
+  for (const OutOfUse& one : adapter_->out_of_use) {
+    const std::string by = one.by.empty() ? "" : " (" + one.by + ")";
+    if (one.retired) return "the robot is out of service: " + one.text + by + "; trb robot return takes it back";
+    const bool all = one.capability.empty();
+    if (!all && (use == nullptr || use->capability != one.capability)) continue;
+    return (all ? "the robot" : "its '" + one.capability + "'") +
+           " is out of use: " + std::string(name_of(one.severity)) + ": " + one.text + by +
+           "; once it is mended: trb robot repaired";
+  }
   return {};
+}
+
+std::string Executor::obstacle() const {
+  return attempt_ ? obstacle(attempt_->execute.skill) : std::string();
+}
+
+const SkillUse* Executor::find_skill(const std::string& skill) const {
+  if (!adapter_) return nullptr;
+  const auto at = std::find_if(adapter_->skills.begin(), adapter_->skills.end(),
+                               [&](const SkillUse& one) { return one.name == skill; });
+  return at == adapter_->skills.end() ? nullptr : &*at;
 }
 
 void Executor::welcome(Now now, Outbox& out) {
@@ -64,8 +86,7 @@ void Executor::command(Now now, Outbox& out) {
 }
 
 void Executor::command_if_possible(Now now, Outbox& out) {
-  if (attempt_->permit != Permit::go) return;
-  if (obstacle().empty()) {
+  if (attempt_->permit == Permit::go && obstacle().empty()) {
     command(now, out);
   } else {
     attempt_->phase = Phase::refused;
@@ -77,7 +98,8 @@ void Executor::allow(Permit permit, const std::string& why) {
   attempt_->permit = permit;
   attempt_->why = why;
   // What was refused will not be commanded again; whether it has begun all the same, its `unknown` will tell.
-  if (permit != Permit::go && attempt_->phase == Phase::refused) attempt_->phase = Phase::commanded;
+  const bool may_wait = permit == Permit::go || permit == Permit::hold;
+  if (!may_wait && attempt_->phase == Phase::refused) attempt_->phase = Phase::commanded;
 }
 
 void Executor::ask(Now now, Outbox& out) {
@@ -104,11 +126,24 @@ void Executor::on(const ExecutionState& state, Now now, Outbox& out) {
     attempt_->next = now.mono + kRunningQuestion;
   } else if (attempt_->phase != Phase::commanded) {
     return;  // what runs is not unknown to the same instance
-  } else if (attempt_->permit != Permit::go) {
-    end(TaskOutcome::retriable,
-        attempt_->why.empty() ? "the run ended before it was begun" : attempt_->why + " before it was begun", now, out);
   } else {
-    command_if_possible(now, out);
+    end_unbegun(now, out);
+  }
+}
+
+/// The mode-adapter does not know it: it was never begun.
+void Executor::end_unbegun(Now now, Outbox& out) {
+  switch (attempt_->permit) {
+    case Permit::go:
+    case Permit::hold:
+      return command_if_possible(now, out);
+    case Permit::give_back:
+      return end(TaskOutcome::released, attempt_->why, now, out);
+    case Permit::too_late:
+      return end(TaskOutcome::failed, attempt_->why, now, out);
+    case Permit::no_more:
+    case Permit::cancel:
+      return end(TaskOutcome::retriable, attempt_->why + " before it was begun", now, out);
   }
 }
 
@@ -129,20 +164,33 @@ void Executor::on_refusal(const Nack& nack, Now now, Outbox& out) {
     return;
   }
   // Which instance refused is asked: another than the start record's makes the attempt interrupted.
-  if (attempt_->permit == Permit::go) attempt_->phase = Phase::refused;
+  if (attempt_->permit == Permit::go || attempt_->permit == Permit::hold) attempt_->phase = Phase::refused;
   adapter_.reset();
   next_state_request_ = std::max(next_state_request_, now.mono);
 }
 
-void Executor::end(TaskOutcome outcome, std::string reason, Now now, Outbox& out) {
-  // Who is told to stop has not failed by itself: nothing is tried again, nothing skipped for it.
-  const bool failed = outcome == TaskOutcome::failed && attempt_->permit != Permit::cancel;
-  attempt_->result.outcome = failed ? attempt_->when_failed : outcome;
-  if (failed && attempt_->when_failed == TaskOutcome::skipped) reason = "failed, which skips it: " + reason;
-  attempt_->result.reason = reason.substr(0, 1024);
-  attempt_->result.ended = now.utc.ns;
+/// What an attempt that was not done comes to: the robot tries again, the task is SKIPPED, or it stands. What nobody
+/// knows to be undone is tried again only if its skill says that this does no harm.
+TaskOutcome Executor::comes_to(TaskOutcome how) const {
+  // Who is told to stop has not failed by itself.
+  if (attempt_->permit == Permit::cancel) return how;
+  if (how != TaskOutcome::failed && how != TaskOutcome::interrupted) return how;
+  const SkillUse* use = find_skill(attempt_->execute.skill);
+  const bool repeatable = how == TaskOutcome::failed || (use != nullptr && use->repeatable);
+  if (attempt_->may_retry && repeatable && attempt_->permit != Permit::too_late) return TaskOutcome::retriable;
+  const bool skips = attempt_->on_failure == OnFailure::skip || attempt_->on_failure == OnFailure::continue_;
+  return skips ? TaskOutcome::skipped : how;
+}
+
+void Executor::end(TaskOutcome outcome, const std::string& reason, Now now, Outbox& out) {
+  TaskResult& result = attempt_->result;
+  result.outcome = comes_to(outcome);
+  const bool skips = result.outcome == TaskOutcome::skipped;
+  result.goes_on = skips && attempt_->on_failure == OnFailure::continue_;
+  result.reason = cut_utf8(skips ? std::string(name_of(outcome)) + ", which skips it: " + reason : reason, 1024);
+  result.ended = now.utc.ns;
   attempt_->phase = Phase::signing;
-  attempt_->payload = encode(attempt_->result);
+  attempt_->payload = encode(result);
   sign(now, out);
 }
 

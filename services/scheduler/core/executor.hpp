@@ -13,20 +13,22 @@ namespace trb::scheduler {
 /// ended, the router is asked to sign the result.
 enum class Phase : std::uint8_t { commanded = 0, running, refused, signing };
 
-/// What the run allows the attempt: `no_more` (expired): end what runs, begin nothing. `cancel` (aborted, or the task
-/// is another robot's now): stop it.
-enum class Permit : std::uint8_t { go = 0, no_more, cancel };
+/// What the run allows the attempt. `hold` (a person holds the run): what runs goes on, what has not begun waits.
+/// `give_back` (the decider asks for it), `too_late` (start_within_s has passed), `no_more` (expired): the same, but
+/// what has not begun ends so. `cancel` (aborted, or the task is another robot's now): stop it.
+enum class Permit : std::uint8_t { go = 0, hold, give_back, too_late, no_more, cancel };
 
 struct Attempt {
   Execute execute;
-  TaskResult result;                              ///< filled in to the end that is known so far
-  TaskOutcome when_failed = TaskOutcome::failed;  ///< what the robot's own `failed` comes to: it may try again, or skip
+  TaskResult result;       ///< filled in to the end that is known so far
+  bool may_retry = false;  ///< the robot has tries left
+  OnFailure on_failure{};  ///< once it has none
   Phase phase{};
   Permit permit{};
   MonotonicTime next{};  ///< of the question or resend that the phase asks for
   MonotonicTime next_cancel{};
   Bytes payload;    ///< signing: what the router was asked to sign
-  std::string why;  ///< it is cancelled
+  std::string why;  ///< of the permit
 };
 
 class Executor {
@@ -36,8 +38,12 @@ class Executor {
   [[nodiscard]] const std::optional<Attempt>& attempt() const { return attempt_; }
   [[nodiscard]] bool runs(const std::string& run) const { return attempt_ && attempt_->execute.key.run == run; }
   [[nodiscard]] const std::optional<AdapterState>& adapter() const { return adapter_; }
-  /// Why nothing can begin now, for a person; empty: it can.
+  /// Why that skill cannot begin now, for a person; empty: it can.
+  [[nodiscard]] std::string obstacle(const std::string& skill) const;
+  /// Its own attempt's, which the mode-adapter has refused.
   [[nodiscard]] std::string obstacle() const;
+  /// Its attempt was commanded, and has not begun.
+  [[nodiscard]] bool is_refused() const { return attempt_ && attempt_->phase == Phase::refused; }
 
   /// The service has come (back) to its router: nothing is known of the mode-adapter, everything is asked again.
   void welcome(Now now, Outbox& out);
@@ -63,7 +69,10 @@ class Executor {
   void command(Now now, Outbox& out);
   void command_if_possible(Now now, Outbox& out);
   void ask(Now now, Outbox& out);
-  void end(TaskOutcome outcome, std::string reason, Now now, Outbox& out);
+  void end_unbegun(Now now, Outbox& out);
+  void end(TaskOutcome outcome, const std::string& reason, Now now, Outbox& out);
+  [[nodiscard]] TaskOutcome comes_to(TaskOutcome how) const;
+  [[nodiscard]] const SkillUse* find_skill(const std::string& skill) const;
   void sign(Now now, Outbox& out);
   void interrupt_if_other(std::uint64_t instance, Now now, Outbox& out);
 

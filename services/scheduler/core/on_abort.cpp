@@ -1,4 +1,5 @@
 // SchedulerCore: the end of a run by order.
+#include "proto/value.hpp"
 #include "services/scheduler/core/scheduler_core.hpp"
 #include "services/scheduler/core/view.hpp"
 
@@ -9,22 +10,22 @@ using namespace scheduler;
 void SchedulerCore::handle(const RunAbort& body, const Inbound& from, Step step) {
   const auto claimed = decode<AbortOrder>(body.order.payload.bytes);
   if (!claimed) return refuse(from, claimed.error(), step);
+  const bool here = from.source == settings_.node;
+  const auto over = book_.find(claimed->run) == nullptr ? archive_.over(claimed->run) : std::nullopt;
+  if (over && over->state == RunState::aborted && !here) {
+    return step.out.information(from.source, AbortConfirmed{claimed->run});
+  }
   Run* run = run_or_hold(claimed->run, {}, from, step);
   if (run == nullptr) return;
   if (auto order = run->check_abort(body.order); !order) return refuse(from, order.error(), step);
-  const bool here = from.source == settings_.node;
-  const RunState state = state_of(*run, executor_, step.now.utc);
+  const RunState state = state_of(*run, executor_, step.clock());
   if (here && (state == RunState::finished || state == RunState::expired)) {
     const Errc code = state == RunState::finished ? Errc::conflict : Errc::expired;
     return refuse(from, fail(code, "run " + run->id() + " is " + std::string(name_of(state))), step);
   }
-  if (!run->aborted() || (here && !run->abort_ordered_here())) {
-    const JournalAbort fact{body.order, here};
-    step.out.record(fact);
-    step.out.log(LogLevel::warning, "run_aborted",
-                 "run " + run->id() + " by '" + claimed->by + "': " + claimed->reason);
-    if (auto applied = run->apply(fact); !applied) return refuse(from, applied.error(), step);
-  }
+  // Everything is done: there is nothing to end.
+  if (run->ended()) return refuse_over(run->id(), {RunState::finished, *run->end()}, from, step);
+  if (auto kept = keep_abort(*run, body.order, here, step); !kept) return refuse(from, kept.error(), step);
   if (here) {
     step.out.reply(from, Ack{"accepted", "run " + run->id() + " is being aborted"});
   } else {
@@ -32,16 +33,46 @@ void SchedulerCore::handle(const RunAbort& body, const Inbound& from, Step step)
   }
 }
 
+Status SchedulerCore::keep_abort(Run& run, const SignedRecord& order, bool here, Step step) {
+  if (run.aborted()) return Done{};
+  const JournalAbort fact{order, here};
+  if (auto applied = run.apply(fact); !applied) return applied;
+  step.out.record(fact);
+  const auto is = decode<AbortOrder>(order.payload.bytes);
+  step.out.log(LogLevel::warning, "run_aborted", "run " + run.id() + " by '" + is->by + "': " + is->reason);
+  return Done{};
+}
+
+Status SchedulerCore::take_orders(Run& run, const std::vector<SignedRecord>& orders, Step step) {
+  const auto check = [&](const SignedRecord& order) -> Status {
+    if (order.kind == kSignedRunAbort) {
+      const auto abort = run.check_abort(order);
+      return abort ? Status(Done{}) : abort.error();
+    }
+    const auto pause = run.check_pause(order);
+    return pause ? Status(Done{}) : pause.error();
+  };
+  for (const SignedRecord& order : orders) {
+    if (auto good = check(order); !good) return good;
+  }
+  if (run.ended()) return Done{};
+  for (const SignedRecord& order : orders) {
+    const bool aborts = order.kind == kSignedRunAbort;
+    if (auto kept = aborts ? keep_abort(run, order, false, step) : keep_pause(run, order, false, step); !kept) {
+      return kept;
+    }
+  }
+  return Done{};
+}
+
 /// A task whose failure ends the run: the order is this node's, as if a person had given it here.
 void SchedulerCore::abort_on_failure(Run& run, Step step) {
-  if (!run.aborts_on_failure() || run.aborted() || run.expired(step.now.utc)) return;
-  for (const TaskIndex task : run.troubles()) {
-    const HeldResult& held = *run.results().of(task);
-    const bool ends = run.tasks()[task].on_failure == OnFailure::abort && held.result.robot == settings_.node &&
-                      held.result.outcome == TaskOutcome::failed;
-    if (!ends || run.abort_signature) continue;
-    const std::string why = "task '" + run.tasks()[task].id + "' failed: " + held.result.reason;
-    const AbortOrder order{run.id(), settings_.node, why.substr(0, 255), step.now.utc.ns};
+  if (run.aborted() || run.ended() || run.expired(step.steady)) return;
+  if (const auto task = run.ending_task(); task && !run.abort_signature) {
+    const TaskResult& result = run.current(*task)->result;
+    const std::string why = "task '" + run.tasks()[*task].id + "' " + std::string(name_of(result.outcome)) + " on '" +
+                            result.robot + "': " + result.reason;
+    const AbortOrder order{run.id(), settings_.node, cut_utf8(why, 255), step.now.utc.ns};
     run.abort_signature = Signature{std::string(kSignedRunAbort), encode(order), step.now.mono};
   }
   if (run.abort_signature) run.abort_signature->tick(settings_.node, step.now, step.out);
@@ -50,10 +81,7 @@ void SchedulerCore::abort_on_failure(Run& run, Step step) {
 bool SchedulerCore::keep_signed_abort(Run& run, const SignedRecord& record, Step step) {
   if (!run.abort_signature || !run.abort_signature->asks_for(record)) return false;
   if (auto order = run.check_abort(record); !order) return wrong_signature(order.error(), step);
-  const JournalAbort fact{record, true};
-  step.out.record(fact);
-  step.out.log(LogLevel::warning, "run_aborted", "run " + run.id() + ": a task's failure ends it");
-  if (auto applied = run.apply(fact); !applied) return wrong_signature(applied.error(), step);
+  if (auto kept = keep_abort(run, record, true, step); !kept) return wrong_signature(kept.error(), step);
   return true;
 }
 

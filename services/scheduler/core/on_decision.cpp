@@ -58,7 +58,7 @@ void SchedulerCore::handle(const RunDecision& body, const Inbound& from, Step st
     }
   } else {
     if (claimed->epoch >= 2 && hold_for_decisions(*run, claimed->epoch - 1, from, step)) return;
-    if (here && (run->aborted() || run->expired(step.now.utc))) {
+    if (here && (run->aborted() || run->ended() || run->expired(step.steady))) {
       return refuse(from, fail(Errc::conflict, "run " + run->id() + " is over: nothing is decided on it"), step);
     }
     const auto checked = run->check_decision(body.decision);

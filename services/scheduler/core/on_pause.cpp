@@ -1,4 +1,7 @@
 // SchedulerCore: runs that a person holds, and lets go on. What runs is finished; nothing is begun.
+#include <algorithm>
+
+#include "proto/value.hpp"
 #include "services/scheduler/core/scheduler_core.hpp"
 #include "services/scheduler/core/view.hpp"
 
@@ -13,17 +16,22 @@ void SchedulerCore::handle(const RunPause& body, const Inbound& from, Step step)
   if (run == nullptr) return;
   if (auto order = run->check_pause(body.order); !order) return refuse(from, order.error(), step);
   const bool here = from.source == settings_.node;
-  const RunState state = state_of(*run, executor_, step.now.utc);
+  const RunState state = state_of(*run, executor_, step.clock());
   if (here && state != RunState::running && state != RunState::paused) {
     const std::string what = "run " + run->id() + " is " + std::string(name_of(state));
     return refuse(from, fail(Errc::conflict, what), step);
   }
+  if (run->ended()) return refuse_over(run->id(), {RunState::finished, *run->end()}, from, step);
+  if (here && !claimed->paused && !run->names_doubles(*claimed)) {
+    return refuse(from,
+                  fail(Errc::conflict,
+                       "run " + run->id() + ": task '" + run->pause()->doubles.front() +
+                           "' was done twice, and the order does not say that somebody has looked",
+                       "look at the robots, then say it on node '" + run->judge() + "'"),
+                  step);
+  }
   if (run->is_newer(*claimed)) {
-    const JournalPause fact{body.order, here};
-    step.out.record(fact);
-    step.out.log(LogLevel::warning, claimed->paused ? "run_held" : "run_goes_on",
-                 "run " + run->id() + " by '" + claimed->by + "': " + claimed->reason);
-    if (auto applied = run->apply(fact); !applied) return refuse(from, applied.error(), step);
+    if (auto kept = keep_pause(*run, body.order, here, step); !kept) return refuse(from, kept.error(), step);
   } else if (here && run->pause()->number >= claimed->number && run->pause_record().payload != body.order.payload) {
     return refuse(from, fail(Errc::conflict, "run " + run->id() + ": a newer order is known", "try again"), step);
   }
@@ -31,7 +39,45 @@ void SchedulerCore::handle(const RunPause& body, const Inbound& from, Step step)
     step.out.reply(from, Ack{"accepted", "run " + run->id() + (claimed->paused ? " is held" : " goes on")});
   } else {
     step.out.information(from.source, PauseJournaled{run->id(), run->pause()->number});
+    // Who tells of the order that counts has it.
+    if (claimed->number == run->pause()->number && run->duties.owes(DutyKind::pause, from.source)) {
+      delivered(*run, DutyKind::pause, from, {}, run->epoch(), step);
+    }
   }
+}
+
+Status SchedulerCore::keep_pause(Run& run, const SignedRecord& order, bool here, Step step) {
+  const auto is = run.check_pause(order);
+  if (!is) return is.error();
+  if (!run.is_newer(*is)) return Done{};
+  const JournalPause fact{order, here};
+  if (auto applied = run.apply(fact); !applied) return applied;
+  step.out.record(fact);
+  step.out.log(LogLevel::warning, is->paused ? "run_held" : "run_goes_on",
+               "run " + run.id() + " by '" + is->by + "': " + is->reason);
+  return Done{};
+}
+
+/// A task that was done twice holds the run everywhere until a person has looked: the judge orders it.
+void SchedulerCore::hold_for_doubles(Run& run, Step step) {
+  const bool open = !run.aborted() && !run.ended() && !run.expired(step.steady);
+  if (run.judge() != settings_.node || !open || !run.has_new_double()) return run.hold_signature.reset();
+  if (!run.hold_signature) {
+    const std::vector<std::string> doubles = run.doubles();
+    const std::uint32_t number = run.pause() == nullptr ? 1 : run.pause()->number + 1;
+    const std::string why = "task '" + doubles.front() + "' has two different results (double_execution)";
+    const PauseOrder order{
+        run.id(), std::min(number, kMaxPauses), true, settings_.node, cut_utf8(why, 255), step.now.utc.ns, doubles};
+    run.hold_signature = Signature{std::string(kSignedRunPause), encode(order), step.now.mono};
+  }
+  run.hold_signature->tick(settings_.node, step.now, step.out);
+}
+
+bool SchedulerCore::keep_signed_hold(Run& run, const SignedRecord& record, Step step) {
+  if (!run.hold_signature || !run.hold_signature->asks_for(record)) return false;
+  if (auto kept = keep_pause(run, record, true, step); !kept) return wrong_signature(kept.error(), step);
+  run.hold_signature.reset();
+  return true;
 }
 
 void SchedulerCore::handle(const PauseJournaled& body, const Inbound& from, Step step) {

@@ -55,8 +55,10 @@ void SchedulerCore::handle(const SignedRecord& body, const Inbound& from, Step s
   if (!asked) {
     for (Run* run : book_.runs()) {
       if (keep_signed_choice(*run, body, step) || keep_signed_skip(*run, body, step) ||
-          keep_signed_abort(*run, body, step))
+          keep_signed_abort(*run, body, step) || keep_signed_hold(*run, body, step) ||
+          keep_signed_end(*run, body, step)) {
         return;
+      }
     }
     return step.out.count("late.signed_record");
   }
@@ -71,6 +73,10 @@ void SchedulerCore::handle(const SignedRecord& body, const Inbound& from, Step s
   executor_.done(step.out);
 }
 
+void SchedulerCore::handle(const Ack& body, const Inbound& from, Step step) {
+  if (from.source == settings_.node && body.state == "out_of_use") lost_.told(step.now, step.out);
+}
+
 void SchedulerCore::handle(const Nack& body, const Inbound& from, Step step) {
   step.out.count("nacked." + std::string(is_typed(body.subtype) ? body.subtype : "opaque"));
   if (from.source == settings_.node && body.subtype == Execute::kSubtype) {
@@ -81,14 +87,23 @@ void SchedulerCore::handle(const Nack& body, const Inbound& from, Step step) {
     return step.out.log(LogLevel::error, "not_signed", body.code + ": " + body.what);
   }
   if (body.subtype == Baton::kSubtype && body.code == errc_name(Errc::conflict)) return ask_newer(body, from, step);
-  // A peer has buried the run and will never journal what it is owed. Its clock alone is not believed.
+  if (body.subtype == Baton::kSubtype && body.code == errc_name(Errc::queue_full)) note_refusal(body, from);
+  // For a peer the run is over, and it will never journal what it is owed. Its word alone is not believed.
   if (body.code != errc_name(Errc::expired)) return;
   for (Run* run : book_.runs()) {
-    const bool over = run->expired(step.now.utc) && body.what.find(run->id()) != std::string::npos;
+    const bool is_over = run->expired(step.steady) || run->aborted() || run->ended();
+    const bool over = is_over && body.what.find(run->id()) != std::string::npos;
     if (over && body.subtype == Results::kSubtype) run->duties.drop(DutyKind::results, from.source);
     if (over && body.subtype == RunAbort::kSubtype) run->duties.drop(DutyKind::abort, from.source);
     if (over && body.subtype == RunDecision::kSubtype) run->duties.drop(DutyKind::decision, from.source);
     if (over && body.subtype == RunPause::kSubtype) run->duties.drop(DutyKind::pause, from.source);
+  }
+}
+
+void SchedulerCore::note_refusal(const Nack& body, const Inbound& from) {
+  for (Run* run : book_.runs()) {
+    const bool is_its = body.what.find(run->id()) != std::string::npos;
+    if (is_its && run->is_member(from.source)) run->refusals[from.source] = body.what;
   }
 }
 

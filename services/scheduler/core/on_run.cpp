@@ -20,6 +20,16 @@ Result<std::vector<Held>> check_all(const std::vector<SignedRecord>& records, co
   return out;
 }
 
+Error expired_before(const std::string& run) {
+  return fail(Errc::expired, "run " + run + " has expired before it came here",
+              "compare the nodes' clocks (trb doctor), or give it a longer life: --expires");
+}
+
+Error no_place() {
+  return fail(Errc::queue_full, std::to_string(Book::kMaxRuns) + " runs are open here",
+              "abort those that nobody needs: trb run list");
+}
+
 Error no_member(const std::string& run, const std::string& node) {
   return fail(Errc::bad_value, "node '" + node + "' is no member of run " + run);
 }
@@ -35,14 +45,13 @@ void SchedulerCore::handle(const RunSubmit& body, const Inbound& from, Step step
   const std::string id = run->id();
   if (!run->is_member(settings_.node)) return refuse(from, no_member(id, settings_.node), step);
   Run* known = book_.find(id);
-  if (book_.is_over(id)) return refuse(from, fail(Errc::expired, "run " + id + " is over"), step);
+  if (const auto over = known == nullptr ? archive_.over(id) : std::nullopt) return refuse_over(id, *over, from, step);
   if (known != nullptr && known->record().payload != body.start.payload) {
     return refuse(from, fail(Errc::conflict, "run " + id + " is known with another start", "draw a new run id"), step);
   }
   if (known == nullptr) {
-    if (run->expired(step.now.utc)) return refuse(from, fail(Errc::expired, "run " + id + " has expired"), step);
-    if (book_.full())
-      return refuse(from, fail(Errc::queue_full, "256 runs are known here", "wait for one to expire"), step);
+    if (run->expired(step.steady)) return refuse(from, expired_before(id), step);
+    if (book_.full()) return refuse(from, no_place(), step);
     install(std::move(*run), body.start, true, step);
   } else if (!known->submitted_here()) {
     const JournalRun fact{known->record(), true};
@@ -59,7 +68,8 @@ Status SchedulerCore::check_baton(const Run& run, const Baton& baton, Step step)
     return fail(Errc::conflict,
                 name + "of epoch " + std::to_string(baton.epoch) + ", this is epoch " + std::to_string(run.epoch()));
   }
-  if (run.expired(step.now.utc)) return fail(Errc::expired, name + "the run has expired");
+  if (run.expired(step.steady)) return fail(Errc::expired, name + "the run has expired");
+  if (run.ended()) return fail(Errc::expired, name + "the run has FINISHED");
   for (const TaskIndex task : baton.tasks) {
     if (task >= run.tasks().size() || !run.concerns(task)) {
       return fail(Errc::bad_value, name + "task " + std::to_string(task) + " is not for '" + settings_.node + "'");
@@ -82,6 +92,7 @@ void SchedulerCore::handle(const Baton& body, const Inbound& from, Step step) {
   auto choices =
       check_all<HeldChoice>(body.choices, [&](const SignedRecord& record) { return run->check_choice(record); });
   if (!choices) return refuse(from, choices.error(), step);
+  if (auto taken = take_orders(*run, body.orders, step); !taken) return refuse(from, taken.error(), step);
   for (HeldResult& held : *results) keep_result(*run, std::move(held), step);
   for (HeldChoice& held : *choices) keep_choice(*run, std::move(held), step);
   step.out.information(from.source, BatonJournaled{body.run, body.epoch, body.tasks});
@@ -98,6 +109,7 @@ void SchedulerCore::handle(const BatonJournaled& body, const Inbound& from, Step
   }
   // A task that has gone and come back in a later epoch has to be passed again.
   if (!run->is_of_epoch(body.tasks, body.epoch)) return step.out.count("late.baton_journaled");
+  run->refusals.erase(from.source);
   delivered(*run, DutyKind::baton, from, body.tasks, body.epoch, step);
 }
 
@@ -107,7 +119,7 @@ void SchedulerCore::handle(const NeedDefinition& body, const Inbound& from, Step
   if (!body.digest.bytes.empty() && body.digest != run->start().digest) {
     return refuse(from, fail(Errc::conflict, "run " + body.run + " has another definition"), step);
   }
-  step.out.reply(from, Definition{run->record(), run->decision_records()});
+  step.out.reply(from, Definition{run->record(), run->decision_records(), run->orders()});
 }
 
 void SchedulerCore::handle(const Definition& body, const Inbound& from, Step step) {
@@ -117,8 +129,8 @@ void SchedulerCore::handle(const Definition& body, const Inbound& from, Step ste
     return refuse(from, fail(Errc::unknown_run, "a definition that nothing waits for"), step);
   }
   auto run = book_.open(body.start);
-  if (run && run->expired(step.now.utc)) run = fail(Errc::expired, "run " + claimed->run + " has expired");
-  if (run && book_.full()) run = fail(Errc::queue_full, "256 runs are known here");
+  if (run && run->expired(step.steady)) run = expired_before(claimed->run);
+  if (run && book_.full()) run = no_place();
   if (!run) {
     step.out.log(LogLevel::warning, "definition_refused", "from '" + from.source + "': " + run.error().text());
     for (const Inbound& message : held_.take(claimed->run, from.source)) refuse(message, run.error(), step);
@@ -128,6 +140,9 @@ void SchedulerCore::handle(const Definition& body, const Inbound& from, Step ste
   install(std::move(*run), body.start, false, step);
   if (auto taken = take_decisions(*book_.find(id), body.decisions, step); !taken) {
     step.out.log(LogLevel::warning, "decisions_refused", "from '" + from.source + "': " + taken.error().text());
+  }
+  if (auto taken = take_orders(*book_.find(id), body.orders, step); !taken) {
+    step.out.log(LogLevel::warning, "orders_refused", "from '" + from.source + "': " + taken.error().text());
   }
   dispatch_held(id, step);
 }

@@ -11,8 +11,7 @@ namespace scheduler {
 
 namespace {
 
-/// Who has ended a task passes it on within seconds; the decider waits longer for it than a restart takes.
-constexpr Duration kPassPatience = std::chrono::seconds(30);
+constexpr Duration kPassAgain = std::chrono::seconds(30);
 constexpr std::size_t kMaxPacked = 512U << 10U;  // half of a message, so that headers and a large result always fit
 
 std::size_t size_of(const SignedRecord& record) {
@@ -58,6 +57,7 @@ Baton baton_for(const Run& run, const std::vector<TaskIndex>& tasks) {
   baton.tasks = tasks;
   for (const TaskIndex task : tasks) add_choice(run, task, baton.choices);
   baton.skipped_tasks.bytes = to_bitmap(run.known_skipped());
+  baton.orders = run.orders();
   return baton;
 }
 
@@ -87,15 +87,9 @@ void SchedulerCore::send(const Run& run, const Duty& duty, Step step) {
 
 /// A robot may have died for good between its result and the pass. A baton that comes twice does no harm.
 void SchedulerCore::pass_overdue(Run& run, Step step) {
-  if (run.pass_version != run.version()) {
-    run.pass_version = run.version();
-    const std::vector<TaskIndex> unpassed = run.unpassed();
-    std::erase_if(run.pass_at, [&](const auto& one) { return !std::ranges::binary_search(unpassed, one.first); });
-    for (const TaskIndex task : unpassed) run.pass_at.try_emplace(task, step.now.mono + kPassPatience);
-  }
   for (auto& [task, at] : run.pass_at) {
     if (at > step.now.mono) continue;
-    at = step.now.mono + kPassPatience;
+    at = step.now.mono + kPassAgain;
     run.pass_instead(task);
   }
 }

@@ -1,6 +1,7 @@
 #include "services/scheduler/core/results.hpp"
 
 #include <algorithm>
+#include <set>
 #include <tuple>
 
 namespace trb::scheduler {
@@ -80,6 +81,18 @@ bool ResultSet::holds(TaskIndex task, const AttemptKey& key, const std::string& 
   if (found == by_task_.end()) return false;
   return std::any_of(found->second.begin(), found->second.end(),
                      [&](const HeldResult& held) { return held.result.key == key && held.result.robot == robot; });
+}
+
+std::vector<std::string> ResultSet::failed_by(TaskIndex task) const {
+  std::set<std::string> out;
+  const auto found = by_task_.find(task);
+  if (found == by_task_.end()) return {};
+  for (const HeldResult& held : found->second) {
+    const TaskOutcome how = held.result.outcome;
+    const bool failed = how == TaskOutcome::failed || how == TaskOutcome::retriable || how == TaskOutcome::interrupted;
+    if (failed) out.insert(held.result.robot);
+  }
+  return {out.begin(), out.end()};
 }
 
 bool ResultSet::finished_twice(TaskIndex task) const {

@@ -36,6 +36,8 @@ class ResultSet {
   [[nodiscard]] bool is_skipped(TaskIndex task) const;
   /// True if there is that robot's result of the attempt: who was replaced may have counted on.
   [[nodiscard]] bool holds(TaskIndex task, const AttemptKey& key, const std::string& robot) const;
+  /// Robots with a result of it that says failed, retriable or interrupted, by id.
+  [[nodiscard]] std::vector<std::string> failed_by(TaskIndex task) const;
   /// Two different FINISHED results of one task and iteration: it may have been done twice.
   [[nodiscard]] bool finished_twice(TaskIndex task) const;
   [[nodiscard]] std::vector<bool> final_tasks(std::size_t tasks) const;

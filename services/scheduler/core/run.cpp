@@ -81,7 +81,8 @@ void Run::index_tasks() {
     const auto task = static_cast<TaskIndex>(i);
     index_.emplace(tasks()[i].id, task);
     has_conditions_ = has_conditions_ || is_conditional(task);
-    skips_on_failure_ = skips_on_failure_ || tasks()[i].on_failure == OnFailure::skip;
+    skips_on_failure_ =
+        skips_on_failure_ || tasks()[i].on_failure == OnFailure::skip || tasks()[i].on_failure == OnFailure::continue_;
     aborts_on_failure_ = aborts_on_failure_ || tasks()[i].on_failure == OnFailure::abort;
   }
   index_own_tasks();
@@ -114,8 +115,13 @@ Result<HeldResult> Run::check_result(const SignedRecord& record) const {
   if (result->epoch == 0 || result->epoch > epoch()) return fail(Errc::conflict, name + "of another epoch");
   if (!task) return fail(Errc::bad_value, name + "no such task");
   const std::uint32_t attempt = result->key.attempt;
-  if (result->key.iteration != 1 || attempt == 0 || attempt > kMaxAttempts || result->outcome == TaskOutcome::none) {
+  const bool skipped = result->outcome == TaskOutcome::skipped;
+  const std::uint32_t most = kMaxAttempts + (skipped ? 1 : 0);
+  if (result->key.iteration != 1 || attempt == 0 || attempt > most || result->outcome == TaskOutcome::none) {
     return fail(Errc::bad_value, name + "no such attempt or outcome");
+  }
+  if (result->goes_on && !(skipped && tasks()[*task].on_failure == OnFailure::continue_)) {
+    return fail(Errc::bad_value, name + "nothing goes on behind it");
   }
   if (result->robot != record.signer || robot_in(*task, result->epoch) != record.signer) {
     return fail(Errc::not_permitted, name + "'" + record.signer + "' is not its robot");
@@ -128,21 +134,9 @@ Result<HeldResult> Run::check_result(const SignedRecord& record) const {
   return HeldResult{record, std::move(*result)};
 }
 
-Result<AbortOrder> Run::check_abort(const SignedRecord& record) const {
-  const auto signer = members_.find(record.signer);
-  if (signer == members_.end()) {
-    return fail(Errc::not_permitted, "run " + id() + ": '" + record.signer + "' is no member");
-  }
-  auto order = open_record<AbortOrder>(record, kSignedRunAbort, signer->second);
-  if (!order) return order;
-  if (order->run != id()) return fail(Errc::conflict, "run " + id() + ": the order is for another run");
-  if (order->by != record.signer) return fail(Errc::source_mismatch, "run " + id() + ": the order names another node");
-  return order;
-}
-
-std::optional<UtcTime> Run::next_end(UtcTime now) const {
-  if (!expired(now)) return UtcTime{start_.expires};
-  if (now < buried_until()) return buried_until();
+std::optional<UtcTime> Run::next_end(UtcTime steady) const {
+  if (!expired(steady)) return UtcTime{start_.expires};
+  if (steady < buried_until()) return buried_until();
   return std::nullopt;
 }
 
@@ -153,11 +147,8 @@ Attempt Run::attempt_for(const JournalStart& fact) const {
   const auto data = data_for(index);
   attempt.execute = {fact.key, fact.epoch, fact.instance, task.skill, data ? *data : task.data, task.timeout_s};
   const std::uint32_t first = std::min(first_attempt_[index], fact.key.attempt);
-  if (fact.key.attempt - first < task.retries) {
-    attempt.when_failed = TaskOutcome::retriable;
-  } else if (task.on_failure == OnFailure::skip) {
-    attempt.when_failed = TaskOutcome::skipped;
-  }
+  attempt.may_retry = fact.key.attempt - first < task.retries && fact.key.attempt < kMaxAttempts;
+  attempt.on_failure = task.on_failure;
   attempt.result.key = fact.key;
   attempt.result.digest = start_.digest;
   attempt.result.epoch = fact.epoch;
@@ -177,10 +168,56 @@ std::vector<TaskIndex> Run::troubles() const {
   std::vector<TaskIndex> out;
   for (const TaskIndex task : results_.tasks()) {
     const HeldResult* held = current(task);
-    const bool stuck = held != nullptr && !is_final(held->result.outcome) && !is_unbound(task);
-    if (stuck || results_.finished_twice(task)) out.push_back(task);
+    const bool stands = held != nullptr && !is_final(held->result.outcome) && !is_unbound(task);
+    if (stands && !ends_run(task, held->result)) out.push_back(task);
   }
   return out;
+}
+
+bool Run::ends_run(TaskIndex task, const TaskResult& result) const {
+  return tasks()[task].on_failure == OnFailure::abort &&
+         (result.outcome == TaskOutcome::failed || result.outcome == TaskOutcome::interrupted);
+}
+
+std::optional<TaskIndex> Run::ending_task() const {
+  if (!aborts_on_failure_) return std::nullopt;
+  for (const TaskIndex task : results_.tasks()) {
+    const HeldResult* held = current(task);
+    const bool says = held != nullptr && (held->result.robot == self_ || self_ == judge());
+    if (says && ends_run(task, held->result)) return task;
+  }
+  return std::nullopt;
+}
+
+std::vector<TaskIndex> Run::due() const {
+  std::vector<TaskIndex> out;
+  const bool knows_all = self_ == judge();
+  for (std::size_t i = 0; i < tasks().size(); ++i) {
+    const auto task = static_cast<TaskIndex>(i);
+    if (results_.has_final(task) || current(task) != nullptr || progress.contains(task)) continue;
+    const bool ours = robot_of(task) == self_;
+    if (!ours && !knows_all && !duties.owes_baton(task)) continue;
+    if (ours && (begun(task) || unbegun.contains(task))) continue;
+    if (all_before_final(task) && fate_of(task) == Fate::goes) out.push_back(task);
+  }
+  return out;
+}
+
+std::vector<TaskIndex> Run::choosing_elsewhere() const {
+  std::vector<TaskIndex> out;
+  if (self_ != judge()) return out;
+  for (std::size_t i = 0; i < tasks().size(); ++i) {
+    const auto task = static_cast<TaskIndex>(i);
+    const bool open = is_conditional(task) && !chooses_here(task) && current(task) == nullptr;
+    if (open && all_before_final(task) && fate_of(task) == Fate::undecided) out.push_back(task);
+  }
+  return out;
+}
+
+bool Run::is_idle() const {
+  const bool done =
+      std::all_of(own_tasks_.begin(), own_tasks_.end(), [&](TaskIndex task) { return results_.has_final(task); });
+  return done && duties.empty() && needs.empty() && skips.empty() && inquiries.empty();
 }
 
 bool Run::wants_robot(TaskIndex task) const {

@@ -59,6 +59,8 @@ class Run {
   [[nodiscard]] const std::vector<SignedRecord>& decision_records() const { return decision_records_; }
   /// The only node that may decide on this run: the first cloud node among the start's members; empty: none.
   [[nodiscard]] const std::string& decider() const { return decider_; }
+  /// Who holds every result in the end, and says that the run has FINISHED: the decider, or without one the submitter.
+  [[nodiscard]] const std::string& judge() const { return decider_.empty() ? start_.submitter : decider_; }
   /// The start has left it to the decider to choose its robot, and that has not happened: the decider's node holds it.
   [[nodiscard]] bool is_unbound(TaskIndex task) const { return !is_ruled(task) && robot_of(task) == decider_; }
   /// It is due, and the decider's node has said that it has no robot.
@@ -67,12 +69,13 @@ class Run {
   [[nodiscard]] bool has_conditions() const { return has_conditions_; }
   /// True if this node may have to say of a task that it is SKIPPED.
   [[nodiscard]] bool may_skip() const { return has_conditions_ || skips_on_failure_ || !decisions_.empty(); }
-  [[nodiscard]] bool aborts_on_failure() const { return aborts_on_failure_; }
   /// Who evaluates a task's condition.
   [[nodiscard]] const std::string& chooser_of(TaskIndex task) const {
     return robot_of(trb::chooser_of(start_.scenario, task));
   }
   [[nodiscard]] bool chooses_here(TaskIndex task) const { return is_conditional(task) && chooser_of(task) == self_; }
+  /// True if this node executes the task.
+  [[nodiscard]] bool is_own(TaskIndex task) const { return robot_of(task) == self_; }
   /// True if this node executes the task or evaluates its condition.
   [[nodiscard]] bool concerns(TaskIndex task) const { return robot_of(task) == self_ || chooses_here(task); }
   [[nodiscard]] std::optional<TaskIndex> index_of(const std::string& task) const;
@@ -81,11 +84,12 @@ class Run {
   [[nodiscard]] const std::vector<std::string>& members() const { return member_ids_; }
   /// The cloud nodes among the members, without this one, in the order of the start.
   [[nodiscard]] std::vector<std::string> clouds() const;
-  [[nodiscard]] bool expired(UtcTime now) const { return now.ns >= start_.expires; }
+  /// By the steady time, here and below.
+  [[nodiscard]] bool expired(UtcTime steady) const { return steady.ns >= start_.expires; }
   /// Until when messages about it are refused once it is over.
   [[nodiscard]] UtcTime buried_until() const { return UtcTime{start_.expires} + std::chrono::hours(24); }
-  /// The next moment at which time alone changes something.
-  [[nodiscard]] std::optional<UtcTime> next_end(UtcTime now) const;
+  /// The next moment at which its time to live changes something.
+  [[nodiscard]] std::optional<UtcTime> next_end(UtcTime steady) const;
 
   /// Checks a result of this run: signer, digest, epoch, task, assignee. Errors: not_permitted, conflict, bad_value and
   /// those of open_record.
@@ -103,6 +107,8 @@ class Run {
   [[nodiscard]] Result<PauseOrder> check_pause(const SignedRecord& record) const;
   /// Checks an order to abort this run. Errors: not_permitted, conflict and those of open_record.
   [[nodiscard]] Result<AbortOrder> check_abort(const SignedRecord& record) const;
+  /// Checks the judge's word that this run has FINISHED. Errors: not_permitted, conflict and those of open_record.
+  [[nodiscard]] Result<RunEnd> check_end(const SignedRecord& record) const;
 
   // What is journaled. Errors (of a journal that was not written by this service): bad_value, conflict.
   Status apply(const JournalRun& fact);
@@ -113,6 +119,7 @@ class Run {
   Status apply(const JournalAbort& fact);
   Status apply(const JournalDecision& fact);
   Status apply(const JournalPause& fact);
+  Status apply(const JournalEnd& fact);
   /// The same as apply(JournalResult) for a result that check_result has passed; true if it was new.
   bool add(HeldResult held);
   /// The same for a choice that check_choice has passed. What is chosen stays chosen: false if every task of it is.
@@ -139,18 +146,41 @@ class Run {
   [[nodiscard]] const PauseOrder* pause() const { return pause_ ? &*pause_ : nullptr; }
   [[nodiscard]] const SignedRecord& pause_record() const { return pause_record_; }
   [[nodiscard]] bool held() const { return pause_ && pause_->paused; }
-  /// True if that order counts more than the one that is known.
+  /// It names every task that the known order names as done twice: a person has looked at them.
+  [[nodiscard]] bool names_doubles(const PauseOrder& order) const;
+  /// True if that order counts more than the one that is known. One that lets the run go on must name its doubles.
   [[nodiscard]] bool is_newer(const PauseOrder& order) const;
   [[nodiscard]] bool aborted() const { return abort_.has_value(); }
   [[nodiscard]] const SignedRecord& abort_order() const { return *abort_; }
-  [[nodiscard]] bool abort_ordered_here() const { return abort_ordered_here_; }
+  /// The orders that count, as they travel with definition and baton.
+  [[nodiscard]] std::vector<SignedRecord> orders() const;
+  /// Tasks that were done twice, ascending.
+  [[nodiscard]] std::vector<std::string> doubles() const;
+  /// There is one that the last order to hold the run, or to let it go on, does not name.
+  [[nodiscard]] bool has_new_double() const;
+  /// It is held because of tasks that were done twice.
+  [[nodiscard]] bool held_for_doubles() const { return held() && !pause_->doubles.empty(); }
+  /// The judge's word that it has FINISHED is held.
+  [[nodiscard]] bool ended() const { return end_.has_value(); }
+  [[nodiscard]] const std::optional<SignedRecord>& end() const { return end_; }
   /// A start record without a result: nobody has said yet how it ended.
   [[nodiscard]] const JournalStart* open_start() const;
   /// The attempt that a start record is for.
   [[nodiscard]] Attempt attempt_for(const JournalStart& fact) const;
   [[nodiscard]] bool all_final() const;
-  /// The tasks that stand in the way of the run: failed, retriable, interrupted, or finished twice.
+  /// The tasks that wait for a word: failed, retriable, interrupted. What follows them waits, other branches go on.
   [[nodiscard]] std::vector<TaskIndex> troubles() const;
+  /// The task whose failure ends the run: its robot orders the abort, and the judge, if the robot is gone by then.
+  [[nodiscard]] std::optional<TaskIndex> ending_task() const;
+  /// Nothing stands before them on this node, and they are not known to have begun; ascending. Of tasks of other nodes
+  /// only the judge knows, and who owes their batons.
+  [[nodiscard]] std::vector<TaskIndex> due() const;
+  /// Tasks of the judge's view that are behind nothing but their condition, which another node evaluates; ascending.
+  [[nodiscard]] std::vector<TaskIndex> choosing_elsewhere() const;
+  /// This node has nothing left to do: its tasks are final, and nothing is owed.
+  [[nodiscard]] bool is_idle() const;
+  /// Robots whose attempts at the task have not done it.
+  [[nodiscard]] std::vector<std::string> failed_by(TaskIndex task) const { return results_.failed_by(task); }
   /// This node's tasks that could begin: not begun yet, all predecessors' final results held; ascending.
   [[nodiscard]] std::vector<TaskIndex> startable() const { return own_tasks_that(Fate::goes); }
   [[nodiscard]] std::vector<TaskIndex> unpassed() const;
@@ -198,9 +228,16 @@ class Run {
   std::map<TaskIndex, std::string> unbegun;     ///< why the task cannot be begun, and fails
   std::map<TaskIndex, MonotonicTime> retry_at;  ///< when a task may be tried again
   std::map<TaskIndex, MonotonicTime> pass_at;   ///< when the decider passes it on itself
-  std::uint64_t pass_version = 0;               ///< of the facts behind pass_at
+  std::map<TaskIndex, MonotonicTime> due_at;    ///< since when a task is due, as far as this node has seen
+  std::uint64_t looked_version = 0;             ///< of the facts behind pass_at and due_at
   std::set<TaskIndex> asked_back;               ///< by the decider
+  std::optional<MonotonicTime> served;          ///< when this node's robot last began a task of it
   std::optional<Signature> abort_signature;     ///< of the order that a failed task makes this node give
+  std::optional<Signature> hold_signature;      ///< of the order that a task done twice makes the judge give
+  std::optional<Signature> end_signature;       ///< of the judge's word that it has FINISHED
+  std::optional<MonotonicTime> over_at;         ///< when it goes to the archive
+  std::map<std::string, std::string> refusals;  ///< who does not take its baton, and why
+  Pace need_end;                                ///< when the judge is asked whether it is over
   std::set<std::string> asked_decisions;        ///< whom the decisions were asked of
   std::set<std::string> confirm_to;             ///< members that wait for AbortConfirmed
 
@@ -233,6 +270,10 @@ class Run {
   /// To whom a task goes from here: who evaluates its condition, if that is not known to have happened, then its robot.
   [[nodiscard]] const std::string& next_hand(TaskIndex task) const;
   void owe_batons(const std::vector<TaskIndex>& tasks);
+  void owe_to_members(DutyKind kind);
+  [[nodiscard]] bool ends_run(TaskIndex task, const TaskResult& result) const;
+  /// It is SKIPPED, and so is what follows nothing else.
+  [[nodiscard]] bool takes_along(TaskIndex task) const;
 
   std::string self_;
   FleetAuthority authority_;
@@ -248,7 +289,6 @@ class Run {
       passed_;  ///< in which epoch a task's baton was journaled there
   std::optional<PauseOrder> pause_;
   SignedRecord pause_record_;
-  bool pause_ordered_here_ = false;
   std::uint64_t version_ = 0;
   SignedRecord record_;
   RunStart start_;
@@ -265,7 +305,7 @@ class Run {
   std::map<TaskIndex, std::shared_ptr<const HeldChoice>> choices_;
   std::map<TaskIndex, JournalStart> starts_;
   std::optional<SignedRecord> abort_;
-  bool abort_ordered_here_ = false;
+  std::optional<SignedRecord> end_;
   std::vector<bool> heard_;
   std::vector<bool> heard_skipped_;
 };

@@ -3,6 +3,7 @@
 
 #include "common/scenario/condition.hpp"
 #include "proto/body.hpp"
+#include "proto/value.hpp"
 #include "services/scheduler/core/run.hpp"
 
 namespace trb::scheduler {
@@ -49,10 +50,14 @@ bool Run::all_before_final(TaskIndex task) const {
   return std::all_of(after.begin(), after.end(), [&](TaskIndex before) { return results_.has_final(before); });
 }
 
+bool Run::takes_along(TaskIndex task) const {
+  return results_.is_skipped(task) && !results_.of(task)->result.goes_on;
+}
+
 bool Run::all_before_skipped(TaskIndex task) const {
   const auto& after = tasks()[task].after;
   return !after.empty() &&
-         std::all_of(after.begin(), after.end(), [&](TaskIndex before) { return results_.is_skipped(before); });
+         std::all_of(after.begin(), after.end(), [&](TaskIndex before) { return takes_along(before); });
 }
 
 Fate Run::fate_of(TaskIndex task) const {
@@ -102,9 +107,11 @@ TaskResult Run::released_result(TaskIndex task, UtcTime now) const {
 }
 
 TaskResult Run::unbegun_result(TaskIndex task, const std::string& why, UtcTime now) const {
-  const bool passes = tasks()[task].on_failure == OnFailure::skip;
+  const OnFailure then = tasks()[task].on_failure;
+  const bool passes = then == OnFailure::skip || then == OnFailure::continue_;
   TaskResult out = own_result(task, passes ? TaskOutcome::skipped : TaskOutcome::failed, now);
-  out.reason = why.substr(0, 1024);
+  out.goes_on = then == OnFailure::continue_;
+  out.reason = cut_utf8(why, 1024);
   return out;
 }
 
@@ -112,15 +119,16 @@ TaskResult Run::skipped_result(TaskIndex task, UtcTime now) const {
   TaskResult out = own_result(task, TaskOutcome::skipped, now);
   const HeldChoice* held = choice_on(task);
   if (robot_of(task) == decider_ && is_ruled(task)) {
+    out.goes_on = tasks()[task].on_failure == OnFailure::continue_;
     const Decision& by = decisions_[since_[task] - 2];
-    out.reason = ("by decision of " + (by.person.empty() ? "the policy" : "'" + by.person + "'") +
-                  (by.reason.empty() ? "" : ": " + by.reason))
-                     .substr(0, 1024);
+    out.reason = cut_utf8("by decision of " + (by.person.empty() ? "the policy" : "'" + by.person + "'") +
+                              (by.reason.empty() ? "" : ": " + by.reason),
+                          1024);
   } else if (all_before_skipped(task) || held == nullptr) {
     out.reason = "every task before it was skipped";
   } else {
     const Choice& choice = held->choice;
-    out.reason = verdict_text(tasks()[task].when.front(), choice.node, choice.reading).substr(0, 1024);
+    out.reason = cut_utf8(verdict_text(tasks()[task].when.front(), choice.node, choice.reading), 1024);
     out.data = to_json(choice.reading);
   }
   return out;

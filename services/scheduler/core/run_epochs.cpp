@@ -84,9 +84,13 @@ Status Run::check_ruling(const Decision& decision, const TaskRuling& ruling) con
   const std::string name = "run " + id() + ": decision: task '" + ruling.task + "': ";
   const auto task = index_of(ruling.task);
   if (!task) return fail(Errc::bad_value, name + "no such task");
-  if (ruling.attempt <= first_attempt_[*task] || ruling.attempt > kMaxAttempts) {
-    return fail(Errc::bad_value, name + "attempt " + std::to_string(ruling.attempt) + " is not one of " +
-                                     std::to_string(first_attempt_[*task] + 1) + " to 64");
+  // Where all attempts are used up it can still be skipped.
+  const std::uint32_t most = kMaxAttempts + (ruling.ruling == Ruling::skip ? 1 : 0);
+  if (ruling.attempt <= first_attempt_[*task] || ruling.attempt > most) {
+    return fail(Errc::bad_value,
+                name + "attempt " + std::to_string(ruling.attempt) + " is not one of " +
+                    std::to_string(first_attempt_[*task] + 1) + " to " + std::to_string(most),
+                "skip it, or abort the run");
   }
   const auto known = members_.find(ruling.robot);
   const bool added = std::any_of(decision.members.begin(), decision.members.end(),
@@ -119,6 +123,9 @@ Status Run::check_grounds(const Decision& decision) const {
       return fail(Errc::conflict, name + "is " + std::string(name_of(held->result.outcome)) + " already",
                   "look at the run, decide anew");
     }
+    if (held != nullptr && ends_run(task, held->result)) {
+      return fail(Errc::conflict, name + "has failed, and that ends the run");
+    }
     if (ruling.evidence == Evidence::result && held == nullptr) {
       return fail(Errc::conflict, name + "has not been given up by '" + robot_of(task) + "'",
                   "ask it back, or give your word that the robot stands");
@@ -140,10 +147,7 @@ Status Run::apply(const JournalDecision& fact) {
   decision_records_.push_back(fact.decision);
   adopt(*decision);
   ++version_;
-  if (!fact.decided_here) return Done{};
-  for (const std::string& member : member_ids_) {
-    if (member != self_) duties.owe(DutyKind::decision, member, {});
-  }
+  if (fact.decided_here) owe_to_members(DutyKind::decision);
   return Done{};
 }
 
@@ -151,8 +155,8 @@ void Run::adopt(const Decision& decision) {
   const auto added = open_new_members(decision);
   for (const auto& [member, certificate] : *added) {
     members_.emplace(member, certificate);
-    if (pause_ordered_here_) duties.owe(DutyKind::pause, member, {});
-    if (abort_ordered_here_) duties.owe(DutyKind::abort, member, {});
+    if (pause_) duties.owe(DutyKind::pause, member, {});
+    if (abort_) duties.owe(DutyKind::abort, member, {});
   }
   for (const Member& member : decision.members) member_ids_.push_back(member.id);
   decisions_.push_back(decision);
@@ -169,7 +173,7 @@ void Run::adopt(const Decision& decision) {
     waits.erase(task);
   }
   index_own_tasks();
-  if (!aborted()) owe_batons_anew();
+  if (!aborted() && !ended()) owe_batons_anew();
 }
 
 void Run::index_own_tasks() {
@@ -192,7 +196,7 @@ const HeldResult* Run::current(TaskIndex task) const {
 
 bool Run::tries_again(TaskIndex task, const TaskResult& result) const {
   return result.outcome == TaskOutcome::retriable && result.key.attempt >= first_attempt_[task] &&
-         result.key.attempt - first_attempt_[task] < tasks()[task].retries;
+         result.key.attempt < kMaxAttempts && result.key.attempt - first_attempt_[task] < tasks()[task].retries;
 }
 
 Duration Run::retry_pause(TaskIndex task) const {
@@ -251,7 +255,7 @@ bool Run::decider_gives(TaskIndex task) const {
 /// Tasks that nobody is known to have passed on, though the decider, this node, holds every result before them.
 std::vector<TaskIndex> Run::unpassed() const {
   std::vector<TaskIndex> out;
-  if (self_ != decider_ || aborted() || held()) return out;
+  if (self_ != decider_ || aborted() || ended() || held()) return out;
   for (std::size_t i = 0; i < tasks().size(); ++i) {
     const auto task = static_cast<TaskIndex>(i);
     const bool is_open = results_.of(task) == nullptr && !tasks()[task].after.empty() && next_hand(task) != self_;
@@ -282,45 +286,6 @@ void Run::owe_batons_anew() {
     if (!results_.has_final(task) && !has_passed(task) && gives(task)) open.push_back(task);
   }
   owe_batons(open);
-}
-
-Result<PauseOrder> Run::check_pause(const SignedRecord& record) const {
-  const auto signer = members_.find(record.signer);
-  if (signer == members_.end()) {
-    return fail(Errc::not_permitted, "run " + id() + ": '" + record.signer + "' is no member");
-  }
-  auto order = open_record<PauseOrder>(record, kSignedRunPause, signer->second);
-  if (!order) return order;
-  if (order->run != id()) return fail(Errc::conflict, "run " + id() + ": the order is for another run");
-  if (order->by != record.signer) return fail(Errc::source_mismatch, "run " + id() + ": the order names another node");
-  if (order->number == 0 || order->number > kMaxPauses + (order->paused ? 0 : 1)) {
-    return fail(Errc::bad_value,
-                "run " + id() + ": number " + std::to_string(order->number) + " is not one of 1 to " +
-                    std::to_string(kMaxPauses),
-                "who was held so often is aborted and begun anew");
-  }
-  return order;
-}
-
-bool Run::is_newer(const PauseOrder& order) const {
-  if (!pause_ || order.number != pause_->number) return !pause_ || order.number > pause_->number;
-  return order.paused && !pause_->paused;
-}
-
-Status Run::apply(const JournalPause& fact) {
-  auto order = check_pause(fact.order);
-  if (!order) return order.error();
-  if (!is_newer(*order)) return Done{};
-  pause_ = std::move(*order);
-  pause_record_ = fact.order;
-  pause_ordered_here_ = fact.ordered_here;
-  ++version_;
-  duties.drop(DutyKind::pause);
-  if (!pause_ordered_here_) return Done{};
-  for (const std::string& member : member_ids_) {
-    if (member != self_) duties.owe(DutyKind::pause, member, {});
-  }
-  return Done{};
 }
 
 }  // namespace trb::scheduler

@@ -72,21 +72,6 @@ Status Run::apply(const JournalDelivered& fact) {
   return Done{};
 }
 
-Status Run::apply(const JournalAbort& fact) {
-  if (auto order = check_abort(fact.order); !order) return order.error();
-  if (!abort_) abort_ = fact.order;
-  ++version_;
-  abort_signature.reset();
-  duties.drop(DutyKind::baton);
-  needs.clear();
-  if (!fact.ordered_here || abort_ordered_here_) return Done{};
-  abort_ordered_here_ = true;
-  for (const std::string& member : member_ids_) {
-    if (member != self_) duties.owe(DutyKind::abort, member, {});
-  }
-  return Done{};
-}
-
 bool Run::add(HeldResult held) {
   const TaskIndex task = *index_of(held.result.key.task);
   const bool was_final = results_.has_final(task);

@@ -4,8 +4,11 @@ namespace trb {
 
 using namespace scheduler;
 
-SchedulerCore::SchedulerCore(SchedulerSettings settings)
-    : settings_(std::move(settings)), book_(settings_.node, settings_.authority), executor_(settings_.node) {}
+SchedulerCore::SchedulerCore(SchedulerSettings settings, const Archive& archive)
+    : settings_(std::move(settings)),
+      archive_(archive),
+      book_(settings_.node, settings_.authority),
+      executor_(settings_.node) {}
 
 std::vector<std::string> SchedulerCore::subtypes() {
   std::vector<std::string> out;
@@ -19,7 +22,8 @@ std::vector<std::string> SchedulerCore::subtypes() {
                              ExecutionState::kSubtype, Outcome::kSubtype,
                              RunDecision::kSubtype,    DecisionJournaled::kSubtype,
                              ReleaseTasks::kSubtype,   RunPause::kSubtype,
-                             PauseJournaled::kSubtype, RunWatch::kSubtype}) {
+                             PauseJournaled::kSubtype, RunWatch::kSubtype,
+                             RunOver::kSubtype,        NeedEnd::kSubtype}) {
     out.emplace_back(subtype);
   }
   return out;
@@ -27,7 +31,13 @@ std::vector<std::string> SchedulerCore::subtypes() {
 
 Status SchedulerCore::restore(std::span<const Body> records) {
   for (const Body& record : records) {
-    if (auto applied = book_.apply(record); !applied) return applied;
+    if (const auto* time = get_if<JournalTime>(&record)) {
+      steady_.restore({time->steady});
+    } else if (const auto* lost = get_if<JournalLost>(&record)) {
+      lost_.restore(*lost);
+    } else if (auto applied = book_.apply(record); !applied) {
+      return applied;
+    }
   }
   return Done{};
 }
@@ -43,28 +53,30 @@ void SchedulerCore::on_welcome(const NodeIdentity& node, Now now, Outbox& out) {
     for (auto& [task, need] : run->needs) need.timer.restart();
     for (Inquiry& inquiry : run->inquiries) inquiry.restart(now);
     for (auto& [task, signature] : run->skips) signature.next = now.mono;
-    if (run->abort_signature) run->abort_signature->next = now.mono;
+    for (auto* signature : {&run->abort_signature, &run->hold_signature, &run->end_signature}) {
+      if (*signature) (*signature)->next = now.mono;
+    }
   }
   last_ = now;
   resume_attempt();
   if (settings_.has_robot) executor_.welcome(now, out);
-  advance({now, out});
+  advance(step_at(now, out));
 }
 
 void SchedulerCore::on(const Inbound& message, Now now, Outbox& out) {
-  const Step step{now, out};
-  book_.forget(now.utc);
+  const Step step = step_at(now, out);
   dispatch(message, step);
   advance(step);
 }
 
 void SchedulerCore::tick(Now now, Outbox& out) {
-  advance({now, out});
+  advance(step_at(now, out));
 }
 
 std::optional<MonotonicTime> SchedulerCore::next_deadline() const {
   if (!last_) return std::nullopt;
   std::optional<MonotonicTime> out = earlier(executor_.next_deadline(), held_.next());
+  out = earlier(earlier(out, steady_.next()), lost_.next());
   for (const Run* run : book_.runs()) {
     out = earlier(out, run->duties.next());
     for (const auto& [task, need] : run->needs) out = earlier(out, need.timer.next());
@@ -72,8 +84,17 @@ std::optional<MonotonicTime> SchedulerCore::next_deadline() const {
     for (const auto& [task, signature] : run->skips) out = earlier(out, signature.next);
     for (const auto& [task, at] : run->retry_at) out = earlier(out, at);
     for (const auto& [task, at] : run->pass_at) out = earlier(out, at);
-    if (run->abort_signature) out = earlier(out, run->abort_signature->next);
-    if (const auto end = run->next_end(last_->utc)) out = earlier(out, last_->mono + Duration{end->ns - last_->utc.ns});
+    for (const auto* signature : {&run->abort_signature, &run->hold_signature, &run->end_signature}) {
+      if (*signature) out = earlier(out, (*signature)->next);
+    }
+    for (const auto& [task, at] : run->due_at) {
+      const double within_s = run->tasks()[task].start_within_s;
+      const MonotonicTime late = at + seconds(within_s);
+      if (within_s > 0 && run->is_own(task) && late > last_->mono) out = earlier(out, late);
+    }
+    out = earlier(earlier(out, run->over_at), run->need_end.next());
+    if (const auto end = run->next_end(last_steady_))
+      out = earlier(out, last_->mono + Duration{end->ns - last_steady_.ns});
   }
   return out;
 }
@@ -95,10 +116,18 @@ void SchedulerCore::refuse(const Inbound& from, const Error& error, Step step) {
   step.out.nack(from, error);
 }
 
+void SchedulerCore::refuse_over(const std::string& run, const Over& over, const Inbound& from, Step step) {
+  if (!over.end.kind.empty() && from.source != settings_.node) step.out.information(from.source, RunOver{over.end});
+  refuse(from,
+         fail(Errc::expired, "run " + run + " is over: " + std::string(name_of(over.state)), "trb run show has it"),
+         step);
+}
+
 Run* SchedulerCore::run_for(const std::string& run, const Inbound& from, Step step) {
   Run* known = book_.find(run);
-  if (book_.is_over(run)) {
-    refuse(from, fail(Errc::expired, "run " + run + " is over"), step);
+  const auto over = known == nullptr ? archive_.over(run) : std::nullopt;
+  if (over) {
+    refuse_over(run, *over, from, step);
   } else if (known == nullptr) {
     refuse(from, fail(Errc::unknown_run, "run " + run + " is not known on '" + settings_.node + "'"), step);
   } else if (!known->is_member(from.source)) {
@@ -111,9 +140,12 @@ Run* SchedulerCore::run_for(const std::string& run, const Inbound& from, Step st
 
 Run* SchedulerCore::run_or_hold(const std::string& run, const Blob& digest, const Inbound& from, Step step) {
   const bool answer = from.reply_to != 0 || from.source == settings_.node;
-  if (answer || book_.find(run) != nullptr || book_.is_over(run)) return run_for(run, from, step);
+  if (answer || book_.find(run) != nullptr || archive_.over(run)) return run_for(run, from, step);
   if (book_.full() || !held_.add(run, from, step.now.mono)) {
-    refuse(from, fail(Errc::queue_full, "no place for run " + run + " on '" + settings_.node + "'"), step);
+    refuse(from,
+           fail(Errc::queue_full, "no place for run " + run + " on '" + settings_.node + "'",
+                "end some of its " + std::to_string(book_.runs().size()) + " open runs: trb run list"),
+           step);
   } else {
     step.out.request(from.source, NeedDefinition{run, digest});
   }

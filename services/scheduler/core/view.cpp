@@ -9,13 +9,12 @@
 namespace trb::scheduler {
 namespace {
 
+constexpr std::size_t kShownData = 1024;
+
 std::string trouble_text(const Run& run, TaskIndex task) {
   const TaskResult& result = run.results().of(task)->result;
   const std::string where = "task '" + result.key.task + "' ";
   const std::string why = result.reason.empty() ? std::string("no reason given") : result.reason;
-  if (run.results().finished_twice(task)) {
-    return "a person: " + where + "has two different results on '" + result.robot + "' (double_execution)";
-  }
   if (result.outcome == TaskOutcome::interrupted) {
     return "a person has to decide: " + where + "was interrupted on '" + result.robot + "': " + why;
   }
@@ -24,6 +23,29 @@ std::string trouble_text(const Run& run, TaskIndex task) {
   }
   return where + (result.outcome == TaskOutcome::failed ? "failed" : "is retriable") + " on '" + result.robot +
          "': " + why;
+}
+
+/// What does not wait for that word, in the order of the file.
+std::string going_on(const Run& run, const Executor& executor) {
+  constexpr std::size_t kNamed = 3;
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < run.tasks().size(); ++i) {
+    const auto task = static_cast<TaskIndex>(i);
+    const bool here = executor.runs(run.id()) && executor.attempt()->execute.key.task == run.tasks()[task].id;
+    if (here || run.progress.contains(task) || run.due_at.contains(task)) {
+      names.push_back("'" + run.tasks()[task].id + "' on '" + run.robot_of(task) + "'");
+    }
+  }
+  std::string out;
+  for (std::size_t i = 0; i < names.size() && i < kNamed; ++i)
+    out += (i == 0 ? "; meanwhile goes on: " : ", ") + names[i];
+  return out + (names.size() > kNamed ? " and " + std::to_string(names.size() - kNamed) + " more" : "");
+}
+
+std::string troubles_text(const Run& run, const Executor& executor) {
+  const std::vector<TaskIndex> troubles = run.troubles();
+  const std::string others = troubles.size() > 1 ? " (and " + std::to_string(troubles.size() - 1) + " more)" : "";
+  return trouble_text(run, troubles.front()) + others + going_on(run, executor);
 }
 
 std::string held_text(const Run& run) {
@@ -41,10 +63,10 @@ std::optional<TaskIndex> first_unbound(const Run& run) {
 }
 
 /// Choosing takes a moment; what takes longer waits for a robot to come.
-bool lacks_robot(const Run& run, UtcTime now) {
+bool lacks_robot(const Run& run, UtcTime steady) {
   constexpr Duration kChoosing = std::chrono::seconds(10);
   const auto task = first_unbound(run);
-  return task && now >= UtcTime{run.results().of(*task)->result.ended} + kChoosing;
+  return task && steady >= UtcTime{run.results().of(*task)->result.ended} + kChoosing;
 }
 
 std::string unbound_text(const Run& run) {
@@ -71,7 +93,7 @@ std::string robot_text(const Run& run, const Executor& executor) {
     return "task '" + attempt.execute.key.task + "': " + executor.obstacle();
   }
   for (const TaskIndex task : run.startable()) {
-    const std::string obstacle = executor.obstacle();
+    const std::string obstacle = executor.obstacle(run.tasks()[task].skill);
     if (!obstacle.empty()) return "task '" + run.tasks()[task].id + "': " + obstacle;
   }
   return {};
@@ -88,34 +110,41 @@ std::string condition_obstacle(const Run& run) {
   return {};
 }
 
-/// When everything that stands before the task was final.
-UtcTime due_since(const Run& run, TaskIndex task) {
-  std::int64_t out = run.start().created;
-  for (const TaskIndex before : run.tasks()[task].after) {
-    out = std::max(out, run.results().of(before)->result.ended);
+/// What a task that is due waits for, as far as this node knows.
+std::string due_text(const Run& run, const Executor& executor, TaskIndex task) {
+  const std::string& robot = run.robot_of(task);
+  if (run.is_own(task)) {
+    const bool here = executor.runs(run.id()) && executor.attempt()->execute.key.task == run.tasks()[task].id;
+    const std::string obstacle = executor.obstacle(run.tasks()[task].skill);
+    if (!obstacle.empty() || here || !executor.attempt()) return obstacle;
+    return "task '" + executor.attempt()->execute.key.task + "' of run " + executor.attempt()->execute.key.run +
+           " to end on '" + robot + "'";
   }
-  return UtcTime{out};
+  if (run.duties.owes_baton(task)) {
+    const auto refusal = run.refusals.find(robot);
+    return "'" + robot + "' to take its baton" + (refusal == run.refusals.end() ? "" : ": " + refusal->second);
+  }
+  const auto& after = run.tasks()[task].after;
+  const std::string& giver = after.empty() ? run.start().submitter : run.robot_of(after.back());
+  return "'" + robot + "' to begin task '" + run.tasks()[task].id + "', passed on by '" + giver + "'";
 }
 
 /// A task that could begin, and of which nothing is heard: who has to pass it on may be gone as well as who has to do
-/// it. Only the decider holds every result and is told of every beginning.
-std::string handover_text(const Run& run, UtcTime now) {
+/// it.
+std::string handover_text(const Run& run, const Executor& executor, MonotonicTime now) {
   constexpr Duration kUsual = std::chrono::seconds(10);
-  const std::vector<std::string> clouds = run.clouds();
-  if (std::find(clouds.begin(), clouds.end(), run.decider()) != clouds.end()) return {};
-  for (std::size_t i = 0; i < run.tasks().size(); ++i) {
-    const auto task = static_cast<TaskIndex>(i);
-    const auto& after = run.tasks()[task].after;
-    const bool due = run.current(task) == nullptr && run.robot_of(task) != run.decider() &&
-                     std::all_of(after.begin(), after.end(), [&](TaskIndex is) { return run.results().has_final(is); });
-    if (!due || run.progress.contains(task) || now < due_since(run, task) + kUsual) continue;
-    const std::string name = "task '" + run.tasks()[task].id + "'";
-    const bool chooses = run.is_conditional(task) && run.choice_on(task) == nullptr;
-    if (chooses) return "'" + run.chooser_of(task) + "' to evaluate the condition of " + name;
-    const std::string& giver = after.empty() ? run.start().submitter : run.robot_of(after.back());
-    return "'" + run.robot_of(task) + "' to begin " + name + ", passed on by '" + giver + "'";
+  for (const auto& [task, since] : run.due_at) {
+    if (now >= since + kUsual) return due_text(run, executor, task);
   }
+  for (const TaskIndex task : run.choosing_elsewhere()) {
+    return "'" + run.chooser_of(task) + "' to evaluate the condition of task '" + run.tasks()[task].id + "'";
+  }
+  for (const auto& [node, why] : run.refusals) return "'" + node + "' to take the run: " + why;
   return {};
+}
+
+double left_s(const Run& run, Clock clock) {
+  return std::max(0.0, to_seconds(Duration{run.start().expires - clock.steady.ns}));
 }
 
 std::string condition_of(const Run& run, TaskIndex task) {
@@ -166,6 +195,10 @@ TaskView task_view(const Run& run, const Executor& executor, TaskIndex task, Kno
   view.id = is.id;
   if (!run.is_unbound(task)) view.robot = run.robot_of(task);
   view.skill = is.skill;
+  view.failed_by = run.failed_by(task);
+  view.twice = run.results().finished_twice(task);
+  view.due = run.due_at.contains(task);
+  if (view.due) view.waits_for = cut_utf8(due_text(run, executor, task), kDefaultMaxSize);
   view.after = is.after;
   view.condition = condition_of(run, task);
   // A task comes from no robot if the decider's node has held it.
@@ -184,45 +217,48 @@ TaskView task_view(const Run& run, const Executor& executor, TaskIndex task, Kno
   view.started = result.started;
   view.ended = result.ended;
   view.duration_s = result.duration_s;
+  view.data = cut_utf8(result.data, kShownData);
   return view;
 }
 
 }  // namespace
 
-RunState state_of(const Run& run, const Executor& executor, UtcTime now) {
+RunState state_of(const Run& run, const Executor& executor, Clock clock) {
   if (run.aborted()) {
     const bool open = executor.runs(run.id()) || !run.duties.creditors(DutyKind::abort).empty();
     return open ? RunState::aborting : RunState::aborted;
   }
-  const bool trouble = run.held() || !run.troubles().empty();
-  if (run.all_final() && !trouble) return RunState::finished;
-  if (run.expired(now)) return RunState::expired;
-  return trouble || lacks_robot(run, now) ? RunState::paused : RunState::running;
+  const bool doubles = run.held_for_doubles() || run.has_new_double();
+  if (run.ended() || (run.all_final() && !doubles)) return RunState::finished;
+  if (run.expired(clock.steady)) return RunState::expired;
+  const bool waits = run.held() || doubles || !run.troubles().empty() || lacks_robot(run, clock.steady);
+  return waits ? RunState::paused : RunState::running;
 }
 
-std::string waits_for(const Run& run, const Executor& executor, UtcTime now) {
+std::string waits_for(const Run& run, const Executor& executor, Clock clock) {
   std::string out;
-  switch (state_of(run, executor, now)) {
+  switch (state_of(run, executor, clock)) {
     case RunState::aborting:
       out = abort_text(run, executor);
       break;
     case RunState::paused:
-      out = !run.troubles().empty() ? trouble_text(run, run.troubles().front())
-            : run.held()            ? held_text(run)
-                                    : unbound_text(run);
+      out = run.held()                ? held_text(run)
+            : !run.troubles().empty() ? troubles_text(run, executor)
+            : run.has_new_double()    ? "'" + run.judge() + "' to hold it: a task was done twice"
+                                      : unbound_text(run);
       break;
     case RunState::running:
       out = robot_text(run, executor);
       if (out.empty()) out = condition_obstacle(run);
       if (out.empty()) out = unbound_text(run);
-      if (out.empty()) out = handover_text(run, now);
+      if (out.empty()) out = handover_text(run, executor, clock.mono);
       break;
     case RunState::finished:
     case RunState::aborted:
     case RunState::expired:
       break;
   }
-  return out.substr(0, 1024);
+  return cut_utf8(out, 1024);
 }
 
 void fit(RunView& view) {
@@ -230,8 +266,11 @@ void fit(RunView& view) {
   for (const std::size_t kept : {128U, 0U}) {
     if (encode(view).size() <= kMost) return;
     for (TaskView& task : view.tasks) {
+      task.data = cut_utf8(task.data, kept);
+      task.waits_for = cut_utf8(task.waits_for, kept);
       task.reason = cut_utf8(task.reason, kept);
       task.condition = cut_utf8(task.condition, kept);
+      if (kept == 0) task.failed_by.clear();
     }
   }
   const std::size_t decisions = view.decisions.size();
@@ -241,12 +280,14 @@ void fit(RunView& view) {
   }
 }
 
-RunView view_of(const Run& run, const Executor& executor, UtcTime now) {
+RunView view_of(const Run& run, const Executor& executor, Clock clock) {
   RunView view;
   view.run = run.id();
   view.name = run.start().scenario.name;
-  view.state = state_of(run, executor, now);
-  view.waits_for = waits_for(run, executor, now);
+  view.state = state_of(run, executor, clock);
+  view.waits_for = waits_for(run, executor, clock);
+  view.priority = run.start().priority;
+  view.left_s = left_s(run, clock);
   view.epoch = run.epoch();
   view.submitter = run.start().submitter;
   view.created = run.start().created;
@@ -266,18 +307,39 @@ RunView view_of(const Run& run, const Executor& executor, UtcTime now) {
   return view;
 }
 
-RunSummary summary_of(const Run& run, const Executor& executor, UtcTime now) {
+RunSummary summary_of(const Run& run, const Executor& executor, Clock clock) {
   RunSummary summary;
   summary.run = run.id();
   summary.name = run.start().scenario.name;
-  summary.state = state_of(run, executor, now);
-  summary.waits_for = waits_for(run, executor, now);
+  summary.state = state_of(run, executor, clock);
+  summary.waits_for = waits_for(run, executor, clock);
+  summary.priority = run.start().priority;
+  summary.left_s = left_s(run, clock);
   summary.created = run.start().created;
   summary.tasks = static_cast<std::uint32_t>(run.tasks().size());
   const std::vector<bool> known = run.known_final();
   summary.epoch = run.epoch();
   summary.version = run.version();
   summary.tasks_final = static_cast<std::uint32_t>(std::count(known.begin(), known.end(), true));
+  return summary;
+}
+
+RunSummary summary_of(const RunView& view) {
+  RunSummary summary;
+  summary.run = view.run;
+  summary.name = view.name;
+  summary.state = view.state;
+  summary.waits_for = view.waits_for;
+  summary.created = view.created;
+  summary.tasks = static_cast<std::uint32_t>(view.tasks.size());
+  summary.tasks_final =
+      static_cast<std::uint32_t>(std::count_if(view.tasks.begin(), view.tasks.end(), [](const auto& task) {
+        return task.state == TaskState::finished || task.state == TaskState::skipped;
+      }));
+  summary.epoch = view.epoch;
+  summary.priority = view.priority;
+  summary.left_s = view.left_s;
+  summary.over = view.over;
   return summary;
 }
 

@@ -7,14 +7,23 @@
 
 namespace trb::scheduler {
 
-RunState state_of(const Run& run, const Executor& executor, UtcTime now);
+/// The moment of a view: `steady` is what times to live count by.
+struct Clock {
+  MonotonicTime mono;
+  UtcTime steady;
+};
+
+/// PAUSED: some task waits for a word, or all is held. What does not follow that task goes on meanwhile.
+RunState state_of(const Run& run, const Executor& executor, Clock clock);
 
 /// What a run waits for, in words: when PAUSED or ABORTING, and when this node's next task finds its robot not ready.
-std::string waits_for(const Run& run, const Executor& executor, UtcTime now);
+std::string waits_for(const Run& run, const Executor& executor, Clock clock);
 
 /// A view is one message: of a very large run the longest words are left out, then what the oldest decisions were on.
 void fit(RunView& view);
-RunView view_of(const Run& run, const Executor& executor, UtcTime now);
-RunSummary summary_of(const Run& run, const Executor& executor, UtcTime now);
+RunView view_of(const Run& run, const Executor& executor, Clock clock);
+RunSummary summary_of(const Run& run, const Executor& executor, Clock clock);
+/// Of a run in the archive.
+RunSummary summary_of(const RunView& view);
 
 }  // namespace trb::scheduler

@@ -29,6 +29,13 @@ void Watchers::forget(MonotonicTime now) {
   std::erase_if(watchers_, [&](const Watcher& one) { return one.until <= now; });
 }
 
+void Watchers::leave(const RunSummary& last, Outbox& out) {
+  for (Watcher& watcher : watchers_) {
+    watcher.told.erase(last.run);
+    out.sends.push_back({.target = watcher.source, .reply_to = watcher.id, .body = RunChanged{last}});
+  }
+}
+
 void Watchers::told(const Inbound& from, const std::string& run, std::uint64_t version) {
   for (Watcher& watcher : watchers_) {
     if (watcher.source == from.source && watcher.id == from.id) watcher.told[run] = version;

@@ -31,6 +31,8 @@ class Watchers {
       out.sends.push_back({.target = watcher.source, .reply_to = watcher.id, .body = RunChanged{summary()}});
     }
   }
+  /// The run leaves: told a last time.
+  void leave(const RunSummary& last, Outbox& out);
   /// What the answer to a watch has told.
   void told(const Inbound& from, const std::string& run, std::uint64_t version);
 

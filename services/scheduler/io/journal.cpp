@@ -3,14 +3,21 @@
 #include <sqlite3.h>
 
 #include "common/base/bytes.hpp"
+#include "common/base/files.hpp"
+#include "services/scheduler/core/view.hpp"
 
 namespace trb::scheduler {
 namespace {
 
-constexpr const char* kTable =
+constexpr const char* kKnown = ".known";
+constexpr const char* kTables =
     "CREATE TABLE IF NOT EXISTS records("
     "seq INTEGER PRIMARY KEY AUTOINCREMENT, run TEXT NOT NULL, kind TEXT NOT NULL, body BLOB NOT NULL);"
-    "CREATE INDEX IF NOT EXISTS records_of_run ON records(run);";
+    "CREATE INDEX IF NOT EXISTS records_of_run ON records(run);"
+    "CREATE TABLE IF NOT EXISTS archive("
+    "seq INTEGER PRIMARY KEY AUTOINCREMENT, run TEXT NOT NULL UNIQUE, state INTEGER NOT NULL, until INTEGER NOT NULL,"
+    "final BLOB, summary BLOB, record BLOB);"
+    "CREATE INDEX IF NOT EXISTS archive_of_until ON archive(until) WHERE record IS NULL;";
 
 template <class Payload>
 Result<std::string> run_in(const SignedRecord& record, std::string (*run)(const Payload&)) {
@@ -23,6 +30,10 @@ void bind_text(sqlite3_stmt* statement, int place, std::string_view text) {
   sqlite3_bind_text(statement, place, text.data(), static_cast<int>(text.size()), SQLITE_TRANSIENT);
 }
 
+void bind_bytes(sqlite3_stmt* statement, int place, const Bytes& bytes) {
+  sqlite3_bind_blob(statement, place, bytes.data(), static_cast<int>(bytes.size()), SQLITE_TRANSIENT);
+}
+
 std::string column(sqlite3_stmt* statement, int place) {
   const void* bytes = sqlite3_column_blob(statement, place);
   const auto size = static_cast<std::size_t>(sqlite3_column_bytes(statement, place));
@@ -32,51 +43,61 @@ std::string column(sqlite3_stmt* statement, int place) {
 }  // namespace
 
 Result<std::string> run_of(const Body& record) {
-  using Run = Result<std::string>;
-  return visit(Overloaded{
-                   [](const JournalRun& is) -> Run {
-                     return run_in<RunStart>(is.start, [](const RunStart& start) { return start.run; });
-                   },
-                   [](const JournalStart& is) -> Run { return is.key.run; },
-                   [](const JournalResult& is) -> Run {
-                     return run_in<TaskResult>(is.result, [](const TaskResult& result) { return result.key.run; });
-                   },
-                   [](const JournalChoice& is) -> Run {
-                     return run_in<Choice>(is.choice, [](const Choice& choice) { return choice.run; });
-                   },
-                   [](const JournalDelivered& is) -> Run { return is.run; },
-                   [](const JournalAbort& is) -> Run {
-                     return run_in<AbortOrder>(is.order, [](const AbortOrder& order) { return order.run; });
-                   },
-                   [](const JournalDecision& is) -> Run {
-                     return run_in<Decision>(is.decision, [](const Decision& one) { return one.run; });
-                   },
-                   [](const JournalPause& is) -> Run {
-                     return run_in<PauseOrder>(is.order, [](const PauseOrder& order) { return order.run; });
-                   },
-                   [](const JournalTombstone& is) -> Run { return is.run; },
-                   [](const auto& other) -> Run {
-                     return fail(Errc::bad_value,
-                                 "'" + std::string(subtype_of(Body(other))) + "' is no journal record");
-                   },
-               },
-               record);
+  using Id = Result<std::string>;
+  return visit(
+      Overloaded{
+          [](const JournalRun& is) -> Id {
+            return run_in<RunStart>(is.start, [](const RunStart& start) { return start.run; });
+          },
+          [](const JournalStart& is) -> Id { return is.key.run; },
+          [](const JournalResult& is) -> Id {
+            return run_in<TaskResult>(is.result, [](const TaskResult& result) { return result.key.run; });
+          },
+          [](const JournalChoice& is) -> Id {
+            return run_in<Choice>(is.choice, [](const Choice& choice) { return choice.run; });
+          },
+          [](const JournalDelivered& is) -> Id { return is.run; },
+          [](const JournalAbort& is) -> Id {
+            return run_in<AbortOrder>(is.order, [](const AbortOrder& order) { return order.run; });
+          },
+          [](const JournalDecision& is) -> Id {
+            return run_in<Decision>(is.decision, [](const Decision& one) { return one.run; });
+          },
+          [](const JournalPause& is) -> Id {
+            return run_in<PauseOrder>(is.order, [](const PauseOrder& order) { return order.run; });
+          },
+          [](const JournalEnd& is) -> Id { return run_in<RunEnd>(is.end, [](const RunEnd& end) { return end.run; }); },
+          [](const JournalArchive& is) -> Id { return is.view.run; },
+          [](const JournalTime&) -> Id { return std::string(); },
+          [](const JournalLost&) -> Id { return std::string(); },
+          [](const auto& other) -> Id {
+            return fail(Errc::bad_value, "'" + std::string(subtype_of(Body(other))) + "' is no journal record");
+          },
+      },
+      record);
 }
 
-Result<std::unique_ptr<JournalFile>> JournalFile::open(const std::string& path) {
+Result<std::unique_ptr<JournalFile>> JournalFile::open(const std::string& path, std::int64_t archive_bytes) {
+  const bool is_new = !file_exists(path);
   sqlite3* db = nullptr;
   const int code = sqlite3_open_v2(path.c_str(), &db, SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE, nullptr);
-  std::unique_ptr<JournalFile> file(new JournalFile(path, db));
+  std::unique_ptr<JournalFile> file(new JournalFile(path, db, archive_bytes));
   if (code != SQLITE_OK) return file->problem("cannot be opened");
   if (auto ready = file->prepare(); !ready) return ready.error();
+  file->lost_ = is_new && file_exists(path + kKnown);
+  if (auto noted = file->note_known(); !noted) return noted.error();
   return file;
 }
 
 JournalFile::~JournalFile() {
   insert_.reset();
   drop_run_.reset();
-  drop_row_.reset();
   sqlite3_close_v2(db_);
+}
+
+Status JournalFile::note_known() {
+  if (file_exists(path_ + kKnown)) return Done{};
+  return write_file(path_ + kKnown, "Without this file a missing journal.db beside it counts as a first start.\n");
 }
 
 Status JournalFile::prepare() {
@@ -84,39 +105,65 @@ Status JournalFile::prepare() {
   for (const char* sql : {"PRAGMA journal_mode=WAL", "PRAGMA synchronous=FULL"}) {
     if (auto set = run(sql); !set) return set;
   }
-  if (auto version = check_version(); !version) return version;
-  if (auto table = run(kTable); !table) return table;
+  if (auto current = bring_up_to_date(); !current) return current;
   struct Wanted {
     Statement& statement;
     const char* sql;
   };
   const Wanted all[] = {{insert_, "INSERT INTO records(run, kind, body) VALUES(?, ?, ?)"},
-                        {drop_run_, "DELETE FROM records WHERE run = ?"},
-                        {drop_row_, "DELETE FROM records WHERE seq = ?"}};
+                        {drop_run_, "DELETE FROM records WHERE run = ?"}};
   for (const Wanted& wanted : all) {
     auto compiled = compile(wanted.sql);
     if (!compiled) return compiled.error();
     wanted.statement = std::move(*compiled);
   }
+  const auto bytes = number("SELECT COALESCE(SUM(LENGTH(record)), 0) FROM archive");
+  if (!bytes) return bytes.error();
+  archived_ = *bytes;
   return Done{};
 }
 
-Status JournalFile::check_version() {
-  const auto version = user_version();
-  if (!version) return version.error();
-  if (*version == kSchemaVersion) return Done{};
-  if (*version == 0) return run(("PRAGMA user_version=" + std::to_string(kSchemaVersion)).c_str());
-  return fail(
-      Errc::version_mismatch,
-      path_ + ": schema version " + std::to_string(*version) + ", this build knows " + std::to_string(kSchemaVersion),
-      "start the build that wrote it, or move the file away once its runs are over");
+Status JournalFile::bring_up_to_date() {
+  const auto version = number("PRAGMA user_version");
+  if (!version) return damaged("its version cannot be read");
+  if (*version > kSchemaVersion) {
+    return fail(
+        Errc::version_mismatch,
+        path_ + ": schema version " + std::to_string(*version) + ", this build knows " + std::to_string(kSchemaVersion),
+        "start the build that wrote it, or move the file away once its runs are over");
+  }
+  if (auto begun = run("BEGIN IMMEDIATE"); !begun) return begun;
+  Status made = run(kTables);
+  if (made && *version == 1) made = move_tombstones();
+  if (made) made = run(("PRAGMA user_version=" + std::to_string(kSchemaVersion)).c_str());
+  if (made) made = run("COMMIT");
+  if (!made) sqlite3_exec(db_, "ROLLBACK", nullptr, nullptr, nullptr);
+  return made;
 }
 
-Result<int> JournalFile::user_version() {
-  auto statement = compile("PRAGMA user_version");
+/// Version 1 kept the runs that are over as records, and of them nothing but that.
+Status JournalFile::move_tombstones() {
+  auto read = compile("SELECT seq, kind, body FROM records WHERE kind = 'journal_tombstone' ORDER BY seq");
+  if (!read) return read.error();
+  auto write = compile("INSERT OR REPLACE INTO archive(run, state, until) VALUES(?, ?, ?)");
+  if (!write) return write.error();
+  while (sqlite3_step(read->get()) == SQLITE_ROW) {
+    const auto record = read_record(read->get());
+    if (!record) return record.error();
+    const auto& is = get<JournalTombstone>(*record);
+    bind_text(write->get(), 1, is.run);
+    sqlite3_bind_int64(write->get(), 2, static_cast<std::int64_t>(is.state));
+    sqlite3_bind_int64(write->get(), 3, is.until);
+    if (auto written = finish(write->get()); !written) return written;
+  }
+  return run("DELETE FROM records WHERE kind = 'journal_tombstone'");
+}
+
+Result<std::int64_t> JournalFile::number(const char* sql) {
+  auto statement = compile(sql);
   if (!statement) return statement.error();
-  if (sqlite3_step(statement->get()) != SQLITE_ROW) return damaged("its version cannot be read");
-  return sqlite3_column_int(statement->get(), 0);
+  if (sqlite3_step(statement->get()) != SQLITE_ROW) return damaged(sqlite3_errmsg(db_));
+  return sqlite3_column_int64(statement->get(), 0);
 }
 
 Status JournalFile::run(const char* sql) {
@@ -125,7 +172,7 @@ Status JournalFile::run(const char* sql) {
   return code == SQLITE_NOTADB || code == SQLITE_CORRUPT ? damaged(sqlite3_errmsg(db_)) : problem(sql);
 }
 
-Result<JournalFile::Statement> JournalFile::compile(const char* sql) {
+Result<JournalFile::Statement> JournalFile::compile(const char* sql) const {
   sqlite3_stmt* statement = nullptr;
   if (sqlite3_prepare_v2(db_, sql, -1, &statement, nullptr) != SQLITE_OK) return problem(sql);
   return Statement(statement, sqlite3_finalize);
@@ -140,29 +187,66 @@ Status JournalFile::finish(sqlite3_stmt* statement) {
 }
 
 Status JournalFile::insert(const std::string& run, const Body& record) {
-  const Bytes body = encode_body(record);
   bind_text(insert_.get(), 1, run);
   bind_text(insert_.get(), 2, subtype_of(record));
-  sqlite3_bind_blob(insert_.get(), 3, body.data(), static_cast<int>(body.size()), SQLITE_TRANSIENT);
+  bind_bytes(insert_.get(), 3, encode_body(record));
   return finish(insert_.get());
 }
 
-Status JournalFile::drop_run(const std::string& run) {
+Status JournalFile::drop_records(const std::string& run) {
   bind_text(drop_run_.get(), 1, run);
   return finish(drop_run_.get());
 }
 
-Status JournalFile::drop_row(std::int64_t sequence) {
-  sqlite3_bind_int64(drop_row_.get(), 1, sequence);
-  return finish(drop_row_.get());
+Status JournalFile::put_into_archive(const JournalArchive& is) {
+  auto put =
+      compile("INSERT OR REPLACE INTO archive(run, state, until, final, summary, record) VALUES(?, ?, ?, ?, ?, ?)");
+  if (!put) return put.error();
+  const Bytes end = is.end.kind.empty() ? Bytes() : encode(is.end);
+  const Bytes summary = encode(RunChanged{summary_of(is.view)});
+  const Bytes record = encode(is);
+  bind_text(put->get(), 1, is.view.run);
+  sqlite3_bind_int64(put->get(), 2, static_cast<std::int64_t>(is.view.state));
+  sqlite3_bind_int64(put->get(), 3, is.until);
+  bind_bytes(put->get(), 4, end);
+  bind_bytes(put->get(), 5, summary);
+  bind_bytes(put->get(), 6, record);
+  if (auto written = finish(put->get()); !written) return written;
+  archived_ += static_cast<std::int64_t>(record.size());
+  return make_room();
+}
+
+/// The oldest records go; what is known of their runs without them stays.
+Status JournalFile::make_room() {
+  while (archived_ > archive_bytes_) {
+    const auto size = number("SELECT LENGTH(record) FROM archive WHERE record IS NOT NULL ORDER BY seq LIMIT 1");
+    if (!size) return size.error();
+    if (auto dropped =
+            run("UPDATE archive SET record = NULL, summary = NULL WHERE seq = (SELECT seq FROM archive WHERE "
+                "record IS NOT NULL ORDER BY seq LIMIT 1)");
+        !dropped) {
+      return dropped;
+    }
+    archived_ -= *size;
+  }
+  return Done{};
 }
 
 Status JournalFile::write_all(const std::vector<Journal>& records) {
   for (const Journal& journal : records) {
     const auto run_id = run_of(journal.record);
     if (!run_id) return run_id.error();
-    if (holds_alternative<JournalTombstone>(journal.record)) {
-      if (auto dropped = drop_run(*run_id); !dropped) return dropped;
+    if (const auto* over = get_if<JournalArchive>(&journal.record)) {
+      if (auto dropped = drop_records(*run_id); !dropped) return dropped;
+      if (auto put = put_into_archive(*over); !put) return put;
+      continue;
+    }
+    if (const auto* time = get_if<JournalTime>(&journal.record)) {
+      if (auto dropped = run("DELETE FROM records WHERE kind = 'journal_time'"); !dropped) return dropped;
+      if (auto pruned = prune({time->steady}); !pruned) return pruned;
+    }
+    if (holds_alternative<JournalLost>(journal.record)) {
+      if (auto dropped = run("DELETE FROM records WHERE kind = 'journal_lost'"); !dropped) return dropped;
     }
     if (auto written = insert(*run_id, journal.record); !written) return written;
   }
@@ -172,51 +256,97 @@ Status JournalFile::write_all(const std::vector<Journal>& records) {
 Status JournalFile::commit(const std::vector<Journal>& records) {
   if (records.empty()) return Done{};
   if (auto begun = run("BEGIN IMMEDIATE"); !begun) return begun;
+  const std::int64_t before = archived_;
   Status written = write_all(records);
-  if (!written) sqlite3_exec(db_, "ROLLBACK", nullptr, nullptr, nullptr);
+  if (written) return written;
+  sqlite3_exec(db_, "ROLLBACK", nullptr, nullptr, nullptr);
+  archived_ = before;
   return written;
 }
 
-Result<JournalFile::Row> JournalFile::read_row(sqlite3_stmt* statement) const {
-  const std::int64_t sequence = sqlite3_column_int64(statement, 0);
-  const std::string name = "record " + std::to_string(sequence) + ": ";
+Result<Body> JournalFile::read_record(sqlite3_stmt* statement) const {
+  const std::string name = "record " + std::to_string(sqlite3_column_int64(statement, 0)) + ": ";
   auto record = decode_body(column(statement, 1), column(statement, 2));
   if (!record) return damaged(name + record.error().what);
-  if (auto run_id = run_of(*record); !run_id) return damaged(name + run_id.error().what);
-  return Row{sequence, std::move(*record)};
+  const bool is_old = holds_alternative<JournalTombstone>(*record);
+  if (auto run_id = is_old ? Result<std::string>(std::string()) : run_of(*record); !run_id) {
+    return damaged(name + run_id.error().what);
+  }
+  return record;
 }
 
-Result<std::vector<JournalFile::Row>> JournalFile::rows() {
+Result<std::vector<Body>> JournalFile::load() {
   auto statement = compile("SELECT seq, kind, body FROM records ORDER BY seq");
   if (!statement) return statement.error();
-  std::vector<Row> out;
+  std::vector<Body> out;
   int code = SQLITE_OK;
   while ((code = sqlite3_step(statement->get())) == SQLITE_ROW) {
-    auto row = read_row(statement->get());
-    if (!row) return row.error();
-    out.push_back(std::move(*row));
+    auto record = read_record(statement->get());
+    if (!record) return record.error();
+    out.push_back(std::move(*record));
   }
   if (code != SQLITE_DONE) return damaged(sqlite3_errmsg(db_));
   return out;
 }
 
-Result<std::vector<Body>> JournalFile::load() {
-  auto all = rows();
-  if (!all) return all.error();
-  std::vector<Body> out;
-  for (Row& row : *all) out.push_back(std::move(row.record));
+Status JournalFile::prune(UtcTime steady) {
+  auto statement = compile("DELETE FROM archive WHERE record IS NULL AND until <= ?");
+  if (!statement) return statement.error();
+  sqlite3_bind_int64(statement->get(), 1, steady.ns);
+  return finish(statement->get());
+}
+
+std::optional<Over> JournalFile::over(const std::string& run) const {
+  auto statement = compile("SELECT state, final FROM archive WHERE run = ?");
+  if (!statement) return std::nullopt;
+  bind_text(statement->get(), 1, run);
+  if (sqlite3_step(statement->get()) != SQLITE_ROW) return std::nullopt;
+  Over out;
+  out.state = static_cast<RunState>(sqlite3_column_int(statement->get(), 0));
+  const std::string end = column(statement->get(), 1);
+  if (auto record = decode<SignedRecord>(end); record && !end.empty()) out.end = std::move(*record);
   return out;
 }
 
-Status JournalFile::prune(UtcTime now) {
-  const auto all = rows();
-  if (!all) return all.error();
-  for (const Row& row : *all) {
-    const auto* tombstone = get_if<JournalTombstone>(&row.record);
-    if (tombstone == nullptr || tombstone->until > now.ns) continue;
-    if (auto dropped = drop_row(row.sequence); !dropped) return dropped;
+std::optional<RunView> JournalFile::view(const std::string& run) const {
+  auto statement = compile("SELECT record FROM archive WHERE run = ? AND record IS NOT NULL");
+  if (!statement) return std::nullopt;
+  bind_text(statement->get(), 1, run);
+  if (sqlite3_step(statement->get()) != SQLITE_ROW) return std::nullopt;
+  auto record = decode<JournalArchive>(column(statement->get(), 0));
+  return record ? std::optional(std::move(record->view)) : std::nullopt;
+}
+
+std::vector<std::string> JournalFile::ids(const std::string& beginning, std::size_t most) const {
+  // An id is hexadecimal: nothing that begins so comes behind "g".
+  auto statement = compile("SELECT run FROM archive WHERE run >= ? AND run < ? ORDER BY seq DESC LIMIT ?");
+  std::vector<std::string> out;
+  if (!statement) return out;
+  bind_text(statement->get(), 1, beginning);
+  bind_text(statement->get(), 2, beginning + "g");
+  sqlite3_bind_int64(statement->get(), 3, static_cast<std::int64_t>(most));
+  while (sqlite3_step(statement->get()) == SQLITE_ROW) out.push_back(column(statement->get(), 0));
+  return out;
+}
+
+ArchivePage JournalFile::page(const std::string& after, std::size_t most) const {
+  auto statement = compile(
+      "SELECT summary FROM archive WHERE summary IS NOT NULL AND (?1 = '' OR seq < (SELECT seq FROM archive WHERE run "
+      "= "
+      "?1)) ORDER BY seq DESC LIMIT ?2");
+  ArchivePage out;
+  if (!statement) return out;
+  bind_text(statement->get(), 1, after);
+  sqlite3_bind_int64(statement->get(), 2, static_cast<std::int64_t>(most) + 1);
+  while (sqlite3_step(statement->get()) == SQLITE_ROW) {
+    auto row = decode<RunChanged>(column(statement->get(), 0));
+    if (out.runs.size() == most) {
+      out.more = true;
+    } else if (row) {
+      out.runs.push_back(std::move(row->run));
+    }
   }
-  return Done{};
+  return out;
 }
 
 Error JournalFile::problem(const std::string& what) const {
@@ -227,7 +357,7 @@ Error JournalFile::problem(const std::string& what) const {
 Error JournalFile::damaged(const std::string& what) const {
   return fail(Errc::malformed, path_ + ": damaged: " + what,
               "move it away together with its -wal and -shm files and start again; this node then knows nothing of its "
-              "open runs, so look at the robot and abort them first");
+              "open runs, and begins nothing before somebody has looked at the robot: trb robot repaired");
 }
 
 }  // namespace trb::scheduler

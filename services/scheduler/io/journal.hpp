@@ -1,4 +1,5 @@
-// The scheduler's journal: one SQLite file, written before anything is said of what it records.
+// The scheduler's journal: one SQLite file, written before anything is said of what it records. What is over is kept in
+// it, too: its archive.
 #pragma once
 
 #include <memory>
@@ -8,62 +9,78 @@
 #include "common/actor/outbox.hpp"
 #include "common/base/result.hpp"
 #include "common/base/time.hpp"
+#include "services/scheduler/core/archive.hpp"
 
 struct sqlite3;
 struct sqlite3_stmt;
 
 namespace trb::scheduler {
 
-class JournalFile {
+class JournalFile final : public Archive {
  public:
-  static constexpr int kSchemaVersion = 1;
+  static constexpr int kSchemaVersion = 2;
+  static constexpr std::int64_t kArchiveBytes = std::int64_t{256} << 20U;
 
-  /// Opens or makes the file (WAL, synchronous=FULL). Errors: io_error, malformed (no database, a damaged one),
-  /// version_mismatch; each names the file and the cure.
-  static Result<std::unique_ptr<JournalFile>> open(const std::string& path);
+  /// Opens or makes the file (WAL, synchronous=FULL); an older schema is brought up to date. `archive_bytes`: when the
+  /// records of the archive take more, the oldest go; that those runs are over stays known for as long as anything may
+  /// come for them. Errors: io_error, malformed (no database, a damaged one), version_mismatch; each names the file and
+  /// the cure.
+  static Result<std::unique_ptr<JournalFile>> open(const std::string& path, std::int64_t archive_bytes = kArchiveBytes);
 
   JournalFile(const JournalFile&) = delete;
   JournalFile& operator=(const JournalFile&) = delete;
-  ~JournalFile();
+  ~JournalFile() override;
 
-  /// Writes the records of one step in one transaction; a tombstone drops its run's older records in the same one.
-  /// Errors: io_error, bad_value (not a journal record); then nothing of the step is written.
+  /// The file was made now, though one was there before (PATH.known says so): what that one held is lost.
+  [[nodiscard]] bool was_lost() const { return lost_; }
+
+  /// Writes the records of one step in one transaction; JournalArchive takes the place of its run's records,
+  /// JournalTime and JournalLost of the one before. Errors: io_error, bad_value (not a journal record); then nothing of
+  /// the step is written.
   Status commit(const std::vector<Journal>& records);
 
-  /// Every record in the order of writing. Errors: malformed, io_error.
+  /// Every record in the order of writing, without the archive. Errors: malformed, io_error.
   Result<std::vector<Body>> load();
 
-  /// Drops tombstones whose time has come; done at the start. Errors: malformed, io_error.
-  Status prune(UtcTime now);
+  /// Forgets runs of the archive without a record for which nothing can come any more; done with each JournalTime.
+  /// Error: io_error.
+  Status prune(UtcTime steady);
+
+  // What cannot be read counts as not there; damage is told by open() and load().
+  [[nodiscard]] std::optional<Over> over(const std::string& run) const override;
+  [[nodiscard]] std::optional<RunView> view(const std::string& run) const override;
+  [[nodiscard]] std::vector<std::string> ids(const std::string& beginning, std::size_t most) const override;
+  [[nodiscard]] ArchivePage page(const std::string& after, std::size_t most) const override;
 
  private:
-  struct Row {
-    std::int64_t sequence = 0;
-    Body record;
-  };
   using Statement = std::unique_ptr<sqlite3_stmt, int (*)(sqlite3_stmt*)>;
 
-  JournalFile(std::string path, sqlite3* db) : path_(std::move(path)), db_(db) {}
+  JournalFile(std::string path, sqlite3* db, std::int64_t archive_bytes)
+      : path_(std::move(path)), db_(db), archive_bytes_(archive_bytes) {}
   Status prepare();
-  Status check_version();
-  Result<int> user_version();
+  Status bring_up_to_date();
+  Status move_tombstones();
+  Result<std::int64_t> number(const char* sql);
   Status run(const char* sql);
-  Result<Statement> compile(const char* sql);
+  Result<Statement> compile(const char* sql) const;
   Status insert(const std::string& run, const Body& record);
-  Status drop_run(const std::string& run);
-  Status drop_row(std::int64_t sequence);
+  Status drop_records(const std::string& run);
+  Status put_into_archive(const JournalArchive& record);
+  Status make_room();
   Status finish(sqlite3_stmt* statement);
   Status write_all(const std::vector<Journal>& records);
-  Result<std::vector<Row>> rows();
-  Result<Row> read_row(sqlite3_stmt* statement) const;
+  Status note_known();
+  Result<Body> read_record(sqlite3_stmt* statement) const;
   [[nodiscard]] Error problem(const std::string& what) const;
   [[nodiscard]] Error damaged(const std::string& what) const;
 
   std::string path_;
   sqlite3* db_ = nullptr;
+  std::int64_t archive_bytes_ = 0;
+  std::int64_t archived_ = 0;  ///< bytes of the archive's records
+  bool lost_ = false;
   Statement insert_{nullptr, nullptr};
   Statement drop_run_{nullptr, nullptr};
-  Statement drop_row_{nullptr, nullptr};
 };
 
 /// The run that a journal record belongs to. Errors: bad_value (no journal record), malformed.

@@ -7,6 +7,8 @@
 #include <filesystem>
 #include <fstream>
 
+#include "common/base/hex.hpp"
+
 using namespace trb;
 using namespace trb::scheduler;
 
@@ -39,6 +41,17 @@ Body choice_of(const std::string& run) {
   Choice choice;
   choice.run = run;
   return JournalChoice{{"choice", "ur3", {encode(choice)}, {"s"}}};
+}
+
+Body over_of(const std::string& run, RunState state, std::int64_t until) {
+  JournalArchive out;
+  out.view.run = run;
+  out.view.state = state;
+  out.view.waits_for = "nothing";
+  out.view.tasks.resize(1);
+  if (state == RunState::finished) out.end = {"run_end", "cloud", {"payload"}, {"s"}};
+  out.until = until;
+  return out;
 }
 
 std::unique_ptr<JournalFile> opened(const Folder& folder) {
@@ -75,19 +88,98 @@ TEST_CASE("records come back in the order of writing, also after the file is ope
   CHECK(holds_alternative<JournalChoice>((*records)[3]));
 }
 
-TEST_CASE("a tombstone takes the place of its run's records, until its own time has come") {
+TEST_CASE(
+    "a run that is over leaves its records for the archive, which is read by its id, its beginning and in pages") {
+  const Folder folder;
+  {
+    auto journal = opened(folder);
+    REQUIRE(journal->commit({{start_of("a1", "one")}, {start_of("b1", "one")}, {result_of("a1")}}).ok());
+    REQUIRE(journal->commit({{over_of("a1", RunState::finished, 100)}}).ok());
+    REQUIRE(journal->commit({{over_of("a2", RunState::expired, 200)}}).ok());
+  }
+  const auto journal = opened(folder);
+  const auto records = journal->load();
+  REQUIRE(records->size() == 1);
+  CHECK(get<JournalStart>((*records)[0]).key.run == "b1");
+  CHECK(journal->over("a1")->state == RunState::finished);
+  CHECK(journal->over("a1")->end.kind == "run_end");
+  CHECK(journal->over("a2")->end.kind.empty());
+  CHECK_FALSE(journal->over("b1"));
+  CHECK(journal->view("a1")->waits_for == "nothing");
+  CHECK_FALSE(journal->view("b1"));
+  CHECK(journal->ids("a", 9) == std::vector<std::string>{"a2", "a1"});
+  CHECK(journal->ids("", 1) == std::vector<std::string>{"a2"});
+  CHECK(journal->ids("a1", 9) == std::vector<std::string>{"a1"});
+  const ArchivePage first = journal->page("", 1);
+  REQUIRE(first.runs.size() == 1);
+  CHECK(first.runs[0].run == "a2");
+  CHECK(first.runs[0].state == RunState::expired);
+  CHECK(first.runs[0].tasks == 1);
+  CHECK(first.more);
+  const ArchivePage second = journal->page("a2", 1);
+  REQUIRE(second.runs.size() == 1);
+  CHECK(second.runs[0].run == "a1");
+  CHECK_FALSE(second.more);
+}
+
+TEST_CASE("the archive keeps within its bytes: the oldest records go, and that their runs are over stays known") {
+  const Folder folder;
+  constexpr std::int64_t kBytes = 4000;
+  {
+    auto file = JournalFile::open(folder.file(), kBytes);
+    REQUIRE(file.ok());
+    for (int i = 100; i < 200; ++i) {
+      REQUIRE((*file)->commit({{over_of(std::to_string(i), RunState::finished, i)}}).ok());
+    }
+    CHECK((*file)->page("", 100).runs.size() < 60);
+    CHECK((*file)->page("", 100).runs.size() > 10);
+    CHECK((*file)->view("199"));
+    CHECK_FALSE((*file)->view("100"));
+    CHECK((*file)->over("100")->state == RunState::finished);
+    REQUIRE((*file)->commit({{JournalTime{149}}}).ok());
+    CHECK_FALSE((*file)->over("149"));
+    CHECK((*file)->over("150"));
+  }
+  // Opened with fewer, it makes room at the next run.
+  auto file = JournalFile::open(folder.file(), kBytes / 10);
+  REQUIRE(file.ok());
+  REQUIRE((*file)->commit({{over_of("200", RunState::finished, 300)}}).ok());
+  CHECK((*file)->page("", 100).runs.size() < 6);
+  CHECK((*file)->over("199"));
+}
+
+TEST_CASE("of the time the newest is kept, and so of the word that a journal was lost") {
   const Folder folder;
   auto journal = opened(folder);
-  REQUIRE(journal->commit({{start_of("a", "one")}, {start_of("b", "one")}, {result_of("a")}}).ok());
-  REQUIRE(journal->commit({{JournalTombstone{"a", RunState::finished, 100}}}).ok());
+  REQUIRE(journal->commit({{JournalTime{1}}, {JournalLost{2, false}}}).ok());
+  REQUIRE(journal->commit({{JournalTime{3}}, {JournalLost{4, true}}}).ok());
   const auto records = journal->load();
   REQUIRE(records->size() == 2);
-  CHECK(get<JournalStart>((*records)[0]).key.run == "b");
-  CHECK(get<JournalTombstone>((*records)[1]).run == "a");
-  CHECK(journal->prune({99}).ok());
-  CHECK(journal->load()->size() == 2);
-  CHECK(journal->prune({100}).ok());
+  CHECK(get<JournalTime>((*records)[0]).steady == 3);
+  CHECK(get<JournalLost>((*records)[1]).over);
+}
+
+TEST_CASE("a journal that is gone is told from one that never was") {
+  const Folder folder;
+  CHECK_FALSE(opened(folder)->was_lost());
+  CHECK_FALSE(opened(folder)->was_lost());
+  for (const char* tail : {"", "-wal", "-shm"}) std::filesystem::remove(folder.file() + tail);
+  CHECK(opened(folder)->was_lost());
+  CHECK_FALSE(opened(folder)->was_lost());
+}
+
+TEST_CASE("a file of the version before is brought up to date: its tombstones are over") {
+  const Folder folder;
+  REQUIRE(opened(folder)->commit({{start_of("b", "one")}}).ok());
+  const std::string tombstone = to_hex(encode(JournalTombstone{"a", RunState::aborted, 100}));
+  sql(folder, "DROP TABLE archive; INSERT INTO records(run, kind, body) VALUES('a', 'journal_tombstone', x'" +
+                  tombstone + "'); PRAGMA user_version = 1");
+  const auto journal = opened(folder);
   CHECK(journal->load()->size() == 1);
+  CHECK(journal->over("a")->state == RunState::aborted);
+  CHECK_FALSE(journal->view("a"));
+  REQUIRE(journal->commit({{JournalTime{100}}}).ok());
+  CHECK_FALSE(journal->over("a"));
 }
 
 TEST_CASE("a step is written whole or not at all") {

@@ -4,6 +4,7 @@
 
 #include "common/base/files.hpp"
 #include "common/config/node_config.hpp"
+#include "common/log/log.hpp"
 #include "common/security/node_keys.hpp"
 #include "common/service/service.hpp"
 #include "services/scheduler/core/scheduler_core.hpp"
@@ -17,13 +18,18 @@ int refuse(const std::string& text) {
   return 1;
 }
 
+/// What was written. A journal that is new on a node that had one says so from now on.
 Result<std::vector<Body>> restore_from(JournalFile& journal) {
-  if (auto pruned = journal.prune(now().utc); !pruned) return pruned.error();
+  if (journal.was_lost()) {
+    log_event(Level::error, "journal_lost",
+              "state/journal.db is new, though this node had one: what it knew of its open runs is lost");
+    if (auto noted = journal.commit({{JournalLost{now().utc.ns, false}}}); !noted) return noted.error();
+  }
   return journal.load();
 }
 
 int run(const NodeConfig& node, const NodeKeys& keys, Service& service, JournalFile& journal) {
-  SchedulerCore core({node.id, keys.authority, node.has_service("mode-adapter")});
+  SchedulerCore core({node.id, keys.authority, node.has_service("mode-adapter")}, journal);
   const auto records = restore_from(journal);
   if (!records) return refuse(records.error().text());
   if (auto restored = core.restore(*records); !restored) {

@@ -8,6 +8,11 @@ void FakeAdapter::hear(const Inbound& message, MonotonicTime now) {
   if (holds_alternative<AdapterStateRequest>(message.body)) tell_state(message.id);
   if (const auto* is = get_if<OutcomeJournaled>(&message.body)) outcomes_.erase(is->key);
   if (const auto* is = get_if<CancelExecution>(&message.body)) cancel(is->key, now);
+  if (const auto* is = get_if<TakeOutOfUse>(&message.body)) {
+    out_of_use.push_back(is->what);
+    said_.push_back({message.id, Ack{"out_of_use", ""}});
+    tell_state();
+  }
 }
 
 void FakeAdapter::cancel(const AttemptKey& key, MonotonicTime now) {
@@ -96,14 +101,19 @@ void FakeAdapter::set(bool online, bool is_fenced) {
   tell_state();
 }
 
+void FakeAdapter::set_out_of_use(std::vector<OutOfUse> what) {
+  out_of_use = std::move(what);
+  tell_state();
+}
+
 void FakeAdapter::set_control(const std::string& holder) {
   control_ = holder;
   tell_state();
 }
 
 void FakeAdapter::tell_state(std::uint64_t reply_to) {
-  said_.push_back(
-      {reply_to, AdapterState{instance, online_ ? "ONLINE" : "OFFLINE", fenced_, running_.has_value(), control_}});
+  said_.push_back({reply_to, AdapterState{instance, online_ ? "ONLINE" : "OFFLINE", fenced_, running_.has_value(),
+                                          control_, out_of_use, skills}});
 }
 
 void FakeAdapter::refuse(const Inbound& message, Errc code) {

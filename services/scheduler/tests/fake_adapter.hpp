@@ -29,10 +29,13 @@ class FakeAdapter {
   /// A new process: it knows nothing of what it was doing.
   void restart();
   void set(bool online, bool is_fenced);
+  void set_out_of_use(std::vector<OutOfUse> what);
   /// Another has the control lease; empty: nobody.
   void set_control(const std::string& holder);
 
   std::uint64_t instance = 100;
+  std::vector<SkillUse> skills;
+  std::vector<OutOfUse> out_of_use;
   Duration skill_time = seconds(1);
   TaskOutcome ending = TaskOutcome::finished;
   std::map<std::string, TaskOutcome> endings;  ///< of some tasks, by id

@@ -72,15 +72,20 @@ Outbox Fleet::tell(const std::string& node, const std::string& source, MessageTy
                    std::uint64_t reply_to) {
   Outbox out;
   Node& to = nodes_.at(node);
-  to.core->on({type, source, node, ++count_, reply_to, 0, kDefaultRemainingMs, std::move(body)}, now(), out);
-  for (const Journal& record : out.journal) to.journal.push_back(record.record);
+  to.core->on({type, source, node, ++count_, reply_to, 0, kDefaultRemainingMs, std::move(body)}, now_at(to), out);
+  for (const Journal& record : out.journal) journal_as_file(to.journal, *to.archive, record.record);
   return out;
+}
+
+void Fleet::hear(const std::string& node, const std::string& source, MessageType type, Body body) {
+  happen({node, false, false, {type, source, node, ++count_, 0, 0, kDefaultRemainingMs, std::move(body)}});
 }
 
 RunView Fleet::view(const std::string& node, const std::string& run) {
   run_adapter(nodes_.at(node));
   Outbox out;
-  nodes_.at(node).core->on({MessageType::request, node, node, ++count_, 0, 0, 1000, RunQuery{run}}, now(), out);
+  nodes_.at(node).core->on({MessageType::request, node, node, ++count_, 0, 0, 1000, RunQuery{run}},
+                           now_at(nodes_.at(node)), out);
   const auto views = sent<RunView>(out);
   if (views.empty()) return {};
   std::erase_if(out.sends, [](const Send& send) { return holds_alternative<RunView>(send.body); });
@@ -95,11 +100,14 @@ void Fleet::stop(const std::string& node) {
 
 void Fleet::start(const std::string& id) {
   Node& node = nodes_.at(id);
-  node.core = std::make_unique<SchedulerCore>(SchedulerSettings{id, authority_, node.role == Role::robot});
+  node.core =
+      std::make_unique<SchedulerCore>(SchedulerSettings{id, authority_, node.role == Role::robot}, *node.archive);
   const Status restored = node.core->restore(node.journal);
   REQUIRE_MESSAGE(restored.ok(), (restored ? "" : restored.error().text()));
   node.up = true;
-  run_core(node, [&](SchedulerCore& core, Outbox& out) { core.on_welcome({id, node.role, 1}, now(), out); });
+  run_core(node, [&](SchedulerCore& core, Outbox& out) {
+    core.on_welcome({id, node.role, 1}, now_at(nodes_.at(id)), out);
+  });
 }
 
 void Fleet::run_core(Node& node, const std::function<void(SchedulerCore&, Outbox&)>& step) {
@@ -113,7 +121,7 @@ bool Fleet::commit(Node& node, const Outbox& out) {
   for (const std::string& name : out.counts) ++counted[name];
   if (out.journal.empty()) return true;
   for (const Journal& record : out.journal) {
-    node.journal.push_back(*decode_body(subtype_of(record.record), encode_body(record.record)));
+    journal_as_file(node.journal, *node.archive, *decode_body(subtype_of(record.record), encode_body(record.record)));
   }
   return ++node.commits != node.crash_at;
 }
@@ -214,7 +222,7 @@ void Fleet::happen(Event event) {
     node.adapter.hear(event.message, now_);
     return run_adapter(node);
   }
-  run_core(node, [&](SchedulerCore& core, Outbox& out) { core.on(event.message, now(), out); });
+  run_core(node, [&](SchedulerCore& core, Outbox& out) { core.on(event.message, now_at(node), out); });
 }
 
 void Fleet::run_adapter(Node& node) {
@@ -244,7 +252,7 @@ bool Fleet::next_moment(MonotonicTime limit) {
   for (auto& [id, node] : nodes_) {
     run_adapter(node);
     const bool due = node.up && node.core->next_deadline().value_or(limit + seconds(1)) <= now_;
-    if (due) run_core(node, [&](SchedulerCore& core, Outbox& out) { core.tick(now(), out); });
+    if (due) run_core(node, [&](SchedulerCore& core, Outbox& out) { core.tick(now_at(node), out); });
   }
   return true;
 }

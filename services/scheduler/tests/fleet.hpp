@@ -12,6 +12,7 @@
 #include "services/scheduler/core/scheduler_core.hpp"
 #include "services/scheduler/tests/fake_adapter.hpp"
 #include "services/scheduler/tests/fake_sensors.hpp"
+#include "services/scheduler/tests/memory_archive.hpp"
 
 namespace trb::scheduler::test {
 
@@ -34,6 +35,8 @@ struct Node {
   FakeAdapter adapter;
   FakeSensors sensors;
   std::vector<Body> journal;
+  std::unique_ptr<MemoryArchive> archive = std::make_unique<MemoryArchive>();
+  Duration ahead{0};         ///< its clock's
   std::size_t commits = 0;   ///< steps that have journaled something
   std::size_t crash_at = 0;  ///< ends the process at this commit; 0: never
   bool crash_after_sends = false;
@@ -50,6 +53,8 @@ class Fleet {
   [[nodiscard]] SignedRecord sign(const std::string& id, std::string_view purpose, Bytes payload) const;
   [[nodiscard]] SignedRecord sign_order(const std::string& by, const std::string& run) const;
   [[nodiscard]] Now now() const { return {now_, UtcTime{kEpoch} + Duration{now_.ns}}; }
+  /// By the clock of that node.
+  [[nodiscard]] Now now_at(const Node& node) const { return {now_, now().utc + node.ahead}; }
   [[nodiscard]] const FleetAuthority& authority() const { return authority_; }
 
   /// The signed start of a run of these tasks with every node of the fleet as a member.
@@ -60,6 +65,8 @@ class Fleet {
   /// Hands one message to a core and returns the step's effects; journals them, sends nothing.
   Outbox tell(const std::string& node, const std::string& source, MessageType type, Body body,
               std::uint64_t reply_to = 0);
+  /// Hands one message to a core, whose step is carried out.
+  void hear(const std::string& node, const std::string& source, MessageType type, Body body);
   RunView view(const std::string& node, const std::string& run);
 
   void stop(const std::string& node);

@@ -3,7 +3,6 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
-#include <set>
 
 #include "common/scenario/run_start.hpp"
 #include "services/scheduler/tests/sequential.hpp"
@@ -25,6 +24,7 @@ class Played {
     for (const std::string& robot : hands) {
       FakeAdapter& adapter = fleet.add(robot, Role::robot).adapter;
       adapter.skill_time = world.skill_times.at(robot);
+      adapter.skills = {{"do", "hands", world.repeatable}};
       adapter.world = [this](const Execute& what) {
         return std::pair(world.ending(what.key), world.told(what.key, what.data));
       };
@@ -105,6 +105,9 @@ class Played {
     bool needs_spare = false;
     for (const TaskView& is : view.tasks) {
       const bool stands = is.state == TaskState::failed || is.state == TaskState::retriable;
+      const Task& task = world.scenario.tasks[static_cast<std::size_t>(&is - view.tasks.data())];
+      const bool ends = task.on_failure == OnFailure::abort && is.outcome != TaskOutcome::retriable;
+      if (ends && is.outcome != TaskOutcome::released) continue;  // its run is being aborted
       if (!stands && is.outcome != TaskOutcome::released) continue;
       decision.tasks.push_back(world.ruling(is.id, stood(is), is.robot, is.attempt + 1));
       needs_spare = needs_spare || decision.tasks.back().robot == "spare";
@@ -137,11 +140,11 @@ class Differences {
   Differences(const Played& played, const std::vector<Ended>& expected) : played_(played), expected_(expected) {
     REQUIRE(played_.view.tasks.size() == expected_.size());
     for (std::size_t i = 0; i < expected_.size(); ++i) {
-      if (ended(i) && expected_[i].holds) stopped_.insert(task(i).robot);
+      stopped_ = stopped_ || (ended(i) && expected_[i].holds);
       aborted_ = aborted_ || (ended(i) && expected_[i].aborts);
     }
     for (std::size_t i = 0; i < expected_.size(); ++i) compare(i);
-    const RunState state = aborted_ ? RunState::aborted : (stopped_.empty() ? RunState::finished : RunState::paused);
+    const RunState state = aborted_ ? RunState::aborted : (stopped_ ? RunState::paused : RunState::finished);
     if (played_.view.state != state) wrong("the run", "is " + std::string(name_of(played_.view.state)));
     if (!played_.begun_once) wrong("", "an attempt was begun twice");
   }
@@ -189,28 +192,22 @@ class Differences {
     return commands(i) == expected_[i].commands.size() && played_.view.tasks[i].attempt == expected_[i].attempt;
   }
 
-  /// Or it stood when the run was aborted.
+  /// It stood when the run was aborted, or was stopped for that: what has failed then is not tried again.
   [[nodiscard]] bool was_cancelled(const TaskView& real) const {
     const bool stands = real.state == TaskState::failed || real.state == TaskState::retriable;
-    return aborted_ && ((stands && played_.world.decides) || real.reason.find("cancelled") != std::string::npos ||
-                        real.reason.find("the run is aborted") != std::string::npos);
+    return aborted_ && (stands || real.reason.find("the run is aborted") != std::string::npos);
   }
 
-  /// Before the run came to it, it ended, or its robot, or who evaluates its condition, waits for a decision. Without a
-  /// cloud the submitter hears of every failure, and may pass it on.
+  /// Before the run came to it, it was aborted, or what stands before it waits for a decision. Other branches go on.
   [[nodiscard]] bool is_stopped(std::size_t i) const {
     const auto& after = task(i).after;
-    const auto first = after.empty() ? i : *std::min_element(after.begin(), after.end());
-    return aborted_ || stopped_.contains(task(i).robot) ||
-           (!task(i).when.empty() && stopped_.contains(task(first).robot)) ||
-           (!played_.world.has_cloud && !stopped_.empty()) ||
-           std::any_of(after.begin(), after.end(),
-                       [&](TaskIndex before) { return !ended(before) || !expected_[before].is_final(); });
+    return aborted_ || std::any_of(after.begin(), after.end(),
+                                   [&](TaskIndex before) { return !ended(before) || !expected_[before].is_final(); });
   }
 
   const Played& played_;
   const std::vector<Ended>& expected_;
-  std::set<std::string> stopped_;  ///< robots with a failure that somebody has to decide on
+  bool stopped_ = false;  ///< by a failure that somebody has to decide on
   bool aborted_ = false;
   std::string text_;
 };

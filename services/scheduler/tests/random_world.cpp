@@ -103,7 +103,7 @@ class Maker {
     if (late) task.robot.clear();
     if (late) task.requires_ = {"hands"};
     const bool must_skip = calm_ && !task.values.empty();
-    if (must_skip || dice_.chance(50)) task.on_failure = OnFailure::skip;
+    if (must_skip || dice_.chance(50)) task.on_failure = dice_.chance(40) ? OnFailure::continue_ : OnFailure::skip;
     if (!calm_ && dice_.chance(15)) task.on_failure = OnFailure::abort;
   }
 
@@ -139,7 +139,8 @@ class Maker {
 
   void make_fate(const Task& task) {
     world_.tellings[task.id] = dice_.chance(15) ? Telling::nothing : dice_.chance(20) ? Telling::plain : Telling::named;
-    const bool may_fail = !calm_ || task.on_failure == OnFailure::skip;
+    const bool skips = task.on_failure == OnFailure::skip || task.on_failure == OnFailure::continue_;
+    const bool may_fail = !calm_ || skips;
     std::vector<TaskOutcome>& out = world_.endings[task.id];
     const std::uint64_t fails = dice_.chance(25) ? dice_.from(1, 4) : 0;
     for (std::uint64_t i = 0; i < fails && (may_fail || i < task.retries); ++i) {
@@ -168,6 +169,7 @@ class Maker {
       if (dice_.chance(8)) world_.crashes[robot] = dice_.from(1, 12);
     }
     world_.crash_after_sends = dice_.chance(50);
+    world_.repeatable = dice_.chance(50);
   }
 
   Dice dice_;

@@ -52,6 +52,7 @@ struct World {
   std::map<std::string, Sense> senses;  ///< by the sensor's name
   /// Somebody at the cloud decides on whatever stands; so "spare" may come to do something, who is no member at first.
   bool decides = false;
+  bool repeatable = false;                             ///< what was interrupted may be done again
   std::map<std::string, std::vector<Ruling>> rulings;  ///< on a task, each time that it stands; then it is skipped
   std::map<std::string, std::string> bindings;         ///< the robots of tasks that name none: chosen when they are due
 

@@ -141,7 +141,8 @@ TEST_CASE("two different FINISHED of one task pause the run") {
   REQUIRE_FALSE(out.logs.empty());
   CHECK(out.logs.back().event == "double_execution");
   CHECK(known.fleet.view("cloud", kRun).state == RunState::paused);
-  CHECK(known.fleet.view("cloud", kRun).waits_for.find("double_execution") != std::string::npos);
+  CHECK(known.fleet.view("cloud", kRun).waits_for == "'cloud' to hold it: a task was done twice");
+  CHECK(known.fleet.view("cloud", kRun).tasks[0].twice);
   known.pass(known.signed_by("ridgeback"));
   CHECK(sent<Execute>(known.pass(second)).empty());
 }

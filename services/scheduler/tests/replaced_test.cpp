@@ -231,7 +231,7 @@ TEST_CASE("decisions stay so small together that a member which comes late can b
   CHECK(encode(sent<Definition>(out).at(0)).size() < kMaxDataSize);
 }
 
-TEST_CASE("a member that has buried the run is not told of its decisions and pauses for another day") {
+TEST_CASE("a member for which the run is over is not told of its decisions and pauses for another day") {
   Story story({"drone", "ur3"});
   story.fleet["ur3"].adapter.skill_time = seconds(20);
   REQUIRE(story.fleet.until([&] { return story.task(1).state == TaskState::running; }));
@@ -240,11 +240,11 @@ TEST_CASE("a member that has buried the run is not told of its decisions and pau
   const PauseOrder order{kStoryRun, 1, true, "cloud", "lunch", 0};
   story.fleet.ask("cloud", MessageType::command, RunPause{story.fleet.sign("cloud", kSignedRunPause, encode(order))});
   story.fleet.pass(seconds(3700));
-  CHECK(story.fleet.view("drone", kStoryRun).run.empty());
-  CHECK(story.fleet.view("cloud", kStoryRun).run == kStoryRun);
+  CHECK(story.fleet["drone"].archive->over(kStoryRun)->state == RunState::expired);
+  CHECK_FALSE(story.fleet["cloud"].archive->over(kStoryRun));
   story.fleet["drone"].cut = false;
   story.fleet.pass(seconds(10));
-  CHECK(story.fleet.view("cloud", kStoryRun).run.empty());
+  CHECK(story.fleet["cloud"].archive->over(kStoryRun)->state == RunState::expired);
 }
 
 TEST_CASE("whoever watches from elsewhere keeps no service of the own node from it") {

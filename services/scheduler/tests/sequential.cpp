@@ -63,13 +63,16 @@ struct Interpreter {
     for (std::size_t stood = 0;; ++out.attempt) {
       const TaskOutcome outcome = attempt(task, robot, out, result);
       const bool commanded = out.commands.contains(out.attempt);
-      const bool again = commanded && outcome != TaskOutcome::interrupted && out.attempt - first < task.retries;
+      const bool repeatable = outcome != TaskOutcome::interrupted || world.repeatable;
+      const bool again = commanded && repeatable && out.attempt - first < task.retries;
       out.state = outcome == TaskOutcome::finished ? TaskState::finished : TaskState::failed;
       if (outcome == TaskOutcome::finished) return;
       if (again) continue;
       if (outcome != TaskOutcome::failed) out.state = TaskState::retriable;
-      if (outcome == TaskOutcome::failed && task.on_failure == OnFailure::skip) out.state = TaskState::skipped;
-      out.aborts = outcome == TaskOutcome::failed && task.on_failure == OnFailure::abort;
+      const bool ends = outcome == TaskOutcome::failed || outcome == TaskOutcome::interrupted;
+      out.goes_on = ends && task.on_failure == OnFailure::continue_;
+      if (out.goes_on || (ends && task.on_failure == OnFailure::skip)) out.state = TaskState::skipped;
+      out.aborts = ends && task.on_failure == OnFailure::abort;
       out.holds = !out.aborts && out.state != TaskState::skipped && !world.decides;
       if (out.aborts || out.holds || out.state == TaskState::skipped) return;
       first = out.attempt + 1;
@@ -77,6 +80,7 @@ struct Interpreter {
       robot = ruling.robot;
       if (ruling.ruling != Ruling::skip) continue;
       out.state = TaskState::skipped;
+      out.goes_on = task.on_failure == OnFailure::continue_;
       out.attempt = first;
       return;
     }
@@ -84,7 +88,9 @@ struct Interpreter {
 
   void run(const Task& task, Ended& out, std::string& result) {
     out.reached = true;
-    const auto skipped = [&](TaskIndex before) { return ended[before].state == TaskState::skipped; };
+    const auto skipped = [&](TaskIndex before) {
+      return ended[before].state == TaskState::skipped && !ended[before].goes_on;
+    };
     const bool nothing_came = !task.after.empty() && std::all_of(task.after.begin(), task.after.end(), skipped);
     const bool goes = !nothing_came && (task.when.empty() || holds(task.when[0]));
     if (goes) return execute(task, out, result);

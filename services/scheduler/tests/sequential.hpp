@@ -19,6 +19,7 @@ struct Command {
 struct Ended {
   bool reached = false;  ///< all before it are final
   TaskState state{};
+  bool goes_on = false;                       ///< SKIPPED, and what follows goes on
   std::map<std::uint32_t, Command> commands;  ///< by attempt
   std::uint32_t attempt = 1;                  ///< that it ended with, or would have
   bool holds = false;                         ///< somebody has to decide before the run can go on

@@ -228,7 +228,7 @@ TEST_CASE("very many tasks at once are passed in several batons, each of which f
   submit(fleet, scenario);
   fleet.pass(seconds(5));
   CHECK(fleet.carried["baton_journaled"] == 3);  // 64, 64 and 2 tasks
-  CHECK(fleet.carried["baton"] <= 2 * 3);  // sent again until it has the definition, too
+  CHECK(fleet.carried["baton"] <= 2 * 3);        // sent again until it has the definition, too
 }
 
 TEST_CASE("a robot that another commands keeps its task waiting, says who it is, and goes on") {

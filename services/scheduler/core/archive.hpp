@@ -1,0 +1,42 @@
+// The runs that are over on this node: what the journal's file keeps of them, for the core to read.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "proto/bodies/journal.hpp"
+
+namespace trb::scheduler {
+
+/// What is known of a run that is over for as long as anything may still come for it.
+struct Over {
+  RunState state{};
+  SignedRecord end;  ///< the RunEnd; without a kind: there is none
+};
+
+/// A page of summaries, newest first.
+struct ArchivePage {
+  std::vector<RunSummary> runs;
+  bool more = false;
+};
+
+/// Filled by JournalArchive records as they are committed.
+class Archive {
+ public:
+  Archive() = default;
+  Archive(const Archive&) = delete;
+  Archive& operator=(const Archive&) = delete;
+  virtual ~Archive() = default;
+
+  /// Nothing: the run is not over here.
+  [[nodiscard]] virtual std::optional<Over> over(const std::string& run) const = 0;
+  /// Nothing: it is not here, or its record has made room for younger ones.
+  [[nodiscard]] virtual std::optional<RunView> view(const std::string& run) const = 0;
+  /// Ids that begin so, newest first, `most` of them.
+  [[nodiscard]] virtual std::vector<std::string> ids(const std::string& beginning, std::size_t most) const = 0;
+  /// The runs that were put in before `after`; all if that is empty.
+  [[nodiscard]] virtual ArchivePage page(const std::string& after, std::size_t most) const = 0;
+};
+
+}  // namespace trb::scheduler

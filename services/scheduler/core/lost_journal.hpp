@@ -1,0 +1,31 @@
+// A journal that is new on a node that is not: what an older one held is lost. Nothing is begun before the robot is out
+// of use, which stands until a person has looked at it.
+#pragma once
+
+#include "common/actor/outbox.hpp"
+#include "common/base/time.hpp"
+
+namespace trb::scheduler {
+
+/// | | nothing | open | told |
+/// |---|---|---|---|
+/// | the journal says that one was lost | -> open | | |
+/// | time | - | TakeOutOfUse to the own mode-adapter, every second | - |
+/// | its Ack, or there is no robot | - | journaled -> told | - |
+/// | restart | as the journal says | as the journal says | nothing |
+class LostJournal {
+ public:
+  void restore(const JournalLost& fact) { open_ = !fact.over; }
+  /// Nothing may be begun yet.
+  [[nodiscard]] bool open() const { return open_; }
+  void tick(const std::string& node, Now now, Outbox& out);
+  /// The robot is out of use, or there is none.
+  void told(Now now, Outbox& out);
+  [[nodiscard]] std::optional<MonotonicTime> next() const { return open_ ? std::optional(next_) : std::nullopt; }
+
+ private:
+  bool open_ = false;
+  MonotonicTime next_{};
+};
+
+}  // namespace trb::scheduler
