@@ -54,8 +54,9 @@ void SchedulerCore::advance(Step step) {
 /// What of it is due, and since when; whom the decider passes on in whose place.
 void SchedulerCore::look_at(Run& run, Step step) {
   if (run.held() || run.aborted() || run.ended()) run.due_at.clear();
-  if (run.looked_version == run.version()) return;
-  run.looked_version = run.version();
+  const std::uint64_t version = run.version() + run.duties.changes();
+  if (run.looked_version == version) return;
+  run.looked_version = version;
   const auto keep = [&](std::map<TaskIndex, MonotonicTime>& times, std::vector<TaskIndex> tasks, MonotonicTime at) {
     std::ranges::sort(tasks);
     std::erase_if(times, [&](const auto& one) { return !std::ranges::binary_search(tasks, one.first); });

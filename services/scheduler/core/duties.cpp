@@ -28,12 +28,20 @@ void Duties::owe(DutyKind kind, const std::string& to, const std::vector<TaskInd
   const bool owed = std::any_of(open_.begin(), open_.end(), [&](const Duty& duty) {
     return duty.kind == kind && duty.to == to && duty.tasks == tasks;
   });
-  if (!owed) open_.push_back({kind, to, tasks, {}});
+  if (owed) return;
+  open_.push_back({kind, to, tasks, {}});
+  ++changes_;
+}
+
+template <class Match>
+bool Duties::remove(const Match& match) {
+  const bool any = std::erase_if(open_, match) > 0;
+  changes_ += any ? 1 : 0;
+  return any;
 }
 
 bool Duties::settle_one(DutyKind kind, const std::string& to, const std::vector<TaskIndex>& tasks) {
-  return std::erase_if(open_,
-                       [&](const Duty& duty) { return duty.kind == kind && duty.to == to && duty.tasks == tasks; }) > 0;
+  return remove([&](const Duty& duty) { return duty.kind == kind && duty.to == to && duty.tasks == tasks; });
 }
 
 bool Duties::settle(DutyKind kind, const std::string& to, const std::vector<TaskIndex>& tasks) {
@@ -44,15 +52,15 @@ bool Duties::settle(DutyKind kind, const std::string& to, const std::vector<Task
 }
 
 void Duties::drop(DutyKind kind) {
-  std::erase_if(open_, [&](const Duty& duty) { return duty.kind == kind; });
+  remove([&](const Duty& duty) { return duty.kind == kind; });
 }
 
 void Duties::drop(DutyKind kind, const std::string& to) {
-  std::erase_if(open_, [&](const Duty& duty) { return duty.kind == kind && duty.to == to; });
+  remove([&](const Duty& duty) { return duty.kind == kind && duty.to == to; });
 }
 
 void Duties::drop_batons() {
-  std::erase_if(open_, [](const Duty& duty) { return duty.kind == DutyKind::baton && !duty.tasks.empty(); });
+  remove([](const Duty& duty) { return duty.kind == DutyKind::baton && !duty.tasks.empty(); });
 }
 
 Duty Duties::gather_results(const std::string& to, MonotonicTime now) {

@@ -73,6 +73,8 @@ class Duties {
   void restart();
 
   [[nodiscard]] bool empty() const { return open_.empty(); }
+  /// Rises with what is owed and settled.
+  [[nodiscard]] std::uint64_t changes() const { return changes_; }
   [[nodiscard]] std::optional<MonotonicTime> next() const;
   [[nodiscard]] bool owes(DutyKind kind, const std::string& to) const;
   /// The baton for that task is owed to somebody.
@@ -81,10 +83,13 @@ class Duties {
   [[nodiscard]] std::vector<std::string> creditors(DutyKind kind) const;
 
  private:
+  template <class Match>
+  bool remove(const Match& match);
   bool settle_one(DutyKind kind, const std::string& to, const std::vector<TaskIndex>& tasks);
   Duty gather_results(const std::string& to, MonotonicTime now);
 
   std::vector<Duty> open_;
+  std::uint64_t changes_ = 0;
 };
 
 }  // namespace trb::scheduler

@@ -182,3 +182,140 @@ TEST_CASE("a run that has expired on arrival is refused") {
   fleet.ask("cloud", MessageType::command, RunSubmit{start});
   CHECK(last_nack(fleet) == "expired");
 }
+
+TEST_CASE("a clock that is 25 h ahead for 3 s ends no run, on no node") {
+  Fleet fleet;
+  add_demonstration(fleet);
+  fleet["ur3"].adapter.ending = TaskOutcome::failed;
+  submit(fleet, "cloud", seconds(24 * 3600));
+  REQUIRE(fleet.until([&] { return fleet.view("cloud", kRun).state == RunState::paused; }));
+  for (const char* node : {"cloud", "ridgeback"}) {
+    fleet[node].ahead = seconds(25 * 3600);
+    for (int i = 0; i < 3; ++i) {
+      fleet.pass(seconds(1));
+      CHECK(fleet.view(node, kRun).left_s > 23 * 3600);
+    }
+    fleet[node].ahead = seconds(0);
+  }
+  fleet.pass(seconds(3600));
+  CHECK(fleet.view("cloud", kRun).state == RunState::paused);
+  // Nor does a node that starts with such a clock.
+  fleet.stop("cloud");
+  fleet["cloud"].ahead = seconds(25 * 3600);
+  fleet.start("cloud");
+  fleet.pass(seconds(60));
+  CHECK(fleet.view("cloud", kRun).state == RunState::paused);
+}
+
+TEST_CASE("a run that waits for a word when its time is over is kept with its results, and can be looked at") {
+  Fleet fleet;
+  add_demonstration(fleet);
+  fleet["ur3"].adapter.ending = TaskOutcome::failed;
+  submit(fleet, "cloud", seconds(24 * 3600));
+  REQUIRE(fleet.until([&] { return fleet.view("cloud", kRun).state == RunState::paused; }));
+  fleet.pass(seconds(24 * 3600));
+  CHECK(archived(fleet, "cloud") == RunState::expired);
+  const RunView view = fleet.view("cloud", kRun);
+  CHECK(view.state == RunState::expired);
+  CHECK(view.tasks[2].reason == "the gripper is stuck");
+  CHECK(fleet["cloud"].archive->records().at(0).results.size() == 3);
+  fleet.pass(seconds(48 * 3600));
+  CHECK(fleet.view("cloud", kRun).tasks[2].reason == "the gripper is stuck");
+}
+
+TEST_CASE("a run that has FINISHED goes to every member's archive within minutes, whoever was away") {
+  Fleet fleet(3);
+  add_demonstration(fleet);
+  submit(fleet, "cloud");
+  REQUIRE(fleet.until([&] { return fleet.view("cloud", kRun).tasks[7].state == TaskState::finished; }));
+  fleet["conveyor"].cut = true;
+  fleet.stop("pioneer");
+  REQUIRE(fleet.until([&] { return archived(fleet, "cloud") == RunState::finished; }, seconds(120)));
+  CHECK(fleet.until([&] { return archived(fleet, "ur3") == RunState::finished; }, seconds(1)));
+  CHECK_FALSE(archived(fleet, "conveyor"));
+  fleet["conveyor"].cut = false;
+  fleet.start("pioneer");
+  CHECK(fleet.until(
+      [&] {
+        return archived(fleet, "conveyor") == RunState::finished && archived(fleet, "pioneer") == RunState::finished;
+      },
+      seconds(1300)));
+  for (const Member& member : fleet.members()) {
+    const auto& journal = fleet[member.id].journal;
+    CHECK(std::ranges::none_of(journal, [](const Body& record) { return holds_alternative<JournalResult>(record); }));
+  }
+}
+
+TEST_CASE("only the judge's word ends a run, and none that is forged, of another run, or that says otherwise") {
+  Fleet fleet;
+  add_demonstration(fleet);
+  submit(fleet, "cloud");
+  REQUIRE(fleet.until([&] { return has_begun(fleet, "ridgeback"); }));
+  const auto start = decode<RunStart>(get<JournalRun>(fleet["ridgeback"].journal[0]).start.payload.bytes);
+  const auto told = [&](const std::string& by, const std::function<void(RunEnd&)>& change, bool forge = false) {
+    RunEnd end{kRun, start->digest, by, RunState::finished, 0};
+    change(end);
+    SignedRecord record = fleet.sign(by, kSignedRunEnd, encode(end));
+    if (forge) record.payload.bytes.back() ^= 1;
+    fleet.hear("ridgeback", by, MessageType::information, RunOver{record});
+    return fleet.view("ridgeback", kRun).state;
+  };
+  const auto nothing = [](RunEnd&) {};
+  CHECK(told("ur3", nothing) == RunState::running);
+  CHECK(told("cloud", nothing, true) == RunState::running);
+  CHECK(told("cloud", [](RunEnd& end) { end.run = std::string(32, 'b'); }) == RunState::running);
+  CHECK(told("cloud", [](RunEnd& end) { end.digest.bytes[0] ^= 1; }) == RunState::running);
+  CHECK(told("cloud", [](RunEnd& end) { end.by = "ur3"; }) == RunState::running);
+  CHECK(told("cloud", [](RunEnd& end) { end.state = RunState::aborted; }) == RunState::running);
+  CHECK(told("cloud", nothing) == RunState::finished);
+}
+
+TEST_CASE("a day of runs fills nothing: only those that are open take a place") {
+  Fleet fleet;
+  add_demonstration(fleet);
+  const int runs = 540;
+  for (int i = 0; i < runs; ++i) {
+    char id[33];
+    std::snprintf(id, sizeof id, "%032x", static_cast<unsigned>(i));
+    fleet.ask("cloud", MessageType::command,
+              RunSubmit{fleet.make_start(chain({"ur3", "drone"}), "cloud", seconds(24 * 3600), id)});
+    REQUIRE(holds_alternative<RunAccepted>(fleet.answers.back()));
+    fleet.pass(seconds(30));
+  }
+  fleet.pass(seconds(1300));
+  for (const Member& member : fleet.members()) {
+    CAPTURE(member.id);
+    CHECK(fleet[member.id].archive->records().size() ==
+          (member.id == "cloud" || member.id == "ur3" || member.id == "drone" ? runs : 0));
+    CHECK(fleet[member.id].journal.size() <= 1);
+  }
+  fleet.ask("cloud", MessageType::request, RunListRequest{true, "", 500});
+  const auto first = get<RunTable>(fleet.answers.back());
+  CHECK(first.runs.size() == 500);
+  CHECK(first.more);
+  CHECK(first.open == 0);
+  CHECK(first.open_max == 512);
+  fleet.ask("cloud", MessageType::request, RunListRequest{true, first.runs.back().run, 500});
+  CHECK(get<RunTable>(fleet.answers.back()).runs.size() == 40);
+  CHECK_FALSE(get<RunTable>(fleet.answers.back()).more);
+  fleet.ask("cloud", MessageType::request, RunListRequest{true, "", 0});
+  CHECK(last_nack(fleet) == "bad_value");
+}
+
+TEST_CASE("a member that has no place for a run is named, and gets it when there is place") {
+  Fleet fleet;
+  add_demonstration(fleet);
+  fleet["cloud"].adapter.skill_time = seconds(1);
+  fleet["ur3"].cut = true;
+  for (int i = 0; i < 512; ++i) {
+    char id[33];
+    std::snprintf(id, sizeof id, "%032x", static_cast<unsigned>(i));
+    fleet.ask("cloud", MessageType::command, RunSubmit{fleet.make_start(chain({"ur3"}), "cloud", seconds(100), id)});
+  }
+  submit(fleet, "ridgeback");
+  fleet.pass(seconds(60));
+  CHECK(fleet.view("ridgeback", kRun).waits_for.starts_with("'cloud' to take the run: no place for run"));
+  fleet.pass(seconds(60));
+  CHECK(fleet.until([&] { return fleet.view("cloud", kRun).run == kRun; }, seconds(10)));
+  CHECK(fleet.view("ridgeback", kRun).waits_for.empty());
+}
