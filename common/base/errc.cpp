@@ -46,6 +46,8 @@ std::string_view errc_name(Errc code) {
       return "fenced";
     case Errc::busy:
       return "busy";
+    case Errc::out_of_use:
+      return "out_of_use";
     case Errc::unknown_subtype:
       return "unknown_subtype";
     case Errc::unknown_skill:

@@ -32,6 +32,7 @@ enum class Errc : std::uint8_t {
   // robot
   fenced,           ///< stopped by `stop`; `release` is needed
   busy,             ///< one skill at a time
+  out_of_use,       ///< a fault that stands, or a person, keeps the robot or the capability out of use
   unknown_subtype,  ///< the mode has no words for this subtype
   unknown_skill,    ///< the description has no such skill
   unknown_place,    ///< the hall has no such place

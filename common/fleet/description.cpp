@@ -10,6 +10,8 @@
 namespace trb {
 namespace {
 
+constexpr std::size_t kMaxNumbers = 64;
+constexpr std::size_t kMaxUnit = 16;
 constexpr double kMillimetres = 1000;
 constexpr double kDegrees = 57.29577951308232;
 
@@ -40,6 +42,23 @@ void read_own_places(ObjectReader& reader, Description& description) {
   if (members == nullptr) return;
   for (const auto& [name, words] : *members) {
     if (check_place_name(name, "places." + name, reader.faults())) description.places[name] = words;
+  }
+}
+
+void read_numbers(ObjectReader& reader, Description& description) {
+  const auto* members = reader.object("numbers", Need::optional, kMaxNumbers);
+  if (members == nullptr) return;
+  for (const auto& [name, json] : *members) {
+    const std::string path = "numbers." + name;
+    if (!is_valid_word(name)) {
+      reader.faults().add(path, in_quotes(name) + " is no name",
+                          "start with a letter; then letters, digits, '_' or '-'");
+    }
+    ObjectReader number(json, path, reader.faults());
+    const auto value = number.number("value", Need::required);
+    const auto unit = number.text("unit", Need::optional, kMaxUnit);
+    number.refuse_unknown_keys();
+    description.numbers.push_back({name, value.value_or(0), unit.value_or("")});
   }
 }
 
@@ -85,6 +104,7 @@ Description read_description(const Value& json, const std::string& file, ConfigF
   read_skills(reader, description);
   description.faults = read_faults(reader, description.capabilities);
   description.sensors = read_sensors(reader);
+  read_numbers(reader, description);
   check_numeric(description, sink);
   reader.refuse_unknown_keys();
   return description;

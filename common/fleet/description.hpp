@@ -100,6 +100,7 @@ struct Description {
   std::map<std::string, Value>
       places;  ///< the robot's own words for a place (joints, a station's number); wins over the pose
   std::vector<FaultRule> faults;
+  std::vector<NamedNumber> numbers;  ///< what a person or a ranking may want to know: its payload, its reach
   std::vector<std::string> sensors;  ///< values that the fleet is told when they change (RobotState)
   FieldChannel field_channel;
   bool has_field_channel = false;  ///< the file has that key: the robot can talk in fields, whatever its mode

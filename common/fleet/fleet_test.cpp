@@ -132,6 +132,21 @@ TEST_CASE("a parameter's range, words and count are told to the fleet") {
   CHECK(infos[0].parameters[1].one_of == std::vector<std::string>{"a", "b"});
 }
 
+TEST_CASE("numbers of the robot are told with their units") {
+  const auto head = std::string(R"({"maker": "A", "model": "B", "capabilities": [], "skills": {}, "numbers": )");
+  const auto read = description_of(head + R"({"payload": {"value": 3, "unit": "kg"}, "axes": {"value": 6}}})");
+  CHECK(read.faults.empty());
+  CHECK(read.description.numbers == std::vector<NamedNumber>{{"payload", 3, "kg"}, {"axes", 6, ""}});
+  const auto wrong = description_of(
+      head + R"({"pay load": {"value": 3}, "reach": {"unit": "m"}, "mass": {"value": "3", "unti": "kg"}}})");
+  const std::string text = to_text(wrong.faults);
+  for (const char* expected : {"'pay load' is no name", "numbers.reach.value: is missing",
+                               "numbers.mass.value: is a text", "numbers.mass.unti: is no key"}) {
+    CAPTURE(expected);
+    CHECK_MESSAGE(text.find(expected) != std::string::npos, text);
+  }
+}
+
 TEST_CASE("a description: faults of its own keys") {
   const auto read = description_of(R"({"model": 5, "capabilities": ["mobile", "mobile", 3], "skils": {},
     "frame": {"length_unit": "cm"}, "field_channel": {"framing": "newlin", "chunk_bytes": 1, "ack_timeout_s": 0}})");

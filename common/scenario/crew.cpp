@@ -12,6 +12,7 @@ namespace trb {
 namespace {
 
 constexpr std::size_t kWanted = 2;
+constexpr std::size_t kMaxWarnings = 200;
 
 bool contains(const std::vector<std::string>& words, const std::string& word) {
   return std::find(words.begin(), words.end(), word) != words.end();
@@ -119,7 +120,39 @@ std::vector<Obstacle> obstacles(const Task& task, const Value& data, const std::
 std::string why_not_ready(const NodeProfile& profile) {
   if (profile.robot.empty()) return "has no robot that tells its state";
   if (profile.robot != "ONLINE") return "is " + profile.robot;
-  return profile.fenced ? "is stopped until it is released" : "";
+  if (profile.fenced) return "is stopped until it is released";
+  for (const OutOfUse& kept : profile.out_of_use) {
+    if (kept.retired) return "is retired by " + kept.by + ": " + kept.text;
+    if (kept.capability.empty()) return "is out of use: " + kept.text;
+  }
+  return "";
+}
+
+std::string why_not_ready(const Task& task, const NodeProfile& profile) {
+  std::string why = why_not_ready(profile);
+  if (!why.empty() || profile.out_of_use.empty()) return why;
+  const SkillInfo* skill = find_skill(profile, task.skill);
+  for (const OutOfUse& kept : profile.out_of_use) {
+    const bool needed =
+        (skill != nullptr && skill->capability == kept.capability) || contains(task.requires_, kept.capability);
+    if (needed) return "cannot use " + in_quotes(kept.capability) + ": " + kept.text;
+  }
+  return "";
+}
+
+void warn_of_robots(const Scenario& scenario, const Profiles& profiles, const std::string& file, ConfigFaults& faults) {
+  std::set<std::string> told;
+  for (std::size_t i = 0; i < scenario.tasks.size(); ++i) {
+    const Task& task = scenario.tasks[i];
+    const auto at = profiles.find(task.robot);
+    if (at == profiles.end() || at->second.robot.empty()) continue;
+    const std::string why = why_not_ready(task, at->second);
+    if (why.empty() || !told.insert(task.robot + why).second) continue;
+    if (faults.size() >= kMaxWarnings) return;
+    faults.push_back({file, "tasks[" + std::to_string(i) + "].robot",
+                      "task " + in_quotes(task.id) + ": " + in_quotes(task.robot) + " " + why,
+                      "the run waits for it; see: trb robot list", true});
+  }
 }
 
 std::string Able::reasons(const std::string& except) const {
@@ -152,7 +185,7 @@ const Able& Crew::able(const Task& task) {
     if (!suits(task, *data, profile)) {
       if (out.unable.size() == Able::kMaxTold) continue;
       out.unable.push_back({id, in_words(id, obstacles(task, *data, id, profile).at(0))});
-    } else if (const std::string why = why_not_ready(profile); !why.empty()) {
+    } else if (const std::string why = why_not_ready(task, profile); !why.empty()) {
       if (out.waiting.size() < Able::kMaxTold) out.waiting.push_back({id, in_quotes(id) + " " + why});
     } else {
       out.ready.push_back(id);
@@ -160,6 +193,18 @@ const Able& Crew::able(const Task& task) {
     if (out.ready.size() == kWanted) break;
   }
   return out;
+}
+
+const std::vector<std::string>& Crew::everybody(const Task& task) {
+  const auto [at, is_new] = everybody_.try_emplace(need_of(task));
+  const auto robots = by_skill_.find(task.skill);
+  const auto data = parameters_of(task);
+  if (!is_new || robots == by_skill_.end() || !data) return at->second;
+  for (const Robot* robot : robots->second) {
+    const auto& [id, profile] = *robot;
+    if (suits(task, *data, profile) && why_not_ready(task, profile).empty()) at->second.push_back(id);
+  }
+  return at->second;
 }
 
 std::vector<std::string> Crew::skills() const {
@@ -174,33 +219,6 @@ std::vector<std::string> Crew::capabilities() const {
     if (!profile.skills.empty()) all.insert(profile.capabilities.begin(), profile.capabilities.end());
   }
   return {all.begin(), all.end()};
-}
-
-std::vector<std::string> bind_tasks(const Scenario& scenario, Crew& crew, const std::string& decider,
-                                    const std::string& file, ConfigFaults& faults) {
-  std::size_t when_due = decider.empty() ? 0 : kMaxBoundWhenDue;
-  std::vector<std::string> out;
-  std::set<std::string> told;
-  const FileFaults sink(file, faults);
-  for (std::size_t i = 0; i < scenario.tasks.size(); ++i) {
-    const Task& task = scenario.tasks[i];
-    out.push_back(task.robot);
-    if (!task.robot.empty()) continue;
-    if (when_due > 0) {
-      --when_due;
-      out.back() = decider;
-      continue;
-    }
-    const Able& able = crew.able(task);
-    if (!able.ready.empty()) {
-      out.back() = able.ready.front();
-    } else if (told.insert(first_id(task.id)).second) {  // the same of a later round is not told again
-      sink.add("tasks[" + std::to_string(i) + "].requires",
-               "task " + in_quotes(task.id) + ": nobody can do it now: " + able.reasons(),
-               "bring such a robot online, or name one; see: trb robot list");
-    }
-  }
-  return out;
 }
 
 std::vector<NoSpare> tasks_without_spare(const Scenario& scenario, Crew& crew) {

@@ -32,8 +32,14 @@ Result<Value> parameters_of(const Task& task);
 std::vector<Obstacle> obstacles(const Task& task, const Value& data, const std::string& robot,
                                 const NodeProfile& profile);
 
-/// Why the robot cannot be given a task now, whatever task: "is OFFLINE", "is stopped until it is released"; or "".
+/// Why the robot cannot be given a task now, whatever task: "is OFFLINE", "is stopped until it is released", "is
+/// retired by ann: new wheels"; or "".
 std::string why_not_ready(const NodeProfile& profile);
+/// The same, and whether what the task needs is out of use: "cannot use 'carry': the gripper is jammed".
+std::string why_not_ready(const Task& task, const NodeProfile& profile);
+
+/// What may wait, and should be known before the run begins: robots that the tasks name and that cannot begin now.
+void warn_of_robots(const Scenario& scenario, const Profiles& profiles, const std::string& file, ConfigFaults& faults);
 
 /// Why a robot is not taken for a task.
 struct Reason {
@@ -59,6 +65,8 @@ class Crew {
   explicit Crew(const Profiles& profiles);
 
   const Able& able(const Task& task);
+  /// Everybody who is ready and able, by id.
+  const std::vector<std::string>& everybody(const Task& task);
   /// All skills and capabilities that robots of the fleet have.
   [[nodiscard]] std::vector<std::string> skills() const;
   [[nodiscard]] std::vector<std::string> capabilities() const;
@@ -69,14 +77,17 @@ class Crew {
   const Profiles& profiles_;
   std::map<std::string_view, std::vector<const Robot*>> by_skill_;
   std::map<std::string, Able> known_;
+  std::map<std::string, std::vector<std::string>> everybody_;
 };
 
 /// Of one run's tasks at most so many are bound when they are due: each takes a decision, and a run has 64.
 constexpr std::size_t kMaxBoundWhenDue = 32;
 
 /// Who holds each task at the start: the robot that it names; else `decider`, the cloud node that will choose one when
-/// the task is due; else, if there is no decider, or it has kMaxBoundWhenDue already, the first by id that is ready and
-/// able. What is left without anybody is a fault.
+/// the task is due; else, if there is no decider, or it has kMaxBoundWhenDue already, of those that are ready and able
+/// the one with the fewest tasks of this run, then the first by id. The decider is left what gains most by it: what
+/// nobody can do now, then what several could do, what begins last before what begins first. What is left without
+/// anybody is a fault.
 std::vector<std::string> bind_tasks(const Scenario& scenario, Crew& crew, const std::string& decider,
                                     const std::string& file, ConfigFaults& faults);
 

@@ -163,12 +163,80 @@ TEST_CASE("where somebody decides, who does it is left until it is due: of so ma
   CHECK(faults.empty());  // somebody who flies may come
   scenario.tasks = repeat_tasks({late({"mobile"})}, kMaxBoundWhenDue + 1);
   const Robots robots = bind_tasks(scenario, crew, "cloud", "s.json", faults);
-  CHECK(robots[kMaxBoundWhenDue - 1] == "cloud");
-  CHECK(robots[kMaxBoundWhenDue] == "pioneer1");
+  CHECK(robots[0] == "pioneer1");  // of equals, what begins last is left
+  CHECK(std::ranges::count(robots, "cloud") == kMaxBoundWhenDue);
   CHECK(faults.empty());
   scenario.tasks = repeat_tasks({late({"fly"})}, kMaxBoundWhenDue + 5);
   bind_tasks(scenario, crew, "cloud", "s.json", faults);
   CHECK(faults.size() == 1);
+}
+
+TEST_CASE("the decider is left first what nobody can do now, then what several could do") {
+  Profiles profiles = hall();
+  Scenario scenario{"n", "", {}};
+  const auto add = [&](Task task, const char* kind) {
+    task.id = kind + std::to_string(scenario.tasks.size());
+    scenario.tasks.push_back(std::move(task));
+  };
+  for (int i = 0; i < 20; ++i) add(late({"carry"}), "one");
+  for (int i = 0; i < 20; ++i) add(late({"mobile"}), "several");
+  profiles["drone"] = cart();
+  profiles["drone"].capabilities = {"fly"};
+  profiles["drone"].robot = "OFFLINE";
+  for (int i = 0; i < 20; ++i) add(late({"fly"}), "nobody");
+  Crew crew(profiles);
+  ConfigFaults faults;
+  const auto robots = bind_tasks(scenario, crew, "cloud", "s.json", faults);
+  CHECK(faults.empty());
+  std::map<std::string, int> left;
+  for (std::size_t i = 0; i < robots.size(); ++i)
+    left[scenario.tasks[i].id.substr(0, 3)] += robots[i] == "cloud" ? 1 : 0;
+  CHECK(left == std::map<std::string, int>{{"nob", 20}, {"one", 0}, {"sev", 12}});
+}
+
+TEST_CASE("what is bound at once is spread: the fewest tasks of this run, then by id") {
+  const Profiles profiles = hall();
+  Scenario scenario{"n", "", {named("pioneer1"), named("pioneer1")}};
+  for (int i = 0; i < 7; ++i) scenario.tasks.push_back(late({"mobile"}));
+  for (std::size_t i = 0; i < scenario.tasks.size(); ++i) scenario.tasks[i].id = "t" + std::to_string(i);
+  Crew crew(profiles);
+  ConfigFaults faults;
+  using Robots = std::vector<std::string>;
+  CHECK(bind_tasks(scenario, crew, "", "s.json", faults) == Robots{"pioneer1", "pioneer1", "pioneer2", "ridgeback",
+                                                                   "pioneer2", "ridgeback", "pioneer1", "pioneer2",
+                                                                   "ridgeback"});
+}
+
+TEST_CASE("a robot that is retired or out of use is no spare and gets no task, and the check warns of it") {
+  Profiles profiles = hall();
+  profiles["pioneer1"].out_of_use = {{"", Severity::critical, "new wheels", 0, true, "ann"}};
+  profiles["pioneer2"].out_of_use = {{"mobile", Severity::critical, "a wheel is off", 0, false, ""}};
+  CHECK(bound(late({"mobile"}), profiles) == "ridgeback");
+  CHECK(why_alone(named("ridgeback"), profiles) ==
+        "ridgeback: 'pioneer1' is retired by ann: new wheels; 'pioneer2' cannot use 'mobile': a wheel is off");
+  const auto warned = [&](const Scenario& scenario) {
+    ConfigFaults faults;
+    warn_of_robots(scenario, profiles, "s.json", faults);
+    CHECK(faults_that_stop(faults).empty());
+    std::string out;
+    for (const ConfigFault& fault : faults) out += fault.key + ": " + fault.what + "\n";
+    return out;
+  };
+  CHECK(warned({"n", "", {named("ridgeback"), late({"mobile"}), named("nobody")}}).empty());
+  CHECK(warned({"n", "", {named("pioneer1"), named("pioneer1"), named("pioneer2")}}) ==
+        "tasks[0].robot: task 't': 'pioneer1' is retired by ann: new wheels\n"
+        "tasks[2].robot: task 't': 'pioneer2' cannot use 'mobile': a wheel is off\n");
+  profiles["pioneer1"].out_of_use.clear();
+  profiles["pioneer1"].robot = "OFFLINE";
+  profiles["pioneer2"].fenced = true;
+  CHECK(warned({"n", "", {named("pioneer1"), named("pioneer2")}}) ==
+        "tasks[0].robot: task 't': 'pioneer1' is OFFLINE\n"
+        "tasks[1].robot: task 't': 'pioneer2' is stopped until it is released\n");
+  profiles["ridgeback"].out_of_use = {{"carry", Severity::fatal, "gripper jammed", 0, false, ""}};
+  CHECK(warned({"n", "", {named("ridgeback")}}).empty());  // it can still drive
+  Task carries = named("ridgeback");
+  carries.requires_ = {"carry"};
+  CHECK_FALSE(warned({"n", "", {carries}}).empty());
 }
 
 TEST_CASE("the preflight tells what nobody else could do now, and why") {

@@ -17,6 +17,7 @@ namespace trb {
 namespace {
 
 constexpr std::size_t kMaxScenario = DecodeLimits{}.bytes / 2;
+constexpr std::size_t kMaxWarnings = 200;
 constexpr std::size_t kMaxRequires = 32;  ///< as Task::requires_
 constexpr std::string_view kWordCure = "use a letter, then letters, digits, '_' or '-', 64 at most";
 
@@ -74,6 +75,8 @@ void read_failure(ObjectReader& reader, Task& task) {
   task.retry_after_s =
       reader.number("retry_after_s", Need::optional, {kMinRetryAfterS, kMaxRetryAfterS}).value_or(task.retry_after_s);
   task.on_failure = reader.one_of<OnFailure>("on_failure", Need::optional).value_or(task.on_failure);
+  task.start_within_s =
+      reader.number("start_within_s", Need::optional, {kMinStartWithinS, kMaxStartWithinS}).value_or(0);
 }
 
 ReadTask read_task(const Value& json, std::size_t index, const FileFaults& faults) {
@@ -198,6 +201,24 @@ void check_size(const Scenario& scenario, const FileFaults& faults) {
 }
 
 }  // namespace
+
+void warn_of_skips(const Scenario& scenario, const std::string& file, ConfigFaults& faults) {
+  const auto successors = successors_of(scenario);
+  for (std::size_t i = 0; i < scenario.tasks.size(); ++i) {
+    const Task& task = scenario.tasks[i];
+    if (task.on_failure != OnFailure::skip || is_repetition(task.id)) continue;
+    std::string names;
+    for (const TaskIndex next : successors[i]) {
+      const Task& after = scenario.tasks[next];
+      if (after.after.size() == 1 && !is_repetition(after.id))
+        names += (names.empty() ? "" : ", ") + in_quotes(after.id);
+    }
+    if (names.empty() || faults.size() >= kMaxWarnings) continue;
+    faults.push_back({file, path_of(i) + ".on_failure",
+                      "task " + in_quotes(task.id) + " is skipped when it fails, and then " + names + " too",
+                      R"(say on_failure "continue" if that shall go on)", true});
+  }
+}
 
 Scenario read_scenario(const Value& json, const std::string& file, ConfigFaults& faults) {
   const FileFaults sink(file, faults);

@@ -17,6 +17,9 @@ namespace trb {
 /// other. Without faults the scenario passes check_graph.
 Scenario read_scenario(const Value& json, const std::string& file, ConfigFaults& faults);
 
+/// Warnings, as what may wait: a task that is skipped when it fails, and what would be SKIPPED with it.
+void warn_of_skips(const Scenario& scenario, const std::string& file, ConfigFaults& faults);
+
 /// Checks a scenario against what the nodes say of themselves (profiles by node id): unknown robots, skills and places;
 /// parameters that are missing, unknown or of the wrong type;
 /// conditions on nodes that are unknown or in another unit, and, as what may wait, on sensors that are not plugged in.

@@ -26,6 +26,12 @@ Status check_retries(const Task& task) {
   return wrong(Errc::bad_value, task, "retries out of bounds", "16 at most, after 0.1 s to 3600 s");
 }
 
+Status check_start(const Task& task) {
+  const bool in_time = task.start_within_s >= kMinStartWithinS && task.start_within_s <= kMaxStartWithinS;
+  if (task.start_within_s == 0 || in_time) return Done{};
+  return wrong(Errc::bad_value, task, "start_within_s out of bounds", "0.1 s to 86400 s, or 0: it waits");
+}
+
 /// Its predecessors must have been checked.
 Status check_values(const Scenario& scenario, const Task& task) {
   std::set<std::string> seen;
@@ -62,6 +68,7 @@ Status check_task(const Scenario& scenario, std::size_t index, std::set<std::str
     }
   }
   if (auto retries = check_retries(task); !retries) return retries;
+  if (auto start = check_start(task); !start) return start;
   return check_values(scenario, task);
 }
 

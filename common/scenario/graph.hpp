@@ -17,6 +17,8 @@ using TaskIndex = std::uint16_t;
 constexpr std::uint32_t kMaxRetries = 16;
 constexpr double kMinRetryAfterS = 0.1;
 constexpr double kMaxRetryAfterS = 3600;
+constexpr double kMinStartWithinS = 0.1;
+constexpr double kMaxStartWithinS = 86400;
 
 /// Checks what can be checked without knowing the robots: 1 to kMaxTasks tasks, valid and unique ids, a robot or what
 /// it must be capable of, predecessors that exist and occur once, no cycle, at most one condition for each, retries

@@ -65,6 +65,11 @@ TEST_CASE("what stands on the wire is checked as the file was") {
   CHECK(changed([](Task& is) { is.retry_after_s = 0; }) == Errc::bad_value);
   CHECK(changed([](Task& is) { is.retry_after_s = NAN; }) == Errc::bad_value);
   CHECK(changed([](Task& is) { is.retry_after_s = 1e9; }) == Errc::bad_value);
+  CHECK(changed([](Task& is) { is.start_within_s = 60; }) == Errc::ok);
+  CHECK(changed([](Task& is) { is.start_within_s = 0.01; }) == Errc::bad_value);
+  CHECK(changed([](Task& is) { is.start_within_s = -1; }) == Errc::bad_value);
+  CHECK(changed([](Task& is) { is.start_within_s = NAN; }) == Errc::bad_value);
+  CHECK(changed([](Task& is) { is.start_within_s = 1e9; }) == Errc::bad_value);
   CHECK(changed([](Task& is) { is.values = {{"p", "a", ""}, {"q", "a", "x"}}; }) == Errc::ok);
   CHECK(changed([](Task& is) { is.values = {{"p", "a", ""}, {"p", "a", "x"}}; }) == Errc::duplicate);
   CHECK(changed([](Task& is) { is.values = {{"p", "b", ""}}; }) == Errc::bad_value);

@@ -3,6 +3,7 @@
 
 #include "common/scenario/definition.hpp"
 #include "common/scenario/graph.hpp"
+#include "proto/body.hpp"
 
 using namespace trb;
 
@@ -50,8 +51,41 @@ TEST_CASE("a task says how often it is tried again, and what follows when that w
   CHECK(plain.retry_after_s == 1);
   CHECK(plain.on_failure == OnFailure::resilience);
   CHECK(fault_of(R"({"id":"a","robot":"r","skill":"go","on_failure":"abrot"})").cure ==
-        "use one of: resilience, skip, abort; did you mean 'abort'?");
+        "use one of: resilience, skip, abort, continue; did you mean 'abort'?");
   CHECK(fault_of(R"({"id":"a","robot":"r","skill":"go","retires":3})").cure == "did you mean 'retries'?");
+}
+
+TEST_CASE("a task says how long it waits for its beginning, and that what follows goes on though it has failed") {
+  const Task given =
+      read(R"({"id":"a","robot":"r","skill":"go","on_failure":"continue","start_within_s":90.5})").scenario.tasks.at(0);
+  CHECK(given.on_failure == OnFailure::continue_);
+  CHECK(given.start_within_s == 90.5);
+  Scenario scenario;
+  scenario.tasks = {given};
+  CHECK(decode<Scenario>(encode(scenario))->tasks.at(0) == given);
+  for (const char* bad : {"0", "0.09", "86401", "-1", "\"soon\""}) {
+    CHECK(fault_of(std::string(R"({"id":"a","robot":"r","skill":"go","start_within_s":)") + bad + "}").key ==
+          "tasks[0].start_within_s");
+  }
+}
+
+TEST_CASE("a task that is skipped when it fails takes with it what waits for it alone: told as a warning") {
+  const auto warned = [](const std::string& film, const std::string& land) {
+    ConfigFaults faults;
+    const Read fly = read(R"({"id":"fly","robot":"d","skill":"go"},)"
+                          R"({"id":"film","robot":"d","skill":"go","after":["fly"])" +
+                          film + R"(},{"id":"land","robot":"d","skill":"go","after":)" + land + "}");
+    warn_of_skips(fly.scenario, "s.json", faults);
+    CHECK(faults_that_stop(faults).empty());
+    return faults.empty() ? std::string() : faults[0].key + ": " + faults[0].what + "; " + faults[0].cure;
+  };
+  CHECK(
+      warned(R"(,"on_failure":"skip")", R"(["film"])") ==
+      "tasks[1].on_failure: task 'film' is skipped when it fails, and then 'land' too; say on_failure \"continue\" if "
+      "that shall go on");
+  CHECK(warned(R"(,"on_failure":"skip")", R"(["film","fly"])").empty());
+  CHECK(warned(R"(,"on_failure":"continue")", R"(["film"])").empty());
+  CHECK(warned("", R"(["film"])").empty());
 }
 
 TEST_CASE("a task may ask for capabilities in place of a robot, or of its robot and whoever replaces it") {

@@ -80,7 +80,7 @@ std::vector<std::string> robots_of(const Assignment& assignment) {
 }
 
 RunStart build_run_start(Scenario scenario, std::vector<Member> members, std::string submitter, UtcTime now,
-                         UtcTime expires, std::string run, std::vector<std::string> robots) {
+                         UtcTime expires, std::string run, std::vector<std::string> robots, std::uint32_t priority) {
   RunStart start;
   start.run = std::move(run);
   start.digest.bytes = digest(encode(scenario));
@@ -102,12 +102,16 @@ RunStart build_run_start(Scenario scenario, std::vector<Member> members, std::st
   start.submitter = std::move(submitter);
   start.created = now.ns;
   start.expires = expires.ns;
+  start.priority = priority;
   return start;
 }
 
 Status check_run_start(const RunStart& start) {
   if (!is_run_id(start.run)) {
     return fail(Errc::bad_value, "run '" + start.run + "' is no id", "use 32 lower-case hexadecimal digits");
+  }
+  if (start.priority > kMaxPriority) {
+    return fail(Errc::bad_value, "priority: " + std::to_string(start.priority) + " is too high", "0 to 9");
   }
   if (auto graph = check_graph(start.scenario); !graph) return graph;
   if (start.digest.bytes != digest(encode(start.scenario))) {

@@ -17,11 +17,12 @@ namespace trb {
 /// cloud node among them is the run's decider, which chooses a robot when the task is due. Nothing is checked here: see
 /// check_run_start.
 RunStart build_run_start(Scenario scenario, std::vector<Member> members, std::string submitter, UtcTime now,
-                         UtcTime expires, std::string run, std::vector<std::string> robots = {});
+                         UtcTime expires, std::string run, std::vector<std::string> robots = {},
+                         std::uint32_t priority = 0);
 
 /// Checks everything that needs no key: run id, graph, digest, an assigned member for every task, members once each,
-/// submitter and electorate among them, epoch 1, times. Errors: bad_value, duplicate, conflict (digest, epoch) and
-/// those of check_graph.
+/// submitter and electorate among them, epoch 1, times, priority. Errors: bad_value, duplicate, conflict (digest,
+/// epoch) and those of check_graph.
 Status check_run_start(const RunStart& start);
 
 /// The robots of an assignment, once each, in the order of their first task.

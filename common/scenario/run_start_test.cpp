@@ -87,6 +87,8 @@ TEST_CASE("a start that contradicts itself is refused") {
     return fault_of(start);
   };
   CHECK(changed([](RunStart& start) { start.run = "short"; }) == Errc::bad_value);
+  CHECK(changed([](RunStart& start) { start.priority = 9; }) == Errc::ok);
+  CHECK(changed([](RunStart& start) { start.priority = 10; }) == Errc::bad_value);
   CHECK(changed([](RunStart& start) { start.run[0] = 'X'; }) == Errc::bad_value);
   CHECK(changed([](RunStart& start) { start.scenario.name = "other"; }) == Errc::conflict);
   CHECK(changed([](RunStart& start) { start.members.push_back(start.members[1]); }) == Errc::duplicate);

@@ -31,7 +31,8 @@ Settings settings() {
 
 /// The robot answers whatever it likes, while a command is under way.
 void converse(BytesView input) {
-  ModeAdapterCore core(settings(), [](bool) { return Status(Done{}); });
+  ModeAdapterCore core(
+      settings(), [](bool) { return Status(Done{}); }, [](const std::vector<Kept>&) { return Status(Done{}); });
   Outbox out;
   Now now{{1'000'000'000}, {0}};
   core.on_channel_up(Channel::command, now, out);

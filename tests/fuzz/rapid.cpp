@@ -21,7 +21,8 @@ Settings settings() {
 
 /// The robot says whatever it likes on that connection, while a move is under way.
 void converse(Channel channel, BytesView input) {
-  ModeAdapterCore core(settings(), [](bool) { return Status(Done{}); });
+  ModeAdapterCore core(
+      settings(), [](bool) { return Status(Done{}); }, [](const std::vector<Kept>&) { return Status(Done{}); });
   Outbox out;
   Now now{{1'000'000'000}, {0}};
   core.on_channel_up(Channel::command, now, out);

@@ -51,12 +51,10 @@ class FifteenMinutes(unittest.TestCase):
         # A robot on this machine that binds no address is seen as 127.0.0.1, whomever it dials.
         script = re.sub(r'(?<!"host": ")127\.0\.0\.1', f"127.0.157.{host}1", commands_of(heading))
         script = script.replace("127.0.0.2", f"127.0.157.{host}2")
-        before, after = script.split("trb up nodes/mine &\n")
-        self.shell(before)
-        node = trb_fleet.Process([support.PROGRAMS / "trb", "up", self.root / "nodes" / "mine", "--die-with-parent"],
-                                 self.root / "up.log")
-        self.addCleanup(node.stop)
-        node.wait_line("ready", 20)
+        up = "trb up nodes/mine --detach\n"
+        before, after = script.split(up)
+        self.addCleanup(subprocess.run, [support.PROGRAMS / "trb", "down", self.root / "nodes" / "mine"], capture_output=True)
+        self.shell(before + up)
         self.wait_robot()
         start = (self.root / "said").stat().st_size
         self.shell(after)

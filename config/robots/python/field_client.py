@@ -70,6 +70,10 @@ class Channel:
         """`severity` is WARNING, URGENT, CRITICAL or FATAL."""
         self.send("information", "fault", OWN_NODE, f"{capability} {severity} {text}")
 
+    def fault_over(self, capability):
+        """It works again; a CRITICAL or FATAL fault keeps the capability out of use until then."""
+        self.send("information", "fault", OWN_NODE, f"{capability} OVER")
+
     # ---- within
 
     def _forget(self):

@@ -20,6 +20,8 @@ std::vector<Command> message_commands();
 std::vector<Command> list_commands();
 std::vector<Command> fault_commands();
 std::vector<Command> history_commands();
+std::vector<Command> robot_use_commands();
+std::vector<Command> run_commands();
 std::vector<Command> scenario_commands();
 std::vector<Command> fleet_commands();
 std::vector<Command> doctor_commands();

@@ -63,6 +63,7 @@ void ask_router(Probe& probe, Observed& seen) {
   seen.answers = true;
   if (auto table = probe.ask_node<RouteTable>(RouteListRequest{})) seen.routes = std::move(*table);
   if (auto table = probe.ask_node<ServiceTable>(ServiceListRequest{})) seen.services = std::move(*table);
+  if (auto table = probe.ask_node<RunTable>(RunListRequest{})) seen.runs = std::move(*table);
   if (auto table = probe.ask_node<LinkTroubles>(LinkTroublesRequest{})) seen.troubles = std::move(*table);
 }
 
@@ -129,7 +130,7 @@ void try_robot(const NodeConfig& config, Observed& seen) {
 }
 
 Value to_value(const Finding& finding) {
-  return Value{Value::Object{{"severity", Value{finding.severity == Severity::problem ? "problem" : "note"}},
+  return Value{Value::Object{{"severity", Value{finding.weight == Weight::problem ? "problem" : "note"}},
                              {"cause", Value{finding.cause}},
                              {"subject", Value{finding.subject}},
                              {"what", Value{finding.what}},
@@ -138,7 +139,7 @@ Value to_value(const Finding& finding) {
 
 int report(const Arguments& arguments, const Observed& seen, const std::vector<Finding>& findings) {
   const bool well = std::none_of(findings.begin(), findings.end(),
-                                 [](const Finding& finding) { return finding.severity == Severity::problem; });
+                                 [](const Finding& finding) { return finding.weight == Weight::problem; });
   if (arguments.has("--json")) {
     Value::List list;
     for (const Finding& finding : findings) list.push_back(to_value(finding));
@@ -147,7 +148,7 @@ int report(const Arguments& arguments, const Observed& seen, const std::vector<F
     return well ? kGood : kFailed;
   }
   for (const Finding& finding : findings) {
-    const bool problem = finding.severity == Severity::problem;
+    const bool problem = finding.weight == Weight::problem;
     print_line(coloured(problem ? Colour::bad : Colour::plain, problem ? "problem" : "note   ") + "  " +
                finding.subject + ": " + finding.what + "  [" + finding.cause + "]");
     print_line("         -> " + finding.cure);

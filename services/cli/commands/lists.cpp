@@ -26,9 +26,11 @@ std::string or_dash(const std::string& text) {
   return text.empty() ? "-" : text;
 }
 
-/// Asks, prints as JSON if wanted, else as the table that `rows` makes.
-template <class Answer, class Question, class Rows>
-int show(const Arguments& arguments, Question question, Rows rows) {
+/// Asks, prints as JSON if wanted, else as the table that `rows` makes, with what `below` makes of it under it.
+template <class Answer, class Question, class Rows, class Below = std::string (*)(const Answer&)>
+int show(
+    const Arguments& arguments, Question question, Rows rows,
+    Below below = [](const Answer&) { return std::string(); }) {
   auto probe = open_probe(arguments);
   if (!probe) return kFailed;
   auto answer = probe->ask_node<Answer>(std::move(question));
@@ -36,25 +38,52 @@ int show(const Arguments& arguments, Question question, Rows rows) {
   if (arguments.has("--json")) {
     print_line(to_json(*answer));
   } else {
-    print(format_table(rows(*answer)));
+    print(format_table(rows(*answer)) + below(*answer));
   }
   return kGood;
 }
 
-int run_robots(const Arguments& arguments) {
-  return show<RouteTable>(arguments, RouteListRequest{}, [](const RouteTable& table) {
-    std::vector<std::vector<std::string>> rows{
-        {"ROBOT", "NODE", "ROBOT IS", "FENCED", "CONTROL", "MODE", "TRANSPORT", "MODEL", "CAPABILITIES"}};
-    for (const Route& route : table.routes) {
-      if (route.role != Role::robot) continue;
-      const NodeProfile& p = route.profile;
-      const std::string robot = p.robot + (p.detail.empty() ? "" : " (" + p.detail + ")");
-      rows.push_back({route.id, route.state == "self" ? "ONLINE" : route.state, or_dash(robot), p.fenced ? "yes" : "no",
-                      or_dash(p.control), or_dash(p.mode), or_dash(p.transport), or_dash(p.maker + " " + p.model),
-                      join(p.capabilities)});
+/// "carry", "all", "retired".
+std::string out_of_use_words(const NodeProfile& profile) {
+  std::vector<std::string> words;
+  for (const OutOfUse& one : profile.out_of_use) {
+    words.push_back(one.retired ? "retired" : one.capability.empty() ? "all" : one.capability);
+  }
+  return join(words);
+}
+
+/// A line each: since when, why, and what ends it.
+std::string out_of_use_lines(const RouteTable& table) {
+  std::string out;
+  for (const Route& route : table.routes) {
+    for (const OutOfUse& one : route.profile.out_of_use) {
+      const std::string what = one.capability.empty() ? "" : one.capability + " ";
+      out += route.id + ": " +
+             (one.retired ? "retired by " + one.by : what + "out of use, " + std::string(name_of(one.severity))) +
+             " since " + to_iso8601({one.since}) + ": " + one.text + "; trb robot " +
+             (one.retired ? "return " : "repaired ") + route.id + "\n";
     }
-    return rows;
-  });
+  }
+  return out;
+}
+
+int run_robots(const Arguments& arguments) {
+  return show<RouteTable>(
+      arguments, RouteListRequest{},
+      [](const RouteTable& table) {
+        std::vector<std::vector<std::string>> rows{{"ROBOT", "NODE", "ROBOT IS", "FENCED", "OUT OF USE", "CONTROL",
+                                                    "MODE", "TRANSPORT", "MODEL", "CAPABILITIES"}};
+        for (const Route& route : table.routes) {
+          if (route.role != Role::robot) continue;
+          const NodeProfile& p = route.profile;
+          const std::string robot = p.robot + (p.detail.empty() ? "" : " (" + p.detail + ")");
+          rows.push_back({route.id, route.state == "self" ? "ONLINE" : route.state, or_dash(robot),
+                          p.fenced ? "yes" : "no", out_of_use_words(p), or_dash(p.control), or_dash(p.mode),
+                          or_dash(p.transport), or_dash(p.maker + " " + p.model), join(p.capabilities)});
+        }
+        return rows;
+      },
+      out_of_use_lines);
 }
 
 int run_routes(const Arguments& arguments) {

@@ -1,4 +1,4 @@
-// up, check, reload, logs.
+// up, down, check, reload, logs.
 #include <poll.h>
 #include <sys/inotify.h>
 #include <unistd.h>
@@ -14,8 +14,9 @@
 #include "common/security/bus_keys.hpp"
 #include "common/transport/signals.hpp"
 #include "services/cli/commands/command.hpp"
+#include "services/cli/core/wire.hpp"
 #include "services/cli/io/print.hpp"
-#include "services/cli/io/probe.hpp"
+#include "services/cli/io/ready.hpp"
 #include "services/cli/io/supervisor.hpp"
 
 namespace trb::cli {
@@ -32,10 +33,15 @@ int run_check(const Arguments& arguments) {
   const bool running = NodeLock::holder(dir).ok();
   const NodeCheck check = check_node_dir(dir, running);
   if (!check.faults.empty()) return print_faults(arguments, check.faults);
+  const Network& network = check.config.network;
+  const std::string note = note_of_wire(network.address, network.robot_address, check.config.robot.host);
   if (arguments.has("--json")) {
-    print_json(Value{Value::Object{{"faults", Value{Value::List{}}}}});
+    Value::List notes;
+    if (!note.empty()) notes.push_back(Value{note});
+    print_json(Value{Value::Object{{"faults", Value{Value::List{}}}, {"notes", Value{std::move(notes)}}}});
   } else {
     print_line(arguments.words[0] + ": no faults" + (running ? " (the node is up: its ports were not tried)" : ""));
+    if (!note.empty()) print_line("note: node.json: " + note);
   }
   return kGood;
 }
@@ -47,33 +53,6 @@ void block_child_signal() {
   sigaddset(&set, SIGCHLD);
   ::sigprocmask(SIG_BLOCK, &set, nullptr);
 }
-
-/// True once the router says that every service of node.json is up.
-class ReadyCheck {
- public:
-  explicit ReadyCheck(std::string dir) : dir_(std::move(dir)) {}
-  bool operator()() {
-    if (!probe_) {
-      // Over TCP nobody can see whether it is there; a short wait does not hold up the supervisor.
-      const auto bus = read_bus(dir_);
-      if (!bus || (bus->empty() && !file_exists(dir_ + "/bus/probe.ipc"))) return false;
-      auto probe = Probe::open(dir_, bus->empty() ? std::chrono::seconds(2) : std::chrono::milliseconds(250));
-      if (!probe) return false;
-      probe_ = std::move(*probe);
-    }
-    auto table = probe_->ask_node<ServiceTable>(ServiceListRequest{}, std::chrono::milliseconds(200));
-    if (!table) return false;
-    for (const ServiceEntry& entry : table->services) {
-      if (entry.state != "up") return false;
-    }
-    probe_.reset();
-    return true;
-  }
-
- private:
-  std::string dir_;
-  std::unique_ptr<Probe> probe_;
-};
 
 /// Also for a node whose bus was sockets until now.
 Status make_keys_of_bus(const NodeConfig& config) {
@@ -93,6 +72,15 @@ Result<std::vector<ServiceProgram>> services_to_start(const NodeConfig& config, 
               "it may stay away as it is, or put it into \"services\" of node.json");
 }
 
+/// In the starting process, until the node is ready.
+int detached(const Arguments& arguments, const std::string& dir, const std::string& id, pid_t supervisor,
+             double wait_s) {
+  if (supervisor < 0) return print_error(arguments, fail(Errc::io_error, "no process can be made", "free memory"));
+  if (Status ready = wait_ready(dir, supervisor, seconds(wait_s)); !ready) return print_error(arguments, ready.error());
+  print_line(id + ": ready (pid " + std::to_string(supervisor) + "); end it with trb down " + arguments.words[0]);
+  return kGood;
+}
+
 int run_up(const Arguments& arguments) {
   if (arguments.has("--die-with-parent")) die_with_parent();
   const std::string dir = absolute(arguments.words[0]);
@@ -108,19 +96,28 @@ int run_up(const Arguments& arguments) {
   const auto services = services_to_start(check.config, arguments.get("--without"));
   if (!services) return print_error(arguments, services.error());
   if (Status made = make_keys_of_bus(check.config); !made) return print_error(arguments, made.error());
+  const auto wait_s = arguments.number("--timeout", 30);
+  if (!wait_s) return print_error(arguments, wait_s.error());
+  const std::string id = check.config.id;
+  if (arguments.has("--detach")) {
+    if (const pid_t child = ::fork(); child != 0) return detached(arguments, dir, id, child, *wait_s);
+    leave_terminal(dir);
+  }
   auto held = NodeLock::take(dir);
   if (!held) return print_error(arguments, held.error());
   block_child_signal();
-  const std::string id = check.config.id;
   Supervisor supervisor(dir, *services, [&id](const std::string& text) { print_line(id + ": " + text); });
-  const auto reload_ok = [&dir, &arguments] {
+  const auto reload = [&dir, &arguments]() -> std::optional<std::vector<ServiceProgram>> {
     const NodeCheck again = check_node_dir(dir, true);
     if (!again.faults.empty()) print_faults(arguments, again.faults);
-    if (Status made = make_keys_of_bus(again.config); !made) return false;
-    return faults_that_stop(again.faults).empty();
+    if (Status made = make_keys_of_bus(again.config); !made) return std::nullopt;
+    if (!faults_that_stop(again.faults).empty()) return std::nullopt;
+    const std::string without = arguments.get("--without");
+    auto now = services_to_start(again.config, again.config.has_service(without) ? without : "");
+    return now ? std::optional(std::move(*now)) : std::nullopt;
   };
   ReadyCheck is_ready(dir);
-  return supervisor.run(reload_ok, std::ref(is_ready));
+  return supervisor.run(reload, std::ref(is_ready));
 }
 
 int run_reload(const Arguments& arguments) {
@@ -132,6 +129,20 @@ int run_reload(const Arguments& arguments) {
   if (::kill(*pid, SIGHUP) != 0)
     return print_error(arguments, fail(Errc::io_error, "cannot signal pid " + std::to_string(*pid)));
   print_line(check.config.id + ": each service takes the new files once it is idle");
+  return kGood;
+}
+
+int run_down(const Arguments& arguments) {
+  const std::string dir = absolute(arguments.words[0]);
+  const auto pid = NodeLock::holder(dir);
+  if (!pid) return print_error(arguments, pid.error());
+  const auto wait = arguments.number("--timeout", 10);
+  if (!wait) return print_error(arguments, wait.error());
+  if (::kill(*pid, SIGTERM) != 0 || !wait_down(dir, seconds(*wait))) {
+    return print_error(arguments, fail(Errc::timeout, dir + " is still up (pid " + std::to_string(*pid) + ")",
+                                       "are you its user? see " + dir + "/log"));
+  }
+  print_line(arguments.words[0] + ": down");
   return kGood;
 }
 
@@ -208,11 +219,21 @@ std::vector<Command> node_commands() {
         "Checks a node's folder, starts its services and keeps them running until Ctrl-C or SIGTERM.\nSays 'ID: ready' "
         "once all of them are up.",
         {"--without SERVICE|leave this one to somebody else, who starts it with its own rights",
+         "--detach|return once it is ready and leave it up; its words go to NODE_DIR/log/up.log",
+         "--timeout S|of --detach: how long to wait for that (30)",
          "--die-with-parent|end when the starting process ends, however it ends", kJson},
-        {"trb up nodes/ur3", "trb up nodes/ur3 --without sensor-bus"},
+        {"trb up nodes/ur3", "trb up nodes/ur3 --detach", "trb up nodes/ur3 --without sensor-bus"},
         1,
         1},
        run_up},
+      {{"down"},
+       {"down NODE_DIR",
+        "Ends a node's services, and returns once they have ended.",
+        {"--timeout S|how long to wait for that (10)", kJson},
+        {"trb down nodes/ur3"},
+        1,
+        1},
+       run_down},
       {{"check"},
        {"check NODE_DIR",
         "Reads every file of a node's folder and tells every fault at once: file, key, cure. Starts nothing.",
@@ -223,7 +244,9 @@ std::vector<Command> node_commands() {
        run_check},
       {{"reload"},
        {"reload NODE_DIR",
-        "Checks the changed files; if they are good, each service takes them as soon as it is idle.",
+        "Checks the changed files; if they are good, each service takes them as soon as it is idle. One that was added "
+        "to\n"
+        "node.json is started, one that was taken out ends.",
         {kJson},
         {"trb reload nodes/ur3"},
         1,

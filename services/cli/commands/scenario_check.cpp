@@ -86,6 +86,7 @@ std::vector<std::string> robots_for(const Scenario& scenario, const Profiles& pr
                                     const std::string& path, ConfigFaults& faults) {
   check_scenario(scenario, profiles, path, faults);
   if (!faults_that_stop(faults).empty()) return {};
+  warn_of_robots(scenario, profiles, path, faults);
   Crew crew(profiles);
   return bind_tasks(scenario, crew, binder.node, path, faults);
 }
@@ -118,6 +119,7 @@ int run_scenario_check(const Arguments& arguments) {
   const std::string& path = arguments.words[0];
   const Scenario scenario = read_file_scenario(path, faults);
   if (!faults.empty()) return print_faults(arguments, faults);
+  warn_of_skips(scenario, path, faults);
   if (!find_node(arguments).ok()) return print_good(arguments, scenario, faults, nullptr);
   auto probe = open_probe(arguments);
   if (!probe) return kFailed;
@@ -125,6 +127,7 @@ int run_scenario_check(const Arguments& arguments) {
   if (!table) return print_error(arguments, table.error());
   const Profiles profiles = profiles_of(*table);
   check_scenario(scenario, profiles, path, faults);
+  warn_of_robots(scenario, profiles, path, faults);
   if (!faults_that_stop(faults).empty()) return print_faults(arguments, faults);
   Crew crew(profiles);
   const std::vector<NoSpare> without = tasks_without_spare(scenario, crew);

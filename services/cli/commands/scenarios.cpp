@@ -8,8 +8,8 @@
 #include "common/security/keys.hpp"
 #include "common/transport/loop.hpp"
 #include "services/cli/commands/command.hpp"
+#include "services/cli/commands/runs.hpp"
 #include "services/cli/commands/scenario_check.hpp"
-#include "services/cli/core/table.hpp"
 #include "services/cli/io/print.hpp"
 #include "services/cli/io/probe.hpp"
 
@@ -30,12 +30,13 @@ Result<std::vector<Member>> members_of(const std::vector<std::string>& robots, c
 }
 
 Result<std::string> submit(Probe& probe, Scenario scenario, std::vector<std::string> robots, const RouteTable& table,
-                           double hours) {
+                           double hours, std::uint32_t priority) {
   auto members = members_of(robots, table);
   if (!members) return members.error();
   const UtcTime utc = read_clocks().utc;
-  const RunStart start = build_run_start(std::move(scenario), std::move(*members), probe.node(), utc,
-                                         utc + seconds(hours * 3600), to_hex(random_bytes(16)), std::move(robots));
+  const RunStart start =
+      build_run_start(std::move(scenario), std::move(*members), probe.node(), utc, utc + seconds(hours * 3600),
+                      to_hex(random_bytes(16)), std::move(robots), priority);
   auto record = probe.ask_node<SignedRecord>(SignRequest{std::string(kSignedRunStart), {encode(start)}});
   if (!record) return record.error();
   auto answer = probe.ask(Send{.type = MessageType::command, .target = probe.node(), .body = RunSubmit{*record}});
@@ -137,6 +138,12 @@ int watch(const Arguments& arguments, Probe& probe, const std::string& run) {
   }
 }
 
+Result<std::uint32_t> priority_of(const Arguments& arguments) {
+  const std::string text = arguments.get("--priority", "0");
+  if (text.size() == 1 && text[0] >= '0' && text[0] <= '9') return static_cast<std::uint32_t>(text[0] - '0');
+  return fail(Errc::bad_value, "--priority: '" + text + "'", "use a whole number from 0 to 9");
+}
+
 int run_run(const Arguments& arguments) {
   ConfigFaults faults;
   const std::string& path = arguments.words[0];
@@ -144,6 +151,8 @@ int run_run(const Arguments& arguments) {
   if (!faults.empty()) return print_faults(arguments, faults);
   const auto hours = arguments.number("--expires-h", 24);
   if (!hours) return print_error(arguments, hours.error());
+  const auto priority = priority_of(arguments);
+  if (!priority) return print_error(arguments, priority.error());
   auto probe = open_probe(arguments);
   if (!probe) return kFailed;
   auto table = probe->ask_node<RouteTable>(RouteListRequest{});
@@ -153,7 +162,7 @@ int run_run(const Arguments& arguments) {
   if (!faults_that_stop(faults).empty()) return print_faults(arguments, faults);
   const Value::List bound = bound_json(scenario, robots, binder);
   if (!arguments.has("--json")) print_bound(scenario, robots, binder, faults);
-  auto run = submit(*probe, std::move(scenario), std::move(robots), *table, *hours);
+  auto run = submit(*probe, std::move(scenario), std::move(robots), *table, *hours, *priority);
   if (!run) return print_error(arguments, run.error());
   if (arguments.has("--watch")) return watch(arguments, *probe, *run);
   if (arguments.has("--json")) {
@@ -170,25 +179,6 @@ int run_watch(const Arguments& arguments) {
   auto probe = open_probe(arguments);
   if (!probe) return kFailed;
   return watch(arguments, *probe, arguments.words.empty() ? "" : arguments.words[0]);
-}
-
-int run_list(const Arguments& arguments) {
-  auto probe = open_probe(arguments);
-  if (!probe) return kFailed;
-  auto table = probe->ask_node<RunTable>(RunListRequest{});
-  if (!table) return print_error(arguments, table.error());
-  if (arguments.has("--json")) {
-    print_line(to_json(*table));
-    return kGood;
-  }
-  std::vector<std::vector<std::string>> rows{{"RUN", "NAME", "STATE", "TASKS", "SINCE", "WAITS FOR"}};
-  for (const RunSummary& run : table->runs) {
-    rows.push_back({run.run.substr(0, 8), run.name, std::string(name_of(run.state)),
-                    std::to_string(run.tasks_final) + "/" + std::to_string(run.tasks), to_iso8601({run.created}),
-                    run.waits_for});
-  }
-  print(format_table(rows));
-  return kGood;
 }
 
 int run_abort(const Arguments& arguments) {
@@ -227,7 +217,11 @@ int order_pause(const Arguments& arguments, bool paused) {
   auto view = probe->ask_node<RunView>(RunQuery{arguments.words[0]});
   if (!view) return print_error(arguments, view.error());
   const std::string reason = arguments.get("--reason", paused ? "trb scenario pause" : "trb scenario resume");
-  const PauseOrder order{view->run, view->pause_number + 1, paused, probe->node(), reason, read_clocks().utc.ns};
+  PauseOrder order{view->run, view->pause_number + 1, paused, probe->node(), reason, read_clocks().utc.ns, {}};
+  // Who lets it go on has seen what was done twice.
+  for (const TaskView& task : view->tasks) {
+    if (!paused && task.twice) order.doubles.push_back(task.id);
+  }
   auto record = probe->ask_node<SignedRecord>(SignRequest{std::string(kSignedRunPause), {encode(order)}});
   if (!record) return print_error(arguments, record.error());
   auto answer = probe->ask(Send{.type = MessageType::command, .target = probe->node(), .body = RunPause{*record}});
@@ -274,14 +268,20 @@ std::vector<Command> scenario_commands() {
         "names none is chosen when the task is due, by the ranking of replacements; at once, the first by id that can, "
         "if\nno cloud node decides.",
         {"--watch|follow it to its end", kUntilPaused, "--expires-h H|nothing of it starts later than that (24)",
+         "--priority N|of two runs that want a robot the higher one begins: 0 to 9 (0)",
          "--timeout S|stop following after S seconds", kNode, kJson},
         {"trb scenario run config/scenarios/paper-nine-tasks.json --watch"},
         1,
         1},
        run_run},
       {{"scenario", "list"},
-       {"scenario list", "The runs that the node's scheduler knows.", {kNode, kJson}, {"trb scenario list"}, 0, 0},
-       run_list},
+       {"scenario list",
+        "The runs that are not over on this node; trb run list --all has its archive, too.",
+        {kNode, kJson},
+        {"trb scenario list"},
+        0,
+        0},
+       list_runs},
       {{"scenario", "watch"},
        {"scenario watch [RUN]",
         "Follows a run (the newest, or by the beginning of its id) to its end; exit 0 only if it FINISHED.",

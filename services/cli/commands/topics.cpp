@@ -48,11 +48,32 @@ Without --via, copy FLEET_DIR/news.json into the keys folder of any node that is
     {"id": "fetch", "robot": "ridgeback", "skill": "go_to", "data": {"place": "table_1"}},
     {"id": "move",  "robot": "conveyor",  "skill": "run",   "after": ["fetch"]}]}
 
-A task may depend on a sensor of any node: "when": {"sensor": "temperature", "of": "conveyor", "op": ">", "value": 20,
-"unit": "degC"}. Without "of" any node's is taken; "identity" follows a serial number. The value is read once, when the
-task could start, and kept with the result; a task whose condition is false, or which follows only such, is SKIPPED.
+  name, description   for people
+  repeat              all tasks so often, round by round: 1 to 1000; 1000 tasks in all at most
+  tasks               each with
 
-The run goes from robot to robot; the computer that submitted it may be switched off.
+  id                  a lower-case letter, then letters, digits, '_', '-'
+  robot               who does it; or
+  requires            ["carry"]: anybody who has these capabilities and the skill, chosen when the task is due
+  skill, data         of the robot's description: {"place": "dock"}; {"from": "find", "value": "place"} in the place of a
+                      value takes it out of the result of the task 'find', which must stand in "after"
+  after               the tasks that must be final before; side by side if it is the same, a join if there are several
+  when                {"sensor": "temperature", "of": "conveyor", "op": ">", "value": 20, "unit": "degC"}: SKIPPED unless it
+                      holds, read once when the task could start. Without "of" any node's; "identity" follows a serial number
+  timeout_s           for one attempt; left out: the skill's own
+  retries             how often its robot tries again after it said 'failed' (0 to 16), after
+  retry_after_s       0.1 to 3600, doubled each time, 60 s at most
+  start_within_s      0.1 to 86400: once it is due; not begun by then it has failed
+  on_failure          resilience (if left out): the run waits and the fleet looks for another robot; skip: SKIPPED, and what
+                      waits for it alone too; continue: SKIPPED, and what follows goes on; abort: the run ends
+  pinned              true: never given to another robot; may start on a node that has lost its fleet
+
+  trb scenario check FILE               every fault, with a node also who could not do it now and who has no spare
+  trb scenario run FILE --priority 5    of two runs that want a robot the higher one begins (0 to 9)
+  trb run list --all, trb run show RUN  also what is over
+
+A task is SKIPPED if its condition is false or all before it were SKIPPED. The run goes from robot to robot; the computer
+that submitted it may be switched off.
 Task states: WAITING INITIALIZING RUNNING PAUSED RETRIABLE FINISHED FAILED SKIPPED.
 'interrupted' means: nobody knows whether it was done. It is never repeated silently.
 )"},
@@ -61,7 +82,7 @@ Task states: WAITING INITIALIZING RUNNING PAUSED RETRIABLE FINISHED FAILED SKIPP
 
   interpreter  messages field by field over TCP_PORT, for robots that parse no strings
   direct       the vendor's own commands from commands.json
-  ros          ROS topics (not in this version)
+  ros          ROS 1 topics of any type
 
 A subtype that commands.json does not know falls back to fields; that needs a robot connected on TCP_PORT.
 `stop` never falls back.
@@ -106,6 +127,7 @@ show. A certificate that was revoked in the meantime still proves what it signed
   peer_unreachable  its link is down; peer_expired: and has been for its lease of 10 s
   no_service        the service that takes the subtype is not running: trb service list
   fenced            the robot was stopped: trb release ROBOT
+  out_of_use        a fault that stands, or a person, keeps it out of use: trb robot list, trb robot repaired, trb robot return
   robot_offline     the robot itself is not connected to its node
 )"},
 };

@@ -27,26 +27,27 @@ class Doctor {
     own_certificate();
     own_services();
     robot();
+    runs();
+    for (const Route& route : seen_.routes.routes) out_of_use(route);
     for (const Route& route : seen_.routes.routes) node(route);
     seeds();
     asked();
     strangers();
-    std::stable_sort(out_.begin(), out_.end(),
-                     [](const Finding& a, const Finding& b) { return a.severity > b.severity; });
+    std::stable_sort(out_.begin(), out_.end(), [](const Finding& a, const Finding& b) { return a.weight > b.weight; });
     return std::move(out_);
   }
 
  private:
-  void add(Severity severity, std::string_view cause, const std::string& subject, std::string what, std::string cure) {
+  void add(Weight weight, std::string_view cause, const std::string& subject, std::string what, std::string cure) {
     const bool told = std::any_of(out_.begin(), out_.end(),
                                   [&](const Finding& f) { return f.cause == cause && f.subject == subject; });
-    if (!told) out_.push_back({severity, std::string(cause), subject, std::move(what), std::move(cure)});
+    if (!told) out_.push_back({weight, std::string(cause), subject, std::move(what), std::move(cure)});
   }
   void problem(std::string_view cause, const std::string& subject, std::string what, std::string cure) {
-    add(Severity::problem, cause, subject, std::move(what), std::move(cure));
+    add(Weight::problem, cause, subject, std::move(what), std::move(cure));
   }
   void note(std::string_view cause, const std::string& subject, std::string what, std::string cure) {
-    add(Severity::note, cause, subject, std::move(what), std::move(cure));
+    add(Weight::note, cause, subject, std::move(what), std::move(cure));
   }
 
   void own_folder() {
@@ -126,6 +127,33 @@ class Doctor {
       }
     }
     problem("robot_silent", seen_.node, std::move(what), std::move(cure));
+  }
+
+  void runs() {
+    const RunTable& table = seen_.runs;
+    if (table.open_max == 0 || std::uint64_t{table.open} * 10 <= std::uint64_t{table.open_max} * 9) return;
+    note("runs_full", seen_.node,
+         std::to_string(table.open) + " runs are not over, of " + std::to_string(table.open_max) +
+             " that it takes: soon it refuses new ones",
+         "see what they wait for: trb run list; end what nobody needs: trb scenario abort RUN");
+  }
+
+  void out_of_use(const Route& route) {
+    if (!is_asked(route.id, route.address) && route.state != "self") return;
+    for (const OutOfUse& one : route.profile.out_of_use) {
+      const std::string since = " since " + to_iso8601({one.since}) + ": " + one.text;
+      if (one.retired) {
+        note("robot_retired", route.id, "the robot is retired by " + one.by + since, "trb robot return " + route.id);
+        continue;
+      }
+      const std::string what = one.capability.empty() ? "the robot" : "'" + one.capability + "'";
+      const bool told = !one.capability.empty() && one.by.empty();
+      out_.push_back({route.state == "self" ? Weight::problem : Weight::note, "fault_stands", route.id,
+                      what + " is out of use" + since,
+                      told ? "mend it; if the robot itself does not say so: trb robot repaired " + route.id +
+                                 " --capability " + one.capability
+                           : "mend it, then trb robot repaired " + route.id});
+    }
   }
 
   const Route* find(const std::string& id) const {
@@ -234,7 +262,7 @@ class Doctor {
     }
     const Cause* cause = cause_of(trouble.code);
     if (cause == nullptr) return false;
-    add(online ? Severity::note : Severity::problem, cause->cause, subject,
+    add(online ? Weight::note : Weight::problem, cause->cause, subject,
         cause->what.empty() ? trouble.text : std::string(cause->what) + " (" + trouble.text + ")",
         std::string(cause->cure));
     return true;
@@ -353,7 +381,7 @@ class Doctor {
              "it learns the new key by any link; name a seed in its node.json, or sign it again");
       } else if (const Cause* cause = cause_of(code)) {
         // A named node that is kept out is a problem for somebody; an unnamed one may be no business of this fleet.
-        add(trouble.peer.empty() ? Severity::note : Severity::problem, cause->cause, subject,
+        add(trouble.peer.empty() ? Weight::note : Weight::problem, cause->cause, subject,
             std::string(cause->what) + " (" + trouble.text + ")", std::string(cause->cure));
       }
     }

@@ -9,6 +9,7 @@
 #include "common/base/time.hpp"
 #include "proto/bodies/bus.hpp"
 #include "proto/bodies/link.hpp"
+#include "proto/bodies/run.hpp"
 
 namespace trb::cli {
 
@@ -62,6 +63,7 @@ struct Observed {
   bool answers = false;                      ///< the router, to a probe
   bool inbox_open = false;                   ///< its port for other routers takes connections
   RouteTable routes;
+  RunTable runs;  ///< how many the scheduler has and takes; open_max 0: it has not said
   ServiceTable services;
   LinkTroubles troubles;
   std::vector<AddressProbe> addresses;
@@ -70,10 +72,10 @@ struct Observed {
   std::string asked;  ///< the one peer (id or HOST:PORT) that the person asked for; empty for all
 };
 
-enum class Severity : unsigned char { note, problem };
+enum class Weight : unsigned char { note, problem };
 
 struct Finding {
-  Severity severity = Severity::problem;
+  Weight weight = Weight::problem;
   std::string cause;    ///< a word for programs: "wrong_key", "port_closed" …
   std::string subject;  ///< node, address or file
   std::string what;

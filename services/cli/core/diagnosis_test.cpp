@@ -67,11 +67,11 @@ void check_only(const Observed& seen, const std::string& cause, const std::strin
   CAPTURE(cause);
   const Finding* found = find(findings, cause, subject);
   REQUIRE(found != nullptr);
-  CHECK(found->severity == Severity::problem);
+  CHECK(found->weight == Weight::problem);
   CHECK_FALSE(found->what.empty());
   CHECK_FALSE(found->cure.empty());
-  CHECK(std::count_if(findings.begin(), findings.end(),
-                      [](const Finding& f) { return f.severity == Severity::problem; }) == 1);
+  CHECK(std::count_if(findings.begin(), findings.end(), [](const Finding& f) { return f.weight == Weight::problem; }) ==
+        1);
 }
 
 }  // namespace
@@ -95,7 +95,7 @@ TEST_CASE("certificates: ended, ending soon, revoked, of another fleet") {
   soon.seen.own->not_after = kNow + 12 * kDay;
   REQUIRE(diagnose(soon.seen).size() == 1);
   CHECK(diagnose(soon.seen)[0].cause == "cert_ends_soon");
-  CHECK(diagnose(soon.seen)[0].severity == Severity::note);
+  CHECK(diagnose(soon.seen)[0].weight == Weight::note);
   for (const std::string code : {"cert_expired", "cert_revoked", "foreign_fleet", "bad_signature"}) {
     Ant theirs;
     theirs.lose_bee(Port::zmtp);
@@ -247,8 +247,8 @@ TEST_CASE("strangers: a named one that is kept out is a problem, a foreign beaco
   const auto findings = diagnose(ant.seen);
   REQUIRE(findings.size() == 3);
   CHECK(findings[0].subject == "dog");
-  CHECK(findings[0].severity == Severity::problem);
-  CHECK(find(findings, "foreign_fleet", "a beacon")->severity == Severity::note);
+  CHECK(findings[0].weight == Weight::problem);
+  CHECK(find(findings, "foreign_fleet", "a beacon")->weight == Weight::note);
   CHECK(find(findings, "old_beacon_key", "a beacon") != nullptr);
   for (LinkTrouble& trouble : ant.seen.troubles.troubles) trouble.last_s = 1000;
   CHECK(diagnose(ant.seen).empty());
@@ -269,4 +269,32 @@ TEST_CASE("a seed that is a host's name: a name server that is silent is named, 
     ant.trouble("", "failed", "the dial ended before a Hello was heard", "hub.example:45000");
     CHECK(find(diagnose(ant.seen), "no_answer", "hub.example:45000") != nullptr);
   }
+}
+
+TEST_CASE("faults that stand and robots that are retired: a problem of the own robot, a note of others") {
+  Ant ant;
+  ant.seen.routes.routes[0].profile.out_of_use = {{"grab", trb::Severity::critical, "gripper jammed", kNow, false, ""}};
+  ant.bee().profile.out_of_use = {{"", trb::Severity::fatal, "its journal was lost", kNow, false, "scheduler"},
+                                  {"", trb::Severity::critical, "new wheels", kNow, true, "ann"}};
+  const auto findings = diagnose(ant.seen);
+  const Finding* own = find(findings, "fault_stands", "ant");
+  REQUIRE(own != nullptr);
+  CHECK(own->weight == Weight::problem);
+  CHECK(own->what.find("'grab' is out of use") == 0);
+  CHECK(own->cure.find("--capability grab") != std::string::npos);
+  const Finding* other = find(findings, "fault_stands", "bee");
+  REQUIRE(other != nullptr);
+  CHECK(other->weight == Weight::note);
+  const Finding* retired = find(findings, "robot_retired", "bee");
+  REQUIRE(retired != nullptr);
+  CHECK(retired->cure == "trb robot return bee");
+}
+
+TEST_CASE("a scheduler that is nearly full of runs") {
+  Ant ant;
+  ant.seen.runs.open_max = 100;
+  ant.seen.runs.open = 90;
+  CHECK(diagnose(ant.seen).empty());
+  ant.seen.runs.open = 91;
+  CHECK(find(diagnose(ant.seen), "runs_full", "ant") != nullptr);
 }

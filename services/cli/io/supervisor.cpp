@@ -111,14 +111,36 @@ Supervisor::Supervisor(std::string node_dir, std::vector<ServiceProgram> service
   }
 }
 
-int Supervisor::run(const std::function<bool()>& reload_ok, const std::function<bool()>& is_ready) {
+bool Supervisor::change(std::vector<ServiceProgram> services) {
+  const auto find = [&](const std::string& name) {
+    return std::ranges::find(services, name, &ServiceProgram::service);
+  };
+  for (Child& child : children_) {
+    const auto at = find(child.service);
+    child.wanted = at != services.end();
+    if (child.wanted) child.program = at->program;
+    if (child.wanted) services.erase(at);
+    if (!child.wanted && child.pid > 0) ::kill(child.pid, SIGTERM);
+    if (!child.wanted) say_(child.service + " was taken out, and ends");
+  }
+  std::erase_if(children_, [](const Child& child) { return !child.wanted && child.pid == 0; });
+  signal_all(SIGHUP);
+  for (ServiceProgram& one : services) {
+    say_(one.service + " is new, and starts");
+    children_.push_back({std::move(one.service), std::move(one.program), 0, {}, {}, {}});
+  }
+  return !services.empty();
+}
+
+int Supervisor::run(const Reload& reload, const std::function<bool()>& is_ready) {
   bool ready = false;
   for (;;) {
     const Now now = read_clocks();
     start_due(now);
     const int signal = wait_signal(until_next(now, ready));
     if (signal == SIGTERM || signal == SIGINT) break;
-    if (signal == SIGHUP && reload_ok()) signal_all(SIGHUP);
+    auto services = signal == SIGHUP ? reload() : std::nullopt;
+    if (services && change(std::move(*services))) ready = false;
     reap(read_clocks());
     if (!ready && is_ready()) {
       ready = true;
@@ -155,10 +177,12 @@ void Supervisor::reap(Now now) {
       if (child.pid == pid) ended(child, status, now);
     }
   }
+  std::erase_if(children_, [](const Child& child) { return !child.wanted && child.pid == 0; });
 }
 
 void Supervisor::ended(Child& child, int status, Now now) {
   child.pid = 0;
+  if (!child.wanted) return;
   const bool asked = WIFEXITED(status) && WEXITSTATUS(status) == kAgain;
   if (asked || now.mono - child.started > kSettled) child.wait = Duration{};
   child.start_at = now.mono + child.wait;

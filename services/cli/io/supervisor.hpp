@@ -4,6 +4,7 @@
 #include <sys/types.h>
 
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -42,9 +43,13 @@ class Supervisor {
   /// `say` prints a line for the person.
   Supervisor(std::string node_dir, std::vector<ServiceProgram> services, std::function<void(const std::string&)> say);
 
-  /// Starts all and keeps them running until SIGTERM or SIGINT. `reload_ok` is asked at SIGHUP; if it agrees, every
-  /// service is asked to start again once it is idle. Signals must be blocked (block_signals plus SIGCHLD) before.
-  int run(const std::function<bool()>& reload_ok, const std::function<bool()>& is_ready);
+  /// What is to run from now on; nothing: as it was.
+  using Reload = std::function<std::optional<std::vector<ServiceProgram>>()>;
+
+  /// Starts all and keeps them running until SIGTERM or SIGINT. `reload` is asked at SIGHUP; if it agrees, every
+  /// service is asked to start again once it is idle, a new one is started, and one that is there no more ends. Signals
+  /// must be blocked (block_signals plus SIGCHLD) before.
+  int run(const Reload& reload, const std::function<bool()>& is_ready);
 
  private:
   struct Child {
@@ -54,7 +59,10 @@ class Supervisor {
     MonotonicTime started;
     Duration wait{};
     MonotonicTime start_at;
+    bool wanted = true;  ///< false: taken out, and ends
   };
+  /// True if one is new.
+  bool change(std::vector<ServiceProgram> services);
   void start_due(Now now);
   void reap(Now now);
   void ended(Child& child, int status, Now now);

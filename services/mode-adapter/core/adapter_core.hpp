@@ -6,6 +6,7 @@
 #include "services/mode-adapter/core/askers.hpp"
 #include "services/mode-adapter/core/control_lease.hpp"
 #include "services/mode-adapter/core/fault_rules.hpp"
+#include "services/mode-adapter/core/out_of_use_book.hpp"
 #include "services/mode-adapter/core/robot_sensors.hpp"
 #include "services/mode-adapter/core/robot_side.hpp"
 #include "services/mode-adapter/core/robot_status.hpp"
@@ -17,7 +18,7 @@ namespace trb::adapter {
 
 class ModeAdapterCore : public Core {
  public:
-  ModeAdapterCore(Settings settings, PersistFence persist, InjectLine inject = {});
+  ModeAdapterCore(Settings settings, PersistFence persist, PersistOutOfUse keep, InjectLine inject = {});
 
   void on_welcome(const NodeIdentity& node, Now now, Outbox& out) override;
   void on(const Inbound& message, Now now, Outbox& out) override;
@@ -52,7 +53,21 @@ class ModeAdapterCore : public Core {
   void watch(const RobotMode& mode, Now now, Outbox& out);
   void watch_field(const Said& said, Now now, Outbox& out);
   void tick_watch(Now now, Outbox& out);
-  void tell_watched(const std::vector<FaultSaid>& told, Now now, Outbox& out);
+  void tell_watched(const FaultNews& news, Now now, Outbox& out);
+
+  // what keeps it out of use: out_of_use.cpp
+  void on_fault(const FaultSaid& fault, Now now, Outbox& out);
+  void on_over(const FaultOver& over, Now now, Outbox& out);
+  void keep_fault(const FaultSaid& fault, Now now, Outbox& out);
+  void tell_end(const OutOfUse& ended, const std::string& text, Outbox& out);
+  void on_take_out(const Inbound& message, const TakeOutOfUse& order, Now now, Outbox& out);
+  void on_take_in(const Inbound& message, const TakeIntoUse& order, Outbox& out);
+  [[nodiscard]] Status may_take_out(const Inbound& message, const OutOfUse& what) const;
+  Status returned(const TakeIntoUse& order, Outbox& out);
+  Status repaired(const TakeIntoUse& order, Outbox& out);
+  [[nodiscard]] std::optional<Error> out_of_use(const Execute& order) const;
+  [[nodiscard]] std::vector<std::string> concerned(const std::string& capability) const;
+  [[nodiscard]] bool knows_capability(const std::string& capability) const;
 
   // faults by word: fault_injection.cpp
   void on_inject(const Inbound& message, const InjectFault& order, Outbox& out);
@@ -75,7 +90,6 @@ class ModeAdapterCore : public Core {
   void on_progress(Token token, const char* state, Now now, Outbox& out);
   void on_refused(const Refused& refused, Now now, Outbox& out);
   void on_said(RobotMode& mode, const Said& said, Now now, Outbox& out);
-  void on_fault(const FaultSaid& fault, Now now, Outbox& out);
   void on_link_up(RobotMode& mode, Now now, Outbox& out);
   void on_link_down(RobotMode& mode, const std::string& reason, Now now, Outbox& out);
   void expire(Askers& askers, const char* what, Now now, Outbox& out);
@@ -85,6 +99,7 @@ class ModeAdapterCore : public Core {
   RobotStatus status_;
   FaultRules faults_;
   RobotSensors sensors_;
+  OutOfUseBook out_of_use_;
   StopControl stops_;
   SkillDesk desk_;
   ControlLease control_;

@@ -10,8 +10,11 @@ std::optional<Error> ModeAdapterCore::barred(const Holder& by, bool take, Now no
 
 void ModeAdapterCore::execute(const Inbound& message, const Execute& order, Now now, Outbox& out) {
   const Holder by{Holder::Kind::run, order.key.run};
-  const auto error = barred(by, false, now);
-  if (error && error->code == Errc::control_held) out.count("refused.control_held");
+  auto error = barred(by, false, now);
+  if (!error) error = out_of_use(order);
+  if (error && (error->code == Errc::control_held || error->code == Errc::out_of_use)) {
+    out.count("refused." + std::string(errc_name(error->code)));
+  }
   if (desk_.execute(message, order, error, now, out)) take_control(by, now, out);
 }
 
@@ -34,8 +37,8 @@ void ModeAdapterCore::refresh_control(Now now) {
 
 Condition ModeAdapterCore::condition() const {
   const auto& holder = control_.holder();
-  if (!holder) return {stops_.fenced(), desk_.busy(), {}, true};
-  return {stops_.fenced(), desk_.busy(), holder->text(), holder->kind == Holder::Kind::run};
+  if (!holder) return {stops_.fenced(), desk_.busy(), {}, true, out_of_use_.shown()};
+  return {stops_.fenced(), desk_.busy(), holder->text(), holder->kind == Holder::Kind::run, out_of_use_.shown()};
 }
 
 }  // namespace trb::adapter

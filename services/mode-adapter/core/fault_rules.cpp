@@ -39,9 +39,13 @@ bool is_nothing(const std::string& json) {
   return json.empty() || json == "\"\"" || json == "0" || json == "false" || json == "null" || json == "[]";
 }
 
+std::string cause_of(const FaultRule& rule) {
+  return "rule " + rule.name;
+}
+
 FaultSaid said(const FaultRule& rule, const RobotValue& value) {
   const std::string own = words_of(value).value_or(rule.value + " is " + cut_utf8(value.json, kMaxOwnText));
-  return {rule.capability, rule.severity, rule.text.empty() ? own : rule.text + ": " + own};
+  return {rule.capability, rule.severity, rule.text.empty() ? own : rule.text + ": " + own, cause_of(rule)};
 }
 
 }  // namespace
@@ -50,48 +54,55 @@ FaultRules::FaultRules(const std::vector<FaultRule>& rules) {
   for (const FaultRule& rule : rules) watched_.push_back({&rule, false, {}, {}, {}, {}});
 }
 
-void FaultRules::on_value(std::string_view name, const RobotValue& value, Now now, std::vector<FaultSaid>& told) {
+void FaultRules::on_value(std::string_view name, const RobotValue& value, Now now, FaultNews& news) {
   for (Watched& watched : watched_) {
     const FaultRule& rule = *watched.rule;
     if (rule.value != name) continue;
     if (rule.when == FaultWhen::changes) {
-      on_change(watched, value, now, told);
+      on_change(watched, value, now, news);
       continue;
     }
     const Condition condition = rule.when == FaultWhen::equals
                                     ? (equals(rule.wanted, value) ? Condition::met : Condition::over)
                                     : judge_limit(rule, value.numbers);
     if (condition == Condition::met) watched.stands = said(rule, value);
-    if (condition == Condition::met && !watched.begun) begin(watched, value, now, told);
+    if (condition == Condition::met && !watched.begun) begin(watched, value, now, news);
     if (condition == Condition::over) {
       watched.stands.reset();
       watched.begun = false;
       watched.waits.reset();
+      news.over.push_back({cause_of(rule)});
     }
   }
 }
 
-void FaultRules::on_change(Watched& watched, const RobotValue& value, Now now, std::vector<FaultSaid>& told) {
-  const bool changed = watched.last && *watched.last != value.json;
+void FaultRules::on_change(Watched& watched, const RobotValue& value, Now now, FaultNews& news) {
+  const bool first = !watched.last;
+  const bool changed = !first && *watched.last != value.json;
   watched.last = value.json;
   watched.stands.reset();
-  if (!is_nothing(value.json)) watched.stands = said(*watched.rule, value);
-  if (!changed) return;
-  if (is_nothing(value.json)) return watched.waits.reset();
-  begin(watched, value, now, told);
+  if (is_nothing(value.json)) {
+    watched.waits.reset();
+    return news.over.push_back({cause_of(*watched.rule)});
+  }
+  watched.stands = said(*watched.rule, value);
+  if (changed) return begin(watched, value, now, news);
+  if (!first) return;
+  news.said.push_back(*watched.stands);
+  news.said.back().is_news = false;
 }
 
-void FaultRules::begin(Watched& watched, const RobotValue& value, Now now, std::vector<FaultSaid>& told) {
+void FaultRules::begin(Watched& watched, const RobotValue& value, Now now, FaultNews& news) {
   watched.begun = true;
   watched.waits = said(*watched.rule, value);
   if (!watched.quiet_until || now.mono >= *watched.quiet_until) watched.quiet_until = now.mono;
-  tick(now, told);
+  tick(now, news);
 }
 
-void FaultRules::tick(Now now, std::vector<FaultSaid>& told) {
+void FaultRules::tick(Now now, FaultNews& news) {
   for (Watched& watched : watched_) {
     if (!watched.waits || now.mono < *watched.quiet_until) continue;
-    told.push_back(std::move(*watched.waits));
+    news.said.push_back(std::move(*watched.waits));
     watched.waits.reset();
     watched.quiet_until = now.mono + kQuiet;
   }
@@ -109,13 +120,21 @@ const FaultSaid* FaultRules::standing(std::string_view capability) const {
   for (const Watched& watched : watched_) {
     const auto& stands = watched.stands;
     if (!stands || stands->severity < Severity::critical) continue;
-    if (stands->capability.empty() || stands->capability == capability) return &*stands;
+    if (capability.empty() || stands->capability.empty() || stands->capability == capability) return &*stands;
   }
   return nullptr;
 }
 
 void FaultRules::forget_standing() {
   for (Watched& watched : watched_) watched.stands.reset();
+}
+
+void FaultRules::begin_again(std::string_view capability) {
+  for (Watched& watched : watched_) {
+    if (!capability.empty() && watched.rule->capability != capability) continue;
+    watched.begun = false;
+    watched.last.reset();
+  }
 }
 
 }  // namespace trb::adapter

@@ -6,28 +6,37 @@
 
 namespace trb::adapter {
 
+/// What the values of one moment lead to.
+struct FaultNews {
+  std::vector<FaultSaid> said;
+  std::vector<FaultOver> over;
+};
+
 /// condition | not begun          | begun
 /// ----------|--------------------|------------------------------------------------
 /// met       | begins: told       | -
 /// neither   | -                  | - (a limit is passed back, but not by far enough)
-/// over      | -                  | ends; one that still waits to be told is not told
+/// over      | told to be over    | ends: told to be over; one that still waits to be told is not told
 ///
 /// A fault that was told less than 10 s ago waits for that time to pass, so that a value which flaps floods nobody. A
-/// change has no end: each one begins. The first value heard is nothing changed, and "", 0, false and null are no
-/// fault.
+/// change to "", 0, false or null is the end, any other one begins. The first value heard is nothing changed, but it
+/// stands.
 class FaultRules {
  public:
   /// The rules must outlive it.
   explicit FaultRules(const std::vector<FaultRule>& rules);
 
-  /// News of a value; what begins now is added to `told`.
-  void on_value(std::string_view name, const RobotValue& value, Now now, std::vector<FaultSaid>& told);
-  void tick(Now now, std::vector<FaultSaid>& told);
+  /// A value was heard; what it leads to is added to `news`.
+  void on_value(std::string_view name, const RobotValue& value, Now now, FaultNews& news);
+  void tick(Now now, FaultNews& news);
   [[nodiscard]] std::optional<MonotonicTime> next_deadline() const;
-  /// The fault that takes the capability now, told or not: CRITICAL or FATAL, by the value that was heard last.
+  /// The fault that takes the capability (empty: any) now, told or not: CRITICAL or FATAL, by the value that was heard
+  /// last.
   [[nodiscard]] const FaultSaid* standing(std::string_view capability) const;
   /// The robot has left: what it comes back with, its values tell.
   void forget_standing();
+  /// A person has said that the capability (empty: each) is whole: what is met from now on begins anew.
+  void begin_again(std::string_view capability);
 
  private:
   struct Watched {
@@ -39,8 +48,8 @@ class FaultRules {
     std::optional<MonotonicTime> quiet_until;
   };
 
-  void begin(Watched& watched, const RobotValue& value, Now now, std::vector<FaultSaid>& told);
-  void on_change(Watched& watched, const RobotValue& value, Now now, std::vector<FaultSaid>& told);
+  void begin(Watched& watched, const RobotValue& value, Now now, FaultNews& news);
+  void on_change(Watched& watched, const RobotValue& value, Now now, FaultNews& news);
 
   std::vector<Watched> watched_;
 };

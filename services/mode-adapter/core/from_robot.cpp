@@ -2,12 +2,6 @@
 #include "services/mode-adapter/core/adapter_core.hpp"
 
 namespace trb::adapter {
-namespace {
-
-constexpr std::size_t kMaxCapability = 64;
-constexpr std::size_t kMaxText = 1024;
-
-}  // namespace
 
 void ModeAdapterCore::settle(Now now, Outbox& out) {
   // By index: what an event leads to may add events of its own.
@@ -30,6 +24,7 @@ void ModeAdapterCore::on_event(RobotMode& mode, const ModeEvent& event, Now now,
                  [&](const Refused& refused) { on_refused(refused, now, out); },
                  [&](const Said& said) { on_said(mode, said, now, out); },
                  [&](const FaultSaid& fault) { on_fault(fault, now, out); },
+                 [&](const FaultOver& over) { on_over(over, now, out); },
                  [&](const ValuesHeard&) {
                    desk_.on_values(&mode, now, out);
                    streams_.on_values(mode, now, out);
@@ -69,20 +64,6 @@ void ModeAdapterCore::on_said(RobotMode& mode, const Said& said, Now now, Outbox
     return out.reply(*asker, std::move(body));
   }
   out.information(said.target, std::move(body));
-}
-
-void ModeAdapterCore::on_fault(const FaultSaid& fault, Now now, Outbox& out) {
-  out.count("from_robot.robot_fault");
-  out.log(LogLevel::warning, "robot_fault",
-          fault.capability + " " + std::string(name_of(fault.severity)) + " " + fault.text);
-  const std::string text = cut_utf8(fault.text, kMaxText);
-  // One that names none is of all.
-  std::vector<std::string> capabilities{fault.capability.substr(0, kMaxCapability)};
-  if (fault.capability.empty()) capabilities = robot_.settings.description.capabilities;
-  for (const std::string& capability : capabilities) {
-    out.information(std::string(kEveryNode), RobotFault{capability, fault.severity, text});
-    desk_.on_fault(capability, fault.severity, text, now, out);
-  }
 }
 
 void ModeAdapterCore::on_link_up(RobotMode& mode, Now now, Outbox& out) {

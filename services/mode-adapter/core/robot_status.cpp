@@ -17,6 +17,8 @@ RobotStatus::RobotStatus(const Settings& settings) : settings_(settings) {
   profile_.capabilities = description.capabilities;
   profile_.sensors = description.sensors;
   profile_.skills = skill_infos(description);
+  profile_.numbers = description.numbers;
+  for (const Skill& skill : description.skills) skills_.push_back({skill.name, skill.capability, skill.repeatable});
   profile_.places = place_names(description, settings.places);
   const RobotFrame& frame = description.frame;
   profile_.frame = {frame.length, frame.origin.x, frame.origin.y, frame.origin.yaw};
@@ -44,8 +46,13 @@ std::string RobotStatus::connection_name() const {
 }
 
 AdapterState RobotStatus::state(const Condition& condition) const {
-  return {settings_.instance, connection_name(), condition.fenced, condition.busy,
-          condition.for_runs ? "" : condition.control};
+  return {settings_.instance,
+          connection_name(),
+          condition.fenced,
+          condition.busy,
+          condition.for_runs ? "" : condition.control,
+          condition.out_of_use,
+          skills_};
 }
 
 void RobotStatus::welcome(const Condition& condition, Outbox& out) {
@@ -62,7 +69,8 @@ void RobotStatus::publish(const Condition& condition, Outbox& out) {
   const Told before = std::exchange(told_, now);
   if (now != before) out.information(settings_.id, state(condition));
   const bool shown = now.connection != before.connection || condition.fenced != before.condition.fenced ||
-                     condition.control != before.condition.control;
+                     condition.control != before.condition.control ||
+                     condition.out_of_use != before.condition.out_of_use;
   if (shown || detail_changed_) tell_profile(condition, out);
   if (now.connection != before.connection && had_contact_) {
     out.information(std::string(kEveryNode), RobotConnection{connection_name(), detail_});
@@ -77,6 +85,7 @@ void RobotStatus::tell_profile(const Condition& condition, Outbox& out) {
   profile.detail = detail_;
   profile.fenced = condition.fenced;
   profile.control = condition.control;
+  profile.out_of_use = condition.out_of_use;
   out.information(settings_.id, std::move(profile));
 }
 

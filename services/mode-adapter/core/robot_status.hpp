@@ -12,6 +12,7 @@ struct Condition {
   bool busy = false;
   std::string control;   ///< Holder::text(); empty: nobody
   bool for_runs = true;  ///< false: its holder keeps the scheduler's runs out
+  std::vector<OutOfUse> out_of_use{};
   bool operator==(const Condition&) const = default;
 };
 
@@ -42,7 +43,8 @@ class RobotStatus {
   [[nodiscard]] std::string connection_name() const;
 
   const Settings& settings_;
-  NodeProfile profile_;  ///< what does not change
+  NodeProfile profile_;           ///< what does not change
+  std::vector<SkillUse> skills_;  ///< nor does this
   Connection connection_ = Connection::offline;
   std::string detail_ = "no contact yet";
   bool detail_changed_ = false;

@@ -7,6 +7,7 @@
 #include "common/config/node_config.hpp"
 #include "common/fleet/description.hpp"
 #include "common/fleet/places.hpp"
+#include "services/mode-adapter/core/out_of_use_book.hpp"
 
 namespace trb::adapter {
 
@@ -17,8 +18,9 @@ struct Settings {
   Description description;
   Places places;
   VendorCommands commands;
-  std::uint64_t instance = 0;  ///< this process's, from the service
-  bool fenced = false;         ///< as the last process left it
+  std::uint64_t instance = 0;      ///< this process's, from the service
+  bool fenced = false;             ///< as the last process left it
+  std::vector<Kept> out_of_use{};  ///< as the last process left it
 };
 
 /// Keeps the fence over a restart. A port and no journal record, because a robot must be told to stop even if the disk

@@ -113,9 +113,6 @@ Status SkillDesk::hand_over(const Execute& order, const Skill& skill, Now now, O
                 "skill '" + skill.name + "' ends with an acknowledgement, which this command never gets",
                 "give the robot a monitor and \"wrap\" in commands.json, or the skill another end");
   }
-  if (const FaultSaid* fault = ends_unseen(skill.end) ? faults_.standing(skill.capability) : nullptr) {
-    return fail(Errc::robot_error, fault->text, "see that it is over; then trb alert decide ALERT --retry");
-  }
   const Token token = robot_.next_token();
   const auto progress = mode.hand_over(
       {token, MessageType::command, skill.subtype, settings.id, call->data, skill.name}, now, robot_.to(mode, out));

@@ -1,7 +1,6 @@
 // The scheduler's side: one skill at a time is carried out, and every attempt has one outcome.
 #pragma once
 
-#include "services/mode-adapter/core/fault_rules.hpp"
 #include "services/mode-adapter/core/outcomes.hpp"
 #include "services/mode-adapter/core/robot_side.hpp"
 
@@ -14,7 +13,7 @@ namespace trb::adapter {
 /// ExecutionQuery   | "unknown"                           | "running"          | its Outcome
 class SkillDesk {
  public:
-  SkillDesk(RobotSide& robot, const FaultRules& faults) : robot_(robot), faults_(faults) {}
+  explicit SkillDesk(RobotSide& robot) : robot_(robot) {}
 
   /// `barred`: why nothing may begin, if so. True: the skill has begun.
   bool execute(const Inbound& message, const Execute& order, const std::optional<Error>& barred, Now now, Outbox& out);
@@ -66,7 +65,6 @@ class SkillDesk {
   void keep(Outcome outcome, Now now, Outbox& out);
 
   RobotSide& robot_;
-  const FaultRules& faults_;
   std::optional<Running> running_;
   Outcomes outcomes_;
 };

@@ -16,32 +16,33 @@ RobotValue value_in_fields(BytesView data, Now now) {
 
 void ModeAdapterCore::watch(const RobotMode& mode, Now now, Outbox& out) {
   const Description& description = robot_.settings.description;
-  std::vector<FaultSaid> told;
+  FaultNews news;
   for (const FaultRule& rule : description.faults) {
-    if (const RobotValue* value = mode.value(rule.value)) faults_.on_value(rule.value, *value, now, told);
+    if (const RobotValue* value = mode.value(rule.value)) faults_.on_value(rule.value, *value, now, news);
   }
   for (const std::string& name : description.sensors) {
     if (const RobotValue* value = mode.value(name)) sensors_.on_value(name, *value);
   }
-  tell_watched(told, now, out);
+  tell_watched(news, now, out);
 }
 
 void ModeAdapterCore::watch_field(const Said& said, Now now, Outbox& out) {
   const RobotValue value = value_in_fields(said.data, now);
-  std::vector<FaultSaid> told;
-  faults_.on_value(said.subtype, value, now, told);
+  FaultNews news;
+  faults_.on_value(said.subtype, value, now, news);
   sensors_.on_value(said.subtype, value);
-  tell_watched(told, now, out);
+  tell_watched(news, now, out);
 }
 
 void ModeAdapterCore::tick_watch(Now now, Outbox& out) {
-  std::vector<FaultSaid> told;
-  faults_.tick(now, told);
-  tell_watched(told, now, out);
+  FaultNews news;
+  faults_.tick(now, news);
+  tell_watched(news, now, out);
 }
 
-void ModeAdapterCore::tell_watched(const std::vector<FaultSaid>& told, Now now, Outbox& out) {
-  for (const FaultSaid& fault : told) on_fault(fault, now, out);
+void ModeAdapterCore::tell_watched(const FaultNews& news, Now now, Outbox& out) {
+  for (const FaultOver& over : news.over) on_over(over, now, out);
+  for (const FaultSaid& fault : news.said) on_fault(fault, now, out);
   sensors_.tick(now, out);
 }
 

@@ -6,6 +6,7 @@
 #include "services/mode-adapter/io/fault_port.hpp"
 #include "services/mode-adapter/io/fence_file.hpp"
 #include "services/mode-adapter/io/modbus_io.hpp"
+#include "services/mode-adapter/io/out_of_use_file.hpp"
 #include "services/mode-adapter/io/robot_io.hpp"
 
 namespace trb::adapter {
@@ -24,6 +25,8 @@ std::vector<std::string> subtypes() {
           std::string(BridgeEvent::kSubtype),
           std::string(BridgeState::kSubtype),
           std::string(InjectFault::kSubtype),
+          std::string(TakeOutOfUse::kSubtype),
+          std::string(TakeIntoUse::kSubtype),
           std::string(Stop::kSubtype),
           std::string(Release::kSubtype)};
 }
@@ -43,9 +46,10 @@ ModbusLink::Where modbus_device(const NodeConfig& config) {
   return {config.robot.host, config.commands.port.value_or(kModbusPort), modbus.unit, modbus.timeout_s};
 }
 
-Settings core_settings(NodeConfig config, std::uint64_t instance, bool fenced) {
+Settings core_settings(NodeConfig config, std::uint64_t instance, bool fenced, std::vector<Kept> out_of_use) {
   return {std::move(config.id),     std::move(config.framework), config.mode, std::move(config.description),
-          std::move(config.places), std::move(config.commands),  instance,    fenced};
+          std::move(config.places), std::move(config.commands),  instance,    fenced,
+          std::move(out_of_use)};
 }
 
 int complain(const std::string& text) {
@@ -63,14 +67,17 @@ int start(const std::string& node_dir) {
   auto service = Service::open({check.config.dir, "mode-adapter", subtypes()});
   if (!service) return complain(service.error().text());
   const FenceFile fence(check.config.dir);
+  const OutOfUseFile kept(check.config.dir);
   const RobotIoSettings roads = io_settings(check.config);
   const bool speaks_modbus = check.config.commands.transport == "modbus";
   const ModbusLink::Where device = modbus_device(check.config);
   const std::string control = check.config.robot.fault_injection;
   const auto inject = [&control](const std::string& line) { return send_control_line(control, line); };
   ModeAdapterCore core(
-      core_settings(std::move(check.config), (*service)->instance(), fence.set()),
-      [&fence](bool fenced) { return fence.save(fenced); }, control.empty() ? InjectLine{} : InjectLine{inject});
+      core_settings(std::move(check.config), (*service)->instance(), fence.set(), kept.read()),
+      [&fence](bool fenced) { return fence.save(fenced); },
+      [&kept](const std::vector<Kept>& lines) { return kept.save(lines); },
+      control.empty() ? InjectLine{} : InjectLine{inject});
   const auto io = RobotIo::open(roads, **service, core);
   if (!io) return complain(io.error().text());
   const auto modbus = speaks_modbus ? ModbusIo::open(device, **service, core) : std::unique_ptr<ModbusIo>();

@@ -110,8 +110,12 @@ TEST_CASE("what goes wrong is told once, with the robot's own flags") {
   REQUIRE(told.size() == 1);
   CHECK(told[0].severity == Severity::critical);
   CHECK(told[0].text == "front bumper 1; the motors are off");
+  bench.robot.stall = 0;
+  bench.live(1);
+  CHECK(bench.faults().empty());
   bench.robot = {};
   bench.live(1);
+  CHECK(bench.over() == std::vector<std::string>{"mobile: front bumper 1; the motors are off"});
   CHECK(bench.faults().empty());
   bench.robot.flags = 0x20;
   bench.live(0.1);

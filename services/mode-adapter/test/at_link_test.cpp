@@ -137,7 +137,10 @@ TEST_CASE("drone: what is wrong is told again by a drone that comes back, but no
   CHECK(bench.faults().empty());
   bench.wait(2.1);
   CHECK(bench.faults().at(0).text.find("link lost") == 0);
+  CHECK(bench.kept.size() == 1);
   bench.tell(low);
+  CHECK(bench.over().at(0).find("link lost in the air") != std::string::npos);
+  CHECK(bench.kept.empty());
   CHECK(bench.faults().at(0).text == "battery low: 76 %");
 }
 

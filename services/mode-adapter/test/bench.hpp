@@ -78,10 +78,17 @@ inline Settings ur3() {
 class Bench {
  public:
   explicit Bench(Settings settings)
-      : core(std::move(settings), [this](bool fenced) {
-          fence_writes.push_back(fenced);
-          return fence_status;
-        }) {}
+      : core(
+            std::move(settings),
+            [this](bool fenced) {
+              fence_writes.push_back(fenced);
+              return fence_status;
+            },
+            [this](const std::vector<Kept>& lines) {
+              if (kept_status) kept = lines;
+              ++kept_writes;
+              return kept_status;
+            }) {}
 
   // what comes in
   std::uint64_t send(MessageType type, const std::string& subtype, const std::string& data,
@@ -139,6 +146,19 @@ class Bench {
     REQUIRE(found.size() == 1);
     return get<T>(found.front().body);
   }
+  /// The faults that were told to be over: "CAPABILITY: TEXT".
+  std::vector<std::string> over() {
+    std::vector<std::string> texts;
+    for (const Send& send : out.sends) {
+      const auto* fault = get_if<RobotFault>(&send.body);
+      if (fault != nullptr && fault->ended) texts.push_back(fault->capability + ": " + fault->text);
+    }
+    std::erase_if(out.sends, [](const Send& send) {
+      const auto* fault = get_if<RobotFault>(&send.body);
+      return fault != nullptr && fault->ended;
+    });
+    return texts;
+  }
   /// "ack STATE", "nack CODE" or the data: how the message was answered; empty: not yet.
   std::string answer(std::uint64_t id) {
     for (const Send& send : out.sends) {
@@ -179,6 +199,9 @@ class Bench {
 
   std::vector<bool> fence_writes;
   Status fence_status = Done{};
+  std::vector<Kept> kept;  ///< what is on disk
+  int kept_writes = 0;
+  Status kept_status = Done{};
   ModeAdapterCore core;
   Outbox out;
   Now now{{1'000'000'000}, {0}};

@@ -243,6 +243,22 @@ TEST_CASE("a controller that stops its program: a fault with the robot's text, a
   CHECK(bench.robot["TRB_STOP"] == "FALSE");
 }
 
+TEST_CASE("a fault ends when the controller's message is gone, and the text of the program's with the text") {
+  C3Bench bench;
+  bench.robot["TRB_ERROR[]"] = "\"grab CRITICAL gripper lost\"";
+  bench.robot["$STOPMESS"] = "TRUE";
+  bench.live(1);
+  CHECK_FALSE(bench.kept.empty());
+  bench.robot["TRB_ERROR[]"] = "\"\"";
+  bench.live(1);
+  CHECK(bench.kept.size() == 1);
+  CHECK(bench.over().empty());
+  bench.robot["$STOPMESS"] = "FALSE";
+  bench.live(1);
+  CHECK(bench.kept.empty());
+  CHECK(bench.over() == std::vector<std::string>{"grab: gripper lost"});
+}
+
 TEST_CASE("an error text without a stop is a fault, told once") {
   C3Bench bench;
   bench.robot["TRB_ERROR[]"] = "\"air is low\"";

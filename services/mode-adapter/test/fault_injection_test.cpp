@@ -12,6 +12,7 @@ struct Virtual {
   Status port = Done{};
   Outbox out;
   ModeAdapterCore core{ur3(), [](bool) { return Status(Done{}); },
+                       [](const std::vector<Kept>&) { return Status(Done{}); },
                        [this](const std::string& line) {
                          lines.push_back(line);
                          return port;

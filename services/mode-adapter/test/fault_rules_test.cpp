@@ -37,25 +37,29 @@ struct Watch {
 
   /// The texts that this value leads to.
   std::vector<std::string> hear(std::vector<double> numbers, const std::string& json) {
-    std::vector<FaultSaid> told;
-    watch.on_value(rules[0].value, {std::move(numbers), json, now.mono}, now, told);
-    return texts(told);
+    FaultNews news;
+    watch.on_value(rules[0].value, {std::move(numbers), json, now.mono}, now, news);
+    over += static_cast<int>(news.over.size());
+    return texts(news.said);
   }
   std::vector<std::string> hear(double number) { return hear({number}, std::to_string(int(number))); }
   std::vector<std::string> wait(double time_s) {
-    std::vector<FaultSaid> told;
+    FaultNews news;
     now.mono = now.mono + seconds(time_s);
-    watch.tick(now, told);
-    return texts(told);
+    watch.tick(now, news);
+    return texts(news.said);
   }
   static std::vector<std::string> texts(const std::vector<FaultSaid>& told) {
     std::vector<std::string> out;
-    for (const FaultSaid& fault : told) out.push_back(fault.text);
+    for (const FaultSaid& fault : told) {
+      if (fault.is_news) out.push_back(fault.text);
+    }
     return out;
   }
 
   std::vector<FaultRule> rules;
   FaultRules watch{rules};
+  int over = 0;  ///< how often it was told to be over
   Now now{{seconds(1000).count()}, {}};
 };
 
@@ -167,6 +171,35 @@ TEST_CASE("what takes a capability now: by the last value, told or not, CRITICAL
   CHECK(watch.watch.standing("mobile") != nullptr);
   watch.watch.forget_standing();
   CHECK(watch.watch.standing("mobile") == nullptr);
+}
+
+TEST_CASE("a rule says that its fault is over once the value has come back by far enough, begun or not") {
+  Watch watch(limit(FaultWhen::below, 20, 25));
+  watch.hear(19);
+  watch.hear(24);
+  CHECK(watch.over == 0);
+  watch.hear(25);
+  CHECK(watch.over == 1);
+  Watch after_a_restart(limit(FaultWhen::below, 20, 25));
+  after_a_restart.hear(30);
+  CHECK(after_a_restart.over == 1);
+  Watch words(about_text(FaultWhen::changes));
+  words.hear({}, "\"motor hot\"");
+  words.hear({}, "\"motor very hot\"");
+  CHECK(words.over == 0);
+  words.hear({}, "\"\"");
+  CHECK(words.over == 1);
+}
+
+TEST_CASE("after a person's word a rule that is met begins anew") {
+  Watch watch(limit(FaultWhen::below, 20, 25));
+  watch.hear(19);
+  watch.wait(20);
+  CHECK(watch.hear(18).empty());
+  watch.watch.begin_again("grab");
+  CHECK(watch.hear(18).empty());
+  watch.watch.begin_again("mobile");
+  CHECK(watch.hear(18).size() == 1);
 }
 
 TEST_CASE("in fields a value is what the robot tells its own node") {

@@ -329,4 +329,8 @@ TEST_CASE("a fault of the robot's is told to every node") {
   FieldBench in_numbers(numeric());
   in_numbers.say("3\n31\n0\n4\n30 2\n");
   CHECK(in_numbers.one<RobotFault>().severity == Severity::urgent);
+  in_numbers.say("3\n31\n0\n4\n30 4\n");
+  in_numbers.out.clear();
+  in_numbers.say("3\n31\n0\n4\n30 0\n");
+  CHECK(in_numbers.over().size() == 1);
 }

@@ -332,6 +332,10 @@ TEST_CASE("modbus: a stop that the device refuses is told to everybody and is no
   CHECK(fault.text.starts_with("the device refused to stop: running (coil 0)"));
   bench.live(2.1);
   CHECK(bench.answer(id) == "nack timeout");
+  CHECK(bench.kept.size() == 1);
+  bench.deliver(MessageType::command, Stop{""});
+  bench.live(0.2);
+  CHECK(bench.kept.empty());  // it has stopped after all
 }
 
 TEST_CASE(

@@ -236,6 +236,24 @@ TEST_CASE("a fault: the service task's text, its capability and severity, told o
   CHECK(bench.told<RobotFault>().empty());
 }
 
+TEST_CASE("a fault ends with the service task's error, and motors that went off with the motors") {
+  RapidBench bench;
+  bench.state = "0 0 0 0";
+  bench.live(0.3);
+  REQUIRE(bench.kept.size() == 1);
+  bench.state = "0 0 0 50204 grab%20CRITICAL%20gripper%20lost";
+  bench.live(0.3);
+  CHECK(bench.kept.size() == 2);
+  bench.state = "0 0 1 50204 grab%20CRITICAL%20gripper%20lost";
+  bench.live(0.3);
+  REQUIRE(bench.kept.size() == 1);
+  CHECK(bench.kept[0].what.text == "gripper lost");
+  bench.over();
+  bench.state = "0 0 1 0";
+  bench.live(0.3);
+  CHECK(bench.over() == std::vector<std::string>{"grab: gripper lost"});
+}
+
 TEST_CASE("requests: the service task at any time, the program between moves") {
   RapidBench bench;
   const auto position = bench.send(MessageType::request, "position", "");

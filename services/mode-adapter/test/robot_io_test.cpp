@@ -16,7 +16,10 @@ namespace {
 
 struct Node {
   explicit Node(Settings settings, RobotIoSettings roads = {kLoopback, 0, kLoopback, {}, {}})
-      : core(std::move(settings), [](bool) { return Status(Done{}); }), io(*RobotIo::open(roads, service, core)) {}
+      : core(
+            std::move(settings), [](bool) { return Status(Done{}); },
+            [](const std::vector<Kept>&) { return Status(Done{}); }),
+        io(*RobotIo::open(roads, service, core)) {}
 
   [[nodiscard]] bool online() {
     std::string state;
@@ -139,7 +142,7 @@ TEST_CASE("io: a controller is dialled until it is there, and again when it is l
 
 TEST_CASE("io: an address that is in use, or none, is said when opening") {
   FakeService service;
-  ModeAdapterCore core(pioneer(), {});
+  ModeAdapterCore core(pioneer(), {}, {});
   const Descriptor taken = std::move(*tcp_listen(kLoopback, 0));
   CHECK(RobotIo::open({kLoopback, local_port(taken.get()), "", {}, {}}, service, core).error().code == Errc::io_error);
   CHECK(RobotIo::open({"eth0", 0, "", {}, {}}, service, core).error().code == Errc::bad_value);

@@ -47,7 +47,8 @@ struct DroneSocket {
 
 struct DroneNode {
   DroneNode(std::uint16_t commands, std::uint16_t monitor)
-      : core(drone(), [](bool) { return Status(Done{}); }),
+      : core(
+            drone(), [](bool) { return Status(Done{}); }, [](const std::vector<Kept>&) { return Status(Done{}); }),
         io(*RobotIo::open({kLoopback, 0, kLoopback, commands, monitor, true}, service, core)) {
     service.timer([this] { return core.next_deadline(); },
                   [this](Now) { service.step([this](Now at, Outbox& out) { core.tick(at, out); }); });

@@ -175,8 +175,7 @@ TEST_CASE("a critical fault ends the skill that needs what is gone: it is halted
   }
 }
 
-TEST_CASE(
-    "a skill whose capability a fault has taken is not begun: it fails at once, until the robot says that it is well") {
+TEST_CASE("a skill whose capability a fault has taken is not begun, until the robot says that it is well") {
   Settings settings = ridgeback();
   settings.description.skills[0].capability = "mobile";
   FaultRule rule;
@@ -190,21 +189,23 @@ TEST_CASE(
   bench.bridge(true);
   const auto watched = bench.asked();
   const auto error = std::ranges::find(watched, "/error", &BridgeCommand::name)->token;
+  bench.out.clear();
   std::uint32_t attempt = 0;
   const auto go = [&] {
-    bench.deliver(MessageType::command,
-                  Execute{{"run", "t1", 1, ++attempt}, 1, kInstance, "go_to", R"({"place":"dock"})", 0}, "ridgeback");
-    return bench.told<Outcome>();
+    const Execute go_to{{"run", "t1", 1, ++attempt}, 1, kInstance, "go_to", R"({"place":"dock"})", 0};
+    return bench.nack_of(bench.deliver(MessageType::command, go_to, "ridgeback"));
   };
   // Also the first value: the node may have been started after the fault, and then nobody is told of one.
   bench.tell(error, BridgeResult::value, "\"a wheel is blocked\"");
-  const auto failed = go();
-  REQUIRE(failed.size() == 1);
-  CHECK(get<Outcome>(failed[0].body).outcome == TaskOutcome::failed);
-  CHECK(get<Outcome>(failed[0].body).reason.find("a wheel is blocked") != std::string::npos);
+  CHECK(bench.told<RobotFault>().empty());
+  CHECK(bench.one<NodeProfile>().out_of_use.at(0).text == "a wheel is blocked");
+  const Nack refused = go();
+  CHECK(refused.code == "out_of_use");
+  CHECK(refused.what.find("a wheel is blocked") != std::string::npos);
   CHECK(bench.asked().empty());
   bench.tell(error, BridgeResult::value, "\"\"");
-  CHECK(go().empty());
+  CHECK(bench.over() == std::vector<std::string>{"mobile: a wheel is blocked"});
+  CHECK(go().code.empty());
   CHECK(bench.asked().size() == 1);
 }
 

@@ -52,6 +52,38 @@ TEST_CASE("a protective stop in the middle of a move fails the skill with the re
   CHECK(arm.sent().empty());
 }
 
+TEST_CASE(
+    "a protective stop keeps the arm out of use until the controller tells that it is over, also to a new process") {
+  UrBench arm;
+  arm.state({.protective = true});
+  REQUIRE(arm.kept.size() == 1);
+  CHECK(arm.answer(arm.deliver(MessageType::command, order("reach", "{}"), "ur3")) == "nack out_of_use");
+  arm.state({.emergency = true});  // from bad to worse
+  REQUIRE(arm.kept.size() == 1);
+  CHECK(arm.kept[0].what.severity == Severity::fatal);
+  CHECK(arm.answer(arm.deliver(MessageType::command, TakeIntoUse{"", false, "ann"})) == "nack conflict");
+  Settings settings = ur3();
+  settings.out_of_use = arm.kept;
+  arm.state();
+  CHECK(arm.over() == std::vector<std::string>{"grab: emergency stop", "reach: emergency stop"});
+  CHECK(arm.kept.empty());
+  UrBench next(settings);  // its first state is a good one
+  CHECK(next.over().size() == 2);
+}
+
+TEST_CASE("a stop that the controller tells of again on a new connection is told again") {
+  UrBench arm;
+  arm.state({.protective = true});
+  arm.told<RobotFault>();
+  arm.down(Channel::monitor);
+  CHECK(arm.answer(arm.deliver(MessageType::command, TakeIntoUse{"", false, "ann"})) == "ack in_use");
+  arm.up(Channel::monitor);
+  arm.out.clear();
+  arm.state({.protective = true});
+  CHECK(arm.told<RobotFault>().size() == 2);
+  CHECK(arm.kept.size() == 1);
+}
+
 TEST_CASE("an emergency stop is fatal; an old complaint is not taken for its cause") {
   Moving arm;
   arm.monitor(ur_error(153, 3, "long ago"));

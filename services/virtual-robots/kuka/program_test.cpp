@@ -72,6 +72,14 @@ TEST_CASE("what is refused is over before it is taken") {
   CHECK(node.end() == "4 0 \"\"");
 }
 
+TEST_CASE("its camera has found a box: the result is JSON") {
+  Node node({{"find_box", 2}});
+  node.order("find_box");
+  CHECK(node.end() == R"(1 0 "{\qplace\q:\qtable1\q}")");
+  node.order("find_box");
+  CHECK(node.end() == "2 3 \"injected failure\"");
+}
+
 TEST_CASE("a stop brakes, ends what runs, and holds until it is lifted") {
   Node node;
   node.set("TRB_AXIS", kTarget);

@@ -128,6 +128,7 @@ TEST_CASE("reports: numbers for the numeric encoding") {
   CHECK(message_of(Failed{"pick", Reason::Stopped}, vocabulary)->data == "7 2");
   CHECK(message_of(Failed{"lift", Reason::Injected}, vocabulary)->data == "0 3");
   CHECK(parse_fault("pick CRITICAL it broke", vocabulary)->data == "7 3");
+  CHECK(fault_over("pick", vocabulary).data == "7 0");
 }
 
 TEST_CASE("reports: orders from stdin") {
@@ -138,6 +139,7 @@ TEST_CASE("reports: orders from stdin") {
   CHECK(parse_fault("drive URGENT a wheel slips", text) ==
         Message{"information", "fault", "", "drive URGENT a wheel slips"});
   CHECK_FALSE(parse_fault("drive BAD a wheel slips", text));
+  CHECK(fault_over("drive", text) == Message{"information", "fault", "", "drive OVER"});
 }
 
 TEST_CASE("codes: definitions") {

@@ -104,4 +104,9 @@ std::optional<Message> parse_fault(std::string_view words, const Vocabulary& voc
   return own_information("fault", number_in_data(vocabulary, order->capability) + " " + number);
 }
 
+Message fault_over(const std::string& capability, const Vocabulary& vocabulary) {
+  return own_information("fault",
+                         vocabulary.numeric ? number_in_data(vocabulary, capability) + " 0" : capability + " OVER");
+}
+
 }  // namespace trb::virtual_robots::lines

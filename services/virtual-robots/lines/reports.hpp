@@ -24,4 +24,7 @@ std::optional<Message> parse_say(std::string_view words);
 /** `CAPABILITY [SEVERITY [TEXT...]]`. */
 std::optional<Message> parse_fault(std::string_view words, const Vocabulary& vocabulary);
 
+/** The capability's fault is over. */
+Message fault_over(const std::string& capability, const Vocabulary& vocabulary);
+
 }  // namespace trb::virtual_robots::lines

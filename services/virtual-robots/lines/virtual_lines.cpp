@@ -87,19 +87,32 @@ void VirtualLines::take_console_line(const std::string& line) {
     quit_ = true;
     return;
   }
-  // What it had told of once is over for it at once: a fault in the field channel is a mere message.
-  if (order == "clear") return print_line("cleared");
+  if (order == "clear") return clear_faults();
   if (order == "drop") {
     if (link_.state() == Link::State::Up) disconnect("dropped");
     return;
   }
   if (order == "say") message = parse_say(words);
-  if (order == "fault") message = parse_fault(words, settings_.session.vocabulary);
+  if (order == "fault") message = take_fault(words);
   if (message) {
     say(*message);
   } else {
     print_line("unknown_line");
   }
+}
+
+std::optional<Message> VirtualLines::take_fault(std::string_view words) {
+  auto message = parse_fault(words, settings_.session.vocabulary);
+  const auto order = parse_fault_order(words);
+  if (order && faults_.size() < kMostHeld) faults_.insert(order->capability);
+  return message;
+}
+
+void VirtualLines::clear_faults() {
+  for (const std::string& capability : std::exchange(faults_, {})) {
+    say(fault_over(capability, settings_.session.vocabulary));
+  }
+  print_line("cleared");
 }
 
 void VirtualLines::say(const Message& message) {

@@ -3,7 +3,10 @@
 #include <poll.h>
 
 #include <deque>
+#include <optional>
+#include <set>
 #include <string>
+#include <string_view>
 
 #include "services/virtual-robots/lines/body.hpp"
 #include "services/virtual-robots/lines/link.hpp"
@@ -37,6 +40,9 @@ class VirtualLines {
   void read_link();
   void disconnect(std::string_view reason);
   void take_console_line(const std::string& line);
+  /** The message that tells it, if the words are a fault. */
+  std::optional<Message> take_fault(std::string_view words);
+  void clear_faults();
   void say(const Message& message);
   void step();
   void take_session_events();
@@ -54,6 +60,7 @@ class VirtualLines {
   StdinLines console_;
   ControlPort control_;
   std::deque<Message> held_;
+  std::set<std::string> faults_;  ///< the capabilities whose faults were told
   double next_read_ = 0;
   bool quit_ = false;
 };

@@ -115,7 +115,7 @@ std::optional<FaultSaid> ArcosFaults::hear(const ArcosSip& sip, bool motors_want
   const Severity severity = (fresh & kStopButton) != 0  ? Severity::fatal
                             : (fresh & kMotorsOff) != 0 ? Severity::critical
                                                         : Severity::urgent;
-  return FaultSaid{"", severity, text};
+  return FaultSaid{"", severity, text, severity < Severity::critical ? "" : kArcosHalted};
 }
 
 std::string arcos_hindrance(const ArcosSip& sip) {

@@ -13,6 +13,9 @@ namespace trb::adapter {
 /// One field as it is, several as a list.
 RobotValue arcos_value(const std::vector<ArcosField>& fields, const ArcosSip& sip, const ArcosOdometry& place, Now now);
 
+/// The cause of a fault that takes the robot: it is over with the motors on and the STOP button up.
+constexpr const char* kArcosHalted = "halted";
+
 /// Stalls and bumpers (URGENT), motors that went off by themselves (CRITICAL), the STOP button (FATAL).
 class ArcosFaults {
  public:

@@ -182,6 +182,7 @@ void ArcosMode::on_sip(const ArcosSip& sip, Now now, const ModeOut& out) {
   odometry_.hear(sip);
   for (const auto& [name, fields] : fields_) values_[name] = arcos_value(fields, sip, odometry_, now);
   if (first) on_first_sip(now, out);
+  if (sip.motors() && !sip.emergency_stop()) out.emit(FaultOver{kArcosHalted});
   const bool by_now = motors_wanted_ && now.mono - enabled_at_ >= kEnabling;
   if (auto fault = faults_.hear(sip, by_now)) out.emit(std::move(*fault));
   go_on(now, out);

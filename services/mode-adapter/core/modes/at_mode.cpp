@@ -15,6 +15,7 @@ constexpr Duration kLost = std::chrono::seconds(2);
 constexpr Duration kWakePeriod = std::chrono::seconds(1);
 constexpr Duration kDemoPeriod = std::chrono::milliseconds(500);
 constexpr Duration kYounger = std::chrono::milliseconds(100);
+constexpr const char* kLink = "link";
 constexpr std::size_t kMaxDatagram = 1024;
 constexpr BytesView kWakeUp("\1\0\0\0", 4);
 constexpr const char* kDemo = R"("general:navdata_demo","TRUE")";
@@ -215,6 +216,7 @@ void AtMode::come_up(Now now, const ModeOut& out) {
   flight_.follow(drone_);
   next_state_ = now.mono;
   out.emit(LinkUp{});
+  out.emit(FaultOver{kLink});
 }
 
 void AtMode::go_down(const std::string& reason, const ModeOut& out) {
@@ -230,7 +232,8 @@ void AtMode::go_down(const std::string& reason, const ModeOut& out) {
   const bool in_air = drone_.has(kArFlying);
   out.emit(FaultSaid{"", in_air ? Severity::critical : Severity::warning,
                      "link lost" + std::string(in_air ? " in the air: the drone hovers, then lands by itself" : "") +
-                         " (" + reason + ")"});
+                         " (" + reason + ")",
+                     kLink});
   out.emit(LinkDown{reason});
 }
 
@@ -240,11 +243,14 @@ void AtMode::tell_faults(const ArNavdata& drone, const ModeOut& out) {
   const bool cut = (risen & kArEmergency) != 0;
   const std::string troubles = ar_troubles(drone.state);
   for (const ArFault& fault : ar_faults()) {
+    if ((drone.state & fault.bit) == 0) out.emit(FaultOver{std::string(fault.name)});
+  }
+  for (const ArFault& fault : ar_faults()) {
     if ((risen & fault.bit) == 0) continue;
     std::string text(fault.text);
     if (fault.bit == kArEmergency && !troubles.empty()) text += " (" + troubles + ")";
     if (fault.bit == kArBatteryLow) text += ": " + std::to_string(drone.demo->battery) + " %";
-    out.emit(FaultSaid{"", fault.severity, std::move(text)});
+    out.emit(FaultSaid{"", fault.severity, std::move(text), std::string(fault.name)});
     if (cut) return;  // its causes are in its text
   }
 }

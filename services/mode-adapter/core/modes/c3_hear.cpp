@@ -10,6 +10,8 @@
 namespace trb::adapter {
 namespace {
 
+constexpr const char* kStop = "stop message";
+constexpr const char* kError = "error";
 constexpr std::size_t kMaxMessage = 16U << 20U;
 /// A text that was told so shortly before the program was stopped is why.
 constexpr Duration kSameFault = std::chrono::seconds(1);
@@ -113,7 +115,7 @@ void C3Mode::on_probe(Probe what, const C3Reply& reply, Now now, const ModeOut& 
   const std::string text = krl_text(reply.value);
   if (!text.empty()) stop_text_ = text;
   const bool told = text == error_text_ && now.mono - error_told_ < kSameFault;
-  if (!told) report_fault(stop_text_, now, out);
+  report_fault(stop_text_, kStop, !told, now, out);
   error_text_ = text;
   on_program_stopped(now, out);
 }
@@ -207,13 +209,14 @@ void C3Mode::confirm_turn(bool by_robot, Now now, const ModeOut& out) {
 }
 
 void C3Mode::on_stop_message(bool raised, Now now, const ModeOut& out) {
+  if (!raised) out.emit(FaultOver{kStop});
   if (raised == stop_message_) return;
   stop_message_ = raised;
   if (!raised) return;
   stop_text_ = names_.stop_message + " is TRUE: see the message on the robot's panel";
   // Its text may be younger than the flag: it is read now.
   if (!names_.error.empty()) return probe(Probe::error_of_stop, names_.error, now, out);
-  report_fault(stop_text_, now, out);
+  report_fault(stop_text_, kStop, true, now, out);
   on_program_stopped(now, out);
 }
 
@@ -234,14 +237,17 @@ void C3Mode::on_program_stopped(Now now, const ModeOut& out) {
 }
 
 void C3Mode::on_error_text(const std::string& text, Now now, const ModeOut& out) {
+  if (text.empty()) out.emit(FaultOver{kError});
   if (text == error_text_) return;
   error_text_ = text;
-  if (!text.empty()) report_fault(text, now, out);
+  if (!text.empty()) report_fault(text, kError, true, now, out);
 }
 
-void C3Mode::report_fault(const std::string& text, Now now, const ModeOut& out) {
-  error_told_ = now.mono;
-  out.emit(read_fault_text(text, capabilities_));
+void C3Mode::report_fault(const std::string& text, const char* cause, bool is_news, Now now, const ModeOut& out) {
+  if (is_news) error_told_ = now.mono;
+  FaultSaid fault = read_fault_text(text, capabilities_, cause);
+  fault.is_news = is_news;
+  out.emit(std::move(fault));
 }
 
 void C3Mode::on_value(const C3Link::Answer& answer, Now now, const ModeOut& out) {

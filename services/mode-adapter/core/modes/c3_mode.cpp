@@ -248,6 +248,8 @@ void C3Mode::on_down(Channel channel, const std::string& reason, Now, const Mode
   if (channel != Channel::command || !up_) return;
   const bool before = online();
   up_ = heard_ = false;
+  stop_message_ = false;  // whoever comes back tells again what is wrong
+  error_text_.clear();
   turn_.reset();
   asked_.clear();  // their askers are told at LinkDown
   link_.clear();

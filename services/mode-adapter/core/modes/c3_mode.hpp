@@ -84,7 +84,7 @@ class C3Mode : public RobotMode {
   void on_stop_message(bool raised, Now now, const ModeOut& out);
   void on_program_stopped(Now now, const ModeOut& out);
   void on_error_text(const std::string& text, Now now, const ModeOut& out);
-  void report_fault(const std::string& text, Now now, const ModeOut& out);
+  void report_fault(const std::string& text, const char* cause, bool is_news, Now now, const ModeOut& out);
   void on_value(const C3Link::Answer& answer, Now now, const ModeOut& out);
   void on_request(const C3Link::Answer& answer, const ModeOut& out);
   void warn_unknown(const C3Link::Answer& answer, const ModeOut& out);

@@ -16,6 +16,7 @@ constexpr Duration kSameCause = std::chrono::seconds(2);
 /// The same warning is told to the fleet once in this time, and different ones with this pause between two.
 constexpr Duration kQuiet = std::chrono::seconds(10);
 constexpr Duration kWarningPause = std::chrono::seconds(1);
+constexpr const char* kSafety = "safety";
 constexpr std::int32_t kWorthALine = 2;  ///< a report's level from which on it is logged: warning
 
 std::string joints_json(const std::array<double, 6>& joints) {
@@ -164,6 +165,7 @@ void DirectMode::on_down(Channel channel, const std::string& reason, Now, const 
   const bool before = online();
   if (channel == Channel::command) command_up_ = false;
   if (channel == Channel::monitor) monitor_up_ = heard_ = false;
+  if (!monitor_up_) safety_ = kUrSafetyNormal;  // whoever comes back tells again what is wrong
   if (!before || online()) return;
   track_.drop_all(fail(Errc::robot_offline, "the connection to the robot's controller was lost: " + reason,
                        "look at its power and network"),
@@ -234,11 +236,13 @@ void DirectMode::on_state(const UrState& state, Now now, const ModeOut& out) {
 }
 
 void DirectMode::report_safety(int safety, Now now, const ModeOut& out) {
+  const bool protective = safety == kUrSafetyProtectiveStop;
+  const bool emergency = safety == kUrSafetyEmergencyStop;
+  if (!protective && !emergency) out.emit(FaultOver{kSafety});
   if (safety == safety_) return;
   safety_ = safety;
-  if (safety == kUrSafetyProtectiveStop)
-    out.emit(FaultSaid{"", Severity::critical, with_own_words("protective stop", now)});
-  if (safety == kUrSafetyEmergencyStop) out.emit(FaultSaid{"", Severity::fatal, with_own_words("emergency stop", now)});
+  if (protective) out.emit(FaultSaid{"", Severity::critical, with_own_words("protective stop", now), kSafety});
+  if (emergency) out.emit(FaultSaid{"", Severity::fatal, with_own_words("emergency stop", now), kSafety});
 }
 
 std::string DirectMode::with_own_words(std::string text, Now now) const {

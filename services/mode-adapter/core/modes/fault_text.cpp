@@ -21,13 +21,13 @@ std::string_view take_word(std::string_view& text) {
 
 }  // namespace
 
-FaultSaid read_fault_text(std::string_view text, const std::vector<std::string>& capabilities) {
+FaultSaid read_fault_text(std::string_view text, const std::vector<std::string>& capabilities, std::string cause) {
   std::string_view rest = text;
   const std::string capability(take_word(rest));
   const auto severity = severity_of(take_word(rest));
   const bool named = severity && std::ranges::find(capabilities, capability) != capabilities.end();
-  if (named) return FaultSaid{capability, *severity, std::string(rest)};
-  return FaultSaid{"", Severity::critical, std::string(text)};
+  if (named) return FaultSaid{capability, *severity, std::string(rest), std::move(cause)};
+  return FaultSaid{"", Severity::critical, std::string(text), std::move(cause)};
 }
 
 }  // namespace trb::adapter

@@ -9,6 +9,6 @@
 namespace trb::adapter {
 
 /// "CAPABILITY SEVERITY TEXT"; any other text is a critical fault of all that the robot can do.
-FaultSaid read_fault_text(std::string_view text, const std::vector<std::string>& capabilities);
+FaultSaid read_fault_text(std::string_view text, const std::vector<std::string>& capabilities, std::string cause);
 
 }  // namespace trb::adapter

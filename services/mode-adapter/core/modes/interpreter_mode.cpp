@@ -7,6 +7,7 @@
 namespace trb::adapter {
 namespace {
 
+const std::string kFaultWord = "word ";
 constexpr std::array<Severity, 4> kSeverities = {Severity::warning, Severity::urgent, Severity::critical,
                                                  Severity::fatal};
 
@@ -15,6 +16,11 @@ std::string_view take_word(std::string_view& text) {
   const std::string_view word = text.substr(0, end);
   text.remove_prefix(std::min(end + 1, text.size()));
   return word;
+}
+
+/// In the place of a severity: the fault that was told is over.
+bool says_over(std::string_view field, bool numeric) {
+  return field == (numeric ? "0" : "OVER");
 }
 
 /// A severity by its name; numeric: by its number, from 1.
@@ -176,11 +182,15 @@ void InterpreterMode::take_fault(const FieldMessage& message, const ModeOut& out
   std::string_view rest = message.data;
   const std::string_view field = take_word(rest);
   const auto capability = words_.numeric() ? words_.subtype_of(field) : std::optional<std::string>(field);
-  const auto severity = severity_of(take_word(rest), words_.numeric());
+  const std::string_view how = take_word(rest);
+  const std::string cause = capability ? kFaultWord + *capability : std::string();
+  if (capability && !capability->empty() && says_over(how, words_.numeric())) return out.emit(FaultOver{cause});
+  const auto severity = severity_of(how, words_.numeric());
   if (!capability || capability->empty() || !severity) {
     return out.refuse("bad_fault", "the robot's fault is not CAPABILITY SEVERITY TEXT: " + message.data.substr(0, 200));
   }
-  out.emit(FaultSaid{*capability, *severity, std::string(rest)});
+  // Said once, and for a robot that never says the end a person does.
+  out.emit(FaultSaid{*capability, *severity, std::string(rest), cause, false});
 }
 
 void InterpreterMode::drop_connection(const std::string& reason, Now now, const ModeOut& out) {

@@ -9,6 +9,7 @@ namespace trb::adapter {
 namespace {
 
 constexpr std::size_t kMaxJobs = 64;
+constexpr const char* kWouldNotStop = "stop refused";
 constexpr std::string_view kPosition = "position";
 
 // What cannot be read was a fault of commands.json, which keeps the node from starting.
@@ -250,7 +251,10 @@ void ModbusMode::on_write(const ModbusAnswer& answer, const ModeOut& out) {
 }
 
 void ModbusMode::on_done(const Job& job, const ModeOut& out) {
-  if (job.purpose == Purpose::stop) out.emit(Stopped{job.token, true});
+  if (job.purpose == Purpose::stop) {
+    out.emit(Stopped{job.token, true});
+    out.emit(FaultOver{kWouldNotStop});
+  }
   if (job.purpose == Purpose::release) out.emit(Released{job.token});
   if (job.purpose != Purpose::command) return;
   out.out.count("from_robot.done");
@@ -265,7 +269,7 @@ void ModbusMode::on_exception(const Job& job, std::uint8_t exception, const Mode
   out.refuse("robot_error", error.text());
   // Its asker is told at its deadline that nothing was confirmed; everybody else must know at once.
   if (job.purpose != Purpose::release) {
-    out.emit(FaultSaid{"", Severity::critical, "the device refused to stop: " + error.what});
+    out.emit(FaultSaid{"", Severity::critical, "the device refused to stop: " + error.what, kWouldNotStop, false});
   }
 }
 

@@ -58,6 +58,12 @@ struct FaultSaid {
   std::string capability;  ///< empty: of every capability
   Severity severity{};
   std::string text;
+  std::string cause{};  ///< what of the robot says that it is over, as FaultOver names it; empty: nothing does
+  bool lasts = true;    ///< the robot says so for as long as it is so; false: it has said it once
+  bool is_news = true;  ///< false: the fleet has been told of it under another cause, or by an earlier process
+};
+struct FaultOver {  ///< told with every state in which it is; most often nothing had stood
+  std::string cause;
 };
 struct ValuesHeard {};  ///< value() has news
 struct Stopped {        ///< every stop up to this ticket is confirmed
@@ -71,8 +77,8 @@ struct LinkUp {};
 struct LinkDown {
   std::string reason;
 };
-using ModeEvent = std::variant<HandedOver, Started, Ended, Refused, Said, FaultSaid, ValuesHeard, Stopped, Released,
-                               LinkUp, LinkDown>;
+using ModeEvent = std::variant<HandedOver, Started, Ended, Refused, Said, FaultSaid, FaultOver, ValuesHeard, Stopped,
+                               Released, LinkUp, LinkDown>;
 
 class RobotMode;
 struct EventFrom {

@@ -10,6 +10,8 @@ namespace {
 
 constexpr Duration kLossTime = std::chrono::seconds(1);
 constexpr std::size_t kStateNumbers = 4;
+constexpr const char* kError = "error";
+constexpr const char* kMotors = "motors";
 
 std::string reason_of(const RapidAnswer& answer) {
   return answer.text.empty() ? "it answered " + std::to_string(answer.code) + " 0" : answer.text;
@@ -146,8 +148,10 @@ void RapidMode::on_state(const RapidAnswer& answer, Now now, const ModeOut& out)
   const bool went_off = motors_ && !motors;
   motors_ = motors;
   error_ = error;
-  if (news && !error.empty()) out.emit(read_fault_text(error, capabilities_));
-  if (went_off && error.empty()) out.emit(FaultSaid{"", Severity::critical, "the robot's motors went off"});
+  if (error.empty()) out.emit(FaultOver{kError});
+  if (motors) out.emit(FaultOver{kMotors});
+  if (news && !error.empty()) out.emit(read_fault_text(error, capabilities_, kError));
+  if (went_off && error.empty()) out.emit(FaultSaid{"", Severity::critical, "the robot's motors went off", kMotors});
   // A person may switch them on again: what has not ended by itself must not go on then.
   if (went_off && current_) lost_by_ = now.mono + kLossTime;
 }

@@ -237,6 +237,7 @@ void RapidMode::on_down(Channel channel, const std::string& reason, Now, const M
     answer_by_.reset();
   } else {
     service_up_ = heard_ = false;
+    error_.clear();  // whoever comes back tells again what is wrong
     service_.clear();
     turn_.reset();
   }

@@ -1,0 +1,166 @@
+// run list, run show.
+#include "services/cli/commands/runs.hpp"
+
+#include <cstdio>
+
+#include "services/cli/commands/command.hpp"
+#include "services/cli/core/table.hpp"
+#include "services/cli/io/print.hpp"
+#include "services/cli/io/probe.hpp"
+
+namespace trb::cli {
+namespace {
+
+constexpr std::uint32_t kPage = 100;
+constexpr std::size_t kMostShown = 10'000;
+
+std::string seconds_text(double s) {
+  char out[32];
+  std::snprintf(out, sizeof out, "%.2f s", s);
+  return out;
+}
+
+std::string time_or_dash(std::int64_t ns) {
+  return ns == 0 ? "-" : to_iso8601({ns});
+}
+
+std::string or_dash(const std::string& text) {
+  return text.empty() ? "-" : text;
+}
+
+/// Those that are not over, then, page by page, those that are.
+Result<RunTable> ask_runs(Probe& probe, bool all) {
+  auto table = probe.ask_node<RunTable>(RunListRequest{});
+  if (!table || !all) return table;
+  std::string after;
+  for (bool more = true; more && table->runs.size() < kMostShown;) {
+    auto page = probe.ask_node<RunTable>(RunListRequest{true, after, kPage});
+    if (!page) return page.error();
+    // A scheduler that gives the same page again must not be asked for ever.
+    more = page->more && !page->runs.empty() && page->runs.back().run != after;
+    if (!page->runs.empty()) after = page->runs.back().run;
+    for (RunSummary& run : page->runs) {
+      const bool known = std::ranges::any_of(table->runs, [&](const RunSummary& one) { return one.run == run.run; });
+      if (!known) table->runs.push_back(std::move(run));
+    }
+  }
+  table->more = table->runs.size() >= kMostShown;
+  return table;
+}
+
+std::vector<std::vector<std::string>> run_rows(const RunTable& table) {
+  std::vector<std::vector<std::string>> rows{
+      {"RUN", "NAME", "STATE", "TASKS", "PRIORITY", "SINCE", "OVER", "WAITS FOR"}};
+  for (const RunSummary& run : table.runs) {
+    rows.push_back({run.run.substr(0, 8), run.name, std::string(name_of(run.state)),
+                    std::to_string(run.tasks_final) + "/" + std::to_string(run.tasks), std::to_string(run.priority),
+                    to_iso8601({run.created}), time_or_dash(run.over), run.waits_for});
+  }
+  return rows;
+}
+
+/// Why it stands as it does, in the order of what a person asks first.
+std::string why_of(const TaskView& task) {
+  std::string out = task.reason;
+  const auto add = [&](const std::string& more) { out += (out.empty() ? "" : "; ") + more; };
+  if (!task.waits_for.empty()) add("waits for " + task.waits_for);
+  if (task.twice) add("done twice");
+  if (!task.condition.empty()) add("when " + task.condition);
+  if (!task.moved_from.empty()) add("was " + task.moved_from + "'s");
+  for (const std::string& robot : task.failed_by) add("tried by " + robot);
+  return out;
+}
+
+void print_tasks(const RunView& view) {
+  std::vector<std::vector<std::string>> rows{{"TASK", "ROBOT", "SKILL", "STATE", "ATTEMPT", "BEGAN", "TOOK", "WHY"}};
+  for (const TaskView& task : view.tasks) {
+    rows.push_back({task.id, or_dash(task.robot), task.skill, std::string(name_of(task.state)),
+                    std::to_string(task.attempt), time_or_dash(task.started),
+                    task.ended == 0 ? "-" : seconds_text(task.duration_s), why_of(task)});
+  }
+  print(format_table(rows));
+  for (const TaskView& task : view.tasks) {
+    if (!task.data.empty()) print_line("result of " + task.id + ": " + task.data);
+  }
+}
+
+void print_decisions(const RunView& view) {
+  for (const DecisionView& one : view.decisions) {
+    print_line("epoch " + std::to_string(one.epoch) + ", " + to_iso8601({one.time}) + ", by " +
+               (one.person.empty() ? "the policy" : one.person) + " at " + one.by +
+               (one.reason.empty() ? "" : ": " + one.reason));
+    for (const TaskRuling& ruling : one.tasks) {
+      print_line("  " + ruling.task + ": " + std::string(name_of(ruling.ruling)) +
+                 (ruling.robot.empty() ? "" : " -> " + ruling.robot));
+    }
+  }
+}
+
+void print_view(const RunView& view) {
+  print_line("run " + view.run + " '" + view.name + "': " + std::string(name_of(view.state)) +
+             (view.over == 0 ? "" : ", over since " + to_iso8601({view.over})));
+  print_line("submitted by " + view.submitter + " " + to_iso8601({view.created}) + ", priority " +
+             std::to_string(view.priority) + ", epoch " + std::to_string(view.epoch));
+  if (view.over == 0 && view.left_s > 0) print_line("nothing of it begins later than in " + seconds_text(view.left_s));
+  if (!view.paused_by.empty()) print_line("held by " + view.paused_by);
+  if (!view.waits_for.empty()) print_line("waits for: " + view.waits_for);
+  print_tasks(view);
+  print_decisions(view);
+}
+
+int show_run(const Arguments& arguments) {
+  auto probe = open_probe(arguments);
+  if (!probe) return kFailed;
+  auto view = probe->ask_node<RunView>(RunQuery{arguments.words[0]});
+  if (!view) return print_error(arguments, view.error());
+  if (arguments.has("--json")) {
+    print_line(to_json(*view));
+  } else {
+    print_view(*view);
+  }
+  return kGood;
+}
+
+const std::string kNode = "--node DIR|the node to ask (else TRB_NODE, else this folder)";
+const std::string kJson = "--json|for programs";
+
+}  // namespace
+
+int list_runs(const Arguments& arguments) {
+  auto probe = open_probe(arguments);
+  if (!probe) return kFailed;
+  auto table = ask_runs(*probe, arguments.has("--all"));
+  if (!table) return print_error(arguments, table.error());
+  if (arguments.has("--json")) {
+    print_line(to_json(*table));
+    return kGood;
+  }
+  print(format_table(run_rows(*table)));
+  if (table->more) print_line("there are more; trb run show RUN knows each");
+  return kGood;
+}
+
+std::vector<Command> run_commands() {
+  return {
+      {{"run", "list"},
+       {"run list",
+        "The runs that are not over on this node; with --all also its archive, newest first.",
+        {"--all|those that are over as well", kNode, kJson},
+        {"trb run list", "trb run list --all --json"},
+        0,
+        0},
+       list_runs},
+      {{"run", "show"},
+       {"run show RUN",
+        "A run whole, also one that is over: its tasks, who did them, in which attempt, why not, their results, and "
+        "what "
+        "was decided.\nRUN is a unique beginning of its id.",
+        {kNode, kJson},
+        {"trb run show 3f2a", "trb run show 3f2a --json"},
+        1,
+        1},
+       show_run},
+  };
+}
+
+}  // namespace trb::cli

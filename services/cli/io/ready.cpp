@@ -1,0 +1,92 @@
+#include "services/cli/io/ready.hpp"
+
+#include <fcntl.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <thread>
+
+#include "common/base/files.hpp"
+#include "common/config/node_config.hpp"
+#include "common/transport/loop.hpp"
+#include "services/cli/io/supervisor.hpp"
+
+namespace trb::cli {
+namespace {
+
+constexpr auto kLook = std::chrono::milliseconds(100);
+constexpr std::uintmax_t kMaxLog = 1U << 20U;
+
+std::string log_of(const std::string& node_dir) {
+  return node_dir + "/log/up.log";
+}
+
+}  // namespace
+
+bool ReadyCheck::operator()() {
+  if (!probe_) {
+    // Over TCP nobody can see whether it is there; a short wait does not hold up the supervisor.
+    const auto bus = read_bus(dir_);
+    if (!bus || (bus->empty() && !file_exists(dir_ + "/bus/probe.ipc"))) return false;
+    auto probe = Probe::open(dir_, bus->empty() ? std::chrono::seconds(2) : std::chrono::milliseconds(250));
+    if (!probe) return false;
+    probe_ = std::move(*probe);
+  }
+  auto table = probe_->ask_node<ServiceTable>(ServiceListRequest{}, std::chrono::milliseconds(200));
+  if (!table) return false;
+  waits_for_.clear();
+  for (const ServiceEntry& entry : table->services) {
+    if (entry.state != "up") waits_for_ += (waits_for_.empty() ? "not up: " : ", ") + entry.service;
+  }
+  if (!waits_for_.empty()) return false;
+  probe_.reset();
+  return true;
+}
+
+Status wait_ready(const std::string& dir, pid_t supervisor, Duration wait) {
+  const MonotonicTime end = read_clocks().mono + wait;
+  ReadyCheck ready(dir);
+  while (!ready()) {
+    int status = 0;
+    if (::waitpid(supervisor, &status, WNOHANG) == supervisor) {
+      return fail(Errc::conflict, dir + ": its supervisor has ended", "see " + log_of(dir));
+    }
+    if (read_clocks().mono >= end) {
+      return fail(
+          Errc::timeout,
+          dir + " is not ready: " + ready.waits_for() + "; it goes on trying (pid " + std::to_string(supervisor) + ")",
+          "see trb logs " + dir + " and trb doctor --node " + dir + "; end it with trb down " + dir);
+    }
+    std::this_thread::sleep_for(kLook);
+  }
+  return Done{};
+}
+
+void leave_terminal(const std::string& node_dir) {
+  ::setsid();
+  (void)make_private_dir(node_dir + "/log");
+  std::error_code none;
+  if (std::filesystem::file_size(log_of(node_dir), none) > kMaxLog && !none) {
+    std::filesystem::rename(log_of(node_dir), log_of(node_dir) + ".1", none);
+  }
+  const int nothing = ::open("/dev/null", O_RDONLY | O_CLOEXEC);
+  int log = ::open(log_of(node_dir).c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0600);
+  if (log < 0) log = ::open("/dev/null", O_WRONLY | O_CLOEXEC);
+  ::dup2(nothing, STDIN_FILENO);
+  ::dup2(log, STDOUT_FILENO);
+  ::dup2(log, STDERR_FILENO);
+  ::close(nothing);
+  ::close(log);
+}
+
+bool wait_down(const std::string& dir, Duration wait) {
+  const MonotonicTime end = read_clocks().mono + wait;
+  while (NodeLock::holder(dir).ok()) {
+    if (read_clocks().mono >= end) return false;
+    std::this_thread::sleep_for(kLook);
+  }
+  return true;
+}
+
+}  // namespace trb::cli

@@ -1,0 +1,145 @@
+// What keeps the robot out of use: the faults that the robot tells, and the words of persons and of the node's
+// services.
+#include <algorithm>
+
+#include "common/fleet/did_you_mean.hpp"
+#include "services/mode-adapter/core/adapter_core.hpp"
+
+namespace trb::adapter {
+namespace {
+
+constexpr std::size_t kMaxCapability = 64;
+constexpr std::size_t kMaxText = 1024;
+constexpr std::size_t kMaxShortText = 255;
+
+std::string name_of_whole(const std::string& capability) {
+  return capability.empty() ? "the robot" : "'" + capability + "'";
+}
+
+}  // namespace
+
+void ModeAdapterCore::on_fault(const FaultSaid& fault, Now now, Outbox& out) {
+  const std::string text = cut_utf8(fault.text, kMaxText);
+  keep_fault(fault, now, out);
+  if (!fault.is_news) return;
+  out.count("from_robot.robot_fault");
+  out.log(LogLevel::warning, "robot_fault",
+          fault.capability + " " + std::string(name_of(fault.severity)) + " " + fault.text);
+  for (const std::string& capability : concerned(fault.capability.substr(0, kMaxCapability))) {
+    out.information(std::string(kEveryNode), RobotFault{capability, fault.severity, text});
+    desk_.on_fault(capability, fault.severity, text, now, out);
+  }
+}
+
+/// One that names none is of all.
+std::vector<std::string> ModeAdapterCore::concerned(const std::string& capability) const {
+  return capability.empty() ? robot_.settings.description.capabilities : std::vector{capability};
+}
+
+void ModeAdapterCore::keep_fault(const FaultSaid& fault, Now now, Outbox& out) {
+  if (!knows_capability(fault.capability)) return;
+  if (fault.severity < Severity::critical) {
+    // The same cause, and it has become milder.
+    if (!fault.cause.empty()) on_over(FaultOver{fault.cause}, now, out);
+    return;
+  }
+  const std::string cause = fault.cause.empty() ? "said " + fault.capability : fault.cause;
+  OutOfUse what{fault.capability, fault.severity, cut_utf8(fault.text, kMaxShortText), now.utc.ns, false, {}};
+  (void)out_of_use_.add({cause, std::move(what), fault.lasts && !fault.cause.empty()}, now, out);
+}
+
+void ModeAdapterCore::on_over(const FaultOver& over, Now now, Outbox& out) {
+  if (const auto ended = out_of_use_.end(over.cause, now, out)) tell_end(*ended, ended->text, out);
+}
+
+void ModeAdapterCore::tell_end(const OutOfUse& ended, const std::string& text, Outbox& out) {
+  out.log(LogLevel::info, "fault_over", name_of_whole(ended.capability) + ": " + text);
+  for (const std::string& capability : concerned(ended.capability)) {
+    if (out_of_use_.faulty(capability)) continue;
+    out.information(std::string(kEveryNode), RobotFault{capability, ended.severity, text, true});
+  }
+}
+
+bool ModeAdapterCore::knows_capability(const std::string& capability) const {
+  const auto& known = robot_.settings.description.capabilities;
+  return capability.empty() || std::ranges::find(known, capability) != known.end();
+}
+
+Status ModeAdapterCore::may_take_out(const Inbound& message, const OutOfUse& what) const {
+  if (!what.retired && message.source != robot_.settings.id) {
+    return fail(Errc::not_permitted, "only the robot and the services of its node tell a fault",
+                "trb robot retire " + robot_.settings.id);
+  }
+  if (what.retired && !what.capability.empty()) {
+    return fail(Errc::bad_value, "what.capability: a robot is retired as a whole", "leave it empty");
+  }
+  if (what.by.empty()) return fail(Errc::missing, "what.by: nobody is named", "say whose word it is");
+  if (knows_capability(what.capability)) return Done{};
+  return fail(Errc::bad_value, "what.capability: the robot has no '" + what.capability + "'",
+              did_you_mean(what.capability, robot_.settings.description.capabilities, "use one of"));
+}
+
+void ModeAdapterCore::on_take_out(const Inbound& message, const TakeOutOfUse& order, Now now, Outbox& out) {
+  if (Status may = may_take_out(message, order.what); !may) return out.nack(message, may.error());
+  OutOfUse what = order.what;
+  what.since = now.utc.ns;
+  if (what.retired) what.severity = Severity::critical;
+  out.log(LogLevel::warning, what.retired ? "retired" : "out_of_use",
+          name_of_whole(what.capability) + ", by " + what.by + ": " + what.text);
+  const std::string cause = what.retired ? kRetired : "by " + what.by + " " + what.capability;
+  const Status saved = out_of_use_.add({cause, std::move(what)}, now, out);
+  if (saved) return out.reply(message, Ack{"out_of_use", ""});
+  out.nack(message,
+           fail(saved.error().code,
+                "it is out of use, but that is not on disk and would be lost in a restart: " + saved.error().what,
+                saved.error().cure));
+}
+
+void ModeAdapterCore::on_take_in(const Inbound& message, const TakeIntoUse& order, Outbox& out) {
+  const Status done = order.retired ? returned(order, out) : repaired(order, out);
+  if (!done) return out.nack(message, done.error());
+  out.reply(message, Ack{"in_use", ""});
+}
+
+Status ModeAdapterCore::returned(const TakeIntoUse& order, Outbox& out) {
+  if (!order.capability.empty()) {
+    return fail(Errc::bad_value, "capability: a robot returns as a whole", "leave it empty");
+  }
+  if (Status done = out_of_use_.returned(); !done) return done;
+  out.log(LogLevel::info, "returned", "by " + order.by);
+  return Done{};
+}
+
+Status ModeAdapterCore::repaired(const TakeIntoUse& order, Outbox& out) {
+  if (!knows_capability(order.capability)) {
+    return fail(Errc::bad_value, "capability: the robot has no '" + order.capability + "'",
+                did_you_mean(order.capability, robot_.settings.description.capabilities, "use one of"));
+  }
+  if (const FaultSaid* fault = faults_.standing(order.capability)) {
+    return fail(Errc::conflict, "it still says \"" + fault->text + "\"",
+                "mend it until the robot itself says so no more");
+  }
+  const auto ended = out_of_use_.repaired(order.capability, robot_.primary().online());
+  if (!ended) return ended.error();
+  faults_.begin_again(order.capability);
+  for (const OutOfUse& one : *ended) tell_end(one, "repaired, says " + order.by, out);
+  return Done{};
+}
+
+std::optional<Error> ModeAdapterCore::out_of_use(const Execute& order) const {
+  const Skill* skill = robot_.settings.description.find_skill(order.skill);
+  const std::string capability = skill == nullptr ? std::string() : skill->capability;
+  const OutOfUse* kept = out_of_use_.keeps_out(capability);
+  if (kept != nullptr && kept->retired) {
+    return fail(Errc::out_of_use, "the robot is retired by " + kept->by + ": " + kept->text,
+                "trb robot return " + robot_.settings.id);
+  }
+  // One that is not told yet, because it began again a moment after its end, counts as well.
+  const FaultSaid* standing = skill == nullptr ? nullptr : faults_.standing(capability);
+  if (kept == nullptr && standing == nullptr) return std::nullopt;
+  return fail(Errc::out_of_use,
+              name_of_whole(capability) + " is out of use: " + (kept != nullptr ? kept->text : standing->text),
+              "mend it, then trb robot repaired " + robot_.settings.id);
+}
+
+}  // namespace trb::adapter

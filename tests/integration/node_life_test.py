@@ -1,0 +1,95 @@
+"""A node's life by the command line: up in the background, down, a service that is added, a folder far down.
+
+Addresses 127.0.158.x.
+"""
+import json
+import pathlib
+import subprocess
+import tempfile
+import unittest
+
+import support
+import trb_fleet
+
+BLOCK = 158
+
+
+class OneNode(trb_fleet.Fleet):
+    """A cloud node alone."""
+
+    def __init__(self, root, services):
+        super().__init__(root, support.PROGRAMS, block=BLOCK, udp_port=50158, robots={})
+        self.services_of = services
+
+    def node_json(self, node):
+        return {"id": node, "role": "cloud", "services": self.services_of}
+
+
+class NodeLife(unittest.TestCase):
+    def make(self, below="", services=("router", "scheduler")):
+        folder = tempfile.TemporaryDirectory(prefix="trb-", ignore_cleanup_errors=True)
+        self.addCleanup(folder.cleanup)
+        fleet = OneNode(pathlib.Path(folder.name) / below / "fleet", list(services))
+        fleet.make()
+        self.addCleanup(fleet.trb, "down", fleet.dir("cloud"), check=False)
+        return fleet
+
+    def up(self, fleet, *more):
+        return fleet.trb("up", fleet.dir("cloud"), "--detach", *more, check=False)
+
+    def test_up_in_the_background_returns_when_the_node_is_ready(self):
+        fleet = self.make()
+        done = self.up(fleet)
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        self.assertIn("cloud: ready (pid ", done.stdout)
+        self.assertEqual({one["state"] for one in fleet.services("cloud").values()}, {"up"})
+        again = self.up(fleet)
+        self.assertNotEqual(again.returncode, 0)
+        self.assertIn("is up already", again.stderr)
+        self.assertEqual(fleet.trb("down", fleet.dir("cloud")).returncode, 0)
+        self.assertEqual(fleet.trb("down", fleet.dir("cloud"), check=False).returncode, 1)
+        self.assertEqual(self.up(fleet).returncode, 0)
+
+    def test_what_is_not_up_is_named(self):
+        fleet = self.make()
+        path = fleet.dir("cloud") / "node.json"
+        node = json.loads(path.read_text())
+        node["own_services"] = {"never-there": "/bin/false"}
+        path.write_text(json.dumps(node))
+        done = self.up(fleet, "--timeout", "3")
+        self.assertEqual(done.returncode, 1)
+        self.assertIn("is not ready: not up: never-there", done.stderr)
+        self.assertIn("trb down", done.stderr)
+
+    def test_reload_starts_what_was_added_and_ends_what_was_taken_out(self):
+        fleet = self.make()
+        self.up(fleet)
+        path = fleet.dir("cloud") / "node.json"
+        node = json.loads(path.read_text())
+
+        def reload_with(services):
+            path.write_text(json.dumps(dict(node, services=services)))
+            fleet.trb("reload", fleet.dir("cloud"))
+
+            def as_wanted():
+                try:
+                    table = fleet.services("cloud")
+                except RuntimeError:
+                    return False  # its router starts again
+                states = {name: one["state"] for name, one in table.items() if name != "router"}
+                return states == {name: "up" for name in services if name != "router"}
+            fleet.wait(f"{services} are up", as_wanted, 20)
+        reload_with(["router", "scheduler", "resilience"])
+        reload_with(["router", "scheduler"])
+        gone = subprocess.run(["pgrep", "-f", f"trb-resilience {fleet.dir('cloud')}"], capture_output=True)
+        self.assertEqual(gone.returncode, 1, gone.stdout)
+
+    def test_a_folder_far_down_and_with_a_space_in_its_path(self):
+        fleet = self.make(below="a folder of " + "x" * 100 + "/" + "y" * 60)
+        done = self.up(fleet)
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        self.assertEqual(fleet.json("run", "list", node="cloud")["runs"], [])
+
+
+if __name__ == "__main__":
+    support.main()
