@@ -131,6 +131,7 @@ bool ResilienceCore::is_stale(const Alert& alert) const {
     const RobotRecord* robot = fleet_.find(one.robot);
     if (robot == nullptr || !is_fit(*robot)) return false;
     const auto index = run == nullptr ? std::nullopt : run->find_task(one.task);
+    if (index && std::ranges::count(run->view->tasks[*index].failed_by, one.robot) != 0) return false;
     const SkillInfo* skill = index ? find_skill(*robot, run->view->tasks[*index].skill) : nullptr;
     return skill == nullptr || skill->capability.empty() || is_able(*robot, skill->capability);
   };
@@ -147,17 +148,23 @@ void ResilienceCore::propose(Alert& alert, const WatchedRun& run, Now now) {
   for (const std::string& id : alert.tasks) {
     const auto index = run.find_task(id);
     if (!index) continue;
-    if (run.start->scenario.tasks[*index].pinned && !wants_robot(alert)) {
-      alert.unfit.push_back({alert.robot, "task '" + id + "' is pinned to it: nobody else may do it"});
-      return;
+    if (!is_pinned(alert, run, id)) {
+      tasks.push_back(*index);
+    } else if (alert.unfit.size() < kMaxUnfit) {
+      alert.unfit.push_back({alert.robot, "task '" + id + "' is pinned to it: it stays, for --retry or --skip"});
     }
-    tasks.push_back(*index);
   }
+  if (tasks.empty()) return;
   const auto needs = needs_of(run, tasks, alert.robot);
-  if (!needs) return alert.unfit.push_back({alert.robot, cut_utf8(needs.error().what, 255)});
+  if (!needs) {
+    if (alert.unfit.size() < kMaxUnfit) alert.unfit.push_back({alert.robot, cut_utf8(needs.error().what, 255)});
+    return;
+  }
   Ways ways = find_ways(fleet_, *needs, settings_.places, settings_.resilience.weights, now.utc);
   alert.proposals = std::move(ways.proposals);
-  alert.unfit = std::move(ways.unfit);
+  for (Unfit& one : ways.unfit) {
+    if (alert.unfit.size() < kMaxUnfit) alert.unfit.push_back(std::move(one));
+  }
 }
 
 bool ResilienceCore::decides(const Alert& alert) const {
@@ -181,6 +188,18 @@ std::string ResilienceCore::open_text(const Alert& alert) const {
   return out;
 }
 
+/// Who is moved again and again fails everywhere.
+std::string ResilienceCore::why_moved_enough(const Alert& alert) const {
+  const WatchedRun* run = watcher_.find(alert.run);
+  const std::uint32_t most = settings_.resilience.policy.max_moves;
+  for (const std::string& id : alert.tasks) {
+    const auto index = run == nullptr ? std::nullopt : run->find_task(id);
+    if (!index || is_pinned(alert, *run, id) || run->policy_moves(*index) < most) continue;
+    return "it has moved task '" + id + "' " + std::to_string(run->policy_moves(*index)) + " times: a person decides";
+  }
+  return {};
+}
+
 /// Why the policy does not decide; empty: it does.
 std::string ResilienceCore::why_ask(const Alert& alert, Now now) {
   const ReplacementPolicy& policy = settings_.resilience.policy;
@@ -188,6 +207,7 @@ std::string ResilienceCore::why_ask(const Alert& alert, Now now) {
   if (!work.asks_for.empty()) return work.asks_for;
   if (alert.needs_word) return "only a person can say that " + alert.robot + " stands";
   if (alert.proposals.empty()) return "no robot can take over";
+  if (std::string enough = why_moved_enough(alert); !enough.empty()) return enough;
   if (alert.severity > policy.max_severity) return "the fault is " + std::string(name_of(alert.severity));
   const double best = alert.proposals[0].score;
   const double lead = best - (alert.proposals.size() > 1 ? alert.proposals[1].score : 0);
@@ -209,6 +229,7 @@ std::string ResilienceCore::why_wait(const Alert& alert, Now now) {
   const Work& work = works_[alert.id];
   if (!work.asks_for.empty()) return work.asks_for;
   if (alert.proposals.empty()) return "no robot can do it now";
+  if (std::string enough = why_moved_enough(alert); !enough.empty()) return enough;
   for (const Alert* other : book_.open()) {
     if (other->state == AlertState::releasing && wants_robot(*other)) return "alert " + other->id + " comes first";
   }

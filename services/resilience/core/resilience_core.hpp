@@ -105,6 +105,7 @@ class ResilienceCore final : public Core {
   void answered(const std::string& robot, const std::string& value);
   [[nodiscard]] bool is_stale(const Alert& alert) const;
   void try_policy(Alert& alert, Now now, Outbox& out);
+  [[nodiscard]] std::string why_moved_enough(const Alert& alert) const;
   [[nodiscard]] std::string why_ask(const Alert& alert, Now now);
   [[nodiscard]] std::string why_wait(const Alert& alert, Now now);
   [[nodiscard]] static std::string awaits(const Work& work, Duration patience, Now now);
@@ -117,9 +118,17 @@ class ResilienceCore final : public Core {
   Result<std::string> decide(Alert& alert, const AlertDecide& body, Now now, Outbox& out);
   Result<std::string> decide_again(Alert& alert, const AlertDecide& body, Now now, Outbox& out);
   Result<std::string> decide_lone(Alert& alert, const AlertDecide& body, Now now, Outbox& out);
-  [[nodiscard]] Status check_taker(Alert& alert, const AlertDecide& body, const WatchedRun& run, Now now);
+
+  // verdict_checks.cpp
+  [[nodiscard]] Status check_decider(const Alert& alert, const WatchedRun* run, const AlertDecide& body) const;
+  [[nodiscard]] Status check_override(const Alert& alert, const AlertDecide& body, const WatchedRun& run) const;
+  [[nodiscard]] Status take_proposal(Alert& alert, const AlertDecide& body, const WatchedRun& run, Now now);
+  [[nodiscard]] Status take_override(Alert& alert, const AlertDecide& body, const WatchedRun& run) const;
   [[nodiscard]] Status check_word(const Alert& alert, const AlertDecide& body, const WatchedRun& run) const;
   [[nodiscard]] Status check_retry(const Alert& alert, Now now) const;
+  [[nodiscard]] Status check_bounds(const Alert& alert, const WatchedRun& run);
+  [[nodiscard]] Status shape(Alert& alert, const AlertDecide& body, const WatchedRun& run, Now now);
+  [[nodiscard]] static Status narrow(Alert& alert, const AlertDecide& body, const WatchedRun& run);
 
   // deciding.cpp
   void advance(Alert& alert, Now now, Outbox& out);

@@ -81,6 +81,11 @@ bool wants_robot(const Alert& alert) {
   return alert.cause == kWantsRobot;
 }
 
+bool is_pinned(const Alert& alert, const WatchedRun& run, std::string_view task) {
+  const auto index = run.find_task(task);
+  return index && run.start->scenario.tasks[*index].pinned && !wants_robot(alert);
+}
+
 bool is_about(const Alert& alert, const WatchedRun& run, const Trouble& trouble) {
   if (alert.run != run.summary.run || alert.robot != trouble.robot) return false;
   return !trouble.robot.empty() || alert.tasks == std::vector<std::string>{run.view->tasks[trouble.tasks.front()].id};

@@ -11,6 +11,10 @@
 
 namespace trb::resilience {
 
+/// As the schedulers have them: attempts of a task (a skip may be one more), and decisions of a run.
+constexpr std::uint32_t kMaxAttempts = 64;
+constexpr std::uint32_t kMaxDecisions = 64;
+
 struct WatchedRun {
   RunSummary summary;
   std::optional<RunView> view;
@@ -32,6 +36,8 @@ struct WatchedRun {
   [[nodiscard]] std::uint32_t last_attempt(std::size_t task) const;
   /// The same, but with those that its robot may have made unheard.
   [[nodiscard]] std::uint32_t last_possible_attempt(std::size_t task) const;
+  /// How often the policy has moved the task: a first robot for one that named none is no move. The run is_known().
+  [[nodiscard]] std::uint32_t policy_moves(std::size_t task) const;
   /// Its last attempt has ended without finishing: FAILED, retriable, interrupted, or given back.
   [[nodiscard]] bool has_stopped(std::size_t task) const;
 };

@@ -66,6 +66,9 @@ void Bench::end_task(const std::string& id, TaskOutcome outcome, const std::stri
   of.outcome = outcome;
   of.attempt = std::max<std::uint32_t>(1, of.attempt);
   of.reason = reason;
+  if (outcome == TaskOutcome::failed && std::ranges::find(of.failed_by, of.robot) == of.failed_by.end()) {
+    of.failed_by.push_back(of.robot);
+  }
   of.state = outcome == TaskOutcome::finished ? TaskState::finished
              : outcome == TaskOutcome::failed ? TaskState::failed
                                               : TaskState::retriable;

@@ -407,6 +407,9 @@ TEST_CASE("after the decision a word says that the robot is mended") {
   bench->fault("pioneer2", "mobile");
   bench->wait(seconds(6));
   for (const Alert& alert : bench->alerts()) {
-    if (alert.robot == "pioneer1") CHECK(robots_of(alert) == Words{"ridgeback", "turtlebot"});
+    if (alert.robot != "pioneer1") continue;
+    CHECK(robots_of(alert) == Words{"turtlebot"});
+    REQUIRE(alert.unfit.size() == 2);
+    CHECK(alert.unfit[1].why == "has failed task 't4' already");  // and nothing else
   }
 }
