@@ -20,6 +20,8 @@ void ResilienceCore::advance(Alert& alert, Now now, Outbox& out) {
     alert.waits_for = "the own scheduler's word on the run";
   } else if (alert.verdict == Verdict::abort) {
     advance_abort(alert, *run, now, out);
+  } else if (alert.verdict == Verdict::retry && !works_[alert.id].record && waits_for_mending(alert, now, out)) {
+    return;
   } else if (works_[alert.id].record) {
     hand_on(alert, *run, now, out);
   } else {

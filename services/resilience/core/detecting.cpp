@@ -8,7 +8,6 @@ namespace trb::resilience {
 namespace {
 
 constexpr std::size_t kMaxText = 1024;
-constexpr Duration kLately = std::chrono::seconds(10);
 
 std::vector<std::string> names_of(const WatchedRun& run, const std::vector<std::size_t>& tasks) {
   std::vector<std::string> out;
@@ -133,33 +132,31 @@ Alert* ResilienceCore::raise(Alert fresh, Now now, Outbox& out) {
   return alert;
 }
 
-/// A fault that no run's alert tells of is told all the same.
-void ResilienceCore::tell_loose_faults(Now now, Outbox& out) {
-  std::vector<LooseFault> due;
-  std::erase_if(loose_, [&](const LooseFault& one) {
-    if (one.due > now.mono) return false;
-    due.push_back(one);
-    return true;
-  });
-  for (const LooseFault& one : due) {
-    const RobotRecord* robot = fleet_.find(one.robot);
-    if (robot == nullptr || fault_of(*robot, one.fault.capability) == nullptr) continue;
-    bool told = book_.has_since(one.robot, one.fault.capability, (now.utc - kLately).ns);
-    for (const Alert* alert : book_.open()) {
-      const bool same = alert->robot == one.robot && alert->cause == "robot_fault" &&
-                        (alert->capability == one.fault.capability || alert->capability.empty());
-      told = told || same;
+/// A fault that stands is told, whether or not a run minds it.
+void ResilienceCore::tell_standing(Now now, Outbox& out) {
+  standing_.follow(fleet_, now);
+  for (const Alert* alert : book_.open()) {
+    if (alert->cause != "robot_fault") continue;
+    const RobotRecord* robot = fleet_.find(alert->robot);
+    if (robot == nullptr) continue;
+    for (const Fault& fault : robot->faults) {
+      if (tells_of(*alert, fault.capability)) standing_.told({alert->robot, fault.capability}, now);
     }
-    if (told) continue;
+  }
+  for (const Standing::Key& key : standing_.untold(now)) {
+    if (!book_.has_room_for_lone()) return out.count("dropped.alerts");
+    const Fault& fault = *worst_fault(*fleet_.find(key.robot), key.capability);
     Alert fresh;
-    fresh.robot = one.robot;
-    fresh.capability = one.fault.capability;
-    fresh.severity = one.fault.severity;
+    fresh.robot = key.robot;
+    fresh.capability = key.capability;
+    fresh.severity = fault.severity;
     fresh.cause = "robot_fault";
-    fresh.text = cut_utf8(one.fault.text, kMaxText);
+    fresh.text = cut_utf8(fault.text, kMaxText);
     fresh.time = now.utc.ns;
     Alert* alert = raise(std::move(fresh), now, out);
     if (alert == nullptr) return;
+    standing_.told(key, now);
+    look_at_lone(*alert, now, out);
     out.record(*alert);
     out.log(LogLevel::warning, "alert_raised", alert->id + ": " + alert->robot + ": " + alert->text + " (no run)");
   }
@@ -167,25 +164,13 @@ void ResilienceCore::tell_loose_faults(Now now, Outbox& out) {
 
 void ResilienceCore::close(Alert& alert, const std::string& why, Outbox& out) {
   alert.state = AlertState::closed;
+  stirred_ = true;
   if (watcher_.find(alert.run) != nullptr) stirred_runs_.insert(alert.run);
   alert.waits_for = cut_utf8(why, 512);
   works_.erase(alert.id);
   record_handed(alert, "decision_dropped", out);
   out.record(alert);
   out.log(LogLevel::info, "alert_closed", alert.id + ": " + why);
-}
-
-/// A person has said that the robot works again.
-void ResilienceCore::mend(const Alert& alert, const std::string& why, Now now) {
-  const RobotRecord* robot = fleet_.find(alert.robot);
-  if (robot == nullptr) return;
-  std::set<std::string> over;
-  for (const Fault& fault : robot->faults) {
-    const bool of_it = alert.capability.empty() || fault.capability.empty() || fault.capability == alert.capability;
-    if (takes_away(fault) && of_it) over.insert(fault.capability);
-  }
-  for (const std::string& capability : over) fleet_.end_faults(alert.robot, capability, why, now.utc);
-  look_at_robot(alert.robot, now);
 }
 
 }  // namespace trb::resilience

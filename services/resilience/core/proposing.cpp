@@ -18,7 +18,6 @@ constexpr const char* kGathers = "other tasks may fail of the same cause";
 constexpr Duration kFresh = std::chrono::seconds(10);
 constexpr Duration kAnswers = std::chrono::seconds(5);
 constexpr Duration kPatience = std::chrono::seconds(2);  ///< so long a task that names no robot waits for answers
-constexpr Duration kLoneLife = std::chrono::hours(24);
 
 }  // namespace
 
@@ -35,13 +34,16 @@ void ResilienceCore::look_at_alerts(Now now, Outbox& out) {
   book_.prune();
 }
 
-/// No run needs the robot.
+/// No run needs the robot. The alert is there as long as the fault is, or until a run's alert tells of it.
 void ResilienceCore::look_at_lone(Alert& alert, Now now, Outbox& out) {
   const RobotRecord* robot = fleet_.find(alert.robot);
-  if (robot == nullptr || fault_of(*robot, alert.capability) == nullptr) return close(alert, "the fault is over", out);
-  if (now.utc - Duration{alert.time} >= UtcTime{kLoneLife.count()}) return close(alert, "a day has passed", out);
+  if (robot == nullptr || worst_fault(*robot, alert.capability) == nullptr) {
+    return close(alert, alert.verdict == Verdict::retry ? "taken as mended" : "the fault is over", out);
+  }
+  if (alert.verdict == Verdict::retry && waits_for_mending(alert, now, out)) return;
   for (const Alert* other : book_.open()) {
-    if (!other->run.empty() && other->robot == alert.robot) return close(alert, "run alert " + other->id, out);
+    const bool tells = !other->run.empty() && other->robot == alert.robot && tells_of(*other, alert.capability);
+    if (tells) return close(alert, "run alert " + other->id, out);
   }
   alert.waits_for =
       "somebody to mend " + alert.robot + "; then: trb alert decide " + alert.id.substr(0, 8) + " --retry";

@@ -13,6 +13,7 @@
 #include "services/resilience/core/alert_book.hpp"
 #include "services/resilience/core/proposals.hpp"
 #include "services/resilience/core/run_watcher.hpp"
+#include "services/resilience/core/standing.hpp"
 #include "services/resilience/core/troubles.hpp"
 
 namespace trb::resilience {
@@ -60,17 +61,13 @@ class ResilienceCore final : public Core {
     Backoff release;
     Backoff sign;
     Backoff hand;
+    Backoff mend;
+    bool mended = false;                 ///< the robot's node has taken into use what a person says is repaired
     Bytes signing;                       ///< what the router is asked to sign
     std::optional<SignedRecord> record;  ///< the decision, or the order to abort
     std::uint32_t epoch = 0;             ///< of the decision
     std::string refusal;                 ///< the scheduler's
     std::string asks_for;                ///< why the policy keeps out
-  };
-  /// A fault of which no run's alert tells yet.
-  struct LooseFault {
-    std::string robot;
-    RobotFault fault;
-    MonotonicTime due;
   };
 
   // what is heard (resilience_core.cpp)
@@ -91,9 +88,15 @@ class ResilienceCore final : public Core {
   void count_tasks(const std::string& run);
   void meet(const WatchedRun& run, const Trouble& trouble, Now now, Outbox& out);
   Alert* raise(Alert alert, Now now, Outbox& out);
-  void tell_loose_faults(Now now, Outbox& out);
+  void tell_standing(Now now, Outbox& out);
   void close(Alert& alert, const std::string& why, Outbox& out);
+
+  // mending.cpp
   void mend(const Alert& alert, const std::string& why, Now now);
+  [[nodiscard]] std::vector<std::string> told_broken(const Alert& alert) const;
+  [[nodiscard]] bool waits_for_mending(Alert& alert, Now now, Outbox& out);
+  void hear_unmended(const Nack& nack, const std::string& from, Now now, Outbox& out);
+  void unmended(Alert& alert, const std::string& why, Now now, Outbox& out);
 
   // proposing.cpp
   void look_at_alerts(Now now, Outbox& out);
@@ -117,6 +120,7 @@ class ResilienceCore final : public Core {
   void handle(const AlertDecide& body, const Inbound& from, Now now, Outbox& out);
   Result<std::string> decide(Alert& alert, const AlertDecide& body, Now now, Outbox& out);
   Result<std::string> decide_again(Alert& alert, const AlertDecide& body, Now now, Outbox& out);
+  [[nodiscard]] Alert* alert_of_fault(const Alert& alert);
   Result<std::string> decide_lone(Alert& alert, const AlertDecide& body, Now now, Outbox& out);
 
   // verdict_checks.cpp
@@ -152,7 +156,7 @@ class ResilienceCore final : public Core {
   std::map<std::string, Work, std::less<>> works_;  ///< by alert
   std::map<std::string, SignedRecord, std::less<>> certificates_;
   std::map<std::string, std::map<std::string, std::uint32_t>, std::less<>> open_tasks_;  ///< run -> robot -> tasks
-  std::vector<LooseFault> loose_;
+  Standing standing_;
   std::set<std::string> stirred_runs_;  ///< to be looked at
   std::string handed_;                  ///< the alert whose decision or order was sent last
   bool welcomed_ = false;

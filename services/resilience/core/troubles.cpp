@@ -15,6 +15,10 @@ bool waits_for_help(const WatchedRun& run, std::size_t index) {
   return run.view->paused_by.empty() || task.attempt > run.start->scenario.tasks[index].retries;
 }
 
+bool has_not_begun(const TaskView& task) {
+  return task.state == TaskState::waiting && task.outcome == TaskOutcome::none;
+}
+
 /// The worst thing known of a robot, as it is found task by task.
 class Finder {
  public:
@@ -29,11 +33,16 @@ class Finder {
     const bool stopped = waits_for_help(run_, index);
     const std::string capability = capability_of(run_, index, fleet_);
     const Fault* fault = record_ == nullptr ? nullptr : fault_of(*record_, capability);
-    if (!stopped && fault == nullptr && gone_ == nullptr) return;
+    const OutOfUse* retired = record_ == nullptr ? nullptr : retirement_of(*record_);
+    // What runs goes on to its end.
+    const bool leaves = retired != nullptr && (stopped || has_not_begun(task));
+    if (!stopped && !leaves && fault == nullptr && gone_ == nullptr) return;
     out_.tasks.push_back(index);
     out_.failed = out_.failed || stopped;
     out_.needs_word = out_.needs_word || !why_word(run_, index, fleet_, false).empty();
     if (gone_ != nullptr) tell(gone_->cause, Severity::critical, "", gone_->text);
+    if (leaves)
+      tell("robot_retired", Severity::warning, "", run_.view->tasks[index].robot + " " + retired_text(*retired));
     if (fault != nullptr) tell("robot_fault", fault->severity, fault->capability, fault->text);
     if (!stopped) return;
     const bool interrupted = task.outcome == TaskOutcome::interrupted;
@@ -81,6 +90,10 @@ bool wants_robot(const Alert& alert) {
   return alert.cause == kWantsRobot;
 }
 
+bool tells_of(const Alert& alert, std::string_view capability) {
+  return alert.cause == "robot_fault" && (alert.capability.empty() || alert.capability == capability);
+}
+
 bool is_pinned(const Alert& alert, const WatchedRun& run, std::string_view task) {
   const auto index = run.find_task(task);
   return index && run.start->scenario.tasks[*index].pinned && !wants_robot(alert);
@@ -92,8 +105,9 @@ bool is_about(const Alert& alert, const WatchedRun& run, const Trouble& trouble)
 }
 
 int strength_of(std::string_view cause) {
-  if (cause == "peer_expired" || cause == "robot_connection") return 4;
-  if (cause == "robot_fault") return 3;
+  if (cause == "peer_expired" || cause == "robot_connection") return 5;
+  if (cause == "robot_fault") return 4;
+  if (cause == "robot_retired") return 3;
   if (cause == "task_interrupted") return 2;
   return cause == "task_failed" || cause == kWantsRobot ? 1 : 0;
 }

@@ -40,6 +40,8 @@ std::string capability_of(const WatchedRun& run, std::size_t task, const Fleet& 
 std::vector<Alert> lesser_faults(const Fleet& fleet, UtcTime since);
 
 [[nodiscard]] bool wants_robot(const Alert& alert);
+/// The alert tells of a fault of its robot that takes that capability away.
+[[nodiscard]] bool tells_of(const Alert& alert, std::string_view capability);
 /// The task stays with its robot, whatever happens to it.
 [[nodiscard]] bool is_pinned(const Alert& alert, const WatchedRun& run, std::string_view task);
 /// It is the alert that this trouble made: one for each robot of a run, one for each task that wants a robot.

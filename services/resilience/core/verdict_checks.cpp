@@ -51,7 +51,7 @@ Status ResilienceCore::check_override(const Alert& alert, const AlertDecide& bod
   const RobotRecord* robot = fleet_.find(body.robot);
   if (robot == nullptr) return fail(Errc::unknown_target, "'" + body.robot + "' was never heard", "trb robot list");
   if (body.robot == alert.robot) return fail(Errc::bad_value, "it is the robot that failed", "use --retry");
-  if (!robot->reached || robot->profile.is.robot != "ONLINE") {
+  if (!robot->reached || robot->profile.is.robot != "ONLINE" || retirement_of(*robot) != nullptr) {
     return fail(Errc::conflict, "'" + body.robot + "' is not there: " + why_unfit(*robot),
                 "bring it back, or name another one");
   }
@@ -105,6 +105,11 @@ Status ResilienceCore::check_word(const Alert& alert, const AlertDecide& body, c
 Status ResilienceCore::check_retry(const Alert& alert, Now now) const {
   if (wants_robot(alert)) return fail(Errc::bad_value, "nothing has failed: there is nothing to try again");
   const Presence::Gone* gone = presence_.find(alert.robot, now);
+  const RobotRecord* robot = fleet_.find(alert.robot);
+  if (const OutOfUse* retired = robot == nullptr ? nullptr : retirement_of(*robot)) {
+    return fail(Errc::conflict, alert.robot + " cannot try again: it " + retired_text(*retired),
+                "trb robot return " + alert.robot + ", or let another one");
+  }
   if (gone == nullptr) return Done{};
   return fail(Errc::conflict, alert.robot + " cannot try again: " + gone->text, "bring it back, or let another one");
 }

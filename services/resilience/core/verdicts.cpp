@@ -58,17 +58,35 @@ void ResilienceCore::handle(const AlertDecide& body, const Inbound& from, Now no
 
 /// The fault of a robot that no run needs: a person can say that it is over.
 Result<std::string> ResilienceCore::decide_lone(Alert& alert, const AlertDecide& body, Now now, Outbox& out) {
-  if (!is_open(alert)) return fail(Errc::conflict, "alert " + alert.id + " is closed");
+  if (!is_open(alert)) return fail(Errc::conflict, "alert " + alert.id + " is closed: " + alert.waits_for);
   if (body.verdict != Verdict::retry) {
     return fail(Errc::bad_value, "no run needs " + alert.robot + ": there is nothing to move or to skip",
                 "say --retry once it works again");
   }
+  if (settings_.role != Role::cloud && !told_broken(alert).empty()) {
+    return fail(Errc::not_permitted, "this node puts no robot back into use",
+                "say it on the cloud's node, or on the robot's: trb robot repaired " + alert.robot);
+  }
+  if (alert.state == AlertState::releasing) return "alert " + alert.id + " " + decided_text(alert) + " already";
   alert.verdict = body.verdict;
   alert.person = body.person;
   alert.reason = body.reason;
+  alert.state = AlertState::releasing;
   mend(alert, "said by " + person_of(alert), now);
-  close(alert, "taken as mended", out);
-  return alert.robot + " is taken as mended";
+  out.record(alert);
+  look_at_lone(alert, now, out);
+  if (!is_open(alert)) return alert.robot + " is taken as mended";
+  return "alert " + alert.id + " " + decided_text(alert) + "; waits for: " + alert.waits_for;
+}
+
+/// The open alert that tells of the fault, which has outlived this one.
+Alert* ResilienceCore::alert_of_fault(const Alert& alert) {
+  const std::vector<std::string> broken = told_broken(alert);
+  for (Alert* other : book_.open()) {
+    const auto tells = [&](const std::string& capability) { return tells_of(*other, capability); };
+    if (other->robot == alert.robot && std::ranges::any_of(broken, tells)) return other;
+  }
+  return nullptr;
 }
 
 /// It was decided before, or its run has ended: said once more it does no harm, a word may be added, `retry` says that
@@ -76,6 +94,12 @@ Result<std::string> ResilienceCore::decide_lone(Alert& alert, const AlertDecide&
 Result<std::string> ResilienceCore::decide_again(Alert& alert, const AlertDecide& body, Now now, Outbox& out) {
   const std::string name = "alert " + alert.id + " ";
   if (body.verdict == Verdict::retry && !is_open(alert) && !alert.robot.empty()) {
+    if (Alert* stands = alert_of_fault(alert)) {
+      return stands->run.empty() ? decide_lone(*stands, body, now, out)
+                                 : Result<std::string>(fail(
+                                       Errc::conflict, name + "is closed: alert " + stands->id + " tells of the fault",
+                                       "decide on that one"));
+    }
     mend(alert, "said by '" + body.person + "'", now);
     const bool decided = alert.verdict != Verdict::none;
     return alert.robot + " is taken as mended; " + name + (decided ? decided_text(alert) : "is closed");

@@ -131,6 +131,7 @@ void Bench::handle(const Send& sent) {
     if (value == known.end()) return nack(send, send.target, "unknown_subtype", "not told");
     return answer(send.target, Opaque{value->first, value->second});
   }
+  if (const auto* repaired = get_if<TakeIntoUse>(&send.body)) return take_into_use(send, *repaired);
   const auto* order = get_if<ReleaseTasks>(&send.body);
   REQUIRE(order != nullptr);
   release(send.target, *order);
@@ -200,6 +201,18 @@ Alert Bench::alert() {
   return open.front();
 }
 
+std::vector<Alert> Bench::run_alerts() {
+  auto open = alerts();
+  std::erase_if(open, [](const Alert& one) { return one.run.empty(); });
+  return open;
+}
+
+Alert Bench::run_alert() {
+  const auto open = run_alerts();
+  REQUIRE(open.size() == 1);
+  return open.front();
+}
+
 Alert Bench::any(const std::string& id) {
   for (const Alert& one : alerts(true)) {
     if (one.id == id) return one;
@@ -224,7 +237,8 @@ std::string Bench::decide(AlertDecide verdict) {
 }
 
 std::string Bench::decide(Verdict verdict, const std::string& robot, bool stands, const std::string& reason) {
-  return decide(AlertDecide{alert().id, verdict, robot, "", reason, stands});
+  const auto of_runs = run_alerts();
+  return decide(AlertDecide{of_runs.size() == 1 ? of_runs.front().id : alert().id, verdict, robot, "", reason, stands});
 }
 
 }  // namespace trb::resilience::test

@@ -158,6 +158,37 @@ void Bench::fault(const std::string& robot, const std::string& capability, Sever
   say(robot, RobotFault{capability, severity, capability + " is broken"});
 }
 
+void Bench::stand(const std::string& robot, const std::string& capability, Severity severity) {
+  auto& kept = routes[robot].profile.out_of_use;
+  std::erase_if(kept, [&](const OutOfUse& one) { return !one.retired && one.capability == capability; });
+  kept.push_back({capability, severity, capability + " is broken", now.utc.ns, false, ""});
+  fault(robot, capability, severity);
+}
+
+void Bench::end_fault(const std::string& robot, const std::string& capability, Severity severity) {
+  std::erase_if(routes[robot].profile.out_of_use,
+                [&](const OutOfUse& one) { return !one.retired && one.capability == capability; });
+  say(robot, RobotFault{capability, severity, "", true});
+}
+
+void Bench::retire(const std::string& robot, const std::string& text, const std::string& by) {
+  routes[robot].profile.out_of_use.push_back({"", Severity::warning, text, now.utc.ns, true, by});
+}
+
+void Bench::return_to_service(const std::string& robot) {
+  std::erase_if(routes[robot].profile.out_of_use, [](const OutOfUse& one) { return one.retired; });
+}
+
+void Bench::take_into_use(const Send& send, const TakeIntoUse& order) {
+  repairs.push_back(order);
+  if (unmended.contains(send.target)) return nack(send, send.target, "conflict", "the bumper is still pressed");
+  answer(send.target, Ack{"in_use", ""});
+  if (idle.contains(send.target)) return;
+  std::erase_if(routes[send.target].profile.out_of_use, [&](const OutOfUse& one) {
+    return !one.retired && (order.capability.empty() || one.capability == order.capability);
+  });
+}
+
 void Bench::silence(const std::string& robot) {
   routes[robot].state = "OFFLINE";
   say("cloud", PeerExpired{robot, "lease"});

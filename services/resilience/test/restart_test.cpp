@@ -26,7 +26,7 @@ std::size_t story(std::size_t crash_at, Verdict verdict) {
   }
   bench->wait(seconds(30));
   CHECK(bench->any(alert.id).state == AlertState::decided);
-  CHECK(bench->alerts().empty());
+  CHECK(bench->run_alerts().empty());
   if (verdict == Verdict::abort) {
     CHECK(bench->view.state == RunState::aborted);
   } else {
@@ -63,11 +63,11 @@ TEST_CASE("killed while the scheduler is away, with the decision signed: it is t
   bench->wait(seconds(5));
   REQUIRE(bench->taken.size() == 1);
   CHECK(bench->heard["sign_request"] == signed_before);
-  CHECK(bench->alerts().empty());
+  CHECK(bench->run_alerts().empty());
   bench->restart();
   bench->wait(seconds(20));
   CHECK(bench->taken.size() == 1);
-  CHECK(bench->alerts().empty());
+  CHECK(bench->run_alerts().empty());
 }
 
 TEST_CASE("after a restart nothing is judged before the router and the scheduler have spoken") {
