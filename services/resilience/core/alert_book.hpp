@@ -25,6 +25,8 @@ class AlertBook {
   void restore(Alert alert) { put(std::move(alert)); }
   /// Makes its id. nullptr: kMaxOpen are open, or kMaxLone of its kind.
   Alert* add(Alert alert);
+  /// It was never recorded.
+  void drop(const std::string& id) { alerts_.erase(id); }
   [[nodiscard]] Alert* find(std::string_view id);
   /// By a unique beginning of its id. Errors: unknown_target, bad_value (several).
   Result<Alert*> choose(const std::string& beginning);

@@ -3,6 +3,7 @@
 
 #include "proto/value.hpp"
 #include "services/resilience/core/resilience_core.hpp"
+#include "services/resilience/core/run_end.hpp"
 
 namespace trb::resilience {
 namespace {
@@ -13,6 +14,13 @@ std::vector<std::string> names_of(const WatchedRun& run, const std::vector<std::
   std::vector<std::string> out;
   for (const std::size_t index : tasks) out.push_back(run.view->tasks[index].id);
   return out;
+}
+
+std::string over_text(const Alert& alert) {
+  if (alert.cause == kOverdue) return "its tasks go on";
+  if (alert.cause == kTwice) return "the run is held no more";
+  if (alert.cause == kRunEnds) return "the run does not end soon";
+  return "its cause is over: nothing failed, nothing was moved";
 }
 
 std::string joined(const std::vector<std::string>& words) {
@@ -36,6 +44,7 @@ void ResilienceCore::look_at_runs(bool all, Now now, Outbox& out) {
   if (!runs.empty()) stirred_ = true;
   for (const std::string& id : runs) {
     const WatchedRun* run = watcher_.find(id);
+    if (run == nullptr) overdue_.forget(id);
     if (run != nullptr && run->is_known()) look_at_run(*run, now, out);
   }
 }
@@ -67,15 +76,22 @@ void ResilienceCore::look_at_run(const WatchedRun& run, Now now, Outbox& out) {
       presence_.look(task.robot, fleet_.find(task.robot), now);
     }
   }
-  const std::vector<Trouble> troubles = troubles_of(run, fleet_, presence_, now);
+  std::vector<Trouble> troubles = troubles_of(run, fleet_, presence_, now);
+  for (Trouble& twice : double_executions(run)) troubles.push_back(std::move(twice));
+  if (auto end = trouble_of_end(run, now)) troubles.push_back(std::move(*end));
   for (const Trouble& trouble : troubles) meet(run, trouble, now, out);
+  for (Trouble& late : overdue_troubles(run, now)) {
+    meet(run, late, now, out);
+    troubles.push_back(std::move(late));
+  }
   for (Alert* alert : book_.open()) {
     if (alert->run != run.summary.run || alert->state == AlertState::releasing) continue;
     const auto is_its = [&](const Trouble& trouble) { return is_about(*alert, run, trouble); };
     if (std::ranges::none_of(troubles, is_its)) {
-      close(*alert, "its cause is over: nothing failed, nothing was moved", out);
+      close(*alert, over_text(*alert), out);
     }
   }
+  skip_unbegun(run, now, out);
 }
 
 /// Raises the alert of that robot in that run, or lets the one that is there follow what is known.
@@ -87,15 +103,11 @@ void ResilienceCore::meet(const WatchedRun& run, const Trouble& trouble, Now now
   // A verdict was given: what is new becomes an alert of its own once that is done.
   if (alert != nullptr && alert->state == AlertState::releasing) return;
   if (alert == nullptr) {
-    Alert fresh;
-    fresh.run = run.summary.run;
-    fresh.name = run.view->name;
-    fresh.robot = trouble.robot;
-    fresh.time = now.utc.ns;
-    alert = raise(std::move(fresh), now, out);
+    alert = raise(alert_of(run, trouble.robot, now), now, out);
     if (alert == nullptr) return;
   }
   const Alert before = *alert;
+  if (alert->cause == kOverdue) alert->text = cut_utf8(trouble.text, kMaxText);
   alert->tasks = names_of(run, trouble.tasks);
   alert->needs_word = trouble.needs_word;
   // What explains more is told; what is over explains the failed task all the same.
@@ -106,17 +118,27 @@ void ResilienceCore::meet(const WatchedRun& run, const Trouble& trouble, Now now
     alert->text = cut_utf8(trouble.text, kMaxText);
   }
   if (*alert == before) return;
-  if (alert->tasks != before.tasks) {
+  if (alert->tasks != before.tasks || before.cause.empty()) {
     if (alert->state == AlertState::expired) alert->state = AlertState::open;
     works_[alert->id].grown_at = now.mono;
-    propose(*alert, run, now);
-    ask_values(*alert, now, out);
+    if (may_be_ruled(*alert)) propose(*alert, run, now);
+    if (may_be_ruled(*alert)) ask_values(*alert, now, out);
     out.log(wants_robot(*alert) ? LogLevel::info : LogLevel::warning,
             before.tasks.empty() ? "alert_raised" : "alert_grown",
             alert->id + ": " + alert->robot + (alert->robot.empty() ? "" : ": ") + alert->cause + ": " + alert->text +
                 " (run " + alert->run.substr(0, 8) + ", tasks " + joined(alert->tasks) + ")");
   }
   out.record(*alert);
+}
+
+/// Without what may change: the cause, and what follows from it.
+Alert ResilienceCore::alert_of(const WatchedRun& run, const std::string& robot, Now now) {
+  Alert out;
+  out.run = run.summary.run;
+  out.name = run.view->name;
+  out.robot = robot;
+  out.time = now.utc.ns;
+  return out;
 }
 
 Alert* ResilienceCore::raise(Alert fresh, Now now, Outbox& out) {

@@ -6,6 +6,7 @@
 #include "services/resilience/core/plan.hpp"
 #include "services/resilience/core/resilience_core.hpp"
 #include "services/resilience/core/robot_state.hpp"
+#include "services/resilience/core/run_end.hpp"
 
 namespace trb::resilience {
 namespace {
@@ -49,13 +50,28 @@ void ResilienceCore::look_at_lone(Alert& alert, Now now, Outbox& out) {
       "somebody to mend " + alert.robot + "; then: trb alert decide " + alert.id.substr(0, 8) + " --retry";
 }
 
+/// It tells what is; there is nothing to propose.
+void ResilienceCore::look_at_notice(Alert& alert, const WatchedRun& run, Now now) {
+  const std::string id = run.summary.run.substr(0, 8);
+  alert.waits_for = alert.cause == kRunEnds
+                        ? wait_for_end(run, now)
+                        : "trb scenario resume " + id + " once somebody has looked, or trb scenario abort " + id;
+}
+
+/// How its run has ended.
+std::string ResilienceCore::run_over_text(const std::string& run) const {
+  if (watcher_.ended(run) != RunState::expired) return "its run is over";
+  return "its run has EXPIRED: trb run show " + run.substr(0, 8) + " has everything";
+}
+
 void ResilienceCore::look_at_open(Alert& alert, Now now, Outbox& out) {
   const WatchedRun* run = watcher_.find(alert.run);
   if (run == nullptr) {
-    if (watcher_.has_table()) close(alert, "its run is over", out);
+    if (watcher_.has_table()) close(alert, run_over_text(alert.run), out);
     return;
   }
   if (!run->is_known()) return;
+  if (!may_be_ruled(alert)) return look_at_notice(alert, *run, now);
   Work& work = works_[alert.id];
   const bool again = !work.ranked_at || now.mono - *work.ranked_at >= kRankAgain;
   const bool unasked = wants_robot(alert) && !work.asked_at;  // nobody may look at it again
@@ -207,6 +223,7 @@ std::string ResilienceCore::why_ask(const Alert& alert, Now now) {
   const ReplacementPolicy& policy = settings_.resilience.policy;
   const Work& work = works_[alert.id];
   if (!work.asks_for.empty()) return work.asks_for;
+  if (alert.cause == kOverdue) return "nothing has failed: a person decides what becomes of what is late";
   if (alert.needs_word) return "only a person can say that " + alert.robot + " stands";
   if (alert.proposals.empty()) return "no robot can take over";
   if (std::string enough = why_moved_enough(alert); !enough.empty()) return enough;

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "services/resilience/core/run_end.hpp"
+
 namespace trb::resilience {
 namespace {
 
@@ -98,7 +100,7 @@ void ResilienceCore::on_information(const Inbound& message, Now now, Outbox& out
                    },
                    [&](const RouteTable& body) { own ? take_page(body, now, out) : out.count("dropped.foreign"); },
                    [&](const RunTable& body) { own ? watcher_.on(body, now) : out.count("dropped.foreign"); },
-                   [&](const RunChanged& body) { own ? watcher_.on(body) : out.count("dropped.foreign"); },
+                   [&](const RunChanged& body) { own ? watcher_.on(body, now) : out.count("dropped.foreign"); },
                    [&](const RunView& body) { own ? watcher_.on(body) : out.count("dropped.foreign"); },
                    [&](const Definition& body) { own ? watcher_.on(body) : out.count("dropped.foreign"); },
                    [&](const SignedRecord& body) { own ? on_signed(body, out) : out.count("dropped.foreign"); },
@@ -233,6 +235,11 @@ void ResilienceCore::settle(Now now, Outbox& out) {
     for (const Backoff* backoff : {&work.release, &work.sign, &work.hand, &work.mend}) {
       if (backoff->next() && *backoff->next() > now.mono) look_at_ = earlier(look_at_, backoff->next());
     }
+  }
+  for (const auto& [id, run] : watcher_.runs()) {
+    if (!run.is_known()) continue;
+    look_at_ = earlier(look_at_, overdue_.next(run, fleet_, now));
+    if (const auto at = end_told_at(run); at && *at > now.mono) look_at_ = earlier(look_at_, at);
   }
   standing_.follow(fleet_, now);
   look_at_ = earlier(earlier(look_at_, presence_.next(now)), standing_.next(now));

@@ -11,6 +11,7 @@
 #include "common/actor/core.hpp"
 #include "common/actor/route_pages.hpp"
 #include "services/resilience/core/alert_book.hpp"
+#include "services/resilience/core/overdue.hpp"
 #include "services/resilience/core/proposals.hpp"
 #include "services/resilience/core/run_watcher.hpp"
 #include "services/resilience/core/standing.hpp"
@@ -58,6 +59,7 @@ class ResilienceCore final : public Core {
     std::optional<MonotonicTime> ranked_at;
     std::optional<MonotonicTime> asked_at;                  ///< the candidates, for their values
     std::set<std::pair<std::string, std::string>> awaited;  ///< robot, value
+    std::optional<MonotonicTime> releasing_since;
     Backoff release;
     Backoff sign;
     Backoff hand;
@@ -87,6 +89,7 @@ class ResilienceCore final : public Core {
   void look_at_run(const WatchedRun& run, Now now, Outbox& out);
   void count_tasks(const std::string& run);
   void meet(const WatchedRun& run, const Trouble& trouble, Now now, Outbox& out);
+  [[nodiscard]] static Alert alert_of(const WatchedRun& run, const std::string& robot, Now now);
   Alert* raise(Alert alert, Now now, Outbox& out);
   void tell_standing(Now now, Outbox& out);
   void close(Alert& alert, const std::string& why, Outbox& out);
@@ -101,6 +104,8 @@ class ResilienceCore final : public Core {
   // proposing.cpp
   void look_at_alerts(Now now, Outbox& out);
   void look_at_open(Alert& alert, Now now, Outbox& out);
+  [[nodiscard]] std::string run_over_text(const std::string& run) const;
+  void look_at_notice(Alert& alert, const WatchedRun& run, Now now);
   void look_at_lone(Alert& alert, Now now, Outbox& out);
   void propose(Alert& alert, const WatchedRun& run, Now now);
   void ask_values(const Alert& alert, Now now, Outbox& out);
@@ -120,6 +125,8 @@ class ResilienceCore final : public Core {
   void handle(const AlertDecide& body, const Inbound& from, Now now, Outbox& out);
   Result<std::string> decide(Alert& alert, const AlertDecide& body, Now now, Outbox& out);
   Result<std::string> decide_again(Alert& alert, const AlertDecide& body, Now now, Outbox& out);
+  Result<std::string> decide_alert(Alert& alert, const AlertDecide& body, Now now, Outbox& out);
+  [[nodiscard]] bool is_stuck(const Alert& alert, Now now);
   [[nodiscard]] Alert* alert_of_fault(const Alert& alert);
   Result<std::string> decide_lone(Alert& alert, const AlertDecide& body, Now now, Outbox& out);
 
@@ -130,9 +137,20 @@ class ResilienceCore final : public Core {
   [[nodiscard]] Status take_override(Alert& alert, const AlertDecide& body, const WatchedRun& run) const;
   [[nodiscard]] Status check_word(const Alert& alert, const AlertDecide& body, const WatchedRun& run) const;
   [[nodiscard]] Status check_retry(const Alert& alert, Now now) const;
+  [[nodiscard]] static Status check_retry_of(const Alert& alert, const WatchedRun& run);
   [[nodiscard]] Status check_bounds(const Alert& alert, const WatchedRun& run);
   [[nodiscard]] Status shape(Alert& alert, const AlertDecide& body, const WatchedRun& run, Now now);
   [[nodiscard]] static Status narrow(Alert& alert, const AlertDecide& body, const WatchedRun& run);
+
+  // asking.cpp
+  [[nodiscard]] Result<const WatchedRun*> choose_run(const std::string& beginning) const;
+  [[nodiscard]] Result<Alert*> alert_of_tasks(const WatchedRun& run, const std::vector<std::string>& tasks);
+  Result<std::string> decide_tasks(const AlertDecide& body, Now now, Outbox& out);
+  Result<std::string> decide_anew(Alert fresh, const AlertDecide& body, Now now, Outbox& out);
+
+  // lateness.cpp
+  [[nodiscard]] std::vector<Trouble> overdue_troubles(const WatchedRun& run, Now now);
+  void skip_unbegun(const WatchedRun& run, Now now, Outbox& out);
 
   // deciding.cpp
   void advance(Alert& alert, Now now, Outbox& out);
@@ -157,6 +175,7 @@ class ResilienceCore final : public Core {
   std::map<std::string, SignedRecord, std::less<>> certificates_;
   std::map<std::string, std::map<std::string, std::uint32_t>, std::less<>> open_tasks_;  ///< run -> robot -> tasks
   Standing standing_;
+  Overdue overdue_;
   std::set<std::string> stirred_runs_;  ///< to be looked at
   std::string handed_;                  ///< the alert whose decision or order was sent last
   bool welcomed_ = false;

@@ -90,6 +90,17 @@ bool wants_robot(const Alert& alert) {
   return alert.cause == kWantsRobot;
 }
 
+std::string_view family_of(std::string_view cause) {
+  for (const std::string_view own : {kWantsRobot, kOverdue, kTwice, kRunEnds, kAsked}) {
+    if (cause == own) return own;
+  }
+  return "failure";
+}
+
+bool may_be_ruled(const Alert& alert) {
+  return alert.cause != kTwice && alert.cause != kRunEnds;
+}
+
 bool tells_of(const Alert& alert, std::string_view capability) {
   return alert.cause == "robot_fault" && (alert.capability.empty() || alert.capability == capability);
 }
@@ -101,7 +112,9 @@ bool is_pinned(const Alert& alert, const WatchedRun& run, std::string_view task)
 
 bool is_about(const Alert& alert, const WatchedRun& run, const Trouble& trouble) {
   if (alert.run != run.summary.run || alert.robot != trouble.robot) return false;
-  return !trouble.robot.empty() || alert.tasks == std::vector<std::string>{run.view->tasks[trouble.tasks.front()].id};
+  if (family_of(alert.cause) != family_of(trouble.cause)) return false;
+  return trouble.cause != kWantsRobot ||
+         alert.tasks == std::vector<std::string>{run.view->tasks[trouble.tasks.front()].id};
 }
 
 int strength_of(std::string_view cause) {
@@ -109,7 +122,7 @@ int strength_of(std::string_view cause) {
   if (cause == "robot_fault") return 4;
   if (cause == "robot_retired") return 3;
   if (cause == "task_interrupted") return 2;
-  return cause == "task_failed" || cause == kWantsRobot ? 1 : 0;
+  return cause.empty() ? 0 : 1;
 }
 
 std::string capability_of(const WatchedRun& run, std::size_t task, const Fleet& fleet) {
@@ -150,6 +163,27 @@ std::vector<Alert> lesser_faults(const Fleet& fleet, UtcTime since) {
     }
   }
   std::ranges::stable_sort(out, std::ranges::greater{}, &Alert::time);
+  return out;
+}
+
+std::vector<Trouble> double_executions(const WatchedRun& run) {
+  std::vector<Trouble> out;
+  if (run.view->paused_by.empty()) return out;
+  for (std::size_t i = 0; i < run.view->tasks.size(); ++i) {
+    const TaskView& task = run.view->tasks[i];
+    if (!task.twice) continue;
+    auto at = std::ranges::find(out, task.robot, &Trouble::robot);
+    if (at == out.end()) {
+      Trouble fresh;
+      fresh.robot = task.robot;
+      fresh.severity = Severity::critical;
+      fresh.cause = kTwice;
+      fresh.text = "task '" + task.id + "' was done twice: look at what was done, then trb scenario resume " +
+                   run.summary.run.substr(0, 8) + ", or abort the run";
+      at = out.insert(out.end(), std::move(fresh));
+    }
+    at->tasks.push_back(i);
+  }
   return out;
 }
 

@@ -40,7 +40,24 @@ Status ResilienceCore::check_decider(const Alert& alert, const WatchedRun* run, 
   if (body.verdict == Verdict::none) {
     return fail(Errc::missing, "no verdict", "--robot, --override, --retry, --skip or --abort");
   }
-  return Done{};
+  if (may_be_ruled(alert) || body.verdict == Verdict::abort) return Done{};
+  const std::string short_id = alert.run.substr(0, 8);
+  if (alert.cause == kTwice) {
+    return fail(Errc::conflict, "it was done twice: there is nothing to move, to try again or to skip",
+                "look at what was done, then trb scenario resume " + short_id + ", or --abort");
+  }
+  return fail(Errc::conflict, "the run's time is over soon: no verdict moves its end", "let it end, or --abort");
+}
+
+/// Of what has not failed there is nothing to try again.
+Status ResilienceCore::check_retry_of(const Alert& alert, const WatchedRun& run) {
+  if (alert.cause != kOverdue && alert.cause != kAsked) return Done{};
+  for (const std::string& id : alert.tasks) {
+    const auto index = run.find_task(id);
+    if (index && run.has_stopped(*index)) return Done{};
+  }
+  return fail(Errc::conflict, "its tasks have not failed: there is nothing to try again",
+              "--robot, --override or --skip");
 }
 
 /// Who does it is there, is told of, and may be given it.
@@ -63,7 +80,9 @@ Status ResilienceCore::check_override(const Alert& alert, const AlertDecide& bod
   if (!needs) return needs.error();
   for (const TaskNeed& need : needs->tasks) {
     const std::string why = why_unable(*robot, need);
-    if (!why.empty()) return fail(Errc::bad_value, "'" + body.robot + "' cannot do task '" + need.task + "': " + why);
+    if (!why.empty())
+      return fail(Errc::bad_value, "'" + body.robot + "' cannot do task '" + need.task + "': " + why,
+                  "trb alert list says who can");
   }
   return Done{};
 }
@@ -145,6 +164,7 @@ Status ResilienceCore::shape(Alert& alert, const AlertDecide& body, const Watche
   if (good && body.verdict == Verdict::accept) good = take_proposal(alert, body, run, now);
   if (good && body.verdict == Verdict::override_) good = take_override(alert, body, run);
   if (good && body.verdict == Verdict::retry) good = check_retry(alert, now);
+  if (good && body.verdict == Verdict::retry) good = check_retry_of(alert, run);
   if (good) good = check_word(alert, body, run);
   if (!good) return good;
   alert.verdict = body.verdict;

@@ -47,13 +47,21 @@ void ResilienceCore::handle(const AlertDecide& body, const Inbound& from, Now no
   if (from.source != settings_.node) {
     return refuse(fail(Errc::not_permitted, "an alert is decided on the node whose alert it is", "use --node"));
   }
-  const auto alert = book_.choose(body.alert);
+  if (!body.alert.empty() && !body.run.empty()) {
+    return refuse(fail(Errc::bad_value, "run: an alert names its run itself", "give the alert, or run and tasks"));
+  }
+  const bool by_run = body.alert.empty() && !body.run.empty();
+  const auto alert = by_run ? Result<Alert*>(nullptr) : book_.choose(body.alert);
   if (!alert) return refuse(alert.error());
-  const auto taken = (*alert)->run.empty()                                    ? decide_lone(**alert, body, now, out)
-                     : (*alert)->verdict == Verdict::none && is_open(**alert) ? decide(**alert, body, now, out)
-                                                                              : decide_again(**alert, body, now, out);
+  const auto taken = by_run ? decide_tasks(body, now, out) : decide_alert(**alert, body, now, out);
   if (!taken) return refuse(taken.error());
   out.reply(from, Ack{"accepted", cut_utf8(*taken, 1024)});
+}
+
+Result<std::string> ResilienceCore::decide_alert(Alert& alert, const AlertDecide& body, Now now, Outbox& out) {
+  if (alert.run.empty()) return decide_lone(alert, body, now, out);
+  const bool undecided = alert.verdict == Verdict::none && is_open(alert);
+  return undecided ? decide(alert, body, now, out) : decide_again(alert, body, now, out);
 }
 
 /// The fault of a robot that no run needs: a person can say that it is over.
@@ -107,6 +115,7 @@ Result<std::string> ResilienceCore::decide_again(Alert& alert, const AlertDecide
   const bool same = alert.verdict == body.verdict &&
                     (body.robot.empty() || alert.proposals.empty() || alert.proposals.front().robot == body.robot);
   if (alert.verdict == Verdict::none) return fail(Errc::conflict, name + "is closed: " + alert.waits_for);
+  if (!same && is_stuck(alert, now)) return decide(alert, body, now, out);
   if (!same) return fail(Errc::conflict, name + decided_text(alert), "trb alert list --all has it");
   if (alert.state == AlertState::releasing && body.stands && !alert.needs_word) {
     alert.needs_word = true;
@@ -120,9 +129,11 @@ Result<std::string> ResilienceCore::decide(Alert& alert, const AlertDecide& body
   const WatchedRun* run = watcher_.find(alert.run);
   if (Status may = check_decider(alert, run, body); !may) return may.error();
   Alert next = alert;
+  if (alert.state == AlertState::releasing) next.proposals.clear();  // decided anew
   if (Status good = shape(next, body, *run, now); !good) return good.error();
   alert = std::move(next);
   works_.erase(alert.id);
+  works_[alert.id].releasing_since = now.mono;
   if (body.verdict == Verdict::retry) mend(alert, "said by " + person_of(alert), now);
   out.record(alert);
   out.log(LogLevel::warning, "alert_decided", alert.id + " " + decided_text(alert));

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "common/base/bytes.hpp"
+#include "common/base/time.hpp"
 #include "proto/bodies/run.hpp"
 
 namespace trb::resilience {
@@ -18,9 +19,10 @@ constexpr std::uint32_t kMaxDecisions = 64;
 struct WatchedRun {
   RunSummary summary;
   std::optional<RunView> view;
-  std::optional<RunStart> start;    ///< nothing before the scheduler has given the definition
-  std::vector<Decision> decisions;  ///< from epoch 2 on, as the definition had them
-  Bytes last_decision;              ///< payload of the last of them; empty: there is none
+  std::optional<RunStart> start;         ///< nothing before the scheduler has given the definition
+  std::vector<Decision> decisions;       ///< from epoch 2 on, as the definition had them
+  std::optional<MonotonicTime> ends_at;  ///< its time to live; nothing: the scheduler does not tell it
+  Bytes last_decision;                   ///< payload of the last of them; empty: there is none
 
   /// It has all that is needed to speak about it. A decision needs is_current() besides.
   [[nodiscard]] bool is_known() const { return view && start; }

@@ -156,8 +156,9 @@ void Bench::handle_own(const Send& send) {
     if (!knows_watch) return nack(send, "cloud", "no_service", "nobody takes it");
     watched_ = true;
     RunTable table;
-    if (!view.run.empty()) {
-      table.runs.push_back({kRun, view.name, view.state, "", 0, 9, 3, view.epoch, version_});
+    const bool archived = view.state == RunState::expired;
+    if (!view.run.empty() && !archived) {
+      table.runs.push_back(summary());
     }
     return answer("cloud", table);
   }

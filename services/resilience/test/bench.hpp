@@ -77,6 +77,7 @@ class Bench {
   std::map<std::string, std::map<std::string, std::string>> values;  ///< of robots, by name: what they answer
   RunView view;
   RunStart start;
+  std::optional<MonotonicTime> ends_at;  ///< the run's time to live, if the scheduler tells it
   std::vector<SignedRecord> decisions;
   std::vector<Decision> taken;
   std::vector<ReleaseTasks> releases;  ///< that robots were asked
@@ -104,6 +105,7 @@ class Bench {
   void release(const std::string& robot, const ReleaseTasks& order);
   void take_into_use(const Send& send, const TakeIntoUse& order);
   void nack(const Send& send, const std::string& from, const std::string& code, const std::string& what);
+  [[nodiscard]] RunSummary summary() const;
   [[nodiscard]] SignedRecord sign(std::string_view purpose, Bytes payload) const;
   [[nodiscard]] SignedRecord certificate(const std::string& id, Role role) const;
   void open();

@@ -52,7 +52,13 @@ void Bench::changed() {
     view.state = std::ranges::any_of(view.tasks, stopped) ? RunState::paused : RunState::running;
   }
   if (!watched_ || deaf) return;
-  answer("cloud", RunChanged{{kRun, view.name, view.state, "", 0, 9, 3, view.epoch, version_}});
+  answer("cloud", RunChanged{summary()});
+}
+
+RunSummary Bench::summary() const {
+  RunSummary out{kRun, view.name, view.state, "", 0, 9, 3, view.epoch, version_};
+  if (ends_at) out.left_s = static_cast<double>((*ends_at - now.mono).count()) / 1e9;
+  return out;
 }
 
 TaskView& Bench::task(const std::string& id) {
@@ -117,6 +123,7 @@ void Bench::begin_run() {
     task.robot = row.robot;
     task.skill = row.skill;
     task.data = row.data;
+    task.timeout_s = 7 * 24 * 3600;  // none of the stories is about its lateness, but those that say so
     TaskView shown;
     shown.id = task.id;
     shown.robot = row.robot;
