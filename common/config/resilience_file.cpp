@@ -82,6 +82,9 @@ void read_policy(const Value& json, const FileFaults& faults, ReplacementPolicy&
   ObjectReader reader(json, "policy", faults);
   out.automatic = reader.choice("mode", Need::required, {"ask", "automatic"}).value_or(0) == 1;
   out.asks_who_begins = reader.choice("bind", Need::optional, {"automatic", "ask"}).value_or(0) == 1;
+  constexpr std::int64_t kMostMoves = 16;
+  const auto moves = reader.integer("max_moves", Need::optional, 1, kMostMoves);
+  out.max_moves = moves ? static_cast<std::uint32_t>(*moves) : out.max_moves;
   if (const Value* conditions = reader.value("conditions", Need::optional)) {
     read_conditions(*conditions, faults, out);
   }

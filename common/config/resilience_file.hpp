@@ -26,6 +26,7 @@ struct ReplacementPolicy {
   double min_score = 0;          ///< of the best proposal; all scores sum to 1
   double min_lead = 0;           ///< of the best one's score over the second's
   Severity max_severity = Severity::fatal;
+  std::uint32_t max_moves = 2;  ///< of one task; then a person is asked
 };
 
 struct ResilienceSettings {

@@ -54,6 +54,15 @@ TEST_CASE("the shipped files are good, and the one of the defaults says what the
   CHECK(automatic.weights == ReplacementWeights{0.25, 0.5, 0.25});
 }
 
+TEST_CASE("a policy moves one task twice, or as often as the file says, 16 times at most") {
+  CHECK(default_resilience().policy.max_moves == 2);
+  CHECK(good(R"({"policy": {"mode": "automatic", "max_moves": 16}})").policy.max_moves == 16);
+  for (const char* wrong : {"0", "17", "1.5"}) {
+    CHECK(fault_of(std::string(R"({"policy": {"mode": "automatic", "max_moves": )") + wrong + "}}") ==
+          "policy.max_moves");
+  }
+}
+
 TEST_CASE("who does a task that names no robot is chosen without asking, unless people want to be asked") {
   CHECK_FALSE(good(R"({"policy": {"mode": "ask"}})").policy.asks_who_begins);
   CHECK(good(R"({"policy": {"mode": "automatic", "bind": "ask"}})").policy.asks_who_begins);

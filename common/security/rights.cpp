@@ -211,6 +211,7 @@ constexpr BusRight kBusRights[] = {
     {"sign_request", kAnyService},
     {"take_into_use", kProbe},
     {"take_into_use", "cloud-gateway"},
+    {"take_into_use", "resilience"},
     {"take_out_of_use", kProbe},
     {"take_out_of_use", "cloud-gateway"},
     {"take_out_of_use", "scheduler"},

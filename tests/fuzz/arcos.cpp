@@ -75,7 +75,8 @@ void cut(BytesView input) {
 
 /// The input is what the robot says: from the connection on, and while a command is carried out.
 void converse(const Bytes& before, BytesView input) {
-  ModeAdapterCore core(pioneer(), [](bool) { return Done{}; });
+  ModeAdapterCore core(
+      pioneer(), [](bool) { return Done{}; }, [](const std::vector<Kept>&) { return Status(Done{}); });
   Outbox out;
   Now now{{1'000'000'000}, {0}};
   core.on_channel_up(Channel::command, now, out);

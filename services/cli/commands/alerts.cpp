@@ -1,4 +1,5 @@
 // alert list, alert decide.
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 
@@ -48,10 +49,10 @@ void print_table(const AlertTable& table) {
   print(format_table(rows));
 }
 
-/// "battery 80 % (0.12)": the value, and what it gave to the score.
-std::string part_text(const CriterionPart& part) {
-  return part.criterion + " " + shown(part.value, "%.4g") + (part.unit.empty() ? "" : " " + part.unit) + " (" +
-         shown(part.contribution) + ")";
+/// "battery 80 % (0.12)": the value, and what it gave to the score; before it whose it is, if several take over.
+std::string part_text(const CriterionPart& part, bool several) {
+  return (several && !part.robot.empty() ? part.robot + " " : "") + part.criterion + " " + shown(part.value, "%.4g") +
+         (part.unit.empty() ? "" : " " + part.unit) + " (" + shown(part.contribution) + ")";
 }
 
 std::string takers_of(const Proposal& proposal) {
@@ -62,12 +63,14 @@ std::string takers_of(const Proposal& proposal) {
 }
 
 void print_proposals(const Alert& alert) {
-  std::vector<std::vector<std::string>> rows{{"", "PROPOSAL", "SCORE", "BY", "NOTE"}};
+  std::vector<std::vector<std::string>> rows{{"", "PROPOSAL", "SCORE", "MERIT", "BY", "NOTE"}};
   for (std::size_t i = 0; i < alert.proposals.size() && i < kMostShown; ++i) {
     const Proposal& one = alert.proposals[i];
     std::string parts;
-    for (const CriterionPart& part : one.parts) parts += (parts.empty() ? "" : ", ") + part_text(part);
-    rows.push_back({std::to_string(i + 1), takers_of(one), shown(one.score), or_dash(parts), one.note});
+    for (const CriterionPart& part : one.parts)
+      parts += (parts.empty() ? "" : ", ") + part_text(part, one.robot.empty());
+    rows.push_back(
+        {std::to_string(i + 1), takers_of(one), shown(one.score), shown(one.merit), or_dash(parts), one.note});
   }
   if (rows.size() > 1) print(format_table(rows));
   if (alert.proposals.size() > kMostShown) {
@@ -118,9 +121,34 @@ std::string user() {
   return name == nullptr || *name == '\0' ? "somebody" : name;
 }
 
+/// "t4,t7"
+std::vector<std::string> words_of(const std::string& list) {
+  std::vector<std::string> out;
+  for (std::size_t begin = 0; begin <= list.size();) {
+    const std::size_t end = std::min(list.find(',', begin), list.size());
+    if (end > begin) out.push_back(list.substr(begin, end - begin));
+    begin = end + 1;
+  }
+  return out;
+}
+
+/// What the verdict is about: an alert, or tasks of a run.
+Status take_subject(const Arguments& arguments, AlertDecide& out) {
+  if (!arguments.words.empty()) out.alert = arguments.words[0];
+  out.run = arguments.get("--run");
+  out.tasks = words_of(arguments.get("--task"));
+  if (out.alert.empty() == out.run.empty()) {
+    return fail(Errc::missing, "an alert, or a run and its tasks",
+                "trb alert decide ALERT, or trb alert decide --run RUN --task T[,T]");
+  }
+  if (out.alert.empty() && out.tasks.empty()) return fail(Errc::missing, "which tasks of the run", "--task T[,T]");
+  if (arguments.has("--task") && out.tasks.empty()) return fail(Errc::bad_value, "--task names none", "--task T[,T]");
+  return Done{};
+}
+
 Result<AlertDecide> verdict_of(const Arguments& arguments) {
   AlertDecide out;
-  out.alert = arguments.words[0];
+  if (Status named = take_subject(arguments, out); !named) return named.error();
   int said = 0;
   const auto say = [&](const char* option, Verdict verdict) {
     if (!arguments.has(option)) return;
@@ -132,6 +160,9 @@ Result<AlertDecide> verdict_of(const Arguments& arguments) {
   say("--retry", Verdict::retry);
   say("--skip", Verdict::skip);
   say("--abort", Verdict::abort);
+  if (out.alert.empty() && (said == 0 || out.verdict == Verdict::abort)) {
+    return fail(Errc::missing, "what is to become of the tasks", "--robot, --override, --retry or --skip");
+  }
   if (said > 1) {
     return fail(Errc::bad_value, "several verdicts", "one of --robot, --override, --retry, --skip and --abort");
   }
@@ -179,19 +210,24 @@ std::vector<Command> alert_commands() {
         0},
        run_list},
       {{"alert", "decide"},
-       {"alert decide ALERT",
-        "Decides on an alert; without a verdict the best proposal is accepted.\n"
-        "ALERT is a unique beginning of its id. A robot that failed gives its tasks back before others get them; if "
-        "it\n"
-        "is silent, or nobody knows what became of a task, somebody must have seen that it stands.",
-        {"--robot R|accept the proposal of this robot", "--override R|this robot, though it is not proposed",
-         "--retry|the same robot tries again: it works; after a decision too, to say that it is mended",
+       {"alert decide [ALERT]",
+        "Decides on an alert; without a verdict the best proposal is accepted. ALERT is a unique beginning of its id; "
+        "with\n"
+        "--run, it is decided on a run's tasks of which no alert tells. A robot that failed gives its tasks back "
+        "before\n"
+        "others get them; if it is silent, or nobody knows what became of a task, somebody must have seen that it "
+        "stands.",
+        {"--task T[,T]|only these of its tasks; the others come back as an alert of their own",
+         "--run RUN|without an alert: move, retry or skip the tasks of --task, all of one robot",
+         "--robot R|accept the proposal of this robot", "--override R|this robot, though it is not proposed",
+         "--retry|the same robot tries again: it is repaired, and its node is told so; after a decision too",
          "--skip|what has failed is left out", "--abort|the run ends",
          "--stands|I have seen that the failed robot stands", "--reason TEXT|why; an override needs one",
          "--person NAME|who decides ($USER)", node, "--json|for programs"},
         {"trb alert decide 3f2a", "trb alert decide 3f2a --robot pioneer2",
-         "trb alert decide 3f2a --override turtlebot --reason 'it stands next to it' --stands"},
-        1,
+         "trb alert decide 3f2a --override turtlebot --reason 'it stands next to it' --stands",
+         "trb alert decide --run 71c0 --task fetch,carry --robot pioneer1"},
+        0,
         1},
        run_decide},
   };

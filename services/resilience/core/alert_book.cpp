@@ -43,10 +43,7 @@ void AlertBook::put(Alert alert) {
 }
 
 Alert* AlertBook::add(Alert alert) {
-  const std::vector<Alert*> others = open();
-  if (others.size() >= kMaxOpen) return nullptr;
-  const auto lone = std::ranges::count_if(others, [](const Alert* other) { return other->run.empty(); });
-  if (alert.run.empty() && static_cast<std::size_t>(lone) >= kMaxLone) return nullptr;
+  if (alert.run.empty() ? !has_room_for_lone() : open().size() >= kMaxOpen) return nullptr;
   do {
     const std::string of =
         alert.run + '\n' + alert.robot + '\n' + std::to_string(alert.time) + '\n' + std::to_string(++count_);
@@ -77,12 +74,15 @@ Result<Alert*> AlertBook::choose(const std::string& beginning) {
               "give more of the id");
 }
 
-bool AlertBook::has_since(std::string_view robot, std::string_view capability, std::int64_t time) const {
-  return std::ranges::any_of(alerts_, [&](const auto& row) {
-    const Alert& alert = row.second;
-    const bool of_it = alert.capability.empty() || alert.capability == capability;
-    return alert.robot == robot && of_it && !alert.run.empty() && alert.time >= time;
-  });
+bool AlertBook::has_room_for_lone() const {
+  std::size_t all = 0;
+  std::size_t lone = 0;
+  for (const auto& [id, alert] : alerts_) {
+    if (!is_open(alert)) continue;
+    ++all;
+    lone += alert.run.empty() ? 1 : 0;
+  }
+  return all < kMaxOpen && lone < kMaxLone;
 }
 
 std::vector<Alert*> AlertBook::open() {

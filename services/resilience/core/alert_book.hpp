@@ -25,11 +25,13 @@ class AlertBook {
   void restore(Alert alert) { put(std::move(alert)); }
   /// Makes its id. nullptr: kMaxOpen are open, or kMaxLone of its kind.
   Alert* add(Alert alert);
+  /// It was never recorded.
+  void drop(const std::string& id) { alerts_.erase(id); }
   [[nodiscard]] Alert* find(std::string_view id);
   /// By a unique beginning of its id. Errors: unknown_target, bad_value (several).
   Result<Alert*> choose(const std::string& beginning);
-  /// One about that robot's capability, or all of it, in any run was raised since.
-  [[nodiscard]] bool has_since(std::string_view robot, std::string_view capability, std::int64_t time) const;
+  /// Another one without a run can be added.
+  [[nodiscard]] bool has_room_for_lone() const;
   /// By time, then id.
   std::vector<Alert*> open();
   /// Newest first, kMaxTable at most: the open ones before those that are done. With fewer proposals each, if it would

@@ -26,6 +26,7 @@ std::vector<RobotNumber> ask(const FleetIndex& index, std::set<std::string> word
 }
 
 bool suits(const RobotRecord& robot, const TaskNeed& need) {
+  if (contains(need.tried, robot.id)) return false;
   if (need.skill.empty()) return true;
   const SkillInfo* skill = find_skill(robot, need.skill);
   return skill != nullptr && misfit(*skill, need, robot).empty();
@@ -56,6 +57,7 @@ std::string why_not(const RobotRecord& robot, const Needs& needs) {
   };
   add(why_unfit(robot));
   for (const TaskNeed& need : needs.tasks) {
+    if (contains(need.tried, robot.id)) add("has failed task '" + need.task + "' already");
     const std::string why = why_unable(robot, need);
     if (!why.empty()) add(why + (need.task.empty() ? "" : " (task " + need.task + ")"));
     if (reasons.size() > 3) break;

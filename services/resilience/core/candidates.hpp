@@ -20,6 +20,7 @@ struct TaskNeed {
   Value::Object arguments;                ///< the parameters that are given, by name
   /// Parameters whose values come from a result that is not there yet: they must exist, their values are not checked.
   std::vector<std::string> later;
+  std::vector<std::string> tried{};  ///< robots that have failed it: no candidates, whatever they can do
 };
 
 /// Of a scenario's task: skill, `requires`, and its data. Error: malformed (the data is no JSON object).

@@ -8,18 +8,36 @@
 
 namespace trb::resilience {
 
+namespace {
+
+constexpr Duration kStuck = std::chrono::seconds(30);  ///< so long whoever is waited for has the first word
+constexpr const char* kStuckCure =
+    "; it has been waited for for 30 s: --stands if you have seen that it stands, or another verdict";
+
+}  // namespace
+
+/// What was decided waits for long, and nothing is signed yet: it may be decided anew.
+bool ResilienceCore::is_stuck(const Alert& alert, Now now) {
+  const auto at = works_.find(alert.id);
+  if (alert.state != AlertState::releasing || at == works_.end()) return false;
+  const Work& work = at->second;
+  return !work.record && work.signing.empty() && work.releasing_since && now.mono - *work.releasing_since >= kStuck;
+}
+
 void ResilienceCore::advance(Alert& alert, Now now, Outbox& out) {
   const WatchedRun* run = watcher_.find(alert.run);
   if (run == nullptr) {
     if (!watcher_.has_table()) return;
     // The order to abort, or a decision, was taken before the run ended.
     const bool handed = alert.verdict == Verdict::abort || works_[alert.id].hand.next().has_value();
-    return handed ? finish(alert, out) : close(alert, "its run is over", out);
+    return handed ? finish(alert, out) : close(alert, run_over_text(alert.run), out);
   }
   if (!run->is_known()) {
     alert.waits_for = "the own scheduler's word on the run";
   } else if (alert.verdict == Verdict::abort) {
     advance_abort(alert, *run, now, out);
+  } else if (alert.verdict == Verdict::retry && !works_[alert.id].record && waits_for_mending(alert, now, out)) {
+    return;
   } else if (works_[alert.id].record) {
     hand_on(alert, *run, now, out);
   } else {
@@ -61,7 +79,9 @@ void ResilienceCore::advance_decision(Alert& alert, const WatchedRun& run, Now n
     work.signing.clear();
     return close(alert, "nothing is left of it to decide", out);
   }
-  alert.waits_for = cut_utf8(plan.waits_for, 512);
+  if (!work.releasing_since) work.releasing_since = now.mono;
+  alert.waits_for = cut_utf8(plan.waits_for, 380);
+  if (!plan.waits_for.empty() && is_stuck(alert, now)) alert.waits_for += kStuckCure;
   if (!plan.release.empty() && work.release.due(now.mono)) {
     work.release.said(now.mono);
     out.command(alert.robot, ReleaseTasks{run.summary.run, run.view->epoch, plan.release}, 0);

@@ -3,17 +3,24 @@
 
 #include "proto/value.hpp"
 #include "services/resilience/core/resilience_core.hpp"
+#include "services/resilience/core/run_end.hpp"
 
 namespace trb::resilience {
 namespace {
 
 constexpr std::size_t kMaxText = 1024;
-constexpr Duration kLately = std::chrono::seconds(10);
 
 std::vector<std::string> names_of(const WatchedRun& run, const std::vector<std::size_t>& tasks) {
   std::vector<std::string> out;
   for (const std::size_t index : tasks) out.push_back(run.view->tasks[index].id);
   return out;
+}
+
+std::string over_text(const Alert& alert) {
+  if (alert.cause == kOverdue) return "its tasks go on";
+  if (alert.cause == kTwice) return "the run is held no more";
+  if (alert.cause == kRunEnds) return "the run does not end soon";
+  return "its cause is over: nothing failed, nothing was moved";
 }
 
 std::string joined(const std::vector<std::string>& words) {
@@ -37,6 +44,7 @@ void ResilienceCore::look_at_runs(bool all, Now now, Outbox& out) {
   if (!runs.empty()) stirred_ = true;
   for (const std::string& id : runs) {
     const WatchedRun* run = watcher_.find(id);
+    if (run == nullptr) overdue_.forget(id);
     if (run != nullptr && run->is_known()) look_at_run(*run, now, out);
   }
 }
@@ -68,15 +76,22 @@ void ResilienceCore::look_at_run(const WatchedRun& run, Now now, Outbox& out) {
       presence_.look(task.robot, fleet_.find(task.robot), now);
     }
   }
-  const std::vector<Trouble> troubles = troubles_of(run, fleet_, presence_, now);
+  std::vector<Trouble> troubles = troubles_of(run, fleet_, presence_, now);
+  for (Trouble& twice : double_executions(run)) troubles.push_back(std::move(twice));
+  if (auto end = trouble_of_end(run, now)) troubles.push_back(std::move(*end));
   for (const Trouble& trouble : troubles) meet(run, trouble, now, out);
+  for (Trouble& late : overdue_troubles(run, now)) {
+    meet(run, late, now, out);
+    troubles.push_back(std::move(late));
+  }
   for (Alert* alert : book_.open()) {
     if (alert->run != run.summary.run || alert->state == AlertState::releasing) continue;
     const auto is_its = [&](const Trouble& trouble) { return is_about(*alert, run, trouble); };
     if (std::ranges::none_of(troubles, is_its)) {
-      close(*alert, "its cause is over: nothing failed, nothing was moved", out);
+      close(*alert, over_text(*alert), out);
     }
   }
+  skip_unbegun(run, now, out);
 }
 
 /// Raises the alert of that robot in that run, or lets the one that is there follow what is known.
@@ -88,15 +103,11 @@ void ResilienceCore::meet(const WatchedRun& run, const Trouble& trouble, Now now
   // A verdict was given: what is new becomes an alert of its own once that is done.
   if (alert != nullptr && alert->state == AlertState::releasing) return;
   if (alert == nullptr) {
-    Alert fresh;
-    fresh.run = run.summary.run;
-    fresh.name = run.view->name;
-    fresh.robot = trouble.robot;
-    fresh.time = now.utc.ns;
-    alert = raise(std::move(fresh), now, out);
+    alert = raise(alert_of(run, trouble.robot, now), now, out);
     if (alert == nullptr) return;
   }
   const Alert before = *alert;
+  if (alert->cause == kOverdue) alert->text = cut_utf8(trouble.text, kMaxText);
   alert->tasks = names_of(run, trouble.tasks);
   alert->needs_word = trouble.needs_word;
   // What explains more is told; what is over explains the failed task all the same.
@@ -107,17 +118,27 @@ void ResilienceCore::meet(const WatchedRun& run, const Trouble& trouble, Now now
     alert->text = cut_utf8(trouble.text, kMaxText);
   }
   if (*alert == before) return;
-  if (alert->tasks != before.tasks) {
+  if (alert->tasks != before.tasks || before.cause.empty()) {
     if (alert->state == AlertState::expired) alert->state = AlertState::open;
     works_[alert->id].grown_at = now.mono;
-    propose(*alert, run, now);
-    ask_values(*alert, now, out);
+    if (may_be_ruled(*alert)) propose(*alert, run, now);
+    if (may_be_ruled(*alert)) ask_values(*alert, now, out);
     out.log(wants_robot(*alert) ? LogLevel::info : LogLevel::warning,
             before.tasks.empty() ? "alert_raised" : "alert_grown",
             alert->id + ": " + alert->robot + (alert->robot.empty() ? "" : ": ") + alert->cause + ": " + alert->text +
                 " (run " + alert->run.substr(0, 8) + ", tasks " + joined(alert->tasks) + ")");
   }
   out.record(*alert);
+}
+
+/// Without what may change: the cause, and what follows from it.
+Alert ResilienceCore::alert_of(const WatchedRun& run, const std::string& robot, Now now) {
+  Alert out;
+  out.run = run.summary.run;
+  out.name = run.view->name;
+  out.robot = robot;
+  out.time = now.utc.ns;
+  return out;
 }
 
 Alert* ResilienceCore::raise(Alert fresh, Now now, Outbox& out) {
@@ -133,33 +154,31 @@ Alert* ResilienceCore::raise(Alert fresh, Now now, Outbox& out) {
   return alert;
 }
 
-/// A fault that no run's alert tells of is told all the same.
-void ResilienceCore::tell_loose_faults(Now now, Outbox& out) {
-  std::vector<LooseFault> due;
-  std::erase_if(loose_, [&](const LooseFault& one) {
-    if (one.due > now.mono) return false;
-    due.push_back(one);
-    return true;
-  });
-  for (const LooseFault& one : due) {
-    const RobotRecord* robot = fleet_.find(one.robot);
-    if (robot == nullptr || fault_of(*robot, one.fault.capability) == nullptr) continue;
-    bool told = book_.has_since(one.robot, one.fault.capability, (now.utc - kLately).ns);
-    for (const Alert* alert : book_.open()) {
-      const bool same = alert->robot == one.robot && alert->cause == "robot_fault" &&
-                        (alert->capability == one.fault.capability || alert->capability.empty());
-      told = told || same;
+/// A fault that stands is told, whether or not a run minds it.
+void ResilienceCore::tell_standing(Now now, Outbox& out) {
+  standing_.follow(fleet_, now);
+  for (const Alert* alert : book_.open()) {
+    if (alert->cause != "robot_fault") continue;
+    const RobotRecord* robot = fleet_.find(alert->robot);
+    if (robot == nullptr) continue;
+    for (const Fault& fault : robot->faults) {
+      if (tells_of(*alert, fault.capability)) standing_.told({alert->robot, fault.capability}, now);
     }
-    if (told) continue;
+  }
+  for (const Standing::Key& key : standing_.untold(now)) {
+    if (!book_.has_room_for_lone()) return out.count("dropped.alerts");
+    const Fault& fault = *worst_fault(*fleet_.find(key.robot), key.capability);
     Alert fresh;
-    fresh.robot = one.robot;
-    fresh.capability = one.fault.capability;
-    fresh.severity = one.fault.severity;
+    fresh.robot = key.robot;
+    fresh.capability = key.capability;
+    fresh.severity = fault.severity;
     fresh.cause = "robot_fault";
-    fresh.text = cut_utf8(one.fault.text, kMaxText);
+    fresh.text = cut_utf8(fault.text, kMaxText);
     fresh.time = now.utc.ns;
     Alert* alert = raise(std::move(fresh), now, out);
     if (alert == nullptr) return;
+    standing_.told(key, now);
+    look_at_lone(*alert, now, out);
     out.record(*alert);
     out.log(LogLevel::warning, "alert_raised", alert->id + ": " + alert->robot + ": " + alert->text + " (no run)");
   }
@@ -167,25 +186,13 @@ void ResilienceCore::tell_loose_faults(Now now, Outbox& out) {
 
 void ResilienceCore::close(Alert& alert, const std::string& why, Outbox& out) {
   alert.state = AlertState::closed;
+  stirred_ = true;
   if (watcher_.find(alert.run) != nullptr) stirred_runs_.insert(alert.run);
   alert.waits_for = cut_utf8(why, 512);
   works_.erase(alert.id);
   record_handed(alert, "decision_dropped", out);
   out.record(alert);
   out.log(LogLevel::info, "alert_closed", alert.id + ": " + why);
-}
-
-/// A person has said that the robot works again.
-void ResilienceCore::mend(const Alert& alert, const std::string& why, Now now) {
-  const RobotRecord* robot = fleet_.find(alert.robot);
-  if (robot == nullptr) return;
-  std::set<std::string> over;
-  for (const Fault& fault : robot->faults) {
-    const bool of_it = alert.capability.empty() || fault.capability.empty() || fault.capability == alert.capability;
-    if (takes_away(fault) && of_it) over.insert(fault.capability);
-  }
-  for (const std::string& capability : over) fleet_.end_faults(alert.robot, capability, why, now.utc);
-  look_at_robot(alert.robot, now);
 }
 
 }  // namespace trb::resilience

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <tuple>
 
 #include "common/base/ids.hpp"
 #include "proto/value.hpp"
@@ -20,13 +19,14 @@ std::string capabilities_of(const NodeProfile& profile) {
 
 bool same_abilities(const NodeProfile& a, const NodeProfile& b) {
   return a.capabilities == b.capabilities && a.skills == b.skills && a.places == b.places && a.sensors == b.sensors &&
-         a.plugged == b.plugged;
+         a.plugged == b.plugged && a.out_of_use == b.out_of_use && a.numbers == b.numbers;
 }
 
 /// Numbers that are none would be no equals of themselves, and no value for SQLite.
 NodeProfile cleaned(NodeProfile profile) {
   const FrameInfo& frame = profile.frame;
   if (!std::isfinite(frame.length + frame.x + frame.y + frame.yaw)) profile.frame = {};
+  std::erase_if(profile.numbers, [](const NamedNumber& number) { return !std::isfinite(number.value); });
   for (SkillInfo& skill : profile.skills) {
     if (!std::isfinite(skill.timeout_s)) skill.timeout_s = 0;
     for (ParameterInfo& info : skill.parameters) {
@@ -42,30 +42,6 @@ bool set_value(RobotRecord& robot, const std::string& name, const std::string& v
   if (robot.values.size() >= kMaxValues && !robot.values.contains(name)) return false;
   robot.values[name] = {value, now};
   return true;
-}
-
-auto rank(const Fault& fault) {
-  return std::tie(fault.capability, fault.severity);
-}
-
-/// Room for one more: the oldest of the least severe goes.
-void make_room(std::vector<Fault>& faults) {
-  if (faults.size() < kMaxFaults) return;
-  faults.erase(std::min_element(faults.begin(), faults.end(), [](const Fault& a, const Fault& b) {
-    return std::tie(a.severity, a.since) < std::tie(b.severity, b.since);
-  }));
-}
-
-/// Told again it keeps the moment at which it began.
-void add_fault(std::vector<Fault>& faults, Fault fault) {
-  const auto by_rank = [](const Fault& a, const Fault& b) { return rank(a) < rank(b); };
-  const auto at = std::lower_bound(faults.begin(), faults.end(), fault, by_rank);
-  if (at != faults.end() && rank(*at) == rank(fault)) {
-    at->text = std::move(fault.text);
-    return;
-  }
-  make_room(faults);
-  faults.insert(std::lower_bound(faults.begin(), faults.end(), fault, by_rank), std::move(fault));
 }
 
 }  // namespace
@@ -110,6 +86,7 @@ const RobotRecord* Fleet::find(std::string_view id) const {
 }
 
 void Fleet::changed(const RobotRecord& robot, unsigned parts) {
+  if ((parts & Changes::kFaults) != 0) ++fault_changes_;
   const RobotNumber number = *index_.find(robot.id);
   if ((parts & ~unsigned{Changes::kState}) != 0) index_.set_words(number, words_of(robot));
   index_.set_measures(number, measures_of(robot));
@@ -142,8 +119,10 @@ void Fleet::take_profile(RobotRecord& robot, const NodeProfile& told, UtcTime no
   if (before == profile) return;
   if (before.robot != profile.robot) note(robot, "connection", profile.robot + " " + profile.detail, now);
   if (before.fenced != profile.fenced) note(robot, profile.fenced ? "fenced" : "released", "", now);
+  note_service(robot, before, profile, now);
   if (before.capabilities != profile.capabilities) note(robot, "profile", capabilities_of(profile), now);
-  const unsigned parts = same_abilities(before, profile) ? Changes::kNode : Changes::kNode | Changes::kAbilities;
+  unsigned parts = same_abilities(before, profile) ? Changes::kNode : Changes::kNode | Changes::kAbilities;
+  if (take_out_of_use(robot, before, profile, now)) parts |= Changes::kFaults;
   robot.profile = {profile, now};
   changed(robot, parts);
 }
@@ -208,32 +187,6 @@ bool Fleet::on_value(std::string_view id, const std::string& name, const std::st
   return true;
 }
 
-bool Fleet::on_fault(std::string_view id, const RobotFault& told, UtcTime now) {
-  if (told.capability.size() > kMaxIdSize) return false;
-  const auto place = known(id);
-  if (!place) return false;
-  RobotRecord* robot = *place;
-  Fault fault{told.capability, told.severity, cut_utf8(told.text, kMaxValueSize), now};
-  // A robot may tell it a thousand times a second: the disk need not know.
-  const auto same = [&](const Fault& one) { return rank(one) == rank(fault) && one.text == fault.text; };
-  if (std::ranges::any_of(robot->faults, same)) return true;
-  const std::string of = fault.capability.empty() ? "" : fault.capability + ": ";
-  note(*robot, "fault", std::string(name_of(fault.severity)) + " " + of + fault.text, now);
-  add_fault(robot->faults, std::move(fault));
-  changed(*robot, Changes::kFaults);
-  return true;
-}
-
-bool Fleet::end_faults(std::string_view id, std::string_view capability, const std::string& why, UtcTime now) {
-  RobotRecord* robot = existing(id);
-  if (robot == nullptr) return false;
-  const auto ended = std::erase_if(robot->faults, [&](const Fault& fault) { return fault.capability == capability; });
-  if (ended == 0) return false;
-  note(*robot, "fault_ended", (capability.empty() ? "" : std::string(capability) + ": ") + why, now);
-  changed(*robot, Changes::kFaults);
-  return true;
-}
-
 bool Fleet::set_later_tasks(std::string_view id, std::uint32_t tasks) {
   RobotRecord* robot = existing(id);
   if (robot == nullptr) return false;
@@ -248,6 +201,7 @@ void Fleet::forget(std::string_view id, UtcTime now) {
   if (at == robots_.end()) return;
   note(at->second, "forgotten", "", now);
   changes_.robots[at->first] = Changes::kGone;
+  ++fault_changes_;
   index_.drop(id);
   robots_.erase(at);
 }

@@ -14,7 +14,7 @@
 namespace trb::resilience {
 
 /// A line of the history, for people. `kind`: joined, expired, connection, fenced, released, profile, fault,
-/// fault_ended, forgotten.
+/// fault_ended, retired, returned, forgotten.
 struct HistoryEntry {
   UtcTime time;
   std::string robot;
@@ -61,11 +61,11 @@ class Fleet {
   /// One value: the answer to a request of that subtype.
   bool on_value(std::string_view id, const std::string& name, const std::string& value, UtcTime now);
   /// Also of a robot that is not known yet, which then is: a fault is told once, and may come before its node's
-  /// profile.
+  /// profile. One that has ended is over, unless somebody else than the robot has found it.
   bool on_fault(std::string_view id, const RobotFault& fault, UtcTime now);
 
   /// The faults of that capability (empty: of the whole robot, and no others) are over; `why` is kept in the history.
-  /// No message says so: it is an operator's word, or what the service infers. False: there was none.
+  /// It is an operator's word, or what the service infers. False: there was none.
   bool end_faults(std::string_view id, std::string_view capability, const std::string& why, UtcTime now);
   bool set_later_tasks(std::string_view id, std::uint32_t tasks);
   /// It has left the fleet for good.
@@ -78,6 +78,8 @@ class Fleet {
   [[nodiscard]] const std::map<std::string, RobotRecord, std::less<>>& robots() const { return robots_; }
   [[nodiscard]] const FleetIndex& index() const { return index_; }
 
+  /// Rises with every change of a robot's faults.
+  [[nodiscard]] std::uint64_t fault_changes() const { return fault_changes_; }
   [[nodiscard]] const Changes& changes() const { return changes_; }
   /// They are on disk.
   void written() { changes_ = {}; }
@@ -89,12 +91,16 @@ class Fleet {
   void changed(const RobotRecord& robot, unsigned parts);
   void note(const RobotRecord& robot, std::string_view kind, std::string_view text, UtcTime now);
   void take_profile(RobotRecord& robot, const NodeProfile& told, UtcTime now);
+  bool on_fault_ended(std::string_view id, const RobotFault& told, UtcTime now);
+  bool take_out_of_use(RobotRecord& robot, const NodeProfile& before, const NodeProfile& profile, UtcTime now);
+  void note_service(const RobotRecord& robot, const NodeProfile& before, const NodeProfile& profile, UtcTime now);
   void set_reached(RobotRecord& robot, bool reached, const std::string& reason, UtcTime now);
 
   std::map<std::string, RobotRecord, std::less<>> robots_;
   FleetIndex index_;
   std::vector<const RobotRecord*> by_number_;
   Changes changes_;
+  std::uint64_t fault_changes_ = 0;
 };
 
 }  // namespace trb::resilience

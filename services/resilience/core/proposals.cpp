@@ -11,7 +11,6 @@ namespace trb::resilience {
 namespace {
 
 constexpr Duration kOld = std::chrono::seconds(30);
-constexpr std::size_t kMaxUnfit = 64;
 constexpr std::size_t kMaxParts = 256;
 
 /// A criterion's values of the candidates, in their order; what nobody knows is the mean of the others.
@@ -200,6 +199,7 @@ Result<Needs> needs_of(const WatchedRun& run, const std::vector<std::size_t>& ta
     for (const ValueFrom& value : task.values) {
       if (std::ranges::find(need->later, value.parameter) == need->later.end()) need->later.push_back(value.parameter);
     }
+    need->tried = run.view->tasks[index].failed_by;
     out.tasks.push_back(std::move(*need));
   }
   return out;

@@ -13,6 +13,7 @@
 namespace trb::resilience {
 
 constexpr std::size_t kMaxProposals = 64;
+constexpr std::size_t kMaxUnfit = 64;
 
 struct Ways {
   std::vector<Proposal> proposals;  ///< best first

@@ -6,6 +6,7 @@
 #include "services/resilience/core/plan.hpp"
 #include "services/resilience/core/resilience_core.hpp"
 #include "services/resilience/core/robot_state.hpp"
+#include "services/resilience/core/run_end.hpp"
 
 namespace trb::resilience {
 namespace {
@@ -18,7 +19,6 @@ constexpr const char* kGathers = "other tasks may fail of the same cause";
 constexpr Duration kFresh = std::chrono::seconds(10);
 constexpr Duration kAnswers = std::chrono::seconds(5);
 constexpr Duration kPatience = std::chrono::seconds(2);  ///< so long a task that names no robot waits for answers
-constexpr Duration kLoneLife = std::chrono::hours(24);
 
 }  // namespace
 
@@ -35,25 +35,43 @@ void ResilienceCore::look_at_alerts(Now now, Outbox& out) {
   book_.prune();
 }
 
-/// No run needs the robot.
+/// No run needs the robot. The alert is there as long as the fault is, or until a run's alert tells of it.
 void ResilienceCore::look_at_lone(Alert& alert, Now now, Outbox& out) {
   const RobotRecord* robot = fleet_.find(alert.robot);
-  if (robot == nullptr || fault_of(*robot, alert.capability) == nullptr) return close(alert, "the fault is over", out);
-  if (now.utc - Duration{alert.time} >= UtcTime{kLoneLife.count()}) return close(alert, "a day has passed", out);
+  if (robot == nullptr || worst_fault(*robot, alert.capability) == nullptr) {
+    return close(alert, alert.verdict == Verdict::retry ? "taken as mended" : "the fault is over", out);
+  }
+  if (alert.verdict == Verdict::retry && waits_for_mending(alert, now, out)) return;
   for (const Alert* other : book_.open()) {
-    if (!other->run.empty() && other->robot == alert.robot) return close(alert, "run alert " + other->id, out);
+    const bool tells = !other->run.empty() && other->robot == alert.robot && tells_of(*other, alert.capability);
+    if (tells) return close(alert, "run alert " + other->id, out);
   }
   alert.waits_for =
       "somebody to mend " + alert.robot + "; then: trb alert decide " + alert.id.substr(0, 8) + " --retry";
 }
 
+/// It tells what is; there is nothing to propose.
+void ResilienceCore::look_at_notice(Alert& alert, const WatchedRun& run, Now now) {
+  const std::string id = run.summary.run.substr(0, 8);
+  alert.waits_for = alert.cause == kRunEnds
+                        ? wait_for_end(run, now)
+                        : "trb scenario resume " + id + " once somebody has looked, or trb scenario abort " + id;
+}
+
+/// How its run has ended.
+std::string ResilienceCore::run_over_text(const std::string& run) const {
+  if (watcher_.ended(run) != RunState::expired) return "its run is over";
+  return "its run has EXPIRED: trb run show " + run.substr(0, 8) + " has everything";
+}
+
 void ResilienceCore::look_at_open(Alert& alert, Now now, Outbox& out) {
   const WatchedRun* run = watcher_.find(alert.run);
   if (run == nullptr) {
-    if (watcher_.has_table()) close(alert, "its run is over", out);
+    if (watcher_.has_table()) close(alert, run_over_text(alert.run), out);
     return;
   }
   if (!run->is_known()) return;
+  if (!may_be_ruled(alert)) return look_at_notice(alert, *run, now);
   Work& work = works_[alert.id];
   const bool again = !work.ranked_at || now.mono - *work.ranked_at >= kRankAgain;
   const bool unasked = wants_robot(alert) && !work.asked_at;  // nobody may look at it again
@@ -131,6 +149,7 @@ bool ResilienceCore::is_stale(const Alert& alert) const {
     const RobotRecord* robot = fleet_.find(one.robot);
     if (robot == nullptr || !is_fit(*robot)) return false;
     const auto index = run == nullptr ? std::nullopt : run->find_task(one.task);
+    if (index && std::ranges::count(run->view->tasks[*index].failed_by, one.robot) != 0) return false;
     const SkillInfo* skill = index ? find_skill(*robot, run->view->tasks[*index].skill) : nullptr;
     return skill == nullptr || skill->capability.empty() || is_able(*robot, skill->capability);
   };
@@ -147,17 +166,23 @@ void ResilienceCore::propose(Alert& alert, const WatchedRun& run, Now now) {
   for (const std::string& id : alert.tasks) {
     const auto index = run.find_task(id);
     if (!index) continue;
-    if (run.start->scenario.tasks[*index].pinned && !wants_robot(alert)) {
-      alert.unfit.push_back({alert.robot, "task '" + id + "' is pinned to it: nobody else may do it"});
-      return;
+    if (!is_pinned(alert, run, id)) {
+      tasks.push_back(*index);
+    } else if (alert.unfit.size() < kMaxUnfit) {
+      alert.unfit.push_back({alert.robot, "task '" + id + "' is pinned to it: it stays, for --retry or --skip"});
     }
-    tasks.push_back(*index);
   }
+  if (tasks.empty()) return;
   const auto needs = needs_of(run, tasks, alert.robot);
-  if (!needs) return alert.unfit.push_back({alert.robot, cut_utf8(needs.error().what, 255)});
+  if (!needs) {
+    if (alert.unfit.size() < kMaxUnfit) alert.unfit.push_back({alert.robot, cut_utf8(needs.error().what, 255)});
+    return;
+  }
   Ways ways = find_ways(fleet_, *needs, settings_.places, settings_.resilience.weights, now.utc);
   alert.proposals = std::move(ways.proposals);
-  alert.unfit = std::move(ways.unfit);
+  for (Unfit& one : ways.unfit) {
+    if (alert.unfit.size() < kMaxUnfit) alert.unfit.push_back(std::move(one));
+  }
 }
 
 bool ResilienceCore::decides(const Alert& alert) const {
@@ -181,13 +206,27 @@ std::string ResilienceCore::open_text(const Alert& alert) const {
   return out;
 }
 
+/// Who is moved again and again fails everywhere.
+std::string ResilienceCore::why_moved_enough(const Alert& alert) const {
+  const WatchedRun* run = watcher_.find(alert.run);
+  const std::uint32_t most = settings_.resilience.policy.max_moves;
+  for (const std::string& id : alert.tasks) {
+    const auto index = run == nullptr ? std::nullopt : run->find_task(id);
+    if (!index || is_pinned(alert, *run, id) || run->policy_moves(*index) < most) continue;
+    return "it has moved task '" + id + "' " + std::to_string(run->policy_moves(*index)) + " times: a person decides";
+  }
+  return {};
+}
+
 /// Why the policy does not decide; empty: it does.
 std::string ResilienceCore::why_ask(const Alert& alert, Now now) {
   const ReplacementPolicy& policy = settings_.resilience.policy;
   const Work& work = works_[alert.id];
   if (!work.asks_for.empty()) return work.asks_for;
+  if (alert.cause == kOverdue) return "nothing has failed: a person decides what becomes of what is late";
   if (alert.needs_word) return "only a person can say that " + alert.robot + " stands";
   if (alert.proposals.empty()) return "no robot can take over";
+  if (std::string enough = why_moved_enough(alert); !enough.empty()) return enough;
   if (alert.severity > policy.max_severity) return "the fault is " + std::string(name_of(alert.severity));
   const double best = alert.proposals[0].score;
   const double lead = best - (alert.proposals.size() > 1 ? alert.proposals[1].score : 0);
@@ -209,6 +248,7 @@ std::string ResilienceCore::why_wait(const Alert& alert, Now now) {
   const Work& work = works_[alert.id];
   if (!work.asks_for.empty()) return work.asks_for;
   if (alert.proposals.empty()) return "no robot can do it now";
+  if (std::string enough = why_moved_enough(alert); !enough.empty()) return enough;
   for (const Alert* other : book_.open()) {
     if (other->state == AlertState::releasing && wants_robot(*other)) return "alert " + other->id + " comes first";
   }

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "services/resilience/core/run_end.hpp"
+
 namespace trb::resilience {
 namespace {
 
@@ -9,8 +11,6 @@ constexpr Duration kRoutes = std::chrono::seconds(30);
 constexpr Duration kRoutesWhileOpen = std::chrono::seconds(5);
 constexpr Duration kRoutesAtOnce = std::chrono::seconds(1);
 constexpr Duration kLook = std::chrono::seconds(1);
-constexpr Duration kLoose = std::chrono::seconds(2);  ///< a run's alert may still come
-constexpr std::size_t kMaxLoose = 256;
 
 }  // namespace
 
@@ -100,7 +100,7 @@ void ResilienceCore::on_information(const Inbound& message, Now now, Outbox& out
                    },
                    [&](const RouteTable& body) { own ? take_page(body, now, out) : out.count("dropped.foreign"); },
                    [&](const RunTable& body) { own ? watcher_.on(body, now) : out.count("dropped.foreign"); },
-                   [&](const RunChanged& body) { own ? watcher_.on(body) : out.count("dropped.foreign"); },
+                   [&](const RunChanged& body) { own ? watcher_.on(body, now) : out.count("dropped.foreign"); },
                    [&](const RunView& body) { own ? watcher_.on(body) : out.count("dropped.foreign"); },
                    [&](const Definition& body) { own ? watcher_.on(body) : out.count("dropped.foreign"); },
                    [&](const SignedRecord& body) { own ? on_signed(body, out) : out.count("dropped.foreign"); },
@@ -113,6 +113,8 @@ void ResilienceCore::on_information(const Inbound& message, Now now, Outbox& out
                    [&](const Nack& body) {
                      const bool asked_here =
                          body.subtype == RunDecision::kSubtype || body.subtype == RunAbort::kSubtype;
+                     const bool of_robot = body.subtype == TakeIntoUse::kSubtype;
+                     if (of_robot) return hear_unmended(body, from, now, out);
                      own || !asked_here ? hear(body, now, out) : out.count("dropped.foreign");
                    },
                    [&](const Opaque& body) {
@@ -127,14 +129,11 @@ void ResilienceCore::hear(const RobotFault& fault, const std::string& robot, Now
   const std::vector<Fault> before = known == nullptr ? std::vector<Fault>{} : known->faults;
   if (!fleet_.on_fault(robot, fault, now.utc)) return out.count("dropped.robot_fault");
   // Told again in the same words it changes nothing for any run.
-  if (fleet_.find(robot)->faults != before) {
+  known = fleet_.find(robot);
+  if (known->faults != before) {
     ask_routes(now, kRoutesAtOnce);
     look_at_robot(robot, now);
   }
-  if (fault.severity < Severity::critical || loose_.size() >= kMaxLoose) return;
-  const bool waits = std::ranges::any_of(
-      loose_, [&](const LooseFault& one) { return one.robot == robot && one.fault.capability == fault.capability; });
-  if (!waits) loose_.push_back({robot, fault, now.mono + kLoose});
 }
 
 void ResilienceCore::take_page(const RouteTable& page, Now now, Outbox& out) {
@@ -219,11 +218,11 @@ void ResilienceCore::tick(Now now, Outbox& out) {
 void ResilienceCore::look(Now now, Outbox& out) {
   const bool due = look_at_ && *look_at_ <= now.mono;
   look_at_runs(due, now, out);
-  tell_loose_faults(now, out);
   if (!stirred_ && !due) return;
   stirred_ = false;
   looked_at_ = now.mono;
   look_at_alerts(now, out);
+  tell_standing(now, out);
 }
 
 /// The end of every step.
@@ -233,11 +232,17 @@ void ResilienceCore::settle(Now now, Outbox& out) {
   const bool open = !book_.open().empty();
   look_at_ = open && looked_at_ ? std::optional(*looked_at_ + kLook) : std::nullopt;
   for (const auto& [id, work] : works_) {
-    for (const Backoff* backoff : {&work.release, &work.sign, &work.hand}) {
+    for (const Backoff* backoff : {&work.release, &work.sign, &work.hand, &work.mend}) {
       if (backoff->next() && *backoff->next() > now.mono) look_at_ = earlier(look_at_, backoff->next());
     }
   }
-  look_at_ = earlier(look_at_, presence_.next(now));
+  for (const auto& [id, run] : watcher_.runs()) {
+    if (!run.is_known()) continue;
+    look_at_ = earlier(look_at_, overdue_.next(run, fleet_, now));
+    if (const auto at = end_told_at(run); at && *at > now.mono) look_at_ = earlier(look_at_, at);
+  }
+  standing_.follow(fleet_, now);
+  look_at_ = earlier(earlier(look_at_, presence_.next(now)), standing_.next(now));
   if (routes_heard_ && !stirred_runs_.empty()) look_at_ = now.mono;
   if (open) ask_routes(now, kRoutesWhileOpen);
   // Who is not there may be there again, and its word of it have been lost with a link that was just being built.
@@ -253,10 +258,7 @@ void ResilienceCore::settle(Now now, Outbox& out) {
 
 std::optional<MonotonicTime> ResilienceCore::next_deadline() const {
   if (!welcomed_) return std::nullopt;
-  auto out = earlier(earlier(look_at_, ask_routes_at_), watcher_.next_deadline());
-  if (!routes_heard_) return out;
-  for (const LooseFault& one : loose_) out = earlier(out, one.due);
-  return out;
+  return earlier(earlier(look_at_, ask_routes_at_), watcher_.next_deadline());
 }
 
 }  // namespace trb::resilience

@@ -11,8 +11,10 @@
 #include "common/actor/core.hpp"
 #include "common/actor/route_pages.hpp"
 #include "services/resilience/core/alert_book.hpp"
+#include "services/resilience/core/overdue.hpp"
 #include "services/resilience/core/proposals.hpp"
 #include "services/resilience/core/run_watcher.hpp"
+#include "services/resilience/core/standing.hpp"
 #include "services/resilience/core/troubles.hpp"
 
 namespace trb::resilience {
@@ -57,20 +59,17 @@ class ResilienceCore final : public Core {
     std::optional<MonotonicTime> ranked_at;
     std::optional<MonotonicTime> asked_at;                  ///< the candidates, for their values
     std::set<std::pair<std::string, std::string>> awaited;  ///< robot, value
+    std::optional<MonotonicTime> releasing_since;
     Backoff release;
     Backoff sign;
     Backoff hand;
+    Backoff mend;
+    bool mended = false;                 ///< the robot's node has taken into use what a person says is repaired
     Bytes signing;                       ///< what the router is asked to sign
     std::optional<SignedRecord> record;  ///< the decision, or the order to abort
     std::uint32_t epoch = 0;             ///< of the decision
     std::string refusal;                 ///< the scheduler's
     std::string asks_for;                ///< why the policy keeps out
-  };
-  /// A fault of which no run's alert tells yet.
-  struct LooseFault {
-    std::string robot;
-    RobotFault fault;
-    MonotonicTime due;
   };
 
   // what is heard (resilience_core.cpp)
@@ -90,14 +89,23 @@ class ResilienceCore final : public Core {
   void look_at_run(const WatchedRun& run, Now now, Outbox& out);
   void count_tasks(const std::string& run);
   void meet(const WatchedRun& run, const Trouble& trouble, Now now, Outbox& out);
+  [[nodiscard]] static Alert alert_of(const WatchedRun& run, const std::string& robot, Now now);
   Alert* raise(Alert alert, Now now, Outbox& out);
-  void tell_loose_faults(Now now, Outbox& out);
+  void tell_standing(Now now, Outbox& out);
   void close(Alert& alert, const std::string& why, Outbox& out);
+
+  // mending.cpp
   void mend(const Alert& alert, const std::string& why, Now now);
+  [[nodiscard]] std::vector<std::string> told_broken(const Alert& alert) const;
+  [[nodiscard]] bool waits_for_mending(Alert& alert, Now now, Outbox& out);
+  void hear_unmended(const Nack& nack, const std::string& from, Now now, Outbox& out);
+  void unmended(Alert& alert, const std::string& why, Now now, Outbox& out);
 
   // proposing.cpp
   void look_at_alerts(Now now, Outbox& out);
   void look_at_open(Alert& alert, Now now, Outbox& out);
+  [[nodiscard]] std::string run_over_text(const std::string& run) const;
+  void look_at_notice(Alert& alert, const WatchedRun& run, Now now);
   void look_at_lone(Alert& alert, Now now, Outbox& out);
   void propose(Alert& alert, const WatchedRun& run, Now now);
   void ask_values(const Alert& alert, Now now, Outbox& out);
@@ -105,6 +113,7 @@ class ResilienceCore final : public Core {
   void answered(const std::string& robot, const std::string& value);
   [[nodiscard]] bool is_stale(const Alert& alert) const;
   void try_policy(Alert& alert, Now now, Outbox& out);
+  [[nodiscard]] std::string why_moved_enough(const Alert& alert) const;
   [[nodiscard]] std::string why_ask(const Alert& alert, Now now);
   [[nodiscard]] std::string why_wait(const Alert& alert, Now now);
   [[nodiscard]] static std::string awaits(const Work& work, Duration patience, Now now);
@@ -116,10 +125,32 @@ class ResilienceCore final : public Core {
   void handle(const AlertDecide& body, const Inbound& from, Now now, Outbox& out);
   Result<std::string> decide(Alert& alert, const AlertDecide& body, Now now, Outbox& out);
   Result<std::string> decide_again(Alert& alert, const AlertDecide& body, Now now, Outbox& out);
+  Result<std::string> decide_alert(Alert& alert, const AlertDecide& body, Now now, Outbox& out);
+  [[nodiscard]] bool is_stuck(const Alert& alert, Now now);
+  [[nodiscard]] Alert* alert_of_fault(const Alert& alert);
   Result<std::string> decide_lone(Alert& alert, const AlertDecide& body, Now now, Outbox& out);
-  [[nodiscard]] Status check_taker(Alert& alert, const AlertDecide& body, const WatchedRun& run, Now now);
+
+  // verdict_checks.cpp
+  [[nodiscard]] Status check_decider(const Alert& alert, const WatchedRun* run, const AlertDecide& body) const;
+  [[nodiscard]] Status check_override(const Alert& alert, const AlertDecide& body, const WatchedRun& run) const;
+  [[nodiscard]] Status take_proposal(Alert& alert, const AlertDecide& body, const WatchedRun& run, Now now);
+  [[nodiscard]] Status take_override(Alert& alert, const AlertDecide& body, const WatchedRun& run) const;
   [[nodiscard]] Status check_word(const Alert& alert, const AlertDecide& body, const WatchedRun& run) const;
   [[nodiscard]] Status check_retry(const Alert& alert, Now now) const;
+  [[nodiscard]] static Status check_retry_of(const Alert& alert, const WatchedRun& run);
+  [[nodiscard]] Status check_bounds(const Alert& alert, const WatchedRun& run);
+  [[nodiscard]] Status shape(Alert& alert, const AlertDecide& body, const WatchedRun& run, Now now);
+  [[nodiscard]] static Status narrow(Alert& alert, const AlertDecide& body, const WatchedRun& run);
+
+  // asking.cpp
+  [[nodiscard]] Result<const WatchedRun*> choose_run(const std::string& beginning) const;
+  [[nodiscard]] Result<Alert*> alert_of_tasks(const WatchedRun& run, const std::vector<std::string>& tasks);
+  Result<std::string> decide_tasks(const AlertDecide& body, Now now, Outbox& out);
+  Result<std::string> decide_anew(Alert fresh, const AlertDecide& body, Now now, Outbox& out);
+
+  // lateness.cpp
+  [[nodiscard]] std::vector<Trouble> overdue_troubles(const WatchedRun& run, Now now);
+  void skip_unbegun(const WatchedRun& run, Now now, Outbox& out);
 
   // deciding.cpp
   void advance(Alert& alert, Now now, Outbox& out);
@@ -143,7 +174,8 @@ class ResilienceCore final : public Core {
   std::map<std::string, Work, std::less<>> works_;  ///< by alert
   std::map<std::string, SignedRecord, std::less<>> certificates_;
   std::map<std::string, std::map<std::string, std::uint32_t>, std::less<>> open_tasks_;  ///< run -> robot -> tasks
-  std::vector<LooseFault> loose_;
+  Standing standing_;
+  Overdue overdue_;
   std::set<std::string> stirred_runs_;  ///< to be looked at
   std::string handed_;                  ///< the alert whose decision or order was sent last
   bool welcomed_ = false;

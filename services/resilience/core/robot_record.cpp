@@ -28,6 +28,10 @@ bool takes_away(const Fault& fault) {
   return fault.severity >= Severity::critical;
 }
 
+bool is_standing(const OutOfUse& one) {
+  return !one.retired && one.severity >= Severity::critical;
+}
+
 const Fault* fault_of(const RobotRecord& robot, std::string_view capability) {
   const Fault* worst = nullptr;
   for (const Fault& fault : robot.faults) {
@@ -35,6 +39,30 @@ const Fault* fault_of(const RobotRecord& robot, std::string_view capability) {
     if (worst == nullptr || fault.severity > worst->severity) worst = &fault;
   }
   return worst;
+}
+
+const Fault* worst_fault(const RobotRecord& robot, std::string_view capability) {
+  const Fault* worst = nullptr;
+  for (const Fault& fault : robot.faults) {
+    if (!takes_away(fault) || fault.capability != capability) continue;
+    if (worst == nullptr || fault.severity > worst->severity) worst = &fault;
+  }
+  return worst;
+}
+
+const OutOfUse* retirement_of(const RobotRecord& robot) {
+  const auto at = std::ranges::find_if(robot.profile.is.out_of_use, &OutOfUse::retired);
+  return at == robot.profile.is.out_of_use.end() ? nullptr : &*at;
+}
+
+std::string retired_text(const OutOfUse& retirement) {
+  return "is out of service" + (retirement.text.empty() ? "" : ": " + retirement.text) +
+         (retirement.by.empty() ? "" : " (by " + retirement.by + ")");
+}
+
+bool is_told_broken(const RobotRecord& robot, std::string_view capability) {
+  return std::ranges::any_of(robot.profile.is.out_of_use,
+                             [&](const OutOfUse& one) { return is_standing(one) && one.capability == capability; });
 }
 
 bool is_able(const RobotRecord& robot, std::string_view capability) {
@@ -45,7 +73,8 @@ bool is_able(const RobotRecord& robot, std::string_view capability) {
 
 bool is_fit(const RobotRecord& robot) {
   const NodeProfile& profile = robot.profile.is;
-  return robot.reached && profile.robot == "ONLINE" && !profile.fenced && fault_of(robot, "") == nullptr;
+  return robot.reached && profile.robot == "ONLINE" && !profile.fenced && retirement_of(robot) == nullptr &&
+         fault_of(robot, "") == nullptr;
 }
 
 std::string why_unfit(const RobotRecord& robot) {
@@ -54,6 +83,7 @@ std::string why_unfit(const RobotRecord& robot) {
   if (profile.robot.empty()) return "its node has no robot";
   if (profile.robot != "ONLINE") return "is " + profile.robot + (profile.detail.empty() ? "" : ": " + profile.detail);
   if (profile.fenced) return "is stopped until it is released";
+  if (const OutOfUse* retirement = retirement_of(robot)) return retired_text(*retirement);
   if (const Fault* fault = fault_of(robot, "")) return std::string(name_of(fault->severity)) + " fault: " + fault->text;
   return {};
 }

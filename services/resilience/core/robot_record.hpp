@@ -15,7 +15,7 @@ namespace trb::resilience {
 
 constexpr std::size_t kMaxValues = 64;  ///< names of values of one robot
 constexpr std::size_t kMaxValueSize = 1024;
-constexpr std::size_t kMaxFaults = 64;  ///< of one robot
+constexpr std::size_t kMaxFaults = 128;  ///< of one robot: those of its out_of_use, and lesser ones
 
 /// Something with the moment at which it was told, so that a person sees how old it is.
 template <class T>
@@ -53,13 +53,27 @@ struct RobotRecord {
 /// CRITICAL and FATAL take a capability away; lesser faults are shown.
 [[nodiscard]] bool takes_away(const Fault& fault);
 
+/// A fault, not a retirement, and no lesser one.
+[[nodiscard]] bool is_standing(const OutOfUse& one);
+
 /// The worst fault that keeps the robot from that capability; nullptr: none.
 [[nodiscard]] const Fault* fault_of(const RobotRecord& robot, std::string_view capability);
+
+/// The worst fault of exactly that capability (empty: of the whole robot) that takes it away; nullptr: none.
+[[nodiscard]] const Fault* worst_fault(const RobotRecord& robot, std::string_view capability);
+
+/// A person has taken the robot out of service; nullptr: nobody has.
+[[nodiscard]] const OutOfUse* retirement_of(const RobotRecord& robot);
+/// "is out of service: new wheels (by ann)"
+[[nodiscard]] std::string retired_text(const OutOfUse& retirement);
+/// The node's profile has that fault as standing: its end is the node's to tell.
+[[nodiscard]] bool is_told_broken(const RobotRecord& robot, std::string_view capability);
 
 /// The robot has it, no fault takes it away, and of the plugged sensors that alone give it one tells its values.
 [[nodiscard]] bool is_able(const RobotRecord& robot, std::string_view capability);
 
-/// It may be given a task: reached, ONLINE, not fenced, and no fault of the whole robot takes everything away.
+/// It may be given a task: reached, ONLINE, not fenced, in service, and no fault of the whole robot takes everything
+/// away.
 [[nodiscard]] bool is_fit(const RobotRecord& robot);
 /// Why it is not fit, for a person; empty if it is.
 [[nodiscard]] std::string why_unfit(const RobotRecord& robot);

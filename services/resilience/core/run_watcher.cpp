@@ -1,5 +1,7 @@
 #include "services/resilience/core/run_watcher.hpp"
 
+#include <algorithm>
+
 #include "proto/body.hpp"
 
 namespace trb::resilience {
@@ -18,19 +20,30 @@ void RunWatcher::on_welcome(std::string node, Now now) {
   for (auto& [run, asking] : asking_) asking = {};
 }
 
-void RunWatcher::take(const RunSummary& summary) {
-  if (is_over(summary.state)) return forget(summary.run);
+void RunWatcher::take(const RunSummary& summary, Now now) {
+  if (is_over(summary.state)) return forget(summary.run, summary.state);
   const auto [at, is_new] = runs_.try_emplace(summary.run);
   WatchedRun& run = at->second;
   const bool same = !is_new && run.summary.version == summary.version && run.summary.state == summary.state &&
                     run.summary.epoch == summary.epoch && run.summary.tasks_final == summary.tasks_final;
   run.summary = summary;
+  constexpr double kLongest_s = 1e9;
+  if (summary.left_s > 0) run.ends_at = now.mono + seconds(std::min(summary.left_s, kLongest_s));
   if (!same) refresh(summary.run);
 }
 
-void RunWatcher::forget(const std::string& run) {
+void RunWatcher::forget(const std::string& run, std::optional<RunState> state) {
   asking_.erase(run);
-  if (runs_.erase(run) != 0) changed_.insert(run);
+  if (runs_.erase(run) == 0) return;
+  changed_.insert(run);
+  if (!state) return;
+  ended_.emplace_back(run, *state);
+  if (ended_.size() > kMaxEnded) ended_.pop_front();
+}
+
+std::optional<RunState> RunWatcher::ended(std::string_view run) const {
+  const auto at = std::find_if(ended_.rbegin(), ended_.rend(), [&](const auto& one) { return one.first == run; });
+  return at == ended_.rend() ? std::nullopt : std::optional(at->second);
 }
 
 const WatchedRun* RunWatcher::find(std::string_view run) const {
@@ -49,25 +62,25 @@ void RunWatcher::on(const RunTable& table, Now now) {
   std::set<std::string> named;
   for (const RunSummary& summary : table.runs) {
     named.insert(summary.run);
-    take(summary);
+    take(summary, now);
   }
-  std::vector<std::string> gone;
+  std::map<std::string, bool> gone;  // and whether its time was over
   for (const auto& [id, run] : runs_) {
-    if (!named.contains(id)) gone.push_back(id);
+    if (!named.contains(id)) gone[id] = run.ends_at && *run.ends_at <= now.mono;
   }
-  for (const std::string& id : gone) forget(id);
+  for (const auto& [id, late] : gone) forget(id, late ? std::optional(RunState::expired) : std::nullopt);
   has_table_ = true;
   renew_at_ = now.mono + kRenew;
 }
 
-void RunWatcher::on(const RunChanged& changed) {
-  take(changed.run);
+void RunWatcher::on(const RunChanged& changed, Now now) {
+  take(changed.run, now);
 }
 
 void RunWatcher::on(const RunView& view) {
   const auto at = runs_.find(view.run);
   if (at == runs_.end()) return;
-  if (is_over(view.state)) return forget(view.run);
+  if (is_over(view.state)) return forget(view.run, view.state);
   at->second.view = view;
   Asking& asking = asking_[view.run];
   asking.view_asked = false;

@@ -1,6 +1,7 @@
 // Keeps the own scheduler's runs in sight: the watch is renewed, what has changed is asked for.
 #pragma once
 
+#include <deque>
 #include <map>
 #include <set>
 #include <string>
@@ -17,7 +18,7 @@ class RunWatcher {
 
   void on_welcome(std::string node, Now now);
   void on(const RunTable& table, Now now);
-  void on(const RunChanged& changed);
+  void on(const RunChanged& changed, Now now);
   void on(const RunView& view);
   void on(const Definition& definition);
   void on_nack(const Nack& nack, Now now, Outbox& out);
@@ -28,6 +29,8 @@ class RunWatcher {
   /// Not over, by id.
   [[nodiscard]] const Runs& runs() const { return runs_; }
   [[nodiscard]] const WatchedRun* find(std::string_view run) const;
+  /// How the run has ended, if it was heard lately; nothing: nobody has said.
+  [[nodiscard]] std::optional<RunState> ended(std::string_view run) const;
   /// A table has come since the welcome: who is not in runs() is over, or not known to this scheduler.
   [[nodiscard]] bool has_table() const { return has_table_; }
   /// Asks for the run anew: something was said to the scheduler.
@@ -42,14 +45,16 @@ class RunWatcher {
     Backoff view;
     Backoff definition;
   };
-  void take(const RunSummary& summary);
-  void forget(const std::string& run);
+  static constexpr std::size_t kMaxEnded = 256;
+  void take(const RunSummary& summary, Now now);
+  void forget(const std::string& run, std::optional<RunState> state);
   [[nodiscard]] bool wants_definition(const WatchedRun& run) const { return run.view && !run.is_current(); }
 
   std::string node_;
   Runs runs_;
   std::map<std::string, Asking, std::less<>> asking_;
   std::set<std::string> changed_;
+  std::deque<std::pair<std::string, RunState>> ended_;  ///< the oldest first
   bool has_table_ = false;
   std::optional<MonotonicTime> renew_at_;
   std::optional<MonotonicTime> complained_;

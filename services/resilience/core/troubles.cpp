@@ -15,6 +15,10 @@ bool waits_for_help(const WatchedRun& run, std::size_t index) {
   return run.view->paused_by.empty() || task.attempt > run.start->scenario.tasks[index].retries;
 }
 
+bool has_not_begun(const TaskView& task) {
+  return task.state == TaskState::waiting && task.outcome == TaskOutcome::none;
+}
+
 /// The worst thing known of a robot, as it is found task by task.
 class Finder {
  public:
@@ -29,11 +33,16 @@ class Finder {
     const bool stopped = waits_for_help(run_, index);
     const std::string capability = capability_of(run_, index, fleet_);
     const Fault* fault = record_ == nullptr ? nullptr : fault_of(*record_, capability);
-    if (!stopped && fault == nullptr && gone_ == nullptr) return;
+    const OutOfUse* retired = record_ == nullptr ? nullptr : retirement_of(*record_);
+    // What runs goes on to its end.
+    const bool leaves = retired != nullptr && (stopped || has_not_begun(task));
+    if (!stopped && !leaves && fault == nullptr && gone_ == nullptr) return;
     out_.tasks.push_back(index);
     out_.failed = out_.failed || stopped;
     out_.needs_word = out_.needs_word || !why_word(run_, index, fleet_, false).empty();
     if (gone_ != nullptr) tell(gone_->cause, Severity::critical, "", gone_->text);
+    if (leaves)
+      tell("robot_retired", Severity::warning, "", run_.view->tasks[index].robot + " " + retired_text(*retired));
     if (fault != nullptr) tell("robot_fault", fault->severity, fault->capability, fault->text);
     if (!stopped) return;
     const bool interrupted = task.outcome == TaskOutcome::interrupted;
@@ -81,16 +90,39 @@ bool wants_robot(const Alert& alert) {
   return alert.cause == kWantsRobot;
 }
 
+std::string_view family_of(std::string_view cause) {
+  for (const std::string_view own : {kWantsRobot, kOverdue, kTwice, kRunEnds, kAsked}) {
+    if (cause == own) return own;
+  }
+  return "failure";
+}
+
+bool may_be_ruled(const Alert& alert) {
+  return alert.cause != kTwice && alert.cause != kRunEnds;
+}
+
+bool tells_of(const Alert& alert, std::string_view capability) {
+  return alert.cause == "robot_fault" && (alert.capability.empty() || alert.capability == capability);
+}
+
+bool is_pinned(const Alert& alert, const WatchedRun& run, std::string_view task) {
+  const auto index = run.find_task(task);
+  return index && run.start->scenario.tasks[*index].pinned && !wants_robot(alert);
+}
+
 bool is_about(const Alert& alert, const WatchedRun& run, const Trouble& trouble) {
   if (alert.run != run.summary.run || alert.robot != trouble.robot) return false;
-  return !trouble.robot.empty() || alert.tasks == std::vector<std::string>{run.view->tasks[trouble.tasks.front()].id};
+  if (family_of(alert.cause) != family_of(trouble.cause)) return false;
+  return trouble.cause != kWantsRobot ||
+         alert.tasks == std::vector<std::string>{run.view->tasks[trouble.tasks.front()].id};
 }
 
 int strength_of(std::string_view cause) {
-  if (cause == "peer_expired" || cause == "robot_connection") return 4;
-  if (cause == "robot_fault") return 3;
+  if (cause == "peer_expired" || cause == "robot_connection") return 5;
+  if (cause == "robot_fault") return 4;
+  if (cause == "robot_retired") return 3;
   if (cause == "task_interrupted") return 2;
-  return cause == "task_failed" || cause == kWantsRobot ? 1 : 0;
+  return cause.empty() ? 0 : 1;
 }
 
 std::string capability_of(const WatchedRun& run, std::size_t task, const Fleet& fleet) {
@@ -131,6 +163,27 @@ std::vector<Alert> lesser_faults(const Fleet& fleet, UtcTime since) {
     }
   }
   std::ranges::stable_sort(out, std::ranges::greater{}, &Alert::time);
+  return out;
+}
+
+std::vector<Trouble> double_executions(const WatchedRun& run) {
+  std::vector<Trouble> out;
+  if (run.view->paused_by.empty()) return out;
+  for (std::size_t i = 0; i < run.view->tasks.size(); ++i) {
+    const TaskView& task = run.view->tasks[i];
+    if (!task.twice) continue;
+    auto at = std::ranges::find(out, task.robot, &Trouble::robot);
+    if (at == out.end()) {
+      Trouble fresh;
+      fresh.robot = task.robot;
+      fresh.severity = Severity::critical;
+      fresh.cause = kTwice;
+      fresh.text = "task '" + task.id + "' was done twice: look at what was done, then trb scenario resume " +
+                   run.summary.run.substr(0, 8) + ", or abort the run";
+      at = out.insert(out.end(), std::move(fresh));
+    }
+    at->tasks.push_back(i);
+  }
   return out;
 }
 

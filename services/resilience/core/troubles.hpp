@@ -14,6 +14,11 @@ namespace trb::resilience {
 /// Alert::cause of a task that is due and names no robot: nothing has failed, somebody has to be chosen.
 constexpr std::string_view kWantsRobot = "robot_wanted";
 
+constexpr std::string_view kOverdue = "task_overdue";    ///< it should have ended, or begun
+constexpr std::string_view kTwice = "double_execution";  ///< two robots have done it: the run is held
+constexpr std::string_view kRunEnds = "run_ends";        ///< its time to live is nearly over
+constexpr std::string_view kAsked = "asked";             ///< nothing has failed: a person wants it otherwise
+
 struct Trouble {
   std::string robot;
   std::string capability;  ///< that is gone; empty: the whole robot
@@ -29,6 +34,9 @@ struct Trouble {
 /// with none in `robot`. The run is_known().
 std::vector<Trouble> troubles_of(const WatchedRun& run, const Fleet& fleet, const Presence& presence, Now now);
 
+/// Tasks that were done twice, in a run that is held for it: one for each robot. The run is_known().
+std::vector<Trouble> double_executions(const WatchedRun& run);
+
 /// Why it may be decided only on a person's word; empty: it may be without. `retry`: the same robot does it again.
 std::string why_word(const WatchedRun& run, std::size_t task, const Fleet& fleet, bool retry);
 
@@ -40,7 +48,16 @@ std::string capability_of(const WatchedRun& run, std::size_t task, const Fleet& 
 std::vector<Alert> lesser_faults(const Fleet& fleet, UtcTime since);
 
 [[nodiscard]] bool wants_robot(const Alert& alert);
-/// It is the alert that this trouble made: one for each robot of a run, one for each task that wants a robot.
+/// The failures of a robot in a run are one alert; what else there is to tell is one of its own for each cause.
+[[nodiscard]] std::string_view family_of(std::string_view cause);
+/// Somebody can do something about its tasks: move, try again or skip them.
+[[nodiscard]] bool may_be_ruled(const Alert& alert);
+/// The alert tells of a fault of its robot that takes that capability away.
+[[nodiscard]] bool tells_of(const Alert& alert, std::string_view capability);
+/// The task stays with its robot, whatever happens to it.
+[[nodiscard]] bool is_pinned(const Alert& alert, const WatchedRun& run, std::string_view task);
+/// It is the alert that this trouble made: of its family one for each robot of a run, one for each task that wants a
+/// robot.
 [[nodiscard]] bool is_about(const Alert& alert, const WatchedRun& run, const Trouble& trouble);
 
 /// Of two causes the one that explains more: a fault explains the task that has failed of it.

@@ -1,6 +1,7 @@
 #include "services/resilience/core/watched_run.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "proto/body.hpp"
 
@@ -46,7 +47,20 @@ std::uint32_t WatchedRun::last_attempt(std::size_t task) const {
 }
 
 std::uint32_t WatchedRun::last_possible_attempt(std::size_t task) const {
-  return std::max(last_attempt(task), first_attempt(task) + start->scenario.tasks[task].retries);
+  const std::uint32_t with_retries = std::min(first_attempt(task) + start->scenario.tasks[task].retries, kMaxAttempts);
+  return std::max(last_attempt(task), with_retries);
+}
+
+std::uint32_t WatchedRun::policy_moves(std::size_t task) const {
+  bool bound = !start->scenario.tasks[task].robot.empty();
+  std::uint32_t out = 0;
+  for (const DecisionView& decision : view->decisions) {
+    for (const TaskRuling& ruling : decision.tasks) {
+      if (ruling.task != view->tasks[task].id || ruling.ruling != Ruling::move) continue;
+      if (std::exchange(bound, true) && decision.person.empty()) ++out;
+    }
+  }
+  return out;
 }
 
 bool WatchedRun::has_stopped(std::size_t index) const {

@@ -7,16 +7,22 @@
 #include <vector>
 
 #include "common/base/bytes.hpp"
+#include "common/base/time.hpp"
 #include "proto/bodies/run.hpp"
 
 namespace trb::resilience {
 
+/// As the schedulers have them: attempts of a task (a skip may be one more), and decisions of a run.
+constexpr std::uint32_t kMaxAttempts = 64;
+constexpr std::uint32_t kMaxDecisions = 64;
+
 struct WatchedRun {
   RunSummary summary;
   std::optional<RunView> view;
-  std::optional<RunStart> start;    ///< nothing before the scheduler has given the definition
-  std::vector<Decision> decisions;  ///< from epoch 2 on, as the definition had them
-  Bytes last_decision;              ///< payload of the last of them; empty: there is none
+  std::optional<RunStart> start;         ///< nothing before the scheduler has given the definition
+  std::vector<Decision> decisions;       ///< from epoch 2 on, as the definition had them
+  std::optional<MonotonicTime> ends_at;  ///< its time to live; nothing: the scheduler does not tell it
+  Bytes last_decision;                   ///< payload of the last of them; empty: there is none
 
   /// It has all that is needed to speak about it. A decision needs is_current() besides.
   [[nodiscard]] bool is_known() const { return view && start; }
@@ -32,6 +38,8 @@ struct WatchedRun {
   [[nodiscard]] std::uint32_t last_attempt(std::size_t task) const;
   /// The same, but with those that its robot may have made unheard.
   [[nodiscard]] std::uint32_t last_possible_attempt(std::size_t task) const;
+  /// How often the policy has moved the task: a first robot for one that named none is no move. The run is_known().
+  [[nodiscard]] std::uint32_t policy_moves(std::size_t task) const;
   /// Its last attempt has ended without finishing: FAILED, retriable, interrupted, or given back.
   [[nodiscard]] bool has_stopped(std::size_t task) const;
 };

@@ -93,10 +93,35 @@ NodeProfile rich_profile() {
   profile.control = "run 17";
   profile.detail = "fine";
   profile.frame = {1000, 1, 2, 0.5};
+  profile.out_of_use = {{"carry", Severity::urgent, "weak", 5, false, "scheduler"}};
+  profile.numbers = {{"payload", 2.5, "kg"}};
   return profile;
 }
 
 }  // namespace
+
+TEST_CASE("that a robot is out of service, and a fault that its node has, are known after a restart") {
+  const Folder folder;
+  NodeProfile profile = mobile_robot();
+  profile.out_of_use = {{"", Severity::warning, "new wheels", 6, true, "ann"},
+                        {"mobile", Severity::critical, "wheel is off", 5, false, ""}};
+  {
+    const auto db = opened(folder);
+    Fleet fleet;
+    REQUIRE(fleet.on_route(route_of("pioneer1", profile), at_second(0)));
+    CHECK(fleet.changes().urgent());
+    REQUIRE(db->write(fleet, at_second(1)));
+  }
+  const auto db = opened(folder);
+  Fleet fleet = loaded(*db);
+  CHECK(fleet.find("pioneer1")->profile.is.out_of_use == profile.out_of_use);
+  CHECK(fleet.find("pioneer1")->faults.size() == 1);
+  // It was repaired meanwhile: the first profile says so.
+  profile.out_of_use.pop_back();
+  REQUIRE(fleet.on_route(route_of("pioneer1", profile), at_second(10)));
+  CHECK(fleet.find("pioneer1")->faults.empty());
+  CHECK(why_unfit(*fleet.find("pioneer1")) == "is out of service: new wheels (by ann)");
+}
 
 TEST_CASE("after a restart everything is known again, but that its node is reached") {
   const Folder folder;
@@ -236,7 +261,7 @@ TEST_CASE("a file of a newer build is refused with a cure, and left as it is") {
   sql(folder, "PRAGMA user_version=99");
   const Error error = refused(folder);
   CHECK(error.code == Errc::version_mismatch);
-  CHECK(error.what.find("schema version 99, this build knows 2") != std::string::npos);
+  CHECK(error.what.find("schema version 99, this build knows 3") != std::string::npos);
   CHECK(error.cure.find("start the build that wrote it") != std::string::npos);
   CHECK(refused(folder).code == Errc::version_mismatch);
 }

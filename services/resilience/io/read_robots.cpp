@@ -12,8 +12,9 @@ class Reader {
   explicit Reader(SqliteFile& file) : file_(file) {}
 
   Result<std::vector<RobotRecord>> read() {
-    for (const auto part : {&Reader::robots, &Reader::names, &Reader::skills, &Reader::parameters, &Reader::words,
-                            &Reader::sensors, &Reader::values, &Reader::faults}) {
+    for (const auto part :
+         {&Reader::robots, &Reader::names, &Reader::skills, &Reader::parameters, &Reader::words, &Reader::sensors,
+          &Reader::values, &Reader::faults, &Reader::out_of_use, &Reader::numbers}) {
       if (Status done = (this->*part)(); !done) return done.error();
     }
     std::vector<RobotRecord> out;
@@ -146,6 +147,25 @@ class Reader {
                     record.faults.push_back({row.text(1), severity, row.text(3), UtcTime{row.integer(4)}});
                   }
                   return Done{};
+                });
+  }
+
+  Status out_of_use() {
+    return each("SELECT robot, capability, severity, text, since, retired, by FROM out_of_use ORDER BY robot, place",
+                [&](Record& record, const Columns& row) -> Status {
+                  const auto severity = static_cast<Severity>(row.integer(2));
+                  if (name_of(severity) == "?") return file_.damaged("the severity of what is out of use");
+                  record.profile.is.out_of_use.push_back(
+                      {row.text(1), severity, row.text(3), row.integer(4), row.integer(5) != 0, row.text(6)});
+                  return Done{};
+                });
+  }
+
+  Status numbers() {
+    return each("SELECT robot, name, value, unit FROM numbers ORDER BY robot, place",
+                [](Record& record, const Columns& row) {
+                  record.profile.is.numbers.push_back({row.text(1), row.real(2), row.text(3)});
+                  return Status(Done{});
                 });
   }
 

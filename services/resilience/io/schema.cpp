@@ -65,6 +65,17 @@ CREATE TABLE decisions(
   run TEXT NOT NULL, epoch INTEGER NOT NULL, record BLOB NOT NULL, delivered INTEGER NOT NULL,
   PRIMARY KEY(run, epoch)) STRICT, WITHOUT ROWID;
 )",
+    // 3: what its node keeps out of use, and the numbers of its description.
+    R"(
+CREATE TABLE out_of_use(
+  robot TEXT NOT NULL REFERENCES robots(id) ON DELETE CASCADE, place INTEGER NOT NULL, capability TEXT NOT NULL,
+  severity INTEGER NOT NULL, text TEXT NOT NULL, since INTEGER NOT NULL, retired INTEGER NOT NULL, by TEXT NOT NULL,
+  PRIMARY KEY(robot, place)) STRICT, WITHOUT ROWID;
+CREATE TABLE numbers(
+  robot TEXT NOT NULL REFERENCES robots(id) ON DELETE CASCADE, place INTEGER NOT NULL, name TEXT NOT NULL,
+  value REAL NOT NULL, unit TEXT NOT NULL,
+  PRIMARY KEY(robot, place)) STRICT, WITHOUT ROWID;
+)",
 };
 
 Result<int> version_of(SqliteFile& file) {

@@ -5,7 +5,7 @@
 
 namespace trb::resilience {
 
-constexpr int kSchemaVersion = 2;
+constexpr int kSchemaVersion = 3;
 
 /// Brings the file to kSchemaVersion, step by step, in one transaction; an empty file too. Errors: version_mismatch (a
 /// newer build wrote it), malformed, io_error.

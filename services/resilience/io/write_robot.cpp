@@ -26,7 +26,8 @@ class Writer {
   void abilities() {
     for (const char* sql : {"DELETE FROM capabilities WHERE robot = ?", "DELETE FROM skills WHERE robot = ?",
                             "DELETE FROM parameters WHERE robot = ?", "DELETE FROM parameter_words WHERE robot = ?",
-                            "DELETE FROM places WHERE robot = ?", "DELETE FROM sensors WHERE robot = ?"}) {
+                            "DELETE FROM places WHERE robot = ?", "DELETE FROM sensors WHERE robot = ?",
+                            "DELETE FROM out_of_use WHERE robot = ?", "DELETE FROM numbers WHERE robot = ?"}) {
       run(sql, robot_.id);
     }
     const NodeProfile& p = robot_.profile.is;
@@ -35,6 +36,11 @@ class Writer {
     for (std::size_t i = 0; i < p.skills.size(); ++i) skill(i, p.skills[i]);
     for (std::size_t i = 0; i < p.sensors.size(); ++i) sensor(false, i, {p.sensors[i], "", "", "", "", {}, ""});
     for (std::size_t i = 0; i < p.plugged.size(); ++i) sensor(true, i, p.plugged[i]);
+    for (std::size_t i = 0; i < p.out_of_use.size(); ++i) out_of_use(i, p.out_of_use[i]);
+    for (std::size_t i = 0; i < p.numbers.size(); ++i) {
+      run("INSERT INTO numbers(robot, place, name, value, unit) VALUES(?,?,?,?,?)", robot_.id, number(i),
+          p.numbers[i].name, p.numbers[i].value, p.numbers[i].unit);
+    }
   }
 
   void state() {
@@ -88,6 +94,12 @@ class Writer {
         "VALUES(?,?,?,?,?,?,?,?,?,?)",
         robot_.id, plugged, number(place), info.name, info.kind, info.unit, info.identity, info.device,
         number(static_cast<std::size_t>(info.state)), info.detail);
+  }
+
+  void out_of_use(std::size_t place, const OutOfUse& one) {
+    run("INSERT INTO out_of_use(robot, place, capability, severity, text, since, retired, by) VALUES(?,?,?,?,?,?,?,?)",
+        robot_.id, number(place), one.capability, number(static_cast<std::size_t>(one.severity)), one.text, one.since,
+        one.retired, one.by);
   }
 
   SqliteFile& file_;

@@ -131,6 +131,7 @@ void Bench::handle(const Send& sent) {
     if (value == known.end()) return nack(send, send.target, "unknown_subtype", "not told");
     return answer(send.target, Opaque{value->first, value->second});
   }
+  if (const auto* repaired = get_if<TakeIntoUse>(&send.body)) return take_into_use(send, *repaired);
   const auto* order = get_if<ReleaseTasks>(&send.body);
   REQUIRE(order != nullptr);
   release(send.target, *order);
@@ -155,8 +156,9 @@ void Bench::handle_own(const Send& send) {
     if (!knows_watch) return nack(send, "cloud", "no_service", "nobody takes it");
     watched_ = true;
     RunTable table;
-    if (!view.run.empty()) {
-      table.runs.push_back({kRun, view.name, view.state, "", 0, 9, 3, view.epoch, version_});
+    const bool archived = view.state == RunState::expired;
+    if (!view.run.empty() && !archived) {
+      table.runs.push_back(summary());
     }
     return answer("cloud", table);
   }
@@ -200,6 +202,18 @@ Alert Bench::alert() {
   return open.front();
 }
 
+std::vector<Alert> Bench::run_alerts() {
+  auto open = alerts();
+  std::erase_if(open, [](const Alert& one) { return one.run.empty(); });
+  return open;
+}
+
+Alert Bench::run_alert() {
+  const auto open = run_alerts();
+  REQUIRE(open.size() == 1);
+  return open.front();
+}
+
 Alert Bench::any(const std::string& id) {
   for (const Alert& one : alerts(true)) {
     if (one.id == id) return one;
@@ -224,7 +238,8 @@ std::string Bench::decide(AlertDecide verdict) {
 }
 
 std::string Bench::decide(Verdict verdict, const std::string& robot, bool stands, const std::string& reason) {
-  return decide(AlertDecide{alert().id, verdict, robot, "", reason, stands});
+  const auto of_runs = run_alerts();
+  return decide(AlertDecide{of_runs.size() == 1 ? of_runs.front().id : alert().id, verdict, robot, "", reason, stands});
 }
 
 }  // namespace trb::resilience::test

@@ -33,6 +33,12 @@ class Bench {
   /// A robot's answer to something that it was asked.
   void answer(const std::string& from, Body body);
   void fault(const std::string& robot, const std::string& capability, Severity severity = Severity::critical);
+  /// Its node keeps it: in the profile, and told.
+  void stand(const std::string& robot, const std::string& capability, Severity severity = Severity::critical);
+  /// The robot tells that it is over; its node's profile has it no more.
+  void end_fault(const std::string& robot, const std::string& capability, Severity severity = Severity::critical);
+  void retire(const std::string& robot, const std::string& text, const std::string& by);
+  void return_to_service(const std::string& robot);
   /// Its node's lease runs out; or it is back.
   void silence(const std::string& robot);
   void back(const std::string& robot);
@@ -52,7 +58,9 @@ class Bench {
   /// Asked on the node itself; the answer.
   Body ask(Body question);
   std::vector<Alert> alerts(bool all = false);
-  Alert alert();  ///< the only one that is open
+  Alert alert();                    ///< the only one that is open
+  std::vector<Alert> run_alerts();  ///< open ones: a fault that stands is told without a run besides
+  Alert run_alert();                ///< the only one of a run that is open
   Alert any(const std::string& id);
   /// "accepted", or the Nack's code, or "lost" in a crash.
   std::string decide(AlertDecide verdict);
@@ -69,6 +77,7 @@ class Bench {
   std::map<std::string, std::map<std::string, std::string>> values;  ///< of robots, by name: what they answer
   RunView view;
   RunStart start;
+  std::optional<MonotonicTime> ends_at;  ///< the run's time to live, if the scheduler tells it
   std::vector<SignedRecord> decisions;
   std::vector<Decision> taken;
   std::vector<ReleaseTasks> releases;  ///< that robots were asked
@@ -80,9 +89,12 @@ class Bench {
   bool no_table = false;     ///< the router does not answer route_list, or it is lost
   std::size_t page = 1024;   ///< rows of the router's table in a message
   bool knows_watch = true;
-  std::string refuses;          ///< the scheduler Nacks decisions with this code
-  std::set<std::string> keeps;  ///< robots that do not answer release_tasks
-  std::set<std::string> mute;   ///< robots that do not answer what they are asked for
+  std::string refuses;               ///< the scheduler Nacks decisions with this code
+  std::set<std::string> keeps;       ///< robots that do not answer release_tasks
+  std::set<std::string> unmended;    ///< robots that Nack take_into_use
+  std::set<std::string> idle;        ///< robots that answer take_into_use and keep the fault
+  std::vector<TakeIntoUse> repairs;  ///< that robots were told
+  std::set<std::string> mute;        ///< robots that do not answer what they are asked for
   CoreSettings settings;
 
  private:
@@ -91,7 +103,9 @@ class Bench {
   void handle(const Send& send);
   void handle_own(const Send& send);
   void release(const std::string& robot, const ReleaseTasks& order);
+  void take_into_use(const Send& send, const TakeIntoUse& order);
   void nack(const Send& send, const std::string& from, const std::string& code, const std::string& what);
+  [[nodiscard]] RunSummary summary() const;
   [[nodiscard]] SignedRecord sign(std::string_view purpose, Bytes payload) const;
   [[nodiscard]] SignedRecord certificate(const std::string& id, Role role) const;
   void open();

@@ -184,7 +184,7 @@ TEST_CASE("two robots fail in one run: two alerts, two decisions, one after the 
   REQUIRE(bench->taken.size() == 2);
   CHECK(bench->taken[1].epoch == 3);
   CHECK(bench->taken[1].previous.bytes == digest(bench->decisions[0].payload.bytes));
-  CHECK(bench->alerts().empty());
+  CHECK(bench->run_alerts().empty());
 }
 
 TEST_CASE("the run's end closes what is open") {

@@ -52,7 +52,13 @@ void Bench::changed() {
     view.state = std::ranges::any_of(view.tasks, stopped) ? RunState::paused : RunState::running;
   }
   if (!watched_ || deaf) return;
-  answer("cloud", RunChanged{{kRun, view.name, view.state, "", 0, 9, 3, view.epoch, version_}});
+  answer("cloud", RunChanged{summary()});
+}
+
+RunSummary Bench::summary() const {
+  RunSummary out{kRun, view.name, view.state, "", 0, 9, 3, view.epoch, version_};
+  if (ends_at) out.left_s = static_cast<double>((*ends_at - now.mono).count()) / 1e9;
+  return out;
 }
 
 TaskView& Bench::task(const std::string& id) {
@@ -66,6 +72,9 @@ void Bench::end_task(const std::string& id, TaskOutcome outcome, const std::stri
   of.outcome = outcome;
   of.attempt = std::max<std::uint32_t>(1, of.attempt);
   of.reason = reason;
+  if (outcome == TaskOutcome::failed && std::ranges::find(of.failed_by, of.robot) == of.failed_by.end()) {
+    of.failed_by.push_back(of.robot);
+  }
   of.state = outcome == TaskOutcome::finished ? TaskState::finished
              : outcome == TaskOutcome::failed ? TaskState::failed
                                               : TaskState::retriable;
@@ -114,6 +123,7 @@ void Bench::begin_run() {
     task.robot = row.robot;
     task.skill = row.skill;
     task.data = row.data;
+    task.timeout_s = 7 * 24 * 3600;  // none of the stories is about its lateness, but those that say so
     TaskView shown;
     shown.id = task.id;
     shown.robot = row.robot;
@@ -153,6 +163,37 @@ void Bench::say(const std::string& robot, Body information) {
 
 void Bench::fault(const std::string& robot, const std::string& capability, Severity severity) {
   say(robot, RobotFault{capability, severity, capability + " is broken"});
+}
+
+void Bench::stand(const std::string& robot, const std::string& capability, Severity severity) {
+  auto& kept = routes[robot].profile.out_of_use;
+  std::erase_if(kept, [&](const OutOfUse& one) { return !one.retired && one.capability == capability; });
+  kept.push_back({capability, severity, capability + " is broken", now.utc.ns, false, ""});
+  fault(robot, capability, severity);
+}
+
+void Bench::end_fault(const std::string& robot, const std::string& capability, Severity severity) {
+  std::erase_if(routes[robot].profile.out_of_use,
+                [&](const OutOfUse& one) { return !one.retired && one.capability == capability; });
+  say(robot, RobotFault{capability, severity, "", true});
+}
+
+void Bench::retire(const std::string& robot, const std::string& text, const std::string& by) {
+  routes[robot].profile.out_of_use.push_back({"", Severity::warning, text, now.utc.ns, true, by});
+}
+
+void Bench::return_to_service(const std::string& robot) {
+  std::erase_if(routes[robot].profile.out_of_use, [](const OutOfUse& one) { return one.retired; });
+}
+
+void Bench::take_into_use(const Send& send, const TakeIntoUse& order) {
+  repairs.push_back(order);
+  if (unmended.contains(send.target)) return nack(send, send.target, "conflict", "the bumper is still pressed");
+  answer(send.target, Ack{"in_use", ""});
+  if (idle.contains(send.target)) return;
+  std::erase_if(routes[send.target].profile.out_of_use, [&](const OutOfUse& one) {
+    return !one.retired && (order.capability.empty() || one.capability == order.capability);
+  });
 }
 
 void Bench::silence(const std::string& robot) {

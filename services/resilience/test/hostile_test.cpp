@@ -49,6 +49,38 @@ TEST_CASE(
   CHECK(table.alerts.front().robot == "robot255");
 }
 
+TEST_CASE("alerts that are done push each other out, never one that is open") {
+  AlertBook book;
+  Alert first;
+  first.run = kRun;
+  const std::string open = book.add(first)->id;
+  for (int i = 0; i < 400; ++i) {
+    Alert done;
+    done.run = kRun;
+    done.robot = "robot" + std::to_string(i);
+    done.time = 1 + i;
+    book.add(done)->state = i % 2 == 0 ? AlertState::closed : AlertState::decided;
+    book.prune();
+  }
+  CHECK(book.find(open) != nullptr);
+  CHECK(book.table(true).alerts.size() == 1 + AlertBook::kMaxDone);
+}
+
+TEST_CASE("more faults than alerts may stand: as one is over the next is told") {
+  auto bench = std::make_unique<Bench>();
+  for (std::size_t i = 0; i < AlertBook::kMaxLone + 1; ++i) {
+    const std::string id = "r" + std::to_string(1000 + i);
+    bench->add(id, mobile_robot(), 50, 0, 0);
+    bench->fault(id, "mobile");
+  }
+  bench->wait(seconds(3));
+  CHECK(bench->alerts().size() == AlertBook::kMaxLone);
+  bench->say("r1000", RobotFault{"mobile", Severity::critical, "", true});
+  bench->wait(seconds(3));
+  CHECK(bench->alerts().size() == AlertBook::kMaxLone);
+  for (const Alert& one : bench->alerts()) CHECK(one.robot != "r1000");
+}
+
 TEST_CASE("robots that tell of very many faults leave room for the alerts of runs") {
   AlertBook book;
   const auto add = [&](const std::string& run, int i) {

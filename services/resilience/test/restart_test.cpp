@@ -26,7 +26,7 @@ std::size_t story(std::size_t crash_at, Verdict verdict) {
   }
   bench->wait(seconds(30));
   CHECK(bench->any(alert.id).state == AlertState::decided);
-  CHECK(bench->alerts().empty());
+  CHECK(bench->run_alerts().empty());
   if (verdict == Verdict::abort) {
     CHECK(bench->view.state == RunState::aborted);
   } else {
@@ -49,6 +49,53 @@ TEST_CASE("killed after any of its commits it comes to the same end") {
   }
 }
 
+namespace {
+
+/// A person wants a task elsewhere, of which no alert tells, and says it again if nobody answers.
+std::size_t asked_story(std::size_t crash_at) {
+  auto bench = paper();
+  bench->commits = 0;
+  bench->crash_at = crash_at;
+  AlertDecide word{"", Verdict::accept, "pioneer2", "", "", false, kRun, {"t7"}};
+  if (bench->decide(word) == "lost") {
+    bench->wait(seconds(8));
+    if (bench->taken.empty()) CHECK(bench->decide(word) == "accepted");
+  }
+  bench->wait(seconds(30));
+  REQUIRE(bench->taken.size() == 1);
+  CHECK(rulings(bench->taken[0]) == "t7>pioneer2");
+  CHECK(bench->alerts().empty());
+  return bench->commits;
+}
+
+/// A person says that a robot is repaired.
+std::size_t repair_story(std::size_t crash_at) {
+  auto bench = paper();
+  bench->stand("pioneer2", "mobile");
+  bench->wait(seconds(3));
+  const AlertDecide word{bench->alert().id, Verdict::retry, "", "", "", false};
+  bench->commits = 0;
+  bench->crash_at = crash_at;
+  bench->decide(word);
+  bench->wait(seconds(30));
+  CHECK(bench->alerts().empty());
+  CHECK(bench->any(word.alert).state == AlertState::closed);
+  return bench->commits;
+}
+
+}  // namespace
+
+TEST_CASE("killed after any commit of what a person asks for, or says to be repaired, it comes to the same end") {
+  for (const auto story : {asked_story, repair_story}) {
+    const std::size_t commits = story(0);
+    CHECK(commits >= 2);
+    for (std::size_t at = 1; at <= commits; ++at) {
+      CAPTURE(at);
+      story(at);
+    }
+  }
+}
+
 TEST_CASE("killed while the scheduler is away, with the decision signed: it is that very decision that is handed on") {
   auto bench = paper();
   bench->fault("ridgeback", "mobile");
@@ -63,11 +110,11 @@ TEST_CASE("killed while the scheduler is away, with the decision signed: it is t
   bench->wait(seconds(5));
   REQUIRE(bench->taken.size() == 1);
   CHECK(bench->heard["sign_request"] == signed_before);
-  CHECK(bench->alerts().empty());
+  CHECK(bench->run_alerts().empty());
   bench->restart();
   bench->wait(seconds(20));
   CHECK(bench->taken.size() == 1);
-  CHECK(bench->alerts().empty());
+  CHECK(bench->run_alerts().empty());
 }
 
 TEST_CASE("after a restart nothing is judged before the router and the scheduler have spoken") {

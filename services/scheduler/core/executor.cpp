@@ -18,7 +18,7 @@ constexpr Errc kPassing[] = {
     Errc::busy,         Errc::fenced,         Errc::robot_offline,    Errc::timeout,
     Errc::expired,      Errc::queue_full,     Errc::no_service,       Errc::unknown_target,
     Errc::peer_expired, Errc::stale_instance, Errc::peer_unreachable, Errc::no_field_channel,
-    Errc::control_held,
+    Errc::control_held, Errc::out_of_use,
 };
 
 bool passes(const std::string& code) {

@@ -1,0 +1,55 @@
+// Tasks that should have ended or begun by now: how long each has been as it is, since this node first saw it so.
+#pragma once
+
+#include <map>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "services/resilience/core/fleet.hpp"
+#include "services/resilience/core/watched_run.hpp"
+
+namespace trb::resilience {
+
+class Overdue {
+ public:
+  static constexpr Duration kStart = std::chrono::seconds(30);   ///< so long after it was due a task has begun
+  static constexpr Duration kMargin = std::chrono::seconds(10);  ///< beyond a time-out, or half of it
+  static constexpr Duration kRule = std::chrono::seconds(5);     ///< beyond `start_within_s`
+
+  struct Late {
+    std::size_t task = 0;
+    std::string text;
+  };
+
+  /// Looks at the run's tasks. Those in `told` were overdue before this service was started. The run is_known().
+  void follow(const WatchedRun& run, const std::set<std::string>& told, Now now);
+  void forget(std::string_view run);
+
+  /// What is overdue now, by the tasks' order; nothing of a run that is held.
+  [[nodiscard]] std::vector<Late> late(const WatchedRun& run, const Fleet& fleet, Now now) const;
+  /// Due and not begun within its `start_within_s`, and its scenario does without it (on_failure skip or continue).
+  [[nodiscard]] std::vector<std::size_t> to_skip(const WatchedRun& run, Now now) const;
+  /// It was ruled on: not again while it stays as it is.
+  void ruled(const WatchedRun& run, std::size_t task);
+  /// When the next one of the run will be.
+  [[nodiscard]] std::optional<MonotonicTime> next(const WatchedRun& run, const Fleet& fleet, Now now) const;
+
+ private:
+  enum class Phase : std::uint8_t { none, due, begun };
+  struct Entry {
+    Phase phase{};
+    std::string robot;
+    std::uint32_t attempt = 0;
+    MonotonicTime since;
+    bool told = false;
+    bool ruled = false;
+  };
+  static Phase phase_of(const WatchedRun& run, std::size_t task);
+  static std::optional<Duration> limit(const WatchedRun& run, std::size_t task, const Entry& entry, const Fleet& fleet);
+  static std::string text_of(const WatchedRun& run, std::size_t task, const Entry& entry, Duration limit);
+
+  std::map<std::string, std::map<std::size_t, Entry>, std::less<>> runs_;
+};
+
+}  // namespace trb::resilience

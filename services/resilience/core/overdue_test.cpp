@@ -1,0 +1,121 @@
+#include "services/resilience/core/overdue.hpp"
+
+#include <doctest/doctest.h>
+
+#include "services/resilience/core/fleet_stories.hpp"
+
+using namespace trb;
+using namespace trb::resilience;
+
+namespace {
+
+Now at(double s) {
+  return {MonotonicTime{} + seconds(s), at_second(0)};
+}
+
+struct Hall {
+  Fleet fleet;
+  WatchedRun run;
+  Overdue overdue;
+  Hall() {
+    REQUIRE(fleet.on_route(route_of("r1", mobile_robot()), at_second(0)));  // go_to takes 120 s at most
+    run.summary.run = "run1";
+    run.view.emplace();
+    run.start.emplace();
+    for (const char* id : {"t1", "t2"}) {
+      Task task;
+      task.id = id;
+      task.robot = "r1";
+      task.skill = "go_to";
+      run.start->scenario.tasks.push_back(task);
+      TaskView shown;
+      shown.id = id;
+      shown.robot = "r1";
+      run.view->tasks.push_back(shown);
+    }
+  }
+  TaskView& t1() { return run.view->tasks[0]; }
+  Task& task() { return run.start->scenario.tasks[0]; }
+  void see(double s) { overdue.follow(run, {}, at(s)); }
+  bool late(double s) { return !overdue.late(run, fleet, at(s)).empty(); }
+};
+
+}  // namespace
+
+TEST_CASE("a task that runs is late past its time-out and half of it, or 10 s") {
+  Hall hall;
+  hall.t1().state = TaskState::running;
+  hall.see(0);
+  CHECK_FALSE(hall.late(179));
+  CHECK(hall.late(180));  // the skill's 120 s
+  CHECK(hall.overdue.next(hall.run, hall.fleet, at(5)) == at(180).mono);
+  CHECK_FALSE(hall.overdue.next(hall.run, hall.fleet, at(180)));
+  hall.task().timeout_s = 4;  // its own
+  CHECK_FALSE(hall.late(13));
+  CHECK(hall.late(14));
+  hall.t1().attempt = 2;  // tried again: its time begins anew
+  hall.see(100);
+  CHECK_FALSE(hall.late(113));
+  CHECK(hall.late(114));
+  hall.t1().outcome = TaskOutcome::finished;
+  hall.see(120);
+  CHECK_FALSE(hall.late(1000));
+}
+
+TEST_CASE("without a time-out a task may run for ever") {
+  Hall hall;
+  NodeProfile profile = mobile_robot();
+  profile.skills[0].timeout_s = 0;
+  REQUIRE(hall.fleet.on_route(route_of("r1", profile), at_second(1)));
+  hall.t1().state = TaskState::running;
+  hall.see(0);
+  CHECK_FALSE(hall.late(1e6));
+}
+
+TEST_CASE("a task that is due for 30 s is late; one that is not due, or of a run that is held, is not") {
+  Hall hall;
+  hall.see(0);
+  CHECK_FALSE(hall.late(1000));
+  hall.t1().due = true;
+  hall.t1().waits_for = "run 17 to give r1 back";
+  hall.see(1000);
+  CHECK_FALSE(hall.late(1029));
+  REQUIRE(hall.late(1030));
+  CHECK(hall.overdue.late(hall.run, hall.fleet, at(1030))[0].text ==
+        "task 't1' is due for 30 s and r1 has not begun it: it waits for run 17 to give r1 back");
+  hall.run.view->paused_by = "ann";
+  hall.see(1031);
+  CHECK_FALSE(hall.late(1100));
+  hall.run.view->paused_by.clear();
+  hall.see(1100);  // what was held is given its time again
+  CHECK_FALSE(hall.late(1129));
+  CHECK(hall.late(1130));
+}
+
+TEST_CASE("what was late before a restart is late after it, as long as it is the first thing that is seen") {
+  Hall hall;
+  hall.t1().state = TaskState::running;
+  hall.overdue.follow(hall.run, {"t1"}, at(0));
+  CHECK(hall.late(0));
+  hall.t1().attempt = 2;
+  hall.overdue.follow(hall.run, {"t1"}, at(1));
+  CHECK_FALSE(hall.late(1));
+}
+
+TEST_CASE("a task that did not begin in time is to be skipped once, if its scenario does without it") {
+  Hall hall;
+  hall.t1().due = true;
+  hall.task().start_within_s = 20;
+  hall.see(0);
+  CHECK(hall.overdue.to_skip(hall.run, at(100)).empty());  // on_failure resilience: people decide
+  for (const OnFailure way : {OnFailure::skip, OnFailure::continue_}) {
+    hall.task().on_failure = way;
+    CHECK(hall.overdue.to_skip(hall.run, at(24)).empty());
+    CHECK(hall.overdue.to_skip(hall.run, at(25)) == std::vector<std::size_t>{0});
+  }
+  hall.task().on_failure = OnFailure::abort;
+  CHECK(hall.overdue.to_skip(hall.run, at(25)).empty());
+  hall.task().on_failure = OnFailure::skip;
+  hall.overdue.ruled(hall.run, 0);
+  CHECK(hall.overdue.to_skip(hall.run, at(100)).empty());
+}

@@ -1,0 +1,41 @@
+#include "services/resilience/core/run_end.hpp"
+
+#include <algorithm>
+
+namespace trb::resilience {
+namespace {
+
+std::string words_of(Duration left) {
+  const auto s = std::max<std::int64_t>(0, left / std::chrono::seconds(1));
+  return s >= 90 ? std::to_string((s + 30) / 60) + " min" : std::to_string(s) + " s";
+}
+
+}  // namespace
+
+Duration told_before(Duration life) {
+  return std::min<Duration>(life / 10, std::chrono::minutes(10));
+}
+
+std::optional<MonotonicTime> end_told_at(const WatchedRun& run) {
+  const Duration life{run.start->expires - run.start->created};
+  if (!run.ends_at || life <= Duration{0}) return std::nullopt;
+  return *run.ends_at - told_before(life);
+}
+
+std::optional<Trouble> trouble_of_end(const WatchedRun& run, Now now) {
+  const auto told_at = end_told_at(run);
+  if (!told_at || *told_at > now.mono) return std::nullopt;
+  const Duration left = *run.ends_at - now.mono;
+  Trouble out;
+  out.cause = kRunEnds;
+  out.severity = Severity::warning;
+  out.text = "run " + run.view->name + " ends in " + words_of(left) + ", at " + to_iso8601(now.utc + left) +
+             ": what is not done then is not begun any more";
+  return out;
+}
+
+std::string wait_for_end(const WatchedRun& run, Now now) {
+  return run.ends_at ? "its end in " + words_of(*run.ends_at - now.mono) : "its end";
+}
+
+}  // namespace trb::resilience

@@ -1,0 +1,17 @@
+// A run that ends soon: what is not done then is not begun any more.
+#pragma once
+
+#include "services/resilience/core/troubles.hpp"
+
+namespace trb::resilience {
+
+/// So long before its end a run of that life is told of: a tenth of it, 10 min at most.
+[[nodiscard]] Duration told_before(Duration life);
+/// When it is to be told of; nothing: its end or its life is not known. The run is_known().
+[[nodiscard]] std::optional<MonotonicTime> end_told_at(const WatchedRun& run);
+/// It ends soon. The run is_known().
+[[nodiscard]] std::optional<Trouble> trouble_of_end(const WatchedRun& run, Now now);
+/// "its end in 9 min"
+[[nodiscard]] std::string wait_for_end(const WatchedRun& run, Now now);
+
+}  // namespace trb::resilience

@@ -1,0 +1,40 @@
+#include "services/resilience/core/standing.hpp"
+
+namespace trb::resilience {
+
+void Standing::follow(const Fleet& fleet, Now now) {
+  if (seen_ == fleet.fault_changes()) return;
+  seen_ = fleet.fault_changes();
+  std::map<Key, MonotonicTime> stand;
+  for (const auto& [id, robot] : fleet.robots()) {
+    for (const Fault& fault : robot.faults) {
+      if (!takes_away(fault)) continue;
+      const Key key{id, fault.capability};
+      const auto known = untold_since_.find(key);
+      stand[key] = known == untold_since_.end() ? now.mono : known->second;
+    }
+  }
+  untold_since_ = std::move(stand);
+}
+
+void Standing::told(const Key& fault, Now now) {
+  if (const auto at = untold_since_.find(fault); at != untold_since_.end()) at->second = now.mono;
+}
+
+std::vector<Standing::Key> Standing::untold(Now now) const {
+  std::vector<Key> out;
+  for (const auto& [key, since] : untold_since_) {
+    if (now.mono - since >= kSettle) out.push_back(key);
+  }
+  return out;
+}
+
+std::optional<MonotonicTime> Standing::next(Now now) const {
+  std::optional<MonotonicTime> out;
+  for (const auto& [key, since] : untold_since_) {
+    if (since + kSettle > now.mono) out = earlier(out, since + kSettle);
+  }
+  return out;
+}
+
+}  // namespace trb::resilience
