@@ -18,7 +18,7 @@ class Node {
  public:
   explicit Node(bool knows) : core_({"a", Keys::get().authority, true}, archive_) {
     if (knows) journal_.push_back(JournalRun{Keys::get().start, false});
-    require(core_.restore(journal_).ok(), "a journal is taken in");
+    require(core_.restore(journal_.records()).ok(), "a journal is taken in");
     Outbox out;
     core_.on_welcome({"a", Role::robot, 1}, now_, out);
     take(out);
@@ -52,7 +52,7 @@ class Node {
   }
   void end() {
     SchedulerCore again({"a", Keys::get().authority, true}, archive_);
-    require(again.restore(journal_).ok(), "what was journaled is taken in again");
+    require(again.restore(journal_.records()).ok(), "what was journaled is taken in again");
   }
   [[nodiscard]] const Proof& proof() const { return proof_; }
 
@@ -64,7 +64,7 @@ class Node {
   }
   void take(const Outbox& out) {
     for (const Journal& one : out.journal) {
-      scheduler::test::journal_as_file(journal_, archive_, one.record);
+      journal_.commit(one.record, archive_);
       proof_.take(one.record);
     }
     bool refused = false;
@@ -85,7 +85,7 @@ class Node {
   SchedulerCore core_;
   Now now_{{1'000'000'000}, {kEpoch}};
   std::uint64_t count_ = 0;
-  std::vector<Body> journal_;
+  scheduler::test::MemoryJournal journal_;
   Proof proof_;
   std::optional<SignRequest> sign_;
   std::optional<Execute> execute_;

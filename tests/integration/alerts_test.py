@@ -58,7 +58,7 @@ class Alerts(unittest.TestCase):
         """What was told before the kill and after it, newest first."""
         events = self.fleet.json("robot", "history", "ridgeback", node=CLOUD)["events"]
         self.assertEqual([event["text"] for event in events if event["kind"] in ("fault", "fault_ended")],
-                         ["mobile: said by 'ann'", "CRITICAL mobile: wheel is off"])
+                         ["mobile: repaired, says ann", "CRITICAL mobile: wheel is off"])
         self.assertIn("fault_ended", self.fleet.trb("robot", "history", "--most", "500", node=CLOUD).stdout)
         self.assertEqual(len(self.fleet.json("robot", "history", "--most", "1", node=CLOUD)["events"]), 1)
         for words, status in ((["--most", "0"], 2), (["--most", "1.5"], 2), (["nobody"], 1)):

@@ -16,13 +16,14 @@ class Book {
   /// Those that are over take no place.
   static constexpr std::size_t kMaxRuns = 512;
 
-  Book(std::string self, FleetAuthority authority) : self_(std::move(self)), authority_(std::move(authority)) {}
+  Book(std::string self, FleetAuthority authority)
+      : self_(std::move(self)), certificates_(std::make_shared<Certificates>(std::move(authority))) {}
 
   /// Takes a journaled fact in, in order. Errors: bad_value, conflict, those of Run::open: the journal is not this
   /// node's.
   Status apply(const Body& fact);
 
-  [[nodiscard]] Result<Run> open(const SignedRecord& start) const { return Run::open(start, authority_, self_); }
+  [[nodiscard]] Result<Run> open(const SignedRecord& start) const { return Run::open(start, certificates_, self_); }
   Run& add(Run run);
   [[nodiscard]] bool full() const { return runs_.size() >= kMaxRuns; }
   Run* find(const std::string& run);
@@ -38,7 +39,7 @@ class Book {
   Status apply_to(const std::string& run, const Fact& fact);
 
   std::string self_;
-  FleetAuthority authority_;
+  std::shared_ptr<Certificates> certificates_;
   std::map<std::string, Run> runs_;
   std::vector<Run*> by_age_;
 };

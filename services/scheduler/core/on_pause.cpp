@@ -63,7 +63,7 @@ void SchedulerCore::hold_for_doubles(Run& run, Step step) {
   const bool open = !run.aborted() && !run.ended() && !run.expired(step.steady);
   if (run.judge() != settings_.node || !open || !run.has_new_double()) return run.hold_signature.reset();
   if (!run.hold_signature) {
-    const std::vector<std::string> doubles = run.doubles();
+    const std::vector<std::string>& doubles = run.doubles();
     const std::uint32_t number = run.pause() == nullptr ? 1 : run.pause()->number + 1;
     const std::string why = "task '" + doubles.front() + "' has two different results (double_execution)";
     const PauseOrder order{

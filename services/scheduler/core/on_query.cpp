@@ -45,7 +45,9 @@ Result<std::string> choose(const std::vector<Run*>& runs, const Archive& archive
 }  // namespace
 
 void SchedulerCore::handle(const RunQuery& body, const Inbound& from, Step step) {
-  const auto id = choose(newest_first(book_.runs()), archive_, body.run);
+  // A whole id, as programs ask by, is looked for in nothing but its place.
+  const bool is_whole = book_.find(body.run) != nullptr || archive_.over(body.run);
+  const auto id = is_whole ? Result<std::string>(body.run) : choose(newest_first(book_.runs()), archive_, body.run);
   if (!id) return refuse(from, id.error(), step);
   if (const Run* run = book_.find(*id)) return step.out.reply(from, view_of(*run, executor_, step.clock()));
   if (auto view = archive_.view(*id)) return step.out.reply(from, std::move(*view));

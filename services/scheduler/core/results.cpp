@@ -98,9 +98,14 @@ std::vector<std::string> ResultSet::failed_by(TaskIndex task) const {
 bool ResultSet::finished_twice(TaskIndex task) const {
   const auto found = by_task_.find(task);
   if (found == by_task_.end()) return false;
-  std::map<std::uint32_t, int> finished;
-  for (const HeldResult& held : found->second) {
-    if (held.result.outcome == TaskOutcome::finished && ++finished[held.result.key.iteration] > 1) return true;
+  const auto finished = [](const HeldResult& held) { return held.result.outcome == TaskOutcome::finished; };
+  const auto& list = found->second;  // by iteration
+  const auto first = std::find_if(list.begin(), list.end(), finished);
+  if (first == list.end()) return false;
+  for (auto at = std::next(first), before = first; at != list.end(); ++at) {
+    if (!finished(*at)) continue;
+    if (at->result.key.iteration == before->result.key.iteration) return true;
+    before = at;
   }
   return false;
 }

@@ -14,8 +14,8 @@ const Member* find_member(const RunStart& start, const std::string& id) {
   return found == start.members.end() ? nullptr : &*found;
 }
 
-Result<Certificate> open_member(const Member& member, const FleetAuthority& authority) {
-  auto certificate = open_certificate_any_time(member.certificate, authority);
+Result<Certificate> open_member(const Member& member, Certificates& certificates) {
+  auto certificate = certificates.open(member.certificate);
   if (!certificate) return certificate;
   if (certificate->id != member.id) {
     return fail(Errc::source_mismatch, "member '" + member.id + "' has the certificate of '" + certificate->id + "'");
@@ -23,7 +23,7 @@ Result<Certificate> open_member(const Member& member, const FleetAuthority& auth
   return certificate;
 }
 
-Result<RunStart> open_signed_start(const SignedRecord& record, const FleetAuthority& authority) {
+Result<RunStart> open_signed_start(const SignedRecord& record, Certificates& certificates) {
   const auto claimed = decode<RunStart>(record.payload.bytes);
   if (!claimed) return claimed.error();
   if (record.signer != claimed->submitter) {
@@ -32,20 +32,21 @@ Result<RunStart> open_signed_start(const SignedRecord& record, const FleetAuthor
   const Member* submitter = find_member(*claimed, record.signer);
   if (submitter == nullptr)
     return fail(Errc::not_permitted, "submitter '" + record.signer + "' is no member of the run");
-  const auto certificate = open_member(*submitter, authority);
+  const auto certificate = open_member(*submitter, certificates);
   if (!certificate) return certificate.error();
   return open_record<RunStart>(record, kSignedRunStart, *certificate);
 }
 
 }  // namespace
 
-Result<Run> Run::open(const SignedRecord& record, const FleetAuthority& authority, const std::string& self) {
-  auto start = open_signed_start(record, authority);
+Result<Run> Run::open(const SignedRecord& record, const std::shared_ptr<Certificates>& certificates,
+                      const std::string& self) {
+  auto start = open_signed_start(record, *certificates);
   if (!start) return start.error();
   if (auto checked = check_run_start(*start); !checked) return checked.error();
   Run run;
   run.self_ = self;
-  run.authority_ = authority;
+  run.certificates_ = certificates;
   run.record_ = record;
   run.start_ = std::move(*start);
   if (auto members = run.open_members(); !members) return members.error();
@@ -55,7 +56,7 @@ Result<Run> Run::open(const SignedRecord& record, const FleetAuthority& authorit
 
 Status Run::open_members() {
   for (const Member& member : start_.members) {
-    auto certificate = open_member(member, authority_);
+    auto certificate = open_member(member, *certificates_);
     if (!certificate) return certificate.error();
     if (decider_.empty() && certificate->role == Role::cloud) decider_ = member.id;
     members_.emplace(member.id, std::move(*certificate));

@@ -14,6 +14,7 @@
 #include "common/scenario/graph.hpp"
 #include "common/security/keys.hpp"
 #include "proto/bodies/journal.hpp"
+#include "services/scheduler/core/certificates.hpp"
 #include "services/scheduler/core/duties.hpp"
 #include "services/scheduler/core/executor.hpp"
 #include "services/scheduler/core/inquiry.hpp"
@@ -42,7 +43,8 @@ class Run {
   /// Opens a signed start: the submitter's signature, every member's certificate, the digest, the graph. `self` need
   /// not be a member: a decision may make it one. Errors: those of open_record, open_certificate_any_time and
   /// check_run_start.
-  static Result<Run> open(const SignedRecord& record, const FleetAuthority& authority, const std::string& self);
+  static Result<Run> open(const SignedRecord& record, const std::shared_ptr<Certificates>& certificates,
+                          const std::string& self);
 
   [[nodiscard]] const std::string& id() const { return start_.run; }
   [[nodiscard]] const RunStart& start() const { return start_; }
@@ -154,8 +156,8 @@ class Run {
   [[nodiscard]] const SignedRecord& abort_order() const { return *abort_; }
   /// The orders that count, as they travel with definition and baton.
   [[nodiscard]] std::vector<SignedRecord> orders() const;
-  /// Tasks that were done twice, ascending.
-  [[nodiscard]] std::vector<std::string> doubles() const;
+  /// Tasks that were done twice.
+  [[nodiscard]] const std::vector<std::string>& doubles() const { return doubles_; }
   /// There is one that the last order to hold the run, or to let it go on, does not name.
   [[nodiscard]] bool has_new_double() const;
   /// It is held because of tasks that were done twice.
@@ -276,7 +278,7 @@ class Run {
   [[nodiscard]] bool takes_along(TaskIndex task) const;
 
   std::string self_;
-  FleetAuthority authority_;
+  std::shared_ptr<Certificates> certificates_;
   std::string decider_;
   std::vector<std::string> robots_;           ///< of this epoch
   std::vector<std::uint32_t> since_;          ///< the epoch of the last ruling on a task; 1: none
@@ -302,6 +304,7 @@ class Run {
   bool skips_on_failure_ = false;
   bool submitted_here_ = false;
   ResultSet results_;
+  std::vector<std::string> doubles_;
   std::map<TaskIndex, std::shared_ptr<const HeldChoice>> choices_;
   std::map<TaskIndex, JournalStart> starts_;
   std::optional<SignedRecord> abort_;

@@ -67,7 +67,7 @@ Result<std::map<std::string, Certificate>> Run::open_new_members(const Decision&
   std::map<std::string, Certificate> out;
   for (const Member& member : decision.members) {
     const std::string name = "run " + id() + ": decision: member '" + member.id + "' ";
-    auto certificate = open_certificate_any_time(member.certificate, authority_);
+    auto certificate = certificates_->open(member.certificate);
     if (!certificate) return certificate.error();
     if (certificate->id != member.id) {
       return fail(Errc::source_mismatch, name + "has the certificate of '" + certificate->id + "'");

@@ -77,7 +77,9 @@ bool Run::add(HeldResult held) {
   const bool was_final = results_.has_final(task);
   const bool own = held.result.robot == self_;
   const bool by_its_robot = held.result.robot == robot_of(task);
+  const bool was_double = results_.finished_twice(task);
   if (!results_.add(task, std::move(held))) return false;
+  if (!was_double && results_.finished_twice(task)) doubles_.push_back(tasks()[task].id);
   ++version_;
   if (results_.has_final(task)) needs.erase(task);
   if (by_its_robot || results_.has_final(task)) {

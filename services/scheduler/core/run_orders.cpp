@@ -88,17 +88,8 @@ std::vector<SignedRecord> Run::orders() const {
   return out;
 }
 
-std::vector<std::string> Run::doubles() const {
-  std::vector<std::string> out;
-  for (const TaskIndex task : results_.tasks()) {
-    if (results_.finished_twice(task)) out.push_back(tasks()[task].id);
-  }
-  return out;
-}
-
 bool Run::has_new_double() const {
-  const std::vector<std::string> all = doubles();
-  return std::any_of(all.begin(), all.end(), [&](const std::string& task) {
+  return std::any_of(doubles_.begin(), doubles_.end(), [&](const std::string& task) {
     return !pause_ || std::find(pause_->doubles.begin(), pause_->doubles.end(), task) == pause_->doubles.end();
   });
 }

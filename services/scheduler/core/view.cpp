@@ -196,7 +196,7 @@ TaskView task_view(const Run& run, const Executor& executor, TaskIndex task, Kno
   if (!run.is_unbound(task)) view.robot = run.robot_of(task);
   view.skill = is.skill;
   view.failed_by = run.failed_by(task);
-  view.twice = run.results().finished_twice(task);
+  view.twice = std::ranges::find(run.doubles(), is.id) != run.doubles().end();
   view.due = run.due_at.contains(task);
   if (view.due) view.waits_for = cut_utf8(due_text(run, executor, task), kDefaultMaxSize);
   view.after = is.after;

@@ -285,7 +285,7 @@ TEST_CASE("a day of runs fills nothing: only those that are open take a place") 
   fleet.pass(seconds(1300));
   for (const Member& member : fleet.members()) {
     CAPTURE(member.id);
-    CHECK(fleet[member.id].archive->records().size() ==
+    CHECK(fleet[member.id].archive->size() ==
           (member.id == "cloud" || member.id == "ur3" || member.id == "drone" ? runs : 0));
     CHECK(fleet[member.id].journal.size() <= 1);
   }

@@ -79,6 +79,7 @@ void FakeAdapter::tick(MonotonicTime now) {
 }
 
 std::optional<MonotonicTime> FakeAdapter::next() const {
+  if (!said_.empty()) return MonotonicTime{0};
   return earlier(running_ ? std::optional(running_->until) : std::nullopt, resend_);
 }
 
@@ -88,17 +89,35 @@ std::vector<FakeAdapter::Said> FakeAdapter::take() {
   return out;
 }
 
-void FakeAdapter::restart() {
+std::vector<AttemptKey> FakeAdapter::restart() {
+  std::vector<AttemptKey> out;
+  if (running_) out.push_back(running_->key);
+  for (const auto& [key, outcome] : outcomes_) out.push_back(key);
   ++instance;
   running_.reset();
   outcomes_.clear();
   tell_state();
+  return out;
 }
 
 void FakeAdapter::set(bool online, bool is_fenced) {
   online_ = online;
   fenced_ = is_fenced;
   tell_state();
+}
+
+void FakeAdapter::take_into_use(const TakeIntoUse& word) {
+  std::erase_if(out_of_use, [&](const OutOfUse& one) {
+    return one.retired == word.retired && (word.capability.empty() || one.capability == word.capability);
+  });
+  tell_state();
+}
+
+void FakeAdapter::forget(const std::string& run) {
+  std::erase_if(given, [&](const auto& one) { return one.first.run == run; });
+  for (auto* counts : {&begun, &commanded}) {
+    std::erase_if(*counts, [&](const auto& one) { return one.first.second.run == run; });
+  }
 }
 
 void FakeAdapter::set_out_of_use(std::vector<OutOfUse> what) {

@@ -26,9 +26,12 @@ class FakeAdapter {
   /// What it has to say since the last call, in order.
   std::vector<Said> take();
 
-  /// A new process: it knows nothing of what it was doing.
-  void restart();
+  /// A new process: it knows nothing of what it was doing. The attempts of which nobody else knows how they ended.
+  std::vector<AttemptKey> restart();
   void set(bool online, bool is_fenced);
+  void take_into_use(const TakeIntoUse& word);
+  /// Nothing is kept of that run any more.
+  void forget(const std::string& run);
   void set_out_of_use(std::vector<OutOfUse> what);
   /// Another has the control lease; empty: nobody.
   void set_control(const std::string& holder);

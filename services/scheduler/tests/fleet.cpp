@@ -65,7 +65,7 @@ void Fleet::post(Event event, Duration delay) {
 void Fleet::ask(const std::string& node, MessageType type, Body body) {
   Inbound message{type, node, node, ++count_, 0, 0, kDefaultRemainingMs, std::move(body)};
   asked_.insert(message.id);
-  happen({node, false, false, std::move(message)});
+  happen({node, false, false, false, std::move(message)});
 }
 
 Outbox Fleet::tell(const std::string& node, const std::string& source, MessageType type, Body body,
@@ -73,12 +73,13 @@ Outbox Fleet::tell(const std::string& node, const std::string& source, MessageTy
   Outbox out;
   Node& to = nodes_.at(node);
   to.core->on({type, source, node, ++count_, reply_to, 0, kDefaultRemainingMs, std::move(body)}, now_at(to), out);
-  for (const Journal& record : out.journal) journal_as_file(to.journal, *to.archive, record.record);
+  for (const Journal& record : out.journal) to.journal.commit(record.record, *to.archive);
+  touch(to);
   return out;
 }
 
 void Fleet::hear(const std::string& node, const std::string& source, MessageType type, Body body) {
-  happen({node, false, false, {type, source, node, ++count_, 0, 0, kDefaultRemainingMs, std::move(body)}});
+  happen({node, false, false, false, {type, source, node, ++count_, 0, 0, kDefaultRemainingMs, std::move(body)}});
 }
 
 RunView Fleet::view(const std::string& node, const std::string& run) {
@@ -96,13 +97,14 @@ RunView Fleet::view(const std::string& node, const std::string& run) {
 void Fleet::stop(const std::string& node) {
   nodes_.at(node).core.reset();
   nodes_.at(node).up = false;
+  touch(nodes_.at(node));
 }
 
 void Fleet::start(const std::string& id) {
   Node& node = nodes_.at(id);
   node.core =
       std::make_unique<SchedulerCore>(SchedulerSettings{id, authority_, node.role == Role::robot}, *node.archive);
-  const Status restored = node.core->restore(node.journal);
+  const Status restored = node.core->restore(node.journal.records());
   REQUIRE_MESSAGE(restored.ok(), (restored ? "" : restored.error().text()));
   node.up = true;
   run_core(node, [&](SchedulerCore& core, Outbox& out) {
@@ -115,13 +117,14 @@ void Fleet::run_core(Node& node, const std::function<void(SchedulerCore&, Outbox
   Outbox out;
   step(*node.core, out);
   carry_out(node, out);
+  touch(node);
 }
 
 bool Fleet::commit(Node& node, const Outbox& out) {
   for (const std::string& name : out.counts) ++counted[name];
   if (out.journal.empty()) return true;
   for (const Journal& record : out.journal) {
-    journal_as_file(node.journal, *node.archive, *decode_body(subtype_of(record.record), encode_body(record.record)));
+    node.journal.commit(*decode_body(subtype_of(record.record), encode_body(record.record)), *node.archive);
   }
   return ++node.commits != node.crash_at;
 }
@@ -133,7 +136,7 @@ void Fleet::carry_out(Node& node, const Outbox& out) {
   }
   if (!crashed) return;
   stop(node.id);
-  post({node.id, false, true, {}}, seconds(0.3));
+  post({node.id, false, true, false, {}}, seconds(0.3));
 }
 
 void Fleet::send(Node& node, const Send& send) {
@@ -142,6 +145,8 @@ void Fleet::send(Node& node, const Send& send) {
   Inbound message{send.type, node.id, send.target, ++count_, send.reply_to, send.flags, send.remaining_ms, *body};
   if (send.reply_to != 0 && asked_.contains(send.reply_to)) {
     answers.push_back(message.body);
+  } else if (send.target == node.id && guests_asked_.contains(send.reply_to)) {
+    post({node.id, false, false, true, message}, seconds(0.001));
   } else if (send.target == node.id) {
     send_local(node, message);
   } else {
@@ -160,12 +165,13 @@ void Fleet::send_local(Node& node, const Inbound& message) {
   } else if (holds_alternative<SensorRead>(message.body)) {
     read_sensor(node, message);
   } else {
-    post({node.id, true, false, message}, seconds(0.001));
+    post({node.id, true, false, false, message}, seconds(0.001));
   }
 }
 
 void Fleet::answer(const std::string& from, const Inbound& asked, Duration delay, Body body) {
   post({asked.source,
+        false,
         false,
         false,
         {MessageType::information, from, asked.source, ++count_, asked.id, 0, 1000, std::move(body)}},
@@ -185,6 +191,10 @@ RouteTable Fleet::routes(const Node& node, const std::string& after) const {
     Route route;
     route.id = id;
     route.state = id == node.id ? "self" : node.cut || other.cut ? "CONNECTION_BROKEN" : "ONLINE";
+    route.role = other.role;
+    route.certificate = other.certificate;
+    route.profile = other.profile;
+    route.profile.out_of_use = other.adapter.out_of_use;
     route.profile.plugged = other.sensors.infos();
     table.routes.push_back(std::move(route));
   }
@@ -194,8 +204,9 @@ RouteTable Fleet::routes(const Node& node, const std::string& after) const {
 void Fleet::nack(Node& node, const Inbound& message, Errc code) {
   if (message.type == MessageType::information || message.reply_to != 0) return;
   Nack body{std::string(errc_name(code)), std::string(subtype_of(message.body)), message.target, "not delivered", ""};
-  post({node.id, false, false, {MessageType::information, node.id, node.id, ++count_, message.id, 0, 1000, body}},
-       seconds(0.001));
+  post(
+      {node.id, false, false, false, {MessageType::information, node.id, node.id, ++count_, message.id, 0, 1000, body}},
+      seconds(0.001));
 }
 
 void Fleet::send_away(Node& node, const Inbound& message) {
@@ -211,13 +222,16 @@ void Fleet::send_away(Node& node, const Inbound& message) {
   const int copies = chance(weather.loss) ? 0 : (chance(weather.twice) ? 2 : 1);
   for (int i = 0; i < copies; ++i) {
     const auto extra = weather.scatter.count() == 0 ? 0 : random(static_cast<std::uint64_t>(weather.scatter.count()));
-    post({message.target, false, false, message}, seconds(0.005) + Duration{static_cast<std::int64_t>(extra)});
+    post({message.target, false, false, false, message}, seconds(0.005) + Duration{static_cast<std::int64_t>(extra)});
   }
 }
 
 void Fleet::happen(Event event) {
   Node& node = nodes_.at(event.node);
   if (event.starts) return start(event.node);
+  if (event.to_guest || guests_asked_.contains(event.message.reply_to)) {
+    return nudge(node.id, [&](Guest& guest, Now now, Outbox& out) { guest.on(event.message, now, out); });
+  }
   if (event.to_adapter) {
     node.adapter.hear(event.message, now_);
     return run_adapter(node);
@@ -230,18 +244,29 @@ void Fleet::run_adapter(Node& node) {
   for (FakeAdapter::Said& said : node.adapter.take()) {
     if (chance(weather.local_loss)) continue;
     const MessageType type = MessageType::information;
-    post({node.id, false, false, {type, node.id, node.id, ++count_, said.reply_to, 0, 1000, std::move(said.body)}},
+    post({node.id,
+          false,
+          false,
+          false,
+          {type, node.id, node.id, ++count_, said.reply_to, 0, 1000, std::move(said.body)}},
          seconds(0.001));
   }
+  touch(node);
+}
+
+/// When something is due on that node without a message.
+void Fleet::touch(Node& node) {
+  std::optional<MonotonicTime> next = node.adapter.next();
+  if (node.up) next = earlier(next, node.core->next_deadline());
+  const auto guest = guests_.find(node.id);
+  if (node.up && guest != guests_.end()) next = earlier(next, guest->second->next_deadline());
+  deadlines_[node.id] = next;
 }
 
 bool Fleet::next_moment(MonotonicTime limit) {
   std::optional<MonotonicTime> next;
   if (!events_.empty()) next = MonotonicTime{events_.begin()->first.first};
-  for (const auto& [id, node] : nodes_) {
-    next = earlier(next, node.adapter.next());
-    if (node.up) next = earlier(next, node.core->next_deadline());
-  }
+  for (const auto& [id, at] : deadlines_) next = earlier(next, at);
   if (!next || *next > limit) return false;
   now_ = std::max(now_, *next);
   if (!events_.empty() && events_.begin()->first.first <= now_.ns) {
@@ -249,17 +274,90 @@ bool Fleet::next_moment(MonotonicTime limit) {
     events_.erase(events_.begin());
     happen(std::move(event));
   }
-  for (auto& [id, node] : nodes_) {
+  for (auto& [id, at] : deadlines_) {
+    if (!at || *at > now_) continue;
+    Node& node = nodes_.at(id);
     run_adapter(node);
-    const bool due = node.up && node.core->next_deadline().value_or(limit + seconds(1)) <= now_;
-    if (due) run_core(node, [&](SchedulerCore& core, Outbox& out) { core.tick(now_at(node), out); });
+    const auto due = [&](std::optional<MonotonicTime> is) { return node.up && is && *is <= now_; };
+    if (due(node.up ? node.core->next_deadline() : std::nullopt)) {
+      run_core(node, [&](SchedulerCore& core, Outbox& out) { core.tick(now_at(node), out); });
+    }
+    const auto guest = guests_.find(id);
+    if (guest != guests_.end() && due(guest->second->next_deadline())) {
+      nudge(id, [](Guest& is, Now now, Outbox& out) { is.tick(now, out); });
+    }
+    touch(node);
   }
   return true;
+}
+
+void Fleet::attach(const std::string& node, Guest& guest) {
+  guests_[node] = &guest;
+  touch(nodes_.at(node));
+}
+
+void Fleet::nudge(const std::string& id, const std::function<void(Guest&, Now, Outbox&)>& step) {
+  Node& node = nodes_.at(id);
+  if (!node.up) return;
+  Outbox out;
+  step(*guests_.at(id), now_at(node), out);
+  for (const Send& one : out.sends) send_of_guest(node, one);
+  touch(node);
+}
+
+void Fleet::answer_guest(Node& node, const Inbound& asked, Duration delay, const std::string& from, Body body) {
+  post({node.id,
+        false,
+        false,
+        true,
+        {MessageType::information, from, node.id, ++count_, asked.id, 0, 1000, std::move(body)}},
+       delay);
+}
+
+void Fleet::send_of_guest(Node& node, const Send& send) {
+  auto body = decode_body(subtype_of(send.body), encode_body(send.body));
+  REQUIRE_MESSAGE(body.ok(), (body ? "" : body.error().text()));
+  Inbound message{send.type, node.id, send.target, ++count_, send.reply_to, send.flags, send.remaining_ms, *body};
+  if (send.reply_to != 0 && asked_.contains(send.reply_to)) return answers.push_back(message.body);
+  constexpr std::size_t kRemembered = 10'000;
+  guests_asked_.insert(message.id);
+  if (guests_asked_.size() > kRemembered) guests_asked_.erase(guests_asked_.begin());
+  if (send.target != node.id) {
+    Node& to = nodes_.at(send.target);
+    if (node.cut || to.cut || !to.up) {
+      return answer_guest(node, message, seconds(0.001), node.id,
+                          Nack{"peer_unreachable", std::string(subtype_of(message.body)), send.target, "is away", ""});
+    }
+    if (const auto* value = get_if<Opaque>(&message.body)) {
+      const auto told = to.values.find(value->subtype);
+      if (told == to.values.end()) return;
+      return answer_guest(node, message, seconds(0.02), to.id, Opaque{value->subtype, told->second});
+    }
+    if (const auto* repaired = get_if<TakeIntoUse>(&message.body)) {
+      to.adapter.take_into_use(*repaired);
+      run_adapter(to);
+      touch(to);
+      return answer_guest(node, message, seconds(0.02), to.id, Ack{"in_use", ""});
+    }
+  } else if (const auto* request = get_if<SignRequest>(&message.body)) {
+    REQUIRE(may_sign(node.role, request->kind));
+    REQUIRE(may_have_signed("resilience", false, request->kind));
+    return answer_guest(node, message, seconds(0.002), node.id, sign(node.id, request->kind, request->payload.bytes));
+  } else if (const auto* asked = get_if<RouteListRequest>(&message.body)) {
+    return answer_guest(node, message, seconds(0.001), node.id, routes(node, asked->after));
+  }
+  post({send.target, false, false, false, message}, seconds(0.005));
+}
+
+/// A test may have changed anything.
+void Fleet::touch_all() {
+  for (auto& [id, node] : nodes_) touch(node);
 }
 
 bool Fleet::until(const std::function<bool()>& done, Duration limit) {
   const MonotonicTime end = now_ + limit;
   while (!done()) {
+    touch_all();
     if (!next_moment(end)) return done();
   }
   return true;
@@ -267,6 +365,7 @@ bool Fleet::until(const std::function<bool()>& done, Duration limit) {
 
 void Fleet::pass(Duration time) {
   const MonotonicTime end = now_ + time;
+  touch_all();
   while (next_moment(end)) {
   }
   now_ = end;

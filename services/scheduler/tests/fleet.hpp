@@ -34,12 +34,26 @@ struct Node {
   std::unique_ptr<SchedulerCore> core;
   FakeAdapter adapter;
   FakeSensors sensors;
-  std::vector<Body> journal;
+  std::map<std::string, std::string> values;  ///< that its robot tells a guest which asks
+  MemoryJournal journal;
+  NodeProfile profile;  ///< in the routers' tables
   std::unique_ptr<MemoryArchive> archive = std::make_unique<MemoryArchive>();
   Duration ahead{0};         ///< its clock's
   std::size_t commits = 0;   ///< steps that have journaled something
   std::size_t crash_at = 0;  ///< ends the process at this commit; 0: never
   bool crash_after_sends = false;
+};
+
+/// Another service on a node: what it says goes to its node's router and scheduler and to robots, as on a bus.
+class Guest {
+ public:
+  Guest() = default;
+  Guest(const Guest&) = delete;
+  Guest& operator=(const Guest&) = delete;
+  virtual ~Guest() = default;
+  virtual void on(const Inbound& message, Now now, Outbox& out) = 0;
+  virtual void tick(Now now, Outbox& out) = 0;
+  [[nodiscard]] virtual std::optional<MonotonicTime> next_deadline() const = 0;
 };
 
 class Fleet {
@@ -69,6 +83,11 @@ class Fleet {
   void hear(const std::string& node, const std::string& source, MessageType type, Body body);
   RunView view(const std::string& node, const std::string& run);
 
+  /// The guest must outlive the fleet.
+  void attach(const std::string& node, Guest& guest);
+  /// Something happens to the guest that is no message.
+  void nudge(const std::string& node, const std::function<void(Guest&, Now, Outbox&)>& step);
+
   void stop(const std::string& node);
   void start(const std::string& node);
 
@@ -88,6 +107,7 @@ class Fleet {
     std::string node;
     bool to_adapter = false;
     bool starts = false;  ///< not a message: the node's scheduler comes back
+    bool to_guest = false;
     Inbound message;
   };
 
@@ -105,6 +125,10 @@ class Fleet {
   [[nodiscard]] RouteTable routes(const Node& node, const std::string& after) const;
   void happen(Event event);
   void run_adapter(Node& node);
+  void send_of_guest(Node& node, const Send& send);
+  void answer_guest(Node& node, const Inbound& asked, Duration delay, const std::string& from, Body body);
+  void touch(Node& node);
+  void touch_all();
   void run_core(Node& node, const std::function<void(SchedulerCore&, Outbox&)>& step);
   bool next_moment(MonotonicTime limit);
 
@@ -113,6 +137,9 @@ class Fleet {
   std::map<std::string, Node> nodes_;
   std::map<std::pair<std::int64_t, std::uint64_t>, Event> events_;
   std::set<std::uint64_t> asked_;
+  std::map<std::string, Guest*> guests_;
+  std::set<std::uint64_t> guests_asked_;                           ///< the newest of them
+  std::map<std::string, std::optional<MonotonicTime>> deadlines_;  ///< of each node, as it was last looked at
   MonotonicTime now_{1'000'000'000};
   std::uint64_t random_state_;
   std::uint64_t count_ = 0;

@@ -45,7 +45,9 @@ class Hall {
   }
 
   /// As a member sees it that knows the start alone.
-  Run open(const std::string& self = "b") { return *Run::open(start, fleet.authority(), self); }
+  Run open(const std::string& self = "b") {
+    return *Run::open(start, std::make_shared<Certificates>(fleet.authority()), self);
+  }
   Run in_epoch_3(const std::string& self = "b") {
     Run run = open(self);
     for (const SignedRecord& decision : decisions) REQUIRE(run.apply(JournalDecision{decision, false}).ok());

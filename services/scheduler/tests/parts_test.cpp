@@ -5,9 +5,11 @@
 
 #include "proto/body.hpp"
 #include "proto/message.hpp"
+#include "services/scheduler/core/certificates.hpp"
 #include "services/scheduler/core/duties.hpp"
 #include "services/scheduler/core/results.hpp"
 #include "services/scheduler/core/view.hpp"
+#include "services/scheduler/tests/fleet.hpp"
 
 using namespace trb;
 using namespace trb::scheduler;
@@ -150,4 +152,27 @@ TEST_CASE("results for a node that is away go together, those for one that answe
   CHECK(duties.take_due(now)[0].tasks == std::vector<TaskIndex>{0, 1});
   CHECK(duties.settle(DutyKind::results, "cloud", {1, 5}));
   CHECK(duties.creditors(DutyKind::results) == std::vector<std::string>{"cloud"});
+}
+
+TEST_CASE("a certificate that was opened once is known; one that differs in a byte is opened by itself, and is wrong") {
+  test::Fleet fleet;
+  fleet.add("ur3", Role::robot);
+  Certificates certificates(fleet.authority());
+  const SignedRecord record = fleet["ur3"].certificate;
+  CHECK(certificates.open(record)->id == "ur3");
+  CHECK(certificates.open(record)->id == "ur3");
+  CHECK(certificates.size() == 1);
+  for (const bool payload : {true, false}) {
+    SignedRecord forged = record;
+    Bytes& bytes = payload ? forged.payload.bytes : forged.signature.bytes;
+    bytes[bytes.size() / 2] ^= 1;
+    CHECK_FALSE(certificates.open(forged).ok());
+  }
+  CHECK(certificates.size() == 1);
+  for (std::size_t i = 0; i < Certificates::kMost; ++i) {
+    const std::string id = "r" + std::to_string(i);
+    fleet.add(id, Role::robot);
+    CHECK(certificates.open(fleet[id].certificate)->id == id);
+  }
+  CHECK(certificates.size() <= Certificates::kMost);
 }

@@ -1,0 +1,81 @@
+// A hall of 20 robots that works a year, in virtual time: the real cores of schedulers and of the decider, and all that
+// goes wrong in a year.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "services/scheduler/tests/random_world.hpp"
+#include "tests/year/decider.hpp"
+
+namespace trb::year {
+
+/// What has happened, for the table at the end.
+struct Figures {
+  std::uint64_t runs = 0;
+  std::uint64_t tasks = 0;
+  std::uint64_t finished = 0;
+  std::uint64_t aborted = 0;
+  std::uint64_t expired = 0;
+  std::uint64_t failures = 0;  ///< attempts that a robot has not done
+  std::uint64_t faults = 0;    ///< CRITICAL ones
+  std::uint64_t restarts = 0;
+  std::uint64_t cuts = 0;
+  std::uint64_t decisions = 0;
+  std::uint64_t words = 0;  ///< of persons
+  std::uint64_t twice = 0;  ///< tasks that were begun again after they were done, or attempts begun twice
+  std::uint64_t lost = 0;   ///< runs that ended without a result of every task
+  std::uint64_t nameless = 0;
+  std::size_t most_open = 0;
+  std::size_t most_journal = 0;  ///< records of one node
+  std::size_t most_alerts = 0;
+};
+
+class Hall {
+ public:
+  explicit Hall(std::uint64_t seed);
+
+  /// One more day of work.
+  void day();
+  /// Nothing new comes; what is open is waited for.
+  void finish();
+
+  Figures figures;
+  std::vector<std::string> troubles;  ///< in words, the first ones
+
+ private:
+  struct Known {
+    std::set<std::string> done;     ///< tasks that some robot has done
+    std::set<std::string> unknown;  ///< of which nobody knew whether they were done: a mode-adapter began anew
+    MonotonicTime submitted;
+    std::size_t tasks = 0;
+  };
+  void plan(Duration after, std::function<void()> what);
+  void until(MonotonicTime end);
+  void submit();
+  [[nodiscard]] Scenario scenario(const std::vector<std::string>& crew);
+  std::pair<TaskOutcome, std::string> work(const std::string& robot, const Execute& execute);
+  void restart(const std::string& node);
+  void cut(const std::string& node);
+  void look();
+  void look_at(const RunView& view, MonotonicTime now);
+  void decide(const Alert& alert);
+  void count_ended();
+  void tell(const std::string& what);
+
+  scheduler::test::Dice dice_;
+  scheduler::test::Fleet fleet_;
+  Decider decider_;
+  std::vector<std::string> robots_;
+  std::multimap<std::int64_t, std::function<void()>> plans_;
+  std::map<std::string, Known> open_;
+  std::map<std::string, MonotonicTime> silent_;  ///< runs that wait for nothing that is named
+  std::uint64_t count_ = 0;
+  bool takes_work_ = true;
+};
+
+}  // namespace trb::year
