@@ -36,9 +36,9 @@ int run_check(const Arguments& arguments) {
   const Network& network = check.config.network;
   const std::string note = note_of_wire(network.address, network.robot_address, check.config.robot.host);
   if (arguments.has("--json")) {
-    Value::List notes;
-    if (!note.empty()) notes.push_back(Value{note});
-    print_json(Value{Value::Object{{"faults", Value{Value::List{}}}, {"notes", Value{std::move(notes)}}}});
+    Value::Object json{{"faults", Value{Value::List{}}}};
+    if (!note.empty()) json.emplace_back("notes", Value{Value::List{Value{note}}});
+    print_json(Value{std::move(json)});
   } else {
     print_line(arguments.words[0] + ": no faults" + (running ? " (the node is up: its ports were not tried)" : ""));
     if (!note.empty()) print_line("note: node.json: " + note);
