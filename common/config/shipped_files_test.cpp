@@ -107,6 +107,7 @@ TEST_CASE("the scenario that takes values from results can be done by shipped ro
       {"kuka1", {"kuka", "robots/kuka.json"}}};
   std::map<std::string, NodeProfile> profiles;
   for (const auto& [id, robot] : robots) profiles[id] = profile_of(check_shipped(id, robot.first, robot.second).config);
+  profiles["ridgeback"].capabilities = {"mobile", "carry"};
   ConfigFaults faults;
   const Scenario scenario = read_scenario(json_of("scenarios/find-and-fetch.json"), "find-and-fetch.json", faults);
   CHECK(scenario.tasks.size() == 8);
