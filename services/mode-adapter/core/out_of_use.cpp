@@ -87,7 +87,7 @@ void ModeAdapterCore::on_take_out(const Inbound& message, const TakeOutOfUse& or
   if (what.by.empty()) what.by = "a service of the node";
   out.log(LogLevel::warning, what.retired ? "retired" : "out_of_use",
           name_of_whole(what.capability) + ", by " + what.by + ": " + what.text);
-  const std::string cause = what.retired ? kRetired : "by " + what.by + " " + what.capability;
+  const std::string cause = what.retired ? kRetired : "service " + what.capability;
   const Status saved = out_of_use_.add({cause, std::move(what)}, now, out);
   if (saved) return out.reply(message, Ack{"out_of_use", ""});
   out.nack(message,
