@@ -6,7 +6,7 @@ the messages by `trb tap` at the cloud's router and at the Ridgeback's.
 import datetime
 import hashlib
 import json
-import os
+import shlex
 import time
 
 import trb_fleet
@@ -138,14 +138,14 @@ class Fault:
         if self.policy != "ask":
             self.say(f"\n== the policy leaves it to you: {self.alert['policy']}")
         self.say(f"\n== you decide, within {self.patience_s:.0f} s; the robots wait. In another terminal, from this folder:")
-        self.say(f"  {self.command()} alert decide {path} --node {os.path.relpath(self.fleet.dir(CLOUD))}")
+        self.say(f"  {self.command()} alert decide {path} --node {shlex.quote(trb_fleet.short(self.fleet.dir(CLOUD)))}")
         others = [one["robot"] for one in self.alert["proposals"][1:] if one["robot"]]
         self.say(f"  that accepts the best, {best}; at its end you may say"
                  + (f" --robot {others[0]} for another one," if others else "")
                  + "\n  or --retry (it works again), --skip (leave these tasks out), --abort (end the run)")
 
     def command(self):
-        return os.path.relpath(self.fleet.programs / "trb")
+        return shlex.quote(trb_fleet.short(self.fleet.programs / "trb"))
 
     def tell_decision(self):
         self.told = True

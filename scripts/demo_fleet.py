@@ -4,12 +4,14 @@ import fcntl
 import json
 import os
 import pathlib
+import shlex
 import signal
 import subprocess
 import sys
 import time
 
 import demo_fault
+import demo_place
 import fleet_cost
 import sensor_side
 import trb_fleet
@@ -166,15 +168,22 @@ def report(fleet, view, wall_s, faults):
             "messages": {"observed": observed, "equation12": model}, "wall_s": round(wall_s, 2)}
 
 
+def below(here, path):
+    """An absolute path for a shell, short if it lies below this folder."""
+    path = os.path.realpath(path)
+    inside = os.path.relpath(path, here)
+    return shlex.quote(path) if inside.startswith("..") else '"$PWD"/' + shlex.quote(inside)
+
+
 def print_next_steps(fleet, fault):
-    bin_dir = os.path.relpath(fleet.programs)
+    here = os.path.realpath(os.curdir)
     say("\n== the fleet stays up until Ctrl-C. Try in another terminal, from this folder:")
-    say(f"  export PATH=$PWD/{bin_dir}:$PATH TRB_NODE=$PWD/{os.path.relpath(fleet.dir('cloud'))}")
+    say(f"  export PATH={below(here, fleet.programs)}:$PATH TRB_NODE={below(here, fleet.dir('cloud'))}")
     mended = fault.next_steps() if fault else []
     for line in [*mended, "trb robot list", "trb send ur3 command move '[0.5,-1.2,1.0,-1.4,-1.57,0]'", "trb request ur3 position",
                  "trb send pioneer1 command turn '[90]'", "trb request drone altitude", "trb sensor list", "trb sensor read temperature", "trb sensor watch temperature",
                  "trb tap", "trb scenario run config/scenarios/paper-temperature.json --watch",
-                 "trb stop --all", "trb release --all", "trb help"]:
+                 "trb run list --all", "trb stop --all", "trb release --all", "trb help"]:
         say("  " + line)
 
 
@@ -207,8 +216,8 @@ def parse():
                         help="of --policy ask: how long the demonstration waits for you (600)")
     parser.add_argument("--programs", required=True, help=argparse.SUPPRESS)
     parser.add_argument("--root", required=True, help=argparse.SUPPRESS)
-    parser.add_argument("--block", type=int, default=1, help=argparse.SUPPRESS)
-    parser.add_argument("--udp-port", type=int, default=50000, help=argparse.SUPPRESS)
+    parser.add_argument("--block", type=int, help=argparse.SUPPRESS)
+    parser.add_argument("--udp-port", type=int, help=argparse.SUPPRESS)
     arguments = parser.parse_args()
     if not 0 < arguments.speed <= 100:
         parser.error("--speed: between 0 and 100")
@@ -240,9 +249,10 @@ def main():
     arguments = parse()
     root = pathlib.Path(arguments.root)
     lock = take_lock(root)
+    place = demo_place.take(arguments.block, arguments.udp_port, root, say)
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))
     began = time.monotonic()
-    with trb_fleet.Fleet(root, arguments.programs, block=arguments.block, udp_port=arguments.udp_port,
+    with trb_fleet.Fleet(root, arguments.programs, block=place.block, udp_port=place.udp_port,
                          robots=demo_fault.ROBOTS if arguments.fault else trb_fleet.DEMO_ROBOTS,
                          speed=arguments.speed) as fleet:
         sensor_side.SensorSide(fleet, SENSOR_NODE)
@@ -273,6 +283,7 @@ def main():
             while True:
                 fleet.pump()
                 time.sleep(0.2)
+    place.close()
     lock.close()
     return 0 if result["run"]["state"] == "FINISHED" else 1
 

@@ -73,7 +73,7 @@ class Round:
                 self.do(todo.pop(0)[1])
                 since = time.monotonic()
             view, alerts = self.look()
-            shown = view, [(a["id"], a["state"], a["verdict"], a["epoch"]) for a in alerts]
+            shown = {**view, "left_s": 0}, [(a["id"], a["state"], a["verdict"], a["epoch"]) for a in alerts]
             if shown != seen:
                 seen, since = shown, time.monotonic()
             if not todo and view and self.has_settled(view, alerts, time.monotonic() - since):
@@ -94,7 +94,8 @@ class Round:
         if view["state"] in rules.OVER:
             return True
         under_way = any(a["state"] == "RELEASING" and not a["needs_word"] for a in alerts)
-        return for_s > (SETTLED_S if view["state"] == "PAUSED" and not under_way else STUCK_S)
+        asked = view["state"] == "PAUSED" or rules.waits_for_a_person(view, alerts)
+        return for_s > (SETTLED_S if asked and not under_way else STUCK_S)
 
     # ---- what has come of it
 

@@ -114,6 +114,11 @@ def commanded_too_often(fleet, view, scenario):
     return out
 
 
+def waits_for_a_person(view, alerts):
+    """It says what it waits for, and an alert of it asks somebody."""
+    return bool(view.get("waits_for")) and any(a["run"] == view["run"] and a.get("state") == "OPEN" for a in alerts)
+
+
 def unexplained(view, alerts):
     """Why this is no proper end of a round; empty: it is one."""
     state = view.get("state", "unknown")
@@ -122,6 +127,9 @@ def unexplained(view, alerts):
     if state == "ABORTED":
         failed = [t for t in view["tasks"] if t["state"] in ("FAILED", "RETRIABLE")]
         return "" if any(t["reason"] for t in failed) else "ABORTED, and no task says why"
+    # A task whose robot is out of use holds up nothing but what follows it.
+    if state == "RUNNING" and waits_for_a_person(view, alerts):
+        return ""
     if state != "PAUSED":
         return f"{state}, waiting for {view.get('waits_for') or 'nothing that it names'}"
     if not view["waits_for"]:

@@ -1,12 +1,18 @@
 """A D-Bus of its own, with the system bus's rules and the project's policy: for what must not touch the machine's."""
+import hashlib
+import os
+import pathlib
 import signal
+import stat
+import string
+from xml.sax.saxutils import escape
 
 import trb_fleet
 
 CONFIG = """<!DOCTYPE busconfig PUBLIC "-//freedesktop//DTD D-Bus Bus Configuration 1.0//EN"
  "http://www.freedesktop.org/standards/dbus/1.0/busconfig.dtd">
 <busconfig>
-  <listen>unix:path={socket}</listen>
+  <listen>{address}</listen>
   <auth>EXTERNAL</auth>
   <policy context="default">
     <allow user="*"/>
@@ -29,19 +35,45 @@ CONFIG = """<!DOCTYPE busconfig PUBLIC "-//freedesktop//DTD D-Bus Bus Configurat
 """
 
 
+LONGEST = 107  # bytes of a socket's path: sun_path
+PLAIN = set((string.ascii_letters + string.digits + "-_/.").encode())
+
+
+def escaped(path):
+    """A path as a D-Bus address has it: a space is %20."""
+    return "".join(chr(byte) if byte in PLAIN else f"%{byte:02x}" for byte in os.fsencode(path))
+
+
+def socket_of(folder, name):
+    """The path of a socket: in the folder, or, if that is too long, in a private one that is named after it."""
+    path = pathlib.Path(folder) / name
+    if len(os.fsencode(path)) <= LONGEST:
+        return path
+    own = "trb-" + hashlib.sha256(os.fsencode(path.parent)).hexdigest()[:16]
+    bases = [base for base in (os.environ.get("XDG_RUNTIME_DIR"), "/tmp") if base and os.path.isdir(base)]
+    short = next(pathlib.Path(base) / own for base in bases if len(os.fsencode(pathlib.Path(base) / own / name)) <= LONGEST)
+    short.mkdir(mode=0o700, exist_ok=True)
+    found = short.lstat()
+    if not stat.S_ISDIR(found.st_mode) or found.st_uid != os.geteuid() or stat.S_IMODE(found.st_mode) != 0o700:
+        raise RuntimeError(f"{short} is not a folder of {os.geteuid()} alone: remove it, or name a shorter folder than {folder}")
+    return short / name
+
+
 class PrivateBus:
-    """A dbus-daemon that is started and stopped as one likes; its files are folder/NAME, NAME.conf and NAME.log."""
+    """A dbus-daemon that is started and stopped as one likes; its files are folder/NAME, NAME.conf and NAME.log, its socket
+    elsewhere if the folder's path is too long for one."""
 
     def __init__(self, folder, name="bus"):
-        self.socket = folder / name
+        self.socket = socket_of(folder, name)
+        self.elsewhere = self.socket.parent != pathlib.Path(folder)
         self.config = folder / f"{name}.conf"
         self.log = folder / f"{name}.log"
-        self.address = f"unix:path={self.socket}"
+        self.address = f"unix:path={escaped(self.socket)}"
         self.process = None
 
     def start(self):
         policy = trb_fleet.REPO / "deploy" / "dbus" / "trbots.conf"
-        self.config.write_text(CONFIG.format(socket=self.socket, policy=policy, user=trb_fleet.user()))
+        self.config.write_text(CONFIG.format(address=self.address, policy=escape(str(policy)), user=trb_fleet.user()))
         self.socket.unlink(missing_ok=True)
         command = ["/usr/bin/dbus-daemon", f"--config-file={self.config}", "--nofork", "--nosyslog", "--print-address=1"]
         self.process = trb_fleet.Process(command, self.log)
@@ -51,3 +83,9 @@ class PrivateBus:
         if self.process:
             self.process.stop(how)
             self.process = None
+        self.socket.unlink(missing_ok=True)
+        if self.elsewhere:
+            try:
+                self.socket.parent.rmdir()
+            except OSError:
+                pass  # it is not there any more, or another bus is

@@ -15,8 +15,28 @@ ros_packages=(
   ros-actionlib-msgs ros-geometry-msgs ros-std-msgs
 )
 
+# What this was tried on; another system may do, and its user should know where to look if it does not.
+tried_on='Debian 12 (bookworm)'
+this_system="$(. /etc/os-release 2>/dev/null && echo "${PRETTY_NAME:-an unknown system}" || echo 'an unknown system')"
+is_tried_on() { (. /etc/os-release 2>/dev/null && [ "${ID:-}" = debian ] && [ "${VERSION_ID:-}" = 12 ]); }
+is_tried_on || echo "== this is $this_system; all this was tried on $tried_on alone. It goes on with what is here." >&2
+
+not_installed() {
+  cat >&2 <<END
+== $1
+   This is $this_system, and it was tried on $tried_on alone. What it needs, by Debian's names:
+   ${base_packages[*]} ${ros_packages[*]}
+   Install these by hand and try again, or use a $tried_on, in a container or a virtual machine.
+END
+  return 1
+}
+
 install_packages() {
   local missing=()
+  if ! command -v dpkg-query >/dev/null || ! command -v apt-get >/dev/null; then
+    is_tried_on || { echo "== without dpkg-query and apt-get nothing is looked for or installed: $*" >&2; return 0; }
+    not_installed "there is no dpkg-query or no apt-get"
+  fi
   for package in "$@"; do
     dpkg-query -W -f='${Status}' "$package" 2>/dev/null | grep -q 'install ok installed' || missing+=("$package")
   done
@@ -25,8 +45,11 @@ install_packages() {
   local as_root=()
   [ "$(id -u)" -eq 0 ] || as_root=(sudo)
   export DEBIAN_FRONTEND=noninteractive
-  "${as_root[@]}" apt-get update -qq
-  "${as_root[@]}" apt-get install -y -qq --no-install-recommends --no-remove "${missing[@]}" >/dev/null
+  local tried="${as_root[*]} apt-get update, then apt-get install ${missing[*]}"
+  if ! { "${as_root[@]}" apt-get update -qq &&
+    "${as_root[@]}" apt-get install -y -qq --no-install-recommends --no-remove "${missing[@]}" >/dev/null; }; then
+    not_installed "tried, and failed: $tried"
+  fi
 }
 
 # Debian's udev begins to run as it is installed, unless a policy forbids it: the tests run their own, in a namespace.

@@ -125,6 +125,12 @@ def free_port():
         return probe.getsockname()[1]
 
 
+def short(path):
+    """A path as one would type it in this folder, which may lie behind a link."""
+    path = os.path.realpath(path)
+    return min(os.path.relpath(path, os.path.realpath(os.curdir)), path, key=len)
+
+
 def answers(address):
     with socket.socket() as probe:
         return probe.connect_ex(address) == 0

@@ -76,6 +76,13 @@ TEST_CASE("the D-Bus is the system's, the session's or a socket's address") {
     REQUIRE(faults.size() == 1);
     CHECK(faults[0].key == "dbus");
   }
+  const auto of = [&](std::size_t size, const std::string& end) {
+    return without_keys(with("\"unix:path=/" + std::string(size - 1 - end.size(), 'x') + end + "\"").faults);
+  };
+  CHECK(of(107, "").empty());
+  CHECK(of(109, "%20").empty());  // a blank is one byte of the path
+  REQUIRE(of(108, "").size() == 1);
+  CHECK(of(108, "")[0].what.find("too long for a socket") != std::string::npos);
 }
 
 TEST_CASE("an address is taken apart only if it is one") {

@@ -13,6 +13,7 @@
 namespace trb {
 namespace {
 
+constexpr std::size_t kMaxSocketPath = 107;  ///< what sun_path holds
 constexpr std::size_t kMaxSeeds = 1000;
 constexpr std::size_t kMaxServices = 16;
 constexpr std::size_t kMaxPath = 4096;
@@ -165,13 +166,24 @@ void read_seals(ObjectReader& reader, NodeConfig& config) {
   }
 }
 
+/// Without what a D-Bus address writes as %20.
+std::size_t unescaped_size(std::string_view path) {
+  const auto escapes = static_cast<std::size_t>(std::count(path.begin(), path.end(), '%'));
+  return path.size() - std::min(2 * escapes, path.size());
+}
+
 void read_dbus(ObjectReader& reader, NodeConfig& config) {
-  const auto text = reader.text("dbus", Need::optional, 200);
+  const auto text = reader.text("dbus", Need::optional, 400);
   if (!text) return;
   config.dbus = *text;
   constexpr std::string_view kPath = "unix:path=/";
   const bool is_path =
       text->starts_with(kPath) && text->size() > kPath.size() && text->find_first_of(",; ") == std::string::npos;
+  if (is_path && unescaped_size(text->substr(kPath.size() - 1)) > kMaxSocketPath) {
+    return reader.faults().add(
+        "dbus", "its path is too long for a socket, which takes " + std::to_string(kMaxSocketPath) + " bytes",
+        "give that bus a shorter path, as below /run");
+  }
   if (*text == "system" || *text == "session" || is_path) return;
   reader.faults().add("dbus", in_quotes(*text) + " is no D-Bus",
                       R"(use "system", "session" or an address: "unix:path=/run/robot/bus")");

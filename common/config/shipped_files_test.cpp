@@ -99,14 +99,15 @@ TEST_CASE("the paper's scenario can be done by the shipped robots, and by robots
   check_paper_scenario(in_fields);
 }
 
-TEST_CASE("the scenario that takes values from results can be done by shipped robots, and one that looks for boxes") {
+TEST_CASE("the scenario that takes values from results can be done by shipped robots") {
+  const std::map<std::string, std::pair<const char*, const char*>> robots{
+      {"ridgeback", {"ridgeback", "robots/ridgeback.json"}},
+      {"drone", {"ardrone", "robots/drone.json"}},
+      {"ur3", {"ur", "robots/ur3.json"}},
+      {"kuka1", {"kuka", "robots/kuka.json"}}};
   std::map<std::string, NodeProfile> profiles;
-  for (const char* id : {"ridgeback", "drone", "turtlebot"}) {
-    profiles[id] = profile_of(check_shipped(id, "lines", kFieldRobots + id + ".json").config);
-  }
-  profiles["ur3"] = profile_of(check_shipped("ur3", "ur", "robots/ur3.json").config);
+  for (const auto& [id, robot] : robots) profiles[id] = profile_of(check_shipped(id, robot.first, robot.second).config);
   profiles["ridgeback"].capabilities = {"mobile", "carry"};
-  profiles["turtlebot"].skills.push_back({"find_box", "", {}, true, 60});
   ConfigFaults faults;
   const Scenario scenario = read_scenario(json_of("scenarios/find-and-fetch.json"), "find-and-fetch.json", faults);
   CHECK(scenario.tasks.size() == 8);

@@ -146,6 +146,8 @@ BAD = [
     ("scenario", "scenarios/find-and-fetch.json", ["tasks", 0, "retries"], 17),
     ("scenario", "scenarios/find-and-fetch.json", ["tasks", 0, "retry_after_s"], 0),
     ("scenario", "scenarios/find-and-fetch.json", ["tasks", 2, "on_failure"], "ignore"),
+    ("scenario", "scenarios/find-and-fetch.json", ["tasks", 0, "start_within_s"], 0),
+    ("scenario", "scenarios/find-and-fetch.json", ["tasks", 0, "start_within_s"], 86401),
     ("scenario", "scenarios/find-and-fetch.json", ["repeat"], 0),
     ("scenario", "scenarios/paper-nine-tasks.json", ["tasks", 1, "after"], "fetch_box"),
     ("scenario", "scenarios/paper-nine-tasks.json", ["tasks"], []),

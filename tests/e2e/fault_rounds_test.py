@@ -114,6 +114,7 @@ class Rules(unittest.TestCase):
         self.assertNotEqual(rules.unexplained(self.begun, []), "")
         self.assertNotEqual(rules.unexplained(view_of(waits_for=""), [alert]), "")
         self.assertNotEqual(rules.unexplained(view_of(state="RUNNING"), [alert]), "")
+        self.assertEqual(rules.unexplained(view_of(state="RUNNING"), [{**alert, "state": "OPEN"}]), "")
         self.assertNotEqual(rules.unexplained({}, []), "")
         self.assertNotEqual(rules.unexplained(view_of(state="ABORTED"), []), "")
         stuck = task_view("go", "ridgeback", "FAILED", reason="stuck")

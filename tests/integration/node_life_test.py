@@ -4,6 +4,7 @@ Addresses 127.0.158.x.
 """
 import json
 import pathlib
+import socket
 import subprocess
 import tempfile
 import unittest
@@ -89,6 +90,32 @@ class NodeLife(unittest.TestCase):
         done = self.up(fleet)
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
         self.assertEqual(fleet.json("run", "list", node="cloud")["runs"], [])
+
+
+class Wire(unittest.TestCase):
+    def test_a_robot_on_the_fleets_own_interface_is_worth_a_word(self):
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as way:
+            try:
+                way.connect(("192.0.2.1", 9))
+                address = way.getsockname()[0]
+            except OSError:
+                address = "127.0.0.1"
+        if address.startswith("127."):
+            self.skipTest("this machine has no address of a network")
+        fleet = support.make_fleet(self, block=BLOCK, udp_port=50158, robots={"pioneer1": trb_fleet.ROBOTS["pioneer1"]})
+        folder = fleet.dir("pioneer1")
+        network = json.loads((folder / "network.json").read_text())
+        (folder / "network.json").write_text(json.dumps({**network, "HOST_INT": address}))
+        node = json.loads((folder / "node.json").read_text())
+
+        def notes(**robot):
+            (folder / "node.json").write_text(json.dumps({**node, "robot": robot}))
+            said = fleet.trb("check", folder, "--json", check=False).stdout
+            return json.loads(said).get("notes", [])
+        found = notes(host="192.0.2.77")
+        self.assertEqual(len(found), 1)
+        self.assertIn("robot.interface: the robot 192.0.2.77 hangs on the fleet's own interface", found[0])
+        self.assertEqual(notes(host="127.0.159.1", interface="127.0.158.1"), [])
 
 
 if __name__ == "__main__":

@@ -36,9 +36,9 @@ int run_check(const Arguments& arguments) {
   const Network& network = check.config.network;
   const std::string note = note_of_wire(network.address, network.robot_address, check.config.robot.host);
   if (arguments.has("--json")) {
-    Value::List notes;
-    if (!note.empty()) notes.push_back(Value{note});
-    print_json(Value{Value::Object{{"faults", Value{Value::List{}}}, {"notes", Value{std::move(notes)}}}});
+    Value::Object json{{"faults", Value{Value::List{}}}};
+    if (!note.empty()) json.emplace_back("notes", Value{Value::List{Value{note}}});
+    print_json(Value{std::move(json)});
   } else {
     print_line(arguments.words[0] + ": no faults" + (running ? " (the node is up: its ports were not tried)" : ""));
     if (!note.empty()) print_line("note: node.json: " + note);
@@ -70,6 +70,17 @@ Result<std::vector<ServiceProgram>> services_to_start(const NodeConfig& config, 
   if (without.empty() || config.has_service(without)) return services;
   return fail(Errc::bad_value, "--without " + without + ": node.json names no such service",
               "it may stay away as it is, or put it into \"services\" of node.json");
+}
+
+/// What a reload leads to; nothing: the files are not good, and all stays as it is.
+std::optional<std::vector<ServiceProgram>> services_of_new_files(const Arguments& arguments, const std::string& dir) {
+  const NodeCheck check = check_node_dir(dir, true);
+  if (!check.faults.empty()) print_faults(arguments, check.faults);
+  if (Status made = make_keys_of_bus(check.config); !made) return std::nullopt;
+  if (!faults_that_stop(check.faults).empty()) return std::nullopt;
+  const std::string without = arguments.get("--without");
+  auto services = services_to_start(check.config, check.config.has_service(without) ? without : "");
+  return services ? std::optional(std::move(*services)) : std::nullopt;
 }
 
 /// In the starting process, until the node is ready.
@@ -107,15 +118,7 @@ int run_up(const Arguments& arguments) {
   if (!held) return print_error(arguments, held.error());
   block_child_signal();
   Supervisor supervisor(dir, *services, [&id](const std::string& text) { print_line(id + ": " + text); });
-  const auto reload = [&dir, &arguments]() -> std::optional<std::vector<ServiceProgram>> {
-    const NodeCheck again = check_node_dir(dir, true);
-    if (!again.faults.empty()) print_faults(arguments, again.faults);
-    if (Status made = make_keys_of_bus(again.config); !made) return std::nullopt;
-    if (!faults_that_stop(again.faults).empty()) return std::nullopt;
-    const std::string without = arguments.get("--without");
-    auto now = services_to_start(again.config, again.config.has_service(without) ? without : "");
-    return now ? std::optional(std::move(*now)) : std::nullopt;
-  };
+  const auto reload = [&] { return services_of_new_files(arguments, dir); };
   ReadyCheck is_ready(dir);
   return supervisor.run(reload, std::ref(is_ready));
 }

@@ -2,6 +2,7 @@
 #include "services/cli/commands/runs.hpp"
 
 #include <cstdio>
+#include <set>
 
 #include "services/cli/commands/command.hpp"
 #include "services/cli/core/table.hpp"
@@ -32,6 +33,9 @@ std::string or_dash(const std::string& text) {
 Result<RunTable> ask_runs(Probe& probe, bool all) {
   auto table = probe.ask_node<RunTable>(RunListRequest{});
   if (!table || !all) return table;
+  // One may have come to its end in the meantime.
+  std::set<std::string> known;
+  for (const RunSummary& run : table->runs) known.insert(run.run);
   std::string after;
   for (bool more = true; more && table->runs.size() < kMostShown;) {
     auto page = probe.ask_node<RunTable>(RunListRequest{true, after, kPage});
@@ -40,8 +44,7 @@ Result<RunTable> ask_runs(Probe& probe, bool all) {
     more = page->more && !page->runs.empty() && page->runs.back().run != after;
     if (!page->runs.empty()) after = page->runs.back().run;
     for (RunSummary& run : page->runs) {
-      const bool known = std::ranges::any_of(table->runs, [&](const RunSummary& one) { return one.run == run.run; });
-      if (!known) table->runs.push_back(std::move(run));
+      if (known.insert(run.run).second) table->runs.push_back(std::move(run));
     }
   }
   table->more = table->runs.size() >= kMostShown;

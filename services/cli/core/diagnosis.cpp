@@ -5,6 +5,7 @@
 
 #include "common/base/address.hpp"
 #include "services/cli/core/causes.hpp"
+#include "services/cli/core/use_findings.hpp"
 
 namespace trb::cli {
 namespace {
@@ -27,8 +28,7 @@ class Doctor {
     own_certificate();
     own_services();
     robot();
-    runs();
-    for (const Route& route : seen_.routes.routes) out_of_use(route);
+    add_use_findings(seen_, out_);
     for (const Route& route : seen_.routes.routes) node(route);
     seeds();
     asked();
@@ -127,33 +127,6 @@ class Doctor {
       }
     }
     problem("robot_silent", seen_.node, std::move(what), std::move(cure));
-  }
-
-  void runs() {
-    const RunTable& table = seen_.runs;
-    if (table.open_max == 0 || std::uint64_t{table.open} * 10 <= std::uint64_t{table.open_max} * 9) return;
-    note("runs_full", seen_.node,
-         std::to_string(table.open) + " runs are not over, of " + std::to_string(table.open_max) +
-             " that it takes: soon it refuses new ones",
-         "see what they wait for: trb run list; end what nobody needs: trb scenario abort RUN");
-  }
-
-  void out_of_use(const Route& route) {
-    if (!is_asked(route.id, route.address) && route.state != "self") return;
-    for (const OutOfUse& one : route.profile.out_of_use) {
-      const std::string since = " since " + to_iso8601({one.since}) + ": " + one.text;
-      if (one.retired) {
-        note("robot_retired", route.id, "the robot is retired by " + one.by + since, "trb robot return " + route.id);
-        continue;
-      }
-      const std::string what = one.capability.empty() ? "the robot" : "'" + one.capability + "'";
-      const bool told = !one.capability.empty() && one.by.empty();
-      out_.push_back({route.state == "self" ? Weight::problem : Weight::note, "fault_stands", route.id,
-                      what + " is out of use" + since,
-                      told ? "mend it; if the robot itself does not say so: trb robot repaired " + route.id +
-                                 " --capability " + one.capability
-                           : "mend it, then trb robot repaired " + route.id});
-    }
   }
 
   const Route* find(const std::string& id) const {

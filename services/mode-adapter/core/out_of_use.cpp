@@ -73,7 +73,7 @@ Status ModeAdapterCore::may_take_out(const Inbound& message, const OutOfUse& wha
   if (what.retired && !what.capability.empty()) {
     return fail(Errc::bad_value, "what.capability: a robot is retired as a whole", "leave it empty");
   }
-  if (what.by.empty()) return fail(Errc::missing, "what.by: nobody is named", "say whose word it is");
+  if (what.retired && what.by.empty()) return fail(Errc::missing, "what.by: nobody is named", "say whose word it is");
   if (knows_capability(what.capability)) return Done{};
   return fail(Errc::bad_value, "what.capability: the robot has no '" + what.capability + "'",
               did_you_mean(what.capability, robot_.settings.description.capabilities, "use one of"));
@@ -83,10 +83,11 @@ void ModeAdapterCore::on_take_out(const Inbound& message, const TakeOutOfUse& or
   if (Status may = may_take_out(message, order.what); !may) return out.nack(message, may.error());
   OutOfUse what = order.what;
   what.since = now.utc.ns;
-  if (what.retired) what.severity = Severity::critical;
+  what.severity = std::max(what.severity, Severity::critical);
+  if (what.by.empty()) what.by = "a service of the node";
   out.log(LogLevel::warning, what.retired ? "retired" : "out_of_use",
           name_of_whole(what.capability) + ", by " + what.by + ": " + what.text);
-  const std::string cause = what.retired ? kRetired : "by " + what.by + " " + what.capability;
+  const std::string cause = what.retired ? kRetired : "service " + what.capability;
   const Status saved = out_of_use_.add({cause, std::move(what)}, now, out);
   if (saved) return out.reply(message, Ack{"out_of_use", ""});
   out.nack(message,

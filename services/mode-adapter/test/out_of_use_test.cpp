@@ -195,7 +195,10 @@ TEST_CASE("only the node's own services tell a fault, a retirement is of the who
   CHECK(take({"fly", Severity::critical, "", 0, false, "scheduler"}, "pioneer") == "nack bad_value");
   CHECK(take({"", Severity::critical, "", 0, true, ""}, "cloud") == "nack missing");
   CHECK(robot.kept.empty());
-  CHECK(take({"", Severity::critical, "its journal was lost", 0, false, "scheduler"}, "pioneer") == "ack out_of_use");
+  CHECK(take({"", {}, "its journal was lost", 0, false, ""}, "pioneer") == "ack out_of_use");
+  CHECK(robot.kept.at(0).what.severity == Severity::critical);
+  for (int i = 0; i < 300; ++i) take({"", Severity::fatal, "lost", 0, false, "s" + std::to_string(i)}, "pioneer");
+  CHECK(robot.kept.size() == 1);  // one line a capability, whoever says it
   CHECK(robot.go_home() == "nack out_of_use");
   CHECK(robot.mend() == "ack in_use");
   CHECK(robot.go_home() == "running");

@@ -171,7 +171,7 @@ TEST_CASE("each kind of record is signed for its one maker") {
     CHECK(asks(from, kSignedChoice) == (from == 1 ? "signed_record" : "not_permitted"));
     CHECK(asks(from, kSignedRunStart) == (person ? "signed_record" : "not_permitted"));
     CHECK(asks(from, kSignedRunAbort) == (person || from == 1 || from == 3 ? "signed_record" : "not_permitted"));
-    CHECK(asks(from, kSignedRunPause) == (person ? "signed_record" : "not_permitted"));
+    CHECK(asks(from, kSignedRunPause) == (person || from == 1 ? "signed_record" : "not_permitted"));
     CHECK(asks(from, kSignedDecision) == "not_permitted");  // it is no cloud node
     for (const auto kind : {kSignedCertificate, kSignedRequest, kSignedBeacon})
       CHECK(asks(from, kind) == "not_permitted");

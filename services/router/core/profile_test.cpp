@@ -116,6 +116,25 @@ TEST_CASE("the node's own profile that no peer would take is not told, and docto
   CHECK(troubles.troubles[0].peer == "ant");
 }
 
+TEST_CASE("what is out of use is told whole, and where there is no room for the words, without them") {
+  Pair pair;
+  pair.serve("mode-adapter", 1);
+  NodeProfile profile = large(20'000);
+  for (int i = 0; i < 60; ++i) {
+    profile.out_of_use.push_back({"c" + std::to_string(i), Severity::critical, std::string(255, 'w'), 7, false, "ann"});
+  }
+  profile.numbers = {{"payload", 3, "kg"}};
+  pair.own(1, profile);
+  CHECK(pair.bee.peer("ant")->profile == profile);
+  profile.skills = large(55'000).skills;
+  pair.own(1, profile);
+  const auto& told = pair.bee.peer("ant")->profile;
+  CHECK(told.skills == profile.skills);
+  REQUIRE(told.out_of_use.size() == 60);
+  CHECK(told.out_of_use[59].capability == "c59");
+  CHECK(told.out_of_use[59].text.empty());
+}
+
 TEST_CASE("of too much that is plugged in the details go first, then the sensors, never the robot") {
   Pair pair;
   pair.serve("mode-adapter", 1);

@@ -33,6 +33,10 @@ void RouterCore::on_node_sensors(const NodeSensors& told, Effects& out) {
 void RouterCore::on_robot_profile(const NodeProfile& told, Now now, Effects& out) {
   NodeProfile profile = told;
   profile.plugged.clear();
+  // That something is out of use must be known; the words of it can be read on the node.
+  if (!fits(profile)) {
+    for (OutOfUse& one : profile.out_of_use) one.text.clear();
+  }
   if (!fits(profile)) return profile_refused(encode(profile).size(), now, out);
   robot_profile_ = std::move(profile);
   tell_own_profile(out);

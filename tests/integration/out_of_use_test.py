@@ -1,0 +1,125 @@
+"""What keeps a robot out of use, by the command line and over kills: a fault stands until its end is told.
+
+Addresses 127.0.166.x, 127.0.167.x.
+"""
+import json
+import os
+import pathlib
+import signal
+import tempfile
+import unittest
+
+import support
+import trb_fleet
+from trb_fleet import CLOUD
+
+ROBOT, OTHER = "ridgeback", "pioneer1"
+
+
+class OutOfUse(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        robots = {name: trb_fleet.ROBOTS[name] for name in (ROBOT, OTHER)}
+        cls.fleet = support.make_fleet(cls, block=166, udp_port=50166, robots=robots, speed=5)
+        cls.fleet.start()
+        cls.fleet.wait_formed()
+
+    def setUp(self):
+        self.addCleanup(self.fleet.trb, "robot", "return", ROBOT, node=CLOUD, check=False)
+        self.addCleanup(self.fleet.trb, "robot", "repaired", ROBOT, node=CLOUD, check=False)
+
+    def out_of_use(self):
+        routes = self.fleet.json("route", "list", node=CLOUD)["routes"]
+        return next(route for route in routes if route["id"] == ROBOT)["profile"]["out_of_use"]
+
+    def wait_out_of_use(self, *wanted):
+        self.fleet.wait(f"out of use: {wanted}",
+                        lambda: [one["capability"] or ("retired" if one["retired"] else "all") for one in self.out_of_use()]
+                        == list(wanted), 10)
+
+    def fault(self, *words):
+        self.fleet.trb("robot", "fault", ROBOT, *words, node=CLOUD)
+
+    def kill_adapter(self):
+        pid = self.fleet.pid(ROBOT, "mode-adapter")
+        os.kill(pid, signal.SIGKILL)
+        self.fleet.wait("another mode-adapter", lambda: self.fleet.pid(ROBOT, "mode-adapter") not in (None, pid), 10)
+        self.fleet.wait_formed()
+
+    def test_a_fault_stands_over_a_kill_until_the_robot_takes_it_back(self):
+        self.fault("carry", "--text", "gripper jammed")
+        self.wait_out_of_use("carry")
+        self.kill_adapter()
+        self.wait_out_of_use("carry")
+        self.assertEqual(self.out_of_use()[0]["text"], "gripper jammed")
+        listed = self.fleet.trb("robot", "list", node=CLOUD).stdout
+        self.assertRegex(listed, rf"(?m)^{ROBOT}: carry out of use, CRITICAL since .*: gripper jammed; trb robot repaired {ROBOT}$")
+        self.fault("--clear")
+        self.wait_out_of_use()
+        self.kill_adapter()
+        self.wait_out_of_use()
+
+    def test_a_person_says_that_it_is_repaired(self):
+        self.fault("carry", "--text", "gripper jammed")
+        self.wait_out_of_use("carry")
+        wrong = self.fleet.trb("robot", "repaired", ROBOT, "--capability", "mobile", node=CLOUD, check=False)
+        self.assertIn("no fault keeps 'mobile' alone out of use", wrong.stderr)
+        self.fleet.trb("robot", "repaired", ROBOT, "--capability", "carry", node=CLOUD)
+        self.wait_out_of_use()
+
+    def test_retired_and_back(self):
+        self.assertEqual(self.fleet.trb("robot", "retire", ROBOT, node=CLOUD, check=False).returncode, 2)
+        self.fleet.trb("robot", "retire", ROBOT, "--reason", "new wheels", "--person", "ann", node=CLOUD)
+        self.wait_out_of_use("retired")
+        self.kill_adapter()
+        self.wait_out_of_use("retired")
+        self.assertEqual((self.out_of_use()[0]["by"], self.out_of_use()[0]["text"]), ("ann", "new wheels"))
+        found = self.fleet.json("doctor", node=CLOUD, check=False)["findings"]
+        self.assertIn(("robot_retired", ROBOT), [(one["cause"], one["subject"]) for one in found])
+        self.fleet.trb("robot", "return", ROBOT, node=CLOUD)
+        self.wait_out_of_use()
+
+    def test_another_robots_keys_take_nothing_out_of_use(self):
+        done = self.fleet.trb("robot", "retire", ROBOT, "--reason", "spite", node=OTHER, check=False)
+        self.assertIn("not_permitted", done.stderr)
+        self.assertEqual(self.out_of_use(), [])
+
+    def test_the_check_of_a_scenario_warns_of_it(self):
+        folder = tempfile.TemporaryDirectory(prefix="trb-")
+        self.addCleanup(folder.cleanup)
+        path = pathlib.Path(folder.name) / "s.json"
+        path.write_text(json.dumps({"name": "s", "tasks": [
+            {"id": "load", "robot": ROBOT, "skill": "load_out", "on_failure": "skip"},
+            {"id": "go", "robot": ROBOT, "skill": "go_to", "data": {"place": "dock"}, "after": ["load"]}]}))
+        self.fault("carry", "--text", "gripper jammed")
+        self.wait_out_of_use("carry")
+        told = self.fleet.json("scenario", "check", path, node=CLOUD)
+        self.assertEqual([(one["key"], one["may_wait"]) for one in told["faults"]],
+                         [("tasks[0].on_failure", True), ("tasks[0].robot", True)])
+        self.assertIn("'ridgeback' cannot use 'carry': gripper jammed", told["faults"][1]["what"])
+
+    def test_what_needs_it_waits_and_goes_on_when_it_is_repaired(self):
+        folder = tempfile.TemporaryDirectory(prefix="trb-")
+        self.addCleanup(folder.cleanup)
+        path = pathlib.Path(folder.name) / "s.json"
+        path.write_text(json.dumps({"name": "s", "tasks": [{"id": "load", "robot": ROBOT, "skill": "load_out"}]}))
+        self.fault("carry", "--text", "gripper jammed")
+        self.wait_out_of_use("carry")
+        run = self.fleet.json("scenario", "run", path, "--priority", "4", node=ROBOT)["run"]
+
+        def view():
+            return self.fleet.json("run", "show", run, node=ROBOT)
+        self.fleet.wait("the task waits for its robot", lambda: "out of use" in json.dumps(view()), 10)
+        self.assertEqual(view()["tasks"][0]["attempt"] <= 1, True)
+        self.assertEqual(view()["priority"], 4)
+        self.fleet.trb("robot", "repaired", ROBOT, node=CLOUD)
+        self.fleet.wait("the run has FINISHED", lambda: view()["state"] == "FINISHED", 20)
+        listed = self.fleet.trb("run", "list", "--all", node=ROBOT).stdout
+        self.assertIn(run[:8], listed)
+        shown = self.fleet.trb("run", "show", run[:8], node=ROBOT).stdout
+        self.assertIn("FINISHED", shown)
+        self.assertIn("load", shown)
+
+
+if __name__ == "__main__":
+    support.main()
