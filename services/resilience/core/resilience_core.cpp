@@ -120,6 +120,9 @@ void ResilienceCore::on_information(const Inbound& message, Now now, Outbox& out
                    [&](const Opaque& body) {
                      message.reply_to != 0 ? hear(body, from, now, out) : out.count("dropped.unexpected");
                    },
+                   [&](const SensorReading& body) {
+                     message.reply_to != 0 ? hear(body, from, now, out) : out.count("dropped.unexpected");
+                   },
                    [&](const auto&) { out.count("dropped.unexpected"); }},
         message.body);
 }
@@ -171,6 +174,7 @@ void ResilienceCore::hear(const RouteTable& table, Now now, Outbox& out) {
 
 void ResilienceCore::hear(const Nack& nack, Now now, Outbox& out) {
   answered(nack.target, nack.subtype);
+  if (nack.subtype == SensorRead::kSubtype) refused_reading(nack.target);
   if (nack.subtype == RunDecision::kSubtype || nack.subtype == RunAbort::kSubtype) {
     out.count("nacked." + nack.subtype);
     out.log(LogLevel::warning, "decision_refused", nack.code + ": " + nack.what);

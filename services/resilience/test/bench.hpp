@@ -75,6 +75,7 @@ class Bench {
   Now now{{1'000'000'000'000}, {1'700'000'000'000'000'000}};
   std::map<std::string, Route> routes;
   std::map<std::string, std::map<std::string, std::string>> values;  ///< of robots, by name: what they answer
+  std::map<std::string, SensorReading> readings;                     ///< of robots' sensors
   RunView view;
   RunStart start;
   std::optional<MonotonicTime> ends_at;  ///< the run's time to live, if the scheduler tells it
