@@ -186,7 +186,6 @@ void ResilienceCore::tell_standing(Now now, Outbox& out) {
 
 void ResilienceCore::close(Alert& alert, const std::string& why, Outbox& out) {
   alert.state = AlertState::closed;
-  stirred_ = true;
   if (watcher_.find(alert.run) != nullptr) stirred_runs_.insert(alert.run);
   alert.waits_for = cut_utf8(why, 512);
   works_.erase(alert.id);

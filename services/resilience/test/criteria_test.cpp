@@ -129,6 +129,13 @@ TEST_CASE("what the robot tells is asked for: a number, or an object that has it
   CHECK(alert.proposals.size() == 3);
 }
 
+TEST_CASE("what nobody knows of any robot is worth nothing, whatever is best") {
+  const Alert alert = failed(R"({"heat": {"from": "robot", "best": 0, "worst": 100}})")->alert();
+  REQUIRE(alert.proposals.size() == 3);
+  CHECK(alert.proposals[0].merit == 0);
+  CHECK(alert.proposals[0].note.find("heat is not known") != std::string::npos);
+}
+
 TEST_CASE("a sensor at the robot's node is read, by its name or its kind") {
   for (const char* word : {"t1", "temperature"}) {
     CAPTURE(word);
@@ -219,11 +226,11 @@ TEST_CASE("after a start what counts may be another: everybody is asked anew and
   bench->end_task("t4", TaskOutcome::failed, "stuck");
   CHECK(bench->alert().proposals[0].robot == "pioneer1");
   bench->wait(seconds(20));
-  bench->settings.resilience = settings_of(R"({"battery": {"weight": 1, "at_least": 60}})");
+  bench->settings.resilience = settings_of(R"({"battery": 1})");
   bench->heard["position"] = 0;
   bench->restart();
   bench->wait(seconds(6));
-  CHECK(robots_of(bench->alert()) == Words{"turtlebot", "pioneer1"});
+  CHECK(robots_of(bench->alert()) == Words{"turtlebot", "pioneer1", "pioneer2"});
   CHECK(bench->heard["position"] >= 2);
 }
 
