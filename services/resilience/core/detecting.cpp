@@ -167,7 +167,9 @@ void ResilienceCore::tell_standing(Now now, Outbox& out) {
   }
   for (const Standing::Key& key : standing_.untold(now)) {
     if (!book_.has_room_for_lone()) return out.count("dropped.alerts");
-    const Fault& fault = *worst_fault(*fleet_.find(key.robot), key.capability);
+    const RobotRecord& robot = *fleet_.find(key.robot);
+    if (!key.capability.empty() && worst_fault(robot, "") != nullptr) continue;  // it is told of the whole robot
+    const Fault& fault = *worst_fault(robot, key.capability);
     Alert fresh;
     fresh.robot = key.robot;
     fresh.capability = key.capability;

@@ -39,6 +39,9 @@ void ResilienceCore::look_at_lone(Alert& alert, Now now, Outbox& out) {
     return close(alert, alert.verdict == Verdict::retry ? "taken as mended" : "the fault is over", out);
   }
   if (alert.verdict == Verdict::retry && waits_for_mending(alert, now, out)) return;
+  if (!alert.capability.empty() && worst_fault(*robot, "") != nullptr) {
+    return close(alert, "the whole robot is broken", out);
+  }
   for (const Alert* other : book_.open()) {
     const bool tells = !other->run.empty() && other->robot == alert.robot && tells_of(*other, alert.capability);
     if (tells) return close(alert, "run alert " + other->id, out);

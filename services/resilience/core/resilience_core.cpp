@@ -105,7 +105,8 @@ void ResilienceCore::on_information(const Inbound& message, Now now, Outbox& out
                    [&](const Definition& body) { own ? watcher_.on(body) : out.count("dropped.foreign"); },
                    [&](const SignedRecord& body) { own ? on_signed(body, out) : out.count("dropped.foreign"); },
                    // Of the own scheduler: it has taken a decision or an order; what came of it the view tells.
-                   [&](const Ack&) {
+                   [&](const Ack& body) {
+                     if (!own && body.state == "in_use") return hear_taken(from, now);
                      const Alert* alert = own ? book_.find(handed_) : nullptr;
                      if (alert != nullptr) watcher_.refresh(alert->run);
                    },

@@ -65,6 +65,9 @@ class ResilienceCore final : public Core {
     Backoff sign;
     Backoff hand;
     Backoff mend;
+    std::optional<MonotonicTime> taken_at;  ///< when the robot's node answered that it is in use
+    std::string refusal_to_mend;            ///< the node's own
+    std::optional<MonotonicTime> refused_at;
     bool mended = false;                 ///< the robot's node has taken into use what a person says is repaired
     Bytes signing;                       ///< what the router is asked to sign
     std::optional<SignedRecord> record;  ///< the decision, or the order to abort
@@ -99,6 +102,7 @@ class ResilienceCore final : public Core {
   void mend(const Alert& alert, const std::string& why, Now now);
   [[nodiscard]] std::vector<std::string> told_broken(const Alert& alert) const;
   [[nodiscard]] bool waits_for_mending(Alert& alert, Now now, Outbox& out);
+  void hear_taken(const std::string& from, Now now);
   void hear_unmended(const Nack& nack, const std::string& from, Now now, Outbox& out);
   void unmended(Alert& alert, const std::string& why, Now now, Outbox& out);
 

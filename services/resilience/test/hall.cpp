@@ -189,11 +189,12 @@ void Bench::return_to_service(const std::string& robot) {
 void Bench::take_into_use(const Send& send, const TakeIntoUse& order) {
   repairs.push_back(order);
   if (unmended.contains(send.target)) return nack(send, send.target, "conflict", "the bumper is still pressed");
-  answer(send.target, Ack{"in_use", ""});
   if (idle.contains(send.target)) return;
-  std::erase_if(routes[send.target].profile.out_of_use, [&](const OutOfUse& one) {
+  const auto ended = std::erase_if(routes[send.target].profile.out_of_use, [&](const OutOfUse& one) {
     return !one.retired && (order.capability.empty() || one.capability == order.capability);
   });
+  if (ended == 0) return nack(send, send.target, "conflict", "no fault keeps it out of use");
+  if (!mute.contains(send.target)) answer(send.target, Ack{"in_use", ""});
 }
 
 void Bench::silence(const std::string& robot) {

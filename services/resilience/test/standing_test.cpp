@@ -101,6 +101,28 @@ TEST_CASE("a fault that the robot has ended is not begun again by a profile that
   CHECK(count_of(kinds(*bench, "pioneer2"), "fault") == 2);
 }
 
+TEST_CASE("a fault of the whole robot is told of each capability, too: it is one alert, and they end with it") {
+  auto bench = paper();
+  bench->routes["ridgeback"].profile.out_of_use = {{"", Severity::critical, "no power", 1, false, ""}};
+  for (const char* capability : {"mobile", "carry"}) bench->fault("ridgeback", capability);
+  bench->view.state = RunState::finished;
+  bench->changed();
+  bench->wait(seconds(10));
+  const Alert alert = bench->alert();
+  CHECK(alert.capability.empty());
+  CHECK(alert.text == "no power");
+  CHECK(bench->decide(AlertDecide{alert.id, Verdict::retry, "", "", "", false}) == "accepted");
+  bench->wait(seconds(6));
+  CHECK(bench->repairs.at(0).capability.empty());
+  CHECK(bench->alerts().empty());
+  bench->fault("ridgeback", "mobile");  // of which the profile comes late
+  bench->wait(seconds(4));
+  CHECK(bench->alert().capability == "mobile");
+  bench->routes["ridgeback"].profile.out_of_use = {{"", Severity::critical, "no power", 2, false, ""}};
+  bench->wait(seconds(10));
+  CHECK(bench->alert().capability.empty());
+}
+
 TEST_CASE("a run's alert closes and the fault still stands: it is told without a run, until the next run minds it") {
   auto bench = paper();
   bench->stand("ridgeback", "mobile");
@@ -145,6 +167,21 @@ TEST_CASE("retry tells the robot's node that it is repaired, again until its pro
   bench->wait(seconds(12));
   CHECK(bench->any(id).state == AlertState::closed);
   CHECK(bench->alerts().empty());
+}
+
+TEST_CASE("its answer is lost: it refuses what it has done already, and its profile has the last word") {
+  auto bench = paper();
+  bench->stand("pioneer2", "mobile");
+  bench->stand("pioneer2", "");
+  bench->wait(seconds(3));
+  const std::string id = bench->alert().id;
+  bench->mute.insert("pioneer2");
+  CHECK(bench->decide(AlertDecide{id, Verdict::retry, "", "", "", false}) == "accepted");
+  bench->wait(seconds(12));
+  CHECK(bench->any(id).state == AlertState::closed);
+  CHECK(bench->any(id).text.find("does not take it") == std::string::npos);
+  CHECK(bench->alerts().empty());
+  for (const TakeIntoUse& one : bench->repairs) CHECK(one.capability.empty());
 }
 
 TEST_CASE("the robot's node refuses: the alert is open again and says why, and nobody else can refuse") {
