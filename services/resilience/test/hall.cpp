@@ -27,7 +27,8 @@ Status Bench::take(const SignedRecord& record) {
     const auto member = [&](const std::vector<Member>& members) {
       return std::ranges::any_of(members, [&](const Member& one) { return one.id == ruling.robot; });
     };
-    if (!member(start.members) && !member(decision->members)) return fail(Errc::bad_value, "no member");
+    const bool earlier = std::ranges::any_of(taken, [&](const Decision& one) { return member(one.members); });
+    if (!member(start.members) && !member(decision->members) && !earlier) return fail(Errc::bad_value, "no member");
     if (ruling.robot != of.robot) of.moved_from = of.robot;
     of.robot = ruling.robot;
     of.attempt = ruling.attempt;
