@@ -1,7 +1,9 @@
 #include "common/config/resilience_file.hpp"
 
+#include <algorithm>
 #include <vector>
 
+#include "common/base/ids.hpp"
 #include "common/config/json_file.hpp"
 #include "common/fleet/object_reader.hpp"
 #include "common/ranking/pairwise.hpp"
@@ -9,19 +11,34 @@
 namespace trb {
 namespace {
 
-constexpr std::size_t kMaxPairs = 3;
+constexpr std::size_t kMaxPairs = kMaxCriteria * (kMaxCriteria - 1) / 2;
 constexpr double kMaxRatio = 0.10;  ///< Saaty's tenth
-const std::vector<std::string> kCriteria = {"battery", "distance", "availability"};
+constexpr Range kWeight{0, 1e9};
+constexpr Range kMeasured{-1e12, 1e12};
 const std::vector<Judgment> kFigure8 = {
     {"distance", "battery", 2}, {"distance", "availability", 3}, {"battery", "availability", 2}};
 constexpr const char* kSaatysScale = R"(write ["battery", "distance", 3]: battery counts 3 times as much as distance)";
 
-Result<Priorities> weigh_criteria(const std::vector<Judgment>& judgments) {
-  return weigh("judgments", kCriteria, {{1, judgments, ""}}, WeightMethod::eigenvector);
+using Criteria = std::vector<ReplacementCriterion>;
+
+/// The paper's three, counting nothing.
+Criteria paper_criteria() {
+  return {{"battery", CriterionSource::charge, 0, "", "%", 100, 0},
+          {"distance", CriterionSource::distance, 0, "", "m", 0, 100},
+          {"availability", CriterionSource::availability, 0, "", "", 100, 0}};
 }
 
-ReplacementWeights to_weights(const std::vector<double>& of) {
-  return {of[0], of[1], of[2]};
+ReplacementCriterion* find(Criteria& criteria, std::string_view name) {
+  const auto at = std::ranges::find(criteria, name, &ReplacementCriterion::name);
+  return at == criteria.end() ? nullptr : &*at;
+}
+
+Result<Priorities> weigh_criteria(const std::vector<std::string>& names, const std::vector<Judgment>& judgments) {
+  return weigh("judgments", names, {{1, judgments, ""}}, WeightMethod::eigenvector);
+}
+
+void set_weights(const std::vector<std::string>& names, const std::vector<double>& weights, Criteria& criteria) {
+  for (std::size_t i = 0; i < names.size(); ++i) find(criteria, names[i])->weight = weights[i];
 }
 
 std::optional<Judgment> read_judgment(const Value& json, const std::string& path, const FileFaults& faults) {
@@ -35,14 +52,15 @@ std::optional<Judgment> read_judgment(const Value& json, const std::string& path
   return std::nullopt;
 }
 
-void read_judgments(const Value::List& list, const FileFaults& faults, ReplacementWeights& out) {
+void read_judgments(const Value::List& list, const std::vector<std::string>& names, const FileFaults& faults,
+                    Criteria& out) {
   std::vector<Judgment> judgments;
   for (std::size_t i = 0; i < list.size(); ++i) {
     auto one = read_judgment(list[i], "judgments[" + std::to_string(i) + "]", faults);
     if (!one) return;
     judgments.push_back(std::move(*one));
   }
-  const auto weighed = weigh_criteria(judgments);
+  const auto weighed = weigh_criteria(names, judgments);
   if (!weighed) return faults.add("judgments", weighed.error().what, weighed.error().cure);
   if (weighed->consistency.cr > kMaxRatio) {
     const Judgment& worst = *weighed->worst;
@@ -51,22 +69,103 @@ void read_judgments(const Value::List& list, const FileFaults& faults, Replaceme
                           short_number(kMaxRatio),
                       "of " + worst.a + " to " + worst.b + ", " + short_number(weighed->fits) + " would fit");
   }
-  out = to_weights(weighed->weights);
+  set_weights(names, weighed->weights, out);
 }
 
-void read_criteria(const Value& json, const FileFaults& faults, ReplacementWeights& out) {
-  ObjectReader reader(json, "criteria", faults);
-  constexpr Range kWeight{0, 1e9};
-  std::vector<double> weights;
-  double sum = 0;
-  for (const std::string& name : kCriteria) {
-    weights.push_back(reader.number(name, Need::optional, kWeight).value_or(0));
-    sum += weights.back();
+/// Where its value comes from: of the operator's own criteria.
+void read_source(ObjectReader& reader, ReplacementCriterion& out) {
+  constexpr CriterionSource kSources[] = {CriterionSource::robot, CriterionSource::description,
+                                          CriterionSource::sensor};
+  out.from = kSources[reader.choice("from", Need::required, {"robot", "description", "sensor"}).value_or(0)];
+  out.value = reader.text("value", Need::optional, kMaxCriterionValue).value_or(out.name);
+  out.unit = reader.text("unit", Need::optional, 16).value_or("");
+}
+
+void read_bounds(ObjectReader& reader, ReplacementCriterion& out) {
+  out.at_least = reader.number("at_least", Need::optional, kMeasured);
+  out.at_most = reader.number("at_most", Need::optional, kMeasured);
+  if (out.at_least && out.at_most && *out.at_least > *out.at_most) {
+    reader.faults().add(reader.path("at_least"), "is over at_most: no robot has it", "write the lower one here");
   }
+}
+
+/// `judged`: its weight comes from the judgments.
+std::optional<ReplacementCriterion> read_criterion(const Value& json, ReplacementCriterion out, bool judged,
+                                                   const FileFaults& faults, const ConfigFaults& found) {
+  const std::string path = "criteria." + out.name;
+  const bool own = out.from > CriterionSource::availability;
+  if (json.is_number() && !own && !judged) {
+    out.weight = json.number();
+    if (kWeight.holds(out.weight)) return out;
+    faults.add(path, "is no weight", "write a number of " + kWeight.text());
+    return std::nullopt;
+  }
+  if (!json.is_object()) {
+    faults.add(path, judged ? "is a weight, and the judgments say what counts" : "is no criterion",
+               own || judged ? R"(write {"from": "robot", "best": 10, "worst": 0, ...}: config/resilience/README.md)"
+                             : "write a weight");
+    return std::nullopt;
+  }
+  const std::size_t before = found.size();
+  ObjectReader reader(json, path, faults);
+  if (own) read_source(reader, out);
+  const Need need = own ? Need::required : Need::optional;
+  out.best = reader.number("best", need, kMeasured).value_or(out.best);
+  out.worst = reader.number("worst", need, kMeasured).value_or(out.worst);
+  if (out.best == out.worst) faults.add(reader.path("best"), "is the worst", "name what is best, and what is worst");
+  out.weight = judged ? 0 : reader.number("weight", Need::optional, kWeight).value_or(1);
+  read_bounds(reader, out);
+  out.capabilities = reader.texts("capabilities", Need::optional, kMaxCriteria);
   reader.refuse_unknown_keys();
+  return found.size() == before ? std::optional(std::move(out)) : std::nullopt;
+}
+
+/// The names that are listed; empty: something is wrong with them.
+std::vector<std::string> read_listed(const Value& json, bool judged, const FileFaults& faults,
+                                     const ConfigFaults& found, Criteria& out) {
+  std::vector<std::string> names;
+  if (!json.is_object()) {
+    faults.add("criteria", "is no object", R"(write {"battery": 1, "distance": 2})");
+    return {};
+  }
+  bool good = true;
+  for (const auto& [name, value] : json.object()) {
+    if (name == "_comment") continue;
+    const bool twice = std::ranges::find(names, name) != names.end();
+    if (twice || !is_valid_id(name) || names.size() == kMaxCriteria) {
+      faults.add("criteria." + cut_utf8(name, 64), twice ? "is there twice" : "is no criterion's name, or one too many",
+                 "use letters, digits, _ and -, 16 criteria at most");
+      return {};
+    }
+    ReplacementCriterion* known = find(out, name);
+    auto read = read_criterion(value, known != nullptr ? *known : ReplacementCriterion{name, CriterionSource::robot},
+                               judged, faults, found);
+    good = good && read;
+    if (!read) continue;
+    names.push_back(name);
+    known != nullptr ? void(*known = std::move(*read)) : out.push_back(std::move(*read));
+  }
+  return good ? names : std::vector<std::string>{};
+}
+
+void read_weights(const FileFaults& faults, Criteria& out) {
+  double sum = 0;
+  for (const ReplacementCriterion& one : out) sum += one.weight;
   if (!(sum > 0)) return faults.add("criteria", "all count nothing", R"(write {"battery": 1, "distance": 2})");
-  for (double& weight : weights) weight /= sum;
-  out = to_weights(weights);
+  for (ReplacementCriterion& one : out) one.weight /= sum;
+}
+
+/// What counts: by weights, or by judgments about what is listed.
+void read_criteria(const Value* criteria, const Value::List* judgments, const FileFaults& faults,
+                   const ConfigFaults& found, ResilienceSettings& out) {
+  Criteria read = paper_criteria();
+  std::vector<std::string> names = {"battery", "distance", "availability"};
+  const std::size_t before = found.size();
+  if (criteria != nullptr) names = read_listed(*criteria, judgments != nullptr, faults, found, read);
+  if (names.empty() && found.size() == before) faults.add("criteria", "is empty", R"(write {"battery": 1})");
+  if (found.size() != before) return;
+  judgments != nullptr ? read_judgments(*judgments, names, faults, read) : read_weights(faults, read);
+  if (found.size() == before) out.criteria = std::move(read);
 }
 
 void read_conditions(const Value& json, const FileFaults& faults, ReplacementPolicy& out) {
@@ -94,9 +193,14 @@ void read_policy(const Value& json, const FileFaults& faults, ReplacementPolicy&
 }  // namespace
 
 ResilienceSettings default_resilience() {
-  static const ReplacementWeights kWeights = to_weights(weigh_criteria(kFigure8)->weights);
+  static const Criteria kCriteria = [] {
+    const std::vector<std::string> names = {"battery", "distance", "availability"};
+    Criteria out = paper_criteria();
+    set_weights(names, weigh_criteria(names, kFigure8)->weights, out);
+    return out;
+  }();
   ResilienceSettings out;
-  out.weights = kWeights;
+  out.criteria = kCriteria;
   return out;
 }
 
@@ -106,13 +210,7 @@ ResilienceSettings read_resilience(const Value& json, const std::string& file, C
   ObjectReader reader(json, "", sink);
   const Value* criteria = reader.value("criteria", Need::optional);
   const Value::List* judgments = reader.list("judgments", Need::optional, kMaxPairs);
-  if (criteria != nullptr && judgments != nullptr) {
-    sink.add("criteria", "and judgments both say what counts", "keep one of them");
-  } else if (criteria != nullptr) {
-    read_criteria(*criteria, sink, out.weights);
-  } else if (judgments != nullptr) {
-    read_judgments(*judgments, sink, out.weights);
-  }
+  if (criteria != nullptr || judgments != nullptr) read_criteria(criteria, judgments, sink, faults, out);
   if (const Value* policy = reader.value("policy", Need::optional)) read_policy(*policy, sink, out.policy);
   if (const auto s = reader.number("expires_s", Need::optional, kSeconds)) out.expires = seconds(*s);
   reader.refuse_unknown_keys();

@@ -2,6 +2,8 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
+
 #include "common/base/files.hpp"
 #include "common/config/node_folder.hpp"
 #include "tests/support/paths.hpp"
@@ -23,6 +25,19 @@ ResilienceSettings good(const std::string& text) {
   return out;
 }
 
+double weight_of(const ResilienceSettings& settings, const std::string& name) {
+  for (const ReplacementCriterion& one : settings.criteria) {
+    if (one.name == name) return one.weight;
+  }
+  return -1;
+}
+
+const ReplacementCriterion& criterion(const ResilienceSettings& settings, const std::string& name) {
+  const auto at = std::ranges::find(settings.criteria, name, &ReplacementCriterion::name);
+  REQUIRE(at != settings.criteria.end());
+  return *at;
+}
+
 std::string fault_of(const std::string& text) {
   ConfigFaults faults;
   read(text, faults);
@@ -37,9 +52,9 @@ TEST_CASE("without a file Figure 8's priorities count, and people decide") {
   const NodeFolder folder;
   CHECK(without_keys(folder.check().faults).empty());
   const ResilienceSettings settings = default_resilience();
-  CHECK(settings.weights.distance == doctest::Approx(0.5396).epsilon(0.001));
-  CHECK(settings.weights.battery == doctest::Approx(0.2970).epsilon(0.001));
-  CHECK(settings.weights.availability == doctest::Approx(0.1634).epsilon(0.001));
+  CHECK(weight_of(settings, "distance") == doctest::Approx(0.5396).epsilon(0.001));
+  CHECK(weight_of(settings, "battery") == doctest::Approx(0.2970).epsilon(0.001));
+  CHECK(weight_of(settings, "availability") == doctest::Approx(0.1634).epsilon(0.001));
   CHECK_FALSE(settings.policy.automatic);
   CHECK_FALSE(settings.policy.asks_who_begins);
   CHECK(settings.expires == std::chrono::minutes(10));
@@ -47,11 +62,16 @@ TEST_CASE("without a file Figure 8's priorities count, and people decide") {
 
 TEST_CASE("the shipped files are good, and the one of the defaults says what they are") {
   const std::string folder = test::source_dir() + "/config/resilience/";
-  CHECK(good(*read_file(folder + "figure-8.json")).weights == default_resilience().weights);
+  CHECK(good(*read_file(folder + "figure-8.json")).criteria == default_resilience().criteria);
   const ResilienceSettings automatic = good(*read_file(folder + "automatic.json"));
   CHECK(automatic.policy.automatic);
   CHECK(automatic.policy.max_severity == Severity::critical);
-  CHECK(automatic.weights == ReplacementWeights{0.25, 0.5, 0.25});
+  CHECK(weight_of(automatic, "battery") == doctest::Approx(0.25));
+  CHECK(weight_of(automatic, "distance") == doctest::Approx(0.5));
+  CHECK(weight_of(automatic, "availability") == doctest::Approx(0.25));
+  const ResilienceSettings payload = good(*read_file(folder + "payload.json"));
+  CHECK(payload.criteria.size() == 4);
+  CHECK(criterion(payload, "battery").at_least == 20);
 }
 
 TEST_CASE("a policy moves one task twice, or as often as the file says, 16 times at most") {
@@ -69,16 +89,18 @@ TEST_CASE("who does a task that names no robot is chosen without asking, unless 
 }
 
 TEST_CASE("weights or judgments; a chain of judgments is enough") {
-  CHECK(good(R"({"criteria": {"distance": 3}})").weights == ReplacementWeights{0, 1, 0});
-  const auto weights = good(R"({"judgments": [["battery", "distance", 2], ["distance", "availability", 2]]})").weights;
-  CHECK(weights.battery == doctest::Approx(4.0 / 7));
-  CHECK(weights.availability == doctest::Approx(1.0 / 7));
+  const ResilienceSettings one = good(R"({"criteria": {"distance": 3}})");
+  CHECK(weight_of(one, "distance") == 1);
+  CHECK(weight_of(one, "battery") == 0);
+  const auto judged = good(R"({"judgments": [["battery", "distance", 2], ["distance", "availability", 2]]})");
+  CHECK(weight_of(judged, "battery") == doctest::Approx(4.0 / 7));
+  CHECK(weight_of(judged, "availability") == doctest::Approx(1.0 / 7));
 }
 
 TEST_CASE("what is wrong is named, and keeps its default") {
   CHECK(fault_of(R"({"criteria": {"charge": 1, "battery": 1}})") == "criteria.charge");
   CHECK(fault_of(R"({"criteria": {"battery": 0}})") == "criteria");
-  CHECK(fault_of(R"({"criteria": {"battery": 1}, "judgments": []})") == "criteria");
+  CHECK(fault_of(R"({"criteria": {"battery": 1}, "judgments": []})") == "criteria.battery");
   CHECK(fault_of(R"({"judgments": [["battery", "distance"]]})") == "judgments[0]");
   CHECK(fault_of(R"({"judgments": [["battery", "distance", 2]]})") == "judgments");
   CHECK(fault_of(R"({"judgments": [["battery", "distance", 9], ["distance", "availability", 9],
@@ -91,7 +113,64 @@ TEST_CASE("what is wrong is named, and keeps its default") {
   CHECK(fault_of(R"({"expire_s": 5})") == "expire_s");
   CHECK(fault_of("[]") == "");
   ConfigFaults faults;
-  CHECK(read(R"({"criteria": {"battery": -1, "distance": 1}})", faults).weights.distance == 1);
+  const auto wrong = read(R"({"criteria": {"battery": -1, "distance": 1}})", faults);
+  CHECK(wrong.criteria == default_resilience().criteria);
+}
+
+TEST_CASE("criteria of the operator's own, from the robot, its description or a sensor, with bounds") {
+  const ResilienceSettings settings = good(R"({"criteria": {
+      "_comment": "what lifts",
+      "battery": {"weight": 1, "at_least": 20},
+      "payload": {"weight": 2, "from": "description", "unit": "kg", "best": 10, "worst": 0, "capabilities": ["grab"]},
+      "heat": {"weight": 1, "from": "sensor", "value": "temperature", "unit": "degC", "best": 20, "worst": 80, "at_most": 70},
+      "grip": {"weight": 0, "from": "robot", "best": 1, "worst": 0}}})");
+  REQUIRE(settings.criteria.size() == 6);
+  CHECK(settings.criteria[0] == ReplacementCriterion{"battery", CriterionSource::charge, 0.25, "", "%", 100, 0, 20});
+  CHECK(weight_of(settings, "distance") == 0);
+  CHECK(criterion(settings, "payload").weight == 0.5);
+  CHECK(criterion(settings, "payload").value == "payload");
+  CHECK(criterion(settings, "payload").capabilities == std::vector<std::string>{"grab"});
+  CHECK(criterion(settings, "heat").from == CriterionSource::sensor);
+  CHECK(criterion(settings, "heat").value == "temperature");
+  CHECK(criterion(settings, "heat").at_most == 70);
+  CHECK(criterion(settings, "grip").from == CriterionSource::robot);
+}
+
+TEST_CASE("judgments weigh all that is listed") {
+  const ResilienceSettings settings = good(R"({
+      "criteria": {"battery": {}, "payload": {"from": "description", "best": 10, "worst": 0}},
+      "judgments": [["payload", "battery", 3]]})");
+  CHECK(weight_of(settings, "payload") == doctest::Approx(0.75));
+  CHECK(weight_of(settings, "battery") == doctest::Approx(0.25));
+  CHECK(weight_of(settings, "distance") == 0);
+  CHECK(fault_of(R"({"criteria": {"battery": {}}, "judgments": [["distance", "battery", 3]]})") == "judgments");
+  CHECK(fault_of(R"({"criteria": {"battery": {"weight": 1}}, "judgments": []})") == "criteria.battery.weight");
+}
+
+TEST_CASE("a criterion that cannot be is named") {
+  const auto of = [](const std::string& criterion) {
+    return fault_of(R"({"criteria": {"payload": )" + criterion + "}}");
+  };
+  CHECK(of("3") == "criteria.payload");
+  CHECK(of("[]") == "criteria.payload");
+  CHECK(of(R"({"best": 1, "worst": 0})") == "criteria.payload.from");
+  CHECK(of(R"({"from": "hearsay", "best": 1, "worst": 0})") == "criteria.payload.from");
+  CHECK(of(R"({"from": "robot", "worst": 0})") == "criteria.payload.best");
+  CHECK(of(R"({"from": "robot", "best": 1})") == "criteria.payload.worst");
+  CHECK(of(R"({"from": "robot", "best": 1, "worst": 1})") == "criteria.payload.best");
+  CHECK(of(R"({"from": "robot", "best": 1, "worst": 0, "at_least": 2, "at_most": 1})") == "criteria.payload.at_least");
+  CHECK(of(R"({"from": "robot", "best": 1, "worst": 0, "weight": -1})") == "criteria.payload.weight");
+  CHECK(of(R"({"from": "robot", "best": 1, "worst": 0, "value": ")" + std::string(57, 'x') + R"("})") ==
+        "criteria.payload.value");
+  CHECK(of(R"({"from": "robot", "best": 1, "worst": 0, "bast": 2})") == "criteria.payload.bast");
+  CHECK(fault_of(R"({"criteria": {"battery": {"from": "robot"}}})") == "criteria.battery.from");
+  CHECK(fault_of(R"({"criteria": {"Big one": 1}})") == "criteria.Big one");
+  CHECK(fault_of(R"({"criteria": {}})") == "criteria");
+  std::string many = R"({"criteria": {"battery": 1)";
+  for (int i = 0; i < 16; ++i) {
+    many += R"(, "c)" + std::to_string(i) + R"(": {"from": "robot", "best": 1, "worst": 0})";
+  }
+  CHECK(fault_of(many + "}}") == "criteria.c15");
 }
 
 TEST_CASE("trb check tells the faults of resilience.json") {

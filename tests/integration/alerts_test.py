@@ -49,16 +49,25 @@ class Alerts(unittest.TestCase):
         self.assertEqual((code, told["error"]["code"]), (1, "unknown_target"))
         code, told = self.decide(alert["id"][:6], "--retry", "--person", "ann")
         self.assertEqual((code, told["state"]), (0, "accepted"))
-        self.assertEqual(self.alerts(), [])
+        self.wait_open(0)  # the robot's node has taken it into use, and its profile says so
         closed, = self.alerts("--all")
         self.assertEqual((closed["state"], closed["person"]), ("CLOSED", "ann"))
         self.check_history()
 
+    def test_a_robot_that_is_retired_is_no_candidate_and_no_alert(self):
+        self.addCleanup(self.fleet.trb, "robot", "return", "pioneer1", "--person", "ann", node=CLOUD)
+        self.fleet.trb("robot", "retire", "pioneer1", "--reason", "new wheels", "--person", "ann", node=CLOUD)
+        self.fleet.wait("retired", lambda: "retired" in [event["kind"] for event in self.fleet.json(
+            "robot", "history", "pioneer1", node=CLOUD)["events"]], 40)
+        self.assertEqual(self.alerts(), [])
+
     def check_history(self):
         """What was told before the kill and after it, newest first."""
         events = self.fleet.json("robot", "history", "ridgeback", node=CLOUD)["events"]
-        self.assertEqual([event["text"] for event in events if event["kind"] in ("fault", "fault_ended")],
-                         ["mobile: repaired, says ann", "CRITICAL mobile: wheel is off"])
+        ended, began = [event for event in events if event["kind"] in ("fault", "fault_ended")]
+        self.assertEqual((began["kind"], began["text"]), ("fault", "CRITICAL mobile: wheel is off"))
+        self.assertEqual(ended["kind"], "fault_ended")
+        self.assertIn(ended["text"], ("mobile: repaired, says ann", "mobile: its node says so"))
         self.assertIn("fault_ended", self.fleet.trb("robot", "history", "--most", "500", node=CLOUD).stdout)
         self.assertEqual(len(self.fleet.json("robot", "history", "--most", "1", node=CLOUD)["events"]), 1)
         for words, status in ((["--most", "0"], 2), (["--most", "1.5"], 2), (["nobody"], 1)):
@@ -73,7 +82,9 @@ class Alerts(unittest.TestCase):
         return self.alerts()
 
     def test_words_that_make_no_sense_are_refused_before_anything_is_asked(self):
-        for words in (["x", "--retry", "--skip"], ["x", "--override", "pioneer1"], []):
+        for words in (["x", "--retry", "--skip"], ["x", "--override", "pioneer1"], [], ["--run", "71c0", "--skip"],
+                      ["--run", "71c0", "--task", "t1"], ["x", "--run", "71c0", "--task", "t1", "--skip"],
+                      ["--run", "71c0", "--task", "t1", "--abort"], ["x", "--task", ",", "--skip"]):
             with self.subTest(words):
                 done = self.fleet.trb("alert", "decide", *words, node=CLOUD, check=False)
                 self.assertEqual(done.returncode, 2)

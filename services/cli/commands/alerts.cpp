@@ -36,15 +36,26 @@ bool is_open(const Alert& alert) {
 
 // ---- list
 
+/// What the robot cannot do any more; some alerts are of no loss.
+std::string lost_of(const Alert& alert) {
+  for (const char* whole : {"peer_expired", "robot_connection", "robot_fault", "robot_retired"}) {
+    if (alert.cause == whole && alert.capability.empty()) return "all of it";
+  }
+  return or_dash(alert.capability);
+}
+
+/// Somebody can take its tasks over.
+bool has_ways(const Alert& alert) {
+  return !alert.run.empty() && alert.cause != "double_execution" && alert.cause != "run_ends";
+}
+
 void print_table(const AlertTable& table) {
   std::vector<std::vector<std::string>> rows{{"ALERT", "TIME", "STATE", "RUN", "ROBOT", "LOST", "SEVERITY", "TASKS"}};
   for (const Alert& alert : table.alerts) {
     rows.push_back({or_dash(alert.id.substr(0, kShortId)), to_iso8601({alert.time}), std::string(name_of(alert.state)),
                     alert.run.empty() ? "-" : alert.run.substr(0, kShortId) + " " + alert.name, or_dash(alert.robot),
-                    alert.robot.empty()        ? "-"
-                    : alert.capability.empty() ? "all of it"
-                                               : alert.capability,
-                    alert.robot.empty() ? "-" : std::string(name_of(alert.severity)), joined(alert.tasks)});
+                    lost_of(alert), alert.cause == "robot_wanted" ? "-" : std::string(name_of(alert.severity)),
+                    joined(alert.tasks)});
   }
   print(format_table(rows));
 }
@@ -84,7 +95,7 @@ void print_open(const Alert& alert) {
   if (alert.verdict != Verdict::none) {
     print_line("decided by " + (alert.person.empty() ? "the policy" : alert.person) + ": " +
                std::string(name_of(alert.verdict)) + (alert.reason.empty() ? "" : " (" + alert.reason + ")"));
-  } else if (!alert.run.empty()) {
+  } else if (has_ways(alert)) {
     print_line("policy: " + alert.policy + "; proposals hold until " + to_iso8601({alert.expires}));
   }
   print_proposals(alert);

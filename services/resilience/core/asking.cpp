@@ -75,7 +75,9 @@ Result<std::string> ResilienceCore::decide_tasks(const AlertDecide& body, Now no
   Alert alert = alert_of(**run, *robot, now);
   alert.cause = kAsked;
   alert.text = cut_utf8("asked by '" + body.person + "'" + (body.reason.empty() ? "" : ": " + body.reason), 1024);
-  alert.tasks = body.tasks;
+  for (const std::string& id : body.tasks) {
+    if (!has(alert.tasks, id)) alert.tasks.push_back(id);
+  }
   return decide_anew(std::move(alert), body, now, out);
 }
 

@@ -67,22 +67,6 @@ std::string why_not(const RobotRecord& robot, const Needs& needs) {
   return cut_utf8(out, kMaxWhy);
 }
 
-/// Ids, sorted, of those that suit all of the needs.
-std::vector<std::string> suitable(const Fleet& fleet, const std::vector<TaskNeed>& needs,
-                                  const std::vector<std::string>& except) {
-  std::set<std::string> words;
-  for (const TaskNeed& need : needs) add_words(need, words);
-  std::vector<std::string> out;
-  for (const RobotNumber number : ask(fleet.index(), std::move(words))) {
-    const std::string& id = fleet.index().id_of(number);
-    const RobotRecord& robot = fleet.record(number);
-    const auto suits_it = [&](const TaskNeed& need) { return suits(robot, need); };
-    if (!contains(except, id) && std::ranges::all_of(needs, suits_it)) out.push_back(id);
-  }
-  std::sort(out.begin(), out.end());
-  return out;
-}
-
 void explain(const Fleet& fleet, const Needs& needs, Candidates& out) {
   for (const auto& [id, robot] : fleet.robots()) {
     if (std::binary_search(out.robots.begin(), out.robots.end(), id) || contains(needs.except, id)) continue;
@@ -127,12 +111,27 @@ std::string why_unable(const RobotRecord& robot, const TaskNeed& need) {
   return misfit(*skill, need, robot);
 }
 
+std::vector<std::string> find_able(const Fleet& fleet, const std::vector<TaskNeed>& needs,
+                                   const std::vector<std::string>& except) {
+  std::set<std::string> words;
+  for (const TaskNeed& need : needs) add_words(need, words);
+  std::vector<std::string> out;
+  for (const RobotNumber number : ask(fleet.index(), std::move(words))) {
+    const std::string& id = fleet.index().id_of(number);
+    const RobotRecord& robot = fleet.record(number);
+    const auto suits_it = [&](const TaskNeed& need) { return suits(robot, need); };
+    if (!contains(except, id) && std::ranges::all_of(needs, suits_it)) out.push_back(id);
+  }
+  std::sort(out.begin(), out.end());
+  return out;
+}
+
 Candidates find_candidates(const Fleet& fleet, const Needs& needs) {
   Candidates out;
-  out.robots = suitable(fleet, needs.tasks, needs.except);
+  out.robots = find_able(fleet, needs.tasks, needs.except);
   if (out.robots.empty()) {
     for (const TaskNeed& need : needs.tasks) {
-      out.by_task.push_back({need.task, suitable(fleet, {need}, needs.except)});
+      out.by_task.push_back({need.task, find_able(fleet, {need}, needs.except)});
     }
   }
   explain(fleet, needs, out);

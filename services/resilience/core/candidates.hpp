@@ -60,6 +60,10 @@ struct Candidates {
 /// Robots that are fit and able to do all of the tasks: each skill, capability, parameter, value and place.
 Candidates find_candidates(const Fleet& fleet, const Needs& needs);
 
+/// Who is fit and able to do all of these, by id.
+std::vector<std::string> find_able(const Fleet& fleet, const std::vector<TaskNeed>& needs,
+                                   const std::vector<std::string>& except);
+
 /// Is there anybody else than that robot for the task, now? Stops at the first one, by number. For the preflight.
 std::optional<std::string> find_spare(const Fleet& fleet, const TaskNeed& need, std::string_view robot);
 

@@ -167,7 +167,9 @@ void ResilienceCore::tell_standing(Now now, Outbox& out) {
   }
   for (const Standing::Key& key : standing_.untold(now)) {
     if (!book_.has_room_for_lone()) return out.count("dropped.alerts");
-    const Fault& fault = *worst_fault(*fleet_.find(key.robot), key.capability);
+    const RobotRecord& robot = *fleet_.find(key.robot);
+    if (!key.capability.empty() && worst_fault(robot, "") != nullptr) continue;  // it is told of the whole robot
+    const Fault& fault = *worst_fault(robot, key.capability);
     Alert fresh;
     fresh.robot = key.robot;
     fresh.capability = key.capability;
@@ -186,7 +188,6 @@ void ResilienceCore::tell_standing(Now now, Outbox& out) {
 
 void ResilienceCore::close(Alert& alert, const std::string& why, Outbox& out) {
   alert.state = AlertState::closed;
-  stirred_ = true;
   if (watcher_.find(alert.run) != nullptr) stirred_runs_.insert(alert.run);
   alert.waits_for = cut_utf8(why, 512);
   works_.erase(alert.id);

@@ -87,15 +87,19 @@ bool Fleet::on_fault_ended(std::string_view id, const RobotFault& told, UtcTime 
   return true;
 }
 
-/// The profile is the truth: what has left it is over, what has come stands. What it had before and still has may have
-/// been ended by the robot a moment ago.
+/// The profile is the truth: what has left it is over, what has come stands. A fault of the whole robot is told of each
+/// of its capabilities, too: those end with it. A fault of the whole robot is told of each
+/// of its capabilities, too: those end with it. What it had before and still has may have been ended by the robot a
+/// moment ago.
 bool Fleet::take_out_of_use(RobotRecord& robot, const NodeProfile& before, const NodeProfile& profile, UtcTime now) {
   bool some = false;
   for (const OutOfUse& old : before.out_of_use) {
     const OutOfUse* is = standing_in(profile, old.capability);
     if (!is_standing(old) || (is != nullptr && is->severity == old.severity)) continue;
-    const auto ended = std::erase_if(
-        robot.faults, [&](const Fault& fault) { return takes_away(fault) && fault.capability == old.capability; });
+    const auto ended = std::erase_if(robot.faults, [&](const Fault& fault) {
+      const bool with_it = is == nullptr && old.capability.empty() && standing_in(profile, fault.capability) == nullptr;
+      return takes_away(fault) && (fault.capability == old.capability || with_it);
+    });
     if (ended == 0) continue;
     some = true;
     if (is == nullptr) {

@@ -7,6 +7,10 @@
 namespace trb::resilience {
 namespace {
 
+/// Within this time the node's new profile has come by way of the routers.
+constexpr Duration kProfile = std::chrono::seconds(3);
+constexpr Duration kTellAgain = std::chrono::seconds(10);
+
 std::string quoted(const std::vector<std::string>& capabilities) {
   std::string out;
   for (const std::string& one : capabilities)
@@ -27,7 +31,8 @@ void ResilienceCore::mend(const Alert& alert, const std::string& why, Now now) {
   if (robot == nullptr) return;
   std::set<std::string> over;
   for (const Fault& fault : robot->faults) {
-    if (takes_away(fault) && speaks_of(alert, fault) && !is_told_broken(*robot, fault.capability)) {
+    const bool is_told = is_told_broken(*robot, fault.capability) || is_told_broken(*robot, "");
+    if (takes_away(fault) && speaks_of(alert, fault) && !is_told) {
       over.insert(fault.capability);
     }
   }
@@ -60,17 +65,34 @@ bool ResilienceCore::waits_for_mending(Alert& alert, Now now, Outbox& out) {
     unmended(alert, "is broken again: " + quoted(broken), now, out);
     return true;
   }
+  if (work.refused_at && now.mono - *work.refused_at >= kProfile) {
+    unmended(alert, "does not take it into use: " + work.refusal_to_mend, now, out);
+    return true;
+  }
   alert.waits_for = cut_utf8(alert.robot + " to take " + quoted(broken) + " into use", 512);
-  if (!work.mend.due(now.mono)) return true;
+  ask_routes(now, std::chrono::seconds(1));
+  const bool answered = work.refused_at || (work.taken_at && now.mono - *work.taken_at < kTellAgain);
+  if (answered || !work.mend.due(now.mono)) return true;
   work.mend.said(now.mono);
+  work.taken_at.reset();
   for (const std::string& capability : broken) {
+    if (&capability != &broken.front() && broken.front().empty()) break;  // the whole robot: that is all of them
     out.command(alert.robot, TakeIntoUse{capability, false, cut_utf8(alert.person, 64)}, 0);
   }
-  ask_routes(now, std::chrono::seconds(1));
   return true;
 }
 
-/// The robot's own node refuses for good; what was only not delivered is said again.
+/// Its profile is on its way.
+void ResilienceCore::hear_taken(const std::string& from, Now now) {
+  for (const Alert* alert : book_.open()) {
+    const auto at = works_.find(alert->id);
+    if (alert->robot == from && at != works_.end() && at->second.mend.next()) at->second.taken_at = now.mono;
+  }
+  ask_routes(now, std::chrono::seconds(1));
+}
+
+/// The robot's own node refuses: for good, if its profile does not tell soon that the answer was only late. What was
+/// not delivered is said again.
 void ResilienceCore::hear_unmended(const Nack& nack, const std::string& from, Now now, Outbox& out) {
   out.count("nacked." + nack.subtype);
   if (from != nack.target) {
@@ -79,11 +101,15 @@ void ResilienceCore::hear_unmended(const Nack& nack, const std::string& from, No
                : out.count("dropped.foreign");
   }
   stirred_ = true;
-  for (Alert* alert : book_.open()) {
+  for (const Alert* alert : book_.open()) {
     const auto at = works_.find(alert->id);
-    if (alert->robot != from || at == works_.end() || !at->second.mend.next() || at->second.mended) continue;
-    unmended(*alert, "does not take it into use: " + nack.what, now, out);
+    if (alert->robot != from || at == works_.end()) continue;
+    Work& work = at->second;
+    if (!work.mend.next() || work.mended || work.taken_at || work.refused_at) continue;
+    work.refused_at = now.mono;
+    work.refusal_to_mend = nack.what;
   }
+  ask_routes(now, std::chrono::seconds(1));
 }
 
 /// The alert is open again, and says why.

@@ -5,9 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "common/config/resilience_file.hpp"
 #include "proto/bodies/resilience.hpp"
-#include "services/resilience/core/candidates.hpp"
+#include "services/resilience/core/criteria.hpp"
 #include "services/resilience/core/watched_run.hpp"
 
 namespace trb::resilience {
@@ -18,6 +17,7 @@ constexpr std::size_t kMaxUnfit = 64;
 struct Ways {
   std::vector<Proposal> proposals;  ///< best first
   std::vector<Unfit> unfit;
+  std::vector<std::string> bounded;  ///< who can do it, and is none of them by a bound: what is known may be old
 };
 
 /// Where the places are: places.json of the node's folder, the hall's frame.
@@ -27,7 +27,10 @@ using HallPlaces = std::map<std::string, HallPoint>;
 Result<Needs> needs_of(const WatchedRun& run, const std::vector<std::size_t>& tasks, const std::string& robot);
 
 /// One robot for all of them if there is one; else several between them, as one proposal; else nobody.
-Ways find_ways(const Fleet& fleet, const Needs& needs, const HallPlaces& places, const ReplacementWeights& weights,
-               UtcTime now);
+Ways find_ways(const Fleet& fleet, const Needs& needs, const HallPlaces& places, const Criteria& criteria, UtcTime now);
+
+/// The first place among the parameters that the robot's skills take as places.
+std::optional<HallPoint> place_of(const RobotRecord& robot, const std::vector<TaskNeed>& needs,
+                                  const HallPlaces& places);
 
 }  // namespace trb::resilience

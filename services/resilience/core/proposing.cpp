@@ -1,5 +1,6 @@
 // ResilienceCore: an open alert's proposals, and the policy.
 #include <algorithm>
+#include <cmath>
 
 #include "common/ranking/pairwise.hpp"
 #include "proto/value.hpp"
@@ -12,13 +13,9 @@ namespace trb::resilience {
 namespace {
 
 constexpr Duration kRankAgain = std::chrono::seconds(5);
-/// What fails of one cause comes within seconds: the policy waits for it, people take longer anyway.
-constexpr Duration kGather = std::chrono::seconds(2);
-constexpr const char* kGathers = "other tasks may fail of the same cause";
 /// What is older is asked for. An answer changes the proposals so long after that: later, somebody has read them.
 constexpr Duration kFresh = std::chrono::seconds(10);
 constexpr Duration kAnswers = std::chrono::seconds(5);
-constexpr Duration kPatience = std::chrono::seconds(2);  ///< so long a task that names no robot waits for answers
 
 }  // namespace
 
@@ -42,6 +39,9 @@ void ResilienceCore::look_at_lone(Alert& alert, Now now, Outbox& out) {
     return close(alert, alert.verdict == Verdict::retry ? "taken as mended" : "the fault is over", out);
   }
   if (alert.verdict == Verdict::retry && waits_for_mending(alert, now, out)) return;
+  if (!alert.capability.empty() && worst_fault(*robot, "") != nullptr) {
+    return close(alert, "the whole robot is broken", out);
+  }
   for (const Alert* other : book_.open()) {
     const bool tells = !other->run.empty() && other->robot == alert.robot && tells_of(*other, alert.capability);
     if (tells) return close(alert, "run alert " + other->id, out);
@@ -74,7 +74,8 @@ void ResilienceCore::look_at_open(Alert& alert, Now now, Outbox& out) {
   if (!may_be_ruled(alert)) return look_at_notice(alert, *run, now);
   Work& work = works_[alert.id];
   const bool again = !work.ranked_at || now.mono - *work.ranked_at >= kRankAgain;
-  const bool unasked = wants_robot(alert) && !work.asked_at;  // nobody may look at it again
+  // After a start what counts may be another: everybody is asked and proposed anew.
+  const bool unasked = !work.asked_at;
   if (unasked || (again && (alert.proposals.empty() || is_stale(alert)))) {
     const Alert before = alert;
     propose(alert, *run, now);
@@ -90,7 +91,7 @@ void ResilienceCore::look_at_open(Alert& alert, Now now, Outbox& out) {
   if (alert.state == AlertState::open) try_policy(alert, now, out);
 }
 
-/// Charge and position of whoever is proposed, if they are not known or old.
+/// What counts of whoever is proposed, or would be but for a bound, if it is not known or old.
 void ResilienceCore::ask_values(const Alert& alert, Now now, Outbox& out) {
   Work& work = works_[alert.id];
   if (work.asked_at && now.mono - *work.asked_at < kRankAgain) return;
@@ -100,22 +101,19 @@ void ResilienceCore::ask_values(const Alert& alert, Now now, Outbox& out) {
     ask_routes(now, Duration{0});
     work.awaited.emplace(settings_.node, RouteListRequest::kSubtype);
   }
-  std::set<std::string> robots;
+  std::set<std::string> robots(work.bounded.begin(), work.bounded.end());
   for (const Proposal& proposal : alert.proposals) {
     for (const TaskForRobot& one : proposal.tasks) robots.insert(one.robot);
   }
   // A task is often due because somebody has just arrived: what was told on the way is wrong already.
   const Duration fresh = wants_robot(alert) ? Duration{0} : kFresh;
-  const auto is_old = [&](const auto& told) { return !told || told->at + fresh < now.utc; };
   for (const std::string& id : robots) {
     const RobotRecord* robot = fleet_.find(id);
     if (robot == nullptr) continue;
-    const auto ask = [&](std::string_view value) {
-      out.request(id, Opaque{std::string(value), ""});
-      work.awaited.emplace(id, value);
-    };
-    if (is_old(charge_of(*robot))) ask(charge_request(robot->profile.is));
-    if (is_old(position_of(*robot))) ask(kPositionRequest);
+    for (const Question& one : questions(settings_.resilience.criteria, *robot, now.utc, fresh)) {
+      one.sensor.empty() ? out.request(id, Opaque{one.subtype, ""}) : out.request(id, SensorRead{one.sensor, "", 0});
+      work.awaited.emplace(id, one.value);
+    }
   }
 }
 
@@ -125,12 +123,43 @@ void ResilienceCore::answered(const std::string& robot, const std::string& value
   }
 }
 
-/// An answer: nobody has seen the proposals for long, they follow it.
+/// A Nack names no sensor: whoever refuses one is not waited for.
+void ResilienceCore::refused_reading(const std::string& robot) {
+  for (const ReplacementCriterion& one : settings_.resilience.criteria) {
+    if (one.from == CriterionSource::sensor) answered(robot, sensor_value(one.value));
+  }
+}
+
+/// An answer to what was asked.
 void ResilienceCore::hear(const Opaque& value, const std::string& robot, Now now, Outbox& out) {
   answered(robot, value.subtype);
+  const auto& criteria = settings_.resilience.criteria;
   const bool asked = value.subtype == kPositionRequest ||
-                     std::ranges::find(kChargeRequests, value.subtype) != std::end(kChargeRequests);
+                     std::ranges::find(kChargeRequests, value.subtype) != std::end(kChargeRequests) ||
+                     std::ranges::any_of(criteria, [&](const ReplacementCriterion& one) {
+                       return one.from == CriterionSource::robot && one.value == value.subtype;
+                     });
   if (!asked || !fleet_.on_value(robot, value.subtype, value.data, now.utc)) return out.count("dropped.value");
+  follow_answers(now, out);
+}
+
+void ResilienceCore::hear(const SensorReading& reading, const std::string& robot, Now now, Outbox& out) {
+  const RobotRecord* record = fleet_.find(robot);
+  bool taken = false;
+  for (const ReplacementCriterion& one : settings_.resilience.criteria) {
+    if (record == nullptr || reading.is_text || !std::isfinite(reading.number) ||
+        !is_sensor_of(one, *record, reading.sensor))
+      continue;
+    const std::string name = sensor_value(one.value);
+    answered(robot, name);
+    taken = fleet_.on_value(robot, name, dump_json(Value{reading.number}), now.utc) || taken;
+  }
+  if (!taken) return out.count("dropped.value");
+  follow_answers(now, out);
+}
+
+/// Nobody has seen the proposals for long: they follow what is heard.
+void ResilienceCore::follow_answers(Now now, Outbox& out) {
   for (Alert* alert : book_.open()) {
     const WatchedRun* run = watcher_.find(alert->run);
     const Work& work = works_[alert->id];
@@ -142,6 +171,13 @@ void ResilienceCore::hear(const Opaque& value, const std::string& robot, Now now
   }
 }
 
+bool ResilienceCore::is_out_of_bounds(const WatchedRun& run, std::size_t task, const RobotRecord& robot) const {
+  const auto& criteria = settings_.resilience.criteria;
+  if (!has_bounds(criteria)) return false;
+  const auto needs = needs_of(run, {task}, "");
+  return needs && !why_out(criteria, needs->tasks, robot, place_of(robot, needs->tasks, settings_.places)).empty();
+}
+
 /// Somebody who was proposed cannot do it any more.
 bool ResilienceCore::is_stale(const Alert& alert) const {
   const WatchedRun* run = watcher_.find(alert.run);
@@ -150,6 +186,7 @@ bool ResilienceCore::is_stale(const Alert& alert) const {
     if (robot == nullptr || !is_fit(*robot)) return false;
     const auto index = run == nullptr ? std::nullopt : run->find_task(one.task);
     if (index && std::ranges::count(run->view->tasks[*index].failed_by, one.robot) != 0) return false;
+    if (index && is_out_of_bounds(*run, *index, *robot)) return false;
     const SkillInfo* skill = index ? find_skill(*robot, run->view->tasks[*index].skill) : nullptr;
     return skill == nullptr || skill->capability.empty() || is_able(*robot, skill->capability);
   };
@@ -178,7 +215,8 @@ void ResilienceCore::propose(Alert& alert, const WatchedRun& run, Now now) {
     if (alert.unfit.size() < kMaxUnfit) alert.unfit.push_back({alert.robot, cut_utf8(needs.error().what, 255)});
     return;
   }
-  Ways ways = find_ways(fleet_, *needs, settings_.places, settings_.resilience.weights, now.utc);
+  Ways ways = find_ways(fleet_, *needs, settings_.places, settings_.resilience.criteria, now.utc);
+  works_[alert.id].bounded = std::move(ways.bounded);
   alert.proposals = std::move(ways.proposals);
   for (Unfit& one : ways.unfit) {
     if (alert.unfit.size() < kMaxUnfit) alert.unfit.push_back(std::move(one));
@@ -204,73 +242,6 @@ std::string ResilienceCore::open_text(const Alert& alert) const {
   if (alert.proposals.empty()) out += " (no robot can take over: --retry, --skip or --abort)";
   if (alert.needs_word) out += "; nobody hears what " + alert.robot + " does: --stands if you have seen that it stands";
   return out;
-}
-
-/// Who is moved again and again fails everywhere.
-std::string ResilienceCore::why_moved_enough(const Alert& alert) const {
-  const WatchedRun* run = watcher_.find(alert.run);
-  const std::uint32_t most = settings_.resilience.policy.max_moves;
-  for (const std::string& id : alert.tasks) {
-    const auto index = run == nullptr ? std::nullopt : run->find_task(id);
-    if (!index || is_pinned(alert, *run, id) || run->policy_moves(*index) < most) continue;
-    return "it has moved task '" + id + "' " + std::to_string(run->policy_moves(*index)) + " times: a person decides";
-  }
-  return {};
-}
-
-/// Why the policy does not decide; empty: it does.
-std::string ResilienceCore::why_ask(const Alert& alert, Now now) {
-  const ReplacementPolicy& policy = settings_.resilience.policy;
-  const Work& work = works_[alert.id];
-  if (!work.asks_for.empty()) return work.asks_for;
-  if (alert.cause == kOverdue) return "nothing has failed: a person decides what becomes of what is late";
-  if (alert.needs_word) return "only a person can say that " + alert.robot + " stands";
-  if (alert.proposals.empty()) return "no robot can take over";
-  if (std::string enough = why_moved_enough(alert); !enough.empty()) return enough;
-  if (alert.severity > policy.max_severity) return "the fault is " + std::string(name_of(alert.severity));
-  const double best = alert.proposals[0].score;
-  const double lead = best - (alert.proposals.size() > 1 ? alert.proposals[1].score : 0);
-  if (best < policy.min_score) return "the best score is " + short_number(best);
-  if (lead < policy.min_lead) return "the best leads by " + short_number(lead) + " only";
-  if (work.grown_at && now.mono - *work.grown_at < kGather) return kGathers;
-  return awaits(work, kAnswers, now);
-}
-
-/// Who is to answer yet, if it was asked less than `patience` ago; empty: nobody.
-std::string ResilienceCore::awaits(const Work& work, Duration patience, Now now) {
-  const bool waits = work.asked_at && now.mono - *work.asked_at < patience && !work.awaited.empty();
-  return waits ? "what " + work.awaited.begin()->first + " answers" : "";
-}
-
-/// Why nobody is chosen yet for a task that names no robot; empty: the best is. One task after the other: who gets one
-/// is less at hand for the next.
-std::string ResilienceCore::why_wait(const Alert& alert, Now now) {
-  const Work& work = works_[alert.id];
-  if (!work.asks_for.empty()) return work.asks_for;
-  if (alert.proposals.empty()) return "no robot can do it now";
-  if (std::string enough = why_moved_enough(alert); !enough.empty()) return enough;
-  for (const Alert* other : book_.open()) {
-    if (other->state == AlertState::releasing && wants_robot(*other)) return "alert " + other->id + " comes first";
-  }
-  return awaits(work, kPatience, now);
-}
-
-void ResilienceCore::try_policy(Alert& alert, Now now, Outbox& out) {
-  const ReplacementPolicy& policy = settings_.resilience.policy;
-  const bool binds = wants_robot(alert);
-  if (!(binds ? !policy.asks_who_begins : policy.automatic) || !decides(alert)) return;
-  const std::string why = binds ? why_wait(alert, now) : why_ask(alert, now);
-  const bool passes = binds || why == kGathers || why == awaits(works_[alert.id], kAnswers, now);
-  const std::string asks = passes ? "automatic, waits: " : "automatic, but asks: ";
-  alert.policy = why.empty() ? "automatic" : cut_utf8(asks + why, 255);
-  if (!why.empty()) return;
-  if (binds) propose(alert, *watcher_.find(alert.run), now);  // somebody may have got a task meanwhile
-  if (alert.proposals.empty()) return;
-  AlertDecide verdict;
-  verdict.verdict = Verdict::accept;
-  verdict.reason =
-      (binds ? "it names no robot: the best of " : "policy: the best of ") + std::to_string(alert.proposals.size());
-  if (const auto decided = decide(alert, verdict, now, out); !decided) works_[alert.id].asks_for = decided.error().what;
 }
 
 }  // namespace trb::resilience

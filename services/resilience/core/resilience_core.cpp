@@ -105,7 +105,8 @@ void ResilienceCore::on_information(const Inbound& message, Now now, Outbox& out
                    [&](const Definition& body) { own ? watcher_.on(body) : out.count("dropped.foreign"); },
                    [&](const SignedRecord& body) { own ? on_signed(body, out) : out.count("dropped.foreign"); },
                    // Of the own scheduler: it has taken a decision or an order; what came of it the view tells.
-                   [&](const Ack&) {
+                   [&](const Ack& body) {
+                     if (!own && body.state == "in_use") return hear_taken(from, now);
                      const Alert* alert = own ? book_.find(handed_) : nullptr;
                      if (alert != nullptr) watcher_.refresh(alert->run);
                    },
@@ -118,6 +119,9 @@ void ResilienceCore::on_information(const Inbound& message, Now now, Outbox& out
                      own || !asked_here ? hear(body, now, out) : out.count("dropped.foreign");
                    },
                    [&](const Opaque& body) {
+                     message.reply_to != 0 ? hear(body, from, now, out) : out.count("dropped.unexpected");
+                   },
+                   [&](const SensorReading& body) {
                      message.reply_to != 0 ? hear(body, from, now, out) : out.count("dropped.unexpected");
                    },
                    [&](const auto&) { out.count("dropped.unexpected"); }},
@@ -171,6 +175,7 @@ void ResilienceCore::hear(const RouteTable& table, Now now, Outbox& out) {
 
 void ResilienceCore::hear(const Nack& nack, Now now, Outbox& out) {
   answered(nack.target, nack.subtype);
+  if (nack.subtype == SensorRead::kSubtype) refused_reading(nack.target);
   if (nack.subtype == RunDecision::kSubtype || nack.subtype == RunAbort::kSubtype) {
     out.count("nacked." + nack.subtype);
     out.log(LogLevel::warning, "decision_refused", nack.code + ": " + nack.what);

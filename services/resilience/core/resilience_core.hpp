@@ -60,10 +60,14 @@ class ResilienceCore final : public Core {
     std::optional<MonotonicTime> asked_at;                  ///< the candidates, for their values
     std::set<std::pair<std::string, std::string>> awaited;  ///< robot, value
     std::optional<MonotonicTime> releasing_since;
+    std::vector<std::string> bounded;  ///< who would be proposed but for a bound
     Backoff release;
     Backoff sign;
     Backoff hand;
     Backoff mend;
+    std::optional<MonotonicTime> taken_at;  ///< when the robot's node answered that it is in use
+    std::string refusal_to_mend;            ///< the node's own
+    std::optional<MonotonicTime> refused_at;
     bool mended = false;                 ///< the robot's node has taken into use what a person says is repaired
     Bytes signing;                       ///< what the router is asked to sign
     std::optional<SignedRecord> record;  ///< the decision, or the order to abort
@@ -98,6 +102,7 @@ class ResilienceCore final : public Core {
   void mend(const Alert& alert, const std::string& why, Now now);
   [[nodiscard]] std::vector<std::string> told_broken(const Alert& alert) const;
   [[nodiscard]] bool waits_for_mending(Alert& alert, Now now, Outbox& out);
+  void hear_taken(const std::string& from, Now now);
   void hear_unmended(const Nack& nack, const std::string& from, Now now, Outbox& out);
   void unmended(Alert& alert, const std::string& why, Now now, Outbox& out);
 
@@ -110,8 +115,14 @@ class ResilienceCore final : public Core {
   void propose(Alert& alert, const WatchedRun& run, Now now);
   void ask_values(const Alert& alert, Now now, Outbox& out);
   void hear(const Opaque& value, const std::string& robot, Now now, Outbox& out);
+  void hear(const SensorReading& reading, const std::string& robot, Now now, Outbox& out);
+  void follow_answers(Now now, Outbox& out);
+  [[nodiscard]] bool is_out_of_bounds(const WatchedRun& run, std::size_t task, const RobotRecord& robot) const;
+  void refused_reading(const std::string& robot);
   void answered(const std::string& robot, const std::string& value);
   [[nodiscard]] bool is_stale(const Alert& alert) const;
+
+  // policy.cpp
   void try_policy(Alert& alert, Now now, Outbox& out);
   [[nodiscard]] std::string why_moved_enough(const Alert& alert) const;
   [[nodiscard]] std::string why_ask(const Alert& alert, Now now);

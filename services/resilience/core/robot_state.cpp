@@ -119,6 +119,18 @@ std::optional<Told<HallPoint>> position_of(const RobotRecord& robot) {
   return is_in_hall(point.x, point.y) ? std::optional(Told<HallPoint>{point, at->second.at}) : std::nullopt;
 }
 
+std::optional<Told<double>> number_of(const RobotRecord& robot, std::string_view name) {
+  const auto at = robot.values.find(name);
+  if (at == robot.values.end()) return std::nullopt;
+  const Value told = value_of(at->second.is);
+  const Value* member = told.find(name);
+  const Value& value = member == nullptr ? told : *member;
+  if (value.is_list() || value.is_object()) return std::nullopt;
+  const auto numbers = numbers_of(value);
+  if (numbers.size() != 1 || !std::isfinite(numbers[0])) return std::nullopt;
+  return Told<double>{numbers[0], at->second.at};
+}
+
 std::optional<Told<std::string>> mode_of(const RobotRecord& robot) {
   for (const char* name : {"operating_mode", "robot_mode", "mode", "state"}) {
     const auto at = robot.values.find(name);

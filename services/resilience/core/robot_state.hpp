@@ -26,6 +26,10 @@ namespace trb::resilience {
 /// The operating mode in the robot's own words: the first it tells of operating_mode, robot_mode, mode, state.
 [[nodiscard]] std::optional<Told<std::string>> mode_of(const RobotRecord& robot);
 
+/// A value that the robot tells as a number, {"NAME": number} or plain words. Unknown: it tells none, or something
+/// else.
+[[nodiscard]] std::optional<Told<double>> number_of(const RobotRecord& robot, std::string_view name);
+
 /// Subtypes of the requests that bring charge and position up to date, as commands.json names them for every robot.
 inline constexpr std::string_view kChargeRequests[] = {"state_of_charge", "battery"};
 inline constexpr std::string_view kPositionRequest = "position";

@@ -131,6 +131,11 @@ void Bench::handle(const Send& sent) {
     if (value == known.end()) return nack(send, send.target, "unknown_subtype", "not told");
     return answer(send.target, Opaque{value->first, value->second});
   }
+  if (const auto* read = get_if<SensorRead>(&send.body)) {
+    const auto reading = readings.find(send.target);
+    if (reading == readings.end()) return nack(send, send.target, "unknown_target", "no sensor " + read->sensor);
+    return answer(send.target, reading->second);
+  }
   if (const auto* repaired = get_if<TakeIntoUse>(&send.body)) return take_into_use(send, *repaired);
   const auto* order = get_if<ReleaseTasks>(&send.body);
   REQUIRE(order != nullptr);

@@ -75,6 +75,7 @@ class Bench {
   Now now{{1'000'000'000'000}, {1'700'000'000'000'000'000}};
   std::map<std::string, Route> routes;
   std::map<std::string, std::map<std::string, std::string>> values;  ///< of robots, by name: what they answer
+  std::map<std::string, SensorReading> readings;                     ///< of robots' sensors
   RunView view;
   RunStart start;
   std::optional<MonotonicTime> ends_at;  ///< the run's time to live, if the scheduler tells it
@@ -92,7 +93,7 @@ class Bench {
   std::string refuses;               ///< the scheduler Nacks decisions with this code
   std::set<std::string> keeps;       ///< robots that do not answer release_tasks
   std::set<std::string> unmended;    ///< robots that Nack take_into_use
-  std::set<std::string> idle;        ///< robots that answer take_into_use and keep the fault
+  std::set<std::string> idle;        ///< robots to which take_into_use does not come
   std::vector<TakeIntoUse> repairs;  ///< that robots were told
   std::set<std::string> mute;        ///< robots that do not answer what they are asked for
   CoreSettings settings;

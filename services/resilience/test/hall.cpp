@@ -27,7 +27,8 @@ Status Bench::take(const SignedRecord& record) {
     const auto member = [&](const std::vector<Member>& members) {
       return std::ranges::any_of(members, [&](const Member& one) { return one.id == ruling.robot; });
     };
-    if (!member(start.members) && !member(decision->members)) return fail(Errc::bad_value, "no member");
+    const bool earlier = std::ranges::any_of(taken, [&](const Decision& one) { return member(one.members); });
+    if (!member(start.members) && !member(decision->members) && !earlier) return fail(Errc::bad_value, "no member");
     if (ruling.robot != of.robot) of.moved_from = of.robot;
     of.robot = ruling.robot;
     of.attempt = ruling.attempt;
@@ -189,11 +190,12 @@ void Bench::return_to_service(const std::string& robot) {
 void Bench::take_into_use(const Send& send, const TakeIntoUse& order) {
   repairs.push_back(order);
   if (unmended.contains(send.target)) return nack(send, send.target, "conflict", "the bumper is still pressed");
-  answer(send.target, Ack{"in_use", ""});
   if (idle.contains(send.target)) return;
-  std::erase_if(routes[send.target].profile.out_of_use, [&](const OutOfUse& one) {
+  const auto ended = std::erase_if(routes[send.target].profile.out_of_use, [&](const OutOfUse& one) {
     return !one.retired && (order.capability.empty() || one.capability == order.capability);
   });
+  if (ended == 0) return nack(send, send.target, "conflict", "no fault keeps it out of use");
+  if (!mute.contains(send.target)) answer(send.target, Ack{"in_use", ""});
 }
 
 void Bench::silence(const std::string& robot) {

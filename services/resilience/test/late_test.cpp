@@ -173,6 +173,20 @@ TEST_CASE("who was chosen fails: an alert about that robot, as for any task") {
   CHECK(rulings(bench->taken.at(1)) == "t7>pioneer2");
 }
 
+TEST_CASE("the first robot of a task that names none is no move of the policy") {
+  ResilienceSettings settings = automatic();
+  settings.policy.max_moves = 1;
+  auto bench = hall(settings);
+  wants_robot(*bench, {"t7"});
+  REQUIRE(bench->taken.size() == 1);
+  for (int i = 0; i < 2; ++i) {
+    bench->end_task("t7", TaskOutcome::failed, "stuck");
+    bench->wait(seconds(10));
+    CHECK(bench->taken.size() == 2);
+  }
+  CHECK(bench->alert().policy == "automatic, but asks: it has moved task 't7' 1 times: a person decides");
+}
+
 TEST_CASE("a pinned task is bound, too") {
   auto bench = hall(default_resilience(), [](Scenario& is) { is.tasks[6].pinned = true; });
   wants_robot(*bench, {"t7"});

@@ -157,6 +157,27 @@ TEST_CASE("64 attempts of a task are the most: after them it can only be left ou
   CHECK(bench->taken.at(0).tasks.at(0).attempt == 65);
 }
 
+TEST_CASE("attempts that its robot may have made unheard are no more than 64: it can still be left out") {
+  auto bench = paper();
+  bench->start.scenario.tasks[3].retries = 5;
+  Decision decision;
+  decision.epoch = 2;
+  decision.run = kRun;
+  SignedRecord record;
+  record.payload.bytes = encode(decision);
+  bench->decisions.push_back(record);
+  bench->view.decisions.push_back({2, "cloud", "a", "bob", "", 0, {{"t4", Ruling::retry, "ridgeback", 62, {}}}});
+  bench->view.epoch = 2;
+  bench->task("t4").attempt = 64;
+  bench->restart();
+  bench->wait(seconds(6));
+  bench->silence("ridgeback");
+  AlertDecide word{bench->alert().id, Verdict::skip, "", "", "", true};
+  word.tasks = {"t4"};
+  CHECK(bench->decide(word) == "accepted");
+  CHECK(bench->taken.at(0).tasks.at(0).attempt == 65);
+}
+
 TEST_CASE("a robot that is not there gets nothing, whatever the reason") {
   auto bench = paper();
   bench->silence("pioneer2");

@@ -86,6 +86,43 @@ TEST_CASE("what the robot says ends its own faults, as bad ones and lesser, and 
   bench->say("nobody", RobotFault{"", Severity::fatal, "", true});
 }
 
+TEST_CASE("a fault that the robot has ended is not begun again by a profile that is still on its way") {
+  auto bench = paper();
+  bench->stand("pioneer2", "mobile");
+  bench->wait(seconds(6));
+  bench->say("pioneer2", RobotFault{"mobile", Severity::critical, "", true});
+  CHECK(bench->alerts().empty());
+  bench->routes["pioneer2"].profile.detail = "something else has changed";
+  bench->wait(seconds(40));
+  CHECK(bench->alerts().empty());
+  bench->stand("pioneer2", "mobile");  // anew
+  bench->wait(seconds(40));
+  CHECK(bench->alerts().size() == 1);
+  CHECK(count_of(kinds(*bench, "pioneer2"), "fault") == 2);
+}
+
+TEST_CASE("a fault of the whole robot is told of each capability, too: it is one alert, and they end with it") {
+  auto bench = paper();
+  bench->routes["ridgeback"].profile.out_of_use = {{"", Severity::critical, "no power", 1, false, ""}};
+  for (const char* capability : {"mobile", "carry"}) bench->fault("ridgeback", capability);
+  bench->view.state = RunState::finished;
+  bench->changed();
+  bench->wait(seconds(10));
+  const Alert alert = bench->alert();
+  CHECK(alert.capability.empty());
+  CHECK(alert.text == "no power");
+  CHECK(bench->decide(AlertDecide{alert.id, Verdict::retry, "", "", "", false}) == "accepted");
+  bench->wait(seconds(6));
+  CHECK(bench->repairs.at(0).capability.empty());
+  CHECK(bench->alerts().empty());
+  bench->fault("ridgeback", "mobile");  // of which the profile comes late
+  bench->wait(seconds(4));
+  CHECK(bench->alert().capability == "mobile");
+  bench->routes["ridgeback"].profile.out_of_use = {{"", Severity::critical, "no power", 2, false, ""}};
+  bench->wait(seconds(10));
+  CHECK(bench->alert().capability.empty());
+}
+
 TEST_CASE("a run's alert closes and the fault still stands: it is told without a run, until the next run minds it") {
   auto bench = paper();
   bench->stand("ridgeback", "mobile");
@@ -132,6 +169,21 @@ TEST_CASE("retry tells the robot's node that it is repaired, again until its pro
   CHECK(bench->alerts().empty());
 }
 
+TEST_CASE("its answer is lost: it refuses what it has done already, and its profile has the last word") {
+  auto bench = paper();
+  bench->stand("pioneer2", "mobile");
+  bench->stand("pioneer2", "");
+  bench->wait(seconds(3));
+  const std::string id = bench->alert().id;
+  bench->mute.insert("pioneer2");
+  CHECK(bench->decide(AlertDecide{id, Verdict::retry, "", "", "", false}) == "accepted");
+  bench->wait(seconds(12));
+  CHECK(bench->any(id).state == AlertState::closed);
+  CHECK(bench->any(id).text.find("does not take it") == std::string::npos);
+  CHECK(bench->alerts().empty());
+  for (const TakeIntoUse& one : bench->repairs) CHECK(one.capability.empty());
+}
+
 TEST_CASE("the robot's node refuses: the alert is open again and says why, and nobody else can refuse") {
   auto bench = paper();
   bench->stand("pioneer2", "mobile");
@@ -167,6 +219,27 @@ TEST_CASE("retry in a run: the robot's node takes it into use, then the task is 
   bench->wait(seconds(10));
   CHECK(rulings(bench->taken.at(0)) == "t4!ridgeback");
   CHECK(bench->alerts().empty());
+}
+
+TEST_CASE("what breaks again before the task is tried again opens the alert: the word was on the repair before") {
+  auto bench = paper();
+  bench->end_task("t5", TaskOutcome::failed, "stuck");
+  bench->refuses = "queue_full";  // another alert's decision on the run is not taken yet
+  CHECK(bench->decide(Verdict::skip) == "accepted");
+  bench->stand("ridgeback", "mobile");
+  bench->end_task("t4", TaskOutcome::failed, "mobile is broken");
+  bench->wait(seconds(6));
+  std::string id;
+  for (const Alert& one : bench->alerts()) id = one.robot == "ridgeback" ? one.id : id;
+  CHECK(bench->decide(AlertDecide{id, Verdict::retry, "", "", "", false}) == "accepted");
+  bench->wait(seconds(6));
+  const std::size_t told = bench->repairs.size();
+  CHECK(bench->any(id).waits_for.starts_with("the decision on alert"));
+  bench->stand("ridgeback", "mobile");
+  bench->wait(seconds(6));
+  CHECK(bench->repairs.size() == told);
+  CHECK(bench->any(id).state == AlertState::open);
+  CHECK(bench->any(id).text.find("is broken again: 'mobile'") != std::string::npos);
 }
 
 TEST_CASE("after its alert is done, retry speaks of the fault that still stands") {

@@ -161,7 +161,7 @@ TEST_CASE("a policy whose conditions do not hold asks, and says why") {
     CHECK(bench->taken.empty());
     return bench->alert().policy;
   };
-  CHECK(asks(automatic(0.9)).starts_with("automatic, but asks: the best score is"));
+  CHECK(asks(automatic(0.95)).starts_with("automatic, but asks: the best has a merit of 0.92"));
   CHECK(asks(automatic(0, 0.5)).starts_with("automatic, but asks: the best leads by"));
   ResilienceSettings mild = automatic();
   mild.policy.max_severity = Severity::urgent;

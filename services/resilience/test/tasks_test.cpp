@@ -70,6 +70,19 @@ TEST_CASE("some of an alert's tasks are decided on; the others come back as an a
   CHECK(bench->run_alerts().empty());
 }
 
+TEST_CASE("who can do only some of the tasks is proposed for those") {
+  auto bench = paper();
+  NodeProfile loader = mobile_robot();
+  loader.capabilities = {"carry"};
+  loader.skills = {carrier().skills.back()};
+  bench->add("loader", loader, 40, 0, 0);
+  bench->fault("ridgeback", "");
+  bench->end_task("t4", TaskOutcome::failed);
+  CHECK(bench->run_alert().proposals.at(0).robot.empty());
+  CHECK(decide_on(*bench, {"t4"}, Verdict::accept, "pioneer2") == "accepted");
+  CHECK(rulings(bench->taken.at(0)) == "t4>pioneer2");
+}
+
 TEST_CASE("one pinned task takes the proposals from none of the others, and stays with the words that it is pinned") {
   for (const Verdict verdict : {Verdict::accept, Verdict::override_}) {
     auto bench = pinned({"t7"});
@@ -119,7 +132,7 @@ TEST_CASE("any task can be moved or skipped without an alert: one is made and de
   CHECK(bench->taken[0].person == "ann");
   CHECK(bench->decide(of_run({"t6"}, Verdict::accept)) == "accepted");
   CHECK(rulings(bench->taken.at(1)) == "t6>ridgeback");  // it stands nearest
-  CHECK(bench->decide(of_run({"t9"}, Verdict::skip)) == "accepted");
+  CHECK(bench->decide(of_run({"t9", "t9"}, Verdict::skip)) == "accepted");
   CHECK(rulings(bench->taken.at(2)) == "t9/cloud");
   CHECK(bench->alerts().empty());
 }
@@ -222,6 +235,19 @@ TEST_CASE("a robot that gives nothing back for 30 s: it is said, and another ver
     bench->wait(seconds(2));
     CHECK(rulings(bench->taken.at(0)) == "t4>pioneer2 t7>pioneer2");
   }
+}
+
+TEST_CASE("decided anew it is on proposals of now, not on an override that did not come about") {
+  auto bench = paper();
+  bench->task("t4").failed_by = {"pioneer1"};
+  bench->changed();
+  bench->settle();
+  wheels_fail(*bench);
+  bench->keeps.insert("ridgeback");
+  CHECK(bench->decide(Verdict::override_, "pioneer1", false, "it was cleaned") == "accepted");
+  bench->wait(seconds(31));
+  CHECK(bench->decide(Verdict::accept, "pioneer1") == "bad_value");
+  CHECK(bench->run_alert().verdict == Verdict::override_);
 }
 
 TEST_CASE("a task that its robot has given back is somebody else's, though nothing else is the matter") {

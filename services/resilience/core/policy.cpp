@@ -1,0 +1,87 @@
+// ResilienceCore: when nobody needs to be asked.
+#include <algorithm>
+
+#include "common/ranking/pairwise.hpp"
+#include "proto/value.hpp"
+#include "services/resilience/core/resilience_core.hpp"
+
+namespace trb::resilience {
+namespace {
+
+/// What fails of one cause comes within seconds: the policy waits for it, people take longer anyway.
+constexpr Duration kGather = std::chrono::seconds(2);
+constexpr const char* kGathers = "other tasks may fail of the same cause";
+constexpr Duration kPatience = std::chrono::seconds(2);  ///< so long a task that names no robot waits for answers
+constexpr Duration kAnswers = std::chrono::seconds(5);
+
+}  // namespace
+
+/// Who is moved again and again fails everywhere.
+std::string ResilienceCore::why_moved_enough(const Alert& alert) const {
+  const WatchedRun* run = watcher_.find(alert.run);
+  const std::uint32_t most = settings_.resilience.policy.max_moves;
+  for (const std::string& id : alert.tasks) {
+    const auto index = run == nullptr ? std::nullopt : run->find_task(id);
+    if (!index || is_pinned(alert, *run, id) || run->policy_moves(*index) < most) continue;
+    return "it has moved task '" + id + "' " + std::to_string(run->policy_moves(*index)) + " times: a person decides";
+  }
+  return {};
+}
+
+/// Why the policy does not decide; empty: it does.
+std::string ResilienceCore::why_ask(const Alert& alert, Now now) {
+  const ReplacementPolicy& policy = settings_.resilience.policy;
+  const Work& work = works_[alert.id];
+  if (!work.asks_for.empty()) return work.asks_for;
+  if (alert.cause == kOverdue) return "nothing has failed: a person decides what becomes of what is late";
+  if (alert.needs_word) return "only a person can say that " + alert.robot + " stands";
+  if (alert.proposals.empty()) return "no robot can take over";
+  if (std::string enough = why_moved_enough(alert); !enough.empty()) return enough;
+  if (alert.severity > policy.max_severity) return "the fault is " + std::string(name_of(alert.severity));
+  const double best = alert.proposals[0].score;
+  const double lead = best - (alert.proposals.size() > 1 ? alert.proposals[1].score : 0);
+  const double merit = alert.proposals[0].merit;
+  if (merit < policy.min_score) return "the best has a merit of " + short_number(merit);
+  if (lead < policy.min_lead) return "the best leads by " + short_number(lead) + " only";
+  if (work.grown_at && now.mono - *work.grown_at < kGather) return kGathers;
+  return awaits(work, kAnswers, now);
+}
+
+/// Who is to answer yet, if it was asked less than `patience` ago; empty: nobody.
+std::string ResilienceCore::awaits(const Work& work, Duration patience, Now now) {
+  const bool waits = work.asked_at && now.mono - *work.asked_at < patience && !work.awaited.empty();
+  return waits ? "what " + work.awaited.begin()->first + " answers" : "";
+}
+
+/// Why nobody is chosen yet for a task that names no robot; empty: the best is. One task after the other: who gets one
+/// is less at hand for the next.
+std::string ResilienceCore::why_wait(const Alert& alert, Now now) {
+  const Work& work = works_[alert.id];
+  if (!work.asks_for.empty()) return work.asks_for;
+  if (alert.proposals.empty()) return "no robot can do it now";
+  if (std::string enough = why_moved_enough(alert); !enough.empty()) return enough;
+  for (const Alert* other : book_.open()) {
+    if (other->state == AlertState::releasing && wants_robot(*other)) return "alert " + other->id + " comes first";
+  }
+  return awaits(work, kPatience, now);
+}
+
+void ResilienceCore::try_policy(Alert& alert, Now now, Outbox& out) {
+  const ReplacementPolicy& policy = settings_.resilience.policy;
+  const bool binds = wants_robot(alert);
+  if (!(binds ? !policy.asks_who_begins : policy.automatic) || !decides(alert)) return;
+  const std::string why = binds ? why_wait(alert, now) : why_ask(alert, now);
+  const bool passes = binds || why == kGathers || why == awaits(works_[alert.id], kAnswers, now);
+  const std::string asks = passes ? "automatic, waits: " : "automatic, but asks: ";
+  alert.policy = why.empty() ? "automatic" : cut_utf8(asks + why, 255);
+  if (!why.empty()) return;
+  if (binds) propose(alert, *watcher_.find(alert.run), now);  // somebody may have got a task meanwhile
+  if (alert.proposals.empty()) return;
+  AlertDecide verdict;
+  verdict.verdict = Verdict::accept;
+  verdict.reason =
+      (binds ? "it names no robot: the best of " : "policy: the best of ") + std::to_string(alert.proposals.size());
+  if (const auto decided = decide(alert, verdict, now, out); !decided) works_[alert.id].asks_for = decided.error().what;
+}
+
+}  // namespace trb::resilience

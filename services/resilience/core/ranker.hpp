@@ -1,0 +1,33 @@
+// Candidates in their order, each with its parts: scores against each other (the AHP's), merits against the best that
+// is possible.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "proto/bodies/resilience.hpp"
+#include "services/resilience/core/proposals.hpp"
+
+namespace trb::resilience {
+
+struct Ranked {
+  std::string robot;
+  double score = 0;
+  double merit = 0;
+  std::vector<CriterionPart> parts;
+  std::string note;
+};
+
+/// What a ranking is made of.
+struct Ranking {
+  const Fleet& fleet;
+  const HallPlaces& places;
+  const Criteria& criteria;
+  UtcTime now;
+};
+
+/// Best first, `most` at most; their scores sum to 1.
+std::vector<Ranked> rank(const Ranking& of, const std::vector<TaskNeed>& needs, std::vector<std::string> robots,
+                         std::size_t most);
+
+}  // namespace trb::resilience

@@ -1,0 +1,253 @@
+// What counts is the operator's: values of the robot, its description and sensors, bounds, and what a score means.
+#include <doctest/doctest.h>
+
+#include <algorithm>
+
+#include "services/resilience/test/bench.hpp"
+
+using namespace trb;
+using namespace trb::resilience;
+using namespace trb::resilience::test;
+
+namespace {
+
+using Words = std::vector<std::string>;
+
+Words robots_of(const Alert& alert) {
+  Words out;
+  for (const Proposal& one : alert.proposals) out.push_back(one.robot);
+  return out;
+}
+
+std::string why_unfit(const Alert& alert, const std::string& robot) {
+  for (const Unfit& one : alert.unfit) {
+    if (one.robot == robot) return one.why;
+  }
+  return {};
+}
+
+ResilienceSettings settings_of(const std::string& criteria, ResilienceSettings base = default_resilience()) {
+  const auto json = parse_json(R"({"criteria": )" + criteria + "}");
+  REQUIRE(json.ok());
+  ConfigFaults faults;
+  ResilienceSettings read = read_resilience(*json, "resilience.json", faults);
+  REQUIRE_MESSAGE(faults.empty(), to_text(faults));
+  base.criteria = read.criteria;
+  return base;
+}
+
+std::unique_ptr<Bench> failed(const std::string& criteria, ResilienceSettings base = default_resilience()) {
+  auto bench = paper(settings_of(criteria, base));
+  bench->end_task("t4", TaskOutcome::failed, "stuck");
+  return bench;
+}
+
+const CriterionPart& part(const Proposal& of, const std::string& criterion) {
+  const auto at = std::ranges::find(of.parts, criterion, &CriterionPart::criterion);
+  REQUIRE(at != of.parts.end());
+  return *at;
+}
+
+}  // namespace
+
+TEST_CASE("a merit is against the best that is possible: of five good ones the best has no less than alone") {
+  auto bench = std::make_unique<Bench>();
+  for (int i = 0; i < 5; ++i) bench->add("r" + std::to_string(i), mobile_robot(), 95 - i, 4, 0.5);
+  bench->add("ridgeback", mobile_robot(), 70, 2, 0);
+  bench->add("turtlebot", mobile_robot(), 1, 4, 0);
+  bench->add("ur3", mobile_robot(), 1, 4, 90);
+  bench->begin_run();
+  bench->end_task("t4", TaskOutcome::failed, "stuck");
+  const Alert many = bench->alert();
+  CHECK(many.proposals.size() == 7);
+  CHECK(many.proposals[0].robot == "r0");
+  CHECK(many.proposals[0].score < 0.3);
+  CHECK(many.proposals[0].merit > 0.95);
+  for (int i = 0; i < 5; ++i) bench->silence("r" + std::to_string(i));
+  bench->silence("turtlebot");
+  bench->wait(seconds(12));
+  for (const Alert& alert : bench->alerts()) {
+    if (alert.robot != "ridgeback") continue;
+    REQUIRE(robots_of(alert) == Words{"ur3"});
+    CHECK(alert.proposals[0].score == doctest::Approx(1));
+    CHECK(alert.proposals[0].merit < 0.2);
+  }
+}
+
+TEST_CASE("the policy's least score is one of merit: the only one, with 1 %, is not taken") {
+  auto bench = failed(R"({"battery": 1})", automatic(0.5));
+  bench->wait(seconds(10));
+  CHECK(rulings(bench->taken.at(0)) == "t4>turtlebot");
+  bench = paper(settings_of(R"({"battery": 1})", automatic(0.5)));
+  for (const char* id : {"pioneer1", "turtlebot"}) bench->silence(id);
+  bench->values["pioneer2"]["battery"] = "0.01";
+  bench->say("pioneer2", RobotState{{{"battery", "0.01"}}});
+  bench->end_task("t4", TaskOutcome::failed, "stuck");
+  bench->wait(seconds(10));
+  CHECK(bench->taken.empty());
+  for (const Alert& alert : bench->alerts()) {
+    if (alert.robot == "ridgeback") CHECK(alert.policy == "automatic, but asks: the best has a merit of 0.01");
+  }
+}
+
+TEST_CASE("a number of the description counts, for tasks whose skills need that capability") {
+  const std::string payload =
+      R"({"battery": 1, "payload": {"weight": 3, "from": "description", "unit": "kg", "best": 10, "worst": 0,
+          "capabilities": [")";
+  auto bench = paper(settings_of(payload + R"(mobile"]}})"));
+  bench->routes["pioneer2"].profile.numbers = {{"payload", 8, "kg"}};
+  bench->routes["pioneer1"].profile.numbers = {{"payload", 2, "kg"}};
+  bench->wait(seconds(40));
+  bench->end_task("t4", TaskOutcome::failed, "stuck");
+  Alert alert = bench->alert();
+  CHECK(alert.proposals[0].robot == "pioneer2");
+  CHECK(part(alert.proposals[0], "payload").value == 8);
+  CHECK(part(alert.proposals[0], "payload").unit == "kg");
+  CHECK(part(alert.proposals[0], "payload").weight == doctest::Approx(0.75));
+  CHECK(part(alert.proposals[0], "payload").robot == "pioneer2");
+  CHECK(alert.proposals[0].merit == doctest::Approx(0.75 * 0.8 + 0.25 * 0.55));
+  for (const Proposal& one : alert.proposals) {
+    if (one.robot == "turtlebot") CHECK(one.note.find("payload is not known") != std::string::npos);
+  }
+  bench = failed(payload + R"(grab"]}})");
+  alert = bench->alert();
+  CHECK(alert.proposals[0].robot == "turtlebot");  // by its battery alone
+  CHECK(alert.proposals[0].parts.size() == 3);
+}
+
+TEST_CASE("what the robot tells is asked for: a number, or an object that has it") {
+  auto bench = paper(settings_of(R"({"grip": {"from": "robot", "value": "grip_force", "best": 40, "worst": 0}})"));
+  bench->values["pioneer1"]["grip_force"] = "12.5";
+  bench->values["pioneer2"]["grip_force"] = R"({"grip_force": 30})";
+  bench->values["turtlebot"]["grip_force"] = R"(["much"])";
+  bench->end_task("t4", TaskOutcome::failed, "stuck");
+  const Alert alert = bench->alert();
+  CHECK(bench->heard["grip_force"] == 3);
+  CHECK(alert.proposals[0].robot == "pioneer2");
+  CHECK(part(alert.proposals[0], "grip").value == 30);
+  CHECK(alert.proposals[0].merit == doctest::Approx(0.75));
+  CHECK(alert.proposals.size() == 3);
+}
+
+TEST_CASE("what nobody knows of any robot is worth nothing, whatever is best") {
+  const Alert alert = failed(R"({"heat": {"from": "robot", "best": 0, "worst": 100}})")->alert();
+  REQUIRE(alert.proposals.size() == 3);
+  CHECK(alert.proposals[0].merit == 0);
+  CHECK(alert.proposals[0].note.find("heat is not known") != std::string::npos);
+}
+
+TEST_CASE("a sensor at the robot's node is read, by its name or its kind") {
+  for (const char* word : {"t1", "temperature"}) {
+    CAPTURE(word);
+    auto bench = paper(settings_of(R"({"heat": {"from": "sensor", "value": ")" + std::string(word) +
+                                   R"(", "best": 20, "worst": 80, "at_most": 60}})"));
+    for (const char* id : {"pioneer1", "pioneer2"}) {
+      bench->routes[id].profile.plugged = {{"t1", "temperature", "degC", "", "", SensorState::ok, ""}};
+    }
+    bench->wait(seconds(40));
+    for (const auto& [id, value] : {std::pair{"pioneer1", 65.0}, std::pair{"pioneer2", -5.0}}) {
+      bench->readings[id].sensor = "t1";
+      bench->readings[id].number = value;
+    }
+    bench->end_task("t4", TaskOutcome::failed, "stuck");
+    bench->wait(seconds(1));
+    const Alert alert = bench->alert();
+    REQUIRE(robots_of(alert) == Words{"pioneer2"});
+    CHECK(alert.proposals[0].merit == doctest::Approx(1));
+    CHECK(part(alert.proposals[0], "heat").value == -5);
+    CHECK(why_unfit(alert, "pioneer1") == "heat 65, at most 60 wanted");
+    CHECK(why_unfit(alert, "turtlebot") == "its heat is not known");  // it has no such sensor
+  }
+}
+
+TEST_CASE("a bound keeps a robot out, with the reason; a person may override; who is charged is in again") {
+  auto bench = paper(settings_of(R"({"battery": {"at_least": 60}, "distance": 1})"));
+  bench->values["turtlebot"].clear();
+  bench->say("turtlebot", RobotState{{{"battery", "\"?\""}}});
+  bench->end_task("t4", TaskOutcome::failed, "stuck");
+  Alert alert = bench->alert();
+  CHECK(robots_of(alert) == Words{"pioneer1"});
+  CHECK(why_unfit(alert, "pioneer2") == "battery 55 %, at least 60 wanted");
+  CHECK(why_unfit(alert, "turtlebot") == "its battery is not known");
+  CHECK(bench->decide(Verdict::accept, "pioneer2") == "bad_value");
+  bench->say("pioneer1", RobotState{{{"battery", "0.2"}}});
+  bench->values["pioneer1"]["battery"] = "0.2";
+  bench->values["pioneer2"]["battery"] = "0.9";
+  bench->wait(seconds(12));
+  alert = bench->alert();
+  CHECK(robots_of(alert) == Words{"pioneer2"});
+  CHECK(why_unfit(alert, "pioneer1") == "battery 20 %, at least 60 wanted");
+  CHECK(bench->decide(Verdict::override_, "pioneer1", false, "it is near its dock") == "accepted");
+}
+
+TEST_CASE("of a shared proposal each part names its robot, and they add up to the score") {
+  auto bench = paper();
+  NodeProfile loader = mobile_robot();
+  loader.capabilities = {"carry"};
+  loader.skills = {carrier().skills.back()};
+  bench->add("loader", loader, 40, 0, 0);
+  bench->fault("ridgeback", "");
+  bench->end_task("t4", TaskOutcome::failed);
+  const Proposal shared = bench->alert().proposals.at(0);
+  CHECK(shared.robot.empty());
+  double sum = 0;
+  std::set<std::string> robots;
+  for (const CriterionPart& one : shared.parts) {
+    sum += one.contribution;
+    robots.insert(one.robot);
+  }
+  CHECK(sum == doctest::Approx(shared.score));
+  CHECK(robots == std::set<std::string>{"loader", "pioneer1"});
+  CHECK(shared.merit > 0.5);
+}
+
+TEST_CASE("a bound for one of the tasks has several do them between them") {
+  auto bench = paper(settings_of(R"({"battery": 1, "payload": {"from": "description", "best": 10, "worst": 0,
+                                     "at_least": 5, "capabilities": ["carry"]}})"));
+  NodeProfile loader = mobile_robot();
+  loader.capabilities = {"carry"};
+  loader.skills = {carrier().skills.back()};
+  loader.numbers = {{"payload", 7, "kg"}};
+  bench->add("husky", carrier(), 50, 0, 0);
+  bench->add("loader", loader, 50, 0, 0);
+  for (const char* id : {"pioneer1", "pioneer2", "turtlebot"}) bench->silence(id);
+  bench->fault("ridgeback", "");
+  for (const Alert& alert : bench->alerts()) {
+    if (alert.robot != "ridgeback") continue;
+    REQUIRE(robots_of(alert) == Words{""});
+    CHECK(alert.proposals[0].tasks.back() == TaskForRobot{"t9", "loader"});
+    CHECK(alert.proposals[0].tasks.front() == TaskForRobot{"t4", "husky"});
+    CHECK(why_unfit(alert, "husky") == "its payload is not known");
+  }
+}
+
+TEST_CASE("after a start what counts may be another: everybody is asked anew and proposed anew") {
+  auto bench = paper();
+  bench->end_task("t4", TaskOutcome::failed, "stuck");
+  CHECK(bench->alert().proposals[0].robot == "pioneer1");
+  bench->wait(seconds(20));
+  bench->settings.resilience = settings_of(R"({"battery": 1})");
+  bench->heard["position"] = 0;
+  bench->restart();
+  bench->wait(seconds(6));
+  CHECK(robots_of(bench->alert()) == Words{"turtlebot", "pioneer1", "pioneer2"});
+  CHECK(bench->heard["position"] >= 2);
+}
+
+TEST_CASE("of more robots than proposals the best by the operator's own criteria are told") {
+  auto bench = std::make_unique<Bench>(settings_of(R"({"payload": {"from": "description", "best": 100, "worst": 0}})"));
+  bench->add("ridgeback", mobile_robot(), 70, 2, 0);
+  bench->add("ur3", mobile_robot(), 70, 2, 0);
+  bench->add("turtlebot", mobile_robot(), 70, 2, 0);
+  for (int i = 0; i < 70; ++i) {
+    NodeProfile profile = mobile_robot();
+    profile.numbers = {{"payload", static_cast<double>(i), "kg"}};
+    bench->add("r" + std::to_string(100 + i), profile, 50, 0, 0);
+  }
+  bench->begin_run();
+  bench->end_task("t4", TaskOutcome::failed, "stuck");
+  const Alert alert = bench->alert();
+  REQUIRE(alert.proposals.size() == 64);
+  CHECK(alert.proposals[0].robot == "r169");
+  CHECK(alert.proposals[63].robot == "r106");
+}
