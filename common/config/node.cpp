@@ -155,6 +155,11 @@ void refuse_robot(ObjectReader& reader) {
   }
 }
 
+void read_archive(ObjectReader& reader, NodeConfig& config) {
+  const auto size = reader.integer("archive_mb", Need::optional, 1, 65'536);
+  if (size) config.archive_mb = static_cast<std::uint32_t>(*size);
+}
+
 void read_seals(ObjectReader& reader, NodeConfig& config) {
   config.seal_before_delivery = reader.choice("seal", Need::optional, {"behind", "before_delivery"}).value_or(0) == 1;
   const auto size = reader.integer("proof_log_mb", Need::optional, 0, 65'536);
@@ -218,6 +223,7 @@ NodeFile read_node(const Value& json, NodeConfig& config, const FileFaults& faul
   config.beacon = reader.boolean("beacon", Need::optional).value_or(true);
   config.relay = reader.boolean("relay", Need::optional).value_or(config.role == Role::cloud);
   read_seals(reader, config);
+  read_archive(reader, config);
   read_services(reader, config);
   read_own_services(reader, config);
   reader.refuse_unknown_keys();

@@ -88,6 +88,7 @@ struct NodeConfig {
   bool relay = false;                 ///< carries messages between members that cannot reach each other
   bool seal_before_delivery = false;  ///< deliver what comes from other nodes only once its seal was checked
   std::uint32_t proof_log_mb = 64;    ///< how much of messages and seals is kept for trb proof; 0: none
+  std::uint32_t archive_mb = 256;     ///< how much of runs that are over is kept
   Network network;
   Description description;
   Places places;

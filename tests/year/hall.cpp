@@ -31,12 +31,12 @@ std::string number(std::size_t i) {
 }  // namespace
 
 Hall::Hall(std::uint64_t seed) : dice_(seed), fleet_(seed), decider_(fleet_, policy()) {
-  fleet_.add("cloud", Role::cloud).archive->most = 20'000;
+  fleet_.add("cloud", Role::cloud).archive->most = 2'000;
   for (std::size_t i = 1; i <= kRobots; ++i) {
     const std::string id = "r" + number(i);
     robots_.push_back(id);
     Node& node = fleet_.add(id, Role::robot);
-    node.archive->most = 5'000;
+    node.archive->most = 500;
     node.profile.robot = "ONLINE";
     node.profile.capabilities = {"hands", "wheels"};
     node.profile.skills = {{"grip", "hands", {}, false, 60}, {"drive", "wheels", {}, true, 60}};
@@ -213,6 +213,8 @@ void Hall::look_at(const RunView& view, MonotonicTime now) {
 
 void Hall::decide(const Alert& alert) {
   if (fleet_.now().utc.ns - alert.time < 300'000'000'000 || alert.run.empty()) return;
+  // Of a robot that cannot be reached nobody says that it stands: it may go on with what it has.
+  if (!alert.robot.empty() && (fleet_[alert.robot].cut || !fleet_[alert.robot].up)) return;
   const std::string held = fleet_.view("cloud", alert.run).paused_by;
   if (alert.cause == "double_execution" || alert.cause == "run_ends" || !held.empty()) return;
   AlertDecide word;

@@ -10,6 +10,7 @@ namespace trb::scheduler {
 namespace {
 
 constexpr const char* kKnown = ".known";
+constexpr const char* kInsert = "INSERT INTO records(run, kind, body) VALUES(?, ?, ?)";
 constexpr const char* kTables =
     "CREATE TABLE IF NOT EXISTS records("
     "seq INTEGER PRIMARY KEY AUTOINCREMENT, run TEXT NOT NULL, kind TEXT NOT NULL, body BLOB NOT NULL);"
@@ -78,13 +79,11 @@ Result<std::string> run_of(const Body& record) {
 }
 
 Result<std::unique_ptr<JournalFile>> JournalFile::open(const std::string& path, std::int64_t archive_bytes) {
-  const bool is_new = !file_exists(path);
   sqlite3* db = nullptr;
   const int code = sqlite3_open_v2(path.c_str(), &db, SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE, nullptr);
   std::unique_ptr<JournalFile> file(new JournalFile(path, db, archive_bytes));
   if (code != SQLITE_OK) return file->problem("cannot be opened");
   if (auto ready = file->prepare(); !ready) return ready.error();
-  file->lost_ = is_new && file_exists(path + kKnown);
   if (auto noted = file->note_known(); !noted) return noted.error();
   return file;
 }
@@ -110,8 +109,7 @@ Status JournalFile::prepare() {
     Statement& statement;
     const char* sql;
   };
-  const Wanted all[] = {{insert_, "INSERT INTO records(run, kind, body) VALUES(?, ?, ?)"},
-                        {drop_run_, "DELETE FROM records WHERE run = ?"}};
+  const Wanted all[] = {{insert_, kInsert}, {drop_run_, "DELETE FROM records WHERE run = ?"}};
   for (const Wanted& wanted : all) {
     auto compiled = compile(wanted.sql);
     if (!compiled) return compiled.error();
@@ -134,11 +132,23 @@ Status JournalFile::bring_up_to_date() {
   }
   if (auto begun = run("BEGIN IMMEDIATE"); !begun) return begun;
   Status made = run(kTables);
+  // In one step with the tables: whatever dies meanwhile, it is not taken for a first start.
+  lost_ = *version == 0 && file_exists(path_ + kKnown);
+  if (made && lost_) made = note_lost();
   if (made && *version == 1) made = move_tombstones();
   if (made) made = run(("PRAGMA user_version=" + std::to_string(kSchemaVersion)).c_str());
   if (made) made = run("COMMIT");
   if (!made) sqlite3_exec(db_, "ROLLBACK", nullptr, nullptr, nullptr);
   return made;
+}
+
+Status JournalFile::note_lost() {
+  auto statement = compile(kInsert);
+  if (!statement) return statement.error();
+  bind_text(statement->get(), 1, "");
+  bind_text(statement->get(), 2, JournalLost::kSubtype);
+  bind_bytes(statement->get(), 3, encode(JournalLost{}));
+  return finish(statement->get());
 }
 
 /// Version 1 kept the runs that are over as records, and of them nothing but that.

@@ -31,7 +31,8 @@ class JournalFile final : public Archive {
   JournalFile& operator=(const JournalFile&) = delete;
   ~JournalFile() override;
 
-  /// The file was made now, though one was there before (PATH.known says so): what that one held is lost.
+  /// The file was made now, though one was there before (PATH.known says so): what that one held is lost, and the new
+  /// one says so (JournalLost).
   [[nodiscard]] bool was_lost() const { return lost_; }
 
   /// Writes the records of one step in one transaction; JournalArchive takes the place of its run's records,
@@ -60,6 +61,7 @@ class JournalFile final : public Archive {
   Status prepare();
   Status bring_up_to_date();
   Status move_tombstones();
+  Status note_lost();
   Result<std::int64_t> number(const char* sql);
   Status run(const char* sql);
   Result<Statement> compile(const char* sql) const;

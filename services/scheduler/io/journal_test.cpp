@@ -164,8 +164,14 @@ TEST_CASE("a journal that is gone is told from one that never was") {
   CHECK_FALSE(opened(folder)->was_lost());
   CHECK_FALSE(opened(folder)->was_lost());
   for (const char* tail : {"", "-wal", "-shm"}) std::filesystem::remove(folder.file() + tail);
-  CHECK(opened(folder)->was_lost());
+  {
+    const auto journal = opened(folder);
+    CHECK(journal->was_lost());
+    REQUIRE(journal->load()->size() == 1);
+    CHECK_FALSE(get<JournalLost>(journal->load()->front()).over);
+  }
   CHECK_FALSE(opened(folder)->was_lost());
+  CHECK(opened(folder)->load()->size() == 1);
 }
 
 TEST_CASE("a file of the version before is brought up to date: its tombstones are over") {

@@ -18,19 +18,13 @@ int refuse(const std::string& text) {
   return 1;
 }
 
-/// What was written. A journal that is new on a node that had one says so from now on.
-Result<std::vector<Body>> restore_from(JournalFile& journal) {
+int run(const NodeConfig& node, const NodeKeys& keys, Service& service, JournalFile& journal) {
+  SchedulerCore core({node.id, keys.authority, node.has_service("mode-adapter")}, journal);
   if (journal.was_lost()) {
     log_event(Level::error, "journal_lost",
               "state/journal.db is new, though this node had one: what it knew of its open runs is lost");
-    if (auto noted = journal.commit({{JournalLost{now().utc.ns, false}}}); !noted) return noted.error();
   }
-  return journal.load();
-}
-
-int run(const NodeConfig& node, const NodeKeys& keys, Service& service, JournalFile& journal) {
-  SchedulerCore core({node.id, keys.authority, node.has_service("mode-adapter")}, journal);
-  const auto records = restore_from(journal);
+  const auto records = journal.load();
   if (!records) return refuse(records.error().text());
   if (auto restored = core.restore(*records); !restored) {
     return refuse("state/journal.db: " + restored.error().text() +
@@ -49,7 +43,8 @@ int start(const std::string& node_dir) {
   const auto keys = load_node_keys(check.config.dir);
   if (!keys) return refuse(keys.error().text());
   if (auto made = make_private_dir(check.config.dir + "/state"); !made) return refuse(made.error().text());
-  auto journal = JournalFile::open(check.config.dir + "/state/journal.db");
+  auto journal =
+      JournalFile::open(check.config.dir + "/state/journal.db", std::int64_t{check.config.archive_mb} << 20U);
   if (!journal) return refuse(journal.error().text());
   auto service = Service::open({check.config.dir, "scheduler", SchedulerCore::subtypes()});
   if (!service) return refuse(service.error().text());
