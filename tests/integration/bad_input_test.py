@@ -389,8 +389,8 @@ class Living(Case):
                       cure="trb route list")
         self.error_of("send", "cloud", "command", "greeting", *node, code="no_service", what="greeting", cure="trb service list")
         self.error_of("send", "ridgeback", "command", "execute", *node, code="not_permitted", what="execute", cure="")
-        self.error_of("scenario", "watch", "ffff", *node, code="unknown_run", what="ffff", cure="trb scenario list")
-        self.error_of("scenario", "abort", "ffff", *node, code="unknown_run", what="ffff", cure="trb scenario list")
+        self.error_of("scenario", "watch", "ffff", *node, code="unknown_run", what="ffff", cure="trb run list")
+        self.error_of("scenario", "abort", "ffff", *node, code="unknown_run", what="ffff", cure="trb run list")
         self.error_of("service", "counters", "mode-adapter", *node, code="no_service", what="adapter_counters",
                       cure="trb service list")
         done = run("stop", "ridgebak", "--json", *node)
