@@ -76,7 +76,7 @@ class OutOfUse(unittest.TestCase):
         self.assertEqual((self.out_of_use()[0]["by"], self.out_of_use()[0]["text"]), ("ann", "new wheels"))
         found = self.fleet.json("doctor", node=CLOUD, check=False)["findings"]
         self.assertIn(("robot_retired", ROBOT), [(one["cause"], one["subject"]) for one in found])
-        self.fleet.trb("robot", "return", ROBOT, node=CLOUD)
+        self.fleet.trb("robot", "return", ROBOT, node=ROBOT)  # who stands at the robot may say so, too
         self.wait_out_of_use()
 
     def test_another_robots_keys_take_nothing_out_of_use(self):

@@ -117,6 +117,7 @@ class VirtualRos {
   }
 
   void take_line(const std::string& line) {
+    tell_task();  // what a task has just begun, and a fault ends at once, is told as both
     std::string_view words = line;
     const std::string_view order = take_word(words);
     if (order == "quit") {
@@ -168,14 +169,17 @@ class VirtualRos {
   void step() {
     body_.advance(now());
     if (body_.fault_text() != told_base_fault_) tell_fault(body_.fault_text());
-    if (body_.task() != told_task_) {
-      told_task_ = body_.task();
-      print_line("task " + std::to_string(static_cast<int>(told_task_)));
-      publish_task();
-    }
+    tell_task();
     const double at = wall_seconds();
     if (at >= next_state_) publish_state(at);
     if (at >= next_battery_) publish_battery(at);
+  }
+
+  void tell_task() {
+    if (body_.task() == told_task_) return;
+    told_task_ = body_.task();
+    print_line("task " + std::to_string(static_cast<int>(told_task_)));
+    publish_task();
   }
 
   void publish_state(double at) {
