@@ -1,6 +1,6 @@
 """The demonstration's place: addresses that another one holds, folders whose paths a socket or a D-Bus address cannot hold.
 
-Addresses 127.0.160.x, 127.0.161.x, 127.0.164.x.
+Addresses 127.0.242.x to 127.0.245.x.
 """
 import os
 import pathlib
@@ -25,7 +25,7 @@ class Place(unittest.TestCase):
         self.addCleanup(folder.cleanup)
         self.folder = pathlib.Path(folder.name)
         self.said = []
-        patch = mock.patch.object(demo_place, "BLOCKS", range(160, 164, 2))
+        patch = mock.patch.object(demo_place, "BLOCKS", range(242, 246, 2))
         patch.start()
         self.addCleanup(patch.stop)
 
@@ -46,29 +46,29 @@ class Place(unittest.TestCase):
         return child
 
     def test_the_next_block_is_taken_and_it_says_who_holds_the_first(self):
-        child = self.other("import demo_place; held = demo_place.hold(160)")
+        child = self.other("import demo_place; held = demo_place.hold(242)")
         place = self.take()
-        self.assertEqual(place.block, 162)
-        self.assertEqual(place.udp_port, 50161)
-        self.assertEqual(self.said, [f"== the addresses 127.0.160.x are held by pid {child.pid} in {self.folder}: "
-                                     "this demonstration takes 127.0.162.x"])
+        self.assertEqual(place.block, 244)
+        self.assertEqual(place.udp_port, 50243)
+        self.assertEqual(self.said, [f"== the addresses 127.0.242.x are held by pid {child.pid} in {self.folder}: "
+                                     "this demonstration takes 127.0.244.x"])
 
     def test_who_holds_an_address_without_saying_so_is_found(self):
-        child = self.other("import socket; held = socket.create_server(('127.0.160.3', 45000))")
-        self.assertEqual(self.take().block, 162)
+        child = self.other("import socket; held = socket.create_server(('127.0.242.3', 45000))")
+        self.assertEqual(self.take().block, 244)
         self.assertIn(f"pid {child.pid} in {self.folder}, ".rstrip(", "), self.said[0])
 
     def test_without_a_free_block_it_says_who_holds_them(self):
         first, second = self.take(), self.take()
-        self.assertEqual((first.block, second.block), (160, 162))
-        with self.assertRaisesRegex(RuntimeError, f"127.0.160.x are held by pid {os.getpid()} in "):
+        self.assertEqual((first.block, second.block), (242, 244))
+        with self.assertRaisesRegex(RuntimeError, f"127.0.242.x are held by pid {os.getpid()} in "):
             self.take()
-        with self.assertRaisesRegex(RuntimeError, "127.0.160.x are held by"):
-            self.take(160)
+        with self.assertRaisesRegex(RuntimeError, "127.0.242.x are held by"):
+            self.take(242)
         for _ in range(50):
-            self.assertEqual(demo_place.pid_of_holder(162), os.getpid())
+            self.assertEqual(demo_place.pid_of_holder(244), os.getpid())
         first.close()
-        self.assertEqual(self.take().block, 160)
+        self.assertEqual(self.take().block, 242)
 
 
 class Bus(unittest.TestCase):

@@ -1,6 +1,6 @@
 """A node's life by the command line: up in the background, down, a service that is added, a folder far down.
 
-Addresses 127.0.158.x.
+Addresses 127.0.240.x.
 """
 import json
 import pathlib
@@ -12,14 +12,14 @@ import unittest
 import support
 import trb_fleet
 
-BLOCK = 158
+BLOCK = 240
 
 
 class OneNode(trb_fleet.Fleet):
     """A cloud node alone."""
 
     def __init__(self, root, services):
-        super().__init__(root, support.PROGRAMS, block=BLOCK, udp_port=50158, robots={})
+        super().__init__(root, support.PROGRAMS, block=BLOCK, udp_port=50240, robots={})
         self.services_of = services
 
     def node_json(self, node):
@@ -102,7 +102,7 @@ class Wire(unittest.TestCase):
                 address = "127.0.0.1"
         if address.startswith("127."):
             self.skipTest("this machine has no address of a network")
-        fleet = support.make_fleet(self, block=BLOCK, udp_port=50158, robots={"pioneer1": trb_fleet.ROBOTS["pioneer1"]})
+        fleet = support.make_fleet(self, block=BLOCK, udp_port=50240, robots={"pioneer1": trb_fleet.ROBOTS["pioneer1"]})
         folder = fleet.dir("pioneer1")
         network = json.loads((folder / "network.json").read_text())
         (folder / "network.json").write_text(json.dumps({**network, "HOST_INT": address}))
@@ -115,7 +115,7 @@ class Wire(unittest.TestCase):
         found = notes(host="192.0.2.77")
         self.assertEqual(len(found), 1)
         self.assertIn("robot.interface: the robot 192.0.2.77 hangs on the fleet's own interface", found[0])
-        self.assertEqual(notes(host="127.0.159.1", interface="127.0.158.1"), [])
+        self.assertEqual(notes(host="127.0.241.1", interface="127.0.240.1"), [])
 
 
 if __name__ == "__main__":

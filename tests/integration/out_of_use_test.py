@@ -1,6 +1,6 @@
 """What keeps a robot out of use, by the command line and over kills: a fault stands until its end is told.
 
-Addresses 127.0.166.x, 127.0.167.x.
+Addresses 127.0.246.x, 127.0.247.x.
 """
 import json
 import os
@@ -20,7 +20,7 @@ class OutOfUse(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         robots = {name: trb_fleet.ROBOTS[name] for name in (ROBOT, OTHER)}
-        cls.fleet = support.make_fleet(cls, block=166, udp_port=50166, robots=robots, speed=5)
+        cls.fleet = support.make_fleet(cls, block=246, udp_port=50246, robots=robots, speed=5)
         cls.fleet.start()
         cls.fleet.wait_formed()
 

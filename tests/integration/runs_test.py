@@ -1,6 +1,6 @@
 """Runs that are over: listed page by page, and shown whole, by the command line.
 
-Addresses 127.0.168.x, 127.0.169.x.
+Addresses 127.0.248.x, 127.0.249.x.
 """
 import json
 import pathlib
@@ -18,7 +18,7 @@ MANY = 110  # more than a page
 class Runs(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        cls.fleet = support.make_fleet(cls, block=168, udp_port=50168, robots={ROBOT: trb_fleet.ROBOTS[ROBOT]}, speed=100)
+        cls.fleet = support.make_fleet(cls, block=248, udp_port=50248, robots={ROBOT: trb_fleet.ROBOTS[ROBOT]}, speed=100)
         cls.fleet.start()
         cls.fleet.wait_formed()
         folder = tempfile.TemporaryDirectory(prefix="trb-")
