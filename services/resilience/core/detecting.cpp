@@ -169,21 +169,27 @@ void ResilienceCore::tell_standing(Now now, Outbox& out) {
     if (!book_.has_room_for_lone()) return out.count("dropped.alerts");
     const RobotRecord& robot = *fleet_.find(key.robot);
     if (!key.capability.empty() && worst_fault(robot, "") != nullptr) continue;  // it is told of the whole robot
-    const Fault& fault = *worst_fault(robot, key.capability);
-    Alert fresh;
-    fresh.robot = key.robot;
-    fresh.capability = key.capability;
-    fresh.severity = fault.severity;
-    fresh.cause = "robot_fault";
-    fresh.text = cut_utf8(fault.text, kMaxText);
-    fresh.time = now.utc.ns;
-    Alert* alert = raise(std::move(fresh), now, out);
-    if (alert == nullptr) return;
-    standing_.told(key, now);
-    look_at_lone(*alert, now, out);
-    out.record(*alert);
-    out.log(LogLevel::warning, "alert_raised", alert->id + ": " + alert->robot + ": " + alert->text + " (no run)");
+    if (raise_lone(key, now, out) == nullptr) return;
   }
+}
+
+/// The fault stands.
+Alert* ResilienceCore::raise_lone(const Standing::Key& key, Now now, Outbox& out) {
+  const Fault& fault = *worst_fault(*fleet_.find(key.robot), key.capability);
+  Alert fresh;
+  fresh.robot = key.robot;
+  fresh.capability = key.capability;
+  fresh.severity = fault.severity;
+  fresh.cause = "robot_fault";
+  fresh.text = cut_utf8(fault.text, kMaxText);
+  fresh.time = now.utc.ns;
+  Alert* alert = raise(std::move(fresh), now, out);
+  if (alert == nullptr) return nullptr;
+  standing_.told(key, now);
+  look_at_lone(*alert, now, out);
+  out.record(*alert);
+  out.log(LogLevel::warning, "alert_raised", alert->id + ": " + alert->robot + ": " + alert->text + " (no run)");
+  return alert;
 }
 
 void ResilienceCore::close(Alert& alert, const std::string& why, Outbox& out) {

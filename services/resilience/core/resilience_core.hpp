@@ -96,6 +96,7 @@ class ResilienceCore final : public Core {
   [[nodiscard]] static Alert alert_of(const WatchedRun& run, const std::string& robot, Now now);
   Alert* raise(Alert alert, Now now, Outbox& out);
   void tell_standing(Now now, Outbox& out);
+  Alert* raise_lone(const Standing::Key& key, Now now, Outbox& out);
   void close(Alert& alert, const std::string& why, Outbox& out);
 
   // mending.cpp
