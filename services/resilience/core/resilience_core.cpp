@@ -249,7 +249,8 @@ void ResilienceCore::settle(Now now, Outbox& out) {
   standing_.follow(fleet_, now);
   look_at_ = earlier(earlier(look_at_, presence_.next(now)), standing_.next(now));
   if (routes_heard_ && !stirred_runs_.empty()) look_at_ = now.mono;
-  if (open) ask_routes(now, kRoutesWhileOpen);
+  // Only the table tells of a profile that has changed: that a robot is retired or has returned, say.
+  if (open || fleet_.has_retired() || !watcher_.runs().empty()) ask_routes(now, kRoutesWhileOpen);
   // Who is not there may be there again, and its word of it have been lost with a link that was just being built.
   if (presence_.next(now)) ask_routes(now, kRoutesAtOnce);
   if (ask_routes_at_ && *ask_routes_at_ <= now.mono) {

@@ -321,6 +321,19 @@ TEST_CASE("a retired robot ends what runs and gives the rest away; it is no cand
   CHECK(count_of(history, "returned") == 1);
 }
 
+TEST_CASE("that a robot is out of service, or has returned, is known within 5 s") {
+  auto bench = paper();
+  for (TaskView& task : bench->view.tasks) task.state = TaskState::finished;
+  bench->view.state = RunState::finished;
+  bench->changed();
+  bench->retire("pioneer1", "new wheels", "ann");
+  bench->wait(seconds(31));  // nothing goes on
+  CHECK(count_of(kinds(*bench, "pioneer1"), "retired") == 1);
+  bench->return_to_service("pioneer1");
+  bench->wait(seconds(5));
+  CHECK(count_of(kinds(*bench, "pioneer1"), "returned") == 1);
+}
+
 TEST_CASE("killed and started again, a retired robot is none that could take over before its node says so anew") {
   auto bench = paper();
   bench->retire("pioneer1", "new wheels", "ann");
