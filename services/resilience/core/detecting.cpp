@@ -76,7 +76,14 @@ void ResilienceCore::look_at_run(const WatchedRun& run, Now now, Outbox& out) {
       presence_.look(task.robot, fleet_.find(task.robot), now);
     }
   }
-  std::vector<Trouble> troubles = troubles_of(run, fleet_, presence_, now);
+  // A verdict on single tasks: that they are given back for it is no failure.
+  std::set<std::string> ruled;
+  for (const Alert* alert : book_.open()) {
+    const bool single = alert->cause == kAsked || alert->cause == kOverdue;
+    if (alert->run != run.summary.run || alert->state != AlertState::releasing || !single) continue;
+    ruled.insert(alert->tasks.begin(), alert->tasks.end());
+  }
+  std::vector<Trouble> troubles = troubles_of(run, fleet_, presence_, ruled, now);
   for (Trouble& twice : double_executions(run)) troubles.push_back(std::move(twice));
   if (auto end = trouble_of_end(run, now)) troubles.push_back(std::move(*end));
   for (const Trouble& trouble : troubles) meet(run, trouble, now, out);
