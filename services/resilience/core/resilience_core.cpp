@@ -103,7 +103,14 @@ void ResilienceCore::on_information(const Inbound& message, Now now, Outbox& out
                    [&](const RunChanged& body) { own ? watcher_.on(body, now) : out.count("dropped.foreign"); },
                    [&](const RunView& body) { own ? watcher_.on(body) : out.count("dropped.foreign"); },
                    [&](const Definition& body) { own ? watcher_.on(body) : out.count("dropped.foreign"); },
-                   [&](const SignedRecord& body) { own ? on_signed(body, out) : out.count("dropped.foreign"); },
+                   [&](const auto&) { on_answer(message, now, out); }},
+        message.body);
+}
+
+void ResilienceCore::on_answer(const Inbound& message, Now now, Outbox& out) {
+  const std::string& from = message.source;
+  const bool own = from == settings_.node;
+  visit(Overloaded{[&](const SignedRecord& body) { own ? on_signed(body, out) : out.count("dropped.foreign"); },
                    // Of the own scheduler: it has taken a decision or an order; what came of it the view tells.
                    [&](const Ack& body) {
                      if (!own && body.state == "in_use") return hear_taken(from, now);
