@@ -55,11 +55,34 @@ class Alerts(unittest.TestCase):
         self.check_history()
 
     def test_a_robot_that_is_retired_is_no_candidate_and_no_alert(self):
-        self.addCleanup(self.fleet.trb, "robot", "return", "pioneer1", "--person", "ann", node=CLOUD)
         self.fleet.trb("robot", "retire", "pioneer1", "--reason", "new wheels", "--person", "ann", node=CLOUD)
         self.fleet.wait("retired", lambda: "retired" in [event["kind"] for event in self.fleet.json(
             "robot", "history", "pioneer1", node=CLOUD)["events"]], 40)
         self.assertEqual(self.alerts(), [])
+        self.fleet.trb("robot", "return", "pioneer1", "--person", "ann", node=CLOUD)
+        self.fleet.wait("returned", lambda: "returned" in [event["kind"] for event in self.fleet.json(
+            "robot", "history", "pioneer1", node=CLOUD)["events"]], 10)
+
+    def test_a_task_is_moved_of_which_no_alert_tells(self):
+        path = self.fleet.root / "scenario.json"
+        fetch = {"robot": "ridgeback", "skill": "fetch", "data": {"from": "loading_area", "to": "dock"}}
+        path.write_text(json.dumps({"name": "two ways", "tasks": [
+            dict(fetch, id="one"), dict(fetch, id="two", after=["one"]),
+            {"id": "drive", "robot": "ridgeback", "skill": "go_to", "data": {"place": "dock"}, "after": ["two"]}]}))
+        run = self.fleet.json("scenario", "run", path, node=CLOUD)["run"]
+        # Refused, once the resilience knows the run: it has not failed.
+        self.fleet.wait("the run is known", lambda: self.decide("--run", run[:8], "--task", "drive", "--retry")[1][
+            "error"]["code"] == "conflict", 10)
+        # Nor does it know a robot before the router has told its table.
+        self.fleet.wait("the word is taken", lambda: self.decide(
+            "--run", run[:8], "--task", "drive", "--override", "pioneer1", "--reason", "it is nearer")[0] == 0, 10)
+        self.fleet.wait("the end", lambda: self.view(run)["state"] == "FINISHED", 60)
+        self.assertEqual([task["robot"] for task in self.view(run)["tasks"]], ["ridgeback", "ridgeback", "pioneer1"])
+        asked, = [alert for alert in self.alerts("--all") if alert["run"] == run]
+        self.assertEqual((asked["cause"], asked["state"]), ("asked", "DECIDED"))
+
+    def view(self, run):
+        return self.fleet.json("scenario", "watch", run, "--once", node=CLOUD, check=False)
 
     def check_history(self):
         """What was told before the kill and after it, newest first."""

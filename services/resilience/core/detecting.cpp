@@ -76,7 +76,14 @@ void ResilienceCore::look_at_run(const WatchedRun& run, Now now, Outbox& out) {
       presence_.look(task.robot, fleet_.find(task.robot), now);
     }
   }
-  std::vector<Trouble> troubles = troubles_of(run, fleet_, presence_, now);
+  // A verdict on single tasks: that they are given back for it is no failure.
+  std::set<std::string> ruled;
+  for (const Alert* alert : book_.open()) {
+    const bool single = alert->cause == kAsked || alert->cause == kOverdue;
+    if (alert->run != run.summary.run || alert->state != AlertState::releasing || !single) continue;
+    ruled.insert(alert->tasks.begin(), alert->tasks.end());
+  }
+  std::vector<Trouble> troubles = troubles_of(run, fleet_, presence_, ruled, now);
   for (Trouble& twice : double_executions(run)) troubles.push_back(std::move(twice));
   if (auto end = trouble_of_end(run, now)) troubles.push_back(std::move(*end));
   for (const Trouble& trouble : troubles) meet(run, trouble, now, out);
@@ -169,21 +176,27 @@ void ResilienceCore::tell_standing(Now now, Outbox& out) {
     if (!book_.has_room_for_lone()) return out.count("dropped.alerts");
     const RobotRecord& robot = *fleet_.find(key.robot);
     if (!key.capability.empty() && worst_fault(robot, "") != nullptr) continue;  // it is told of the whole robot
-    const Fault& fault = *worst_fault(robot, key.capability);
-    Alert fresh;
-    fresh.robot = key.robot;
-    fresh.capability = key.capability;
-    fresh.severity = fault.severity;
-    fresh.cause = "robot_fault";
-    fresh.text = cut_utf8(fault.text, kMaxText);
-    fresh.time = now.utc.ns;
-    Alert* alert = raise(std::move(fresh), now, out);
-    if (alert == nullptr) return;
-    standing_.told(key, now);
-    look_at_lone(*alert, now, out);
-    out.record(*alert);
-    out.log(LogLevel::warning, "alert_raised", alert->id + ": " + alert->robot + ": " + alert->text + " (no run)");
+    if (raise_lone(key, now, out) == nullptr) return;
   }
+}
+
+/// The fault stands.
+Alert* ResilienceCore::raise_lone(const Standing::Key& key, Now now, Outbox& out) {
+  const Fault& fault = *worst_fault(*fleet_.find(key.robot), key.capability);
+  Alert fresh;
+  fresh.robot = key.robot;
+  fresh.capability = key.capability;
+  fresh.severity = fault.severity;
+  fresh.cause = "robot_fault";
+  fresh.text = cut_utf8(fault.text, kMaxText);
+  fresh.time = now.utc.ns;
+  Alert* alert = raise(std::move(fresh), now, out);
+  if (alert == nullptr) return nullptr;
+  standing_.told(key, now);
+  look_at_lone(*alert, now, out);
+  out.record(*alert);
+  out.log(LogLevel::warning, "alert_raised", alert->id + ": " + alert->robot + ": " + alert->text + " (no run)");
+  return alert;
 }
 
 void ResilienceCore::close(Alert& alert, const std::string& why, Outbox& out) {

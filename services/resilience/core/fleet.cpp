@@ -87,6 +87,7 @@ const RobotRecord* Fleet::find(std::string_view id) const {
 
 void Fleet::changed(const RobotRecord& robot, unsigned parts) {
   if ((parts & Changes::kFaults) != 0) ++fault_changes_;
+  retirement_of(robot) != nullptr ? void(retired_.insert(robot.id)) : void(retired_.erase(robot.id));
   const RobotNumber number = *index_.find(robot.id);
   if ((parts & ~unsigned{Changes::kState}) != 0) index_.set_words(number, words_of(robot));
   index_.set_measures(number, measures_of(robot));
@@ -107,6 +108,7 @@ Status Fleet::restore(RobotRecord robot) {
   if (!place) return place.error();
   **place = std::move(robot);
   (*place)->reached = false;
+  if (retirement_of(**place) != nullptr) retired_.insert((*place)->id);
   const RobotNumber number = *index_.find((*place)->id);
   index_.set_words(number, words_of(**place));
   index_.set_measures(number, measures_of(**place));
@@ -202,6 +204,7 @@ void Fleet::forget(std::string_view id, UtcTime now) {
   note(at->second, "forgotten", "", now);
   changes_.robots[at->first] = Changes::kGone;
   ++fault_changes_;
+  retired_.erase(at->first);
   index_.drop(id);
   robots_.erase(at);
 }

@@ -4,6 +4,7 @@
 #include <deque>
 #include <functional>
 #include <map>
+#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -78,6 +79,8 @@ class Fleet {
   [[nodiscard]] const std::map<std::string, RobotRecord, std::less<>>& robots() const { return robots_; }
   [[nodiscard]] const FleetIndex& index() const { return index_; }
 
+  /// A robot is out of service.
+  [[nodiscard]] bool has_retired() const { return !retired_.empty(); }
   /// Rises with every change of a robot's faults.
   [[nodiscard]] std::uint64_t fault_changes() const { return fault_changes_; }
   [[nodiscard]] const Changes& changes() const { return changes_; }
@@ -101,6 +104,7 @@ class Fleet {
   std::vector<const RobotRecord*> by_number_;
   Changes changes_;
   std::uint64_t fault_changes_ = 0;
+  std::set<std::string, std::less<>> retired_;
 };
 
 }  // namespace trb::resilience

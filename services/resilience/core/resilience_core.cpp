@@ -103,7 +103,14 @@ void ResilienceCore::on_information(const Inbound& message, Now now, Outbox& out
                    [&](const RunChanged& body) { own ? watcher_.on(body, now) : out.count("dropped.foreign"); },
                    [&](const RunView& body) { own ? watcher_.on(body) : out.count("dropped.foreign"); },
                    [&](const Definition& body) { own ? watcher_.on(body) : out.count("dropped.foreign"); },
-                   [&](const SignedRecord& body) { own ? on_signed(body, out) : out.count("dropped.foreign"); },
+                   [&](const auto&) { on_answer(message, now, out); }},
+        message.body);
+}
+
+void ResilienceCore::on_answer(const Inbound& message, Now now, Outbox& out) {
+  const std::string& from = message.source;
+  const bool own = from == settings_.node;
+  visit(Overloaded{[&](const SignedRecord& body) { own ? on_signed(body, out) : out.count("dropped.foreign"); },
                    // Of the own scheduler: it has taken a decision or an order; what came of it the view tells.
                    [&](const Ack& body) {
                      if (!own && body.state == "in_use") return hear_taken(from, now);
@@ -249,7 +256,8 @@ void ResilienceCore::settle(Now now, Outbox& out) {
   standing_.follow(fleet_, now);
   look_at_ = earlier(earlier(look_at_, presence_.next(now)), standing_.next(now));
   if (routes_heard_ && !stirred_runs_.empty()) look_at_ = now.mono;
-  if (open) ask_routes(now, kRoutesWhileOpen);
+  // Only the table tells of a profile that has changed: that a robot is retired or has returned, say.
+  if (open || fleet_.has_retired() || !watcher_.runs().empty()) ask_routes(now, kRoutesWhileOpen);
   // Who is not there may be there again, and its word of it have been lost with a link that was just being built.
   if (presence_.next(now)) ask_routes(now, kRoutesAtOnce);
   if (ask_routes_at_ && *ask_routes_at_ <= now.mono) {

@@ -79,6 +79,7 @@ class ResilienceCore final : public Core {
   // what is heard (resilience_core.cpp)
   void on_request(const Inbound& message, Now now, Outbox& out);
   void on_information(const Inbound& message, Now now, Outbox& out);
+  void on_answer(const Inbound& message, Now now, Outbox& out);
   void hear(const RobotFault& fault, const std::string& robot, Now now, Outbox& out);
   void take_page(const RouteTable& page, Now now, Outbox& out);
   void hear(const RouteTable& table, Now now, Outbox& out);
@@ -96,6 +97,7 @@ class ResilienceCore final : public Core {
   [[nodiscard]] static Alert alert_of(const WatchedRun& run, const std::string& robot, Now now);
   Alert* raise(Alert alert, Now now, Outbox& out);
   void tell_standing(Now now, Outbox& out);
+  Alert* raise_lone(const Standing::Key& key, Now now, Outbox& out);
   void close(Alert& alert, const std::string& why, Outbox& out);
 
   // mending.cpp

@@ -187,13 +187,15 @@ std::vector<Trouble> double_executions(const WatchedRun& run) {
   return out;
 }
 
-std::vector<Trouble> troubles_of(const WatchedRun& run, const Fleet& fleet, const Presence& presence, Now now) {
+std::vector<Trouble> troubles_of(const WatchedRun& run, const Fleet& fleet, const Presence& presence,
+                                 const std::set<std::string>& ruled, Now now) {
   const std::string decider = run.decider();  // it has no robot: its tasks are those that it skips
   std::vector<std::string> order;
   std::map<std::string, Finder, std::less<>> finders;
   std::vector<Trouble> out;
   for (std::size_t i = 0; i < run.view->tasks.size() && i < run.start->scenario.tasks.size(); ++i) {
     const std::string& robot = run.view->tasks[i].robot;
+    if (ruled.contains(run.view->tasks[i].id)) continue;
     if (robot.empty() && run.has_stopped(i)) out.push_back(robot_wanted(run.start->scenario.tasks[i], i));
     if (robot.empty() || robot == decider) continue;
     auto at = finders.find(robot);

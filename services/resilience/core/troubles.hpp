@@ -1,6 +1,7 @@
 // What a run's robots cannot do any more: from what the fleet and the run say now, and from nothing else.
 #pragma once
 
+#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -31,8 +32,10 @@ struct Trouble {
 };
 
 /// One for each robot that has any, in the order of its first task; before them one for each task that wants a robot,
-/// with none in `robot`. The run is_known().
-std::vector<Trouble> troubles_of(const WatchedRun& run, const Fleet& fleet, const Presence& presence, Now now);
+/// with none in `robot`. Of tasks in `ruled`
+/// it tells nothing: they are being decided on. The run is_known().
+std::vector<Trouble> troubles_of(const WatchedRun& run, const Fleet& fleet, const Presence& presence,
+                                 const std::set<std::string>& ruled, Now now);
 
 /// Tasks that were done twice, in a run that is held for it: one for each robot. The run is_known().
 std::vector<Trouble> double_executions(const WatchedRun& run);

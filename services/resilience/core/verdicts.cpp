@@ -102,13 +102,16 @@ Alert* ResilienceCore::alert_of_fault(const Alert& alert) {
 Result<std::string> ResilienceCore::decide_again(Alert& alert, const AlertDecide& body, Now now, Outbox& out) {
   const std::string name = "alert " + alert.id + " ";
   if (body.verdict == Verdict::retry && !is_open(alert) && !alert.robot.empty()) {
-    if (Alert* stands = alert_of_fault(alert)) {
-      return stands->run.empty() ? decide_lone(*stands, body, now, out)
-                                 : Result<std::string>(fail(
-                                       Errc::conflict, name + "is closed: alert " + stands->id + " tells of the fault",
-                                       "decide on that one"));
-    }
     mend(alert, "said by '" + body.person + "'", now);
+    if (const auto broken = told_broken(alert); !broken.empty()) {
+      Alert* stands = alert_of_fault(alert);
+      if (stands == nullptr) stands = raise_lone({alert.robot, broken.front()}, now, out);
+      if (stands == nullptr)
+        return fail(Errc::queue_full, "too many alerts are open", "decide on some: trb alert list");
+      if (stands->run.empty()) return decide_lone(*stands, body, now, out);
+      return fail(Errc::conflict, name + "is closed: alert " + stands->id + " tells of the fault",
+                  "decide on that one");
+    }
     const bool decided = alert.verdict != Verdict::none;
     return alert.robot + " is taken as mended; " + name + (decided ? decided_text(alert) : "is closed");
   }

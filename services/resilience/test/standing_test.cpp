@@ -248,8 +248,13 @@ TEST_CASE("after its alert is done, retry speaks of the fault that still stands"
   bench->end_task("t4", TaskOutcome::failed, "mobile is broken");
   const std::string id = bench->alert().id;
   CHECK(bench->decide(Verdict::accept) == "accepted");
-  bench->wait(seconds(6));
-  CHECK(bench->alert().run.empty());
+  SUBCASE("an alert without a run tells of it by now") {
+    bench->wait(seconds(6));
+    CHECK(bench->alert().run.empty());
+  }
+  SUBCASE("none does yet") {
+    bench->wait(seconds(1));
+  }
   CHECK(bench->decide(AlertDecide{id, Verdict::retry, "", "", "", false}) == "accepted");
   bench->wait(seconds(3));
   CHECK(bench->repairs.size() == 1);
@@ -314,6 +319,19 @@ TEST_CASE("a retired robot ends what runs and gives the rest away; it is no cand
   const auto history = kinds(*bench, "ridgeback");
   CHECK(count_of(history, "retired") == 1);
   CHECK(count_of(history, "returned") == 1);
+}
+
+TEST_CASE("that a robot is out of service, or has returned, is known within 5 s") {
+  auto bench = paper();
+  for (TaskView& task : bench->view.tasks) task.state = TaskState::finished;
+  bench->view.state = RunState::finished;
+  bench->changed();
+  bench->retire("pioneer1", "new wheels", "ann");
+  bench->wait(seconds(31));  // nothing goes on
+  CHECK(count_of(kinds(*bench, "pioneer1"), "retired") == 1);
+  bench->return_to_service("pioneer1");
+  bench->wait(seconds(5));
+  CHECK(count_of(kinds(*bench, "pioneer1"), "returned") == 1);
 }
 
 TEST_CASE("killed and started again, a retired robot is none that could take over before its node says so anew") {

@@ -135,6 +135,7 @@ TEST_CASE("any task can be moved or skipped without an alert: one is made and de
   CHECK(bench->decide(of_run({"t9", "t9"}, Verdict::skip)) == "accepted");
   CHECK(rulings(bench->taken.at(2)) == "t9/cloud");
   CHECK(bench->alerts().empty());
+  CHECK(bench->alerts(true).size() == 3);  // that a task is given back for it is no failure
 }
 
 TEST_CASE("a word on a task that makes no sense is refused, with the cure, and leaves nothing behind") {
