@@ -22,7 +22,7 @@ Result<std::vector<Held>> check_all(const std::vector<SignedRecord>& records, co
 
 Error expired_before(const std::string& run) {
   return fail(Errc::expired, "run " + run + " has expired before it came here",
-              "compare the nodes' clocks (trb doctor), or give it a longer life: --expires");
+              "compare the nodes' clocks (trb doctor), or give it a longer life: --expires-h");
 }
 
 Error no_place() {
