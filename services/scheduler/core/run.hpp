@@ -148,7 +148,7 @@ class Run {
   [[nodiscard]] const PauseOrder* pause() const { return pause_ ? &*pause_ : nullptr; }
   [[nodiscard]] const SignedRecord& pause_record() const { return pause_record_; }
   [[nodiscard]] bool held() const { return pause_ && pause_->paused; }
-  /// It names every task that the known order names as done twice: a person has looked at them.
+  /// It names every task for which the run is held as done twice: a person has looked at them.
   [[nodiscard]] bool names_doubles(const PauseOrder& order) const;
   /// True if that order counts more than the one that is known. One that lets the run go on must name its doubles.
   [[nodiscard]] bool is_newer(const PauseOrder& order) const;
@@ -156,9 +156,9 @@ class Run {
   [[nodiscard]] const SignedRecord& abort_order() const { return *abort_; }
   /// The orders that count, as they travel with definition and baton.
   [[nodiscard]] std::vector<SignedRecord> orders() const;
-  /// Tasks that were done twice.
+  /// Tasks that were done twice, and of which no order to let the run go on says that a person has looked.
   [[nodiscard]] const std::vector<std::string>& doubles() const { return doubles_; }
-  /// There is one that the last order to hold the run, or to let it go on, does not name.
+  /// There is one that the order which counts does not name.
   [[nodiscard]] bool has_new_double() const;
   /// It is held because of tasks that were done twice.
   [[nodiscard]] bool held_for_doubles() const { return held() && !pause_->doubles.empty(); }
@@ -305,6 +305,7 @@ class Run {
   bool submitted_here_ = false;
   ResultSet results_;
   std::vector<std::string> doubles_;
+  std::set<std::string> seen_doubles_;  ///< that a person has looked at
   std::map<TaskIndex, std::shared_ptr<const HeldChoice>> choices_;
   std::map<TaskIndex, JournalStart> starts_;
   std::optional<SignedRecord> abort_;

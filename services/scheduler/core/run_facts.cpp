@@ -79,7 +79,8 @@ bool Run::add(HeldResult held) {
   const bool by_its_robot = held.result.robot == robot_of(task);
   const bool was_double = results_.finished_twice(task);
   if (!results_.add(task, std::move(held))) return false;
-  if (!was_double && results_.finished_twice(task)) doubles_.push_back(tasks()[task].id);
+  const std::string& name = tasks()[task].id;
+  if (!was_double && results_.finished_twice(task) && !seen_doubles_.contains(name)) doubles_.push_back(name);
   ++version_;
   if (results_.has_final(task)) needs.erase(task);
   if (by_its_robot || results_.has_final(task)) {

@@ -50,7 +50,7 @@ Result<PauseOrder> Run::check_pause(const SignedRecord& record) const {
 }
 
 bool Run::names_doubles(const PauseOrder& order) const {
-  if (!pause_) return true;
+  if (!held_for_doubles()) return true;
   return std::all_of(pause_->doubles.begin(), pause_->doubles.end(), [&](const std::string& task) {
     return std::find(order.doubles.begin(), order.doubles.end(), task) != order.doubles.end();
   });
@@ -68,6 +68,10 @@ Status Run::apply(const JournalPause& fact) {
   if (!is_newer(*order)) return Done{};
   pause_ = std::move(*order);
   pause_record_ = fact.order;
+  if (!pause_->paused) {
+    seen_doubles_.insert(pause_->doubles.begin(), pause_->doubles.end());
+    std::erase_if(doubles_, [&](const std::string& task) { return seen_doubles_.contains(task); });
+  }
   ++version_;
   hold_signature.reset();
   duties.drop(DutyKind::pause);
@@ -90,7 +94,7 @@ std::vector<SignedRecord> Run::orders() const {
 
 bool Run::has_new_double() const {
   return std::any_of(doubles_.begin(), doubles_.end(), [&](const std::string& task) {
-    return !pause_ || std::find(pause_->doubles.begin(), pause_->doubles.end(), task) == pause_->doubles.end();
+    return !held() || std::find(pause_->doubles.begin(), pause_->doubles.end(), task) == pause_->doubles.end();
   });
 }
 

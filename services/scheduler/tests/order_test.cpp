@@ -111,7 +111,7 @@ TEST_CASE("ABORTED is said once all have confirmed, by every node alike") {
 }
 
 TEST_CASE("a task done twice holds the run on every node, until a person has looked and lets it go on") {
-  Story story(chain({"ridgeback", "ur3", "drone"}));
+  Story story(chain({"ridgeback", "ur3", "drone", "drone"}));
   story.fleet["ur3"].adapter.skill_time = seconds(30);
   REQUIRE(story.until([&] { return story.begun("ur3") == 1; }));
   TaskResult second;
@@ -138,6 +138,13 @@ TEST_CASE("a task done twice holds the run on every node, until a person has loo
   CHECK(story.begun("drone") == 0);
   const PauseOrder order{kStoryRun, view.pause_number + 3, false, "cloud", "looked at", 0, {"task-0"}};
   story.fleet.ask("cloud", MessageType::command, RunPause{story.fleet.sign("cloud", kSignedRunPause, encode(order))});
+  story.fleet.pass(seconds(0.5));
+  // From then on it is held and let go on as any other.
+  CHECK_FALSE(story.task(0).twice);
+  story.hold(view.pause_number + 4, true);
+  story.fleet.pass(seconds(10));
+  CHECK(story.fleet.view("cloud", kStoryRun).waits_for.find("lunch") != std::string::npos);
+  story.hold(view.pause_number + 5, false);
   CHECK(story.until([&] { return story.state("cloud") == RunState::finished; }));
-  CHECK(story.begun("drone") == 1);
+  CHECK(story.begun("drone") == 2);
 }
