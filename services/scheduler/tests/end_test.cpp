@@ -305,8 +305,7 @@ TEST_CASE("a day of runs fills nothing: only those that are open take a place") 
 TEST_CASE("a member that has no place for a run is named, and gets it when there is place") {
   Fleet fleet;
   add_demonstration(fleet);
-  fleet["cloud"].adapter.skill_time = seconds(1);
-  fleet["ur3"].cut = true;
+  fleet["ur3"].adapter.set(false, false);
   for (int i = 0; i < 512; ++i) {
     char id[33];
     std::snprintf(id, sizeof id, "%032x", static_cast<unsigned>(i));
