@@ -23,10 +23,11 @@ void SchedulerCore::advance(Step step) {
   last_ = step.now;
   last_steady_ = step.steady;
   keep_time(step);
-  if (settings_.has_robot)
+  if (settings_.has_robot) {
     lost_.tick(settings_.node, step.now, step.out);
-  else
+  } else {
     lost_.told(step.now, step.out);
+  }
   end_runs(step);
   for (Run* run : book_.runs()) {
     std::erase_if(run->retry_at, [&](const auto& one) { return one.second <= step.now.mono; });
@@ -54,6 +55,8 @@ void SchedulerCore::advance(Step step) {
 /// What of it is due, and since when; whom the decider passes on in whose place.
 void SchedulerCore::look_at(Run& run, Step step) {
   if (run.held() || run.aborted() || run.ended()) run.due_at.clear();
+  // That a task has begun is told by no fact of the run.
+  std::erase_if(run.due_at, [&](const auto& one) { return run.progress.contains(one.first) || runs(run, one.first); });
   const std::uint64_t version = run.version() + run.duties.changes();
   if (run.looked_version == version) return;
   run.looked_version = version;
@@ -65,10 +68,18 @@ void SchedulerCore::look_at(Run& run, Step step) {
   keep(run.pass_at, run.unpassed(), step.now.mono + kPassPatience);
   if (run.held() || run.aborted() || run.ended()) return;
   std::vector<TaskIndex> due = run.due();
-  if (executor_.runs(run.id()) && executor_.attempt()->phase != Phase::running) {
-    due.push_back(*run.index_of(executor_.attempt()->execute.key.task));
+  if (executor_.runs(run.id())) {
+    const TaskIndex task = *run.index_of(executor_.attempt()->execute.key.task);
+    if (!runs(run, task)) due.push_back(task);
   }
   keep(run.due_at, std::move(due), step.now.mono);
+}
+
+/// This node's robot does it, or has done it.
+bool SchedulerCore::runs(const Run& run, TaskIndex task) const {
+  if (!executor_.runs(run.id()) || executor_.attempt()->execute.key.task != run.tasks()[task].id) return false;
+  const Phase phase = executor_.attempt()->phase;
+  return phase == Phase::running || phase == Phase::signing;
 }
 
 /// The task was due for longer than its scenario lets it wait.

@@ -132,6 +132,7 @@ class SchedulerCore : public Core {
   void advance(Step step);
   void keep_time(Step step);
   void look_at(Run& run, Step step);
+  [[nodiscard]] bool runs(const Run& run, TaskIndex task) const;
   [[nodiscard]] bool is_late(const Run& run, TaskIndex task, Step step) const;
   [[nodiscard]] std::string late_text(const Run& run, TaskIndex task) const;
   [[nodiscard]] std::vector<Run*> by_turn() const;

@@ -117,6 +117,24 @@ TEST_CASE("what has not begun in its time has failed: what is nice to have holds
   CHECK(story.view().tasks[2].state == TaskState::finished);
 }
 
+TEST_CASE("a task that has begun waits for nobody, on no node, however long it takes") {
+  for (const std::uint64_t seed : {1U, 2U, 3U, 4U, 5U, 6U}) {
+    CAPTURE(seed);
+    Story story;
+    story.fleet.weather = {0, 300, 0, seconds(0.001 * static_cast<double>(seed))};
+    story.adapter("ur3").skill_time = seconds(60);
+    story.submit({task("fetch", "ridgeback", {}), task("grip", "ur3", {0}), task("pack", "drone", {1})});
+    REQUIRE(story.fleet.until([&] { return story.view().tasks[1].state == TaskState::running; }));
+    story.adapter("ur3").set(true, false);  // a word of its mode-adapter that changes nothing
+    story.fleet.pass(seconds(20));
+    for (const char* node : {"cloud", "ur3", "ridgeback"}) {
+      const RunView view = story.fleet.view(node, kStoryRun);
+      CHECK(view.waits_for == "");
+      CHECK_FALSE(view.tasks[1].due);
+    }
+  }
+}
+
 TEST_CASE("the time to begin runs on when the robot refuses, and does not while a person holds the run") {
   Story story;
   Task grip = task("grip", "ur3", {});
