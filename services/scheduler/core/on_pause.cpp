@@ -30,9 +30,8 @@ void SchedulerCore::handle(const RunPause& body, const Inbound& from, Step step)
                        "look at the robots, then say it on node '" + run->judge() + "'"),
                   step);
   }
-  if (run->is_newer(*claimed)) {
-    if (auto kept = keep_pause(*run, body.order, here, step); !kept) return refuse(from, kept.error(), step);
-  } else if (here && run->pause()->number >= claimed->number && run->pause_record().payload != body.order.payload) {
+  if (auto kept = keep_pause(*run, body.order, here, step); !kept) return refuse(from, kept.error(), step);
+  if (here && run->pause()->number >= claimed->number && run->pause_record().payload != body.order.payload) {
     return refuse(from, fail(Errc::conflict, "run " + run->id() + ": a newer order is known", "try again"), step);
   }
   if (here) {
@@ -49,6 +48,7 @@ void SchedulerCore::handle(const RunPause& body, const Inbound& from, Step step)
 Status SchedulerCore::keep_pause(Run& run, const SignedRecord& order, bool here, Step step) {
   const auto is = run.check_pause(order);
   if (!is) return is.error();
+  run.outbid(*is);
   if (!run.is_newer(*is)) return Done{};
   const JournalPause fact{order, here};
   if (auto applied = run.apply(fact); !applied) return applied;
@@ -61,13 +61,13 @@ Status SchedulerCore::keep_pause(Run& run, const SignedRecord& order, bool here,
 /// A task that was done twice holds the run everywhere until a person has looked: the judge orders it.
 void SchedulerCore::hold_for_doubles(Run& run, Step step) {
   const bool open = !run.aborted() && !run.ended() && !run.expired(step.steady);
-  if (run.judge() != settings_.node || !open || !run.has_new_double()) return run.hold_signature.reset();
+  const bool wanted = run.has_new_double() || run.is_outbid();
+  if (run.judge() != settings_.node || !open || !wanted) return run.hold_signature.reset();
   if (!run.hold_signature) {
     const std::vector<std::string>& doubles = run.doubles();
-    const std::uint32_t number = run.pause() == nullptr ? 1 : run.pause()->number + 1;
     const std::string why = "task '" + doubles.front() + "' has two different results (double_execution)";
-    const PauseOrder order{
-        run.id(), std::min(number, kMaxPauses), true, settings_.node, cut_utf8(why, 255), step.now.utc.ns, doubles};
+    const PauseOrder order{run.id(),           run.next_hold(), true,   settings_.node,
+                           cut_utf8(why, 255), step.now.utc.ns, doubles};
     run.hold_signature = Signature{std::string(kSignedRunPause), encode(order), step.now.mono};
   }
   run.hold_signature->tick(settings_.node, step.now, step.out);

@@ -150,6 +150,12 @@ class Run {
   [[nodiscard]] bool held() const { return pause_ && pause_->paused; }
   /// It names every task for which the run is held as done twice: a person has looked at them.
   [[nodiscard]] bool names_doubles(const PauseOrder& order) const;
+  /// An order to let it go on that names not all of them: it does not count, and is outbid.
+  void outbid(const PauseOrder& order);
+  /// The number of the judge's next order to hold it.
+  [[nodiscard]] std::uint32_t next_hold() const;
+  /// The judge's hold has to be said anew.
+  [[nodiscard]] bool is_outbid() const { return held_for_doubles() && outbid_ > pause_->number; }
   /// True if that order counts more than the one that is known. One that lets the run go on must name its doubles.
   [[nodiscard]] bool is_newer(const PauseOrder& order) const;
   [[nodiscard]] bool aborted() const { return abort_.has_value(); }
@@ -305,6 +311,7 @@ class Run {
   bool submitted_here_ = false;
   ResultSet results_;
   std::vector<std::string> doubles_;
+  std::uint32_t outbid_ = 0;            ///< number of an order that does not count
   std::set<std::string> seen_doubles_;  ///< that a person has looked at
   std::map<TaskIndex, std::shared_ptr<const HeldChoice>> choices_;
   std::map<TaskIndex, JournalStart> starts_;

@@ -56,6 +56,15 @@ bool Run::names_doubles(const PauseOrder& order) const {
   });
 }
 
+void Run::outbid(const PauseOrder& order) {
+  if (!order.paused && !names_doubles(order)) outbid_ = std::max(outbid_, order.number);
+}
+
+std::uint32_t Run::next_hold() const {
+  const std::uint32_t known = pause_ ? pause_->number : 0;
+  return std::min(std::max(known, outbid_) + 1, kMaxPauses);
+}
+
 bool Run::is_newer(const PauseOrder& order) const {
   if (!order.paused && !names_doubles(order)) return false;
   if (!pause_ || order.number != pause_->number) return !pause_ || order.number > pause_->number;

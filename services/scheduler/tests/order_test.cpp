@@ -148,3 +148,34 @@ TEST_CASE("a task done twice holds the run on every node, until a person has loo
   CHECK(story.until([&] { return story.state("cloud") == RunState::finished; }));
   CHECK(story.begun("drone") == 2);
 }
+
+TEST_CASE("who lets a run go on without having heard that a task was done twice is held with the others") {
+  Story story(chain({"ridgeback", "ur3", "drone", "drone"}));
+  story.fleet["ur3"].adapter.skill_time = seconds(30);
+  REQUIRE(story.until([&] { return story.begun("ur3") == 1; }));
+  story.hold(1, true);
+  story.fleet.pass(seconds(1));
+  story.fleet["drone"].cut = true;
+  story.hold(2, false);
+  TaskResult second;
+  second.key = {kStoryRun, "task-0", 1, 2};
+  second.digest = decode<RunStart>(get<JournalRun>(story.fleet["cloud"].journal[0]).start.payload.bytes)->digest;
+  second.robot = "ridgeback";
+  second.outcome = TaskOutcome::finished;
+  const SignedRecord record = story.fleet.sign("ridgeback", kSignedResult, encode(second));
+  story.fleet.hear("cloud", "ridgeback", MessageType::command, Results{kStoryRun, {record}, {}});
+  REQUIRE(story.until([&] { return story.fleet.view("ur3", kStoryRun).pause_number == 3; }, seconds(5)));
+  // The drone has heard of the first order alone, and of somebody who counts on.
+  story.hold(7, false, "drone");
+  story.fleet["drone"].cut = false;
+  const auto all_hold = [&] {
+    const std::vector<std::string> nodes{"cloud", "drone", "ur3"};
+    return std::ranges::all_of(nodes, [&](const std::string& node) {
+      return story.fleet.view(node, kStoryRun).paused_by == "cloud" &&
+             story.fleet.view(node, kStoryRun).pause_number == 8;
+    });
+  };
+  CHECK(story.until(all_hold, seconds(20)));
+  story.fleet.pass(seconds(60));
+  CHECK(story.begun("drone") == 0);
+}
