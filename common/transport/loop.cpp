@@ -142,15 +142,16 @@ void Loop::wait(std::chrono::milliseconds longest) const {
 void Loop::call_ready() {
   bool background = false;
   for (std::size_t i = 0; i < entries_.size(); ++i) {
-    const std::shared_ptr<Entry> entry = entries_[i];
-    if (entry->background) {
-      background = background || entry->revents != 0 || *entry->unseen;
+    Entry& seen = *entries_[i];
+    if (seen.background) {
+      background = background || seen.revents != 0 || *seen.unseen;
       continue;
     }
-    const short revents = std::exchange(entry->revents, short{0});
+    const short revents = std::exchange(seen.revents, short{0});
     // A handler called before this one may have removed it, and freed what it watched.
-    if (entry->removed) continue;
-    if (revents != 0 || (entry->socket != nullptr && *entry->unseen)) call(*entry, revents);
+    if (seen.removed || (revents == 0 && (seen.socket == nullptr || !*seen.unseen))) continue;
+    const std::shared_ptr<Entry> entry = entries_[i];  // it may remove itself
+    call(*entry, revents);
   }
   if (background) call_background();
 }

@@ -1,9 +1,11 @@
 """Fifty nodes on one machine: how long, how many messages, how much of the processor and of memory a node takes."""
 import collections
 import os
+import resource
 import statistics
 import time
 
+import zmq
 from cases import addresses_of, case
 from lab import Lab, neighbours_allowed
 from net_fleet import NetFleet
@@ -33,6 +35,39 @@ class Load:
         return statistics.mean(used), max(used)
 
 
+    def used(self):
+        """Seconds of CPU of them all."""
+        return sum(stat_of(r.pid)[0] - self.before[n] for n, r in self.fleet.routers.items())
+
+    def shared(self):
+        """Seconds for which they would take all the cores of this machine."""
+        return self.used() / os.cpu_count()
+
+
+OVER_FLOOR = 8  # to form again; measured 5 to 6.5, see README
+
+
+def handshake_ms():
+    """CPU milliseconds of one CURVE connection by TCP, both ends: the least that a link costs on this machine."""
+    def spent():
+        usage = resource.getrusage(resource.RUSAGE_SELF)
+        return usage.ru_utime + usage.ru_stime
+
+    count, server, client = 200, zmq.curve_keypair(), zmq.curve_keypair()
+    with zmq.Context() as context, context.socket(zmq.ROUTER) as inbox:
+        inbox.curve_server, inbox.curve_secretkey, inbox.curve_publickey = True, server[1], server[0]
+        port = inbox.bind_to_random_port("tcp://127.0.0.1")
+        before = spent()
+        for _ in range(count):
+            with context.socket(zmq.DEALER) as link:
+                link.linger = 0
+                link.curve_serverkey, link.curve_secretkey, link.curve_publickey = server[0], client[1], client[0]
+                link.connect(f"tcp://127.0.0.1:{port}")
+                link.send(b"hello")
+                inbox.recv_multipart()
+        return 1000 * (spent() - before) / count
+
+
 def all_sent(fleet, nodes):
     """What these nodes together have sent, by subtype."""
     total = collections.Counter()
@@ -55,9 +90,11 @@ def fifty(report, rounds):
         lab.add_hosts(names)
         more = {name: {"relay": name == names[0]} for name in names}
         fleet = NetFleet(lab, addresses_of(names), more=more, every=2, pairs=ring, ask_every=1.0, look_every=0.25)
+        floor_ms = handshake_ms() / 2 * (len(names) - 1)
         start = time.monotonic()
         with report.standing(fleet, patience=90):
             notes = report.notes
+            notes["handshakes_ms_a_node"] = round(floor_ms, 1)
             notes["nodes"] = len(names)
             notes["forming_cpu_ms_a_node"] = round(1000 * statistics.mean(stat_of(r.pid)[0] for r in fleet.routers.values()))
             notes["sent_while_forming_a_node"] = sent_of(fleet, names[5::10])
@@ -94,8 +131,12 @@ def fifty(report, rounds):
                 sent, load = collections.Counter(all_sent(fleet, names[5::10])), Load(fleet)
                 since = time.monotonic()
                 lab.switch_returns()
-                report.healed(number, rounds, since)
-                notes["reform_cpu_ms_a_node"] = round(load.take()[0] * (time.monotonic() - since))
+                report.healed(number, rounds, since, load.shared)
+                reform_ms = 1000 * load.used() / len(names)
+                notes["reform_cpu_ms_a_node"], notes["reform_over_floor"] = round(reform_ms), round(reform_ms / floor_ms, 2)
+                if reform_ms > OVER_FLOOR * floor_ms:
+                    report.fail(f"round {number}: {reform_ms:.0f} ms of CPU a node to form again, over {OVER_FLOOR} times "
+                                f"the {floor_ms:.0f} ms of the handshakes alone")
                 again = collections.Counter(all_sent(fleet, names[5::10]))
                 again.subtract(sent)
                 notes["sent_while_reforming_a_node"] = {n: round(c / 5, 1) for n, c in again.most_common(8)}

@@ -246,6 +246,20 @@ TEST_CASE("a member that was a stranger until its Hello is nobody that said noth
   CHECK(inbox.ant.count("refused.no_hello") == 0);
 }
 
+TEST_CASE("who is at the door is not dialled: its own dial has its time to say Hello") {
+  Inbox inbox;
+  TestNode& ant = inbox.ant;
+  inbox.say_hello(9, inbox.bee);
+  Effects effects;
+  ant.core->on_link_ended(9, LinkEnd::disconnected, inbox.fleet.now, effects);
+  inbox.fleet.carry_out(ant, effects);
+  CHECK(inbox.admit(inbox.bee.link.public_key));
+  inbox.fleet.run(milliseconds(1900));
+  CHECK(ant.dials.empty());
+  inbox.fleet.run(milliseconds(500));  // it said none
+  CHECK_FALSE(ant.dials.empty());
+}
+
 TEST_CASE("a stranger that was refused makes room for the next one at once") {
   Inbox inbox;
   const TestAuthority elsewhere;
@@ -324,6 +338,31 @@ TEST_CASE("a beacon that was heard before a link stays a replay after it") {
   inbox.ant.core->on_beacon(beacon, inbox.fleet.now, effects);
   inbox.fleet.carry_out(inbox.ant, effects);
   CHECK(inbox.ant.count("beacon.replayed") == 1);
+}
+
+TEST_CASE("a beacon that tells nothing new of a linked peer costs no signature, and changes nothing, signed or not") {
+  Inbox inbox;
+  inbox.say_hello(9, inbox.bee);
+  Effects effects;
+  const auto hear = [&](std::uint64_t boot, std::uint64_t count, bool is_signed) {
+    const Beacon body{inbox.bee.record, "10.0.0.2:45000", boot, kStartUtc, count};
+    SignedRecord record =
+        sign(kSignedBeacon, "bee", inbox.fleet.authority.fleet.id(), encode(body), inbox.bee.identity);
+    if (!is_signed) record.signature.bytes = Bytes(64, 's');
+    inbox.ant.core->on_beacon(encode(record), inbox.fleet.now, effects);
+    inbox.fleet.carry_out(inbox.ant, effects);
+    effects = {};
+    return std::pair(inbox.ant.count("beacon.nothing_new"), inbox.ant.count("beacon.bad_signature"));
+  };
+  CHECK(hear(3, 1, true) == std::pair<std::uint64_t, std::uint64_t>(0, 0));  // the first of this boot is checked
+  CHECK(hear(3, 900, false) == std::pair<std::uint64_t, std::uint64_t>(1, 0));
+  CHECK(inbox.ant.peer("bee")->beacon_count == 1);
+  CHECK(hear(4, 901, false) == std::pair<std::uint64_t, std::uint64_t>(1, 1));  // it would cut the link
+  inbox.fleet.now.mono = inbox.fleet.now.mono + Seconds(2);
+  CHECK(hear(3, 902, false) == std::pair<std::uint64_t, std::uint64_t>(1, 2));  // it would be a sign of life
+  CHECK(hear(3, 2, true) == std::pair<std::uint64_t, std::uint64_t>(1, 2));
+  CHECK(inbox.ant.peer("bee")->beacon_count == 2);
+  CHECK(inbox.ant.link_to("bee") == 9);
 }
 
 TEST_CASE("a linked peer that tells by a beacon of a new start, or of another place, is cut and dialled there") {

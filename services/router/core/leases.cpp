@@ -87,7 +87,8 @@ void RouterCore::tick_peers(Now now, Effects& out) {
         peer.redial.at = now.mono + config_.timing.redial_most;
         continue;
       }
-      if (dialling(peer.certificate.link_key.bytes)) {
+      // After an outage both sides dial: two handshakes for one link, where the second could wait for the first's end.
+      if (now.mono < peer.comes_until || dialling(peer.certificate.link_key.bytes)) {
         peer.redial.at = now.mono + config_.timing.redial_first;
         continue;
       }
@@ -160,6 +161,18 @@ void RouterCore::refuse_beacon(std::string_view reason, const std::string& text,
   out.log(LogLevel::warning, "beacon_refused", std::string(reason) + ": " + text);
 }
 
+/// A node that starts says so several times. What it would change needs no signature checked to be nothing: it is
+/// linked, by that boot and at that address, and a beacon of its own was checked just now.
+bool RouterCore::tells_nothing(const std::string& signer, const Beacon& beacon, Now now) const {
+  constexpr Duration kFresh = std::chrono::seconds(2);
+  const auto at = peers_.find(signer);
+  if (at == peers_.end() || at->second.link == 0) return false;
+  const Peer& peer = at->second;
+  return beacon.boot == peer.boot && beacon.boot == peer.beacon_boot && beacon.count > peer.beacon_count &&
+         beacon.address == peer.address && beacon.certificate == peer.certificate_record &&
+         now.mono < peer.last_beacon + kFresh;
+}
+
 void RouterCore::on_beacon(BytesView plain, Now now, Effects& out) {
   const auto refuse = [&](const Error& error) { refuse_beacon(errc_name(error.code), error.what, now, out); };
   auto record = decode<SignedRecord>(plain);
@@ -167,6 +180,7 @@ void RouterCore::on_beacon(BytesView plain, Now now, Effects& out) {
   if (record->signer == config_.id) return;
   auto outer = decode<Beacon>(record->payload.bytes);
   if (!outer) return refuse(outer.error());
+  if (tells_nothing(record->signer, *outer, now)) return out.count("beacon.nothing_new");
   // Whoever has the fleet's key for beacons, a node put out of it for one, could keep this one at signatures alone.
   if (!beacon_budget_.take(now.mono)) {
     return refuse_beacon("too_many", "over " + std::to_string(kBeaconsChecked) + " in a second; links do without", now,

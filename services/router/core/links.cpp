@@ -70,7 +70,11 @@ bool RouterCore::admit(BytesView key, MonotonicTime now, Effects& out) {
     return false;
   }
   // Members, and those whom node.json names though they were never met: no crowd of strangers keeps them out.
-  if (is_expected(key)) return true;
+  if (is_expected(key)) {
+    if (const auto name = peers_by_key_.find(key); name != peers_by_key_.end())
+      peers_.at(name->second).comes_until = now + config_.timing.handshake;
+    return true;
+  }
   if (const auto at = denied_.find(key); at != denied_.end() && now < at->second) {
     out.count("refused.denied_key");
     out.log(LogLevel::warning, "denied_key", "the key " + to_hex(key) + " was refused a moment ago");

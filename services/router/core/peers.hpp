@@ -91,6 +91,7 @@ struct Peer {
   std::optional<MonotonicTime> lost;  ///< since when the lease runs: the last sign of life on the link that went down
   MonotonicTime last_heard;
   Redial redial;
+  MonotonicTime comes_until{};  ///< its own dial is at the door, and has this long to say Hello
   Spare spare;
 };
 

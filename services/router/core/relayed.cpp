@@ -249,7 +249,7 @@ void RouterCore::join_by_relay(Peer& peer, const Link& relay, Now now, Effects& 
 /// At a change, but once a second at most: each costs a signature, and a relay's bandwidth.
 std::optional<MonotonicTime> RouterCore::profile_due(const Peer& peer) const {
   constexpr Duration kPause = std::chrono::seconds(1);
-  if (peer.told_profile == profile_number_ || relay_of(peer) == nullptr) return std::nullopt;
+  if (peer.link != 0 || peer.told_profile == profile_number_ || relay_of(peer) == nullptr) return std::nullopt;
   return peer.profile_told_at + kPause;
 }
 

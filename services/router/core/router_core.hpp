@@ -350,6 +350,7 @@ class RouterCore {
   void tick_seeds(Now now, Effects& out);
   void tick_beacon(Now now, Effects& out);
   void tick_candidates(Now now, Effects& out);
+  [[nodiscard]] bool tells_nothing(const std::string& signer, const Beacon& beacon, Now now) const;
   void refuse_beacon(std::string_view reason, const std::string& text, Now now, Effects& out);
   void expire(Peer& peer, const std::string& reason, Effects& out);
   [[nodiscard]] bool own_is_smaller(std::string_view other) const { return config_.id < other; }
