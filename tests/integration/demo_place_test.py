@@ -36,10 +36,11 @@ class Place(unittest.TestCase):
 
     def other(self, script):
         """A process of another folder; it says when it is ready."""
-        child = subprocess.Popen([sys.executable, "-c", script + "\nprint('ready', flush=True)\nimport time\ntime.sleep(60)"],
-                                 cwd=self.folder, stdout=subprocess.PIPE, text=True,
+        child = subprocess.Popen([sys.executable, "-c", script + "\nprint('ready', flush=True)\nimport sys\nsys.stdin.read()"],
+                                 cwd=self.folder, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True,
                                  env=dict(os.environ, PYTHONPATH=os.path.dirname(demo_place.__file__)))
         self.addCleanup(child.stdout.close)
+        self.addCleanup(child.stdin.close)
         self.addCleanup(child.wait)
         self.addCleanup(child.kill)
         self.assertEqual(child.stdout.readline(), "ready\n")

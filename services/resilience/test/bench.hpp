@@ -129,6 +129,11 @@ class Bench {
 /// A bench with the paper's hall: ridgeback, two Pioneers, a TurtleBot and an arm, and the run under way.
 std::unique_ptr<Bench> paper(ResilienceSettings settings = default_resilience());
 ResilienceSettings automatic(double min_score = 0, double min_lead = 0);
+using Words = std::vector<std::string>;
+/// The robots that it proposes, the best first; "" for a proposal that is shared.
+Words robots_of(const Alert& alert);
+/// It carries, and moves nothing else.
+NodeProfile loader_robot();
 /// "t4>pioneer1 t7>pioneer1": what the decision rules.
 std::string rulings(const Decision& decision);
 

@@ -11,14 +11,6 @@ using namespace trb::resilience::test;
 
 namespace {
 
-using Words = std::vector<std::string>;
-
-Words robots_of(const Alert& alert) {
-  Words out;
-  for (const Proposal& one : alert.proposals) out.push_back(one.robot);
-  return out;
-}
-
 std::string why_unfit(const Alert& alert, const std::string& robot) {
   for (const Unfit& one : alert.unfit) {
     if (one.robot == robot) return one.why;
@@ -182,10 +174,7 @@ TEST_CASE("a bound keeps a robot out, with the reason; a person may override; wh
 
 TEST_CASE("of a shared proposal each part names its robot, and they add up to the score") {
   auto bench = paper();
-  NodeProfile loader = mobile_robot();
-  loader.capabilities = {"carry"};
-  loader.skills = {carrier().skills.back()};
-  bench->add("loader", loader, 40, 0, 0);
+  bench->add("loader", loader_robot(), 40, 0, 0);
   bench->fault("ridgeback", "");
   bench->end_task("t4", TaskOutcome::failed);
   const Proposal shared = bench->alert().proposals.at(0);
@@ -204,9 +193,7 @@ TEST_CASE("of a shared proposal each part names its robot, and they add up to th
 TEST_CASE("a bound for one of the tasks has several do them between them") {
   auto bench = paper(settings_of(R"({"battery": 1, "payload": {"from": "description", "best": 10, "worst": 0,
                                      "at_least": 5, "capabilities": ["carry"]}})"));
-  NodeProfile loader = mobile_robot();
-  loader.capabilities = {"carry"};
-  loader.skills = {carrier().skills.back()};
+  NodeProfile loader = loader_robot();
   loader.numbers = {{"payload", 7, "kg"}};
   bench->add("husky", carrier(), 50, 0, 0);
   bench->add("loader", loader, 50, 0, 0);

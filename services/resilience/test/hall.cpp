@@ -235,6 +235,19 @@ ResilienceSettings automatic(double min_score, double min_lead) {
   return out;
 }
 
+Words robots_of(const Alert& alert) {
+  Words out;
+  for (const Proposal& one : alert.proposals) out.push_back(one.robot);
+  return out;
+}
+
+NodeProfile loader_robot() {
+  NodeProfile loader = mobile_robot();
+  loader.capabilities = {"carry"};
+  loader.skills = {carrier().skills.back()};
+  return loader;
+}
+
 std::string rulings(const Decision& decision) {
   std::string out;
   for (const TaskRuling& one : decision.tasks) {

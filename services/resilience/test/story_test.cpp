@@ -11,14 +11,6 @@ using namespace trb::resilience::test;
 
 namespace {
 
-using Words = std::vector<std::string>;
-
-Words robots_of(const Alert& alert) {
-  Words out;
-  for (const Proposal& one : alert.proposals) out.push_back(one.robot);
-  return out;
-}
-
 /// Ridgeback's wheels fail in task 4, and the task with them.
 void wheels_fail(Bench& bench) {
   bench.fault("ridgeback", "mobile");
@@ -344,10 +336,7 @@ TEST_CASE("nobody can take over: the alert says why not, and what is left to say
 
 TEST_CASE("several take over between them if nobody can do all") {
   auto bench = paper();
-  NodeProfile loader = mobile_robot();
-  loader.capabilities = {"carry"};
-  loader.skills = {carrier().skills.back()};
-  bench->add("loader", loader, 40, 0, 0);
+  bench->add("loader", loader_robot(), 40, 0, 0);
   bench->fault("ridgeback", "");
   bench->end_task("t4", TaskOutcome::failed);
   const Alert alert = bench->alert();

@@ -11,8 +11,6 @@ using namespace trb::resilience::test;
 
 namespace {
 
-using Words = std::vector<std::string>;
-
 std::unique_ptr<Bench> pinned(const Words& ids) {
   auto bench = paper();
   for (const std::string& id : ids) {
@@ -72,10 +70,7 @@ TEST_CASE("some of an alert's tasks are decided on; the others come back as an a
 
 TEST_CASE("who can do only some of the tasks is proposed for those") {
   auto bench = paper();
-  NodeProfile loader = mobile_robot();
-  loader.capabilities = {"carry"};
-  loader.skills = {carrier().skills.back()};
-  bench->add("loader", loader, 40, 0, 0);
+  bench->add("loader", loader_robot(), 40, 0, 0);
   bench->fault("ridgeback", "");
   bench->end_task("t4", TaskOutcome::failed);
   CHECK(bench->run_alert().proposals.at(0).robot.empty());
