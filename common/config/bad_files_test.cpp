@@ -5,7 +5,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "common/config/node_folder.hpp"
+#include "tests/support/node_folder.hpp"
 
 using namespace trb;
 

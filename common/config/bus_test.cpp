@@ -2,8 +2,8 @@
 #include <doctest/doctest.h>
 
 #include "common/config/interfaces.hpp"
-#include "common/config/node_folder.hpp"
 #include "common/security/bus_keys.hpp"
+#include "tests/support/node_folder.hpp"
 
 using namespace trb;
 

@@ -1,8 +1,8 @@
 #include <doctest/doctest.h>
 
 #include "common/config/interfaces.hpp"
-#include "common/config/node_folder.hpp"
 #include "common/security/node_keys.hpp"
+#include "tests/support/node_folder.hpp"
 
 using namespace trb;
 

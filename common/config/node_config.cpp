@@ -26,7 +26,7 @@ UtcTime utc_now() {
 /// Reads a node's folder file by file; each member function is one file, and none stops at a fault.
 class Checker {
  public:
-  explicit Checker(const std::string& dir) { out_.config.dir = absolute(dir); }
+  Checker(const std::string& dir, const Transports& known) : known_(known) { out_.config.dir = absolute(dir); }
 
   NodeCheck check(bool running) && {
     std::error_code problem;
@@ -39,7 +39,7 @@ class Checker {
     places_json();
     description(node);
     mode();
-    check_value_names(out_.config, node.description, out_.faults);
+    check_value_names(out_.config, known_, node.description, out_.faults);
     read_sensor_files(out_.config.dir, out_.faults);
     read_resilience_file(out_.config.dir, out_.faults);
     if (node.usable) keys();
@@ -120,11 +120,11 @@ class Checker {
     NodeConfig& config = out_.config;
     const bool needed = config.mode == Mode::direct || config.mode == Mode::ros;
     const auto json = load("commands.json", needed ? "copy config/commands.json to it" : "");
-    const AllCommands all = json ? read_commands(*json, sink("commands.json")) : AllCommands();
+    const AllCommands all = json ? read_commands(*json, known_, sink("commands.json")) : AllCommands();
     const auto at = all.find(config.framework);
     if (at != all.end()) config.commands = at->second;
-    if (config.commands.transport.empty()) config.commands.transport = default_transport(config.mode);
-    if (at != all.end() && config.mode != Mode::none) return check_transport(config, sink("commands.json"));
+    if (config.commands.transport.empty()) config.commands.transport = known_.default_of(config.mode);
+    if (at != all.end() && config.mode != Mode::none) return known_.check(config, sink("commands.json"));
     if (!json || !needed) return;
     sink("commands.json")
         .add(config.framework, "is missing: this mode needs the vendor's words",
@@ -194,13 +194,18 @@ class Checker {
     out_.faults.back().may_wait = free.error().code == Errc::missing;
   }
 
+  const Transports& known_;
   NodeCheck out_;
 };
 
 }  // namespace
 
 NodeCheck check_node_dir(const std::string& dir, bool running) {
-  return Checker(dir).check(running);
+  return check_node_dir(dir, running, Transports());
+}
+
+NodeCheck check_node_dir(const std::string& dir, bool running, const Transports& known) {
+  return Checker(dir, known).check(running);
 }
 
 }  // namespace trb

@@ -47,29 +47,24 @@ struct Network {
 
 /// What a vendor's monitor connection tells (state, completion, errors).
 struct Monitor {
-  std::string protocol;  ///< "ur-primary", "ar-navdata"
+  std::string protocol;  ///< "ur-primary", "ar-navdata" …: see common/drivers
   std::uint16_t port = 0;
-};
-
-/// How a Modbus device is asked.
-struct ModbusSettings {
-  int unit = 1;            ///< the device behind the address: 0 to 247, or 255
-  double poll_s = 0.1;     ///< how often its values are asked for
-  double timeout_s = 0.5;  ///< how long an answer may take before the connection is given up
 };
 
 /// One vendor's part of commands.json, Appendix A's Figure A3.
 struct VendorCommands {
   std::optional<std::uint16_t> port;
-  std::string transport;           ///< "tcp-text", "modbus", "ros" …: see transports.cpp
+  std::string transport;           ///< "tcp-text", "modbus", "ros" …: see common/drivers
   std::string language = "plain";  ///< how text and lists are written: "plain" or "urscript"
   std::string wrap;                ///< "urscript-program": commands become a named program, so that its end is told
   std::map<std::string, std::string> commands;  ///< subtype -> the vendor's words with {data} or {0}, {1} …
   std::map<std::string, std::string> values;    ///< name -> where the robot tells it, in the transport's words
   std::map<std::string, std::string> requests;  ///< subtype -> a name that the monitor reports, for example "joints"
   std::optional<Monitor> monitor;
-  ModbusSettings modbus;  ///< of the transport modbus
+  std::map<std::string, double> numbers;  ///< further keys of the transport's own, those that were given
 };
+
+class Transports;
 
 struct NodeConfig {
   std::string dir;  ///< absolute
@@ -112,6 +107,8 @@ struct NodeCheck {
   NodeConfig config;
   ConfigFaults faults;
 };
+/// Without transports commands.json is taken as it is: what a maker's words must be concerns who speaks to the robot.
 NodeCheck check_node_dir(const std::string& dir, bool running);
+NodeCheck check_node_dir(const std::string& dir, bool running, const Transports& known);
 
 }  // namespace trb

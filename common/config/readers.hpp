@@ -5,6 +5,7 @@
 #include <string>
 
 #include "common/config/node_config.hpp"
+#include "common/config/transports.hpp"
 #include "common/fleet/object_reader.hpp"
 
 namespace trb {
@@ -22,36 +23,11 @@ void resolve_network(NodeConfig& config, ConfigFaults& faults);
 Profile read_profile(const Value& json, const FileFaults& faults);
 
 /// commands.json: the shape of every vendor's part.
-AllCommands read_commands(const Value& json, const FileFaults& faults);
-
-/// The transports that commands.json may name.
-std::vector<std::string> transport_names();
-
-/// What a vendor without "transport" means in that mode.
-std::string default_transport(Mode mode);
-
-/// That the node's own vendor has what its transport needs, and that the transport is of the node's mode.
-void check_transport(const NodeConfig& config, const FileFaults& faults);
-
-// One for each transport: the words of the node's own vendor can be read, its skills have words and ends that are seen.
-void check_tcp_text(const NodeConfig& config, const FileFaults& faults);
-void check_ros(const NodeConfig& config, const FileFaults& faults);
-void check_arcos(const NodeConfig& config, const FileFaults& faults);
-void check_udp_at(const NodeConfig& config, const FileFaults& faults);
-void check_c3(const NodeConfig& config, const FileFaults& faults);
-void check_modbus(const NodeConfig& config, const FileFaults& faults);
-
-/// The keys that commands.json has for the transport modbus alone.
-ModbusSettings read_modbus_settings(ObjectReader& vendor);
-void check_rapid(const NodeConfig& config, const FileFaults& faults);
-
-// Parts that several of them need.
-/// "stop" is there, and no command but "release" is empty.
-void check_words(const VendorCommands& vendor, const std::string& name, const FileFaults& faults);
-void require_port(const NodeConfig& config, const FileFaults& faults, const std::string& example);
+AllCommands read_commands(const Value& json, const Transports& known, const FileFaults& faults);
 
 /// What the description watches (faults, sensors) is told by the robot; `file`: the description's.
-void check_value_names(const NodeConfig& config, const std::string& file, ConfigFaults& faults);
+void check_value_names(const NodeConfig& config, const Transports& known, const std::string& file,
+                       ConfigFaults& faults);
 
 /// "bus" of node.json: nothing or "ipc", or "tcp://ADDRESS:PORT". Empty, or ADDRESS:PORT.
 std::string read_bus_key(ObjectReader& reader);

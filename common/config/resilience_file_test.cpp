@@ -5,7 +5,7 @@
 #include <algorithm>
 
 #include "common/base/files.hpp"
-#include "common/config/node_folder.hpp"
+#include "tests/support/node_folder.hpp"
 #include "tests/support/paths.hpp"
 
 using namespace trb;

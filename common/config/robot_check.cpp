@@ -17,7 +17,7 @@ namespace fs = std::filesystem;
 /// Each member function is one file or one question; none stops at a fault.
 class Checker {
  public:
-  explicit Checker(const RobotFiles& files) : files_(files) {}
+  Checker(const RobotFiles& files, const Transports& known) : files_(files), known_(known) {}
 
   RobotCheck check() && {
     const auto json = load(files_.description);
@@ -79,21 +79,22 @@ class Checker {
 
   void read_words() {
     if (const auto json = load(find("profile.json", files_.profile))) profile_ = read_profile(*json, sink(path_));
-    if (const auto json = load(find("commands.json", files_.commands))) words_ = read_commands(*json, sink(path_));
+    if (const auto json = load(find("commands.json", files_.commands)))
+      words_ = read_commands(*json, known_, sink(path_));
     commands_path_ = path_;
   }
 
   /// What a node of that framework would be told of its words.
   ConfigFaults faults_of(const std::string& framework, Mode mode, VendorCommands& words) {
     ConfigFaults faults;
-    if (words.transport.empty()) words.transport = default_transport(mode);
+    if (words.transport.empty()) words.transport = known_.default_of(mode);
     NodeConfig node;
     node.framework = framework;
     node.mode = mode;
     node.description = out_.description;
     node.commands = words;
-    check_transport(node, {commands_path_, faults});
-    check_value_names(node, files_.description, faults);
+    known_.check(node, {commands_path_, faults});
+    check_value_names(node, known_, files_.description, faults);
     return faults;
   }
 
@@ -128,7 +129,8 @@ class Checker {
   /// Words of the maker's own fit if they serve every skill and want for nothing; fields fit who is said to speak them.
   bool fits(const std::string& framework, Mode mode, VendorCommands& words) {
     const bool well = faults_of(framework, mode, words).empty();
-    if (words.transport == "lines") return out_.description.has_field_channel;
+    const Transport* transport = known_.find(words.transport);
+    if (transport != nullptr && !transport->names_values) return out_.description.has_field_channel;
     const auto served = [&](const Skill& skill) { return words.commands.contains(skill.subtype); };
     const std::vector<Skill>& skills = out_.description.skills;
     return well && std::all_of(skills.begin(), skills.end(), served);
@@ -152,6 +154,7 @@ class Checker {
   }
 
   const RobotFiles& files_;
+  const Transports& known_;
   RobotCheck out_;
   Profile profile_;
   AllCommands words_;
@@ -161,8 +164,8 @@ class Checker {
 
 }  // namespace
 
-RobotCheck check_robot_files(const RobotFiles& files) {
-  return Checker(files).check();
+RobotCheck check_robot_files(const RobotFiles& files, const Transports& known) {
+  return Checker(files, known).check();
 }
 
 }  // namespace trb

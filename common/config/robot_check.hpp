@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "common/config/node_config.hpp"
+#include "common/config/transports.hpp"
 
 namespace trb {
 
@@ -32,6 +33,6 @@ struct RobotCheck {
   std::vector<SpokenTo> spoken_to;
   std::vector<std::string> absent;  ///< "places.json": not found, so not checked
 };
-RobotCheck check_robot_files(const RobotFiles& files);
+RobotCheck check_robot_files(const RobotFiles& files, const Transports& known);
 
 }  // namespace trb

@@ -1,8 +1,9 @@
 // A description checked by itself: which files are looked at, which words fit, and one fault of each kind.
 #include <doctest/doctest.h>
 
-#include "common/config/node_folder.hpp"
 #include "common/config/robot_check.hpp"
+#include "common/drivers/registry.hpp"
+#include "tests/support/node_folder.hpp"
 
 using namespace trb;
 
@@ -13,7 +14,7 @@ RobotFiles files_of(const NodeFolder& folder, const std::string& framework = "")
 }
 
 ConfigFault only_fault(const RobotFiles& files) {
-  const ConfigFaults faults = check_robot_files(files).faults;
+  const ConfigFaults faults = check_robot_files(files, drivers::robot_transports()).faults;
   REQUIRE_MESSAGE(faults.size() == 1, to_text(faults));
   CHECK_FALSE(faults[0].cure.empty());
   return faults[0];
@@ -27,7 +28,7 @@ struct Change {
 
 TEST_CASE("a good description is told with the frameworks whose words fit") {
   const NodeFolder folder("ur");
-  const RobotCheck check = check_robot_files(files_of(folder));
+  const RobotCheck check = check_robot_files(files_of(folder), drivers::robot_transports());
   CHECK_MESSAGE(check.faults.empty(), to_text(check.faults));
   CHECK(check.absent.empty());
   CHECK(check.places.contains("dock"));
@@ -40,7 +41,7 @@ TEST_CASE("a robot that speaks fields is served by the interpreter's frameworks"
   const NodeFolder folder("lines");
   folder.change("robots/r.json", R"("skills")", R"("field_channel": {}, "skills")");
   folder.change("robots/r.json", R"("command": {"data")", R"("command": {"subtype": "drive", "data")");
-  const RobotCheck check = check_robot_files(files_of(folder));
+  const RobotCheck check = check_robot_files(files_of(folder), drivers::robot_transports());
   CHECK_MESSAGE(check.faults.empty(), to_text(check.faults));
   REQUIRE(check.spoken_to.size() == 2);
   CHECK(check.spoken_to[0].framework == "abb");
@@ -51,7 +52,8 @@ TEST_CASE("files that are not there are not checked, unless they are named") {
   const NodeFolder folder("ur");
   folder.remove("places.json");
   folder.remove("commands.json");
-  CHECK(check_robot_files(files_of(folder)).absent == std::vector<std::string>{"places.json", "commands.json"});
+  CHECK(check_robot_files(files_of(folder), drivers::robot_transports()).absent ==
+        std::vector<std::string>{"places.json", "commands.json"});
   RobotFiles named = files_of(folder);
   named.places = folder.path() + "/hall.json";
   CHECK(only_fault(named).what.find("no such file") != std::string::npos);
@@ -82,7 +84,7 @@ TEST_CASE("one fault of each kind, with its file and key") {
     CAPTURE(one.to);
     const NodeFolder folder("ur");
     folder.change(one.file, one.from, one.to);
-    const ConfigFaults faults = check_robot_files(files_of(folder, "ur")).faults;
+    const ConfigFaults faults = check_robot_files(files_of(folder, "ur"), drivers::robot_transports()).faults;
     REQUIRE_MESSAGE(!faults.empty(), one.key);
     CHECK_MESSAGE(faults.size() == 1, to_text(faults));
     CHECK(faults[0].file.ends_with(one.file));

@@ -3,7 +3,7 @@
 #include <doctest/doctest.h>
 
 #include "common/base/files.hpp"
-#include "common/config/node_folder.hpp"
+#include "tests/support/node_folder.hpp"
 #include "tests/support/paths.hpp"
 
 using namespace trb;

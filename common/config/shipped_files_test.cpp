@@ -4,8 +4,8 @@
 #include <filesystem>
 
 #include "common/base/files.hpp"
-#include "common/config/node_folder.hpp"
 #include "common/scenario/definition.hpp"
+#include "tests/support/node_folder.hpp"
 #include "tests/support/paths.hpp"
 
 using namespace trb;

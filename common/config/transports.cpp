@@ -1,62 +1,63 @@
-// Which transports there are, in which mode each is spoken, and what each asks of commands.json.
-#include <algorithm>
-#include <array>
+#include "common/config/transports.hpp"
 
-#include "common/config/readers.hpp"
+#include <algorithm>
+
 #include "common/fleet/did_you_mean.hpp"
 
 namespace trb {
-namespace {
 
-void check_nothing(const NodeConfig&, const FileFaults&) {}
+const Transport* Transports::find(std::string_view name) const {
+  const auto at = std::ranges::find(rows_, name, &Transport::name);
+  return at == rows_.end() ? nullptr : *at;
+}
 
-struct Transport {
-  std::string_view name;
-  Mode mode{};
-  void (*check)(const NodeConfig&, const FileFaults&) = nullptr;
-};
+std::string Transports::default_of(Mode mode) const {
+  const auto at = std::ranges::find(rows_, mode, &Transport::mode);
+  return at == rows_.end() ? std::string() : std::string((*at)->name);
+}
 
-// A mode's first transport is the one that is meant where commands.json names none.
-constexpr std::array<Transport, 8> kTransports{{
-    {"tcp-text", Mode::direct, check_tcp_text},
-    {"udp-at", Mode::direct, check_udp_at},
-    {"modbus", Mode::direct, check_modbus},
-    {"lines", Mode::interpreter, check_nothing},
-    {"rapid", Mode::interpreter, check_rapid},
-    {"c3", Mode::interpreter, check_c3},
-    {"arcos", Mode::interpreter, check_arcos},
-    {"ros", Mode::ros, check_ros},
-}};
+std::vector<std::string> Transports::names() const {
+  std::vector<std::string> names;
+  for (const Transport* row : rows_) names.emplace_back(row->name);
+  return names;
+}
 
-std::string transports_of(Mode mode) {
+std::string Transports::names_of(Mode mode) const {
   std::string names;
-  for (const Transport& transport : kTransports) {
-    if (transport.mode == mode) names += (names.empty() ? "" : ", ") + std::string(transport.name);
+  for (const Transport* row : rows_) {
+    if (row->mode == mode) names += (names.empty() ? "" : ", ") + std::string(row->name);
   }
   return names;
 }
 
-}  // namespace
-
-std::vector<std::string> transport_names() {
-  std::vector<std::string> names;
-  for (const Transport& transport : kTransports) names.emplace_back(transport.name);
-  return names;
+std::vector<std::string> Transports::all_of(std::vector<std::string_view> Transport::*list,
+                                            std::vector<std::string> first) const {
+  for (const Transport* row : rows_) first.insert(first.end(), (row->*list).begin(), (row->*list).end());
+  return first;
 }
 
-std::string default_transport(Mode mode) {
-  const auto* const found = std::ranges::find(kTransports, mode, &Transport::mode);
-  return found == kTransports.end() ? std::string() : std::string(found->name);
-}
-
-void check_transport(const NodeConfig& config, const FileFaults& faults) {
-  const auto* const found = std::ranges::find(kTransports, config.commands.transport, &Transport::name);
-  if (found == kTransports.end()) return;
+void Transports::check(const NodeConfig& config, const FileFaults& faults) const {
+  const Transport* found = find(config.commands.transport);
+  if (found == nullptr) return;
   if (found->mode == config.mode) return found->check(config, faults);
   faults.add(config.framework + ".transport",
              in_quotes(found->name) + " is of the " + std::string(name_of(found->mode)) +
                  " mode, and profile.json says " + in_quotes(name_of(config.mode)),
-             "use one of " + transports_of(config.mode) + ", or correct profile.json");
+             "use one of " + names_of(config.mode) + ", or correct profile.json");
+}
+
+void check_words(const VendorCommands& vendor, const std::string& name, const FileFaults& faults) {
+  if (!vendor.commands.contains("stop")) {
+    faults.add(name + ".commands.stop", "is missing: every vendor must say how it is stopped",
+               "add \"stop\" with the vendor's words for stopping all motion, for example \"stop program\"");
+  }
+  for (const auto& [subtype, words] : vendor.commands) {
+    if (!words.empty() || subtype == "release") continue;
+    std::string key = name;
+    key.append(".commands.").append(subtype);
+    faults.add(key, "has no words, the robot would be sent nothing",
+               "write the vendor's words, or remove it; only \"release\" may be empty");
+  }
 }
 
 void require_port(const NodeConfig& config, const FileFaults& faults, const std::string& example) {

@@ -8,6 +8,7 @@
 #include "common/base/files.hpp"
 #include "common/config/interfaces.hpp"
 #include "common/config/node_config.hpp"
+#include "common/drivers/registry.hpp"
 #include "common/security/node_keys.hpp"
 #include "common/transport/loop.hpp"
 #include "services/cli/commands/command.hpp"
@@ -30,7 +31,7 @@ void progress(const Arguments& arguments, const std::string& text) {
 }
 
 void look_at_folder(const std::string& dir, Observed& seen, NodeConfig& config) {
-  NodeCheck check = check_node_dir(dir, true);
+  NodeCheck check = check_node_dir(dir, true, drivers::robot_transports());
   seen.faults = std::move(check.faults);
   config = std::move(check.config);
   seen.node = config.id;

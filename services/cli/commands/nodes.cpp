@@ -11,6 +11,7 @@
 
 #include "common/base/files.hpp"
 #include "common/config/node_config.hpp"
+#include "common/drivers/registry.hpp"
 #include "common/security/bus_keys.hpp"
 #include "common/transport/signals.hpp"
 #include "services/cli/commands/command.hpp"
@@ -31,7 +32,7 @@ std::string absolute(const std::string& path) {
 int run_check(const Arguments& arguments) {
   const std::string dir = absolute(arguments.words[0]);
   const bool running = NodeLock::holder(dir).ok();
-  const NodeCheck check = check_node_dir(dir, running);
+  const NodeCheck check = check_node_dir(dir, running, drivers::robot_transports());
   if (!check.faults.empty()) return print_faults(arguments, check.faults);
   const Network& network = check.config.network;
   const std::string note = note_of_wire(network.address, network.robot_address, check.config.robot.host);
@@ -74,7 +75,7 @@ Result<std::vector<ServiceProgram>> services_to_start(const NodeConfig& config, 
 
 /// What a reload leads to; nothing: the files are not good, and all stays as it is.
 std::optional<std::vector<ServiceProgram>> services_of_new_files(const Arguments& arguments, const std::string& dir) {
-  const NodeCheck check = check_node_dir(dir, true);
+  const NodeCheck check = check_node_dir(dir, true, drivers::robot_transports());
   if (!check.faults.empty()) print_faults(arguments, check.faults);
   if (Status made = make_keys_of_bus(check.config); !made) return std::nullopt;
   if (!faults_that_stop(check.faults).empty()) return std::nullopt;
@@ -100,7 +101,7 @@ int run_up(const Arguments& arguments) {
     return print_error(arguments, fail(Errc::conflict, dir + " is up already (pid " + std::to_string(*pid) + ")",
                                        "stop that one first, or use trb reload"));
   }
-  const NodeCheck check = check_node_dir(dir, false);
+  const NodeCheck check = check_node_dir(dir, false, drivers::robot_transports());
   const ConfigFaults stopping = faults_that_stop(check.faults);
   if (!stopping.empty()) return print_faults(arguments, check.faults);
   if (!check.faults.empty()) print_line(check.config.id + ": starts and waits: " + to_text(check.faults));
@@ -125,7 +126,7 @@ int run_up(const Arguments& arguments) {
 
 int run_reload(const Arguments& arguments) {
   const std::string dir = absolute(arguments.words[0]);
-  const NodeCheck check = check_node_dir(dir, true);
+  const NodeCheck check = check_node_dir(dir, true, drivers::robot_transports());
   if (!faults_that_stop(check.faults).empty()) return print_faults(arguments, check.faults);
   auto pid = NodeLock::holder(dir);
   if (!pid) return print_error(arguments, pid.error());

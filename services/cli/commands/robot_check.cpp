@@ -2,6 +2,7 @@
 #include <cstdio>
 
 #include "common/config/robot_check.hpp"
+#include "common/drivers/registry.hpp"
 #include "services/cli/commands/command.hpp"
 #include "services/cli/core/table.hpp"
 #include "services/cli/io/print.hpp"
@@ -116,7 +117,8 @@ Value good_json(const RobotCheck& check) {
 int run_robot_check(const Arguments& arguments) {
   const RobotCheck check =
       check_robot_files({arguments.words[0], arguments.get("--profile"), arguments.get("--commands"),
-                         arguments.get("--places"), arguments.get("--framework")});
+                         arguments.get("--places"), arguments.get("--framework")},
+                        drivers::robot_transports());
   if (!check.faults.empty()) return print_faults(arguments, check.faults);
   if (arguments.has("--json")) {
     print_json(good_json(check));

@@ -5,6 +5,7 @@
 
 #include "common/config/node_config.hpp"
 #include "common/config/robot_check.hpp"
+#include "common/drivers/registry.hpp"
 #include "proto/message.hpp"
 #include "services/cli/commands/command.hpp"
 #include "services/cli/conform/cases.hpp"
@@ -35,7 +36,7 @@ struct Row {
 
 /// Where and for whom the node itself listens.
 Result<Plan> plan_of_node(const Arguments& arguments, ConfigFaults& faults) {
-  NodeCheck check = check_node_dir(arguments.words[0], true);
+  NodeCheck check = check_node_dir(arguments.words[0], true, drivers::robot_transports());
   for (const ConfigFault& fault : check.faults) {
     if (!fault.file.starts_with("keys")) faults.push_back(fault);
   }
@@ -51,7 +52,7 @@ Result<Plan> plan_of_node(const Arguments& arguments, ConfigFaults& faults) {
 }
 
 Plan plan_of_file(const Arguments& arguments, ConfigFaults& faults) {
-  RobotCheck check = check_robot_files({arguments.words[0], "", "", "", ""});
+  RobotCheck check = check_robot_files({arguments.words[0], "", "", "", ""}, drivers::robot_transports());
   for (const ConfigFault& fault : check.faults) {
     if (fault.file == arguments.words[0] && fault.key != "skills") faults.push_back(fault);
   }

@@ -58,7 +58,7 @@ void ModeAdapterCore::tick(Now now, Outbox& out) {
   // Before the modes: a stop's answer says what was known at its deadline.
   stops_.tick(now, out);
   out_of_use_.tick(now, out);
-  robot_.for_each([&](RobotMode& mode) { mode.tick(now, robot_.to(mode, out)); });
+  robot_.for_each([&](Driver& mode) { mode.tick(now, robot_.to(mode, out)); });
   settle(now, out);
   desk_.tick(now, out);
   tick_watch(now, out);
@@ -77,24 +77,24 @@ std::optional<MonotonicTime> ModeAdapterCore::next_deadline() const {
 }
 
 void ModeAdapterCore::on_channel_up(Channel channel, Now now, Outbox& out) {
-  robot_.for_each([&](RobotMode& mode) { mode.on_up(channel, now, robot_.to(mode, out)); });
+  robot_.for_each([&](Driver& mode) { mode.on_up(channel, now, robot_.to(mode, out)); });
   settle(now, out);
 }
 
 void ModeAdapterCore::on_channel_down(Channel channel, const std::string& reason, Now now, Outbox& out) {
   const bool was_online = robot_.primary().online();
-  robot_.for_each([&](RobotMode& mode) { mode.on_down(channel, reason, now, robot_.to(mode, out)); });
+  robot_.for_each([&](Driver& mode) { mode.on_down(channel, reason, now, robot_.to(mode, out)); });
   const bool own_channel = (channel == Channel::field) != robot_.is_native(robot_.primary());
   if (!was_online && own_channel) status_.on_no_contact(std::string(name_of(channel)) + ": " + reason);
   settle(now, out);
 }
 
 void ModeAdapterCore::leave(Now now, Outbox& out) {
-  robot_.for_each([&](RobotMode& mode) { mode.leave(now, robot_.to(mode, out)); });
+  robot_.for_each([&](Driver& mode) { mode.leave(now, robot_.to(mode, out)); });
 }
 
 void ModeAdapterCore::on_bytes(Channel channel, BytesView bytes, Now now, Outbox& out) {
-  robot_.for_each([&](RobotMode& mode) { mode.on_bytes(channel, bytes, now, robot_.to(mode, out)); });
+  robot_.for_each([&](Driver& mode) { mode.on_bytes(channel, bytes, now, robot_.to(mode, out)); });
   settle(now, out);
 }
 

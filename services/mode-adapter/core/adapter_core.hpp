@@ -40,17 +40,17 @@ class ModeAdapterCore : public Core {
   void on_opaque(const Inbound& message, const Opaque& body, Now now, Outbox& out);
   void on_command(const Inbound& message, const Opaque& body, Now now, Outbox& out);
   void on_request(const Inbound& message, const Opaque& body, Now now, Outbox& out);
-  bool begin_stream(const Inbound& message, const Opaque& body, RobotMode& mode, Now now, Outbox& out);
+  bool begin_stream(const Inbound& message, const Opaque& body, Driver& mode, Now now, Outbox& out);
   void end_streams(Now now, Outbox& out);
-  void answer_from_monitor(const Inbound& message, const Opaque& body, RobotMode& mode, Now now, Outbox& out);
+  void answer_from_monitor(const Inbound& message, const Opaque& body, Driver& mode, Now now, Outbox& out);
   void on_nack(const Inbound& message, const Nack& nack, Now now, Outbox& out);
   void inform(std::string_view subtype, std::string_view source, BytesView data, Now now, Outbox& out);
   /// The message's token; none: refused, and told so.
-  std::optional<Token> wait_or_answer(Askers& askers, const Inbound& message, const Opaque& body, RobotMode& mode,
-                                      Now now, Outbox& out);
+  std::optional<Token> wait_or_answer(Askers& askers, const Inbound& message, const Opaque& body, Driver& mode, Now now,
+                                      Outbox& out);
 
   // the description's faults and sensors: watch.cpp
-  void watch(const RobotMode& mode, Now now, Outbox& out);
+  void watch(const Driver& mode, Now now, Outbox& out);
   void watch_field(const Said& said, Now now, Outbox& out);
   void tick_watch(Now now, Outbox& out);
   void tell_watched(const FaultNews& news, Now now, Outbox& out);
@@ -86,12 +86,12 @@ class ModeAdapterCore : public Core {
 
   // events of the modes: from_robot.cpp
   void settle(Now now, Outbox& out);
-  void on_event(RobotMode& mode, const ModeEvent& event, Now now, Outbox& out);
+  void on_event(Driver& mode, const DriverEvent& event, Now now, Outbox& out);
   void on_progress(Token token, const char* state, Now now, Outbox& out);
   void on_refused(const Refused& refused, Now now, Outbox& out);
-  void on_said(RobotMode& mode, const Said& said, Now now, Outbox& out);
-  void on_link_up(RobotMode& mode, Now now, Outbox& out);
-  void on_link_down(RobotMode& mode, const std::string& reason, Now now, Outbox& out);
+  void on_said(Driver& mode, const Said& said, Now now, Outbox& out);
+  void on_link_up(Driver& mode, Now now, Outbox& out);
+  void on_link_down(Driver& mode, const std::string& reason, Now now, Outbox& out);
   void expire(Askers& askers, const char* what, Now now, Outbox& out);
 
   InjectLine inject_;
@@ -104,7 +104,7 @@ class ModeAdapterCore : public Core {
   SkillDesk desk_;
   ControlLease control_;
   struct {
-    RobotMode* mode = nullptr;
+    Driver* mode = nullptr;
     Token token = 0;
   } commanded_;      ///< the last command that a person has given
   Askers commands_;  ///< until the robot has them

@@ -12,7 +12,7 @@ Inbound without_data(const Inbound& message) {
 
 }  // namespace
 
-void Askers::add(Token token, const Inbound& message, RobotMode& mode, Now now) {
+void Askers::add(Token token, const Inbound& message, Driver& mode, Now now) {
   const auto wait = std::chrono::milliseconds(std::min(message.remaining_ms, kLongestMs));
   const auto [at, is_new] = waiting_.emplace(token, Asker{without_data(message), &mode, now.mono + wait});
   if (is_new) deadlines_.emplace(at->second.deadline, token);
@@ -44,7 +44,7 @@ std::optional<std::pair<Token, Asker>> Askers::take_expired(Now now) {
   return std::pair(token, erase(waiting_.find(token)));
 }
 
-std::optional<Inbound> Askers::take_any_of(const RobotMode* mode) {
+std::optional<Inbound> Askers::take_any_of(const Driver* mode) {
   for (const auto& [token, asker] : waiting_) {
     if (asker.mode == mode) return take(token);
   }

@@ -7,13 +7,13 @@
 
 #include "common/actor/inbound.hpp"
 #include "common/base/time.hpp"
-#include "services/mode-adapter/core/modes/mode.hpp"
+#include "services/mode-adapter/core/drivers.hpp"
 
 namespace trb::adapter {
 
 struct Asker {
   Inbound message;  ///< without its data
-  RobotMode* mode = nullptr;
+  Driver* mode = nullptr;
   MonotonicTime deadline;
 };
 
@@ -22,12 +22,12 @@ class Askers {
   static constexpr std::uint32_t kLongestMs = 10'000;
 
   [[nodiscard]] std::size_t size() const { return waiting_.size(); }
-  void add(Token token, const Inbound& message, RobotMode& mode, Now now);
+  void add(Token token, const Inbound& message, Driver& mode, Now now);
   std::optional<Inbound> take(Token token);
   /// The oldest one that asked for that subtype from there.
   std::optional<Inbound> take_answered(std::string_view subtype, std::string_view source);
   std::optional<std::pair<Token, Asker>> take_expired(Now now);
-  std::optional<Inbound> take_any_of(const RobotMode* mode);
+  std::optional<Inbound> take_any_of(const Driver* mode);
   [[nodiscard]] std::optional<MonotonicTime> next_deadline() const;
 
  private:

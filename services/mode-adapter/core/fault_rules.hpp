@@ -2,7 +2,7 @@
 #pragma once
 
 #include "common/fleet/fault_rule.hpp"
-#include "services/mode-adapter/core/modes/mode.hpp"
+#include "services/mode-adapter/core/drivers.hpp"
 
 namespace trb::adapter {
 

@@ -14,7 +14,7 @@ void ModeAdapterCore::settle(Now now, Outbox& out) {
   status_.publish(condition(), out);
 }
 
-void ModeAdapterCore::on_event(RobotMode& mode, const ModeEvent& event, Now now, Outbox& out) {
+void ModeAdapterCore::on_event(Driver& mode, const DriverEvent& event, Now now, Outbox& out) {
   std::visit(Overloaded{
                  [&](const HandedOver& handed) { on_progress(handed.token, "handed_over", now, out); },
                  [&](const Started& started) { on_progress(started.token, "started", now, out); },
@@ -52,7 +52,7 @@ void ModeAdapterCore::on_refused(const Refused& refused, Now now, Outbox& out) {
   out.nack(*asker, refused.error);
 }
 
-void ModeAdapterCore::on_said(RobotMode& mode, const Said& said, Now now, Outbox& out) {
+void ModeAdapterCore::on_said(Driver& mode, const Said& said, Now now, Outbox& out) {
   Opaque body{said.subtype, said.data};
   if (said.type == MessageType::command) return out.command(said.target, std::move(body));
   if (said.type == MessageType::request) return out.request(said.target, std::move(body));
@@ -66,13 +66,13 @@ void ModeAdapterCore::on_said(RobotMode& mode, const Said& said, Now now, Outbox
   out.information(said.target, std::move(body));
 }
 
-void ModeAdapterCore::on_link_up(RobotMode& mode, Now now, Outbox& out) {
+void ModeAdapterCore::on_link_up(Driver& mode, Now now, Outbox& out) {
   out.count("from_robot.ready");
   if (&mode == &robot_.primary()) status_.on_up();
   stops_.on_link_up(mode, now, out);
 }
 
-void ModeAdapterCore::on_link_down(RobotMode& mode, const std::string& reason, Now now, Outbox& out) {
+void ModeAdapterCore::on_link_down(Driver& mode, const std::string& reason, Now now, Outbox& out) {
   if (&mode == &robot_.primary()) status_.on_down(reason);
   faults_.forget_standing();
   desk_.on_link_down(&mode, reason, now, out);

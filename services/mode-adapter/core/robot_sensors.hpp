@@ -2,7 +2,7 @@
 #pragma once
 
 #include "common/actor/outbox.hpp"
-#include "services/mode-adapter/core/modes/mode.hpp"
+#include "services/mode-adapter/core/drivers.hpp"
 
 namespace trb::adapter {
 

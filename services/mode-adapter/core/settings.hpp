@@ -4,21 +4,17 @@
 #include <functional>
 #include <string>
 
-#include "common/config/node_config.hpp"
-#include "common/fleet/description.hpp"
+#include "common/drivers/driver_settings.hpp"
 #include "common/fleet/places.hpp"
+#include "services/mode-adapter/core/drivers.hpp"
 #include "services/mode-adapter/core/out_of_use_book.hpp"
 
 namespace trb::adapter {
 
-struct Settings {
-  std::string id;
+struct Settings : DriverSettings {
   std::string framework;
   Mode mode = Mode::none;
-  Description description;
   Places places;
-  VendorCommands commands;
-  std::uint64_t instance = 0;      ///< this process's, from the service
   bool fenced = false;             ///< as the last process left it
   std::vector<Kept> out_of_use{};  ///< as the last process left it
 };

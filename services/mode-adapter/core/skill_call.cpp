@@ -2,8 +2,9 @@
 
 #include <cmath>
 
+#include "common/drivers/text/number_text.hpp"
+#include "services/mode-adapter/core/drivers.hpp"
 #include "services/mode-adapter/core/skill_parameters.hpp"
-#include "services/mode-adapter/core/text/number_text.hpp"
 
 namespace trb::adapter {
 namespace {

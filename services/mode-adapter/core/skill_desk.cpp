@@ -2,9 +2,9 @@
 
 #include <cmath>
 
-#include "services/mode-adapter/core/field/field_words.hpp"
+#include "common/drivers/lines/field_text.hpp"
+#include "common/drivers/text/number_text.hpp"
 #include "services/mode-adapter/core/skill_call.hpp"
-#include "services/mode-adapter/core/text/number_text.hpp"
 
 namespace trb::adapter {
 namespace {
@@ -76,7 +76,7 @@ std::optional<Error> SkillDesk::refusal(const Execute& order) {
   if (!outcomes_.make_room())
     return fail(Errc::busy, "too many outcomes wait to be journaled", "look at the scheduler");
   const Skill* skill = robot_.settings.description.find_skill(order.skill);
-  const RobotMode& mode = skill == nullptr ? robot_.primary() : robot_.mode_for(MessageType::command, skill->subtype);
+  const Driver& mode = skill == nullptr ? robot_.primary() : robot_.mode_for(MessageType::command, skill->subtype);
   if (!mode.online()) return robot_offline();
   return std::nullopt;
 }
@@ -103,7 +103,7 @@ bool SkillDesk::begin(const Inbound& message, const Execute& order, Now now, Out
 
 Status SkillDesk::hand_over(const Execute& order, const Skill& skill, Now now, Outbox& out) {
   const Settings& settings = robot_.settings;
-  RobotMode& mode = robot_.mode_for(MessageType::command, skill.subtype);
+  Driver& mode = robot_.mode_for(MessageType::command, skill.subtype);
   const bool numeric = settings.description.field_channel.encoding == Encoding::numeric;
   const CallStyle style = robot_.is_native(mode) ? CallStyle::json : numeric ? CallStyle::numbers : CallStyle::words;
   auto call = render_call(skill, order.data, settings.description, settings.places, style);
@@ -166,7 +166,7 @@ void SkillDesk::on_refused(const Error& error, Now now, Outbox& out) {
   end(nobody_knows ? TaskOutcome::interrupted : TaskOutcome::failed, error.what, {}, now, out);
 }
 
-void SkillDesk::on_values(const RobotMode* mode, Now now, Outbox& out) {
+void SkillDesk::on_values(const Driver* mode, Now now, Outbox& out) {
   if (!running_ || running_->mode != mode || !running_->under_way_at) return;
   const SkillEnd& wanted = running_->skill->end;
   if (wanted.kind != EndKind::position && wanted.kind != EndKind::state) return;
@@ -177,7 +177,7 @@ void SkillDesk::on_values(const RobotMode* mode, Now now, Outbox& out) {
   look_at(name, value->numbers, now, out);
 }
 
-void SkillDesk::on_information(const RobotMode* mode, std::string_view subtype, BytesView data, Now now, Outbox& out) {
+void SkillDesk::on_information(const Driver* mode, std::string_view subtype, BytesView data, Now now, Outbox& out) {
   if (!running_ || running_->mode != mode || !running_->under_way_at) return;
   const EndKind kind = running_->skill->end.kind;
   if (kind != EndKind::state && kind != EndKind::position) return;
@@ -217,7 +217,7 @@ void SkillDesk::on_fault(std::string_view capability, Severity severity, const s
   end(TaskOutcome::failed, text, {}, now, out);
 }
 
-void SkillDesk::on_link_down(const RobotMode* mode, const std::string& reason, Now now, Outbox& out) {
+void SkillDesk::on_link_down(const Driver* mode, const std::string& reason, Now now, Outbox& out) {
   if (running_ && running_->mode == mode) interrupt("the robot's connection was lost: " + reason, now, out);
 }
 

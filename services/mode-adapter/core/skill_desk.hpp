@@ -28,13 +28,13 @@ class SkillDesk {
   void on_under_way(Now now);
   void on_ended(const Ended& ended, Now now, Outbox& out);
   void on_refused(const Error& error, Now now, Outbox& out);
-  void on_values(const RobotMode* mode, Now now, Outbox& out);
+  void on_values(const Driver* mode, Now now, Outbox& out);
   /// Information that the robot has told its own node may be the state or position that ends a skill.
-  void on_information(const RobotMode* mode, std::string_view subtype, BytesView data, Now now, Outbox& out);
+  void on_information(const Driver* mode, std::string_view subtype, BytesView data, Now now, Outbox& out);
   /// A fault that takes the running skill's capability: if nobody would tell that the skill has ended of it, it is
   /// halted and has failed.
   void on_fault(std::string_view capability, Severity severity, const std::string& text, Now now, Outbox& out);
-  void on_link_down(const RobotMode* mode, const std::string& reason, Now now, Outbox& out);
+  void on_link_down(const Driver* mode, const std::string& reason, Now now, Outbox& out);
   void interrupt(const std::string& reason, Now now, Outbox& out);
 
   void tick(Now now, Outbox& out);
@@ -45,7 +45,7 @@ class SkillDesk {
     AttemptKey key;
     const Skill* skill = nullptr;
     Token token = 0;
-    RobotMode* mode = nullptr;
+    Driver* mode = nullptr;
     MonotonicTime began;
     MonotonicTime deadline;
     double timeout_s = 0;

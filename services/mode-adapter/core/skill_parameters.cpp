@@ -3,7 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "services/mode-adapter/core/text/number_text.hpp"
+#include "common/drivers/text/number_text.hpp"
+#include "services/mode-adapter/core/drivers.hpp"
 
 namespace trb::adapter {
 namespace {

@@ -19,7 +19,7 @@ void StopControl::on_stop(const Inbound& message, Now now, Outbox& out) {
   if (!fenced_) save_at_ = now.mono;
   fenced_ = true;
   Pending pending{message, false, now.mono + kConfirmation, {}, {}, true};
-  robot_.for_each([&](RobotMode& mode) { tell_stop(pending, mode, now, out); });
+  robot_.for_each([&](Driver& mode) { tell_stop(pending, mode, now, out); });
   out.log(LogLevel::warning, "stopped", "by " + message.source);
   if (try_answer(pending, out)) return;
   if (pending_.size() >= kMaxPending) {
@@ -29,7 +29,7 @@ void StopControl::on_stop(const Inbound& message, Now now, Outbox& out) {
   pending_.push_back(std::move(pending));
 }
 
-void StopControl::tell_stop(Pending& pending, RobotMode& mode, Now now, Outbox& out) {
+void StopControl::tell_stop(Pending& pending, Driver& mode, Now now, Outbox& out) {
   const auto ticket = mode.stop(now, robot_.to(mode, out));
   if (ticket) {
     pending.told.push_back({&mode, *ticket, false});
@@ -55,21 +55,21 @@ void StopControl::on_release(const Inbound& message, Now now, Outbox& out) {
   std::erase_if(pending_, [](const Pending& pending) { return !pending.release; });
   out.log(LogLevel::info, "released", "by " + message.source);
   Pending pending{message, true, now.mono + kConfirmation, {}, {}, true};
-  robot_.for_each([&](RobotMode& mode) {
+  robot_.for_each([&](Driver& mode) {
     if (const auto ticket = mode.release(now, robot_.to(mode, out))) pending.told.push_back({&mode, *ticket, false});
   });
   if (!try_answer(pending, out) && pending_.size() < kMaxPending) pending_.push_back(std::move(pending));
 }
 
-void StopControl::on_stopped(const RobotMode* mode, const Stopped& stopped, Outbox& out) {
+void StopControl::on_stopped(const Driver* mode, const Stopped& stopped, Outbox& out) {
   confirm(mode, stopped.ticket, false, stopped.by_robot, out);
 }
 
-void StopControl::on_released(const RobotMode* mode, const Released& released, Outbox& out) {
+void StopControl::on_released(const Driver* mode, const Released& released, Outbox& out) {
   confirm(mode, released.ticket, true, true, out);
 }
 
-void StopControl::confirm(const RobotMode* mode, Token ticket, bool release, bool by_robot, Outbox& out) {
+void StopControl::confirm(const Driver* mode, Token ticket, bool release, bool by_robot, Outbox& out) {
   for (Pending& pending : pending_) {
     if (pending.release != release) continue;
     for (Told& told : pending.told) {
@@ -81,8 +81,8 @@ void StopControl::confirm(const RobotMode* mode, Token ticket, bool release, boo
   answer_ready(out);
 }
 
-void StopControl::on_link_up(RobotMode& mode, Now now, Outbox& out) {
-  const ModeOut to = robot_.to(mode, out);
+void StopControl::on_link_up(Driver& mode, Now now, Outbox& out) {
+  const DriverOut to = robot_.to(mode, out);
   Result<Token> told = fail(Errc::ok, {});
   if (fenced_) {
     told = mode.stop(now, to);

@@ -16,17 +16,17 @@ class StopControl {
   void on_stop(const Inbound& message, Now now, Outbox& out);
   void on_release(const Inbound& message, Now now, Outbox& out);
 
-  void on_stopped(const RobotMode* mode, const Stopped& stopped, Outbox& out);
-  void on_released(const RobotMode* mode, const Released& released, Outbox& out);
+  void on_stopped(const Driver* mode, const Stopped& stopped, Outbox& out);
+  void on_released(const Driver* mode, const Released& released, Outbox& out);
   /// A robot that comes back is told again what it may have missed.
-  void on_link_up(RobotMode& mode, Now now, Outbox& out);
+  void on_link_up(Driver& mode, Now now, Outbox& out);
 
   void tick(Now now, Outbox& out);
   [[nodiscard]] std::optional<MonotonicTime> next_deadline() const;
 
  private:
   struct Told {
-    const RobotMode* mode = nullptr;
+    const Driver* mode = nullptr;
     Token ticket = 0;
     bool confirmed = false;
   };
@@ -39,8 +39,8 @@ class StopControl {
     bool by_robot = true;
   };
 
-  void tell_stop(Pending& pending, RobotMode& mode, Now now, Outbox& out);
-  void confirm(const RobotMode* mode, Token ticket, bool release, bool by_robot, Outbox& out);
+  void tell_stop(Pending& pending, Driver& mode, Now now, Outbox& out);
+  void confirm(const Driver* mode, Token ticket, bool release, bool by_robot, Outbox& out);
   void save_fence(Now now, Outbox& out);
   void answer_ready(Outbox& out);
   [[nodiscard]] bool try_answer(const Pending& pending, Outbox& out) const;

@@ -34,7 +34,7 @@ Result<std::optional<StreamOrder>> read_stream_order(BytesView data) {
   return std::optional(StreamOrder{*for_s, std::max(*every_s, kShortestPause_s)});
 }
 
-Status Streams::add(std::string_view subtype, std::string_view source, RobotMode& mode, const StreamOrder& order,
+Status Streams::add(std::string_view subtype, std::string_view source, Driver& mode, const StreamOrder& order,
                     Now now) {
   drop([&](const Stream& one) { return one.subtype == subtype && one.source == source; });
   if (order.for_s <= 0) return Done{};
@@ -47,7 +47,7 @@ Status Streams::add(std::string_view subtype, std::string_view source, RobotMode
   return Done{};
 }
 
-void Streams::on_values(RobotMode& mode, Now now, Outbox& out) {
+void Streams::on_values(Driver& mode, Now now, Outbox& out) {
   for (Stream& stream : streams_) {
     if (stream.mode != &mode || now.mono < stream.next || now.mono > stream.until) continue;
     const RobotValue* value = mode.value(stream.subtype);
@@ -59,7 +59,7 @@ void Streams::on_values(RobotMode& mode, Now now, Outbox& out) {
   }
 }
 
-void Streams::on_link_down(const RobotMode& mode) {
+void Streams::on_link_down(const Driver& mode) {
   drop([&](const Stream& stream) { return stream.mode == &mode; });
 }
 

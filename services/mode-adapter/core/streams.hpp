@@ -7,7 +7,7 @@
 
 #include "common/base/result.hpp"
 #include "common/base/time.hpp"
-#include "services/mode-adapter/core/modes/mode.hpp"
+#include "services/mode-adapter/core/drivers.hpp"
 
 namespace trb::adapter {
 
@@ -23,11 +23,11 @@ Result<std::optional<StreamOrder>> read_stream_order(BytesView data);
 class Streams {
  public:
   /// One for each asker and subtype: asked for again, it is renewed. Errors: queue_full.
-  Status add(std::string_view subtype, std::string_view source, RobotMode& mode, const StreamOrder& order, Now now);
+  Status add(std::string_view subtype, std::string_view source, Driver& mode, const StreamOrder& order, Now now);
 
   /// Tells what that mode has heard since each was told last.
-  void on_values(RobotMode& mode, Now now, Outbox& out);
-  void on_link_down(const RobotMode& mode);
+  void on_values(Driver& mode, Now now, Outbox& out);
+  void on_link_down(const Driver& mode);
   /// The subtypes that nobody is told any more since the last call.
   std::vector<std::string> take_ended(Now now);
   [[nodiscard]] std::optional<MonotonicTime> next_deadline() const;
@@ -36,7 +36,7 @@ class Streams {
   struct Stream {
     std::string subtype;
     std::string source;
-    RobotMode* mode = nullptr;
+    Driver* mode = nullptr;
     Duration every{};
     MonotonicTime until;
     MonotonicTime next;

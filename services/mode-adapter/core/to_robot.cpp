@@ -23,7 +23,7 @@ void ModeAdapterCore::on_opaque(const Inbound& message, const Opaque& body, Now 
 void ModeAdapterCore::on_command(const Inbound& message, const Opaque& body, Now now, Outbox& out) {
   const Holder by{Holder::Kind::person, message.source};
   const bool take = (message.flags & kFlagTakeControl) != 0;
-  RobotMode& mode = robot_.mode_for(MessageType::command, body.subtype);
+  Driver& mode = robot_.mode_for(MessageType::command, body.subtype);
   // With no robot on the field channel the command goes nowhere, whoever gives it: that is the cause to be told.
   const bool nobody_there = !robot_.is_native(mode) && !mode.online();
   if (const auto error = barred(by, take || nobody_there, now)) {
@@ -39,7 +39,7 @@ void ModeAdapterCore::on_command(const Inbound& message, const Opaque& body, Now
 }
 
 void ModeAdapterCore::on_request(const Inbound& message, const Opaque& body, Now now, Outbox& out) {
-  RobotMode& mode = robot_.mode_for(MessageType::request, body.subtype);
+  Driver& mode = robot_.mode_for(MessageType::request, body.subtype);
   if (robot_.is_native(mode) && !begin_stream(message, body, mode, now, out)) return;
   if (mode.answers_from_values()) return answer_from_monitor(message, body, mode, now, out);
   if (requests_.size() >= kMaxRequests) {
@@ -49,7 +49,7 @@ void ModeAdapterCore::on_request(const Inbound& message, const Opaque& body, Now
 }
 
 /// A request that asks for a stream is answered like any other; what comes later is information. False: refused.
-bool ModeAdapterCore::begin_stream(const Inbound& message, const Opaque& body, RobotMode& mode, Now now, Outbox& out) {
+bool ModeAdapterCore::begin_stream(const Inbound& message, const Opaque& body, Driver& mode, Now now, Outbox& out) {
   const auto order = read_stream_order(body.data);
   if (order && *order && !mode.online()) return true;  // its answer says so
   const Status begun = !order   ? Status(order.error())
@@ -67,7 +67,7 @@ void ModeAdapterCore::end_streams(Now now, Outbox& out) {
 }
 
 std::optional<Token> ModeAdapterCore::wait_or_answer(Askers& askers, const Inbound& message, const Opaque& body,
-                                                     RobotMode& mode, Now now, Outbox& out) {
+                                                     Driver& mode, Now now, Outbox& out) {
   const Token token = robot_.next_token();
   const auto progress =
       mode.hand_over({token, message.type, body.subtype, message.source, body.data, {}}, now, robot_.to(mode, out));
@@ -93,7 +93,7 @@ Error ModeAdapterCore::explain(const Error& error, std::string_view subtype) con
               "add '" + word + "' to commands.json, or start the robot's program that dials TCP_PORT");
 }
 
-void ModeAdapterCore::answer_from_monitor(const Inbound& message, const Opaque& body, RobotMode& mode, Now now,
+void ModeAdapterCore::answer_from_monitor(const Inbound& message, const Opaque& body, Driver& mode, Now now,
                                           Outbox& out) {
   const RobotValue* value = mode.value(body.subtype);
   if (value != nullptr && now.mono - value->heard <= kStale) {
@@ -109,7 +109,7 @@ void ModeAdapterCore::answer_from_monitor(const Inbound& message, const Opaque& 
 }
 
 void ModeAdapterCore::inform(std::string_view subtype, std::string_view source, BytesView data, Now now, Outbox& out) {
-  RobotMode& mode = robot_.mode_for(MessageType::information, subtype);
+  Driver& mode = robot_.mode_for(MessageType::information, subtype);
   const Handover message{robot_.next_token(), MessageType::information, subtype, source, data, {}};
   const auto progress = mode.hand_over(message, now, robot_.to(mode, out));
   if (!progress) out.count("refused." + std::string(errc_name(progress.error().code)));

@@ -1,6 +1,6 @@
 // The robot's values: the faults and the news that the description makes of them.
+#include "common/drivers/lines/field_text.hpp"
 #include "services/mode-adapter/core/adapter_core.hpp"
-#include "services/mode-adapter/core/field/field_words.hpp"
 
 namespace trb::adapter {
 namespace {
@@ -14,7 +14,7 @@ RobotValue value_in_fields(BytesView data, Now now) {
 
 }  // namespace
 
-void ModeAdapterCore::watch(const RobotMode& mode, Now now, Outbox& out) {
+void ModeAdapterCore::watch(const Driver& mode, Now now, Outbox& out) {
   const Description& description = robot_.settings.description;
   FaultNews news;
   for (const FaultRule& rule : description.faults) {

@@ -6,7 +6,7 @@
 #include <cerrno>
 #include <cmath>
 
-#include "services/mode-adapter/core/text/number_text.hpp"
+#include "common/drivers/text/number_text.hpp"
 #include "services/mode-adapter/io/tcp.hpp"
 
 namespace trb::adapter {

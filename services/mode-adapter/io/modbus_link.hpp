@@ -7,7 +7,8 @@
 
 #include "common/base/result.hpp"
 #include "common/base/time.hpp"
-#include "services/mode-adapter/core/modes/modbus_call.hpp"
+#include "common/drivers/modbus/call.hpp"
+#include "services/mode-adapter/core/drivers.hpp"
 
 struct _modbus;
 

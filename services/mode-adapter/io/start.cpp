@@ -3,6 +3,8 @@
 #include <cstdio>
 
 #include "common/config/node_config.hpp"
+#include "common/drivers/modbus/syntax.hpp"
+#include "common/drivers/registry.hpp"
 #include "services/mode-adapter/io/fault_port.hpp"
 #include "services/mode-adapter/io/fence_file.hpp"
 #include "services/mode-adapter/io/modbus_io.hpp"
@@ -31,24 +33,26 @@ std::vector<std::string> subtypes() {
           std::string(Release::kSubtype)};
 }
 
-RobotIoSettings io_settings(const NodeConfig& config) {
+RobotIoSettings io_settings(const NodeConfig& config, Wire wire) {
   RobotIoSettings settings{config.network.robot_address, config.network.tcp_port, config.robot.host, {}, {}};
-  const std::string& transport = config.commands.transport;
-  if (transport == "lines" || transport == "ros" || transport == "modbus") return settings;
+  if (wire != Wire::stream && wire != Wire::datagrams) return settings;
   settings.command_port = config.commands.port;
-  settings.datagrams = transport == "udp-at";
+  settings.datagrams = wire == Wire::datagrams;
   if (config.commands.monitor) settings.monitor_port = config.commands.monitor->port;
   return settings;
 }
 
 ModbusLink::Where modbus_device(const NodeConfig& config) {
-  const ModbusSettings& modbus = config.commands.modbus;
+  const ModbusSettings modbus = modbus_settings(config.commands);
   return {config.robot.host, config.commands.port.value_or(kModbusPort), modbus.unit, modbus.timeout_s};
 }
 
 Settings core_settings(NodeConfig config, std::uint64_t instance, bool fenced, std::vector<Kept> out_of_use) {
-  return {std::move(config.id),     std::move(config.framework), config.mode, std::move(config.description),
-          std::move(config.places), std::move(config.commands),  instance,    fenced,
+  return {{std::move(config.id), std::move(config.description), std::move(config.commands), instance},
+          std::move(config.framework),
+          config.mode,
+          std::move(config.places),
+          fenced,
           std::move(out_of_use)};
 }
 
@@ -60,7 +64,7 @@ int complain(const std::string& text) {
 }  // namespace
 
 int start(const std::string& node_dir) {
-  NodeCheck check = check_node_dir(node_dir, true);
+  NodeCheck check = check_node_dir(node_dir, true, robot_transports());
   // A robot that is reached on an interface that is not there yet: ends, and `trb up` starts it again until it is.
   const bool placed = !check.config.network.robot_address.empty();
   if (!faults_that_stop(check.faults).empty() || !placed) return complain(to_text(check.faults));
@@ -68,8 +72,9 @@ int start(const std::string& node_dir) {
   if (!service) return complain(service.error().text());
   const FenceFile fence(check.config.dir);
   const OutOfUseFile kept(check.config.dir);
-  const RobotIoSettings roads = io_settings(check.config);
-  const bool speaks_modbus = check.config.commands.transport == "modbus";
+  const DriverRow* row = find_driver(check.config.commands.transport);
+  const Wire wire = row == nullptr ? Wire::none : row->wire;
+  const RobotIoSettings roads = io_settings(check.config, wire);
   const ModbusLink::Where device = modbus_device(check.config);
   const std::string control = check.config.robot.fault_injection;
   const auto inject = [&control](const std::string& line) { return send_control_line(control, line); };
@@ -80,7 +85,7 @@ int start(const std::string& node_dir) {
       control.empty() ? InjectLine{} : InjectLine{inject});
   const auto io = RobotIo::open(roads, **service, core);
   if (!io) return complain(io.error().text());
-  const auto modbus = speaks_modbus ? ModbusIo::open(device, **service, core) : std::unique_ptr<ModbusIo>();
+  const auto modbus = wire == Wire::modbus ? ModbusIo::open(device, **service, core) : std::unique_ptr<ModbusIo>();
   if (!modbus) return complain(modbus.error().text());
   const int ended = (*service)->run(core, [&core] { return core.idle(); });
   (*service)->step([&core](Now at, Outbox& out) { core.leave(at, out); });

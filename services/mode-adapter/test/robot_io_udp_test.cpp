@@ -3,8 +3,8 @@
 #include <netinet/in.h>
 #include <sys/socket.h>
 
+#include "common/drivers/udp-at/test/bench.hpp"
 #include "services/mode-adapter/io/udp.hpp"
-#include "services/mode-adapter/test/ar_bench.hpp"
 #include "services/mode-adapter/test/fake_service.hpp"
 
 using namespace trb;

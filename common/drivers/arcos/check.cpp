@@ -1,0 +1,99 @@
+// That commands.json has what a robot that speaks ARCOS needs.
+#include <algorithm>
+
+#include "common/config/transports.hpp"
+#include "common/drivers/arcos/syntax.hpp"
+#include "common/fleet/did_you_mean.hpp"
+
+namespace trb::drivers {
+namespace {
+
+using Steps = std::vector<ArcosStep>;
+
+class ArcosCheck {
+ public:
+  ArcosCheck(const NodeConfig& config, const FileFaults& faults) : config_(config), faults_(faults) {}
+
+  void run() {
+    for (const auto& [subtype, words] : vendor().commands) command(subtype, words);
+    for (const auto& [name, words] : vendor().values) value(name, words);
+    for (const auto& [subtype, name] : vendor().requests) {
+      if (vendor().values.contains(name)) continue;
+      faults_.add(key("requests", subtype), in_quotes(name) + " is none of \"values\"",
+                  did_you_mean(name, value_names(), "add it there with what tells it, or use one of"));
+    }
+    for (const Skill& skill : config_.description.skills) this->skill(skill);
+  }
+
+ private:
+  [[nodiscard]] const VendorCommands& vendor() const { return config_.commands; }
+  [[nodiscard]] std::string key(const char* part, const std::string& name) const {
+    return config_.framework + "." + part + "." + name;
+  }
+  [[nodiscard]] std::vector<std::string> value_names() const {
+    std::vector<std::string> names;
+    for (const auto& [name, ignored] : vendor().values) names.push_back(name);
+    return names;
+  }
+
+  void command(const std::string& subtype, const std::string& words) {
+    const auto steps = read_arcos_steps(words);
+    if (!steps) return faults_.add(key("commands", subtype), steps.error().what, steps.error().cure);
+    const bool stops = std::ranges::any_of(*steps, [](const ArcosStep& s) { return s.effect == ArcosEffect::stops; });
+    if (subtype == "stop" && !words.empty() && !stops) {
+      faults_.add(key("commands", subtype), "stops nothing", "use STOP, or E_STOP to brake as hard as the robot can");
+    }
+  }
+
+  void value(const std::string& name, const std::string& words) {
+    const auto fields = read_arcos_value(words);
+    if (!fields) faults_.add(key("values", name), fields.error().what, fields.error().cure);
+  }
+
+  void skill(const Skill& skill) {
+    const auto words = vendor().commands.find(skill.subtype);
+    if (words == vendor().commands.end()) {
+      if (config_.description.has_field_channel) return;
+      return faults_.add(key("commands", skill.subtype), "is missing: skill '" + skill.name + "' sends it",
+                         "add it, for example \"goto {0} {1} {2}\"");
+    }
+    const auto steps = read_arcos_steps(words->second);
+    const bool ends = steps && !steps->empty() && steps->back().travel;
+    if (steps && !ends && skill.end.kind == EndKind::acknowledgement) {
+      faults_.add(key("commands", skill.subtype),
+                  "ends skill '" + skill.name + "' with an acknowledgement, which only goto gives",
+                  R"(use goto, or give the skill an end of kind "position", "state" or "time")");
+    }
+    if (ends) units(skill);
+    const bool position = skill.end.kind == EndKind::position;
+    const std::string watched = skill.end.state.empty() ? "position" : skill.end.state;
+    if ((position || skill.end.kind == EndKind::state) && !vendor().values.contains(watched)) {
+      faults_.add(key("values", watched), "is missing: the end of skill '" + skill.name + "' is seen by it",
+                  "add it with what tells it, for example \"x y heading\"");
+    }
+  }
+
+  /// A place in metres would be a step of some millimetres.
+  void units(const Skill& skill) {
+    const RobotFrame& frame = config_.description.frame;
+    const bool millimetres = frame.length == 1000;
+    if (millimetres && frame.angle != 1) return;
+    faults_.add(key("commands", skill.subtype),
+                std::string("takes millimetres and degrees, and the description's \"frame\" has ") +
+                    (millimetres ? "radians" : "metres"),
+                R"(write "frame": {"length_unit": "mm", "angle_unit": "deg"} in the description)");
+  }
+
+  const NodeConfig& config_;
+  const FileFaults& faults_;
+};
+
+}  // namespace
+
+void check_arcos(const NodeConfig& config, const FileFaults& faults) {
+  require_port(config, faults, "8101 for a Pioneer");
+  check_words(config.commands, config.framework, faults);
+  ArcosCheck(config, faults).run();
+}
+
+}  // namespace trb::drivers

@@ -1,0 +1,80 @@
+// The interpreter mode over arcos: the node dials a MobileRobots Pioneer and sends it the commands that commands.json
+// names; the robot's packets tell where it is and how it is. "goto" is driven from here, step by step.
+#pragma once
+
+#include <map>
+
+#include "common/config/node_config.hpp"
+#include "common/drivers/arcos/journey.hpp"
+#include "common/drivers/arcos/link.hpp"
+#include "common/drivers/arcos/order.hpp"
+#include "common/drivers/arcos/report.hpp"
+#include "common/drivers/arcos/state.hpp"
+#include "common/drivers/driver.hpp"
+
+namespace trb::drivers {
+
+class ArcosDriver : public Driver {
+ public:
+  ArcosDriver(const VendorCommands& words, std::string own_id);
+
+  [[nodiscard]] bool online() const override { return sip_.has_value(); }
+  [[nodiscard]] bool knows(MessageType type, std::string_view subtype) const override;
+  [[nodiscard]] bool tells_end(std::string_view subtype) const override;
+  [[nodiscard]] const RobotValue* value(std::string_view name) const override;
+  [[nodiscard]] bool answers_from_values() const override { return true; }
+
+  Result<Progress> hand_over(const Handover& message, Now now, const DriverOut& out) override;
+  [[nodiscard]] bool runs(Token token) const override { return journey_ && journey_->token == token; }
+  void forget(Token, Now, const DriverOut&) override {}
+  void halt(Token token, Now now, const DriverOut& out) override;
+  Result<Token> stop(Now now, const DriverOut& out) override;
+  Result<Token> release(Now now, const DriverOut& out) override;
+  [[nodiscard]] bool told_to_stop() const override { return told_to_stop_; }
+
+  void on_up(Channel channel, Now now, const DriverOut& out) override;
+  void on_down(Channel channel, const std::string& reason, Now now, const DriverOut& out) override;
+  void on_bytes(Channel channel, BytesView bytes, Now now, const DriverOut& out) override;
+  void leave(Now now, const DriverOut& out) override;
+  void tick(Now now, const DriverOut& out) override;
+  [[nodiscard]] std::optional<MonotonicTime> next_deadline() const override { return link_.next_deadline(); }
+
+ private:
+  struct Journey {
+    Token token = 0;
+    bool is_skill = false;
+    ArcosJourney way;
+  };
+
+  [[nodiscard]] Status may_go(const Handover& message, const ArcosOrder& order) const;
+  Result<ArcosOrder> own_words(const std::string& subtype) const;
+  void send(const ArcosOrder& order, Now now, const DriverOut& out);
+  void end_journey(const std::string& failure, const DriverOut& out);
+  void on_sip(const ArcosSip& sip, Now now, const DriverOut& out);
+  void on_first_sip(Now now, const DriverOut& out);
+  void go_on(Now now, const DriverOut& out);
+  void confirm(Now now, const DriverOut& out);
+  void give_up(const std::string& reason, Now now, const DriverOut& out);
+
+  std::string own_id_;
+  std::map<std::string, std::vector<ArcosStep>, std::less<>> commands_;
+  std::map<std::string, std::vector<ArcosField>, std::less<>> fields_;  ///< by value
+  std::map<std::string, std::string, std::less<>> requests_;            ///< subtype -> value
+
+  ArcosLink link_;
+  std::optional<ArcosSip> sip_;  ///< the last one of this connection
+  ArcosOdometry odometry_;
+  ArcosFaults faults_;
+  std::map<std::string, RobotValue, std::less<>> values_;
+  std::optional<Journey> journey_;
+
+  bool motors_wanted_ = true;
+  MonotonicTime enabled_at_;  ///< when ENABLE was sent
+  MonotonicTime told_at_;     ///< when stop or release was sent
+  bool told_to_stop_ = false;
+  Token last_ticket_ = 0;
+  std::optional<Token> stop_waits_;
+  std::optional<Token> release_waits_;
+};
+
+}  // namespace trb::drivers

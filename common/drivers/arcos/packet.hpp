@@ -1,0 +1,50 @@
+// ARCOS packets, to and from a robot: FA FB, the number of bytes that follow, a type, contents, a checksum.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "common/base/bytes.hpp"
+
+namespace trb::drivers {
+
+struct ArcosPacket {
+  std::uint8_t type = 0;
+  Bytes contents;
+};
+
+/// The sum of the big-endian pairs of what stands between count and checksum, modulo 2^16; an odd last byte is xor-ed
+/// into it.
+std::uint16_t arcos_checksum(BytesView bytes);
+
+Bytes arcos_command(std::uint8_t number);
+/// -32767 to 65535: the sign is in the argument's type.
+Bytes arcos_command(std::uint8_t number, int argument);
+/// At most 200 bytes; its length goes before it, so that it may hold anything.
+Bytes arcos_command(std::uint8_t number, BytesView text);
+
+constexpr std::size_t kMaxArcosText = 200;
+
+/// Cuts a stream into packets. After bytes that are no packet it goes on at the next FA FB.
+class ArcosReader {
+ public:
+  void add(BytesView bytes, std::vector<ArcosPacket>& out);
+  void clear() { *this = {}; }
+
+  /// Since the last call.
+  struct Losses {
+    std::size_t garbage = 0;  ///< bytes that belonged to no packet
+    std::size_t wrong = 0;    ///< packets whose checksum was wrong
+  };
+  Losses take_losses();
+
+ private:
+  /// True if the buffer may hold another packet.
+  bool take_one(std::vector<ArcosPacket>& out);
+  void drop(std::size_t size);
+
+  Bytes buffer_;
+  Losses losses_;
+};
+
+}  // namespace trb::drivers

@@ -1,0 +1,38 @@
+// Data into KRL and back. A KRL text has no escape for its own quote: words refuse one, fields write it as `\q`.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "common/base/result.hpp"
+#include "proto/value.hpp"
+
+namespace trb::drivers {
+
+/// A number, TRUE or FALSE, or a text in quotes. Errors: bad_value (no literal of that kind), not_escapable (a quote, a
+/// control character or a byte outside ASCII).
+Result<std::string> krl_literal(const Value& value);
+
+/// A field's text in quotes: `\\`, `\n`, `\r`, `\q` for a quote, `\xHH` for any other byte that is no printable ASCII.
+std::string krl_field(std::string_view text);
+
+/// Data as fields of at most so many characters between their quotes; an escape is never cut. At least one.
+std::vector<std::string> krl_chunks(std::string_view data, std::size_t most);
+
+/// Undoes krl_field. Text without quotes is taken as it stands; an unknown escape, too.
+std::string krl_text(std::string_view field);
+
+/// What a variable holds.
+struct KrlValue {
+  std::vector<double> numbers;  ///< TRUE is 1; of a structure: those of its components, in their order
+  std::string json;             ///< a structure is an object; with components asked for: a list of them
+};
+
+/// Errors: malformed, missing (a component).
+Result<KrlValue> read_krl(std::string_view text, const std::vector<std::string>& components);
+
+/// True for TRUE, or a number that is not 0.
+bool krl_true(std::string_view text);
+
+}  // namespace trb::drivers

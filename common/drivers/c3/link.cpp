@@ -1,0 +1,69 @@
+#include "common/drivers/c3/link.hpp"
+
+#include <algorithm>
+
+namespace trb::drivers {
+namespace {
+
+constexpr Duration kAnswerTime = std::chrono::seconds(2);
+
+}  // namespace
+
+bool C3Link::ask(C3Ask ask, Now now, const DriverOut& out) {
+  if (waiting_.size() >= kMost) return false;
+  waiting_.push_back(std::move(ask));
+  if (sent_.empty()) send_next(now, out);
+  return true;
+}
+
+void C3Link::urge(C3Ask ask, Now now, const DriverOut& out) {
+  send(std::move(ask), now, out);
+}
+
+void C3Link::drop_waiting(C3Purpose purpose) {
+  std::erase_if(waiting_, [&](const C3Ask& ask) { return ask.purpose == purpose; });
+}
+
+std::optional<C3Link::Answer> C3Link::take(C3Reply reply, Now now, const DriverOut& out) {
+  const auto found = sent_.find(reply.tag);
+  if (found == sent_.end()) {
+    out.refuse("unknown_tag", "the robot answered what was not asked, tag " + std::to_string(reply.tag));
+    return std::nullopt;
+  }
+  Answer answer{std::move(found->second.ask), std::move(reply)};
+  sent_.erase(found);
+  if (sent_.empty()) send_next(now, out);
+  return answer;
+}
+
+void C3Link::clear() {
+  waiting_.clear();
+  sent_.clear();
+}
+
+bool C3Link::hung(Now now) const {
+  const auto deadline = next_deadline();
+  return deadline && now.mono >= *deadline;
+}
+
+std::optional<MonotonicTime> C3Link::next_deadline() const {
+  std::optional<MonotonicTime> next;
+  for (const auto& [tag, sent] : sent_) next = earlier(next, sent.at + kAnswerTime);
+  return next;
+}
+
+void C3Link::send(C3Ask ask, Now now, const DriverOut& out) {
+  while (sent_.contains(++last_tag_)) {
+  }
+  out.out.write(Channel::command, c3_request(last_tag_, ask.variable, ask.value));
+  sent_.emplace(last_tag_, Sent{std::move(ask), now.mono});
+}
+
+void C3Link::send_next(Now now, const DriverOut& out) {
+  if (waiting_.empty()) return;
+  C3Ask next = std::move(waiting_.front());
+  waiting_.pop_front();
+  send(std::move(next), now, out);
+}
+
+}  // namespace trb::drivers

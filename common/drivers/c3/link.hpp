@@ -1,0 +1,64 @@
+// The conversation with a C3 server: one question at a time, answers told apart by their tags.
+#pragma once
+
+#include <deque>
+#include <map>
+#include <optional>
+
+#include "common/drivers/c3/wire.hpp"
+#include "common/drivers/driver.hpp"
+
+namespace trb::drivers {
+
+/// What an answer is for.
+enum class C3Purpose : std::uint8_t { step, probe, part, clear, value, request, stop, release, note };
+
+struct C3Ask {
+  C3Purpose purpose{};
+  std::string variable;
+  std::optional<std::string> value;  ///< written; none: read
+  std::uint64_t about = 0;           ///< the asker's own mark
+};
+
+/// event          | what follows
+/// ---------------|----------------------------------------------------------------
+/// ask            | waits for the answers of all before it, then is sent
+/// urge           | sent at once, whatever waits or is under way
+/// an answer      | its ask, and the next one is sent; of an unknown tag: counted, ignored
+/// 2 s, no answer | hung(): the connection is of no use any more
+class C3Link {
+ public:
+  static constexpr std::size_t kMost = 256;
+
+  /// False: so many wait that nothing more is taken.
+  bool ask(C3Ask ask, Now now, const DriverOut& out);
+  void urge(C3Ask ask, Now now, const DriverOut& out);
+  /// Those of that purpose that have not been sent are dropped.
+  void drop_waiting(C3Purpose purpose);
+
+  struct Answer {
+    C3Ask ask;
+    C3Reply reply;
+  };
+  /// What an answer answers; the next ask is sent.
+  std::optional<Answer> take(C3Reply reply, Now now, const DriverOut& out);
+
+  void clear();
+  [[nodiscard]] bool idle() const { return sent_.empty() && waiting_.empty(); }
+  [[nodiscard]] bool hung(Now now) const;
+  [[nodiscard]] std::optional<MonotonicTime> next_deadline() const;
+
+ private:
+  struct Sent {
+    C3Ask ask;
+    MonotonicTime at;
+  };
+  void send(C3Ask ask, Now now, const DriverOut& out);
+  void send_next(Now now, const DriverOut& out);
+
+  std::deque<C3Ask> waiting_;
+  std::map<std::uint16_t, Sent> sent_;  ///< by tag
+  std::uint16_t last_tag_ = 0;
+};
+
+}  // namespace trb::drivers

@@ -1,0 +1,158 @@
+// A mode: how messages become the robot's language. The core knows a robot only through this interface; a mode answers
+// with events, never by calling back.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "common/actor/outbox.hpp"
+#include "common/base/time.hpp"
+#include "proto/bodies/bridge.hpp"
+#include "proto/bodies/robot.hpp"
+
+namespace trb::drivers {
+
+/// Names one message on its way to the robot, or one stop or release told to it; never reused by a process.
+using Token = std::uint64_t;
+
+/// A message for the robot. The texts are copied by a mode that keeps them.
+struct Handover {
+  Token token = 0;
+  MessageType type = MessageType::none;
+  std::string_view subtype;
+  std::string_view source;
+  BytesView data;
+  std::string_view skill;  ///< its name, if the end of this command is waited for
+};
+
+/// How far a message has come when hand_over() returns.
+enum class Progress : std::uint8_t { queued, handed_over };
+
+// What a mode tells of the robot.
+struct HandedOver {
+  Token token = 0;
+};
+struct Started {  ///< the robot says that it carries the command out
+  Token token = 0;
+};
+struct Ended {  ///< a command with a skill's name is over
+  Token token = 0;
+  bool well = false;
+  std::string text;  ///< the result, or why not
+};
+struct Refused {  ///< the message does not reach the robot, or the robot refuses it
+  Token token = 0;
+  Error error;
+};
+struct Said {  ///< a message of the robot's own
+  MessageType type = MessageType::none;
+  std::string subtype;
+  std::string target;
+  Bytes data;
+};
+struct FaultSaid {
+  std::string capability;  ///< empty: of every capability
+  Severity severity{};
+  std::string text;
+  std::string cause{};  ///< what of the robot says that it is over, as FaultOver names it; empty: nothing does
+  bool lasts = true;    ///< the robot says so for as long as it is so; false: it has said it once
+  bool is_news = true;  ///< false: the fleet has been told of it under another cause, or by an earlier process
+};
+struct FaultOver {  ///< told with every state in which it is; most often nothing had stood
+  std::string cause;
+};
+struct ValuesHeard {};  ///< value() has news
+struct Stopped {        ///< every stop up to this ticket is confirmed
+  Token ticket = 0;
+  bool by_robot = true;  ///< false: nothing can tell, the robot was merely told
+};
+struct Released {
+  Token ticket = 0;
+};
+struct LinkUp {};
+struct LinkDown {
+  std::string reason;
+};
+using DriverEvent = std::variant<HandedOver, Started, Ended, Refused, Said, FaultSaid, FaultOver, ValuesHeard, Stopped,
+                                 Released, LinkUp, LinkDown>;
+
+class Driver;
+struct EventFrom {
+  Driver* mode = nullptr;
+  DriverEvent event;
+};
+
+/// Where a mode puts what it wants done and what it has heard.
+struct DriverOut {
+  Driver* mode;
+  Outbox& out;
+  std::vector<EventFrom>& events;
+
+  void emit(DriverEvent event) const { events.push_back({mode, std::move(event)}); }
+  /// Counted as refused.REASON and logged.
+  void refuse(std::string_view reason, std::string text) const {
+    out.count("refused." + std::string(reason));
+    out.log(LogLevel::warning, std::string(reason), std::move(text));
+  }
+};
+
+/// What the robot last said of itself under a name.
+struct RobotValue {
+  std::vector<double> numbers;
+  std::string json;
+  MonotonicTime heard;
+};
+
+class Driver {
+ public:
+  Driver() = default;
+  Driver(const Driver&) = delete;
+  Driver& operator=(const Driver&) = delete;
+  virtual ~Driver() = default;
+
+  [[nodiscard]] virtual bool online() const = 0;
+  /// True if the mode has words for that subtype.
+  [[nodiscard]] virtual bool knows(MessageType type, std::string_view subtype) const = 0;
+  /// True if the robot tells when a command of that subtype is over.
+  [[nodiscard]] virtual bool tells_end(std::string_view subtype) const = 0;
+  [[nodiscard]] virtual const RobotValue* value(std::string_view name) const = 0;
+  /// True if requests are answered from value(), without asking the robot.
+  [[nodiscard]] virtual bool answers_from_values() const { return false; }
+  /// For a mode that hears a request's values only if it listens: from now on value() has them, until unwatch().
+  virtual void watch(std::string_view /*subtype*/, const DriverOut&) {}
+  virtual void unwatch(std::string_view /*subtype*/, const DriverOut&) {}
+  /// Why value() has none, if the robot has said so.
+  [[nodiscard]] virtual std::optional<Error> problem(std::string_view) const { return std::nullopt; }
+
+  /// Errors: no_field_channel, robot_offline, queue_full, unknown_subtype, bad_value, not_escapable.
+  virtual Result<Progress> hand_over(const Handover& message, Now now, const DriverOut& out) = 0;
+  /// True while a command handed over, as far as the robot tells, waits or is carried out.
+  [[nodiscard]] virtual bool runs(Token) const { return false; }
+  /// Nobody waits for the message any more: it is dropped unless it is on its way already.
+  virtual void forget(Token token, Now now, const DriverOut& out) = 0;
+  /// Ends the motion of one command, without a fence.
+  virtual void halt(Token token, Now now, const DriverOut& out) = 0;
+
+  /// Drops everything that waits and tells the robot to stop. The ticket comes back in Stopped; without a connection
+  /// there is none.
+  virtual Result<Token> stop(Now now, const DriverOut& out) = 0;
+  virtual Result<Token> release(Now now, const DriverOut& out) = 0;
+  /// True while the robot may still be in the stop that it was told of.
+  [[nodiscard]] virtual bool told_to_stop() const = 0;
+
+  virtual void on_up(Channel channel, Now now, const DriverOut& out) = 0;
+  virtual void on_down(Channel channel, const std::string& reason, Now now, const DriverOut& out) = 0;
+  virtual void on_bytes(Channel channel, BytesView bytes, Now now, const DriverOut& out) = 0;
+  virtual void on_bridge(const BridgeEvent&, Now, const DriverOut&) {}
+  virtual void on_bridge(const BridgeState&, Now, const DriverOut&) {}
+  /// The process ends: the last words to the robot.
+  virtual void leave(Now, const DriverOut&) {}
+  virtual void tick(Now now, const DriverOut& out) = 0;
+  [[nodiscard]] virtual std::optional<MonotonicTime> next_deadline() const = 0;
+};
+
+}  // namespace trb::drivers

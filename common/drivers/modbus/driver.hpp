@@ -1,0 +1,88 @@
+// The direct mode over Modbus: a command writes coils and registers, the device's values are asked for in a round. The
+// shell makes one call at a time, so that a stop waits for one answer at most.
+#pragma once
+
+#include <deque>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "common/config/node_config.hpp"
+#include "common/drivers/driver.hpp"
+#include "common/drivers/modbus/poll.hpp"
+
+namespace trb::drivers {
+
+class ModbusDriver : public Driver {
+ public:
+  /// Asks for the values that requests and the description's faults, sensors and ends of skills need.
+  ModbusDriver(const VendorCommands& words, const Description& description, std::string own_id);
+
+  /// A connection alone is none: a hung device still accepts it.
+  [[nodiscard]] bool online() const override { return up_ && heard_; }
+  [[nodiscard]] bool knows(MessageType type, std::string_view subtype) const override;
+  /// A command is over for the device once it has acknowledged every write.
+  [[nodiscard]] bool tells_end(std::string_view subtype) const override { return commands_.contains(subtype); }
+  [[nodiscard]] const RobotValue* value(std::string_view name) const override;
+  [[nodiscard]] bool answers_from_values() const override { return true; }
+  [[nodiscard]] std::optional<Error> problem(std::string_view name) const override;
+
+  Result<Progress> hand_over(const Handover& message, Now now, const DriverOut& out) override;
+  [[nodiscard]] bool runs(Token token) const override;
+  void forget(Token token, Now now, const DriverOut& out) override;
+  void halt(Token token, Now now, const DriverOut& out) override;
+  Result<Token> stop(Now now, const DriverOut& out) override;
+  Result<Token> release(Now now, const DriverOut& out) override;
+  [[nodiscard]] bool told_to_stop() const override { return told_to_stop_; }
+
+  void on_up(Channel channel, Now now, const DriverOut& out) override;
+  void on_down(Channel channel, const std::string& reason, Now now, const DriverOut& out) override;
+  void on_bytes(Channel channel, BytesView bytes, Now now, const DriverOut& out) override;
+  void tick(Now now, const DriverOut& out) override { pump(now, out); }
+  [[nodiscard]] std::optional<MonotonicTime> next_deadline() const override;
+
+ private:
+  struct Write {
+    std::string meant;  ///< "speed (holding 0)"
+    ModbusPlace place;
+    std::vector<std::uint16_t> words;
+  };
+  enum class Purpose : std::uint8_t { command, halt, stop, release };
+  struct Job {
+    Purpose purpose{};
+    Token token = 0;  ///< the message's, or the ticket
+    bool skill = false;
+    std::vector<Write> writes;
+    std::size_t done = 0;  ///< writes that are acknowledged
+  };
+  /// Whose answer is awaited. A job that was dropped meanwhile leaves `nobody`: its answer is heard and forgotten.
+  enum class Awaits : std::uint8_t { nothing, poll, job, nobody };
+
+  [[nodiscard]] std::string_view name_of_value(std::string_view name) const;
+  Result<std::vector<Write>> fill(std::string_view subtype, BytesView data) const;
+  void pump(Now now, const DriverOut& out);
+  void call(const ModbusCall& what, Awaits whose, const DriverOut& out);
+  void on_poll(const ModbusAnswer& answer, Now now, const DriverOut& out);
+  void on_write(const ModbusAnswer& answer, const DriverOut& out);
+  void on_done(const Job& job, const DriverOut& out);
+  void on_exception(const Job& job, std::uint8_t exception, const DriverOut& out);
+  /// Behind the write under way and the stops that wait.
+  void push_urgent(Job job);
+  void drop_for_stop(const DriverOut& out);
+  [[nodiscard]] static Error lost(const Job& job, bool under_way, const std::string& reason);
+
+  std::string own_id_;
+  std::map<std::string, std::vector<ModbusAssignment>, std::less<>> commands_;
+  std::map<std::string, std::string, std::less<>> requests_;
+  ModbusPoll poll_;
+
+  bool up_ = false;
+  bool heard_ = false;  ///< an answer on this connection
+  bool told_to_stop_ = false;
+  bool polled_last_ = false;
+  Awaits awaits_ = Awaits::nothing;
+  Token last_ticket_ = 0;
+  std::deque<Job> jobs_;  ///< the first one is under way if awaits_ is `job`
+};
+
+}  // namespace trb::drivers

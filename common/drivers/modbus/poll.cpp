@@ -1,0 +1,114 @@
+#include "common/drivers/modbus/poll.hpp"
+
+#include <algorithm>
+
+#include "common/drivers/modbus/exception.hpp"
+#include "common/drivers/text/number_text.hpp"
+
+namespace trb::drivers {
+namespace {
+
+std::string json_of(const ModbusPlace& place, double number) {
+  if (place.type == ModbusType::boolean) return number == 0 ? "false" : "true";
+  return number_text(number);
+}
+
+}  // namespace
+
+ModbusPoll::ModbusPoll(const ModbusPlaces& polled, const ModbusPlace& probe, Duration period) : period_(period) {
+  std::vector<Item> items;
+  for (const auto& [name, place] : polled) items.push_back({name, place});
+  std::ranges::stable_sort(items, {}, [](const Item& item) { return std::pair(item.place.kind, item.place.address); });
+  probes_ = items.empty();
+  if (probes_) items.push_back({"", probe});
+  for (Item& item : items) {
+    if (blocks_.empty() || !continues(blocks_.back(), item.place)) blocks_.emplace_back();
+    Block& block = blocks_.back();
+    const std::uint16_t first = block.items.empty() ? item.place.address : block.items.front().place.address;
+    const auto end = static_cast<std::uint16_t>(item.place.address - first + item.place.size());
+    block.count = std::max(block.count, end);
+    block.items.push_back(std::move(item));
+  }
+}
+
+/// Only what lies side by side or overlaps: the registers between may be ones that the device does not have.
+bool ModbusPoll::continues(const Block& block, const ModbusPlace& place) {
+  const ModbusPlace& first = block.items.front().place;
+  const int begin = place.address - first.address;
+  return place.kind == first.kind && begin <= block.count && begin + place.size() <= kMostModbusRegisters;
+}
+
+void ModbusPoll::restart(Now now) {
+  // A problem that is still there after a connection's loss is not told again.
+  for (auto& [name, known] : known_) known.value.reset();
+  at_ = 0;
+  due_ = now.mono;
+}
+
+ModbusCall ModbusPoll::call() const {
+  const Block& block = blocks_[at_];
+  const ModbusPlace& first = block.items.front().place;
+  return {false, first.kind, first.address, block.count, {}};
+}
+
+ModbusPoll::News ModbusPoll::on_answer(const ModbusAnswer& answer, Now now) {
+  News news;
+  const Block& block = blocks_[at_];
+  if (answer.exception != 0 && block.items.size() > 1) {
+    split(block);  // one of them is at fault: each is asked for alone from now on
+    return news;
+  }
+  if (!probes_) take(block, answer, now, news);
+  advance(now);
+  return news;
+}
+
+void ModbusPoll::split(Block block) {
+  std::vector<Block> singles;
+  for (Item& item : block.items) singles.push_back({item.place.size(), {item}});
+  blocks_.erase(blocks_.begin() + static_cast<std::ptrdiff_t>(at_));
+  blocks_.insert(blocks_.begin() + static_cast<std::ptrdiff_t>(at_), singles.begin(), singles.end());
+}
+
+void ModbusPoll::take(const Block& block, const ModbusAnswer& answer, Now now, News& news) {
+  const std::uint16_t first = block.items.front().place.address;
+  for (const Item& item : block.items) {
+    const std::string meant = item.name + " (" + to_text(item.place) + ")";
+    if (answer.exception != 0) {
+      lose(item, modbus_exception(answer.exception, meant), news);
+      continue;
+    }
+    const auto begin = static_cast<std::size_t>(item.place.address - first);
+    std::vector<std::uint16_t> words;
+    for (std::size_t i = begin; i < begin + item.place.size() && i < answer.words.size(); ++i) {
+      words.push_back(answer.words[i]);
+    }
+    const auto number = modbus_number(item.place, words);
+    if (!number) {
+      lose(item, fail(Errc::robot_error, item.name + ": " + number.error().what, number.error().cure), news);
+      continue;
+    }
+    known_[item.name] = {RobotValue{{*number}, json_of(item.place, *number), now.mono}, {}};
+    news.values = true;
+  }
+}
+
+void ModbusPoll::lose(const Item& item, const Error& problem, News& news) {
+  Known& known = known_[item.name];
+  const bool is_new = !known.problem || known.problem->what != problem.what;
+  known = {{}, problem};
+  if (is_new) news.problems.push_back(problem);
+}
+
+void ModbusPoll::advance(Now now) {
+  if (++at_ < blocks_.size()) return;
+  at_ = 0;
+  due_ = std::max(due_ + period_, now.mono);
+}
+
+const ModbusPoll::Known* ModbusPoll::find(std::string_view name) const {
+  const auto found = known_.find(name);
+  return found == known_.end() ? nullptr : &found->second;
+}
+
+}  // namespace trb::drivers

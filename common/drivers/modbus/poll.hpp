@@ -1,0 +1,66 @@
+// The values that a Modbus device is asked for again and again, and what it last told of each.
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/drivers/driver.hpp"
+#include "common/drivers/modbus/call.hpp"
+#include "common/drivers/modbus/syntax.hpp"
+
+namespace trb::drivers {
+
+class ModbusPoll {
+ public:
+  struct Known {
+    std::optional<RobotValue> value;
+    std::optional<Error> problem;  ///< why it is not told
+  };
+  struct News {
+    bool values = false;
+    std::vector<Error> problems;  ///< each is told once, until the value is heard again
+  };
+
+  /// `probe` is asked for if nothing else is, so that a device that has gone is noticed; any answer to it is good.
+  ModbusPoll(const ModbusPlaces& polled, const ModbusPlace& probe, Duration period);
+
+  /// A new connection: no value is known, all are asked for at once.
+  void restart(Now now);
+  /// When call() is to be made.
+  [[nodiscard]] MonotonicTime due() const { return due_; }
+  /// The next one of the round.
+  [[nodiscard]] ModbusCall call() const;
+  /// The answer to call().
+  News on_answer(const ModbusAnswer& answer, Now now);
+
+  /// None: it is not asked for, or not told yet.
+  [[nodiscard]] const Known* find(std::string_view name) const;
+
+ private:
+  struct Item {
+    std::string name;
+    ModbusPlace place;
+  };
+  /// Values beside each other, read in one call.
+  struct Block {
+    std::uint16_t count = 0;
+    std::vector<Item> items;
+  };
+
+  static bool continues(const Block& block, const ModbusPlace& place);
+  void split(Block block);
+  void take(const Block& block, const ModbusAnswer& answer, Now now, News& news);
+  void lose(const Item& item, const Error& problem, News& news);
+  void advance(Now now);
+
+  Duration period_;
+  std::vector<Block> blocks_;
+  bool probes_ = false;  ///< the only block is the probe
+  std::size_t at_ = 0;
+  MonotonicTime due_;  ///< when a round is, or was, to begin
+  std::map<std::string, Known, std::less<>> known_;
+};
+
+}  // namespace trb::drivers

@@ -1,0 +1,23 @@
+// A device that speaks Modbus.
+#include "common/drivers/modbus/driver.hpp"
+#include "common/drivers/registry.hpp"
+
+namespace trb::drivers {
+
+void check_modbus(const NodeConfig& config, const FileFaults& faults);  // check.cpp
+void read_modbus_keys(ObjectReader& vendor, VendorCommands& into);      // check.cpp
+
+DriverRow modbus_row() {
+  DriverRow row;
+  row.transport.name = "modbus";
+  row.transport.mode = Mode::direct;
+  row.transport.check = check_modbus;
+  row.transport.read = read_modbus_keys;
+  row.wire = Wire::modbus;
+  row.make = [](const DriverSettings& settings) -> std::unique_ptr<Driver> {
+    return std::make_unique<ModbusDriver>(settings.commands, settings.description, settings.id);
+  };
+  return row;
+}
+
+}  // namespace trb::drivers

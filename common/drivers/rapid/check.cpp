@@ -1,0 +1,91 @@
+// That commands.json and the description say all that an ABB with a RAPID server needs.
+#include <algorithm>
+
+#include "common/config/transports.hpp"
+#include "common/drivers/rapid/syntax.hpp"
+#include "common/fleet/did_you_mean.hpp"
+
+namespace trb::drivers {
+namespace {
+
+constexpr const char* kService =
+    R"(add "monitor": {"protocol": "rapid-service", "port": 5001}, and the service task on the robot)";
+
+void check_service(const VendorCommands& vendor, const std::string& name, const FileFaults& faults) {
+  if (!vendor.monitor) {
+    faults.add(name + ".monitor",
+               "is missing: a move blocks the robot's program, and without its service task a stop would wait for the "
+               "move's end",
+               kService);
+  } else if (vendor.monitor->protocol != "rapid-service") {
+    faults.add(name + ".monitor.protocol", in_quotes(vendor.monitor->protocol) + " is not of the transport 'rapid'",
+               "use \"rapid-service\"");
+  }
+}
+
+void check_commands(const VendorCommands& vendor, const std::string& name, const FileFaults& faults) {
+  for (const auto& [subtype, words] : vendor.commands) {
+    const std::string key = name + ".commands." + subtype;
+    const auto read = read_rapid_requests(words);
+    if (!read) {
+      faults.add(key, read.error().what, read.error().cure);
+      continue;
+    }
+    const bool urgent = subtype == "stop" || subtype == "release";
+    const bool fits = std::ranges::all_of(*read, [&](const RapidRequest& one) { return one.service == urgent; });
+    if (fits) continue;
+    faults.add(key,
+               urgent ? "goes to the program, where it would wait for the end of a move"
+                      : "goes to the service task, which moves nothing",
+               urgent ? "begin it with 'service', for example \"service 91\"" : "leave 'service' out");
+  }
+}
+
+void check_values(const VendorCommands& vendor, const std::string& name, const FileFaults& faults) {
+  std::vector<std::string> known = rapid_state_values();
+  for (const auto& [value, words] : vendor.values) {
+    const auto read = read_rapid_question(words);
+    if (!read) faults.add(name + ".values." + value, read.error().what, read.error().cure);
+    known.push_back(value);
+  }
+  for (const auto& [subtype, value] : vendor.requests) {
+    if (std::ranges::find(known, value) != known.end()) continue;
+    faults.add(name + ".requests." + subtype, in_quotes(value) + " is none of the values",
+               did_you_mean(value, known, "add it to \"values\", or use one of"));
+  }
+}
+
+void check_skill(const NodeConfig& config, const Skill& skill, const FileFaults& faults) {
+  const VendorCommands& vendor = config.commands;
+  if (!config.description.has_field_channel && !vendor.commands.contains(skill.subtype)) {
+    std::vector<std::string> subtypes;
+    for (const auto& [subtype, ignored] : vendor.commands) subtypes.push_back(subtype);
+    faults.add(config.framework + ".commands." + skill.subtype, "is missing: skill '" + skill.name + "' sends it",
+               did_you_mean(skill.subtype, subtypes, "add it, or let the skill's command use one of"));
+  }
+  const auto told = [&](const std::string& value) {
+    return vendor.values.contains(value) ||
+           std::ranges::find(rapid_state_values(), value) != rapid_state_values().end();
+  };
+  const bool position = skill.end.kind == EndKind::position;
+  const bool seen =
+      position ? told("position") || told("joints") : skill.end.kind != EndKind::state || told(skill.end.state);
+  if (seen) return;
+  faults.add(config.framework + ".values." + (position ? "position" : skill.end.state),
+             "is missing: the end of skill '" + skill.name + "' is seen by it",
+             "add it, for example \"service 4 0 1 2 3 4 5\"");
+}
+
+}  // namespace
+
+void check_rapid(const NodeConfig& config, const FileFaults& faults) {
+  const VendorCommands& vendor = config.commands;
+  require_port(config, faults, "5000");
+  check_words(vendor, config.framework, faults);
+  check_service(vendor, config.framework, faults);
+  check_commands(vendor, config.framework, faults);
+  check_values(vendor, config.framework, faults);
+  for (const Skill& skill : config.description.skills) check_skill(config, skill, faults);
+}
+
+}  // namespace trb::drivers

@@ -1,0 +1,134 @@
+// The interpreter mode for an ABB with a RAPID socket server. A move blocks the robot's program until it has ended: its
+// answer is the command's end, and all that cannot wait goes to a service task on another port.
+#pragma once
+
+#include <deque>
+#include <map>
+
+#include "common/drivers/driver.hpp"
+#include "common/drivers/driver_settings.hpp"
+#include "common/drivers/rapid/port.hpp"
+#include "common/drivers/rapid/syntax.hpp"
+#include "common/drivers/text/vendor_template.hpp"
+
+namespace trb::drivers {
+
+class RapidDriver : public Driver {
+ public:
+  explicit RapidDriver(const DriverSettings& settings);
+
+  [[nodiscard]] bool online() const override { return program_up_ && service_up_ && heard_; }
+  [[nodiscard]] bool knows(MessageType type, std::string_view subtype) const override;
+  [[nodiscard]] bool tells_end(std::string_view subtype) const override { return commands_.contains(subtype); }
+  [[nodiscard]] const RobotValue* value(std::string_view name) const override;
+
+  Result<Progress> hand_over(const Handover& message, Now now, const DriverOut& out) override;
+  [[nodiscard]] bool runs(Token token) const override;
+  void forget(Token token, Now now, const DriverOut& out) override;
+  void halt(Token token, Now now, const DriverOut& out) override;
+  Result<Token> stop(Now now, const DriverOut& out) override;
+  Result<Token> release(Now now, const DriverOut& out) override;
+  [[nodiscard]] bool told_to_stop() const override { return told_to_stop_; }
+
+  void on_up(Channel channel, Now now, const DriverOut& out) override;
+  void on_down(Channel channel, const std::string& reason, Now now, const DriverOut& out) override;
+  void on_bytes(Channel channel, BytesView bytes, Now now, const DriverOut& out) override;
+  void tick(Now now, const DriverOut& out) override;
+  [[nodiscard]] std::optional<MonotonicTime> next_deadline() const override;
+
+ private:
+  struct Request {
+    int code = 0;
+    VendorTemplate text;
+  };
+  struct Words {
+    std::vector<Request> requests;
+    std::size_t items = 0;
+  };
+  struct Question {
+    std::string name;
+    RapidQuestion words;
+  };
+  struct Step {
+    int code = 0;
+    std::string text;
+  };
+  /// A command; its steps follow each other.
+  struct Job {
+    Token token = 0;
+    std::string subtype;
+    bool tracked = false;
+    bool told_started = false;
+    bool forgotten = false;
+    std::vector<Step> steps;
+    std::size_t next = 0;
+    std::uint64_t number = 0;
+    MonotonicTime began;
+  };
+  /// A stop or release until the service task has confirmed it; `own`: a motion is ended without a fence.
+  struct Turn {
+    bool stop = false;
+    bool own = false;
+    Token ticket = 0;
+    std::size_t unanswered = 0;
+  };
+  struct Asked {
+    std::string subtype;
+    std::string source;
+    RapidQuestion words;
+  };
+
+  [[nodiscard]] Result<std::vector<Step>> fill(std::string_view subtype, BytesView data) const;
+  [[nodiscard]] Status may_take() const;
+  Result<Progress> ask_value(const Handover& message, const std::string& name, Now now, const DriverOut& out);
+  void begin_next(Now now, const DriverOut& out);
+  void send_step(Now now, const DriverOut& out);
+  void end_motion(Now now, const DriverOut& out);
+  Token begin_turn(bool stop, bool own, Now now, const DriverOut& out);
+  void drop_all(const Error& why, const DriverOut& out);
+  void poll(Now now, const DriverOut& out);
+  void check_times(Now now, const DriverOut& out);
+  void drop_connection(Channel channel, const std::string& counted, const std::string& reason, Now now,
+                       const DriverOut& out);
+
+  // what is heard: rapid_hear.cpp
+  void read_all(Channel channel, Now now, const DriverOut& out);
+  void on_answer(const RapidPort::Answer& answer, Now now, const DriverOut& out);
+  void on_step(const RapidPort::Answer& answer, Now now, const DriverOut& out);
+  void end_job(bool well, const std::string& text, Now now, const DriverOut& out);
+  void on_started(const DriverOut& out);
+  void on_turn(const RapidPort::Answer& answer, Now now, const DriverOut& out);
+  void confirm_turn(bool by_robot, Now now, const DriverOut& out);
+  void on_state(const RapidAnswer& answer, Now now, const DriverOut& out);
+  void on_value(const RapidPort::Answer& answer, Now now, const DriverOut& out);
+  void on_request(const RapidPort::Answer& answer, const DriverOut& out);
+  void remember(const std::string& name, std::vector<double> numbers, Now now);
+
+  std::string own_id_;
+  std::vector<std::string> capabilities_;
+  std::map<std::string, Words, std::less<>> commands_;
+  std::map<std::string, std::string, std::less<>> requests_;
+  std::vector<Question> questions_;
+
+  RapidPort program_{Channel::command};
+  RapidPort service_{Channel::monitor};
+  bool program_up_ = false;
+  bool service_up_ = false;
+  bool heard_ = false;
+  bool told_to_stop_ = false;
+  bool motors_ = true;
+  std::string error_;  ///< the number and text of the robot's error, as last told; empty: none
+  Token last_ticket_ = 0;
+  std::uint64_t last_number_ = 0;
+  std::optional<Turn> turn_;
+  std::optional<Job> current_;
+  std::deque<Job> jobs_;
+  std::map<Token, Asked> asked_;
+  std::map<std::string, RobotValue, std::less<>> values_;
+  MonotonicTime next_poll_;
+  MonotonicTime next_values_;
+  std::optional<MonotonicTime> answer_by_;  ///< a motion that was ended must be answered until then
+  std::optional<MonotonicTime> lost_by_;    ///< with its motors off, what is under way must be answered until then
+};
+
+}  // namespace trb::drivers

@@ -1,0 +1,73 @@
+// What a RAPID server answers: texts whole and in pieces, and the mode behind, on both connections.
+#include "common/drivers/rapid/wire.hpp"
+#include "services/mode-adapter/core/adapter_core.hpp"
+#include "tests/fuzz/target.hpp"
+
+namespace trb::fuzz {
+namespace {
+
+using namespace trb::adapter;
+
+Settings settings() {
+  Settings out;
+  out.id = "abb";
+  out.mode = Mode::interpreter;
+  out.description.capabilities = {"grab"};
+  out.commands.transport = "rapid";
+  out.commands.commands = {{"move", "2 1 1"}, {"stop", "service 91"}, {"release", "service 92"}};
+  out.commands.values = {{"joints", "service 4 0 1"}, {"position", "3 0"}};
+  return out;
+}
+
+/// The robot says whatever it likes on that connection, while a move is under way.
+void converse(Channel channel, BytesView input) {
+  ModeAdapterCore core(
+      settings(), [](bool) { return Status(Done{}); }, [](const std::vector<Kept>&) { return Status(Done{}); });
+  Outbox out;
+  Now now{{1'000'000'000}, {0}};
+  core.on_channel_up(Channel::command, now, out);
+  core.on_channel_up(Channel::monitor, now, out);
+  core.on_bytes(Channel::monitor, "90 1 0 0 1 0#", now, out);
+  core.on({MessageType::command, "operator", "abb", 1, 0, 0, 5000, Opaque{"move", ""}}, now, out);
+  while (!input.empty()) {
+    core.on_bytes(channel, input.substr(0, 16), now, out);
+    input.remove_prefix(std::min<std::size_t>(16, input.size()));
+    now.mono = now.mono + std::chrono::milliseconds(110);
+    core.tick(now, out);
+  }
+  now.mono = now.mono + std::chrono::seconds(20);
+  core.tick(now, out);
+  long answers = 0;
+  for (const Send& send : out.sends) {
+    if (send.reply_to == 1) ++answers;
+  }
+  require(answers == 1, "a command is answered once");
+}
+
+}  // namespace
+
+std::vector<Bytes> seeds() {
+  return {"2 1#", "2 0 J2%20200%20is%20out%20of%20range#", "4 1 1.5 -2 3#90 1 1 0 0 50204 grab%20URGENT%20x#",
+          "90 1 0 1 1 0#4 1 0 0#90 1 0 1 0 7#", "2 1 \n3 1 10.5 20 30\n"};
+}
+
+void run(BytesView input) {
+  RapidReader one;
+  RapidReader two;
+  const MonotonicTime now{1};
+  one.add(input, now);
+  for (std::size_t i = 0; i < input.size(); ++i) two.add(input.substr(i, 1), now);
+  while (const auto text = one.next(now)) {
+    require(two.next(now) == text, "pieces read as the whole");
+    const auto answer = read_rapid_answer(*text);
+    require(!answer || (answer->code >= 0 && answer->code <= 9999), "a code is a code");
+    const auto literal = rapid_literal(Value{*text});
+    require(literal.ok() && literal->find_first_of(" #\n\"") == std::string::npos, "a text ends nothing");
+    require(rapid_unescaped(*literal) == *text, "a text is read as it was written");
+  }
+  require(!two.next(now), "pieces read as the whole");
+  converse(Channel::command, input);
+  converse(Channel::monitor, input);
+}
+
+}  // namespace trb::fuzz

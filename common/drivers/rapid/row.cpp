@@ -1,0 +1,22 @@
+// An ABB whose RAPID program takes requests as text.
+#include "common/drivers/rapid/driver.hpp"
+#include "common/drivers/registry.hpp"
+
+namespace trb::drivers {
+
+void check_rapid(const NodeConfig& config, const FileFaults& faults);  // check.cpp
+
+DriverRow rapid_row() {
+  DriverRow row;
+  row.transport.name = "rapid";
+  row.transport.mode = Mode::interpreter;
+  row.transport.check = check_rapid;
+  row.transport.monitors = {"rapid-service"};
+  row.wire = Wire::stream;
+  row.make = [](const DriverSettings& settings) -> std::unique_ptr<Driver> {
+    return std::make_unique<RapidDriver>(settings);
+  };
+  return row;
+}
+
+}  // namespace trb::drivers

@@ -1,0 +1,289 @@
+#include "common/drivers/ros/driver.hpp"
+
+#include <algorithm>
+
+#include "proto/value.hpp"
+
+namespace trb::drivers {
+namespace {
+
+/// The bridge says every second how it is.
+constexpr Duration kSilent = std::chrono::seconds(4);
+constexpr std::ptrdiff_t kMaxPending = 64;
+constexpr std::string_view kPosition = "position";
+
+std::vector<double> numbers_of(const std::string& json) {
+  std::vector<double> numbers;
+  const auto value = parse_json(json);
+  if (!value) return numbers;
+  const auto take = [&](const Value& item) {
+    if (item.is_number()) numbers.push_back(item.number());
+    if (item.is_bool()) numbers.push_back(item.boolean() ? 1 : 0);
+  };
+  if (value->is_list()) {
+    for (const Value& item : value->list()) take(item);
+  } else {
+    take(*value);
+  }
+  return numbers;
+}
+
+/// Is what is told under that name the end of this skill?
+bool ends_by(const SkillEnd& end, const std::string& name) {
+  if (end.kind == EndKind::position && end.state.empty()) return name == kPosition;
+  return (end.kind == EndKind::state || end.kind == EndKind::position) && name == end.state;
+}
+
+/// Does an end, a fault or a sensor need what is told under that name?
+bool is_watched(const Description& description, const std::string& name) {
+  return std::ranges::any_of(description.skills, [&](const Skill& skill) { return ends_by(skill.end, name); }) ||
+         std::ranges::find(description.faults, name, &FaultRule::value) != description.faults.end() ||
+         std::ranges::find(description.sensors, name) != description.sensors.end();
+}
+
+}  // namespace
+
+RosDriver::RosDriver(const VendorCommands& words, const Description& description, std::string own_id,
+                     std::uint64_t instance)
+    : own_id_(std::move(own_id)), instance_(instance) {
+  // What cannot be read was a fault of commands.json, which keeps the node from starting.
+  for (const auto& [subtype, text] : words.commands) {
+    const auto read = read_ros_publications(text);
+    if (!read) continue;
+    auto& publications = commands_[subtype];
+    for (const RosPublication& one : *read) publications.push_back({one.topic, one.type, VendorTemplate(one.data)});
+  }
+  for (const auto& [subtype, text] : words.requests) {
+    const auto read = read_ros_question(text);
+    if (!read) continue;
+    requests_.emplace(subtype, Question{*read, is_watched(description, subtype)});
+  }
+}
+
+bool RosDriver::knows(MessageType type, std::string_view subtype) const {
+  if (type == MessageType::command) return commands_.contains(subtype);
+  return type == MessageType::request && requests_.contains(subtype);
+}
+
+const RobotValue* RosDriver::value(std::string_view name) const {
+  const auto found = values_.find(name);
+  return found == values_.end() ? nullptr : &found->second;
+}
+
+Result<std::vector<BridgeCommand>> RosDriver::fill(std::string_view subtype, BytesView data) const {
+  std::vector<BridgeCommand> out;
+  const auto found = commands_.find(subtype);
+  if (found == commands_.end()) return fail(Errc::unknown_subtype, "commands.json has no such command");
+  for (const Publication& publication : found->second) {
+    auto json = publication.data.fill(data, Language::json);
+    if (!json) return json.error();
+    BridgeCommand command;
+    command.name = publication.topic;
+    command.type = publication.type;
+    command.data = std::move(*json);
+    out.push_back(std::move(command));
+  }
+  return out;
+}
+
+std::uint64_t RosDriver::send(std::vector<BridgeCommand> commands, Pending pending, const DriverOut& out) {
+  const std::uint64_t key = ++last_key_;
+  pending.left = commands.size();
+  for (BridgeCommand& command : commands) {
+    command.instance = instance_;
+    command.token = key;
+    out.out.command(own_id_, std::move(command));
+  }
+  pending_.emplace(key, std::move(pending));
+  return key;
+}
+
+std::uint64_t RosDriver::ask(const Question& question, BridgeAction action, Pending pending, const DriverOut& out) {
+  BridgeCommand command;
+  command.action = action;
+  command.name = question.words.topic;
+  command.paths = question.words.fields;
+  return send({std::move(command)}, std::move(pending), out);
+}
+
+Result<Progress> RosDriver::hand_over(const Handover& message, Now, const DriverOut& out) {
+  if (!up_) {
+    return fail(Errc::robot_offline, "ROS is not there", "look at trb service list and at the robot's ROS master");
+  }
+  const auto waits = [](const auto& entry) { return entry.second.purpose != Purpose::watch; };
+  if (std::ranges::count_if(pending_, waits) >= kMaxPending)
+    return fail(Errc::queue_full, "too many messages wait for ROS", "send fewer");
+  const std::string subtype(message.subtype);
+  if (message.type == MessageType::request) {
+    const auto question = requests_.find(message.subtype);
+    if (question == requests_.end()) return fail(Errc::unknown_subtype, "commands.json has no such request");
+    out.out.count("to_robot." + subtype);
+    ask(question->second, BridgeAction::ask, {Purpose::request, message.token, subtype, std::string(message.source), 0},
+        out);
+    return Progress::queued;
+  }
+  auto commands = fill(message.subtype, message.data);
+  if (!commands) return commands.error();
+  out.out.count("to_robot." + subtype);
+  send(std::move(*commands), {Purpose::command, message.token, subtype, std::string(message.source), 0}, out);
+  return Progress::queued;
+}
+
+void RosDriver::forget(Token token, Now, const DriverOut&) {
+  std::erase_if(pending_, [&](const auto& entry) {
+    const Pending& pending = entry.second;
+    return pending.token == token && (pending.purpose == Purpose::command || pending.purpose == Purpose::request);
+  });
+}
+
+void RosDriver::halt(Token token, Now now, const DriverOut& out) {
+  forget(token, now, out);
+  if (!up_) return;
+  auto commands = fill("stop", {});
+  if (!commands || commands->empty()) {
+    return out.refuse("no_stop", "commands.json has no \"stop\" for this robot: the motion goes on");
+  }
+  out.out.count("to_robot.stop");
+  // Nobody waits for this stop: its end is of no ticket.
+  send(std::move(*commands), {Purpose::release, 0, "stop", {}, 0}, out);
+}
+
+Result<Token> RosDriver::stop(Now, const DriverOut& out) {
+  for (auto at = pending_.begin(); at != pending_.end();) {
+    const Pending pending = at->second;
+    if (pending.purpose != Purpose::command) {
+      ++at;
+      continue;
+    }
+    at = pending_.erase(at);
+    out.emit(Refused{pending.token, fail(Errc::fenced, "the robot was stopped before it took this message",
+                                         "trb release " + own_id_)});
+  }
+  if (!up_) return fail(Errc::robot_offline, "ROS is not there");
+  auto commands = fill("stop", {});
+  if (!commands) return fail(Errc::unknown_subtype, "commands.json has no \"stop\" for this robot");
+  told_to_stop_ = true;
+  out.out.count("to_robot.stop");
+  send(std::move(*commands), {Purpose::stop, ++last_ticket_, "stop", {}, 0}, out);
+  return last_ticket_;
+}
+
+Result<Token> RosDriver::release(Now, const DriverOut& out) {
+  if (!up_) return fail(Errc::robot_offline, "ROS is not there");
+  told_to_stop_ = false;
+  const Token ticket = ++last_ticket_;
+  auto commands = fill("release", {});
+  if (!commands || commands->empty()) {
+    out.emit(Released{ticket});
+    return ticket;
+  }
+  out.out.count("to_robot.release");
+  send(std::move(*commands), {Purpose::release, ticket, "release", {}, 0}, out);
+  return ticket;
+}
+
+void RosDriver::on_bridge(const BridgeEvent& event, Now now, const DriverOut& out) {
+  const auto at = event.instance == instance_ ? pending_.find(event.token) : pending_.end();
+  if (at == pending_.end()) return out.out.count("from_robot.late");
+  if (event.result == BridgeResult::failed) {
+    const Pending pending = at->second;
+    return on_failed(event.token, pending, event, out);
+  }
+  if (event.result == BridgeResult::done) return on_done(event.token, at->second, out);
+  const Pending pending = at->second;
+  if (pending.purpose != Purpose::watch) pending_.erase(at);
+  on_value(pending, event, now, out);
+}
+
+void RosDriver::on_value(const Pending& pending, const BridgeEvent& event, Now now, const DriverOut& out) {
+  if (pending.purpose == Purpose::request) {
+    out.out.count("from_robot." + pending.subtype);
+    return out.emit(Said{MessageType::information, pending.subtype, pending.source, event.data});
+  }
+  if (pending.purpose != Purpose::watch) return;
+  values_[pending.subtype] = RobotValue{numbers_of(event.data), event.data, now.mono};
+  out.emit(ValuesHeard{});
+}
+
+void RosDriver::on_done(std::uint64_t key, Pending& pending, const DriverOut& out) {
+  if (pending.left > 1) {
+    --pending.left;
+    return;
+  }
+  const Pending ended = pending;
+  pending_.erase(key);
+  if (ended.purpose == Purpose::command) out.emit(HandedOver{ended.token});
+  // ROS tells nobody that a robot stands: it was told, no more.
+  if (ended.purpose == Purpose::stop) out.emit(Stopped{ended.token, false});
+  if (ended.purpose == Purpose::release && ended.token != 0) out.emit(Released{ended.token});
+}
+
+void RosDriver::on_failed(std::uint64_t key, const Pending& pending, const BridgeEvent& event, const DriverOut& out) {
+  pending_.erase(key);
+  const Error error{errc_of(event.code).value_or(Errc::robot_error), event.what, event.cure};
+  if (pending.purpose == Purpose::command || pending.purpose == Purpose::request) {
+    return out.emit(Refused{pending.token, error});
+  }
+  if (pending.purpose == Purpose::watch) requests_.find(pending.subtype)->second.watch = 0;
+  // A stop or release that nobody took stays unanswered: its asker is told so at its deadline.
+  out.refuse("bridge", pending.subtype + ": " + error.text());
+}
+
+void RosDriver::on_bridge(const BridgeState& state, Now now, const DriverOut& out) {
+  heard_ = now.mono;
+  if (up_ && (!state.up || state.connection != connection_)) {
+    go_down(state.detail.empty() ? "the ROS bridge has started anew" : state.detail, out);
+  }
+  if (up_ || !state.up) return;
+  up_ = true;
+  connection_ = state.connection;
+  watch_all(out);
+  out.emit(LinkUp{});
+}
+
+void RosDriver::watch_all(const DriverOut& out) {
+  for (const auto& [subtype, question] : requests_) {
+    if (question.always) watch(subtype, out);
+  }
+}
+
+void RosDriver::watch(std::string_view subtype, const DriverOut& out) {
+  const auto at = requests_.find(subtype);
+  if (!up_ || at == requests_.end() || at->second.watch != 0) return;
+  at->second.watch = ask(at->second, BridgeAction::watch, {Purpose::watch, 0, at->first, {}, 0}, out);
+}
+
+void RosDriver::unwatch(std::string_view subtype, const DriverOut& out) {
+  const auto at = requests_.find(subtype);
+  if (!up_ || at == requests_.end() || at->second.always || at->second.watch == 0) return;
+  BridgeCommand command;
+  command.instance = instance_;
+  command.token = std::exchange(at->second.watch, 0);
+  command.action = BridgeAction::unwatch;
+  command.name = at->second.words.topic;
+  pending_.erase(command.token);
+  values_.erase(at->first);
+  out.out.command(own_id_, std::move(command));
+}
+
+void RosDriver::go_down(const std::string& reason, const DriverOut& out) {
+  up_ = false;
+  values_.clear();
+  for (auto& [subtype, question] : requests_) question.watch = 0;
+  for (const auto& [key, pending] : std::exchange(pending_, {})) {
+    if (pending.purpose != Purpose::command && pending.purpose != Purpose::request) continue;
+    out.emit(Refused{pending.token, fail(Errc::robot_offline, "the way to ROS was lost: " + reason,
+                                         "look at trb service list and at the robot's ROS master")});
+  }
+  out.emit(LinkDown{reason});
+}
+
+void RosDriver::tick(Now now, const DriverOut& out) {
+  if (up_ && now.mono - heard_ >= kSilent) go_down("the ROS bridge has said nothing for 4 s", out);
+}
+
+std::optional<MonotonicTime> RosDriver::next_deadline() const {
+  return up_ ? std::optional(heard_ + kSilent) : std::nullopt;
+}
+
+}  // namespace trb::drivers

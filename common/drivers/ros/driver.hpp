@@ -1,0 +1,88 @@
+// The ros mode: commands.json names a topic for each subtype; trb-ros-bridge, another service of the node, says and
+// hears what is on it. Nothing of ROS is linked here.
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "common/config/node_config.hpp"
+#include "common/drivers/driver.hpp"
+#include "common/drivers/ros/syntax.hpp"
+#include "common/drivers/text/vendor_template.hpp"
+#include "proto/bodies/bridge.hpp"
+
+namespace trb::drivers {
+
+class RosDriver : public Driver {
+ public:
+  /// Watches the requests that ends of skills, faults and sensors need.
+  RosDriver(const VendorCommands& words, const Description& description, std::string own_id, std::uint64_t instance);
+
+  [[nodiscard]] bool online() const override { return up_; }
+  [[nodiscard]] bool knows(MessageType type, std::string_view subtype) const override;
+  [[nodiscard]] bool tells_end(std::string_view) const override { return false; }
+  [[nodiscard]] const RobotValue* value(std::string_view name) const override;
+
+  Result<Progress> hand_over(const Handover& message, Now now, const DriverOut& out) override;
+  void watch(std::string_view subtype, const DriverOut& out) override;
+  void unwatch(std::string_view subtype, const DriverOut& out) override;
+  void forget(Token token, Now now, const DriverOut& out) override;
+  void halt(Token token, Now now, const DriverOut& out) override;
+  Result<Token> stop(Now now, const DriverOut& out) override;
+  Result<Token> release(Now now, const DriverOut& out) override;
+  [[nodiscard]] bool told_to_stop() const override { return told_to_stop_; }
+
+  void on_up(Channel, Now, const DriverOut&) override {}
+  void on_down(Channel, const std::string&, Now, const DriverOut&) override {}
+  void on_bytes(Channel, BytesView, Now, const DriverOut&) override {}
+  void on_bridge(const BridgeEvent& event, Now now, const DriverOut& out) override;
+  void on_bridge(const BridgeState& state, Now now, const DriverOut& out) override;
+  void tick(Now now, const DriverOut& out) override;
+  [[nodiscard]] std::optional<MonotonicTime> next_deadline() const override;
+
+ private:
+  struct Publication {
+    std::string topic;
+    std::string type;
+    VendorTemplate data;
+  };
+  struct Question {
+    RosQuestion words;
+    bool always = false;      ///< watched as long as ROS is there
+    std::uint64_t watch = 0;  ///< the bridge's token; 0: it is not watched
+  };
+  enum class Purpose : std::uint8_t { command, request, stop, release, watch };
+  struct Pending {
+    Purpose purpose{};
+    Token token = 0;       ///< the message's or the ticket
+    std::string subtype;   ///< of a request or a watch
+    std::string source;    ///< who asked
+    std::size_t left = 0;  ///< publications that are not yet done
+  };
+
+  Result<std::vector<BridgeCommand>> fill(std::string_view subtype, BytesView data) const;
+  std::uint64_t send(std::vector<BridgeCommand> commands, Pending pending, const DriverOut& out);
+  std::uint64_t ask(const Question& question, BridgeAction action, Pending pending, const DriverOut& out);
+  void on_value(const Pending& pending, const BridgeEvent& event, Now now, const DriverOut& out);
+  void on_done(std::uint64_t key, Pending& pending, const DriverOut& out);
+  void on_failed(std::uint64_t key, const Pending& pending, const BridgeEvent& event, const DriverOut& out);
+  void watch_all(const DriverOut& out);
+  void go_down(const std::string& reason, const DriverOut& out);
+
+  std::string own_id_;
+  std::uint64_t instance_;
+  std::map<std::string, std::vector<Publication>, std::less<>> commands_;
+  std::map<std::string, Question, std::less<>> requests_;
+
+  bool up_ = false;
+  bool told_to_stop_ = false;
+  std::uint64_t connection_ = 0;
+  MonotonicTime heard_;  ///< the bridge's last state
+  std::uint64_t last_key_ = 0;
+  Token last_ticket_ = 0;
+  std::map<std::uint64_t, Pending> pending_;  ///< by the bridge's token
+  std::map<std::string, RobotValue, std::less<>> values_;
+};
+
+}  // namespace trb::drivers

@@ -1,0 +1,87 @@
+#include "common/drivers/ros/syntax.hpp"
+
+#include <algorithm>
+
+#include "proto/value.hpp"
+
+namespace trb::drivers {
+namespace {
+
+constexpr std::size_t kMaxFields = 32;
+
+/// The next word, taken off the text together with the blanks around it.
+std::string take_word(std::string_view& text) {
+  const std::size_t begin = std::min(text.find_first_not_of(' '), text.size());
+  const std::size_t end = std::min(text.find(' ', begin), text.size());
+  std::string word(text.substr(begin, end - begin));
+  text.remove_prefix(std::min(text.find_first_not_of(' ', end), text.size()));
+  return word;
+}
+
+bool is_name(std::string_view text) {
+  return !text.empty() && text.size() <= 200 && std::ranges::all_of(text, [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '/';
+  });
+}
+
+/// The data with 0 for each placeholder: {data}, {0} … {99}.
+std::string filled(std::string_view data) {
+  std::string out;
+  while (!data.empty()) {
+    const std::size_t end = data.front() == '{' ? data.find('}') : std::string_view::npos;
+    const std::string_view inside = end == std::string_view::npos ? "" : data.substr(1, end - 1);
+    const bool number = !inside.empty() && inside.size() <= 2 &&
+                        std::ranges::all_of(inside, [](char c) { return c >= '0' && c <= '9'; });
+    if (number || inside == "data") {
+      out += '0';
+      data.remove_prefix(end + 1);
+    } else {
+      out += data.front();
+      data.remove_prefix(1);
+    }
+  }
+  return out;
+}
+
+}  // namespace
+
+Result<std::vector<RosPublication>> read_ros_publications(std::string_view text) {
+  std::vector<RosPublication> out;
+  while (!text.empty()) {
+    const std::size_t end = std::min(text.find('\n'), text.size());
+    std::string_view line = text.substr(0, end);
+    text.remove_prefix(std::min(end + 1, text.size()));
+    RosPublication publication;
+    publication.topic = take_word(line);
+    if (publication.topic.empty()) continue;
+    if (!is_name(publication.topic)) {
+      return fail(Errc::bad_value, "'" + publication.topic.substr(0, 60) + "' is no topic", "write it as /cmd_vel");
+    }
+    if (!line.empty() && line.front() != '{' && line.front() != '[') {
+      publication.type = take_word(line);
+      if (!is_name(publication.type) || std::ranges::count(publication.type, '/') != 1) {
+        return fail(Errc::bad_value, "'" + publication.type.substr(0, 60) + "' is no message type",
+                    "write it as geometry_msgs/Twist");
+      }
+    }
+    publication.data = line.empty() ? "{data}" : std::string(line);
+    if (const auto json = parse_json(filled(publication.data)); !json) {
+      return fail(Errc::bad_value, "the data of " + publication.topic + ": " + json.error().what, json.error().cure);
+    }
+    out.push_back(std::move(publication));
+  }
+  return out;
+}
+
+Result<RosQuestion> read_ros_question(std::string_view text) {
+  RosQuestion question{take_word(text), {}};
+  if (!is_name(question.topic)) {
+    return fail(Errc::bad_value, "'" + question.topic.substr(0, 60) + "' is no topic",
+                "write \"TOPIC\" or \"TOPIC FIELD ...\", for example \"/odom pose.pose.position.x\"");
+  }
+  while (!text.empty()) question.fields.push_back(take_word(text));
+  if (question.fields.size() > kMaxFields) return fail(Errc::bad_value, "more than 32 fields", "ask for fewer");
+  return question;
+}
+
+}  // namespace trb::drivers

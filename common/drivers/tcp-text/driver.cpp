@@ -1,0 +1,308 @@
+#include "common/drivers/tcp-text/driver.hpp"
+
+#include <array>
+#include <cstdio>
+
+#include "common/drivers/tcp-text/urscript.hpp"
+
+namespace trb::drivers {
+namespace {
+
+constexpr Duration kHung = std::chrono::seconds(3);
+/// A state that is read this long after a command was written is certainly younger than the command.
+constexpr Duration kStatePeriod = std::chrono::milliseconds(100);
+/// An error this long before a stop is taken for its cause.
+constexpr Duration kSameCause = std::chrono::seconds(2);
+/// The same warning is told to the fleet once in this time, and different ones with this pause between two.
+constexpr Duration kQuiet = std::chrono::seconds(10);
+constexpr Duration kWarningPause = std::chrono::seconds(1);
+constexpr const char* kSafety = "safety";
+constexpr std::int32_t kWorthALine = 2;  ///< a report's level from which on it is logged: warning
+
+std::string joints_json(const std::array<double, 6>& joints) {
+  std::string out = "[";
+  for (const double joint : joints) {
+    std::array<char, 40> text{};  // the monitor takes no joint beyond 1000 rad
+    std::snprintf(text.data(), text.size(), "%.4f", joint);
+    if (out.size() > 1) out += ",";
+    out += text.data();
+  }
+  return out + "]";
+}
+
+std::string text_or_empty(const std::map<std::string, std::string>& words, const std::string& key) {
+  const auto found = words.find(key);
+  return found == words.end() ? std::string() : found->second;
+}
+
+}  // namespace
+
+TcpTextDriver::TcpTextDriver(const VendorCommands& words, std::string own_id)
+    : own_id_(std::move(own_id)),
+      requests_(words.requests.begin(), words.requests.end()),
+      stop_text_(text_or_empty(words.commands, "stop")),
+      release_text_(text_or_empty(words.commands, "release")),
+      language_(words.language == "urscript" ? Language::urscript : Language::plain),
+      wraps_(words.wrap == "urscript-program"),
+      has_monitor_(words.monitor.has_value()) {
+  for (const auto& [subtype, text] : words.commands) {
+    commands_.emplace(subtype, Command{VendorTemplate(text), wraps_ && !is_interface_command(text), text});
+  }
+}
+
+bool TcpTextDriver::knows(MessageType type, std::string_view subtype) const {
+  if (type == MessageType::command) return commands_.contains(subtype);
+  return type == MessageType::request && requests_.contains(subtype);
+}
+
+bool TcpTextDriver::tells_end(std::string_view subtype) const {
+  const auto found = commands_.find(subtype);
+  return found != commands_.end() && found->second.wrapped && has_monitor_;
+}
+
+const RobotValue* TcpTextDriver::value(std::string_view name) const {
+  const auto request = requests_.find(name);
+  const auto found = values_.find(request == requests_.end() ? name : std::string_view(request->second));
+  return found == values_.end() ? nullptr : &found->second;
+}
+
+Result<Progress> TcpTextDriver::hand_over(const Handover& message, Now now, const DriverOut& out) {
+  const auto command = commands_.find(message.subtype);
+  if (command == commands_.end()) return fail(Errc::unknown_subtype, "commands.json has no such command");
+  if (!online()) {
+    return fail(Errc::robot_offline, "the robot's controller is not connected",
+                "look at its power, network and address");
+  }
+  auto text = command->second.words.fill(message.data, language_);
+  if (!text) return text.error();
+  if (command->second.wrapped && has_monitor_) {
+    if (auto why = disabled(now)) return std::move(*why);
+  }
+  last_write_ = now.mono;
+  out.out.count("to_robot." + std::string(message.subtype));
+  if (!command->second.wrapped) {
+    *text += '\n';
+    out.out.write(Channel::command, std::move(*text));
+    return Progress::handed_over;
+  }
+  const Status submitted = submit_program(message, *text, out);
+  if (!submitted) return submitted.error();
+  return has_monitor_ ? Progress::queued : Progress::handed_over;
+}
+
+Status TcpTextDriver::submit_program(const Handover& message, std::string_view lines, const DriverOut& out) {
+  const std::string name = "trb_" + std::to_string(++programs_);
+  std::string text = urscript_program(name, lines);
+  if (!has_monitor_) {
+    out.out.write(Channel::command, std::move(text));
+    return Done{};
+  }
+  return track_.submit({message.token, name, std::move(text), urscript_end_text(name), !message.skill.empty()}, out);
+}
+
+void TcpTextDriver::write_line(std::string_view text, Now now, const DriverOut& out) {
+  last_write_ = now.mono;
+  out.out.write(Channel::command, std::string(text) + "\n");
+}
+
+void TcpTextDriver::forget(Token token, Now, const DriverOut& out) {
+  track_.drop(token, out);
+}
+
+void TcpTextDriver::halt(Token token, Now now, const DriverOut& out) {
+  if (track_.drop(token, out) || !command_up_) return;
+  if (stop_text_.empty()) {
+    return out.refuse("no_stop", "commands.json has no \"stop\" for this robot: the motion goes on");
+  }
+  out.out.count("to_robot.stop");
+  write_line(stop_text_, now, out);
+}
+
+Result<Token> TcpTextDriver::stop(Now now, const DriverOut& out) {
+  const bool was_idle = surely_idle() && now.mono - last_state_ < kHung;
+  track_.drop_all(fail(Errc::fenced, "the robot was stopped before it took this message", "trb release " + own_id_),
+                  out);
+  if (!command_up_) return fail(Errc::robot_offline, "the robot's controller is not connected");
+  if (stop_text_.empty()) return fail(Errc::unknown_subtype, "commands.json has no \"stop\" for this robot");
+  told_to_stop_ = true;
+  out.out.count("to_robot.stop");
+  write_line(stop_text_, now, out);
+  stop_waits_ = ++last_ticket_;
+  if (was_idle || !has_monitor_) confirm_stop(out);
+  return last_ticket_;
+}
+
+void TcpTextDriver::confirm_stop(const DriverOut& out) {
+  if (!stop_waits_) return;
+  out.emit(Stopped{*stop_waits_, has_monitor_});
+  stop_waits_.reset();
+}
+
+Result<Token> TcpTextDriver::release(Now now, const DriverOut& out) {
+  if (!command_up_) return fail(Errc::robot_offline, "the robot's controller is not connected");
+  told_to_stop_ = false;
+  if (!release_text_.empty()) {
+    out.out.count("to_robot.release");
+    write_line(release_text_, now, out);
+  }
+  out.emit(Released{++last_ticket_});
+  return last_ticket_;
+}
+
+void TcpTextDriver::on_up(Channel channel, Now now, const DriverOut& out) {
+  const bool before = online();
+  if (channel == Channel::command) command_up_ = true;
+  if (channel == Channel::monitor) {
+    monitor_up_ = true;
+    heard_ = false;
+    last_heard_ = now.mono;
+    monitor_.clear();
+  }
+  if (!before && online()) out.emit(LinkUp{});
+}
+
+void TcpTextDriver::on_down(Channel channel, const std::string& reason, Now, const DriverOut& out) {
+  const bool before = online();
+  if (channel == Channel::command) command_up_ = false;
+  if (channel == Channel::monitor) monitor_up_ = heard_ = false;
+  if (!monitor_up_) safety_ = kUrSafetyNormal;  // whoever comes back tells again what is wrong
+  if (!before || online()) return;
+  track_.drop_all(fail(Errc::robot_offline, "the connection to the robot's controller was lost: " + reason,
+                       "look at its power and network"),
+                  out);
+  out.emit(LinkDown{reason});
+}
+
+void TcpTextDriver::on_bytes(Channel channel, BytesView bytes, Now now, const DriverOut& out) {
+  // What the command port says is the same state again, in a form that not every vendor shares.
+  if (channel != Channel::monitor || !monitor_up_) return;
+  events_.clear();
+  const Status read = monitor_.add(bytes, events_);
+  for (const UrEvent& event : events_) on_event(event, now, out);
+  if (!read) drop_monitor("bad_packet", "bad packet: " + read.error().what, now, out);
+}
+
+void TcpTextDriver::on_event(const UrEvent& event, Now now, const DriverOut& out) {
+  std::visit(Overloaded{
+                 [&](const UrState& state) { on_state(state, now, out); },
+                 [&](const UrProgramStarted& started) { track_.on_started(started.name, out); },
+                 [&](const UrProgramStopped& stopped) { track_.on_stopped(stopped.name, now, out); },
+                 [&](const UrText& text) { track_.on_text(text.text, out); },
+                 [&](const UrException& raised) {
+                   track_.on_exception(raised.text,
+                                       "line " + std::to_string(raised.line) + ", column " +
+                                           std::to_string(raised.column) + ": " + raised.text,
+                                       out);
+                 },
+                 [&](const UrError& error) { on_error(error, now, out); },
+             },
+             event);
+}
+
+void TcpTextDriver::on_error(const UrError& error, Now now, const DriverOut& out) {
+  const std::string text = "C" + std::to_string(error.code) + "A" + std::to_string(error.argument) + " " + error.text;
+  out.out.count("from_robot.error");
+  out.out.log(error.level >= kWorthALine ? LogLevel::warning : LogLevel::debug, "robot_report", text);
+  if (error.level < kWorthALine) return;
+  last_error_ = text;
+  last_error_at_ = now.mono;
+  // Worse than a warning stops the arm, which its state tells.
+  if (error.level == kWorthALine) warn(text, now, out);
+}
+
+void TcpTextDriver::warn(const std::string& text, Now now, const DriverOut& out) {
+  const Duration quiet = text == last_warning_ ? kQuiet : kWarningPause;
+  if (warned_at_ && now.mono - *warned_at_ < quiet) return out.out.count("suppressed.warning");
+  last_warning_ = text;
+  warned_at_ = now.mono;
+  out.emit(FaultSaid{"", Severity::warning, text});
+}
+
+void TcpTextDriver::on_state(const UrState& state, Now now, const DriverOut& out) {
+  const bool before = online();
+  heard_ = true;
+  last_heard_ = last_state_ = now.mono;
+  program_running_ = state.program_running;
+  robot_mode_ = state.robot_mode;
+  remember("robot_mode", {double(state.robot_mode)}, std::to_string(state.robot_mode), now);
+  remember("safety", {double(state.safety)}, std::to_string(state.safety), now);
+  remember("program_running", {double(state.program_running)}, state.program_running ? "true" : "false", now);
+  if (state.joints) remember("joints", {state.joints->begin(), state.joints->end()}, joints_json(*state.joints), now);
+  if (!before && online()) out.emit(LinkUp{});
+  report_safety(state.safety, now, out);
+  if (const auto why = disabled(now)) track_.on_disabled(*why, out);
+  if (surely_idle()) confirm_stop(out);
+  out.emit(ValuesHeard{});
+}
+
+void TcpTextDriver::report_safety(int safety, Now now, const DriverOut& out) {
+  const bool protective = safety == kUrSafetyProtectiveStop;
+  const bool emergency = safety == kUrSafetyEmergencyStop;
+  if (!protective && !emergency) out.emit(FaultOver{kSafety});
+  if (safety == safety_) return;
+  safety_ = safety;
+  if (protective) out.emit(FaultSaid{"", Severity::critical, with_own_words("protective stop", now), kSafety});
+  if (emergency) out.emit(FaultSaid{"", Severity::fatal, with_own_words("emergency stop", now), kSafety});
+}
+
+std::string TcpTextDriver::with_own_words(std::string text, Now now) const {
+  if (!last_error_.empty() && now.mono - last_error_at_ <= kSameCause) text += ": " + last_error_;
+  return text;
+}
+
+std::optional<Error> TcpTextDriver::disabled(Now now) const {
+  constexpr std::string_view kRun = "set robotmode run";
+  if (safety_ == kUrSafetyEmergencyStop) {
+    return fail(Errc::robot_error, with_own_words("the robot is in emergency stop", now),
+                "release the emergency stop at the robot, then " + how_to({"power on", kRun}));
+  }
+  if (safety_ == kUrSafetyProtectiveStop) {
+    return fail(Errc::robot_error, with_own_words("the robot is in protective stop", now),
+                "look what it ran into, then " + how_to({"set unlock protective stop"}));
+  }
+  if (robot_mode_ == kUrModePowerOff) {
+    return fail(Errc::robot_error, "the arm is powered off", how_to({"power on", kRun}));
+  }
+  if (robot_mode_ == kUrModeIdle) return fail(Errc::robot_error, "the arm's brakes are on", how_to({kRun}));
+  if (robot_mode_ == kUrModeRunning) return std::nullopt;
+  return fail(Errc::robot_error, "the controller is in robot mode " + std::to_string(robot_mode_) + ", not running",
+              "look at the robot's pendant");
+}
+
+std::string TcpTextDriver::how_to(std::initializer_list<std::string_view> words) const {
+  std::string out;
+  for (const std::string_view word : words) {
+    for (const auto& [subtype, command] : commands_) {
+      if (command.text != word) continue;
+      out += (out.empty() ? "trb send " : ", trb send ") + own_id_ + " command " + subtype;
+      break;
+    }
+  }
+  return out.empty() ? "use the robot's pendant" : out;
+}
+
+void TcpTextDriver::remember(const std::string& name, std::vector<double> numbers, std::string json, Now now) {
+  values_[name] = RobotValue{std::move(numbers), std::move(json), now.mono};
+}
+
+bool TcpTextDriver::surely_idle() const {
+  return heard_ && track_.idle() && !program_running_ && last_state_ - last_write_ >= kStatePeriod;
+}
+
+void TcpTextDriver::drop_monitor(std::string_view counted, const std::string& reason, Now now, const DriverOut& out) {
+  out.refuse(counted, "the monitor connection is closed: " + reason);
+  out.out.close(Channel::monitor, reason);
+  on_down(Channel::monitor, reason, now, out);
+}
+
+void TcpTextDriver::tick(Now now, const DriverOut& out) {
+  track_.tick(now, out);
+  if (monitor_up_ && now.mono - last_heard_ >= kHung) drop_monitor("monitor_silent", "no state for 3 s", now, out);
+}
+
+std::optional<MonotonicTime> TcpTextDriver::next_deadline() const {
+  const auto hung = monitor_up_ ? std::optional(last_heard_ + kHung) : std::nullopt;
+  return earlier(hung, track_.next_deadline());
+}
+
+}  // namespace trb::drivers

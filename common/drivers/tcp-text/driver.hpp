@@ -1,0 +1,95 @@
+// The direct mode over tcp-text: the node dials the robot and sends it the vendor's own words (commands.json); a
+// monitor connection, if there is one, tells what becomes of them.
+#pragma once
+
+#include <map>
+
+#include "common/config/node_config.hpp"
+#include "common/drivers/driver.hpp"
+#include "common/drivers/tcp-text/program_track.hpp"
+#include "common/drivers/tcp-text/ur_monitor.hpp"
+#include "common/drivers/text/vendor_template.hpp"
+
+namespace trb::drivers {
+
+class TcpTextDriver : public Driver {
+ public:
+  TcpTextDriver(const VendorCommands& words, std::string own_id);
+
+  [[nodiscard]] bool online() const override { return command_up_ && (!has_monitor_ || heard_); }
+  [[nodiscard]] bool knows(MessageType type, std::string_view subtype) const override;
+  [[nodiscard]] bool tells_end(std::string_view subtype) const override;
+  [[nodiscard]] const RobotValue* value(std::string_view name) const override;
+  [[nodiscard]] bool answers_from_values() const override { return true; }
+
+  Result<Progress> hand_over(const Handover& message, Now now, const DriverOut& out) override;
+  [[nodiscard]] bool runs(Token token) const override { return track_.holds(token); }
+  void forget(Token token, Now now, const DriverOut& out) override;
+  void halt(Token token, Now now, const DriverOut& out) override;
+  Result<Token> stop(Now now, const DriverOut& out) override;
+  Result<Token> release(Now now, const DriverOut& out) override;
+  [[nodiscard]] bool told_to_stop() const override { return told_to_stop_; }
+
+  void on_up(Channel channel, Now now, const DriverOut& out) override;
+  void on_down(Channel channel, const std::string& reason, Now now, const DriverOut& out) override;
+  void on_bytes(Channel channel, BytesView bytes, Now now, const DriverOut& out) override;
+  void tick(Now now, const DriverOut& out) override;
+  [[nodiscard]] std::optional<MonotonicTime> next_deadline() const override;
+
+ private:
+  struct Command {
+    VendorTemplate words;
+    bool wrapped = false;
+    std::string text;
+  };
+
+  Status submit_program(const Handover& message, std::string_view lines, const DriverOut& out);
+  void write_line(std::string_view text, Now now, const DriverOut& out);
+  void on_event(const UrEvent& event, Now now, const DriverOut& out);
+  void on_state(const UrState& state, Now now, const DriverOut& out);
+  void report_safety(int safety, Now now, const DriverOut& out);
+  void on_error(const UrError& error, Now now, const DriverOut& out);
+  void warn(const std::string& text, Now now, const DriverOut& out);
+  /// Why the arm carries nothing out, if so.
+  [[nodiscard]] std::optional<Error> disabled(Now now) const;
+  /// "trb send ID command SUBTYPE" for each of these words, as far as commands.json has them.
+  [[nodiscard]] std::string how_to(std::initializer_list<std::string_view> words) const;
+  [[nodiscard]] std::string with_own_words(std::string text, Now now) const;
+  void remember(const std::string& name, std::vector<double> numbers, std::string json, Now now);
+  [[nodiscard]] bool surely_idle() const;
+  void confirm_stop(const DriverOut& out);
+  void drop_monitor(std::string_view counted, const std::string& reason, Now now, const DriverOut& out);
+
+  std::string own_id_;
+  std::map<std::string, Command, std::less<>> commands_;
+  std::map<std::string, std::string, std::less<>> requests_;
+  std::string stop_text_;
+  std::string release_text_;
+  Language language_;
+  bool wraps_;
+  bool has_monitor_;
+
+  bool command_up_ = false;
+  bool monitor_up_ = false;
+  bool heard_ = false;  ///< a state on this monitor connection
+  bool told_to_stop_ = false;
+  bool program_running_ = false;
+  int safety_ = kUrSafetyNormal;
+  int robot_mode_ = kUrModeRunning;
+  std::string last_error_;  ///< what the controller complained of last
+  MonotonicTime last_error_at_;
+  std::string last_warning_;
+  std::optional<MonotonicTime> warned_at_;
+  MonotonicTime last_heard_;  ///< the last state, or the connection's begin
+  MonotonicTime last_state_;
+  MonotonicTime last_write_;
+  std::uint64_t programs_ = 0;
+  Token last_ticket_ = 0;
+  std::optional<Token> stop_waits_;
+  std::map<std::string, RobotValue, std::less<>> values_;
+  ProgramTrack track_;
+  UrMonitor monitor_;
+  std::vector<UrEvent> events_;
+};
+
+}  // namespace trb::drivers

@@ -1,0 +1,59 @@
+// What a Universal Robot's controller sends on its monitor connection: the packets, and the direct mode behind them.
+#define DOCTEST_CONFIG_DISABLE  // the bench is for doctest; here require() tells
+#include <cmath>
+
+#include "common/drivers/tcp-text/ur_monitor.hpp"
+#include "services/mode-adapter/test/bench.hpp"
+#include "tests/fuzz/target.hpp"
+
+namespace trb::fuzz {
+namespace {
+
+using namespace trb::adapter;
+
+/// As many events, whether the bytes come at once or one by one; nothing is read twice.
+void check_cutting(BytesView input) {
+  UrMonitor whole;
+  UrMonitor pieces;
+  std::vector<UrEvent> at_once;
+  std::vector<UrEvent> one_by_one;
+  const Status read = whole.add(input, at_once);
+  Status last = Done{};
+  for (std::size_t i = 0; i < input.size() && last; ++i) last = pieces.add(input.substr(i, 1), one_by_one);
+  require(read.ok() == last.ok(), "where the stream breaks does not depend on how it is cut");
+  require(at_once.size() == one_by_one.size(), "what is heard does not depend on how it is cut");
+}
+
+/// A skill that runs while the controller says this: it is answered, and what is told to the fleet is bounded.
+void check_mode(BytesView input) {
+  UrBench bench;
+  bench.deliver(MessageType::command, order("reach", R"({"joints": [0,0,0,0,0,0]})"), "ur3");
+  bench.monitor(ur_started("trb_1"));
+  bench.monitor(Bytes(input));
+  for (const Send& send : bench.out.sends) {
+    if (const auto* fault = get_if<RobotFault>(&send.body)) {
+      require(is_utf8(fault->text) && fault->text.size() <= 1024, "a fault's text is short and UTF-8");
+    }
+  }
+  bench.wait(30);
+  require(bench.told<Outcome>().size() >= 1, "the skill has an outcome");
+}
+
+}  // namespace
+
+std::vector<Bytes> seeds() {
+  return {ur_state(),
+          ur_state({.running = true, .protective = true}) + ur_state({.emergency = true, .mode = 3}),
+          ur_started("trb_1") + ur_text("trb_1 done") + ur_stopped("trb_1"),
+          ur_exception(2, 9, "compile_error_name_not_found:moovej:") + ur_stopped("trb_1"),
+          ur_message(6, big_endian(153, 4) + big_endian(0, 4) + big_endian(3, 4) + Bytes(8, '\0') + "deviates"),
+          ur_message(3, "version"),
+          big_endian(5, 4) + "\x10"};
+}
+
+void run(BytesView input) {
+  check_cutting(input);
+  check_mode(input);
+}
+
+}  // namespace trb::fuzz

@@ -1,0 +1,26 @@
+// Data into URScript: the only way in is a literal, so no data can become a statement.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "common/base/result.hpp"
+#include "proto/value.hpp"
+
+namespace trb::drivers {
+
+/// A number, True or False, a list of numbers, or a quoted text. Errors: bad_value (no literal of that kind),
+/// not_escapable (a quote, backslash, control character or a byte outside ASCII: URScript has no escapes for them).
+Result<std::string> urscript_literal(const Value& value);
+
+/// The lines as a program with a name, so that the robot tells of its start and its end. Its last line says that it was
+/// reached: a program that a person or a protective stop has cut short is told to have stopped, too.
+std::string urscript_program(std::string_view name, std::string_view lines);
+
+/// What the last line says.
+std::string urscript_end_text(std::string_view name);
+
+/// True for the words that the controller's interface takes besides scripts ("power on"); they are no statements.
+bool is_interface_command(std::string_view text);
+
+}  // namespace trb::drivers

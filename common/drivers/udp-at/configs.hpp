@@ -1,0 +1,50 @@
+// CONFIG of an AR.Drone: one at a time, each acknowledged by a bit of navdata, which is then put down with CTRL.
+#pragma once
+
+#include <deque>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/drivers/driver.hpp"
+
+namespace trb::drivers {
+
+/// One AT command that is sent once.
+struct AtCall {
+  std::string name;
+  std::string arguments;
+};
+
+/// waiting -> sent -> (bit up) taken, CTRL -> (bit down) the next one. After 1 s without the bit: Refused, not
+/// repeated.
+class AtConfigs {
+ public:
+  /// `token` 0: nobody waits for it. Errors: queue_full.
+  Status add(Token token, std::string arguments);
+  /// Nobody waits for it any more; what was sent was sent.
+  void forget(Token token);
+  void drop_all(const Error& why, const DriverOut& out);
+
+  void on_navdata(bool taken, const DriverOut& out);
+  /// What is to be sent now.
+  void run(Now now, const DriverOut& out, std::vector<AtCall>& calls);
+  [[nodiscard]] bool empty() const { return waiting_.empty() && !sent_; }
+  [[nodiscard]] std::optional<MonotonicTime> next_deadline() const;
+
+ private:
+  struct Config {
+    Token token = 0;
+    std::string arguments;
+  };
+
+  [[nodiscard]] bool waits(Token token) const;
+
+  std::deque<Config> waiting_;
+  std::optional<Config> sent_;
+  MonotonicTime sent_at_;
+  bool bit_up_ = false;
+  bool bit_due_ = false;  ///< to be put down
+};
+
+}  // namespace trb::drivers

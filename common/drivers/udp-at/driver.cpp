@@ -1,0 +1,301 @@
+#include "common/drivers/udp-at/driver.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "common/drivers/udp-at/values.hpp"
+
+namespace trb::drivers {
+namespace {
+
+/// The drone asks for a command at least every 50 ms.
+constexpr Duration kStatePeriod = std::chrono::milliseconds(30);
+/// After so long without a command the drone counts its link as lost; after so long without navdata we do.
+constexpr Duration kLost = std::chrono::seconds(2);
+constexpr Duration kWakePeriod = std::chrono::seconds(1);
+constexpr Duration kDemoPeriod = std::chrono::milliseconds(500);
+constexpr Duration kYounger = std::chrono::milliseconds(100);
+constexpr const char* kLink = "link";
+constexpr std::size_t kMaxDatagram = 1024;
+constexpr BytesView kWakeUp("\1\0\0\0", 4);
+constexpr const char* kDemo = R"("general:navdata_demo","TRUE")";
+constexpr std::uint32_t kLinkFaults = kArComWatchdog | (1U << 13U);
+
+Error offline() {
+  return fail(Errc::robot_offline, "the drone tells nothing: no navdata",
+              "look at its power, its network and its address");
+}
+
+}  // namespace
+
+AtDriver::AtDriver(const VendorCommands& words, std::string own_id)
+    : own_id_(std::move(own_id)),
+      names_(words.values.begin(), words.values.end()),
+      requests_(words.requests.begin(), words.requests.end()) {
+  // What cannot be read was a fault of commands.json, which keeps the node from starting.
+  for (const auto& [subtype, text] : words.commands) {
+    auto lines = read_at_lines(text);
+    if (!lines || lines->empty()) continue;
+    if (subtype == "stop") stop_lands_ = lines->front().action == AtAction::land;
+    if (lines->front().action == AtAction::recover) recover_ = subtype;
+    commands_.emplace(subtype, std::move(*lines));
+  }
+}
+
+bool AtDriver::knows(MessageType type, std::string_view subtype) const {
+  if (type == MessageType::command) return commands_.contains(subtype);
+  return type == MessageType::request && requests_.contains(subtype);
+}
+
+bool AtDriver::tells_end(std::string_view subtype) const {
+  const auto found = commands_.find(subtype);
+  return found != commands_.end() && std::ranges::any_of(found->second, at_tells_end);
+}
+
+const RobotValue* AtDriver::value(std::string_view name) const {
+  if (const auto request = requests_.find(name); request != requests_.end()) name = request->second;
+  if (const auto own = names_.find(name); own != names_.end()) name = own->second;
+  const auto found = values_.find(name);
+  return found == values_.end() ? nullptr : &found->second;
+}
+
+Result<Progress> AtDriver::hand_over(const Handover& message, Now now, const DriverOut& out) {
+  const auto lines = commands_.find(message.subtype);
+  if (lines == commands_.end()) return fail(Errc::unknown_subtype, "commands.json has no such command");
+  if (!online_) return offline();
+  const auto orders = fill_at_lines(lines->second, message.data);
+  if (!orders) return orders.error();
+  if (Status fits = check_state(*orders); !fits) return fits.error();
+  const auto waits = begin(message, *orders, now, out);
+  if (!waits) return waits.error();
+  out.out.count("to_robot." + std::string(message.subtype));
+  write(now, out);
+  return *waits ? Progress::queued : Progress::handed_over;
+}
+
+/// A drone that is told to move on the ground, or with its motors cut, would silently do nothing.
+Status AtDriver::check_state(const std::vector<AtOrder>& orders) const {
+  for (const AtOrder& order : orders) {
+    const bool flies = order.action == AtAction::hover || order.action == AtAction::move;
+    if ((flies || order.action == AtAction::take_off) && drone_.has(kArEmergency)) {
+      const std::string troubles = ar_troubles(drone_.state);
+      return fail(
+          Errc::robot_error, "the drone's motors are cut" + (troubles.empty() ? "" : " (" + troubles + ")"),
+          "look at the drone, then trb send " + own_id_ + " command " + (recover_.empty() ? "recover" : recover_));
+    }
+    if (flies && !drone_.airborne()) {
+      return fail(Errc::conflict, "the drone is not in the air", "let it take off first");
+    }
+  }
+  return Done{};
+}
+
+/// True: the drone will tell that it has taken it.
+Result<bool> AtDriver::begin(const Handover& message, const std::vector<AtOrder>& orders, Now now,
+                             const DriverOut& out) {
+  std::size_t size = 0;
+  for (const AtOrder& order : orders) size += order.name.size() + order.arguments.size() + 32;
+  if (size > kMaxDatagram - 128)
+    return fail(Errc::too_large, "the drone takes 1024 bytes at once", "send less at once");
+  bool waits = false;
+  for (const AtOrder& order : orders) {
+    if (order.name == "CONFIG") {
+      if (Status added = configs_.add(message.token, order.arguments); !added) {
+        configs_.forget(message.token);
+        calls_.clear();
+        return added.error();
+      }
+      waits = true;
+    } else if (order.action == AtAction::send) {
+      calls_.push_back({order.name, order.arguments});
+    } else {
+      // Level ground is where it stands now: the drone wants to be told before each take-off.
+      if (order.action == AtAction::take_off && !drone_.has(kArFlying)) calls_.push_back({"FTRIM", ""});
+      flight_.begin(message.token, std::string(message.subtype), order, now, out);
+      waits = waits || order.action == AtAction::emergency || order.action == AtAction::recover;
+    }
+  }
+  return waits;
+}
+
+void AtDriver::forget(Token token, Now, const DriverOut&) {
+  configs_.forget(token);
+}
+
+void AtDriver::halt(Token token, Now now, const DriverOut& out) {
+  configs_.forget(token);
+  if (!online_) return;
+  out.out.count("to_robot.stop");
+  flight_.stop(drone_, stop_lands_);
+  write(now, out);
+}
+
+Result<Token> AtDriver::stop(Now now, const DriverOut& out) {
+  configs_.drop_all(fail(Errc::fenced, "the drone was stopped before it took this message", "trb release " + own_id_),
+                    out);
+  if (!online_) return offline();
+  if (!commands_.contains("stop")) return fail(Errc::unknown_subtype, "commands.json has no \"stop\" for this robot");
+  told_to_stop_ = true;
+  out.out.count("to_robot.stop");
+  flight_.stop(drone_, stop_lands_);
+  stop_waits_ = ++last_ticket_;
+  stopped_at_ = now.mono;
+  write(now, out);
+  return last_ticket_;
+}
+
+void AtDriver::confirm_stop(Now now, const DriverOut& out) {
+  if (!stop_waits_ || now.mono - stopped_at_ < kYounger || !at_stands(drone_)) return;
+  out.emit(Stopped{*stop_waits_, true});
+  stop_waits_.reset();
+}
+
+Result<Token> AtDriver::release(Now, const DriverOut& out) {
+  if (!online_) return offline();
+  told_to_stop_ = false;
+  stop_waits_.reset();
+  out.emit(Released{++last_ticket_});
+  return last_ticket_;
+}
+
+void AtDriver::on_up(Channel channel, Now now, const DriverOut&) {
+  if (channel == Channel::command) command_up_ = true;
+  if (channel != Channel::monitor) return;
+  monitor_up_ = true;
+  next_wake_ = now.mono;
+}
+
+void AtDriver::on_down(Channel channel, const std::string& reason, Now, const DriverOut& out) {
+  if (channel == Channel::command) command_up_ = false;
+  if (channel == Channel::monitor) monitor_up_ = false;
+  if (channel != Channel::field) go_down(reason, out);
+}
+
+void AtDriver::on_bytes(Channel channel, BytesView bytes, Now now, const DriverOut& out) {
+  if (channel != Channel::monitor || !monitor_up_) return;
+  const auto drone = read_ar_navdata(bytes);
+  if (!drone) {
+    const bool sum = drone.error().code == Errc::bad_signature;
+    return out.refuse(sum ? "wrong_checksum" : "bad_navdata", drone.error().what);
+  }
+  // After a silence it may be another start of the drone, which counts from 1 again.
+  const bool anew = now.mono - heard_ >= kLost;
+  if (!anew && drone->sequence <= drone_.sequence) {
+    return out.refuse("old_navdata",
+                      "navdata " + std::to_string(drone->sequence) + " came after " + std::to_string(drone_.sequence));
+  }
+  heard_ = now.mono;
+  on_navdata(*drone, now, out);
+}
+
+void AtDriver::on_navdata(const ArNavdata& drone, Now now, const DriverOut& out) {
+  watchdog_due_ = watchdog_due_ || drone.has(kArComWatchdog);
+  configs_.on_navdata(drone.has(kArCommandHeard), out);
+  if (!drone.demo) {
+    drone_.sequence = drone.sequence;
+    if (configs_.empty() && now.mono >= next_demo_) {
+      next_demo_ = now.mono + kDemoPeriod;
+      (void)configs_.add(0, kDemo);
+    }
+    return write(now, out);
+  }
+  drone_ = drone;
+  told_ = now.mono;
+  if (!online_ && command_up_) come_up(now, out);
+  if (!online_) return;
+  remember(drone, now);
+  flight_.on_navdata(drone, now, out);
+  tell_faults(drone, out);
+  confirm_stop(now, out);
+  out.emit(ValuesHeard{});
+}
+
+void AtDriver::come_up(Now now, const DriverOut& out) {
+  online_ = true;
+  // Whoever comes back tells again what is wrong; that its watchdog had to wait for us is no fault of the drone's.
+  known_faults_ = kLinkFaults;
+  flight_.follow(drone_);
+  next_state_ = now.mono;
+  out.emit(LinkUp{});
+  out.emit(FaultOver{kLink});
+}
+
+void AtDriver::go_down(const std::string& reason, const DriverOut& out) {
+  configs_.drop_all(fail(Errc::robot_offline, "the drone's link was lost: " + reason, "look at the drone"), out);
+  calls_.clear();
+  values_.clear();
+  heard_ = {};
+  drone_.sequence = 0;
+  if (!std::exchange(online_, false)) return;
+  flight_.lose(reason, out);
+  stop_waits_.reset();
+  // From now on nothing is sent: the drone's own watchdog lets it stand, then land.
+  const bool in_air = drone_.has(kArFlying);
+  out.emit(FaultSaid{"", in_air ? Severity::critical : Severity::warning,
+                     "link lost" + std::string(in_air ? " in the air: the drone hovers, then lands by itself" : "") +
+                         " (" + reason + ")",
+                     kLink});
+  out.emit(LinkDown{reason});
+}
+
+void AtDriver::tell_faults(const ArNavdata& drone, const DriverOut& out) {
+  const std::uint32_t risen = drone.state & ~known_faults_;
+  known_faults_ = drone.state;
+  const bool cut = (risen & kArEmergency) != 0;
+  const std::string troubles = ar_troubles(drone.state);
+  for (const ArFault& fault : ar_faults()) {
+    if ((drone.state & fault.bit) == 0) out.emit(FaultOver{std::string(fault.name)});
+  }
+  for (const ArFault& fault : ar_faults()) {
+    if ((risen & fault.bit) == 0) continue;
+    std::string text(fault.text);
+    if (fault.bit == kArEmergency && !troubles.empty()) text += " (" + troubles + ")";
+    if (fault.bit == kArBatteryLow) text += ": " + std::to_string(drone.demo->battery) + " %";
+    out.emit(FaultSaid{"", fault.severity, std::move(text), std::string(fault.name)});
+    if (cut) return;  // its causes are in its text
+  }
+}
+
+void AtDriver::remember(const ArNavdata& drone, Now now) {
+  for (ArValue& value : ar_values(drone)) {
+    values_[std::move(value.name)] = RobotValue{{value.number}, std::move(value.json), now.mono};
+  }
+}
+
+/// One datagram: what is to be sent once, then the state that is sent again and again.
+void AtDriver::write(Now now, const DriverOut& out) {
+  if (!command_up_) return;
+  if (std::exchange(watchdog_due_, false)) calls_.insert(calls_.begin(), AtCall{"COMWDG", ""});
+  configs_.run(now, out, calls_);
+  if (online_) {
+    calls_.push_back({"REF", flight_.reference()});
+    calls_.push_back({"PCMD", flight_.motion()});
+    next_state_ = std::max(next_state_ + kStatePeriod, now.mono + kStatePeriod / 2);
+  }
+  Bytes datagram;
+  for (const AtCall& call : std::exchange(calls_, {})) {
+    const std::string line = at_line(call.name, ++sequence_, call.arguments);
+    if (datagram.size() + line.size() > kMaxDatagram) out.out.write(Channel::command, std::exchange(datagram, {}));
+    datagram += line;
+  }
+  if (!datagram.empty()) out.out.write(Channel::command, std::move(datagram));
+}
+
+void AtDriver::tick(Now now, const DriverOut& out) {
+  if (online_ && now.mono - told_ >= kLost) go_down("no navdata for 2 s", out);
+  if (monitor_up_ && !online_ && now.mono >= next_wake_) {
+    next_wake_ = now.mono + kWakePeriod;
+    out.out.write(Channel::monitor, Bytes(kWakeUp));
+  }
+  flight_.tick(now, out);
+  const auto config = configs_.next_deadline();
+  if ((online_ && now.mono >= next_state_) || (config && now.mono >= *config)) write(now, out);
+}
+
+std::optional<MonotonicTime> AtDriver::next_deadline() const {
+  const auto state = online_ ? earlier(next_state_, told_ + kLost) : std::nullopt;
+  const auto wake = monitor_up_ && !online_ ? std::optional(next_wake_) : std::nullopt;
+  return earlier(earlier(state, wake), configs_.next_deadline());
+}
+
+}  // namespace trb::drivers

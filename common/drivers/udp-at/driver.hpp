@@ -1,0 +1,78 @@
+// The direct mode over udp-at: an AR.Drone 2 is sent AT commands (UDP 5556) and tells of itself in navdata (UDP 5554).
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "common/config/node_config.hpp"
+#include "common/drivers/udp-at/configs.hpp"
+#include "common/drivers/udp-at/flight.hpp"
+
+namespace trb::drivers {
+
+class AtDriver : public Driver {
+ public:
+  AtDriver(const VendorCommands& words, std::string own_id);
+
+  [[nodiscard]] bool online() const override { return online_; }
+  [[nodiscard]] bool knows(MessageType type, std::string_view subtype) const override;
+  [[nodiscard]] bool tells_end(std::string_view subtype) const override;
+  [[nodiscard]] const RobotValue* value(std::string_view name) const override;
+  [[nodiscard]] bool answers_from_values() const override { return true; }
+
+  Result<Progress> hand_over(const Handover& message, Now now, const DriverOut& out) override;
+  [[nodiscard]] bool runs(Token token) const override { return flight_.runs(token); }
+  void forget(Token token, Now now, const DriverOut& out) override;
+  void halt(Token token, Now now, const DriverOut& out) override;
+  Result<Token> stop(Now now, const DriverOut& out) override;
+  Result<Token> release(Now now, const DriverOut& out) override;
+  [[nodiscard]] bool told_to_stop() const override { return told_to_stop_; }
+
+  void on_up(Channel channel, Now now, const DriverOut& out) override;
+  void on_down(Channel channel, const std::string& reason, Now now, const DriverOut& out) override;
+  void on_bytes(Channel channel, BytesView bytes, Now now, const DriverOut& out) override;
+  void tick(Now now, const DriverOut& out) override;
+  [[nodiscard]] std::optional<MonotonicTime> next_deadline() const override;
+
+ private:
+  [[nodiscard]] Status check_state(const std::vector<AtOrder>& orders) const;
+  Result<bool> begin(const Handover& message, const std::vector<AtOrder>& orders, Now now, const DriverOut& out);
+  void on_navdata(const ArNavdata& drone, Now now, const DriverOut& out);
+  void come_up(Now now, const DriverOut& out);
+  void go_down(const std::string& reason, const DriverOut& out);
+  void tell_faults(const ArNavdata& drone, const DriverOut& out);
+  void remember(const ArNavdata& drone, Now now);
+  void confirm_stop(Now now, const DriverOut& out);
+  void write(Now now, const DriverOut& out);
+
+  std::string own_id_;
+  std::map<std::string, std::vector<AtLine>, std::less<>> commands_;
+  std::map<std::string, std::string, std::less<>> names_;  ///< of requests and values -> navdata's
+  std::map<std::string, std::string, std::less<>> requests_;
+  bool stop_lands_ = false;
+  std::string recover_;  ///< the subtype that does it
+
+  bool command_up_ = false;
+  bool monitor_up_ = false;
+  bool online_ = false;
+  bool told_to_stop_ = false;
+  std::uint32_t sequence_ = 0;  ///< of the last AT command
+  ArNavdata drone_;             ///< as it was last told
+  std::uint32_t known_faults_ = 0;
+  MonotonicTime heard_;  ///< the last good navdata
+  MonotonicTime told_;   ///< the last that told where the drone is
+  MonotonicTime next_wake_;
+  MonotonicTime next_demo_;
+  MonotonicTime next_state_;
+  bool watchdog_due_ = false;
+  Token last_ticket_ = 0;
+  std::optional<Token> stop_waits_;
+  MonotonicTime stopped_at_;
+  std::vector<AtCall> calls_;  ///< for the next datagram
+  AtFlight flight_;
+  AtConfigs configs_;
+  std::map<std::string, RobotValue, std::less<>> values_;
+};
+
+}  // namespace trb::drivers

@@ -1,0 +1,20 @@
+// What navdata tells, by the names that commands.json may use (common/drivers/udp-at/syntax.hpp).
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "common/drivers/udp-at/navdata.hpp"
+
+namespace trb::drivers {
+
+struct ArValue {
+  std::string name;
+  double number = 0;
+  std::string json;
+};
+
+/// One for each of at_value_names(). Bits are 0 or 1; `state` is the drone's number of what it does, as JSON its name.
+std::vector<ArValue> ar_values(const ArNavdata& drone);
+
+}  // namespace trb::drivers
