@@ -57,12 +57,12 @@ Words read_words(ObjectReader& vendor, std::string_view key) {
   return words;
 }
 
-/// One of the names, or any text where none is known.
-std::optional<std::string> read_name(ObjectReader& reader, std::string_view key, Need need,
-                                     const std::vector<std::string>& names) {
-  if (names.empty() || names == std::vector<std::string>{""}) return reader.text(key, need);
+/// One of the names, or `preset`; without transports any text.
+std::string read_name(ObjectReader& reader, std::string_view key, Need need, const Transports& known,
+                      const std::vector<std::string>& names, const std::string& preset = "") {
+  if (known.empty()) return reader.text(key, need).value_or(preset);
   const auto index = reader.choice(key, need, names);
-  return index ? std::optional(names[*index]) : std::nullopt;
+  return index ? names[*index] : preset;
 }
 
 /// The keys of the transport's own. Where none is named it may be the first one of any mode.
@@ -79,8 +79,7 @@ std::optional<Monitor> read_monitor(ObjectReader& vendor, const Transports& know
   if (json == nullptr) return std::nullopt;
   ObjectReader reader(*json, vendor.path("monitor"), vendor.faults());
   Monitor monitor;
-  if (const auto protocol = read_name(reader, "protocol", Need::required, known.all_of(&Transport::monitors, {})))
-    monitor.protocol = *protocol;
+  monitor.protocol = read_name(reader, "protocol", Need::required, known, known.all_of(&Transport::monitors, {}));
   monitor.port = static_cast<std::uint16_t>(reader.integer("port", Need::required, 1, 65535).value_or(0));
   reader.refuse_unknown_keys();
   return monitor;
@@ -94,10 +93,10 @@ VendorCommands read_vendor(const Value& json, const std::string& name, const Tra
     // A bad port counts as given: one mistake, one fault.
     vendor.port = static_cast<std::uint16_t>(reader.integer("port", Need::optional, 1, 65535).value_or(0));
   }
-  vendor.transport = read_name(reader, "transport", Need::optional, known.names()).value_or("");
+  vendor.transport = read_name(reader, "transport", Need::optional, known, known.names());
   const auto languages = known.all_of(&Transport::languages, {"plain"});
-  vendor.language = read_name(reader, "language", Need::optional, languages).value_or("plain");
-  vendor.wrap = read_name(reader, "wrap", Need::optional, known.all_of(&Transport::wraps, {""})).value_or("");
+  vendor.language = read_name(reader, "language", Need::optional, known, languages, "plain");
+  vendor.wrap = read_name(reader, "wrap", Need::optional, known, known.all_of(&Transport::wraps, {""}));
   vendor.monitor = read_monitor(reader, known);
   vendor.values = read_words(reader, "values");
   vendor.commands = read_words(reader, "commands");

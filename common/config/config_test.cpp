@@ -175,3 +175,12 @@ TEST_CASE("seeds: IPv6 in square brackets; the cloud relays unless it is told no
   CHECK(without_keys(folder.check().faults).size() == 1);
   CHECK(NodeFolder("cloud").check().config.relay);
 }
+
+TEST_CASE("who speaks to no robot takes a maker's words as they are") {
+  const NodeFolder folder("ur");
+  folder.change("commands.json", "\"urscript\"", "\"a language of tomorrow\"");
+  CHECK_FALSE(without_keys(folder.check().faults).empty());
+  const NodeCheck check = check_node_dir(folder.path(), true);
+  CHECK_MESSAGE(without_keys(check.faults).empty(), to_text(check.faults));
+  CHECK(check.config.commands.language == "a language of tomorrow");
+}
