@@ -215,8 +215,7 @@ void ResilienceCore::reopen(Alert& alert, const std::string& why, Now now, Outbo
   // The policy is not to try the same again and again.
   if (refused) works_[alert.id].asks_for = why;
   if (const WatchedRun* run = watcher_.find(alert.run); run != nullptr && run->is_known()) {
-    propose(alert, *run, now);
-    stirred_runs_.insert(alert.run);
+    stirred_runs_.insert(alert.run);  // it is proposed for anew
     watcher_.refresh(alert.run);
   }
   out.record(alert);

@@ -47,6 +47,8 @@ class Bench {
   /// The paper's nine tasks as they stand in the middle: t1 to t3 are finished, t4 runs.
   void begin_run();
   TaskView& task(const std::string& id);
+  /// Another cloud node is the first of the run's members, and so its decider.
+  void decided_elsewhere();
   /// The running attempt ends so; the run is PAUSED by all but FINISHED.
   void end_task(const std::string& id, TaskOutcome outcome, const std::string& reason = "");
   /// Something about the run has changed: watchers are told.

@@ -135,6 +135,20 @@ TEST_CASE("its robot is gone and it did not begin in time: the decider skips it,
   }
 }
 
+TEST_CASE("a cloud node that does not decide the run skips nothing in it") {
+  auto bench = paper();
+  task_of(*bench, "t7").start_within_s = 20;
+  task_of(*bench, "t7").on_failure = OnFailure::skip;
+  bench->decided_elsewhere();
+  bench->restart();
+  bench->wait(seconds(6));
+  bench->silence("ridgeback");
+  make_due(*bench, "t7");
+  bench->wait(seconds(90));
+  CHECK(bench->heard["run_decision"] == 0);
+  CHECK(bench->alert().waits_for == "a verdict on node cloud2");
+}
+
 TEST_CASE("a robot that is there says itself that it did not begin; where people are to decide they are told") {
   auto bench = paper();
   task_of(*bench, "t7").start_within_s = 20;

@@ -73,6 +73,10 @@ TEST_CASE("a sensor that cannot be reached is waited for, in words, and asked ev
   CHECK(sensor.asked == 0);
   CHECK(story.begun() == std::map<std::string, int>{{"bring", 1}});
   story.fleet["conveyor"].cut = false;
+  const auto skipped = [](const TaskView& task) { return task.state == TaskState::skipped; };
+  REQUIRE(story.fleet.until([&] { return std::ranges::any_of(story.view().tasks, skipped); }));
+  CHECK(story.view().state == RunState::running);
+  CHECK(story.view().waits_for.empty());
   REQUIRE(story.finishes());
   story.check_one_branch();
   CHECK(story.view().waits_for.empty());

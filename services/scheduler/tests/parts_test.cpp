@@ -137,6 +137,16 @@ TEST_CASE("a duty is sent at once, then after 0.2 s, doubled up to 2 s, until it
   CHECK(duties.empty());
 }
 
+TEST_CASE("who was sent a thing twice in vain is likely away") {
+  BackOff timer;
+  for (const bool slow : {false, false, true, true}) {
+    CHECK(timer.slow() == slow);
+    timer.sent({});
+  }
+  timer.restart();
+  CHECK_FALSE(timer.slow());
+}
+
 TEST_CASE("results for a node that is away go together, those for one that answers go alone") {
   Duties duties;
   duties.owe(DutyKind::results, "cloud", {0});

@@ -43,6 +43,25 @@ TEST_CASE("a task is tried again as often as it says, each time after twice as l
   CHECK(to_seconds(story.fleet.now().mono - MonotonicTime{1'000'000'000}) > 2 + 4 + 8 + 4);
 }
 
+TEST_CASE("a mode-adapter that was started anew and does not say so is found out by the next question") {
+  Chain story([](Task& task) { task.retries = 0; });
+  FakeAdapter& adapter = story.fleet["ur3"].adapter;
+  adapter.skill_time = seconds(60);
+  REQUIRE(story.fleet.until([&] { return story.attempts() == 1; }));
+  story.fleet.pass(seconds(1));
+  adapter.restart();
+  adapter.take();
+  REQUIRE(story.until(RunState::paused, seconds(20)));
+  CHECK(story.fleet.view("cloud", kStoryRun).tasks[1].outcome == TaskOutcome::interrupted);
+}
+
+TEST_CASE("the cloud shows a task that is given to its robot before the robot says that it has begun") {
+  Chain story([](Task& task) { task.retries = 0; });
+  REQUIRE(story.fleet.until(
+      [&] { return story.fleet.view("cloud", kStoryRun).tasks[1].state == TaskState::initializing; }));
+  CHECK(story.until(RunState::paused));
+}
+
 TEST_CASE(
     "a task that succeeds when it is tried again goes on as if nothing had been; a restart between does no harm") {
   for (const bool restarts : {false, true}) {
