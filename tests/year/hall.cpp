@@ -175,6 +175,20 @@ void Hall::cut(const std::string& node) {
   });
 }
 
+std::string Hall::what_differs(const RunView& view, const std::set<std::string>& done) {
+  std::string out;
+  for (const TaskView& task : view.tasks) {
+    if (task.state == TaskState::finished || !done.contains(task.id)) continue;
+    out += "; " + task.id + " of " + task.robot + " is " + std::string(name_of(task.state)) + " (" + task.reason + ")";
+    for (const DecisionView& decision : view.decisions) {
+      for (const TaskRuling& ruling : decision.tasks) {
+        if (ruling.task == task.id) out += ", decided by " + decision.by + decision.person + ": " + decision.reason;
+      }
+    }
+  }
+  return out;
+}
+
 /// Every five minutes somebody looks at what waits for a person.
 void Hall::look() {
   if (fleet_["cloud"].up) {
@@ -253,7 +267,8 @@ void Hall::count_ended() {
                       });
     if (lost) {
       ++figures.lost;
-      tell("run " + at->first + " is " + std::string(name_of(view->state)) + " without all that was done");
+      tell("run " + at->first + " is " + std::string(name_of(view->state)) + " without all that was done" +
+           what_differs(*view, at->second.done));
     }
     for (const std::string& robot : robots_) fleet_[robot].adapter.forget(at->first);
     at = open_.erase(at);

@@ -65,6 +65,7 @@ class Hall {
   void look_at(const RunView& view, MonotonicTime now);
   void decide(const Alert& alert);
   void count_ended();
+  [[nodiscard]] static std::string what_differs(const RunView& view, const std::set<std::string>& done);
   void tell(const std::string& what);
 
   scheduler::test::Dice dice_;

@@ -199,3 +199,13 @@ TEST_CASE("the fleet is bounded too, and who has left makes room") {
   CHECK(fleet.on_joined("one-more", at_second(3)).ok());
   CHECK(fleet.find("r7") == nullptr);
 }
+
+TEST_CASE("a robot out of service that leaves the fleet for good is none that is out of service") {
+  Fleet fleet;
+  NodeProfile profile;
+  profile.out_of_use = {{"", Severity::warning, "maintenance", 1, true, "ann"}};
+  REQUIRE(fleet.on_profile("a", profile, at_second(0)));
+  CHECK(fleet.has_retired());
+  fleet.forget("a", at_second(1));
+  CHECK_FALSE(fleet.has_retired());
+}

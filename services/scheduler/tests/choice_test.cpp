@@ -136,10 +136,18 @@ TEST_CASE("a choice is journaled before anything follows from it, and its repeti
   REQUIRE(sent<Execute>(out).size() == 1);
   CHECK(sent<Execute>(out)[0].key.task == "right");
   REQUIRE(sent<SignRequest>(out).size() == 1);
-  CHECK(decode<TaskResult>(sent<SignRequest>(out)[0].payload.bytes)->outcome == TaskOutcome::skipped);
+  const Bytes skip = sent<SignRequest>(out)[0].payload.bytes;
+  CHECK(decode<TaskResult>(skip)->outcome == TaskOutcome::skipped);
   const Outbox again = story.pass({story.signed_by("ridgeback")});
   CHECK(sent<BatonJournaled>(again).size() == 1);
   CHECK(again.journal.empty());
+  CHECK(std::ranges::count(again.counts, "double_choice") == 0);
+  // The other branch's result is signed while this one's task is under way.
+  const SignedRecord record = story.fleet.sign("ur3", kSignedResult, skip);
+  const Outbox kept = story.fleet.tell("ur3", "ur3", MessageType::information, record);
+  REQUIRE(kept.journal.size() == 1);
+  CHECK(holds_alternative<JournalResult>(kept.journal[0].record));
+  CHECK(story.seen("left", "ur3").state == TaskState::skipped);
 }
 
 TEST_CASE("a second choice that says otherwise changes nothing, and is told") {
