@@ -227,7 +227,9 @@ void Hall::look_at(const RunView& view, MonotonicTime now) {
 
 void Hall::decide(const Alert& alert) {
   if (fleet_.now().utc.ns - alert.time < 300'000'000'000 || alert.run.empty()) return;
-  // Of a robot that cannot be reached nobody says that it stands: it may go on with what it has.
+  // Of a robot that cannot be reached nobody says that it stands: it may go on with what it has. Nor does anybody who
+  // cannot reach a single one.
+  if (fleet_["cloud"].cut) return;
   if (!alert.robot.empty() && (fleet_[alert.robot].cut || !fleet_[alert.robot].up)) return;
   const std::string held = fleet_.view("cloud", alert.run).paused_by;
   if (alert.cause == "double_execution" || alert.cause == "run_ends" || !held.empty()) return;

@@ -17,11 +17,11 @@ constexpr std::size_t kMaxNamed = 8;
 /// An answer is one message: of very many alerts the lesser proposals are left out, at last the oldest alerts.
 void fit(AlertTable& table) {
   constexpr std::size_t kMost = kMaxDataSize - (384U << 10U);  // lesser faults come behind them
-  for (const std::size_t kept : {16U, 4U, 1U, 0U}) {
+  for (const std::size_t kept : {std::size_t{16}, std::size_t{4}, std::size_t{1}, std::size_t{0}}) {
     if (encode(table).size() <= kMost) return;
     for (Alert& alert : table.alerts) {
-      if (alert.proposals.size() > kept) alert.proposals.resize(kept);
-      if (alert.unfit.size() > kept) alert.unfit.resize(kept);
+      alert.proposals.resize(std::min(alert.proposals.size(), kept));
+      alert.unfit.resize(std::min(alert.unfit.size(), kept));
     }
   }
   while (encode(table).size() > kMost) table.alerts.resize(table.alerts.size() / 2);

@@ -37,7 +37,7 @@ std::vector<Trouble> ResilienceCore::overdue_troubles(const WatchedRun& run, Now
 
 /// Its robot is gone and cannot say that it did not begin in time: the scenario's author has said what follows.
 void ResilienceCore::skip_unbegun(const WatchedRun& run, Now now, Outbox& out) {
-  if (settings_.role != Role::cloud || run.decider() != settings_.node) return;
+  if (run.decider() != settings_.node) return;
   for (const std::size_t index : overdue_.to_skip(run, now)) {
     const TaskView& task = run.view->tasks[index];
     if (presence_.find(task.robot, now) == nullptr) continue;

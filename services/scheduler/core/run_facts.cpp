@@ -83,10 +83,7 @@ bool Run::add(HeldResult held) {
   if (!was_double && results_.finished_twice(task) && !seen_doubles_.contains(name)) doubles_.push_back(name);
   ++version_;
   if (results_.has_final(task)) needs.erase(task);
-  if (by_its_robot || results_.has_final(task)) {
-    progress.erase(task);
-    waits.erase(task);
-  }
+  if (by_its_robot || results_.has_final(task)) progress.erase(task);
   if (current(task) != nullptr) unbegun.erase(task);
   if (own) owe_results(task);
   owe_to_successor(task);

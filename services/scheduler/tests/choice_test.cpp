@@ -148,6 +148,11 @@ TEST_CASE("a choice is journaled before anything follows from it, and its repeti
   REQUIRE(kept.journal.size() == 1);
   CHECK(holds_alternative<JournalResult>(kept.journal[0].record));
   CHECK(story.seen("left", "ur3").state == TaskState::skipped);
+  const Execute right = sent<Execute>(out)[0];
+  const Outbox ended = story.fleet.tell("ur3", "ur3", MessageType::information,
+                                        Outcome{right.key, right.instance, TaskOutcome::finished, "", "", 1});
+  REQUIRE(sent<SignRequest>(ended).size() == 1);
+  CHECK(decode<TaskResult>(sent<SignRequest>(ended)[0].payload.bytes)->key.task == "right");
 }
 
 TEST_CASE("a second choice that says otherwise changes nothing, and is told") {
