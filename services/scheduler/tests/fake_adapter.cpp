@@ -5,7 +5,10 @@ namespace trb::scheduler::test {
 void FakeAdapter::hear(const Inbound& message, MonotonicTime now) {
   if (const auto* is = get_if<Execute>(&message.body)) execute(*is, message, now);
   if (const auto* is = get_if<ExecutionQuery>(&message.body)) query(is->key, message.id);
-  if (holds_alternative<AdapterStateRequest>(message.body)) tell_state(message.id);
+  if (holds_alternative<AdapterStateRequest>(message.body)) {
+    ++asked_state;
+    tell_state(message.id);
+  }
   if (const auto* is = get_if<OutcomeJournaled>(&message.body)) outcomes_.erase(is->key);
   if (const auto* is = get_if<CancelExecution>(&message.body)) cancel(is->key, now);
   if (const auto* is = get_if<TakeOutOfUse>(&message.body)) {
@@ -54,7 +57,7 @@ void FakeAdapter::end(TaskOutcome outcome, const std::string& reason, const std:
   outcomes_[running_->key] = told;
   running_.reset();
   said_.push_back({0, told});
-  tell_state();
+  if (tells_free) tell_state();
 }
 
 void FakeAdapter::end_by_itself() {

@@ -41,6 +41,8 @@ class FakeAdapter {
   std::vector<OutOfUse> out_of_use;
   Duration skill_time = seconds(1);
   TaskOutcome ending = TaskOutcome::finished;
+  bool tells_free = true;  ///< its state follows an outcome
+  int asked_state = 0;     ///< how often
   std::map<std::string, TaskOutcome> endings;  ///< of some tasks, by id
   /// In place of both: how an attempt ends, and the result that the robot tells.
   std::function<std::pair<TaskOutcome, std::string>(const Execute&)> world;

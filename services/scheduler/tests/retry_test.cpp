@@ -55,6 +55,17 @@ TEST_CASE("a mode-adapter that was started anew and does not say so is found out
   CHECK(story.fleet.view("cloud", kStoryRun).tasks[1].outcome == TaskOutcome::interrupted);
 }
 
+TEST_CASE("a robot that has told an outcome is free for its next task, without being asked") {
+  Fleet fleet;
+  add_demonstration(fleet);
+  fleet["ur3"].adapter.tells_free = false;
+  fleet.pass(seconds(5));
+  const int asked = fleet["ur3"].adapter.asked_state;
+  fleet.ask("cloud", MessageType::command, RunSubmit{start_without(fleet, chain({"ur3", "ur3", "ur3"}), {})});
+  REQUIRE(fleet.until([&] { return fleet.view("cloud", kStoryRun).state == RunState::finished; }));
+  CHECK(fleet["ur3"].adapter.asked_state == asked);
+}
+
 TEST_CASE("the cloud shows a task that is given to its robot before the robot says that it has begun") {
   Chain story([](Task& task) { task.retries = 0; });
   REQUIRE(story.fleet.until(
