@@ -23,7 +23,7 @@ struct ArcosTravel {
 };
 
 /// One line of a command's words:
-///   VEL {0}                      a command of the table in arcos_words.cpp with its number
+///   VEL {0}                      a command of the table in syntax.cpp with its number
 ///   command 42 "{data}"          any command by its number: with no argument, a number, or a text in quotes
 ///   goto {0} {1} [{2}] [tolerance=MM] [angle=DEG]     turns, drives and turns; always the last line
 struct ArcosStep {

@@ -21,7 +21,7 @@ struct C3Reply {
   bool ok = false;
 };
 
-/// A read, or with a value a write. Names and values are far shorter than 65 kB each: see c3_words, krl_text.
+/// A read, or with a value a write. Names and values are far shorter than 65 kB each: see syntax.hpp, krl.hpp.
 Bytes c3_request(std::uint16_t tag, std::string_view variable, const std::optional<std::string>& value);
 
 class C3Reader {

@@ -1,4 +1,4 @@
-// What navdata tells, by the names that commands.json may use (common/drivers/udp-at/syntax.hpp).
+// What navdata tells, by the names that commands.json may use (syntax.hpp).
 #pragma once
 
 #include <string>
