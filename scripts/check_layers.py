@@ -67,6 +67,12 @@ def service_of(path):
     return path.split("/")[1] if path.startswith("services/") else None
 
 
+def driver_of(path):
+    """A driver's folder; `text` is what several of them need."""
+    parts = path.split("/")
+    return parts[2] if path.startswith("common/drivers/") and len(parts) > 3 and parts[2] != "text" else None
+
+
 def is_core(path):
     """Pure code: every core/, and the drivers. Tests beside it may use more."""
     return ("/core/" in path or path.startswith("common/drivers/") and not is_test(path)) and not path.endswith("_test.cpp") and "virtual-robots" not in path
@@ -86,6 +92,10 @@ def check_include(path, line, included, faults):
         return
     target = included.strip('"')
     mine, theirs = part_of(path), part_of(target)
+    of, other = driver_of(path), driver_of(target)
+    shared = path.startswith("common/drivers/") and not is_test(path) and path != "common/drivers/registry.cpp"
+    if shared and other is not None and of != other:
+        faults.append(f"{where}: {of or 'what drivers share'} includes the driver {other}")
     if theirs not in LAYERS:
         return
     if mine in LAYERS and theirs not in allowed(mine) and not is_test(path):

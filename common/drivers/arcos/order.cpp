@@ -15,7 +15,7 @@ constexpr std::size_t kShown = 40;
 constexpr double kFarthest = 1e7;
 
 Result<double> fill_number(const std::string& step, const std::string& words, BytesView data) {
-  const auto text = VendorTemplate(words).fill(data, Language::raw);
+  const auto text = VendorTemplate(words).fill_bytes(data);
   if (!text) return text.error();
   double number = 0;
   const char* const last = text->data() + text->size();
@@ -42,7 +42,7 @@ Result<Bytes> number_packet(const ArcosStep& step, BytesView data, ArcosOrder& o
 Result<Bytes> packet_of(const ArcosStep& step, BytesView data, ArcosOrder& order) {
   if (step.kind == ArcosStep::Argument::none) return arcos_command(step.command);
   if (step.kind == ArcosStep::Argument::number) return number_packet(step, data, order);
-  const auto text = VendorTemplate(step.argument).fill(data, Language::raw);
+  const auto text = VendorTemplate(step.argument).fill_bytes(data);
   if (!text) return text.error();
   if (text->size() > kMaxArcosText) {
     return fail(Errc::too_large, step.name + ": a text of " + std::to_string(text->size()) + " bytes",

@@ -28,7 +28,7 @@ Result<std::vector<C3Step>> C3Words::fill(BytesView data) const {
   }
   std::vector<C3Step> out;
   for (const Assignment& assignment : assignments_) {
-    auto value = assignment.value.fill(data, Language::krl);
+    auto value = assignment.value.fill(data, krl_literal);
     if (!value) return value.error();
     out.push_back({assignment.variable, std::move(*value)});
   }

@@ -65,7 +65,7 @@ Result<std::vector<RapidDriver::Step>> RapidDriver::fill(std::string_view subtyp
   }
   std::vector<Step> steps;
   for (const Request& request : words->second.requests) {
-    auto text = request.text.fill(data, Language::rapid);
+    auto text = request.text.fill(data, rapid_literal);
     if (!text) return text.error();
     if (text->size() > kRapidString) {
       return fail(Errc::too_large,

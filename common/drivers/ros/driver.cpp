@@ -75,7 +75,7 @@ Result<std::vector<BridgeCommand>> RosDriver::fill(std::string_view subtype, Byt
   const auto found = commands_.find(subtype);
   if (found == commands_.end()) return fail(Errc::unknown_subtype, "commands.json has no such command");
   for (const Publication& publication : found->second) {
-    auto json = publication.data.fill(data, Language::json);
+    auto json = publication.data.fill(data, json_literal);
     if (!json) return json.error();
     BridgeCommand command;
     command.name = publication.topic;

@@ -42,7 +42,7 @@ TcpTextDriver::TcpTextDriver(const VendorCommands& words, std::string own_id)
       requests_(words.requests.begin(), words.requests.end()),
       stop_text_(text_or_empty(words.commands, "stop")),
       release_text_(text_or_empty(words.commands, "release")),
-      language_(words.language == "urscript" ? Language::urscript : Language::plain),
+      urscript_(words.language == "urscript"),
       wraps_(words.wrap == "urscript-program"),
       has_monitor_(words.monitor.has_value()) {
   for (const auto& [subtype, text] : words.commands) {
@@ -73,7 +73,8 @@ Result<Progress> TcpTextDriver::hand_over(const Handover& message, Now now, cons
     return fail(Errc::robot_offline, "the robot's controller is not connected",
                 "look at its power, network and address");
   }
-  auto text = command->second.words.fill(message.data, language_);
+  const VendorTemplate& words = command->second.words;
+  auto text = urscript_ ? words.fill(message.data, urscript_literal) : words.fill_line(message.data);
   if (!text) return text.error();
   if (command->second.wrapped && has_monitor_) {
     if (auto why = disabled(now)) return std::move(*why);

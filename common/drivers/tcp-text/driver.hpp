@@ -65,7 +65,7 @@ class TcpTextDriver : public Driver {
   std::map<std::string, std::string, std::less<>> requests_;
   std::string stop_text_;
   std::string release_text_;
-  Language language_;
+  bool urscript_;
   bool wraps_;
   bool has_monitor_;
 

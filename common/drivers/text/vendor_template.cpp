@@ -3,9 +3,6 @@
 #include <algorithm>
 #include <charconv>
 
-#include "common/drivers/c3/krl.hpp"
-#include "common/drivers/rapid/wire.hpp"
-#include "common/drivers/tcp-text/urscript.hpp"
 #include "common/drivers/text/number_text.hpp"
 
 namespace trb::drivers {
@@ -47,15 +44,15 @@ std::vector<std::string> plain_items(BytesView data) {
   return items;
 }
 
-Result<std::string> json_literal(const Value& value) {
-  return dump_json(value);
-}
-
 bool breaks_line(char c) {
   return c == '\r' || c == '\n' || c == '\0';
 }
 
 }  // namespace
+
+Result<std::string> json_literal(const Value& value) {
+  return dump_json(value);
+}
 
 VendorTemplate::VendorTemplate(std::string_view text) {
   Part part;
@@ -77,14 +74,6 @@ VendorTemplate::VendorTemplate(std::string_view text) {
   parts_.push_back(std::move(part));
 }
 
-Result<std::string> VendorTemplate::fill(BytesView data, Language language) const {
-  if (!has_holes_) return parts_.front().literal;
-  if (language == Language::plain || language == Language::raw) return fill_plain(data, language == Language::raw);
-  if (language == Language::krl) return fill_literals(data, krl_literal);
-  if (language == Language::rapid) return fill_literals(data, rapid_literal);
-  return fill_literals(data, language == Language::json ? json_literal : urscript_literal);
-}
-
 std::size_t VendorTemplate::items() const {
   int most = kWhole;
   for (const Part& part : parts_) most = std::max(most, part.hole);
@@ -92,6 +81,7 @@ std::size_t VendorTemplate::items() const {
 }
 
 Result<std::string> VendorTemplate::fill_plain(BytesView data, bool any_byte) const {
+  if (!has_holes_) return parts_.front().literal;
   const auto items = has_items_ ? plain_items(data) : std::vector<std::string>{};
   std::string out;
   for (const Part& part : parts_) {
@@ -108,7 +98,8 @@ Result<std::string> VendorTemplate::fill_plain(BytesView data, bool any_byte) co
   return out;
 }
 
-Result<std::string> VendorTemplate::fill_literals(BytesView data, Literal literal) const {
+Result<std::string> VendorTemplate::fill(BytesView data, Literal literal) const {
+  if (!has_holes_) return parts_.front().literal;
   const auto json = parse_json(data);
   if (!json) {
     return fail(Errc::bad_value, "the data is no JSON: " + json.error().what,

@@ -11,15 +11,21 @@
 
 namespace trb::drivers {
 
-/// `raw`: as `plain`, for robots whose texts may hold any byte.
-enum class Language : std::uint8_t { plain, urscript, json, raw, krl, rapid };
+/// Writes a value as one literal of a maker's language. Errors: bad_value, not_escapable.
+using Literal = Result<std::string> (*)(const Value&);
+Result<std::string> json_literal(const Value& value);
 
 class VendorTemplate {
  public:
   explicit VendorTemplate(std::string_view text);
 
-  /// Errors: bad_value (naming what is expected), not_escapable.
-  [[nodiscard]] Result<std::string> fill(BytesView data, Language language) const;
+  /// Every filling is a literal of the language, so that no text can end what stands around it. Errors: bad_value
+  /// (naming what is expected), not_escapable.
+  [[nodiscard]] Result<std::string> fill(BytesView data, Literal literal) const;
+  /// Fillings as they are, on one line. Errors: bad_value, not_escapable.
+  [[nodiscard]] Result<std::string> fill_line(BytesView data) const { return fill_plain(data, false); }
+  /// As they are, for robots whose texts may hold any byte. Errors: bad_value.
+  [[nodiscard]] Result<std::string> fill_bytes(BytesView data) const { return fill_plain(data, true); }
 
   /// How many items of a list it takes: one more than the highest of its {0}, {1} …
   [[nodiscard]] std::size_t items() const;
@@ -33,10 +39,6 @@ class VendorTemplate {
   };
 
   [[nodiscard]] Result<std::string> fill_plain(BytesView data, bool any_byte) const;
-  /// Every filling is a literal of the language, so that no text can end what stands around it.
-  using Literal = Result<std::string> (*)(const Value&);
-  [[nodiscard]] Result<std::string> fill_literals(BytesView data, Literal literal) const;
-
   std::vector<Part> parts_;
   bool has_holes_ = false;
   bool has_items_ = false;
