@@ -12,7 +12,9 @@ struct DriverSettings {
   std::string id;  ///< the node's
   Description description;
   VendorCommands commands;
-  std::uint64_t instance = 0;  ///< this process's, from the service
+  std::uint64_t instance = 0;   ///< this process's, from the service
+  std::string host{};           ///< of the robot
+  std::string authorization{};  ///< how the node signs in at the robot (keys/robot.auth); secret, never logged
 };
 
 }  // namespace trb::drivers

@@ -6,6 +6,7 @@
   ROW(tcp_text_row)      \
   ROW(udp_at_row)        \
   ROW(modbus_row)        \
+  ROW(http_json_row)     \
   ROW(lines_row)         \
   ROW(rapid_row)         \
   ROW(c3_row)            \

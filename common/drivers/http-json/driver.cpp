@@ -1,0 +1,360 @@
+#include "common/drivers/http-json/driver.hpp"
+
+#include <algorithm>
+
+namespace trb::drivers {
+namespace {
+
+constexpr std::size_t kMaxJobs = 64;
+constexpr const char* kWouldNotStop = "stop refused";
+constexpr std::string_view kPosition = "position";
+
+// What cannot be read was a fault of commands.json, which keeps the node from starting.
+std::map<std::string, HttpQuestion> questions_of(const VendorCommands& vendor, const Description& description) {
+  std::map<std::string, HttpQuestion> out;
+  const auto add = [&](const std::string& name) {
+    const auto request = vendor.requests.find(name);
+    const auto words = vendor.values.find(request == vendor.requests.end() ? name : request->second);
+    if (words == vendor.values.end()) return;
+    if (auto question = read_http_question(words->second)) out[words->first] = std::move(*question);
+  };
+  for (const auto& [subtype, name] : vendor.requests) add(subtype);
+  for (const FaultRule& rule : description.faults) add(rule.value);
+  for (const std::string& name : description.sensors) add(name);
+  for (const Skill& skill : description.skills) {
+    if (skill.end.kind != EndKind::state && skill.end.kind != EndKind::position) continue;
+    add(skill.end.state.empty() ? std::string(kPosition) : skill.end.state);
+  }
+  return out;
+}
+
+/// The way that every such robot surely has: where its stop goes.
+HttpPath probe_of(const VendorCommands& vendor) {
+  const auto stop = vendor.commands.find("stop");
+  const auto words = stop == vendor.commands.end() ? Result<std::vector<HttpWords>>(std::vector<HttpWords>())
+                                                   : read_http_words(stop->second);
+  return words && !words->empty() ? words->front().path : *HttpPath::read("/");
+}
+
+std::string text_of(const HttpWords& words) {
+  return words.method + " " + words.path.text();
+}
+
+}  // namespace
+
+HttpJsonDriver::HttpJsonDriver(const DriverSettings& settings)
+    : own_id_(settings.id),
+      host_(settings.host),
+      authorization_(settings.authorization),
+      requests_(settings.commands.requests.begin(), settings.commands.requests.end()),
+      poll_(questions_of(settings.commands, settings.description), probe_of(settings.commands),
+            seconds(http_timing(settings.commands).poll_s)),
+      timeout_(seconds(http_timing(settings.commands).timeout_s)) {
+  for (const auto& [subtype, text] : settings.commands.commands) {
+    if (auto words = read_http_words(text)) commands_[subtype] = std::move(*words);
+  }
+}
+
+bool HttpJsonDriver::knows(MessageType type, std::string_view subtype) const {
+  if (type == MessageType::command) return commands_.contains(subtype);
+  return type == MessageType::request && requests_.contains(subtype);
+}
+
+std::string_view HttpJsonDriver::name_of_value(std::string_view name) const {
+  const auto request = requests_.find(name);
+  return request == requests_.end() ? name : std::string_view(request->second);
+}
+
+const RobotValue* HttpJsonDriver::value(std::string_view name) const {
+  const HttpPoll::Known* known = poll_.find(name_of_value(name));
+  return known == nullptr || !known->value ? nullptr : &*known->value;
+}
+
+std::optional<Error> HttpJsonDriver::problem(std::string_view name) const {
+  const HttpPoll::Known* known = poll_.find(name_of_value(name));
+  return known == nullptr ? std::nullopt : known->problem;
+}
+
+Result<std::vector<HttpJsonDriver::Step>> HttpJsonDriver::fill(std::string_view subtype, BytesView data) const {
+  const auto found = commands_.find(subtype);
+  if (found == commands_.end()) return fail(Errc::unknown_subtype, "commands.json has no such command");
+  std::vector<Step> out;
+  for (const HttpWords& words : found->second) {
+    const auto body = words.body ? words.body->fill(data, json_literal) : Result<std::string>(std::string());
+    if (!body) return fail(body.error().code, text_of(words) + ": " + body.error().what, body.error().cure);
+    out.push_back({words, *body});
+  }
+  return out;
+}
+
+Result<Progress> HttpJsonDriver::hand_over(const Handover& message, Now now, const DriverOut& out) {
+  if (!online()) {
+    return fail(Errc::robot_offline, "the robot's controller does not answer",
+                "look at its power, network and address");
+  }
+  if (jobs_.size() >= kMaxJobs) return fail(Errc::queue_full, "too many commands wait for the robot", "send fewer");
+  auto steps = fill(message.subtype, message.data);
+  if (!steps) return steps.error();
+  if (steps->empty()) return Progress::handed_over;
+  out.out.count("to_robot." + std::string(message.subtype));
+  jobs_.push_back({Purpose::command, message.token, !message.skill.empty(), std::move(*steps), 0});
+  pump(now, out);
+  return Progress::queued;
+}
+
+bool HttpJsonDriver::runs(Token token) const {
+  return std::ranges::any_of(jobs_,
+                             [&](const Job& job) { return job.purpose == Purpose::command && job.token == token; });
+}
+
+void HttpJsonDriver::forget(Token token, Now, const DriverOut&) {
+  const auto waiting = jobs_.begin() + (awaits_ == Awaits::job ? 1 : 0);
+  const auto job = std::find_if(waiting, jobs_.end(), [&](const Job& one) {
+    return one.purpose == Purpose::command && one.token == token && one.done == 0;
+  });
+  if (job != jobs_.end()) jobs_.erase(job);
+}
+
+void HttpJsonDriver::halt(Token token, Now now, const DriverOut& out) {
+  const auto job = std::ranges::find_if(
+      jobs_, [&](const Job& one) { return one.purpose == Purpose::command && one.token == token; });
+  if (job != jobs_.end()) {
+    const bool under_way = awaits_ == Awaits::job && job == jobs_.begin();
+    const bool begun = under_way || job->done > 0;
+    if (under_way) awaits_ = Awaits::nobody;
+    jobs_.erase(job);
+    if (!begun) return;  // nothing of it was sent: there is no motion to end
+  }
+  if (!online()) return;
+  auto steps = fill("stop", {});
+  if (!steps || steps->empty()) {
+    return out.refuse("no_stop", "commands.json has no \"stop\" for this robot: the motion goes on");
+  }
+  out.out.count("to_robot.stop");
+  push_urgent({Purpose::halt, 0, false, std::move(*steps), 0});
+  pump(now, out);
+}
+
+Result<Token> HttpJsonDriver::stop(Now now, const DriverOut& out) {
+  drop_for_stop(out);
+  if (!online() && !up_) return fail(Errc::robot_offline, "the robot's controller does not answer");
+  auto steps = fill("stop", {});
+  if (!steps || steps->empty()) return fail(Errc::unknown_subtype, "commands.json has no \"stop\" for this robot");
+  told_to_stop_ = true;
+  const Token ticket = ++last_ticket_;
+  const auto waits = std::ranges::find_if(jobs_, [&](const Job& job) {
+    return job.purpose == Purpose::stop && (awaits_ != Awaits::job || &job != &jobs_.front());
+  });
+  if (waits != jobs_.end()) {
+    waits->token = ticket;  // one that has not begun is the same stop
+    return ticket;
+  }
+  out.out.count("to_robot.stop");
+  push_urgent({Purpose::stop, ticket, false, std::move(*steps), 0});
+  pump(now, out);
+  return ticket;
+}
+
+/// Everything but stops. What is under way is on its way; nobody hears its answer any more.
+void HttpJsonDriver::drop_for_stop(const DriverOut& out) {
+  if (awaits_ == Awaits::job && jobs_.front().purpose != Purpose::stop) awaits_ = Awaits::nobody;
+  for (const Job& job : jobs_) {
+    if (job.purpose != Purpose::command) continue;
+    const std::string answered = std::to_string(job.done) + " of its " + std::to_string(job.steps.size()) + " requests";
+    out.emit(Refused{job.token, fail(Errc::fenced, "the robot was stopped when it had answered " + answered,
+                                     "trb release " + own_id_)});
+  }
+  std::erase_if(jobs_, [](const Job& job) { return job.purpose != Purpose::stop; });
+}
+
+void HttpJsonDriver::push_urgent(Job job) {
+  auto at = jobs_.begin() + (awaits_ == Awaits::job ? 1 : 0);
+  while (at != jobs_.end() && at->purpose == Purpose::stop) ++at;
+  jobs_.insert(at, std::move(job));
+}
+
+Result<Token> HttpJsonDriver::release(Now now, const DriverOut& out) {
+  if (!online()) return fail(Errc::robot_offline, "the robot's controller does not answer");
+  told_to_stop_ = false;
+  const Token ticket = ++last_ticket_;
+  auto steps = fill("release", {});
+  if (!steps || steps->empty()) {
+    out.emit(Released{ticket});
+    return ticket;
+  }
+  out.out.count("to_robot.release");
+  push_urgent({Purpose::release, ticket, false, std::move(*steps), 0});
+  pump(now, out);
+  return ticket;
+}
+
+void HttpJsonDriver::pump(Now now, const DriverOut& out) {
+  while (up_ && awaits_ == Awaits::nothing) {
+    const bool polls = now.mono >= poll_.due();
+    const bool urgent = !jobs_.empty() && jobs_.front().purpose != Purpose::command;
+    // Commands that never cease must not keep the values from being told, nor the other way round.
+    if (polls && (jobs_.empty() || (!urgent && !polled_last_))) {
+      polled_last_ = true;
+      if (const auto target = poll_.next(remembered_, now)) send({"GET", *target, ""}, Awaits::poll, now, out);
+    } else if (!jobs_.empty()) {
+      begin_step(now, out);
+    } else {
+      return;
+    }
+  }
+}
+
+void HttpJsonDriver::begin_step(Now now, const DriverOut& out) {
+  polled_last_ = false;
+  const Job& job = jobs_.front();
+  const Step& step = job.steps[job.done];
+  const auto target = step.words.path.fill(remembered_);
+  if (target) return send({step.words.method, *target, step.body}, Awaits::job, now, out);
+  const Job gone = std::move(jobs_.front());
+  jobs_.pop_front();
+  on_refused(
+      gone,
+      fail(target.error().code, text_of(gone.steps[gone.done].words) + ": " + target.error().what, target.error().cure),
+      out);
+}
+
+void HttpJsonDriver::send(const HttpRequest& request, Awaits whose, Now now, const DriverOut& out) {
+  awaits_ = whose;
+  sent_at_ = now.mono;
+  out.out.write(Channel::command, encode(request, host_, authorization_));
+}
+
+void HttpJsonDriver::on_up(Channel channel, Now now, const DriverOut& out) {
+  if (channel != Channel::command) return;
+  up_ = true;
+  polled_last_ = false;
+  awaits_ = Awaits::nothing;
+  lost_at_.reset();
+  reader_.clear();
+  if (!heard_) poll_.restart(now);
+  pump(now, out);
+}
+
+void HttpJsonDriver::on_bytes(Channel channel, BytesView bytes, Now now, const DriverOut& out) {
+  if (channel != Channel::command || !up_) return;
+  const auto answers = reader_.add(bytes);
+  if (!answers) {
+    out.refuse("bad_packet", answers.error().text());
+    return out.out.close(Channel::command, answers.error().what);
+  }
+  for (const HttpAnswer& answer : *answers) on_answer(answer, now, out);
+  pump(now, out);
+}
+
+void HttpJsonDriver::on_answer(const HttpAnswer& answer, Now now, const DriverOut& out) {
+  const Awaits whose = std::exchange(awaits_, Awaits::nothing);
+  if (whose == Awaits::nothing) return out.refuse("bad_packet", "an answer that nobody has asked for");
+  if (whose == Awaits::poll) on_poll(answer, now, out);
+  if (whose == Awaits::job) on_step(answer, out);
+  if (!std::exchange(heard_, true)) out.emit(LinkUp{});
+  if (!answer.closes || !up_) return;
+  // Nothing more is sent on it; the shell dials anew.
+  up_ = false;
+  lost_at_ = now.mono;
+  lost_why_ = "the robot ends each connection";
+  out.out.close(Channel::command, lost_why_);
+}
+
+void HttpJsonDriver::on_poll(const HttpAnswer& answer, Now now, const DriverOut& out) {
+  const HttpPoll::News news = poll_.on_answer(answer, now);
+  for (const Error& problem : news.problems) {
+    out.emit(FaultSaid{"", Severity::warning, problem.what + "; " + problem.cure});
+  }
+  if (news.values) out.emit(ValuesHeard{});
+}
+
+void HttpJsonDriver::on_step(const HttpAnswer& answer, const DriverOut& out) {
+  Job& job = jobs_.front();
+  const HttpWords& words = job.steps[job.done].words;
+  const Status kept = answer.good() ? remember(words, answer) : Status(http_refusal(text_of(words), answer));
+  if (kept && ++job.done < job.steps.size()) return;
+  const Job over = std::move(job);
+  jobs_.pop_front();
+  kept ? on_done(over, out) : on_refused(over, kept.error(), out);
+}
+
+Status HttpJsonDriver::remember(const HttpWords& words, const HttpAnswer& answer) {
+  if (words.remembers.empty()) return Done{};
+  const auto json = parse_json(answer.body);
+  const Value* at = json ? find_by_pointer(*json, words.pointer) : nullptr;
+  if (at == nullptr || !(at->is_text() || at->is_integer())) {
+    return fail(Errc::robot_error, text_of(words) + ": the answer has no text or whole number at " + words.pointer,
+                "correct the pointer in commands.json");
+  }
+  remembered_[words.remembers] = at->is_text() ? at->text() : std::to_string(at->integer());
+  poll_.forget(words.remembers);
+  return Done{};
+}
+
+void HttpJsonDriver::on_done(const Job& job, const DriverOut& out) {
+  if (job.purpose == Purpose::stop) return out.emit(Stopped{job.token});
+  if (job.purpose == Purpose::release) return out.emit(Released{job.token});
+  if (job.purpose == Purpose::halt) return;
+  out.emit(HandedOver{job.token});
+  if (job.skill) out.emit(Ended{job.token, true, {}});
+}
+
+void HttpJsonDriver::on_refused(const Job& job, Error error, const DriverOut& out) {
+  if (job.done > 0) error.what += "; the " + std::to_string(job.done) + " requests before it were answered well";
+  if (job.purpose == Purpose::command) return out.emit(Refused{job.token, std::move(error)});
+  out.refuse("robot_error", error.text());
+  // Its asker is told at its deadline that nothing was confirmed; everybody else must know at once.
+  if (job.purpose != Purpose::release) {
+    out.emit(FaultSaid{"", Severity::critical, "the robot refused to stop: " + error.what, kWouldNotStop, false});
+  }
+}
+
+void HttpJsonDriver::on_down(Channel channel, const std::string& reason, Now now, const DriverOut& out) {
+  if (channel != Channel::command) return;
+  if (up_) {
+    for (const HttpAnswer& answer : reader_.end()) on_answer(answer, now, out);
+  }
+  up_ = false;
+  if (!lost_at_) lost_at_ = now.mono;
+  lost_why_ = reason;
+  if (std::exchange(awaits_, Awaits::nothing) != Awaits::job) return;
+  const Job job = std::move(jobs_.front());
+  jobs_.pop_front();
+  const std::string what = text_of(job.steps[job.done].words);
+  on_refused(job,
+             fail(Errc::robot_offline,
+                  "the connection was lost before the answer to " + what +
+                      ", and nobody knows whether it was taken: " + reason,
+                  "look at the robot before you send it again"),
+             out);
+}
+
+void HttpJsonDriver::go_offline(const std::string& reason, const DriverOut& out) {
+  heard_ = false;
+  for (const Job& job : std::exchange(jobs_, {})) {
+    if (job.purpose != Purpose::command) continue;
+    out.emit(Refused{job.token, fail(Errc::robot_offline, "the robot does not answer any more: " + reason,
+                                     "look at its power and network, then send it again")});
+  }
+  out.emit(LinkDown{reason});
+}
+
+void HttpJsonDriver::tick(Now now, const DriverOut& out) {
+  if (awaits_ != Awaits::nothing && now.mono >= sent_at_ + timeout_) {
+    const std::string reason = "no answer in time";
+    out.out.close(Channel::command, reason);
+    on_down(Channel::command, reason, now, out);
+  }
+  if (heard_ && lost_at_ && now.mono >= *lost_at_ + timeout_) go_offline(lost_why_, out);
+  pump(now, out);
+}
+
+std::optional<MonotonicTime> HttpJsonDriver::next_deadline() const {
+  std::optional<MonotonicTime> next;
+  if (awaits_ != Awaits::nothing) next = sent_at_ + timeout_;
+  if (heard_ && lost_at_) next = earlier(next, *lost_at_ + timeout_);
+  if (up_ && awaits_ == Awaits::nothing) next = earlier(next, poll_.due());
+  return next;
+}
+
+}  // namespace trb::drivers

@@ -1,0 +1,107 @@
+// The direct mode over HTTP: a command is one or more requests with JSON, values are asked for in a round. One request
+// is under way at a time, so that a stop waits for one answer at most.
+#pragma once
+
+#include <deque>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "common/drivers/driver.hpp"
+#include "common/drivers/driver_settings.hpp"
+#include "common/drivers/http-json/poll.hpp"
+#include "common/drivers/http-json/syntax.hpp"
+#include "common/drivers/http-json/wire.hpp"
+
+namespace trb::drivers {
+
+/// event               | nothing under way        | a command's request        | a value's
+/// --------------------|--------------------------|----------------------------|---------------------------
+/// answer 2xx          | counted, ignored         | the next one, or done      | the value
+/// another answer      | counted, ignored         | Refused, with its words    | why the value is not told
+/// no answer in time   | -                        | as the connection's end    | the connection is closed
+/// connection ends     | dialled again, and said  | Refused: nobody knows      | asked for again
+///                     | only if that takes long  | whether it was taken       |
+/// stop                | at once                  | behind that one answer     | behind that one answer
+class HttpJsonDriver : public Driver {
+ public:
+  explicit HttpJsonDriver(const DriverSettings& settings);
+
+  /// Connections come and go with HTTP: it is there if it has answered, until one cannot be made for long.
+  [[nodiscard]] bool online() const override { return heard_; }
+  [[nodiscard]] bool knows(MessageType type, std::string_view subtype) const override;
+  /// A command is over for the robot once it has answered every request.
+  [[nodiscard]] bool tells_end(std::string_view subtype) const override { return commands_.contains(subtype); }
+  [[nodiscard]] const RobotValue* value(std::string_view name) const override;
+  [[nodiscard]] bool answers_from_values() const override { return true; }
+  [[nodiscard]] std::optional<Error> problem(std::string_view name) const override;
+
+  Result<Progress> hand_over(const Handover& message, Now now, const DriverOut& out) override;
+  [[nodiscard]] bool runs(Token token) const override;
+  void forget(Token token, Now now, const DriverOut& out) override;
+  void halt(Token token, Now now, const DriverOut& out) override;
+  Result<Token> stop(Now now, const DriverOut& out) override;
+  Result<Token> release(Now now, const DriverOut& out) override;
+  [[nodiscard]] bool told_to_stop() const override { return told_to_stop_; }
+
+  void on_up(Channel channel, Now now, const DriverOut& out) override;
+  void on_down(Channel channel, const std::string& reason, Now now, const DriverOut& out) override;
+  void on_bytes(Channel channel, BytesView bytes, Now now, const DriverOut& out) override;
+  void tick(Now now, const DriverOut& out) override;
+  [[nodiscard]] std::optional<MonotonicTime> next_deadline() const override;
+
+ private:
+  struct Step {
+    HttpWords words;
+    std::string body;  ///< filled
+  };
+  enum class Purpose : std::uint8_t { command, halt, stop, release };
+  struct Job {
+    Purpose purpose{};
+    Token token = 0;  ///< the message's, or the ticket
+    bool skill = false;
+    std::vector<Step> steps;
+    std::size_t done = 0;  ///< steps that are answered
+  };
+  /// Whose answer is awaited. A job that was dropped meanwhile leaves `nobody`: its answer is heard and forgotten.
+  enum class Awaits : std::uint8_t { nothing, poll, job, nobody };
+
+  [[nodiscard]] std::string_view name_of_value(std::string_view name) const;
+  Result<std::vector<Step>> fill(std::string_view subtype, BytesView data) const;
+  void pump(Now now, const DriverOut& out);
+  void begin_step(Now now, const DriverOut& out);
+  void send(const HttpRequest& request, Awaits whose, Now now, const DriverOut& out);
+  void on_answer(const HttpAnswer& answer, Now now, const DriverOut& out);
+  void on_poll(const HttpAnswer& answer, Now now, const DriverOut& out);
+  void on_step(const HttpAnswer& answer, const DriverOut& out);
+  Status remember(const HttpWords& words, const HttpAnswer& answer);
+  void on_done(const Job& job, const DriverOut& out);
+  void on_refused(const Job& job, Error error, const DriverOut& out);
+  /// Behind the request under way and the stops that wait.
+  void push_urgent(Job job);
+  void drop_for_stop(const DriverOut& out);
+  void go_offline(const std::string& reason, const DriverOut& out);
+
+  std::string own_id_;
+  std::string host_;
+  std::string authorization_;
+  std::map<std::string, std::vector<HttpWords>, std::less<>> commands_;
+  std::map<std::string, std::string, std::less<>> requests_;
+  HttpPoll poll_;
+  Duration timeout_;
+
+  bool up_ = false;
+  bool heard_ = false;
+  bool told_to_stop_ = false;
+  bool polled_last_ = false;
+  Awaits awaits_ = Awaits::nothing;
+  MonotonicTime sent_at_{};
+  std::optional<MonotonicTime> lost_at_;  ///< the last connection's end, until there is another one
+  std::string lost_why_;
+  Token last_ticket_ = 0;
+  std::deque<Job> jobs_;  ///< the first one is under way if awaits_ is `job`
+  Remembered remembered_;
+  HttpReader reader_;
+};
+
+}  // namespace trb::drivers

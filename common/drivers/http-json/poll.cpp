@@ -1,0 +1,109 @@
+#include "common/drivers/http-json/poll.hpp"
+
+#include <algorithm>
+
+namespace trb::drivers {
+namespace {
+
+/// A number, true and false as 1 and 0, or a text that has a number.
+std::optional<double> number_of(const Value& value, const HttpQuestion::Part& part) {
+  if (value.is_number()) return value.number();
+  if (value.is_bool()) return value.boolean() ? 1 : 0;
+  if (!value.is_text()) return std::nullopt;
+  const auto at = part.numbers.find(value.text());
+  return at == part.numbers.end() ? std::nullopt : std::optional(at->second);
+}
+
+}  // namespace
+
+Error http_refusal(const std::string& what, const HttpAnswer& answer) {
+  constexpr std::size_t kMost = 160;
+  std::string text = what + " was answered with " + std::to_string(answer.status);
+  if (!answer.body.empty()) text += ": " + cut_utf8(answer.body, kMost);
+  if (answer.status == 401 || answer.status == 403) {
+    return fail(Errc::robot_error, text,
+                "write keys/robot.auth in the node's folder, mode 0600: \"basic USER:PASSWORD\" or \"bearer TOKEN\"");
+  }
+  return fail(Errc::robot_error, text, "compare commands.json with the maker's description of the interface");
+}
+
+HttpPoll::HttpPoll(std::map<std::string, HttpQuestion> questions, HttpPath probe, Duration period) : period_(period) {
+  for (auto& [name, question] : questions) {
+    const auto same = [&](const Group& group) { return group.path.text() == question.path.text(); };
+    auto at = std::ranges::find_if(groups_, same);
+    if (at == groups_.end()) at = groups_.insert(groups_.end(), {question.path, {}});
+    at->values[name] = std::move(question.parts);
+  }
+  if (groups_.empty()) groups_.push_back({std::move(probe), {}});
+}
+
+std::optional<std::string> HttpPoll::next(const Remembered& remembered, Now now) {
+  for (std::size_t i = at_; i < groups_.size(); ++i) {
+    at_ = i;
+    if (auto target = groups_[i].path.fill(remembered)) return std::move(*target);
+  }
+  at_ = groups_.size() - 1;
+  advance(now);
+  return std::nullopt;
+}
+
+HttpPoll::News HttpPoll::on_answer(const HttpAnswer& answer, Now now) {
+  News news;
+  const Group& group = groups_[at_];
+  const std::string what = "GET " + group.path.text();
+  const auto json = answer.good() ? parse_json(answer.body) : Result<Value>(http_refusal(what, answer));
+  for (const auto& [name, parts] : group.values) take(name, parts, json, now, news);
+  advance(now);
+  return news;
+}
+
+void HttpPoll::take(const std::string& name, const std::vector<HttpQuestion::Part>& parts, const Result<Value>& json,
+                    Now now, News& news) {
+  if (!json) return lose(name, fail(Errc::robot_error, name + ": " + json.error().what, json.error().cure), news);
+  RobotValue value{{}, "", now.mono};
+  Value::List all;
+  for (const HttpQuestion::Part& part : parts) {
+    const Value* at = find_by_pointer(*json, part.pointer);
+    if (at == nullptr) {
+      return lose(
+          name,
+          fail(Errc::robot_error, name + ": the answer has no " + part.pointer, "correct the pointer in commands.json"),
+          news);
+    }
+    if (const auto number = number_of(*at, part)) value.numbers.push_back(*number);
+    all.push_back(*at);
+  }
+  // A text without a number among numbers would move those behind it to another place.
+  if (value.numbers.size() != parts.size()) value.numbers.clear();
+  value.json = dump_json(parts.size() == 1 ? all.front() : Value{std::move(all)});
+  known_[name] = {std::move(value), {}};
+  news.values = true;
+}
+
+void HttpPoll::lose(const std::string& name, const Error& problem, News& news) {
+  Known& known = known_[name];
+  const bool is_new = !known.problem || known.problem->what != problem.what;
+  known = {{}, problem};
+  if (is_new) news.problems.push_back(problem);
+}
+
+void HttpPoll::forget(std::string_view name) {
+  for (const Group& group : groups_) {
+    const std::vector<std::string> names = group.path.names();
+    if (std::ranges::find(names, name) == names.end()) continue;
+    for (const auto& [value, parts] : group.values) known_.erase(value);
+  }
+}
+
+void HttpPoll::advance(Now now) {
+  if (++at_ < groups_.size()) return;
+  at_ = 0;
+  due_ = std::max(due_ + period_, now.mono);
+}
+
+const HttpPoll::Known* HttpPoll::find(std::string_view name) const {
+  const auto found = known_.find(name);
+  return found == known_.end() ? nullptr : &found->second;
+}
+
+}  // namespace trb::drivers

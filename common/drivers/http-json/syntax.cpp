@@ -1,0 +1,224 @@
+#include "common/drivers/http-json/syntax.hpp"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+
+namespace trb::drivers {
+namespace {
+
+constexpr std::size_t kMaxPath = 1024;
+constexpr std::size_t kMaxPointer = 256;
+constexpr std::size_t kMaxParts = 16;
+constexpr std::size_t kMaxNumbers = 32;
+constexpr std::array<std::string_view, 5> kMethods{"GET", "POST", "PUT", "PATCH", "DELETE"};
+
+bool is_letter_or_digit(char c) {
+  return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9');
+}
+
+bool is_name(std::string_view text) {
+  return !text.empty() && text.size() <= 32 &&
+         std::ranges::all_of(text, [](char c) { return is_letter_or_digit(c) || c == '_'; });
+}
+
+bool is_pointer(std::string_view text) {
+  return text.size() <= kMaxPointer && (text.empty() || text.front() == '/');
+}
+
+/// The next word, taken off the text together with the blanks around it.
+std::string_view take_word(std::string_view& text) {
+  const std::size_t begin = std::min(text.find_first_not_of(' '), text.size());
+  const std::size_t end = std::min(text.find(' ', begin), text.size());
+  const std::string_view word = text.substr(begin, end - begin);
+  text.remove_prefix(std::min(text.find_first_not_of(' ', end), text.size()));
+  return word;
+}
+
+std::string escaped(std::string_view text) {
+  constexpr std::string_view kDigits = "0123456789ABCDEF";
+  std::string out;
+  for (const char c : text) {
+    if (is_letter_or_digit(c) || c == '-' || c == '_' || c == '.' || c == '~') {
+      out += c;
+    } else {
+      out += '%';
+      out += kDigits[static_cast<unsigned char>(c) >> 4U];
+      out += kDigits[static_cast<unsigned char>(c) & 15U];
+    }
+  }
+  return out;
+}
+
+/// Takes "-> NAME POINTER" off the end of the line.
+Status take_memory(std::string_view& line, HttpWords& words) {
+  constexpr std::string_view kArrow = " -> ";
+  const std::size_t at = line.rfind(kArrow);
+  // Not one within a text of the body.
+  if (at == std::string_view::npos || line.find_first_of("\"}", at) != std::string_view::npos) return Done{};
+  std::string_view rest = line.substr(at + kArrow.size());
+  words.remembers = take_word(rest);
+  words.pointer = take_word(rest);
+  if (!is_name(words.remembers) || !is_pointer(words.pointer) || words.pointer.empty() || !rest.empty()) {
+    return fail(Errc::bad_value, "'" + std::string(line.substr(at + 1, 60)) + "' names nothing to keep",
+                "write it as -> mission /id: a name, and where the answer says it");
+  }
+  line = line.substr(0, at);
+  return Done{};
+}
+
+/// A body that is JSON whatever fills it.
+Status check_body(const VendorTemplate& body) {
+  std::string zeros = "[0";
+  for (std::size_t i = 1; i < std::max<std::size_t>(body.items(), 1); ++i) zeros += ",0";
+  const auto filled = body.fill(zeros + "]", json_literal);
+  const auto json = filled ? parse_json(*filled) : Result<Value>(filled.error());
+  if (!json) return fail(Errc::bad_value, "the body: " + json.error().what, json.error().cure);
+  return Done{};
+}
+
+Result<HttpWords> read_line(std::string_view line) {
+  HttpWords words;
+  if (Status kept = take_memory(line, words); !kept) return kept.error();
+  words.method = take_word(line);
+  if (std::ranges::find(kMethods, words.method) == kMethods.end()) {
+    return fail(Errc::bad_value, "'" + words.method.substr(0, 20) + "' is no method",
+                "use GET, POST, PUT, PATCH or DELETE");
+  }
+  auto path = HttpPath::read(take_word(line));
+  if (!path) return path.error();
+  words.path = std::move(*path);
+  if (line.empty()) return words;
+  words.body = VendorTemplate(line);
+  if (Status good = check_body(*words.body); !good) return good.error();
+  return words;
+}
+
+}  // namespace
+
+Result<HttpPath> HttpPath::read(std::string_view text) {
+  const auto bad = [&](const std::string& what, const std::string& cure) {
+    return fail(Errc::bad_value, "'" + std::string(text.substr(0, 60)) + "' " + what, cure);
+  };
+  if (text.empty() || text.front() != '/') return bad("is no path", "begin it with /, for example /api/v2.0.0/status");
+  if (text.size() > kMaxPath) return bad("is too long", "use at most 1024 characters");
+  HttpPath out;
+  out.text_ = text;
+  constexpr std::string_view kOthers = "-._~!$&'()*+,;=:@/?%";
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    if (text[i] == '<') {
+      const std::size_t end = text.find('>', i);
+      if (end == std::string_view::npos || !is_name(text.substr(i + 1, end - i - 1)))
+        return bad("has a < without a name and >", "write it as <mission>");
+      i = end;
+    } else if (!is_letter_or_digit(text[i]) && kOthers.find(text[i]) == std::string_view::npos) {
+      return bad("has a character that no path may have", "write it as %XX");
+    }
+  }
+  return out;
+}
+
+std::vector<std::string> HttpPath::names() const {
+  std::vector<std::string> out;
+  for (std::size_t i = text_.find('<'); i != std::string::npos; i = text_.find('<', i + 1))
+    out.push_back(text_.substr(i + 1, text_.find('>', i) - i - 1));
+  return out;
+}
+
+Result<std::string> HttpPath::fill(const Remembered& known) const {
+  std::string out;
+  for (std::size_t i = 0; i < text_.size(); ++i) {
+    if (text_[i] != '<') {
+      out += text_[i];
+      continue;
+    }
+    const std::size_t end = text_.find('>', i);
+    const std::string name = text_.substr(i + 1, end - i - 1);
+    const auto at = known.find(name);
+    if (at == known.end()) {
+      return fail(Errc::missing, "no answer has told '" + name + "' yet",
+                  "it is told by a command that ends with -> " + name);
+    }
+    out += escaped(at->second);
+    i = end;
+  }
+  return out;
+}
+
+Result<std::vector<HttpWords>> read_http_words(std::string_view text) {
+  std::vector<HttpWords> out;
+  while (!text.empty()) {
+    const std::size_t end = std::min(text.find('\n'), text.size());
+    const std::string_view line = text.substr(0, end);
+    text.remove_prefix(std::min(end + 1, text.size()));
+    if (line.find_first_not_of(' ') == std::string_view::npos) continue;
+    auto words = read_line(line);
+    if (!words) return words.error();
+    out.push_back(std::move(*words));
+  }
+  return out;
+}
+
+Result<HttpQuestion> read_http_question(std::string_view text) {
+  HttpQuestion question;
+  constexpr const char* kCure = "write \"GET PATH POINTER ...\", for example \"GET /status /battery_percentage\"";
+  if (take_word(text) != "GET") return fail(Errc::bad_value, "a value is read with GET", kCure);
+  auto path = HttpPath::read(take_word(text));
+  if (!path) return path.error();
+  question.path = std::move(*path);
+  while (!text.empty()) {
+    const std::string_view word = take_word(text);
+    if (is_pointer(word)) {
+      question.parts.push_back({std::string(word), {}});
+      continue;
+    }
+    const std::size_t equals = word.find('=');
+    double number = 0;
+    const char* const end = word.data() + word.size();
+    const char* const begin = equals == std::string_view::npos ? end : word.data() + equals + 1;
+    const auto read = std::from_chars(begin, end, number);
+    if (question.parts.empty() || equals == 0 || begin == end || read.ec != std::errc() || read.ptr != end) {
+      return fail(Errc::bad_value, "'" + std::string(word.substr(0, 60)) + "' is neither a pointer nor TEXT=NUMBER",
+                  kCure);
+    }
+    question.parts.back().numbers[std::string(word.substr(0, equals))] = number;
+    if (question.parts.back().numbers.size() > kMaxNumbers)
+      return fail(Errc::bad_value, "more than 32 texts", "name fewer");
+  }
+  if (question.parts.empty()) return fail(Errc::bad_value, "says not where in the answer the value is", kCure);
+  if (question.parts.size() > kMaxParts) return fail(Errc::bad_value, "more than 16 pointers", "ask for fewer");
+  return question;
+}
+
+const Value* find_by_pointer(const Value& json, std::string_view pointer) {
+  const Value* at = &json;
+  while (!pointer.empty() && at != nullptr) {
+    pointer.remove_prefix(1);  // the /
+    const std::size_t end = std::min(pointer.find('/'), pointer.size());
+    std::string key;
+    for (std::size_t i = 0; i < end; ++i) {
+      const bool escape = pointer[i] == '~' && i + 1 < end && (pointer[i + 1] == '0' || pointer[i + 1] == '1');
+      key += escape ? (pointer[i + 1] == '0' ? '~' : '/') : pointer[i];
+      i += escape ? 1 : 0;
+    }
+    pointer.remove_prefix(end);
+    if (at->is_list()) {
+      std::size_t index = 0;
+      const auto read = std::from_chars(key.data(), key.data() + key.size(), index);
+      const bool is_index = read.ec == std::errc() && read.ptr == key.data() + key.size();
+      at = is_index && index < at->list().size() ? &at->list()[index] : nullptr;
+    } else {
+      at = at->find(key);
+    }
+  }
+  return at;
+}
+
+HttpTiming http_timing(const VendorCommands& vendor) {
+  HttpTiming timing;
+  if (const auto at = vendor.numbers.find("poll_s"); at != vendor.numbers.end()) timing.poll_s = at->second;
+  if (const auto at = vendor.numbers.find("timeout_s"); at != vendor.numbers.end()) timing.timeout_s = at->second;
+  return timing;
+}
+
+}  // namespace trb::drivers

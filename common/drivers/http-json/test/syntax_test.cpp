@@ -1,0 +1,88 @@
+#include "common/drivers/http-json/syntax.hpp"
+
+#include <doctest/doctest.h>
+
+#include "tests/support/node_folder.hpp"
+
+using namespace trb;
+using namespace trb::drivers;
+
+TEST_CASE("a line of a command is a method, a path, a body and what its answer tells") {
+  const auto words = read_http_words("POST /queue {\"mission_id\": {0}} -> mission /id\n\nDELETE /a/<mission>?x=1");
+  REQUIRE(words.ok());
+  REQUIRE(words->size() == 2);
+  CHECK((*words)[0].method == "POST");
+  CHECK((*words)[0].path.text() == "/queue");
+  CHECK(*(*words)[0].body->fill("[\"a\\\"b\"]", json_literal) == R"({"mission_id": "a\"b"})");
+  CHECK((*words)[0].remembers == "mission");
+  CHECK((*words)[0].pointer == "/id");
+  CHECK((*words)[1].path.names() == std::vector<std::string>{"mission"});
+  CHECK_FALSE((*words)[1].body.has_value());
+  CHECK(*(*words)[1].path.fill({{"mission", "a/b c"}}) == "/a/a%2Fb%20c?x=1");
+  CHECK((*words)[1].path.fill({}).error().code == Errc::missing);
+  CHECK((*read_http_words(R"(PUT /note {"text": "a -> b"})"))[0].remembers.empty());
+}
+
+TEST_CASE("what is no line of a command is refused with what is wrong") {
+  for (const auto& [line, what] :
+       std::map<std::string, std::string>{{"FETCH /x", "is no method"},
+                                          {"GET status", "is no path"},
+                                          {"GET /a<b", "has a < without a name"},
+                                          {"GET /a\"b", "has a character"},
+                                          {"PUT /x {\"a\": }", "the body"},
+                                          {"PUT /x {\"a\": {0}", "the body"},
+                                          {"POST /x {} -> id", "names nothing to keep"},
+                                          {"POST /x {} -> a b c", "names nothing to keep"}}) {
+    CAPTURE(line);
+    const auto words = read_http_words(line);
+    REQUIRE_FALSE(words.ok());
+    CHECK(words.error().what.find(what) != std::string::npos);
+    CHECK_FALSE(words.error().cure.empty());
+  }
+}
+
+TEST_CASE("a value is where an answer says it, and what number a text is") {
+  const auto question = read_http_question("GET /queue/<mission> /state Pending=0 Done=2.5 /x");
+  REQUIRE(question.ok());
+  REQUIRE(question->parts.size() == 2);
+  CHECK(question->parts[0].numbers.at("Done") == 2.5);
+  CHECK(question->parts[1].pointer == "/x");
+  for (const char* bad :
+       {"", "PUT /x /y", "GET /x", "GET /x state", "GET /x Done=1 /y", "GET /x /y Done=", "GET /x /y =1"}) {
+    CAPTURE(bad);
+    CHECK_FALSE(read_http_question(bad).ok());
+  }
+}
+
+TEST_CASE("a pointer finds members, items and keys with / and ~ (RFC 6901)") {
+  const Value json = *parse_json(R"({"a": [1, {"b/c": 2, "d~e": 3}], "": 4})");
+  CHECK(find_by_pointer(json, "") == &json);
+  CHECK(find_by_pointer(json, "/a/0")->number() == 1);
+  CHECK(find_by_pointer(json, "/a/1/b~1c")->number() == 2);
+  CHECK(find_by_pointer(json, "/a/1/d~0e")->number() == 3);
+  CHECK(find_by_pointer(json, "/")->number() == 4);
+  for (const char* none : {"/b", "/a/2", "/a/-1", "/a/x", "/a/0/y", "/a/1/"})
+    CHECK(find_by_pointer(json, none) == nullptr);
+}
+
+TEST_CASE("commands.json of such a robot is checked: each fault names its key and the cure") {
+  const NodeFolder folder("ur");
+  const auto faults_of = [&](const std::string& words) {
+    folder.write("commands.json", "{\"ur\": " + words + "}");
+    std::string text;
+    for (const ConfigFault& fault : without_keys(folder.check().faults)) text += fault.key + ": " + fault.what + "\n";
+    return text;
+  };
+  const std::string good = R"({"transport": "http-json", "port": 80, "poll_s": 1,
+    "commands": {"go": "PUT /go", "move": "PUT /move {\"joints\": {data}}", "stop": "PUT /stop {}"},
+    "values": {"joints": "GET /joints /0", "robot_mode": "GET /mode /m"}, "requests": {"position": "joints"}})";
+  CHECK(faults_of(good) == "");
+  CHECK(faults_of(R"({"transport": "http-json", "commands": {"go": "PUT /go", "stop": "PUT /s {data}"},
+    "values": {"joints": "GET joints", "robot_mode": "GET /<mod> /m"}, "requests": {"position": "joint"}, "poll": 1})") ==
+        "ur.poll: is no key that is known here\n"
+        "ur.port: is missing: the node dials a port of the robot\n"
+        "ur.commands.stop: needs data, and a stop has none\n"
+        "ur.values.joints: 'joints' is no path\n"
+        "ur.values.robot_mode: needs <mod>, which no command's answer tells\n"
+        "ur.requests.position: 'joint' is no name of \"values\"\n");
+}

@@ -1,0 +1,64 @@
+#include "common/drivers/http-json/wire.hpp"
+
+#include <doctest/doctest.h>
+
+using namespace trb;
+using namespace trb::drivers;
+
+namespace {
+
+const std::string kTwo =
+    "HTTP/1.1 100 Continue\r\n\r\n"
+    "HTTP/1.1 201 Created\r\nTransfer-Encoding: chunked\r\n\r\n4\r\n{\"id\r\n5\r\n\": 7}\r\n0\r\n\r\n"
+    "HTTP/1.1 204 No Content\r\nConnection: close\r\n\r\n";
+
+}  // namespace
+
+TEST_CASE("answers are the same however the stream is cut") {
+  for (std::size_t step = 1; step <= kTwo.size(); ++step) {
+    HttpReader reader;
+    std::vector<HttpAnswer> got;
+    for (std::size_t at = 0; at < kTwo.size(); at += step) {
+      auto some = reader.add(BytesView(kTwo).substr(at, step));
+      REQUIRE(some.ok());
+      for (HttpAnswer& answer : *some) got.push_back(std::move(answer));
+    }
+    REQUIRE(got.size() == 2);
+    CHECK(got[0].status == 201);
+    CHECK(got[0].body == R"({"id": 7})");
+    CHECK_FALSE(got[0].closes);
+    CHECK(got[1].status == 204);
+    CHECK(got[1].closes);
+    CHECK(reader.end().empty());
+  }
+}
+
+TEST_CASE("an answer without a length ends with the connection; half of one is none") {
+  HttpReader reader;
+  CHECK(reader.add("HTTP/1.0 200 OK\r\n\r\n{\"a\"")->empty());
+  CHECK(reader.add(": 1}")->empty());
+  const auto last = reader.end();
+  REQUIRE(last.size() == 1);
+  CHECK(last[0].body == "{\"a\": 1}");
+  CHECK(reader.add("HTTP/1.1 200 OK\r\nContent-Length: 5\r\n\r\n{}")->empty());
+  CHECK(reader.end().empty());
+  CHECK(reader.add("HTTP/1.1 200 OK\r\nContent-Length: 2\r\n\r\n{}")->size() == 1);
+}
+
+TEST_CASE("what is no HTTP, and what is too large, is refused") {
+  const auto refusal = [](const std::string& bytes) {
+    HttpReader reader;
+    const auto answers = reader.add(bytes);
+    return answers ? Errc{} : answers.error().code;
+  };
+  CHECK(refusal("SSH-2.0-OpenSSH_9.2\r\n\r\n") == Errc::malformed);
+  CHECK(refusal("HTTP/1.1 200 OK\r\nContent-Length: x\r\n\r\n") == Errc::malformed);
+  CHECK(refusal("HTTP/1.1 200 OK\r\nContent-Length: 2000000\r\n\r\n{}") == Errc::too_large);
+  CHECK(refusal("HTTP/1.1 200 OK\r\nX: " + std::string(20'000, 'x')) == Errc::too_large);
+}
+
+TEST_CASE("a request has a length if it has a body or may have one") {
+  CHECK(encode(HttpRequest{"GET", "/a", ""}, "h", "") ==
+        "GET /a HTTP/1.1\r\nHost: h\r\nAccept: application/json\r\n\r\n");
+  CHECK(encode(HttpRequest{"DELETE", "/a", ""}, "h", "").ends_with("\r\nContent-Length: 0\r\n\r\n"));
+}

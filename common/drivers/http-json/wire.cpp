@@ -1,0 +1,84 @@
+#include "common/drivers/http-json/wire.hpp"
+
+#include <boost/asio/buffer.hpp>
+#include <boost/beast/http/message.hpp>
+#include <boost/beast/http/parser.hpp>
+#include <boost/beast/http/string_body.hpp>
+
+namespace trb::drivers {
+
+namespace http = boost::beast::http;
+
+struct HttpReader::Parser {
+  http::response_parser<http::string_body> of;
+
+  Parser() {
+    of.eager(true);
+    of.body_limit(kMaxBody);
+    of.header_limit(kMaxHeader);
+  }
+};
+
+Bytes encode(const HttpRequest& request, const std::string& host, const std::string& authorization) {
+  Bytes out = request.method + " " + request.target + " HTTP/1.1\r\nHost: " + host + "\r\nAccept: application/json\r\n";
+  if (!authorization.empty()) out += "Authorization: " + authorization + "\r\n";
+  if (!request.body.empty()) {
+    out += "Content-Type: application/json\r\nContent-Length: " + std::to_string(request.body.size()) + "\r\n";
+  } else if (request.method != "GET") {
+    out += "Content-Length: 0\r\n";
+  }
+  return out + "\r\n" + request.body;
+}
+
+HttpReader::HttpReader() : parser_(std::make_unique<Parser>()) {}
+HttpReader::~HttpReader() = default;
+
+void HttpReader::clear() {
+  parser_ = std::make_unique<Parser>();
+  rest_.clear();
+}
+
+Result<std::vector<HttpAnswer>> HttpReader::add(BytesView bytes) {
+  std::vector<HttpAnswer> out;
+  rest_ += bytes;
+  while (!rest_.empty()) {
+    boost::system::error_code problem;
+    const std::size_t taken = parser_->of.put(boost::asio::buffer(rest_.data(), rest_.size()), problem);
+    rest_.erase(0, taken);
+    const auto& of = parser_->of;
+    const bool long_body = (of.is_header_done() && of.content_length() && *of.content_length() > kMaxBody) ||
+                           of.get().body().size() > kMaxBody;
+    if (long_body) return fail(Errc::too_large, "an answer over 1 MiB", "ask for less of it");
+    if (problem && problem != http::error::need_more) {
+      const bool large = problem == http::error::body_limit || problem == http::error::header_limit ||
+                         problem == http::error::buffer_overflow;
+      return fail(large ? Errc::too_large : Errc::malformed, "no answer of HTTP: " + problem.message(),
+                  "look at the robot's address and port");
+    }
+    if (!parser_->of.is_done()) {
+      if (taken == 0 || problem == http::error::need_more) break;
+      continue;
+    }
+    take(out);
+  }
+  return out;
+}
+
+std::vector<HttpAnswer> HttpReader::end() {
+  std::vector<HttpAnswer> out;
+  boost::system::error_code problem;
+  if (parser_->of.got_some() && !parser_->of.is_done()) parser_->of.put_eof(problem);
+  if (!problem && parser_->of.is_done()) take(out);
+  clear();
+  return out;
+}
+
+void HttpReader::take(std::vector<HttpAnswer>& out) {
+  const bool closes = !parser_->of.keep_alive();
+  auto message = parser_->of.release();
+  const unsigned status = message.result_int();
+  parser_ = std::make_unique<Parser>();
+  if (status >= 200) out.push_back({status, std::move(message.body()), closes});  // 1xx: the answer follows
+}
+
+}  // namespace trb::drivers

@@ -1,0 +1,55 @@
+// Requests and answers of HTTP/1.1 as bytes.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "common/base/bytes.hpp"
+#include "common/base/result.hpp"
+
+namespace trb::drivers {
+
+struct HttpRequest {
+  std::string method;
+  std::string target;
+  std::string body;  ///< JSON; empty: none
+};
+
+/// `authorization` is the header's value, empty: none. It is never logged.
+Bytes encode(const HttpRequest& request, const std::string& host, const std::string& authorization);
+
+struct HttpAnswer {
+  unsigned status = 0;
+  std::string body;
+  bool closes = false;  ///< the robot closes the connection behind it
+
+  [[nodiscard]] bool good() const { return status >= 200 && status < 300; }
+};
+
+/// Answers in a stream, however it is cut; by Boost.Beast, whose parser needs no socket.
+class HttpReader {
+ public:
+  static constexpr std::size_t kMaxBody = 1U << 20U;
+  static constexpr std::size_t kMaxHeader = 16384;
+
+  HttpReader();
+  ~HttpReader();
+  HttpReader(const HttpReader&) = delete;
+  HttpReader& operator=(const HttpReader&) = delete;
+
+  /// Errors: malformed, too_large: the connection is of no use any more.
+  Result<std::vector<HttpAnswer>> add(BytesView bytes);
+  /// The connection has ended: an answer without a length ends with it.
+  std::vector<HttpAnswer> end();
+  void clear();
+
+ private:
+  struct Parser;
+  void take(std::vector<HttpAnswer>& out);
+
+  std::unique_ptr<Parser> parser_;
+  Bytes rest_;  ///< what the parser has not taken: a header that is not whole yet
+};
+
+}  // namespace trb::drivers
