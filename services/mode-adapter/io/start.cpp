@@ -9,6 +9,7 @@
 #include "services/mode-adapter/io/fence_file.hpp"
 #include "services/mode-adapter/io/modbus_io.hpp"
 #include "services/mode-adapter/io/out_of_use_file.hpp"
+#include "services/mode-adapter/io/robot_auth.hpp"
 #include "services/mode-adapter/io/robot_io.hpp"
 
 namespace trb::adapter {
@@ -47,8 +48,10 @@ ModbusLink::Where modbus_device(const NodeConfig& config) {
   return {config.robot.host, config.commands.port.value_or(kModbusPort), modbus.unit, modbus.timeout_s};
 }
 
-Settings core_settings(NodeConfig config, std::uint64_t instance, bool fenced, std::vector<Kept> out_of_use) {
-  return {{std::move(config.id), std::move(config.description), std::move(config.commands), instance},
+Settings core_settings(NodeConfig config, std::uint64_t instance, std::string authorization, bool fenced,
+                       std::vector<Kept> out_of_use) {
+  return {{std::move(config.id), std::move(config.description), std::move(config.commands), instance,
+           std::move(config.robot.host), std::move(authorization)},
           std::move(config.framework),
           config.mode,
           std::move(config.places),
@@ -70,6 +73,8 @@ int start(const std::string& node_dir) {
   if (!faults_that_stop(check.faults).empty() || !placed) return complain(to_text(check.faults));
   auto service = Service::open({check.config.dir, "mode-adapter", subtypes()});
   if (!service) return complain(service.error().text());
+  auto authorization = read_robot_auth(check.config.dir);
+  if (!authorization) return complain(authorization.error().text());
   const FenceFile fence(check.config.dir);
   const OutOfUseFile kept(check.config.dir);
   const DriverRow* row = find_driver(check.config.commands.transport);
@@ -79,7 +84,8 @@ int start(const std::string& node_dir) {
   const std::string control = check.config.robot.fault_injection;
   const auto inject = [&control](const std::string& line) { return send_control_line(control, line); };
   ModeAdapterCore core(
-      core_settings(std::move(check.config), (*service)->instance(), fence.set(), kept.read()),
+      core_settings(std::move(check.config), (*service)->instance(), std::move(*authorization), fence.set(),
+                    kept.read()),
       [&fence](bool fenced) { return fence.save(fenced); },
       [&kept](const std::vector<Kept>& lines) { return kept.save(lines); },
       control.empty() ? InjectLine{} : InjectLine{inject});

@@ -1,0 +1,14 @@
+// How the node signs in at its robot: keys/robot.auth, one line, mode 0600.
+#pragma once
+
+#include <string>
+
+#include "common/base/result.hpp"
+
+namespace trb::adapter {
+
+/// "basic USER:PASSWORD" or "bearer TOKEN" as the value of HTTP's Authorization header (RFC 7617, RFC 6750); empty
+/// without the file. Errors: not_permitted (others may read it), malformed.
+Result<std::string> read_robot_auth(const std::string& node_dir);
+
+}  // namespace trb::adapter

@@ -1,0 +1,31 @@
+#include "services/mode-adapter/io/robot_auth.hpp"
+
+#include <doctest/doctest.h>
+#include <sys/stat.h>
+
+#include <filesystem>
+
+#include "common/base/files.hpp"
+#include "tests/support/node_folder.hpp"
+
+using namespace trb;
+using namespace trb::adapter;
+
+TEST_CASE("how the node signs in at its robot is a secret of one line") {
+  const NodeFolder folder;
+  CHECK(*read_robot_auth(folder.path()) == "");
+  std::filesystem::create_directories(folder.path() + "/keys");
+  const std::string path = folder.path() + "/keys/robot.auth";
+  const auto with = [&](const std::string& text) {
+    REQUIRE(write_file(path, text));
+    return read_robot_auth(folder.path());
+  };
+  CHECK(*with("basic Aladdin:open sesame\n") == "Basic QWxhZGRpbjpvcGVuIHNlc2FtZQ==");  // RFC 7617, section 2
+  CHECK(*with("bearer mF_9.B5f-4.1JqM") == "Bearer mF_9.B5f-4.1JqM");
+  for (const char* bad : {"", "basic", "basic nobody", "bearer ", "bearer a b", "digest a:b", "basic a:b\r\nX: y\nz"}) {
+    CAPTURE(bad);
+    CHECK(with(bad).error().code == Errc::malformed);
+  }
+  ::chmod(path.c_str(), 0644);
+  CHECK(read_robot_auth(folder.path()).error().code == Errc::not_permitted);
+}
