@@ -75,13 +75,19 @@ TEST_CASE("every shipped description is good") {
     CHECK_MESSAGE(faults.empty(), to_text(faults));
     ++count;
   }
-  CHECK(count == 10);
+  CHECK(count == 11);
 }
 
 TEST_CASE("the conveyor's registers and its description fit each other") {
   const NodeCheck check = check_shipped("conveyor", "plc", "robots/conveyor.json");
   CHECK_MESSAGE(without_keys(check.faults).empty(), to_text(check.faults));
   CHECK(check.config.commands.transport == "modbus");
+}
+
+TEST_CASE("the shipped MiR is ready to be spoken to by HTTP") {
+  const NodeCheck check = check_shipped("mir", "mir", "robots/mir100.json");
+  CHECK_MESSAGE(without_keys(check.faults).empty(), to_text(check.faults));
+  CHECK(check.config.commands.transport == "http-json");
 }
 
 TEST_CASE("the paper's scenario can be done by the shipped robots, and by robots that speak in fields") {

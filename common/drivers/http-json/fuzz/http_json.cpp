@@ -1,0 +1,98 @@
+// What a robot with a REST interface answers: whole and in pieces, and the driver behind, with commands and a stop
+// under way.
+#include "common/drivers/http-json/syntax.hpp"
+#include "common/drivers/http-json/wire.hpp"
+#include "services/mode-adapter/core/adapter_core.hpp"
+#include "tests/fuzz/target.hpp"
+
+namespace trb::fuzz {
+namespace {
+
+using namespace trb::adapter;
+
+Settings settings() {
+  Settings out;
+  out.id = "mir";
+  out.mode = Mode::direct;
+  out.description.capabilities = {"mobile"};
+  out.commands.transport = "http-json";
+  out.commands.commands = {
+      {"go", "POST /q {\"id\": {data}} -> q /id\nGET /q/<q>"}, {"stop", "PUT /s {}"}, {"release", ""}};
+  out.commands.values = {{"position", "GET /s /x /y"}, {"state", "GET /q/<q> /state Done=1"}};
+  out.commands.requests = {{"position", "position"}, {"state", "state"}};
+  return out;
+}
+
+/// Every byte that goes to the robot is a request, and there is one at a time.
+void check_writes(Outbox& out) {
+  for (const RobotWrite& write : out.writes) {
+    const bool line =
+        write.bytes.starts_with("GET /") || write.bytes.starts_with("POST /") || write.bytes.starts_with("PUT /");
+    require(line && write.bytes.find("\r\n\r\n") != Bytes::npos, "what is written is a request");
+  }
+  require(out.writes.size() <= 1 || out.closes.size() + 1 >= out.writes.size(), "one request at a time");
+}
+
+void converse(BytesView input) {
+  ModeAdapterCore core(
+      settings(), [](bool) { return Status(Done{}); }, [](const std::vector<Kept>&) { return Status(Done{}); });
+  Outbox out;
+  Now now{{1'000'000'000}, {0}};
+  core.on_channel_up(Channel::command, now, out);
+  core.on_bytes(Channel::command, "HTTP/1.1 200 OK\r\nContent-Length: 2\r\n\r\n{}", now, out);
+  core.on({MessageType::command, "operator", "mir", 1, 0, 0, 5000, Opaque{"go", "1"}}, now, out);
+  std::vector<Send> sends = out.sends;
+  while (!input.empty()) {
+    out = {};
+    core.on_bytes(Channel::command, input.substr(0, 40), now, out);
+    input.remove_prefix(std::min<std::size_t>(40, input.size()));
+    check_writes(out);
+    sends.insert(sends.end(), out.sends.begin(), out.sends.end());
+    if (!out.closes.empty()) {
+      core.on_channel_down(Channel::command, "closed", now, out);
+      core.on_channel_up(Channel::command, now, out);
+    }
+    now.mono = now.mono + std::chrono::milliseconds(110);
+    core.tick(now, out);
+    sends.insert(sends.end(), out.sends.begin(), out.sends.end());
+  }
+  out = {};
+  now.mono = now.mono + std::chrono::seconds(20);
+  core.tick(now, out);
+  core.tick(now, out);
+  require(core.next_deadline() > now.mono || !core.next_deadline(), "nothing stays due");
+}
+
+}  // namespace
+
+std::vector<Bytes> seeds() {
+  return {
+      "HTTP/1.1 201 Created\r\nContent-Length: 9\r\n\r\n{\"id\": 7}HTTP/1.1 200 OK\r\nContent-Length: "
+      "17\r\n\r\n{\"state\": \"Done\"}",
+      "HTTP/1.1 200 OK\r\nTransfer-Encoding: chunked\r\n\r\n4\r\n{\"x\"\r\n4\r\n: 1}\r\n0\r\n\r\n",
+      "HTTP/1.0 404 Not Found\r\n\r\n{}", "HTTP/1.1 204 No Content\r\nConnection: close\r\n\r\n"};
+}
+
+void run(BytesView input) {
+  HttpReader one;
+  HttpReader two;
+  std::vector<HttpAnswer> pieces;
+  bool good = true;
+  for (std::size_t i = 0; i < input.size() && good; ++i) {
+    auto some = two.add(input.substr(i, 1));
+    good = some.ok();
+    for (HttpAnswer& answer : good ? *some : std::vector<HttpAnswer>()) pieces.push_back(std::move(answer));
+  }
+  if (const auto whole = one.add(input)) {
+    require(whole->size() <= pieces.size() + 1, "pieces read as the whole");
+    for (std::size_t i = 0; i < std::min(whole->size(), pieces.size()); ++i) {
+      require((*whole)[i].status == pieces[i].status && (*whole)[i].body == pieces[i].body, "pieces read as the whole");
+      require(pieces[i].body.size() <= HttpReader::kMaxBody, "a body is bounded");
+    }
+  }
+  read_http_words(std::string(input));
+  read_http_question(std::string(input));
+  converse(input);
+}
+
+}  // namespace trb::fuzz
