@@ -180,7 +180,7 @@ void RouterCore::on_beacon(BytesView plain, Now now, Effects& out) {
   if (record->signer == config_.id) return;
   auto outer = decode<Beacon>(record->payload.bytes);
   if (!outer) return refuse(outer.error());
-  if (tells_nothing(record->signer, *outer, now)) return out.count("beacon.nothing_new");
+  if (tells_nothing(record->signer, *outer, now)) return;
   // Whoever has the fleet's key for beacons, a node put out of it for one, could keep this one at signatures alone.
   if (!beacon_budget_.take(now.mono)) {
     return refuse_beacon("too_many", "over " + std::to_string(kBeaconsChecked) + " in a second; links do without", now,
