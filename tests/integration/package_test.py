@@ -87,7 +87,7 @@ class Package(unittest.TestCase):
         self.assertIn("talkrobotsConfig.cmake", [path.name for path in files])
         for path in files:
             for place in (support.REPO, self.root / "first"):
-                self.assertNotIn(str(place).encode(), path.read_bytes(), path)
+                self.assertFalse(str(place).encode() in path.read_bytes(), f"{path} names {place}")
 
     def test_its_compiler_is_told_where_its_headers_are_and_nothing_else_of_this_build(self):
         exported, = self.package.rglob("talkrobotsTargets.cmake")
