@@ -1,5 +1,5 @@
-"""The direct mode over HTTP with JSON: a node and a virtual MiR, whose REST interface is also asked by Python's own client.
-Addresses 127.0.150.x."""
+"""The direct mode over HTTP with JSON: a node and a virtual MiR, whose REST interface Python's own client asks too.
+Addresses 127.0.178.x to 127.0.181.x."""
 import base64
 import hashlib
 import http.client
@@ -35,8 +35,9 @@ class Client:
 class MirFleet(trb_fleet.Fleet):
     """One node with a MiR on a port of its own: 80 is the superuser's."""
 
-    def __init__(self, root, programs, block=150):
-        super().__init__(root, programs, block=block, robots={"mir": ("mir", "mir100", [])}, cloud=False)
+    def __init__(self, root, programs, block=178):
+        super().__init__(root, programs, block=block, udp_port=50000 + block, robots={"mir": ("mir", "mir100", [])},
+                         cloud=False)
 
     def make_node(self, node):
         super().make_node(node)
@@ -127,7 +128,7 @@ class Alone(unittest.TestCase):
     """A robot that is killed and started again is found again, at its old port."""
 
     def test_it_is_offline_and_comes_back(self):
-        fleet = support.make_fleet(self, lambda root, programs: MirFleet(root, programs, block=152))
+        fleet = support.make_fleet(self, lambda root, programs: MirFleet(root, programs, block=180))
         fleet.start()
         fleet.wait("the robot is ONLINE", lambda: fleet.profile()["robot"] == "ONLINE", 15)
         fleet.virtual.pop("mir").stop()

@@ -4,14 +4,33 @@ import os
 import pathlib
 import sys
 import tempfile
+import time
 
 REPO = pathlib.Path(__file__).resolve().parents[2]
 sys.path[:0] = [str(REPO / "scripts"), str(REPO / "tests" / "support")]
 
+import demo_place  # noqa: E402
 import trb_fleet  # noqa: E402
 from skips import main  # noqa: E402, F401
 
 PROGRAMS = pathlib.Path(os.environ.get("TRB_BIN_DIR", REPO / "build" / "dev" / "bin"))
+
+
+_held = {}  # block: the socket that holds it, until this program ends
+
+
+def hold_blocks(*blocks, seconds=300):
+    """Waits until no other program has these addresses: two tests of one block would take each other's ports."""
+    for block in blocks:
+        deadline = time.monotonic() + seconds
+        while block not in _held:
+            held = demo_place.hold(block)
+            if held:
+                _held[block] = held
+            elif time.monotonic() > deadline:
+                raise TimeoutError(f"127.0.{block}.x is held by {demo_place.in_words(demo_place.pid_of_holder(block))}")
+            else:
+                time.sleep(0.2)
 
 
 def make_fleet(case, kind=trb_fleet.Fleet, **arguments):
@@ -20,6 +39,7 @@ def make_fleet(case, kind=trb_fleet.Fleet, **arguments):
     folder = tempfile.TemporaryDirectory(prefix="trb-", ignore_cleanup_errors=True)
     add_cleanup(folder.cleanup)
     fleet = kind(pathlib.Path(folder.name) / "fleet", PROGRAMS, **arguments)
+    hold_blocks(fleet.block, fleet.block + 1)
     add_cleanup(fleet.stop)
     fleet.make()
     return fleet
