@@ -8,7 +8,6 @@
 namespace trb::drivers {
 namespace {
 
-constexpr std::size_t kMaxJobs = 64;
 constexpr const char* kWouldNotStop = "stop refused";
 constexpr std::string_view kPosition = "position";
 
@@ -94,12 +93,12 @@ Result<Progress> ModbusDriver::hand_over(const Handover& message, Now now, const
     return fail(Errc::robot_offline, "the robot's controller is not connected",
                 "look at its power, network and address");
   }
-  if (jobs_.size() >= kMaxJobs) return fail(Errc::queue_full, "too many commands wait for the device", "send fewer");
+  if (queue_.full()) return fail(Errc::queue_full, "too many commands wait for the device", "send fewer");
   auto writes = fill(message.subtype, message.data);
   if (!writes) return writes.error();
   if (writes->empty()) return Progress::handed_over;
   out.out.count("to_robot." + std::string(message.subtype));
-  jobs_.push_back({Purpose::command, message.token, !message.skill.empty(), std::move(*writes), 0});
+  queue_.add({Purpose::command, message.token, !message.skill.empty(), std::move(*writes), 0});
   pump(now, out);
   return Progress::queued;
 }
@@ -110,35 +109,21 @@ std::optional<Error> ModbusDriver::problem(std::string_view name) const {
 }
 
 bool ModbusDriver::runs(Token token) const {
-  return std::ranges::any_of(jobs_,
-                             [&](const Job& job) { return job.purpose == Purpose::command && job.token == token; });
+  return queue_.runs(token);
 }
 
 void ModbusDriver::forget(Token token, Now, const DriverOut&) {
-  const auto waiting = jobs_.begin() + (awaits_ == Awaits::job ? 1 : 0);
-  const auto job = std::find_if(waiting, jobs_.end(), [&](const Job& one) {
-    return one.purpose == Purpose::command && one.token == token && one.done == 0;
-  });
-  if (job != jobs_.end()) jobs_.erase(job);
+  queue_.forget(token);
 }
 
 void ModbusDriver::halt(Token token, Now now, const DriverOut& out) {
-  const auto job = std::ranges::find_if(
-      jobs_, [&](const Job& one) { return one.purpose == Purpose::command && one.token == token; });
-  if (job != jobs_.end()) {
-    const bool under_way = awaits_ == Awaits::job && job == jobs_.begin();
-    const bool begun = under_way || job->done > 0;
-    if (under_way) awaits_ = Awaits::nobody;
-    jobs_.erase(job);
-    if (!begun) return;  // nothing of it has been written: there is no motion to end
-  }
-  if (!up_) return;
+  if (!queue_.halt(token) || !up_) return;
   auto writes = fill("stop", {});
   if (!writes || writes->empty()) {
     return out.refuse("no_stop", "commands.json has no \"stop\" for this robot: the motion goes on");
   }
   out.out.count("to_robot.stop");
-  push_urgent({Purpose::halt, 0, false, std::move(*writes), 0});
+  queue_.add_urgent({Purpose::halt, 0, false, std::move(*writes), 0});
   pump(now, out);
 }
 
@@ -149,35 +134,20 @@ Result<Token> ModbusDriver::stop(Now now, const DriverOut& out) {
   if (!writes || writes->empty()) return fail(Errc::unknown_subtype, "commands.json has no \"stop\" for this robot");
   told_to_stop_ = true;
   const Token ticket = ++last_ticket_;
-  const auto waits = std::ranges::find_if(jobs_, [&](const Job& job) {
-    return job.purpose == Purpose::stop && (awaits_ != Awaits::job || &job != &jobs_.front());
-  });
-  if (waits != jobs_.end()) {
-    waits->token = ticket;  // one that has not begun is the same stop
-    return ticket;
-  }
+  if (queue_.join_stop(ticket)) return ticket;
   out.out.count("to_robot.stop");
-  push_urgent({Purpose::stop, ticket, false, std::move(*writes), 0});
+  queue_.add_urgent({Purpose::stop, ticket, false, std::move(*writes), 0});
   pump(now, out);
   return ticket;
 }
 
-/// Everything but stops. What is under way is on its way; nobody hears its answer any more.
+/// What is under way is on its way; nobody hears its answer any more.
 void ModbusDriver::drop_for_stop(const DriverOut& out) {
-  if (awaits_ == Awaits::job && jobs_.front().purpose != Purpose::stop) awaits_ = Awaits::nobody;
-  for (const Job& job : jobs_) {
-    if (job.purpose != Purpose::command) continue;
-    const std::string written = std::to_string(job.done) + " of its " + std::to_string(job.writes.size()) + " writes";
+  for (const Job& job : queue_.drop_for_stop()) {
+    const std::string written = std::to_string(job.done) + " of its " + std::to_string(job.steps.size()) + " writes";
     out.emit(Refused{job.token, fail(Errc::fenced, "the robot was stopped when the device had acknowledged " + written,
                                      "trb release " + own_id_)});
   }
-  std::erase_if(jobs_, [](const Job& job) { return job.purpose != Purpose::stop; });
-}
-
-void ModbusDriver::push_urgent(Job job) {
-  auto at = jobs_.begin() + (awaits_ == Awaits::job ? 1 : 0);
-  while (at != jobs_.end() && at->purpose == Purpose::stop) ++at;
-  jobs_.insert(at, std::move(job));
 }
 
 Result<Token> ModbusDriver::release(Now now, const DriverOut& out) {
@@ -190,34 +160,27 @@ Result<Token> ModbusDriver::release(Now now, const DriverOut& out) {
     return ticket;
   }
   out.out.count("to_robot.release");
-  push_urgent({Purpose::release, ticket, false, std::move(*writes), 0});
+  queue_.add_urgent({Purpose::release, ticket, false, std::move(*writes), 0});
   pump(now, out);
   return ticket;
 }
 
 void ModbusDriver::pump(Now now, const DriverOut& out) {
-  if (!up_ || awaits_ != Awaits::nothing) return;
-  const bool polls = now.mono >= poll_.due();
-  const bool urgent = !jobs_.empty() && jobs_.front().purpose != Purpose::command;
-  // Commands that never cease must not keep the values from being told, nor the other way round.
-  if (polls && (jobs_.empty() || (!urgent && !polled_last_))) return call(poll_.call(), Awaits::poll, out);
-  if (jobs_.empty()) return;
-  const Job& job = jobs_.front();
-  const Write& write = job.writes[job.done];
-  call({true, write.place.kind, write.place.address, 0, write.words}, Awaits::job, out);
+  const Awaits next = up_ ? queue_.next(now.mono >= poll_.due()) : Awaits::nothing;
+  if (next == Awaits::nothing) return;
+  queue_.sent(next);
+  out.out.write(Channel::command, encode(next == Awaits::poll ? poll_.call() : call_of(queue_.front())));
 }
 
-void ModbusDriver::call(const ModbusCall& what, Awaits whose, const DriverOut& out) {
-  awaits_ = whose;
-  polled_last_ = whose == Awaits::poll;
-  out.out.write(Channel::command, encode(what));
+ModbusCall ModbusDriver::call_of(const Job& job) {
+  const Write& write = job.steps[job.done];
+  return {true, write.place.kind, write.place.address, 0, write.words};
 }
 
 void ModbusDriver::on_up(Channel channel, Now now, const DriverOut& out) {
   if (channel != Channel::command) return;
   up_ = true;
-  heard_ = polled_last_ = false;
-  awaits_ = Awaits::nothing;
+  heard_ = false;
   poll_.restart(now);
   pump(now, out);
 }
@@ -225,7 +188,7 @@ void ModbusDriver::on_up(Channel channel, Now now, const DriverOut& out) {
 void ModbusDriver::on_bytes(Channel channel, BytesView bytes, Now now, const DriverOut& out) {
   if (channel != Channel::command || !up_) return;
   const auto answer = decode_modbus_answer(bytes);
-  const Awaits whose = answer ? std::exchange(awaits_, Awaits::nothing) : Awaits::nothing;
+  const Awaits whose = answer ? queue_.answered() : Awaits::nothing;
   if (whose == Awaits::nothing) return out.refuse("bad_packet", "an answer that nobody has asked for");
   if (whose == Awaits::poll) on_poll(*answer, now, out);
   if (whose == Awaits::job) on_write(*answer, out);
@@ -242,10 +205,9 @@ void ModbusDriver::on_poll(const ModbusAnswer& answer, Now now, const DriverOut&
 }
 
 void ModbusDriver::on_write(const ModbusAnswer& answer, const DriverOut& out) {
-  Job& job = jobs_.front();
-  if (answer.exception == 0 && ++job.done < job.writes.size()) return;
-  const Job ended = std::move(job);
-  jobs_.pop_front();
+  Job& job = queue_.front();
+  if (answer.exception == 0 && ++job.done < job.steps.size()) return;
+  const Job ended = queue_.pop();
   if (answer.exception != 0) return on_exception(ended, answer.exception, out);
   on_done(ended, out);
 }
@@ -263,7 +225,7 @@ void ModbusDriver::on_done(const Job& job, const DriverOut& out) {
 }
 
 void ModbusDriver::on_exception(const Job& job, std::uint8_t exception, const DriverOut& out) {
-  Error error = modbus_exception(exception, job.writes[job.done].meant);
+  Error error = modbus_exception(exception, job.steps[job.done].meant);
   if (job.done > 0) error.what += "; the " + std::to_string(job.done) + " writes before it were done";
   if (job.purpose == Purpose::command) return out.emit(Refused{job.token, error});
   out.refuse("robot_error", error.text());
@@ -276,11 +238,11 @@ void ModbusDriver::on_exception(const Job& job, std::uint8_t exception, const Dr
 void ModbusDriver::on_down(Channel channel, const std::string& reason, Now now, const DriverOut& out) {
   if (channel != Channel::command) return;
   const bool was_online = online();
-  const bool under_way = std::exchange(awaits_, Awaits::nothing) == Awaits::job;
+  const bool under_way = queue_.awaits() == Awaits::job;
   up_ = heard_ = false;
   poll_.restart(now);
   bool first = true;
-  for (const Job& job : std::exchange(jobs_, {})) {
+  for (const Job& job : queue_.clear()) {
     if (job.purpose == Purpose::command) out.emit(Refused{job.token, lost(job, under_way && first, reason)});
     first = false;
   }
@@ -293,13 +255,13 @@ Error ModbusDriver::lost(const Job& job, bool under_way, const std::string& reas
                 "look at the device's power and network, then send it again");
   }
   return fail(Errc::robot_offline,
-              "the connection was lost while " + job.writes[job.done].meant +
+              "the connection was lost while " + job.steps[job.done].meant +
                   " was written, and nobody knows whether the device took it: " + reason,
               "look at the device before you send it again");
 }
 
 std::optional<MonotonicTime> ModbusDriver::next_deadline() const {
-  if (!up_ || awaits_ != Awaits::nothing) return std::nullopt;
+  if (!up_ || queue_.awaits() != Awaits::nothing) return std::nullopt;
   return poll_.due();
 }
 

@@ -2,7 +2,6 @@
 // shell makes one call at a time, so that a stop waits for one answer at most.
 #pragma once
 
-#include <deque>
 #include <map>
 #include <string>
 #include <vector>
@@ -10,6 +9,7 @@
 #include "common/config/node_config.hpp"
 #include "common/drivers/driver.hpp"
 #include "common/drivers/modbus/poll.hpp"
+#include "common/drivers/request_queue.hpp"
 
 namespace trb::drivers {
 
@@ -47,27 +47,17 @@ class ModbusDriver : public Driver {
     ModbusPlace place;
     std::vector<std::uint16_t> words;
   };
-  enum class Purpose : std::uint8_t { command, halt, stop, release };
-  struct Job {
-    Purpose purpose{};
-    Token token = 0;  ///< the message's, or the ticket
-    bool skill = false;
-    std::vector<Write> writes;
-    std::size_t done = 0;  ///< writes that are acknowledged
-  };
-  /// Whose answer is awaited. A job that was dropped meanwhile leaves `nobody`: its answer is heard and forgotten.
-  enum class Awaits : std::uint8_t { nothing, poll, job, nobody };
+  using Queue = RequestQueue<Write>;
+  using Job = Queue::Job;
 
   [[nodiscard]] std::string_view name_of_value(std::string_view name) const;
   Result<std::vector<Write>> fill(std::string_view subtype, BytesView data) const;
   void pump(Now now, const DriverOut& out);
-  void call(const ModbusCall& what, Awaits whose, const DriverOut& out);
+  static ModbusCall call_of(const Job& job);
   void on_poll(const ModbusAnswer& answer, Now now, const DriverOut& out);
   void on_write(const ModbusAnswer& answer, const DriverOut& out);
   void on_done(const Job& job, const DriverOut& out);
   void on_exception(const Job& job, std::uint8_t exception, const DriverOut& out);
-  /// Behind the write under way and the stops that wait.
-  void push_urgent(Job job);
   void drop_for_stop(const DriverOut& out);
   [[nodiscard]] static Error lost(const Job& job, bool under_way, const std::string& reason);
 
@@ -79,10 +69,8 @@ class ModbusDriver : public Driver {
   bool up_ = false;
   bool heard_ = false;  ///< an answer on this connection
   bool told_to_stop_ = false;
-  bool polled_last_ = false;
-  Awaits awaits_ = Awaits::nothing;
   Token last_ticket_ = 0;
-  std::deque<Job> jobs_;  ///< the first one is under way if awaits_ is `job`
+  Queue queue_;
 };
 
 }  // namespace trb::drivers

@@ -1,0 +1,123 @@
+// The commands for a robot that is asked one thing at a time, and whose answer is awaited.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <utility>
+#include <vector>
+
+#include "common/drivers/driver.hpp"
+
+namespace trb::drivers {
+
+enum class Purpose : std::uint8_t { command, halt, stop, release };
+
+/// Whose answer is awaited. A job that was dropped meanwhile leaves `nobody`: its answer is heard and forgotten.
+enum class Awaits : std::uint8_t { nothing = 0, poll, job, nobody };
+
+/// A command is one or more steps, each with its answer. A stop goes before all that waits and behind what is under way,
+/// so that it waits for one answer at most.
+///
+/// event         | the first job is under way       | it waits
+/// --------------|----------------------------------|--------------------------
+/// forget        | goes on                          | dropped; with steps done: goes on
+/// halt          | dropped, its answer is nobody's  | dropped
+/// drop_for_stop | as halt; a stop goes on          | dropped; a stop stays
+template <class Step>
+class RequestQueue {
+ public:
+  static constexpr std::size_t kMost = 64;
+
+  struct Job {
+    Purpose purpose{};
+    Token token = 0;  ///< the message's, or the ticket
+    bool skill = false;
+    std::vector<Step> steps;
+    std::size_t done = 0;  ///< steps that are answered well
+  };
+  using Jobs = std::deque<Job>;
+
+  [[nodiscard]] bool full() const { return jobs_.size() >= kMost; }
+  [[nodiscard]] Awaits awaits() const { return awaits_; }
+
+  /// What is to be sent now: `nothing`, a `poll` or the first `job`'s next step.
+  [[nodiscard]] Awaits next(bool poll_is_due) const {
+    if (awaits_ != Awaits::nothing) return Awaits::nothing;
+    const bool urgent = !jobs_.empty() && jobs_.front().purpose != Purpose::command;
+    // Commands that never cease must not keep the values from being told, nor the other way round.
+    if (poll_is_due && (jobs_.empty() || (!urgent && !polled_last_))) return Awaits::poll;
+    return jobs_.empty() ? Awaits::nothing : Awaits::job;
+  }
+  void sent(Awaits whose) {
+    awaits_ = whose;
+    polled_last_ = whose == Awaits::poll;
+  }
+  Awaits answered() { return std::exchange(awaits_, Awaits::nothing); }
+
+  /// The one whose step is, or is to be, under way. There is one.
+  [[nodiscard]] Job& front() { return jobs_.front(); }
+  Job pop() {
+    Job job = std::move(jobs_.front());
+    jobs_.pop_front();
+    return job;
+  }
+
+  void add(Job job) { jobs_.push_back(std::move(job)); }
+  void add_urgent(Job job) {
+    auto at = waiting();
+    while (at != jobs_.end() && at->purpose == Purpose::stop) ++at;
+    jobs_.insert(at, std::move(job));
+  }
+  /// A stop that waits is the same stop: it has this ticket now. False: none waits.
+  bool join_stop(Token ticket) {
+    const auto at = std::find_if(waiting(), jobs_.end(), [](const Job& job) { return job.purpose == Purpose::stop; });
+    if (at != jobs_.end()) at->token = ticket;
+    return at != jobs_.end();
+  }
+
+  [[nodiscard]] bool runs(Token token) const { return std::ranges::any_of(jobs_, is_command(token)); }
+  void forget(Token token) {
+    const auto at = std::find_if(waiting(), jobs_.end(), is_command(token));
+    if (at != jobs_.end() && at->done == 0) jobs_.erase(at);
+  }
+  /// False: nothing of it was sent, there is no motion to end.
+  bool halt(Token token) {
+    const auto at = std::ranges::find_if(jobs_, is_command(token));
+    if (at == jobs_.end()) return true;
+    const bool under_way = awaits_ == Awaits::job && at == jobs_.begin();
+    const bool begun = under_way || at->done > 0;
+    if (under_way) awaits_ = Awaits::nobody;
+    jobs_.erase(at);
+    return begun;
+  }
+  /// The commands that are dropped.
+  Jobs drop_for_stop() {
+    if (awaits_ == Awaits::job && jobs_.front().purpose != Purpose::stop) awaits_ = Awaits::nobody;
+    Jobs dropped;
+    for (Job& job : jobs_) {
+      if (job.purpose == Purpose::command) dropped.push_back(std::move(job));
+    }
+    std::erase_if(jobs_, [](const Job& job) { return job.purpose != Purpose::stop; });
+    return dropped;
+  }
+  /// All of them; nothing is awaited any more.
+  Jobs clear() {
+    awaits_ = Awaits::nothing;
+    polled_last_ = false;
+    return std::exchange(jobs_, {});
+  }
+
+ private:
+  static auto is_command(Token token) {
+    return [token](const Job& job) { return job.purpose == Purpose::command && job.token == token; };
+  }
+  [[nodiscard]] typename Jobs::iterator waiting() { return jobs_.begin() + (awaits_ == Awaits::job ? 1 : 0); }
+
+  Jobs jobs_;
+  Awaits awaits_ = Awaits::nothing;
+  bool polled_last_ = false;
+};
+
+}  // namespace trb::drivers

@@ -1,0 +1,94 @@
+#include "common/drivers/request_queue.hpp"
+
+#include <doctest/doctest.h>
+
+using namespace trb;
+using namespace trb::drivers;
+
+namespace {
+
+using Queue = RequestQueue<int>;
+
+Queue::Job job(Token token, Purpose purpose = Purpose::command) {
+  return {purpose, token, false, {1, 2}, 0};
+}
+
+}  // namespace
+
+TEST_CASE("one thing is under way at a time; values and commands take turns") {
+  Queue queue;
+  CHECK(queue.next(false) == Awaits::nothing);
+  CHECK(queue.next(true) == Awaits::poll);
+  queue.add(job(1));
+  queue.sent(Awaits::poll);
+  CHECK(queue.next(true) == Awaits::nothing);
+  CHECK(queue.answered() == Awaits::poll);
+  CHECK(queue.next(true) == Awaits::job);
+  queue.sent(Awaits::job);
+  CHECK(queue.answered() == Awaits::job);
+  CHECK(queue.next(true) == Awaits::poll);
+  CHECK(queue.next(false) == Awaits::job);
+  queue.add_urgent(job(2, Purpose::stop));
+  CHECK(queue.next(true) == Awaits::job);
+  CHECK(queue.front().token == 2);
+}
+
+TEST_CASE("a stop goes behind what is under way, whose answer is nobody's; a second one joins it while it waits") {
+  Queue queue;
+  queue.add(job(1));
+  queue.add(job(2));
+  queue.sent(Awaits::job);
+  const auto dropped = queue.drop_for_stop();
+  REQUIRE(dropped.size() == 2);
+  CHECK(dropped[0].token == 1);
+  CHECK_FALSE(queue.join_stop(7));
+  queue.add_urgent(job(7, Purpose::stop));
+  CHECK(queue.join_stop(8));
+  CHECK(queue.answered() == Awaits::nobody);
+  CHECK(queue.front().token == 8);
+  queue.sent(Awaits::job);
+  CHECK_FALSE(queue.join_stop(9));  // it is under way: a new one goes behind it
+  CHECK(queue.drop_for_stop().empty());
+  queue.add_urgent(job(9, Purpose::stop));
+  CHECK(queue.answered() == Awaits::job);
+  CHECK(queue.pop().token == 8);
+  CHECK(queue.pop().token == 9);
+}
+
+TEST_CASE("halted is what was sent; what has not begun is only dropped; what nobody knows may move") {
+  Queue queue;
+  queue.add(job(1));
+  queue.add(job(2));
+  queue.sent(Awaits::job);
+  CHECK_FALSE(queue.halt(2));
+  CHECK(queue.halt(1));
+  CHECK(queue.awaits() == Awaits::nobody);
+  CHECK(queue.halt(1));
+  CHECK_FALSE(queue.runs(1));
+  queue.answered();
+  queue.add(job(3));
+  queue.front().done = 1;
+  CHECK(queue.halt(3));
+}
+
+TEST_CASE("nobody waits for it any more: dropped, unless something of it is on its way") {
+  Queue queue;
+  queue.add(job(1));
+  queue.add(job(2));
+  queue.sent(Awaits::job);
+  queue.forget(1);
+  queue.forget(2);
+  CHECK(queue.runs(1));
+  CHECK_FALSE(queue.runs(2));
+  queue.answered();
+  queue.front().done = 1;
+  queue.forget(1);
+  CHECK(queue.runs(1));
+  CHECK(queue.clear().size() == 1);
+}
+
+TEST_CASE("it is bounded") {
+  Queue queue;
+  while (!queue.full()) queue.add(job(1));
+  CHECK(queue.clear().size() == Queue::kMost);
+}
