@@ -5,7 +5,8 @@
 namespace trb::drivers {
 namespace {
 
-constexpr std::size_t kMaxJobs = 64;
+/// A stop whose connection is lost this often in turn is one that the robot does not take.
+constexpr std::size_t kStopsLost = 3;
 constexpr const char* kWouldNotStop = "stop refused";
 constexpr std::string_view kPosition = "position";
 
@@ -92,46 +93,32 @@ Result<Progress> HttpJsonDriver::hand_over(const Handover& message, Now now, con
     return fail(Errc::robot_offline, "the robot's controller does not answer",
                 "look at its power, network and address");
   }
-  if (jobs_.size() >= kMaxJobs) return fail(Errc::queue_full, "too many commands wait for the robot", "send fewer");
+  if (queue_.full()) return fail(Errc::queue_full, "too many commands wait for the robot", "send fewer");
   auto steps = fill(message.subtype, message.data);
   if (!steps) return steps.error();
   if (steps->empty()) return Progress::handed_over;
   out.out.count("to_robot." + std::string(message.subtype));
-  jobs_.push_back({Purpose::command, message.token, !message.skill.empty(), std::move(*steps), 0});
+  queue_.add({Purpose::command, message.token, !message.skill.empty(), std::move(*steps), 0});
   pump(now, out);
   return Progress::queued;
 }
 
 bool HttpJsonDriver::runs(Token token) const {
-  return std::ranges::any_of(jobs_,
-                             [&](const Job& job) { return job.purpose == Purpose::command && job.token == token; });
+  return queue_.runs(token);
 }
 
 void HttpJsonDriver::forget(Token token, Now, const DriverOut&) {
-  const auto waiting = jobs_.begin() + (awaits_ == Awaits::job ? 1 : 0);
-  const auto job = std::find_if(waiting, jobs_.end(), [&](const Job& one) {
-    return one.purpose == Purpose::command && one.token == token && one.done == 0;
-  });
-  if (job != jobs_.end()) jobs_.erase(job);
+  queue_.forget(token);
 }
 
 void HttpJsonDriver::halt(Token token, Now now, const DriverOut& out) {
-  const auto job = std::ranges::find_if(
-      jobs_, [&](const Job& one) { return one.purpose == Purpose::command && one.token == token; });
-  if (job != jobs_.end()) {
-    const bool under_way = awaits_ == Awaits::job && job == jobs_.begin();
-    const bool begun = under_way || job->done > 0;
-    if (under_way) awaits_ = Awaits::nobody;
-    jobs_.erase(job);
-    if (!begun) return;  // nothing of it was sent: there is no motion to end
-  }
-  if (!online()) return;
+  if (!queue_.halt(token) || !online()) return;
   auto steps = fill("stop", {});
   if (!steps || steps->empty()) {
     return out.refuse("no_stop", "commands.json has no \"stop\" for this robot: the motion goes on");
   }
   out.out.count("to_robot.stop");
-  push_urgent({Purpose::halt, 0, false, std::move(*steps), 0});
+  queue_.add_urgent({Purpose::halt, 0, false, std::move(*steps), 0});
   pump(now, out);
 }
 
@@ -142,35 +129,20 @@ Result<Token> HttpJsonDriver::stop(Now now, const DriverOut& out) {
   if (!steps || steps->empty()) return fail(Errc::unknown_subtype, "commands.json has no \"stop\" for this robot");
   told_to_stop_ = true;
   const Token ticket = ++last_ticket_;
-  const auto waits = std::ranges::find_if(jobs_, [&](const Job& job) {
-    return job.purpose == Purpose::stop && (awaits_ != Awaits::job || &job != &jobs_.front());
-  });
-  if (waits != jobs_.end()) {
-    waits->token = ticket;  // one that has not begun is the same stop
-    return ticket;
-  }
+  if (queue_.join_stop(ticket)) return ticket;
   out.out.count("to_robot.stop");
-  push_urgent({Purpose::stop, ticket, false, std::move(*steps), 0});
+  queue_.add_urgent({Purpose::stop, ticket, false, std::move(*steps), 0});
   pump(now, out);
   return ticket;
 }
 
-/// Everything but stops. What is under way is on its way; nobody hears its answer any more.
+/// What is under way is on its way; nobody hears its answer any more.
 void HttpJsonDriver::drop_for_stop(const DriverOut& out) {
-  if (awaits_ == Awaits::job && jobs_.front().purpose != Purpose::stop) awaits_ = Awaits::nobody;
-  for (const Job& job : jobs_) {
-    if (job.purpose != Purpose::command) continue;
+  for (const Job& job : queue_.drop_for_stop()) {
     const std::string answered = std::to_string(job.done) + " of its " + std::to_string(job.steps.size()) + " requests";
     out.emit(Refused{job.token, fail(Errc::fenced, "the robot was stopped when it had answered " + answered,
                                      "trb release " + own_id_)});
   }
-  std::erase_if(jobs_, [](const Job& job) { return job.purpose != Purpose::stop; });
-}
-
-void HttpJsonDriver::push_urgent(Job job) {
-  auto at = jobs_.begin() + (awaits_ == Awaits::job ? 1 : 0);
-  while (at != jobs_.end() && at->purpose == Purpose::stop) ++at;
-  jobs_.insert(at, std::move(job));
 }
 
 Result<Token> HttpJsonDriver::release(Now now, const DriverOut& out) {
@@ -183,35 +155,29 @@ Result<Token> HttpJsonDriver::release(Now now, const DriverOut& out) {
     return ticket;
   }
   out.out.count("to_robot.release");
-  push_urgent({Purpose::release, ticket, false, std::move(*steps), 0});
+  queue_.add_urgent({Purpose::release, ticket, false, std::move(*steps), 0});
   pump(now, out);
   return ticket;
 }
 
 void HttpJsonDriver::pump(Now now, const DriverOut& out) {
-  while (up_ && awaits_ == Awaits::nothing) {
-    const bool polls = now.mono >= poll_.due();
-    const bool urgent = !jobs_.empty() && jobs_.front().purpose != Purpose::command;
-    // Commands that never cease must not keep the values from being told, nor the other way round.
-    if (polls && (jobs_.empty() || (!urgent && !polled_last_))) {
-      polled_last_ = true;
-      if (const auto target = poll_.next(remembered_, now)) send({"GET", *target, ""}, Awaits::poll, now, out);
-    } else if (!jobs_.empty()) {
+  while (up_) {
+    const Awaits next = queue_.next(now.mono >= poll_.due());
+    if (next == Awaits::nothing) return;
+    if (next == Awaits::job) {
       begin_step(now, out);
-    } else {
-      return;
+    } else if (const auto target = poll_.next(remembered_, now)) {
+      send({"GET", *target, ""}, next, now, out);
     }
   }
 }
 
 void HttpJsonDriver::begin_step(Now now, const DriverOut& out) {
-  polled_last_ = false;
-  const Job& job = jobs_.front();
+  const Job& job = queue_.front();
   const Step& step = job.steps[job.done];
   const auto target = step.words.path.fill(remembered_);
   if (target) return send({step.words.method, *target, step.body}, Awaits::job, now, out);
-  const Job gone = std::move(jobs_.front());
-  jobs_.pop_front();
+  const Job gone = queue_.pop();
   on_refused(
       gone,
       fail(target.error().code, text_of(gone.steps[gone.done].words) + ": " + target.error().what, target.error().cure),
@@ -219,7 +185,7 @@ void HttpJsonDriver::begin_step(Now now, const DriverOut& out) {
 }
 
 void HttpJsonDriver::send(const HttpRequest& request, Awaits whose, Now now, const DriverOut& out) {
-  awaits_ = whose;
+  queue_.sent(whose);
   sent_at_ = now.mono;
   out.out.write(Channel::command, encode(request, host_, authorization_));
 }
@@ -227,8 +193,6 @@ void HttpJsonDriver::send(const HttpRequest& request, Awaits whose, Now now, con
 void HttpJsonDriver::on_up(Channel channel, Now now, const DriverOut& out) {
   if (channel != Channel::command) return;
   up_ = true;
-  polled_last_ = false;
-  awaits_ = Awaits::nothing;
   lost_at_.reset();
   reader_.clear();
   if (!heard_) poll_.restart(now);
@@ -247,7 +211,7 @@ void HttpJsonDriver::on_bytes(Channel channel, BytesView bytes, Now now, const D
 }
 
 void HttpJsonDriver::on_answer(const HttpAnswer& answer, Now now, const DriverOut& out) {
-  const Awaits whose = std::exchange(awaits_, Awaits::nothing);
+  const Awaits whose = queue_.answered();
   if (whose == Awaits::nothing) return out.refuse("bad_packet", "an answer that nobody has asked for");
   if (whose == Awaits::poll) on_poll(answer, now, out);
   if (whose == Awaits::job) on_step(answer, out);
@@ -269,12 +233,11 @@ void HttpJsonDriver::on_poll(const HttpAnswer& answer, Now now, const DriverOut&
 }
 
 void HttpJsonDriver::on_step(const HttpAnswer& answer, const DriverOut& out) {
-  Job& job = jobs_.front();
+  Job& job = queue_.front();
   const HttpWords& words = job.steps[job.done].words;
   const Status kept = answer.good() ? remember(words, answer) : Status(http_refusal(text_of(words), answer));
   if (kept && ++job.done < job.steps.size()) return;
-  const Job over = std::move(job);
-  jobs_.pop_front();
+  const Job over = queue_.pop();
   kept ? on_done(over, out) : on_refused(over, kept.error(), out);
 }
 
@@ -292,7 +255,11 @@ Status HttpJsonDriver::remember(const HttpWords& words, const HttpAnswer& answer
 }
 
 void HttpJsonDriver::on_done(const Job& job, const DriverOut& out) {
-  if (job.purpose == Purpose::stop) return out.emit(Stopped{job.token});
+  if (job.purpose == Purpose::stop) {
+    stops_lost_ = 0;
+    out.emit(Stopped{job.token});
+    return out.emit(FaultOver{kWouldNotStop});
+  }
   if (job.purpose == Purpose::release) return out.emit(Released{job.token});
   if (job.purpose == Purpose::halt) return;
   out.emit(HandedOver{job.token});
@@ -303,10 +270,12 @@ void HttpJsonDriver::on_refused(const Job& job, Error error, const DriverOut& ou
   if (job.done > 0) error.what += "; the " + std::to_string(job.done) + " requests before it were answered well";
   if (job.purpose == Purpose::command) return out.emit(Refused{job.token, std::move(error)});
   out.refuse("robot_error", error.text());
-  // Its asker is told at its deadline that nothing was confirmed; everybody else must know at once.
-  if (job.purpose != Purpose::release) {
-    out.emit(FaultSaid{"", Severity::critical, "the robot refused to stop: " + error.what, kWouldNotStop, false});
-  }
+  if (job.purpose != Purpose::release) say_would_not_stop(error, out);
+}
+
+/// Its asker is told at its deadline that nothing was confirmed; everybody else must know at once.
+void HttpJsonDriver::say_would_not_stop(const Error& error, const DriverOut& out) {
+  out.emit(FaultSaid{"", Severity::critical, "the robot refused to stop: " + error.what, kWouldNotStop, false});
 }
 
 void HttpJsonDriver::on_down(Channel channel, const std::string& reason, Now now, const DriverOut& out) {
@@ -317,21 +286,25 @@ void HttpJsonDriver::on_down(Channel channel, const std::string& reason, Now now
   up_ = false;
   if (!lost_at_) lost_at_ = now.mono;
   lost_why_ = reason;
-  if (std::exchange(awaits_, Awaits::nothing) != Awaits::job) return;
-  const Job job = std::move(jobs_.front());
-  jobs_.pop_front();
-  const std::string what = text_of(job.steps[job.done].words);
-  on_refused(job,
-             fail(Errc::robot_offline,
-                  "the connection was lost before the answer to " + what +
-                      ", and nobody knows whether it was taken: " + reason,
-                  "look at the robot before you send it again"),
-             out);
+  if (queue_.answered() == Awaits::job) on_lost_job(reason, out);
+}
+
+void HttpJsonDriver::on_lost_job(const std::string& reason, const DriverOut& out) {
+  const Job& job = queue_.front();
+  const Error lost = fail(Errc::robot_offline,
+                          "the connection was lost before the answer to " + text_of(job.steps[job.done].words) +
+                              ", and nobody knows whether it was taken: " + reason,
+                          "look at the robot before you send it again");
+  if (job.purpose == Purpose::command || job.purpose == Purpose::release) return on_refused(queue_.pop(), lost, out);
+  // A stop does no harm twice: it stays, and is the first thing that is sent on the next connection.
+  out.out.count("to_robot.stop_again");
+  if (++stops_lost_ == kStopsLost) say_would_not_stop(lost, out);
 }
 
 void HttpJsonDriver::go_offline(const std::string& reason, const DriverOut& out) {
   heard_ = false;
-  for (const Job& job : std::exchange(jobs_, {})) {
+  stops_lost_ = 0;
+  for (const Job& job : queue_.clear()) {
     if (job.purpose != Purpose::command) continue;
     out.emit(Refused{job.token, fail(Errc::robot_offline, "the robot does not answer any more: " + reason,
                                      "look at its power and network, then send it again")});
@@ -340,7 +313,7 @@ void HttpJsonDriver::go_offline(const std::string& reason, const DriverOut& out)
 }
 
 void HttpJsonDriver::tick(Now now, const DriverOut& out) {
-  if (awaits_ != Awaits::nothing && now.mono >= sent_at_ + timeout_) {
+  if (queue_.awaits() != Awaits::nothing && now.mono >= sent_at_ + timeout_) {
     const std::string reason = "no answer in time";
     out.out.close(Channel::command, reason);
     on_down(Channel::command, reason, now, out);
@@ -351,9 +324,9 @@ void HttpJsonDriver::tick(Now now, const DriverOut& out) {
 
 std::optional<MonotonicTime> HttpJsonDriver::next_deadline() const {
   std::optional<MonotonicTime> next;
-  if (awaits_ != Awaits::nothing) next = sent_at_ + timeout_;
+  if (queue_.awaits() != Awaits::nothing) next = sent_at_ + timeout_;
   if (heard_ && lost_at_) next = earlier(next, *lost_at_ + timeout_);
-  if (up_ && awaits_ == Awaits::nothing) next = earlier(next, poll_.due());
+  if (up_ && queue_.awaits() == Awaits::nothing) next = earlier(next, poll_.due());
   return next;
 }
 

@@ -2,7 +2,6 @@
 // is under way at a time, so that a stop waits for one answer at most.
 #pragma once
 
-#include <deque>
 #include <map>
 #include <string>
 #include <vector>
@@ -12,6 +11,7 @@
 #include "common/drivers/http-json/poll.hpp"
 #include "common/drivers/http-json/syntax.hpp"
 #include "common/drivers/http-json/wire.hpp"
+#include "common/drivers/request_queue.hpp"
 
 namespace trb::drivers {
 
@@ -21,7 +21,8 @@ namespace trb::drivers {
 /// another answer      | counted, ignored         | Refused, with its words    | why the value is not told
 /// no answer in time   | -                        | as the connection's end    | the connection is closed
 /// connection ends     | dialled again, and said  | Refused: nobody knows      | asked for again
-///                     | only if that takes long  | whether it was taken       |
+///                     | only if that takes long  | whether it was taken; a    |
+///                     |                          | stop is sent again         |
 /// stop                | at once                  | behind that one answer     | behind that one answer
 class HttpJsonDriver : public Driver {
  public:
@@ -55,16 +56,8 @@ class HttpJsonDriver : public Driver {
     HttpWords words;
     std::string body;  ///< filled
   };
-  enum class Purpose : std::uint8_t { command, halt, stop, release };
-  struct Job {
-    Purpose purpose{};
-    Token token = 0;  ///< the message's, or the ticket
-    bool skill = false;
-    std::vector<Step> steps;
-    std::size_t done = 0;  ///< steps that are answered
-  };
-  /// Whose answer is awaited. A job that was dropped meanwhile leaves `nobody`: its answer is heard and forgotten.
-  enum class Awaits : std::uint8_t { nothing, poll, job, nobody };
+  using Queue = RequestQueue<Step>;
+  using Job = Queue::Job;
 
   [[nodiscard]] std::string_view name_of_value(std::string_view name) const;
   Result<std::vector<Step>> fill(std::string_view subtype, BytesView data) const;
@@ -77,8 +70,8 @@ class HttpJsonDriver : public Driver {
   Status remember(const HttpWords& words, const HttpAnswer& answer);
   void on_done(const Job& job, const DriverOut& out);
   void on_refused(const Job& job, Error error, const DriverOut& out);
-  /// Behind the request under way and the stops that wait.
-  void push_urgent(Job job);
+  void on_lost_job(const std::string& reason, const DriverOut& out);
+  static void say_would_not_stop(const Error& error, const DriverOut& out);
   void drop_for_stop(const DriverOut& out);
   void go_offline(const std::string& reason, const DriverOut& out);
 
@@ -93,13 +86,12 @@ class HttpJsonDriver : public Driver {
   bool up_ = false;
   bool heard_ = false;
   bool told_to_stop_ = false;
-  bool polled_last_ = false;
-  Awaits awaits_ = Awaits::nothing;
   MonotonicTime sent_at_{};
   std::optional<MonotonicTime> lost_at_;  ///< the last connection's end, until there is another one
   std::string lost_why_;
   Token last_ticket_ = 0;
-  std::deque<Job> jobs_;  ///< the first one is under way if awaits_ is `job`
+  Queue queue_;
+  std::size_t stops_lost_ = 0;  ///< connections that ended before the answer to the stop which is under way
   Remembered remembered_;
   HttpReader reader_;
 };

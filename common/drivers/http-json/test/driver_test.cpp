@@ -202,6 +202,40 @@ TEST_CASE("http: a robot that refuses to stop is a critical fault") {
   CHECK(get<RobotFault>(faults.front().body).severity == Severity::critical);
 }
 
+TEST_CASE("http: a stop whose connection is lost is sent again, before all else, and is no refusal") {
+  MirBench bench;
+  bench.connect();
+  const auto stop = bench.deliver(MessageType::command, Stop{}, "operator");
+  CHECK(bench.asked() == R"(PUT /status {"state_id": 4})");
+  bench.down(Channel::command, "end of the stream");
+  bench.wait(0.6);
+  CHECK(bench.told<RobotFault>().empty());
+  bench.up(Channel::command);
+  CHECK(bench.asked() == R"(PUT /status {"state_id": 4})");
+  bench.answer_with(200, "{}");
+  CHECK(bench.answer(stop) == "ack stopped");
+  CHECK(bench.asked() == "GET /status");
+}
+
+TEST_CASE("http: a stop that three connections in turn do not answer is a critical fault, until one does") {
+  MirBench bench;
+  bench.connect();
+  bench.deliver(MessageType::command, Stop{}, "operator");
+  for (int i = 1; i <= 3; ++i) {
+    CHECK(bench.told<RobotFault>().empty());
+    CHECK(bench.asked() == R"(PUT /status {"state_id": 4})");
+    bench.down(Channel::command, "end of the stream");
+    bench.wait(0.1);
+    bench.up(Channel::command);
+  }
+  const auto faults = bench.told<RobotFault>();
+  REQUIRE_FALSE(faults.empty());
+  CHECK(get<RobotFault>(faults.front().body).severity == Severity::critical);
+  bench.serve();
+  bench.wait(0.1);
+  CHECK(get<RobotFault>(bench.told<RobotFault>().back().body).ended);
+}
+
 TEST_CASE("http: a robot that ends each connection is there all the same, and its answers may have no length") {
   MirBench bench;
   bench.up(Channel::command);
