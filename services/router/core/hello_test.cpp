@@ -1,7 +1,7 @@
 // Strangers at the inbox: candidates, Hellos that do not hold, link ids that are not theirs.
 #include <doctest/doctest.h>
 
-#include "services/router/core/test_fleet.hpp"
+#include "services/router/core/test_inbox.hpp"
 
 using namespace trb;
 using namespace trb::router;
@@ -13,31 +13,6 @@ namespace {
 Bytes key_number(int number) {
   return Bytes(31, 'k') + static_cast<char>(number);
 }
-
-struct Inbox {
-  TestFleet fleet;
-  TestNode& ant = fleet.start("ant", {.beacon = false});
-  TestKeys bee = fleet.keys("bee");
-
-  Hello hello(const TestKeys& keys) const {
-    return {keys.record, 3, "10.0.0.2:45000", "1", kStartUtc, true, {}, 0, "behind", false, ""};
-  }
-
-  void say(LinkId link, const Bytes& key, const Message& message, std::uint64_t sequence = 1) {
-    Effects effects;
-    ant.core->on_link_message(link, key, message, sequence, fleet.now, effects);
-    fleet.carry_out(ant, effects);
-  }
-  void say_hello(LinkId link, const TestKeys& keys, const std::string& source = "bee") {
-    say(link, keys.link.public_key, make_message(MessageType::information, source, "", hello(keys)));
-  }
-  bool admit(const Bytes& key) {
-    Effects effects;
-    const bool good = ant.core->admit(key, fleet.now.mono, effects);
-    fleet.carry_out(ant, effects);
-    return good;
-  }
-};
 
 }  // namespace
 
@@ -246,20 +221,6 @@ TEST_CASE("a member that was a stranger until its Hello is nobody that said noth
   CHECK(inbox.ant.count("refused.no_hello") == 0);
 }
 
-TEST_CASE("who is at the door is not dialled: its own dial has its time to say Hello") {
-  Inbox inbox;
-  TestNode& ant = inbox.ant;
-  inbox.say_hello(9, inbox.bee);
-  Effects effects;
-  ant.core->on_link_ended(9, LinkEnd::disconnected, inbox.fleet.now, effects);
-  inbox.fleet.carry_out(ant, effects);
-  CHECK(inbox.admit(inbox.bee.link.public_key));
-  inbox.fleet.run(milliseconds(1900));
-  CHECK(ant.dials.empty());
-  inbox.fleet.run(milliseconds(500));  // it said none
-  CHECK_FALSE(ant.dials.empty());
-}
-
 TEST_CASE("a stranger that was refused makes room for the next one at once") {
   Inbox inbox;
   const TestAuthority elsewhere;
@@ -324,66 +285,6 @@ TEST_CASE("services hear of a peer that was started again or had expired, not of
   fleet.run(Seconds(11));
   REQUIRE(ant.peer("bee")->expired);
   CHECK(come(4) == 3);
-}
-
-TEST_CASE("a beacon that was heard before a link stays a replay after it") {
-  Inbox inbox;
-  const Beacon body{inbox.bee.record, "10.0.0.2:45000", 3, kStartUtc, 1};
-  const Bytes beacon =
-      encode(sign(kSignedBeacon, "bee", inbox.fleet.authority.fleet.id(), encode(body), inbox.bee.identity));
-  Effects effects;
-  inbox.ant.core->on_beacon(beacon, inbox.fleet.now, effects);
-  inbox.say_hello(9, inbox.bee);  // of the same boot
-  REQUIRE(inbox.ant.link_to("bee") == 9);
-  inbox.ant.core->on_beacon(beacon, inbox.fleet.now, effects);
-  inbox.fleet.carry_out(inbox.ant, effects);
-  CHECK(inbox.ant.count("beacon.replayed") == 1);
-}
-
-TEST_CASE("a beacon that tells nothing new of a linked peer costs no signature, and changes nothing, signed or not") {
-  Inbox inbox;
-  inbox.say_hello(9, inbox.bee);
-  Effects effects;
-  const auto hear = [&](std::uint64_t boot, std::uint64_t count, bool is_signed) {
-    const Beacon body{inbox.bee.record, "10.0.0.2:45000", boot, kStartUtc, count};
-    SignedRecord record =
-        sign(kSignedBeacon, "bee", inbox.fleet.authority.fleet.id(), encode(body), inbox.bee.identity);
-    if (!is_signed) record.signature.bytes = Bytes(64, 's');
-    inbox.ant.core->on_beacon(encode(record), inbox.fleet.now, effects);
-    inbox.fleet.carry_out(inbox.ant, effects);
-    effects = {};
-    return inbox.ant.count("beacon.bad_signature");
-  };
-  CHECK(hear(3, 1, true) == 0);  // the first of this boot is checked
-  CHECK(hear(3, 900, false) == 0);
-  CHECK(inbox.ant.peer("bee")->beacon_count == 1);
-  CHECK(hear(4, 901, false) == 1);  // it would cut the link
-  inbox.fleet.now.mono = inbox.fleet.now.mono + Seconds(2);
-  CHECK(hear(3, 902, false) == 2);  // it would be a sign of life
-  CHECK(hear(3, 2, true) == 2);
-  CHECK(inbox.ant.peer("bee")->beacon_count == 2);
-  CHECK(inbox.ant.link_to("bee") == 9);
-}
-
-TEST_CASE("a linked peer that tells by a beacon of a new start, or of another place, is cut and dialled there") {
-  for (const bool again : {true, false}) {
-    CAPTURE(again);
-    Inbox inbox;
-    inbox.say_hello(9, inbox.bee);
-    const Beacon body{inbox.bee.record, again ? "10.0.0.2:45000" : "10.0.0.3:45000", again ? 4U : 3U, kStartUtc, 1};
-    Effects effects;
-    inbox.ant.core->on_beacon(
-        encode(sign(kSignedBeacon, "bee", inbox.fleet.authority.fleet.id(), encode(body), inbox.bee.identity)),
-        inbox.fleet.now, effects);
-    inbox.fleet.carry_out(inbox.ant, effects);
-    CHECK(inbox.ant.link_to("bee") == 0);
-    CHECK(inbox.ant.closed == std::vector<LinkId>{9});
-    CHECK(inbox.ant.log.back() ==
-          std::string("link_closed bee: ") + (again ? "its node was started again" : "its address has changed"));
-    inbox.fleet.run(kStep);
-    REQUIRE(inbox.ant.dials.size() == 1);
-    CHECK(inbox.ant.dials[0].address == body.address);
-  }
 }
 
 TEST_CASE("a link ends at the moment at which its peer's certificate does, and is counted so") {
@@ -454,90 +355,6 @@ TEST_CASE("a Hello of 4096 bytes goes with its profile and is taken; of one byte
   CHECK(said(maker + "m").second == 1);
 }
 
-TEST_CASE("another key under a name, the node's or its link's, is another computer: its beacons count anew") {
-  for (const bool identity : {true, false}) {
-    CAPTURE(identity);
-    Inbox inbox;
-    const auto beacon = [&](const TestKeys& keys, std::uint64_t count) {
-      const Beacon body{keys.record, "10.0.0.2:45000", 3, kStartUtc, count};
-      Effects effects;
-      inbox.ant.core->on_beacon(
-          encode(sign(kSignedBeacon, "bee", inbox.fleet.authority.fleet.id(), encode(body), keys.identity)),
-          inbox.fleet.now, effects);
-      inbox.fleet.carry_out(inbox.ant, effects);
-    };
-    beacon(inbox.bee, 9);
-    TestKeys fresh = inbox.fleet.authority.sign_node("bee", Role::robot, 2);
-    if (identity) {
-      fresh.link = inbox.bee.link;
-      fresh.certificate.link_key = inbox.bee.certificate.link_key;
-    } else {
-      fresh.identity = inbox.bee.identity;
-      fresh.certificate.identity_key = inbox.bee.certificate.identity_key;
-    }
-    fresh.record = sign(kSignedCertificate, "", inbox.fleet.authority.fleet.id(), encode(fresh.certificate),
-                        inbox.fleet.authority.key);
-    inbox.say_hello(9, fresh);
-    REQUIRE(inbox.ant.link_to("bee") == 9);
-    beacon(fresh, 1);
-    CHECK(inbox.ant.count("beacon.replayed") == 0);
-    CHECK(inbox.ant.link_to("bee") == 9);
-  }
-}
-
-namespace {
-
-/// Dials the bee, whose answer does not come.
-struct Dialler {
-  TestFleet fleet;
-  TestNode& node;
-  TestKeys bee = fleet.keys("bee");
-  explicit Dialler(const std::string& id) : node(fleet.start(id, {.beacon = false, .seeds = {"bee"}})) {
-    fleet.start("bee", {.beacon = false});
-    fleet.cut(id, "bee");
-    fleet.run(kStep);
-    REQUIRE(node.dials.size() == 1);
-  }
-  [[nodiscard]] LinkId dial() const { return node.dials[0].link; }
-  void greet(LinkId link, const std::string& address = "10.0.0.2:45000") {
-    const Hello hello{bee.record, 3, address, "1", kStartUtc, true, {}, 0, "behind", false, ""};
-    Effects effects;
-    node.core->on_link_message(link, bee.link.public_key, make_message(MessageType::information, "bee", node.id, hello),
-                               1, fleet.now, effects);
-    fleet.carry_out(node, effects);
-  }
-  /// A second word by this link.
-  void speak(LinkId link) {
-    Effects effects;
-    node.core->route_peer(link, header_of(make_message(MessageType::information, "bee", node.id, KeepAlive{}), 2),
-                          fleet.now, effects);
-    fleet.carry_out(node, effects);
-  }
-};
-
-}  // namespace
-
-TEST_CASE("a Hello that comes while its node is being dialled carries nothing until a second word comes by its link") {
-  Dialler one("ant");
-  one.greet(9);
-  REQUIRE(one.node.core->find_link(9) != nullptr);
-  CHECK(one.node.core->find_link(9)->up);
-  CHECK(one.node.link_to("bee") == 0);
-  one.speak(9);
-  CHECK(one.node.link_to("bee") == 9);
-}
-
-TEST_CASE("a dial that is answered after the better link is there is ended, and the better link stays") {
-  Dialler one("cat");
-  one.greet(9);
-  one.speak(9);
-  REQUIRE(one.node.link_to("bee") == 9);  // the smaller id's
-  one.greet(one.dial());
-  CHECK(one.node.link_to("bee") == 9);
-  CHECK(one.node.core->find_link(one.dial()) == nullptr);
-  CHECK(one.node.log.back() == "link_closed bee: a better link to bee is up");
-}
-
 TEST_CASE("where peers are is stored 5 s after one told a new address or was dialled, and for nothing else") {
   Inbox inbox;
   TestNode& ant = inbox.ant;
@@ -564,23 +381,4 @@ TEST_CASE("where peers are is stored 5 s after one told a new address or was dia
   CHECK(stores("10.0.0.2:45000", 9));
   CHECK_FALSE(stores("10.0.0.2:45000", 10));
   CHECK(stores("10.0.0.3:45000", 11));
-}
-
-TEST_CASE("the name of a host that was dialled is nobody's good address") {
-  TestFleet fleet;
-  RouterConfig config = fleet.start("ant", {.beacon = false}).core->config();
-  const TestKeys bee = fleet.keys("bee");
-  config.seeds.push_back({"hub.example:45000", bee.link.public_key});
-  RouterCore core(std::move(config));
-  Effects effects;
-  core.start(fleet.now, effects);
-  core.tick(fleet.now, effects);
-  const auto* dial = std::get_if<Dial>(&effects.list.back());
-  REQUIRE(dial != nullptr);
-  const LinkId link = dial->link;
-  const Hello hello{bee.record, 3, "", "1", kStartUtc, true, {}, 0, "behind", false, ""};
-  core.on_link_message(link, bee.link.public_key, make_message(MessageType::information, "bee", "ant", hello), 1,
-                       fleet.now, effects);
-  REQUIRE(core.peers().at("bee").link == link);
-  CHECK(core.peers().at("bee").good_address.empty());
 }
