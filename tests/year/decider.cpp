@@ -31,6 +31,12 @@ void Decider::keep(const Outbox& out) {
   }
   core_->fleet().written();
   if (out.journal.empty()) return;
+  forget_old();
+  most_alerts = std::max(most_alerts, alerts_.size());
+}
+
+void Decider::forget_old() {
+  if (alerts_.size() <= resilience::AlertBook::kMaxDone) return;
   std::multimap<std::int64_t, std::string> done;
   for (const auto& [id, alert] : alerts_) {
     if (!resilience::is_open(alert)) done.emplace(alert.time, id);
@@ -39,7 +45,6 @@ void Decider::keep(const Outbox& out) {
     alerts_.erase(done.begin()->second);
     done.erase(done.begin());
   }
-  most_alerts = std::max(most_alerts, alerts_.size());
 }
 
 void Decider::on(const Inbound& message, Now now, Outbox& out) {

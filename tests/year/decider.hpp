@@ -30,6 +30,7 @@ class Decider final : public scheduler::test::Guest {
 
  private:
   void keep(const Outbox& out);
+  void forget_old();
   Body ask(Body question);
 
   scheduler::test::Fleet& fleet_;

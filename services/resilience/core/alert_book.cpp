@@ -38,8 +38,19 @@ bool is_open(const Alert& alert) {
 }
 
 void AlertBook::put(Alert alert) {
-  const std::string id = alert.id;
-  alerts_[id] = std::move(alert);
+  drop(alert.id);
+  Alert& kept = alerts_[alert.id];
+  kept = std::move(alert);
+  if (is_open(kept)) open_.insert(std::upper_bound(open_.begin(), open_.end(), &kept, earlier_of), &kept);
+}
+
+void AlertBook::drop(const std::string& id) {
+  std::erase_if(open_, [&](const Alert* alert) { return alert->id == id; });
+  alerts_.erase(id);
+}
+
+void AlertBook::follow() {
+  std::erase_if(open_, [](const Alert* alert) { return !is_open(*alert); });
 }
 
 Alert* AlertBook::add(Alert alert) {
@@ -74,24 +85,15 @@ Result<Alert*> AlertBook::choose(const std::string& beginning) {
               "give more of the id");
 }
 
-bool AlertBook::has_room_for_lone() const {
-  std::size_t all = 0;
-  std::size_t lone = 0;
-  for (const auto& [id, alert] : alerts_) {
-    if (!is_open(alert)) continue;
-    ++all;
-    lone += alert.run.empty() ? 1 : 0;
-  }
-  return all < kMaxOpen && lone < kMaxLone;
+bool AlertBook::has_room_for_lone() {
+  follow();
+  const auto lone = std::ranges::count_if(open_, [](const Alert* alert) { return alert->run.empty(); });
+  return open_.size() < kMaxOpen && static_cast<std::size_t>(lone) < kMaxLone;
 }
 
 std::vector<Alert*> AlertBook::open() {
-  std::vector<Alert*> out;
-  for (auto& [id, alert] : alerts_) {
-    if (is_open(alert)) out.push_back(&alert);
-  }
-  std::sort(out.begin(), out.end(), earlier_of);
-  return out;
+  follow();
+  return open_;
 }
 
 AlertTable AlertBook::table(bool all) const {
@@ -110,11 +112,12 @@ AlertTable AlertBook::table(bool all) const {
 }
 
 void AlertBook::prune() {
+  follow();
+  if (alerts_.size() - open_.size() <= kMaxDone) return;
   std::vector<Alert*> done;
   for (auto& [id, alert] : alerts_) {
     if (!is_open(alert)) done.push_back(&alert);
   }
-  if (done.size() <= kMaxDone) return;
   std::sort(done.begin(), done.end(), earlier_of);
   std::vector<std::string> old;
   for (std::size_t i = 0; i + kMaxDone < done.size(); ++i) old.push_back(done[i]->id);

@@ -12,7 +12,7 @@
 
 namespace trb::resilience {
 
-/// OPEN, EXPIRED or RELEASING: something is still to be done.
+/// OPEN, EXPIRED or RELEASING: something is still to be done. What is DECIDED or CLOSED stays so.
 [[nodiscard]] bool is_open(const Alert& alert);
 
 class AlertBook {
@@ -26,12 +26,12 @@ class AlertBook {
   /// Makes its id. nullptr: kMaxOpen are open, or kMaxLone of its kind.
   Alert* add(Alert alert);
   /// It was never recorded.
-  void drop(const std::string& id) { alerts_.erase(id); }
+  void drop(const std::string& id);
   [[nodiscard]] Alert* find(std::string_view id);
   /// By a unique beginning of its id. Errors: unknown_target, bad_value (several).
   Result<Alert*> choose(const std::string& beginning);
   /// Another one without a run can be added.
-  [[nodiscard]] bool has_room_for_lone() const;
+  [[nodiscard]] bool has_room_for_lone();
   /// By time, then id.
   std::vector<Alert*> open();
   /// Newest first, kMaxTable at most: the open ones before those that are done. With fewer proposals each, if it would
@@ -42,7 +42,11 @@ class AlertBook {
  private:
   void put(Alert alert);
 
+  /// Those that are over by now leave open_.
+  void follow();
+
   std::map<std::string, Alert, std::less<>> alerts_;
+  std::vector<Alert*> open_;  ///< by time, then id: each view is compared with these, and not with all that is kept
   std::uint64_t count_ = 0;
 };
 

@@ -70,7 +70,12 @@ void ResilienceCore::try_policy(Alert& alert, Now now, Outbox& out) {
   const ReplacementPolicy& policy = settings_.resilience.policy;
   const bool binds = wants_robot(alert);
   if (!(binds ? !policy.asks_who_begins : policy.automatic) || !decides(alert)) return;
-  const std::string why = binds ? why_wait(alert, now) : why_ask(alert, now);
+  const auto why_not = [&] { return binds ? why_wait(alert, now) : why_ask(alert, now); };
+  std::string why = why_not();
+  if (why.empty() && works_[alert.id].heard_at) {
+    follow_answers(alert, now, out);
+    why = why_not();
+  }
   const bool passes = binds || why == kGathers || why == awaits(works_[alert.id], kAnswers, now);
   const std::string asks = passes ? "automatic, waits: " : "automatic, but asks: ";
   alert.policy = why.empty() ? "automatic" : cut_utf8(asks + why, 255);

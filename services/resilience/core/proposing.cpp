@@ -82,6 +82,7 @@ void ResilienceCore::look_at_open(Alert& alert, Now now, Outbox& out) {
     ask_values(alert, now, out);
     if (!(alert.proposals == before.proposals && alert.unfit == before.unfit)) out.record(alert);
   }
+  if (work.heard_at && now.mono - *work.heard_at >= kCrowd) follow_answers(alert, now, out);
   if (alert.state == AlertState::open && alert.expires <= now.utc.ns) {
     alert.state = AlertState::expired;
     out.record(alert);
@@ -119,7 +120,7 @@ void ResilienceCore::ask_values(const Alert& alert, Now now, Outbox& out) {
 
 void ResilienceCore::answered(const std::string& robot, const std::string& value) {
   for (auto& [alert, work] : works_) {
-    if (work.awaited.erase({robot, value}) != 0) stirred_ = true;
+    if (work.awaited.erase({robot, value}) != 0 && work.awaited.empty()) stirred_ = true;
   }
 }
 
@@ -140,7 +141,7 @@ void ResilienceCore::hear(const Opaque& value, const std::string& robot, Now now
                        return one.from == CriterionSource::robot && one.value == value.subtype;
                      });
   if (!asked || !fleet_.on_value(robot, value.subtype, value.data, now.utc)) return out.count("dropped.value");
-  follow_answers(now, out);
+  note_answer(now, out);
 }
 
 void ResilienceCore::hear(const SensorReading& reading, const std::string& robot, Now now, Outbox& out) {
@@ -155,20 +156,28 @@ void ResilienceCore::hear(const SensorReading& reading, const std::string& robot
     taken = fleet_.on_value(robot, name, dump_json(Value{reading.number}), now.utc) || taken;
   }
   if (!taken) return out.count("dropped.value");
-  follow_answers(now, out);
+  note_answer(now, out);
 }
 
-/// Nobody has seen the proposals for long: they follow what is heard.
-void ResilienceCore::follow_answers(Now now, Outbox& out) {
+/// Nobody has seen the proposals for long: they follow what is heard. Answers come in a crowd, one a robot and value:
+/// they are followed when the last has come, or at the latest after kCrowd.
+void ResilienceCore::note_answer(Now now, Outbox& out) {
   for (Alert* alert : book_.open()) {
-    const WatchedRun* run = watcher_.find(alert->run);
-    const Work& work = works_[alert->id];
+    Work& work = works_[alert->id];
     const bool waits = work.asked_at && now.mono - *work.asked_at <= kAnswers;
-    if (!waits || alert->verdict != Verdict::none || run == nullptr || !run->is_known()) continue;
-    const std::vector<Proposal> before = alert->proposals;
-    propose(*alert, *run, now);
-    if (alert->proposals != before) out.record(*alert);
+    if (!waits || alert->verdict != Verdict::none) continue;
+    if (!work.heard_at) work.heard_at = now.mono;
+    if (work.awaited.empty()) follow_answers(*alert, now, out);
   }
+}
+
+void ResilienceCore::follow_answers(Alert& alert, Now now, Outbox& out) {
+  works_[alert.id].heard_at.reset();
+  const WatchedRun* run = watcher_.find(alert.run);
+  if (run == nullptr || !run->is_known()) return;
+  const std::vector<Proposal> before = alert.proposals;
+  propose(alert, *run, now);
+  if (alert.proposals != before) out.record(alert);
 }
 
 bool ResilienceCore::is_out_of_bounds(const WatchedRun& run, std::size_t task, const RobotRecord& robot) const {
@@ -196,6 +205,7 @@ bool ResilienceCore::is_stale(const Alert& alert) const {
 
 void ResilienceCore::propose(Alert& alert, const WatchedRun& run, Now now) {
   works_[alert.id].ranked_at = now.mono;
+  works_[alert.id].heard_at.reset();
   alert.expires = (now.utc + settings_.resilience.expires).ns;
   alert.proposals.clear();
   alert.unfit.clear();

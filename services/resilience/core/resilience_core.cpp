@@ -244,6 +244,8 @@ void ResilienceCore::settle(Now now, Outbox& out) {
   const bool open = !book_.open().empty();
   look_at_ = open && looked_at_ ? std::optional(*looked_at_ + kLook) : std::nullopt;
   for (const auto& [id, work] : works_) {
+    const auto follow_at = work.heard_at ? std::optional(*work.heard_at + kCrowd) : std::nullopt;
+    if (follow_at && *follow_at > now.mono) look_at_ = earlier(look_at_, follow_at);
     for (const Backoff* backoff : {&work.release, &work.sign, &work.hand, &work.mend}) {
       if (backoff->next() && *backoff->next() > now.mono) look_at_ = earlier(look_at_, backoff->next());
     }

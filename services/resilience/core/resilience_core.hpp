@@ -53,12 +53,16 @@ class ResilienceCore final : public Core {
   Fleet& fleet() { return fleet_; }
 
  private:
+  /// Answers of robots come in a crowd: so long after the first, proposals follow those that are there.
+  static constexpr Duration kCrowd = std::chrono::milliseconds(100);
+
   /// What is under way of an alert; lost at a restart but for `record`.
   struct Work {
     std::optional<MonotonicTime> grown_at;  ///< the alert's tasks, or itself
     std::optional<MonotonicTime> ranked_at;
     std::optional<MonotonicTime> asked_at;                  ///< the candidates, for their values
     std::set<std::pair<std::string, std::string>> awaited;  ///< robot, value
+    std::optional<MonotonicTime> heard_at;                  ///< the first answer that the proposals do not follow yet
     std::optional<MonotonicTime> releasing_since;
     std::vector<std::string> bounded;  ///< who would be proposed but for a bound
     Backoff release;
@@ -118,7 +122,8 @@ class ResilienceCore final : public Core {
   void ask_values(const Alert& alert, Now now, Outbox& out);
   void hear(const Opaque& value, const std::string& robot, Now now, Outbox& out);
   void hear(const SensorReading& reading, const std::string& robot, Now now, Outbox& out);
-  void follow_answers(Now now, Outbox& out);
+  void note_answer(Now now, Outbox& out);
+  void follow_answers(Alert& alert, Now now, Outbox& out);
   [[nodiscard]] bool is_out_of_bounds(const WatchedRun& run, std::size_t task, const RobotRecord& robot) const;
   void refused_reading(const std::string& robot);
   void answered(const std::string& robot, const std::string& value);
