@@ -21,17 +21,19 @@ void Decider::start() {
 
 /// As the database does: the newest word of each alert, 200 that are over, a decision until it is delivered.
 void Decider::keep(const Outbox& out) {
+  bool is_one_over = false;
   for (const Journal& one : out.journal) {
     if (const auto* alert = get_if<Alert>(&one.record)) {
       alerts_[alert->id] = *alert;
-      if (!resilience::is_open(*alert)) decisions_.erase(alert->id);
+      if (resilience::is_open(*alert)) continue;
+      decisions_.erase(alert->id);
+      is_one_over = true;
     } else if (const auto* decision = get_if<RunDecision>(&one.record)) {
       decisions_[decode<Decision>(decision->decision.payload.bytes)->alert] = {decision->decision, false};
     }
   }
   core_->fleet().written();
-  if (out.journal.empty()) return;
-  forget_old();
+  if (is_one_over) forget_old();
   most_alerts = std::max(most_alerts, alerts_.size());
 }
 

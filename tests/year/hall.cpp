@@ -48,6 +48,7 @@ Hall::Hall(std::uint64_t seed) : dice_(seed), fleet_(seed), decider_(fleet_, pol
     node.adapter.world = [this, id](const Execute& execute) { return work(id, execute); };
   }
   fleet_.weather = {5, 5, 1, seconds(0.05)};
+  fleet_.coded_every = 16;  // 1.4 million a day: the codecs have tests of their own
   fleet_.attach("cloud", decider_);
   decider_.start();
 }

@@ -124,7 +124,7 @@ bool Fleet::commit(Node& node, const Outbox& out) {
   for (const std::string& name : out.counts) ++counted[name];
   if (out.journal.empty()) return true;
   for (const Journal& record : out.journal) {
-    node.journal.commit(*decode_body(subtype_of(record.record), encode_body(record.record)), *node.archive);
+    node.journal.commit(carried_over(record.record), *node.archive);
   }
   return ++node.commits != node.crash_at;
 }
@@ -139,10 +139,16 @@ void Fleet::carry_out(Node& node, const Outbox& out) {
   post({node.id, false, true, false, {}}, seconds(0.3));
 }
 
+Body Fleet::carried_over(const Body& body) {
+  if (++bodies_ % coded_every != 0) return body;
+  auto coded = decode_body(subtype_of(body), encode_body(body));
+  REQUIRE_MESSAGE(coded.ok(), (coded ? "" : coded.error().text()));
+  return std::move(*coded);
+}
+
 void Fleet::send(Node& node, const Send& send) {
-  auto body = decode_body(subtype_of(send.body), encode_body(send.body));
-  REQUIRE_MESSAGE(body.ok(), (body ? "" : body.error().text()));
-  Inbound message{send.type, node.id, send.target, ++count_, send.reply_to, send.flags, send.remaining_ms, *body};
+  Inbound message{send.type,     node.id,    send.target,       ++count_,
+                  send.reply_to, send.flags, send.remaining_ms, carried_over(send.body)};
   if (send.reply_to != 0 && asked_.contains(send.reply_to)) {
     answers.push_back(message.body);
   } else if (send.target == node.id && guests_asked_.contains(send.reply_to)) {
@@ -315,9 +321,8 @@ void Fleet::answer_guest(Node& node, const Inbound& asked, Duration delay, const
 }
 
 void Fleet::send_of_guest(Node& node, const Send& send) {
-  auto body = decode_body(subtype_of(send.body), encode_body(send.body));
-  REQUIRE_MESSAGE(body.ok(), (body ? "" : body.error().text()));
-  Inbound message{send.type, node.id, send.target, ++count_, send.reply_to, send.flags, send.remaining_ms, *body};
+  Inbound message{send.type,     node.id,    send.target,       ++count_,
+                  send.reply_to, send.flags, send.remaining_ms, carried_over(send.body)};
   if (send.reply_to != 0 && asked_.contains(send.reply_to)) return answers.push_back(message.body);
   constexpr std::size_t kRemembered = 10'000;
   guests_asked_.insert(message.id);

@@ -97,6 +97,7 @@ class Fleet {
 
   Weather weather;
   std::size_t page = 1024;  ///< rows of a router's table in a message
+  std::uint64_t coded_every = 1;  ///< every so many bodies one goes through its bytes; the others are copied
   std::vector<Body> answers;
   std::map<std::string, int> carried;  ///< messages between nodes, by subtype
   std::map<std::string, int> counted;
@@ -116,6 +117,8 @@ class Fleet {
   void post(Event event, Duration delay);
   void carry_out(Node& node, const Outbox& out);
   bool commit(Node& node, const Outbox& out);
+  /// A body as it arrives, or comes back from a journal.
+  Body carried_over(const Body& body);
   void send(Node& node, const Send& send);
   void send_local(Node& node, const Inbound& message);
   void send_away(Node& node, const Inbound& message);
@@ -143,6 +146,7 @@ class Fleet {
   MonotonicTime now_{1'000'000'000};
   std::uint64_t random_state_;
   std::uint64_t count_ = 0;
+  std::uint64_t bodies_ = 0;
 };
 
 /// The paper's scenario of section 6.1 after its re-assignment: nine tasks, a fork and a join for five robots.
