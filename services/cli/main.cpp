@@ -10,12 +10,10 @@ namespace {
 
 std::vector<Command> all_commands() {
   std::vector<Command> out;
-  for (auto group :
-       {node_commands, message_commands, list_commands, fault_commands, history_commands, robot_use_commands,
-        run_commands, scenario_commands, fleet_commands, fleet_news_commands, doctor_commands, proof_commands,
-        rank_commands, robot_check_commands, robot_conform_commands, sensor_commands, alert_commands}) {
-    for (Command& command : group()) out.push_back(std::move(command));
-  }
+#define TRB_ADD_GROUP(Name) \
+  for (Command & command : Name##_commands()) out.push_back(std::move(command));
+  TRB_COMMAND_GROUPS(TRB_ADD_GROUP)
+#undef TRB_ADD_GROUP
   return out;
 }
 

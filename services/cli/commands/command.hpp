@@ -14,24 +14,29 @@ struct Command {
   int (*run)(const Arguments&) = nullptr;
 };
 
-// The commands, a file each group.
-std::vector<Command> node_commands();
-std::vector<Command> message_commands();
-std::vector<Command> list_commands();
-std::vector<Command> fault_commands();
-std::vector<Command> history_commands();
-std::vector<Command> robot_use_commands();
-std::vector<Command> run_commands();
-std::vector<Command> scenario_commands();
-std::vector<Command> fleet_commands();
-std::vector<Command> doctor_commands();
-std::vector<Command> fleet_news_commands();
-std::vector<Command> proof_commands();
-std::vector<Command> rank_commands();
-std::vector<Command> robot_check_commands();
-std::vector<Command> robot_conform_commands();
-std::vector<Command> sensor_commands();
-std::vector<Command> alert_commands();
+// A line a group, in the order of `trb help`; a group is a file here, which defines GROUP_commands().
+#define TRB_COMMAND_GROUPS(GROUP) \
+  GROUP(node)                     \
+  GROUP(message)                  \
+  GROUP(list)                     \
+  GROUP(fault)                    \
+  GROUP(history)                  \
+  GROUP(robot_use)                \
+  GROUP(run)                      \
+  GROUP(scenario)                 \
+  GROUP(fleet)                    \
+  GROUP(fleet_news)               \
+  GROUP(doctor)                   \
+  GROUP(proof)                    \
+  GROUP(rank)                     \
+  GROUP(robot_check)              \
+  GROUP(robot_conform)            \
+  GROUP(sensor)                   \
+  GROUP(alert)
+
+#define TRB_DECLARE_GROUP(Name) std::vector<Command> Name##_commands();
+TRB_COMMAND_GROUPS(TRB_DECLARE_GROUP)
+#undef TRB_DECLARE_GROUP
 
 /// `trb help TOPIC`; the empty topic lists them. Empty if there is no such topic.
 std::string topic_text(const std::string& topic);
