@@ -139,9 +139,9 @@ class Relays(unittest.TestCase):
             self.hand(belt, self.signed("crane", count=501, own_boot=2))
             self.assert_refused("replayed")
 
-    # Two tests: a link on which nobody tells what it has heard ends after a lease, and each refusal takes a while.
+    # Four tests: a link on which nobody tells what it has heard ends after a lease, and each refusal takes a while.
 
-    def test_what_a_relay_may_not_hand_over(self):
+    def test_what_a_relay_may_not_hand_over_for_its_signature(self):
         belt = self.relay_to_crane()
         with self.subTest("tampered with: one byte of the payload, or of the signature"):
             for part in (2, 3):
@@ -154,6 +154,9 @@ class Relays(unittest.TestCase):
             forged[1] = "crane"
             self.hand(belt, forged)
             self.assert_refused("bad_signature")
+
+    def test_what_a_relay_may_not_hand_over_for_what_it_says(self):
+        belt = self.relay_to_crane()
         with self.subTest("another source inside"):
             self.hand(belt, self.signed("crane", source="arm"))
             self.assert_refused("source_mismatch")
@@ -166,6 +169,9 @@ class Relays(unittest.TestCase):
         with self.subTest("too late"):
             self.hand(belt, self.signed("crane", ends=-SECOND))
             self.assert_refused("late")
+
+    def test_what_a_relay_may_not_hand_over_for_whom_it_is(self):
+        belt = self.relay_to_crane()
         with self.subTest("no frame"):
             self.hand(belt, self.signed("crane", frame=b"nothing"))
             self.assert_refused("malformed")
