@@ -10,16 +10,16 @@ namespace trb {
 
 /// The terms of Equation 12. `upkeep` is what the paper does not count: keep-alives, lists, signatures, proofs of
 /// delivery.
-enum class Phase : unsigned char { boot = 0, identification, devices, task, forward, sensor, fail, upkeep };
-constexpr auto enum_names(Phase) {
+enum class CostPhase : unsigned char { boot = 0, identification, devices, task, forward, sensor, fail, upkeep };
+constexpr auto enum_names(CostPhase) {
   return std::array<std::string_view, 8>{"boot",    "identification", "devices", "task",
                                          "forward", "sensor",         "fail",    "upkeep"};
 }
 
-/// True if the subtype has a row of its own in the table: every typed subtype that is sent has one.
+/// True for every typed subtype that is sent (Travel::phase).
 bool has_phase(std::string_view subtype);
 
 /// The phase of a message by its subtype; a word of the user's own counts as `task`.
-Phase phase_of(std::string_view subtype);
+CostPhase phase_of(std::string_view subtype);
 
 }  // namespace trb

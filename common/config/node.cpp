@@ -8,7 +8,7 @@
 #include "common/config/readers.hpp"
 #include "common/fleet/description_parts.hpp"
 #include "common/fleet/did_you_mean.hpp"
-#include "common/security/rights.hpp"
+#include "common/security/services.hpp"
 
 namespace trb {
 namespace {
@@ -19,11 +19,6 @@ constexpr std::size_t kMaxServices = 16;
 constexpr std::size_t kMaxPath = 4096;
 constexpr std::size_t kKeySize = 32;
 constexpr std::int64_t kMinProofLogMb = 8;
-const std::vector<std::string> kRobotServices = {"router", "mode-adapter", "scheduler"};
-const std::vector<std::string> kRobotChoice = {"router",     "mode-adapter", "scheduler",
-                                               "ros-bridge", "sensor-bus",   "resilience"};
-const std::vector<std::string> kCloudServices = {"router", "scheduler"};
-const std::vector<std::string> kCloudChoice = {"router", "scheduler", "sensor-bus", "resilience"};
 
 bool is_address(std::string_view address) {
   const std::size_t colon = address.rfind(':');
@@ -111,12 +106,11 @@ void check_service(const std::string& name, const std::vector<std::string>& know
 }
 
 void read_services(ObjectReader& reader, NodeConfig& config) {
-  const bool cloud = config.role == Role::cloud;
   if (reader.value("services", Need::optional) == nullptr) {
-    config.services = cloud ? kCloudServices : kRobotServices;
+    config.services = default_services_of(config.role);
     return;
   }
-  const auto& known = cloud ? kCloudChoice : kRobotChoice;
+  const std::vector<std::string> known = services_of(config.role);
   config.services = reader.texts("services", Need::required, kMaxServices);
   for (const std::string& name : config.services) check_service(name, known, config.role, reader.faults());
   if (config.has_service("router")) return;

@@ -3,26 +3,11 @@
 
 #include "common/base/files.hpp"
 #include "common/security/rights.hpp"
+#include "common/security/services.hpp"
 #include "proto/body.hpp"
 #include "tests/support/paths.hpp"
 
 using namespace trb;
-
-TEST_CASE("every typed subtype has its row, and no row is for a word that is none") {
-  std::size_t typed = 0;
-#define TRB_CHECK_ROW(Name)                       \
-  {                                               \
-    INFO(Name::kSubtype);                         \
-    CHECK(find_right(Name::kSubtype) != nullptr); \
-    ++typed;                                      \
-  }
-  TRB_BODIES(TRB_CHECK_ROW)
-#undef TRB_CHECK_ROW
-  CHECK(typed > 60);
-  for (const std::string_view word : {"", "a", "abort", "move", "zzz"}) CHECK(find_right(word) == nullptr);
-  CHECK(find_right("stop")->road == Road::fleet);
-  CHECK(find_right("execute")->road == Road::bus);
-}
 
 TEST_CASE("over a link goes what the table names for the role, and a user's own words") {
   for (const Role role : {Role::robot, Role::cloud}) {

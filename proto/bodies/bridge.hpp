@@ -3,6 +3,7 @@
 #pragma once
 
 #include "proto/field.hpp"
+#include "proto/travel.hpp"
 
 namespace trb {
 
@@ -17,9 +18,10 @@ constexpr auto enum_names(BridgeAction) {
 }
 
 /// Mode-adapter -> bridge (command). Its end is a BridgeEvent with the same token; a watch ends with the bridge or with
-/// `unwatch`.
+/// `unwatch`. What goes to the robot is counted by the mode-adapter, so all three are upkeep here.
 struct BridgeCommand {
   static constexpr std::string_view kSubtype = "bridge_command";
+  static constexpr Travel kTravel = on_bus(CostPhase::upkeep, {"mode-adapter"});
   std::uint64_t instance = 0;  ///< of the mode-adapter: another one's commands and watches are over with its first
   std::uint64_t token = 0;
   BridgeAction action{};
@@ -44,6 +46,7 @@ constexpr auto enum_names(BridgeResult) {
 /// Bridge -> mode-adapter (information).
 struct BridgeEvent {
   static constexpr std::string_view kSubtype = "bridge_event";
+  static constexpr Travel kTravel = on_bus(CostPhase::upkeep, {"ros-bridge"});
   std::uint64_t instance = 0;  ///< as in the command
   std::uint64_t token = 0;
   BridgeResult result{};
@@ -62,6 +65,7 @@ struct BridgeEvent {
 /// Bridge -> mode-adapter (information), at each change and every second.
 struct BridgeState {
   static constexpr std::string_view kSubtype = "bridge_state";
+  static constexpr Travel kTravel = on_bus(CostPhase::upkeep, {"ros-bridge"});
   std::uint64_t connection = 0;  ///< another number: what was under way or watched before is forgotten
   bool up = false;
   std::string detail;  ///< why not

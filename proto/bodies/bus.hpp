@@ -2,12 +2,14 @@
 #pragma once
 
 #include "proto/field.hpp"
+#include "proto/travel.hpp"
 
 namespace trb {
 
 /// A service's first message: what it takes. Answered by ServiceWelcome or a Nack (already_claimed).
 struct ServiceHello {
   static constexpr std::string_view kSubtype = "service_hello";
+  static constexpr Travel kTravel = on_bus(CostPhase::boot, {kAnyService});
   std::string service;
   std::vector<std::string> subtypes;
   std::uint64_t instance = 0;  ///< random, new at each start of the process
@@ -24,6 +26,7 @@ struct ServiceHello {
 
 struct ServiceWelcome {
   static constexpr std::string_view kSubtype = "service_welcome";
+  static constexpr Travel kTravel = on_bus(CostPhase::boot);
   std::string node;
   std::string role;
   std::uint16_t slot = 0;  ///< the upper 16 bits of every message id that this connection makes
@@ -39,6 +42,7 @@ struct ServiceWelcome {
 /// Sent by a service once a second; the answer shows the service that its router still knows it.
 struct ServiceAlive {
   static constexpr std::string_view kSubtype = "service_alive";
+  static constexpr Travel kTravel = on_bus(CostPhase::upkeep, {kAnyService});
   std::uint64_t instance = 0;
   template <class T = ServiceAlive>
   static FieldTable fields() {
@@ -48,6 +52,7 @@ struct ServiceAlive {
 
 struct ServiceAliveSeen {
   static constexpr std::string_view kSubtype = "service_alive_seen";
+  static constexpr Travel kTravel = on_bus(CostPhase::upkeep);
   std::uint64_t router_instance = 0;
   template <class T = ServiceAliveSeen>
   static FieldTable fields() {
@@ -58,6 +63,7 @@ struct ServiceAliveSeen {
 /// The router does not know this connection (it was restarted): say ServiceHello again.
 struct HelloWanted {
   static constexpr std::string_view kSubtype = "hello_wanted";
+  static constexpr Travel kTravel = on_bus(CostPhase::upkeep);
   template <class = void>
   static FieldTable fields() {
     return FieldTable{};
@@ -67,6 +73,7 @@ struct HelloWanted {
 /// The negative answer to any command or request, and to information that could not be delivered. Never Nacked itself.
 struct Nack {
   static constexpr std::string_view kSubtype = "nack";
+  static constexpr Travel kTravel = between_nodes(CostPhase::upkeep);
   std::string code;     ///< an errc_name()
   std::string subtype;  ///< of the message that failed
   std::string target;   ///< of the message that failed
@@ -74,7 +81,7 @@ struct Nack {
   std::string cure;
   template <class T = Nack>
   static FieldTable fields() {
-    return FieldTable{field("code", &T::code, 64), field("subtype", &T::subtype, 64), field("target", &T::target, 64),
+    return FieldTable{field("code", &T::code, 64),   field("subtype", &T::subtype, 64), field("target", &T::target, 64),
                       field("what", &T::what, 1024), field("cure", &T::cure, 1024)};
   }
 };
@@ -82,6 +89,7 @@ struct Nack {
 /// The positive answer to a command.
 struct Ack {
   static constexpr std::string_view kSubtype = "ack";
+  static constexpr Travel kTravel = between_nodes(CostPhase::upkeep);
   std::string state;  ///< how far it has come: "handed_over", "started", "stopped", "released", "accepted"
   std::string text;
   template <class T = Ack>
@@ -93,6 +101,7 @@ struct Ack {
 /// Asks the router to sign a record of its kind; only the one service that may make that kind is served.
 struct SignRequest {
   static constexpr std::string_view kSubtype = "sign_request";
+  static constexpr Travel kTravel = on_bus(CostPhase::upkeep, {kAnyService});
   std::string kind;  ///< a kSigned… purpose, proto/bodies/signed.hpp
   Blob payload;
   template <class T = SignRequest>
@@ -104,6 +113,7 @@ struct SignRequest {
 /// Asks a router for its table, which comes in pages: common/actor/route_pages.hpp.
 struct RouteListRequest {
   static constexpr std::string_view kSubtype = "route_list";
+  static constexpr Travel kTravel = between_nodes(CostPhase::upkeep);
   std::string after{};  ///< the last row's id of the page before; empty: the first page
   template <class T = RouteListRequest>
   static FieldTable fields() {
@@ -113,6 +123,7 @@ struct RouteListRequest {
 
 struct ServiceListRequest {
   static constexpr std::string_view kSubtype = "service_list";
+  static constexpr Travel kTravel = between_nodes(CostPhase::upkeep);
   template <class = void>
   static FieldTable fields() {
     return FieldTable{};
@@ -140,6 +151,7 @@ struct ServiceEntry {
 
 struct ServiceTable {
   static constexpr std::string_view kSubtype = "service_table";
+  static constexpr Travel kTravel = between_nodes(CostPhase::upkeep);
   std::string node;
   std::vector<ServiceEntry> services;
   template <class T = ServiceTable>
@@ -151,6 +163,7 @@ struct ServiceTable {
 /// Asks a router for its counters ("sent.SUBTYPE", "refused.REASON" …).
 struct RouterCountersRequest {
   static constexpr std::string_view kSubtype = "router_counters";
+  static constexpr Travel kTravel = between_nodes(CostPhase::upkeep);
   template <class = void>
   static FieldTable fields() {
     return FieldTable{};
@@ -159,6 +172,7 @@ struct RouterCountersRequest {
 
 struct AdapterCountersRequest {
   static constexpr std::string_view kSubtype = "adapter_counters";
+  static constexpr Travel kTravel = between_nodes(CostPhase::upkeep);
   template <class = void>
   static FieldTable fields() {
     return FieldTable{};
@@ -176,6 +190,7 @@ struct Counter {
 
 struct Counters {
   static constexpr std::string_view kSubtype = "counters";
+  static constexpr Travel kTravel = between_nodes(CostPhase::upkeep);
   std::string node;
   std::string service;
   std::vector<Counter> values;

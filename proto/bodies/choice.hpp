@@ -3,6 +3,7 @@
 
 #include "proto/bodies/sensor.hpp"
 #include "proto/field.hpp"
+#include "proto/travel.hpp"
 
 namespace trb {
 
@@ -48,6 +49,7 @@ struct ChosenTask {
 /// the tasks' lowest-numbered predecessor, or a task's own if it has none. Everybody else goes by it.
 struct Choice {
   static constexpr std::string_view kSubtype = "choice";
+  static constexpr Travel kTravel = in_record();
   std::string run;
   Blob digest;
   std::uint32_t epoch = 1;

@@ -3,6 +3,7 @@
 
 #include "proto/bodies/signed.hpp"
 #include "proto/field.hpp"
+#include "proto/travel.hpp"
 
 namespace trb {
 
@@ -50,6 +51,7 @@ struct TaskRuling {
 /// it does not name stays as it was.
 struct Decision {
   static constexpr std::string_view kSubtype = "decision";
+  static constexpr Travel kTravel = in_record();
   std::string run;
   Blob digest;
   std::uint32_t epoch = 2;
@@ -76,6 +78,7 @@ struct Decision {
 /// and from there to a member, resent until DecisionJournaled.
 struct RunDecision {
   static constexpr std::string_view kSubtype = "run_decision";
+  static constexpr Travel kTravel = from_cloud(CostPhase::fail, {"resilience", "scheduler"});
   SignedRecord decision;
   template <class T = RunDecision>
   static FieldTable fields() {
@@ -86,6 +89,7 @@ struct RunDecision {
 /// The member holds every decision up to that epoch on disk.
 struct DecisionJournaled {
   static constexpr std::string_view kSubtype = "decision_journaled";
+  static constexpr Travel kTravel = between_nodes(CostPhase::upkeep);
   std::string run;
   std::uint32_t epoch = 1;
   template <class T = DecisionJournaled>
@@ -98,6 +102,7 @@ struct DecisionJournaled {
 /// `released`; what runs or has ended stays as it is. Answered by Ack "accepted" or a Nack; the results go their way.
 struct ReleaseTasks {
   static constexpr std::string_view kSubtype = "release_tasks";
+  static constexpr Travel kTravel = from_cloud(CostPhase::fail, {"resilience"});
   std::string run;
   std::uint32_t epoch = 1;
   std::vector<std::uint16_t> tasks;
@@ -111,6 +116,7 @@ struct ReleaseTasks {
 /// two with one number the one that holds it.
 struct PauseOrder {
   static constexpr std::string_view kSubtype = "pause_order";
+  static constexpr Travel kTravel = in_record();
   std::string run;
   std::uint32_t number = 1;
   bool paused = true;
@@ -131,6 +137,7 @@ struct PauseOrder {
 /// Carries a PauseOrder to a member (command); resent until PauseJournaled.
 struct RunPause {
   static constexpr std::string_view kSubtype = "run_pause";
+  static constexpr Travel kTravel = between_nodes(CostPhase::fail);
   SignedRecord order;
   template <class T = RunPause>
   static FieldTable fields() {
@@ -140,6 +147,7 @@ struct RunPause {
 
 struct PauseJournaled {
   static constexpr std::string_view kSubtype = "pause_journaled";
+  static constexpr Travel kTravel = between_nodes(CostPhase::upkeep);
   std::string run;
   std::uint32_t number = 1;
   template <class T = PauseJournaled>

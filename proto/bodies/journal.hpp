@@ -8,6 +8,7 @@ namespace trb {
 /// The run is known here: the signed RunStart.
 struct JournalRun {
   static constexpr std::string_view kSubtype = "journal_run";
+  static constexpr Travel kTravel = in_record();
   SignedRecord start;
   bool submitted_here = false;  ///< this scheduler owes the batons to the first actors
   template <class T = JournalRun>
@@ -19,6 +20,7 @@ struct JournalRun {
 /// Written before the robot is commanded.
 struct JournalStart {
   static constexpr std::string_view kSubtype = "journal_start";
+  static constexpr Travel kTravel = in_record();
   AttemptKey key;
   std::uint32_t epoch = 1;
   std::uint64_t instance = 0;  ///< of the mode-adapter that is to execute it
@@ -33,6 +35,7 @@ struct JournalStart {
 /// A signed result: this node's own, or another's.
 struct JournalResult {
   static constexpr std::string_view kSubtype = "journal_result";
+  static constexpr Travel kTravel = in_record();
   SignedRecord result;
   template <class T = JournalResult>
   static FieldTable fields() {
@@ -43,6 +46,7 @@ struct JournalResult {
 /// A signed choice on tasks' conditions: this node's own, or another's.
 struct JournalChoice {
   static constexpr std::string_view kSubtype = "journal_choice";
+  static constexpr Travel kTravel = in_record();
   SignedRecord choice;
   template <class T = JournalChoice>
   static FieldTable fields() {
@@ -53,6 +57,7 @@ struct JournalChoice {
 /// Another node has journaled what this one owed it.
 struct JournalDelivered {
   static constexpr std::string_view kSubtype = "journal_delivered";
+  static constexpr Travel kTravel = in_record();
   std::string run;
   std::string to;
   std::string what;  ///< "baton", "results", "abort", "decision", "pause"
@@ -68,6 +73,7 @@ struct JournalDelivered {
 /// The run was aborted: the signed AbortOrder.
 struct JournalAbort {
   static constexpr std::string_view kSubtype = "journal_abort";
+  static constexpr Travel kTravel = in_record();
   SignedRecord order;
   bool ordered_here = false;  ///< this scheduler owes the order to the members
   template <class T = JournalAbort>
@@ -79,6 +85,7 @@ struct JournalAbort {
 /// The run's next epoch: the signed Decision.
 struct JournalDecision {
   static constexpr std::string_view kSubtype = "journal_decision";
+  static constexpr Travel kTravel = in_record();
   SignedRecord decision;
   bool decided_here = false;  ///< this scheduler owes it to the members
   template <class T = JournalDecision>
@@ -90,6 +97,7 @@ struct JournalDecision {
 /// The run is held or goes on: the signed PauseOrder.
 struct JournalPause {
   static constexpr std::string_view kSubtype = "journal_pause";
+  static constexpr Travel kTravel = in_record();
   SignedRecord order;
   bool ordered_here = false;  ///< this scheduler owes the order to the members
   template <class T = JournalPause>
@@ -101,6 +109,7 @@ struct JournalPause {
 /// The run has FINISHED: the signed RunEnd.
 struct JournalEnd {
   static constexpr std::string_view kSubtype = "journal_end";
+  static constexpr Travel kTravel = in_record();
   SignedRecord end;
   template <class T = JournalEnd>
   static FieldTable fields() {
@@ -112,6 +121,7 @@ struct JournalEnd {
 /// for it is refused until `until`.
 struct JournalArchive {
   static constexpr std::string_view kSubtype = "journal_archive";
+  static constexpr Travel kTravel = in_record();
   RunView view;
   std::vector<SignedRecord> results;  ///< that count, one a task
   std::vector<SignedRecord> choices;
@@ -134,6 +144,7 @@ struct JournalArchive {
 /// The node's steady time (common/base/steady_time.hpp), now and then. The newest one counts.
 struct JournalTime {
   static constexpr std::string_view kSubtype = "journal_time";
+  static constexpr Travel kTravel = in_record();
   std::int64_t steady = 0;  ///< UTC ns
   template <class T = JournalTime>
   static FieldTable fields() {
@@ -145,6 +156,7 @@ struct JournalTime {
 /// looked at the robot. `over`: somebody has.
 struct JournalLost {
   static constexpr std::string_view kSubtype = "journal_lost";
+  static constexpr Travel kTravel = in_record();
   std::int64_t time = 0;  ///< UTC ns
   bool over = false;
   template <class T = JournalLost>
@@ -157,6 +169,7 @@ struct JournalLost {
 /// until `until`.
 struct JournalTombstone {
   static constexpr std::string_view kSubtype = "journal_tombstone";
+  static constexpr Travel kTravel = in_record();
   std::string run;
   RunState state{};
   std::int64_t until = 0;  ///< UTC ns

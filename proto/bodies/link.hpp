@@ -5,6 +5,7 @@
 #include "proto/bodies/sensor.hpp"
 #include "proto/bodies/signed.hpp"
 #include "proto/field.hpp"
+#include "proto/travel.hpp"
 
 namespace trb {
 
@@ -73,6 +74,7 @@ constexpr std::size_t kMaxProfileSize = 64U << 10U;
 /// What a node tells of its robot: mode-adapter -> router -> every peer, in Hello and again at each change.
 struct NodeProfile {
   static constexpr std::string_view kSubtype = "node_profile";
+  static constexpr Travel kTravel = between_routers(CostPhase::devices, {"mode-adapter"});
   std::string framework;
   std::string mode;
   std::string transport;
@@ -116,6 +118,7 @@ struct NodeProfile {
 /// The first message each way on a link.
 struct Hello {
   static constexpr std::string_view kSubtype = "hello";
+  static constexpr Travel kTravel = between_routers(CostPhase::identification);
   SignedRecord certificate;
   std::uint64_t boot = 0;
   std::string address;  ///< where the sender's inbox can be dialled
@@ -146,6 +149,7 @@ struct Hello {
 /// The sender's seal over what it sent on this link since its last one.
 struct Seal {
   static constexpr std::string_view kSubtype = "seal";
+  static constexpr Travel kTravel = between_routers(CostPhase::upkeep);
   SignedRecord range;  ///< a SealedRange
   template <class T = Seal>
   static FieldTable fields() {
@@ -157,6 +161,7 @@ struct Seal {
 /// the authority has signed it; whoever learns something new from it hands that on.
 struct FleetNews {
   static constexpr std::string_view kSubtype = "fleet_news";
+  static constexpr Travel kTravel = between_routers(CostPhase::upkeep, {kProbe});
   SignedRecord revocations;  ///< a RevocationList; an empty kind for none
   std::vector<SignedRecord> certificates;
   template <class T = FleetNews>
@@ -169,6 +174,7 @@ struct FleetNews {
 /// A hint: whether they are there, where, and what they are, they say themselves (RelayAlive, NodeProfile).
 struct Neighbours {
   static constexpr std::string_view kSubtype = "neighbours";
+  static constexpr Travel kTravel = between_routers(CostPhase::identification);
   std::vector<SignedRecord> reached;  ///< their certificates
   std::vector<std::string> gone;      ///< ids
   template <class T = Neighbours>
@@ -181,6 +187,7 @@ struct Neighbours {
 /// one is there now, and what of the messages that way has come. Inside a `relayed` alone.
 struct RelayAlive {
   static constexpr std::string_view kSubtype = "relay_alive";
+  static constexpr Travel kTravel = in_record(CostPhase::upkeep);
   std::uint64_t nonce = 0;       ///< made up anew each time; the other side repeats it
   std::uint64_t echo = 0;        ///< the newest of the other side's boot that is proven; 0: none is
   std::uint64_t echo_other = 0;  ///< the newest of a boot that is not proven; 0: none was heard
@@ -207,6 +214,7 @@ struct RelayAlive {
 /// A relay could not pass this one on; to its signer.
 struct RelayRefused {
   static constexpr std::string_view kSubtype = "relay_refused";
+  static constexpr Travel kTravel = between_routers(CostPhase::upkeep);
   std::string target;
   std::uint64_t count = 0;
   std::string reason;  ///< an errc_name()
@@ -219,6 +227,7 @@ struct RelayRefused {
 /// A message by way of a relay.
 struct Relayed {
   static constexpr std::string_view kSubtype = "relayed";
+  static constexpr Travel kTravel = between_routers(CostPhase::upkeep);
   SignedRecord record;  ///< a RelayedFrame
   template <class T = Relayed>
   static FieldTable fields() {
@@ -229,6 +238,7 @@ struct Relayed {
 /// Asks a router what has gone wrong with its links: for `trb doctor`.
 struct LinkTroublesRequest {
   static constexpr std::string_view kSubtype = "link_troubles";
+  static constexpr Travel kTravel = between_nodes(CostPhase::upkeep);
   template <class = void>
   static FieldTable fields() {
     return FieldTable{};
@@ -252,6 +262,7 @@ struct LinkTrouble {
 /// Bounded: the newest of each (peer, address, code).
 struct LinkTroubles {
   static constexpr std::string_view kSubtype = "link_trouble_table";
+  static constexpr Travel kTravel = between_nodes(CostPhase::upkeep);
   std::string node;
   std::vector<LinkTrouble> troubles;
   template <class T = LinkTroubles>
@@ -263,6 +274,7 @@ struct LinkTroubles {
 /// Answered by a router with what it got: does a message of this size pass both ways?
 struct EchoRequest {
   static constexpr std::string_view kSubtype = "echo_request";
+  static constexpr Travel kTravel = between_nodes(CostPhase::upkeep);
   Blob pad;
   template <class T = EchoRequest>
   static FieldTable fields() {
@@ -272,6 +284,7 @@ struct EchoRequest {
 
 struct Echo {
   static constexpr std::string_view kSubtype = "echo";
+  static constexpr Travel kTravel = between_nodes(CostPhase::upkeep);
   Blob pad;
   template <class T = Echo>
   static FieldTable fields() {
@@ -282,6 +295,7 @@ struct Echo {
 /// Four in a lease. `heard` is the sequence last received, so that a one-way cut ends the lease on both sides.
 struct KeepAlive {
   static constexpr std::string_view kSubtype = "keep_alive";
+  static constexpr Travel kTravel = between_routers(CostPhase::upkeep);
   std::uint64_t heard = 0;
   template <class T = KeepAlive>
   static FieldTable fields() {
@@ -292,6 +306,7 @@ struct KeepAlive {
 /// The link is over; the reason is for the log.
 struct Goodbye {
   static constexpr std::string_view kSubtype = "goodbye";
+  static constexpr Travel kTravel = between_routers(CostPhase::upkeep);
   std::string reason;
   template <class T = Goodbye>
   static FieldTable fields() {
@@ -301,6 +316,7 @@ struct Goodbye {
 
 struct PeerJoined {
   static constexpr std::string_view kSubtype = "peer_joined";
+  static constexpr Travel kTravel = on_bus(CostPhase::upkeep);
   std::string id;
   std::uint64_t boot = 0;
   template <class T = PeerJoined>
@@ -311,6 +327,7 @@ struct PeerJoined {
 
 struct PeerExpired {
   static constexpr std::string_view kSubtype = "peer_expired";
+  static constexpr Travel kTravel = on_bus(CostPhase::fail);
   std::string id;
   std::string reason;
   template <class T = PeerExpired>
@@ -354,6 +371,7 @@ struct Route {
 
 struct RouteTable {
   static constexpr std::string_view kSubtype = "route_table";
+  static constexpr Travel kTravel = between_nodes(CostPhase::upkeep);
   std::string node;
   std::vector<Route> routes;
   bool more = false;    ///< there are rows behind the last of these: ask on

@@ -3,6 +3,7 @@
 
 #include "proto/bodies/robot.hpp"
 #include "proto/field.hpp"
+#include "proto/travel.hpp"
 
 namespace trb {
 
@@ -80,6 +81,7 @@ constexpr auto enum_names(Verdict) {
 /// A robot cannot do what a run needs of it.
 struct Alert {
   static constexpr std::string_view kSubtype = "alert";
+  static constexpr Travel kTravel = in_record();
   std::string id;    ///< 16 hexadecimal digits
   std::string run;   ///< empty: no run needs the robot; told all the same
   std::string name;  ///< the run's
@@ -131,6 +133,7 @@ struct Alert {
 
 struct AlertListRequest {
   static constexpr std::string_view kSubtype = "alert_list";
+  static constexpr Travel kTravel = between_nodes(CostPhase::upkeep);
   bool all = false;  ///< also those that are DECIDED or CLOSED
   template <class T = AlertListRequest>
   static FieldTable fields() {
@@ -140,6 +143,7 @@ struct AlertListRequest {
 
 struct AlertTable {
   static constexpr std::string_view kSubtype = "alert_table";
+  static constexpr Travel kTravel = between_nodes(CostPhase::upkeep);
   std::vector<Alert> alerts;  ///< newest first
   template <class T = AlertTable>
   static FieldTable fields() {
@@ -150,6 +154,7 @@ struct AlertTable {
 /// A verdict on an alert (command), on the decider's own bus. Answered by Ack "accepted" once journaled, or a Nack.
 struct AlertDecide {
   static constexpr std::string_view kSubtype = "alert_decide";
+  static constexpr Travel kTravel = on_bus(CostPhase::upkeep, {kProbe, "cloud-gateway"});
   std::string alert;  ///< the id, or a unique beginning of it
   Verdict verdict{};
   std::string robot;  ///< accept: the proposal's robot, empty for the best; override: the robot that takes over
@@ -169,6 +174,7 @@ struct AlertDecide {
 /// Asks a node's trb-resilience what it has seen of its fleet's robots.
 struct HistoryListRequest {
   static constexpr std::string_view kSubtype = "history_list";
+  static constexpr Travel kTravel = between_nodes(CostPhase::upkeep);
   std::string robot;         ///< empty: of every one
   std::uint32_t most = 100;  ///< events: 1 to 500
   template <class T = HistoryListRequest>
@@ -193,6 +199,7 @@ struct RobotEvent {
 
 struct HistoryTable {
   static constexpr std::string_view kSubtype = "history_table";
+  static constexpr Travel kTravel = between_nodes(CostPhase::upkeep);
   std::vector<RobotEvent> events;  ///< newest first
   template <class T = HistoryTable>
   static FieldTable fields() {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "proto/field.hpp"
+#include "proto/travel.hpp"
 
 namespace trb {
 
@@ -36,6 +37,7 @@ struct AttemptKey {
 /// Scheduler -> its mode-adapter (command). Answered by ExecutionState "running", or a Nack; the Outcome comes later.
 struct Execute {
   static constexpr std::string_view kSubtype = "execute";
+  static constexpr Travel kTravel = on_bus(CostPhase::task, {"scheduler"});
   AttemptKey key;
   std::uint32_t epoch = 1;
   std::uint64_t instance = 0;  ///< of the mode-adapter that is meant; another one refuses (stale_instance)
@@ -52,6 +54,7 @@ struct Execute {
 /// Scheduler -> mode-adapter (command): stop this attempt's motion and report its outcome; does not fence.
 struct CancelExecution {
   static constexpr std::string_view kSubtype = "cancel_execution";
+  static constexpr Travel kTravel = on_bus(CostPhase::fail, {"scheduler"});
   AttemptKey key;
   std::string reason;
   template <class T = CancelExecution>
@@ -63,6 +66,7 @@ struct CancelExecution {
 /// Scheduler -> mode-adapter (request): what became of it? Answered by ExecutionState or Outcome.
 struct ExecutionQuery {
   static constexpr std::string_view kSubtype = "execution_query";
+  static constexpr Travel kTravel = on_bus(CostPhase::upkeep, {"scheduler"});
   AttemptKey key;
   template <class T = ExecutionQuery>
   static FieldTable fields() {
@@ -73,6 +77,7 @@ struct ExecutionQuery {
 /// `state` is "running", or "unknown": this instance was never given it.
 struct ExecutionState {
   static constexpr std::string_view kSubtype = "execution_state";
+  static constexpr Travel kTravel = on_bus(CostPhase::upkeep, {"mode-adapter"});
   AttemptKey key;
   std::uint64_t instance = 0;
   std::string state;
@@ -85,6 +90,7 @@ struct ExecutionState {
 /// Mode-adapter -> scheduler (information), again every second until OutcomeJournaled.
 struct Outcome {
   static constexpr std::string_view kSubtype = "outcome";
+  static constexpr Travel kTravel = on_bus(CostPhase::task, {"mode-adapter"});
   AttemptKey key;
   std::uint64_t instance = 0;
   TaskOutcome outcome{};
@@ -102,6 +108,7 @@ struct Outcome {
 /// Scheduler -> mode-adapter: the outcome is on disk and may be forgotten.
 struct OutcomeJournaled {
   static constexpr std::string_view kSubtype = "outcome_journaled";
+  static constexpr Travel kTravel = on_bus(CostPhase::upkeep, {"scheduler"});
   AttemptKey key;
   template <class T = OutcomeJournaled>
   static FieldTable fields() {
@@ -133,9 +140,11 @@ struct OutOfUse {
 constexpr std::uint32_t kMaxOutOfUse = 66;
 
 /// Takes the robot out of use (command to its mode-adapter; a person's `retired`, or a fault that the node's own
-/// services have found). What runs goes on. Answered by Ack "out_of_use" once it is on disk, or a Nack.
+/// services have found). What runs goes on. Answered by Ack "out_of_use" once it is on disk, or a Nack. Who stands at
+/// its node may send it, and the cloud: no other robot's keys do.
 struct TakeOutOfUse {
   static constexpr std::string_view kSubtype = "take_out_of_use";
+  static constexpr Travel kTravel = from_cloud(CostPhase::fail, {kProbe, "cloud-gateway", "scheduler"});
   OutOfUse what;
   template <class T = TakeOutOfUse>
   static FieldTable fields() {
@@ -147,6 +156,7 @@ struct TakeOutOfUse {
 /// "in_use" once it is on disk, or a Nack: conflict, if nothing of that kind kept it out of use.
 struct TakeIntoUse {
   static constexpr std::string_view kSubtype = "take_into_use";
+  static constexpr Travel kTravel = from_cloud(CostPhase::fail, {kProbe, "cloud-gateway", "resilience"});
   std::string capability;  ///< that is repaired; empty: all of them
   bool retired = false;    ///< `trb robot return`; else `trb robot repaired`
   std::string by;          ///< the person
@@ -172,6 +182,7 @@ struct SkillUse {
 /// Mode-adapter -> scheduler: at its start, at each change, and as answer to AdapterStateRequest. The paper's "ready".
 struct AdapterState {
   static constexpr std::string_view kSubtype = "adapter_state";
+  static constexpr Travel kTravel = on_bus(CostPhase::task, {"mode-adapter"});
   std::uint64_t instance = 0;
   std::string robot;  ///< as NodeProfile::robot
   bool fenced = false;
@@ -190,6 +201,7 @@ struct AdapterState {
 
 struct AdapterStateRequest {
   static constexpr std::string_view kSubtype = "adapter_state_request";
+  static constexpr Travel kTravel = on_bus(CostPhase::upkeep, {"scheduler"});
   template <class = void>
   static FieldTable fields() {
     return FieldTable{};
@@ -199,6 +211,7 @@ struct AdapterStateRequest {
 /// Told to every node: the robot reports a fault of one capability.
 struct RobotFault {
   static constexpr std::string_view kSubtype = "robot_fault";
+  static constexpr Travel kTravel = from_robots(CostPhase::fail);
   std::string capability;
   Severity severity{};
   std::string text;    ///< the robot's own words
@@ -224,6 +237,7 @@ struct RobotValueTold {
 /// has changed, once a second at most.
 struct RobotState {
   static constexpr std::string_view kSubtype = "robot_state";
+  static constexpr Travel kTravel = from_robots(CostPhase::sensor);
   std::vector<RobotValueTold> values;
   template <class T = RobotState>
   static FieldTable fields() {
@@ -235,6 +249,7 @@ struct RobotState {
 /// what comes of it the robot tells itself, by RobotFault. Refused by a robot that is not virtual (not_permitted).
 struct InjectFault {
   static constexpr std::string_view kSubtype = "inject_fault";
+  static constexpr Travel kTravel = between_nodes(CostPhase::fail);
   std::string capability;  ///< empty: everything that was injected is over
   Severity severity{};
   std::string text;  ///< the robot's own words
@@ -248,6 +263,7 @@ struct InjectFault {
 /// Told to every node: the robot's connection changed.
 struct RobotConnection {
   static constexpr std::string_view kSubtype = "robot_connection";
+  static constexpr Travel kTravel = from_robots(CostPhase::fail);
   std::string state;  ///< as NodeProfile::robot
   std::string detail;
   template <class T = RobotConnection>
@@ -260,6 +276,7 @@ struct RobotConnection {
 /// Not a safety function (ISO 13850, ISO 10218).
 struct Stop {
   static constexpr std::string_view kSubtype = "stop";
+  static constexpr Travel kTravel = between_nodes(CostPhase::fail);
   std::string reason;
   template <class T = Stop>
   static FieldTable fields() {
@@ -270,6 +287,7 @@ struct Stop {
 /// Lifts the fence. Answered by Ack "released".
 struct Release {
   static constexpr std::string_view kSubtype = "release";
+  static constexpr Travel kTravel = between_nodes(CostPhase::fail);
   std::string reason;
   template <class T = Release>
   static FieldTable fields() {

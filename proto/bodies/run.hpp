@@ -6,6 +6,7 @@
 #include "proto/bodies/robot.hpp"
 #include "proto/bodies/signed.hpp"
 #include "proto/field.hpp"
+#include "proto/travel.hpp"
 
 namespace trb {
 
@@ -73,6 +74,7 @@ struct Task {
 
 struct Scenario {
   static constexpr std::string_view kSubtype = "scenario";
+  static constexpr Travel kTravel = in_record();
   std::string name;
   std::string description;
   std::vector<Task> tasks;
@@ -97,6 +99,7 @@ struct Assignment {
 /// The start of a run, signed by the submitter's node (purpose "run_start").
 struct RunStart {
   static constexpr std::string_view kSubtype = "run_start";
+  static constexpr Travel kTravel = in_record();
   std::string run;  ///< 32 hexadecimal digits
   Blob digest;      ///< BLAKE2b-256 of the scenario's msgpack body
   Scenario scenario;
@@ -125,6 +128,7 @@ struct RunStart {
 /// What an actor says of an attempt, signed by its node (purpose "result").
 struct TaskResult {
   static constexpr std::string_view kSubtype = "result";
+  static constexpr Travel kTravel = in_record();
   AttemptKey key;
   Blob digest;
   std::uint32_t epoch = 1;
@@ -150,6 +154,7 @@ struct TaskResult {
 /// The order to end a run, signed (purpose "run_abort"). Absorbing.
 struct AbortOrder {
   static constexpr std::string_view kSubtype = "abort_order";
+  static constexpr Travel kTravel = in_record();
   std::string run;
   std::string by;
   std::string reason;
@@ -170,6 +175,7 @@ constexpr auto enum_names(RunState) {
 /// its submitter's node. Nothing is owed of it any more.
 struct RunEnd {
   static constexpr std::string_view kSubtype = "run_end";
+  static constexpr Travel kTravel = in_record();
   std::string run;
   Blob digest;
   std::string by;
@@ -185,6 +191,7 @@ struct RunEnd {
 /// Carries a RunEnd to a member (information): told once, and again to whoever asks.
 struct RunOver {
   static constexpr std::string_view kSubtype = "run_over";
+  static constexpr Travel kTravel = between_nodes(CostPhase::upkeep, {"scheduler"});
   SignedRecord end;
   template <class T = RunOver>
   static FieldTable fields() {
@@ -196,6 +203,7 @@ struct RunOver {
 /// "not_over".
 struct NeedEnd {
   static constexpr std::string_view kSubtype = "need_end";
+  static constexpr Travel kTravel = between_nodes(CostPhase::upkeep, {"scheduler"});
   std::string run;
   template <class T = NeedEnd>
   static FieldTable fields() {
@@ -206,6 +214,7 @@ struct NeedEnd {
 /// `trb scenario run` -> the scheduler of its own node. Answered, once journaled, by RunAccepted or a Nack.
 struct RunSubmit {
   static constexpr std::string_view kSubtype = "run_submit";
+  static constexpr Travel kTravel = on_bus(CostPhase::boot, {kProbe, "cloud-gateway"});
   SignedRecord start;
   template <class T = RunSubmit>
   static FieldTable fields() {
@@ -215,6 +224,7 @@ struct RunSubmit {
 
 struct RunAccepted {
   static constexpr std::string_view kSubtype = "run_accepted";
+  static constexpr Travel kTravel = between_nodes(CostPhase::upkeep);
   std::string run;
   template <class T = RunAccepted>
   static FieldTable fields() {
@@ -225,6 +235,7 @@ struct RunAccepted {
 /// What passes from actor to actor (command); resent until BatonJournaled.
 struct Baton {
   static constexpr std::string_view kSubtype = "baton";
+  static constexpr Travel kTravel = between_nodes(CostPhase::forward);
   std::string run;
   Blob digest;
   std::uint32_t epoch = 1;
@@ -251,6 +262,7 @@ struct Baton {
 /// The receiver holds definition and results of that baton on disk.
 struct BatonJournaled {
   static constexpr std::string_view kSubtype = "baton_journaled";
+  static constexpr Travel kTravel = between_nodes(CostPhase::upkeep);
   std::string run;
   std::uint32_t epoch = 1;
   std::vector<std::uint16_t> tasks;  ///< those of the baton
@@ -262,6 +274,7 @@ struct BatonJournaled {
 
 struct NeedDefinition {
   static constexpr std::string_view kSubtype = "need_definition";
+  static constexpr Travel kTravel = between_nodes(CostPhase::forward);
   std::string run;
   Blob digest;
   template <class T = NeedDefinition>
@@ -272,6 +285,7 @@ struct NeedDefinition {
 
 struct Definition {
   static constexpr std::string_view kSubtype = "definition";
+  static constexpr Travel kTravel = between_nodes(CostPhase::forward);
   SignedRecord start;
   std::vector<SignedRecord> decisions{};  ///< every one that the giver holds, from epoch 2 on
   std::vector<SignedRecord> orders{};     ///< that it knows, as in Baton
@@ -285,6 +299,7 @@ struct Definition {
 /// Asks for the results of tasks that the other side knows to be final.
 struct NeedResults {
   static constexpr std::string_view kSubtype = "need_results";
+  static constexpr Travel kTravel = between_nodes(CostPhase::forward);
   std::string run;
   std::vector<std::uint16_t> tasks;
   template <class T = NeedResults>
@@ -296,6 +311,7 @@ struct NeedResults {
 /// Signed results: the acknowledgement to the cloud, or the answer to NeedResults; resent until ResultsJournaled.
 struct Results {
   static constexpr std::string_view kSubtype = "results";
+  static constexpr Travel kTravel = between_nodes(CostPhase::task);
   std::string run;
   std::vector<SignedRecord> results;
   std::vector<SignedRecord> choices;  ///< on the tasks of these results
@@ -308,6 +324,7 @@ struct Results {
 
 struct ResultsJournaled {
   static constexpr std::string_view kSubtype = "results_journaled";
+  static constexpr Travel kTravel = between_nodes(CostPhase::upkeep);
   std::vector<AttemptKey> keys;
   template <class T = ResultsJournaled>
   static FieldTable fields() {
@@ -334,6 +351,7 @@ constexpr auto enum_names(TaskState) {
 /// Live progress for watchers (information, may be lost).
 struct TaskProgress {
   static constexpr std::string_view kSubtype = "task_progress";
+  static constexpr Travel kTravel = between_nodes(CostPhase::upkeep);
   AttemptKey key;
   std::string robot;  ///< the task's, or, WAITING, who chooses on it
   TaskState state{};
@@ -348,6 +366,7 @@ struct TaskProgress {
 /// Carries an AbortOrder to a member (command); resent until AbortConfirmed.
 struct RunAbort {
   static constexpr std::string_view kSubtype = "run_abort";
+  static constexpr Travel kTravel = between_nodes(CostPhase::fail);
   SignedRecord order;
   template <class T = RunAbort>
   static FieldTable fields() {
@@ -358,6 +377,7 @@ struct RunAbort {
 /// The member has journaled the abort and runs nothing of the run any more.
 struct AbortConfirmed {
   static constexpr std::string_view kSubtype = "abort_confirmed";
+  static constexpr Travel kTravel = between_nodes(CostPhase::upkeep);
   std::string run;
   template <class T = AbortConfirmed>
   static FieldTable fields() {
@@ -428,6 +448,7 @@ struct DecisionView {
 /// A run as one scheduler knows it; the cloud node's knows every acknowledged result.
 struct RunView {
   static constexpr std::string_view kSubtype = "run_view";
+  static constexpr Travel kTravel = between_nodes(CostPhase::upkeep);
   std::string run;
   std::string name;
   RunState state{};
@@ -465,6 +486,7 @@ struct RunView {
 
 struct RunQuery {
   static constexpr std::string_view kSubtype = "run_query";
+  static constexpr Travel kTravel = between_nodes(CostPhase::upkeep);
   std::string run;  ///< the id, or a unique beginning of it, or "" for the newest
   template <class T = RunQuery>
   static FieldTable fields() {
@@ -476,6 +498,7 @@ struct RunQuery {
 /// first.
 struct RunListRequest {
   static constexpr std::string_view kSubtype = "run_list";
+  static constexpr Travel kTravel = between_nodes(CostPhase::upkeep);
   bool all = false;
   std::string after;         ///< the last run of the page before; empty: the first page
   std::uint32_t most = 100;  ///< 1 to 500
@@ -519,6 +542,7 @@ struct RunSummary {
 /// with the same `reply_to` at each change.
 struct RunWatch {
   static constexpr std::string_view kSubtype = "run_watch";
+  static constexpr Travel kTravel = between_nodes(CostPhase::upkeep);
   double lease_s = 10;
   template <class T = RunWatch>
   static FieldTable fields() {
@@ -529,6 +553,7 @@ struct RunWatch {
 /// A run has changed since the last word of it (information, may be lost: the next RunTable has it).
 struct RunChanged {
   static constexpr std::string_view kSubtype = "run_changed";
+  static constexpr Travel kTravel = between_nodes(CostPhase::upkeep);
   RunSummary run;
   template <class T = RunChanged>
   static FieldTable fields() {
@@ -538,6 +563,7 @@ struct RunChanged {
 
 struct RunTable {
   static constexpr std::string_view kSubtype = "run_table";
+  static constexpr Travel kTravel = between_nodes(CostPhase::upkeep);
   std::vector<RunSummary> runs;
   bool more = false;           ///< of a page: there are older ones
   std::uint32_t open = 0;      ///< runs that are not over on this node

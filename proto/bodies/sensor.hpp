@@ -2,6 +2,7 @@
 #pragma once
 
 #include "proto/field.hpp"
+#include "proto/travel.hpp"
 
 namespace trb {
 
@@ -35,6 +36,7 @@ struct SensorInfo {
 /// profile, and gives the sensor-bus requests whose subtype is the name of a sensor.
 struct NodeSensors {
   static constexpr std::string_view kSubtype = "node_sensors";
+  static constexpr Travel kTravel = on_bus(CostPhase::devices, {"sensor-bus"});
   std::vector<SensorInfo> sensors;
   template <class T = NodeSensors>
   static FieldTable fields() {
@@ -46,6 +48,7 @@ struct NodeSensors {
 /// (unknown_target: no such sensor; timeout; robot_error: its reader's own words).
 struct SensorRead {
   static constexpr std::string_view kSubtype = "sensor_read";
+  static constexpr Travel kTravel = between_nodes(CostPhase::sensor);
   std::string sensor;    ///< a sensor's name; else a kind, if one sensor of the node is of it
   std::string identity;  ///< wins over `sensor`
   double timeout_s = 0;  ///< 0: three of its periods, 3 s at least
@@ -61,6 +64,7 @@ struct SensorRead {
 /// sensor and `watch` renews the lease, or, with a lease of 0, ends it.
 struct SensorWatch {
   static constexpr std::string_view kSubtype = "sensor_watch";
+  static constexpr Travel kTravel = between_nodes(CostPhase::sensor);
   std::string sensor;
   std::string identity;     ///< wins over `sensor`
   std::uint64_t watch = 0;  ///< the asker's number for it
@@ -76,6 +80,7 @@ struct SensorWatch {
 /// A measured value. Numbers are in SI units, temperatures in degC.
 struct SensorReading {
   static constexpr std::string_view kSubtype = "sensor_reading";
+  static constexpr Travel kTravel = between_nodes(CostPhase::sensor);
   std::string sensor;
   std::string identity;
   std::string unit;
@@ -103,6 +108,7 @@ struct SensorReading {
 /// or a Nack: whoever hears nothing asks again.
 struct SensorSnapshot {
   static constexpr std::string_view kSubtype = "sensor_snapshot";
+  static constexpr Travel kTravel = between_nodes(CostPhase::sensor);
   std::string sensor;
   std::string identity;  ///< wins over `sensor`
   template <class T = SensorSnapshot>
@@ -113,6 +119,7 @@ struct SensorSnapshot {
 
 struct SensorImage {
   static constexpr std::string_view kSubtype = "sensor_image";
+  static constexpr Travel kTravel = between_nodes(CostPhase::sensor);
   std::string sensor;
   std::string identity;
   std::string media_type;  ///< "image/jpeg"
@@ -129,6 +136,7 @@ struct SensorImage {
 /// Asks a node's sensor-bus for its sensors and for the devices that no rule knows.
 struct SensorListRequest {
   static constexpr std::string_view kSubtype = "sensor_list";
+  static constexpr Travel kTravel = between_nodes(CostPhase::upkeep);
   bool unknown = false;  ///< the devices that no rule knows, too
   template <class T = SensorListRequest>
   static FieldTable fields() {
@@ -150,6 +158,7 @@ struct UnknownDevice {
 
 struct SensorTable {
   static constexpr std::string_view kSubtype = "sensor_table";
+  static constexpr Travel kTravel = between_nodes(CostPhase::upkeep);
   std::string node;
   std::vector<SensorInfo> sensors;
   std::vector<UnknownDevice> unknown;

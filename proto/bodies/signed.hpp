@@ -2,6 +2,7 @@
 #pragma once
 
 #include "proto/field.hpp"
+#include "proto/travel.hpp"
 
 namespace trb {
 
@@ -23,6 +24,7 @@ constexpr std::string_view kSignedRelayed = "relayed";
 /// Ed25519 over "talkrobots" 0 purpose 0 fleet payload; the fleet is 16 bytes (none in a certificate request).
 struct SignedRecord {
   static constexpr std::string_view kSubtype = "signed_record";
+  static constexpr Travel kTravel = on_bus(CostPhase::upkeep);
   std::string kind;    ///< the purpose
   std::string signer;  ///< id of the node; "" for the fleet authority
   Blob payload;        ///< the msgpack body of that purpose
@@ -43,6 +45,7 @@ constexpr auto enum_names(Role) {
 /// What the fleet authority says of a node. Signed with purpose "certificate".
 struct Certificate {
   static constexpr std::string_view kSubtype = "certificate";
+  static constexpr Travel kTravel = in_record();
   Blob fleet;  ///< 16 bytes, from the authority's key
   std::uint64_t serial = 0;
   std::string id;
@@ -70,6 +73,7 @@ struct Certificate {
 /// What `trb fleet request` writes: the node's public keys, signed by its own identity key (proof of possession).
 struct CertificateRequest {
   static constexpr std::string_view kSubtype = "certificate_request";
+  static constexpr Travel kTravel = in_record();
   std::string id;
   Role role{};
   Blob identity_key;
@@ -84,6 +88,7 @@ struct CertificateRequest {
 /// The content of a beacon, signed by the node (purpose "beacon"), then encrypted with the fleet's beacon key.
 struct Beacon {
   static constexpr std::string_view kSubtype = "beacon";
+  static constexpr Travel kTravel = in_record(CostPhase::identification);
   SignedRecord certificate;
   std::string address;  ///< HOST:PORT of the inbox; the datagram's own sender address is not believed
   std::uint64_t boot = 0;
@@ -125,6 +130,7 @@ struct SealedKey {
 /// beacon key, sealed for every node that stays. Signed with purpose "revocation_list".
 struct RevocationList {
   static constexpr std::string_view kSubtype = "revocation_list";
+  static constexpr Travel kTravel = in_record();
   Blob fleet;  ///< 16 bytes
   std::uint64_t number = 0;
   std::int64_t issued = 0;  ///< UTC ns
@@ -147,6 +153,7 @@ struct RevocationList {
 /// sender.
 struct SealedRange {
   static constexpr std::string_view kSubtype = "sealed_range";
+  static constexpr Travel kTravel = in_record();
   std::uint64_t link = 0;
   std::uint64_t serial = 0;       ///< of the sender's certificate
   std::uint64_t peer_serial = 0;  ///< of the receiver's
@@ -175,6 +182,7 @@ struct SealedRange {
 /// purpose "relayed".
 struct RelayedFrame {
   static constexpr std::string_view kSubtype = "relayed_frame";
+  static constexpr Travel kTravel = in_record();
   std::string target;
   std::uint64_t target_boot = 0;  ///< meant for this start of the target's router alone; 0 in a relay_alive: not known
   std::uint64_t source_boot = 0;

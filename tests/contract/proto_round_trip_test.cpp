@@ -4,10 +4,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/base/files.hpp"
 #include "proto/message.hpp"
-#include "proto/phase.hpp"
+#include "proto/travel.hpp"
 #include "proto/value.hpp"
 #include "tests/contract/fill.hpp"
+#include "tests/support/paths.hpp"
 
 using namespace trb;
 using namespace trb::contract;
@@ -83,7 +85,7 @@ TEST_CASE("an integer is taken for a double, and a double keeps its fraction and
   CHECK(from_json<Outcome>(R"({"duration_s":7})")->duration_s == 7.0);
 }
 
-TEST_CASE("every typed subtype that is sent has a row of its own in the phase table; records do not need one") {
+TEST_CASE("every typed subtype says how it travels: what is sent has a phase, a record needs none") {
   // Kept in files and inside signed records, never the subtype of a message.
   const std::vector<std::string_view> kept = {"certificate",       "certificate_request",
                                               "scenario",          "run_start",
@@ -102,9 +104,20 @@ TEST_CASE("every typed subtype that is sent has a row of its own in the phase ta
   for (const AnyBody& is : every_body()) {
     CAPTURE(is.subtype);
     const bool stays = std::find(kept.begin(), kept.end(), is.subtype) != kept.end();
+    REQUIRE(find_travel(is.subtype) != nullptr);
     CHECK(has_phase(is.subtype) != stays);
   }
-  CHECK(phase_of("move") == Phase::task);
-  CHECK(phase_of("baton") == Phase::forward);
+  CHECK(phase_of("move") == CostPhase::task);
+  CHECK(phase_of("baton") == CostPhase::forward);
   CHECK_FALSE(has_phase("move"));
+  for (const std::string_view word : {"", "a", "abort", "move", "zzz"}) CHECK(find_travel(word) == nullptr);
+  CHECK(find_travel("stop")->scope == Scope::fleet);
+  CHECK(find_travel("execute")->scope == Scope::bus);
+}
+
+TEST_CASE("proto/README.md prints the phases as they are") {
+  const auto readme = read_file(test::source_dir() + "/proto/README.md");
+  REQUIRE(readme.ok());
+  INFO("put this between the marks:\n" << phases_text());
+  CHECK(readme->find("<!-- phases -->\n" + phases_text() + "<!-- /phases -->") != std::string::npos);
 }

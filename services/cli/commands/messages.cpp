@@ -110,7 +110,7 @@ std::string json_line(const HeaderView& header, char direction) {
 
 bool wanted(const Arguments& arguments, const HeaderView& header) {
   if (arguments.has("--subtype")) return header.subtype == arguments.get("--subtype");
-  return arguments.has("--all") || phase_of(header.subtype) != Phase::upkeep;
+  return arguments.has("--all") || phase_of(header.subtype) != CostPhase::upkeep;
 }
 
 int run_tap(const Arguments& arguments) {

@@ -5,18 +5,18 @@
 namespace trb::cli {
 namespace {
 
-std::optional<Phase> phase_of_counter(std::string_view name) {
+std::optional<CostPhase> phase_of_counter(std::string_view name) {
   constexpr std::string_view kSent = "sent.";
   if (name.starts_with(kSent)) return phase_of(name.substr(kSent.size()));
-  if (name == "from_robot.ready") return Phase::boot;
-  if (name.starts_with("to_robot.") || name.starts_with("from_robot.")) return Phase::task;
+  if (name == "from_robot.ready") return CostPhase::boot;
+  if (name.starts_with("to_robot.") || name.starts_with("from_robot.")) return CostPhase::task;
   return std::nullopt;
 }
 
 }  // namespace
 
-std::map<Phase, std::uint64_t> count_phases(const Counters& counters) {
-  std::map<Phase, std::uint64_t> out;
+std::map<CostPhase, std::uint64_t> count_phases(const Counters& counters) {
+  std::map<CostPhase, std::uint64_t> out;
   for (const Counter& counter : counters.values) {
     if (const auto phase = phase_of_counter(counter.name)) out[*phase] += counter.value;
   }

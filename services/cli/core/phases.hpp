@@ -11,6 +11,6 @@ namespace trb::cli {
 
 /// "sent.SUBTYPE" of a router by phase_of(SUBTYPE); "to_robot.…" and "from_robot.…" of a mode-adapter are of the task
 /// phase, but for "from_robot.ready", which is the robot's word that it waits for its first instruction (boot).
-std::map<Phase, std::uint64_t> count_phases(const Counters& counters);
+std::map<CostPhase, std::uint64_t> count_phases(const Counters& counters);
 
 }  // namespace trb::cli

@@ -76,7 +76,6 @@ constexpr Duration kStorePause = std::chrono::seconds(5);  ///< changes of where
 constexpr Duration kViaPause = std::chrono::seconds(4);    ///< between dials to who is reached by a relay
 constexpr Duration kHintPause = std::chrono::seconds(30);  ///< between dials to where a peer once was
 constexpr std::size_t kMaxAskers = 16;                     ///< who brought news and wait until it is on disk
-constexpr std::string_view kProbe = "probe";               ///< who comes for a person, not as a service
 constexpr std::size_t kMaxConnections = 64;                ///< on the node's own bus
 
 }  // namespace trb::router

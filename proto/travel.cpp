@@ -1,0 +1,54 @@
+#include "proto/travel.hpp"
+
+#include <algorithm>
+
+#include "proto/body.hpp"
+
+namespace trb {
+namespace {
+
+constexpr auto kRows = [] {
+  std::array rows{
+#define TRB_ROW(Name) TravelRow{Name::kSubtype, Name::kTravel},
+      TRB_BODIES(TRB_ROW)
+#undef TRB_ROW
+  };
+  std::ranges::sort(rows, {}, &TravelRow::subtype);
+  return rows;
+}();
+
+}  // namespace
+
+std::span<const TravelRow> travel_rows() {
+  return kRows;
+}
+
+const Travel* find_travel(std::string_view subtype) {
+  const auto* at = std::ranges::lower_bound(kRows, subtype, {}, &TravelRow::subtype);
+  return at != kRows.end() && at->subtype == subtype ? &at->travel : nullptr;
+}
+
+std::string phases_text() {
+  std::string out = "| Phase | Subtypes |\n|---|---|\n";
+  for (const CostPhase phase : {CostPhase::boot, CostPhase::identification, CostPhase::devices, CostPhase::task,
+                                CostPhase::forward, CostPhase::sensor, CostPhase::fail}) {
+    out += "| " + std::string(name_of(phase)) + " |";
+    for (const auto& [subtype, travel] : kRows) {
+      if (travel.phase == phase) out += " " + std::string(subtype);
+    }
+    out += phase == CostPhase::task ? ", and every word of the user's |\n" : " |\n";
+  }
+  return out + "| upkeep | every other one: what the paper does not count |\n";
+}
+
+bool has_phase(std::string_view subtype) {
+  const Travel* travel = find_travel(subtype);
+  return travel != nullptr && travel->phase.has_value();
+}
+
+CostPhase phase_of(std::string_view subtype) {
+  const Travel* travel = find_travel(subtype);
+  return travel == nullptr ? CostPhase::task : travel->phase.value_or(CostPhase::task);
+}
+
+}  // namespace trb
