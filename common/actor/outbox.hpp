@@ -61,7 +61,7 @@ class Outbox {
   void reply(const Inbound& to, Body body);
   /// The negative answer to a command or request, even if that wanted no positive one, and to a user's information that
   /// could not be delivered; never answers an answer.
-  void nack(const Inbound& to, const Error& error);
+  void nack(const Inbound& to, const Error& error, std::string about = {});
   void record(Body body) { journal.push_back({std::move(body)}); }
   void write(Channel channel, Bytes bytes) { writes.push_back({channel, std::move(bytes)}); }
   void close(Channel channel, std::string reason) { closes.push_back({channel, std::move(reason)}); }

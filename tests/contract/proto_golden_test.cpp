@@ -224,7 +224,10 @@ TEST_CASE("bodies of link and bus") {
         "9ba174a137a16dc2cb4000000000000000a005cb4000000000000000a4676f6f640304");
   CHECK(to_hex(encode(SensorWatch{"t", "7", 3, 2, 2})) == "95a174a13703cb4000000000000000cb4000000000000000");
   CHECK(to_hex(encode(SensorImage{"c", "7", "m", 5, Blob{"x"}})) == "95a163a137a16d05c40178");
-  CHECK(to_hex(encode(Nack{"c", "s", "t", "w", "u"})) == "95a163a173a174a177a175");
+  CHECK(to_hex(encode(Nack{"c", "s", "t", "w", "u", "r"})) == "96a163a173a174a177a175a172");
+  const auto before = decode<Nack>(*from_hex("95a163a173a174a177a175"));
+  REQUIRE(before.ok());
+  CHECK((before->cure == "u" && before->about.empty()));
 }
 
 TEST_CASE("the JSON of a message, with text, with bytes, with a body") {

@@ -53,7 +53,7 @@ class Doctor {
   void own_folder() {
     for (const ConfigFault& fault : seen_.faults) {
       const std::string key = fault.key.empty() ? "" : fault.key + ": ";
-      problem(fault.what.starts_with("ended ") ? "cert_expired" : "node_folder", fault.file, key + fault.what,
+      problem(fault.key == "not_after" ? "cert_expired" : "node_folder", fault.file, key + fault.what,
               fault.cure);
     }
     if (!seen_.beacon && seen_.seeds == 0) {

@@ -89,33 +89,27 @@ void SchedulerCore::handle(const Nack& body, const Inbound& from, Step step) {
   if (body.subtype == Baton::kSubtype && body.code == errc_name(Errc::conflict)) return ask_newer(body, from, step);
   if (body.subtype == Baton::kSubtype && body.code == errc_name(Errc::queue_full)) note_refusal(body, from);
   // For a peer the run is over, and it will never journal what it is owed. Its word alone is not believed.
-  if (body.code != errc_name(Errc::expired)) return;
-  for (Run* run : book_.runs()) {
-    const bool is_over = run->expired(step.steady) || run->aborted() || run->ended();
-    const bool over = is_over && body.what.find(run->id()) != std::string::npos;
-    if (over && body.subtype == Results::kSubtype) run->duties.drop(DutyKind::results, from.source);
-    if (over && body.subtype == RunAbort::kSubtype) run->duties.drop(DutyKind::abort, from.source);
-    if (over && body.subtype == RunDecision::kSubtype) run->duties.drop(DutyKind::decision, from.source);
-    if (over && body.subtype == RunPause::kSubtype) run->duties.drop(DutyKind::pause, from.source);
-  }
+  Run* run = body.code == errc_name(Errc::expired) ? book_.find(body.about) : nullptr;
+  if (run == nullptr || !(run->expired(step.steady) || run->aborted() || run->ended())) return;
+  if (body.subtype == Results::kSubtype) run->duties.drop(DutyKind::results, from.source);
+  if (body.subtype == RunAbort::kSubtype) run->duties.drop(DutyKind::abort, from.source);
+  if (body.subtype == RunDecision::kSubtype) run->duties.drop(DutyKind::decision, from.source);
+  if (body.subtype == RunPause::kSubtype) run->duties.drop(DutyKind::pause, from.source);
 }
 
 void SchedulerCore::note_refusal(const Nack& body, const Inbound& from) {
-  for (Run* run : book_.runs()) {
-    const bool is_its = body.what.find(run->id()) != std::string::npos;
-    if (is_its && run->is_member(from.source)) run->refusals[from.source] = body.what;
-  }
+  Run* run = book_.find(body.about);
+  if (run != nullptr && run->is_member(from.source)) run->refusals[from.source] = body.what;
 }
 
 /// Who refuses a baton may be in a later epoch, and the decider gone that would tell of it.
 void SchedulerCore::ask_newer(const Nack& body, const Inbound& from, Step step) {
-  for (Run* run : book_.runs()) {
-    const std::vector<std::string> owed = run->duties.creditors(DutyKind::baton);
-    const bool is_its = body.what.find(run->id()) != std::string::npos;
-    if (!is_its || std::find(owed.begin(), owed.end(), from.source) == owed.end()) continue;
-    run->asked_decisions.insert(from.source);
-    step.out.request(from.source, NeedDefinition{run->id(), run->start().digest});
-  }
+  Run* run = book_.find(body.about);
+  if (run == nullptr) return;
+  const std::vector<std::string> owed = run->duties.creditors(DutyKind::baton);
+  if (std::find(owed.begin(), owed.end(), from.source) == owed.end()) return;
+  run->asked_decisions.insert(from.source);
+  step.out.request(from.source, NeedDefinition{run->id(), run->start().digest});
 }
 
 }  // namespace trb

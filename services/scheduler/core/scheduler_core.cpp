@@ -1,5 +1,7 @@
 #include "services/scheduler/core/scheduler_core.hpp"
 
+#include "services/scheduler/core/named_run.hpp"
+
 namespace trb {
 
 using namespace scheduler;
@@ -113,7 +115,7 @@ void SchedulerCore::refuse(const Inbound& from, const Error& error, Step step) {
   // A counter for every subtype that a peer makes up would be a leak.
   const std::string subtype(holds_alternative<Opaque>(from.body) ? "opaque" : subtype_of(from.body));
   step.out.count("refused." + subtype + "." + std::string(errc_name(error.code)));
-  step.out.nack(from, error);
+  step.out.nack(from, error, named_run(from.body));
 }
 
 void SchedulerCore::refuse_over(const std::string& run, const Over& over, const Inbound& from, Step step) {
