@@ -227,7 +227,8 @@ class Watcher {
             .target = sensor_.node,
             .body = SensorWatch{sensor_.info.name, sensor_.info.identity, number_, every_s_, lease_s}};
   }
-  void order(double lease_s) { probe_.send(order_of(lease_s)); }
+  /// One that is lost is sent again with the next renewal.
+  void order(double lease_s) { (void)probe_.send(order_of(lease_s)); }
 
   void renew() {
     if (here_) {

@@ -48,7 +48,7 @@ void ResilienceCore::advance(Alert& alert, Now now, Outbox& out) {
 void ResilienceCore::advance_abort(Alert& alert, const WatchedRun& run, Now now, Outbox& out) {
   Work& work = works_[alert.id];
   alert.waits_for = "the run's end";
-  if (!work.refusal.empty()) return reopen(alert, "the order to abort was refused: " + work.refusal, now, out);
+  if (!work.refusal.empty()) return reopen(alert, "the order to abort was refused: " + work.refusal, out);
   if (work.record) {
     if (take_turn(alert.id, now)) out.command(settings_.node, RunAbort{*work.record}, 0);
     return;
@@ -114,7 +114,7 @@ void ResilienceCore::begin_signing(Alert& alert, const WatchedRun& run, std::vec
     if (ruling.ruling != Ruling::move) continue;
     const RobotRecord* robot = fleet_.find(ruling.robot);
     if (alert.verdict == Verdict::accept && (robot == nullptr || !is_fit(*robot))) {
-      return reopen(alert, ruling.robot + " cannot take over any more", now, out);
+      return reopen(alert, ruling.robot + " cannot take over any more", out);
     }
     const bool listed = std::ranges::find(decision.members, ruling.robot, &Member::id) != decision.members.end();
     if (listed || run.is_member(ruling.robot)) continue;
@@ -157,10 +157,10 @@ void ResilienceCore::hand_on(Alert& alert, const WatchedRun& run, Now now, Outbo
   for (const DecisionView& one : run.view->decisions) {
     if (one.epoch != work.epoch) continue;
     if (one.alert == alert.id) return finish(alert, out);
-    return reopen(alert, "epoch " + std::to_string(one.epoch) + " of its run is another decision", now, out);
+    return reopen(alert, "epoch " + std::to_string(one.epoch) + " of its run is another decision", out);
   }
-  if (run.view->epoch >= work.epoch) return reopen(alert, "its run has come to another epoch", now, out);
-  if (!work.refusal.empty()) return reopen(alert, "its decision was refused: " + work.refusal, now, out);
+  if (run.view->epoch >= work.epoch) return reopen(alert, "its run has come to another epoch", out);
+  if (!work.refusal.empty()) return reopen(alert, "its decision was refused: " + work.refusal, out);
   if (take_turn(alert.id, now)) out.command(settings_.node, RunDecision{*work.record}, 0);
 }
 
@@ -200,7 +200,7 @@ void ResilienceCore::finish(Alert& alert, Outbox& out) {
 }
 
 /// What was decided cannot be: the alert is as before the verdict, and says why.
-void ResilienceCore::reopen(Alert& alert, const std::string& why, Now now, Outbox& out) {
+void ResilienceCore::reopen(Alert& alert, const std::string& why, Outbox& out) {
   record_handed(alert, "decision_dropped", out);
   out.log(LogLevel::warning, "alert_reopened", alert.id + ": " + why);
   const bool refused = works_[alert.id].record.has_value();

@@ -62,11 +62,11 @@ bool ResilienceCore::waits_for_mending(Alert& alert, Now now, Outbox& out) {
     return false;
   }
   if (work.mended) {
-    unmended(alert, "is broken again: " + quoted(broken), now, out);
+    unmended(alert, "is broken again: " + quoted(broken), out);
     return true;
   }
   if (work.refused_at && now.mono - *work.refused_at >= kProfile) {
-    unmended(alert, "does not take it into use: " + work.refusal_to_mend, now, out);
+    unmended(alert, "does not take it into use: " + work.refusal_to_mend, out);
     return true;
   }
   alert.waits_for = cut_utf8(alert.robot + " to take " + quoted(broken) + " into use", 512);
@@ -113,8 +113,8 @@ void ResilienceCore::hear_unmended(const Nack& nack, const std::string& from, No
 }
 
 /// The alert is open again, and says why.
-void ResilienceCore::unmended(Alert& alert, const std::string& why, Now now, Outbox& out) {
-  reopen(alert, alert.robot + " " + why, now, out);
+void ResilienceCore::unmended(Alert& alert, const std::string& why, Outbox& out) {
+  reopen(alert, alert.robot + " " + why, out);
 }
 
 }  // namespace trb::resilience

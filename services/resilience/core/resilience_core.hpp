@@ -110,7 +110,7 @@ class ResilienceCore final : public Core {
   [[nodiscard]] bool waits_for_mending(Alert& alert, Now now, Outbox& out);
   void hear_taken(const std::string& from, Now now);
   void hear_unmended(const Nack& nack, const std::string& from, Now now, Outbox& out);
-  void unmended(Alert& alert, const std::string& why, Now now, Outbox& out);
+  void unmended(Alert& alert, const std::string& why, Outbox& out);
 
   // proposing.cpp
   void look_at_alerts(Now now, Outbox& out);
@@ -180,7 +180,7 @@ class ResilienceCore final : public Core {
   void on_signed(const SignedRecord& record, Outbox& out);
   void record_handed(const Alert& alert, const std::string& what, Outbox& out) const;
   void finish(Alert& alert, Outbox& out);
-  void reopen(Alert& alert, const std::string& why, Now now, Outbox& out);
+  void reopen(Alert& alert, const std::string& why, Outbox& out);
   [[nodiscard]] std::string busy_with(const Alert& alert);
 
   CoreSettings settings_;
