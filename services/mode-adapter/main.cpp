@@ -1,21 +1,10 @@
 // trb-mode-adapter NODE_DIR: turns messages into the robot's language and back. See README.md.
-#include <cstdio>
-#include <cstring>
-#include <exception>
-
+#include "common/drivers/registry.hpp"
+#include "common/service/service_main.hpp"
 #include "services/mode-adapter/io/start.hpp"
 
 int main(int argc, char** argv) {
-  if (argc != 2 || std::strcmp(argv[1], "--help") == 0) {
-    std::puts(
-        "trb-mode-adapter NODE_DIR\n\nTurns messages into the robot's language and back.\n"
-        "Usually started by `trb up NODE_DIR`. Example: trb-mode-adapter nodes/ur3");
-    return argc == 2 ? 0 : 2;
-  }
-  try {
-    return trb::adapter::start(argv[1]);
-  } catch (const std::exception& problem) {
-    std::fprintf(stderr, "trb-mode-adapter: %s\n", problem.what());
-    return 1;
-  }
+  return trb::service_main(argc, argv,
+                           {"mode-adapter", "Turns messages into the robot's language and back.", "nodes/ur3",
+                            trb::adapter::start, trb::drivers::robot_transports, true});
 }

@@ -1,7 +1,5 @@
 #include "services/mode-adapter/io/start.hpp"
 
-#include <cstdio>
-
 #include "common/config/node_config.hpp"
 #include "common/drivers/modbus/syntax.hpp"
 #include "common/drivers/registry.hpp"
@@ -59,40 +57,30 @@ Settings core_settings(NodeConfig config, std::uint64_t instance, std::string au
           std::move(out_of_use)};
 }
 
-int complain(const std::string& text) {
-  std::fprintf(stderr, "%s\n", text.c_str());
-  return 1;
-}
-
 }  // namespace
 
-int start(const std::string& node_dir) {
-  NodeCheck check = check_node_dir(node_dir, true, robot_transports());
-  // A robot that is reached on an interface that is not there yet: ends, and `trb up` starts it again until it is.
-  const bool placed = !check.config.network.robot_address.empty();
-  if (!faults_that_stop(check.faults).empty() || !placed) return complain(to_text(check.faults));
-  auto service = Service::open({check.config.dir, "mode-adapter", subtypes()});
-  if (!service) return complain(service.error().text());
-  auto authorization = read_robot_auth(check.config.dir);
-  if (!authorization) return complain(authorization.error().text());
-  const FenceFile fence(check.config.dir);
-  const OutOfUseFile kept(check.config.dir);
-  const DriverRow* row = find_driver(check.config.commands.transport);
+Result<int> start(NodeConfig config) {
+  auto service = Service::open({config.dir, "mode-adapter", subtypes()});
+  if (!service) return service.error();
+  auto authorization = read_robot_auth(config.dir);
+  if (!authorization) return authorization.error();
+  const FenceFile fence(config.dir);
+  const OutOfUseFile kept(config.dir);
+  const DriverRow* row = find_driver(config.commands.transport);
   const Wire wire = row == nullptr ? Wire::none : row->wire;
-  const RobotIoSettings roads = io_settings(check.config, wire);
-  const ModbusLink::Where device = modbus_device(check.config);
-  const std::string control = check.config.robot.fault_injection;
+  const RobotIoSettings roads = io_settings(config, wire);
+  const ModbusLink::Where device = modbus_device(config);
+  const std::string control = config.robot.fault_injection;
   const auto inject = [&control](const std::string& line) { return send_control_line(control, line); };
   ModeAdapterCore core(
-      core_settings(std::move(check.config), (*service)->instance(), std::move(*authorization), fence.set(),
-                    kept.read()),
+      core_settings(std::move(config), (*service)->instance(), std::move(*authorization), fence.set(), kept.read()),
       [&fence](bool fenced) { return fence.save(fenced); },
       [&kept](const std::vector<Kept>& lines) { return kept.save(lines); },
       control.empty() ? InjectLine{} : InjectLine{inject});
   const auto io = RobotIo::open(roads, **service, core);
-  if (!io) return complain(io.error().text());
+  if (!io) return io.error();
   const auto modbus = wire == Wire::modbus ? ModbusIo::open(device, **service, core) : std::unique_ptr<ModbusIo>();
-  if (!modbus) return complain(modbus.error().text());
+  if (!modbus) return modbus.error();
   const int ended = (*service)->run(core, [&core] { return core.idle(); });
   (*service)->step([&core](Now at, Outbox& out) { core.leave(at, out); });
   return ended;

@@ -1,10 +1,10 @@
 #pragma once
 
-#include <string>
+#include "common/config/node_config.hpp"
 
 namespace trb::adapter {
 
-/// Checks the node's folder, opens the service and the robot's connections, and runs. Returns the exit code.
-int start(const std::string& node_dir);
+/// Opens the service and the robot's connections, and runs until it is told to end; the process's exit status.
+Result<int> start(NodeConfig node);
 
 }  // namespace trb::adapter

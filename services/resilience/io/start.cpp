@@ -1,7 +1,5 @@
 #include "services/resilience/io/start.hpp"
 
-#include <cstdio>
-
 #include "common/base/files.hpp"
 #include "common/config/node_config.hpp"
 #include "common/log/log.hpp"
@@ -12,11 +10,6 @@
 namespace trb::resilience {
 namespace {
 
-int complain(const std::string& text) {
-  std::fprintf(stderr, "trb-resilience: %s\n", text.c_str());
-  return 1;
-}
-
 CoreSettings settings_of(const NodeConfig& config) {
   ConfigFaults faults;  // told by the check
   CoreSettings out{config.id, config.role, read_resilience_file(config.dir, faults), {}};
@@ -26,17 +19,14 @@ CoreSettings settings_of(const NodeConfig& config) {
 
 }  // namespace
 
-int start(const std::string& node_dir) {
-  const NodeCheck check = check_node_dir(node_dir, true);
-  const NodeConfig& config = check.config;
-  if (!faults_that_stop(check.faults).empty()) return complain("nothing started\n" + to_text(check.faults));
-  if (auto made = make_private_dir(config.dir + "/state"); !made) return complain(made.error().text());
+Result<int> start(NodeConfig config) {
+  if (auto made = make_private_dir(config.dir + "/state"); !made) return made.error();
   auto db = CapabilityDb::open(config.dir + "/state/capability.db");
-  if (!db) return complain(db.error().text());
+  if (!db) return db.error();
   ResilienceCore core(settings_of(config));
-  if (Status restored = restore(**db, core); !restored) return complain(restored.error().text());
+  if (Status restored = restore(**db, core); !restored) return restored.error();
   auto service = Service::open({config.dir, "resilience", ResilienceCore::subtypes(), ResilienceCore::hears()});
-  if (!service) return complain(service.error().text());
+  if (!service) return service.error();
   Steps steps(core, **db);
   (*service)->on_journal([&](const std::vector<Journal>& records) { return commit(**db, records); });
   const int status = (*service)->run(steps);

@@ -3,7 +3,6 @@
 #include <unistd.h>
 
 #include <array>
-#include <cstdio>
 
 #include "common/config/node_config.hpp"
 #include "services/ros-bridge/io/message_files.hpp"
@@ -13,11 +12,6 @@ namespace trb::ros {
 namespace {
 
 constexpr std::uint16_t kMasterPort = 11311;
-
-int complain(const std::string& text) {
-  std::fprintf(stderr, "%s\n", text.c_str());
-  return 1;
-}
 
 /// The folder of this program, where the worker is too.
 std::string program_dir() {
@@ -38,14 +32,9 @@ std::string node_name(const std::string& id) {
 
 }  // namespace
 
-int start(const std::string& node_dir) {
-  const NodeCheck check = check_node_dir(node_dir, true);
-  const NodeConfig& config = check.config;
-  if (!faults_that_stop(check.faults).empty() || config.network.robot_address.empty()) {
-    return complain(to_text(check.faults));
-  }
+Result<int> start(NodeConfig config) {
   auto service = Service::open({config.dir, "ros-bridge", {std::string(BridgeCommand::kSubtype)}});
-  if (!service) return complain(service.error().text());
+  if (!service) return service.error();
   const std::string master =
       "http://" + config.robot.host + ":" + std::to_string(config.commands.port.value_or(kMasterPort)) + "/";
   const std::vector<std::string> folders = {config.dir + "/msg", "/usr/share", "/opt/ros/noetic/share"};

@@ -4,7 +4,6 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <cstdio>
 #include <cstdlib>
 #include <sstream>
 
@@ -120,48 +119,42 @@ void give_memory_back() {
   ::mallopt(M_TRIM_THRESHOLD, 128 << 10);
 }
 
-int refuse(const std::string& text) {
-  std::fprintf(stderr, "trb-router: %s\n", text.c_str());
-  return 1;
-}
-
 }  // namespace
 
-int start(const std::string& node_dir) {
+Result<int> start(NodeConfig node) {
   give_memory_back();
-  init_crypto();
   block_signals();
   const std::size_t descriptors = raise_descriptor_limit();
   if (descriptors < kLeastDescriptors) {
-    return refuse("at most " + std::to_string(descriptors) + " open files are allowed, at least " +
-                  std::to_string(kLeastDescriptors) + " are needed: " + kRaise);
+    return fail(Errc::io_error,
+                "at most " + std::to_string(descriptors) + " open files are allowed, at least " +
+                    std::to_string(kLeastDescriptors) + " are needed",
+                kRaise);
   }
-  const NodeCheck check = check_node_dir(node_dir, true);
-  if (!faults_that_stop(check.faults).empty()) return refuse("nothing started\n" + to_text(check.faults));
-  if (::chdir(node_dir.c_str()) != 0) return refuse(node_dir + ": no such folder");
+  if (::chdir(node.dir.c_str()) != 0) return fail(Errc::io_error, node.dir + ": no such folder");
   for (const char* folder : {"log", "state"}) {
-    if (Status made = make_private_dir(folder); !made) return refuse(made.error().text());
+    if (Status made = make_private_dir(folder); !made) return made.error();
   }
   open_log("router", "log/router.log");
   auto keys = load_node_keys(".");
-  if (!keys) return refuse(keys.error().text());
+  if (!keys) return keys.error();
   const UtcTime bound = stored_time("state/utc");
   const std::uint64_t boot = count_boot(read_clocks().utc, std::max(bound, UtcTime{keys->certificate.not_before}));
-  RouterConfig config = make_config(check.config, *keys, boot);
+  RouterConfig config = make_config(node, *keys, boot);
   config.boot_stored = write_boot(boot);
   config.utc_bound = bound;
   config.news = stored_news();
-  auto bus = read_tcp_bus(check.config);
-  if (!bus) return refuse(bus.error().text());
+  auto bus = read_tcp_bus(node);
+  if (!bus) return bus.error();
   ShellOptions options{{keys->link.public_key, keys->link.secret_key},
-                       check.config.network.host_int,
-                       check.config.network.vpn_int,
-                       check.config.network.tcp_port_ext,
-                       check.config.network.lane_port,
-                       check.config.network.udp_port,
+                       node.network.host_int,
+                       node.network.vpn_int,
+                       node.network.tcp_port_ext,
+                       node.network.lane_port,
+                       node.network.udp_port,
                        keys->beacon,
                        limits_for(descriptors),
-                       std::uint64_t{check.config.proof_log_mb} << 20U,
+                       std::uint64_t{node.proof_log_mb} << 20U,
                        std::move(*bus)};
   if (descriptors < kGoodDescriptors) {
     log_event(Level::warning, "few_descriptors",
@@ -169,7 +162,7 @@ int start(const std::string& node_dir) {
                   std::to_string(options.visitors.open) + " of them, which may be few for a large fleet; " + kRaise);
   }
   RouterShell shell(std::move(config), std::move(options));
-  if (Status opened = shell.open(); !opened) return refuse(opened.error().text());
+  if (Status opened = shell.open(); !opened) return opened.error();
   return shell.run();
 }
 

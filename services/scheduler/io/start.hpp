@@ -1,11 +1,11 @@
 // Puts the service together: configuration, keys, journal, core, loop.
 #pragma once
 
-#include <string>
+#include "common/config/node_config.hpp"
 
 namespace trb::scheduler {
 
-/// Runs the service in NODE_DIR until it is told to stop; the exit code of the process. Throws what starting may throw.
-int start(const std::string& node_dir);
+/// Runs the scheduler of a node until it is told to end. The process's exit status.
+Result<int> start(NodeConfig node);
 
 }  // namespace trb::scheduler

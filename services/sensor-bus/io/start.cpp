@@ -1,7 +1,5 @@
 #include "services/sensor-bus/io/start.hpp"
 
-#include <cstdio>
-
 #include "common/config/node_config.hpp"
 #include "common/config/sensor_files.hpp"
 #include "common/log/log.hpp"
@@ -12,11 +10,6 @@
 namespace trb::sensor {
 namespace {
 
-int complain(const std::string& text) {
-  std::fprintf(stderr, "trb-sensor-bus: %s\n", text.c_str());
-  return 1;
-}
-
 std::set<std::string> requests_of(const NodeConfig& config) {
   std::set<std::string> out;
   for (const auto& [subtype, words] : config.commands.requests) out.insert(subtype);
@@ -25,18 +18,15 @@ std::set<std::string> requests_of(const NodeConfig& config) {
 
 }  // namespace
 
-int start(const std::string& node_dir) {
-  const NodeCheck check = check_node_dir(node_dir, true);
-  const NodeConfig& config = check.config;
-  if (!faults_that_stop(check.faults).empty()) return complain("nothing started\n" + to_text(check.faults));
+Result<int> start(NodeConfig config) {
   auto service =
       Service::open({config.dir, "sensor-bus", SensorBusCore::subtypes(), {std::string(PeerExpired::kSubtype)}});
-  if (!service) return complain(service.error().text());
+  if (!service) return service.error();
   ConfigFaults faults;  // told by the check above
   SensorBusCore core(config.id, requests_of(config));
   Steps steps(**service, core);
   auto bus = BusThread::open(config.dbus, **service, [&](const std::vector<BusNews>& news) { steps.on_news(news); });
-  if (!bus) return complain(bus.error().text());
+  if (!bus) return bus.error();
   steps.to_bus([&](std::vector<Effect> effects) { (*bus)->carry_out(std::move(effects)); });
   const auto devices = Devices::open(**service, steps, read_sensor_files(config.dir, faults));
   // Without them it still hears the sensors that programs feed.

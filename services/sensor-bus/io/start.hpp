@@ -1,10 +1,10 @@
 #pragma once
 
-#include <string>
+#include "common/config/node_config.hpp"
 
 namespace trb::sensor {
 
 /// Runs the sensor-bus of a node until it is told to end. The process's exit status.
-int start(const std::string& node_dir);
+Result<int> start(NodeConfig node);
 
 }  // namespace trb::sensor
