@@ -125,15 +125,6 @@ bool predecessors_final(const Task& task, const std::vector<bool>& final_tasks) 
   return std::all_of(task.after.begin(), task.after.end(), [&](TaskIndex before) { return final_tasks[before]; });
 }
 
-std::vector<TaskIndex> ready_tasks(const Scenario& scenario, const std::vector<bool>& final_tasks) {
-  std::vector<TaskIndex> out;
-  for (std::size_t i = 0; i < scenario.tasks.size(); ++i) {
-    const bool ready = !final_tasks[i] && predecessors_final(scenario.tasks[i], final_tasks);
-    if (ready) out.push_back(static_cast<TaskIndex>(i));
-  }
-  return out;
-}
-
 Bytes to_bitmap(const std::vector<bool>& final_tasks) {
   Bytes out((final_tasks.size() + 7) / 8, '\0');
   for (std::size_t i = 0; i < final_tasks.size(); ++i) {

@@ -34,9 +34,6 @@ TaskIndex chooser_of(const Scenario& scenario, TaskIndex task);
 /// True if every direct predecessor is final.
 bool predecessors_final(const Task& task, const std::vector<bool>& final_tasks);
 
-/// The tasks that are not final while all their predecessors are, ascending.
-std::vector<TaskIndex> ready_tasks(const Scenario& scenario, const std::vector<bool>& final_tasks);
-
 /// Baton::final_tasks: task i is bit i%8 of byte i/8; one byte for every eight tasks begun.
 Bytes to_bitmap(const std::vector<bool>& final_tasks);
 

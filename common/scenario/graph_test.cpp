@@ -77,11 +77,12 @@ TEST_CASE("what stands on the wire is checked as the file was") {
 
 TEST_CASE("a join is ready once all its predecessors are final") {
   const Scenario scenario = diamond();
-  CHECK(ready_tasks(scenario, {false, false, false, false}) == std::vector<TaskIndex>{0});
-  CHECK(ready_tasks(scenario, {true, false, false, false}) == std::vector<TaskIndex>{1, 2});
-  CHECK(ready_tasks(scenario, {true, true, false, false}) == std::vector<TaskIndex>{2});
-  CHECK(ready_tasks(scenario, {true, true, true, false}) == std::vector<TaskIndex>{3});
-  CHECK(ready_tasks(scenario, {true, true, true, true}).empty());
+  CHECK(predecessors_final(scenario.tasks[0], {false, false, false, false}));
+  CHECK_FALSE(predecessors_final(scenario.tasks[1], {false, false, false, false}));
+  CHECK(predecessors_final(scenario.tasks[1], {true, false, false, false}));
+  CHECK_FALSE(predecessors_final(scenario.tasks[3], {true, true, false, false}));
+  CHECK_FALSE(predecessors_final(scenario.tasks[3], {true, false, true, false}));
+  CHECK(predecessors_final(scenario.tasks[3], {true, true, true, false}));
   CHECK(successors_of(scenario)[0] == std::vector<TaskIndex>{1, 2});
   CHECK(successors_of(scenario)[3].empty());
 }

@@ -42,6 +42,14 @@ Scenario random_graph(Random& random, std::size_t most) {
   return out;
 }
 
+std::vector<TaskIndex> ready_tasks(const Scenario& scenario, const std::vector<bool>& done) {
+  std::vector<TaskIndex> out;
+  for (std::size_t i = 0; i < scenario.tasks.size(); ++i) {
+    if (!done[i] && predecessors_final(scenario.tasks[i], done)) out.push_back(static_cast<TaskIndex>(i));
+  }
+  return out;
+}
+
 /// The number of each task in an order in which they may run; nothing is ever done before what it waits for.
 std::vector<std::size_t> places_in(const Scenario& scenario) {
   std::vector<std::size_t> out(scenario.tasks.size(), 0);

@@ -145,8 +145,4 @@ template Result<PauseOrder> open_record(const SignedRecord&, std::string_view, c
 template Result<RunEnd> open_record(const SignedRecord&, std::string_view, const Certificate&);
 template Result<Choice> open_record(const SignedRecord&, std::string_view, const Certificate&);
 
-bool same_secret(BytesView a, BytesView b) {
-  return a.size() == b.size() && sodium_memcmp(a.data(), b.data(), a.size()) == 0;
-}
-
 }  // namespace trb

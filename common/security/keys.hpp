@@ -65,7 +65,4 @@ Result<Certificate> open_certificate_any_time(const SignedRecord& record, const 
 template <class T>
 Result<T> open_record(const SignedRecord& record, std::string_view purpose, const Certificate& signer);
 
-/// Compares in constant time; false for different lengths.
-bool same_secret(BytesView a, BytesView b);
-
 }  // namespace trb

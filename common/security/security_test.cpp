@@ -264,10 +264,3 @@ TEST_CASE("trb check's faults name another id and a certificate that has ended")
   CHECK(faults[0].key == "id");
   CHECK(faults[1].key == "not_after");
 }
-
-TEST_CASE("secrets are compared whole") {
-  CHECK(same_secret("abc", "abc"));
-  CHECK_FALSE(same_secret("abc", "abd"));
-  CHECK_FALSE(same_secret("abc", "ab"));
-  CHECK(same_secret("", ""));
-}

@@ -72,7 +72,11 @@ void check_candidates(const Fleet& fleet, const Task& task) {
 void take(Fleet& fleet, unsigned kind, BytesView bytes, UtcTime now) {
   const std::string id = "robot";
   if (kind == kProfile) {
-    if (const auto body = decode<NodeProfile>(bytes)) static_cast<void>(fleet.on_profile(id, *body, now));
+    Route route;
+    route.id = id;
+    route.state = "ONLINE";
+    if (auto body = decode<NodeProfile>(bytes)) route.profile = std::move(*body);
+    static_cast<void>(fleet.on_route(route, now));
   } else if (kind == kState) {
     if (const auto body = decode<RobotState>(bytes)) fleet.on_state(id, *body, now);
   } else if (kind == kFault) {

@@ -138,14 +138,4 @@ Candidates find_candidates(const Fleet& fleet, const Needs& needs) {
   return out;
 }
 
-std::optional<std::string> find_spare(const Fleet& fleet, const TaskNeed& need, std::string_view robot) {
-  std::set<std::string> words;
-  add_words(need, words);
-  for (const RobotNumber number : ask(fleet.index(), std::move(words))) {
-    const std::string& id = fleet.index().id_of(number);
-    if (id != robot && suits(fleet.record(number), need)) return id;
-  }
-  return std::nullopt;
-}
-
 }  // namespace trb::resilience

@@ -64,9 +64,6 @@ Candidates find_candidates(const Fleet& fleet, const Needs& needs);
 std::vector<std::string> find_able(const Fleet& fleet, const std::vector<TaskNeed>& needs,
                                    const std::vector<std::string>& except);
 
-/// Is there anybody else than that robot for the task, now? Stops at the first one, by number. For the preflight.
-std::optional<std::string> find_spare(const Fleet& fleet, const TaskNeed& need, std::string_view robot);
-
 /// Why the robot cannot do the task, whether fit or not; empty if it can.
 std::string why_unable(const RobotRecord& robot, const TaskNeed& need);
 

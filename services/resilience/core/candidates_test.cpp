@@ -132,14 +132,6 @@ TEST_CASE("a scenario's task says what it needs") {
   CHECK(need_of(task)->later == std::vector<std::string>{"to"});
 }
 
-TEST_CASE("the spare of a task: somebody else, now") {
-  const Fleet fleet = hall();
-  CHECK(find_spare(fleet, drive("dock"), "pioneer1"));
-  CHECK(find_spare(fleet, drive("dock"), "pioneer1") != "pioneer1");
-  CHECK(find_spare(fleet, load(), "arm") == "ridgeback");
-  CHECK_FALSE(find_spare(fleet, drive("moon"), "pioneer1"));
-}
-
 TEST_CASE("1,000 robots: those that fit, in the order of their ids, and a bounded number of reasons") {
   Fleet fleet;
   for (int i = 0; i < 3000; ++i) {

@@ -145,13 +145,6 @@ Status Fleet::on_route(const Route& route, UtcTime now) {
   return Done{};
 }
 
-Status Fleet::on_profile(std::string_view id, const NodeProfile& profile, UtcTime now) {
-  const auto robot = known(id);
-  if (!robot) return robot.error();
-  take_profile(**robot, profile, now);
-  return Done{};
-}
-
 Status Fleet::on_joined(std::string_view id, UtcTime now) {
   const auto robot = known(id);
   if (!robot) return robot.error();

@@ -49,10 +49,9 @@ class Fleet {
   /// As it was on disk; nobody is reached before the router says so. Errors: too_large, bad_value (no id), duplicate.
   Status restore(RobotRecord robot);
 
-  /// What the router says: its table (Route::state "self" and "ONLINE": reached), and each profile after that.
-  /// Errors: too_large (kMaxRobots), bad_value (no id); the node is then not known here.
+  /// What the router says: its table (Route::state "self" and "ONLINE": reached). Errors: too_large (kMaxRobots),
+  /// bad_value (no id); the node is then not known here.
   Status on_route(const Route& route, UtcTime now);
-  Status on_profile(std::string_view id, const NodeProfile& profile, UtcTime now);
   Status on_joined(std::string_view id, UtcTime now);
   void on_expired(std::string_view id, const std::string& reason, UtcTime now);
 

@@ -26,7 +26,7 @@ TEST_CASE("a robot joins, fails, is mended, goes and comes back: it is a candida
   Fleet fleet;
   REQUIRE(fleet.on_joined("pioneer1", at_second(0)));
   CHECK(who_can_drive(fleet).empty());
-  REQUIRE(fleet.on_profile("pioneer1", mobile_robot(), at_second(1)));
+  REQUIRE(tell_profile(fleet, "pioneer1", mobile_robot(), at_second(1)));
   CHECK(who_can_drive(fleet) == Ids{"pioneer1"});
 
   CHECK(fleet.on_fault("pioneer1", {"mobile", Severity::urgent, "a bumper"}, at_second(2)));
@@ -100,7 +100,7 @@ TEST_CASE("a plugged sensor gives its kind as a capability while one of that kin
   CHECK(find_candidates(fleet, warm).robots.empty());
   CHECK(why(find_candidates(fleet, warm), "a") == "'temperature': its sensor tells nothing (task measure)");
   profile.plugged.push_back({"t2", "temperature", "degC", "8", "", SensorState::ok, ""});
-  REQUIRE(fleet.on_profile("a", profile, at_second(1)));
+  REQUIRE(tell_profile(fleet, "a", profile, at_second(1)));
   CHECK(find_candidates(fleet, warm).robots == Ids{"a"});
 }
 
@@ -130,13 +130,13 @@ TEST_CASE("what is urgent is what the robot will not simply tell again") {
   CHECK(fleet.changes().robots.size() == 1);
   NodeProfile taken = mobile_robot();
   taken.control = "cloud";
-  REQUIRE(fleet.on_profile("a", taken, at_second(100)));
+  REQUIRE(tell_profile(fleet, "a", taken, at_second(100)));
   CHECK_FALSE(fleet.changes().urgent());
-  REQUIRE(fleet.on_profile("a", mobile_robot(), at_second(100)));
+  REQUIRE(tell_profile(fleet, "a", mobile_robot(), at_second(100)));
   fleet.on_fault("a", {"mobile", Severity::warning, "low"}, at_second(101));
   CHECK(fleet.changes().urgent());
   fleet.written();
-  REQUIRE(fleet.on_profile("a", mobile_robot(), at_second(102)));  // nothing new
+  REQUIRE(tell_profile(fleet, "a", mobile_robot(), at_second(102)));  // nothing new
   CHECK(fleet.changes().empty());
 }
 
@@ -180,9 +180,9 @@ TEST_CASE("what comes from outside is bounded: names, values, faults, history, n
   NodeProfile strange = mobile_robot();
   strange.frame.yaw = kUnknown;
   strange.skills[0].timeout_s = kUnknown;
-  REQUIRE(fleet.on_profile("a", strange, at_second(3000)));
+  REQUIRE(tell_profile(fleet, "a", strange, at_second(3000)));
   fleet.written();
-  REQUIRE(fleet.on_profile("a", strange, at_second(3001)));
+  REQUIRE(tell_profile(fleet, "a", strange, at_second(3001)));
   CHECK(fleet.changes().empty());
   CHECK_FALSE(fleet.on_joined("No Id", at_second(0)).ok());
 }
@@ -204,7 +204,7 @@ TEST_CASE("a robot out of service that leaves the fleet for good is none that is
   Fleet fleet;
   NodeProfile profile;
   profile.out_of_use = {{"", Severity::warning, "maintenance", 1, true, "ann"}};
-  REQUIRE(fleet.on_profile("a", profile, at_second(0)));
+  REQUIRE(tell_profile(fleet, "a", profile, at_second(0)));
   CHECK(fleet.has_retired());
   fleet.forget("a", at_second(1));
   CHECK_FALSE(fleet.has_retired());

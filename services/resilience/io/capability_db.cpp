@@ -70,10 +70,6 @@ Status CapabilityDb::put_alert(const AlertRow& alert) {
                     alert.state, BlobView{alert.body});
 }
 
-Status CapabilityDb::drop_alert(const std::string& id) {
-  return file_->run("DELETE FROM alerts WHERE id = ?", id);
-}
-
 Status CapabilityDb::keep_newest_alerts(std::int64_t state, std::int64_t other, std::int64_t most) {
   return file_->run(
       "DELETE FROM alerts WHERE state IN (?, ?) AND id NOT IN (SELECT id FROM alerts WHERE state IN (?, ?) ORDER BY "

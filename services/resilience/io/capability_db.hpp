@@ -52,9 +52,7 @@ class CapabilityDb {
   /// The newest entries, of one robot or (empty) of all; the newest first.
   Result<std::vector<HistoryEntry>> history(const std::string& robot, std::uint32_t most);
 
-  Status put_alert(const AlertRow& alert);  ///< anew or in the place of the one of that id
-  Status drop_alert(const std::string& id);
-  /// Of the alerts with one of these two states only the newest stay.
+  Status put_alert(const AlertRow& alert);  /// Of the alerts with one of these two states only the newest stay.
   Status keep_newest_alerts(std::int64_t state, std::int64_t other, std::int64_t most);
   Result<std::vector<AlertRow>> alerts();  ///< by time, then id
 
