@@ -1,21 +1,11 @@
-#include <unistd.h>
-
-#include <cstdio>
-#include <exception>
-
 #include "services/virtual-robots/kuka/virtual_kuka.hpp"
-#include "services/virtual-robots/support/options.hpp"
+#include "services/virtual-robots/support/control.hpp"
+#include "services/virtual-robots/support/robot_main.hpp"
 #include "services/virtual-robots/support/text.hpp"
 
 namespace {
 
 using namespace trb::virtual_robots;
-
-/** What the command line asks for. */
-struct Request {
-  kuka::Settings settings;
-  bool die_with_parent = false;
-};
 
 kuka::Failure failure_of(std::string_view text) {
   const std::size_t colon = text.find(':');
@@ -24,40 +14,23 @@ kuka::Failure failure_of(std::string_view text) {
   return failure;
 }
 
-std::vector<Option> options_of(Request& request) {
-  kuka::Settings& settings = request.settings;
+std::vector<Option> options_of(kuka::Settings& settings) {
   return {
-      {"--address", "ADDRESS", "where to listen (127.0.2.2)", [&](auto text) { settings.address = text; }},
+      address_option(settings.address),
       {"--port", "N|auto", "the C3 server's port (7000); auto takes a free one",
-       [&](auto text) {
-         settings.port = static_cast<std::uint16_t>(text == "auto" ? 0 : number_option(text, 1, 65535));
-       }},
-      {"--speed", "N", "robot time runs N times faster (1)",
-       [&](auto text) { settings.speed = number_option(text, 0.001, 100000); }},
+       [&](auto text) { settings.port = port_of(text); }},
+      speed_option(settings.speed),
       {"--fail", "SKILL[:N]", "its Nth call fails, or every one; repeated: several",
        [&](auto text) { settings.failures.push_back(failure_of(text)); }},
       control_option(settings.control),
-      {"--die-with-parent", "", "end when the starting process ends", [&](auto) { request.die_with_parent = true; }},
   };
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  const int parent = ::getppid();
-  Request request;
-  const std::vector<Option> options = options_of(request);
-  try {
-    if (!parse_options({argv + 1, argv + argc}, options)) {
-      std::fputs(describe_options("trb-virtual-kuka", "a virtual KUKA with a C3 server", options).c_str(), stdout);
-      return 0;
-    }
-    const Fd end = catch_end_signals();
-    if (request.die_with_parent && !die_with_parent(parent)) return 1;
-    kuka::VirtualKuka(request.settings).run(end);
-    return 0;
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "trb-virtual-kuka: %s\n", error.what());
-    return 2;
-  }
+  kuka::Settings settings;
+  return robot_main(argc, argv,
+                    {"trb-virtual-kuka", "a virtual KUKA with a C3 server", options_of(settings),
+                     [&](const Fd& end) { kuka::VirtualKuka(settings).run(end); }});
 }

@@ -1,21 +1,11 @@
-#include <unistd.h>
-
-#include <cstdio>
-#include <exception>
-
 #include "services/virtual-robots/lines/virtual_lines.hpp"
-#include "services/virtual-robots/support/options.hpp"
+#include "services/virtual-robots/support/control.hpp"
+#include "services/virtual-robots/support/robot_main.hpp"
 #include "services/virtual-robots/support/text.hpp"
 
 namespace {
 
 using namespace trb::virtual_robots;
-
-/** What the command line asks for. */
-struct Request {
-  lines::Settings settings;
-  bool die_with_parent = false;
-};
 
 void require(bool condition, std::string_view text) {
   if (!condition) throw OptionError("not understood: " + std::string(text));
@@ -63,8 +53,7 @@ std::vector<Option> channel_options(lines::Settings& settings) {
   };
 }
 
-std::vector<Option> options_of(Request& request) {
-  lines::Settings& settings = request.settings;
+std::vector<Option> options_of(lines::Settings& settings) {
   lines::BodySettings& body = settings.body;
   std::vector<Option> options = {
       {"--node", "ADDRESS:PORT", "the node to dial (needed)",
@@ -81,7 +70,6 @@ std::vector<Option> options_of(Request& request) {
       {"--speed", "N", "skills run N times faster (1)",
        [&](auto text) { settings.speed = number_option(text, 0.001, 100000); }},
       control_option(settings.control),
-      {"--die-with-parent", "", "end when the starting process ends", [&](auto) { request.die_with_parent = true; }},
   };
   for (Option& option : channel_options(settings)) options.push_back(std::move(option));
   return options;
@@ -90,23 +78,11 @@ std::vector<Option> options_of(Request& request) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  const int parent = ::getppid();
-  Request request;
-  request.settings.session.own_name = "robot";
-  const std::vector<Option> options = options_of(request);
-  try {
-    if (!parse_options({argv + 1, argv + argc}, options)) {
-      const auto help = describe_options("trb-virtual-lines-robot", "a robot on the field channel", options);
-      std::fputs(help.c_str(), stdout);
-      return 0;
-    }
-    if (request.settings.node.port == 0) throw OptionError("--node ADDRESS:PORT is needed");
-    const Fd end = catch_end_signals();
-    if (request.die_with_parent && !die_with_parent(parent)) return 1;
-    lines::VirtualLines(request.settings).run(end);
-    return 0;
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "trb-virtual-lines-robot: %s\n", error.what());
-    return 2;
-  }
+  lines::Settings settings;
+  settings.session.own_name = "robot";
+  return robot_main(
+      argc, argv, {"trb-virtual-lines-robot", "a robot on the field channel", options_of(settings), [&](const Fd& end) {
+                     if (settings.node.port == 0) throw OptionError("--node ADDRESS:PORT is needed");
+                     lines::VirtualLines(settings).run(end);
+                   }});
 }

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "services/virtual-robots/support/options.hpp"
+#include "services/virtual-robots/support/socket.hpp"
+
+namespace trb::virtual_robots {
+
+/** The program of a virtual robot. */
+struct RobotProgram {
+  std::string name;             ///< "trb-virtual-ur"
+  std::string what;             ///< what it is, for --help
+  std::vector<Option> options;  ///< its own; --die-with-parent comes behind them
+  /** Runs until `end` is readable. An OptionError: what the options say together makes no sense. */
+  std::function<void(const Fd& end)> run;
+};
+
+/** The exit status: 0, or 2 after a line on stderr, or 1 if the parent has gone already. */
+int robot_main(int argc, char** argv, RobotProgram program);
+
+// Options that most of them have.
+Option address_option(std::string& address, const std::string& preset = "127.0.2.2");
+Option speed_option(double& speed);
+
+/** A port, or 0 for `auto`. */
+std::uint16_t port_of(std::string_view text, std::uint16_t highest = 65535);
+
+}  // namespace trb::virtual_robots
