@@ -3,6 +3,7 @@
 
 #include "common/config/transports.hpp"
 #include "common/drivers/http-json/syntax.hpp"
+#include "common/drivers/polled_check.hpp"
 #include "common/fleet/did_you_mean.hpp"
 
 namespace trb::drivers {
@@ -19,44 +20,41 @@ constexpr Range kTimeout{0.1, 30, false};
 class Checker {
  public:
   Checker(const NodeConfig& config, const FileFaults& faults)
-      : config_(config), vendor_(config.commands), faults_(faults) {}
+      : config_(config),
+        vendor_(config.commands),
+        faults_(faults),
+        check_(config, faults,
+               {"http-json", "JSON only", "GET /status /NAME",
+                R"(its request, for example "POST /mission_queue {\"mission_id\": {0}}")"}) {}
 
   void check() {
-    if (vendor_.monitor) add("monitor", "is no part of http-json, whose values are asked for", "remove it");
-    if (vendor_.language != "plain") add("language", "is no part of http-json, which has JSON only", "remove it");
+    check_.check_foreign_keys();
     require_port(config_, faults_, "80");
     check_words(vendor_, config_.framework, faults_);
     for (const auto& [subtype, words] : vendor_.commands) command(subtype, words);
     for (const auto& [name, words] : vendor_.values) value(name, words);
     for (const auto& [subtype, words] : vendor_.commands) paths(subtype, words);
-    for (const auto& [subtype, name] : vendor_.requests) {
-      if (!vendor_.values.contains(name)) no_value("requests." + subtype, name, "");
-    }
-    for (const Skill& skill : config_.description.skills) this->skill(skill);
+    check_.check_names();
   }
 
  private:
-  void add(const std::string& key, std::string what, std::string cure) const {
-    faults_.add(config_.framework + "." + key, std::move(what), std::move(cure));
-  }
-
   void command(const std::string& subtype, const std::string& words) {
     const auto read = read_http_words(words);
-    if (!read) return add("commands." + subtype, read.error().what, read.error().cure);
+    if (!read) return check_.add("commands." + subtype, read.error().what, read.error().cure);
     if (read->empty() && !words.empty())
-      add("commands." + subtype, "is blank", "write METHOD PATH [JSON], a line each");
+      check_.add("commands." + subtype, "is blank", "write METHOD PATH [JSON], a line each");
     for (const HttpWords& one : *read) {
       if (!one.remembers.empty()) remembered_.insert(one.remembers);
       const bool fills = one.body && !one.body->fill("", json_literal).ok();
       if (fills && (subtype == "stop" || subtype == "release")) {
-        add("commands." + subtype, "needs data, and a " + subtype + " has none", "write the JSON itself");
+        check_.add("commands." + subtype, "needs data, and a " + subtype + " has none", "write the JSON itself");
       }
     }
   }
 
   void value(const std::string& name, const std::string& words) {
     const auto read = read_http_question(words);
-    if (!read) return add("values." + name, read.error().what, read.error().cure);
+    if (!read) return check_.add("values." + name, read.error().what, read.error().cure);
     names("values." + name, read->path);
   }
 
@@ -70,36 +68,16 @@ class Checker {
   void names(const std::string& key, const HttpPath& path) const {
     for (const std::string& name : path.names()) {
       if (remembered_.contains(name)) continue;
-      add(key, "needs <" + name + ">, which no command's answer tells",
-          did_you_mean(name, {remembered_.begin(), remembered_.end()},
-                       "let a command end with -> " + name + " /POINTER, or use one of"));
+      check_.add(key, "needs <" + name + ">, which no command's answer tells",
+                 did_you_mean(name, {remembered_.begin(), remembered_.end()},
+                              "let a command end with -> " + name + " /POINTER, or use one of"));
     }
-  }
-
-  void no_value(const std::string& key, const std::string& name, const std::string& why) const {
-    std::vector<std::string> known;
-    for (const auto& [one, ignored] : vendor_.values) known.push_back(one);
-    add(key, in_quotes(name) + " is no name of \"values\"" + why,
-        known.empty() ? "add \"values\": {\"" + name + "\": \"GET /status /" + name + "\"}"
-                      : did_you_mean(name, known, "add it there, or use one of"));
-  }
-
-  void skill(const Skill& skill) const {
-    const bool spoken = vendor_.commands.contains(skill.subtype);
-    if (!spoken && !config_.description.has_field_channel) {
-      add("commands." + skill.subtype, "is missing: skill '" + skill.name + "' sends it",
-          "add it with its request, for example \"POST /mission_queue {\\\"mission_id\\\": {0}}\"");
-    }
-    const bool position = skill.end.kind == EndKind::position;
-    if (!spoken || (!position && skill.end.kind != EndKind::state)) return;
-    const std::string watched = skill.end.state.empty() ? "position" : skill.end.state;
-    if (vendor_.values.contains(watched) || vendor_.requests.contains(watched)) return;
-    no_value("values." + watched, watched, ": the end of skill '" + skill.name + "' is seen by it");
   }
 
   const NodeConfig& config_;
   const VendorCommands& vendor_;
   const FileFaults& faults_;
+  PolledCheck check_;
   std::set<std::string> remembered_;
 };
 

@@ -1,7 +1,7 @@
 // What the transport modbus asks of commands.json.
 #include "common/config/transports.hpp"
 #include "common/drivers/modbus/syntax.hpp"
-#include "common/fleet/did_you_mean.hpp"
+#include "common/drivers/polled_check.hpp"
 
 namespace trb::drivers {
 namespace {
@@ -14,73 +14,46 @@ constexpr Range kTimeout{0.05, 2, false};
 class Checker {
  public:
   Checker(const NodeConfig& config, const FileFaults& faults)
-      : config_(config), vendor_(config.commands), faults_(faults) {}
+      : config_(config),
+        vendor_(config.commands),
+        faults_(faults),
+        check_(config, faults,
+               {"modbus", "numbers only", "discrete 0", R"(its assignments, for example "running = 1")"}) {}
 
   void check() {
-    foreign_keys();
+    check_.check_foreign_keys();
     values();
     check_words(vendor_, config_.framework, faults_);
     for (const auto& [subtype, words] : vendor_.commands) command(subtype, words);
-    for (const auto& [subtype, name] : vendor_.requests) {
-      if (!vendor_.values.contains(name)) no_value("requests." + subtype, name, "");
-    }
-    for (const Skill& skill : config_.description.skills) this->skill(skill);
+    check_.check_names();
   }
 
  private:
-  void add(const std::string& key, std::string what, std::string cure) const {
-    faults_.add(config_.framework + "." + key, std::move(what), std::move(cure));
-  }
-
-  void foreign_keys() const {
-    if (vendor_.monitor) add("monitor", "is no part of modbus, whose values are asked for", "remove it");
-    if (vendor_.language != "plain") add("language", "is no part of modbus, which has numbers only", "remove it");
-  }
-
   void values() {
     for (const auto& [name, words] : vendor_.values) {
       const auto place = read_modbus_place(words);
-      if (!place) add("values." + name, place.error().what, place.error().cure);
+      if (!place) check_.add("values." + name, place.error().what, place.error().cure);
       places_[name] = place ? *place : ModbusPlace{};  // a bad place counts as given: one mistake, one fault
     }
   }
 
   void command(const std::string& subtype, const std::string& words) const {
     const auto read = read_modbus_assignments(words, places_);
-    if (!read) return add("commands." + subtype, read.error().what, read.error().cure);
-    if (read->empty() && !words.empty()) add("commands." + subtype, "is blank", "write NAME = NUMBER, a line each");
+    if (!read) return check_.add("commands." + subtype, read.error().what, read.error().cure);
+    if (read->empty() && !words.empty())
+      check_.add("commands." + subtype, "is blank", "write NAME = NUMBER, a line each");
     if (subtype != "stop" && subtype != "release") return;
     for (const ModbusAssignment& one : *read) {
       if (one.item == ModbusAssignment::kLiteral) continue;
-      add("commands." + subtype, "needs data for '" + one.name + "', and a " + subtype + " has none",
-          "write the number itself, for example " + one.name + " = 0");
+      check_.add("commands." + subtype, "needs data for '" + one.name + "', and a " + subtype + " has none",
+                 "write the number itself, for example " + one.name + " = 0");
     }
-  }
-
-  void no_value(const std::string& key, const std::string& name, const std::string& why) const {
-    std::vector<std::string> names;
-    for (const auto& [known, ignored] : vendor_.values) names.push_back(known);
-    add(key, in_quotes(name) + " is no name of \"values\"" + why,
-        names.empty() ? "add \"values\": {\"" + name + "\": \"discrete 0\"}"
-                      : did_you_mean(name, names, "add it there, or use one of"));
-  }
-
-  void skill(const Skill& skill) const {
-    const bool spoken = vendor_.commands.contains(skill.subtype);
-    if (!spoken && !config_.description.has_field_channel) {
-      add("commands." + skill.subtype, "is missing: skill '" + skill.name + "' sends it",
-          "add it with its assignments, for example \"running = 1\"");
-    }
-    const bool position = skill.end.kind == EndKind::position;
-    if (!spoken || (!position && skill.end.kind != EndKind::state)) return;
-    const std::string watched = skill.end.state.empty() ? "position" : skill.end.state;
-    if (vendor_.values.contains(watched) || vendor_.requests.contains(watched)) return;
-    no_value("values." + watched, watched, ": the end of skill '" + skill.name + "' is seen by it");
   }
 
   const NodeConfig& config_;
   const VendorCommands& vendor_;
   const FileFaults& faults_;
+  PolledCheck check_;
   ModbusPlaces places_;
 };
 

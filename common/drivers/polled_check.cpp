@@ -1,0 +1,52 @@
+#include "common/drivers/polled_check.hpp"
+
+#include "common/fleet/did_you_mean.hpp"
+
+namespace trb::drivers {
+namespace {
+
+std::string with_name(std::string example, const std::string& name) {
+  constexpr std::string_view kName = "NAME";
+  const std::size_t at = example.find(kName);
+  return at == std::string::npos ? example : example.replace(at, kName.size(), name);
+}
+
+}  // namespace
+
+void PolledCheck::check_foreign_keys() const {
+  const VendorCommands& vendor = config_.commands;
+  const std::string no_part = "is no part of " + examples_.transport + ", ";
+  if (vendor.monitor) add("monitor", no_part + "whose values are asked for", "remove it");
+  if (vendor.language != "plain") add("language", no_part + "which has " + examples_.has, "remove it");
+}
+
+void PolledCheck::check_names() const {
+  for (const auto& [subtype, name] : config_.commands.requests) {
+    if (!config_.commands.values.contains(name)) add_no_value("requests." + subtype, name, "");
+  }
+  for (const Skill& skill : config_.description.skills) check_skill(skill);
+}
+
+void PolledCheck::check_skill(const Skill& skill) const {
+  const VendorCommands& vendor = config_.commands;
+  const bool spoken = vendor.commands.contains(skill.subtype);
+  if (!spoken && !config_.description.has_field_channel) {
+    add("commands." + skill.subtype, "is missing: skill '" + skill.name + "' sends it",
+        "add it with " + examples_.command);
+  }
+  const bool position = skill.end.kind == EndKind::position;
+  if (!spoken || (!position && skill.end.kind != EndKind::state)) return;
+  const std::string watched = skill.end.state.empty() ? "position" : skill.end.state;
+  if (vendor.values.contains(watched) || vendor.requests.contains(watched)) return;
+  add_no_value("values." + watched, watched, ": the end of skill '" + skill.name + "' is seen by it");
+}
+
+void PolledCheck::add_no_value(const std::string& key, const std::string& name, const std::string& why) const {
+  std::vector<std::string> known;
+  for (const auto& [one, ignored] : config_.commands.values) known.push_back(one);
+  const std::string example = R"(add "values": {")" + name + R"(": ")" + with_name(examples_.value, name) + R"("})";
+  add(key, in_quotes(name) + " is no name of \"values\"" + why,
+      known.empty() ? example : did_you_mean(name, known, "add it there, or use one of"));
+}
+
+}  // namespace trb::drivers
