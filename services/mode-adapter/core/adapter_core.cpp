@@ -17,35 +17,40 @@ void ModeAdapterCore::on_welcome(const NodeIdentity&, Now, Outbox& out) {
 }
 
 void ModeAdapterCore::on(const Inbound& message, Now now, Outbox& out) {
-  visit(Overloaded{
-            [&](const Opaque& body) { on_opaque(message, body, now, out); },
-            [&](const Execute& order) { execute(message, order, now, out); },
-            [&](const CancelExecution& order) { desk_.cancel(message, order, now, out); },
-            [&](const ExecutionQuery& query) { desk_.query(message, query, out); },
-            [&](const OutcomeJournaled& outcome) { desk_.journaled(outcome); },
-            [&](const AdapterStateRequest&) { out.reply(message, status_.state(condition())); },
-            [&](const Stop& stop) {
-              desk_.interrupt("stopped by " + message.source + ": " + stop.reason, now, out);
-              stops_.on_stop(message, now, out);
-            },
-            [&](const Release&) { stops_.on_release(message, now, out); },
-            [&](const TakeOutOfUse& order) { on_take_out(message, order, now, out); },
-            [&](const TakeIntoUse& order) { on_take_in(message, order, out); },
-            [&](const InjectFault& order) { on_inject(message, order, out); },
-            [&](const Nack& nack) { on_nack(message, nack, now, out); },
-            [&](const BridgeEvent& event) { on_bridge(message, event, now, out); },
-            [&](const BridgeState& state) {
-              on_bridge(message, state, now, out);
-              if (!state.up && message.source == robot_.settings.id) status_.on_no_contact(state.detail);
-            },
-            [&](const Ack&) {},
-            [&](const auto&) {
-              out.count("refused.unexpected");
-              out.nack(message, fail(Errc::unknown_subtype, "the mode-adapter takes no such message"));
-            },
-        },
-        message.body);
+  const bool taken = Taken::dispatch(
+      message.body, Overloaded{
+                        [&](const Execute& order) { execute(message, order, now, out); },
+                        [&](const CancelExecution& order) { desk_.cancel(message, order, now, out); },
+                        [&](const ExecutionQuery& query) { desk_.query(message, query, out); },
+                        [&](const OutcomeJournaled& outcome) { desk_.journaled(outcome); },
+                        [&](const AdapterStateRequest&) { out.reply(message, status_.state(condition())); },
+                        [&](const Stop& stop) {
+                          desk_.interrupt("stopped by " + message.source + ": " + stop.reason, now, out);
+                          stops_.on_stop(message, now, out);
+                        },
+                        [&](const Release&) { stops_.on_release(message, now, out); },
+                        [&](const TakeOutOfUse& order) { on_take_out(message, order, now, out); },
+                        [&](const TakeIntoUse& order) { on_take_in(message, order, out); },
+                        [&](const InjectFault& order) { on_inject(message, order, out); },
+                        [&](const BridgeEvent& event) { on_bridge(message, event, now, out); },
+                        [&](const BridgeState& state) {
+                          on_bridge(message, state, now, out);
+                          if (!state.up && message.source == robot_.settings.id) status_.on_no_contact(state.detail);
+                        },
+                    });
+  if (!taken) on_other(message, now, out);
   settle(now, out);
+}
+
+/// A user's own word, or an answer.
+void ModeAdapterCore::on_other(const Inbound& message, Now now, Outbox& out) {
+  visit(Overloaded{[&](const Opaque& body) { on_opaque(message, body, now, out); },
+                   [&](const Nack& nack) { on_nack(message, nack, now, out); }, [&](const Ack&) {},
+                   [&](const auto&) {
+                     out.count("refused.unexpected");
+                     out.nack(message, fail(Errc::unknown_subtype, "the mode-adapter takes no such message"));
+                   }},
+        message.body);
 }
 
 template <class Heard>

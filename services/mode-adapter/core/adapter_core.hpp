@@ -3,6 +3,7 @@
 #pragma once
 
 #include "common/actor/core.hpp"
+#include "common/actor/takes.hpp"
 #include "services/mode-adapter/core/askers.hpp"
 #include "services/mode-adapter/core/control_lease.hpp"
 #include "services/mode-adapter/core/fault_rules.hpp"
@@ -18,6 +19,9 @@ namespace trb::adapter {
 
 class ModeAdapterCore : public Core {
  public:
+  using Taken = Takes<Execute, CancelExecution, ExecutionQuery, OutcomeJournaled, AdapterStateRequest, Stop, Release,
+                      TakeOutOfUse, TakeIntoUse, InjectFault, BridgeEvent, BridgeState>;
+
   ModeAdapterCore(Settings settings, PersistFence persist, PersistOutOfUse keep, InjectLine inject = {});
 
   void on_welcome(const NodeIdentity& node, Now now, Outbox& out) override;
@@ -37,6 +41,7 @@ class ModeAdapterCore : public Core {
 
  private:
   // messages for the robot: to_robot.cpp
+  void on_other(const Inbound& message, Now now, Outbox& out);
   void on_opaque(const Inbound& message, const Opaque& body, Now now, Outbox& out);
   void on_command(const Inbound& message, const Opaque& body, Now now, Outbox& out);
   void on_request(const Inbound& message, const Opaque& body, Now now, Outbox& out);

@@ -17,19 +17,9 @@ constexpr std::uint16_t kModbusPort = 502;
 
 std::vector<std::string> subtypes() {
   // Words without a body come to the mode-adapter anyway: it takes what no other service claims.
-  return {std::string(Execute::kSubtype),
-          std::string(CancelExecution::kSubtype),
-          std::string(ExecutionQuery::kSubtype),
-          std::string(OutcomeJournaled::kSubtype),
-          std::string(AdapterStateRequest::kSubtype),
-          std::string(AdapterCountersRequest::kSubtype),
-          std::string(BridgeEvent::kSubtype),
-          std::string(BridgeState::kSubtype),
-          std::string(InjectFault::kSubtype),
-          std::string(TakeOutOfUse::kSubtype),
-          std::string(TakeIntoUse::kSubtype),
-          std::string(Stop::kSubtype),
-          std::string(Release::kSubtype)};
+  std::vector<std::string> out = ModeAdapterCore::Taken::subtypes();
+  out.emplace_back(AdapterCountersRequest::kSubtype);  // the service answers it
+  return out;
 }
 
 RobotIoSettings io_settings(const NodeConfig& config, Wire wire) {

@@ -14,11 +14,6 @@ constexpr Duration kLook = std::chrono::seconds(1);
 
 }  // namespace
 
-std::vector<std::string> ResilienceCore::subtypes() {
-  return {std::string(AlertListRequest::kSubtype), std::string(AlertDecide::kSubtype),
-          std::string(HistoryListRequest::kSubtype)};
-}
-
 std::vector<std::string> ResilienceCore::hears() {
   std::vector<std::string> out;
   for (const std::string_view word : {RobotFault::kSubtype, RobotConnection::kSubtype, RobotState::kSubtype,
@@ -63,14 +58,10 @@ void ResilienceCore::on(const Inbound& message, Now now, Outbox& out) {
 
 void ResilienceCore::on_request(const Inbound& message, Now now, Outbox& out) {
   stirred_ = true;
-  visit(Overloaded{[&](const AlertListRequest& body) { handle(body, message, now, out); },
-                   [&](const AlertDecide& body) { handle(body, message, now, out); },
-                   [&](const auto&) {
-                     out.count("refused.unexpected");
-                     out.nack(message, fail(Errc::unknown_subtype, "trb-resilience does not take '" +
-                                                                       std::string(subtype_of(message.body)) + "'"));
-                   }},
-        message.body);
+  if (Taken::dispatch(message.body, [&](const auto& body) { handle(body, message, now, out); })) return;
+  out.count("refused.unexpected");
+  out.nack(message,
+           fail(Errc::unknown_subtype, "trb-resilience does not take '" + std::string(subtype_of(message.body)) + "'"));
 }
 
 void ResilienceCore::on_information(const Inbound& message, Now now, Outbox& out) {

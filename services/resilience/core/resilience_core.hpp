@@ -10,6 +10,7 @@
 
 #include "common/actor/core.hpp"
 #include "common/actor/route_pages.hpp"
+#include "common/actor/takes.hpp"
 #include "services/resilience/core/alert_book.hpp"
 #include "services/resilience/core/overdue.hpp"
 #include "services/resilience/core/proposals.hpp"
@@ -38,8 +39,7 @@ class ResilienceCore final : public Core {
  public:
   explicit ResilienceCore(CoreSettings settings) : settings_(std::move(settings)) {}
 
-  /// What the service takes of the node's bus (`history_list` is its shell's), and what it hears.
-  static std::vector<std::string> subtypes();
+  using Taken = Takes<AlertListRequest, AlertDecide>;
   static std::vector<std::string> hears();
 
   void restore(std::vector<Alert> alerts, const std::vector<StoredDecision>& decisions);

@@ -25,7 +25,7 @@ Result<int> start(NodeConfig config) {
   if (!db) return db.error();
   ResilienceCore core(settings_of(config));
   if (Status restored = restore(**db, core); !restored) return restored.error();
-  auto service = Service::open({config.dir, "resilience", ResilienceCore::subtypes(), ResilienceCore::hears()});
+  auto service = Service::open({config.dir, "resilience", Steps::subtypes(), ResilienceCore::hears()});
   if (!service) return service.error();
   Steps steps(core, **db);
   (*service)->on_journal([&](const std::vector<Journal>& records) { return commit(**db, records); });

@@ -8,6 +8,12 @@ constexpr std::uint32_t kMostEvents = 500;  ///< as many as a HistoryTable holds
 
 }  // namespace
 
+std::vector<std::string> Steps::subtypes() {
+  std::vector<std::string> out = ResilienceCore::Taken::subtypes();
+  out.emplace_back(HistoryListRequest::kSubtype);
+  return out;
+}
+
 void Steps::on_welcome(const NodeIdentity& node, Now now, Outbox& out) {
   core_.on_welcome(node, now, out);
   keep(now, out);

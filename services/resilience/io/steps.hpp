@@ -12,6 +12,9 @@ class Steps final : public Core {
  public:
   Steps(ResilienceCore& core, CapabilityDb& db) : core_(core), db_(db) {}
 
+  /// What the core takes, and what is answered here.
+  static std::vector<std::string> subtypes();
+
   void on_welcome(const NodeIdentity& node, Now now, Outbox& out) override;
   void on(const Inbound& message, Now now, Outbox& out) override;
   void tick(Now now, Outbox& out) override;

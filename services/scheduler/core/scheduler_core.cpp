@@ -12,25 +12,6 @@ SchedulerCore::SchedulerCore(SchedulerSettings settings, const Archive& archive)
       book_(settings_.node, settings_.authority),
       executor_(settings_.node) {}
 
-std::vector<std::string> SchedulerCore::subtypes() {
-  std::vector<std::string> out;
-  for (const auto subtype : {RunSubmit::kSubtype,      Baton::kSubtype,
-                             BatonJournaled::kSubtype, NeedDefinition::kSubtype,
-                             Definition::kSubtype,     NeedResults::kSubtype,
-                             Results::kSubtype,        ResultsJournaled::kSubtype,
-                             TaskProgress::kSubtype,   RunAbort::kSubtype,
-                             AbortConfirmed::kSubtype, RunQuery::kSubtype,
-                             RunListRequest::kSubtype, AdapterState::kSubtype,
-                             ExecutionState::kSubtype, Outcome::kSubtype,
-                             RunDecision::kSubtype,    DecisionJournaled::kSubtype,
-                             ReleaseTasks::kSubtype,   RunPause::kSubtype,
-                             PauseJournaled::kSubtype, RunWatch::kSubtype,
-                             RunOver::kSubtype,        NeedEnd::kSubtype}) {
-    out.emplace_back(subtype);
-  }
-  return out;
-}
-
 Status SchedulerCore::restore(std::span<const Body> records) {
   for (const Body& record : records) {
     if (const auto* time = get_if<JournalTime>(&record)) {
@@ -102,12 +83,10 @@ std::optional<MonotonicTime> SchedulerCore::next_deadline() const {
 }
 
 void SchedulerCore::dispatch(const Inbound& message, Step step) {
-  visit([&](const auto& body) { handle(body, message, step); }, message.body);
-}
-
-template <class Other>
-void SchedulerCore::handle(const Other& body, const Inbound& from, Step step) {
-  refuse(from, fail(Errc::unknown_subtype, "the scheduler does not take '" + std::string(subtype_of(Body(body))) + "'"),
+  const auto to_handler = [&](const auto& body) { handle(body, message, step); };
+  if (Taken::dispatch(message.body, to_handler) || Answers::dispatch(message.body, to_handler)) return;
+  refuse(message,
+         fail(Errc::unknown_subtype, "the scheduler does not take '" + std::string(subtype_of(message.body)) + "'"),
          step);
 }
 

@@ -9,6 +9,7 @@
 
 #include "common/actor/core.hpp"
 #include "common/actor/route_pages.hpp"
+#include "common/actor/takes.hpp"
 #include "common/base/steady_time.hpp"
 #include "common/security/keys.hpp"
 #include "services/scheduler/core/archive.hpp"
@@ -32,8 +33,10 @@ class SchedulerCore : public Core {
   /// The archive must outlive it.
   SchedulerCore(SchedulerSettings settings, const scheduler::Archive& archive);
 
-  /// The subtypes that the service takes.
-  static std::vector<std::string> subtypes();
+  using Taken =
+      Takes<RunSubmit, Baton, BatonJournaled, NeedDefinition, Definition, NeedResults, Results, ResultsJournaled,
+            TaskProgress, RunAbort, AbortConfirmed, RunQuery, RunListRequest, AdapterState, ExecutionState, Outcome,
+            RunDecision, DecisionJournaled, ReleaseTasks, RunPause, PauseJournaled, RunWatch, RunOver, NeedEnd>;
 
   /// Takes in what the journal held, in order, before on_welcome. Errors: those of scheduler::Book::apply.
   Status restore(std::span<const Body> records);
@@ -44,6 +47,8 @@ class SchedulerCore : public Core {
   [[nodiscard]] std::optional<MonotonicTime> next_deadline() const override;
 
  private:
+  /// To what it has asked itself.
+  using Answers = Takes<SignedRecord, RouteTable, SensorReading, Ack, Nack>;
   using Run = scheduler::Run;
   struct Step {
     Now now;
@@ -83,8 +88,6 @@ class SchedulerCore : public Core {
   void handle(const SensorReading& body, const Inbound& from, Step step);
   void handle(const Ack& body, const Inbound& from, Step step);
   void handle(const Nack& body, const Inbound& from, Step step);
-  template <class Other>
-  void handle(const Other& body, const Inbound& from, Step step);
   void dispatch(const Inbound& message, Step step);
 
   /// The negative answer, counted; information is only counted.

@@ -35,7 +35,7 @@ Result<int> start(NodeConfig node) {
   if (auto made = make_private_dir(node.dir + "/state"); !made) return made.error();
   auto journal = JournalFile::open(node.dir + "/state/journal.db", std::int64_t{node.archive_mb} << 20U);
   if (!journal) return journal.error();
-  auto service = Service::open({node.dir, "scheduler", SchedulerCore::subtypes()});
+  auto service = Service::open({node.dir, "scheduler", SchedulerCore::Taken::subtypes()});
   if (!service) return service.error();
   return run(node, *keys, **service, **journal);
 }

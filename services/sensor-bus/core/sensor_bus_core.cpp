@@ -17,15 +17,6 @@ constexpr Duration kGatherStates = seconds(1);
 
 }  // namespace
 
-std::vector<std::string> SensorBusCore::subtypes() {
-  std::vector<std::string> out;
-  for (const std::string_view word :
-       {SensorRead::kSubtype, SensorWatch::kSubtype, SensorSnapshot::kSubtype, SensorListRequest::kSubtype}) {
-    out.emplace_back(word);
-  }
-  return out;
-}
-
 void SensorBusCore::on_welcome(const NodeIdentity&, Now now, Outbox& out) {
   welcomed_ = true;
   tell_at_ = now.mono;
@@ -44,16 +35,16 @@ void SensorBusCore::on(const Inbound& message, Now now, Outbox& out) {
 }
 
 void SensorBusCore::on_request(const Inbound& asked, Now now, Outbox& out) {
-  visit(Overloaded{[&](const SensorRead& body) { begin_read(asked, body, now, out); },
-                   [&](const SensorWatch& body) { order_watch(asked, body, now, out); },
-                   [&](const SensorSnapshot& body) { begin_picture(asked, body, now, out); },
-                   [&](const SensorListRequest& body) { tell_table(asked, body, out); },
-                   // Of a robot, or a person: the name of a sensor.
-                   [&](const Opaque& body) {
-                     begin_read(asked, SensorRead{body.subtype, "", 0}, now, out);
-                   },
-                   [&](const auto&) { refuse(asked, out); }},
-        asked.body);
+  // Of a robot, or a person: the name of a sensor.
+  if (const auto* name = get_if<Opaque>(&asked.body)) {
+    return begin_read(asked, SensorRead{name->subtype, "", 0}, now, out);
+  }
+  const bool taken =
+      Taken::dispatch(asked.body, Overloaded{[&](const SensorRead& body) { begin_read(asked, body, now, out); },
+                                             [&](const SensorWatch& body) { order_watch(asked, body, now, out); },
+                                             [&](const SensorSnapshot& body) { begin_picture(asked, body, now, out); },
+                                             [&](const SensorListRequest& body) { tell_table(asked, body, out); }});
+  if (!taken) refuse(asked, out);
 }
 
 void SensorBusCore::refuse(const Inbound& message, Outbox& out) {

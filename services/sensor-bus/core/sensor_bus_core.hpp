@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "common/actor/core.hpp"
+#include "common/actor/takes.hpp"
 #include "services/sensor-bus/core/effects.hpp"
 #include "services/sensor-bus/core/sensors.hpp"
 #include "services/sensor-bus/core/watches.hpp"
@@ -22,8 +23,7 @@ class SensorBusCore : public Core {
   explicit SensorBusCore(std::string node, std::set<std::string> robots = {})
       : node_(std::move(node)), sensors_(std::move(robots)) {}
 
-  /// What it takes of the node's bus.
-  static std::vector<std::string> subtypes();
+  using Taken = Takes<SensorRead, SensorWatch, SensorSnapshot, SensorListRequest>;
 
   void on_welcome(const NodeIdentity& node, Now now, Outbox& out) override;
   void on(const Inbound& message, Now now, Outbox& out) override;

@@ -20,7 +20,7 @@ std::set<std::string> requests_of(const NodeConfig& config) {
 
 Result<int> start(NodeConfig config) {
   auto service =
-      Service::open({config.dir, "sensor-bus", SensorBusCore::subtypes(), {std::string(PeerExpired::kSubtype)}});
+      Service::open({config.dir, "sensor-bus", SensorBusCore::Taken::subtypes(), {std::string(PeerExpired::kSubtype)}});
   if (!service) return service.error();
   ConfigFaults faults;  // told by the check above
   SensorBusCore core(config.id, requests_of(config));
