@@ -214,6 +214,7 @@ def parse():
                         "or you are asked, and decide in another terminal")
     parser.add_argument("--patience", type=float, default=600, metavar="SECONDS",
                         help="of --policy ask: how long the demonstration waits for you (600)")
+    parser.add_argument("--only-parse", action="store_true", help=argparse.SUPPRESS)
     parser.add_argument("--programs", required=True, help=argparse.SUPPRESS)
     parser.add_argument("--root", required=True, help=argparse.SUPPRESS)
     parser.add_argument("--block", type=int, help=argparse.SUPPRESS)
@@ -247,6 +248,8 @@ def start(fleet, fault):
 
 def main():
     arguments = parse()
+    if arguments.only_parse:
+        return
     root = pathlib.Path(arguments.root)
     lock = take_lock(root)
     place = demo_place.take(arguments.block, arguments.udp_port, root, say)
