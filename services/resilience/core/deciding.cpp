@@ -10,6 +10,8 @@ namespace trb::resilience {
 
 namespace {
 
+/// So long a robot that can be reached is asked, though a person says that it stands: its result may be on its way.
+constexpr Duration kAskedFirst = std::chrono::seconds(5);
 constexpr Duration kStuck = std::chrono::seconds(30);  ///< so long whoever is waited for has the first word
 constexpr const char* kStuckCure =
     "; it has been waited for for 30 s: --stands if you have seen that it stands, or another verdict";
@@ -74,7 +76,8 @@ std::string ResilienceCore::busy_with(const Alert& alert) {
 
 void ResilienceCore::advance_decision(Alert& alert, const WatchedRun& run, Now now, Outbox& out) {
   Work& work = works_[alert.id];
-  Plan plan = plan_of(alert, run, fleet_, settings_.node);
+  const bool asked_long = work.releasing_since && now.mono - *work.releasing_since >= kAskedFirst;
+  Plan plan = plan_of(alert, run, fleet_, settings_.node, asked_long);
   if (plan.rulings.empty()) {
     work.signing.clear();
     return close(alert, "nothing is left of it to decide", out);

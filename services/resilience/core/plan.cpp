@@ -46,11 +46,15 @@ std::string awaited(const TaskView& task, const Fleet& fleet) {
               : task.robot + " to give task '" + task.id + "' back";
 }
 
+bool is_reached(const Fleet& fleet, const std::string& id) {
+  const RobotRecord* robot = fleet.find(id);
+  return robot != nullptr && robot->reached;
+}
+
 }  // namespace
 
-Plan plan_of(const Alert& alert, const WatchedRun& run, const Fleet& fleet, const std::string& node) {
+Plan plan_of(const Alert& alert, const WatchedRun& run, const Fleet& fleet, const std::string& node, bool asked_long) {
   Plan out;
-  const bool word_given = alert.needs_word;
   const auto wait = [&](const std::string& what) {
     if (out.waits_for.empty()) out.waits_for = what;
   };
@@ -61,7 +65,9 @@ Plan plan_of(const Alert& alert, const WatchedRun& run, const Fleet& fleet, cons
     if (ruling.robot.empty()) continue;
     const std::string why = why_word(run, index, fleet, alert.verdict == Verdict::retry);
     const bool open = !run.has_stopped(index);
-    if (word_given && (open || !why.empty())) {
+    // Who can be asked is asked first: what it has done may be on its way.
+    const bool word_counts = alert.needs_word && (asked_long || !is_reached(fleet, task.robot));
+    if ((alert.needs_word && !why.empty()) || (word_counts && open)) {
       ruling.evidence = Evidence::word;
       ruling.attempt = run.last_possible_attempt(index) + 1;
     } else if (open) {

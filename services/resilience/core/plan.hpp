@@ -16,7 +16,8 @@ struct Plan {
 };
 
 /// Of an alert with a verdict that is no abort: proposals.front() says who takes over; needs_word that a person has
-/// said that the robot stands. `node`: who skips. The run is_known().
-Plan plan_of(const Alert& alert, const WatchedRun& run, const Fleet& fleet, const std::string& node);
+/// said that the robot stands. `node`: who skips. `asked_long`: a robot that is reached has had its time to answer, and
+/// the word counts without it. The run is_known().
+Plan plan_of(const Alert& alert, const WatchedRun& run, const Fleet& fleet, const std::string& node, bool asked_long);
 
 }  // namespace trb::resilience

@@ -148,7 +148,7 @@ Status ResilienceCore::check_bounds(const Alert& alert, const WatchedRun& run) {
                 "--abort, or let it end");
   }
   const bool skips = alert.verdict == Verdict::skip;
-  for (const TaskRuling& ruling : plan_of(alert, run, fleet_, settings_.node).rulings) {
+  for (const TaskRuling& ruling : plan_of(alert, run, fleet_, settings_.node, true).rulings) {
     if (ruling.attempt <= kMaxAttempts + (skips ? 1 : 0)) continue;
     return fail(Errc::conflict,
                 "task '" + ruling.task + "' would come to attempt " + std::to_string(ruling.attempt) + ", " +

@@ -59,7 +59,24 @@ TEST_CASE("a task that runs past its time-out is an alert, which a person decide
   CHECK(bench->alert().policy.starts_with("automatic, but asks: nothing has failed"));
   CHECK(bench->decide(Verdict::retry) == "conflict");
   CHECK(bench->decide(Verdict::accept, "", true) == "accepted");
+  bench->wait(seconds(4));
+  CHECK(bench->taken.empty());  // it can be reached: it is asked first
+  CHECK_FALSE(bench->releases.empty());
+  bench->wait(seconds(2));
+  REQUIRE(bench->taken.size() == 1);
   CHECK(rulings(bench->taken.at(0)) == "t4>pioneer1?");
+}
+
+TEST_CASE("a result that is on its way is not overtaken by a person's word that its robot stands") {
+  auto bench = timed(40);
+  bench->wait(seconds(56));
+  const std::string id = bench->alert().id;
+  CHECK(bench->decide(Verdict::accept, "", true) == "accepted");
+  bench->wait(seconds(2));
+  bench->end_task("t4", TaskOutcome::finished);
+  bench->wait(seconds(10));
+  CHECK(bench->taken.empty());
+  CHECK(bench->any(id).state == AlertState::closed);
 }
 
 TEST_CASE("the alert of what is overdue closes when the task goes on, and stays the same over a restart") {

@@ -219,6 +219,8 @@ TEST_CASE("a robot that gives nothing back for 30 s: it is said, and another ver
     const std::size_t asked = bench->releases.size();
     if (stands) {
       CHECK(bench->decide(Verdict::accept, "pioneer2", true) == "accepted");
+      bench->wait(seconds(6));
+      REQUIRE(bench->taken.size() == 1);
       CHECK(rulings(bench->taken.at(0)) == "t4>pioneer2 t7>pioneer2?");
       continue;
     }
