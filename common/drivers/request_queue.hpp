@@ -36,6 +36,7 @@ class RequestQueue {
     bool skill = false;
     std::vector<Step> steps;
     std::size_t done = 0;  ///< steps that are answered well
+    std::size_t lost = 0;  ///< connections that ended before an answer to it
   };
   using Jobs = std::deque<Job>;
 

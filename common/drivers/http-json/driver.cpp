@@ -255,13 +255,9 @@ Status HttpJsonDriver::remember(const HttpWords& words, const HttpAnswer& answer
 }
 
 void HttpJsonDriver::on_done(const Job& job, const DriverOut& out) {
-  if (job.purpose == Purpose::stop) {
-    stops_lost_ = 0;
-    out.emit(Stopped{job.token});
-    return out.emit(FaultOver{kWouldNotStop});
-  }
+  if (job.purpose == Purpose::stop) out.emit(Stopped{job.token});
+  if (job.purpose == Purpose::stop || job.purpose == Purpose::halt) return out.emit(FaultOver{kWouldNotStop});
   if (job.purpose == Purpose::release) return out.emit(Released{job.token});
-  if (job.purpose == Purpose::halt) return;
   out.emit(HandedOver{job.token});
   if (job.skill) out.emit(Ended{job.token, true, {}});
 }
@@ -290,7 +286,7 @@ void HttpJsonDriver::on_down(Channel channel, const std::string& reason, Now now
 }
 
 void HttpJsonDriver::on_lost_job(const std::string& reason, const DriverOut& out) {
-  const Job& job = queue_.front();
+  Job& job = queue_.front();
   const Error lost = fail(Errc::robot_offline,
                           "the connection was lost before the answer to " + text_of(job.steps[job.done].words) +
                               ", and nobody knows whether it was taken: " + reason,
@@ -298,12 +294,11 @@ void HttpJsonDriver::on_lost_job(const std::string& reason, const DriverOut& out
   if (job.purpose == Purpose::command || job.purpose == Purpose::release) return on_refused(queue_.pop(), lost, out);
   // A stop does no harm twice: it stays, and is the first thing that is sent on the next connection.
   out.out.count("to_robot.stop_again");
-  if (++stops_lost_ == kStopsLost) say_would_not_stop(lost, out);
+  if (++job.lost == kStopsLost) say_would_not_stop(lost, out);
 }
 
 void HttpJsonDriver::go_offline(const std::string& reason, const DriverOut& out) {
   heard_ = false;
-  stops_lost_ = 0;
   for (const Job& job : queue_.clear()) {
     if (job.purpose != Purpose::command) continue;
     out.emit(Refused{job.token, fail(Errc::robot_offline, "the robot does not answer any more: " + reason,

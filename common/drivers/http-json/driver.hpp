@@ -91,7 +91,6 @@ class HttpJsonDriver : public Driver {
   std::string lost_why_;
   Token last_ticket_ = 0;
   Queue queue_;
-  std::size_t stops_lost_ = 0;  ///< connections that ended before the answer to the stop which is under way
   Remembered remembered_;
   HttpReader reader_;
 };

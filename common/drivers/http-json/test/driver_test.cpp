@@ -236,6 +236,24 @@ TEST_CASE("http: a stop that three connections in turn do not answer is a critic
   CHECK(get<RobotFault>(bench.told<RobotFault>().back().body).ended);
 }
 
+TEST_CASE("http: each halt has three connections of its own: what one before has lost is no fault of the next") {
+  MirBench bench;
+  bench.connect();
+  for (int attempt = 1; attempt <= 3; ++attempt) {
+    bench.deliver(MessageType::command, order("drive", R"({"mission": "dock"})", attempt), "mir");
+    bench.serve();
+    bench.deliver(MessageType::command, CancelExecution{order("drive", "", attempt).key, "enough"}, "mir");
+    CHECK(bench.asked() == R"(PUT /status {"state_id": 4})");
+    bench.down(Channel::command, "end of the stream");
+    bench.wait(0.1);
+    bench.up(Channel::command);
+    CHECK(bench.serve().starts_with(R"(PUT /status {"state_id": 4})"));
+    bench.wait(0.1);
+    bench.serve();
+  }
+  for (const auto& told : bench.told<RobotFault>()) CHECK(get<RobotFault>(told.body).ended);
+}
+
 TEST_CASE("http: a robot that ends each connection is there all the same, and its answers may have no length") {
   MirBench bench;
   bench.up(Channel::command);
