@@ -60,7 +60,7 @@ class Outbox {
   /// The answer to `to`, if that wants one.
   void reply(const Inbound& to, Body body);
   /// The negative answer to a command or request, even if that wanted no positive one, and to a user's information that
-  /// could not be delivered; never answers an answer.
+  /// could not be delivered; never answers an answer. `about`: Nack::about.
   void nack(const Inbound& to, const Error& error, std::string about = {});
   void record(Body body) { journal.push_back({std::move(body)}); }
   void write(Channel channel, Bytes bytes) { writes.push_back({channel, std::move(bytes)}); }

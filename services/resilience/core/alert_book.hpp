@@ -22,6 +22,10 @@ class AlertBook {
   static constexpr std::size_t kMaxDone = 200;  ///< DECIDED and CLOSED: the oldest go
   static constexpr std::size_t kMaxTable = 256;
 
+  AlertBook() = default;
+  AlertBook(const AlertBook&) = delete;  ///< a copy's open ones would be those of the first
+  AlertBook& operator=(const AlertBook&) = delete;
+
   void restore(Alert alert) { put(std::move(alert)); }
   /// Makes its id. nullptr: kMaxOpen are open, or kMaxLone of its kind.
   Alert* add(Alert alert);

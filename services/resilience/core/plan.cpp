@@ -66,8 +66,8 @@ Plan plan_of(const Alert& alert, const WatchedRun& run, const Fleet& fleet, cons
     const std::string why = why_word(run, index, fleet, alert.verdict == Verdict::retry);
     const bool open = !run.has_stopped(index);
     // Who can be asked is asked first: what it has done may be on its way.
-    const bool word_counts = alert.needs_word && (asked_long || !is_reached(fleet, task.robot));
-    if ((alert.needs_word && !why.empty()) || (word_counts && open)) {
+    const bool word_counts = !why.empty() || (open && (asked_long || !is_reached(fleet, task.robot)));
+    if (alert.needs_word && word_counts) {
       ruling.evidence = Evidence::word;
       ruling.attempt = run.last_possible_attempt(index) + 1;
     } else if (open) {

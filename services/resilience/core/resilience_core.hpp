@@ -39,7 +39,8 @@ class ResilienceCore final : public Core {
  public:
   explicit ResilienceCore(CoreSettings settings) : settings_(std::move(settings)) {}
 
-  using Taken = Takes<AlertListRequest, AlertDecide>;
+  using Taken = Takes<AlertListRequest, AlertDecide>;  ///< `history_list` is its shell's
+  /// Information that the service wants a copy of.
   static std::vector<std::string> hears();
 
   void restore(std::vector<Alert> alerts, const std::vector<StoredDecision>& decisions);
