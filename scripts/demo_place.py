@@ -45,6 +45,21 @@ def pid_of_holder(block):
         return struct.unpack("3i", asked.getsockopt(socket.SOL_SOCKET, socket.SO_PEERCRED, 12))[0]
 
 
+def wait_for_end(block, seconds):
+    """Until whoever holds the block by name ends, or has ended; False: it has not in that time."""
+    with socket.socket(socket.AF_UNIX) as asked:
+        if asked.connect_ex(name_of(block)) != 0:
+            return True
+        asked.settimeout(max(seconds, 0.001))
+        try:
+            asked.recv(1)  # nobody says anything: its end is the end of the connection
+        except TimeoutError:
+            return False
+        except ConnectionError:
+            pass
+        return True
+
+
 def taken_address(block):
     """An address of the block at which somebody listens; "" if there is none."""
     for i in range(1, NODES + 1):

@@ -54,6 +54,14 @@ class Place(unittest.TestCase):
         self.assertEqual(self.said, [f"== the addresses 127.0.242.x are held by pid {child.pid} in {self.folder}: "
                                      "this demonstration takes 127.0.244.x"])
 
+    def test_whoever_waits_for_a_block_hears_of_its_holders_end(self):
+        child = self.other("import demo_place; held = demo_place.hold(242)")
+        self.assertFalse(demo_place.wait_for_end(242, 0.05))
+        child.kill()
+        self.assertTrue(demo_place.wait_for_end(242, 10))
+        self.assertTrue(demo_place.wait_for_end(242, 10))  # it has ended before
+        self.assertEqual(self.take().block, 242)
+
     def test_who_holds_an_address_without_saying_so_is_found(self):
         child = self.other("import socket; held = socket.create_server(('127.0.242.3', 45000))")
         self.assertEqual(self.take().block, 244)

@@ -27,10 +27,8 @@ def hold_blocks(*blocks, seconds=300):
             held = demo_place.hold(block)
             if held:
                 _held[block] = held
-            elif time.monotonic() > deadline:
+            elif not demo_place.wait_for_end(block, deadline - time.monotonic()):
                 raise TimeoutError(f"127.0.{block}.x is held by {demo_place.in_words(demo_place.pid_of_holder(block))}")
-            else:
-                time.sleep(0.2)
 
 
 def make_fleet(case, kind=trb_fleet.Fleet, **arguments):
