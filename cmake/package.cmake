@@ -1,5 +1,7 @@
 # The installed package: `cmake --install build/release --component sdk --prefix DIR`, then find_package(talkrobots) gives
 # talkrobots::service. What of it is public, and how it is used: common/service/README.md.
+# `--component node` has what a node runs, with the examples of its files; `--component virtual-robots` the robots without
+# hardware (trb_install_program).
 include(CMakePackageConfigHelpers)
 include(GNUInstallDirs)
 
@@ -25,3 +27,6 @@ configure_package_config_file(cmake/talkrobotsConfig.cmake.in ${CMAKE_BINARY_DIR
 write_basic_package_version_file(${CMAKE_BINARY_DIR}/cmake/talkrobotsConfigVersion.cmake COMPATIBILITY SameMinorVersion)
 install(FILES ${CMAKE_BINARY_DIR}/cmake/talkrobotsConfig.cmake ${CMAKE_BINARY_DIR}/cmake/talkrobotsConfigVersion.cmake
         DESTINATION ${SDK_CMAKE} COMPONENT sdk)
+
+install(DIRECTORY config DESTINATION ${CMAKE_INSTALL_DATADIR}/talkrobots COMPONENT node)
+install(FILES README.md LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT node)

@@ -1,6 +1,6 @@
-"""The installed package: the example of common/service/README.md is built outside the tree, started by `trb up` on real
-nodes, hears a robot's fault and answers for it, by a bus of sockets and by one over TCP with CURVE. Addresses 127.0.197.x
-and 127.0.198.x.
+"""What is installed: nodes and a virtual robot run from there, and the example of common/service/README.md is built against
+the package outside the tree, started by `trb up`, hears a robot's fault and answers for it, by a bus of sockets and by one
+over TCP with CURVE. Addresses 127.0.197.x and 127.0.198.x.
 """
 import json
 import os
@@ -52,7 +52,7 @@ class Package(unittest.TestCase):
         cls.package = cls.root / "somewhere" / "else"
         cls.install()
         OwnServiceFleet.program = cls.build_example()
-        cls.fleet = support.make_fleet(cls, OwnServiceFleet, block=197, udp_port=50197,
+        cls.fleet = support.make_fleet(cls, OwnServiceFleet, programs=cls.package / "bin", block=197, udp_port=50197,
                                        robots={ROBOT: trb_fleet.ROBOTS[ROBOT]})
         cls.fleet.start()  # waits until every service of node.json is up
         cls.fleet.wait_formed()
@@ -61,7 +61,8 @@ class Package(unittest.TestCase):
     def install(cls):
         """Where it was installed first, there is nothing any more."""
         first = cls.root / "first"
-        run("cmake", "--install", BUILD, "--component", "sdk", "--prefix", first)
+        for component in ("sdk", "node", "virtual-robots"):
+            run("cmake", "--install", BUILD, "--component", component, "--prefix", first)
         cls.package.parent.mkdir()
         first.rename(cls.package)
 
@@ -111,6 +112,20 @@ class Package(unittest.TestCase):
         (source / "main.cpp").touch()
         with self.assertRaisesRegex(RuntimeError, "compatible with requested\\s+version"):
             run("cmake", "-S", source, "-B", self.root / "later-build", f"-DCMAKE_PREFIX_PATH={self.package}")
+
+    # ---- the programs
+
+    def test_all_that_runs_is_installed_and_nothing_that_tests(self):
+        installed = {path.name for path in (self.package / "bin").iterdir()}
+        self.assertEqual(installed, {path.name for path in support.PROGRAMS.iterdir() if path.name.split("-")[0] == "trb"})
+        for row in self.fleet.services(CLOUD).values():
+            program = pathlib.Path(f"/proc/{row['pid']}/exe").resolve()
+            self.assertIn(program.parent, (self.package / "bin", OwnServiceFleet.program.parent))
+
+    def test_the_examples_of_a_node_s_files_are_installed_too(self):
+        examples = self.package / "share" / "talkrobots" / "config"
+        self.assertTrue((examples / "robots" / "README.md").is_file())
+        self.assertTrue((examples / "scenarios" / "find-and-fetch.json").is_file())
 
     # ---- the service on its node
 

@@ -31,12 +31,12 @@ def hold_blocks(*blocks, seconds=300):
                 raise TimeoutError(f"127.0.{block}.x is held by {demo_place.in_words(demo_place.pid_of_holder(block))}")
 
 
-def make_fleet(case, kind=trb_fleet.Fleet, **arguments):
+def make_fleet(case, kind=trb_fleet.Fleet, programs=PROGRAMS, **arguments):
     """A fleet in a temporary folder; it ends, and the folder goes, with the test case or class."""
     add_cleanup = case.addClassCleanup if isinstance(case, type) else case.addCleanup
     folder = tempfile.TemporaryDirectory(prefix="trb-", ignore_cleanup_errors=True)
     add_cleanup(folder.cleanup)
-    fleet = kind(pathlib.Path(folder.name) / "fleet", PROGRAMS, **arguments)
+    fleet = kind(pathlib.Path(folder.name) / "fleet", programs, **arguments)
     hold_blocks(fleet.block, fleet.block + 1)
     add_cleanup(fleet.stop)
     fleet.make()
