@@ -99,16 +99,19 @@ struct DecisionJournaled {
 };
 
 /// The decider asks a robot's node to give tasks back (command). What has not begun is answered by its signed result,
-/// `released`; what runs or has ended stays as it is. Answered by Ack "accepted" or a Nack; the results go their way.
+/// `released`; what has ended stays as it is, and what runs, too, unless it is to stop. Answered by Ack "accepted" or a
+/// Nack; the results go their way.
 struct ReleaseTasks {
   static constexpr std::string_view kSubtype = "release_tasks";
   static constexpr Travel kTravel = from_cloud(CostPhase::fail, {"resilience"});
   std::string run;
   std::uint32_t epoch = 1;
   std::vector<std::uint16_t> tasks;
+  bool stop{};  ///< what runs is stopped and ends as `retriable`: a person has said that the robot stands
   template <class T = ReleaseTasks>
   static FieldTable fields() {
-    return FieldTable{field("run", &T::run, 64), field("epoch", &T::epoch), field("tasks", &T::tasks, 1000)};
+    return FieldTable{field("run", &T::run, 64), field("epoch", &T::epoch), field("tasks", &T::tasks, 1000),
+                      field("stop", &T::stop)};
   }
 };
 

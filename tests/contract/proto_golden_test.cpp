@@ -171,7 +171,8 @@ TEST_CASE("a decision says what becomes of each task, and by what right") {
                                         kRecordHex + "a161a3416e6ea3776879" + "07");
   CHECK(to_hex(encode(RunDecision{kRecord})) == std::string("91") + kRecordHex);
   CHECK(to_hex(encode(DecisionJournaled{"r", 3})) == "92a17203");
-  CHECK(to_hex(encode(ReleaseTasks{"r", 1, {3, 6}})) == "93a17201920306");
+  CHECK(to_hex(encode(ReleaseTasks{"r", 1, {3, 6}})) == "94a17201920306c2");
+  CHECK_FALSE(decode<ReleaseTasks>(*from_hex("93a17201920306"))->stop);  // as it was before there was a stop
   CHECK(to_hex(encode(PauseOrder{"r", 2, true, "cloud", "why", 7, {"go"}})) ==
         "97a17202c3a5636c6f7564a37768790791a2676f");
   CHECK(to_hex(encode(RunEnd{"r", {"d"}, "cloud", RunState::finished, 7})) == "95a172c40164a5636c6f75640307");

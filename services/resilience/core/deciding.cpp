@@ -10,7 +10,8 @@ namespace trb::resilience {
 
 namespace {
 
-/// So long a robot that can be reached is asked, though a person says that it stands: its result may be on its way.
+/// So long a robot that can be reached is asked to stop, though a person says that it stands: its result may be on its
+/// way, or it moves.
 constexpr Duration kAskedFirst = std::chrono::seconds(5);
 constexpr Duration kStuck = std::chrono::seconds(30);  ///< so long whoever is waited for has the first word
 constexpr const char* kStuckCure =
@@ -87,7 +88,7 @@ void ResilienceCore::advance_decision(Alert& alert, const WatchedRun& run, Now n
   if (!plan.waits_for.empty() && is_stuck(alert, now)) alert.waits_for += kStuckCure;
   if (!plan.release.empty() && work.release.due(now.mono)) {
     work.release.said(now.mono);
-    out.command(alert.robot, ReleaseTasks{run.summary.run, run.view->epoch, plan.release}, 0);
+    out.command(alert.robot, ReleaseTasks{run.summary.run, run.view->epoch, plan.release, alert.needs_word}, 0);
   }
   if (!plan.waits_for.empty()) return work.signing.clear();
   if (const std::string other = busy_with(alert); !other.empty()) {

@@ -67,6 +67,19 @@ TEST_CASE("a task that runs past its time-out is an alert, which a person decide
   CHECK(rulings(bench->taken.at(0)) == "t4>pioneer1?");
 }
 
+TEST_CASE(
+    "a robot of which a person says that it stands, and which can be reached, is told to stop; then its task moves") {
+  auto bench = timed(40);
+  bench->wait(seconds(56));
+  CHECK(bench->decide(Verdict::accept, "", true) == "accepted");
+  REQUIRE_FALSE(bench->releases.empty());
+  CHECK(bench->releases.back().stop);
+  bench->wait(seconds(1));
+  bench->end_task("t4", TaskOutcome::retriable);
+  REQUIRE(bench->taken.size() == 1);
+  CHECK(rulings(bench->taken.at(0)) == "t4>pioneer1");
+}
+
 TEST_CASE("a result that is on its way is not overtaken by a person's word that its robot stands") {
   auto bench = timed(40);
   bench->wait(seconds(56));

@@ -109,6 +109,9 @@ void SchedulerCore::permit_attempt(Step step) {
     return executor_.allow(Permit::cancel, why + " now");
   }
   if (run->expired(step.steady)) return executor_.allow(Permit::no_more, "the run has expired");
+  if (run->asked_to_stop.contains(task)) {
+    return executor_.allow(Permit::stop, "asked back by '" + run->decider() + "': somebody says that the robot stands");
+  }
   if (run->asked_back.contains(task)) {
     return executor_.allow(Permit::give_back, "given back to '" + run->decider() + "', never begun");
   }

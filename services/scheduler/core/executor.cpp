@@ -138,6 +138,7 @@ void Executor::end_unbegun(Now now, Outbox& out) {
     case Permit::hold:
       return command_if_possible(now, out);
     case Permit::give_back:
+    case Permit::stop:
       return end(TaskOutcome::released, attempt_->why, now, out);
     case Permit::too_late:
       return end(TaskOutcome::failed, attempt_->why, now, out);
@@ -174,6 +175,7 @@ void Executor::on_refusal(const Nack& nack, Now now, Outbox& out) {
 TaskOutcome Executor::comes_to(TaskOutcome how) const {
   // Who is told to stop has not failed by itself.
   if (attempt_->permit == Permit::cancel) return how;
+  if (attempt_->permit == Permit::stop) return how == TaskOutcome::failed ? TaskOutcome::retriable : how;
   if (how != TaskOutcome::failed && how != TaskOutcome::interrupted) return how;
   const SkillUse* use = find_skill(attempt_->execute.skill);
   const bool repeatable = how == TaskOutcome::failed || (use != nullptr && use->repeatable);
@@ -204,6 +206,12 @@ void Executor::done(Outbox& out) {
   attempt_.reset();
 }
 
+/// It may still run, and is to stop.
+bool Executor::is_to_stop() const {
+  const bool told = attempt_->permit == Permit::cancel || attempt_->permit == Permit::stop;
+  return told && attempt_->phase != Phase::signing;
+}
+
 void Executor::tick(Now now, Outbox& out) {
   const bool waits = wanted_ || (attempt_ && attempt_->phase == Phase::refused);
   if (waits && next_state_request_ <= now.mono) {
@@ -211,8 +219,7 @@ void Executor::tick(Now now, Outbox& out) {
     out.request(node_, AdapterStateRequest{});
   }
   if (!attempt_) return;
-  const bool cancel = attempt_->permit == Permit::cancel && attempt_->phase != Phase::signing;
-  if (cancel && attempt_->next_cancel <= now.mono) {
+  if (is_to_stop() && attempt_->next_cancel <= now.mono) {
     attempt_->next_cancel = now.mono + kQuestion;
     out.command(node_, CancelExecution{attempt_->execute.key, attempt_->why});
   }
@@ -229,8 +236,7 @@ std::optional<MonotonicTime> Executor::next_deadline() const {
   if (wanted_ || (attempt_ && attempt_->phase == Phase::refused)) out = next_state_request_;
   if (!attempt_) return out;
   if (attempt_->phase != Phase::refused) out = earlier(out, attempt_->next);
-  if (attempt_->permit == Permit::cancel && attempt_->phase != Phase::signing)
-    out = earlier(out, attempt_->next_cancel);
+  if (is_to_stop()) out = earlier(out, attempt_->next_cancel);
   return out;
 }
 

@@ -99,7 +99,8 @@ void SchedulerCore::handle(const ReleaseTasks& body, const Inbound& from, Step s
     }
   }
   run->asked_back.insert(body.tasks.begin(), body.tasks.end());
-  step.out.reply(from, Ack{"accepted", "what has not begun is given back"});
+  if (body.stop) run->asked_to_stop.insert(body.tasks.begin(), body.tasks.end());
+  step.out.reply(from, Ack{"accepted", body.stop ? "what runs is stopped" : "what has not begun is given back"});
 }
 
 }  // namespace trb

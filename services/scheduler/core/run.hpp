@@ -239,6 +239,7 @@ class Run {
   std::map<TaskIndex, MonotonicTime> due_at;    ///< since when a task is due, as far as this node has seen
   std::uint64_t looked_version = 0;             ///< of the facts behind pass_at and due_at
   std::set<TaskIndex> asked_back;               ///< by the decider
+  std::set<TaskIndex> asked_to_stop;            ///< of those, the ones that are to stop if they run
   std::optional<MonotonicTime> served;          ///< when this node's robot last began a task of it
   std::optional<Signature> abort_signature;     ///< of the order that a failed task makes this node give
   std::optional<Signature> hold_signature;      ///< of the order that a task done twice makes the judge give

@@ -167,6 +167,7 @@ void Run::adopt(const Decision& decision) {
     since_[task] = decision.epoch;
     first_attempt_[task] = ruling.attempt;
     asked_back.erase(task);
+    asked_to_stop.erase(task);
     unbegun.erase(task);
     retry_at.erase(task);
     progress.erase(task);

@@ -216,6 +216,34 @@ TEST_CASE("a task that its robot has refused is given back when it is asked for"
   CHECK(story.ends(RunState::finished));
 }
 
+TEST_CASE("a robot of which somebody says that it stands is stopped before another begins its task") {
+  for (const OnFailure on_failure : {OnFailure::resilience, OnFailure::skip, OnFailure::abort}) {
+    CAPTURE(name_of(on_failure));
+    Task grip = task("grip", "ur3", {});
+    grip.on_failure = on_failure;
+    Story story({grip, task("fly", "drone", {0})});
+    story.adapter("ur3").skill_time = seconds(60);  // it moves, whatever was seen
+    REQUIRE(story.fleet.until([&] { return story.view().tasks[0].state == TaskState::running; }));
+    story.fleet.hear("ur3", "cloud", MessageType::command, ReleaseTasks{kStoryRun, 1, {0}, true});
+    REQUIRE(story.fleet.until([&] { return story.view().tasks[0].outcome == TaskOutcome::retriable; }, seconds(5)));
+    story.fleet.pass(seconds(30));
+    CHECK(story.adapter("ur3").begun.size() == 1);
+    REQUIRE(story.decide({{"grip", Ruling::move, "pioneer", 2, Evidence::result}}).empty());
+    CHECK(story.ends(RunState::finished));
+    CHECK(story.fleet.counted["double_execution"] == 0);
+  }
+}
+
+TEST_CASE("a robot that has finished before it hears that it is to stop has done its task") {
+  Story story({task("grip", "ur3", {}), task("fly", "drone", {0})});
+  story.adapter("ur3").skill_time = seconds(2);
+  REQUIRE(story.fleet.until([&] { return story.view().tasks[0].state == TaskState::running; }));
+  story.fleet.pass(seconds(2));
+  story.fleet.hear("ur3", "cloud", MessageType::command, ReleaseTasks{kStoryRun, 1, {0}, true});
+  CHECK(story.ends(RunState::finished));
+  CHECK(story.view().tasks[0].outcome == TaskOutcome::finished);
+}
+
 TEST_CASE("where every attempt is used up the task can still be skipped, and nothing else") {
   Story story({task("grip", "ur3", {}), task("fly", "drone", {0})});
   story.adapter("ur3").ending = story.adapter("pioneer").ending = TaskOutcome::failed;
