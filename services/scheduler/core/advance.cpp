@@ -29,14 +29,14 @@ void SchedulerCore::advance(Step step) {
     lost_.told(step.now, step.out);
   }
   end_runs(step);
-  for (Run* run : book_.runs()) {
+  for (Run* run : runs_.runs()) {
     std::erase_if(run->retry_at, [&](const auto& one) { return one.second <= step.now.mono; });
     look_at(*run, step);
   }
   permit_attempt(step);
   executor_.tick(step.now, step.out);
   start_next(step);
-  for (Run* run : book_.runs()) {
+  for (Run* run : runs_.runs()) {
     confirm_abort(*run, step);
     decide(*run, step);
     abort_on_failure(*run, step);
@@ -46,7 +46,7 @@ void SchedulerCore::advance(Step step) {
     pass_on(*run, step);
     ask_needs(*run, step);
   }
-  for (const Inbound& message : held_.take_late(step.now.mono)) {
+  for (const Inbound& message : deferred_.take_late(step.now.mono)) {
     refuse(message, fail(Errc::unknown_run, "its run's definition, or its decision, did not come"), step);
   }
   tell_watchers(step);
@@ -57,7 +57,7 @@ void SchedulerCore::look_at(Run& run, Step step) {
   if (run.held() || run.aborted() || run.ended()) run.due_at.clear();
   // That a task has begun is told by no fact of the run.
   std::erase_if(run.due_at, [&](const auto& one) { return run.progress.contains(one.first) || runs(run, one.first); });
-  const std::uint64_t version = run.version() + run.duties.changes();
+  const std::uint64_t version = run.version() + run.deliveries.changes();
   if (run.looked_version == version) return;
   run.looked_version = version;
   const auto keep = [&](std::map<TaskIndex, MonotonicTime>& times, std::vector<TaskIndex> tasks, MonotonicTime at) {
@@ -98,7 +98,7 @@ std::string SchedulerCore::late_text(const Run& run, TaskIndex task) const {
 
 void SchedulerCore::permit_attempt(Step step) {
   if (!executor_.attempt()) return;
-  const Run* run = book_.find(executor_.attempt()->execute.key.run);
+  const Run* run = runs_.find(executor_.attempt()->execute.key.run);
   if (run == nullptr) return;
   const AttemptKey& key = executor_.attempt()->execute.key;
   const TaskIndex task = *run->index_of(key.task);
@@ -125,7 +125,7 @@ bool SchedulerCore::may_start(const Run& run, UtcTime steady) const {
 
 void SchedulerCore::resume_attempt() {
   if (executor_.attempt()) return;
-  for (const Run* run : book_.runs()) {
+  for (const Run* run : runs_.runs()) {
     if (const JournalStart* open = run->open_start()) return executor_.resume(run->attempt_for(*open));
   }
 }
@@ -133,7 +133,7 @@ void SchedulerCore::resume_attempt() {
 /// The higher priority first; of two alike the one whose task this robot began longest ago, so that no run starves the
 /// younger ones; then the older.
 std::vector<scheduler::Run*> SchedulerCore::by_turn() const {
-  std::vector<Run*> out = book_.runs();
+  std::vector<Run*> out = runs_.runs();
   constexpr MonotonicTime kNever{std::numeric_limits<std::int64_t>::min()};
   const auto turn = [&](const Run* run) {
     return std::pair(kMaxPriority - run->start().priority, run->served.value_or(kNever));

@@ -18,7 +18,7 @@ constexpr Duration kKeepTime = std::chrono::minutes(10);
 
 /// After a loss of power the time goes on from here.
 void SchedulerCore::keep_time(Step step) {
-  if (book_.runs().empty() || (keep_time_at_ && *keep_time_at_ > step.now.mono)) return;
+  if (runs_.runs().empty() || (keep_time_at_ && *keep_time_at_ > step.now.mono)) return;
   keep_time_at_ = step.now.mono + kKeepTime;
   step.out.record(JournalTime{step.steady.ns});
 }
@@ -40,10 +40,10 @@ void SchedulerCore::ask_end(Run& run, Step step) {
 }
 
 void SchedulerCore::end_runs(Step step) {
-  const std::vector<Run*> runs = book_.runs();  // a copy: what is over leaves it
+  const std::vector<Run*> runs = runs_.runs();  // a copy: what is over leaves it
   for (Run* run : runs) {
     if (run->expired(step.steady)) {
-      run->duties.drop(DutyKind::baton);
+      run->deliveries.drop(DeliveryKind::baton);
       run->needs.clear();
     }
     if (!is_over(*run, step)) {
@@ -58,8 +58,8 @@ void SchedulerCore::end_runs(Step step) {
 /// Nothing is left to be done or told of it. What is owed of a run that has expired is owed a day longer.
 bool SchedulerCore::is_over(const Run& run, Step step) const {
   if (executor_.runs(run.id())) return false;
-  if (run.expired(step.steady)) return run.duties.empty() || step.steady >= run.buried_until();
-  if (!run.duties.empty()) return false;
+  if (run.expired(step.steady)) return run.deliveries.empty() || step.steady >= run.buried_until();
+  if (!run.deliveries.empty()) return false;
   if (run.aborted()) return true;
   // A second cloud node waits for the results that are still on their way to it.
   return run.ended() && (settings_.has_robot || run.judge() == settings_.node || run.all_final());
@@ -85,7 +85,7 @@ void SchedulerCore::put_into_archive(Run& run, Step step) {
   watchers_.leave(last, step.out);
   const std::string id = run.id();
   step.out.record(std::move(fact));
-  book_.remove(id);
+  runs_.remove(id);
 }
 
 }  // namespace trb

@@ -11,11 +11,11 @@ void SchedulerCore::handle(const RunAbort& body, const Inbound& from, Step step)
   const auto claimed = decode<AbortOrder>(body.order.payload.bytes);
   if (!claimed) return refuse(from, claimed.error(), step);
   const bool here = from.source == settings_.node;
-  const auto over = book_.find(claimed->run) == nullptr ? archive_.over(claimed->run) : std::nullopt;
+  const auto over = runs_.find(claimed->run) == nullptr ? archive_.over(claimed->run) : std::nullopt;
   if (over && over->state == RunState::aborted && !here) {
     return step.out.information(from.source, AbortConfirmed{claimed->run});
   }
-  Run* run = run_or_hold(claimed->run, {}, from, step);
+  Run* run = run_or_defer(claimed->run, {}, from, step);
   if (run == nullptr) return;
   if (auto order = run->check_abort(body.order); !order) return refuse(from, order.error(), step);
   const RunState state = state_of(*run, executor_, step.clock());
@@ -92,7 +92,7 @@ void SchedulerCore::confirm_abort(Run& run, Step step) {
 }
 
 void SchedulerCore::handle(const AbortConfirmed& body, const Inbound& from, Step step) {
-  if (Run* run = run_for(body.run, from, step)) delivered(*run, DutyKind::abort, from, {}, run->epoch(), step);
+  if (Run* run = run_for(body.run, from, step)) delivered(*run, DeliveryKind::abort, from, {}, run->epoch(), step);
 }
 
 }  // namespace trb

@@ -5,10 +5,10 @@ namespace trb {
 
 using namespace scheduler;
 
-bool SchedulerCore::hold_for_decisions(Run& run, std::uint32_t epoch, const Inbound& from, Step step) {
+bool SchedulerCore::defer_for_decisions(Run& run, std::uint32_t epoch, const Inbound& from, Step step) {
   if (epoch <= run.epoch()) return false;
-  const bool can_ask = !dispatching_held_ && from.reply_to == 0 && from.source != settings_.node;
-  if (!can_ask || !held_.add(run.id(), from, step.now.mono)) {
+  const bool can_ask = !handing_out_ && from.reply_to == 0 && from.source != settings_.node;
+  if (!can_ask || !deferred_.add(run.id(), from, step.now.mono)) {
     refuse(from,
            fail(Errc::conflict, "run " + run.id() + ": epoch " + std::to_string(epoch) + " is not known here yet"),
            step);
@@ -48,7 +48,7 @@ Status SchedulerCore::take_decisions(Run& run, const std::vector<SignedRecord>& 
 void SchedulerCore::handle(const RunDecision& body, const Inbound& from, Step step) {
   const auto claimed = decode<Decision>(body.decision.payload.bytes);
   if (!claimed) return refuse(from, claimed.error(), step);
-  Run* run = run_or_hold(claimed->run, claimed->digest, from, step);
+  Run* run = run_or_defer(claimed->run, claimed->digest, from, step);
   if (run == nullptr) return;
   const bool here = from.source == settings_.node;
   if (claimed->epoch >= 2 && claimed->epoch <= run->epoch()) {
@@ -57,7 +57,7 @@ void SchedulerCore::handle(const RunDecision& body, const Inbound& from, Step st
       return refuse(from, fail(Errc::conflict, what + " was decided otherwise", "look at the run, decide anew"), step);
     }
   } else {
-    if (claimed->epoch >= 2 && hold_for_decisions(*run, claimed->epoch - 1, from, step)) return;
+    if (claimed->epoch >= 2 && defer_for_decisions(*run, claimed->epoch - 1, from, step)) return;
     if (here && (run->aborted() || run->ended() || run->expired(step.steady))) {
       return refuse(from, fail(Errc::conflict, "run " + run->id() + " is over: nothing is decided on it"), step);
     }
@@ -79,12 +79,12 @@ void SchedulerCore::handle(const DecisionJournaled& body, const Inbound& from, S
   Run* run = run_for(body.run, from, step);
   if (run == nullptr) return;
   if (body.epoch < run->epoch()) return step.out.count("late.decision_journaled");
-  delivered(*run, DutyKind::decision, from, {}, run->epoch(), step);
+  delivered(*run, DeliveryKind::decision, from, {}, run->epoch(), step);
 }
 
 void SchedulerCore::handle(const ReleaseTasks& body, const Inbound& from, Step step) {
   // Whom the run has not reached yet gives its tasks back all the same: the run may be paused long before it does.
-  Run* run = run_or_hold(body.run, {}, from, step);
+  Run* run = run_or_defer(body.run, {}, from, step);
   if (run == nullptr) return;
   const std::string name = "run " + run->id() + ": ";
   if (from.source != run->decider()) {

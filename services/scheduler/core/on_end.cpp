@@ -27,7 +27,7 @@ bool SchedulerCore::keep_signed_end(Run& run, const SignedRecord& record, Step s
 
 void SchedulerCore::handle(const RunOver& body, const Inbound& from, Step step) {
   const auto claimed = decode<RunEnd>(body.end.payload.bytes);
-  Run* run = claimed ? book_.find(claimed->run) : nullptr;
+  Run* run = claimed ? runs_.find(claimed->run) : nullptr;
   if (run == nullptr || run->ended()) return step.out.count("late.run_over");
   if (auto end = run->check_end(body.end); !end) return refuse(from, end.error(), step);
   keep_end(*run, body.end, step);

@@ -12,7 +12,7 @@ using namespace scheduler;
 void SchedulerCore::handle(const RunPause& body, const Inbound& from, Step step) {
   const auto claimed = decode<PauseOrder>(body.order.payload.bytes);
   if (!claimed) return refuse(from, claimed.error(), step);
-  Run* run = run_or_hold(claimed->run, {}, from, step);
+  Run* run = run_or_defer(claimed->run, {}, from, step);
   if (run == nullptr) return;
   if (auto order = run->check_pause(body.order); !order) return refuse(from, order.error(), step);
   const bool here = from.source == settings_.node;
@@ -39,8 +39,8 @@ void SchedulerCore::handle(const RunPause& body, const Inbound& from, Step step)
   } else {
     step.out.information(from.source, PauseJournaled{run->id(), run->pause()->number});
     // Who tells of the order that counts has it.
-    if (claimed->number == run->pause()->number && run->duties.owes(DutyKind::pause, from.source)) {
-      delivered(*run, DutyKind::pause, from, {}, run->epoch(), step);
+    if (claimed->number == run->pause()->number && run->deliveries.owes(DeliveryKind::pause, from.source)) {
+      delivered(*run, DeliveryKind::pause, from, {}, run->epoch(), step);
     }
   }
 }
@@ -84,7 +84,7 @@ void SchedulerCore::handle(const PauseJournaled& body, const Inbound& from, Step
   Run* run = run_for(body.run, from, step);
   if (run == nullptr) return;
   if (run->pause() == nullptr || body.number < run->pause()->number) return step.out.count("late.pause_journaled");
-  delivered(*run, DutyKind::pause, from, {}, run->epoch(), step);
+  delivered(*run, DeliveryKind::pause, from, {}, run->epoch(), step);
 }
 
 }  // namespace trb

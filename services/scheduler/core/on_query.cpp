@@ -46,10 +46,10 @@ Result<std::string> choose(const std::vector<Run*>& runs, const Archive& archive
 
 void SchedulerCore::handle(const RunQuery& body, const Inbound& from, Step step) {
   // A whole id, as programs ask by, is looked for in nothing but its place.
-  const bool is_whole = book_.find(body.run) != nullptr || archive_.over(body.run);
-  const auto id = is_whole ? Result<std::string>(body.run) : choose(newest_first(book_.runs()), archive_, body.run);
+  const bool is_whole = runs_.find(body.run) != nullptr || archive_.over(body.run);
+  const auto id = is_whole ? Result<std::string>(body.run) : choose(newest_first(runs_.runs()), archive_, body.run);
   if (!id) return refuse(from, id.error(), step);
-  if (const Run* run = book_.find(*id)) return step.out.reply(from, view_of(*run, executor_, step.clock()));
+  if (const Run* run = runs_.find(*id)) return step.out.reply(from, view_of(*run, executor_, step.clock()));
   if (auto view = archive_.view(*id)) return step.out.reply(from, std::move(*view));
   const auto over = archive_.over(*id);
   refuse(from,
@@ -60,9 +60,9 @@ void SchedulerCore::handle(const RunQuery& body, const Inbound& from, Step step)
 
 RunTable SchedulerCore::open_runs(Step step) const {
   RunTable table;
-  for (const Run* run : newest_first(book_.runs())) table.runs.push_back(summary_of(*run, executor_, step.clock()));
+  for (const Run* run : newest_first(runs_.runs())) table.runs.push_back(summary_of(*run, executor_, step.clock()));
   table.open = static_cast<std::uint32_t>(table.runs.size());
-  table.open_max = static_cast<std::uint32_t>(Book::kMaxRuns);
+  table.open_max = static_cast<std::uint32_t>(RunStore::kMaxRuns);
   return table;
 }
 
@@ -75,21 +75,21 @@ void SchedulerCore::handle(const RunListRequest& body, const Inbound& from, Step
   RunTable table;
   table.runs = std::move(page.runs);
   table.more = page.more;
-  table.open = static_cast<std::uint32_t>(book_.runs().size());
-  table.open_max = static_cast<std::uint32_t>(Book::kMaxRuns);
+  table.open = static_cast<std::uint32_t>(runs_.runs().size());
+  table.open_max = static_cast<std::uint32_t>(RunStore::kMaxRuns);
   step.out.reply(from, std::move(table));
 }
 
 void SchedulerCore::handle(const RunWatch& body, const Inbound& from, Step step) {
   if (auto added = watchers_.add(from, body.lease_s, step.now); !added) return refuse(from, added.error(), step);
-  for (const Run* run : book_.runs()) watchers_.told(from, run->id(), run->version());
+  for (const Run* run : runs_.runs()) watchers_.told(from, run->id(), run->version());
   step.out.reply(from, open_runs(step));
 }
 
 void SchedulerCore::tell_watchers(Step step) {
   if (watchers_.empty()) return;
   watchers_.forget(step.now.mono);
-  for (const Run* run : book_.runs()) {
+  for (const Run* run : runs_.runs()) {
     watchers_.tell(
         run->id(), run->version(), [&] { return summary_of(*run, executor_, step.clock()); }, step.out);
   }

@@ -30,7 +30,7 @@ void SchedulerCore::handle(const NeedResults& body, const Inbound& from, Step st
 }
 
 void SchedulerCore::handle(const Results& body, const Inbound& from, Step step) {
-  Run* run = run_or_hold(body.run, {}, from, step);
+  Run* run = run_or_defer(body.run, {}, from, step);
   if (run == nullptr) return;
   ResultsJournaled journaled;
   Status all = Done{};
@@ -63,7 +63,7 @@ void SchedulerCore::handle(const Results& body, const Inbound& from, Step step) 
 void SchedulerCore::handle(const ResultsJournaled& body, const Inbound& from, Step step) {
   std::map<std::string, std::vector<TaskIndex>> by_run;
   for (const AttemptKey& key : body.keys) {
-    const Run* run = book_.find(key.run);
+    const Run* run = runs_.find(key.run);
     const auto task = run == nullptr ? std::nullopt : run->index_of(key.task);
     // What has been replaced by another attempt since it was sent is still owed.
     const bool current = task && run->results().of(*task) != nullptr && run->results().of(*task)->result.key == key;
@@ -73,7 +73,7 @@ void SchedulerCore::handle(const ResultsJournaled& body, const Inbound& from, St
       step.out.count("late.results_journaled");
     }
   }
-  for (auto& [id, tasks] : by_run) delivered(*book_.find(id), DutyKind::results, from, std::move(tasks), 1, step);
+  for (auto& [id, tasks] : by_run) delivered(*runs_.find(id), DeliveryKind::results, from, std::move(tasks), 1, step);
 }
 
 void SchedulerCore::handle(const TaskProgress& body, const Inbound& from, Step step) {

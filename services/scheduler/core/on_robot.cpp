@@ -26,7 +26,7 @@ void SchedulerCore::handle(const ExecutionState& body, const Inbound& from, Step
   if (!attempt || attempt->execute.key != body.key) return step.out.count("late.execution_state");
   const Phase before = attempt->phase;
   executor_.on(body, step.now, step.out);
-  const Run* run = book_.find(body.key.run);
+  const Run* run = runs_.find(body.key.run);
   const bool began = before != Phase::running && executor_.attempt()->phase == Phase::running;
   if (began && run != nullptr) tell_progress(*run, body.key, TaskState::running, step);
 }
@@ -37,7 +37,7 @@ void SchedulerCore::handle(const Outcome& body, const Inbound& from, Step step) 
   if (!ended) return refuse(from, fail(Errc::bad_value, "an outcome that is none"), step);
   const auto& attempt = executor_.attempt();
   if (attempt && attempt->execute.key == body.key) return executor_.on(body, step.now, step.out);
-  const Run* run = book_.find(body.key.run);
+  const Run* run = runs_.find(body.key.run);
   const auto task = run == nullptr ? std::nullopt : run->index_of(body.key.task);
   const bool held = task && run->results().holds(*task, body.key, settings_.node);
   if (!held)
@@ -53,7 +53,7 @@ void SchedulerCore::handle(const SignedRecord& body, const Inbound& from, Step s
   const bool asked = attempt && attempt->phase == Phase::signing && body.kind == kSignedResult &&
                      body.payload.bytes == attempt->payload;
   if (!asked) {
-    for (Run* run : book_.runs()) {
+    for (Run* run : runs_.runs()) {
       if (keep_signed_choice(*run, body, step) || keep_signed_skip(*run, body, step) ||
           keep_signed_abort(*run, body, step) || keep_signed_hold(*run, body, step) ||
           keep_signed_end(*run, body, step)) {
@@ -62,7 +62,7 @@ void SchedulerCore::handle(const SignedRecord& body, const Inbound& from, Step s
     }
     return step.out.count("late.signed_record");
   }
-  Run* run = book_.find(attempt->execute.key.run);
+  Run* run = runs_.find(attempt->execute.key.run);
   if (run == nullptr) return refuse(from, fail(Errc::unknown_run, "a signed result of no run"), step);
   auto held = run->check_result(body);
   if (!held) {
@@ -89,24 +89,24 @@ void SchedulerCore::handle(const Nack& body, const Inbound& from, Step step) {
   if (body.subtype == Baton::kSubtype && body.code == errc_name(Errc::conflict)) return ask_newer(body, from, step);
   if (body.subtype == Baton::kSubtype && body.code == errc_name(Errc::queue_full)) note_refusal(body, from);
   // For a peer the run is over, and it will never journal what it is owed. Its word alone is not believed.
-  Run* run = body.code == errc_name(Errc::expired) ? book_.find(body.about) : nullptr;
+  Run* run = body.code == errc_name(Errc::expired) ? runs_.find(body.about) : nullptr;
   if (run == nullptr || !(run->expired(step.steady) || run->aborted() || run->ended())) return;
-  if (body.subtype == Results::kSubtype) run->duties.drop(DutyKind::results, from.source);
-  if (body.subtype == RunAbort::kSubtype) run->duties.drop(DutyKind::abort, from.source);
-  if (body.subtype == RunDecision::kSubtype) run->duties.drop(DutyKind::decision, from.source);
-  if (body.subtype == RunPause::kSubtype) run->duties.drop(DutyKind::pause, from.source);
+  if (body.subtype == Results::kSubtype) run->deliveries.drop(DeliveryKind::results, from.source);
+  if (body.subtype == RunAbort::kSubtype) run->deliveries.drop(DeliveryKind::abort, from.source);
+  if (body.subtype == RunDecision::kSubtype) run->deliveries.drop(DeliveryKind::decision, from.source);
+  if (body.subtype == RunPause::kSubtype) run->deliveries.drop(DeliveryKind::pause, from.source);
 }
 
 void SchedulerCore::note_refusal(const Nack& body, const Inbound& from) {
-  Run* run = book_.find(body.about);
+  Run* run = runs_.find(body.about);
   if (run != nullptr && run->is_member(from.source)) run->refusals[from.source] = body.what;
 }
 
 /// Who refuses a baton may be in a later epoch, and the decider gone that would tell of it.
 void SchedulerCore::ask_newer(const Nack& body, const Inbound& from, Step step) {
-  Run* run = book_.find(body.about);
+  Run* run = runs_.find(body.about);
   if (run == nullptr) return;
-  const std::vector<std::string> owed = run->duties.creditors(DutyKind::baton);
+  const std::vector<std::string> owed = run->deliveries.creditors(DeliveryKind::baton);
   if (std::find(owed.begin(), owed.end(), from.source) == owed.end()) return;
   run->asked_decisions.insert(from.source);
   step.out.request(from.source, NeedDefinition{run->id(), run->start().digest});

@@ -26,7 +26,7 @@ Error expired_before(const std::string& run) {
 }
 
 Error no_place() {
-  return fail(Errc::queue_full, std::to_string(Book::kMaxRuns) + " runs are open here",
+  return fail(Errc::queue_full, std::to_string(RunStore::kMaxRuns) + " runs are open here",
               "abort those that nobody needs: trb run list");
 }
 
@@ -40,18 +40,18 @@ void SchedulerCore::handle(const RunSubmit& body, const Inbound& from, Step step
   if (from.source != settings_.node) {
     return refuse(from, fail(Errc::not_permitted, "a run is submitted on the submitter's own node"), step);
   }
-  auto run = book_.open(body.start);
+  auto run = runs_.open(body.start);
   if (!run) return refuse(from, run.error(), step);
   const std::string id = run->id();
   if (!run->is_member(settings_.node)) return refuse(from, no_member(id, settings_.node), step);
-  Run* known = book_.find(id);
+  Run* known = runs_.find(id);
   if (const auto over = known == nullptr ? archive_.over(id) : std::nullopt) return refuse_over(id, *over, from, step);
   if (known != nullptr && known->record().payload != body.start.payload) {
     return refuse(from, fail(Errc::conflict, "run " + id + " is known with another start", "draw a new run id"), step);
   }
   if (known == nullptr) {
     if (run->expired(step.steady)) return refuse(from, expired_before(id), step);
-    if (book_.full()) return refuse(from, no_place(), step);
+    if (runs_.full()) return refuse(from, no_place(), step);
     install(std::move(*run), body.start, true, step);
   } else if (!known->submitted_here()) {
     const JournalRun fact{known->record(), true};
@@ -79,8 +79,8 @@ Status SchedulerCore::check_baton(const Run& run, const Baton& baton, Step step)
 }
 
 void SchedulerCore::handle(const Baton& body, const Inbound& from, Step step) {
-  Run* run = run_or_hold(body.run, body.digest, from, step);
-  if (run == nullptr || hold_for_decisions(*run, body.epoch, from, step)) return;
+  Run* run = run_or_defer(body.run, body.digest, from, step);
+  if (run == nullptr || defer_for_decisions(*run, body.epoch, from, step)) return;
   if (auto checked = check_baton(*run, body, step); !checked) return refuse(from, checked.error(), step);
   const auto bits = from_bitmap(body.final_tasks.bytes, run->tasks().size());
   if (!bits) return refuse(from, bits.error(), step);
@@ -110,7 +110,7 @@ void SchedulerCore::handle(const BatonJournaled& body, const Inbound& from, Step
   // A task that has gone and come back in a later epoch has to be passed again.
   if (!run->is_of_epoch(body.tasks, body.epoch)) return step.out.count("late.baton_journaled");
   run->refusals.erase(from.source);
-  delivered(*run, DutyKind::baton, from, body.tasks, body.epoch, step);
+  delivered(*run, DeliveryKind::baton, from, body.tasks, body.epoch, step);
 }
 
 void SchedulerCore::handle(const NeedDefinition& body, const Inbound& from, Step step) {
@@ -124,27 +124,27 @@ void SchedulerCore::handle(const NeedDefinition& body, const Inbound& from, Step
 
 void SchedulerCore::handle(const Definition& body, const Inbound& from, Step step) {
   const auto claimed = decode<RunStart>(body.start.payload.bytes);
-  if (Run* known = claimed ? book_.find(claimed->run) : nullptr) return take_more_decisions(*known, body, from, step);
-  if (!claimed || !held_.waits(claimed->run, from.source)) {
+  if (Run* known = claimed ? runs_.find(claimed->run) : nullptr) return take_more_decisions(*known, body, from, step);
+  if (!claimed || !deferred_.waits(claimed->run, from.source)) {
     return refuse(from, fail(Errc::unknown_run, "a definition that nothing waits for"), step);
   }
-  auto run = book_.open(body.start);
+  auto run = runs_.open(body.start);
   if (run && run->expired(step.steady)) run = expired_before(claimed->run);
-  if (run && book_.full()) run = no_place();
+  if (run && runs_.full()) run = no_place();
   if (!run) {
     step.out.log(LogLevel::warning, "definition_refused", "from '" + from.source + "': " + run.error().text());
-    for (const Inbound& message : held_.take(claimed->run, from.source)) refuse(message, run.error(), step);
+    for (const Inbound& message : deferred_.take(claimed->run, from.source)) refuse(message, run.error(), step);
     return;
   }
   const std::string id = run->id();
   install(std::move(*run), body.start, false, step);
-  if (auto taken = take_decisions(*book_.find(id), body.decisions, step); !taken) {
+  if (auto taken = take_decisions(*runs_.find(id), body.decisions, step); !taken) {
     step.out.log(LogLevel::warning, "decisions_refused", "from '" + from.source + "': " + taken.error().text());
   }
-  if (auto taken = take_orders(*book_.find(id), body.orders, step); !taken) {
+  if (auto taken = take_orders(*runs_.find(id), body.orders, step); !taken) {
     step.out.log(LogLevel::warning, "orders_refused", "from '" + from.source + "': " + taken.error().text());
   }
-  dispatch_held(id, step);
+  hand_out_deferred(id, step);
 }
 
 void SchedulerCore::take_more_decisions(Run& run, const Definition& body, const Inbound& from, Step step) {
@@ -154,15 +154,15 @@ void SchedulerCore::take_more_decisions(Run& run, const Definition& body, const 
   if (auto taken = take_decisions(run, body.decisions, step); !taken) {
     step.out.log(LogLevel::warning, "decisions_refused", "from '" + from.source + "': " + taken.error().text());
   }
-  dispatch_held(run.id(), step);
+  hand_out_deferred(run.id(), step);
 }
 
-void SchedulerCore::dispatch_held(const std::string& run, Step step) {
+void SchedulerCore::hand_out_deferred(const std::string& run, Step step) {
   // Nothing starts before the step's end: an abort among them comes before any start. Who has not told of the decision
   // that its message needs is not asked again.
-  dispatching_held_ = true;
-  for (const Inbound& message : held_.take(run)) dispatch(message, step);
-  dispatching_held_ = false;
+  handing_out_ = true;
+  for (const Inbound& message : deferred_.take(run)) dispatch(message, step);
+  handing_out_ = false;
 }
 
 }  // namespace trb

@@ -12,14 +12,14 @@ void SchedulerCore::handle(const RouteTable& body, const Inbound& from, Step ste
   auto taken = routes_.take(body);
   if (taken.next) step.out.request(settings_.node, std::move(*taken.next));
   if (!taken.whole) return;
-  for (Run* run : book_.runs()) {
+  for (Run* run : runs_.runs()) {
     for (Inquiry& inquiry : run->inquiries) inquiry.on(*taken.whole, step.now, step.out);
   }
 }
 
 void SchedulerCore::handle(const SensorReading& body, const Inbound& from, Step step) {
   bool used = false;
-  for (Run* run : book_.runs()) {
+  for (Run* run : runs_.runs()) {
     for (Inquiry& inquiry : run->inquiries) {
       if (!inquiry.on(body, from.source, step.now)) continue;
       choose_by(body, from.source, *run, inquiry, step);
@@ -30,7 +30,7 @@ void SchedulerCore::handle(const SensorReading& body, const Inbound& from, Step 
 }
 
 void SchedulerCore::refused_reading(const Nack& nack, const Inbound& from, Step step) {
-  for (Run* run : book_.runs()) {
+  for (Run* run : runs_.runs()) {
     for (Inquiry& inquiry : run->inquiries) inquiry.on_refusal(nack, from.source, step.now);
   }
 }

@@ -65,22 +65,22 @@ Baton baton_for(const Run& run, const std::vector<TaskIndex>& tasks) {
 
 using namespace scheduler;
 
-void SchedulerCore::send(const Run& run, const Duty& duty, Step step) {
-  switch (duty.kind) {
-    case DutyKind::baton:
-      step.out.command(duty.to, baton_for(run, duty.tasks));
+void SchedulerCore::send(const Run& run, const PendingDelivery& delivery, Step step) {
+  switch (delivery.kind) {
+    case DeliveryKind::baton:
+      step.out.command(delivery.to, baton_for(run, delivery.tasks));
       break;
-    case DutyKind::results:
-      step.out.command(duty.to, pack_results(run, duty.tasks));
+    case DeliveryKind::results:
+      step.out.command(delivery.to, pack_results(run, delivery.tasks));
       break;
-    case DutyKind::abort:
-      step.out.command(duty.to, RunAbort{run.abort_order()});
+    case DeliveryKind::abort:
+      step.out.command(delivery.to, RunAbort{run.abort_order()});
       break;
-    case DutyKind::decision:
-      step.out.command(duty.to, RunDecision{run.decision_records().back()});
+    case DeliveryKind::decision:
+      step.out.command(delivery.to, RunDecision{run.decision_records().back()});
       break;
-    case DutyKind::pause:
-      step.out.command(duty.to, RunPause{run.pause_record()});
+    case DeliveryKind::pause:
+      step.out.command(delivery.to, RunPause{run.pause_record()});
       break;
   }
 }
@@ -95,7 +95,7 @@ void SchedulerCore::pass_overdue(Run& run, Step step) {
 }
 
 void SchedulerCore::pass_on(Run& run, Step step) {
-  for (const Duty& duty : run.duties.take_due(step.now.mono)) send(run, duty, step);
+  for (const PendingDelivery& delivery : run.deliveries.take_due(step.now.mono)) send(run, delivery, step);
 }
 
 void SchedulerCore::ask_needs(Run& run, Step step) {

@@ -165,7 +165,7 @@ bool Run::all_final() const {
   return true;
 }
 
-std::vector<TaskIndex> Run::troubles() const {
+std::vector<TaskIndex> Run::problems() const {
   std::vector<TaskIndex> out;
   for (const TaskIndex task : results_.tasks()) {
     const HeldResult* held = current(task);
@@ -197,7 +197,7 @@ std::vector<TaskIndex> Run::due() const {
     const auto task = static_cast<TaskIndex>(i);
     if (results_.has_final(task) || current(task) != nullptr || progress.contains(task)) continue;
     const bool ours = robot_of(task) == self_;
-    if (!ours && !knows_all && !duties.owes_baton(task)) continue;
+    if (!ours && !knows_all && !deliveries.owes_baton(task)) continue;
     if (ours && (begun(task) || unbegun.contains(task))) continue;
     if (all_before_final(task) && fate_of(task) == Fate::goes) out.push_back(task);
   }
@@ -218,7 +218,7 @@ std::vector<TaskIndex> Run::choosing_elsewhere() const {
 bool Run::is_idle() const {
   const bool done =
       std::all_of(own_tasks_.begin(), own_tasks_.end(), [&](TaskIndex task) { return results_.has_final(task); });
-  return done && duties.empty() && needs.empty() && skips.empty() && inquiries.empty();
+  return done && deliveries.empty() && needs.empty() && skips.empty() && inquiries.empty();
 }
 
 bool Run::wants_robot(TaskIndex task) const {

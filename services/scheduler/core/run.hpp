@@ -15,9 +15,9 @@
 #include "common/security/keys.hpp"
 #include "proto/bodies/journal.hpp"
 #include "services/scheduler/core/certificates.hpp"
-#include "services/scheduler/core/duties.hpp"
 #include "services/scheduler/core/executor.hpp"
 #include "services/scheduler/core/inquiry.hpp"
+#include "services/scheduler/core/pending_deliveries.hpp"
 #include "services/scheduler/core/results.hpp"
 
 namespace trb::scheduler {
@@ -177,7 +177,7 @@ class Run {
   [[nodiscard]] Attempt attempt_for(const JournalStart& fact) const;
   [[nodiscard]] bool all_final() const;
   /// The tasks that wait for a word: failed, retriable, interrupted. What follows them waits, other branches go on.
-  [[nodiscard]] std::vector<TaskIndex> troubles() const;
+  [[nodiscard]] std::vector<TaskIndex> problems() const;
   /// The task whose failure ends the run: its robot orders the abort, and the judge, if the robot is gone by then.
   [[nodiscard]] std::optional<TaskIndex> ending_task() const;
   /// Nothing stands before them on this node, and they are not known to have begun; ascending. Of tasks of other nodes
@@ -227,7 +227,7 @@ class Run {
     BackOff timer;
   };
 
-  Duties duties;
+  PendingDeliveries deliveries;
   std::map<TaskIndex, Need> needs;
   std::map<TaskIndex, TaskState> progress;      ///< what TaskProgress told
   std::map<TaskIndex, std::string> waits;       ///< what TaskProgress told of a condition
@@ -278,7 +278,7 @@ class Run {
   /// To whom a task goes from here: who evaluates its condition, if that is not known to have happened, then its robot.
   [[nodiscard]] const std::string& next_hand(TaskIndex task) const;
   void owe_batons(const std::vector<TaskIndex>& tasks);
-  void owe_to_members(DutyKind kind);
+  void owe_to_members(DeliveryKind kind);
   [[nodiscard]] bool ends_run(TaskIndex task, const TaskResult& result) const;
   /// It is SKIPPED, and so is what follows nothing else.
   [[nodiscard]] bool takes_along(TaskIndex task) const;

@@ -147,7 +147,7 @@ Status Run::apply(const JournalDecision& fact) {
   decision_records_.push_back(fact.decision);
   adopt(*decision);
   ++version_;
-  if (fact.decided_here) owe_to_members(DutyKind::decision);
+  if (fact.decided_here) owe_to_members(DeliveryKind::decision);
   return Done{};
 }
 
@@ -155,8 +155,8 @@ void Run::adopt(const Decision& decision) {
   const auto added = open_new_members(decision);
   for (const auto& [member, certificate] : *added) {
     members_.emplace(member, certificate);
-    if (pause_) duties.owe(DutyKind::pause, member, {});
-    if (abort_) duties.owe(DutyKind::abort, member, {});
+    if (pause_) deliveries.owe(DeliveryKind::pause, member, {});
+    if (abort_) deliveries.owe(DeliveryKind::abort, member, {});
   }
   for (const Member& member : decision.members) member_ids_.push_back(member.id);
   decisions_.push_back(decision);
@@ -279,7 +279,7 @@ bool Run::is_of_epoch(const std::vector<TaskIndex>& tasks, std::uint32_t epoch) 
 }
 
 void Run::owe_batons_anew() {
-  duties.drop_batons();
+  deliveries.drop_batons();
   std::vector<TaskIndex> open;
   for (std::size_t i = 0; i < tasks().size(); ++i) {
     const auto task = static_cast<TaskIndex>(i);

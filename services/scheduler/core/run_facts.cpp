@@ -63,11 +63,11 @@ Status Run::apply(const JournalDelivered& fact) {
   for (const TaskIndex task : fact.tasks) {
     if (task >= tasks().size()) return not_of_this_run(id(), "a delivery");
   }
-  for (const DutyKind kind :
-       {DutyKind::baton, DutyKind::results, DutyKind::abort, DutyKind::decision, DutyKind::pause}) {
-    if (fact.what == name_of(kind)) duties.settle(kind, fact.to, fact.tasks);
+  for (const DeliveryKind kind :
+       {DeliveryKind::baton, DeliveryKind::results, DeliveryKind::abort, DeliveryKind::decision, DeliveryKind::pause}) {
+    if (fact.what == name_of(kind)) deliveries.settle(kind, fact.to, fact.tasks);
   }
-  if (fact.what != name_of(DutyKind::baton)) return Done{};
+  if (fact.what != name_of(DeliveryKind::baton)) return Done{};
   for (const TaskIndex task : fact.tasks) passed_[{task, fact.to}] = fact.epoch;
   return Done{};
 }
@@ -108,14 +108,14 @@ bool Run::add(HeldChoice held) {
 void Run::owe_results(TaskIndex task) {
   std::vector<std::string> to = clouds();
   if (to.empty() && start_.submitter != self_) to.push_back(start_.submitter);
-  for (const std::string& node : to) duties.owe(DutyKind::results, node, {task});
+  for (const std::string& node : to) deliveries.owe(DeliveryKind::results, node, {task});
 }
 
 /// A robot that was replaced had finished after all: whoever took its task over need not begin it.
 void Run::owe_to_successor(TaskIndex task) {
   const std::string& now = robot_of(task);
   const bool late = results_.has_final(task) && results_.of(task)->result.robot != now;
-  if (late && self_ == decider_ && now != self_) duties.owe(DutyKind::results, now, {task});
+  if (late && self_ == decider_ && now != self_) deliveries.owe(DeliveryKind::results, now, {task});
 }
 
 /// To the actors of the tasks that wait for nothing, and to the cloud, so that it knows the run.
@@ -125,7 +125,7 @@ void Run::owe_first_batons() {
     if (tasks()[i].after.empty()) first.push_back(static_cast<TaskIndex>(i));
   }
   owe_batons(first);
-  for (const std::string& cloud : clouds()) duties.owe(DutyKind::baton, cloud, {});
+  for (const std::string& cloud : clouds()) deliveries.owe(DeliveryKind::baton, cloud, {});
 }
 
 const std::string& Run::next_hand(TaskIndex task) const {
@@ -138,7 +138,7 @@ void Run::owe_batons(const std::vector<TaskIndex>& tasks) {
   for (const TaskIndex task : tasks) {
     if (next_hand(task) != self_) group(groups, next_hand(task), task);
   }
-  for (const auto& [to, next] : groups) duties.owe(DutyKind::baton, to, next);
+  for (const auto& [to, next] : groups) deliveries.owe(DeliveryKind::baton, to, next);
 }
 
 /// A successor is passed on once, when the last of its predecessors that are this node's is final: so an

@@ -25,9 +25,9 @@ Status Run::apply(const JournalAbort& fact) {
   abort_ = fact.order;
   ++version_;
   abort_signature.reset();
-  duties.drop(DutyKind::baton);
+  deliveries.drop(DeliveryKind::baton);
   needs.clear();
-  owe_to_members(DutyKind::abort);
+  owe_to_members(DeliveryKind::abort);
   return Done{};
 }
 
@@ -83,14 +83,14 @@ Status Run::apply(const JournalPause& fact) {
   }
   ++version_;
   hold_signature.reset();
-  duties.drop(DutyKind::pause);
-  owe_to_members(DutyKind::pause);
+  deliveries.drop(DeliveryKind::pause);
+  owe_to_members(DeliveryKind::pause);
   return Done{};
 }
 
-void Run::owe_to_members(DutyKind kind) {
+void Run::owe_to_members(DeliveryKind kind) {
   for (const std::string& member : member_ids_) {
-    if (member != self_) duties.owe(kind, member, {});
+    if (member != self_) deliveries.owe(kind, member, {});
   }
 }
 
@@ -127,7 +127,9 @@ Status Run::apply(const JournalEnd& fact) {
   ++version_;
   end_signature.reset();
   needs.clear();
-  for (const DutyKind kind : {DutyKind::baton, DutyKind::abort, DutyKind::decision, DutyKind::pause}) duties.drop(kind);
+  for (const DeliveryKind kind :
+       {DeliveryKind::baton, DeliveryKind::abort, DeliveryKind::decision, DeliveryKind::pause})
+    deliveries.drop(kind);
   return Done{};
 }
 

@@ -9,7 +9,7 @@ using namespace scheduler;
 SchedulerCore::SchedulerCore(SchedulerSettings settings, const Archive& archive)
     : settings_(std::move(settings)),
       archive_(archive),
-      book_(settings_.node, settings_.authority),
+      runs_(settings_.node, settings_.authority),
       executor_(settings_.node) {}
 
 Status SchedulerCore::restore(std::span<const Body> records) {
@@ -18,7 +18,7 @@ Status SchedulerCore::restore(std::span<const Body> records) {
       steady_.restore({time->steady});
     } else if (const auto* lost = get_if<JournalLost>(&record)) {
       lost_.restore(*lost);
-    } else if (auto applied = book_.apply(record); !applied) {
+    } else if (auto applied = runs_.apply(record); !applied) {
       return applied;
     }
   }
@@ -31,8 +31,8 @@ void SchedulerCore::on_welcome(const NodeIdentity& node, Now now, Outbox& out) {
             "the router is node '" + node.id + "', the keys are '" + settings_.node + "'");
     return;
   }
-  for (Run* run : book_.runs()) {
-    run->duties.restart();
+  for (Run* run : runs_.runs()) {
+    run->deliveries.restart();
     for (auto& [task, need] : run->needs) need.timer.restart();
     for (Inquiry& inquiry : run->inquiries) inquiry.restart(now);
     for (auto& [task, signature] : run->skips) signature.next = now.mono;
@@ -58,10 +58,10 @@ void SchedulerCore::tick(Now now, Outbox& out) {
 
 std::optional<MonotonicTime> SchedulerCore::next_deadline() const {
   if (!last_) return std::nullopt;
-  std::optional<MonotonicTime> out = earlier(executor_.next_deadline(), held_.next());
+  std::optional<MonotonicTime> out = earlier(executor_.next_deadline(), deferred_.next());
   out = earlier(earlier(out, steady_.next()), lost_.next());
-  for (const Run* run : book_.runs()) {
-    out = earlier(out, run->duties.next());
+  for (const Run* run : runs_.runs()) {
+    out = earlier(out, run->deliveries.next());
     for (const auto& [task, need] : run->needs) out = earlier(out, need.timer.next());
     for (const Inquiry& inquiry : run->inquiries) out = earlier(out, inquiry.next());
     for (const auto& [task, signature] : run->skips) out = earlier(out, signature.next);
@@ -105,7 +105,7 @@ void SchedulerCore::refuse_over(const std::string& run, const Over& over, const 
 }
 
 Run* SchedulerCore::run_for(const std::string& run, const Inbound& from, Step step) {
-  Run* known = book_.find(run);
+  Run* known = runs_.find(run);
   const auto over = known == nullptr ? archive_.over(run) : std::nullopt;
   if (over) {
     refuse_over(run, *over, from, step);
@@ -119,13 +119,13 @@ Run* SchedulerCore::run_for(const std::string& run, const Inbound& from, Step st
   return nullptr;
 }
 
-Run* SchedulerCore::run_or_hold(const std::string& run, const Blob& digest, const Inbound& from, Step step) {
+Run* SchedulerCore::run_or_defer(const std::string& run, const Blob& digest, const Inbound& from, Step step) {
   const bool answer = from.reply_to != 0 || from.source == settings_.node;
-  if (answer || book_.find(run) != nullptr || archive_.over(run)) return run_for(run, from, step);
-  if (book_.full() || !held_.add(run, from, step.now.mono)) {
+  if (answer || runs_.find(run) != nullptr || archive_.over(run)) return run_for(run, from, step);
+  if (runs_.full() || !deferred_.add(run, from, step.now.mono)) {
     refuse(from,
            fail(Errc::queue_full, "no place for run " + run + " on '" + settings_.node + "'",
-                "end some of its " + std::to_string(book_.runs().size()) + " open runs: trb run list"),
+                "end some of its " + std::to_string(runs_.runs().size()) + " open runs: trb run list"),
            step);
   } else {
     step.out.request(from.source, NeedDefinition{run, digest});
@@ -139,13 +139,13 @@ void SchedulerCore::install(Run run, const SignedRecord& start, bool submitted_h
   step.out.log(
       LogLevel::info, "run_known",
       "run " + run.id() + " of '" + run.start().submitter + "': " + std::to_string(run.tasks().size()) + " tasks");
-  const Status applied = book_.add(std::move(run)).apply(fact);
+  const Status applied = runs_.add(std::move(run)).apply(fact);
   if (!applied) step.out.log(LogLevel::error, "run_not_applied", applied.error().text());
 }
 
-void SchedulerCore::delivered(Run& run, DutyKind kind, const Inbound& from, std::vector<TaskIndex> tasks,
+void SchedulerCore::delivered(Run& run, DeliveryKind kind, const Inbound& from, std::vector<TaskIndex> tasks,
                               std::uint32_t epoch, Step step) {
-  if (!run.duties.settle(kind, from.source, tasks)) {
+  if (!run.deliveries.settle(kind, from.source, tasks)) {
     step.out.count("late." + std::string(subtype_of(from.body)));
     return;
   }

@@ -13,10 +13,10 @@
 #include "common/base/steady_time.hpp"
 #include "common/security/keys.hpp"
 #include "services/scheduler/core/archive.hpp"
-#include "services/scheduler/core/book.hpp"
+#include "services/scheduler/core/deferred_messages.hpp"
 #include "services/scheduler/core/executor.hpp"
-#include "services/scheduler/core/held.hpp"
 #include "services/scheduler/core/lost_journal.hpp"
+#include "services/scheduler/core/run_store.hpp"
 #include "services/scheduler/core/view.hpp"
 #include "services/scheduler/core/watchers.hpp"
 
@@ -38,7 +38,7 @@ class SchedulerCore : public Core {
             TaskProgress, RunAbort, AbortConfirmed, RunQuery, RunListRequest, AdapterState, ExecutionState, Outcome,
             RunDecision, DecisionJournaled, ReleaseTasks, RunPause, PauseJournaled, RunWatch, RunOver, NeedEnd>;
 
-  /// Takes in what the journal held, in order, before on_welcome. Errors: those of scheduler::Book::apply.
+  /// Takes in what the journal held, in order, before on_welcome. Errors: those of scheduler::RunStore::apply.
   Status restore(std::span<const Body> records);
 
   void on_welcome(const NodeIdentity& node, Now now, Outbox& out) override;
@@ -97,7 +97,7 @@ class SchedulerCore : public Core {
   /// The run that a peer's message is about, or nullptr after a refusal.
   Run* run_for(const std::string& run, const Inbound& from, Step step);
   /// run_for; but what a peer says of an unknown run is kept, and the peer is asked for the definition.
-  Run* run_or_hold(const std::string& run, const Blob& digest, const Inbound& from, Step step);
+  Run* run_or_defer(const std::string& run, const Blob& digest, const Inbound& from, Step step);
   void install(Run run, const SignedRecord& start, bool submitted_here, Step step);
   void keep_result(Run& run, scheduler::HeldResult held, Step step);
   void keep_choice(Run& run, scheduler::HeldChoice held, Step step);
@@ -114,11 +114,11 @@ class SchedulerCore : public Core {
   Status keep_pause(Run& run, const SignedRecord& order, bool here, Step step);
   void keep_end(Run& run, const SignedRecord& end, Step step);
   /// Keeps a message that is of a later epoch than is known, and asks its sender for the decisions; false if it is not.
-  bool hold_for_decisions(Run& run, std::uint32_t epoch, const Inbound& from, Step step);
+  bool defer_for_decisions(Run& run, std::uint32_t epoch, const Inbound& from, Step step);
   void keep_decision(Run& run, const SignedRecord& record, bool here, Step step);
   Status take_decisions(Run& run, const std::vector<SignedRecord>& records, Step step);
   /// Hands out what waited for a definition or for decisions.
-  void dispatch_held(const std::string& run, Step step);
+  void hand_out_deferred(const std::string& run, Step step);
   void take_more_decisions(Run& run, const Definition& body, const Inbound& from, Step step);
   /// Logs that the own router has signed something else than was asked for, which is asked for again; true.
   bool wrong_signature(const Error& error, Step step);
@@ -127,7 +127,7 @@ class SchedulerCore : public Core {
   void ask_newer(const Nack& nack, const Inbound& from, Step step);
   Status check_baton(const Run& run, const Baton& baton, Step step) const;
   /// Journals that another node has what it was owed.
-  void delivered(Run& run, scheduler::DutyKind kind, const Inbound& from, std::vector<TaskIndex> tasks,
+  void delivered(Run& run, scheduler::DeliveryKind kind, const Inbound& from, std::vector<TaskIndex> tasks,
                  std::uint32_t epoch, Step step);
 
   // The end of every step: advance.cpp, ending.cpp, choosing.cpp, passing.cpp.
@@ -161,7 +161,7 @@ class SchedulerCore : public Core {
   void tell_waiting(const Run& run, TaskIndex task, const std::string& what, Step step);
   void pass_overdue(Run& run, Step step);
   void pass_on(Run& run, Step step);
-  void send(const Run& run, const scheduler::Duty& duty, Step step);
+  void send(const Run& run, const scheduler::PendingDelivery& delivery, Step step);
   void ask_needs(Run& run, Step step);
   void confirm_abort(Run& run, Step step);
 
@@ -169,12 +169,12 @@ class SchedulerCore : public Core {
   const scheduler::Archive& archive_;
   SteadyTime steady_;
   RoutePages routes_;  ///< of the own router
-  scheduler::Book book_;
+  scheduler::RunStore runs_;
   scheduler::Executor executor_;
-  scheduler::Held held_;
+  scheduler::DeferredMessages deferred_;
   scheduler::Watchers watchers_;
   scheduler::LostJournal lost_;
-  bool dispatching_held_ = false;
+  bool handing_out_ = false;
   std::optional<Now> last_;  ///< of the last step since the welcome
   UtcTime last_steady_{};
   std::optional<MonotonicTime> keep_time_at_;

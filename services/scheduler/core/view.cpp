@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::size_t kShownData = 1024;
 
-std::string trouble_text(const Run& run, TaskIndex task) {
+std::string problem_text(const Run& run, TaskIndex task) {
   const TaskResult& result = run.results().of(task)->result;
   const std::string where = "task '" + result.key.task + "' ";
   const std::string why = result.reason.empty() ? std::string("no reason given") : result.reason;
@@ -42,10 +42,10 @@ std::string going_on(const Run& run, const Executor& executor) {
   return out + (names.size() > kNamed ? " and " + std::to_string(names.size() - kNamed) + " more" : "");
 }
 
-std::string troubles_text(const Run& run, const Executor& executor) {
-  const std::vector<TaskIndex> troubles = run.troubles();
-  const std::string others = troubles.size() > 1 ? " (and " + std::to_string(troubles.size() - 1) + " more)" : "";
-  return trouble_text(run, troubles.front()) + others + going_on(run, executor);
+std::string problems_text(const Run& run, const Executor& executor) {
+  const std::vector<TaskIndex> problems = run.problems();
+  const std::string others = problems.size() > 1 ? " (and " + std::to_string(problems.size() - 1) + " more)" : "";
+  return problem_text(run, problems.front()) + others + going_on(run, executor);
 }
 
 std::string held_text(const Run& run) {
@@ -79,7 +79,7 @@ std::string unbound_text(const Run& run) {
 std::string abort_text(const Run& run, const Executor& executor) {
   std::string out;
   if (executor.runs(run.id())) out = "task '" + executor.attempt()->execute.key.task + "' to stop here";
-  const auto members = run.duties.creditors(DutyKind::abort);
+  const auto members = run.deliveries.creditors(DeliveryKind::abort);
   if (members.empty()) return out;
   out += (out.empty() ? "" : "; ") + std::string("the confirmation of");
   for (std::size_t i = 0; i < members.size(); ++i) out += (i == 0 ? " '" : ", '") + members[i] + "'";
@@ -120,7 +120,7 @@ std::string due_text(const Run& run, const Executor& executor, TaskIndex task) {
     return "task '" + executor.attempt()->execute.key.task + "' of run " + executor.attempt()->execute.key.run +
            " to end on '" + robot + "'";
   }
-  if (run.duties.owes_baton(task)) {
+  if (run.deliveries.owes_baton(task)) {
     const auto refusal = run.refusals.find(robot);
     return "'" + robot + "' to take its baton" + (refusal == run.refusals.end() ? "" : ": " + refusal->second);
   }
@@ -225,13 +225,13 @@ TaskView task_view(const Run& run, const Executor& executor, TaskIndex task, Kno
 
 RunState state_of(const Run& run, const Executor& executor, Clock clock) {
   if (run.aborted()) {
-    const bool open = executor.runs(run.id()) || !run.duties.creditors(DutyKind::abort).empty();
+    const bool open = executor.runs(run.id()) || !run.deliveries.creditors(DeliveryKind::abort).empty();
     return open ? RunState::aborting : RunState::aborted;
   }
   const bool doubles = run.held_for_doubles() || run.has_new_double();
   if (run.ended() || (run.all_final() && !doubles)) return RunState::finished;
   if (run.expired(clock.steady)) return RunState::expired;
-  const bool waits = run.held() || doubles || !run.troubles().empty() || lacks_robot(run, clock.steady);
+  const bool waits = run.held() || doubles || !run.problems().empty() || lacks_robot(run, clock.steady);
   return waits ? RunState::paused : RunState::running;
 }
 
@@ -243,7 +243,7 @@ std::string waits_for(const Run& run, const Executor& executor, Clock clock) {
       break;
     case RunState::paused:
       out = run.held()                ? held_text(run)
-            : !run.troubles().empty() ? troubles_text(run, executor)
+            : !run.problems().empty() ? problems_text(run, executor)
             : run.has_new_double()    ? "'" + run.judge() + "' to hold it: a task was done twice"
                                       : unbound_text(run);
       break;
