@@ -15,7 +15,7 @@ Status RunStore::apply_to(const std::string& run, const Fact& fact) {
 Status RunStore::apply_start(const JournalRun& fact) {
   auto run = open(fact.start);
   if (!run) return run.error();
-  Run* known = find(run->id());
+  Run* known = find((*run)->id());
   return (known != nullptr ? *known : add(std::move(*run))).apply(fact);
 }
 
@@ -56,19 +56,19 @@ Status RunStore::apply(const Body& fact) {
                fact);
 }
 
-Run& RunStore::add(Run run) {
-  const std::string id = run.id();
-  Run& added = runs_.emplace(id, std::move(run)).first->second;
-  const auto age = [](const Run* one) { return std::tie(one->start().created, one->id()); };
+Run& RunStore::add(std::unique_ptr<Run> run) {
+  const std::string id = run->id();
+  Run& added = *runs_.emplace(id, std::move(run)).first->second;
+  const auto age = [](const Run* one) { return std::tie(one->definition().start().created, one->id()); };
   const auto place = std::lower_bound(by_age_.begin(), by_age_.end(), &added,
                                       [&](const Run* a, const Run* b) { return age(a) < age(b); });
   by_age_.insert(place, &added);
   return added;
 }
 
-Run* RunStore::find(const std::string& run) {
+Run* RunStore::find(const std::string& run) const {
   const auto found = runs_.find(run);
-  return found == runs_.end() ? nullptr : &found->second;
+  return found == runs_.end() ? nullptr : found->second.get();
 }
 
 void RunStore::remove(const std::string& run) {

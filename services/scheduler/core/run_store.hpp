@@ -2,12 +2,13 @@
 #pragma once
 
 #include <map>
+#include <memory>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "proto/body.hpp"
-#include "services/scheduler/core/run.hpp"
+#include "services/scheduler/core/run/run.hpp"
 
 namespace trb::scheduler {
 
@@ -23,10 +24,12 @@ class RunStore {
   /// node's.
   Status apply(const Body& fact);
 
-  [[nodiscard]] Result<Run> open(const SignedRecord& start) const { return Run::open(start, certificates_, self_); }
-  Run& add(Run run);
+  [[nodiscard]] Result<std::unique_ptr<Run>> open(const SignedRecord& start) const {
+    return Run::open(start, certificates_, self_);
+  }
+  Run& add(std::unique_ptr<Run> run);
   [[nodiscard]] bool full() const { return runs_.size() >= kMaxRuns; }
-  Run* find(const std::string& run);
+  [[nodiscard]] Run* find(const std::string& run) const;
   /// Oldest first.
   [[nodiscard]] const std::vector<Run*>& runs() const { return by_age_; }
 
@@ -40,7 +43,7 @@ class RunStore {
 
   std::string self_;
   std::shared_ptr<Certificates> certificates_;
-  std::map<std::string, Run> runs_;
+  std::map<std::string, std::unique_ptr<Run>> runs_;
   std::vector<Run*> by_age_;
 };
 

@@ -1,4 +1,4 @@
-#include "services/scheduler/core/inquiry.hpp"
+#include "services/scheduler/core/run/inquiry.hpp"
 
 #include <doctest/doctest.h>
 
@@ -85,8 +85,8 @@ TEST_CASE("every failure is tried again: after 0.5 s, doubling to 5 s") {
     CHECK(sent<RouteListRequest>(asking.tick(now)).size() == 1);
     asking.asks(table_with({{"belt", "ONLINE"}}), now);
     asking.inquiry.on_refusal({"robot_error", "sensor_read", "ur3", "the wire is cut", ""}, "belt", at(now));
-    CHECK(asking.inquiry.take_news());
-    CHECK_FALSE(asking.inquiry.take_news());
+    CHECK(asking.inquiry.take_update());
+    CHECK_FALSE(asking.inquiry.take_update());
     CHECK(asking.inquiry.obstacle() == "temperature of belt: 'belt' says robot_error: the wire is cut");
     CHECK(asking.tick(now + wait - 0.01).sends.empty());
     now += wait;

@@ -45,12 +45,12 @@ class Hall {
   }
 
   /// As a member sees it that knows the start alone.
-  Run open(const std::string& self = "b") {
-    return *Run::open(start, std::make_shared<Certificates>(fleet.authority()), self);
+  std::unique_ptr<Run> open(const std::string& self = "b") {
+    return std::move(*Run::open(start, std::make_shared<Certificates>(fleet.authority()), self));
   }
-  Run in_epoch_3(const std::string& self = "b") {
-    Run run = open(self);
-    for (const SignedRecord& decision : decisions) REQUIRE(run.apply(JournalDecision{decision, false}).ok());
+  std::unique_ptr<Run> in_epoch_3(const std::string& self = "b") {
+    auto run = open(self);
+    for (const SignedRecord& decision : decisions) REQUIRE(run->apply(JournalDecision{decision, false}).ok());
     return run;
   }
 
@@ -153,7 +153,7 @@ class Hall {
 ResultSet some_of(Hall& hall, const Run& run) {
   ResultSet out;
   for (const SignedRecord& record : shuffled(hall.good, hall.dice)) {
-    const auto held = run.check_result(record);
+    const auto held = run.checks().result(record);
     REQUIRE_MESSAGE(held.ok(), (held ? "" : held.error().text()));
     if (hall.dice.chance(50)) out.add(*run.index_of(held->result.key.task), *held);
   }
@@ -171,12 +171,12 @@ std::string meaning(const Run& run) {
   for (std::size_t i = 0; i < run.tasks().size(); ++i) {
     const auto task = static_cast<TaskIndex>(i);
     const HeldResult* held = run.results().of(task);
-    const HeldResult* current = run.current(task);
+    const HeldResult* current = run.facts().current(task);
     out += run.tasks()[i].id + ": " + (held == nullptr ? "-" : held->record.payload.bytes) +
-           (current == held ? " counts" : " is void") + ", next " + std::to_string(run.next_attempt(task)) +
+           (current == held ? " counts" : " is void") + ", next " + std::to_string(run.facts().next_attempt(task)) +
            (run.results().finished_twice(task) ? ", twice" : "") + "\n";
   }
-  for (const TaskIndex task : run.problems()) out += "problem " + std::to_string(task) + "\n";
+  for (const TaskIndex task : run.facts().problems()) out += "problem " + std::to_string(task) + "\n";
   return out + to_bitmap(run.known_final()) + to_bitmap(run.known_skipped());
 }
 
@@ -188,13 +188,13 @@ void learn(Run& run, Hall& hall) {
   }
   std::map<TaskIndex, Bytes> chosen;
   for (bool again = true; again;) {
-    again = run.epoch() < 3;
+    again = run.epochs().current() < 3;
     for (const SignedRecord& fact : shuffled(facts, hall.dice)) {
-      if (auto held = run.check_result(fact)) run.add(std::move(*held));
-      if (auto held = run.check_choice(fact)) run.add(std::move(*held));
-      if (run.check_decision(fact)) again = run.apply(JournalDecision{fact, false}).ok();
+      if (auto held = run.checks().result(fact)) run.add(std::move(*held));
+      if (auto held = run.checks().choice(fact)) run.add(std::move(*held));
+      if (run.decision_checks().decision(fact)) again = run.apply(JournalDecision{fact, false}).ok();
       for (const TaskIndex task : {TaskIndex{2}, TaskIndex{3}}) {
-        const HeldChoice* choice = run.choice_on(task);
+        const HeldChoice* choice = run.facts().choice_on(task);
         if (choice == nullptr) continue;
         const auto [at, is_first] = chosen.emplace(task, choice->record.payload.bytes);
         CHECK(at->second == choice->record.payload.bytes);
@@ -275,10 +275,10 @@ TEST_CASE("joining sets of signed results is idempotent, commutative and associa
   for (std::uint64_t seed = first_seed(); seed < first_seed() + 60; ++seed) {
     CAPTURE(seed);
     Hall hall(seed);
-    const Run run = hall.in_epoch_3();
-    const ResultSet a = some_of(hall, run);
-    const ResultSet b = some_of(hall, run);
-    const ResultSet c = some_of(hall, run);
+    const auto run = hall.in_epoch_3();
+    const ResultSet a = some_of(hall, *run);
+    const ResultSet b = some_of(hall, *run);
+    const ResultSet c = some_of(hall, *run);
     CHECK(joined(a, a) == a);
     CHECK(joined(a, b) == joined(b, a));
     CHECK(joined(joined(a, b), c) == joined(a, joined(b, c)));
@@ -296,12 +296,12 @@ TEST_CASE("what is forged, of another epoch or attempt, or another's is in no se
   for (std::uint64_t seed = first_seed(); seed < first_seed() + 20; ++seed) {
     CAPTURE(seed);
     Hall hall(seed);
-    const Run run = hall.in_epoch_3();
+    const auto run = hall.in_epoch_3();
     for (std::size_t i = 0; i < hall.bad.size(); ++i) {
       CAPTURE(i);
-      CHECK_FALSE(run.check_result(hall.bad[i]).ok());
+      CHECK_FALSE(run->checks().result(hall.bad[i]).ok());
     }
-    for (const SignedRecord& record : hall.bad_choices) CHECK_FALSE(run.check_choice(record).ok());
+    for (const SignedRecord& record : hall.bad_choices) CHECK_FALSE(run->checks().choice(record).ok());
   }
 }
 
@@ -309,13 +309,13 @@ TEST_CASE("in whatever order a node learns results, choices and decisions, they 
   for (std::uint64_t seed = first_seed(); seed < first_seed() + 25; ++seed) {
     CAPTURE(seed);
     Hall hall(seed);
-    Run one = hall.open();
-    learn(one, hall);
+    const auto one = hall.open();
+    learn(*one, hall);
     for (int i = 0; i < 3; ++i) {
-      Run other = hall.open();
-      learn(other, hall);
-      CHECK(other.results() == one.results());
-      CHECK(meaning(other) == meaning(one));
+      const auto other = hall.open();
+      learn(*other, hall);
+      CHECK(other->results() == one->results());
+      CHECK(meaning(*other) == meaning(*one));
     }
   }
 }

@@ -5,9 +5,9 @@
 
 #include "proto/body.hpp"
 #include "proto/message.hpp"
-#include "services/scheduler/core/certificates.hpp"
-#include "services/scheduler/core/pending_deliveries.hpp"
-#include "services/scheduler/core/results.hpp"
+#include "services/scheduler/core/run/certificates.hpp"
+#include "services/scheduler/core/run/pending_deliveries.hpp"
+#include "services/scheduler/core/run/results.hpp"
 #include "services/scheduler/core/view.hpp"
 #include "services/scheduler/test/fleet.hpp"
 
