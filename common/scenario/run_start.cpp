@@ -6,6 +6,7 @@
 
 #include "common/base/hex.hpp"
 #include "common/base/ids.hpp"
+#include "common/scenario/decision_rule.hpp"
 #include "common/scenario/graph.hpp"
 #include "common/security/keys.hpp"
 #include "proto/body.hpp"
@@ -16,12 +17,6 @@ namespace {
 bool is_run_id(const std::string& run) {
   const auto digit = [](char c) { return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'f'); };
   return run.size() == 32 && std::all_of(run.begin(), run.end(), digit);
-}
-
-/// The role that a member's certificate names; whoever relies on it opens the certificate with the authority's key.
-bool says_cloud(const Member& member) {
-  const auto certificate = decode<Certificate>(member.certificate.payload.bytes);
-  return certificate.ok() && certificate->role == Role::cloud;
 }
 
 Result<std::set<std::string>> check_members(const RunStart& start) {
@@ -94,8 +89,7 @@ RunStart build_run_start(Scenario scenario, std::vector<Member> members, std::st
                        [&](const Member& member) { return member.id == id && says_cloud(member); });
   });
   if (start.electorate.size() % 2 == 0) {
-    const auto cloud = std::find_if(members.begin(), members.end(), says_cloud);
-    if (cloud != members.end()) start.electorate.push_back(cloud->id);
+    if (const std::string cloud = first_cloud_of(members); !cloud.empty()) start.electorate.push_back(cloud);
   }
   start.scenario = std::move(scenario);
   start.members = std::move(members);

@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "services/scheduler/core/scheduler_core.hpp"
-#include "services/scheduler/tests/memory_archive.hpp"
+#include "services/scheduler/test/memory_archive.hpp"
 #include "tests/fuzz/run_proof.hpp"
 
 namespace trb::fuzz {

@@ -5,7 +5,7 @@
 #include <memory>
 
 #include "services/resilience/core/resilience_core.hpp"
-#include "services/scheduler/tests/fleet.hpp"
+#include "services/scheduler/test/fleet.hpp"
 
 namespace trb::year {
 

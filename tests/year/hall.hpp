@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "services/scheduler/tests/random_world.hpp"
+#include "services/scheduler/test/random_world.hpp"
 #include "tests/year/decider.hpp"
 
 namespace trb::year {

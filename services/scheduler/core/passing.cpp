@@ -3,15 +3,10 @@
 #include <algorithm>
 #include <set>
 
-#include "services/scheduler/core/scheduler_core.hpp"
-
-namespace trb {
-
-namespace scheduler {
+namespace trb::scheduler {
 
 namespace {
 
-constexpr Duration kPassAgain = std::chrono::seconds(30);
 constexpr std::size_t kMaxPacked = 512U << 10U;  // half of a message, so that headers and a large result always fit
 
 std::size_t size_of(const SignedRecord& record) {
@@ -20,7 +15,7 @@ std::size_t size_of(const SignedRecord& record) {
 
 /// Adds the choice on a task, unless it is among them: one record may be on many tasks.
 void add_choice(const Run& run, TaskIndex task, std::vector<SignedRecord>& choices) {
-  const HeldChoice* held = run.choice_on(task);
+  const HeldChoice* held = run.facts().choice_on(task);
   const bool is_new = held != nullptr && std::find(choices.begin(), choices.end(), held->record) == choices.end();
   if (is_new) choices.push_back(held->record);
 }
@@ -34,7 +29,7 @@ Results pack_results(const Run& run, const std::vector<TaskIndex>& tasks) {
     const HeldResult* held = run.results().of(task);
     if (held == nullptr) continue;
     size += size_of(held->record);
-    if (const HeldChoice* choice = run.choice_on(task)) size += size_of(choice->record);
+    if (const HeldChoice* choice = run.facts().choice_on(task)) size += size_of(choice->record);
     if (size > kMaxPacked && !out.results.empty()) break;
     out.results.push_back(held->record);
     add_choice(run, task, out.choices);
@@ -45,8 +40,8 @@ Results pack_results(const Run& run, const std::vector<TaskIndex>& tasks) {
 Baton baton_for(const Run& run, const std::vector<TaskIndex>& tasks) {
   Baton baton;
   baton.run = run.id();
-  baton.digest = run.start().digest;
-  baton.epoch = run.epoch();
+  baton.digest = run.definition().start().digest;
+  baton.epoch = run.epochs().current();
   baton.final_tasks.bytes = to_bitmap(run.known_final());
   std::vector<TaskIndex> before;
   for (const TaskIndex task : tasks) {
@@ -57,55 +52,8 @@ Baton baton_for(const Run& run, const std::vector<TaskIndex>& tasks) {
   baton.tasks = tasks;
   for (const TaskIndex task : tasks) add_choice(run, task, baton.choices);
   baton.skipped_tasks.bytes = to_bitmap(run.known_skipped());
-  baton.orders = run.orders();
+  baton.orders = run.orders().records();
   return baton;
 }
 
-}  // namespace scheduler
-
-using namespace scheduler;
-
-void SchedulerCore::send(const Run& run, const Duty& duty, Step step) {
-  switch (duty.kind) {
-    case DutyKind::baton:
-      step.out.command(duty.to, baton_for(run, duty.tasks));
-      break;
-    case DutyKind::results:
-      step.out.command(duty.to, pack_results(run, duty.tasks));
-      break;
-    case DutyKind::abort:
-      step.out.command(duty.to, RunAbort{run.abort_order()});
-      break;
-    case DutyKind::decision:
-      step.out.command(duty.to, RunDecision{run.decision_records().back()});
-      break;
-    case DutyKind::pause:
-      step.out.command(duty.to, RunPause{run.pause_record()});
-      break;
-  }
-}
-
-/// A robot may have died for good between its result and the pass. A baton that comes twice does no harm.
-void SchedulerCore::pass_overdue(Run& run, Step step) {
-  for (auto& [task, at] : run.pass_at) {
-    if (at > step.now.mono) continue;
-    at = step.now.mono + kPassAgain;
-    run.pass_instead(task);
-  }
-}
-
-void SchedulerCore::pass_on(Run& run, Step step) {
-  for (const Duty& duty : run.duties.take_due(step.now.mono)) send(run, duty, step);
-}
-
-void SchedulerCore::ask_needs(Run& run, Step step) {
-  std::map<std::string, std::vector<TaskIndex>> by_giver;
-  for (auto& [task, need] : run.needs) {
-    if (!need.timer.due(step.now.mono)) continue;
-    need.timer.sent(step.now.mono);
-    by_giver[need.giver].push_back(task);
-  }
-  for (auto& [giver, tasks] : by_giver) step.out.request(giver, NeedResults{run.id(), std::move(tasks)});
-}
-
-}  // namespace trb
+}  // namespace trb::scheduler

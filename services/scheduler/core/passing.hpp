@@ -1,7 +1,7 @@
-// What a duty or an answer carries, made from the facts at the moment of sending.
+// What a delivery or an answer carries, made from the facts at the moment of sending.
 #pragma once
 
-#include "services/scheduler/core/run.hpp"
+#include "services/scheduler/core/run/run.hpp"
 
 namespace trb::scheduler {
 

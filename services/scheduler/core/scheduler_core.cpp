@@ -1,16 +1,51 @@
 #include "services/scheduler/core/scheduler_core.hpp"
 
-#include "services/scheduler/core/named_run.hpp"
+#include "services/scheduler/core/delivery_sender.hpp"
+#include "services/scheduler/core/refusal.hpp"
 
 namespace trb {
 
 using namespace scheduler;
 
+namespace {
+
+constexpr Duration kKeepTime = std::chrono::minutes(10);
+
+template <class Handler>
+bool offer_to(Handler& handler, const Inbound& message, Step step) {
+  const auto handle = [&](const auto& body) { handler.handle(body, message, step); };
+  bool taken = false;
+  if constexpr (requires { typename Handler::Taken; }) taken = Handler::Taken::dispatch(message.body, handle);
+  if constexpr (requires { typename Handler::Answers; }) {
+    taken = taken || Handler::Answers::dispatch(message.body, handle);
+  }
+  return taken;
+}
+
+}  // namespace
+
 SchedulerCore::SchedulerCore(SchedulerSettings settings, const Archive& archive)
     : settings_(std::move(settings)),
-      archive_(archive),
-      book_(settings_.node, settings_.authority),
-      executor_(settings_.node) {}
+      runs_(settings_.node, settings_.authority),
+      executor_(settings_.node),
+      lookup_(settings_.node, runs_, archive),
+      journal_(settings_.node, runs_),
+      definitions_(settings_.node, runs_, lookup_, journal_,
+                   [this](const Inbound& message, Step step) { dispatch(message, step); }),
+      batons_(settings_.node, runs_, lookup_, journal_),
+      results_(runs_, lookup_, journal_),
+      decisions_(settings_.node, lookup_, journal_),
+      aborts_(settings_.node, executor_, lookup_, journal_),
+      pauses_(settings_.node, executor_, lookup_, journal_),
+      ends_(settings_.node, runs_, executor_, lookup_, journal_),
+      queries_(runs_, archive, executor_, watchers_),
+      robot_(settings_.node, runs_, executor_, lost_, journal_),
+      conditions_(settings_.node, runs_, journal_),
+      refusals_(settings_.node, runs_, executor_, conditions_, batons_),
+      due_(executor_),
+      schedule_(runs_, executor_, due_, lost_),
+      unattempted_(settings_.node, journal_),
+      archiver_(settings_.has_robot, runs_, executor_, watchers_) {}
 
 Status SchedulerCore::restore(std::span<const Body> records) {
   for (const Body& record : records) {
@@ -18,7 +53,7 @@ Status SchedulerCore::restore(std::span<const Body> records) {
       steady_.restore({time->steady});
     } else if (const auto* lost = get_if<JournalLost>(&record)) {
       lost_.restore(*lost);
-    } else if (auto applied = book_.apply(record); !applied) {
+    } else if (auto applied = runs_.apply(record); !applied) {
       return applied;
     }
   }
@@ -31,17 +66,12 @@ void SchedulerCore::on_welcome(const NodeIdentity& node, Now now, Outbox& out) {
             "the router is node '" + node.id + "', the keys are '" + settings_.node + "'");
     return;
   }
-  for (Run* run : book_.runs()) {
-    run->duties.restart();
-    for (auto& [task, need] : run->needs) need.timer.restart();
-    for (Inquiry& inquiry : run->inquiries) inquiry.restart(now);
-    for (auto& [task, signature] : run->skips) signature.next = now.mono;
-    for (auto* signature : {&run->abort_signature, &run->hold_signature, &run->end_signature}) {
-      if (*signature) (*signature)->next = now.mono;
-    }
+  for (Run* run : runs_.runs()) {
+    run->deliveries().pending().restart();
+    run->work().restart(now);
   }
   last_ = now;
-  resume_attempt();
+  schedule_.resume_attempt();
   if (settings_.has_robot) executor_.welcome(now, out);
   advance(step_at(now, out));
 }
@@ -56,109 +86,97 @@ void SchedulerCore::tick(Now now, Outbox& out) {
   advance(step_at(now, out));
 }
 
-std::optional<MonotonicTime> SchedulerCore::next_deadline() const {
-  if (!last_) return std::nullopt;
-  std::optional<MonotonicTime> out = earlier(executor_.next_deadline(), held_.next());
-  out = earlier(earlier(out, steady_.next()), lost_.next());
-  for (const Run* run : book_.runs()) {
-    out = earlier(out, run->duties.next());
-    for (const auto& [task, need] : run->needs) out = earlier(out, need.timer.next());
-    for (const Inquiry& inquiry : run->inquiries) out = earlier(out, inquiry.next());
-    for (const auto& [task, signature] : run->skips) out = earlier(out, signature.next);
-    for (const auto& [task, at] : run->retry_at) out = earlier(out, at);
-    for (const auto& [task, at] : run->pass_at) out = earlier(out, at);
-    for (const auto* signature : {&run->abort_signature, &run->hold_signature, &run->end_signature}) {
-      if (*signature) out = earlier(out, (*signature)->next);
-    }
-    for (const auto& [task, at] : run->due_at) {
-      const double within_s = run->tasks()[task].start_within_s;
-      const MonotonicTime late = at + seconds(within_s);
-      if (within_s > 0 && run->is_own(task) && late > last_->mono) out = earlier(out, late);
-    }
-    out = earlier(earlier(out, run->over_at), run->need_end.next());
-    if (const auto end = run->next_end(last_steady_))
-      out = earlier(out, last_->mono + Duration{end->ns - last_steady_.ns});
-  }
-  return out;
+template <class... Handlers>
+bool SchedulerCore::offer(const Inbound& message, Step step, Handlers&... handlers) {
+  return (offer_to(handlers, message, step) || ...);
 }
 
 void SchedulerCore::dispatch(const Inbound& message, Step step) {
-  const auto to_handler = [&](const auto& body) { handle(body, message, step); };
-  if (Taken::dispatch(message.body, to_handler) || Answers::dispatch(message.body, to_handler)) return;
+  if (const auto* record = get_if<SignedRecord>(&message.body)) return handle_signed(*record, message, step);
+  if (offer(message, step, batons_, results_, definitions_, decisions_, aborts_, pauses_, ends_, queries_, robot_,
+            conditions_, refusals_)) {
+    return;
+  }
   refuse(message,
          fail(Errc::unknown_subtype, "the scheduler does not take '" + std::string(subtype_of(message.body)) + "'"),
          step);
 }
 
-void SchedulerCore::refuse(const Inbound& from, const Error& error, Step step) {
-  // A counter for every subtype that a peer makes up would be a leak.
-  const std::string subtype(holds_alternative<Opaque>(from.body) ? "opaque" : subtype_of(from.body));
-  step.out.count("refused." + subtype + "." + std::string(errc_name(error.code)));
-  step.out.nack(from, error, named_run(from.body));
+/// The own router has signed what one of the handlers has asked it for.
+void SchedulerCore::handle_signed(const SignedRecord& record, const Inbound& from, Step step) {
+  if (from.source != settings_.node) return refuse(from, not_own(from), step);
+  if (robot_.keep_signed(record, from, step)) return;
+  for (Run* run : runs_.runs()) {
+    if (keep_signed(*run, record, step)) return;
+  }
+  step.out.count("late.signed_record");
 }
 
-void SchedulerCore::refuse_over(const std::string& run, const Over& over, const Inbound& from, Step step) {
-  if (!over.end.kind.empty() && from.source != settings_.node) step.out.information(from.source, RunOver{over.end});
-  refuse(from,
-         fail(Errc::expired, "run " + run + " is over: " + std::string(name_of(over.state)), "trb run show has it"),
-         step);
+bool SchedulerCore::keep_signed(Run& run, const SignedRecord& record, Step step) {
+  return conditions_.keep_signed(run, record, step) || unattempted_.keep_signed(run, record, step) ||
+         aborts_.keep_signed(run, record, step) || pauses_.keep_signed(run, record, step) ||
+         ends_.keep_signed(run, record, step);
 }
 
-Run* SchedulerCore::run_for(const std::string& run, const Inbound& from, Step step) {
-  Run* known = book_.find(run);
-  const auto over = known == nullptr ? archive_.over(run) : std::nullopt;
-  if (over) {
-    refuse_over(run, *over, from, step);
-  } else if (known == nullptr) {
-    refuse(from, fail(Errc::unknown_run, "run " + run + " is not known on '" + settings_.node + "'"), step);
-  } else if (!known->is_member(from.source)) {
-    refuse(from, fail(Errc::not_permitted, "'" + from.source + "' is no member of run " + run), step);
+void SchedulerCore::advance(Step step) {
+  if (!last_) return;  // not yet welcome: nothing can be sent
+  last_ = step.now;
+  last_steady_ = step.steady;
+  keep_time(step);
+  report_lost_journal(step);
+  archiver_.archive(step);
+  for (Run* run : runs_.runs()) {
+    run->work().timers().drop_past_retries(step.now.mono);
+    due_.update(*run, step);
+  }
+  schedule_.permit_attempt(step);
+  executor_.tick(step.now, step.out);
+  if (settings_.has_robot) schedule_.start_next(step);
+  for (Run* run : runs_.runs()) advance(*run, step);
+  lookup_.refuse_late(step);
+  queries_.notify_watchers(step);
+}
+
+void SchedulerCore::advance(Run& run, Step step) {
+  aborts_.confirm(run, step);
+  conditions_.inquire(run, step);
+  unattempted_.request(run, step);
+  aborts_.order_on_failure(run, step);
+  pauses_.hold_for_doubles(run, step);
+  ends_.seek_end(run, step);
+  send_due(run, step);
+}
+
+/// After a loss of power the time goes on from here.
+void SchedulerCore::keep_time(Step step) {
+  if (runs_.runs().empty() || (keep_time_at_ && *keep_time_at_ > step.now.mono)) return;
+  keep_time_at_ = step.now.mono + kKeepTime;
+  step.out.record(JournalTime{step.steady.ns});
+}
+
+void SchedulerCore::report_lost_journal(Step step) {
+  if (settings_.has_robot) {
+    lost_.tick(settings_.node, step.now, step.out);
   } else {
-    return known;
+    lost_.told(step.now, step.out);
   }
-  return nullptr;
 }
 
-Run* SchedulerCore::run_or_hold(const std::string& run, const Blob& digest, const Inbound& from, Step step) {
-  const bool answer = from.reply_to != 0 || from.source == settings_.node;
-  if (answer || book_.find(run) != nullptr || archive_.over(run)) return run_for(run, from, step);
-  if (book_.full() || !held_.add(run, from, step.now.mono)) {
-    refuse(from,
-           fail(Errc::queue_full, "no place for run " + run + " on '" + settings_.node + "'",
-                "end some of its " + std::to_string(book_.runs().size()) + " open runs: trb run list"),
-           step);
-  } else {
-    step.out.request(from.source, NeedDefinition{run, digest});
-  }
-  return nullptr;
+std::optional<MonotonicTime> SchedulerCore::next_deadline() const {
+  if (!last_) return std::nullopt;
+  std::optional<MonotonicTime> out = earlier(executor_.next_deadline(), lookup_.next());
+  out = earlier(earlier(out, steady_.next()), lost_.next());
+  for (const Run* run : runs_.runs()) out = earlier(out, next_deadline_of(*run));
+  return out;
 }
 
-void SchedulerCore::install(Run run, const SignedRecord& start, bool submitted_here, Step step) {
-  const JournalRun fact{start, submitted_here};
-  step.out.record(fact);
-  step.out.log(
-      LogLevel::info, "run_known",
-      "run " + run.id() + " of '" + run.start().submitter + "': " + std::to_string(run.tasks().size()) + " tasks");
-  const Status applied = book_.add(std::move(run)).apply(fact);
-  if (!applied) step.out.log(LogLevel::error, "run_not_applied", applied.error().text());
-}
-
-void SchedulerCore::delivered(Run& run, DutyKind kind, const Inbound& from, std::vector<TaskIndex> tasks,
-                              std::uint32_t epoch, Step step) {
-  if (!run.duties.settle(kind, from.source, tasks)) {
-    step.out.count("late." + std::string(subtype_of(from.body)));
-    return;
+std::optional<MonotonicTime> SchedulerCore::next_deadline_of(const Run& run) const {
+  std::optional<MonotonicTime> out = earlier(run.deliveries().pending().next(), run.work().next());
+  out = earlier(out, DueTasks::next_late(run, last_->mono));
+  if (const auto end = run.definition().next_end(last_steady_)) {
+    out = earlier(out, last_->mono + Duration{end->ns - last_steady_.ns});
   }
-  JournalDelivered fact;
-  fact.run = run.id();
-  fact.to = from.source;
-  fact.what = name_of(kind);
-  fact.tasks = std::move(tasks);
-  fact.epoch = epoch;
-  step.out.record(fact);
-  if (auto applied = run.apply(fact); !applied) {
-    step.out.log(LogLevel::error, "delivery_not_applied", applied.error().text());
-  }
+  return out;
 }
 
 }  // namespace trb

@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::size_t kShownData = 1024;
 
-std::string trouble_text(const Run& run, TaskIndex task) {
+std::string problem_text(const Run& run, TaskIndex task) {
   const TaskResult& result = run.results().of(task)->result;
   const std::string where = "task '" + result.key.task + "' ";
   const std::string why = result.reason.empty() ? std::string("no reason given") : result.reason;
@@ -32,8 +32,8 @@ std::string going_on(const Run& run, const Executor& executor) {
   for (std::size_t i = 0; i < run.tasks().size(); ++i) {
     const auto task = static_cast<TaskIndex>(i);
     const bool here = executor.runs(run.id()) && executor.attempt()->execute.key.task == run.tasks()[task].id;
-    if (here || run.progress.contains(task) || run.due_at.contains(task)) {
-      names.push_back("'" + run.tasks()[task].id + "' on '" + run.robot_of(task) + "'");
+    if (here || run.reports().is_under_way(task) || run.work().timers().is_due(task)) {
+      names.push_back("'" + run.tasks()[task].id + "' on '" + run.epochs().robot_of(task) + "'");
     }
   }
   std::string out;
@@ -42,14 +42,14 @@ std::string going_on(const Run& run, const Executor& executor) {
   return out + (names.size() > kNamed ? " and " + std::to_string(names.size() - kNamed) + " more" : "");
 }
 
-std::string troubles_text(const Run& run, const Executor& executor) {
-  const std::vector<TaskIndex> troubles = run.troubles();
-  const std::string others = troubles.size() > 1 ? " (and " + std::to_string(troubles.size() - 1) + " more)" : "";
-  return trouble_text(run, troubles.front()) + others + going_on(run, executor);
+std::string problems_text(const Run& run, const Executor& executor) {
+  const std::vector<TaskIndex> problems = run.facts().problems();
+  const std::string others = problems.size() > 1 ? " (and " + std::to_string(problems.size() - 1) + " more)" : "";
+  return problem_text(run, problems.front()) + others + going_on(run, executor);
 }
 
 std::string held_text(const Run& run) {
-  const PauseOrder& order = *run.pause();
+  const PauseOrder& order = *run.orders().pause();
   return "a person: held by '" + order.by + "'" + (order.reason.empty() ? "" : ": " + order.reason) +
          "; trb scenario resume lets it go on";
 }
@@ -57,7 +57,7 @@ std::string held_text(const Run& run) {
 /// The first task that waits for a robot to be chosen.
 std::optional<TaskIndex> first_unbound(const Run& run) {
   for (std::size_t i = 0; i < run.tasks().size(); ++i) {
-    if (run.wants_robot(static_cast<TaskIndex>(i))) return static_cast<TaskIndex>(i);
+    if (run.facts().wants_robot(static_cast<TaskIndex>(i))) return static_cast<TaskIndex>(i);
   }
   return std::nullopt;
 }
@@ -72,14 +72,14 @@ bool lacks_robot(const Run& run, UtcTime steady) {
 std::string unbound_text(const Run& run) {
   const auto task = first_unbound(run);
   if (!task) return {};
-  return "a robot for task '" + run.tasks()[*task].id + "', to be chosen by '" + run.decider() +
+  return "a robot for task '" + run.tasks()[*task].id + "', to be chosen by '" + run.definition().rule().decider() +
          "'; see: trb alert list";
 }
 
 std::string abort_text(const Run& run, const Executor& executor) {
   std::string out;
   if (executor.runs(run.id())) out = "task '" + executor.attempt()->execute.key.task + "' to stop here";
-  const auto members = run.duties.creditors(DutyKind::abort);
+  const auto members = run.deliveries().pending().creditors(DeliveryKind::abort);
   if (members.empty()) return out;
   out += (out.empty() ? "" : "; ") + std::string("the confirmation of");
   for (std::size_t i = 0; i < members.size(); ++i) out += (i == 0 ? " '" : ", '") + members[i] + "'";
@@ -92,7 +92,7 @@ std::string robot_text(const Run& run, const Executor& executor) {
     if (!executor.runs(run.id()) || attempt.phase != Phase::refused) return {};
     return "task '" + attempt.execute.key.task + "': " + executor.obstacle();
   }
-  for (const TaskIndex task : run.startable()) {
+  for (const TaskIndex task : run.open_tasks().startable()) {
     const std::string obstacle = executor.obstacle(run.tasks()[task].skill);
     if (!obstacle.empty()) return "task '" + run.tasks()[task].id + "': " + obstacle;
   }
@@ -101,31 +101,29 @@ std::string robot_text(const Run& run, const Executor& executor) {
 
 /// What a condition waits for, that is evaluated here or by whoever has told.
 std::string condition_obstacle(const Run& run) {
-  for (const Inquiry& inquiry : run.inquiries) {
+  for (const Inquiry& inquiry : run.work().inquiries()) {
     if (!inquiry.obstacle().empty()) return inquiry.obstacle();
   }
-  for (const auto& [task, told] : run.waits) {
-    if (!told.empty()) return told;
-  }
-  return {};
+  return run.reports().first_wait();
 }
 
 /// What a task that is due waits for, as far as this node knows.
 std::string due_text(const Run& run, const Executor& executor, TaskIndex task) {
-  const std::string& robot = run.robot_of(task);
-  if (run.is_own(task)) {
+  const std::string& robot = run.epochs().robot_of(task);
+  if (run.epochs().is_own(task)) {
     const bool here = executor.runs(run.id()) && executor.attempt()->execute.key.task == run.tasks()[task].id;
     const std::string obstacle = executor.obstacle(run.tasks()[task].skill);
     if (!obstacle.empty() || here || !executor.attempt()) return obstacle;
     return "task '" + executor.attempt()->execute.key.task + "' of run " + executor.attempt()->execute.key.run +
            " to end on '" + robot + "'";
   }
-  if (run.duties.owes_baton(task)) {
-    const auto refusal = run.refusals.find(robot);
-    return "'" + robot + "' to take its baton" + (refusal == run.refusals.end() ? "" : ": " + refusal->second);
+  if (run.deliveries().pending().owes_baton(task)) {
+    const auto& refusals = run.deliveries().refusals();
+    const auto refusal = refusals.find(robot);
+    return "'" + robot + "' to take its baton" + (refusal == refusals.end() ? "" : ": " + refusal->second);
   }
   const auto& after = run.tasks()[task].after;
-  const std::string& giver = after.empty() ? run.start().submitter : run.robot_of(after.back());
+  const std::string& giver = after.empty() ? run.definition().start().submitter : run.epochs().robot_of(after.back());
   return "'" + robot + "' to begin task '" + run.tasks()[task].id + "', passed on by '" + giver + "'";
 }
 
@@ -133,24 +131,24 @@ std::string due_text(const Run& run, const Executor& executor, TaskIndex task) {
 /// it.
 std::string handover_text(const Run& run, const Executor& executor, MonotonicTime now) {
   constexpr Duration kUsual = std::chrono::seconds(10);
-  for (const auto& [task, since] : run.due_at) {
+  for (const auto& [task, since] : run.work().timers().due_since()) {
     if (now >= since + kUsual) return due_text(run, executor, task);
   }
-  for (const TaskIndex task : run.choosing_elsewhere()) {
-    return "'" + run.chooser_of(task) + "' to evaluate the condition of task '" + run.tasks()[task].id + "'";
+  for (const TaskIndex task : run.open_tasks().choosing_elsewhere()) {
+    return "'" + run.epochs().chooser_of(task) + "' to evaluate the condition of task '" + run.tasks()[task].id + "'";
   }
-  for (const auto& [node, why] : run.refusals) return "'" + node + "' to take the run: " + why;
+  for (const auto& [node, why] : run.deliveries().refusals()) return "'" + node + "' to take the run: " + why;
   return {};
 }
 
 double left_s(const Run& run, Clock clock) {
-  return std::max(0.0, to_seconds(Duration{run.start().expires - clock.steady.ns}));
+  return std::max(0.0, to_seconds(Duration{run.definition().start().expires - clock.steady.ns}));
 }
 
 std::string condition_of(const Run& run, TaskIndex task) {
-  if (!run.is_conditional(task)) return {};
+  if (!run.definition().is_conditional(task)) return {};
   const Condition& condition = run.tasks()[task].when.front();
-  const HeldChoice* held = run.choice_on(task);
+  const HeldChoice* held = run.facts().choice_on(task);
   if (held == nullptr) return condition_text(condition);
   return verdict_text(condition, held->choice.node, held->choice.reading);
 }
@@ -185,28 +183,28 @@ TaskState open_state(const Run& run, const Executor& executor, TaskIndex task, K
     return executor.attempt()->phase == Phase::running ? TaskState::running : TaskState::initializing;
   }
   if (known.is_final) return known.skipped ? TaskState::skipped : TaskState::finished;
-  const auto told = run.progress.find(task);
-  return told == run.progress.end() ? TaskState::waiting : told->second;
+  return run.reports().progress_of(task).value_or(TaskState::waiting);
 }
 
 TaskView task_view(const Run& run, const Executor& executor, TaskIndex task, Known known) {
   const Task& is = run.tasks()[task];
   TaskView view;
   view.id = is.id;
-  if (!run.is_unbound(task)) view.robot = run.robot_of(task);
+  if (!run.epochs().is_unbound(task)) view.robot = run.epochs().robot_of(task);
   view.skill = is.skill;
-  view.failed_by = run.failed_by(task);
-  view.twice = std::ranges::find(run.doubles(), is.id) != run.doubles().end();
-  view.due = run.due_at.contains(task);
+  view.failed_by = run.results().failed_by(task);
+  view.twice = std::ranges::find(run.orders().doubles(), is.id) != run.orders().doubles().end();
+  view.due = run.work().timers().is_due(task);
   if (view.due) view.waits_for = cut_utf8(due_text(run, executor, task), kDefaultMaxSize);
   view.after = is.after;
   view.condition = condition_of(run, task);
   // A task comes from no robot if the decider's node has held it.
-  if (run.is_ruled(task) && run.robot_before(task) != run.decider()) view.moved_from = run.robot_before(task);
-  const HeldResult* held = run.current(task);
+  if (run.epochs().is_ruled(task) && run.epochs().robot_before(task) != run.definition().rule().decider())
+    view.moved_from = run.epochs().robot_before(task);
+  const HeldResult* held = run.facts().current(task);
   if (held == nullptr) {
     view.state = open_state(run, executor, task, known);
-    view.attempt = run.results().of(task) == nullptr ? 0 : run.next_attempt(task);
+    view.attempt = run.results().of(task) == nullptr ? 0 : run.facts().next_attempt(task);
     return view;
   }
   const TaskResult& result = held->result;
@@ -224,14 +222,15 @@ TaskView task_view(const Run& run, const Executor& executor, TaskIndex task, Kno
 }  // namespace
 
 RunState state_of(const Run& run, const Executor& executor, Clock clock) {
-  if (run.aborted()) {
-    const bool open = executor.runs(run.id()) || !run.duties.creditors(DutyKind::abort).empty();
+  if (run.orders().is_aborted()) {
+    const bool open = executor.runs(run.id()) || !run.deliveries().pending().creditors(DeliveryKind::abort).empty();
     return open ? RunState::aborting : RunState::aborted;
   }
-  const bool doubles = run.held_for_doubles() || run.has_new_double();
-  if (run.ended() || (run.all_final() && !doubles)) return RunState::finished;
+  const bool doubles = run.orders().is_held_for_doubles() || run.orders().has_new_double();
+  if (run.orders().has_ended() || (run.facts().all_final() && !doubles)) return RunState::finished;
   if (run.expired(clock.steady)) return RunState::expired;
-  const bool waits = run.held() || doubles || !run.troubles().empty() || lacks_robot(run, clock.steady);
+  const bool waits =
+      run.orders().is_held() || doubles || !run.facts().problems().empty() || lacks_robot(run, clock.steady);
   return waits ? RunState::paused : RunState::running;
 }
 
@@ -242,10 +241,11 @@ std::string waits_for(const Run& run, const Executor& executor, Clock clock) {
       out = abort_text(run, executor);
       break;
     case RunState::paused:
-      out = run.held()                ? held_text(run)
-            : !run.troubles().empty() ? troubles_text(run, executor)
-            : run.has_new_double()    ? "'" + run.judge() + "' to hold it: a task was done twice"
-                                      : unbound_text(run);
+      out = run.orders().is_held()            ? held_text(run)
+            : !run.facts().problems().empty() ? problems_text(run, executor)
+            : run.orders().has_new_double()
+                ? "'" + run.definition().rule().judge() + "' to hold it: a task was done twice"
+                : unbound_text(run);
       break;
     case RunState::running:
       out = robot_text(run, executor);
@@ -283,21 +283,21 @@ void fit(RunView& view) {
 RunView view_of(const Run& run, const Executor& executor, Clock clock) {
   RunView view;
   view.run = run.id();
-  view.name = run.start().scenario.name;
+  view.name = run.definition().start().scenario.name;
   view.state = state_of(run, executor, clock);
   view.waits_for = waits_for(run, executor, clock);
-  view.priority = run.start().priority;
+  view.priority = run.definition().start().priority;
   view.left_s = left_s(run, clock);
-  view.epoch = run.epoch();
-  view.submitter = run.start().submitter;
-  view.created = run.start().created;
-  view.expires = run.start().expires;
-  for (std::size_t i = 0; i < run.decisions().size(); ++i) {
-    const Decision& by = run.decisions()[i];
+  view.epoch = run.epochs().current();
+  view.submitter = run.definition().start().submitter;
+  view.created = run.definition().start().created;
+  view.expires = run.definition().start().expires;
+  for (std::size_t i = 0; i < run.epochs().decisions().size(); ++i) {
+    const Decision& by = run.epochs().decisions()[i];
     view.decisions.push_back({by.epoch, by.by, by.alert, by.person, by.reason, by.time, by.tasks});
   }
-  if (run.pause() != nullptr) view.pause_number = run.pause()->number;
-  if (run.held()) view.paused_by = run.pause()->by;
+  if (run.orders().pause() != nullptr) view.pause_number = run.orders().pause()->number;
+  if (run.orders().is_held()) view.paused_by = run.orders().pause()->by;
   const std::vector<bool> known = run.known_final();
   const std::vector<bool> skipped = run.known_skipped();
   for (std::size_t i = 0; i < run.tasks().size(); ++i) {
@@ -310,15 +310,15 @@ RunView view_of(const Run& run, const Executor& executor, Clock clock) {
 RunSummary summary_of(const Run& run, const Executor& executor, Clock clock) {
   RunSummary summary;
   summary.run = run.id();
-  summary.name = run.start().scenario.name;
+  summary.name = run.definition().start().scenario.name;
   summary.state = state_of(run, executor, clock);
   summary.waits_for = waits_for(run, executor, clock);
-  summary.priority = run.start().priority;
+  summary.priority = run.definition().start().priority;
   summary.left_s = left_s(run, clock);
-  summary.created = run.start().created;
+  summary.created = run.definition().start().created;
   summary.tasks = static_cast<std::uint32_t>(run.tasks().size());
   const std::vector<bool> known = run.known_final();
-  summary.epoch = run.epoch();
+  summary.epoch = run.epochs().current();
   summary.version = run.version();
   summary.tasks_final = static_cast<std::uint32_t>(std::count(known.begin(), known.end(), true));
   return summary;

@@ -1,17 +1,11 @@
 // A run as a person sees it.
 #pragma once
 
-#include "common/base/time.hpp"
 #include "services/scheduler/core/executor.hpp"
-#include "services/scheduler/core/run.hpp"
+#include "services/scheduler/core/run/run.hpp"
+#include "services/scheduler/core/step.hpp"
 
 namespace trb::scheduler {
-
-/// The moment of a view: `steady` is what times to live count by.
-struct Clock {
-  MonotonicTime mono;
-  UtcTime steady;
-};
 
 /// PAUSED: some task waits for a word, or all is held. What does not follow that task goes on meanwhile.
 RunState state_of(const Run& run, const Executor& executor, Clock clock);

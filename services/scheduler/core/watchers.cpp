@@ -36,7 +36,7 @@ void Watchers::leave(const RunSummary& last, Outbox& out) {
   }
 }
 
-void Watchers::told(const Inbound& from, const std::string& run, std::uint64_t version) {
+void Watchers::note_told(const Inbound& from, const std::string& run, std::uint64_t version) {
   for (Watcher& watcher : watchers_) {
     if (watcher.source == from.source && watcher.id == from.id) watcher.told[run] = version;
   }

@@ -23,7 +23,7 @@ class Watchers {
   [[nodiscard]] bool empty() const { return watchers_.empty(); }
   /// Tells those that have not been told of this version of the run. `summary` is made only if somebody has to be.
   template <class Summary>
-  void tell(const std::string& run, std::uint64_t version, const Summary& summary, Outbox& out) {
+  void notify(const std::string& run, std::uint64_t version, const Summary& summary, Outbox& out) {
     for (Watcher& watcher : watchers_) {
       const auto [told, is_new] = watcher.told.try_emplace(run, version);
       if (!is_new && told->second == version) continue;
@@ -34,7 +34,7 @@ class Watchers {
   /// The run leaves: told a last time.
   void leave(const RunSummary& last, Outbox& out);
   /// What the answer to a watch has told.
-  void told(const Inbound& from, const std::string& run, std::uint64_t version);
+  void note_told(const Inbound& from, const std::string& run, std::uint64_t version);
 
  private:
   struct Watcher {

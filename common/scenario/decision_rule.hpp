@@ -1,0 +1,34 @@
+// Who decides on a run. Whoever has to know asks this rule; when an election takes its place, only this file changes.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "proto/bodies/run.hpp"
+
+namespace trb {
+
+/// The role that a member's certificate names. Whoever relies on it opens the certificate with the authority's key.
+bool says_cloud(const Member& member);
+
+/// The first cloud node among the members, by what their certificates say; empty: there is none.
+std::string first_cloud_of(const std::vector<Member>& members);
+
+/// The rule of one run, made from its start.
+class DecisionRule {
+ public:
+  DecisionRule() = default;
+  explicit DecisionRule(const RunStart& start);
+
+  /// The only node that may make the run's next epoch: the first cloud node of the start; empty: nobody may.
+  [[nodiscard]] const std::string& decider() const { return decider_; }
+  [[nodiscard]] bool may_decide(const std::string& node) const { return !decider_.empty() && node == decider_; }
+  /// Who holds every result in the end, and says that the run has FINISHED: the decider, or without one the submitter.
+  [[nodiscard]] const std::string& judge() const { return judge_; }
+
+ private:
+  std::string decider_;
+  std::string judge_;
+};
+
+}  // namespace trb

@@ -1,0 +1,74 @@
+#include "services/scheduler/core/handlers/abort_handler.hpp"
+
+#include "services/scheduler/core/refusal.hpp"
+#include "services/scheduler/core/run/drafts.hpp"
+#include "services/scheduler/core/view.hpp"
+
+namespace trb::scheduler {
+namespace {
+
+constexpr auto kAbort = PendingSignatures::Word::abort;
+
+/// A person is told so; a member that still passes an order on is confirmed.
+Status check_not_over(const Run& run, RunState state) {
+  if (state != RunState::finished && state != RunState::expired) return Done{};
+  const Errc code = state == RunState::finished ? Errc::conflict : Errc::expired;
+  return fail(code, "run " + run.id() + " is " + std::string(name_of(state)));
+}
+
+}  // namespace
+
+void AbortHandler::handle(const RunAbort& body, const Inbound& from, Step step) {
+  const auto claimed = decode<AbortOrder>(body.order.payload.bytes);
+  if (!claimed) return refuse(from, claimed.error(), step);
+  const bool here = from.source == node_;
+  const auto over = lookup_.over(claimed->run);
+  if (over && over->state == RunState::aborted && !here) {
+    return step.out.information(from.source, AbortConfirmed{claimed->run});
+  }
+  Run* run = lookup_.find_or_defer(claimed->run, {}, from, step);
+  if (run == nullptr) return;
+  if (auto order = run->checks().abort(body.order); !order) return refuse(from, order.error(), step);
+  const Status open = here ? check_not_over(*run, state_of(*run, executor_, step.clock())) : Done{};
+  if (!open) return refuse(from, open.error(), step);
+  // Everything is done: there is nothing to end.
+  if (run->orders().has_ended()) {
+    return lookup_.refuse_over(run->id(), {RunState::finished, run->orders().end_record()}, from, step);
+  }
+  if (auto kept = journal_.keep_abort(*run, body.order, here, step); !kept) return refuse(from, kept.error(), step);
+  if (here) {
+    step.out.reply(from, Ack{"accepted", "run " + run->id() + " is being aborted"});
+  } else {
+    run->work().note_abort_from(from.source);
+  }
+}
+
+void AbortHandler::handle(const AbortConfirmed& body, const Inbound& from, Step step) {
+  Run* run = lookup_.find(body.run, from, step);
+  if (run == nullptr) return;
+  journal_.keep_delivery(*run, DeliveryKind::abort, from, {}, run->epochs().current(), step);
+}
+
+void AbortHandler::confirm(Run& run, Step step) const {
+  if (!run.orders().is_aborted() || executor_.runs(run.id())) return;
+  for (const std::string& member : run.work().take_unconfirmed()) {
+    step.out.information(member, AbortConfirmed{run.id()});
+  }
+}
+
+void AbortHandler::order_on_failure(Run& run, Step step) const {
+  if (!run.is_open(step.steady)) return;
+  PendingSignatures& signatures = run.work().signatures();
+  if (const auto task = run.facts().ending_task(); task && !signatures.wants(kAbort)) {
+    signatures.want(kAbort, {kSignedRunAbort, encode(abort_order(run, *task, step.now.utc)), step.now});
+  }
+  signatures.tick(kAbort, node_, step.now, step.out);
+}
+
+bool AbortHandler::keep_signed(Run& run, const SignedRecord& record, Step step) {
+  if (!run.work().signatures().asks_for(kAbort, record)) return false;
+  if (auto kept = journal_.keep_abort(run, record, true, step); !kept) log_wrong_signature(kept.error(), step);
+  return true;
+}
+
+}  // namespace trb::scheduler

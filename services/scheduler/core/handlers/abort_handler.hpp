@@ -1,0 +1,36 @@
+// Orders that end a run: a person's, and this node's own when a task fails that ends it.
+#pragma once
+
+#include "common/actor/takes.hpp"
+#include "services/scheduler/core/executor.hpp"
+#include "services/scheduler/core/run_journal.hpp"
+#include "services/scheduler/core/run_lookup.hpp"
+
+namespace trb::scheduler {
+
+class AbortHandler {
+ public:
+  using Taken = Takes<RunAbort, AbortConfirmed>;
+
+  /// All must outlive it.
+  AbortHandler(std::string node, const Executor& executor, RunLookup& lookup, RunJournal& journal)
+      : node_(std::move(node)), executor_(executor), lookup_(lookup), journal_(journal) {}
+
+  void handle(const RunAbort& body, const Inbound& from, Step step);
+  void handle(const AbortConfirmed& body, const Inbound& from, Step step);
+
+  /// At a step's end: confirms an abort once nothing of the run is done here any more.
+  void confirm(Run& run, Step step) const;
+  /// At a step's end: has the order signed that a failed task makes this node give.
+  void order_on_failure(Run& run, Step step) const;
+  /// Keeps that order once it is signed; false if the record is none.
+  bool keep_signed(Run& run, const SignedRecord& record, Step step);
+
+ private:
+  std::string node_;
+  const Executor& executor_;
+  RunLookup& lookup_;
+  RunJournal& journal_;
+};
+
+}  // namespace trb::scheduler

@@ -1,0 +1,35 @@
+// Batons: what another node passes on to this one, and the answers to what this one has passed on.
+#pragma once
+
+#include "common/actor/takes.hpp"
+#include "services/scheduler/core/run_journal.hpp"
+#include "services/scheduler/core/run_lookup.hpp"
+
+namespace trb::scheduler {
+
+class BatonHandler {
+ public:
+  using Taken = Takes<Baton, BatonJournaled>;
+
+  /// All must outlive it.
+  BatonHandler(std::string node, const RunStore& runs, RunLookup& lookup, RunJournal& journal)
+      : node_(std::move(node)), runs_(runs), lookup_(lookup), journal_(journal) {}
+
+  void handle(const Baton& body, const Inbound& from, Step step);
+  void handle(const BatonJournaled& body, const Inbound& from, Step step);
+  /// A member does not take its baton.
+  void on_refusal(const Nack& nack, const Inbound& from, Step step);
+
+ private:
+  struct Content;
+  [[nodiscard]] Status check(const Run& run, const Baton& baton, Step step) const;
+  [[nodiscard]] static Result<Content> open(const Run& run, const Baton& baton);
+  void request_decisions(Run& run, const Inbound& from, Step step);
+
+  std::string node_;
+  const RunStore& runs_;
+  RunLookup& lookup_;
+  RunJournal& journal_;
+};
+
+}  // namespace trb::scheduler

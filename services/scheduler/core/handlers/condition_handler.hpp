@@ -1,0 +1,39 @@
+// Conditions of tasks: this node asks who has the sensor, then the sensor, and has its choice signed.
+#pragma once
+
+#include "common/actor/route_pages.hpp"
+#include "common/actor/takes.hpp"
+#include "services/scheduler/core/run_journal.hpp"
+
+namespace trb::scheduler {
+
+class ConditionHandler {
+ public:
+  /// To what this node has asked itself.
+  using Answers = Takes<RouteTable, SensorReading>;
+
+  /// All must outlive it.
+  ConditionHandler(std::string node, const RunStore& runs, RunJournal& journal)
+      : node_(std::move(node)), runs_(runs), journal_(journal) {}
+
+  void handle(const RouteTable& body, const Inbound& from, Step step);
+  void handle(const SensorReading& body, const Inbound& from, Step step);
+  /// A sensor's node does not answer.
+  void on_refusal(const Nack& nack, const Inbound& from, Step step);
+
+  /// At a step's end: asks for the values that the run's conditions wait for.
+  void inquire(Run& run, Step step) const;
+  /// Keeps a choice once it is signed; false if the record is none.
+  bool keep_signed(Run& run, const SignedRecord& record, Step step);
+
+ private:
+  void choose(const SensorReading& reading, const std::string& node, const Run& run, Inquiry& inquiry, Step step) const;
+  void notify_wait(const Run& run, TaskIndex task, const std::string& what, Step step) const;
+
+  std::string node_;
+  const RunStore& runs_;
+  RunJournal& journal_;
+  RoutePages routes_;  ///< of the own router
+};
+
+}  // namespace trb::scheduler

@@ -1,0 +1,36 @@
+// How a run becomes known: it is submitted here, or a baton came of it and its definition follows.
+#pragma once
+
+#include "common/actor/takes.hpp"
+#include "services/scheduler/core/run_journal.hpp"
+#include "services/scheduler/core/run_lookup.hpp"
+
+namespace trb::scheduler {
+
+class DefinitionHandler {
+ public:
+  using Taken = Takes<RunSubmit, NeedDefinition, Definition>;
+
+  /// `dispatch` handles the messages that waited for a definition. All must outlive it.
+  DefinitionHandler(std::string node, RunStore& runs, RunLookup& lookup, RunJournal& journal,
+                    RunLookup::Dispatch dispatch)
+      : node_(std::move(node)), runs_(runs), lookup_(lookup), journal_(journal), dispatch_(std::move(dispatch)) {}
+
+  void handle(const RunSubmit& body, const Inbound& from, Step step);
+  void handle(const NeedDefinition& body, const Inbound& from, Step step);
+  void handle(const Definition& body, const Inbound& from, Step step);
+
+ private:
+  [[nodiscard]] Status check_new(const Run& run, Step step) const;
+  Status submit(std::unique_ptr<Run> run, Run* known, Step step);
+  void handle_more(Run& run, const Definition& body, const Inbound& from, Step step);
+  void keep_decisions(Run& run, const Definition& body, const Inbound& from, Step step);
+
+  std::string node_;
+  RunStore& runs_;
+  RunLookup& lookup_;
+  RunJournal& journal_;
+  RunLookup::Dispatch dispatch_;
+};
+
+}  // namespace trb::scheduler

@@ -1,0 +1,38 @@
+// The word that a run has FINISHED: its judge signs it, and the others ask for it.
+#pragma once
+
+#include "common/actor/takes.hpp"
+#include "services/scheduler/core/executor.hpp"
+#include "services/scheduler/core/run_journal.hpp"
+#include "services/scheduler/core/run_lookup.hpp"
+
+namespace trb::scheduler {
+
+class EndHandler {
+ public:
+  using Taken = Takes<RunOver, NeedEnd>;
+
+  /// All must outlive it.
+  EndHandler(std::string node, const RunStore& runs, const Executor& executor, const RunLookup& lookup,
+             RunJournal& journal)
+      : node_(std::move(node)), runs_(runs), executor_(executor), lookup_(lookup), journal_(journal) {}
+
+  void handle(const RunOver& body, const Inbound& from, Step step);
+  void handle(const NeedEnd& body, const Inbound& from, Step step);
+
+  /// At a step's end: the judge has its word signed; who has nothing left to do asks it now and then.
+  void seek_end(Run& run, Step step) const;
+  /// Keeps the judge's own word once it is signed, and tells every member; false if the record is none.
+  bool keep_signed(Run& run, const SignedRecord& record, Step step);
+
+ private:
+  void request_end(Run& run, Step step) const;
+
+  std::string node_;
+  const RunStore& runs_;
+  const Executor& executor_;
+  const RunLookup& lookup_;
+  RunJournal& journal_;
+};
+
+}  // namespace trb::scheduler

@@ -1,0 +1,40 @@
+// What a person sees of runs: answers to questions, and changes for those that watch.
+#pragma once
+
+#include "common/actor/takes.hpp"
+#include "services/scheduler/core/archive.hpp"
+#include "services/scheduler/core/executor.hpp"
+#include "services/scheduler/core/run_store.hpp"
+#include "services/scheduler/core/step.hpp"
+#include "services/scheduler/core/watchers.hpp"
+
+namespace trb::scheduler {
+
+class QueryHandler {
+ public:
+  using Taken = Takes<RunQuery, RunListRequest, RunWatch>;
+
+  /// All must outlive it.
+  QueryHandler(const RunStore& runs, const Archive& archive, const Executor& executor, Watchers& watchers)
+      : runs_(runs), archive_(archive), executor_(executor), watchers_(watchers) {}
+
+  void handle(const RunQuery& body, const Inbound& from, Step step);
+  void handle(const RunListRequest& body, const Inbound& from, Step step);
+  void handle(const RunWatch& body, const Inbound& from, Step step);
+
+  /// At a step's end: tells the watchers what has changed.
+  void notify_watchers(Step step);
+
+ private:
+  /// By a beginning of its id that no other has; the newest of all if nothing is named.
+  [[nodiscard]] Result<std::string> choose(const std::string& beginning) const;
+  [[nodiscard]] Result<std::string> newest() const;
+  [[nodiscard]] RunTable open_runs(Step step) const;
+
+  const RunStore& runs_;
+  const Archive& archive_;
+  const Executor& executor_;
+  Watchers& watchers_;
+};
+
+}  // namespace trb::scheduler

@@ -1,0 +1,118 @@
+#include "services/scheduler/core/handlers/result_handler.hpp"
+
+#include <map>
+
+#include "services/scheduler/core/passing.hpp"
+#include "services/scheduler/core/refusal.hpp"
+
+namespace trb::scheduler {
+namespace {
+
+/// A robot tells these of the attempt that it makes.
+bool is_under_way(TaskState state) {
+  return state == TaskState::initializing || state == TaskState::running || state == TaskState::paused;
+}
+
+/// A condition's chooser tells that it waits.
+bool tells_of_condition(const Run& run, TaskIndex task, const TaskProgress& body) {
+  return body.state == TaskState::waiting && run.definition().is_conditional(task);
+}
+
+/// An earlier attempt's result tells nothing of this one.
+bool is_late(const Run& run, TaskIndex task, const TaskProgress& body) {
+  const HeldResult* held = run.results().of(task);
+  return held != nullptr && (is_final(held->result.outcome) || held->result.key.attempt >= body.key.attempt);
+}
+
+}  // namespace
+
+void ResultHandler::handle(const NeedResults& body, const Inbound& from, Step step) {
+  const Run* run = lookup_.find(body.run, from, step);
+  if (run != nullptr) step.out.reply(from, pack_results(*run, body.tasks));
+}
+
+Status ResultHandler::keep_choices(Run& run, const Results& body, Step step) {
+  Status all = Done{};
+  for (const SignedRecord& record : body.choices) {
+    auto held = run.checks().choice(record);
+    if (held) {
+      journal_.keep_choice(run, std::move(*held), step);
+    } else {
+      all = held.error();
+    }
+  }
+  return all;
+}
+
+Status ResultHandler::keep_results(Run& run, const Results& body, std::vector<AttemptKey>& kept, Step step) {
+  Status all = Done{};
+  for (const SignedRecord& record : body.results) {
+    auto held = run.checks().result(record);
+    if (held) {
+      kept.push_back(held->result.key);
+      journal_.keep_result(run, std::move(*held), step);
+    } else {
+      all = held.error();
+    }
+  }
+  return all;
+}
+
+void ResultHandler::handle(const Results& body, const Inbound& from, Step step) {
+  Run* run = lookup_.find_or_defer(body.run, {}, from, step);
+  if (run == nullptr) return;
+  ResultsJournaled journaled;
+  const Status choices = keep_choices(*run, body, step);
+  const Status results = keep_results(*run, body, journaled.keys, step);
+  if (!results) {
+    refuse(from, results.error(), step);
+  } else if (!choices) {
+    refuse(from, choices.error(), step);
+  }
+  if (from.reply_to != 0) {
+    // An answer without anything to keep: that giver does not hold what its baton spoke of.
+    if (journaled.keys.empty()) run->work().requests().drop_results_of(from.source);
+  } else if (!journaled.keys.empty()) {
+    step.out.information(from.source, std::move(journaled));
+  }
+}
+
+void ResultHandler::handle(const ResultsJournaled& body, const Inbound& from, Step step) {
+  std::map<std::string, std::vector<TaskIndex>> by_run;
+  for (const AttemptKey& key : body.keys) {
+    const Run* run = runs_.find(key.run);
+    const auto task = run == nullptr ? std::nullopt : run->index_of(key.task);
+    // What has been replaced by another attempt since it was sent is still owed.
+    const bool current = task && run->results().of(*task) != nullptr && run->results().of(*task)->result.key == key;
+    if (current) {
+      by_run[key.run].push_back(*task);
+    } else {
+      step.out.count("late.results_journaled");
+    }
+  }
+  for (auto& [id, tasks] : by_run) {
+    journal_.keep_delivery(*runs_.find(id), DeliveryKind::results, from, std::move(tasks), 1, step);
+  }
+}
+
+void ResultHandler::handle(const TaskProgress& body, const Inbound& from, Step step) {
+  Run* run = lookup_.find(body.key.run, from, step);
+  if (run == nullptr) return;
+  const auto task = run->index_of(body.key.task);
+  const bool chooses = task && tells_of_condition(*run, *task, body);
+  const bool theirs =
+      task && (chooses ? run->epochs().chooser_of(*task) : run->epochs().robot_of(*task)) == from.source;
+  if (!theirs || body.robot != from.source) {
+    return refuse(from, fail(Errc::not_permitted, "progress of a task that is another's"), step);
+  }
+  const bool late = is_late(*run, *task, body);
+  if (is_under_way(body.state) && !late) {
+    run->reports().note_progress(*task, body.state);
+  } else if (chooses && !late && run->facts().choice_on(*task) == nullptr) {
+    run->reports().note_wait(*task, body.detail);
+  } else {
+    step.out.count("late.task_progress");
+  }
+}
+
+}  // namespace trb::scheduler

@@ -1,0 +1,72 @@
+#include "services/scheduler/core/handlers/robot_handler.hpp"
+
+#include "services/scheduler/core/refusal.hpp"
+
+namespace trb::scheduler {
+
+void notify_progress(const Run& run, const AttemptKey& key, TaskState state, Step step) {
+  const std::string& self = run.epochs().self();
+  for (const std::string& cloud : run.members().clouds_without(self)) {
+    step.out.information(cloud, TaskProgress{key, self, state, {}});
+  }
+}
+
+void RobotHandler::handle(const AdapterState& body, const Inbound& from, Step step) {
+  if (from.source != node_) return refuse(from, not_own(from), step);
+  executor_.on(body, step.now, step.out);
+}
+
+void RobotHandler::handle(const ExecutionState& body, const Inbound& from, Step step) {
+  if (from.source != node_) return refuse(from, not_own(from), step);
+  const auto& attempt = executor_.attempt();
+  if (!attempt || attempt->execute.key != body.key) return step.out.count("late.execution_state");
+  const Phase before = attempt->phase;
+  executor_.on(body, step.now, step.out);
+  const Run* run = runs_.find(body.key.run);
+  const bool began = before != Phase::running && executor_.attempt()->phase == Phase::running;
+  if (began && run != nullptr) notify_progress(*run, body.key, TaskState::running, step);
+}
+
+void RobotHandler::handle(const Outcome& body, const Inbound& from, Step step) {
+  if (from.source != node_) return refuse(from, not_own(from), step);
+  const bool ended = body.outcome != TaskOutcome::none && body.outcome != TaskOutcome::skipped;
+  if (!ended) return refuse(from, fail(Errc::bad_value, "an outcome that is none"), step);
+  const auto& attempt = executor_.attempt();
+  if (attempt && attempt->execute.key == body.key) return executor_.on(body, step.now, step.out);
+  confirm_old(body, step);
+}
+
+/// Whether its result is held or no run wants it: the mode-adapter need not tell it again.
+void RobotHandler::confirm_old(const Outcome& body, Step step) {
+  const Run* run = runs_.find(body.key.run);
+  const auto task = run == nullptr ? std::nullopt : run->index_of(body.key.task);
+  const bool held = task && run->results().holds(*task, body.key, node_);
+  if (!held)
+    step.out.log(LogLevel::warning, "outcome_of_no_attempt", "task '" + body.key.task + "' of run " + body.key.run);
+  step.out.count(held ? "late.outcome" : "refused.outcome.unknown_run");
+  step.out.information(node_, OutcomeJournaled{body.key});
+}
+
+void RobotHandler::handle(const Ack& body, const Inbound& from, Step step) {
+  if (from.source == node_ && body.state == "out_of_use") lost_.told(step.now, step.out);
+}
+
+bool RobotHandler::keep_signed(const SignedRecord& record, const Inbound& from, Step step) {
+  const auto& attempt = executor_.attempt();
+  const bool asked = attempt && attempt->phase == Phase::signing && record.kind == kSignedResult &&
+                     record.payload.bytes == attempt->payload;
+  if (!asked) return false;
+  Run* run = runs_.find(attempt->execute.key.run);
+  auto held = run == nullptr ? Result<HeldResult>(fail(Errc::unknown_run, "a signed result of no run"))
+                             : run->checks().result(record);
+  if (!held) {
+    if (run != nullptr) log_wrong_signature(held.error(), step);
+    refuse(from, held.error(), step);
+    return true;
+  }
+  journal_.keep_result(*run, std::move(*held), step);
+  executor_.done(step.out);
+  return true;
+}
+
+}  // namespace trb::scheduler

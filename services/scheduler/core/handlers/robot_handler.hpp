@@ -1,0 +1,42 @@
+// What the own mode-adapter says of the robot and its attempt, and the router's signature of the attempt's result.
+#pragma once
+
+#include "common/actor/takes.hpp"
+#include "services/scheduler/core/executor.hpp"
+#include "services/scheduler/core/lost_journal.hpp"
+#include "services/scheduler/core/run_journal.hpp"
+
+namespace trb::scheduler {
+
+/// The clouds are told how far the attempt has come.
+void notify_progress(const Run& run, const AttemptKey& key, TaskState state, Step step);
+
+class RobotHandler {
+ public:
+  using Taken = Takes<AdapterState, ExecutionState, Outcome>;
+  /// To what this node has asked itself.
+  using Answers = Takes<Ack>;
+
+  /// All must outlive it.
+  RobotHandler(std::string node, const RunStore& runs, Executor& executor, LostJournal& lost, RunJournal& journal)
+      : node_(std::move(node)), runs_(runs), executor_(executor), lost_(lost), journal_(journal) {}
+
+  void handle(const AdapterState& body, const Inbound& from, Step step);
+  void handle(const ExecutionState& body, const Inbound& from, Step step);
+  void handle(const Outcome& body, const Inbound& from, Step step);
+  void handle(const Ack& body, const Inbound& from, Step step);
+
+  /// Keeps the signed result of the attempt; false if the record is none.
+  bool keep_signed(const SignedRecord& record, const Inbound& from, Step step);
+
+ private:
+  void confirm_old(const Outcome& body, Step step);
+
+  std::string node_;
+  const RunStore& runs_;
+  Executor& executor_;
+  LostJournal& lost_;
+  RunJournal& journal_;
+};
+
+}  // namespace trb::scheduler

@@ -1,0 +1,17 @@
+// How a message is refused.
+#pragma once
+
+#include "common/actor/inbound.hpp"
+#include "common/base/result.hpp"
+#include "services/scheduler/core/step.hpp"
+
+namespace trb::scheduler {
+
+/// The negative answer, counted; information is only counted.
+void refuse(const Inbound& from, const Error& error, Step step);
+/// Logs that the own router has signed something else than was asked for, which is asked for again.
+void log_wrong_signature(const Error& error, Step step);
+/// For what only the own node may say.
+Error not_own(const Inbound& from);
+
+}  // namespace trb::scheduler

@@ -1,0 +1,120 @@
+#include "services/scheduler/core/run/drafts.hpp"
+
+#include <algorithm>
+
+#include "common/scenario/condition.hpp"
+#include "common/scenario/values.hpp"
+#include "proto/body.hpp"
+#include "proto/value.hpp"
+
+namespace trb::scheduler {
+namespace {
+
+constexpr std::size_t kLongestReason = 1024;
+
+TaskResult own_result(const Run& run, TaskIndex task, TaskOutcome outcome, UtcTime now) {
+  TaskResult out;
+  out.key = {run.id(), run.tasks()[task].id, 1, run.facts().next_attempt(task)};
+  out.digest = run.definition().start().digest;
+  out.epoch = run.epochs().current();
+  out.robot = run.epochs().self();
+  out.outcome = outcome;
+  out.started = now.ns;
+  out.ended = now.ns;
+  return out;
+}
+
+std::string decision_text(const Decision& by) {
+  return "by decision of " + (by.person.empty() ? "the policy" : "'" + by.person + "'") +
+         (by.reason.empty() ? "" : ": " + by.reason);
+}
+
+}  // namespace
+
+TaskResult skipped_result(const Run& run, TaskIndex task, UtcTime now) {
+  TaskResult out = own_result(run, task, TaskOutcome::skipped, now);
+  const HeldChoice* held = run.facts().choice_on(task);
+  if (run.epochs().is_skipped(task)) {
+    out.goes_on = run.tasks()[task].on_failure == OnFailure::continue_;
+    out.reason = cut_utf8(decision_text(run.epochs().last_decision_on(task)), kLongestReason);
+  } else if (run.facts().all_before_skipped(task) || held == nullptr) {
+    out.reason = "every task before it was skipped";
+  } else {
+    const Choice& choice = held->choice;
+    out.reason = cut_utf8(verdict_text(run.tasks()[task].when.front(), choice.node, choice.reading), kLongestReason);
+    out.data = to_json(choice.reading);
+  }
+  return out;
+}
+
+TaskResult released_result(const Run& run, TaskIndex task, UtcTime now) {
+  TaskResult out = own_result(run, task, TaskOutcome::released, now);
+  out.reason = run.epochs().is_unbound(task) ? "its robot is to be chosen"
+                                             : "given back to '" + run.definition().rule().decider() + "', never begun";
+  return out;
+}
+
+TaskResult unbegun_result(const Run& run, TaskIndex task, const std::string& why, UtcTime now) {
+  const OnFailure then = run.tasks()[task].on_failure;
+  const bool passes = then == OnFailure::skip || then == OnFailure::continue_;
+  TaskResult out = own_result(run, task, passes ? TaskOutcome::skipped : TaskOutcome::failed, now);
+  out.goes_on = then == OnFailure::continue_;
+  out.reason = cut_utf8(why, kLongestReason);
+  return out;
+}
+
+Choice choice_by(const Run& run, const std::vector<TaskIndex>& tasks, const std::string& node,
+                 const SensorReading& reading, UtcTime now) {
+  Choice choice;
+  choice.run = run.id();
+  choice.digest = run.definition().start().digest;
+  choice.epoch = run.epochs().current();
+  choice.by = run.epochs().self();
+  for (const TaskIndex task : tasks) {
+    const Task& is = run.tasks()[task];
+    choice.tasks.push_back({is.id, 1, holds(is.when.front(), reading)});
+  }
+  choice.node = node;
+  choice.reading = reading;
+  choice.time = now.ns;
+  return choice;
+}
+
+AbortOrder abort_order(const Run& run, TaskIndex failed, UtcTime now) {
+  const TaskResult& result = run.facts().current(failed)->result;
+  const std::string why = "task '" + run.tasks()[failed].id + "' " + std::string(name_of(result.outcome)) + " on '" +
+                          result.robot + "': " + result.reason;
+  return {run.id(), run.epochs().self(), cut_utf8(why, 255), now.ns};
+}
+
+PauseOrder hold_order(const Run& run, UtcTime now) {
+  const std::vector<std::string>& doubles = run.orders().doubles();
+  const std::string why = "task '" + doubles.front() + "' has two different results (double_execution)";
+  return {run.id(), run.orders().next_hold(), true, run.epochs().self(), cut_utf8(why, 255), now.ns, doubles};
+}
+
+Result<std::string> data_for(const Run& run, TaskIndex task) {
+  return fill_values(run.tasks()[task], [&](const std::string& name) -> const TaskResult* {
+    const auto before = run.index_of(name);
+    return before && run.results().has_final(*before) ? &run.results().of(*before)->result : nullptr;
+  });
+}
+
+Attempt attempt_for(const Run& run, const JournalStart& fact) {
+  const TaskIndex index = *run.index_of(fact.key.task);
+  const Task& task = run.tasks()[index];
+  const auto data = data_for(run, index);
+  const std::uint32_t first = std::min(run.epochs().first_attempt(index), fact.key.attempt);
+  Attempt attempt;
+  attempt.execute = {fact.key, fact.epoch, fact.instance, task.skill, data ? *data : task.data, task.timeout_s};
+  attempt.may_retry = fact.key.attempt - first < task.retries && fact.key.attempt < kMaxAttempts;
+  attempt.on_failure = task.on_failure;
+  attempt.result.key = fact.key;
+  attempt.result.digest = run.definition().start().digest;
+  attempt.result.epoch = fact.epoch;
+  attempt.result.robot = run.epochs().self();
+  attempt.result.started = fact.time;
+  return attempt;
+}
+
+}  // namespace trb::scheduler

@@ -1,0 +1,30 @@
+// What this node has to say of a run, made from the facts: drafts that the router signs, and the attempt for the robot.
+#pragma once
+
+#include <string>
+
+#include "services/scheduler/core/executor.hpp"
+#include "services/scheduler/core/run/run.hpp"
+
+namespace trb::scheduler {
+
+/// SKIPPED, with the reason.
+TaskResult skipped_result(const Run& run, TaskIndex task, UtcTime now);
+/// `released`, by a robot or for want of one.
+TaskResult released_result(const Run& run, TaskIndex task, UtcTime now);
+/// `failed` without having been begun; SKIPPED if the scenario says so.
+TaskResult unbegun_result(const Run& run, TaskIndex task, const std::string& why, UtcTime now);
+/// The verdicts of one reading on these tasks; all have the same source.
+Choice choice_by(const Run& run, const std::vector<TaskIndex>& tasks, const std::string& node,
+                 const SensorReading& reading, UtcTime now);
+/// The order that a task's failure makes this node give.
+AbortOrder abort_order(const Run& run, TaskIndex failed, UtcTime now);
+/// The order that tasks done twice make the judge give.
+PauseOrder hold_order(const Run& run, UtcTime now);
+
+/// The task's data, with the values that earlier results give. Errors: those of fill_values.
+Result<std::string> data_for(const Run& run, TaskIndex task);
+/// The attempt that a start record is for.
+Attempt attempt_for(const Run& run, const JournalStart& fact);
+
+}  // namespace trb::scheduler

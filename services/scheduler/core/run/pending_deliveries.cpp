@@ -1,0 +1,126 @@
+#include "services/scheduler/core/run/pending_deliveries.hpp"
+
+#include <algorithm>
+
+namespace trb::scheduler {
+
+bool BackOff::slow() const {
+  return wait_ >= seconds(0.8);
+}
+
+void BackOff::sent(MonotonicTime now) {
+  next_ = now + wait_;
+  wait_ = std::min(wait_ * 2, seconds(2));
+}
+
+bool Pace::due(MonotonicTime now) {
+  if (!next_) {
+    next_ = now + wait_;
+    return false;
+  }
+  if (*next_ > now) return false;
+  wait_ = std::min<Duration>(wait_ * 2, kLongest);
+  next_ = now + wait_;
+  return true;
+}
+
+void PendingDeliveries::owe(DeliveryKind kind, const std::string& to, const std::vector<TaskIndex>& tasks) {
+  const bool owed = std::any_of(open_.begin(), open_.end(), [&](const PendingDelivery& delivery) {
+    return delivery.kind == kind && delivery.to == to && delivery.tasks == tasks;
+  });
+  if (owed) return;
+  open_.push_back({kind, to, tasks, {}});
+  ++changes_;
+}
+
+template <class Match>
+bool PendingDeliveries::remove(const Match& match) {
+  const bool any = std::erase_if(open_, match) > 0;
+  changes_ += any ? 1 : 0;
+  return any;
+}
+
+bool PendingDeliveries::settle_one(DeliveryKind kind, const std::string& to, const std::vector<TaskIndex>& tasks) {
+  return remove([&](const PendingDelivery& delivery) {
+    return delivery.kind == kind && delivery.to == to && delivery.tasks == tasks;
+  });
+}
+
+bool PendingDeliveries::settle(DeliveryKind kind, const std::string& to, const std::vector<TaskIndex>& tasks) {
+  if (kind != DeliveryKind::results) return settle_one(kind, to, tasks);
+  bool any = false;
+  for (const TaskIndex task : tasks) any = settle_one(kind, to, {task}) || any;
+  return any;
+}
+
+void PendingDeliveries::drop(DeliveryKind kind) {
+  remove([&](const PendingDelivery& delivery) { return delivery.kind == kind; });
+}
+
+void PendingDeliveries::drop(DeliveryKind kind, const std::string& to) {
+  remove([&](const PendingDelivery& delivery) { return delivery.kind == kind && delivery.to == to; });
+}
+
+void PendingDeliveries::drop_batons() {
+  remove(
+      [](const PendingDelivery& delivery) { return delivery.kind == DeliveryKind::baton && !delivery.tasks.empty(); });
+}
+
+PendingDelivery PendingDeliveries::gather_results(const std::string& to, MonotonicTime now) {
+  PendingDelivery all{DeliveryKind::results, to, {}, {}};
+  for (PendingDelivery& delivery : open_) {
+    const bool taken = delivery.kind == DeliveryKind::results && delivery.to == to &&
+                       (delivery.timer.due(now) || delivery.timer.slow());
+    if (!taken) continue;
+    all.tasks.insert(all.tasks.end(), delivery.tasks.begin(), delivery.tasks.end());
+    delivery.timer.sent(now);
+  }
+  return all;
+}
+
+std::vector<PendingDelivery> PendingDeliveries::take_due(MonotonicTime now) {
+  std::vector<PendingDelivery> out;
+  for (PendingDelivery& delivery : open_) {
+    if (!delivery.timer.due(now)) continue;
+    if (delivery.kind == DeliveryKind::results) {
+      out.push_back(gather_results(delivery.to, now));
+    } else {
+      delivery.timer.sent(now);
+      out.push_back(delivery);
+    }
+  }
+  return out;
+}
+
+void PendingDeliveries::restart() {
+  for (PendingDelivery& delivery : open_) delivery.timer.restart();
+}
+
+std::optional<MonotonicTime> PendingDeliveries::next() const {
+  std::optional<MonotonicTime> out;
+  for (const PendingDelivery& delivery : open_) out = earlier(out, delivery.timer.next());
+  return out;
+}
+
+bool PendingDeliveries::owes(DeliveryKind kind, const std::string& to) const {
+  return std::any_of(open_.begin(), open_.end(),
+                     [&](const PendingDelivery& delivery) { return delivery.kind == kind && delivery.to == to; });
+}
+
+bool PendingDeliveries::owes_baton(TaskIndex task) const {
+  return std::any_of(open_.begin(), open_.end(), [&](const PendingDelivery& delivery) {
+    return delivery.kind == DeliveryKind::baton &&
+           std::find(delivery.tasks.begin(), delivery.tasks.end(), task) != delivery.tasks.end();
+  });
+}
+
+std::vector<std::string> PendingDeliveries::creditors(DeliveryKind kind) const {
+  std::vector<std::string> out;
+  for (const PendingDelivery& delivery : open_) {
+    if (delivery.kind == kind && std::find(out.begin(), out.end(), delivery.to) == out.end())
+      out.push_back(delivery.to);
+  }
+  return out;
+}
+
+}  // namespace trb::scheduler

@@ -1,0 +1,95 @@
+// What this node owes to others until they say that they have journaled it.
+#pragma once
+
+#include <limits>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/base/time.hpp"
+#include "common/scenario/graph.hpp"
+
+namespace trb::scheduler {
+
+/// When to send again: at once, then after 0.2 s, doubled up to 2 s.
+class BackOff {
+ public:
+  [[nodiscard]] bool due(MonotonicTime now) const { return next_ <= now; }
+  [[nodiscard]] MonotonicTime next() const { return next_; }
+  /// True once it has been sent twice in vain: the other side is likely away.
+  [[nodiscard]] bool slow() const;
+  void sent(MonotonicTime now);
+  void restart() { *this = BackOff{}; }
+
+ private:
+  MonotonicTime next_{std::numeric_limits<std::int64_t>::min()};
+  Duration wait_ = seconds(0.2);
+};
+
+/// When to ask again: after kFirst, doubled up to kLongest.
+class Pace {
+ public:
+  static constexpr Duration kFirst = std::chrono::seconds(30);
+  static constexpr Duration kLongest = std::chrono::minutes(10);
+
+  /// True if it is time; begins to count at the first call.
+  bool due(MonotonicTime now);
+  void reset() { *this = Pace{}; }
+  [[nodiscard]] std::optional<MonotonicTime> next() const { return next_; }
+
+ private:
+  std::optional<MonotonicTime> next_;
+  Duration wait_ = kFirst;
+};
+
+enum class DeliveryKind : std::uint8_t { baton = 0, results, abort, decision, pause };
+constexpr auto enum_names(DeliveryKind) {
+  return std::array<std::string_view, 5>{"baton", "results", "abort", "decision", "pause"};
+}
+
+struct PendingDelivery {
+  DeliveryKind kind{};
+  std::string to;
+  std::vector<TaskIndex> tasks;  ///< baton: those it is for; results: those that ended; else none
+  BackOff timer;
+};
+
+class PendingDeliveries {
+ public:
+  /// No effect if it is owed already. Results are owed task by task.
+  void owe(DeliveryKind kind, const std::string& to, const std::vector<TaskIndex>& tasks);
+  /// The other side has journaled it; false if it was not owed (late or repeated). Results may be settled in any
+  /// portion.
+  bool settle(DeliveryKind kind, const std::string& to, const std::vector<TaskIndex>& tasks);
+  void drop(DeliveryKind kind);
+  void drop(DeliveryKind kind, const std::string& to);
+  /// Every baton that is for tasks: a new epoch has its own.
+  void drop_batons();
+
+  /// What is to be sent now; it is taken as sent. Results for one node are put together: those due, and with them those
+  /// that wait for a node which has been away.
+  std::vector<PendingDelivery> take_due(MonotonicTime now);
+  /// Everything is due again: after a restart of this service or its router.
+  void restart();
+
+  [[nodiscard]] bool empty() const { return open_.empty(); }
+  /// Rises with what is owed and settled.
+  [[nodiscard]] std::uint64_t changes() const { return changes_; }
+  [[nodiscard]] std::optional<MonotonicTime> next() const;
+  [[nodiscard]] bool owes(DeliveryKind kind, const std::string& to) const;
+  /// The baton for that task is owed to somebody.
+  [[nodiscard]] bool owes_baton(TaskIndex task) const;
+  /// To whom something of that kind is owed, in order of owing.
+  [[nodiscard]] std::vector<std::string> creditors(DeliveryKind kind) const;
+
+ private:
+  template <class Match>
+  bool remove(const Match& match);
+  bool settle_one(DeliveryKind kind, const std::string& to, const std::vector<TaskIndex>& tasks);
+  PendingDelivery gather_results(const std::string& to, MonotonicTime now);
+
+  std::vector<PendingDelivery> open_;
+  std::uint64_t changes_ = 0;
+};
+
+}  // namespace trb::scheduler

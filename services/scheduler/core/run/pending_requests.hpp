@@ -1,0 +1,49 @@
+// What this node asks other members of a run for, until it comes.
+#pragma once
+
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "common/scenario/graph.hpp"
+#include "services/scheduler/core/run/pending_deliveries.hpp"
+
+namespace trb::scheduler {
+
+class PendingRequests {
+ public:
+  /// A result that this node's next tasks need, and which `giver` is said to hold. The first giver stays.
+  void need_result(TaskIndex task, const std::string& giver) { results_.try_emplace(task, Need{giver, {}}); }
+  void drop_result(TaskIndex task) { results_.erase(task); }
+  /// That giver does not hold what its baton spoke of.
+  void drop_results_of(const std::string& giver);
+  void drop_results() { results_.clear(); }
+  [[nodiscard]] bool needs_results() const { return !results_.empty(); }
+  /// The results to be asked for now, by giver; they are taken as asked for.
+  std::map<std::string, std::vector<TaskIndex>> take_due_results(MonotonicTime now);
+
+  /// A node is asked for the decisions on the run.
+  void await_decisions(const std::string& node) { decisions_.insert(node); }
+  /// Its answer has come; false: it was not asked.
+  bool settle_decisions(const std::string& node) { return decisions_.erase(node) > 0; }
+
+  /// True if the judge is to be asked now whether the run is over; begins to count at the first call.
+  bool end_is_due(MonotonicTime now) { return end_.due(now); }
+  void drop_end() { end_.reset(); }
+
+  void restart();
+  [[nodiscard]] std::optional<MonotonicTime> next() const;
+
+ private:
+  struct Need {
+    std::string giver;
+    BackOff timer;
+  };
+  std::map<TaskIndex, Need> results_;
+  std::set<std::string> decisions_;
+  Pace end_;
+};
+
+}  // namespace trb::scheduler

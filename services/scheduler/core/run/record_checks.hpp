@@ -1,0 +1,47 @@
+// Whether a signed record of a run may be believed: its signer, its run, its epoch, and that it contradicts nothing.
+#pragma once
+
+#include <string>
+
+#include "services/scheduler/core/run/epochs.hpp"
+#include "services/scheduler/core/run/facts.hpp"
+#include "services/scheduler/core/run/members.hpp"
+
+namespace trb::scheduler {
+
+class RecordChecks {
+ public:
+  /// All must outlive it.
+  RecordChecks(const RunDefinition& definition, const Members& members, const Epochs& epochs)
+      : definition_(definition), members_(members), epochs_(epochs) {}
+
+  /// A result: signer, digest, epoch, task, assignee. Errors: not_permitted, conflict, bad_value and those of
+  /// open_record.
+  [[nodiscard]] Result<HeldResult> result(const SignedRecord& record) const;
+  /// A choice on tasks: signer, digest, epoch, tasks, and that each verdict is that of its reading. Errors:
+  /// not_permitted, conflict, source_mismatch, bad_value and those of open_record.
+  [[nodiscard]] Result<HeldChoice> choice(const SignedRecord& record) const;
+  /// An order to hold the run or to let it go on. Errors: not_permitted, conflict, source_mismatch, bad_value and those
+  /// of open_record.
+  [[nodiscard]] Result<PauseOrder> pause(const SignedRecord& record) const;
+  /// An order to abort the run. Errors: not_permitted, conflict, source_mismatch and those of open_record.
+  [[nodiscard]] Result<AbortOrder> abort(const SignedRecord& record) const;
+  /// An order to abort, or else one to hold.
+  [[nodiscard]] Status order(const SignedRecord& record) const;
+  /// The judge's word that the run has FINISHED. Errors: as of an order, and bad_value.
+  [[nodiscard]] Result<RunEnd> end(const SignedRecord& record) const;
+
+ private:
+  [[nodiscard]] Result<const Certificate*> signer_of(const SignedRecord& record) const;
+  template <class Order>
+  [[nodiscard]] Result<Order> open_order(const SignedRecord& record, std::string_view purpose) const;
+  [[nodiscard]] Status check_attempt(TaskIndex task, const TaskResult& result) const;
+  [[nodiscard]] Status check_author(TaskIndex task, const TaskResult& result, const Certificate& signer) const;
+  [[nodiscard]] Status check_verdict(const Choice& choice, const ChosenTask& chosen) const;
+
+  const RunDefinition& definition_;
+  const Members& members_;
+  const Epochs& epochs_;
+};
+
+}  // namespace trb::scheduler

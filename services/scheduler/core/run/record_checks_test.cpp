@@ -1,0 +1,69 @@
+#include "services/scheduler/core/run/record_checks.hpp"
+
+#include <doctest/doctest.h>
+
+#include "services/scheduler/test/condition_story.hpp"
+#include "services/scheduler/test/known_run.hpp"
+
+using namespace trb;
+using namespace trb::scheduler;
+using namespace trb::scheduler::test;
+
+namespace {
+
+template <class T>
+Errc code_of(const Result<T>& result) {
+  REQUIRE_FALSE(result.ok());
+  return result.error().code;
+}
+
+}  // namespace
+
+TEST_CASE("a result is believed from the task's robot alone") {
+  const KnownRun known(chain({"ur3", "drone"}));
+  const RecordChecks& checks = known.run().checks();
+  CHECK(checks.result(known.result("task-1", "drone", TaskOutcome::finished)).ok());
+  CHECK(code_of(checks.result(known.result("task-1", "ur3", TaskOutcome::finished))) == Errc::not_permitted);
+  CHECK(code_of(checks.result(known.result("task-1", "drone", TaskOutcome::none))) == Errc::bad_value);
+  CHECK(code_of(checks.result(known.result("task-1", "drone", TaskOutcome::failed, kMaxAttempts + 1))) ==
+        Errc::bad_value);
+  SignedRecord forged = known.result("task-1", "drone", TaskOutcome::finished);
+  forged.signature.bytes[3] ^= 1;
+  CHECK_FALSE(checks.result(forged).ok());
+}
+
+TEST_CASE("a cloud node can skip a task that a decision gives it, and do nothing else") {
+  KnownRun known(chain({"ur3"}));
+  known.decide({{"task-0", Ruling::skip, "cloud", 2, Evidence::word}});
+  CHECK(known.run().checks().result(known.result("task-0", "cloud", TaskOutcome::skipped, 2)).ok());
+  CHECK(code_of(known.run().checks().result(known.result("task-0", "cloud", TaskOutcome::finished, 2))) ==
+        Errc::not_permitted);
+}
+
+TEST_CASE("a choice is believed from who evaluates the condition, if its own reading says so") {
+  const KnownRun known(left_or_right(), "ridgeback");
+  const RecordChecks& checks = known.run().checks();
+  CHECK(checks.choice(known.choice("ridgeback", "left", 15)).ok());
+  CHECK(code_of(checks.choice(known.choice("ur3", "left", 15))) == Errc::not_permitted);
+  Choice lie = *decode<Choice>(known.choice("ridgeback", "left", 15).payload.bytes);
+  lie.tasks.front().holds = false;
+  CHECK(code_of(checks.choice(known.signers.sign("ridgeback", kSignedChoice, encode(lie)))) == Errc::bad_value);
+}
+
+TEST_CASE("any member may order to hold or to abort; a bad number is refused") {
+  const KnownRun known(chain({"ur3"}));
+  const RecordChecks& checks = known.run().checks();
+  CHECK(checks.pause(known.pause(1, true, {}, "drone")).ok());
+  CHECK(code_of(checks.pause(known.pause(0, true))) == Errc::bad_value);
+  CHECK(code_of(checks.pause(known.pause(kMaxPauses + 1, true))) == Errc::bad_value);
+  CHECK(checks.pause(known.pause(kMaxPauses + 1, false)).ok());
+  CHECK(checks.abort(known.abort("drone")).ok());
+  CHECK(checks.order(known.abort("drone")).ok());
+  CHECK(checks.order(known.pause(1, false)).ok());
+}
+
+TEST_CASE("only the judge says that a run has FINISHED") {
+  const KnownRun known(chain({"ur3"}));
+  CHECK(known.run().checks().end(known.end()).ok());
+  CHECK(code_of(known.run().checks().end(known.end("cloud2"))) == Errc::not_permitted);
+}

@@ -1,0 +1,110 @@
+// One run as this node knows it: the facts that are journaled, what follows from them, and what is waited for. Each
+// part keeps its own state; a Run sees that a fact reaches every part that it changes.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/base/result.hpp"
+#include "common/base/time.hpp"
+#include "services/scheduler/core/run/decision_checks.hpp"
+#include "services/scheduler/core/run/deliveries.hpp"
+#include "services/scheduler/core/run/epochs.hpp"
+#include "services/scheduler/core/run/facts.hpp"
+#include "services/scheduler/core/run/members.hpp"
+#include "services/scheduler/core/run/open_tasks.hpp"
+#include "services/scheduler/core/run/orders.hpp"
+#include "services/scheduler/core/run/pending_work.hpp"
+#include "services/scheduler/core/run/record_checks.hpp"
+#include "services/scheduler/core/run/reports.hpp"
+#include "services/scheduler/core/run/run_definition.hpp"
+
+namespace trb::scheduler {
+
+class Run {
+ public:
+  /// Opens a signed start. `self` need not be a member: a decision may make it one. Errors: those of
+  /// RunDefinition::open and Members::open.
+  static Result<std::unique_ptr<Run>> open(const SignedRecord& record,
+                                           const std::shared_ptr<Certificates>& certificates, const std::string& self);
+  Run(const Run&) = delete;
+  Run& operator=(const Run&) = delete;
+
+  [[nodiscard]] const std::string& id() const { return definition_.id(); }
+  [[nodiscard]] const std::vector<Task>& tasks() const { return definition_.tasks(); }
+  [[nodiscard]] std::optional<TaskIndex> index_of(const std::string& task) const { return definition_.index_of(task); }
+  [[nodiscard]] const RunDefinition& definition() const { return definition_; }
+  [[nodiscard]] const Members& members() const { return members_; }
+  [[nodiscard]] const Epochs& epochs() const { return epochs_; }
+  [[nodiscard]] const Facts& facts() const { return facts_; }
+  [[nodiscard]] const ResultSet& results() const { return facts_.results(); }
+  [[nodiscard]] const Orders& orders() const { return orders_; }
+  [[nodiscard]] const OpenTasks& open_tasks() const { return open_tasks_; }
+  [[nodiscard]] const RecordChecks& checks() const { return checks_; }
+  [[nodiscard]] const DecisionChecks& decision_checks() const { return decision_checks_; }
+  [[nodiscard]] const Reports& reports() const { return reports_; }
+  [[nodiscard]] Reports& reports() { return reports_; }
+  [[nodiscard]] const Deliveries& deliveries() const { return deliveries_; }
+  [[nodiscard]] Deliveries& deliveries() { return deliveries_; }
+  [[nodiscard]] const PendingWork& work() const { return work_; }
+  [[nodiscard]] PendingWork& work() { return work_; }
+
+  // What is journaled: the same when it happens and when it is restored. Errors (of a journal that was not written by
+  // this service): bad_value, conflict.
+  Status apply(const JournalRun& fact);
+  Status apply(const JournalStart& fact);
+  Status apply(const JournalResult& fact);
+  Status apply(const JournalChoice& fact);
+  Status apply(const JournalDelivered& fact);
+  Status apply(const JournalAbort& fact);
+  Status apply(const JournalDecision& fact);
+  Status apply(const JournalPause& fact);
+  Status apply(const JournalEnd& fact);
+  /// The same as apply(JournalResult) for a result that has been checked; true if it was new.
+  bool add(HeldResult held);
+  /// The same for a choice that has been checked. What is chosen stays chosen: false if every task of it is.
+  bool add(HeldChoice held);
+  /// An order to let the run go on that does not count, because it leaves out a task that was done twice.
+  void outbid(const PauseOrder& order) { orders_.outbid(order); }
+
+  /// What a baton of `giver` says of each task; the results that this node needs of it are asked of the giver.
+  void receive(const std::vector<bool>& final_tasks, const std::vector<bool>& skipped_tasks, const std::string& giver);
+  /// Final by a held result or by what a baton says.
+  [[nodiscard]] std::vector<bool> known_final() const;
+  /// The part of known_final() that is known to be SKIPPED.
+  [[nodiscard]] std::vector<bool> known_skipped() const;
+
+  /// By the steady time, here and below.
+  [[nodiscard]] bool expired(UtcTime steady) const { return definition_.expired(steady); }
+  /// Neither aborted, nor FINISHED, nor past its time.
+  [[nodiscard]] bool is_open(UtcTime steady) const { return orders_.is_open() && !expired(steady); }
+  /// Tasks may be begun: it is open, and nothing holds it.
+  [[nodiscard]] bool may_start(UtcTime steady) const;
+  /// This node has nothing left to do: its tasks are final, and nothing is owed or waited for.
+  [[nodiscard]] bool is_idle() const;
+  /// Rises with every fact.
+  [[nodiscard]] std::uint64_t version() const { return version_; }
+
+ private:
+  Run(RunDefinition definition, Members members, const std::shared_ptr<Certificates>& certificates,
+      const std::string& self);
+  void adopt(const SignedRecord& record, const Decision& decision);
+
+  std::shared_ptr<Certificates> certificates_;
+  RunDefinition definition_;
+  Members members_;
+  Epochs epochs_;
+  Facts facts_;
+  Orders orders_;
+  Reports reports_;
+  Deliveries deliveries_;
+  PendingWork work_;
+  OpenTasks open_tasks_;
+  RecordChecks checks_;
+  DecisionChecks decision_checks_;
+  std::uint64_t version_ = 0;
+};
+
+}  // namespace trb::scheduler

@@ -1,0 +1,49 @@
+#include "services/scheduler/core/run/signature.hpp"
+
+#include <algorithm>
+
+namespace trb::scheduler {
+namespace {
+
+constexpr Duration kSign = std::chrono::seconds(2);
+
+}  // namespace
+
+void Signature::tick(const std::string& node, Now now, Outbox& out) {
+  if (next_ > now.mono) return;
+  next_ = now.mono + kSign;
+  out.request(node, SignRequest{kind_, {payload_}});
+}
+
+void PendingSignatures::keep_results(const std::set<TaskIndex>& tasks) {
+  std::erase_if(results_, [&](const auto& one) { return !tasks.contains(one.first); });
+}
+
+std::optional<TaskIndex> PendingSignatures::result_for(const SignedRecord& record) const {
+  const auto at = std::ranges::find_if(results_, [&](const auto& one) { return one.second.asks_for(record); });
+  if (at == results_.end()) return std::nullopt;
+  return at->first;
+}
+
+bool PendingSignatures::asks_for(Word word, const SignedRecord& record) const {
+  const auto at = words_.find(word);
+  return at != words_.end() && at->second.asks_for(record);
+}
+
+void PendingSignatures::tick(Word word, const std::string& node, Now now, Outbox& out) {
+  if (const auto at = words_.find(word); at != words_.end()) at->second.tick(node, now, out);
+}
+
+void PendingSignatures::restart(Now now) {
+  for (auto& [task, signature] : results_) signature.restart(now);
+  for (auto& [word, signature] : words_) signature.restart(now);
+}
+
+std::optional<MonotonicTime> PendingSignatures::next() const {
+  std::optional<MonotonicTime> out;
+  for (const auto& [task, signature] : results_) out = earlier(out, signature.next());
+  for (const auto& [word, signature] : words_) out = earlier(out, signature.next());
+  return out;
+}
+
+}  // namespace trb::scheduler

@@ -1,0 +1,16 @@
+#include "services/scheduler/core/run/withheld_tasks.hpp"
+
+namespace trb::scheduler {
+
+void WithheldTasks::give_back(const std::vector<TaskIndex>& tasks, bool stop) {
+  asked_back_.insert(tasks.begin(), tasks.end());
+  if (stop) to_stop_.insert(tasks.begin(), tasks.end());
+}
+
+void WithheldTasks::drop(TaskIndex task) {
+  asked_back_.erase(task);
+  to_stop_.erase(task);
+  failing_.erase(task);
+}
+
+}  // namespace trb::scheduler

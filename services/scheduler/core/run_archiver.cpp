@@ -1,0 +1,70 @@
+#include "services/scheduler/core/run_archiver.hpp"
+
+#include <algorithm>
+
+#include "services/scheduler/core/view.hpp"
+
+namespace trb::scheduler {
+namespace {
+
+/// What comes once more from those that have not heard yet is answered as before.
+constexpr Duration kGrace = std::chrono::seconds(60);
+
+JournalArchive record_of(const Run& run, const Executor& executor, Step step) {
+  JournalArchive fact;
+  fact.view = view_of(run, executor, step.clock());
+  fact.view.over = step.now.utc.ns;
+  for (const TaskIndex task : run.results().tasks()) {
+    fact.results.push_back(run.results().of(task)->record);
+    const HeldChoice* choice = run.facts().choice_on(task);
+    const bool is_new = choice != nullptr && std::ranges::find(fact.choices, choice->record) == fact.choices.end();
+    if (is_new) fact.choices.push_back(choice->record);
+  }
+  fact.decisions = run.epochs().records();
+  fact.orders = run.orders().records();
+  if (run.orders().has_ended()) fact.end = run.orders().end_record();
+  fact.until = run.definition().buried_until().ns;
+  return fact;
+}
+
+}  // namespace
+
+void RunArchiver::archive(Step step) {
+  const std::vector<Run*> runs = runs_.runs();  // a copy: what is over leaves the store
+  for (Run* run : runs) {
+    const bool expired = run->expired(step.steady);
+    if (expired) {
+      run->deliveries().pending().drop(DeliveryKind::baton);
+      run->work().requests().drop_results();
+    }
+    if (!is_over(*run, step)) {
+      run->work().stay();
+    } else if (run->work().may_leave(step.now.mono, expired ? Duration{0} : kGrace)) {
+      archive(*run, step);
+    }
+  }
+}
+
+/// Nothing is left to be done or told of it. What is owed of a run that has expired is owed a day longer.
+bool RunArchiver::is_over(const Run& run, Step step) const {
+  if (executor_.runs(run.id())) return false;
+  const bool owes = !run.deliveries().pending().empty();
+  if (run.expired(step.steady)) return !owes || step.steady >= run.definition().buried_until();
+  if (owes) return false;
+  if (run.orders().is_aborted()) return true;
+  // A second cloud node waits for the results that are still on their way to it.
+  return run.orders().has_ended() && (has_robot_ || run.epochs().judges_here() || run.facts().all_final());
+}
+
+void RunArchiver::archive(Run& run, Step step) {
+  JournalArchive fact = record_of(run, executor_, step);
+  step.out.log(LogLevel::info, "run_over", "run " + run.id() + ": " + std::string(name_of(fact.view.state)));
+  RunSummary last = summary_of(run, executor_, step.clock());
+  last.over = fact.view.over;
+  watchers_.leave(last, step.out);
+  const std::string id = run.id();
+  step.out.record(std::move(fact));
+  runs_.remove(id);
+}
+
+}  // namespace trb::scheduler

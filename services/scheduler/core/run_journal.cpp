@@ -1,0 +1,163 @@
+#include "services/scheduler/core/run_journal.hpp"
+
+#include "common/scenario/condition.hpp"
+
+namespace trb::scheduler {
+namespace {
+
+/// A second choice on a task changes nothing; somebody has to know of it.
+void report_double_choices(const Run& run, const HeldChoice& held, Step step) {
+  for (const ChosenTask& chosen : held.choice.tasks) {
+    const HeldChoice* known = run.facts().choice_on(*run.index_of(chosen.task));
+    if (known == nullptr || known->record.payload == held.record.payload) continue;
+    step.out.count("double_choice");
+    step.out.log(LogLevel::error, "double_choice",
+                 "run " + run.id() + ": '" + held.choice.by + "' has chosen twice on task '" + chosen.task +
+                     "'; the first one holds");
+  }
+}
+
+std::string decision_text(const Run& run, const Decision& decision) {
+  std::string text = "run " + run.id() + ", epoch " + std::to_string(decision.epoch) + " by " +
+                     (decision.person.empty() ? "the policy" : "'" + decision.person + "'");
+  for (const TaskRuling& ruling : decision.tasks) {
+    text += ", task '" + ruling.task + "' " + std::string(name_of(ruling.ruling)) + " '" + ruling.robot + "'";
+  }
+  return text;
+}
+
+}  // namespace
+
+Run& RunJournal::add(std::unique_ptr<Run> run, bool submitted_here, Step step) {
+  const JournalRun fact{run->definition().record(), submitted_here};
+  step.out.record(fact);
+  step.out.log(LogLevel::info, "run_known",
+               "run " + run->id() + " of '" + run->definition().start().submitter +
+                   "': " + std::to_string(run->tasks().size()) + " tasks");
+  Run& added = runs_.add(std::move(run));
+  const Status applied = added.apply(fact);
+  if (!applied) step.out.log(LogLevel::error, "run_not_applied", applied.error().text());
+  return added;
+}
+
+Status RunJournal::note_submitted(Run& run, Step step) {
+  const JournalRun fact{run.definition().record(), true};
+  step.out.record(fact);
+  return run.apply(fact);
+}
+
+void RunJournal::keep_result(Run& run, HeldResult held, Step step) {
+  const TaskIndex task = *run.index_of(held.result.key.task);
+  const bool was_double = run.results().finished_twice(task);
+  const SignedRecord record = held.record;
+  const TaskResult result = held.result;
+  if (!run.add(std::move(held))) return;
+  const bool tries_again = result.outcome == TaskOutcome::retriable && run.facts().current(task) == nullptr;
+  if (result.robot == node_ && tries_again) {
+    run.work().timers().retry_at(task, step.now.mono + run.facts().retry_pause(task));
+  }
+  step.out.record(JournalResult{record});
+  const std::string text = "run " + run.id() + ", task '" + result.key.task + "' on '" + result.robot + "'";
+  step.out.log(LogLevel::info, "result_kept", text + ": " + std::string(name_of(result.outcome)));
+  if (was_double || !run.results().finished_twice(task)) return;
+  step.out.count("double_execution");
+  step.out.log(LogLevel::error, "double_execution", text + " has two different results; the run is paused");
+}
+
+void RunJournal::keep_choice(Run& run, HeldChoice held, Step step) {
+  report_double_choices(run, held, step);
+  const SignedRecord record = held.record;
+  const Choice choice = held.choice;
+  if (!run.add(std::move(held))) return;
+  step.out.record(JournalChoice{record});
+  for (const ChosenTask& chosen : choice.tasks) {
+    const Condition& condition = run.tasks()[*run.index_of(chosen.task)].when.front();
+    step.out.log(
+        LogLevel::info, "choice_kept",
+        "run " + run.id() + ": task '" + chosen.task + "': " + verdict_text(condition, choice.node, choice.reading));
+  }
+}
+
+void RunJournal::keep_decision(Run& run, const SignedRecord& record, bool here, Step step) {
+  const JournalDecision fact{record, here};
+  if (auto applied = run.apply(fact); !applied) {
+    return step.out.log(LogLevel::error, "decision_not_applied", applied.error().text());
+  }
+  step.out.record(fact);
+  step.out.log(LogLevel::warning, "decision_kept", decision_text(run, run.epochs().decisions().back()));
+}
+
+void RunJournal::keep_end(Run& run, const SignedRecord& end, Step step) {
+  const JournalEnd fact{end};
+  if (auto applied = run.apply(fact); !applied) {
+    return step.out.log(LogLevel::error, "end_not_applied", applied.error().text());
+  }
+  step.out.record(fact);
+  step.out.log(LogLevel::info, "run_finished", "run " + run.id() + ", says '" + run.definition().rule().judge() + "'");
+}
+
+void RunJournal::keep_delivery(Run& run, DeliveryKind kind, const Inbound& from, std::vector<TaskIndex> tasks,
+                               std::uint32_t epoch, Step step) {
+  if (!run.deliveries().settle(kind, from.source, tasks)) {
+    return step.out.count("late." + std::string(subtype_of(from.body)));
+  }
+  JournalDelivered fact;
+  fact.run = run.id();
+  fact.to = from.source;
+  fact.what = name_of(kind);
+  fact.tasks = std::move(tasks);
+  fact.epoch = epoch;
+  step.out.record(fact);
+  if (auto applied = run.apply(fact); !applied) {
+    step.out.log(LogLevel::error, "delivery_not_applied", applied.error().text());
+  }
+}
+
+Status RunJournal::keep_abort(Run& run, const SignedRecord& order, bool here, Step step) {
+  if (run.orders().is_aborted()) return Done{};
+  const JournalAbort fact{order, here};
+  if (auto applied = run.apply(fact); !applied) return applied;
+  step.out.record(fact);
+  const auto is = decode<AbortOrder>(order.payload.bytes);
+  step.out.log(LogLevel::warning, "run_aborted", "run " + run.id() + " by '" + is->by + "': " + is->reason);
+  return Done{};
+}
+
+Status RunJournal::keep_pause(Run& run, const SignedRecord& order, bool here, Step step) {
+  const auto is = run.checks().pause(order);
+  if (!is) return is.error();
+  run.outbid(*is);
+  if (!run.orders().is_newer(*is)) return Done{};
+  const JournalPause fact{order, here};
+  if (auto applied = run.apply(fact); !applied) return applied;
+  step.out.record(fact);
+  step.out.log(LogLevel::warning, is->paused ? "run_held" : "run_goes_on",
+               "run " + run.id() + " by '" + is->by + "': " + is->reason);
+  return Done{};
+}
+
+Status RunJournal::keep_orders(Run& run, const std::vector<SignedRecord>& orders, Step step) {
+  for (const SignedRecord& order : orders) {
+    if (auto checked = run.checks().order(order); !checked) return checked;
+  }
+  if (run.orders().has_ended()) return Done{};
+  for (const SignedRecord& order : orders) {
+    const bool aborts = order.kind == kSignedRunAbort;
+    auto kept = aborts ? keep_abort(run, order, false, step) : keep_pause(run, order, false, step);
+    if (!kept) return kept;
+  }
+  return Done{};
+}
+
+Status RunJournal::keep_decisions(Run& run, const std::vector<SignedRecord>& records, Step step) {
+  for (const SignedRecord& record : records) {
+    const auto claimed = decode<Decision>(record.payload.bytes);
+    if (!claimed) return claimed.error();
+    if (claimed->epoch <= run.epochs().current()) continue;  // each newer one is checked against what is known
+    if (auto checked = run.decision_checks().decision(record); !checked) return checked.error();
+    keep_decision(run, record, false, step);
+  }
+  return Done{};
+}
+
+}  // namespace trb::scheduler

@@ -1,0 +1,47 @@
+// Journals what a step learns of a run, and applies it: by the same code that restores it.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "services/scheduler/core/run_store.hpp"
+#include "services/scheduler/core/step.hpp"
+
+namespace trb::scheduler {
+
+class RunJournal {
+ public:
+  /// `node`: the own one.
+  RunJournal(std::string node, RunStore& runs) : node_(std::move(node)), runs_(runs) {}
+  RunJournal(const RunJournal&) = delete;
+  RunJournal& operator=(const RunJournal&) = delete;
+
+  /// A run becomes known.
+  Run& add(std::unique_ptr<Run> run, bool submitted_here, Step step);
+  /// A known run is submitted here. Error: conflict.
+  Status note_submitted(Run& run, Step step);
+
+  // What has been checked.
+  void keep_result(Run& run, HeldResult held, Step step);
+  void keep_choice(Run& run, HeldChoice held, Step step);
+  void keep_decision(Run& run, const SignedRecord& record, bool here, Step step);
+  void keep_end(Run& run, const SignedRecord& end, Step step);
+  /// Another node has journaled what it was owed; counted only if nothing was owed.
+  void keep_delivery(Run& run, DeliveryKind kind, const Inbound& from, std::vector<TaskIndex> tasks,
+                     std::uint32_t epoch, Step step);
+
+  // What is checked first. Errors: those of RecordChecks and DecisionChecks.
+  Status keep_abort(Run& run, const SignedRecord& order, bool here, Step step);
+  Status keep_pause(Run& run, const SignedRecord& order, bool here, Step step);
+  /// Orders that came with a definition or a baton. Error: of the first bad one; none is kept then.
+  Status keep_orders(Run& run, const std::vector<SignedRecord>& orders, Step step);
+  /// Decisions that came with a definition, up to the first bad one.
+  Status keep_decisions(Run& run, const std::vector<SignedRecord>& records, Step step);
+
+ private:
+  std::string node_;
+  RunStore& runs_;
+};
+
+}  // namespace trb::scheduler

@@ -1,0 +1,82 @@
+#include "services/scheduler/core/run_lookup.hpp"
+
+#include "services/scheduler/core/refusal.hpp"
+
+namespace trb::scheduler {
+
+Run* RunLookup::find(const std::string& run, const Inbound& from, Step step) const {
+  Run* known = runs_.find(run);
+  if (const auto is_over = over(run)) {
+    refuse_over(run, *is_over, from, step);
+  } else if (known == nullptr) {
+    refuse(from, fail(Errc::unknown_run, "run " + run + " is not known on '" + node_ + "'"), step);
+  } else if (!known->members().contains(from.source)) {
+    refuse(from, fail(Errc::not_permitted, "'" + from.source + "' is no member of run " + run), step);
+  } else {
+    return known;
+  }
+  return nullptr;
+}
+
+Run* RunLookup::find_or_defer(const std::string& run, const Blob& digest, const Inbound& from, Step step) {
+  const bool answer = from.reply_to != 0 || from.source == node_;
+  if (answer || runs_.find(run) != nullptr || archive_.over(run)) return find(run, from, step);
+  if (runs_.full() || !deferred_.add(run, from, step.now.mono)) {
+    refuse(from,
+           fail(Errc::queue_full, "no place for run " + run + " on '" + node_ + "'",
+                "end some of its " + std::to_string(runs_.runs().size()) + " open runs: trb run list"),
+           step);
+  } else {
+    step.out.request(from.source, NeedDefinition{run, digest});
+  }
+  return nullptr;
+}
+
+bool RunLookup::defer_for_decisions(Run& run, std::uint32_t epoch, const Inbound& from, Step step) {
+  if (epoch <= run.epochs().current()) return false;
+  // Who has not told of the decision that its message needs is not asked again.
+  const bool can_ask = !handing_out_ && from.reply_to == 0 && from.source != node_;
+  if (!can_ask || !deferred_.add(run.id(), from, step.now.mono)) {
+    refuse(from,
+           fail(Errc::conflict, "run " + run.id() + ": epoch " + std::to_string(epoch) + " is not known here yet"),
+           step);
+    return true;
+  }
+  run.work().requests().await_decisions(from.source);
+  step.out.request(from.source, NeedDefinition{run.id(), run.definition().start().digest});
+  return true;
+}
+
+std::optional<Over> RunLookup::over(const std::string& run) const {
+  return runs_.find(run) == nullptr ? archive_.over(run) : std::nullopt;
+}
+
+void RunLookup::refuse_over(const std::string& run, const Over& over, const Inbound& from, Step step) const {
+  if (!over.end.kind.empty() && from.source != node_) step.out.information(from.source, RunOver{over.end});
+  refuse(from,
+         fail(Errc::expired, "run " + run + " is over: " + std::string(name_of(over.state)), "trb run show has it"),
+         step);
+}
+
+bool RunLookup::awaits_definition(const std::string& run, const std::string& from) const {
+  return deferred_.waits(run, from);
+}
+
+void RunLookup::hand_out(const std::string& run, const Dispatch& dispatch, Step step) {
+  // Nothing starts before the step's end: an abort among them comes before any start.
+  handing_out_ = true;
+  for (const Inbound& message : deferred_.take(run)) dispatch(message, step);
+  handing_out_ = false;
+}
+
+void RunLookup::refuse_deferred(const std::string& run, const std::string& from, const Error& error, Step step) {
+  for (const Inbound& message : deferred_.take(run, from)) refuse(message, error, step);
+}
+
+void RunLookup::refuse_late(Step step) {
+  for (const Inbound& message : deferred_.take_late(step.now.mono)) {
+    refuse(message, fail(Errc::unknown_run, "its run's definition, or its decision, did not come"), step);
+  }
+}
+
+}  // namespace trb::scheduler

@@ -1,0 +1,56 @@
+// Finds the run that a message is about, or answers in its place: the run is over, unknown, or its definition has yet
+// to come.
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+
+#include "services/scheduler/core/archive.hpp"
+#include "services/scheduler/core/deferred_messages.hpp"
+#include "services/scheduler/core/run_store.hpp"
+#include "services/scheduler/core/step.hpp"
+
+namespace trb::scheduler {
+
+class RunLookup {
+ public:
+  using Dispatch = std::function<void(const Inbound&, Step)>;
+
+  /// `node`: the own one. Both must outlive it.
+  RunLookup(std::string node, const RunStore& runs, const Archive& archive)
+      : node_(std::move(node)), runs_(runs), archive_(archive) {}
+  RunLookup(const RunLookup&) = delete;
+  RunLookup& operator=(const RunLookup&) = delete;
+
+  /// The run that a member's message is about, or nullptr after a refusal.
+  Run* find(const std::string& run, const Inbound& from, Step step) const;
+  /// The same; but what a peer says of an unknown run is deferred, and the peer is asked for the definition.
+  Run* find_or_defer(const std::string& run, const Blob& digest, const Inbound& from, Step step);
+  /// Defers a message that is of a later epoch than is known, and asks its sender for the decisions; false if it is
+  /// not. If it cannot be deferred it is refused.
+  bool defer_for_decisions(Run& run, std::uint32_t epoch, const Inbound& from, Step step);
+  /// The run's fate if it is in the archive, and not open.
+  [[nodiscard]] std::optional<Over> over(const std::string& run) const;
+  /// Refuses what is about a run that is over; a peer that may not know yet is told that it has FINISHED.
+  void refuse_over(const std::string& run, const Over& over, const Inbound& from, Step step) const;
+
+  /// That node was asked for the run's definition.
+  [[nodiscard]] bool awaits_definition(const std::string& run, const std::string& from) const;
+  /// Hands out what waited for a definition or for decisions.
+  void hand_out(const std::string& run, const Dispatch& dispatch, Step step);
+  /// Refuses what that node has sent of the run: its definition was wrong.
+  void refuse_deferred(const std::string& run, const std::string& from, const Error& error, Step step);
+  /// Refuses what has waited too long.
+  void refuse_late(Step step);
+  [[nodiscard]] std::optional<MonotonicTime> next() const { return deferred_.next(); }
+
+ private:
+  std::string node_;
+  const RunStore& runs_;
+  const Archive& archive_;
+  DeferredMessages deferred_;
+  bool handing_out_ = false;
+};
+
+}  // namespace trb::scheduler

@@ -1,0 +1,50 @@
+// Every run that is not over on this node.
+#pragma once
+
+#include <map>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "proto/body.hpp"
+#include "services/scheduler/core/run/run.hpp"
+
+namespace trb::scheduler {
+
+class RunStore {
+ public:
+  /// Those that are over take no place.
+  static constexpr std::size_t kMaxRuns = 512;
+
+  RunStore(std::string self, FleetAuthority authority)
+      : self_(std::move(self)), certificates_(std::make_shared<Certificates>(std::move(authority))) {}
+
+  /// Takes a journaled fact in, in order. Errors: bad_value, conflict, those of Run::open: the journal is not this
+  /// node's.
+  Status apply(const Body& fact);
+
+  [[nodiscard]] Result<std::unique_ptr<Run>> open(const SignedRecord& start) const {
+    return Run::open(start, certificates_, self_);
+  }
+  Run& add(std::unique_ptr<Run> run);
+  [[nodiscard]] bool full() const { return runs_.size() >= kMaxRuns; }
+  [[nodiscard]] Run* find(const std::string& run) const;
+  /// Oldest first.
+  [[nodiscard]] const std::vector<Run*>& runs() const { return by_age_; }
+
+  /// The run is over.
+  void remove(const std::string& run);
+
+ private:
+  Status apply_start(const JournalRun& fact);
+  template <class Fact>
+  Status apply_to(const std::string& run, const Fact& fact);
+
+  std::string self_;
+  std::shared_ptr<Certificates> certificates_;
+  std::map<std::string, std::unique_ptr<Run>> runs_;
+  std::vector<Run*> by_age_;
+};
+
+}  // namespace trb::scheduler

@@ -1,0 +1,421 @@
+#include "services/scheduler/test/fleet.hpp"
+
+#include <doctest/doctest.h>
+
+#include "common/scenario/run_start.hpp"
+#include "common/security/rights.hpp"
+
+namespace trb::scheduler::test {
+
+Fleet::Fleet(std::uint64_t seed) : random_state_(seed) {
+  init_crypto();
+  authority_key_ = make_signing_key();
+  authority_ = {"test", authority_key_.public_key};
+}
+
+std::uint64_t Fleet::random(std::uint64_t below) {
+  random_state_ = random_state_ * 6364136223846793005U + 1442695040888963407U;
+  return (random_state_ >> 33U) % below;
+}
+
+Node& Fleet::add(const std::string& id, Role role) {
+  Node& node = nodes_[id];
+  node.id = id;
+  node.role = role;
+  node.key = make_signing_key();
+  Certificate certificate;
+  certificate.fleet.bytes = authority_.id();
+  certificate.id = id;
+  certificate.role = role;
+  certificate.identity_key.bytes = node.key.public_key;
+  certificate.link_key.bytes = Bytes(32, 'l');
+  node.certificate = trb::sign(kSignedCertificate, "", authority_.id(), encode(certificate), authority_key_);
+  start(id);
+  return node;
+}
+
+Member Fleet::member(const std::string& id) const {
+  return {id, nodes_.at(id).certificate};
+}
+
+std::vector<Member> Fleet::members() const {
+  std::vector<Member> out;
+  for (const auto& [id, node] : nodes_) out.push_back({id, node.certificate});
+  return out;
+}
+
+SignedRecord Fleet::sign(const std::string& id, std::string_view purpose, Bytes payload) const {
+  return trb::sign(purpose, id, authority_.id(), std::move(payload), nodes_.at(id).key);
+}
+
+SignedRecord Fleet::sign_order(const std::string& by, const std::string& run) const {
+  return sign(by, kSignedRunAbort, encode(AbortOrder{run, by, "enough", now().utc.ns}));
+}
+
+SignedRecord Fleet::make_start(const Scenario& scenario, const std::string& submitter, Duration life,
+                               const std::string& run) const {
+  const RunStart start = build_run_start(scenario, members(), submitter, now().utc, now().utc + life, run);
+  return sign(submitter, kSignedRunStart, encode(start));
+}
+
+void Fleet::post(Event event, Duration delay) {
+  events_[{now_.ns + delay.count(), ++count_}] = std::move(event);
+}
+
+void Fleet::ask(const std::string& node, MessageType type, Body body) {
+  Inbound message{type, node, node, ++count_, 0, 0, kDefaultRemainingMs, std::move(body)};
+  asked_.insert(message.id);
+  happen({node, false, false, false, std::move(message)});
+}
+
+Outbox Fleet::tell(const std::string& node, const std::string& source, MessageType type, Body body,
+                   std::uint64_t reply_to) {
+  Outbox out;
+  Node& to = nodes_.at(node);
+  to.core->on({type, source, node, ++count_, reply_to, 0, kDefaultRemainingMs, std::move(body)}, now_at(to), out);
+  for (const Journal& record : out.journal) to.journal.commit(record.record, *to.archive);
+  touch(to);
+  return out;
+}
+
+void Fleet::hear(const std::string& node, const std::string& source, MessageType type, Body body) {
+  happen({node, false, false, false, {type, source, node, ++count_, 0, 0, kDefaultRemainingMs, std::move(body)}});
+}
+
+RunView Fleet::view(const std::string& node, const std::string& run) {
+  run_adapter(nodes_.at(node));
+  Outbox out;
+  nodes_.at(node).core->on({MessageType::request, node, node, ++count_, 0, 0, 1000, RunQuery{run}},
+                           now_at(nodes_.at(node)), out);
+  const auto views = sent<RunView>(out);
+  if (views.empty()) return {};
+  std::erase_if(out.sends, [](const Send& send) { return holds_alternative<RunView>(send.body); });
+  carry_out(nodes_.at(node), out);
+  return views.front();
+}
+
+void Fleet::stop(const std::string& node) {
+  nodes_.at(node).core.reset();
+  nodes_.at(node).up = false;
+  touch(nodes_.at(node));
+}
+
+void Fleet::start(const std::string& id) {
+  Node& node = nodes_.at(id);
+  node.core =
+      std::make_unique<SchedulerCore>(SchedulerSettings{id, authority_, node.role == Role::robot}, *node.archive);
+  const Status restored = node.core->restore(node.journal.records());
+  REQUIRE_MESSAGE(restored.ok(), (restored ? "" : restored.error().text()));
+  node.up = true;
+  run_core(node, [&](SchedulerCore& core, Outbox& out) {
+    core.on_welcome({id, node.role, 1}, now_at(nodes_.at(id)), out);
+  });
+}
+
+void Fleet::run_core(Node& node, const std::function<void(SchedulerCore&, Outbox&)>& step) {
+  if (!node.up) return;
+  Outbox out;
+  step(*node.core, out);
+  carry_out(node, out);
+  touch(node);
+}
+
+bool Fleet::commit(Node& node, const Outbox& out) {
+  for (const std::string& name : out.counts) ++counted[name];
+  if (out.journal.empty()) return true;
+  for (const Journal& record : out.journal) {
+    node.journal.commit(carried_over(record.record), *node.archive);
+  }
+  return ++node.commits != node.crash_at;
+}
+
+void Fleet::carry_out(Node& node, const Outbox& out) {
+  const bool crashed = !commit(node, out);
+  if (!crashed || node.crash_after_sends) {
+    for (const Send& one : out.sends) send(node, one);
+  }
+  if (!crashed) return;
+  stop(node.id);
+  post({node.id, false, true, false, {}}, seconds(0.3));
+}
+
+Body Fleet::carried_over(const Body& body) {
+  if (++bodies_ % coded_every != 0) return body;
+  auto coded = decode_body(subtype_of(body), encode_body(body));
+  REQUIRE_MESSAGE(coded.ok(), (coded ? "" : coded.error().text()));
+  return std::move(*coded);
+}
+
+void Fleet::send(Node& node, const Send& send) {
+  Inbound message{send.type,     node.id,    send.target,       ++count_,
+                  send.reply_to, send.flags, send.remaining_ms, carried_over(send.body)};
+  if (send.reply_to != 0 && asked_.contains(send.reply_to)) {
+    answers.push_back(message.body);
+  } else if (send.target == node.id && guests_asked_.contains(send.reply_to)) {
+    post({node.id, false, false, true, message}, seconds(0.001));
+  } else if (send.target == node.id) {
+    send_local(node, message);
+  } else {
+    send_away(node, message);
+  }
+}
+
+void Fleet::send_local(Node& node, const Inbound& message) {
+  if (chance(weather.local_loss)) return;
+  if (const auto* request = get_if<SignRequest>(&message.body)) {
+    REQUIRE_MESSAGE(may_sign(node.role, request->kind), (node.id + " " + request->kind));
+    REQUIRE(may_have_signed("scheduler", false, request->kind));
+    answer(node.id, message, seconds(0.002), sign(node.id, request->kind, request->payload.bytes));
+  } else if (const auto* asked = get_if<RouteListRequest>(&message.body)) {
+    answer(node.id, message, seconds(0.001), routes(node, asked->after));
+  } else if (holds_alternative<SensorRead>(message.body)) {
+    read_sensor(node, message);
+  } else {
+    post({node.id, true, false, false, message}, seconds(0.001));
+  }
+}
+
+void Fleet::answer(const std::string& from, const Inbound& asked, Duration delay, Body body) {
+  post({asked.source,
+        false,
+        false,
+        false,
+        {MessageType::information, from, asked.source, ++count_, asked.id, 0, 1000, std::move(body)}},
+       delay);
+}
+
+void Fleet::read_sensor(Node& node, const Inbound& message) {
+  if (!node.sensors.hangs) answer(node.id, message, seconds(0.01), node.sensors.answer(get<SensorRead>(message.body)));
+}
+
+RouteTable Fleet::routes(const Node& node, const std::string& after) const {
+  RouteTable table{node.id, {}, false, after};
+  for (auto at = nodes_.upper_bound(after); at != nodes_.end(); ++at) {
+    const auto& [id, other] = *at;
+    table.more = table.routes.size() == page;
+    if (table.more) break;
+    Route route;
+    route.id = id;
+    route.state = id == node.id ? "self" : node.cut || other.cut ? "CONNECTION_BROKEN" : "ONLINE";
+    route.role = other.role;
+    route.certificate = other.certificate;
+    route.profile = other.profile;
+    route.profile.out_of_use = other.adapter.out_of_use;
+    route.profile.plugged = other.sensors.infos();
+    table.routes.push_back(std::move(route));
+  }
+  return table;
+}
+
+void Fleet::nack(Node& node, const Inbound& message, Errc code) {
+  if (message.type == MessageType::information || message.reply_to != 0) return;
+  Nack body{std::string(errc_name(code)), std::string(subtype_of(message.body)), message.target, "not delivered", ""};
+  post(
+      {node.id, false, false, false, {MessageType::information, node.id, node.id, ++count_, message.id, 0, 1000, body}},
+      seconds(0.001));
+}
+
+void Fleet::send_away(Node& node, const Inbound& message) {
+  const auto target = nodes_.find(message.target);
+  REQUIRE(target != nodes_.end());
+  ++carried[std::string(subtype_of(message.body))];
+  if (node.cut || target->second.cut) return nack(node, message, Errc::peer_unreachable);
+  if (holds_alternative<SensorRead>(message.body)) {
+    if (!chance(weather.loss)) read_sensor(target->second, message);
+    return;
+  }
+  if (!target->second.up) return nack(node, message, Errc::no_service);
+  const int copies = chance(weather.loss) ? 0 : (chance(weather.twice) ? 2 : 1);
+  for (int i = 0; i < copies; ++i) {
+    const auto extra = weather.scatter.count() == 0 ? 0 : random(static_cast<std::uint64_t>(weather.scatter.count()));
+    post({message.target, false, false, false, message}, seconds(0.005) + Duration{static_cast<std::int64_t>(extra)});
+  }
+}
+
+void Fleet::happen(Event event) {
+  Node& node = nodes_.at(event.node);
+  if (event.starts) return start(event.node);
+  if (event.to_guest || guests_asked_.contains(event.message.reply_to)) {
+    return nudge(node.id, [&](Guest& guest, Now now, Outbox& out) { guest.on(event.message, now, out); });
+  }
+  if (event.to_adapter) {
+    node.adapter.hear(event.message, now_);
+    return run_adapter(node);
+  }
+  run_core(node, [&](SchedulerCore& core, Outbox& out) { core.on(event.message, now_at(node), out); });
+}
+
+void Fleet::run_adapter(Node& node) {
+  node.adapter.tick(now_);
+  for (FakeAdapter::Said& said : node.adapter.take()) {
+    if (chance(weather.local_loss)) continue;
+    const MessageType type = MessageType::information;
+    post({node.id,
+          false,
+          false,
+          false,
+          {type, node.id, node.id, ++count_, said.reply_to, 0, 1000, std::move(said.body)}},
+         seconds(0.001));
+  }
+  touch(node);
+}
+
+/// When something is due on that node without a message.
+void Fleet::touch(Node& node) {
+  std::optional<MonotonicTime> next = node.adapter.next();
+  if (node.up) next = earlier(next, node.core->next_deadline());
+  const auto guest = guests_.find(node.id);
+  if (node.up && guest != guests_.end()) next = earlier(next, guest->second->next_deadline());
+  deadlines_[node.id] = next;
+}
+
+bool Fleet::next_moment(MonotonicTime limit) {
+  std::optional<MonotonicTime> next;
+  if (!events_.empty()) next = MonotonicTime{events_.begin()->first.first};
+  for (const auto& [id, at] : deadlines_) next = earlier(next, at);
+  if (!next || *next > limit) return false;
+  now_ = std::max(now_, *next);
+  if (!events_.empty() && events_.begin()->first.first <= now_.ns) {
+    Event event = std::move(events_.begin()->second);
+    events_.erase(events_.begin());
+    happen(std::move(event));
+  }
+  for (auto& [id, at] : deadlines_) {
+    if (!at || *at > now_) continue;
+    Node& node = nodes_.at(id);
+    run_adapter(node);
+    const auto due = [&](std::optional<MonotonicTime> is) { return node.up && is && *is <= now_; };
+    if (due(node.up ? node.core->next_deadline() : std::nullopt)) {
+      run_core(node, [&](SchedulerCore& core, Outbox& out) { core.tick(now_at(node), out); });
+    }
+    const auto guest = guests_.find(id);
+    if (guest != guests_.end() && due(guest->second->next_deadline())) {
+      nudge(id, [](Guest& is, Now now, Outbox& out) { is.tick(now, out); });
+    }
+    touch(node);
+  }
+  return true;
+}
+
+void Fleet::attach(const std::string& node, Guest& guest) {
+  guests_[node] = &guest;
+  touch(nodes_.at(node));
+}
+
+void Fleet::nudge(const std::string& id, const std::function<void(Guest&, Now, Outbox&)>& step) {
+  Node& node = nodes_.at(id);
+  if (!node.up) return;
+  Outbox out;
+  step(*guests_.at(id), now_at(node), out);
+  for (const Send& one : out.sends) send_of_guest(node, one);
+  touch(node);
+}
+
+void Fleet::answer_guest(Node& node, const Inbound& asked, Duration delay, const std::string& from, Body body) {
+  post({node.id,
+        false,
+        false,
+        true,
+        {MessageType::information, from, node.id, ++count_, asked.id, 0, 1000, std::move(body)}},
+       delay);
+}
+
+void Fleet::send_of_guest(Node& node, const Send& send) {
+  Inbound message{send.type,     node.id,    send.target,       ++count_,
+                  send.reply_to, send.flags, send.remaining_ms, carried_over(send.body)};
+  if (send.reply_to != 0 && asked_.contains(send.reply_to)) return answers.push_back(message.body);
+  constexpr std::size_t kRemembered = 10'000;
+  guests_asked_.insert(message.id);
+  if (guests_asked_.size() > kRemembered) guests_asked_.erase(guests_asked_.begin());
+  if (send.target != node.id) {
+    Node& to = nodes_.at(send.target);
+    if (node.cut || to.cut || !to.up) {
+      return answer_guest(node, message, seconds(0.001), node.id,
+                          Nack{"peer_unreachable", std::string(subtype_of(message.body)), send.target, "is away", ""});
+    }
+    if (const auto* value = get_if<Opaque>(&message.body)) {
+      const auto told = to.values.find(value->subtype);
+      if (told == to.values.end()) return;
+      return answer_guest(node, message, seconds(0.02), to.id, Opaque{value->subtype, told->second});
+    }
+    if (const auto* repaired = get_if<TakeIntoUse>(&message.body)) {
+      to.adapter.take_into_use(*repaired);
+      run_adapter(to);
+      touch(to);
+      return answer_guest(node, message, seconds(0.02), to.id, Ack{"in_use", ""});
+    }
+  } else if (const auto* request = get_if<SignRequest>(&message.body)) {
+    REQUIRE(may_sign(node.role, request->kind));
+    REQUIRE(may_have_signed("resilience", false, request->kind));
+    return answer_guest(node, message, seconds(0.002), node.id, sign(node.id, request->kind, request->payload.bytes));
+  } else if (const auto* asked = get_if<RouteListRequest>(&message.body)) {
+    return answer_guest(node, message, seconds(0.001), node.id, routes(node, asked->after));
+  }
+  post({send.target, false, false, false, message}, seconds(0.005));
+}
+
+/// A test may have changed anything.
+void Fleet::touch_all() {
+  for (auto& [id, node] : nodes_) touch(node);
+}
+
+bool Fleet::until(const std::function<bool()>& done, Duration limit) {
+  const MonotonicTime end = now_ + limit;
+  while (!done()) {
+    touch_all();
+    if (!next_moment(end)) return done();
+  }
+  return true;
+}
+
+void Fleet::pass(Duration time) {
+  const MonotonicTime end = now_ + time;
+  touch_all();
+  while (next_moment(end)) {
+  }
+  now_ = end;
+}
+
+Scenario nine_tasks() {
+  Scenario scenario;
+  scenario.name = "demonstration";
+  const auto add = [&](const char* id, const char* robot, const char* skill, std::vector<TaskIndex> after) {
+    Task task;
+    task.id = id;
+    task.robot = robot;
+    task.skill = skill;
+    task.after = std::move(after);
+    scenario.tasks.push_back(std::move(task));
+  };
+  add("bring_box", "ridgeback", "go_to", {});
+  add("move_box", "conveyor", "run_belt", {0});
+  add("put_down", "ur3", "grab", {1});
+  add("approach", "pioneer", "go_to", {2});
+  add("take_off", "drone", "take_off", {3});
+  add("pick", "ur3", "grab_left", {3});
+  add("go_back", "pioneer", "go_to", {4, 5});
+  add("land", "drone", "land", {6});
+  add("load_out", "ridgeback", "go_to", {6});
+  return scenario;
+}
+
+Scenario chain(const std::vector<std::string>& robots) {
+  Scenario scenario;
+  scenario.name = "chain";
+  for (std::size_t i = 0; i < robots.size(); ++i) {
+    Task task;
+    task.id = "task-" + std::to_string(i);
+    task.robot = robots[i];
+    task.skill = "go_to";
+    if (i > 0) task.after = {static_cast<TaskIndex>(i - 1)};
+    scenario.tasks.push_back(std::move(task));
+  }
+  return scenario;
+}
+
+void add_demonstration(Fleet& fleet) {
+  fleet.add("cloud", Role::cloud);
+  for (const char* robot : {"conveyor", "drone", "pioneer", "ridgeback", "ur3"}) fleet.add(robot, Role::robot);
+}
+
+}  // namespace trb::scheduler::test

@@ -1,0 +1,159 @@
+// A fleet in memory and in virtual time: real scheduler cores, fake routers (that sign) and fake mode-adapters.
+#pragma once
+
+#include <functional>
+#include <map>
+#include <memory>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "common/security/keys.hpp"
+#include "services/scheduler/core/scheduler_core.hpp"
+#include "services/scheduler/test/fake_adapter.hpp"
+#include "services/scheduler/test/fake_sensors.hpp"
+#include "services/scheduler/test/memory_archive.hpp"
+
+namespace trb::scheduler::test {
+
+/// How bad the network is, in thousandths; `scatter` is the longest extra delay, so it reorders.
+struct Weather {
+  unsigned loss = 0;
+  unsigned twice = 0;
+  unsigned local_loss = 0;
+  Duration scatter{0};
+};
+
+struct Node {
+  std::string id;
+  Role role{};
+  SigningKey key;
+  SignedRecord certificate;
+  bool cut = false;  ///< no link to anyone
+  bool up = false;
+  std::unique_ptr<SchedulerCore> core;
+  FakeAdapter adapter;
+  FakeSensors sensors;
+  std::map<std::string, std::string> values;  ///< that its robot tells a guest which asks
+  MemoryJournal journal;
+  NodeProfile profile;  ///< in the routers' tables
+  std::unique_ptr<MemoryArchive> archive = std::make_unique<MemoryArchive>();
+  Duration ahead{0};         ///< its clock's
+  std::size_t commits = 0;   ///< steps that have journaled something
+  std::size_t crash_at = 0;  ///< ends the process at this commit; 0: never
+  bool crash_after_sends = false;
+};
+
+/// Another service on a node: what it says goes to its node's router and scheduler and to robots, as on a bus.
+class Guest {
+ public:
+  Guest() = default;
+  Guest(const Guest&) = delete;
+  Guest& operator=(const Guest&) = delete;
+  virtual ~Guest() = default;
+  virtual void on(const Inbound& message, Now now, Outbox& out) = 0;
+  virtual void tick(Now now, Outbox& out) = 0;
+  [[nodiscard]] virtual std::optional<MonotonicTime> next_deadline() const = 0;
+};
+
+class Fleet {
+ public:
+  explicit Fleet(std::uint64_t seed = 1);
+
+  Node& add(const std::string& id, Role role);
+  Node& operator[](const std::string& id) { return nodes_.at(id); }
+  [[nodiscard]] Member member(const std::string& id) const;
+  [[nodiscard]] std::vector<Member> members() const;
+  [[nodiscard]] SignedRecord sign(const std::string& id, std::string_view purpose, Bytes payload) const;
+  [[nodiscard]] SignedRecord sign_order(const std::string& by, const std::string& run) const;
+  [[nodiscard]] Now now() const { return {now_, UtcTime{kEpoch} + Duration{now_.ns}}; }
+  /// By the clock of that node.
+  [[nodiscard]] Now now_at(const Node& node) const { return {now_, now().utc + node.ahead}; }
+  [[nodiscard]] const FleetAuthority& authority() const { return authority_; }
+
+  /// The signed start of a run of these tasks with every node of the fleet as a member.
+  [[nodiscard]] SignedRecord make_start(const Scenario& scenario, const std::string& submitter, Duration life,
+                                        const std::string& run) const;
+  /// As a person does on `node`; the answer comes to `answers`.
+  void ask(const std::string& node, MessageType type, Body body);
+  /// Hands one message to a core and returns the step's effects; journals them, sends nothing.
+  Outbox tell(const std::string& node, const std::string& source, MessageType type, Body body,
+              std::uint64_t reply_to = 0);
+  /// Hands one message to a core, whose step is carried out.
+  void hear(const std::string& node, const std::string& source, MessageType type, Body body);
+  RunView view(const std::string& node, const std::string& run);
+
+  /// The guest must outlive the fleet.
+  void attach(const std::string& node, Guest& guest);
+  /// Something happens to the guest that is no message.
+  void nudge(const std::string& node, const std::function<void(Guest&, Now, Outbox&)>& step);
+
+  void stop(const std::string& node);
+  void start(const std::string& node);
+
+  /// Lets time pass until `done`, at most `limit`; false if it never came.
+  bool until(const std::function<bool()>& done, Duration limit = seconds(600));
+  void pass(Duration time);
+
+  Weather weather;
+  std::size_t page = 1024;        ///< rows of a router's table in a message
+  std::uint64_t coded_every = 1;  ///< every so many bodies one goes through its bytes; the others are copied
+  std::vector<Body> answers;
+  std::map<std::string, int> carried;  ///< messages between nodes, by subtype
+  std::map<std::string, int> counted;
+
+ private:
+  static constexpr std::int64_t kEpoch = 1'800'000'000'000'000'000;
+  struct Event {
+    std::string node;
+    bool to_adapter = false;
+    bool starts = false;  ///< not a message: the node's scheduler comes back
+    bool to_guest = false;
+    Inbound message;
+  };
+
+  std::uint64_t random(std::uint64_t below);
+  bool chance(unsigned thousandths) { return random(1000) < thousandths; }
+  void post(Event event, Duration delay);
+  void carry_out(Node& node, const Outbox& out);
+  bool commit(Node& node, const Outbox& out);
+  /// A body as it arrives, or comes back from a journal.
+  Body carried_over(const Body& body);
+  void send(Node& node, const Send& send);
+  void send_local(Node& node, const Inbound& message);
+  void send_away(Node& node, const Inbound& message);
+  void nack(Node& node, const Inbound& message, Errc code);
+  void answer(const std::string& from, const Inbound& asked, Duration delay, Body body);
+  void read_sensor(Node& node, const Inbound& message);
+  [[nodiscard]] RouteTable routes(const Node& node, const std::string& after) const;
+  void happen(Event event);
+  void run_adapter(Node& node);
+  void send_of_guest(Node& node, const Send& send);
+  void answer_guest(Node& node, const Inbound& asked, Duration delay, const std::string& from, Body body);
+  void touch(Node& node);
+  void touch_all();
+  void run_core(Node& node, const std::function<void(SchedulerCore&, Outbox&)>& step);
+  bool next_moment(MonotonicTime limit);
+
+  SigningKey authority_key_;
+  FleetAuthority authority_;
+  std::map<std::string, Node> nodes_;
+  std::map<std::pair<std::int64_t, std::uint64_t>, Event> events_;
+  std::set<std::uint64_t> asked_;
+  std::map<std::string, Guest*> guests_;
+  std::set<std::uint64_t> guests_asked_;                           ///< the newest of them
+  std::map<std::string, std::optional<MonotonicTime>> deadlines_;  ///< of each node, as it was last looked at
+  MonotonicTime now_{1'000'000'000};
+  std::uint64_t random_state_;
+  std::uint64_t count_ = 0;
+  std::uint64_t bodies_ = 0;
+};
+
+/// The paper's scenario of section 6.1 after its re-assignment: nine tasks, a fork and a join for five robots.
+Scenario nine_tasks();
+/// A chain of tasks "task-0", "task-1" …
+Scenario chain(const std::vector<std::string>& robots);
+/// A fleet of a cloud node and the nine tasks' robots, all running.
+void add_demonstration(Fleet& fleet);
+
+}  // namespace trb::scheduler::test

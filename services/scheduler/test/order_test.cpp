@@ -1,0 +1,181 @@
+// Orders reach everybody, whoever is gone; a run that is held begins nothing, whatever happens meanwhile.
+#include <doctest/doctest.h>
+
+#include <algorithm>
+
+#include "services/scheduler/test/decision_story.hpp"
+
+using namespace trb;
+using namespace trb::scheduler::test;
+
+namespace {
+
+struct Story {
+  explicit Story(const Scenario& scenario, const std::set<std::string>& left_out = {}) {
+    add_demonstration(fleet);
+    fleet.ask("cloud", MessageType::command, RunSubmit{start_without(fleet, scenario, left_out)});
+  }
+  void hold(std::uint32_t number, bool paused, const std::string& by = "cloud") {
+    const PauseOrder order{kStoryRun, number, paused, by, "lunch", 0, {}};
+    fleet.ask(by, MessageType::command, RunPause{fleet.sign(by, kSignedRunPause, encode(order))});
+  }
+  void abort(const std::string& by) { fleet.ask(by, MessageType::command, RunAbort{fleet.sign_order(by, kStoryRun)}); }
+  RunState state(const std::string& node) { return fleet.view(node, kStoryRun).state; }
+  TaskView task(std::size_t index, const std::string& node = "cloud") {
+    return fleet.view(node, kStoryRun).tasks[index];
+  }
+  std::size_t begun(const std::string& robot) { return fleet[robot].adapter.begun.size(); }
+  bool until(const std::function<bool()>& done, Duration limit = seconds(120)) { return fleet.until(done, limit); }
+  Fleet fleet;
+};
+
+}  // namespace
+
+TEST_CASE("a task that its robot has refused does not begin in a run that is held") {
+  Story story(chain({"ur3", "drone"}));
+  story.fleet["ur3"].adapter.set_control("ann");
+  story.fleet["ur3"].crash_at = 0;
+  // The robot was ready when it was commanded, and is not when the command comes.
+  story.fleet["ur3"].adapter.set_control("");
+  REQUIRE(story.until([&] { return !story.fleet["ur3"].journal.empty(); }));
+  story.fleet["ur3"].adapter.set_control("ann");
+  story.fleet.pass(seconds(3));
+  REQUIRE(story.begun("ur3") == 0);
+  story.hold(1, true);
+  story.fleet.pass(seconds(3));
+  story.fleet["ur3"].adapter.set_control("");
+  story.fleet.pass(seconds(60));
+  CHECK(story.begun("ur3") == 0);
+  story.hold(2, false);
+  CHECK(story.until([&] { return story.state("cloud") == RunState::finished; }));
+}
+
+TEST_CASE("who becomes a member while the run is held hears of that first") {
+  Story story(chain({"ur3", "drone"}), {"pioneer"});
+  story.fleet["ur3"].adapter.ending = TaskOutcome::failed;
+  REQUIRE(story.until([&] { return story.task(0).state == TaskState::failed; }));
+  story.hold(1, true);
+  story.fleet.pass(seconds(2));
+  const Decider decider(story.fleet, "ur3", {}, "pioneer");
+  story.fleet.ask(
+      "cloud", MessageType::command,
+      RunDecision{decider.decision({{"task-0", Ruling::move, "pioneer", 2, Evidence::result}}, {"pioneer"})});
+  story.fleet.pass(seconds(60));
+  CHECK(story.fleet.view("pioneer", kStoryRun).paused_by == "cloud");
+  CHECK(story.begun("pioneer") == 0);
+  story.hold(2, false);
+  CHECK(story.until([&] { return story.state("cloud") == RunState::finished; }));
+  CHECK(story.begun("pioneer") == 1);
+}
+
+TEST_CASE("an order is told on by whoever knows it, when the node that gave it is dead") {
+  Story story(chain({"ur3", "ridgeback", "ridgeback", "drone", "drone"}));
+  story.fleet["ridgeback"].adapter.skill_time = seconds(5);
+  REQUIRE(story.until([&] { return story.begun("ridgeback") == 1; }));
+  story.fleet["ridgeback"].cut = true;
+  story.abort("ur3");
+  REQUIRE(story.until([&] { return story.state("cloud") == RunState::aborting; }));
+  story.fleet.stop("ur3");
+  story.fleet.pass(seconds(1));
+  story.fleet["ridgeback"].cut = false;
+  REQUIRE(story.until([&] { return story.state("ridgeback") == RunState::aborting; }, seconds(5)));
+  story.fleet.pass(seconds(60));
+  CHECK(story.begun("ridgeback") == 1);
+  CHECK(story.begun("drone") == 0);
+  // Who has not confirmed is named: the dead one, too.
+  CHECK(story.state("cloud") == RunState::aborting);
+  CHECK(story.fleet.view("cloud", kStoryRun).waits_for == "the confirmation of 'ur3'");
+  story.fleet.start("ur3");
+  CHECK(story.until([&] { return story.state("cloud") == RunState::aborted; }, seconds(10)));
+}
+
+TEST_CASE("ABORTED is said once all have confirmed, by every node alike") {
+  Story story(chain({"ur3", "drone"}));
+  story.fleet["drone"].cut = true;
+  REQUIRE(story.until([&] { return story.begun("ur3") == 1; }));
+  story.abort("ur3");
+  story.fleet.pass(seconds(20));
+  for (const char* node : {"cloud", "conveyor", "pioneer", "ridgeback", "ur3"}) {
+    CAPTURE(node);
+    CHECK(story.state(node) == RunState::aborting);
+  }
+  story.fleet["drone"].cut = false;
+  CHECK(story.until(
+      [&] {
+        const auto members = story.fleet.members();
+        return std::ranges::all_of(members,
+                                   [&](const Member& member) { return story.state(member.id) == RunState::aborted; });
+      },
+      seconds(10)));
+  CHECK(story.begun("drone") == 0);
+}
+
+TEST_CASE("a task done twice holds the run on every node, until a person has looked and lets it go on") {
+  Story story(chain({"ridgeback", "ur3", "drone", "drone"}));
+  story.fleet["ur3"].adapter.skill_time = seconds(30);
+  REQUIRE(story.until([&] { return story.begun("ur3") == 1; }));
+  TaskResult second;
+  second.key = {kStoryRun, "task-0", 1, 2};
+  second.digest = decode<RunStart>(get<JournalRun>(story.fleet["cloud"].journal[0]).start.payload.bytes)->digest;
+  second.robot = "ridgeback";
+  second.outcome = TaskOutcome::finished;
+  const SignedRecord record = story.fleet.sign("ridgeback", kSignedResult, encode(second));
+  story.fleet.hear("cloud", "ridgeback", MessageType::command, Results{kStoryRun, {record}, {}});
+  CHECK(story.state("cloud") == RunState::paused);
+  REQUIRE(story.until([&] { return story.fleet.view("drone", kStoryRun).paused_by == "cloud"; }, seconds(5)));
+  story.fleet.pass(seconds(60));
+  CHECK(story.begun("drone") == 0);
+  const RunView view = story.fleet.view("cloud", kStoryRun);
+  CHECK(view.tasks[0].twice);
+  CHECK(view.waits_for ==
+        "a person: held by 'cloud': task 'task-0' has two different results (double_execution); trb scenario resume "
+        "lets it go on");
+  // An order that does not name it lets nothing go on: nobody has looked.
+  story.hold(view.pause_number + 1, false);
+  CHECK(get<Nack>(story.fleet.answers.back()).code == "conflict");
+  story.hold(view.pause_number + 1, false, "ridgeback");
+  story.fleet.pass(seconds(10));
+  CHECK(story.begun("drone") == 0);
+  const PauseOrder order{kStoryRun, view.pause_number + 3, false, "cloud", "looked at", 0, {"task-0"}};
+  story.fleet.ask("cloud", MessageType::command, RunPause{story.fleet.sign("cloud", kSignedRunPause, encode(order))});
+  story.fleet.pass(seconds(0.5));
+  // From then on it is held and let go on as any other.
+  CHECK_FALSE(story.task(0).twice);
+  story.hold(view.pause_number + 4, true);
+  story.fleet.pass(seconds(10));
+  CHECK(story.fleet.view("cloud", kStoryRun).waits_for.find("lunch") != std::string::npos);
+  story.hold(view.pause_number + 5, false);
+  CHECK(story.until([&] { return story.state("cloud") == RunState::finished; }));
+  CHECK(story.begun("drone") == 2);
+}
+
+TEST_CASE("who lets a run go on without having heard that a task was done twice is held with the others") {
+  Story story(chain({"ridgeback", "ur3", "drone", "drone"}));
+  story.fleet["ur3"].adapter.skill_time = seconds(30);
+  REQUIRE(story.until([&] { return story.begun("ur3") == 1; }));
+  story.hold(1, true);
+  story.fleet.pass(seconds(1));
+  story.fleet["drone"].cut = true;
+  story.hold(2, false);
+  TaskResult second;
+  second.key = {kStoryRun, "task-0", 1, 2};
+  second.digest = decode<RunStart>(get<JournalRun>(story.fleet["cloud"].journal[0]).start.payload.bytes)->digest;
+  second.robot = "ridgeback";
+  second.outcome = TaskOutcome::finished;
+  const SignedRecord record = story.fleet.sign("ridgeback", kSignedResult, encode(second));
+  story.fleet.hear("cloud", "ridgeback", MessageType::command, Results{kStoryRun, {record}, {}});
+  REQUIRE(story.until([&] { return story.fleet.view("ur3", kStoryRun).pause_number == 3; }, seconds(5)));
+  // The drone has heard of the first order alone, and of somebody who counts on.
+  story.hold(7, false, "drone");
+  story.fleet["drone"].cut = false;
+  const auto all_hold = [&] {
+    const std::vector<std::string> nodes{"cloud", "drone", "ur3"};
+    return std::ranges::all_of(nodes, [&](const std::string& node) {
+      return story.fleet.view(node, kStoryRun).paused_by == "cloud" &&
+             story.fleet.view(node, kStoryRun).pause_number == 8;
+    });
+  };
+  CHECK(story.until(all_hold, seconds(20)));
+  story.fleet.pass(seconds(60));
+  CHECK(story.begun("drone") == 0);
+}
