@@ -27,8 +27,9 @@ LAYERS = {
     "common/transport": ["common/base"],
     "common/service": ["common/actor", "common/config", "common/log", "common/security", "common/transport"],
     "common/operator": ["common/ranking", "common/scenario", "common/service"],
-    "services": ["common/service", "common/operator", "common/drivers", "common/scenario", "common/ranking", "common/consensus",
-                 "common/metrics"],
+    "common/supervisor": ["common/transport"],
+    "services": ["common/service", "common/operator", "common/supervisor", "common/drivers", "common/scenario",
+                 "common/ranking", "common/consensus", "common/metrics"],
 }
 CORE_FORBIDDEN = [
     (r'<zmq', "zmq"), (r'<nlohmann', "a JSON library"), (r'<spdlog', "a logger"), (r'<sqlite3', "a database"),
