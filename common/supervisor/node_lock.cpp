@@ -5,9 +5,9 @@
 #include <unistd.h>
 
 #include <cerrno>
-#include <cstdlib>
 
 #include "common/base/files.hpp"
+#include "common/base/number_text.hpp"
 
 namespace trb::supervisor {
 namespace {
@@ -19,7 +19,7 @@ std::string lock_path(const std::string& node_dir) {
 constexpr std::size_t kPidDigits = 10;
 
 pid_t pid_in(const std::string& text) {
-  return static_cast<pid_t>(std::strtol(text.c_str(), nullptr, 10));
+  return parse_number<pid_t>(text.substr(0, text.find('\n'))).value_or(0);
 }
 
 /// On a disk that cannot be written to, a lock file that is there can be locked as well.
