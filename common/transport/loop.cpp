@@ -4,12 +4,12 @@
 #include <sys/epoll.h>
 #include <unistd.h>
 
+#include <zmq.h>
 #include <array>
 #include <cerrno>
 #include <ctime>
 #include <stdexcept>
 #include <utility>
-#include <zmq.hpp>
 
 namespace trb {
 namespace {
@@ -32,7 +32,7 @@ bool can_be_read(void* socket) {
 int descriptor_of(void* socket) {
   int fd = -1;
   std::size_t size = sizeof fd;
-  if (zmq_getsockopt(socket, ZMQ_FD, &fd, &size) != 0) throw zmq::error_t();
+  if (zmq_getsockopt(socket, ZMQ_FD, &fd, &size) != 0) throw std::runtime_error("a socket has no descriptor");
   return fd;
 }
 
