@@ -3,16 +3,16 @@
 #include <arpa/inet.h>
 
 #include <algorithm>
-#include <charconv>
+#include <cstdint>
 #include <string>
+
+#include "common/base/number_text.hpp"
 
 namespace trb {
 namespace {
 
 bool is_port(std::string_view digits) {
-  unsigned port = 0;
-  const auto [end, problem] = std::from_chars(digits.data(), digits.data() + digits.size(), port);
-  return problem == std::errc() && end == digits.data() + digits.size() && port >= 1 && port <= 65535;
+  return parse_number<std::uint16_t>(digits).value_or(0) != 0;
 }
 
 /// The name of an interface as Linux lets it be, and nothing that would end a line or a word.

@@ -1,7 +1,7 @@
 // Where a node's bus is: node.json's "bus".
-#include <charconv>
 
 #include "common/base/files.hpp"
+#include "common/base/number_text.hpp"
 #include "common/config/interfaces.hpp"
 #include "common/config/readers.hpp"
 #include "common/fleet/did_you_mean.hpp"
@@ -22,15 +22,13 @@ bool is_everywhere(const std::string& host) {
 Endpoint split_endpoint(const std::string& address) {
   const std::size_t colon = address.rfind(':');
   if (colon == std::string::npos || colon == 0) return {};
-  const std::string digits = address.substr(colon + 1);
-  int port = 0;
-  const auto [end, problem] = std::from_chars(digits.data(), digits.data() + digits.size(), port);
-  if (problem != std::errc() || end != digits.data() + digits.size() || port < 1 || port > 65535) return {};
+  const auto port = parse_number<std::uint16_t>(std::string_view(address).substr(colon + 1)).value_or(0);
+  if (port == 0) return {};
   std::string host = address.substr(0, colon);
   const bool brackets = host.size() > 2 && host.front() == '[' && host.back() == ']';
   if (brackets) host = host.substr(1, host.size() - 2);
   if (brackets ? !is_ipv6(host) : !is_ipv4(host)) return {};
-  return {host, static_cast<std::uint16_t>(port)};
+  return {host, port};
 }
 
 std::string read_bus_key(ObjectReader& reader) {

@@ -1,9 +1,9 @@
 #include <algorithm>
-#include <charconv>
 #include <filesystem>
 
 #include "common/base/hex.hpp"
 #include "common/base/ids.hpp"
+#include "common/base/number_text.hpp"
 #include "common/config/interfaces.hpp"
 #include "common/config/readers.hpp"
 #include "common/fleet/description_parts.hpp"
@@ -25,9 +25,7 @@ bool is_address(std::string_view address) {
   if (colon == std::string_view::npos || colon == 0) return false;
   const std::string_view host = address.substr(0, colon);
   const std::string_view digits = address.substr(colon + 1);
-  std::uint16_t port = 0;
-  const auto [end, problem] = std::from_chars(digits.data(), digits.data() + digits.size(), port);
-  if (problem != std::errc() || end != digits.data() + digits.size() || port == 0) return false;
+  if (parse_number<std::uint16_t>(digits).value_or(0) == 0) return false;
   if (host.starts_with("[") && host.ends_with("]")) return is_ipv6(std::string(host.substr(1, host.size() - 2)));
   return host.find_first_not_of("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789.-_") ==
          std::string_view::npos;

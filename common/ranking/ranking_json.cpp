@@ -1,10 +1,11 @@
 #include "common/ranking/ranking_json.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <limits>
 #include <map>
+
+#include "common/base/number_text.hpp"
 
 namespace trb {
 namespace {
@@ -20,18 +21,11 @@ std::string below(const std::string& path, std::string_view key) {
   return path.empty() ? std::string(key) : path + "." + std::string(key);
 }
 
-std::optional<double> decimal(std::string_view text) {
-  double out = 0;
-  const auto [end, problem] = std::from_chars(text.data(), text.data() + text.size(), out);
-  if (problem != std::errc() || end != text.data() + text.size()) return std::nullopt;
-  return out;
-}
-
 /// "3", "0.5" or "1/2".
 std::optional<double> fraction(std::string_view text) {
   const auto slash = text.find('/');
-  const auto over = decimal(text.substr(0, slash));
-  const auto under = slash == std::string_view::npos ? 1.0 : decimal(text.substr(slash + 1));
+  const auto over = parse_number<double>(text.substr(0, slash));
+  const auto under = slash == std::string_view::npos ? 1.0 : parse_number<double>(text.substr(slash + 1));
   if (!over || !under || *under == 0) return std::nullopt;
   return *over / *under;
 }

@@ -1,5 +1,7 @@
 #include "common/service/bus_link.hpp"
 
+#include <stdexcept>
+
 namespace trb {
 namespace {
 
@@ -18,7 +20,7 @@ BusLink::BusLink(Context& context, const BusAddress& bus, ServiceHello hello)
   if (bus.curve) {
     // Watched before it is dialled: a key is refused once.
     key_watch_.emplace(context, socket_);
-    socket_.dial(bus.endpoint);
+    if (Status dialled = socket_.dial(bus.endpoint); !dialled) throw std::runtime_error(dialled.error().text());
   }
   next_ = MonotonicTime{0};
 }
@@ -105,7 +107,7 @@ void BusLink::tick(Now now) {
     // What is under way to a router that was only slow is not lost: it has a lease more to answer the hello.
     if (!redial_) redial_ = now.mono + kRouterLease;
     if (*redial_ <= now.mono) {
-      socket_.dial_again(endpoint_);
+      (void)socket_.dial_again(endpoint_);  // one that fails is tried again when this lease has ended
       redial_ = now.mono + kRouterLease;
     }
     if (key_watch_ && key_watch_->refused()) {

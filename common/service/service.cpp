@@ -58,9 +58,16 @@ class ServiceShell final : public Service {
   }
 
   int run(Core& core, std::function<bool()> idle) override {
+    start(core, std::move(idle));
+    loop_.run();
+    finish();
+    return exit_;
+  }
+
+  void start(Core& core, std::function<bool()> idle) override {
     core_ = &core;
     idle_ = std::move(idle);
-    Signals signals(loop_, [this](int signal) { on_signal(signal); });
+    signals_.emplace(loop_, [this](int signal) { on_signal(signal); });
     loop_.add_socket(
         link_.handle(), [this] { drain(); }, link_.unseen());
     loop_.add_timer([this] { return link_.next_deadline(); }, [this](Now now) { tick_link(now); });
@@ -69,12 +76,23 @@ class ServiceShell final : public Service {
     loop_.add_timer([this] { return refused_.empty() ? std::nullopt : std::optional(MonotonicTime{0}); },
                     [this](Now) { tell_refused(); });
     loop_.add_timer([this] { return reload_check_; }, [this](Now now) { try_reload(now); });
-    loop_.run();
-    loop_.remove_socket(link_.handle());
-    return exit_;
   }
 
+  [[nodiscard]] int descriptor() const override { return loop_.descriptor(); }
+  [[nodiscard]] std::optional<MonotonicTime> next_deadline() override { return loop_.next_deadline(); }
+  bool handle_ready() override {
+    const bool goes_on = loop_.handle_ready();
+    if (!goes_on) finish();
+    return goes_on;
+  }
+  [[nodiscard]] int exit_status() const override { return exit_; }
+
  private:
+  void finish() {
+    loop_.remove_socket(link_.handle());
+    signals_.reset();
+  }
+
   void on_signal(int signal) {
     if (signal == SIGHUP) {
       reload_check_ = MonotonicTime{0};
@@ -210,6 +228,7 @@ class ServiceShell final : public Service {
   std::uint64_t instance_;
   Context context_;
   Loop loop_;
+  std::optional<Signals> signals_;  ///< while it runs
   BusLink link_;
   std::string node_;
   Core* core_ = nullptr;

@@ -54,6 +54,17 @@ class Service {
 
   /// Runs until SIGTERM or SIGINT, or until SIGHUP finds `idle` true (0 = orderly, 75 = asked to start again).
   virtual int run(Core& core, std::function<bool()> idle = {}) = 0;
+
+  /// The same for a program that has an event loop of its own: start(); then, until handle_ready() is false, watch
+  /// descriptor() for reading, and call handle_ready() when it can be read or when next_deadline() has come.
+  virtual void start(Core& core, std::function<bool()> idle = {}) = 0;
+  [[nodiscard]] virtual int descriptor() const = 0;
+  /// Ask before each wait; it may be over already. Empty: only the descriptor can tell.
+  [[nodiscard]] virtual std::optional<MonotonicTime> next_deadline() = 0;
+  /// Handles what is ready and what is due, and never waits. False once the service is to end: see exit_status().
+  virtual bool handle_ready() = 0;
+  /// What run() would have returned.
+  [[nodiscard]] virtual int exit_status() const = 0;
 };
 
 /// Reads both clocks.

@@ -1,13 +1,17 @@
 // The bus link against a router's end that the test plays: hello, welcome, restarts, refusals.
 #include <doctest/doctest.h>
+#include <poll.h>
 #include <unistd.h>
 
+#include <csignal>
 #include <filesystem>
+#include <fstream>
 #include <limits>
 #include <set>
 
 #include "common/security/keys.hpp"
 #include "common/service/bus_link.hpp"
+#include "common/service/service.hpp"
 #include "common/transport/loop.hpp"
 
 using namespace trb;
@@ -85,6 +89,87 @@ ServiceHello hello() {
 }
 
 }  // namespace
+
+namespace {
+
+/// Acknowledges what it is sent, and counts its deadlines.
+class WavingCore final : public Core {
+ public:
+  void on_welcome(const NodeIdentity& node, Now now, Outbox&) override {
+    node_ = node.id;
+    next_ = now.mono + std::chrono::milliseconds(20);
+  }
+  void on(const Inbound& message, Now, Outbox& out) override { out.reply(message, Ack{"waved", ""}); }
+  void tick(Now now, Outbox&) override {
+    if (!next_ || now.mono < *next_) return;
+    next_.reset();
+    ++ticks_;
+  }
+  [[nodiscard]] std::optional<MonotonicTime> next_deadline() const override { return next_; }
+
+  [[nodiscard]] const std::string& node() const { return node_; }
+  [[nodiscard]] int ticks() const { return ticks_; }
+
+ private:
+  std::string node_;
+  std::optional<MonotonicTime> next_;
+  int ticks_ = 0;
+};
+
+/// An event loop that is not ours: poll(2) on the service's one descriptor, no longer than to its deadline.
+bool poll_once(Service& service) {
+  const auto next = service.next_deadline();
+  REQUIRE(next);  // a link always waits for something
+  const Duration left = std::max(Duration::zero(), *next - now().mono);
+  pollfd item{service.descriptor(), POLLIN, 0};
+  ::poll(&item, 1, static_cast<int>(std::chrono::ceil<std::chrono::milliseconds>(left).count()));
+  return service.handle_ready();
+}
+
+}  // namespace
+
+TEST_CASE("a service runs in the event loop of a program that has one of its own") {
+  init_crypto();
+  Folder folder;
+  std::ofstream("node.json") << R"({"id":"ant"})";
+  Router router;
+  auto service = Service::open({.node_dir = folder.path, .name = "probe", .subtypes = {"wave"}, .own_log = false});
+  REQUIRE(service.ok());
+  WavingCore core;
+  (*service)->start(core);
+  const MonotonicTime end = now().mono + std::chrono::seconds(5);
+  const auto poll_until = [&](std::string_view subtype) {
+    std::optional<Message> message;
+    while (now().mono < end && !(message && message->subtype == subtype)) {
+      REQUIRE(poll_once(**service));
+      if (auto next = router.receive()) message = std::move(next);
+    }
+    return message;
+  };
+  // It says hello, and is welcomed; its core is told so.
+  REQUIRE(poll_until(ServiceHello::kSubtype));
+  router.say(ServiceWelcome{"ant", "robot", 1, 1, 1});
+  while (core.node().empty() && now().mono < end) REQUIRE(poll_once(**service));
+  CHECK(core.node() == "ant");
+  // It answers what it is sent, and its deadlines come.
+  Message wave;
+  wave.type = MessageType::command;
+  wave.subtype = "wave";
+  wave.source = wave.target = "ant";
+  wave.id = 77;
+  REQUIRE(router.socket->send_to(router.peer, to_frame(encode_frame(wave))) == SendResult::sent);
+  const auto answer = poll_until(Ack::kSubtype);
+  REQUIRE(answer);
+  CHECK(answer->reply_to == 77);
+  while (core.ticks() == 0 && now().mono < end) REQUIRE(poll_once(**service));
+  CHECK(core.ticks() == 1);
+  // SIGTERM ends it.
+  ::kill(::getpid(), SIGTERM);
+  while (poll_once(**service) && now().mono < end) {
+  }
+  CHECK(now().mono < end);
+  CHECK((*service)->exit_status() == 0);
+}
 
 TEST_CASE("a service says hello until it is welcomed, then its messages bear its slot") {
   init_crypto();

@@ -42,8 +42,8 @@ struct Lane {
     return false;
   }
   Socket listener(BytesView topic) {
-    Socket client = Socket::lane_client(context, make_keys(), keys.public_key, topic);
-    client.dial(endpoint);
+    Socket client = *Socket::lane_client(context, make_keys(), keys.public_key, topic);
+    REQUIRE(client.dial(endpoint).ok());
     return client;
   }
   /// The next subscription's word.

@@ -4,6 +4,7 @@
 #include <sys/epoll.h>
 #include <unistd.h>
 
+#include <zmq.h>
 #include <array>
 #include <cerrno>
 #include <ctime>
@@ -31,7 +32,7 @@ bool can_be_read(void* socket) {
 int descriptor_of(void* socket) {
   int fd = -1;
   std::size_t size = sizeof fd;
-  if (zmq_getsockopt(socket, ZMQ_FD, &fd, &size) != 0) throw zmq::error_t();
+  if (zmq_getsockopt(socket, ZMQ_FD, &fd, &size) != 0) throw std::runtime_error("a socket has no descriptor");
   return fd;
 }
 
@@ -102,9 +103,26 @@ void Loop::add_timer(std::function<std::optional<MonotonicTime>()> next, std::fu
 
 bool Loop::turn() {
   if (stopped_) return false;
+  return serve(look_at_entries() ? std::chrono::milliseconds(0) : time_out());
+}
+
+bool Loop::handle_ready() {
+  if (stopped_) return false;
+  look_at_entries();
+  return serve(std::chrono::milliseconds(0));
+}
+
+std::optional<MonotonicTime> Loop::next_deadline() {
+  return look_at_entries() ? MonotonicTime{0} : next_timer();
+}
+
+bool Loop::look_at_entries() {
   if (changed_) rebuild();
-  const bool any = look_at_unseen();
-  wait(any ? std::chrono::milliseconds(0) : time_out());
+  return look_at_unseen();
+}
+
+bool Loop::serve(std::chrono::milliseconds longest) {
+  wait(longest);
   call_ready();
   call_timers();
   return !stopped_;
@@ -187,9 +205,14 @@ void Loop::call_timers() {
   }
 }
 
-std::chrono::milliseconds Loop::time_out() const {
+std::optional<MonotonicTime> Loop::next_timer() const {
   std::optional<MonotonicTime> next;
   for (const Timer& timer : timers_) next = earlier(next, timer.next());
+  return next;
+}
+
+std::chrono::milliseconds Loop::time_out() const {
+  const auto next = next_timer();
   if (!next) return kLongest;
   const Duration left = *next - read_clocks().mono;
   if (left <= Duration::zero()) return std::chrono::milliseconds(0);

@@ -6,7 +6,6 @@
 #include <memory>
 #include <optional>
 #include <vector>
-#include <zmq.hpp>
 
 #include "common/base/time.hpp"
 
@@ -45,6 +44,15 @@ class Loop {
   }
   void stop() { stopped_ = true; }
 
+  /// For a program that has an event loop of its own, in place of turn(): it watches this descriptor for reading, and
+  /// calls handle_ready() when it can be read or when next_deadline() has come.
+  [[nodiscard]] int descriptor() const { return epoll_; }
+  /// Ask before each wait: a deadline that is over means that something is ready of which the descriptor does not tell.
+  /// Empty: only the descriptor can tell.
+  [[nodiscard]] std::optional<MonotonicTime> next_deadline();
+  /// Calls what is ready and what is due, and never waits. False after stop().
+  bool handle_ready();
+
  private:
   struct Entry {
     void* socket = nullptr;
@@ -66,12 +74,16 @@ class Loop {
   void watch(Entry& entry);
   void unwatch(Entry& entry);
   void rebuild();
+  /// True if a socket has something to read of which its descriptor does not tell.
+  bool look_at_entries();
   bool look_at_unseen();
+  bool serve(std::chrono::milliseconds longest);
   void wait(std::chrono::milliseconds longest) const;
   void call_ready();
   void call_background();
   static void call(Entry& entry, short revents);
   void call_timers();
+  [[nodiscard]] std::optional<MonotonicTime> next_timer() const;
   [[nodiscard]] std::chrono::milliseconds time_out() const;
 
   std::map<void*, std::shared_ptr<Entry>> sockets_;

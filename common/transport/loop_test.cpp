@@ -140,3 +140,37 @@ TEST_CASE("descriptors are served beside sockets, and none that was removed") {
   ::close(pipe[0]);
   ::close(pipe[1]);
 }
+
+TEST_CASE("a program with an event loop of its own drives this one by a descriptor and a deadline") {
+  Bus bus;
+  Loop loop;
+  int heard = 0;
+  bool ticked = false;
+  const auto take_one = [&] {
+    Frame frame;
+    if (bus.client.receive(frame)) ++heard;
+  };
+  loop.add_socket(bus.client.handle(), take_one, bus.client.unseen());
+  const MonotonicTime due = read_clocks().mono + std::chrono::milliseconds(30);
+  loop.add_timer([&] { return ticked ? std::nullopt : std::optional(due); }, [&](Now) { ticked = true; });
+  // Given nothing is ready, then the timer's deadline is all there is to wait for, and nothing is called before it.
+  CHECK(loop.handle_ready());
+  CHECK(loop.next_deadline() == due);
+  CHECK(heard == 0);
+  // When messages come, the descriptor tells of them; of what is left after one, the deadline does.
+  for (int i = 0; i < 3; ++i) bus.server.send_to(bus.client_id, to_frame("message"));
+  const MonotonicTime end = read_clocks().mono + kPatience;
+  while ((heard < 3 || !ticked) && read_clocks().mono < end) {
+    const auto next = loop.next_deadline();
+    const Duration left = next ? std::max(Duration::zero(), *next - read_clocks().mono) : kPatience;
+    pollfd item{loop.descriptor(), POLLIN, 0};
+    ::poll(&item, 1, static_cast<int>(std::chrono::ceil<std::chrono::milliseconds>(left).count()));
+    CHECK(loop.handle_ready());
+  }
+  CHECK(heard == 3);
+  CHECK(ticked);
+  CHECK(read_clocks().mono < end);
+  CHECK_FALSE(loop.next_deadline());
+  loop.stop();
+  CHECK_FALSE(loop.handle_ready());
+}

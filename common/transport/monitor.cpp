@@ -3,6 +3,7 @@
 #include <atomic>
 #include <cstring>
 #include <optional>
+#include <stdexcept>
 
 namespace trb {
 namespace {
@@ -18,10 +19,16 @@ std::string make_endpoint() {
   return "inproc://monitor-" + std::to_string(++count);
 }
 
-std::string start_monitor(Socket& socket, int events) {
+Result<Socket> start_monitor(Context& context, Socket& socket, int events) {
   const std::string endpoint = make_endpoint();
-  socket.monitor(endpoint, events);
-  return endpoint;
+  if (Status started = socket.monitor(endpoint, events); !started) return started.error();
+  return Socket::pair_client(context, endpoint);
+}
+
+Socket started_monitor(Context& context, Socket& socket, int events) {
+  auto pair = start_monitor(context, socket, events);
+  if (!pair) throw std::runtime_error(pair.error().text());
+  return std::move(*pair);
 }
 
 std::optional<LinkEvent> to_event(std::uint16_t event, std::uint32_t value) {
@@ -53,11 +60,18 @@ std::optional<LinkEvent> to_event(std::uint16_t event, std::uint32_t value) {
 
 }  // namespace
 
+Result<std::unique_ptr<SocketMonitor>> SocketMonitor::watch(Context& context, Loop& loop, Socket& socket,
+                                                            OnEvent on_event) {
+  auto pair = start_monitor(context, socket, kEvents);
+  if (!pair) return pair.error();
+  return std::unique_ptr<SocketMonitor>(new SocketMonitor(loop, socket, std::move(*pair), std::move(on_event)));
+}
+
 SocketMonitor::SocketMonitor(Context& context, Loop& loop, Socket& socket, OnEvent on_event)
-    : loop_(loop),
-      socket_(socket),
-      pair_(Socket::pair_client(context, start_monitor(socket, kEvents))),
-      on_event_(std::move(on_event)) {
+    : SocketMonitor(loop, socket, started_monitor(context, socket, kEvents), std::move(on_event)) {}
+
+SocketMonitor::SocketMonitor(Loop& loop, Socket& socket, Socket pair, OnEvent on_event)
+    : loop_(loop), socket_(socket), pair_(std::move(pair)), on_event_(std::move(on_event)) {
   loop_.add_socket(
       pair_.handle(), [this] { serve(); }, pair_.unseen());
 }
@@ -100,7 +114,7 @@ bool SocketMonitor::serve_one() {
 }
 
 RefusalWatch::RefusalWatch(Context& context, Socket& socket)
-    : socket_(socket), pair_(Socket::pair_client(context, start_monitor(socket, ZMQ_EVENT_HANDSHAKE_FAILED_AUTH))) {}
+    : socket_(socket), pair_(started_monitor(context, socket, ZMQ_EVENT_HANDSHAKE_FAILED_AUTH)) {}
 
 RefusalWatch::~RefusalWatch() {
   zmq_socket_monitor(socket_.handle(), nullptr, 0);

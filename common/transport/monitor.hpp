@@ -43,6 +43,9 @@ class RefusalWatch {
 class SocketMonitor {
  public:
   using OnEvent = std::function<void(LinkEvent event, int fd)>;
+  /// Errors: io_error (no descriptor is left).
+  static Result<std::unique_ptr<SocketMonitor>> watch(Context& context, Loop& loop, Socket& socket, OnEvent on_event);
+  /// The same while a program starts: throws std::runtime_error.
   SocketMonitor(Context& context, Loop& loop, Socket& socket, OnEvent on_event);
   ~SocketMonitor();
   SocketMonitor(const SocketMonitor&) = delete;
@@ -51,6 +54,7 @@ class SocketMonitor {
   SocketMonitor& operator=(const SocketMonitor&) = delete;
 
  private:
+  SocketMonitor(Loop& loop, Socket& socket, Socket pair, OnEvent on_event);
   void serve();
   bool serve_one();
   Loop& loop_;

@@ -2,7 +2,9 @@
 
 #include <sys/stat.h>
 
+#include <cerrno>
 #include <cstdlib>
+#include <stdexcept>
 
 namespace trb {
 namespace {
@@ -63,22 +65,37 @@ void watch_bus(zmq::socket_t& socket) {
   socket.set(zmq::sockopt::heartbeat_timeout, 6000);
 }
 
-Result<Socket> refused(const std::string& endpoint, const zmq::error_t& problem) {
+Error refused(const std::string& endpoint, const zmq::error_t& problem) {
   return fail(Errc::io_error, endpoint + ": cannot bind: " + problem.what(),
               problem.num() == EADDRINUSE ? "stop the other process on that address, or take another one" : "");
 }
 
-}  // namespace
-
-Context::Context(int io_threads) : context_(io_threads) {
-  // Of a thousand links each takes six: its own and its lane's, and two to watch each.
-  context_.set(zmq::ctxopt::max_sockets, 8192);
-  context_.set(zmq::ctxopt::ipv6, 1);
-  // Else a small message that waits keeps the buffer of 18 kB alive that it was read into.
-  if (zmq_ctx_set(context_.handle(), kZeroCopyReceive, 0) != 0) throw zmq::error_t();
+Error failed(const std::string& what, const zmq::error_t& problem) {
+  return fail(Errc::io_error, what + ": " + problem.what(),
+              problem.num() == EMFILE ? "raise the limit of open files" : "");
 }
 
-Socket Socket::bus_client(Context& context, const std::string& endpoint, const CurveClient* curve) {
+/// While a program starts, what cannot be made ends it.
+template <class Make>
+auto at_start(const std::string& what, const Make& make) {
+  try {
+    return make();
+  } catch (const zmq::error_t& problem) {
+    throw std::runtime_error(what + ": " + problem.what());
+  }
+}
+
+zmq::context_t make_context(int io_threads) {
+  zmq::context_t context(io_threads);
+  // Of a thousand links each takes six: its own and its lane's, and two to watch each.
+  context.set(zmq::ctxopt::max_sockets, 8192);
+  context.set(zmq::ctxopt::ipv6, 1);
+  // Else a small message that waits keeps the buffer of 18 kB alive that it was read into.
+  if (zmq_ctx_set(context.handle(), kZeroCopyReceive, 0) != 0) throw zmq::error_t();
+  return context;
+}
+
+zmq::socket_t make_bus_client(Context& context, const std::string& endpoint, const CurveClient* curve) {
   zmq::socket_t socket = make(context, zmq::socket_type::dealer);
   if (curve != nullptr) {
     be_curve_client(socket, *curve);
@@ -88,7 +105,62 @@ Socket Socket::bus_client(Context& context, const std::string& endpoint, const C
   socket.set(zmq::sockopt::reconnect_ivl, 50);
   socket.set(zmq::sockopt::reconnect_ivl_max, 500);
   if (!endpoint.empty()) socket.connect(endpoint);
-  return Socket(std::move(socket));
+  return socket;
+}
+
+zmq::socket_t make_dialler(Context& context, const CurveKeys& keys, BytesView server_key) {
+  zmq::socket_t socket = make(context, zmq::socket_type::dealer);
+  // One connection is one link: libzmq must never reconnect behind the core's back.
+  socket.set(zmq::sockopt::immediate, true);
+  socket.set(zmq::sockopt::rcvhwm, kLinkReceiveHighWaterMark);
+  socket.set(zmq::sockopt::reconnect_ivl, -1);
+  socket.set(zmq::sockopt::connect_timeout, 1000);
+  watch_connections(socket);
+  socket.set(zmq::sockopt::handshake_ivl, 2000);
+  // The last words before a close, a Goodbye or why the other side is refused, still leave.
+  socket.set(zmq::sockopt::linger, 200);
+  be_curve_client(socket, {keys, Bytes(server_key)});
+  return socket;
+}
+
+zmq::socket_t make_tap_client(Context& context, const std::string& endpoint, const CurveClient* curve) {
+  zmq::socket_t socket = make(context, zmq::socket_type::sub);
+  if (curve != nullptr) be_curve_client(socket, *curve);
+  socket.set(zmq::sockopt::subscribe, "");
+  socket.connect(endpoint);
+  return socket;
+}
+
+zmq::socket_t make_lane_server(Context& context, const CurveKeys& keys) {
+  zmq::socket_t socket = make(context, zmq::socket_type::xpub);
+  be_lane(socket);
+  // What comes up is the handshake and a subscription.
+  socket.set(zmq::sockopt::maxmsgsize, std::int64_t{1024});
+  const int on = 1;
+  if (zmq_setsockopt(socket.handle(), ZMQ_XPUB_MANUAL, &on, sizeof on) != 0) throw zmq::error_t();
+  if (zmq_setsockopt(socket.handle(), ZMQ_XPUB_NODROP, &on, sizeof on) != 0) throw zmq::error_t();
+  be_curve_server(socket, keys, kLaneDomain);
+  return socket;
+}
+
+zmq::socket_t make_lane_client(Context& context, const CurveKeys& keys, BytesView server_key, BytesView topic) {
+  zmq::socket_t socket = make(context, zmq::socket_type::sub);
+  be_lane(socket);
+  socket.set(zmq::sockopt::reconnect_ivl, -1);
+  socket.set(zmq::sockopt::connect_timeout, 1000);
+  socket.set(zmq::sockopt::handshake_ivl, 2000);
+  be_curve_client(socket, {keys, Bytes(server_key)});
+  socket.set(zmq::sockopt::subscribe, Bytes(topic));
+  return socket;
+}
+
+}  // namespace
+
+Context::Context(int io_threads)
+    : context_(at_start("a ZeroMQ context", [io_threads] { return make_context(io_threads); })) {}
+
+Socket Socket::bus_client(Context& context, const std::string& endpoint, const CurveClient* curve) {
+  return at_start(endpoint, [&] { return Socket(make_bus_client(context, endpoint, curve)); });
 }
 
 Result<Socket> Socket::bus_server(Context& context, const std::string& endpoint, const CurveKeys* curve) {
@@ -120,19 +192,12 @@ Result<Socket> Socket::inbox(Context& context, const std::string& endpoint, cons
   }
 }
 
-Socket Socket::dialler(Context& context, const CurveKeys& keys, BytesView server_key) {
-  zmq::socket_t socket = make(context, zmq::socket_type::dealer);
-  // One connection is one link: libzmq must never reconnect behind the core's back.
-  socket.set(zmq::sockopt::immediate, true);
-  socket.set(zmq::sockopt::rcvhwm, kLinkReceiveHighWaterMark);
-  socket.set(zmq::sockopt::reconnect_ivl, -1);
-  socket.set(zmq::sockopt::connect_timeout, 1000);
-  watch_connections(socket);
-  socket.set(zmq::sockopt::handshake_ivl, 2000);
-  // The last words before a close, a Goodbye or why the other side is refused, still leave.
-  socket.set(zmq::sockopt::linger, 200);
-  be_curve_client(socket, {keys, Bytes(server_key)});
-  return Socket(std::move(socket));
+Result<Socket> Socket::dialler(Context& context, const CurveKeys& keys, BytesView server_key) {
+  try {
+    return Socket(make_dialler(context, keys, server_key));
+  } catch (const zmq::error_t& problem) {
+    return failed("a socket to dial with", problem);
+  }
 }
 
 Status Socket::bind(const std::string& endpoint) {
@@ -141,7 +206,7 @@ Status Socket::bind(const std::string& endpoint) {
     socket_.bind(endpoint);
     return Done{};
   } catch (const zmq::error_t& problem) {
-    return refused(endpoint, problem).error();
+    return refused(endpoint, problem);
   }
 }
 
@@ -151,15 +216,19 @@ void Socket::unbind(const std::string& endpoint) {
   zmq_unbind(socket_.handle(), endpoint.c_str());
 }
 
-void Socket::dial(const std::string& endpoint) {
+Status Socket::dial(const std::string& endpoint) {
   *unseen_ = true;
-  socket_.connect(endpoint);
+  try {
+    socket_.connect(endpoint);
+    return Done{};
+  } catch (const zmq::error_t& problem) {
+    return failed(endpoint, problem);
+  }
 }
 
-void Socket::dial_again(const std::string& endpoint) {
-  *unseen_ = true;
+Status Socket::dial_again(const std::string& endpoint) {
   zmq_disconnect(socket_.handle(), endpoint.c_str());  // of one that it has given up it may know nothing any more
-  socket_.connect(endpoint);
+  return dial(endpoint);
 }
 
 Result<Socket> Socket::tap_server(Context& context, const std::string& endpoint, const CurveKeys* curve) {
@@ -177,50 +246,42 @@ Result<Socket> Socket::tap_server(Context& context, const std::string& endpoint,
 }
 
 Socket Socket::tap_client(Context& context, const std::string& endpoint, const CurveClient* curve) {
-  zmq::socket_t socket = make(context, zmq::socket_type::sub);
-  if (curve != nullptr) be_curve_client(socket, *curve);
-  socket.set(zmq::sockopt::subscribe, "");
-  socket.connect(endpoint);
-  return Socket(std::move(socket));
+  return at_start(endpoint, [&] { return Socket(make_tap_client(context, endpoint, curve)); });
 }
 
 Socket Socket::lane_server(Context& context, const CurveKeys& keys) {
-  zmq::socket_t socket = make(context, zmq::socket_type::xpub);
-  be_lane(socket);
-  // What comes up is the handshake and a subscription.
-  socket.set(zmq::sockopt::maxmsgsize, std::int64_t{1024});
-  const int on = 1;
-  if (zmq_setsockopt(socket.handle(), ZMQ_XPUB_MANUAL, &on, sizeof on) != 0) throw zmq::error_t();
-  if (zmq_setsockopt(socket.handle(), ZMQ_XPUB_NODROP, &on, sizeof on) != 0) throw zmq::error_t();
-  be_curve_server(socket, keys, kLaneDomain);
-  return Socket(std::move(socket));
+  return at_start("the lane's socket", [&] { return Socket(make_lane_server(context, keys)); });
 }
 
-Socket Socket::lane_client(Context& context, const CurveKeys& keys, BytesView server_key, BytesView topic) {
-  zmq::socket_t socket = make(context, zmq::socket_type::sub);
-  be_lane(socket);
-  socket.set(zmq::sockopt::reconnect_ivl, -1);
-  socket.set(zmq::sockopt::connect_timeout, 1000);
-  socket.set(zmq::sockopt::handshake_ivl, 2000);
-  be_curve_client(socket, {keys, Bytes(server_key)});
-  socket.set(zmq::sockopt::subscribe, Bytes(topic));
-  return Socket(std::move(socket));
+Result<Socket> Socket::lane_client(Context& context, const CurveKeys& keys, BytesView server_key, BytesView topic) {
+  try {
+    return Socket(make_lane_client(context, keys, server_key, topic));
+  } catch (const zmq::error_t& problem) {
+    return failed("a lane's socket", problem);
+  }
 }
 
 void Socket::let_listen(BytesView topic) {
   *unseen_ = true;
-  socket_.set(zmq::sockopt::subscribe, Bytes(topic));
+  const Bytes name(topic);
+  zmq_setsockopt(socket_.handle(), ZMQ_SUBSCRIBE, name.data(), name.size());
 }
 
-Socket Socket::pair_client(Context& context, const std::string& endpoint) {
-  zmq::socket_t socket = make(context, zmq::socket_type::pair);
-  socket.connect(endpoint);
-  return Socket(std::move(socket));
+Result<Socket> Socket::pair_client(Context& context, const std::string& endpoint) {
+  try {
+    zmq::socket_t socket = make(context, zmq::socket_type::pair);
+    socket.connect(endpoint);
+    return Socket(std::move(socket));
+  } catch (const zmq::error_t& problem) {
+    return failed(endpoint, problem);
+  }
 }
 
 bool Socket::receive(Frame& frame) {
-  *unseen_ = socket_.recv(frame, zmq::recv_flags::dontwait).has_value();
-  return *unseen_;
+  const bool received = zmq_msg_recv(frame.handle(), socket_.handle(), ZMQ_DONTWAIT) >= 0;
+  // EAGAIN: there is none. After any other error one may still wait.
+  *unseen_ = received || zmq_errno() != EAGAIN;
+  return received;
 }
 
 void Socket::skip_rest(const Frame& last) {
@@ -230,27 +291,27 @@ void Socket::skip_rest(const Frame& last) {
 }
 
 SendResult Socket::send(Frame&& frame, bool more) {
-  const auto flags = more ? zmq::send_flags::dontwait | zmq::send_flags::sndmore : zmq::send_flags::dontwait;
+  const int flags = more ? ZMQ_DONTWAIT | ZMQ_SNDMORE : ZMQ_DONTWAIT;
   *unseen_ = true;
-  if (socket_.send(std::move(frame), flags)) return SendResult::sent;
-  // A socket looks only now and then whether its peer has made room. Asked for its events it looks at once; what it has
-  // refused is still in `frame`.
-  (void)socket_.get(zmq::sockopt::events);
-  return socket_.send(std::move(frame), flags) ? SendResult::sent : SendResult::full;
+  // What was refused is still in `frame`.
+  if (zmq_msg_send(frame.handle(), socket_.handle(), flags) >= 0) return SendResult::sent;
+  if (zmq_errno() == EHOSTUNREACH) return SendResult::unroutable;
+  // A socket looks only now and then whether its peer has made room. Asked for its events it looks at once.
+  int events = 0;
+  std::size_t size = sizeof events;
+  zmq_getsockopt(socket_.handle(), ZMQ_EVENTS, &events, &size);
+  if (zmq_msg_send(frame.handle(), socket_.handle(), flags) >= 0) return SendResult::sent;
+  return zmq_errno() == EHOSTUNREACH ? SendResult::unroutable : SendResult::full;
 }
 
 SendResult Socket::send_to(BytesView routing_id, Frame&& frame) {
-  try {
-    if (send(to_frame(routing_id), true) != SendResult::sent) return SendResult::full;
-    return send(std::move(frame));
-  } catch (const zmq::error_t& problem) {
-    if (problem.num() == EHOSTUNREACH) return SendResult::unroutable;
-    throw;
-  }
+  const SendResult addressed = send(to_frame(routing_id), true);
+  return addressed == SendResult::sent ? send(std::move(frame)) : addressed;
 }
 
-void Socket::monitor(const std::string& endpoint, int events) {
-  if (zmq_socket_monitor(socket_.handle(), endpoint.c_str(), events) != 0) throw zmq::error_t();
+Status Socket::monitor(const std::string& endpoint, int events) {
+  if (zmq_socket_monitor(socket_.handle(), endpoint.c_str(), events) == 0) return Done{};
+  return failed("a monitor", zmq::error_t());
 }
 
 int connection_fd(const Frame& frame) {

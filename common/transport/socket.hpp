@@ -1,4 +1,6 @@
-// ZeroMQ sockets as this project uses them: never blocking, never lingering, every refusal visible.
+// ZeroMQ sockets as this project uses them: never blocking, never lingering, every refusal visible. No exception of
+// libzmq leaves this folder: what can fail while a program runs returns a Status or Result; what is made while it
+// starts throws std::runtime_error.
 #pragma once
 
 #include <memory>
@@ -77,10 +79,12 @@ class Socket {
   /// Listens there no more; connections stay. One that was not bound is ignored.
   void unbind(const std::string& endpoint);
   /// A dialled link: one connection, never made again by libzmq. Connect with dial() after the monitor is attached.
-  static Socket dialler(Context& context, const CurveKeys& keys, BytesView server_key);
-  void dial(const std::string& endpoint);
+  /// Errors: io_error (no descriptor is left).
+  static Result<Socket> dialler(Context& context, const CurveKeys& keys, BytesView server_key);
+  /// Errors: io_error (it is no endpoint, or no descriptor is left).
+  Status dial(const std::string& endpoint);
   /// Dials anew: libzmq gives a connection up for good on which something came that is none, or too large.
-  void dial_again(const std::string& endpoint);
+  Status dial_again(const std::string& endpoint);
   /// The tap: XPUB, so that nothing is published while nobody listens.
   static Result<Socket> tap_server(Context& context, const std::string& endpoint, const CurveKeys* curve = nullptr);
   static Socket tap_client(Context& context, const std::string& endpoint, const CurveClient* curve = nullptr);
@@ -89,10 +93,12 @@ class Socket {
   /// topic has kLaneHighWaterMark messages waiting. In a context of two I/O threads it is on the second. bind()
   /// follows.
   static Socket lane_server(Context& context, const CurveKeys& keys);
-  /// Listens to one topic at another node's; one connection, never made again by libzmq. dial() follows.
-  static Socket lane_client(Context& context, const CurveKeys& keys, BytesView server_key, BytesView topic);
+  /// Listens to one topic at another node's; one connection, never made again by libzmq. dial() follows. Errors:
+  /// io_error (no descriptor is left).
+  static Result<Socket> lane_client(Context& context, const CurveKeys& keys, BytesView server_key, BytesView topic);
   void let_listen(BytesView topic);
-  static Socket pair_client(Context& context, const std::string& endpoint);
+  /// Listens to a monitor. Errors: io_error.
+  static Result<Socket> pair_client(Context& context, const std::string& endpoint);
 
   /// The next frame if there is one. For ROUTER sockets the first frame is the routing id.
   bool receive(Frame& frame);
@@ -106,7 +112,8 @@ class Socket {
   /// True while a message may wait of which the socket's descriptor does not tell; for Loop::add_socket. Whatever is
   /// done to a socket may take the descriptor's word away, only a receive() that found nothing gives it back.
   [[nodiscard]] bool* unseen() { return unseen_.get(); }
-  void monitor(const std::string& endpoint, int events);
+  /// Tells of its connections at an inproc endpoint. Errors: io_error (no descriptor is left).
+  Status monitor(const std::string& endpoint, int events);
   [[nodiscard]] std::string last_endpoint() const { return socket_.get(zmq::sockopt::last_endpoint); }
 
  private:

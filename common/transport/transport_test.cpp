@@ -60,10 +60,10 @@ struct Caller {
   SocketMonitor watch;
 
   Caller(Door& door, BytesView server_key, bool member)
-      : socket(Socket::dialler(door.context, keys, server_key)),
+      : socket(*Socket::dialler(door.context, keys, server_key)),
         watch(door.context, door.loop, socket, [this](LinkEvent event, int) { events.push_back(event); }) {
     if (member) door.members.insert(keys.public_key);
-    socket.dial(door.inbox.last_endpoint());
+    REQUIRE(socket.dial(door.inbox.last_endpoint()).ok());
   }
   bool saw(LinkEvent event) const { return std::find(events.begin(), events.end(), event) != events.end(); }
 };
@@ -117,11 +117,11 @@ TEST_CASE("a dialled link is never made again behind the core's back") {
   Loop loop;
   const CurveKeys keys = make_keys();
   door->members.insert(keys.public_key);
-  Socket dialler = Socket::dialler(other, keys, door->server.public_key);
+  Socket dialler = *Socket::dialler(other, keys, door->server.public_key);
   std::vector<LinkEvent> events;
   SocketMonitor watch(other, loop, dialler, [&](LinkEvent event, int) { events.push_back(event); });
   const std::string endpoint = door->inbox.last_endpoint();
-  dialler.dial(endpoint);
+  REQUIRE(dialler.dial(endpoint).ok());
   REQUIRE(turn_until(door->loop, [&] { return door->saw(LinkEvent::connected); }));
   const CurveKeys server = door->server;
   door.reset();

@@ -1,13 +1,28 @@
 #include "common/transport/zap.hpp"
 
+#include <stdexcept>
+
 #include "common/base/hex.hpp"
 
 namespace trb {
 
+namespace {
+
+zmq::socket_t make_socket(Context& context) {
+  try {
+    zmq::socket_t socket(context.zmq(), zmq::socket_type::router);
+    socket.set(zmq::sockopt::linger, 0);
+    socket.bind("inproc://zeromq.zap.01");
+    return socket;
+  } catch (const zmq::error_t& problem) {
+    throw std::runtime_error(std::string("the ZAP handler: ") + problem.what());
+  }
+}
+
+}  // namespace
+
 ZapServer::ZapServer(Context& context, Loop& loop, Admit admit)
-    : loop_(loop), socket_(context.zmq(), zmq::socket_type::router), admit_(std::move(admit)) {
-  socket_.set(zmq::sockopt::linger, 0);
-  socket_.bind("inproc://zeromq.zap.01");
+    : loop_(loop), socket_(make_socket(context)), admit_(std::move(admit)) {
   loop_.add_socket(socket_.handle(), [this] { serve(); });
 }
 
@@ -16,6 +31,14 @@ ZapServer::~ZapServer() {
 }
 
 void ZapServer::serve() {
+  try {
+    answer_one();
+  } catch (const zmq::error_t&) {
+    // Nobody was let in: libzmq ends that handshake after 2 s.
+  }
+}
+
+void ZapServer::answer_one() {
   // reply path, "", version, request id, domain, address, identity, mechanism, credentials ...
   std::vector<Frame> parts;
   do {

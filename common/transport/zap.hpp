@@ -20,6 +20,7 @@ class ZapServer {
 
  private:
   void serve();
+  void answer_one();
   Loop& loop_;
   zmq::socket_t socket_;
   Admit admit_;

@@ -197,7 +197,7 @@ int run_decide(const Arguments& arguments) {
   }
   auto probe = open_probe(arguments);
   if (!probe) return kFailed;
-  auto answer = probe->ask(Send{.type = MessageType::command, .target = probe->node(), .body = *verdict});
+  auto answer = probe->command(probe->node(), *verdict);
   if (!answer) return print_error(arguments, answer.error());
   const auto ack = decode<Ack>(answer->data);
   if (!ack) return print_error(arguments, ack.error());

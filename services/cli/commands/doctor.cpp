@@ -9,10 +9,10 @@
 #include "common/config/interfaces.hpp"
 #include "common/config/node_config.hpp"
 #include "common/drivers/registry.hpp"
+#include "common/operator/doctor/observe.hpp"
 #include "common/security/node_keys.hpp"
 #include "common/transport/loop.hpp"
 #include "services/cli/commands/command.hpp"
-#include "services/cli/core/diagnosis.hpp"
 #include "services/cli/io/ports.hpp"
 #include "services/cli/io/print.hpp"
 #include "services/cli/io/probe.hpp"
@@ -20,10 +20,12 @@
 namespace trb::cli {
 namespace {
 
-constexpr Duration kEchoWait = std::chrono::seconds(2);
-constexpr std::size_t kSmallEcho = 32;
-constexpr std::size_t kLargeEcho = 16'000;
-constexpr std::size_t kMostProbes = 64;  ///< a fleet of hundreds is asked peer by peer
+using op::AddressProbe;
+using op::Finding;
+using op::LargeDatagram;
+using op::Observed;
+using op::Port;
+using op::Weight;
 
 /// Says on a terminal what is being waited for.
 void progress(const Arguments& arguments, const std::string& text) {
@@ -60,30 +62,16 @@ void look_at_bus(const NodeConfig& config, Observed& seen) {
     seen.inbox_open = probe_port(network.address + ":" + std::to_string(network.tcp_port_ext)) == Port::zmtp;
 }
 
-void ask_router(Probe& probe, Observed& seen) {
-  seen.answers = true;
-  if (auto table = probe.ask_node<RouteTable>(RouteListRequest{})) seen.routes = std::move(*table);
-  if (auto table = probe.ask_node<ServiceTable>(ServiceListRequest{})) seen.services = std::move(*table);
-  if (auto table = probe.ask_node<RunTable>(RunListRequest{})) seen.runs = std::move(*table);
-  if (auto table = probe.ask_node<LinkTroubles>(LinkTroublesRequest{})) seen.troubles = std::move(*table);
+/// Lets the probe add what it has seen.
+void observe(Probe& probe, Observed& seen, void (*add)(op::Session&, Observed, const op::ObservedNext&)) {
+  seen = std::move(
+      *probe.wait<Observed>([&](op::Session& session, const auto& done) { add(session, std::move(seen), done); }));
 }
 
-void collect_addresses(const NodeConfig& config, Observed& seen) {
-  const auto add = [&](const std::string& address, bool seed) {
-    for (AddressProbe& known : seen.addresses) {
-      if (known.address != address) continue;
-      known.seed = known.seed || seed;
-      return;
-    }
-    if (!address.empty() && seen.addresses.size() < kMostProbes)
-      seen.addresses.push_back({address, seed, in_own_subnet(address)});
-  };
-  for (const Route& route : seen.routes.routes) {
-    const bool wanted = seen.asked.empty() || route.id == seen.asked || route.address == seen.asked;
-    if (route.state != "self" && wanted) add(route.address, false);
-  }
-  for (const Seed& seed : config.seeds) add(seed.address, true);
-  if (seen.asked.find(':') != std::string::npos) add(seen.asked, false);
+std::vector<AddressProbe> find_addresses(const NodeConfig& config, const Observed& seen) {
+  std::vector<std::string> seeds;
+  for (const Seed& seed : config.seeds) seeds.push_back(seed.address);
+  return op::addresses_to_try(seen, seeds, in_own_subnet);
 }
 
 void try_addresses(Observed& seen) {
@@ -97,26 +85,6 @@ void try_addresses(Observed& seen) {
     // Only a way that carries something can carry too little.
     if (probe.port == Port::zmtp && !probe.address.starts_with("127."))
       probe.large = probe_large_datagrams(probe.address);
-  }
-}
-
-bool echoes(Probe& probe, const std::string& peer, std::size_t size) {
-  const EchoRequest question{{std::string(size, 'e')}};
-  auto answer = probe.ask(Send{.type = MessageType::request, .target = peer, .body = question}, kEchoWait);
-  return answer && decode<Echo>(answer->data) && decode<Echo>(answer->data)->pad == question.pad;
-}
-
-void try_links(Probe& probe, Observed& seen) {
-  for (const Route& route : seen.routes.routes) {
-    const bool wanted = seen.asked.empty() || route.id == seen.asked || route.address == seen.asked;
-    if (route.state != "ONLINE" || !wanted || seen.echoes.size() >= kMostProbes) continue;
-    EchoProbe echo{route.id, echoes(probe, route.id, kSmallEcho), false};
-    // A large message that is lost would take the link with it: not where datagrams have shown that already.
-    const bool lost = std::any_of(seen.addresses.begin(), seen.addresses.end(), [&](const AddressProbe& at) {
-      return at.address == route.address && at.large == LargeDatagram::lost;
-    });
-    if (echo.small && !lost) echo.large = echoes(probe, route.id, kLargeEcho);
-    seen.echoes.push_back(std::move(echo));
   }
 }
 
@@ -173,15 +141,15 @@ int run_doctor(const Arguments& arguments) {
   look_at_folder(".", seen, config);
   progress(arguments, "asking the router of " + seen.node);
   auto probe = Probe::open(".");
-  if (probe) ask_router(**probe, seen);
+  if (probe) observe(**probe, seen, op::observe_router);
   seen.bus_key_refused = !probe && probe.error().code == Errc::wrong_key;
   look_at_bus(config, seen);
-  collect_addresses(config, seen);
+  seen.addresses = find_addresses(config, seen);
   progress(arguments, "trying " + std::to_string(seen.addresses.size()) + " addresses");
   try_addresses(seen);
-  if (probe) try_links(**probe, seen);
+  if (probe) observe(**probe, seen, op::observe_links);
   try_robot(config, seen);
-  return report(arguments, seen, diagnose(seen));
+  return report(arguments, seen, op::diagnose(seen));
 }
 
 }  // namespace

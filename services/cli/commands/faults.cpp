@@ -36,7 +36,7 @@ int run_fault(const Arguments& arguments) {
   auto probe = open_probe(arguments);
   if (!probe) return kFailed;
   const std::string& robot = arguments.words[0];
-  auto answer = probe->ask(Send{.type = MessageType::command, .target = robot, .body = *order});
+  auto answer = probe->command(robot, *order);
   if (!answer) return print_error(arguments, answer.error());
   if (arguments.has("--json")) {
     print_line(message_to_json(*answer));

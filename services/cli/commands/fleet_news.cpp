@@ -2,8 +2,10 @@
 #include <algorithm>
 #include <filesystem>
 #include <limits>
+#include <optional>
 
 #include "common/base/files.hpp"
+#include "common/base/number_text.hpp"
 #include "common/fleet/did_you_mean.hpp"
 #include "common/security/authority.hpp"
 #include "common/security/revocations.hpp"
@@ -25,8 +27,9 @@ Result<Authority> open_for(const Arguments& arguments) {
   return open_authority(arguments.words[0], *secret);
 }
 
-bool is_number(const std::string& word) {
-  return !word.empty() && word.size() < 19 && word.find_first_not_of("0123456789") == std::string::npos;
+/// Of a word that is a serial; nothing of any other.
+std::optional<std::uint64_t> serial_of(const std::string& word) {
+  return parse_number<std::uint64_t>(word);
 }
 
 bool is_file(const std::string& path) {
@@ -38,7 +41,7 @@ bool is_file(const std::string& path) {
 Error nothing_found(const Authority& authority, const std::string& word) {
   std::vector<std::string> ids;
   for (const Certificate& row : authority.issued) {
-    if (row.id == word || (is_number(word) && row.serial == std::stoull(word))) {
+    if (row.id == word || row.serial == serial_of(word)) {
       return fail(Errc::cert_revoked, "'" + word + "' is revoked already",
                   "trb fleet request with new keys and trb fleet sign make it a member again");
     }
@@ -62,9 +65,9 @@ Result<Certificate> find_certificate(Authority& authority, const std::string& di
     auto adopted = adopt_certificate(authority, dir, file->certificate);
     if (!adopted) return adopted.error();
     id = adopted->id;
-  } else if (is_number(word)) {
+  } else if (const auto serial = serial_of(word)) {
     for (const Certificate& row : authority.issued) {
-      if (row.serial == std::stoull(word)) id = row.id;
+      if (row.serial == *serial) id = row.id;
     }
   }
   const Certificate* living = find_renewable(authority, id);

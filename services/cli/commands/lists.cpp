@@ -1,8 +1,8 @@
 // robot list, route list, service list, service counters.
 #include <cstdio>
 
+#include "common/operator/phases.hpp"
 #include "services/cli/commands/command.hpp"
-#include "services/cli/core/phases.hpp"
 #include "services/cli/core/table.hpp"
 #include "services/cli/io/print.hpp"
 #include "services/cli/io/probe.hpp"
@@ -26,14 +26,21 @@ std::string or_dash(const std::string& text) {
   return text.empty() ? "-" : text;
 }
 
+Result<RouteTable> ask_routes(Probe& probe) {
+  return probe.routes();
+}
+Result<ServiceTable> ask_services(Probe& probe) {
+  return probe.ask_node<ServiceTable>(ServiceListRequest{});
+}
+
 /// Asks, prints as JSON if wanted, else as the table that `rows` makes, with what `below` makes of it under it.
-template <class Answer, class Question, class Rows, class Below = std::string (*)(const Answer&)>
+template <class Answer, class Rows, class Below = std::string (*)(const Answer&)>
 int show(
-    const Arguments& arguments, Question question, Rows rows,
+    const Arguments& arguments, Result<Answer> (*ask)(Probe&), Rows rows,
     Below below = [](const Answer&) { return std::string(); }) {
   auto probe = open_probe(arguments);
   if (!probe) return kFailed;
-  auto answer = probe->ask_node<Answer>(std::move(question));
+  const auto answer = ask(*probe);
   if (!answer) return print_error(arguments, answer.error());
   if (arguments.has("--json")) {
     print_line(to_json(*answer));
@@ -69,7 +76,7 @@ std::string out_of_use_lines(const RouteTable& table) {
 
 int run_robots(const Arguments& arguments) {
   return show<RouteTable>(
-      arguments, RouteListRequest{},
+      arguments, ask_routes,
       [](const RouteTable& table) {
         std::vector<std::vector<std::string>> rows{{"ROBOT", "NODE", "ROBOT IS", "FENCED", "OUT OF USE", "CONTROL",
                                                     "MODE", "TRANSPORT", "MODEL", "CAPABILITIES"}};
@@ -87,7 +94,7 @@ int run_robots(const Arguments& arguments) {
 }
 
 int run_routes(const Arguments& arguments) {
-  return show<RouteTable>(arguments, RouteListRequest{}, [](const RouteTable& table) {
+  return show<RouteTable>(arguments, ask_routes, [](const RouteTable& table) {
     std::vector<std::vector<std::string>> rows{{"NODE", "ROLE", "ADDRESS", "STATE", "HEARD", "DIALLED BY", "BOOT",
                                                 "VERSION", "CLOCK", "SENSORS", "CAPABILITIES"}};
     for (const Route& route : table.routes) {
@@ -110,7 +117,7 @@ std::string some_of(const std::vector<std::string>& words) {
 }
 
 int run_services(const Arguments& arguments) {
-  return show<ServiceTable>(arguments, ServiceListRequest{}, [](const ServiceTable& table) {
+  return show<ServiceTable>(arguments, ask_services, [](const ServiceTable& table) {
     std::vector<std::vector<std::string>> rows{{"SERVICE", "STATE", "PID", "UP", "HEARD", "TAKES", "NOTE"}};
     for (const ServiceEntry& entry : table.services) {
       rows.push_back({entry.service, entry.state, entry.pid == 0 ? "-" : std::to_string(entry.pid),
@@ -131,7 +138,7 @@ std::vector<std::vector<std::string>> counter_rows(const Counters& counters) {
 Value counters_json(const Counters& counters) {
   Value json = *parse_json(to_json(counters));
   Value::List phases;
-  for (const auto& [phase, value] : count_phases(counters)) {
+  for (const auto& [phase, value] : op::count_phases(counters)) {
     phases.push_back(Value{Value::Object{{"phase", Value{std::string(name_of(phase))}},
                                          {"value", Value{static_cast<std::int64_t>(value)}}}});
   }

@@ -1,36 +1,17 @@
 // send, request, tap, stop, release.
 #include <map>
+#include <memory>
 
-#include "common/base/ids.hpp"
-#include "common/transport/loop.hpp"
-#include "proto/phase.hpp"
+#include "common/operator/io/tap.hpp"
+#include "common/operator/order_robots.hpp"
+#include "common/operator/user_message.hpp"
 #include "services/cli/commands/command.hpp"
-#include "services/cli/core/answers.hpp"
 #include "services/cli/core/table.hpp"
 #include "services/cli/io/print.hpp"
 #include "services/cli/io/probe.hpp"
 
 namespace trb::cli {
 namespace {
-
-Value text(const std::string& value) {
-  return Value{value};
-}
-
-/// The body for a subtype given by a person: JSON for a typed one, the words as they are otherwise.
-Result<Body> body_of(const std::string& subtype, const std::string& data) {
-  if (!is_valid_word(subtype))
-    return fail(Errc::bad_value, "SUBTYPE: '" + subtype + "' is no word", "letters, digits, '_' and '-'");
-  if (data.size() > kMaxDataSize) return fail(Errc::too_large, "DATA: over 1 MiB", "send it in parts");
-  if (!is_typed(subtype)) return Body{Opaque{subtype, data}};
-  auto bytes = body_from_json(subtype, data.empty() ? "{}" : data);
-  if (!bytes) {
-    auto like = body_to_json(subtype, "\x90");  // an empty array: every field at its default
-    return fail(bytes.error().code, "DATA of " + subtype + ": " + bytes.error().what,
-                like ? "write it like " + *like : bytes.error().cure);
-  }
-  return decode_body(subtype, *bytes);
-}
 
 void print_answer(const Arguments& arguments, const Message& answer) {
   if (arguments.has("--json")) return print_line(message_to_json(answer));
@@ -42,9 +23,9 @@ void print_answer(const Arguments& arguments, const Message& answer) {
   print_line(answer.source + ": " + answer.subtype + " " + (body ? *body : body.error().text()));
 }
 
-int ask_and_print(const Arguments& arguments, const std::string& target, MessageType type, const std::string& subtype,
-                  const std::string& data) {
-  auto body = body_of(subtype, data);
+int request_and_print(const Arguments& arguments, const std::string& target, MessageType type,
+                      const std::string& subtype, const std::string& data) {
+  auto body = op::user_body(subtype, data);
   if (!body) return print_error(arguments, body.error());
   const auto wait = arguments.number("--timeout", 5);
   if (!wait) return print_error(arguments, wait.error());
@@ -54,19 +35,15 @@ int ask_and_print(const Arguments& arguments, const std::string& target, Message
   const std::uint16_t flags = arguments.has("--take") ? kFlagTakeControl : 0;
   const Send send{.type = type, .target = target, .flags = flags, .remaining_ms = left, .body = std::move(*body)};
   if (type != MessageType::information) {
-    auto answer = probe->ask(send, seconds(*wait));
+    const auto answer = probe->wait<Message>(
+        [&](op::Session& session, const auto& done) { session.request(send, done, seconds(*wait)); });
     if (!answer) return print_error(arguments, answer.error());
     print_answer(arguments, *answer);
     return kGood;
   }
-  // Information has no answer; a Nack, if there is one, is quick.
-  const auto id = probe->send(send);
-  if (!id) return print_error(arguments, id.error());
-  while (auto message = probe->receive(std::chrono::milliseconds(300))) {
-    const auto nack = message->reply_to == *id && message->subtype == Nack::kSubtype ? decode<Nack>(message->data)
-                                                                                     : Result<Nack>(Error{});
-    if (nack) return print_error(arguments, nack_error(*nack));
-  }
+  const auto sent =
+      probe->wait<Done>([&](op::Session& session, const auto& done) { op::send_information(session, send, done); });
+  if (!sent) return print_error(arguments, sent.error());
   if (!arguments.has("--json")) print_line(target + ": sent (information has no answer)");
   return kGood;
 }
@@ -80,37 +57,34 @@ int run_send(const Arguments& arguments) {
         arguments, fail(Errc::bad_value, "TYPE: '" + arguments.words[1] + "'", "use command, request or information"));
   }
   const std::string data = arguments.words.size() > 3 ? arguments.words[3] : "";
-  return ask_and_print(arguments, arguments.words[0], type->second, arguments.words[2], data);
+  return request_and_print(arguments, arguments.words[0], type->second, arguments.words[2], data);
 }
 
 int run_request(const Arguments& arguments) {
   const std::string data = arguments.words.size() > 2 ? arguments.words[2] : "";
-  return ask_and_print(arguments, arguments.words[0], MessageType::request, arguments.words[1], data);
+  return request_and_print(arguments, arguments.words[0], MessageType::request, arguments.words[1], data);
 }
 
 // ---- tap
 
-std::string one_line(const HeaderView& header, char direction) {
+std::string one_line(const op::TapRecord& record) {
+  const HeaderView& header = record.header;
   auto body =
       is_typed(header.subtype) ? body_to_json(header.subtype, header.data) : Result<std::string>(Bytes(header.data));
   std::string shown = body ? *body : body.error().text();
   if (!is_utf8(shown)) shown = std::to_string(header.data.size()) + " bytes";
   constexpr std::size_t kShown = 160;
   if (shown.size() > kShown) shown = shown.substr(0, kShown) + "...";
-  return to_iso8601(read_clocks().utc).substr(11, 12) + " " + direction + " " + std::string(name_of(header.type)) +
+  return to_iso8601(record.time).substr(11, 12) + " " + record.direction + " " + std::string(name_of(header.type)) +
          " " + std::string(header.subtype) + "  " + std::string(header.source) + " -> " + std::string(header.target) +
          "  " + std::to_string(header.data.size()) + " B  " + shown;
 }
 
-/// The message as JSON, and first which way it passed and when.
-std::string json_line(const HeaderView& header, char direction) {
-  return std::string("{\"direction\":\"") + direction + "\",\"time\":\"" + to_iso8601(read_clocks().utc) + "\"," +
-         message_to_json(to_message(header)).substr(1);
-}
-
-bool wanted(const Arguments& arguments, const HeaderView& header) {
-  if (arguments.has("--subtype")) return header.subtype == arguments.get("--subtype");
-  return arguments.has("--all") || phase_of(header.subtype) != CostPhase::upkeep;
+op::TapFilter filter_of(const Arguments& arguments) {
+  op::TapFilter out;
+  if (arguments.has("--subtype")) out.subtype = arguments.get("--subtype");
+  out.all = arguments.has("--all");
+  return out;
 }
 
 int run_tap(const Arguments& arguments) {
@@ -119,82 +93,45 @@ int run_tap(const Arguments& arguments) {
   if (!most || !wait) return print_error(arguments, (most ? wait : most).error());
   auto probe = open_probe(arguments);
   if (!probe) return kFailed;
-  Context context;
   const auto address = tap_address();
   if (!address) return print_error(arguments, address.error());
-  Socket tap = Socket::tap_client(context, address->endpoint, address->keys());
-  const MonotonicTime end = read_clocks().mono + seconds(*wait);
   double shown = 0;
-  while (shown < *most && read_clocks().mono < end) {
-    zmq::pollitem_t item{tap.handle(), 0, ZMQ_POLLIN, 0};
-    zmq::poll(&item, 1, std::chrono::milliseconds(200));
-    Frame direction;
-    Frame frame;
-    while (shown < *most && tap.receive(direction) && direction.more() && tap.receive(frame)) {
-      const auto header = decode_frame(view_of(frame));
-      if (!header || direction.size() != 1 || !wanted(arguments, *header)) continue;
-      const char way = view_of(direction)[0];
-      print_line(arguments.has("--json") ? json_line(*header, way) : one_line(*header, way));
-      ++shown;
-    }
-  }
+  const auto show = [&](const op::TapRecord& record) {
+    print_line(arguments.has("--json") ? op::to_json(record) : one_line(record));
+    return ++shown < *most;
+  };
+  Context context;
+  const op::Tap tap(context, probe->bus().loop(), *address, filter_of(arguments), show);
+  bool over = false;
+  probe->session().after(seconds(*wait), [&over] { over = true; });
+  probe->wait_until([&] { return over || shown >= *most; });
   return shown >= *most || !arguments.has("--count") ? kGood : kFailed;
 }
 
 // ---- stop and release
 
-struct StopReport {
-  std::string robot;
-  std::string state;  ///< "confirmed", "sent", "unreachable"
-  std::string text;
-};
-
-Result<std::vector<std::string>> stop_targets(const Arguments& arguments, Probe& probe) {
+Result<std::vector<std::string>> robots_to_order(const Arguments& arguments, Probe& probe) {
   if (!arguments.has("--all")) return arguments.words;
-  auto table = probe.ask_node<RouteTable>(RouteListRequest{});
-  if (!table) return table.error();
-  std::vector<std::string> out;
-  for (const Route& route : table->routes) {
-    if (route.role == Role::robot) out.push_back(route.id);
-  }
-  return out;
+  const auto table = probe.routes();
+  return table ? Result<std::vector<std::string>>(op::robots_of(*table)) : table.error();
 }
 
-void take_answer(const Message& message, StopReport& report) {
-  if (message.subtype == Ack::kSubtype) {
-    report.state = "confirmed";
-    return;
+int print_orders(const Arguments& arguments, const std::vector<op::RobotOrder>& orders, const std::string& done) {
+  std::vector<std::vector<std::string>> rows{{"ROBOT", done, "WHY"}};
+  Value::List list;
+  bool all = true;
+  for (const op::RobotOrder& one : orders) {
+    all = all && one.state == "confirmed";
+    rows.push_back({one.robot, one.state, one.text});
+    list.push_back(
+        Value{Value::Object{{"robot", Value{one.robot}}, {"state", Value{one.state}}, {"text", Value{one.text}}}});
   }
-  auto nack = decode<Nack>(message.data);
-  if (!nack) return;
-  const bool reached = nack->code == errc_name(Errc::timeout) || nack->code == errc_name(Errc::robot_offline);
-  report.state = reached ? "sent" : "unreachable";
-  report.text = nack->code + ": " + nack->what;
-}
-
-/// Sends to all first, then gathers: one robot that is silent must not delay another's stop.
-std::vector<StopReport> order_all(Probe& probe, const std::vector<std::string>& targets, const Body& body,
-                                  Duration wait) {
-  std::map<std::uint64_t, std::size_t> asked;
-  std::vector<StopReport> reports;
-  for (const std::string& target : targets) {
-    const auto id = probe.send(Send{.type = MessageType::command, .target = target, .body = body});
-    const bool sent = id && *id != 0;
-    const std::string why = id ? "the router takes no message" : id.error().text();
-    reports.push_back({target, sent ? "sent" : "unreachable", sent ? "no answer in time" : why});
-    if (sent) asked[*id] = reports.size() - 1;
+  if (arguments.has("--json")) {
+    print_json(Value{Value::Object{{"robots", Value{std::move(list)}}}});
+  } else {
+    print(format_table(rows));
   }
-  const MonotonicTime end = read_clocks().mono + wait;
-  while (!asked.empty() && read_clocks().mono < end) {
-    auto message = probe.receive(end - read_clocks().mono);
-    if (!message) break;
-    const auto at = asked.find(message->reply_to);
-    if (at == asked.end() || !answers(*message, at->first, reports[at->second].robot)) continue;
-    reports[at->second].text.clear();
-    take_answer(*message, reports[at->second]);
-    asked.erase(at);
-  }
-  return reports;
+  return all ? kGood : kFailed;
 }
 
 int order(const Arguments& arguments, const Body& body, const std::string& done) {
@@ -203,26 +140,14 @@ int order(const Arguments& arguments, const Body& body, const std::string& done)
   }
   auto probe = open_probe(arguments);
   if (!probe) return kFailed;
-  auto targets = stop_targets(arguments, *probe);
-  if (!targets) return print_error(arguments, targets.error());
+  const auto robots = robots_to_order(arguments, *probe);
+  if (!robots) return print_error(arguments, robots.error());
   const auto wait = arguments.number("--timeout", 3);
   if (!wait) return print_error(arguments, wait.error());
-  const auto reports = order_all(*probe, *targets, body, seconds(*wait));
-  std::vector<std::vector<std::string>> rows{{"ROBOT", done, "WHY"}};
-  Value::List list;
-  bool all = true;
-  for (const StopReport& report : reports) {
-    all = all && report.state == "confirmed";
-    rows.push_back({report.robot, report.state, report.text});
-    list.push_back(Value{
-        Value::Object{{"robot", text(report.robot)}, {"state", text(report.state)}, {"text", text(report.text)}}});
-  }
-  if (arguments.has("--json")) {
-    print_json(Value{Value::Object{{"robots", Value{std::move(list)}}}});
-  } else {
-    print(format_table(rows));
-  }
-  return all ? kGood : kFailed;
+  const auto orders = probe->wait<std::vector<op::RobotOrder>>([&](op::Session& session, const auto& gathered) {
+    op::order_robots(session, *robots, body, seconds(*wait), gathered);
+  });
+  return print_orders(arguments, *orders, done);
 }
 
 int run_stop(const Arguments& arguments) {

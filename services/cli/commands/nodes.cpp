@@ -13,17 +13,20 @@
 #include "common/config/node_config.hpp"
 #include "common/drivers/registry.hpp"
 #include "common/security/bus_keys.hpp"
-#include "common/transport/signals.hpp"
+#include "common/supervisor/node_lock.hpp"
+#include "common/supervisor/process.hpp"
+#include "common/supervisor/supervisor.hpp"
 #include "services/cli/commands/command.hpp"
 #include "services/cli/core/wire.hpp"
 #include "services/cli/io/print.hpp"
 #include "services/cli/io/ready.hpp"
-#include "services/cli/io/supervisor.hpp"
 
 namespace trb::cli {
 namespace {
 
 namespace fs = std::filesystem;
+using supervisor::NodeLock;
+using supervisor::ServiceProgram;
 
 std::string absolute(const std::string& path) {
   return fs::weakly_canonical(fs::absolute(path)).string();
@@ -47,14 +50,6 @@ int run_check(const Arguments& arguments) {
   return kGood;
 }
 
-void block_child_signal() {
-  block_signals();
-  sigset_t set;
-  sigemptyset(&set);
-  sigaddset(&set, SIGCHLD);
-  ::sigprocmask(SIG_BLOCK, &set, nullptr);
-}
-
 /// Also for a node whose bus was sockets until now.
 Status make_keys_of_bus(const NodeConfig& config) {
   return config.bus.empty() ? Status(Done{}) : make_bus_keys(config.dir, bus_names(config));
@@ -65,7 +60,7 @@ Result<std::vector<ServiceProgram>> services_to_start(const NodeConfig& config, 
   std::vector<ServiceProgram> services;
   for (const std::string& name : config.services) {
     const auto own = config.own_services.find(name);
-    const std::string shipped = program_dir() + "/trb-" + name;
+    const std::string shipped = supervisor::program_dir() + "/trb-" + name;
     if (name != without) services.push_back({name, own == config.own_services.end() ? shipped : own->second});
   }
   if (without.empty() || config.has_service(without)) return services;
@@ -94,7 +89,7 @@ int detached(const Arguments& arguments, const std::string& dir, const std::stri
 }
 
 int run_up(const Arguments& arguments) {
-  if (arguments.has("--die-with-parent")) die_with_parent();
+  if (arguments.has("--die-with-parent")) supervisor::die_with_parent();
   const std::string dir = absolute(arguments.words[0]);
   // Before the check: a node that is up holds its ports, and that is not what is wrong.
   if (const auto pid = NodeLock::holder(dir)) {
@@ -117,8 +112,8 @@ int run_up(const Arguments& arguments) {
   }
   auto held = NodeLock::take(dir);
   if (!held) return print_error(arguments, held.error());
-  block_child_signal();
-  Supervisor supervisor(dir, *services, [&id](const std::string& text) { print_line(id + ": " + text); });
+  supervisor::block_signals();
+  supervisor::Supervisor supervisor(dir, *services, [&id](const std::string& text) { print_line(id + ": " + text); });
   const auto reload = [&] { return services_of_new_files(arguments, dir); };
   ReadyCheck is_ready(dir);
   return supervisor.run(reload, std::ref(is_ready));

@@ -2,7 +2,7 @@
 #include <cstdio>
 
 #include "common/base/files.hpp"
-#include "common/ranking/ranking_json.hpp"
+#include "common/operator/rank_text.hpp"
 #include "services/cli/commands/command.hpp"
 #include "services/cli/core/table.hpp"
 #include "services/cli/io/print.hpp"
@@ -35,11 +35,7 @@ Result<RankingAnswer> rank_file(const std::string& path) {
                 text.error().cure.empty() ? "name a file like config/rank/paper-figure-8.json, or - for standard input"
                                           : text.error().cure);
   }
-  const auto json = parse_json(*text, kRankingLimits);
-  if (!json) return fail(json.error().code, path + ": " + json.error().what, json.error().cure);
-  const auto problem = read_ranking(*json);
-  if (!problem) return problem.error();
-  return rank(*problem);
+  return op::rank_text(*text, path);
 }
 
 void print_weights(const RankingAnswer& answer) {

@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <optional>
 
+#include "common/base/number_text.hpp"
 #include "common/config/node_config.hpp"
 #include "common/config/robot_check.hpp"
 #include "common/drivers/registry.hpp"
@@ -64,14 +65,12 @@ Plan plan_of_file(const Arguments& arguments, ConfigFaults& faults) {
 
 Status read_listen(const std::string& text, Plan& plan) {
   const HostPort at = split_address(text);
-  const auto good = [&] {
-    return !at.port.empty() && at.port.size() <= 5 && std::all_of(at.port.begin(), at.port.end(), isdigit);
-  };
-  if (at.host.empty() || !good() || std::stoul(at.port) > 65535) {
+  const auto port = parse_number<std::uint16_t>(at.port);
+  if (at.host.empty() || at.port.size() > 5 || !port) {
     return fail(Errc::bad_value, "--listen: '" + text + "' is no ADDRESS:PORT", "write, for example, 0.0.0.0:40000");
   }
   plan.address = at.host;
-  plan.port = static_cast<std::uint16_t>(std::stoul(at.port));
+  plan.port = *port;
   return Done{};
 }
 

@@ -13,7 +13,7 @@ int say(const Arguments& arguments, Body order, const std::string& done) {
   auto probe = open_probe(arguments);
   if (!probe) return kFailed;
   const std::string& robot = arguments.words[0];
-  auto answer = probe->ask(Send{.type = MessageType::command, .target = robot, .body = std::move(order)});
+  auto answer = probe->command(robot, std::move(order));
   if (!answer) return print_error(arguments, answer.error());
   print_line(arguments.has("--json") ? message_to_json(*answer) : robot + ": " + done);
   return kGood;

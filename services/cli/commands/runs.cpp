@@ -2,8 +2,8 @@
 #include "services/cli/commands/runs.hpp"
 
 #include <cstdio>
-#include <set>
 
+#include "common/operator/list_runs.hpp"
 #include "services/cli/commands/command.hpp"
 #include "services/cli/core/table.hpp"
 #include "services/cli/io/print.hpp"
@@ -11,9 +11,6 @@
 
 namespace trb::cli {
 namespace {
-
-constexpr std::uint32_t kPage = 100;
-constexpr std::size_t kMostShown = 10'000;
 
 std::string seconds_text(double s) {
   char out[32];
@@ -27,28 +24,6 @@ std::string time_or_dash(std::int64_t ns) {
 
 std::string or_dash(const std::string& text) {
   return text.empty() ? "-" : text;
-}
-
-/// Those that are not over, then, page by page, those that are.
-Result<RunTable> ask_runs(Probe& probe, bool all) {
-  auto table = probe.ask_node<RunTable>(RunListRequest{});
-  if (!table || !all) return table;
-  // One may have come to its end in the meantime.
-  std::set<std::string> known;
-  for (const RunSummary& run : table->runs) known.insert(run.run);
-  std::string after;
-  for (bool more = true; more && table->runs.size() < kMostShown;) {
-    auto page = probe.ask_node<RunTable>(RunListRequest{true, after, kPage});
-    if (!page) return page.error();
-    // A scheduler that gives the same page again must not be asked for ever.
-    more = page->more && !page->runs.empty() && page->runs.back().run != after;
-    if (!page->runs.empty()) after = page->runs.back().run;
-    for (RunSummary& run : page->runs) {
-      if (known.insert(run.run).second) table->runs.push_back(std::move(run));
-    }
-  }
-  table->more = table->runs.size() >= kMostShown;
-  return table;
 }
 
 std::vector<std::vector<std::string>> run_rows(const RunTable& table) {
@@ -132,7 +107,8 @@ const std::string kJson = "--json|for programs";
 int list_runs(const Arguments& arguments) {
   auto probe = open_probe(arguments);
   if (!probe) return kFailed;
-  auto table = ask_runs(*probe, arguments.has("--all"));
+  const auto table = probe->wait<RunTable>(
+      [&](op::Session& session, const auto& done) { op::list_runs(session, arguments.has("--all"), done); });
   if (!table) return print_error(arguments, table.error());
   if (arguments.has("--json")) {
     print_line(to_json(*table));

@@ -1,12 +1,11 @@
 // scenario run, list, watch, abort, pause, resume.
 #include <cstdio>
-#include <set>
 
-#include "common/base/hex.hpp"
-#include "common/scenario/graph.hpp"
-#include "common/scenario/run_start.hpp"
-#include "common/security/keys.hpp"
-#include "common/transport/loop.hpp"
+#include "common/operator/abort_run.hpp"
+#include "common/operator/follow_run.hpp"
+#include "common/operator/pause_run.hpp"
+#include "common/operator/run_report.hpp"
+#include "common/operator/submit_run.hpp"
 #include "services/cli/commands/command.hpp"
 #include "services/cli/commands/runs.hpp"
 #include "services/cli/commands/scenario_check.hpp"
@@ -15,40 +14,6 @@
 
 namespace trb::cli {
 namespace {
-
-/// The run's robots, the own node, and every cloud node: those whose certificates the run needs.
-Result<std::vector<Member>> members_of(const std::vector<std::string>& robots, const RouteTable& table) {
-  std::set<std::string> wanted{table.node};
-  wanted.insert(robots.begin(), robots.end());
-  std::vector<Member> out;
-  for (const Route& route : table.routes) {
-    if (wanted.erase(route.id) != 0 || route.role == Role::cloud) out.push_back({route.id, route.certificate});
-  }
-  if (!wanted.empty())
-    return fail(Errc::unknown_target, "node '" + *wanted.begin() + "' was never heard", "see trb route list");
-  return out;
-}
-
-Result<std::string> submit(Probe& probe, Scenario scenario, std::vector<std::string> robots, const RouteTable& table,
-                           double hours, std::uint32_t priority) {
-  auto members = members_of(robots, table);
-  if (!members) return members.error();
-  const UtcTime utc = read_clocks().utc;
-  const RunStart start =
-      build_run_start(std::move(scenario), std::move(*members), probe.node(), utc, utc + seconds(hours * 3600),
-                      to_hex(random_bytes(16)), std::move(robots), priority);
-  auto record = probe.ask_node<SignedRecord>(SignRequest{std::string(kSignedRunStart), {encode(start)}});
-  if (!record) return record.error();
-  auto answer = probe.ask(Send{.type = MessageType::command, .target = probe.node(), .body = RunSubmit{*record}});
-  if (!answer) return answer.error();
-  auto accepted = decode<RunAccepted>(answer->data);
-  if (!accepted) return accepted.error();
-  return accepted->run;
-}
-
-bool is_over(RunState state) {
-  return state == RunState::finished || state == RunState::aborted || state == RunState::expired;
-}
 
 std::string duration_text(const TaskView& task) {
   if (task.ended == 0 || task.state == TaskState::skipped) return "";
@@ -83,33 +48,10 @@ void print_changes(const RunView& before, const RunView& after) {
   if (after.waits_for != before.waits_for && !after.waits_for.empty()) print_line("  waits for: " + after.waits_for);
 }
 
-/// Mode and transport belong to the robot, not to the run: they are joined in from the routing table.
-Value view_json(const RunView& view, const RouteTable& table) {
-  const auto profiles = profiles_of(table);
-  Value json = *parse_json(to_json(view));
-  for (auto& [key, member] : std::get<Value::Object>(json.is)) {
-    if (key != "tasks") continue;
-    for (Value& task : std::get<Value::List>(member.is)) {
-      const auto profile = profiles.find(task.find("robot")->text());
-      if (profile == profiles.end()) continue;
-      auto& fields = std::get<Value::Object>(task.is);
-      fields.emplace_back("mode", Value{profile->second.mode});
-      fields.emplace_back("transport", Value{profile->second.transport});
-    }
-  }
-  std::vector<std::string> robots;
-  for (const TaskView& task : view.tasks) robots.push_back(task.robot);
-  const Blocks blocks = blocks_of(robots);
-  auto& top = std::get<Value::Object>(json.is);
-  top.emplace_back("blocks_k", Value{static_cast<std::int64_t>(blocks.k)});
-  top.emplace_back("blocks_sum_m", Value{static_cast<std::int64_t>(blocks.sum_m)});
-  return json;
-}
-
 int print_end(const Arguments& arguments, Probe& probe, const RunView& view) {
   if (arguments.has("--json")) {
-    auto table = probe.ask_node<RouteTable>(RouteListRequest{});
-    print_json(view_json(view, table ? *table : RouteTable{}));
+    const auto table = probe.routes();
+    print_json(op::run_report(view, table ? *table : RouteTable{}));
   } else {
     const bool good = view.state == RunState::finished;
     print_line("run " + view.run.substr(0, 8) + " " +
@@ -121,21 +63,16 @@ int print_end(const Arguments& arguments, Probe& probe, const RunView& view) {
 int watch(const Arguments& arguments, Probe& probe, const std::string& run) {
   const auto wait = arguments.number("--timeout", 1e8);
   if (!wait) return print_error(arguments, wait.error());
-  const MonotonicTime end = read_clocks().mono + seconds(*wait);
-  RunView before;
-  for (bool first = true;; first = false) {
-    auto view = probe.ask_node<RunView>(RunQuery{run});
-    if (!view && (first || read_clocks().mono >= end)) return print_error(arguments, view.error());
-    if (view) {
-      if (first && !arguments.has("--json")) print_line("run " + view->run.substr(0, 8) + " '" + view->name + "'");
-      if (!arguments.has("--json")) print_changes(before, *view);
-      before = std::move(*view);
-      const bool stuck = arguments.has("--until-paused") && before.state == RunState::paused;
-      if (is_over(before.state) || stuck || arguments.has("--once") || read_clocks().mono >= end)
-        return print_end(arguments, probe, before);
-    }
-    probe.receive(std::chrono::milliseconds(150));
-  }
+  const op::FollowWish wish{run, seconds(*wait), arguments.has("--until-paused"), arguments.has("--once")};
+  const auto seen = [quiet = arguments.has("--json")](const RunView& before, const RunView& view) {
+    if (quiet) return true;
+    if (before.run.empty()) print_line("run " + view.run.substr(0, 8) + " '" + view.name + "'");
+    print_changes(before, view);
+    return true;
+  };
+  const auto view =
+      probe.wait<RunView>([&](op::Session& session, const auto& done) { op::follow_run(session, wish, seen, done); });
+  return view ? print_end(arguments, probe, *view) : print_error(arguments, view.error());
 }
 
 Result<std::uint32_t> priority_of(const Arguments& arguments) {
@@ -144,35 +81,65 @@ Result<std::uint32_t> priority_of(const Arguments& arguments) {
   return fail(Errc::bad_value, "--priority: '" + text + "'", "use a whole number from 0 to 9");
 }
 
+Result<op::RunTerms> terms_of(const Arguments& arguments) {
+  const auto hours = arguments.number("--expires-h", 24);
+  if (!hours) return hours.error();
+  const auto priority = priority_of(arguments);
+  if (!priority) return priority.error();
+  return op::RunTerms{*hours, *priority};
+}
+
+/// [{"task", "robot"}] of the tasks without a robot; {"task", "by"} if it is chosen later.
+Value::List bound_json(const std::vector<op::BoundTask>& bound) {
+  Value::List out;
+  for (const op::BoundTask& one : bound) {
+    out.push_back(Value{Value::Object{{"task", Value{one.task}}, {one.later ? "by" : "robot", Value{one.node}}}});
+  }
+  return out;
+}
+
+/// What may wait (a sensor that is plugged in later) to standard error, and what becomes of tasks without a robot.
+void print_bound(const op::RunPlan& plan, const std::vector<op::BoundTask>& bound) {
+  std::fputs(to_text(plan.faults).c_str(), stderr);
+  if (!plan.binder.why_not.empty()) {
+    print_line("robots are chosen now, the first by id that can: " + plan.binder.why_not);
+  }
+  for (const op::BoundTask& one : bound) {
+    print_line("task " + one.task +
+               (one.later ? ": " + one.node + " chooses its robot when it is due" : " is given to " + one.node));
+  }
+}
+
+int print_accepted(const Arguments& arguments, const std::string& run, const std::vector<op::BoundTask>& bound) {
+  if (arguments.has("--json")) {
+    Value::Object answer{{"run", Value{run}}};
+    if (!bound.empty()) answer.emplace_back("bound", Value{bound_json(bound)});
+    print_json(Value{std::move(answer)});
+  } else {
+    print_line("run " + run + " accepted; follow it with: trb scenario watch " + run.substr(0, 8));
+  }
+  return kGood;
+}
+
 int run_run(const Arguments& arguments) {
   ConfigFaults faults;
   const std::string& path = arguments.words[0];
-  Scenario scenario = read_file_scenario(path, faults);
+  const Scenario scenario = read_file_scenario(path, faults);
   if (!faults.empty()) return print_faults(arguments, faults);
-  const auto hours = arguments.number("--expires-h", 24);
-  if (!hours) return print_error(arguments, hours.error());
-  const auto priority = priority_of(arguments);
-  if (!priority) return print_error(arguments, priority.error());
+  const auto terms = terms_of(arguments);
+  if (!terms) return print_error(arguments, terms.error());
   auto probe = open_probe(arguments);
   if (!probe) return kFailed;
-  auto table = probe->ask_node<RouteTable>(RouteListRequest{});
-  if (!table) return print_error(arguments, table.error());
-  const Binder binder = find_binder(*probe, scenario, *table);
-  std::vector<std::string> robots = robots_for(scenario, profiles_of(*table), binder, path, faults);
-  if (!faults_that_stop(faults).empty()) return print_faults(arguments, faults);
-  const Value::List bound = bound_json(scenario, robots, binder);
-  if (!arguments.has("--json")) print_bound(scenario, robots, binder, faults);
-  auto run = submit(*probe, std::move(scenario), std::move(robots), *table, *hours, *priority);
+  auto plan = probe->wait<op::RunPlan>(
+      [&](op::Session& session, const auto& done) { op::plan_run(session, scenario, path, done); });
+  if (!plan) return print_error(arguments, plan.error());
+  if (!faults_that_stop(plan->faults).empty()) return print_faults(arguments, plan->faults);
+  const auto bound = op::bound_tasks(*plan);
+  if (!arguments.has("--json")) print_bound(*plan, bound);
+  const auto run = probe->wait<std::string>(
+      [&](op::Session& session, const auto& done) { op::submit_run(session, std::move(*plan), *terms, done); });
   if (!run) return print_error(arguments, run.error());
-  if (arguments.has("--watch")) return watch(arguments, *probe, *run);
-  if (arguments.has("--json")) {
-    Value::Object answer{{"run", Value{*run}}};
-    if (!bound.empty()) answer.emplace_back("bound", Value{bound});
-    print_json(Value{std::move(answer)});
-  } else {
-    print_line("run " + *run + " accepted; follow it with: trb scenario watch " + run->substr(0, 8));
-  }
-  return kGood;
+  return arguments.has("--watch") ? watch(arguments, *probe, *run) : print_accepted(arguments, *run, bound);
 }
 
 int run_watch(const Arguments& arguments) {
@@ -181,68 +148,46 @@ int run_watch(const Arguments& arguments) {
   return watch(arguments, *probe, arguments.words.empty() ? "" : arguments.words[0]);
 }
 
+/// The run as it is after an order: its state, and why it is not what was ordered.
+void print_state(const Arguments& arguments, const RunView& view, const std::string& why) {
+  if (arguments.has("--json")) return print_line(to_json(view));
+  print_line("run " + view.run.substr(0, 8) + " " + std::string(name_of(view.state)) + why);
+}
+
 int run_abort(const Arguments& arguments) {
-  auto probe = open_probe(arguments);
-  if (!probe) return kFailed;
-  auto view = probe->ask_node<RunView>(RunQuery{arguments.words[0]});
-  if (!view) return print_error(arguments, view.error());
-  const AbortOrder order{view->run, probe->node(), arguments.get("--reason", "trb scenario abort"),
-                         read_clocks().utc.ns};
-  auto record = probe->ask_node<SignedRecord>(SignRequest{std::string(kSignedRunAbort), {encode(order)}});
-  if (!record) return print_error(arguments, record.error());
-  auto answer = probe->ask(Send{.type = MessageType::command, .target = probe->node(), .body = RunAbort{*record}});
-  if (!answer) return print_error(arguments, answer.error());
   const auto wait = arguments.number("--timeout", 5);
   if (!wait) return print_error(arguments, wait.error());
-  const MonotonicTime end = read_clocks().mono + seconds(*wait);
-  while (read_clocks().mono < end) {
-    view = probe->ask_node<RunView>(RunQuery{order.run});
-    if (view && view->state == RunState::aborted) break;
-    probe->receive(std::chrono::milliseconds(100));
-  }
+  auto probe = open_probe(arguments);
+  if (!probe) return kFailed;
+  const op::AbortWish wish{arguments.words[0], arguments.get("--reason", "trb scenario abort"), seconds(*wait)};
+  const auto view =
+      probe->wait<RunView>([&](op::Session& session, const auto& done) { op::abort_run(session, wish, done); });
   if (!view) return print_error(arguments, view.error());
   const bool done = view->state == RunState::aborted;
-  if (arguments.has("--json")) {
-    print_line(to_json(*view));
-  } else {
-    print_line("run " + view->run.substr(0, 8) + " " + std::string(name_of(view->state)) +
-               (done ? ": every member has confirmed" : ": waits for " + view->waits_for));
-  }
+  print_state(arguments, *view, done ? ": every member has confirmed" : ": waits for " + view->waits_for);
   return done ? kGood : kFailed;
 }
 
-int order_pause(const Arguments& arguments, bool paused) {
+/// op::pause_run or op::resume_run.
+using Hold = void (*)(op::Session&, const std::string& run, const std::string& reason, const op::Callback<RunView>&);
+
+int run_hold(const Arguments& arguments, Hold hold, const std::string& reason) {
   auto probe = open_probe(arguments);
   if (!probe) return kFailed;
-  auto view = probe->ask_node<RunView>(RunQuery{arguments.words[0]});
+  const auto view = probe->wait<RunView>([&](op::Session& session, const auto& done) {
+    hold(session, arguments.words[0], arguments.get("--reason", reason), done);
+  });
   if (!view) return print_error(arguments, view.error());
-  const std::string reason = arguments.get("--reason", paused ? "trb scenario pause" : "trb scenario resume");
-  PauseOrder order{view->run, view->pause_number + 1, paused, probe->node(), reason, read_clocks().utc.ns, {}};
-  // Who lets it go on has seen what was done twice.
-  for (const TaskView& task : view->tasks) {
-    if (!paused && task.twice) order.doubles.push_back(task.id);
-  }
-  auto record = probe->ask_node<SignedRecord>(SignRequest{std::string(kSignedRunPause), {encode(order)}});
-  if (!record) return print_error(arguments, record.error());
-  auto answer = probe->ask(Send{.type = MessageType::command, .target = probe->node(), .body = RunPause{*record}});
-  if (!answer) return print_error(arguments, answer.error());
-  view = probe->ask_node<RunView>(RunQuery{order.run});
-  if (!view) return print_error(arguments, view.error());
-  if (arguments.has("--json")) {
-    print_line(to_json(*view));
-  } else {
-    print_line("run " + view->run.substr(0, 8) + " " + std::string(name_of(view->state)) +
-               (view->waits_for.empty() ? "" : ": waits for " + view->waits_for));
-  }
+  print_state(arguments, *view, view->waits_for.empty() ? "" : ": waits for " + view->waits_for);
   return kGood;
 }
 
 int run_pause(const Arguments& arguments) {
-  return order_pause(arguments, true);
+  return run_hold(arguments, op::pause_run, "trb scenario pause");
 }
 
 int run_resume(const Arguments& arguments) {
-  return order_pause(arguments, false);
+  return run_hold(arguments, op::resume_run, "trb scenario resume");
 }
 
 const std::string kNode = "--node DIR|the node to ask (else TRB_NODE, else this folder)";

@@ -3,10 +3,9 @@
 #include <filesystem>
 
 #include "common/base/files.hpp"
-#include "common/security/keys.hpp"
-#include "common/transport/loop.hpp"
+#include "common/operator/read_sensor.hpp"
+#include "common/operator/watched_sensor.hpp"
 #include "services/cli/commands/command.hpp"
-#include "services/cli/core/sensors.hpp"
 #include "services/cli/core/table.hpp"
 #include "services/cli/io/print.hpp"
 #include "services/cli/io/probe.hpp"
@@ -15,10 +14,6 @@ namespace trb::cli {
 namespace {
 
 constexpr double kReadWait_s = 20;
-constexpr double kLease_s = 10;
-constexpr Duration kRenew = std::chrono::seconds(3);
-constexpr Duration kLookAgain = std::chrono::milliseconds(500);
-constexpr int kPictureTries = 3;
 
 std::string or_dash(const std::string& text) {
   return text.empty() ? "-" : text;
@@ -28,7 +23,7 @@ std::string or_dash(const std::string& text) {
 
 void print_sensors(const RouteTable& table) {
   std::vector<std::vector<std::string>> rows{{"NODE", "SENSOR", "KIND", "UNIT", "STATE", "IDENTITY", "DEVICE", "WHY"}};
-  for (const FoundSensor& one : all_sensors(table)) {
+  for (const op::FoundSensor& one : op::all_sensors(table)) {
     const SensorInfo& info = one.info;
     rows.push_back({one.node, info.name, info.kind, or_dash(info.unit),
                     one.reached() ? std::string(name_of(info.state)) : "node is " + one.node_state,
@@ -40,7 +35,7 @@ void print_sensors(const RouteTable& table) {
 
 Value sensors_json(const RouteTable& table) {
   Value::List list;
-  for (const FoundSensor& one : all_sensors(table)) {
+  for (const op::FoundSensor& one : op::all_sensors(table)) {
     Value json = *parse_json(to_json(NodeSensors{{one.info}}));
     Value sensor = json.find("sensors")->list().front();
     auto& members = std::get<Value::Object>(sensor.is);
@@ -68,7 +63,7 @@ int run_list(const Arguments& arguments) {
     arguments.has("--json") ? print_line(to_json(*table)) : print_unknown(*table);
     return kGood;
   }
-  auto table = probe->ask_node<RouteTable>(RouteListRequest{});
+  auto table = probe->routes();
   if (!table) return print_error(arguments, table.error());
   arguments.has("--json") ? print_json(sensors_json(*table)) : print_sensors(*table);
   return kGood;
@@ -76,19 +71,18 @@ int run_list(const Arguments& arguments) {
 
 // ---- read
 
-SensorWish wish_of(const Arguments& arguments) {
+op::SensorWish wish_of(const Arguments& arguments) {
   return {arguments.words.empty() ? "" : arguments.words[0], arguments.get("--of"), arguments.get("--identity")};
 }
 
-Status check_wish(const SensorWish& wish) {
+Status check_wish(const op::SensorWish& wish) {
   if (!wish.name.empty() || !wish.identity.empty()) return Done{};
   return fail(Errc::missing, "which sensor?", "name one, or give --identity; trb sensor list has them");
 }
 
-Result<FoundSensor> look_up(Probe& probe, const SensorWish& wish) {
-  auto table = probe.ask_node<RouteTable>(RouteListRequest{});
-  if (!table) return table.error();
-  return find_sensor(*table, wish);
+Result<op::FoundSensor> look_up(Probe& probe, const op::SensorWish& wish) {
+  return probe.wait<op::FoundSensor>(
+      [&](op::Session& session, const auto& done) { op::look_up_sensor(session, wish, done); });
 }
 
 std::string value_text(const SensorReading& reading) {
@@ -113,39 +107,23 @@ void print_reading(const Arguments& arguments, const std::string& node, const Se
   std::fflush(stdout);
 }
 
-int read_value(const Arguments& arguments, Probe& probe, const FoundSensor& sensor, double wait_s) {
-  const SensorRead body{sensor.info.name, sensor.info.identity, arguments.has("--timeout") ? wait_s : 0};
-  const auto left = static_cast<std::uint32_t>(wait_s * 1000);
-  auto answer =
-      probe.ask({.type = MessageType::request, .target = sensor.node, .remaining_ms = left + 1000, .body = body},
-                seconds(wait_s + 1));
-  if (!answer) return print_error(arguments, answer.error());
-  const auto reading = decode<SensorReading>(answer->data);
+int read_value(const Arguments& arguments, Probe& probe, const op::FoundSensor& sensor, double wait_s) {
+  const auto limit = arguments.has("--timeout") ? std::optional(wait_s) : std::nullopt;
+  const auto reading = probe.wait<SensorReading>(
+      [&](op::Session& session, const auto& done) { op::read_sensor(session, sensor, limit, seconds(wait_s), done); });
   if (!reading) return print_error(arguments, reading.error());
-  print_reading(arguments, answer->source, *reading);
+  print_reading(arguments, sensor.node, *reading);
   return kGood;
 }
 
-/// A picture may get lost on its way: whoever hears nothing asks again.
-Result<SensorImage> take_picture(Probe& probe, const FoundSensor& sensor, double wait_s) {
-  Result<Message> answer = fail(Errc::timeout, "");
-  for (int i = 0; i < kPictureTries; ++i) {
-    const SensorSnapshot body{sensor.info.name, sensor.info.identity};
-    answer =
-        probe.ask({.type = MessageType::request, .target = sensor.node, .body = body}, seconds(wait_s / kPictureTries));
-    if (answer) return decode<SensorImage>(answer->data);
-    if (answer.error().code != Errc::timeout) break;
-  }
-  return answer.error();
-}
-
-int read_picture(const Arguments& arguments, Probe& probe, const FoundSensor& sensor, double wait_s) {
+int read_picture(const Arguments& arguments, Probe& probe, const op::FoundSensor& sensor, double wait_s) {
   const std::string file = arguments.get("--save");
   if (file.empty()) {
     return print_error(arguments,
                        fail(Errc::missing, sensor.info.name + " tells pictures", "say where to: --save FILE"));
   }
-  auto image = take_picture(probe, sensor, wait_s);
+  const auto image = probe.wait<SensorImage>(
+      [&](op::Session& session, const auto& done) { op::take_picture(session, sensor, seconds(wait_s), done); });
   if (!image) return print_error(arguments, image.error());
   if (Status written = write_file(file, image->bytes.bytes, 0644); !written)
     return print_error(arguments, written.error());
@@ -164,7 +142,7 @@ int read_picture(const Arguments& arguments, Probe& probe, const FoundSensor& se
 }
 
 int run_read(const Arguments& arguments) {
-  const SensorWish wish = wish_of(arguments);
+  const op::SensorWish wish = wish_of(arguments);
   if (Status clear = check_wish(wish); !clear) {
     print_error(arguments, clear.error());
     return kWrongUse;
@@ -185,98 +163,24 @@ int run_read(const Arguments& arguments) {
 
 // ---- watch
 
-/// One watch, kept up: renewed, and found again when the sensor is elsewhere.
-class Watcher {
- public:
-  Watcher(const Arguments& arguments, Probe& probe, SensorWish wish, double every_s)
-      : arguments_(arguments), probe_(probe), wish_(std::move(wish)), every_s_(every_s), number_(random_u64()) {}
+void print_note(const std::string& text) {
+  print_problem("trb: " + text + "\n");
+}
 
-  /// Until `count` values were told or the time is over.
-  int run(double count, MonotonicTime end) {
-    if (Status begun = begin(); !begun) return print_error(arguments_, begun.error());
-    double told = 0;
-    while (told < count) {
-      const Now now = read_clocks();
-      if (now.mono >= end) break;
-      if (now.mono >= next_) renew();
-      auto message = probe_.receive(std::min(next_, end) - now.mono);
-      if (message && take(*message)) ++told;
-    }
-    if (here_) order(0);
-    return told > 0 || count > 1e8 ? kGood : kFailed;
-  }
-
- private:
-  Status begin() {
-    auto found = look_up(probe_, wish_);
-    if (!found) return found.error();
-    sensor_ = *found;
-    if (sensor_.info.kind == "image")
-      return fail(Errc::bad_value, sensor_.info.name + " tells pictures", "use trb sensor read --save FILE");
-    // From now on it is this very device, wherever it is plugged in; by another name, maybe.
-    if (!sensor_.info.identity.empty() && wish_.node.empty()) wish_ = {sensor_.info.kind, "", sensor_.info.identity};
-    auto answer = probe_.ask(order_of(kLease_s));
-    if (!answer) return answer.error();
-    here_ = true;
-    next_ = read_clocks().mono + kRenew;
-    return Done{};
-  }
-
-  Send order_of(double lease_s) const {
-    return {.type = MessageType::request,
-            .target = sensor_.node,
-            .body = SensorWatch{sensor_.info.name, sensor_.info.identity, number_, every_s_, lease_s}};
-  }
-  /// One that is lost is sent again with the next renewal.
-  void order(double lease_s) { (void)probe_.send(order_of(lease_s)); }
-
-  void renew() {
-    if (here_) {
-      order(kLease_s);
-      next_ = read_clocks().mono + kRenew;
-      return;
-    }
-    next_ = read_clocks().mono + kLookAgain;
-    if (auto found = look_up(probe_, wish_); found && found->reached()) {
-      sensor_ = *found;
-      here_ = true;
-      order(kLease_s);
-      next_ = read_clocks().mono + kRenew;
-      say("asks " + sensor_.node + " for " + sensor_.info.name);
-    }
-  }
-
-  bool take(const Message& message) {
-    if (message.subtype == SensorReading::kSubtype && message.source == sensor_.node) {
-      const auto reading = decode<SensorReading>(message.data);
-      if (!reading || reading->watch != number_) return false;
-      print_reading(arguments_, message.source, *reading);
-      return true;
-    }
-    if (message.subtype == Nack::kSubtype) {
-      if (auto nack = decode<Nack>(message.data); nack && here_) lost(nack->what);
-    }
-    return false;
-  }
-  void lost(const std::string& why) {
-    here_ = false;
-    next_ = read_clocks().mono + kLookAgain / 5;
-    say(why + "; looks for it");
-  }
-  static void say(const std::string& text) { print_problem("trb: " + text + "\n"); }
-
-  const Arguments& arguments_;
-  Probe& probe_;
-  SensorWish wish_;
-  double every_s_;
-  std::uint64_t number_;
-  FoundSensor sensor_;
-  bool here_ = false;
-  MonotonicTime next_;
-};
+/// Until `most` values were told or the time is over.
+int watch(const Arguments& arguments, Probe& probe, op::WatchedSensor& sensor, const double& told, double most,
+          Duration time) {
+  bool over = false;
+  probe.session().after(time, [&over] { over = true; });
+  const Status begun = probe.wait<Done>([&](op::Session&, const auto& done) { sensor.begin(done); });
+  if (!begun) return print_error(arguments, begun.error());
+  probe.wait_until([&] { return over || told >= most; });
+  sensor.end();
+  return told > 0 || most > 1e8 ? kGood : kFailed;
+}
 
 int run_watch(const Arguments& arguments) {
-  const SensorWish wish = wish_of(arguments);
+  const op::SensorWish wish = wish_of(arguments);
   if (Status clear = check_wish(wish); !clear) {
     print_error(arguments, clear.error());
     return kWrongUse;
@@ -289,7 +193,15 @@ int run_watch(const Arguments& arguments) {
   }
   auto probe = open_probe(arguments);
   if (!probe) return kFailed;
-  return Watcher(arguments, *probe, wish, *every).run(*count, read_clocks().mono + seconds(*time));
+  double told = 0;
+  const auto value = [&](const std::string& node, const SensorReading& reading) {
+    if (told >= *count) return;
+    print_reading(arguments, node, reading);
+    ++told;
+  };
+  op::WatchedSensor sensor(probe->session(), wish, *every, {value, print_note});
+  probe->bus().on_message([&sensor](const Message& message) { sensor.receive(message); });
+  return watch(arguments, *probe, sensor, told, *count, seconds(*time));
 }
 
 const std::string kNode = "--node DIR|the node to speak from (else TRB_NODE, else this folder)";

@@ -1,9 +1,9 @@
 #include "services/cli/conform/collector.hpp"
 
 #include <array>
-#include <charconv>
 
 #include "common/base/ids.hpp"
+#include "common/base/number_text.hpp"
 #include "proto/message.hpp"
 #include "services/cli/conform/wire.hpp"
 
@@ -107,10 +107,9 @@ std::optional<Heard> Collector::begin(const std::string& field) {
 }
 
 std::optional<Heard> Collector::take_size(const std::string& field) {
-  const auto [end, problem] = std::from_chars(field.data(), field.data() + field.size(), size_);
-  if (problem != std::errc() || end != field.data() + field.size() || size_ > kMaxDataSize) {
-    return nonsense("the fourth field " + shown(field) + " is no size in bytes");
-  }
+  const auto size = parse_number<std::size_t>(field);
+  if (!size || *size > kMaxDataSize) return nonsense("the fourth field " + shown(field) + " is no size in bytes");
+  size_ = *size;
   // With `delay` an empty chunk cannot be seen.
   return size_ == 0 && delayed_ ? finish() : std::nullopt;
 }

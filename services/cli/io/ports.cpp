@@ -19,6 +19,10 @@
 #include "common/transport/loop.hpp"
 
 namespace trb::cli {
+using op::AddressProbe;
+using op::LargeDatagram;
+using op::Port;
+
 namespace {
 
 constexpr Duration kConnect = std::chrono::milliseconds(1500);

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "services/cli/core/diagnosis.hpp"
+#include "common/operator/doctor/diagnosis.hpp"
 
 namespace trb::cli {
 
@@ -17,14 +17,14 @@ struct HostPort {
 HostPort split_address(const std::string& address);
 
 /// Tries all of them at once; takes at most about a second and a half. Says nothing on the connections and closes them.
-void probe_ports(std::vector<AddressProbe>& probes);
+void probe_ports(std::vector<op::AddressProbe>& probes);
 
 /// The same for one address that need not be a router's: open is `zmtp` or `not_zmtp`.
-Port probe_port(const std::string& address);
+op::Port probe_port(const std::string& address);
 
 /// Sends datagrams that must not be fragmented to a port where nobody listens: the machine's answer (ICMP) tells
 /// whether small and largest ones arrive. Takes at most about a second.
-LargeDatagram probe_large_datagrams(const std::string& address);
+op::LargeDatagram probe_large_datagrams(const std::string& address);
 
 /// Is the address in a network of one of this machine's interfaces?
 bool in_own_subnet(const std::string& address);

@@ -1,12 +1,12 @@
-// A probe: a short-lived member of a node's bus, for the command line.
+// A probe: a short-lived member of a node's bus, for the command line. The one place where `trb` waits for an answer.
 #pragma once
 
 #include <functional>
 #include <memory>
 #include <string>
 
-#include "common/actor/route_pages.hpp"
-#include "common/service/bus_link.hpp"
+#include "common/operator/io/bus_session.hpp"
+#include "common/operator/routes.hpp"
 #include "services/cli/core/arguments.hpp"
 
 namespace trb::cli {
@@ -21,35 +21,39 @@ class Probe {
   /// refuses this probe), and those of bus_address().
   static Result<std::unique_ptr<Probe>> open(const std::string& node_dir, Duration wait = std::chrono::seconds(2));
 
-  [[nodiscard]] const std::string& node() const { return link_->welcome()->node; }
+  [[nodiscard]] const std::string& node() { return session().node(); }
+  [[nodiscard]] op::Session& session() { return bus_->session(); }
+  [[nodiscard]] op::BusSession& bus() { return *bus_; }
 
-  /// Sends one message; 0 if the router is gone. Errors: too_large, bad_value (it could not be read).
-  Result<std::uint64_t> send(const Send& send) { return link_->send(send); }
-  /// The next message within the time, if any.
-  std::optional<Message> receive(Duration wait);
-  /// Sends and waits for the answer of whom it asked. A Nack becomes its error: code and text. Errors also: timeout.
-  Result<Message> ask(const Send& send, Duration wait = std::chrono::seconds(5));
-
-  /// Asks this node for a typed body; for a RouteTable, page after page.
-  template <class Answer, class Question>
-  Result<Answer> ask_node(Question question, Duration wait = std::chrono::seconds(5)) {
-    if constexpr (std::is_same_v<Answer, RouteTable>) return ask_routes(wait);
-    auto answer = ask(Send{.type = MessageType::request, .target = node(), .body = std::move(question)}, wait);
-    if (!answer) return answer.error();
-    return decode<Answer>(answer->data);
+  /// Begins an operation, and waits until it has called back.
+  template <class T>
+  Result<T> wait(const std::function<void(op::Session&, op::Callback<T>)>& begin) {
+    std::optional<Result<T>> out;
+    begin(session(), [&out](Result<T> result) { out.emplace(std::move(result)); });
+    wait_until([&out] { return out.has_value(); });
+    return std::move(*out);
   }
+  /// Lets events come until it is true. Something must be due by then: a request, a timer.
+  void wait_until(const std::function<bool()>& condition);
+
+  /// Sends a command and waits for the answer. Errors: timeout, a Nack's.
+  Result<Message> command(const std::string& target, Body body);
+  /// Asks this node for a typed body.
+  template <class Answer, class Question>
+  Result<Answer> ask_node(Question question, Duration wait = op::kAnswerWait) {
+    return this->wait<Answer>([&](op::Session& session, const op::Callback<Answer>& done) {
+      session.ask_node<Answer>(std::move(question), done, wait);
+    });
+  }
+  /// The whole routing table.
+  Result<RouteTable> routes();
 
  private:
-  explicit Probe(const BusAddress& bus);
-  Status wait_welcome(Duration wait);
-  Result<RouteTable> ask_routes(Duration wait);
+  explicit Probe(std::unique_ptr<op::BusSession> bus) : bus_(std::move(bus)) {}
+  void wait_welcome(Duration wait);
 
-  Context context_;
-  std::unique_ptr<BusLink> link_;
+  std::unique_ptr<op::BusSession> bus_;
 };
-
-/// The error that a Nack carries.
-Error nack_error(const Nack& nack);
 
 /// Opens a probe on the node that the arguments name, prints the error if that fails.
 std::unique_ptr<Probe> open_probe(const Arguments& arguments);

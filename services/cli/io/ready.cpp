@@ -9,8 +9,8 @@
 
 #include "common/base/files.hpp"
 #include "common/config/node_config.hpp"
+#include "common/supervisor/node_lock.hpp"
 #include "common/transport/loop.hpp"
-#include "services/cli/io/supervisor.hpp"
 
 namespace trb::cli {
 namespace {
@@ -82,7 +82,7 @@ void leave_terminal(const std::string& node_dir) {
 
 bool wait_down(const std::string& dir, Duration wait) {
   const MonotonicTime end = read_clocks().mono + wait;
-  while (NodeLock::holder(dir).ok()) {
+  while (supervisor::NodeLock::holder(dir).ok()) {
     if (read_clocks().mono >= end) return false;
     std::this_thread::sleep_for(kLook);
   }

@@ -47,29 +47,34 @@ void RouterShell::dial_lane(const DialLane& effect) {
     carry_out(effects);
   };
   if (!is_numeric_endpoint(effect.address)) return ended(LinkEnd::failed);
-  try {
+  close_heard(link);
+  const auto on_event = [this, link, ended](LinkEvent event, int) {
+    if (event == LinkEvent::connected) return core_.on_lane_connected(link, read_clocks());
+    const auto end = to_end(event);
+    if (!end || heard_.count(link) == 0) return;
     close_heard(link);
-    Dialled dialled;
-    dialled.socket = std::make_unique<Socket>(
-        Socket::lane_client(context_, options_.link_keys, effect.server_key, topic_of(core_.config().id)));
-    dialled.monitor =
-        std::make_unique<SocketMonitor>(context_, loop_, *dialled.socket, [this, link, ended](LinkEvent event, int) {
-          if (event == LinkEvent::connected) return core_.on_lane_connected(link, read_clocks());
-          const auto end = to_end(event);
-          if (!end || heard_.count(link) == 0) return;
-          close_heard(link);
-          ended(*end);
-        });
-    loop_.add_background_socket(
-        dialled.socket->handle(), [this, link] { drain_lane(link); }, dialled.socket->unseen());
-    Socket* socket = dialled.socket.get();
-    heard_[link] = std::move(dialled);
-    socket->dial("tcp://" + to_dial(effect.address));
-  } catch (const zmq::error_t& problem) {
-    log_limited(limit_, read_clocks().mono, Level::warning, "no_lane", effect.address + ": " + problem.what());
+    ended(*end);
+  };
+  if (const Status opened = open_lane(effect, on_event); !opened) {
+    log_limited(limit_, read_clocks().mono, Level::warning, "no_lane", effect.address + ": " + opened.error().what);
     close_heard(link);
     ended(LinkEnd::failed);
   }
+}
+
+Status RouterShell::open_lane(const DialLane& effect, SocketMonitor::OnEvent on_event) {
+  auto made = Socket::lane_client(context_, options_.link_keys, effect.server_key, topic_of(core_.config().id));
+  if (!made) return made.error();
+  Dialled dialled;
+  dialled.socket = std::make_unique<Socket>(std::move(*made));
+  auto monitor = SocketMonitor::watch(context_, loop_, *dialled.socket, std::move(on_event));
+  if (!monitor) return monitor.error();
+  dialled.monitor = std::move(*monitor);
+  loop_.add_background_socket(
+      dialled.socket->handle(), [this, link = effect.link] { drain_lane(link); }, dialled.socket->unseen());
+  Socket* socket = dialled.socket.get();
+  heard_[effect.link] = std::move(dialled);
+  return socket->dial("tcp://" + to_dial(effect.address));
 }
 
 void RouterShell::close_heard(LinkId link) {

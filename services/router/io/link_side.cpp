@@ -211,43 +211,43 @@ void RouterShell::dial(const Dial& effect) {
 
 /// libzmq asks the name server on the one thread that carries everything: it gets numbers only.
 void RouterShell::dial_numbers(const Dial& effect, const std::string& name) {
-  try {
-    open_dialled(effect, name);
-  } catch (const zmq::error_t& problem) {
-    // No descriptor is left: it ends as a dial that failed, and is tried again.
-    core_.count("dial.no_descriptor");
-    log_limited(limit_, read_clocks().mono, Level::error, "no_descriptor",
-                effect.address + " cannot be dialled: " + problem.what() + "; raise the limit of open files");
-    lost_links_.push_back(effect.link);
-  }
+  const Status opened = open_dialled(effect, name);
+  if (opened) return;
+  // No descriptor is left: it ends as a dial that failed, and is tried again.
+  core_.count("dial.no_descriptor");
+  log_limited(limit_, read_clocks().mono, Level::error, "no_descriptor",
+              effect.address + " cannot be dialled: " + opened.error().what + "; raise the limit of open files");
+  lost_links_.push_back(effect.link);
 }
 
-void RouterShell::open_dialled(const Dial& effect, const std::string& name) {
+Status RouterShell::open_dialled(const Dial& effect, const std::string& name) {
   Dialled dialled;
   dialled.name = name;
   dialled.budget = new_budget();
-  dialled.socket = std::make_unique<Socket>(Socket::dialler(context_, options_.link_keys, effect.server_key));
+  auto made = Socket::dialler(context_, options_.link_keys, effect.server_key);
+  if (!made) return made.error();
+  dialled.socket = std::make_unique<Socket>(std::move(*made));
   const LinkId link = effect.link;
-  dialled.monitor =
-      std::make_unique<SocketMonitor>(context_, loop_, *dialled.socket, [this, link](LinkEvent event, int) {
-        Effects effects;
-        const auto end = to_end(event);
-        if (end) {
-          core_.on_link_ended(link, *end, read_clocks(), effects);
-        } else {
-          core_.on_dial_connected(link, read_clocks(), effects);
-        }
-        carry_out(effects);
-      });
+  auto monitor = SocketMonitor::watch(context_, loop_, *dialled.socket, [this, link](LinkEvent event, int) {
+    Effects effects;
+    const auto end = to_end(event);
+    if (end) {
+      core_.on_link_ended(link, *end, read_clocks(), effects);
+    } else {
+      core_.on_dial_connected(link, read_clocks(), effects);
+    }
+    carry_out(effects);
+  });
+  if (!monitor) return monitor.error();
+  dialled.monitor = std::move(*monitor);
   loop_.add_socket(
       dialled.socket->handle(), [this, link] { drain_dialled(link); }, dialled.socket->unseen());
   Socket* socket = dialled.socket.get();
   dialled_[link] = std::move(dialled);
-  try {
-    socket->dial("tcp://" + to_dial(effect.address));
-  } catch (const zmq::error_t& problem) {
-    log_limited(limit_, read_clocks().mono, Level::warning, "dial_failed", effect.address + ": " + problem.what());
+  if (const Status sent = socket->dial("tcp://" + to_dial(effect.address)); !sent) {
+    log_limited(limit_, read_clocks().mono, Level::warning, "dial_failed", sent.error().what);
   }
+  return Done{};
 }
 
 void RouterShell::close_link(LinkId link) {

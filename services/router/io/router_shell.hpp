@@ -131,6 +131,7 @@ class RouterShell {
   void forward_lossy(ConnectionId from, std::string_view to, const HeaderView& header, Frame&& frame);
   void forward_lossy_to_all(ConnectionId from, const HeaderView& header, const Frame& frame);
   void dial_lane(const DialLane& effect);
+  Status open_lane(const DialLane& effect, SocketMonitor::OnEvent on_event);
   void close_heard(LinkId link);
   void drain_lane(LinkId link);
   void on_lane_frame(LinkId link, Frame& frame);
@@ -144,7 +145,7 @@ class RouterShell {
   void on_link_frame(LinkId link, BytesView key, const HeaderView& header, Frame& frame);
   void dial(const Dial& effect);
   void dial_numbers(const Dial& effect, const std::string& name);
-  void open_dialled(const Dial& effect, const std::string& name);
+  Status open_dialled(const Dial& effect, const std::string& name);
   void close_link(LinkId link);
   [[nodiscard]] bool link_has_room(LinkId link, std::size_t bytes) const;
   SendResult send_link(LinkId link, Frame&& frame);

@@ -112,8 +112,9 @@ std::unique_ptr<End> curve_client(Context& context, const std::string& address, 
   const auto key = from_hex(server_key);
   if (!key || key->size() != 32) throw std::runtime_error("the server's key is no 64 hexadecimal digits");
   const LinkKey own = make_link_key();
-  Socket socket = Socket::dialler(context, {own.public_key, own.secret_key}, *key);
-  socket.dial("tcp://" + address);
+  Socket socket = value_of(Socket::dialler(context, {own.public_key, own.secret_key}, *key));
+  if (const Status dialled = socket.dial("tcp://" + address); !dialled)
+    throw std::runtime_error(dialled.error().text());
   return std::make_unique<ClientEnd>(std::move(socket));
 }
 

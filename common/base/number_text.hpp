@@ -1,0 +1,20 @@
+#pragma once
+
+#include <charconv>
+#include <optional>
+#include <string_view>
+#include <system_error>
+
+namespace trb {
+
+/// The number that the text is, digits and nothing besides (no space, no '+'); nothing if it is none, or out of T's
+/// range.
+template <class T>
+std::optional<T> parse_number(std::string_view text) {
+  T out{};
+  const auto [end, problem] = std::from_chars(text.data(), text.data() + text.size(), out);
+  if (problem != std::errc() || end != text.data() + text.size()) return std::nullopt;
+  return out;
+}
+
+}  // namespace trb

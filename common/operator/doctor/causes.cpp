@@ -1,0 +1,46 @@
+#include "common/operator/doctor/causes.hpp"
+
+#include <algorithm>
+#include <iterator>
+
+namespace trb::op {
+namespace {
+
+// What a router writes down of others, and what it means. A refusal by the other side is "refused_us".
+constexpr Cause kCauses[] = {
+    {"foreign_fleet", "foreign_fleet", "its certificate is of another fleet",
+     "have its request signed by this fleet's authority: trb fleet sign"},
+    {"bad_signature", "bad_signature", "its certificate or beacon was not signed by this fleet's authority",
+     "have its request signed again: trb fleet sign; if nobody made it, somebody tries to get in"},
+    {"cert_expired", "cert_expired", "its certificate has ended",
+     "renew it where the authority is: trb fleet renew; if it is new, look at the clocks"},
+    {"cert_not_yet_valid", "clock_off", "its certificate is not valid yet by this node's clock",
+     "set the clock of this node: timedatectl"},
+    {"cert_revoked", "cert_revoked", "its certificate was revoked",
+     "if the node is yours again: new keys (remove keys/*.key), trb fleet request, trb fleet sign"},
+    {"wrong_key", "wrong_key", "its certificate is for another link key than it used",
+     "the certificate in its keys/ belongs to other keys: trb fleet request, trb fleet sign"},
+    {"duplicate", "id_taken", "two nodes have the same id", "give each node its own id in node.json, and sign again"},
+    {"downgraded", "downgraded", "it showed an older certificate than one that was seen",
+     "put the newest certificate.json into its keys/"},
+    {"conflict", "old_start", "it showed an older certificate or an older start than one that was seen",
+     "put its newest certificate.json and its state/ back, or restart this node"},
+    {"version_mismatch", "versions_apart", "it speaks another version of the messages",
+     "install the same release on both"},
+    {"clock_off", "clock_off", "", "set the clock: timedatectl; on a PC without a battery let NTP do it"},
+    {"no_name", "no_name", "", "until then it is not dialled; everything else goes on"},
+    {"profile_too_large", "profile_too_large", "",
+     "if it is yours: name fewer skills, places and sensors in its robot's description; if not: trb fleet revoke"},
+    {"one_way", "one_way", "what this node sends does not arrive there, what it sends does",
+     "look for a firewall rule or a broken fibre in that direction; ping both ways"},
+    {"not_heard", "silent", "nothing was heard of it for a lease of 10 s", "look at its power and cable; ping it"},
+};
+
+}  // namespace
+
+const Cause* cause_of(std::string_view code) {
+  const auto* at = std::find_if(std::begin(kCauses), std::end(kCauses), [&](const Cause& c) { return c.code == code; });
+  return at == std::end(kCauses) ? nullptr : at;
+}
+
+}  // namespace trb::op

@@ -1,0 +1,88 @@
+// What `trb doctor` concludes from what it saw: pure, so that every cause has a test.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/base/config_fault.hpp"
+#include "common/base/time.hpp"
+#include "proto/bodies/bus.hpp"
+#include "proto/bodies/link.hpp"
+#include "proto/bodies/run.hpp"
+
+namespace trb::op {
+
+/// What a TCP connection to an address showed.
+enum class Port : unsigned char {
+  not_tried,
+  zmtp,       ///< something that speaks ZMTP, as a router does
+  not_zmtp,   ///< something else listens, or says nothing
+  refused,    ///< the machine is there, nothing listens
+  no_answer,  ///< nothing came back in time
+  no_route,   ///< this machine knows no way to it
+};
+
+/// What datagrams of the largest size that should pass showed.
+enum class LargeDatagram : unsigned char {
+  not_known,  ///< the other side does not answer datagrams at all
+  passed,
+  lost,  ///< small ones pass, large ones vanish
+};
+
+/// An address at which a node should be, and what was tried on it.
+struct AddressProbe {
+  std::string address;  ///< HOST:PORT
+  bool seed = false;    ///< it stands in node.json
+  bool own_subnet = false;
+  Port port = Port::not_tried;
+  LargeDatagram large = LargeDatagram::not_known;
+};
+
+/// Echoes of a linked node's router.
+struct EchoProbe {
+  std::string peer;
+  bool small = false;
+  bool large = false;
+};
+
+struct RobotProbe {
+  std::string address;  ///< HOST:PORT that the node dials; empty if the robot dials the node
+  Port port = Port::not_tried;
+};
+
+struct Observed {
+  std::string node;  ///< id, from node.json
+  ConfigFaults faults;
+  bool beacon = true;     ///< node.json
+  std::size_t seeds = 0;  ///< node.json
+  std::optional<Certificate> own;
+  UtcTime now;
+  std::vector<std::string> missing_sockets;  ///< files of the bus that should be there
+  bool bus_key_refused = false;              ///< over TCP: the router does not know the key of trb
+  bool answers = false;                      ///< the router, to a probe
+  bool inbox_open = false;                   ///< its port for other routers takes connections
+  RouteTable routes;
+  RunTable runs;  ///< how many the scheduler has and takes; open_max 0: it has not said
+  ServiceTable services;
+  LinkTroubles troubles;
+  std::vector<AddressProbe> addresses;
+  std::vector<EchoProbe> echoes;
+  RobotProbe robot;
+  std::string asked;  ///< the one peer (id or HOST:PORT) that the person asked for; empty for all
+};
+
+enum class Weight : unsigned char { note, problem };
+
+struct Finding {
+  Weight weight = Weight::problem;
+  std::string cause;    ///< a word for programs: "wrong_key", "port_closed" …
+  std::string subject;  ///< node, address or file
+  std::string what;
+  std::string cure;
+};
+
+/// Problems first; empty if all is well.
+std::vector<Finding> diagnose(const Observed& seen);
+
+}  // namespace trb::op

@@ -1,0 +1,300 @@
+// What the doctor concludes: one story a cause.
+#include "common/operator/doctor/diagnosis.hpp"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+
+using namespace trb;
+using namespace trb::op;
+
+namespace {
+
+constexpr std::int64_t kDay = 86'400'000'000'000;
+constexpr std::int64_t kNow = 1'772'366'400'000'000'000;
+
+Route route(const std::string& id, const std::string& state, const std::string& address = "10.0.0.2:45000") {
+  Route out;
+  out.id = id;
+  out.state = state;
+  out.address = address;
+  out.version = "1.0";
+  out.clock = "verified";
+  return out;
+}
+
+/// The node ant, well, linked with bee.
+struct Ant {
+  Observed seen;
+  Ant() {
+    seen.node = "ant";
+    seen.answers = seen.inbox_open = true;
+    seen.now = {kNow};
+    seen.own = Certificate{};
+    seen.own->id = "ant";
+    seen.own->not_before = kNow - kDay;
+    seen.own->not_after = kNow + 300 * kDay;
+    seen.routes = {"ant", {route("ant", "self", "10.0.0.1:45000"), route("bee", "ONLINE")}};
+    seen.addresses = {{"10.0.0.2:45000", false, true, Port::zmtp, LargeDatagram::passed}};
+    seen.echoes = {{"bee", true, true}};
+  }
+  Route& bee() { return seen.routes.routes[1]; }
+  AddressProbe& way() { return seen.addresses[0]; }
+  /// bee is not linked, and a connection to it showed this.
+  void lose_bee(Port port) {
+    bee().state = "OFFLINE";
+    seen.echoes.clear();
+    way().port = port;
+  }
+  void trouble(const std::string& peer, const std::string& code, const std::string& text, const std::string& at = "") {
+    seen.troubles.troubles.push_back({peer, at, code, text, 3, 1.0});
+  }
+  void add_seed(const std::string& address, Port port, bool own_subnet = true) {
+    seen.addresses.push_back({address, true, own_subnet, port, LargeDatagram::not_known});
+    ++seen.seeds;
+  }
+};
+
+const Finding* find(const std::vector<Finding>& findings, const std::string& cause, const std::string& subject) {
+  const auto at = std::find_if(findings.begin(), findings.end(),
+                               [&](const Finding& f) { return f.cause == cause && f.subject == subject; });
+  return at == findings.end() ? nullptr : &*at;
+}
+
+/// The only problem is this one, and it has a cure.
+void check_only(const Observed& seen, const std::string& cause, const std::string& subject) {
+  const std::vector<Finding> findings = diagnose(seen);
+  CAPTURE(cause);
+  const Finding* found = find(findings, cause, subject);
+  REQUIRE(found != nullptr);
+  CHECK(found->weight == Weight::problem);
+  CHECK_FALSE(found->what.empty());
+  CHECK_FALSE(found->cure.empty());
+  CHECK(std::count_if(findings.begin(), findings.end(), [](const Finding& f) { return f.weight == Weight::problem; }) ==
+        1);
+}
+
+}  // namespace
+
+TEST_CASE("a node that is well has nothing to tell") {
+  CHECK(diagnose(Ant().seen).empty());
+}
+
+TEST_CASE("a wrong key in a seed looks like a router that answers and a handshake that fails") {
+  Ant ant;
+  ant.add_seed("10.0.0.9:45000", Port::zmtp);
+  ant.trouble("", "failed", "", "10.0.0.9:45000");
+  check_only(ant.seen, "wrong_key", "10.0.0.9:45000");
+}
+
+TEST_CASE("certificates: ended, ending soon, revoked, of another fleet") {
+  Ant ended;
+  ended.seen.own->not_after = kNow - 1;
+  check_only(ended.seen, "cert_expired", "ant");
+  Ant soon;
+  soon.seen.own->not_after = kNow + 12 * kDay;
+  REQUIRE(diagnose(soon.seen).size() == 1);
+  CHECK(diagnose(soon.seen)[0].cause == "cert_ends_soon");
+  CHECK(diagnose(soon.seen)[0].weight == Weight::note);
+  for (const std::string code : {"cert_expired", "cert_revoked", "foreign_fleet", "bad_signature"}) {
+    Ant theirs;
+    theirs.lose_bee(Port::zmtp);
+    theirs.trouble("bee", code, "text");
+    check_only(theirs.seen, code, "bee");
+    Ant ours;
+    ours.lose_bee(Port::zmtp);
+    ours.trouble("bee", "refused_us", code);
+    check_only(ours.seen, code, "bee");
+  }
+}
+
+TEST_CASE("a revoked certificate is named: this node's by its router, another's though it has no row any more") {
+  Ant own;
+  own.trouble("ant", "own.cert_revoked", "this node's certificate is revoked: stolen");
+  check_only(own.seen, "cert_revoked", "ant");
+  CHECK(diagnose(own.seen)[0].what == "this node's certificate is revoked: stolen");
+  Ant other;
+  other.trouble("cat", "cert_revoked", "by list 1: stolen");
+  check_only(other.seen, "cert_revoked", "cat");
+  other.seen.asked = "cat";
+  check_only(other.seen, "cert_revoked", "cat");
+  Ant lied_to;  // a stranger may say Hello by any name
+  lied_to.trouble("ant", "cert_revoked", "certificate of 'ant' (serial 1) is revoked by list 1");
+  CHECK(diagnose(lied_to.seen).empty());
+}
+
+TEST_CASE("a clock that is off is named, this node's own and another's") {
+  Ant own;
+  own.seen.now = {kNow - 30 * kDay};
+  check_only(own.seen, "clock_off", "ant");
+  Ant other;
+  other.trouble("bee", "clock_off", "its clock is 3600 s away");
+  const auto findings = diagnose(other.seen);
+  REQUIRE(find(findings, "clock_off", "bee") != nullptr);
+  CHECK(find(findings, "clock_off", "bee")->what == "its clock is 3600 s away");
+}
+
+TEST_CASE("versions apart: a note while a link is up, a problem when none can be") {
+  Ant linked;
+  linked.bee().version = "0.9";
+  REQUIRE(diagnose(linked.seen).size() == 1);
+  CHECK(diagnose(linked.seen)[0].cause == "versions_apart");
+  Ant apart;
+  apart.lose_bee(Port::zmtp);
+  apart.trouble("bee", "version_mismatch", "version 2");
+  check_only(apart.seen, "versions_apart", "bee");
+}
+
+TEST_CASE("what a connection shows: closed port, silence, another program") {
+  const std::pair<Port, std::string> stories[] = {
+      {Port::refused, "port_closed"}, {Port::no_answer, "no_answer"}, {Port::not_zmtp, "port_taken"}};
+  for (const auto& [port, cause] : stories) {
+    Ant ant;
+    ant.lose_bee(port);
+    check_only(ant.seen, cause, "bee");
+  }
+}
+
+TEST_CASE("another subnet without a seed: asked for by address, without a route, or reached by a relay") {
+  Ant asked;
+  asked.seen.asked = "10.9.0.7:45000";
+  asked.seen.addresses.push_back({"10.9.0.7:45000", false, false, Port::zmtp, LargeDatagram::not_known});
+  check_only(asked.seen, "other_subnet", "10.9.0.7:45000");
+  Ant lost;
+  lost.lose_bee(Port::no_route);
+  lost.way().own_subnet = false;
+  check_only(lost.seen, "other_subnet", "bee");
+  Ant relayed;
+  relayed.bee().via = "cloud";
+  relayed.way().own_subnet = false;
+  const auto findings = diagnose(relayed.seen);
+  REQUIRE(find(findings, "other_subnet", "bee") != nullptr);
+  CHECK(find(findings, "other_subnet", "bee")->what.find("cloud") != std::string::npos);
+}
+
+TEST_CASE("a one-way link is told apart from silence") {
+  Ant ant;
+  ant.lose_bee(Port::no_answer);
+  ant.trouble("bee", "one_way", "not heard by the other side for a lease");
+  check_only(ant.seen, "one_way", "bee");
+}
+
+TEST_CASE("large messages that are lost mean the MTU: by datagrams, by echoes, by a Hello that never comes") {
+  Ant datagrams;
+  datagrams.way().large = LargeDatagram::lost;
+  check_only(datagrams.seen, "mtu", "bee");
+  Ant echoes;
+  echoes.seen.echoes[0].large = false;
+  check_only(echoes.seen, "mtu", "bee");
+  Ant hello;
+  hello.lose_bee(Port::zmtp);
+  hello.trouble("bee", "no_hello", "no Hello in time");
+  check_only(hello.seen, "mtu", "bee");
+}
+
+TEST_CASE("on the node itself: no router, a socket that is gone, a service that is down, a silent robot") {
+  Ant stopped;
+  stopped.seen = Observed{};
+  stopped.seen.node = "ant";
+  stopped.seen.missing_sockets = {"bus/probe.ipc"};
+  check_only(stopped.seen, "router_down", "ant");
+  Ant cleaned = Ant();
+  cleaned.seen.answers = false;
+  cleaned.seen.missing_sockets = {"bus/probe.ipc"};
+  cleaned.seen.routes = {};
+  cleaned.seen.addresses.clear();
+  check_only(cleaned.seen, "bus_socket_missing", "bus/probe.ipc");
+  cleaned.seen.missing_sockets = {"tcp://10.0.0.1:46000"};
+  check_only(cleaned.seen, "bus_socket_missing", "tcp://10.0.0.1:46000");
+  cleaned.seen.missing_sockets.clear();
+  cleaned.seen.bus_key_refused = true;
+  check_only(cleaned.seen, "bus_key", "keys/bus/probe.key");
+  Ant service;
+  service.seen.services.services = {{"scheduler", "silent", 1, 1, "1.0", 5, 5, {}, {}}};
+  check_only(service.seen, "service_down", "scheduler");
+  Ant robot;
+  robot.seen.routes.routes[0].profile.robot = "OFFLINE";
+  robot.seen.routes.routes[0].profile.detail = "connection refused";
+  robot.seen.robot = {"192.168.1.20:30002", Port::refused};
+  check_only(robot.seen, "robot_silent", "ant");
+}
+
+TEST_CASE("a fault of the node's files comes with its own cure, and no way to anybody is told") {
+  Ant ant;
+  ant.seen.faults = {{"network.json", "HOST_INT", "there is no interface 'eth7'", "use eth0"}};
+  check_only(ant.seen, "node_folder", "network.json");
+  Ant alone;
+  alone.seen.beacon = false;
+  check_only(alone.seen, "no_way", "node.json");
+}
+
+TEST_CASE("asked for one peer, the doctor leaves the others alone") {
+  Ant ant;
+  ant.seen.routes.routes.push_back(route("cat", "OFFLINE", "10.0.0.3:45000"));
+  ant.seen.addresses.push_back({"10.0.0.3:45000", false, true, Port::refused, LargeDatagram::not_known});
+  CHECK(diagnose(ant.seen).size() == 1);
+  ant.seen.asked = "bee";
+  CHECK(diagnose(ant.seen).empty());
+  ant.seen.asked = "dog";
+  check_only(ant.seen, "never_heard", "dog");
+}
+
+TEST_CASE("strangers: a named one that is kept out is a problem, a foreign beacon a note, an old event nothing") {
+  Ant ant;
+  ant.trouble("dog", "foreign_fleet", "certificate of 'dog' is of another fleet");
+  ant.trouble("", "beacon.foreign_fleet", "beacon of another fleet");
+  ant.trouble("", "beacon.wrong_key", "beacon under another key number");
+  const auto findings = diagnose(ant.seen);
+  REQUIRE(findings.size() == 3);
+  CHECK(findings[0].subject == "dog");
+  CHECK(findings[0].weight == Weight::problem);
+  CHECK(find(findings, "foreign_fleet", "a beacon")->weight == Weight::note);
+  CHECK(find(findings, "old_beacon_key", "a beacon") != nullptr);
+  for (LinkTrouble& trouble : ant.seen.troubles.troubles) trouble.last_s = 1000;
+  CHECK(diagnose(ant.seen).empty());
+}
+
+TEST_CASE("a seed that is a host's name: a name server that is silent is named, and a host that does not answer") {
+  Ant ant;
+  ant.add_seed("hub.example:45000", Port::not_tried);
+  CHECK(diagnose(ant.seen).empty());  // linked: nothing is wrong with it
+  SUBCASE("silent") {
+    ant.trouble("", "no_name", "the name server has not answered for hub.example yet: look", "hub.example:45000");
+    const auto findings = diagnose(ant.seen);
+    const Finding* finding = find(findings, "no_name", "hub.example:45000");
+    REQUIRE(finding != nullptr);
+    CHECK(finding->what == "the name server has not answered for hub.example yet: look");
+  }
+  SUBCASE("found, but nobody there") {
+    ant.trouble("", "failed", "the dial ended before a Hello was heard", "hub.example:45000");
+    CHECK(find(diagnose(ant.seen), "no_answer", "hub.example:45000") != nullptr);
+  }
+}
+
+TEST_CASE("faults that stand and robots that are retired: a problem of the own robot, a note of others") {
+  Ant ant;
+  ant.seen.routes.routes[0].profile.out_of_use = {{"grab", trb::Severity::critical, "gripper jammed", kNow, false, ""}};
+  ant.bee().profile.out_of_use = {{"", trb::Severity::fatal, "its journal was lost", kNow, false, "scheduler"},
+                                  {"", trb::Severity::critical, "new wheels", kNow, true, "ann"}};
+  const auto findings = diagnose(ant.seen);
+  const Finding* own = find(findings, "fault_stands", "ant");
+  REQUIRE(own != nullptr);
+  CHECK(own->weight == Weight::problem);
+  CHECK(own->what.find("'grab' is out of use") == 0);
+  CHECK(own->cure.find("--capability grab") != std::string::npos);
+  const Finding* other = find(findings, "fault_stands", "bee");
+  REQUIRE(other != nullptr);
+  CHECK(other->weight == Weight::note);
+  const Finding* retired = find(findings, "robot_retired", "bee");
+  REQUIRE(retired != nullptr);
+  CHECK(retired->cure == "trb robot return bee");
+}
+
+TEST_CASE("a scheduler that is nearly full of runs") {
+  Ant ant;
+  ant.seen.runs.open_max = 100;
+  ant.seen.runs.open = 90;
+  CHECK(diagnose(ant.seen).empty());
+  ant.seen.runs.open = 91;
+  CHECK(find(diagnose(ant.seen), "runs_full", "ant") != nullptr);
+}

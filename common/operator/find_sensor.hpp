@@ -1,0 +1,35 @@
+// Which sensor of the fleet is meant: looked up in the route table.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "common/base/result.hpp"
+#include "proto/bodies/link.hpp"
+
+namespace trb::op {
+
+struct FoundSensor {
+  std::string node;
+  std::string node_state;  ///< "self", "ONLINE" …
+  SensorInfo info;
+
+  [[nodiscard]] bool reached() const { return node_state == "self" || node_state == "ONLINE"; }
+};
+
+/// Every plugged sensor of the fleet, node by node.
+std::vector<FoundSensor> all_sensors(const RouteTable& table);
+
+/// What a person has given: a name or kind, a node, an identity; each but the first may be empty.
+struct SensorWish {
+  std::string name;
+  std::string node;
+  std::string identity;
+};
+
+/// The one that is meant; of several one that tells its values, then the own node's. With a node named and no such
+/// sensor in its profile, the node is asked all the same: a program may be about to feed it. Errors: unknown_target
+/// (with the names there are), bad_value (a kind of which a node has several).
+Result<FoundSensor> find_sensor(const RouteTable& table, const SensorWish& wish);
+
+}  // namespace trb::op

@@ -1,0 +1,63 @@
+#include "common/operator/order_robots.hpp"
+
+#include <memory>
+
+namespace trb::op {
+namespace {
+
+void take_answer(const Message& message, RobotOrder& row) {
+  row.text.clear();
+  if (message.subtype == Ack::kSubtype) {
+    row.state = "confirmed";
+    return;
+  }
+  const auto nack = decode<Nack>(message.data);
+  if (!nack) return;
+  const bool reached = nack->code == errc_name(Errc::timeout) || nack->code == errc_name(Errc::robot_offline);
+  row.state = reached ? "sent" : "unreachable";
+  row.text = nack->code + ": " + nack->what;
+}
+
+class Orders : public std::enable_shared_from_this<Orders> {
+ public:
+  explicit Orders(std::function<void(std::vector<RobotOrder>)> done) : done_(std::move(done)) {}
+
+  void send(Session& session, const std::string& robot, const Body& body, Duration wait) {
+    const std::size_t row = rows_.size();
+    rows_.push_back({robot, "sent", "no answer in time"});
+    const Status sent = session.send(Send{.type = MessageType::command, .target = robot, .body = body}, wait,
+                                     [self = shared_from_this(), row](const Message* answer) {
+                                       if (answer != nullptr) take_answer(*answer, self->rows_[row]);
+                                       if (--self->open_ == 0) self->end();
+                                     });
+    if (sent) {
+      ++open_;
+    } else {
+      const bool full = sent.error().code == Errc::queue_full;
+      rows_[row] = {robot, "unreachable", full ? "the router takes no message" : sent.error().text()};
+    }
+  }
+
+  void gather(Session& session) {
+    // Of robots that nothing was sent to none answers.
+    if (open_ == 0) session.after(Duration::zero(), [self = shared_from_this()] { self->end(); });
+  }
+
+ private:
+  void end() { done_(std::move(rows_)); }
+
+  std::function<void(std::vector<RobotOrder>)> done_;
+  std::vector<RobotOrder> rows_;
+  std::size_t open_ = 0;  ///< robots that have not answered
+};
+
+}  // namespace
+
+void order_robots(Session& session, const std::vector<std::string>& robots, const Body& body, Duration wait,
+                  std::function<void(std::vector<RobotOrder>)> done) {
+  const auto orders = std::make_shared<Orders>(std::move(done));
+  for (const std::string& robot : robots) orders->send(session, robot, body, wait);
+  orders->gather(session);
+}
+
+}  // namespace trb::op

@@ -1,0 +1,66 @@
+#include "common/operator/order_robots.hpp"
+
+#include "common/operator/test/fake_node.hpp"
+
+using namespace trb;
+using namespace trb::op;
+
+namespace {
+
+struct Stopping {
+  FakeNode node;
+  std::optional<std::vector<RobotOrder>> rows;
+
+  explicit Stopping(const std::vector<std::string>& robots, bool closed = false) {
+    if (closed) node.close();
+    order_robots(node.session(), robots, Stop{"test"}, std::chrono::seconds(3),
+                 [this](std::vector<RobotOrder> all) { rows = std::move(all); });
+  }
+};
+
+}  // namespace
+
+TEST_CASE("all robots are told to stop at once, and a silent one delays no other's row") {
+  Stopping hall({"ur3", "belt", "drone", "ant4"});
+  // Every order has left before an answer comes.
+  std::vector<std::uint64_t> ids;
+  for (const char* robot : {"ur3", "belt", "drone", "ant4"}) {
+    CHECK(hall.node.take<Stop>(robot).reason == "test");
+    ids.push_back(hall.node.taken());
+  }
+  hall.node.answer(ids[2], "cloud", Nack{"unknown_target", "", "drone", "never heard of it", ""});
+  hall.node.answer(ids[0], "ur3", Ack{"stopped", ""});
+  hall.node.answer(ids[3], "ant4", Nack{"robot_offline", "", "ant4", "is off", ""});
+  CHECK_FALSE(hall.rows);
+  hall.node.pass(std::chrono::seconds(3));
+  REQUIRE(hall.rows);
+  const auto row = [&](std::size_t i) {
+    const RobotOrder& one = (*hall.rows)[i];
+    return one.robot + " " + one.state + " " + one.text;
+  };
+  CHECK(row(0) == "ur3 confirmed ");
+  CHECK(row(1) == "belt sent no answer in time");
+  CHECK(row(2) == "drone unreachable unknown_target: never heard of it");
+  CHECK(row(3) == "ant4 sent robot_offline: is off");
+}
+
+TEST_CASE("it ends with the last answer, not with the time") {
+  Stopping hall({"ur3"});
+  hall.node.take<Stop>("ur3");
+  hall.node.answer(Ack{"stopped", ""});
+  REQUIRE(hall.rows);
+  CHECK(hall.rows->front().state == "confirmed");
+}
+
+TEST_CASE("what cannot be sent is said so, once, and no robots are no wait") {
+  Stopping closed({"ur3", "belt"}, true);
+  CHECK_FALSE(closed.rows);
+  closed.node.pass(Duration::zero());
+  REQUIRE(closed.rows);
+  CHECK(closed.rows->at(1).state == "unreachable");
+  CHECK(closed.rows->at(1).text == "the router takes no message");
+  Stopping none({});
+  none.node.pass(Duration::zero());
+  REQUIRE(none.rows);
+  CHECK(none.rows->empty());
+}

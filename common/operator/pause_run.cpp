@@ -1,0 +1,39 @@
+#include "common/operator/pause_run.hpp"
+
+#include "common/operator/send_signed.hpp"
+
+namespace trb::op {
+namespace {
+
+PauseOrder order_of(const RunView& view, bool paused, const std::string& node, const std::string& reason, UtcTime now) {
+  PauseOrder order{view.run, view.pause_number + 1, paused, node, reason, now.ns, {}};
+  // Who lets it go on has seen what was done twice.
+  for (const TaskView& task : view.tasks) {
+    if (!paused && task.twice) order.doubles.push_back(task.id);
+  }
+  return order;
+}
+
+void hold(Session& session, bool paused, const std::string& run, const std::string& reason,
+          const Callback<RunView>& done) {
+  const auto order = [&session, paused, reason, done](const RunView& view) {
+    const PauseOrder pause = order_of(view, paused, session.node(), reason, session.now().utc);
+    const auto look = [&session, id = view.run, done](const Message&) {
+      session.ask_node<RunView>(RunQuery{id}, done);
+    };
+    send_signed<RunPause>(session, kSignedRunPause, encode(pause), on_success<Message>(done, look));
+  };
+  session.ask_node<RunView>(RunQuery{run}, on_success<RunView>(done, order));
+}
+
+}  // namespace
+
+void pause_run(Session& session, const std::string& run, const std::string& reason, const Callback<RunView>& done) {
+  hold(session, true, run, reason, done);
+}
+
+void resume_run(Session& session, const std::string& run, const std::string& reason, const Callback<RunView>& done) {
+  hold(session, false, run, reason, done);
+}
+
+}  // namespace trb::op

@@ -1,0 +1,14 @@
+#pragma once
+
+#include <string>
+
+#include "common/operator/session.hpp"
+
+namespace trb::op {
+
+/// Holds a run (what runs is finished, nothing is begun), or lets it go on. `run` is its id, or a unique beginning of
+/// it; `reason` is for the record. `done` gets the run as it is then. Errors: unknown_run, those of Session::request.
+void pause_run(Session& session, const std::string& run, const std::string& reason, const Callback<RunView>& done);
+void resume_run(Session& session, const std::string& run, const std::string& reason, const Callback<RunView>& done);
+
+}  // namespace trb::op

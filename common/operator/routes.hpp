@@ -1,0 +1,18 @@
+#pragma once
+
+#include "common/operator/session.hpp"
+#include "proto/bodies/link.hpp"
+
+namespace trb::op {
+
+/// The node's whole routing table, page after page: robots, sensors, addresses, what each node says of itself. `wait`
+/// is for each page. Errors: those of Session::request; conflict (another page came than was asked for).
+void request_routes(Session& session, Callback<RouteTable> done, Duration wait = kAnswerWait);
+
+/// The ids of the fleet's robots.
+std::vector<std::string> robots_of(const RouteTable& table);
+
+/// True if messages reach this node now.
+bool is_reached(const Route& route);
+
+}  // namespace trb::op

@@ -1,0 +1,13 @@
+#pragma once
+
+#include "proto/bodies/link.hpp"
+#include "proto/bodies/run.hpp"
+#include "proto/value.hpp"
+
+namespace trb::op {
+
+/// A run as JSON: its view; for each task the mode and transport of its robot, which the routing table knows; and the
+/// blocks of Equation 8 ("blocks_k", "blocks_sum_m").
+Value run_report(const RunView& view, const RouteTable& table);
+
+}  // namespace trb::op

@@ -1,0 +1,45 @@
+#include "common/operator/scenario_check.hpp"
+
+#include "common/operator/routes.hpp"
+#include "common/scenario/definition.hpp"
+
+namespace trb::op {
+namespace {
+
+ScenarioCheck check(const Scenario& scenario, const std::string& file, const RouteTable& table) {
+  ScenarioCheck out;
+  const Profiles profiles = profiles_of(table);
+  check_scenario(scenario, profiles, file, out.faults);
+  warn_of_robots(scenario, profiles, file, out.faults);
+  if (!faults_that_stop(out.faults).empty()) return out;
+  Crew crew(profiles);
+  out.without_spare = tasks_without_spare(scenario, crew);
+  return out;
+}
+
+}  // namespace
+
+Scenario parse_scenario(const std::string& text, const std::string& file, ConfigFaults& faults) {
+  auto json = parse_json(text);
+  if (json) return read_scenario(*json, file, faults);
+  faults.push_back({file, "", json.error().what, json.error().cure});
+  return {};
+}
+
+Profiles profiles_of(const RouteTable& table) {
+  Profiles out;
+  for (const Route& route : table.routes) {
+    NodeProfile& profile = out[route.id] = route.profile;
+    if (!is_reached(route) && !profile.robot.empty()) profile.robot = route.state;
+  }
+  return out;
+}
+
+void check_with_fleet(Session& session, Scenario scenario, std::string file, const Callback<ScenarioCheck>& done) {
+  const auto look = [scenario = std::move(scenario), file = std::move(file), done](const RouteTable& table) {
+    done(check(scenario, file, table));
+  };
+  request_routes(session, on_success<RouteTable>(done, look));
+}
+
+}  // namespace trb::op

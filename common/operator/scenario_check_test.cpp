@@ -1,0 +1,64 @@
+#include "common/operator/scenario_check.hpp"
+
+#include "common/operator/test/fake_node.hpp"
+
+using namespace trb;
+using namespace trb::op;
+
+namespace {
+
+constexpr const char* kScenario = R"({"name":"n","tasks":[
+  {"id":"t1","robot":"cart1","skill":"go_to","data":{"place":"dock"}}]})";
+
+Route cart(const std::string& id, const std::string& state = "ONLINE") {
+  Route out = route_to(id, Role::robot, state);
+  out.profile.robot = "ONLINE";
+  out.profile.capabilities = {"mobile"};
+  out.profile.places = {"dock"};
+  out.profile.skills = {{"go_to", "mobile", {{"place", "place", true, ""}}, true, 60}};
+  return out;
+}
+
+}  // namespace
+
+TEST_CASE("a scenario's text is read with every fault, also if it is no JSON") {
+  ConfigFaults faults;
+  CHECK(parse_scenario(kScenario, "s.json", faults).tasks.size() == 1);
+  CHECK(faults.empty());
+  parse_scenario("{", "s.json", faults);
+  REQUIRE(faults.size() == 1);
+  CHECK(faults[0].file == "s.json");
+}
+
+TEST_CASE("the robot of a node that is not reached is as far away as its node") {
+  const RouteTable table{"ant", {cart("cart1"), cart("cart2", "OFFLINE")}};
+  CHECK(profiles_of(table).at("cart1").robot == "ONLINE");
+  CHECK(profiles_of(table).at("cart2").robot == "OFFLINE");
+}
+
+TEST_CASE("with a fleet, the check tells faults, or which tasks nobody else could take over") {
+  FakeNode node;
+  Ending<ScenarioCheck> check;
+  ConfigFaults none;
+  check_with_fleet(node.session(), parse_scenario(kScenario, "s.json", none), "s.json", check);
+  node.take<RouteListRequest>();
+  SUBCASE("a spare is there") {
+    node.answer(RouteTable{"ant", {cart("cart1"), cart("cart2")}});
+    CHECK(check.value().faults.empty());
+    CHECK(check.value().without_spare.empty());
+  }
+  SUBCASE("there is none") {
+    node.answer(RouteTable{"ant", {cart("cart1")}});
+    REQUIRE(check.value().without_spare.size() == 1);
+    CHECK(check.value().without_spare[0].task == "t1");
+  }
+  SUBCASE("the robot is unknown") {
+    node.answer(RouteTable{"ant", {cart("cart2")}});
+    CHECK(faults_that_stop(check.value().faults).size() == 1);
+    CHECK(check.value().without_spare.empty());
+  }
+  SUBCASE("the router says nothing") {
+    node.pass(kAnswerWait);
+    CHECK(check.error().code == Errc::timeout);
+  }
+}

@@ -1,0 +1,92 @@
+// A node that the test plays: it takes what operations send one by one, answers it, and lets time pass.
+#pragma once
+
+#include <doctest/doctest.h>
+
+#include <deque>
+#include <string>
+
+#include "common/operator/session.hpp"
+
+namespace trb::op {
+
+/// The node "ant".
+class FakeNode final : public NodeLink {
+ public:
+  [[nodiscard]] Session& session() { return session_; }
+
+  [[nodiscard]] const std::string& node() const override { return node_; }
+  [[nodiscard]] Now now() const override { return now_; }
+  Bytes random_bytes(std::size_t size) override { return Bytes(size, '\x11'); }
+  Result<std::uint64_t> send(const Send& send) override;
+
+  /// What was sent next, which must be of this body and for this node. answer() and refuse() are about it.
+  template <class Body>
+  Body take(const std::string& target = "ant") {
+    const Send next = take_send(target);
+    const Body* body = get_if<Body>(&next.body);
+    REQUIRE_MESSAGE(body != nullptr, "sent was " << std::string(subtype_of(next.body)));
+    return *body;
+  }
+  Send take_send(const std::string& target);
+  /// The id of what was taken last.
+  [[nodiscard]] std::uint64_t taken() const { return taken_; }
+  /// Nothing was sent that was not taken.
+  [[nodiscard]] bool is_quiet() const { return sent_.empty(); }
+
+  /// The answer of the node that it was for. True if a request waited for it.
+  bool answer(const Body& body) { return answer(taken_, target_, body); }
+  bool answer(std::uint64_t id, const std::string& source, const Body& body);
+  bool refuse(Errc code, const std::string& what, const std::string& cure = {});
+
+  /// Lets time pass, and what is due happen in its order.
+  void pass(Duration time);
+  /// From now on the router takes nothing.
+  void close() { closed_ = true; }
+
+ private:
+  struct Sent {
+    std::uint64_t id;
+    Send send;
+  };
+  std::string node_ = "ant";
+  Now now_{{1'000'000'000}, {1'772'366'400'000'000'000}};
+  std::deque<Sent> sent_;
+  std::uint64_t last_id_ = 0;
+  std::uint64_t taken_ = 0;
+  std::string target_;  ///< of what was taken last
+  bool closed_ = false;
+  Session session_{*this};
+};
+
+/// The end of an operation, as the test sees it.
+template <class T>
+class Ending {
+ public:
+  /// For the operation; it must be called once at most.
+  operator Callback<T>() {  // NOLINT(google-explicit-constructor)
+    return [this](Result<T> result) {
+      CHECK_FALSE(result_.has_value());
+      result_.emplace(std::move(result));
+    };
+  }
+  [[nodiscard]] bool has_come() const { return result_.has_value(); }
+  [[nodiscard]] const T& value() const {
+    REQUIRE(has_come());
+    REQUIRE_MESSAGE(result_->ok(), result_->error().text());
+    return **result_;
+  }
+  [[nodiscard]] const Error& error() const {
+    REQUIRE(has_come());
+    REQUIRE_FALSE(result_->ok());
+    return result_->error();
+  }
+
+ private:
+  std::optional<Result<T>> result_;
+};
+
+/// A row of the routing table.
+Route route_to(const std::string& id, Role role = Role::robot, const std::string& state = "ONLINE");
+
+}  // namespace trb::op

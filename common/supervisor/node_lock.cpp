@@ -1,0 +1,73 @@
+#include "common/supervisor/node_lock.hpp"
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+#include <cerrno>
+
+#include "common/base/files.hpp"
+#include "common/base/number_text.hpp"
+
+namespace trb::supervisor {
+namespace {
+
+std::string lock_path(const std::string& node_dir) {
+  return node_dir + "/state/up.lock";
+}
+
+constexpr std::size_t kPidDigits = 10;
+
+pid_t pid_in(const std::string& text) {
+  return parse_number<pid_t>(text.substr(0, text.find('\n'))).value_or(0);
+}
+
+/// On a disk that cannot be written to, a lock file that is there can be locked as well.
+int open_lock(const std::string& node_dir) {
+  const int fd = ::open(lock_path(node_dir).c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600);
+  if (fd >= 0 || errno != EROFS) return fd;
+  return ::open(lock_path(node_dir).c_str(), O_RDONLY | O_CLOEXEC);
+}
+
+}  // namespace
+
+Result<NodeLock> NodeLock::take(const std::string& node_dir) {
+  if (Status made = make_private_dir(node_dir + "/state"); !made) return made.error();
+  const int fd = open_lock(node_dir);
+  if (fd < 0) return fail(Errc::io_error, lock_path(node_dir) + ": cannot open");
+  if (::flock(fd, LOCK_EX | LOCK_NB) != 0) {
+    ::close(fd);
+    auto pid = read_file(lock_path(node_dir), 64);
+    return fail(Errc::conflict, node_dir + " is up already (pid " + (pid ? std::to_string(pid_in(*pid)) : "?") + ")",
+                "stop that one first, or use trb reload " + node_dir);
+  }
+  // As long each time: a full disk has room for it where the last one stood. The lock itself is no byte on it.
+  std::string text = std::to_string(::getpid());
+  text = std::string(kPidDigits - std::min(text.size(), kPidDigits), '0') + text + "\n";
+  const bool written = ::pwrite(fd, text.data(), text.size(), 0) == static_cast<ssize_t>(text.size());
+  if (!written) (void)!::ftruncate(fd, 0);
+  return NodeLock(fd);
+}
+
+Result<pid_t> NodeLock::holder(const std::string& node_dir) {
+  const Error none = fail(Errc::missing, node_dir + " is not up", "start it: trb up " + node_dir);
+  const int fd = ::open(lock_path(node_dir).c_str(), O_RDONLY | O_CLOEXEC);
+  if (fd < 0) return none;
+  const bool is_free = ::flock(fd, LOCK_EX | LOCK_NB) == 0;
+  ::close(fd);
+  auto text = read_file(lock_path(node_dir), 64);
+  if (is_free || !text) return none;
+  const pid_t pid = pid_in(*text);
+  // What a disk that cannot be written to holds is of an earlier start, and may be anybody's by now.
+  const auto program = read_file("/proc/" + std::to_string(pid) + "/comm");
+  if (pid > 0 && program && *program == "trb\n") return pid;
+  return fail(Errc::io_error,
+              node_dir + " is up, but " + lock_path(node_dir) + " does not hold its pid: its disk is full",
+              "make room there (df -h " + node_dir + ") and start it again: trb up " + node_dir);
+}
+
+NodeLock::~NodeLock() {
+  if (fd_ >= 0) ::close(fd_);
+}
+
+}  // namespace trb::supervisor

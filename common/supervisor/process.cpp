@@ -1,0 +1,22 @@
+#include "common/supervisor/process.hpp"
+
+#include <sys/prctl.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <filesystem>
+
+namespace trb::supervisor {
+
+std::string program_dir() {
+  return std::filesystem::read_symlink("/proc/self/exe").parent_path().string();
+}
+
+void die_with_parent() {
+  const pid_t parent = ::getppid();
+  ::prctl(PR_SET_PDEATHSIG, SIGTERM);
+  // It may have ended before the kernel was asked.
+  if (::getppid() != parent || parent == 1) ::raise(SIGTERM);
+}
+
+}  // namespace trb::supervisor

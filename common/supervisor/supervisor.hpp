@@ -1,0 +1,65 @@
+// Starts a node's services, keeps them running, ends them with itself.
+#pragma once
+
+#include <sys/types.h>
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/base/time.hpp"
+#include "common/supervisor/restart_delay.hpp"
+
+namespace trb::supervisor {
+
+/// What is started as `PROGRAM NODE_DIR`.
+struct ServiceProgram {
+  std::string service;
+  std::string program;
+};
+
+/// Blocks the signals that Supervisor::run() waits for; before the process has threads.
+void block_signals();
+
+class Supervisor {
+ public:
+  /// `notify` gets a line for the person: "ready", "router ended (signal 11), starting it again".
+  Supervisor(std::string node_dir, std::vector<ServiceProgram> services,
+             std::function<void(const std::string&)> notify);
+
+  /// What is to run from now on; nothing: as it was.
+  using Reload = std::function<std::optional<std::vector<ServiceProgram>>()>;
+
+  /// Starts all and keeps them running until SIGTERM or SIGINT. `reload` is asked at SIGHUP; if it agrees, every
+  /// service is asked to start again once it is idle, a new one is started, and one that is there no more ends.
+  /// `is_ready` is asked every 0.1 s until it is true. block_signals() must have been called before. Ends all services,
+  /// those that do not end within 3 s by force, and returns 0.
+  int run(const Reload& reload, const std::function<bool()>& is_ready);
+
+ private:
+  struct Child {
+    std::string service;
+    std::string program;
+    pid_t pid = 0;
+    MonotonicTime started;
+    MonotonicTime start_at;
+    RestartDelay delay;
+    bool wanted = true;  ///< false: taken out, and ends
+  };
+  void add(ServiceProgram service);
+  /// True if one is new.
+  bool change(std::vector<ServiceProgram> services);
+  void start_due(Now now);
+  void reap(Now now);
+  void ended(Child& child, int status, Now now);
+  void signal_all(int signal) const;
+  void end_all();
+  [[nodiscard]] Duration until_next(Now now, bool ready) const;
+
+  std::string node_dir_;
+  std::vector<Child> children_;
+  std::function<void(const std::string&)> notify_;
+};
+
+}  // namespace trb::supervisor

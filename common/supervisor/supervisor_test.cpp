@@ -1,0 +1,168 @@
+// A supervisor with real processes: shell scripts that note each of their starts.
+#include "common/supervisor/supervisor.hpp"
+
+#include <doctest/doctest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <csignal>
+#include <filesystem>
+#include <fstream>
+
+#include "common/base/files.hpp"
+#include "common/supervisor/node_lock.hpp"
+#include "common/transport/loop.hpp"
+
+using namespace trb;
+using namespace trb::supervisor;
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A node's folder, and programs in it.
+struct Node {
+  std::string dir;
+  std::vector<std::string> notes;
+  MonotonicTime end = read_clocks().mono + std::chrono::seconds(20);
+
+  Node() {
+    char name[] = "/tmp/trb-up-XXXXXX";
+    dir = ::mkdtemp(name);
+    supervisor::block_signals();
+  }
+  ~Node() { fs::remove_all(dir); }
+
+  /// A program that writes its pid, a line each start, and then does this.
+  ServiceProgram program(const std::string& name, const std::string& then) const {
+    const std::string path = dir + "/" + name + ".sh";
+    std::ofstream(path) << "#!/bin/sh\necho $$ >> \"$1/" << name << ".pids\"\n" << then << "\n";
+    fs::permissions(path, fs::perms::owner_all);
+    return {name, path};
+  }
+  [[nodiscard]] std::vector<pid_t> pids(const std::string& name) const {
+    std::ifstream in(dir + "/" + name + ".pids");
+    std::vector<pid_t> out;
+    for (pid_t pid = 0; in >> pid;) out.push_back(pid);
+    return out;
+  }
+  [[nodiscard]] bool has_note(const std::string& text) const {
+    return std::find(notes.begin(), notes.end(), text) != notes.end();
+  }
+  [[nodiscard]] bool late() const { return read_clocks().mono > end; }
+};
+
+constexpr const char* kRunOn = "exec sleep 1000";
+
+void send_self(int signal) {
+  ::kill(::getpid(), signal);
+}
+
+bool is_gone(pid_t pid) {
+  return ::kill(pid, 0) != 0 && errno == ESRCH;
+}
+
+std::optional<std::vector<ServiceProgram>> no_reload() {
+  return std::nullopt;
+}
+
+}  // namespace
+
+TEST_CASE("all services are started, 'ready' is said once, and they end with the supervisor") {
+  Node node;
+  Supervisor supervisor(node.dir, {node.program("a", kRunOn), node.program("b", kRunOn)}, [&](const std::string& note) {
+    node.notes.push_back(note);
+    send_self(SIGTERM);
+  });
+  const auto is_ready = [&] { return (!node.pids("a").empty() && !node.pids("b").empty()) || node.late(); };
+  CHECK(supervisor.run(no_reload, is_ready) == 0);
+  CHECK(node.notes == std::vector<std::string>{"ready"});
+  REQUIRE(node.pids("a").size() == 1);
+  CHECK(is_gone(node.pids("a")[0]));
+  CHECK(is_gone(node.pids("b")[0]));
+}
+
+TEST_CASE("a service that ends is started again, the second time with a wait; one that asks for it at once") {
+  Node node;
+  std::vector<MonotonicTime> ends;
+  std::string third = "[ $(wc -l < \"$1/a.pids\") -lt 3 ] && exit ";
+  SUBCASE("it fails") {
+    third += "1";
+  }
+  SUBCASE("it asks for it") {
+    third += "75";
+  }
+  const bool asks = third.ends_with("75");
+  Supervisor supervisor(node.dir, {node.program("a", third + "\n" + kRunOn)}, [&](const std::string& note) {
+    node.notes.push_back(note);
+    ends.push_back(read_clocks().mono);
+    if (note == "ready") send_self(SIGTERM);
+  });
+  CHECK(supervisor.run(no_reload, [&] { return node.pids("a").size() >= 3 || node.late(); }) == 0);
+  REQUIRE(node.notes.size() == 3);
+  CHECK(node.notes[1] == (asks ? "a starts again with the new files" : "a ended (status 1), starting it again"));
+  CHECK(node.notes[2] == "ready");
+  if (!asks) CHECK(ends[2] - ends[1] >= std::chrono::milliseconds(100));
+}
+
+TEST_CASE("at SIGHUP a new service is started and one that was taken out ends, if the new files are good") {
+  Node node;
+  const ServiceProgram b = node.program("b", kRunOn);
+  bool good = false;
+  int reloads = 0;
+  Supervisor supervisor(node.dir, {node.program("a", kRunOn)}, [&](const std::string& note) {
+    node.notes.push_back(note);
+    if (note == "ready") send_self(good ? SIGTERM : SIGHUP);
+  });
+  const auto reload = [&]() -> std::optional<std::vector<ServiceProgram>> {
+    // The first time the files have a fault: all stays as it is.
+    if (++reloads == 1) send_self(SIGHUP);
+    if (reloads == 1) return std::nullopt;
+    good = true;
+    return std::vector{b};
+  };
+  const auto is_ready = [&] { return !node.pids(good ? "b" : "a").empty() || node.late(); };
+  CHECK(supervisor.run(reload, is_ready) == 0);
+  CHECK(node.notes == std::vector<std::string>{"ready", "a was taken out, and ends", "b is new, and starts", "ready"});
+  CHECK(node.pids("a").size() == 1);
+  CHECK(is_gone(node.pids("a")[0]));
+}
+
+TEST_CASE("a service that does not end is ended by force") {
+  Node node;
+  Supervisor supervisor(node.dir, {node.program("a", std::string("trap '' TERM\n") + kRunOn)},
+                        [&](const std::string&) { send_self(SIGINT); });
+  CHECK(supervisor.run(no_reload, [&] { return !node.pids("a").empty() || node.late(); }) == 0);
+  const pid_t pid = node.pids("a").at(0);
+  while (::waitpid(pid, nullptr, 0) == pid) {
+  }
+  CHECK(is_gone(pid));
+}
+
+TEST_CASE("the wait before a restart doubles up to two seconds, and begins anew once a service has settled") {
+  RestartDelay delay;
+  const auto fall = [&](double up_s, bool asked = false) { return to_seconds(delay.after_end(asked, seconds(up_s))); };
+  CHECK(fall(1) == 0);
+  for (const double wait : {0.1, 0.2, 0.4, 0.8, 1.6, 2.0, 2.0}) CHECK(fall(1) == doctest::Approx(wait));
+  CHECK(fall(11) == 0);
+  CHECK(fall(1) == doctest::Approx(0.1));
+  CHECK(fall(1, true) == 0);
+  CHECK(fall(1) == doctest::Approx(0.1));
+}
+
+TEST_CASE("a node has one supervisor, and its lock goes with it") {
+  Node node;
+  CHECK(NodeLock::holder(node.dir).error().code == Errc::missing);
+  {
+    auto lock = NodeLock::take(node.dir);
+    REQUIRE(lock.ok());
+    const auto second = NodeLock::take(node.dir);
+    CHECK(second.error().code == Errc::conflict);
+    CHECK(second.error().what == node.dir + " is up already (pid " + std::to_string(::getpid()) + ")");
+    // The pid on the disk may be anybody's by now: this process is no `trb`.
+    CHECK(NodeLock::holder(node.dir).error().code == Errc::io_error);
+  }
+  CHECK(NodeLock::holder(node.dir).error().code == Errc::missing);
+  CHECK(NodeLock::take(node.dir).ok());
+}
