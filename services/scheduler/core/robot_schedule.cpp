@@ -34,7 +34,7 @@ RobotSchedule::Allowed RobotSchedule::allowed(const Run& run, const AttemptKey& 
     return {Permit::cancel, "epoch " + std::to_string(run.epochs().current()) + ": the task is for '" +
                                 run.epochs().robot_of(task) + "' now"};
   }
-  if (run.expired(step.steady)) return {Permit::no_more, "the run has expired"};
+  if (run.definition().expired(step.steady)) return {Permit::no_more, "the run has expired"};
   if (run.work().withheld().is_asked_back(task)) {
     return {Permit::give_back, "given back to '" + run.definition().rule().decider() + "', never begun"};
   }
