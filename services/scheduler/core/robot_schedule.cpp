@@ -34,7 +34,7 @@ RobotSchedule::Allowed RobotSchedule::allowed(const Run& run, const AttemptKey& 
     return {Permit::cancel, "epoch " + std::to_string(run.epochs().current()) + ": the task is for '" +
                                 run.epochs().robot_of(task) + "' now"};
   }
-  if (run.expired(step.steady)) return {Permit::no_more, "the run has expired"};
+  if (run.definition().expired(step.steady)) return {Permit::no_more, "the run has expired"};
   const std::string& decider = run.definition().rule().decider();
   if (run.work().withheld().is_to_stop(task)) {
     return {Permit::stop, "asked back by '" + decider + "': somebody says that the robot stands"};

@@ -32,7 +32,7 @@ JournalArchive record_of(const Run& run, const Executor& executor, Step step) {
 void RunArchiver::archive(Step step) {
   const std::vector<Run*> runs = runs_.runs();  // a copy: what is over leaves the store
   for (Run* run : runs) {
-    const bool expired = run->expired(step.steady);
+    const bool expired = run->definition().expired(step.steady);
     if (expired) {
       run->deliveries().pending().drop(DeliveryKind::baton);
       run->work().requests().drop_results();
@@ -49,7 +49,7 @@ void RunArchiver::archive(Step step) {
 bool RunArchiver::is_over(const Run& run, Step step) const {
   if (executor_.runs(run.id())) return false;
   const bool owes = !run.deliveries().pending().empty();
-  if (run.expired(step.steady)) return !owes || step.steady >= run.definition().buried_until();
+  if (run.definition().expired(step.steady)) return !owes || step.steady >= run.definition().buried_until();
   if (owes) return false;
   if (run.orders().is_aborted()) return true;
   // A second cloud node waits for the results that are still on their way to it.

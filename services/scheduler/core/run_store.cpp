@@ -4,6 +4,18 @@
 #include <tuple>
 
 namespace trb::scheduler {
+namespace {
+
+const std::string& run_in(const TaskResult& result) {
+  return result.key.run;
+}
+
+template <class Inside>
+const std::string& run_in(const Inside& body) {
+  return body.run;
+}
+
+}  // namespace
 
 template <class Fact>
 Status RunStore::apply_to(const std::string& run, const Fact& fact) {
@@ -19,35 +31,23 @@ Status RunStore::apply_start(const JournalRun& fact) {
   return (known != nullptr ? *known : add(std::move(*run))).apply(fact);
 }
 
+template <class Inside, class Fact>
+Status RunStore::apply_signed(const SignedRecord& record, const Fact& fact) {
+  const auto inside = decode<Inside>(record.payload.bytes);
+  return inside ? apply_to(run_in(*inside), fact) : Status(inside.error());
+}
+
 Status RunStore::apply(const Body& fact) {
   return visit(Overloaded{
                    [&](const JournalRun& is) { return apply_start(is); },
                    [&](const JournalStart& is) { return apply_to(is.key.run, is); },
-                   [&](const JournalResult& is) -> Status {
-                     const auto result = decode<TaskResult>(is.result.payload.bytes);
-                     return result ? apply_to(result->key.run, is) : Status(result.error());
-                   },
-                   [&](const JournalChoice& is) -> Status {
-                     const auto choice = decode<Choice>(is.choice.payload.bytes);
-                     return choice ? apply_to(choice->run, is) : Status(choice.error());
-                   },
+                   [&](const JournalResult& is) { return apply_signed<TaskResult>(is.result, is); },
+                   [&](const JournalChoice& is) { return apply_signed<Choice>(is.choice, is); },
                    [&](const JournalDelivered& is) { return apply_to(is.run, is); },
-                   [&](const JournalAbort& is) -> Status {
-                     const auto order = decode<AbortOrder>(is.order.payload.bytes);
-                     return order ? apply_to(order->run, is) : Status(order.error());
-                   },
-                   [&](const JournalDecision& is) -> Status {
-                     const auto decision = decode<Decision>(is.decision.payload.bytes);
-                     return decision ? apply_to(decision->run, is) : Status(decision.error());
-                   },
-                   [&](const JournalPause& is) -> Status {
-                     const auto order = decode<PauseOrder>(is.order.payload.bytes);
-                     return order ? apply_to(order->run, is) : Status(order.error());
-                   },
-                   [&](const JournalEnd& is) -> Status {
-                     const auto end = decode<RunEnd>(is.end.payload.bytes);
-                     return end ? apply_to(end->run, is) : Status(end.error());
-                   },
+                   [&](const JournalAbort& is) { return apply_signed<AbortOrder>(is.order, is); },
+                   [&](const JournalDecision& is) { return apply_signed<Decision>(is.decision, is); },
+                   [&](const JournalPause& is) { return apply_signed<PauseOrder>(is.order, is); },
+                   [&](const JournalEnd& is) { return apply_signed<RunEnd>(is.end, is); },
                    [](const auto& other) -> Status {
                      return fail(Errc::bad_value,
                                  "'" + std::string(subtype_of(Body(other))) + "' is no journal record");

@@ -10,9 +10,6 @@ namespace trb::scheduler {
 /// PAUSED: some task waits for a word, or all is held. What does not follow that task goes on meanwhile.
 RunState state_of(const Run& run, const Executor& executor, Clock clock);
 
-/// What a run waits for, in words: when PAUSED or ABORTING, and when this node's next task finds its robot not ready.
-std::string waits_for(const Run& run, const Executor& executor, Clock clock);
-
 /// A view is one message: of a very large run the longest words are left out, then what the oldest decisions were on.
 void fit(RunView& view);
 RunView view_of(const Run& run, const Executor& executor, Clock clock);

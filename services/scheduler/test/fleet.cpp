@@ -7,15 +7,10 @@
 
 namespace trb::scheduler::test {
 
-Fleet::Fleet(std::uint64_t seed) : random_state_(seed) {
+Fleet::Fleet(std::uint64_t seed) : network_(seed, weather) {
   init_crypto();
   authority_key_ = make_signing_key();
   authority_ = {"test", authority_key_.public_key};
-}
-
-std::uint64_t Fleet::random(std::uint64_t below) {
-  random_state_ = random_state_ * 6364136223846793005U + 1442695040888963407U;
-  return (random_state_ >> 33U) % below;
 }
 
 Node& Fleet::add(const std::string& id, Role role) {
@@ -58,12 +53,8 @@ SignedRecord Fleet::make_start(const Scenario& scenario, const std::string& subm
   return sign(submitter, kSignedRunStart, encode(start));
 }
 
-void Fleet::post(Event event, Duration delay) {
-  events_[{now_.ns + delay.count(), ++count_}] = std::move(event);
-}
-
 void Fleet::ask(const std::string& node, MessageType type, Body body) {
-  Inbound message{type, node, node, ++count_, 0, 0, kDefaultRemainingMs, std::move(body)};
+  Inbound message{type, node, node, time_.next_number(), 0, 0, kDefaultRemainingMs, std::move(body)};
   asked_.insert(message.id);
   happen({node, false, false, false, std::move(message)});
 }
@@ -72,20 +63,25 @@ Outbox Fleet::tell(const std::string& node, const std::string& source, MessageTy
                    std::uint64_t reply_to) {
   Outbox out;
   Node& to = nodes_.at(node);
-  to.core->on({type, source, node, ++count_, reply_to, 0, kDefaultRemainingMs, std::move(body)}, now_at(to), out);
+  to.core->on({type, source, node, time_.next_number(), reply_to, 0, kDefaultRemainingMs, std::move(body)}, now_at(to),
+              out);
   for (const Journal& record : out.journal) to.journal.commit(record.record, *to.archive);
   touch(to);
   return out;
 }
 
 void Fleet::hear(const std::string& node, const std::string& source, MessageType type, Body body) {
-  happen({node, false, false, false, {type, source, node, ++count_, 0, 0, kDefaultRemainingMs, std::move(body)}});
+  happen({node,
+          false,
+          false,
+          false,
+          {type, source, node, time_.next_number(), 0, 0, kDefaultRemainingMs, std::move(body)}});
 }
 
 RunView Fleet::view(const std::string& node, const std::string& run) {
   run_adapter(nodes_.at(node));
   Outbox out;
-  nodes_.at(node).core->on({MessageType::request, node, node, ++count_, 0, 0, 1000, RunQuery{run}},
+  nodes_.at(node).core->on({MessageType::request, node, node, time_.next_number(), 0, 0, 1000, RunQuery{run}},
                            now_at(nodes_.at(node)), out);
   const auto views = sent<RunView>(out);
   if (views.empty()) return {};
@@ -136,7 +132,7 @@ void Fleet::carry_out(Node& node, const Outbox& out) {
   }
   if (!crashed) return;
   stop(node.id);
-  post({node.id, false, true, false, {}}, seconds(0.3));
+  time_.post({node.id, false, true, false, {}}, seconds(0.3));
 }
 
 Body Fleet::carried_over(const Body& body) {
@@ -147,12 +143,12 @@ Body Fleet::carried_over(const Body& body) {
 }
 
 void Fleet::send(Node& node, const Send& send) {
-  Inbound message{send.type,     node.id,    send.target,       ++count_,
+  Inbound message{send.type,     node.id,    send.target,       time_.next_number(),
                   send.reply_to, send.flags, send.remaining_ms, carried_over(send.body)};
   if (send.reply_to != 0 && asked_.contains(send.reply_to)) {
     answers.push_back(message.body);
   } else if (send.target == node.id && guests_asked_.contains(send.reply_to)) {
-    post({node.id, false, false, true, message}, seconds(0.001));
+    time_.post({node.id, false, false, true, message}, seconds(0.001));
   } else if (send.target == node.id) {
     send_local(node, message);
   } else {
@@ -161,7 +157,7 @@ void Fleet::send(Node& node, const Send& send) {
 }
 
 void Fleet::send_local(Node& node, const Inbound& message) {
-  if (chance(weather.local_loss)) return;
+  if (network_.loses_locally()) return;
   if (const auto* request = get_if<SignRequest>(&message.body)) {
     REQUIRE_MESSAGE(may_sign(node.role, request->kind), (node.id + " " + request->kind));
     REQUIRE(may_have_signed("scheduler", false, request->kind));
@@ -171,17 +167,17 @@ void Fleet::send_local(Node& node, const Inbound& message) {
   } else if (holds_alternative<SensorRead>(message.body)) {
     read_sensor(node, message);
   } else {
-    post({node.id, true, false, false, message}, seconds(0.001));
+    time_.post({node.id, true, false, false, message}, seconds(0.001));
   }
 }
 
 void Fleet::answer(const std::string& from, const Inbound& asked, Duration delay, Body body) {
-  post({asked.source,
-        false,
-        false,
-        false,
-        {MessageType::information, from, asked.source, ++count_, asked.id, 0, 1000, std::move(body)}},
-       delay);
+  time_.post({asked.source,
+              false,
+              false,
+              false,
+              {MessageType::information, from, asked.source, time_.next_number(), asked.id, 0, 1000, std::move(body)}},
+             delay);
 }
 
 void Fleet::read_sensor(Node& node, const Inbound& message) {
@@ -210,9 +206,12 @@ RouteTable Fleet::routes(const Node& node, const std::string& after) const {
 void Fleet::nack(Node& node, const Inbound& message, Errc code) {
   if (message.type == MessageType::information || message.reply_to != 0) return;
   Nack body{std::string(errc_name(code)), std::string(subtype_of(message.body)), message.target, "not delivered", ""};
-  post(
-      {node.id, false, false, false, {MessageType::information, node.id, node.id, ++count_, message.id, 0, 1000, body}},
-      seconds(0.001));
+  time_.post({node.id,
+              false,
+              false,
+              false,
+              {MessageType::information, node.id, node.id, time_.next_number(), message.id, 0, 1000, body}},
+             seconds(0.001));
 }
 
 void Fleet::send_away(Node& node, const Inbound& message) {
@@ -221,14 +220,12 @@ void Fleet::send_away(Node& node, const Inbound& message) {
   ++carried[std::string(subtype_of(message.body))];
   if (node.cut || target->second.cut) return nack(node, message, Errc::peer_unreachable);
   if (holds_alternative<SensorRead>(message.body)) {
-    if (!chance(weather.loss)) read_sensor(target->second, message);
+    if (!network_.loses()) read_sensor(target->second, message);
     return;
   }
   if (!target->second.up) return nack(node, message, Errc::no_service);
-  const int copies = chance(weather.loss) ? 0 : (chance(weather.twice) ? 2 : 1);
-  for (int i = 0; i < copies; ++i) {
-    const auto extra = weather.scatter.count() == 0 ? 0 : random(static_cast<std::uint64_t>(weather.scatter.count()));
-    post({message.target, false, false, false, message}, seconds(0.005) + Duration{static_cast<std::int64_t>(extra)});
+  for (const Duration delay : network_.arrivals()) {
+    time_.post({message.target, false, false, false, message}, delay);
   }
 }
 
@@ -239,23 +236,23 @@ void Fleet::happen(Event event) {
     return nudge(node.id, [&](Guest& guest, Now now, Outbox& out) { guest.on(event.message, now, out); });
   }
   if (event.to_adapter) {
-    node.adapter.hear(event.message, now_);
+    node.adapter.hear(event.message, time_.now());
     return run_adapter(node);
   }
   run_core(node, [&](SchedulerCore& core, Outbox& out) { core.on(event.message, now_at(node), out); });
 }
 
 void Fleet::run_adapter(Node& node) {
-  node.adapter.tick(now_);
+  node.adapter.tick(time_.now());
   for (FakeAdapter::Said& said : node.adapter.take()) {
-    if (chance(weather.local_loss)) continue;
+    if (network_.loses_locally()) continue;
     const MessageType type = MessageType::information;
-    post({node.id,
-          false,
-          false,
-          false,
-          {type, node.id, node.id, ++count_, said.reply_to, 0, 1000, std::move(said.body)}},
-         seconds(0.001));
+    time_.post({node.id,
+                false,
+                false,
+                false,
+                {type, node.id, node.id, time_.next_number(), said.reply_to, 0, 1000, std::move(said.body)}},
+               seconds(0.001));
   }
   touch(node);
 }
@@ -266,35 +263,32 @@ void Fleet::touch(Node& node) {
   if (node.up) next = earlier(next, node.core->next_deadline());
   const auto guest = guests_.find(node.id);
   if (node.up && guest != guests_.end()) next = earlier(next, guest->second->next_deadline());
-  deadlines_[node.id] = next;
+  time_.set_deadline(node.id, next);
 }
 
 bool Fleet::next_moment(MonotonicTime limit) {
-  std::optional<MonotonicTime> next;
-  if (!events_.empty()) next = MonotonicTime{events_.begin()->first.first};
-  for (const auto& [id, at] : deadlines_) next = earlier(next, at);
+  const auto next = time_.next();
   if (!next || *next > limit) return false;
-  now_ = std::max(now_, *next);
-  if (!events_.empty() && events_.begin()->first.first <= now_.ns) {
-    Event event = std::move(events_.begin()->second);
-    events_.erase(events_.begin());
-    happen(std::move(event));
-  }
-  for (auto& [id, at] : deadlines_) {
-    if (!at || *at > now_) continue;
-    Node& node = nodes_.at(id);
-    run_adapter(node);
-    const auto due = [&](std::optional<MonotonicTime> is) { return node.up && is && *is <= now_; };
-    if (due(node.up ? node.core->next_deadline() : std::nullopt)) {
-      run_core(node, [&](SchedulerCore& core, Outbox& out) { core.tick(now_at(node), out); });
-    }
-    const auto guest = guests_.find(id);
-    if (guest != guests_.end() && due(guest->second->next_deadline())) {
-      nudge(id, [](Guest& is, Now now, Outbox& out) { is.tick(now, out); });
-    }
-    touch(node);
+  time_.pass_to(*next);
+  if (auto event = time_.take_due()) happen(std::move(*event));
+  for (auto& [id, node] : nodes_) {
+    if (time_.is_due(id)) tick(node);
   }
   return true;
+}
+
+/// Something is due on that node without a message.
+void Fleet::tick(Node& node) {
+  run_adapter(node);
+  const auto due = [&](std::optional<MonotonicTime> is) { return node.up && is && *is <= time_.now(); };
+  if (due(node.up ? node.core->next_deadline() : std::nullopt)) {
+    run_core(node, [&](SchedulerCore& core, Outbox& out) { core.tick(now_at(node), out); });
+  }
+  const auto guest = guests_.find(node.id);
+  if (guest != guests_.end() && due(guest->second->next_deadline())) {
+    nudge(node.id, [](Guest& is, Now now, Outbox& out) { is.tick(now, out); });
+  }
+  touch(node);
 }
 
 void Fleet::attach(const std::string& node, Guest& guest) {
@@ -312,16 +306,16 @@ void Fleet::nudge(const std::string& id, const std::function<void(Guest&, Now, O
 }
 
 void Fleet::answer_guest(Node& node, const Inbound& asked, Duration delay, const std::string& from, Body body) {
-  post({node.id,
-        false,
-        false,
-        true,
-        {MessageType::information, from, node.id, ++count_, asked.id, 0, 1000, std::move(body)}},
-       delay);
+  time_.post({node.id,
+              false,
+              false,
+              true,
+              {MessageType::information, from, node.id, time_.next_number(), asked.id, 0, 1000, std::move(body)}},
+             delay);
 }
 
 void Fleet::send_of_guest(Node& node, const Send& send) {
-  Inbound message{send.type,     node.id,    send.target,       ++count_,
+  Inbound message{send.type,     node.id,    send.target,       time_.next_number(),
                   send.reply_to, send.flags, send.remaining_ms, carried_over(send.body)};
   if (send.reply_to != 0 && asked_.contains(send.reply_to)) return answers.push_back(message.body);
   constexpr std::size_t kRemembered = 10'000;
@@ -351,7 +345,7 @@ void Fleet::send_of_guest(Node& node, const Send& send) {
   } else if (const auto* asked = get_if<RouteListRequest>(&message.body)) {
     return answer_guest(node, message, seconds(0.001), node.id, routes(node, asked->after));
   }
-  post({send.target, false, false, false, message}, seconds(0.005));
+  time_.post({send.target, false, false, false, message}, seconds(0.005));
 }
 
 /// A test may have changed anything.
@@ -360,7 +354,7 @@ void Fleet::touch_all() {
 }
 
 bool Fleet::until(const std::function<bool()>& done, Duration limit) {
-  const MonotonicTime end = now_ + limit;
+  const MonotonicTime end = time_.now() + limit;
   while (!done()) {
     touch_all();
     if (!next_moment(end)) return done();
@@ -369,48 +363,11 @@ bool Fleet::until(const std::function<bool()>& done, Duration limit) {
 }
 
 void Fleet::pass(Duration time) {
-  const MonotonicTime end = now_ + time;
+  const MonotonicTime end = time_.now() + time;
   touch_all();
   while (next_moment(end)) {
   }
-  now_ = end;
-}
-
-Scenario nine_tasks() {
-  Scenario scenario;
-  scenario.name = "demonstration";
-  const auto add = [&](const char* id, const char* robot, const char* skill, std::vector<TaskIndex> after) {
-    Task task;
-    task.id = id;
-    task.robot = robot;
-    task.skill = skill;
-    task.after = std::move(after);
-    scenario.tasks.push_back(std::move(task));
-  };
-  add("bring_box", "ridgeback", "go_to", {});
-  add("move_box", "conveyor", "run_belt", {0});
-  add("put_down", "ur3", "grab", {1});
-  add("approach", "pioneer", "go_to", {2});
-  add("take_off", "drone", "take_off", {3});
-  add("pick", "ur3", "grab_left", {3});
-  add("go_back", "pioneer", "go_to", {4, 5});
-  add("land", "drone", "land", {6});
-  add("load_out", "ridgeback", "go_to", {6});
-  return scenario;
-}
-
-Scenario chain(const std::vector<std::string>& robots) {
-  Scenario scenario;
-  scenario.name = "chain";
-  for (std::size_t i = 0; i < robots.size(); ++i) {
-    Task task;
-    task.id = "task-" + std::to_string(i);
-    task.robot = robots[i];
-    task.skill = "go_to";
-    if (i > 0) task.after = {static_cast<TaskIndex>(i - 1)};
-    scenario.tasks.push_back(std::move(task));
-  }
-  return scenario;
+  time_.pass_to(end);
 }
 
 void add_demonstration(Fleet& fleet) {

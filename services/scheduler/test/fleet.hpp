@@ -13,16 +13,11 @@
 #include "services/scheduler/test/fake_adapter.hpp"
 #include "services/scheduler/test/fake_sensors.hpp"
 #include "services/scheduler/test/memory_archive.hpp"
+#include "services/scheduler/test/network.hpp"
+#include "services/scheduler/test/scenarios.hpp"
+#include "services/scheduler/test/virtual_time.hpp"
 
 namespace trb::scheduler::test {
-
-/// How bad the network is, in thousandths; `scatter` is the longest extra delay, so it reorders.
-struct Weather {
-  unsigned loss = 0;
-  unsigned twice = 0;
-  unsigned local_loss = 0;
-  Duration scatter{0};
-};
 
 struct Node {
   std::string id;
@@ -59,6 +54,8 @@ class Guest {
 class Fleet {
  public:
   explicit Fleet(std::uint64_t seed = 1);
+  Fleet(const Fleet&) = delete;
+  Fleet& operator=(const Fleet&) = delete;
 
   Node& add(const std::string& id, Role role);
   Node& operator[](const std::string& id) { return nodes_.at(id); }
@@ -66,9 +63,9 @@ class Fleet {
   [[nodiscard]] std::vector<Member> members() const;
   [[nodiscard]] SignedRecord sign(const std::string& id, std::string_view purpose, Bytes payload) const;
   [[nodiscard]] SignedRecord sign_order(const std::string& by, const std::string& run) const;
-  [[nodiscard]] Now now() const { return {now_, UtcTime{kEpoch} + Duration{now_.ns}}; }
+  [[nodiscard]] Now now() const { return {time_.now(), UtcTime{kEpoch} + Duration{time_.now().ns}}; }
   /// By the clock of that node.
-  [[nodiscard]] Now now_at(const Node& node) const { return {now_, now().utc + node.ahead}; }
+  [[nodiscard]] Now now_at(const Node& node) const { return {time_.now(), now().utc + node.ahead}; }
   [[nodiscard]] const FleetAuthority& authority() const { return authority_; }
 
   /// The signed start of a run of these tasks with every node of the fleet as a member.
@@ -112,9 +109,6 @@ class Fleet {
     Inbound message;
   };
 
-  std::uint64_t random(std::uint64_t below);
-  bool chance(unsigned thousandths) { return random(1000) < thousandths; }
-  void post(Event event, Duration delay);
   void carry_out(Node& node, const Outbox& out);
   bool commit(Node& node, const Outbox& out);
   /// A body as it arrives, or comes back from a journal.
@@ -134,25 +128,19 @@ class Fleet {
   void touch_all();
   void run_core(Node& node, const std::function<void(SchedulerCore&, Outbox&)>& step);
   bool next_moment(MonotonicTime limit);
+  void tick(Node& node);
 
   SigningKey authority_key_;
   FleetAuthority authority_;
+  Network network_;
+  VirtualTime<Event> time_;
   std::map<std::string, Node> nodes_;
-  std::map<std::pair<std::int64_t, std::uint64_t>, Event> events_;
   std::set<std::uint64_t> asked_;
   std::map<std::string, Guest*> guests_;
-  std::set<std::uint64_t> guests_asked_;                           ///< the newest of them
-  std::map<std::string, std::optional<MonotonicTime>> deadlines_;  ///< of each node, as it was last looked at
-  MonotonicTime now_{1'000'000'000};
-  std::uint64_t random_state_;
-  std::uint64_t count_ = 0;
+  std::set<std::uint64_t> guests_asked_;  ///< the newest of them
   std::uint64_t bodies_ = 0;
 };
 
-/// The paper's scenario of section 6.1 after its re-assignment: nine tasks, a fork and a join for five robots.
-Scenario nine_tasks();
-/// A chain of tasks "task-0", "task-1" …
-Scenario chain(const std::vector<std::string>& robots);
 /// A fleet of a cloud node and the nine tasks' robots, all running.
 void add_demonstration(Fleet& fleet);
 

@@ -14,8 +14,8 @@ SignedRecord Signers::start(const Scenario& scenario) const {
   return fleet.make_start(scenario, "cloud", seconds(3600), kKnownRun);
 }
 
-KnownRun::KnownRun(const Scenario& scenario, const std::string& self)
-    : self(self),
+KnownRun::KnownRun(const Scenario& scenario, const std::string& node)
+    : self(node),
       start(signers.start(scenario)),
       now(signers.fleet.now()),
       runs(self, signers.fleet.authority()),

@@ -26,8 +26,8 @@ struct Signers {
 
 class KnownRun {
  public:
-  /// As `self` knows it.
-  explicit KnownRun(const Scenario& scenario, const std::string& self = "ur3");
+  /// As that node knows it.
+  explicit KnownRun(const Scenario& scenario, const std::string& node = "ur3");
 
   // Signed records of this run.
   [[nodiscard]] SignedRecord result(const std::string& task, const std::string& robot, TaskOutcome outcome,

@@ -51,7 +51,7 @@ Status BatonHandler::check(const Run& run, const Baton& baton, Step step) const 
     return fail(Errc::conflict, name + "of epoch " + std::to_string(baton.epoch) + ", this is epoch " +
                                     std::to_string(run.epochs().current()));
   }
-  if (run.expired(step.steady)) return fail(Errc::expired, name + "the run has expired");
+  if (run.definition().expired(step.steady)) return fail(Errc::expired, name + "the run has expired");
   if (run.orders().has_ended()) return fail(Errc::expired, name + "the run has FINISHED");
   for (const TaskIndex task : baton.tasks) {
     if (task >= run.tasks().size() || !run.epochs().concerns(task)) {

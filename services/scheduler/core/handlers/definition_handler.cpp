@@ -13,7 +13,7 @@ Error unexpected() {
 
 /// There is time and place for it.
 Status DefinitionHandler::check_new(const Run& run, Step step) const {
-  if (run.expired(step.steady)) {
+  if (run.definition().expired(step.steady)) {
     return fail(Errc::expired, "run " + run.id() + " has expired before it came here",
                 "compare the nodes' clocks (trb doctor), or give it a longer life: --expires-h");
   }

@@ -76,10 +76,8 @@ class Run {
   /// The part of known_final() that is known to be SKIPPED.
   [[nodiscard]] std::vector<bool> known_skipped() const;
 
-  /// By the steady time, here and below.
-  [[nodiscard]] bool expired(UtcTime steady) const { return definition_.expired(steady); }
-  /// Neither aborted, nor FINISHED, nor past its time.
-  [[nodiscard]] bool is_open(UtcTime steady) const { return orders_.is_open() && !expired(steady); }
+  /// Neither aborted, nor FINISHED, nor, by the steady time, past its own.
+  [[nodiscard]] bool is_open(UtcTime steady) const { return orders_.is_open() && !definition_.expired(steady); }
   /// Tasks may be begun: it is open, and nothing holds it.
   [[nodiscard]] bool may_start(UtcTime steady) const;
   /// This node has nothing left to do: its tasks are final, and nothing is owed or waited for.

@@ -12,7 +12,7 @@ TEST_CASE("a task that is asked back or cannot begin is withheld until a decisio
   CHECK(tasks.is_asked_back(1));
   CHECK_FALSE(tasks.is_failing(1));
   CHECK(tasks.failing().at(3) == "no value for 'box'");
-  for (const TaskIndex task : {1, 2, 3}) CHECK(tasks.contains(task));
+  for (const TaskIndex task : std::vector<TaskIndex>{1, 2, 3}) CHECK(tasks.contains(task));
   tasks.drop(1);
   tasks.drop(3);
   CHECK(tasks.asked_back() == std::set<TaskIndex>{2});

@@ -1,0 +1,116 @@
+// Orders to abort, to hold and to let go on: a person's, and those that a node gives by itself.
+#include <doctest/doctest.h>
+
+#include "services/scheduler/core/handlers/abort_handler.hpp"
+#include "services/scheduler/core/handlers/pause_handler.hpp"
+#include "services/scheduler/test/known_run.hpp"
+
+using namespace trb;
+using namespace trb::scheduler;
+using namespace trb::scheduler::test;
+
+namespace {
+
+using Names = std::vector<std::string>;
+
+Scenario failing() {
+  Scenario scenario = chain({"ur3", "drone"});
+  scenario.tasks[0].on_failure = OnFailure::abort;
+  return scenario;
+}
+
+struct Ordering {
+  explicit Ordering(const std::string& self = "ur3") : known(failing(), self) {}
+
+  Outbox at_end_of_step() {
+    Outbox out;
+    aborts.confirm(known.run(), known.step(out));
+    aborts.order_on_failure(known.run(), known.step(out));
+    pauses.hold_for_doubles(known.run(), known.step(out));
+    return out;
+  }
+  void finish_twice() {
+    for (const char* data : {"", "again"}) {
+      known.add(known.result("task-0", "ur3", TaskOutcome::finished, 1, data));
+    }
+  }
+  [[nodiscard]] const Orders& orders() const { return known.run().orders(); }
+
+  KnownRun known;
+  AbortHandler aborts{known.self, known.executor, known.lookup, known.journal};
+  PauseHandler pauses{known.self, known.executor, known.lookup, known.journal};
+};
+
+}  // namespace
+
+TEST_CASE("an order of a peer is journaled, owed to all, and confirmed once nothing runs here") {
+  Ordering ordering;
+  const Outbox out = ordering.known.send(ordering.aborts, "cloud", RunAbort{ordering.known.abort()});
+  CHECK(out.journal.size() == 1);
+  CHECK(ordering.orders().is_aborted());
+  CHECK(targets<AbortConfirmed>(ordering.at_end_of_step()) == Names{"cloud"});
+  CHECK(targets<AbortConfirmed>(ordering.at_end_of_step()).empty());
+}
+
+TEST_CASE("a person's order on this node is answered") {
+  Ordering ordering("cloud");
+  Outbox out;
+  Inbound request = ordering.known.from("cloud", MessageType::request, RunAbort{ordering.known.abort()});
+  ordering.aborts.handle(RunAbort{ordering.known.abort()}, request, ordering.known.step(out));
+  CHECK(sent<Ack>(out).size() == 1);
+}
+
+TEST_CASE("a task whose failure ends the run makes its robot order the abort, once it is signed") {
+  Ordering ordering;
+  CHECK(sent<SignRequest>(ordering.at_end_of_step()).empty());
+  ordering.known.add(ordering.known.result("task-0", "ur3", TaskOutcome::failed));
+  const SignedRecord order = signed_by(ordering.known.signers, "ur3", ordering.at_end_of_step());
+  CHECK(sent<SignRequest>(ordering.at_end_of_step()).empty());  // asked already
+  Outbox out;
+  CHECK_FALSE(ordering.aborts.keep_signed(ordering.known.run(), ordering.known.abort(), ordering.known.step(out)));
+  CHECK(ordering.aborts.keep_signed(ordering.known.run(), order, ordering.known.step(out)));
+  CHECK(ordering.orders().is_aborted());
+}
+
+TEST_CASE("an order to hold is journaled and confirmed with the number that counts") {
+  Ordering ordering;
+  const Outbox out = ordering.known.send(ordering.pauses, "cloud", RunPause{ordering.known.pause(2, true)});
+  CHECK(ordering.orders().is_held());
+  REQUIRE(sent<PauseJournaled>(out).size() == 1);
+  CHECK(sent<PauseJournaled>(out)[0].number == 2);
+  const Outbox older = ordering.known.send(ordering.pauses, "cloud", RunPause{ordering.known.pause(1, false)});
+  CHECK(ordering.orders().is_held());
+  CHECK(sent<PauseJournaled>(older)[0].number == 2);
+}
+
+TEST_CASE("the judge holds a run in which a task was done twice, until a person has looked at it") {
+  Ordering judge("cloud");
+  judge.finish_twice();
+  const SignedRecord order = signed_by(judge.known.signers, "cloud", judge.at_end_of_step());
+  Outbox out;
+  REQUIRE(judge.pauses.keep_signed(judge.known.run(), order, judge.known.step(out)));
+  CHECK(judge.orders().is_held_for_doubles());
+  const RunPause blind{judge.known.pause(2, false)};
+  CHECK(nacks(judge.known.send(judge.pauses, "cloud", blind)) == Names{"conflict"});
+  CHECK(judge.orders().is_held());
+  judge.known.send(judge.pauses, "cloud", RunPause{judge.known.pause(2, false, {"task-0"})});
+  CHECK_FALSE(judge.orders().is_held());
+  CHECK(sent<SignRequest>(judge.at_end_of_step()).empty());
+}
+
+TEST_CASE("who is no judge holds nothing by itself") {
+  Ordering member("ur3");
+  member.finish_twice();
+  CHECK(sent<SignRequest>(member.at_end_of_step()).empty());
+}
+
+TEST_CASE("an order is owed to a member until it has journaled that one") {
+  Ordering ordering;
+  ordering.known.send(ordering.pauses, "cloud", RunPause{ordering.known.pause(3, true)});
+  const PendingDeliveries& pending = ordering.known.run().deliveries().pending();
+  CHECK_FALSE(pending.owes(DeliveryKind::pause, "cloud"));  // it has told of it
+  ordering.known.send(ordering.pauses, "drone", PauseJournaled{kKnownRun, 2});
+  CHECK(pending.owes(DeliveryKind::pause, "drone"));
+  ordering.known.send(ordering.pauses, "drone", PauseJournaled{kKnownRun, 3});
+  CHECK_FALSE(pending.owes(DeliveryKind::pause, "drone"));
+}

@@ -1,0 +1,78 @@
+#include "services/scheduler/core/handlers/result_handler.hpp"
+
+#include <doctest/doctest.h>
+
+#include "services/scheduler/test/known_run.hpp"
+
+using namespace trb;
+using namespace trb::scheduler;
+using namespace trb::scheduler::test;
+
+namespace {
+
+using Names = std::vector<std::string>;
+
+struct Collecting {
+  explicit Collecting(const std::string& self = "cloud") : known(chain({"drone", "ur3"}), self) {}
+  SignedRecord finished(const std::string& task, const std::string& robot) {
+    return known.result(task, robot, TaskOutcome::finished);
+  }
+  KnownRun known;
+  ResultHandler handler{known.runs, known.lookup, known.journal};
+};
+
+}  // namespace
+
+TEST_CASE("results are journaled and confirmed by key; a bad one among them is refused, the others stay") {
+  Collecting collecting;
+  const Results body{kKnownRun, {collecting.finished("task-0", "drone"), collecting.finished("task-0", "ur3")}, {}};
+  const Outbox out = collecting.known.send(collecting.handler, "drone", body);
+  CHECK(out.journal.size() == 1);
+  CHECK(nacks(out) == Names{"not_permitted"});
+  const auto confirmed = sent<ResultsJournaled>(out);
+  REQUIRE(confirmed.size() == 1);
+  CHECK(confirmed[0].keys.size() == 1);
+  CHECK(collecting.known.run().results().has_final(0));
+}
+
+TEST_CASE("an answer without a result says that its giver does not hold what it spoke of") {
+  Collecting collecting("ur3");
+  collecting.known.run().work().requests().need_result(0, "drone");
+  collecting.known.send(collecting.handler, "drone", Results{kKnownRun, {}, {}}, MessageType::information, 5);
+  CHECK_FALSE(collecting.known.run().work().requests().needs_results());
+}
+
+TEST_CASE("a member that asks for results gets those that are held") {
+  Collecting collecting;
+  collecting.known.finish("task-0");
+  const Outbox out =
+      collecting.known.send(collecting.handler, "ur3", NeedResults{kKnownRun, {0, 1}}, MessageType::request);
+  REQUIRE(sent<Results>(out).size() == 1);
+  CHECK(sent<Results>(out)[0].results.size() == 1);
+}
+
+TEST_CASE("what another node has journaled is owed no more, unless it was another attempt") {
+  Collecting collecting("drone");
+  collecting.known.finish("task-0");
+  const auto confirm = [&](std::uint32_t attempt) {
+    return collecting.known.send(collecting.handler, "cloud", ResultsJournaled{{{kKnownRun, "task-0", 1, attempt}}});
+  };
+  CHECK(confirm(2).journal.empty());
+  CHECK(collecting.known.run().deliveries().pending().owes(DeliveryKind::results, "cloud"));
+  CHECK(confirm(1).journal.size() == 1);
+  CHECK_FALSE(collecting.known.run().deliveries().pending().owes(DeliveryKind::results, "cloud"));
+}
+
+TEST_CASE("progress is shown of the task's robot alone, until its result comes") {
+  Collecting collecting;
+  const auto tell = [&](const std::string& robot) {
+    const TaskProgress body{{kKnownRun, "task-0", 1, 1}, robot, TaskState::running, {}};
+    return collecting.known.send(collecting.handler, robot, body);
+  };
+  CHECK(nacks(tell("ur3")) == Names{"not_permitted"});
+  tell("drone");
+  CHECK(collecting.known.run().reports().is_under_way(0));
+  collecting.known.finish("task-0");
+  CHECK(tell("drone").counts == Names{"late.task_progress"});
+  CHECK_FALSE(collecting.known.run().reports().is_under_way(0));
+}

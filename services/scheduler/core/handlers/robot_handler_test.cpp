@@ -1,0 +1,169 @@
+// The robot's attempt: what begins it, what the mode-adapter says of it, and its signed result.
+#include "services/scheduler/core/handlers/robot_handler.hpp"
+
+#include <doctest/doctest.h>
+
+#include "services/scheduler/core/handlers/refusal_handler.hpp"
+#include "services/scheduler/core/robot_schedule.hpp"
+#include "services/scheduler/test/known_run.hpp"
+
+using namespace trb;
+using namespace trb::scheduler;
+using namespace trb::scheduler::test;
+
+namespace {
+
+using Names = std::vector<std::string>;
+
+struct Working {
+  explicit Working(const Scenario& scenario = chain({"ur3", "drone"})) : known(scenario) {}
+
+  Outbox tell_online() {
+    AdapterState state;
+    state.instance = 5;
+    state.robot = "ONLINE";
+    return known.send(robot, "ur3", state, MessageType::information);
+  }
+  Outbox at_end_of_step() {
+    Outbox out;
+    due.update(known.run(), known.step(out));
+    schedule.permit_attempt(known.step(out));
+    known.executor.tick(known.now, out);
+    schedule.start_next(known.step(out));
+    return out;
+  }
+  /// The task is commanded.
+  Execute start() {
+    tell_online();
+    const auto commands = sent<Execute>(at_end_of_step());
+    REQUIRE(commands.size() == 1);
+    return commands.front();
+  }
+  Outbox tell_outcome(TaskOutcome how) {
+    Outcome outcome;
+    outcome.key = {kKnownRun, "task-0", 1, 1};
+    outcome.instance = 5;
+    outcome.outcome = how;
+    return known.send(robot, "ur3", outcome, MessageType::information);
+  }
+  Outbox refuse(const char* code, const char* subtype) {
+    const Nack nack{code, subtype, "ur3", "no", "", kKnownRun};
+    return known.send(refusals, "ur3", nack, MessageType::information);
+  }
+
+  KnownRun known;
+  LostJournal lost;
+  DueTasks due{known.executor};
+  RobotHandler robot{known.self, known.runs, known.executor, lost, known.journal};
+  RobotSchedule schedule{known.runs, known.executor, due, lost};
+  ConditionHandler conditions{known.self, known.runs, known.journal};
+  BatonHandler batons{known.self, known.runs, known.lookup, known.journal};
+  RefusalHandler refusals{known.self, known.runs, known.executor, conditions, batons};
+};
+
+}  // namespace
+
+TEST_CASE("a task begins with its start record, once the robot is ready") {
+  Working working;
+  CHECK(sent<Execute>(working.at_end_of_step()).empty());
+  working.tell_online();
+  const Outbox out = working.at_end_of_step();
+  REQUIRE(out.journal.size() == 1);
+  CHECK(get<JournalStart>(out.journal[0].record).instance == 5);
+  CHECK(sent<Execute>(out).size() == 1);
+  CHECK(targets<TaskProgress>(out) == Names{"cloud", "cloud2"});
+  CHECK(sent<Execute>(working.at_end_of_step()).empty());
+}
+
+TEST_CASE("an outcome is signed, journaled, and told to the mode-adapter") {
+  Working working;
+  working.start();
+  const SignedRecord result = signed_by(working.known.signers, "ur3", working.tell_outcome(TaskOutcome::finished));
+  Outbox out;
+  const Inbound from = working.known.from("ur3", MessageType::information, result);
+  CHECK_FALSE(working.robot.keep_signed(working.known.end(), from, working.known.step(out)));
+  CHECK(working.robot.keep_signed(result, from, working.known.step(out)));
+  CHECK(working.known.run().results().has_final(0));
+  CHECK(sent<OutcomeJournaled>(out).size() == 1);
+  const Outbox again = working.tell_outcome(TaskOutcome::finished);
+  CHECK(again.counts == Names{"late.outcome"});
+  CHECK(sent<OutcomeJournaled>(again).size() == 1);
+}
+
+TEST_CASE("only the own mode-adapter speaks of the robot") {
+  Working working;
+  CHECK_FALSE(nacks(working.known.send(working.robot, "drone", AdapterState{}, MessageType::command)).empty());
+  CHECK_FALSE(working.known.executor.adapter().has_value());
+}
+
+TEST_CASE("what a run allows its attempt follows its orders") {
+  Working working;
+  working.start();
+  const auto permit = [&] {
+    working.at_end_of_step();
+    return working.known.executor.attempt()->permit;
+  };
+  CHECK(permit() == Permit::go);
+  REQUIRE(working.known.run().apply(JournalPause{working.known.pause(1, true), false}).ok());
+  CHECK(permit() == Permit::hold);
+  working.known.run().work().withheld().give_back({0});
+  CHECK(permit() == Permit::give_back);
+  REQUIRE(working.known.run().apply(JournalAbort{working.known.abort(), false}).ok());
+  CHECK(permit() == Permit::cancel);
+}
+
+TEST_CASE("an attempt whose start record was found is taken up, not begun anew") {
+  Working working;
+  JournalStart start;
+  start.key = {kKnownRun, "task-0", 1, 1};
+  start.instance = 5;
+  REQUIRE(working.known.run().apply(start).ok());
+  working.tell_online();
+  CHECK(sent<Execute>(working.at_end_of_step()).empty());
+  CHECK(working.known.executor.runs(kKnownRun));
+}
+
+TEST_CASE("a task that is due for too long fails, and says what it waited for") {
+  Scenario scenario = chain({"ur3"});
+  scenario.tasks[0].start_within_s = 5;
+  Working working(scenario);
+  working.known.run().receive({false}, {false}, "cloud");
+  working.at_end_of_step();
+  CHECK(DueTasks::next_late(working.known.run(), working.known.now.mono) == working.known.now.mono + seconds(5));
+  working.known.pass(5);
+  working.at_end_of_step();
+  CHECK(working.known.run().work().withheld().failing().at(0) ==
+        "it did not begin within 5 s: its mode-adapter has not been heard");
+}
+
+TEST_CASE("a refusal that passes keeps the attempt; one that does not ends it") {
+  Working passing;
+  passing.start();
+  passing.refuse("busy", "execute");
+  CHECK(passing.known.executor.is_refused());
+  Working failing;
+  failing.start();
+  CHECK(sent<SignRequest>(failing.refuse("bad_value", "execute")).size() == 1);
+}
+
+TEST_CASE("what a peer refuses as expired is owed on, unless the run is over here, too") {
+  Working working;
+  working.known.finish("task-0");
+  const Nack nack{"expired", "results", "cloud", "the run is over", "", kKnownRun};
+  const PendingDeliveries& pending = working.known.run().deliveries().pending();
+  working.known.send(working.refusals, "cloud", nack, MessageType::information);
+  CHECK(pending.owes(DeliveryKind::results, "cloud"));
+  REQUIRE(working.known.run().apply(JournalEnd{working.known.end()}).ok());
+  working.known.send(working.refusals, "cloud", nack, MessageType::information);
+  CHECK_FALSE(pending.owes(DeliveryKind::results, "cloud"));
+}
+
+TEST_CASE("a journal that was lost keeps the robot from beginning until it is out of use") {
+  Working working;
+  working.lost.restore({1, false});
+  working.tell_online();
+  CHECK(sent<Execute>(working.at_end_of_step()).empty());
+  const Outbox out = working.known.send(working.robot, "ur3", Ack{"out_of_use", ""}, MessageType::information);
+  CHECK(out.journal.size() == 1);
+  CHECK(sent<Execute>(working.at_end_of_step()).size() == 1);
+}
