@@ -10,23 +10,25 @@ using namespace trb::router;
 constexpr LinkId kLink = 7;
 
 /// Ant with bee's link up, and a service that takes "numbered".
-RouterCore linked_router() {
-  const Keys& keys = Keys::get();
+struct LinkedRouter {
   RouterCore core = make_router();
-  Effects effects;
-  core.bus().on_hello(1, {"scheduler", {"numbered"}, 5, 100, "1"}, "scheduler", kNow, effects);
-  core.inbox().on_message(kLink, keys.bee.link.public_key,
-                          make_message(MessageType::information, "bee", "ant", make_hello(keys.bee, "bee")), 1, kNow,
-                          effects);
-  // The seed's answer is to this: the slot is the router's first.
-  const Message asked = make_message(MessageType::request, "ant", "bee", SensorWatch{});
-  HeaderView header = header_of(asked);
-  header.id = 2ULL << 48U | 3U;
-  (void)core.routing().from_bus(1, header);
-  return core;
-}
 
-void by_the_lane(const RouterCore& core, BytesView frame) {
+  LinkedRouter() {
+    const Keys& keys = Keys::get();
+    Effects effects;
+    core.bus().on_hello(1, {"scheduler", {"numbered"}, 5, 100, "1"}, "scheduler", kNow, effects);
+    core.inbox().on_message(kLink, keys.bee.link.public_key,
+                            make_message(MessageType::information, "bee", "ant", make_hello(keys.bee, "bee")), 1, kNow,
+                            effects);
+    // The seed's answer is to this: the slot is the router's first.
+    const Message asked = make_message(MessageType::request, "ant", "bee", SensorWatch{});
+    HeaderView header = header_of(asked);
+    header.id = 2ULL << 48U | 3U;
+    (void)core.routing().from_bus(1, header);
+  }
+};
+
+void by_the_lane(RouterCore& core, BytesView frame) {
   const auto header = decode_frame(frame);
   if (!header) return;
   Effects effects;
@@ -68,9 +70,9 @@ std::vector<Bytes> seeds() {
 }
 
 void run(BytesView input) {
-  static RouterCore core = linked_router();
-  by_the_lane(core, input);
-  to_the_lane(core, input);
+  static LinkedRouter linked;
+  by_the_lane(linked.core, input);
+  to_the_lane(linked.core, input);
 }
 
 }  // namespace trb::fuzz
