@@ -14,8 +14,8 @@ void hear(BytesView plain) {
   RouterCore core = make_router();
   Effects effects;
   core.start(kNow, effects);
-  core.on_beacon(plain, kNow, effects);
-  core.on_beacon(plain, kNow, effects);
+  core.beacons().on_beacon(plain, kNow, effects);
+  core.beacons().on_beacon(plain, kNow, effects);
   core.tick({kNow.mono + std::chrono::seconds(3), kNow.utc + std::chrono::seconds(3)}, effects);
   check_table(core);
 }

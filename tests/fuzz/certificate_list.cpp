@@ -26,7 +26,7 @@ void as_it_comes(BytesView input) {
   if (const auto news = decode<FleetNews>(input)) {
     RouterCore core = make_router();
     Effects effects;
-    (void)core.on_news(*news, 0, kNow, effects);
+    (void)core.updates().on_update(*news, 0, kNow, effects);
     check_table(core);
   }
   if (const auto news = from_json<FleetNews>(input)) {
@@ -50,9 +50,9 @@ void as_if_signed(BytesView input) {
   RouterCore core = make_router();
   Effects effects;
   const Message hello = make_message(MessageType::information, "bee", "ant", make_hello(keys.bee, "bee"));
-  core.on_link_message(7, keys.bee.link.public_key, hello, 1, kNow, effects);
-  (void)core.on_news({list, {certificate}}, 7, kNow, effects);
-  (void)core.on_news({list, {certificate}}, 7, kNow, effects);
+  core.inbox().on_message(7, keys.bee.link.public_key, hello, 1, kNow, effects);
+  (void)core.updates().on_update({list, {certificate}}, 7, kNow, effects);
+  (void)core.updates().on_update({list, {certificate}}, 7, kNow, effects);
   core.tick({kNow.mono + std::chrono::seconds(3), kNow.utc + std::chrono::seconds(3)}, effects);
   check_table(core);
 }

@@ -24,13 +24,7 @@ void from_member(RouterCore& core, BytesView frame) {
   const auto header = decode_frame(frame);
   if (!header) return;
   Effects effects;
-  core.hear_frame(kLink, *header, frame, kNow, effects);
-  const Routing decision = core.route_peer(kLink, *header, kNow, effects);
-  if (decision.to == Routing::To::router) {
-    core.on_link_message(kLink, Keys::get().bee.link.public_key, to_message(*header), header->sequence, kNow, effects);
-  } else if (decision.to == Routing::To::drop) {
-    core.nack_peer(kLink, *header, decision.reason, effects);
-  }
+  core.forwarding().from_link(kLink, *header, frame, kNow, effects);
   const Bytes copy = encode_frame(to_message(*header));
   const auto again = decode_frame(copy);
   require(again && again->subtype == header->subtype && again->data == header->data, "a frame survives its own copy");
@@ -42,8 +36,7 @@ void come_up(RouterCore& core) {
   const Message hello = make_message(MessageType::information, "bee", "ant", make_hello(keys.bee, "bee"));
   const Bytes frame = frame_of(hello, 1);
   Effects effects;
-  core.on_link_message(kLink, keys.bee.link.public_key, hello, 1, kNow, effects);
-  core.hear_frame(kLink, *decode_frame(frame), frame, kNow, effects);
+  core.forwarding().from_stranger(keys.bee.link.public_key, *decode_frame(frame), frame, kNow, effects);
 }
 
 /// What bee's first seal says: its Hello and one message.
@@ -70,7 +63,7 @@ void seal_that_is_signed(BytesView input) {
   const bool holds = range->hash == due.hash && range->previous == due.previous && range->first == due.first &&
                      range->last == due.last && range->link == due.link && range->dialled == due.dialled &&
                      range->serial == due.serial && range->peer_serial == due.peer_serial;
-  require(holds == (core.find_link(kLink) != nullptr),
+  require(holds == (core.table().link(kLink) != nullptr),
           "the link lives if, and only if, its seal is the one that is due");
 }
 
@@ -78,7 +71,7 @@ void from_stranger(RouterCore& core, BytesView frame, BytesView key) {
   const auto header = decode_frame(frame);
   if (!header) return;
   Effects effects;
-  core.on_link_message(header->link, key, to_message(*header), header->sequence, kNow, effects);
+  core.inbox().on_message(header->link, key, to_message(*header), header->sequence, kNow, effects);
 }
 
 /// A Hello whose certificate the authority would have signed as it is.
@@ -90,8 +83,8 @@ void hello_that_holds(BytesView input) {
   if (!certificate) return;
   RouterCore core = make_router();
   Effects effects;
-  core.on_link_message(kLink, certificate->link_key.bytes,
-                       make_message(MessageType::information, certificate->id, "ant", *hello), 1, kNow, effects);
+  core.inbox().on_message(kLink, certificate->link_key.bytes,
+                          make_message(MessageType::information, certificate->id, "ant", *hello), 1, kNow, effects);
   core.tick({kNow.mono + std::chrono::seconds(30), kNow.utc + std::chrono::seconds(30)}, effects);
   check_table(core);
 }

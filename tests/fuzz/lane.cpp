@@ -10,27 +10,29 @@ using namespace trb::router;
 constexpr LinkId kLink = 7;
 
 /// Ant with bee's link up, and a service that takes "numbered".
-RouterCore linked_router() {
-  const Keys& keys = Keys::get();
+struct LinkedRouter {
   RouterCore core = make_router();
-  Effects effects;
-  core.on_service_hello(1, {"scheduler", {"numbered"}, 5, 100, "1"}, "scheduler", kNow, effects);
-  core.on_link_message(kLink, keys.bee.link.public_key,
-                       make_message(MessageType::information, "bee", "ant", make_hello(keys.bee, "bee")), 1, kNow,
-                       effects);
-  // The seed's answer is to this: the slot is the router's first.
-  const Message asked = make_message(MessageType::request, "ant", "bee", SensorWatch{});
-  HeaderView header = header_of(asked);
-  header.id = 2ULL << 48U | 3U;
-  (void)core.route_local(1, header);
-  return core;
-}
 
-void by_the_lane(const RouterCore& core, BytesView frame) {
+  LinkedRouter() {
+    const Keys& keys = Keys::get();
+    Effects effects;
+    core.bus().on_hello(1, {"scheduler", {"numbered"}, 5, 100, "1"}, "scheduler", kNow, effects);
+    core.inbox().on_message(kLink, keys.bee.link.public_key,
+                            make_message(MessageType::information, "bee", "ant", make_hello(keys.bee, "bee")), 1, kNow,
+                            effects);
+    // The seed's answer is to this: the slot is the router's first.
+    const Message asked = make_message(MessageType::request, "ant", "bee", SensorWatch{});
+    HeaderView header = header_of(asked);
+    header.id = 2ULL << 48U | 3U;
+    (void)core.routing().from_bus(1, header);
+  }
+};
+
+void by_the_lane(RouterCore& core, BytesView frame) {
   const auto header = decode_frame(frame);
   if (!header) return;
   Effects effects;
-  const Routing taken = core.route_lane(kLink, *header, effects);
+  const Routing taken = core.routing().from_lane(kLink, *header, effects);
   require(taken.to == Routing::To::drop || taken.to == Routing::To::service, "a lane speaks to services alone");
   for (const Effect& effect : effects.list)
     require(std::holds_alternative<Log>(effect), "nobody is told of what a lane has lost");
@@ -43,10 +45,10 @@ void by_the_lane(const RouterCore& core, BytesView frame) {
 void to_the_lane(RouterCore& core, BytesView word) {
   const Keys& keys = Keys::get();
   Effects effects;
-  const auto bee = core.on_listen(keys.bee.link.public_key, word, effects);
+  const auto bee = core.lanes().on_listen(keys.bee.link.public_key, word, effects);
   require(bee.has_value() == (word == BytesView("bee\0", 4)), "a node hears what is meant for it, and nothing else");
-  require(!core.on_listen(keys.cat.link.public_key, word, effects), "nobody hears without a link");
-  require(!core.on_listen(word, word, effects), "nobody hears without a key");
+  require(!core.lanes().on_listen(keys.cat.link.public_key, word, effects), "nobody hears without a link");
+  require(!core.lanes().on_listen(word, word, effects), "nobody hears without a key");
 }
 
 }  // namespace
@@ -68,9 +70,9 @@ std::vector<Bytes> seeds() {
 }
 
 void run(BytesView input) {
-  static RouterCore core = linked_router();
-  by_the_lane(core, input);
-  to_the_lane(core, input);
+  static LinkedRouter linked;
+  by_the_lane(linked.core, input);
+  to_the_lane(linked.core, input);
 }
 
 }  // namespace trb::fuzz

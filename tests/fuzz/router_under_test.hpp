@@ -1,7 +1,7 @@
 // A router core with keys that the fuzzers know: what a signature would stop, they sign.
 #pragma once
 
-#include "services/router/core/test_fleet.hpp"
+#include "services/router/test/test_fleet.hpp"
 #include "tests/fuzz/target.hpp"
 
 namespace trb::fuzz {
@@ -36,13 +36,14 @@ inline router::RouterCore make_router() {
   config.identity = keys.ant.identity;
   config.address = "10.0.0.1:45000";
   config.services = {"router", "scheduler"};
+  config.random = random_u64;
   return router::RouterCore(std::move(config));
 }
 
 /// Whatever came in: nobody is in the table whom the authority has not signed, and its rows are bounded.
 inline void check_table(const router::RouterCore& core) {
-  require(core.peers().size() <= router::kMaxPeers, "the table is bounded");
-  for (const auto& [id, peer] : core.peers()) {
+  require(core.table().peers().size() <= router::kMaxPeers, "the table is bounded");
+  for (const auto& [id, peer] : core.table().peers()) {
     const auto certificate = open_certificate_any_time(peer.certificate_record, Keys::get().authority.fleet);
     require(certificate.ok(), "every peer has a certificate of the authority");
     require(certificate->id == id, "every peer stands under its own id");

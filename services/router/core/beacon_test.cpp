@@ -1,7 +1,7 @@
 // What beacons tell of a peer that is known: nothing, or where it is now.
 #include <doctest/doctest.h>
 
-#include "services/router/core/test_inbox.hpp"
+#include "services/router/test/test_inbox.hpp"
 
 using namespace trb;
 using namespace trb::router;
@@ -13,10 +13,10 @@ TEST_CASE("a beacon that was heard before a link stays a replay after it") {
   const Bytes beacon =
       encode(sign(kSignedBeacon, "bee", inbox.fleet.authority.fleet.id(), encode(body), inbox.bee.identity));
   Effects effects;
-  inbox.ant.core->on_beacon(beacon, inbox.fleet.now, effects);
+  inbox.ant.core->beacons().on_beacon(beacon, inbox.fleet.now, effects);
   inbox.say_hello(9, inbox.bee);  // of the same boot
   REQUIRE(inbox.ant.link_to("bee") == 9);
-  inbox.ant.core->on_beacon(beacon, inbox.fleet.now, effects);
+  inbox.ant.core->beacons().on_beacon(beacon, inbox.fleet.now, effects);
   inbox.fleet.carry_out(inbox.ant, effects);
   CHECK(inbox.ant.count("beacon.replayed") == 1);
 }
@@ -30,7 +30,7 @@ TEST_CASE("a beacon that tells nothing new of a linked peer costs no signature, 
     SignedRecord record =
         sign(kSignedBeacon, "bee", inbox.fleet.authority.fleet.id(), encode(body), inbox.bee.identity);
     if (!is_signed) record.signature.bytes = Bytes(64, 's');
-    inbox.ant.core->on_beacon(encode(record), inbox.fleet.now, effects);
+    inbox.ant.core->beacons().on_beacon(encode(record), inbox.fleet.now, effects);
     inbox.fleet.carry_out(inbox.ant, effects);
     effects = {};
     return inbox.ant.count("beacon.bad_signature");
@@ -53,7 +53,7 @@ TEST_CASE("a linked peer that tells by a beacon of a new start, or of another pl
     inbox.say_hello(9, inbox.bee);
     const Beacon body{inbox.bee.record, again ? "10.0.0.2:45000" : "10.0.0.3:45000", again ? 4U : 3U, kStartUtc, 1};
     Effects effects;
-    inbox.ant.core->on_beacon(
+    inbox.ant.core->beacons().on_beacon(
         encode(sign(kSignedBeacon, "bee", inbox.fleet.authority.fleet.id(), encode(body), inbox.bee.identity)),
         inbox.fleet.now, effects);
     inbox.fleet.carry_out(inbox.ant, effects);
@@ -74,7 +74,7 @@ TEST_CASE("another key under a name, the node's or its link's, is another comput
     const auto beacon = [&](const TestKeys& keys, std::uint64_t count) {
       const Beacon body{keys.record, "10.0.0.2:45000", 3, kStartUtc, count};
       Effects effects;
-      inbox.ant.core->on_beacon(
+      inbox.ant.core->beacons().on_beacon(
           encode(sign(kSignedBeacon, "bee", inbox.fleet.authority.fleet.id(), encode(body), keys.identity)),
           inbox.fleet.now, effects);
       inbox.fleet.carry_out(inbox.ant, effects);

@@ -1,7 +1,7 @@
 // The node's own bus: claims, probes, and who may have what signed.
 #include <doctest/doctest.h>
 
-#include "services/router/core/test_fleet.hpp"
+#include "services/router/test/test_fleet.hpp"
 
 using namespace trb;
 using namespace trb::router;
@@ -20,7 +20,7 @@ struct Bus {
   std::string come_as(std::string_view as, ConnectionId from, const std::string& service,
                       std::vector<std::string> subtypes = {}) {
     Effects effects;
-    ant.core->on_service_hello(from, {service, std::move(subtypes), 5, 100, "1"}, as, fleet.now, effects);
+    ant.core->bus().on_hello(from, {service, std::move(subtypes), 5, 100, "1"}, as, fleet.now, effects);
     fleet.carry_out(ant, effects);
     const Message& last = ant.bus.back().message;
     return last.subtype == Nack::kSubtype ? decode<Nack>(last.data)->code : last.subtype;
@@ -33,7 +33,8 @@ struct Bus {
   template <class T>
   std::string ask(ConnectionId from, const T& body) {
     Effects effects;
-    ant.core->on_bus_message(from, make_message(MessageType::request, "ant", "ant", body), fleet.now, effects);
+    ant.core->forwarding().on_bus_message(from, make_message(MessageType::request, "ant", "ant", body), fleet.now,
+                                          effects);
     fleet.carry_out(ant, effects);
     const Message& last = ant.bus.back().message;
     return last.subtype == Nack::kSubtype ? decode<Nack>(last.data)->code : last.subtype;
@@ -75,11 +76,11 @@ TEST_CASE("an operator's service takes users' words, and hears the middleware's 
   CHECK(bus.hello(2, "mode-adapter", {"execute"}) == "service_welcome");
   CHECK(bus.hello(3, "not-in-node-json", {"a_word"}) == "not_permitted");
   Effects effects;
-  bus.ant.core->on_service_hello(1, {"fault-tally", {"fault_tally"}, 5, 100, "1", {"robot_fault"}}, "fault-tally",
-                                 bus.fleet.now, effects);
+  bus.ant.core->bus().on_hello(1, {"fault-tally", {"fault_tally"}, 5, 100, "1", {"robot_fault"}}, "fault-tally",
+                               bus.fleet.now, effects);
   bus.fleet.carry_out(bus.ant, effects);
   const Message fault = make_message(MessageType::information, "bee", "*", RobotFault{});
-  CHECK(bus.ant.core->hearers_of(header_of(fault)) == std::vector<ConnectionId>{1});
+  CHECK(bus.ant.core->bus().copies_for(header_of(fault)) == std::vector<ConnectionId>{1});
 }
 
 TEST_CASE("a service and a subtype have one holder; when that is gone, the next may come") {
@@ -98,7 +99,7 @@ TEST_CASE(
   Bus bus;
   const auto slot = [&](ConnectionId from, std::uint64_t instance) {
     Effects effects;
-    bus.ant.core->on_service_hello(from, {"trb", {}, instance, 100, "1"}, kProbe, bus.fleet.now, effects);
+    bus.ant.core->bus().on_hello(from, {"trb", {}, instance, 100, "1"}, kProbe, bus.fleet.now, effects);
     bus.fleet.carry_out(bus.ant, effects);
     return decode<ServiceWelcome>(bus.ant.bus.back().message.data)->slot;
   };
@@ -112,11 +113,11 @@ TEST_CASE("several services hear one information, whether or not somebody takes 
   Bus bus;
   const auto hear = [&](ConnectionId from, const std::string& service, std::vector<std::string> hears) {
     Effects effects;
-    bus.ant.core->on_service_hello(from, {service, {}, 5, 100, "1", std::move(hears)}, service, bus.fleet.now, effects);
+    bus.ant.core->bus().on_hello(from, {service, {}, 5, 100, "1", std::move(hears)}, service, bus.fleet.now, effects);
     bus.fleet.carry_out(bus.ant, effects);
     return bus.ant.bus.back().message.subtype;
   };
-  const auto hearers = [&](const Message& message) { return bus.ant.core->hearers_of(header_of(message)); };
+  const auto hearers = [&](const Message& message) { return bus.ant.core->bus().copies_for(header_of(message)); };
   using Ids = std::vector<ConnectionId>;
   CHECK(hear(1, "scheduler", {"robot_fault", "robot_fault"}) == "service_welcome");
   CHECK(hear(2, "resilience", {"robot_fault", "peer_expired"}) == "service_welcome");
@@ -140,7 +141,7 @@ TEST_CASE("a service is who its socket or key proves, whatever it says, and a pr
   CHECK(bus.come_as("scheduler", 2, "mode-adapter", {"stop"}) == "source_mismatch");
   CHECK(bus.come_as("router", 3, "router", {"stop"}) == "not_permitted");
   CHECK(bus.come_as(kProbe, 4, "scheduler", {"baton"}) == "service_welcome");
-  CHECK_FALSE(bus.ant.core->holder_of("scheduler"));
+  CHECK_FALSE(bus.ant.core->bus().services().holder("scheduler"));
   CHECK(bus.come_as("scheduler", 5, "scheduler", {"baton"}) == "service_welcome");
   CHECK(bus.ant.count("refused.impersonation") == 2);
 }
@@ -195,22 +196,22 @@ TEST_CASE("the tables are for requests, and only the mode-adapter tells the prof
   NodeProfile profile;
   profile.maker = "forged";
   bus.ask(1, profile);
-  CHECK(bus.ant.core->route_table(bus.fleet.now).routes.at(0).profile.maker.empty());
+  CHECK(bus.ant.core->answers().route_table(bus.fleet.now).routes.at(0).profile.maker.empty());
 }
 
 TEST_CASE("a service that says hello again has what it says now, once, and what it said before no longer") {
   Bus bus;
   const auto hello = [&](std::vector<std::string> subtypes, std::vector<std::string> hears) {
     Effects effects;
-    bus.ant.core->on_service_hello(1, {"scheduler", std::move(subtypes), 5, 100, "1", std::move(hears)}, "scheduler",
-                                   bus.fleet.now, effects);
+    bus.ant.core->bus().on_hello(1, {"scheduler", std::move(subtypes), 5, 100, "1", std::move(hears)}, "scheduler",
+                                 bus.fleet.now, effects);
     bus.fleet.carry_out(bus.ant, effects);
     return decode<ServiceWelcome>(bus.ant.bus.back().message.data)->slot;
   };
   const auto slot = hello({"baton", "relay_race"}, {"robot_fault"});
   CHECK(hello({"baton"}, {"robot_fault"}) == slot);
   const Message fault = make_message(MessageType::information, "bee", "*", RobotFault{});
-  CHECK(bus.ant.core->hearers_of(header_of(fault)) == std::vector<ConnectionId>{1});
+  CHECK(bus.ant.core->bus().copies_for(header_of(fault)) == std::vector<ConnectionId>{1});
   CHECK(bus.hello(2, "resilience", {"baton"}) == "already_claimed");
   CHECK(bus.hello(2, "resilience", {"relay_race"}) == "service_welcome");
 }
@@ -219,8 +220,8 @@ TEST_CASE("a connection that is now somebody else's has a slot of its own; a pro
   Bus bus;
   const auto slot = [&](const std::string& service, bool probe) {
     Effects effects;
-    bus.ant.core->on_service_hello(1, {service, {}, 7, 100, "1", {"move"}}, probe ? kProbe : std::string_view(service),
-                                   bus.fleet.now, effects);
+    bus.ant.core->bus().on_hello(1, {service, {}, 7, 100, "1", {"move"}}, probe ? kProbe : std::string_view(service),
+                                 bus.fleet.now, effects);
     bus.fleet.carry_out(bus.ant, effects);
     const Message& last = bus.ant.bus.back().message;
     return last.subtype == ServiceWelcome::kSubtype ? decode<ServiceWelcome>(last.data)->slot : 0;
@@ -238,13 +239,13 @@ TEST_CASE("a connection that is now somebody else's has a slot of its own; a pro
 TEST_CASE("of counters with made-up names there are a thousand, and those that are there go on") {
   Bus bus;
   RouterCore& core = *bus.ant.core;
-  core.count("known");
-  for (int i = 0; i < 2000; ++i) core.count("made_up." + std::to_string(i));
+  core.counters().count("known");
+  for (int i = 0; i < 2000; ++i) core.counters().count("made_up." + std::to_string(i));
   int there = 0;
-  for (int i = 0; i < 2000; ++i) there += core.counter("made_up." + std::to_string(i)) == 0 ? 0 : 1;
+  for (int i = 0; i < 2000; ++i) there += core.counters().value("made_up." + std::to_string(i)) == 0 ? 0 : 1;
   CHECK(there == 999);
-  core.count("known", 2);
-  CHECK(core.counter("known") == 3);
+  core.counters().count("known", 2);
+  CHECK(core.counters().value("known") == 3);
 }
 
 TEST_CASE("a decision is signed on a cloud node for its resilience, and names that node") {
@@ -275,7 +276,7 @@ TEST_CASE("what a router does not answer is Nacked to who asks, and to nobody wh
   const auto say = [&] {
     const std::size_t before = bus.ant.bus.size();
     Effects effects;
-    bus.ant.core->on_bus_message(1, word, bus.fleet.now, effects);
+    bus.ant.core->forwarding().on_bus_message(1, word, bus.fleet.now, effects);
     bus.fleet.carry_out(bus.ant, effects);
     return bus.ant.bus.size() - before;
   };
@@ -311,7 +312,7 @@ TEST_CASE("a probe that was silent for a lease is still one; a moment later it i
   bus.fleet.run(kStep);
   bus.hello(3, "trb", {}, true);
   CHECK(bus.ant.told(HelloWanted::kSubtype) == 1);
-  CHECK_FALSE(bus.ant.core->knows(1));
+  CHECK_FALSE(bus.ant.core->bus().knows(1));
 }
 
 TEST_CASE("the table of services has one row each, and calls silent who said nothing for over three seconds") {

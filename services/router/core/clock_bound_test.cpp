@@ -4,7 +4,7 @@
 #include <limits>
 
 #include "services/router/core/clock_bound.hpp"
-#include "services/router/core/test_fleet.hpp"
+#include "services/router/test/test_fleet.hpp"
 
 using namespace trb;
 using namespace trb::router;
@@ -142,7 +142,7 @@ TEST_CASE("a router whose clock jumps past the end of its certificate and back i
     if (!alone) CHECK(ant.link_to("bee") != 0);
     CHECK(*ant.core->next_deadline() > fleet.now.mono);  // nothing stays due
     CHECK(ant.stored_utc.empty());
-    CHECK(ant.core->route_table(fleet.now).routes[0].clock == "verified");
+    CHECK(ant.core->answers().route_table(fleet.now).routes[0].clock == "verified");
   }
 }
 
@@ -158,7 +158,7 @@ TEST_CASE("a jump of the clock does not throw away what another node has to be t
   const SignedRecord record =
       sign(kSignedCertificate, "", fleet.authority.fleet.id(), encode(renewed), fleet.authority.key);
   Effects effects;
-  REQUIRE(ant.core->on_news({{}, {record}}, 0, fleet.now, effects));
+  REQUIRE(ant.core->updates().on_update({{}, {record}}, 0, fleet.now, effects));
   fleet.carry_out(ant, effects);
   fleet.run(Seconds(1));
   ant.clock_off = hours(24 * 40);
@@ -179,15 +179,15 @@ TEST_CASE("a Hello may tell any time: nothing overflows, and it is told as a clo
     fleet.authority.let_relay(bee);
     const Hello hello{bee.record, 3, "", "1", utc, true, {}, 0, "behind", true, ""};
     Effects effects;
-    ant.core->on_link_message(9, bee.link.public_key, make_message(MessageType::information, "bee", "", hello), 1,
-                              {{-5'000'000'000}, {-5}}, effects);
+    ant.core->inbox().on_message(9, bee.link.public_key, make_message(MessageType::information, "bee", "", hello), 1,
+                                 {{-5'000'000'000}, {-5}}, effects);
     fleet.carry_out(ant, effects);
     REQUIRE(ant.link_to("bee") == 9);
     // A node without the time takes a relay's: of that one, too, it makes a time.
     Effects words;
     const Neighbours told{{fleet.keys("cat").record}, {}};
-    ant.core->on_link_message(9, bee.link.public_key, make_message(MessageType::information, "bee", "ant", told), 2,
-                              fleet.now, words);
+    ant.core->inbox().on_message(9, bee.link.public_key, make_message(MessageType::information, "bee", "ant", told), 2,
+                                 fleet.now, words);
     for (int i = 1; i < 5; ++i) ant.core->tick({fleet.now.mono + Seconds(i), {0}}, words);
     std::vector<std::int64_t> ends;
     for (const Effect& effect : words.list) {

@@ -1,6 +1,7 @@
 // What a router is told at its start.
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -49,16 +50,20 @@ struct RouterConfig {
   std::vector<std::string> services;  ///< that may claim subtypes
   bool beacon = true;
   bool relay = false;                 ///< relays, if its certificate has the right
-  FleetNews news;                     ///< what the authority said before this start, the list first of all
+  FleetNews updates;                  ///< what the authority has signed before this start, the list first of all
   UtcTime utc_bound;                  ///< a time that has certainly passed; of an earlier start
   bool seal_before_delivery = false;  ///< deliver what comes by a link only once its seal was checked
   Timing timing;
+  /// Numbers that nobody can guess: ids of links, nonces. The shell gives libsodium's.
+  std::function<std::uint64_t()> random;
+  /// Has this link room for a frame of so many bytes? Asked before a megabyte is hashed in vain; empty: always.
+  std::function<bool(std::uint64_t link, std::size_t bytes)> has_room;
 };
 
 /// From when on a person is told that a certificate ends.
 constexpr Duration kWarnBefore = std::chrono::hours(24 * 30);
 constexpr Duration kWarnEvery = std::chrono::hours(24);
-constexpr std::size_t kMaxNews = 516U * 1024U;  ///< of a FleetNews: the largest signed list, and what is around it
+constexpr std::size_t kMaxUpdate = 516U * 1024U;  ///< of a FleetNews: the largest signed list, and what is around it
 constexpr std::size_t kMaxCandidates = 32;
 constexpr std::size_t kMaxHelloSize = 4096;
 constexpr std::size_t kMaxPeers = 1024;
@@ -67,15 +72,15 @@ constexpr std::string_view kFullCure =
 constexpr std::uint32_t kBeaconsChecked = 512;  ///< signatures of beacons, in a second: a thousand nodes send 200
 constexpr std::uint32_t kHellosOfOne = 8;       ///< of one member, in a second
 constexpr std::size_t kSpareLinks = 2;          ///< accepted of one member, beside the one that carries
-constexpr std::uint32_t kNewsOfOne = 16;        ///< fleet_news of one member, in a second
-constexpr std::uint32_t kNewsChecked = 300;     ///< signatures in them, in a second: a message brings 257 at most
-constexpr std::uint32_t kNeighboursChecked = kMaxPeers + 64;  ///< signatures of whom one relay tells, in a second
+constexpr std::uint32_t kUpdatesOfOne = 16;     ///< fleet_news of one member, in a second
+constexpr std::uint32_t kUpdatesChecked = 300;  ///< signatures in them, in a second: a message brings 257 at most
+constexpr std::uint32_t kReachChecked = kMaxPeers + 64;  ///< signatures of whom one relay reaches, in a second
 constexpr std::uint32_t kRelayedChecked = 1000;      ///< signatures of what one relay brings of one source, in a second
 constexpr std::uint64_t kAnsweredOfOne = 4U << 20U;  ///< bytes of tables for one member, in a second
 constexpr Duration kStorePause = std::chrono::seconds(5);  ///< changes of where peers are, gathered for one write
 constexpr Duration kViaPause = std::chrono::seconds(4);    ///< between dials to who is reached by a relay
 constexpr Duration kHintPause = std::chrono::seconds(30);  ///< between dials to where a peer once was
-constexpr std::size_t kMaxAskers = 16;                     ///< who brought news and wait until it is on disk
-constexpr std::size_t kMaxConnections = 64;                ///< on the node's own bus
+constexpr std::size_t kMaxWaiting = 16;      ///< who brought trust updates and wait until these are on disk
+constexpr std::size_t kMaxConnections = 64;  ///< on the node's own bus
 
 }  // namespace trb::router

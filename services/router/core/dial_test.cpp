@@ -1,7 +1,7 @@
 // Who is dialled, and two who dial each other.
 #include <doctest/doctest.h>
 
-#include "services/router/core/test_inbox.hpp"
+#include "services/router/test/test_inbox.hpp"
 
 using namespace trb;
 using namespace trb::router;
@@ -24,15 +24,15 @@ struct Dialler {
   void greet(LinkId link, const std::string& address = "10.0.0.2:45000") {
     const Hello hello{bee.record, 3, address, "1", kStartUtc, true, {}, 0, "behind", false, ""};
     Effects effects;
-    node.core->on_link_message(link, bee.link.public_key, make_message(MessageType::information, "bee", node.id, hello),
-                               1, fleet.now, effects);
+    node.core->inbox().on_message(link, bee.link.public_key,
+                                  make_message(MessageType::information, "bee", node.id, hello), 1, fleet.now, effects);
     fleet.carry_out(node, effects);
   }
   /// A second word by this link.
   void speak(LinkId link) {
     Effects effects;
-    node.core->route_peer(link, header_of(make_message(MessageType::information, "bee", node.id, KeepAlive{}), 2),
-                          fleet.now, effects);
+    const Message word = make_message(MessageType::information, "bee", node.id, KeepAlive{});
+    node.core->forwarding().from_link(link, header_of(word, 2, link), encode_frame(word), fleet.now, effects);
     fleet.carry_out(node, effects);
   }
 };
@@ -42,8 +42,8 @@ struct Dialler {
 TEST_CASE("a Hello that comes while its node is being dialled carries nothing until a second word comes by its link") {
   Dialler one("ant");
   one.greet(9);
-  REQUIRE(one.node.core->find_link(9) != nullptr);
-  CHECK(one.node.core->find_link(9)->up);
+  REQUIRE(one.node.core->table().link(9) != nullptr);
+  CHECK(one.node.core->table().link(9)->up);
   CHECK(one.node.link_to("bee") == 0);
   one.speak(9);
   CHECK(one.node.link_to("bee") == 9);
@@ -56,7 +56,7 @@ TEST_CASE("a dial that is answered after the better link is there is ended, and 
   REQUIRE(one.node.link_to("bee") == 9);  // the smaller id's
   one.greet(one.dial());
   CHECK(one.node.link_to("bee") == 9);
-  CHECK(one.node.core->find_link(one.dial()) == nullptr);
+  CHECK(one.node.core->table().link(one.dial()) == nullptr);
   CHECK(one.node.log.back() == "link_closed bee: a better link to bee is up");
 }
 
@@ -65,7 +65,7 @@ TEST_CASE("who is at the door is not dialled: its own dial has its time to say H
   TestNode& ant = inbox.ant;
   inbox.say_hello(9, inbox.bee);
   Effects effects;
-  ant.core->on_link_ended(9, LinkEnd::disconnected, inbox.fleet.now, effects);
+  ant.core->links().on_ended(9, LinkEnd::disconnected, inbox.fleet.now, effects);
   inbox.fleet.carry_out(ant, effects);
   CHECK(inbox.admit(inbox.bee.link.public_key));
   inbox.fleet.run(milliseconds(1900));
@@ -87,8 +87,8 @@ TEST_CASE("the name of a host that was dialled is nobody's good address") {
   REQUIRE(dial != nullptr);
   const LinkId link = dial->link;
   const Hello hello{bee.record, 3, "", "1", kStartUtc, true, {}, 0, "behind", false, ""};
-  core.on_link_message(link, bee.link.public_key, make_message(MessageType::information, "bee", "ant", hello), 1,
-                       fleet.now, effects);
-  REQUIRE(core.peers().at("bee").link == link);
-  CHECK(core.peers().at("bee").good_address.empty());
+  core.inbox().on_message(link, bee.link.public_key, make_message(MessageType::information, "bee", "ant", hello), 1,
+                          fleet.now, effects);
+  REQUIRE(core.table().peers().at("bee").link == link);
+  CHECK(core.table().peers().at("bee").good_address.empty());
 }

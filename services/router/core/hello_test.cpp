@@ -1,7 +1,7 @@
 // Strangers at the inbox: candidates, Hellos that do not hold, link ids that are not theirs.
 #include <doctest/doctest.h>
 
-#include "services/router/core/test_inbox.hpp"
+#include "services/router/test/test_inbox.hpp"
 
 using namespace trb;
 using namespace trb::router;
@@ -24,7 +24,7 @@ TEST_CASE("a member that says Hello without end is kept out for a while, and its
   CHECK(first == 100);
   for (int i = 0; i < 1000; ++i) inbox.say_hello(++link, inbox.bee);
   CHECK(inbox.ant.count("refused.too_many_hellos") > 900);
-  CHECK(inbox.ant.core->find_link(link) == nullptr);
+  CHECK(inbox.ant.core->table().link(link) == nullptr);
   REQUIRE(inbox.ant.refused.size() == inbox.ant.count("refused.too_many_hellos"));
   CHECK(decode<Goodbye>(inbox.ant.refused.back().message.data)->reason == "too many Hellos");
   CHECK_FALSE(inbox.admit(inbox.bee.link.public_key));
@@ -43,9 +43,9 @@ TEST_CASE("a member has three accepted links at most, however slowly it makes th
     inbox.say_hello(link, inbox.bee);
     inbox.fleet.run(milliseconds(200));
     std::size_t links = 0;
-    for (LinkId id = 100; id <= link; ++id) links += inbox.ant.core->find_link(id) != nullptr ? 1 : 0;
+    for (LinkId id = 100; id <= link; ++id) links += inbox.ant.core->table().link(id) != nullptr ? 1 : 0;
     CHECK(links <= 3);
-    CHECK(inbox.ant.core->find_link(link) != nullptr);
+    CHECK(inbox.ant.core->table().link(link) != nullptr);
   }
   CHECK(inbox.ant.count("refused.too_many_hellos") == 0);
 }
@@ -55,7 +55,7 @@ TEST_CASE("a connection that carries a link and names another loses both") {
   inbox.say_hello(100, inbox.bee);
   REQUIRE(inbox.ant.link_to("bee") == 100);
   Effects effects;
-  inbox.ant.core->on_second_link(100, inbox.fleet.now, effects);
+  inbox.ant.core->links().on_second_link(100, inbox.fleet.now, effects);
   inbox.fleet.carry_out(inbox.ant, effects);
   CHECK(inbox.ant.link_to("bee") == 0);
   CHECK(inbox.ant.count("refused.second_hello") == 1);
@@ -69,7 +69,7 @@ TEST_CASE("a node of another version is refused by name, and told why in the ver
   header.link = 100;
   const auto come = [&](const Bytes& key) {
     Effects effects;
-    inbox.ant.core->on_other_version(0, key, 1, header, inbox.fleet.now, effects);
+    inbox.ant.core->handshake().on_other_version(0, key, 1, header, inbox.fleet.now, effects);
     inbox.fleet.carry_out(inbox.ant, effects);
   };
   come(inbox.bee.link.public_key);
@@ -122,7 +122,7 @@ TEST_CASE("a Hello that does not hold is refused, and its reason is counted") {
   inbox.say_hello(4, inbox.bee, "cat");
   CHECK(inbox.ant.count("refused.source_mismatch") == 1);
   CHECK(inbox.ant.refused.size() == 4);
-  CHECK(inbox.ant.core->peers().empty());
+  CHECK(inbox.ant.core->table().peers().empty());
   inbox.say_hello(5, thief);
   CHECK(inbox.ant.count("refused.denied_key") == 1);
   CHECK(inbox.ant.refused.size() == 4);
@@ -139,7 +139,7 @@ TEST_CASE("a stranger's Hello is bounded, needs a link id, and comes first") {
   inbox.say(2, inbox.fleet.keys("dog").link.public_key,
             make_message(MessageType::information, "dog", "", KeepAlive{1}));
   CHECK(inbox.ant.count("refused.unknown_peer_key") == 1);
-  CHECK(inbox.ant.core->peers().empty());
+  CHECK(inbox.ant.core->table().peers().empty());
 }
 
 TEST_CASE("a good Hello is accepted once") {
@@ -157,10 +157,10 @@ TEST_CASE("nobody speaks on another one's link, also on one that this node diall
   fleet.start("bee");
   fleet.run(Seconds(1));
   const LinkId link = ant.link_to("bee");
-  REQUIRE(ant.core->find_link(link)->dialled);
+  REQUIRE(ant.core->table().link(link)->dialled);
   Effects effects;
   const Message goodbye = make_message(MessageType::information, "bee", "ant", Goodbye{"forged"});
-  ant.core->on_link_message(link, fleet.keys("cat").link.public_key, goodbye, 99, fleet.now, effects);
+  ant.core->inbox().on_message(link, fleet.keys("cat").link.public_key, goodbye, 99, fleet.now, effects);
   fleet.carry_out(ant, effects);
   CHECK(ant.count("refused.link_theft") == 1);
   CHECK(ant.link_to("bee") == link);
@@ -176,7 +176,7 @@ TEST_CASE("a dialler that is refused hears so, does not shut the other out, and 
   CHECK(ant.count("dial.refused") == 1);
   CHECK(fleet.at("bee").count("refused.bad_signature") == 1);
   Effects effects;
-  CHECK(ant.core->admit(good.link.public_key, fleet.now.mono, effects));
+  CHECK(ant.core->admission().admit(good.link.public_key, fleet.now, effects));
   fleet.run(Seconds(6));
   CHECK(ant.dials.size() >= 4);
 }
@@ -188,8 +188,9 @@ TEST_CASE("a routing table that is full takes no stranger, by a Hello or a beaco
     const Beacon body{keys.record, "10.0.0.9:45000", 1, kStartUtc, count};
     const std::string& id = keys.certificate.id;
     Effects effects;
-    ant.core->on_beacon(encode(sign(kSignedBeacon, id, inbox.fleet.authority.fleet.id(), encode(body), keys.identity)),
-                        inbox.fleet.now, effects);
+    ant.core->beacons().on_beacon(
+        encode(sign(kSignedBeacon, id, inbox.fleet.authority.fleet.id(), encode(body), keys.identity)), inbox.fleet.now,
+        effects);
     inbox.fleet.carry_out(ant, effects);
   };
   beacon(inbox.bee, 1);
@@ -197,7 +198,7 @@ TEST_CASE("a routing table that is full takes no stranger, by a Hello or a beaco
     if (i % kBeaconsChecked == 0) inbox.fleet.now.mono = inbox.fleet.now.mono + Seconds(1);
     beacon(inbox.fleet.authority.sign_node("node-" + std::to_string(i)), 1);
   }
-  REQUIRE(ant.core->peers().size() == kMaxPeers);
+  REQUIRE(ant.core->table().peers().size() == kMaxPeers);
   inbox.fleet.now.mono = inbox.fleet.now.mono + Seconds(1);
   const TestKeys cat = inbox.fleet.keys("cat");
   beacon(cat, 1);
@@ -251,7 +252,7 @@ TEST_CASE("another computer under a name takes it over: the key of the one befor
   inbox.say_hello(9, inbox.bee);
   const TestKeys fresh = inbox.fleet.authority.sign_node("bee", Role::robot, 2);
   Effects effects;
-  inbox.ant.core->on_link_ended(9, LinkEnd::disconnected, inbox.fleet.now, effects);
+  inbox.ant.core->links().on_ended(9, LinkEnd::disconnected, inbox.fleet.now, effects);
   inbox.fleet.carry_out(inbox.ant, effects);
   inbox.say_hello(10, fresh);
   REQUIRE(inbox.ant.link_to("bee") == 10);
@@ -267,15 +268,15 @@ TEST_CASE("services hear of a peer that was started again or had expired, not of
   TestNode& ant = fleet.start("ant");
   const TestKeys bee = fleet.keys("bee");
   Effects effects;
-  ant.core->on_service_hello(1, {"resilience", {"peer_joined"}, 5, 100, "1"}, "resilience", fleet.now, effects);
+  ant.core->bus().on_hello(1, {"resilience", {"peer_joined"}, 5, 100, "1"}, "resilience", fleet.now, effects);
   fleet.carry_out(ant, effects);
   LinkId link = 0;
   const auto come = [&](std::uint64_t boot) {
     const Hello hello{bee.record, boot, "10.0.0.2:45000", "1", kStartUtc, true, {}, 0, "behind", false, ""};
     Effects out;
-    ant.core->on_link_message(++link, bee.link.public_key, make_message(MessageType::information, "bee", "", hello), 1,
-                              fleet.now, out);
-    ant.core->on_link_ended(link, LinkEnd::disconnected, fleet.now, out);
+    ant.core->inbox().on_message(++link, bee.link.public_key, make_message(MessageType::information, "bee", "", hello),
+                                 1, fleet.now, out);
+    ant.core->links().on_ended(link, LinkEnd::disconnected, fleet.now, out);
     fleet.carry_out(ant, out);
     return ant.told("peer_joined");
   };
@@ -326,8 +327,9 @@ TEST_CASE("a Hello of 4096 bytes goes with its profile and is taken; of one byte
     TestNode& ant = fleet.start("ant", {.beacon = false, .seeds = {"bee"}});
     TestNode& bee = fleet.start("bee", {.beacon = false});
     Effects effects;
-    ant.core->on_service_hello(1, {"mode-adapter", {}, 5, 100, "1"}, "mode-adapter", fleet.now, effects);
-    ant.core->on_bus_message(1, make_message(MessageType::information, "ant", "ant", profile), fleet.now, effects);
+    ant.core->bus().on_hello(1, {"mode-adapter", {}, 5, 100, "1"}, "mode-adapter", fleet.now, effects);
+    ant.core->forwarding().on_bus_message(1, make_message(MessageType::information, "ant", "ant", profile), fleet.now,
+                                          effects);
     fleet.carry_out(ant, effects);
     Message hello;
     std::size_t follow = 0;
@@ -374,7 +376,7 @@ TEST_CASE("where peers are is stored 5 s after one told a new address or was dia
     CHECK_FALSE(tick(Seconds(5) - Duration(1)));
     const bool stored = tick(Seconds(5));
     Effects effects;
-    ant.core->on_link_ended(link, LinkEnd::disconnected, inbox.fleet.now, effects);
+    ant.core->links().on_ended(link, LinkEnd::disconnected, inbox.fleet.now, effects);
     inbox.fleet.carry_out(ant, effects);
     return stored;
   };

@@ -1,4 +1,4 @@
-// The lossy lane beside a link: each node publishes for its peers, and each peer hears what is meant for it alone.
+// The lossy lane beside a link: each node publishes for its peers, and each peer gets what is meant for it alone.
 #pragma once
 
 #include <optional>
@@ -35,19 +35,5 @@ class Spare {
   std::size_t bytes_ = 0;
   MonotonicTime end_;
 };
-
-/// What a node knows of the lanes of one link, its own and the other side's.
-struct Lane {
-  std::string address;                     ///< where the other side's can be dialled; empty: it has none
-  std::optional<MonotonicTime> dial_at;    ///< nothing while it is dialled or heard
-  std::optional<MonotonicTime> connected;  ///< since when it is heard
-  Duration wait{};                         ///< before the last dial
-  bool listens = false;                    ///< the other side hears this node's
-  bool barred = false;                     ///< it misused this node's lane
-};
-
-constexpr Duration kLaneAfter = std::chrono::milliseconds(500);  ///< from the link to the first dial: links come first
-constexpr Duration kLaneFirst = std::chrono::milliseconds(200);  ///< before the lane is dialled again; doubled
-constexpr Duration kLaneMost = std::chrono::seconds(30);
 
 }  // namespace trb::router

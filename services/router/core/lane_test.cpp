@@ -1,7 +1,7 @@
 // The lossy lane: who hears it, what is taken from it, and what happens to a stream for whom there is none.
 #include <doctest/doctest.h>
 
-#include "services/router/core/test_fleet.hpp"
+#include "services/router/test/test_fleet.hpp"
 
 using namespace trb;
 using namespace trb::router;
@@ -19,11 +19,11 @@ struct Stream {
   explicit Stream(const TestFleet::Options& of_ant = {}) : ant(fleet.start("ant", of_ant)), bee(fleet.start("bee")) {
     fleet.run(Seconds(2));
     Effects effects;
-    bee.core->on_service_hello(1, {"scheduler", {"baton"}, 5, 100, "1"}, "scheduler", fleet.now, effects);
+    bee.core->bus().on_hello(1, {"scheduler", {"baton"}, 5, 100, "1"}, "scheduler", fleet.now, effects);
     fleet.carry_out(bee, effects);
     Message watch = make_message(MessageType::request, "bee", "ant", SensorWatch{});
     watch.id = asked_id();
-    CHECK(bee.core->route_local(1, header_of(watch)).to == To::peer);
+    CHECK(bee.core->routing().from_bus(1, header_of(watch)).to == To::peer);
   }
   [[nodiscard]] std::uint64_t asked_id() const {
     for (const BusSend& send : bee.bus) {
@@ -42,19 +42,19 @@ struct Stream {
   /// What bee makes of a message that came by ant's lane.
   Routing come(const Message& message) {
     Effects effects;
-    const Routing taken = bee.core->route_lane(bee.link_to("ant"), header_of(message), effects);
+    const Routing taken = bee.core->routing().from_lane(bee.link_to("ant"), header_of(message), effects);
     fleet.carry_out(bee, effects);
     return taken;
   }
   bool admits(const TestKeys& keys) {
     Effects effects;
-    const bool good = ant.core->admit_to_lane(keys.link.public_key, effects);
+    const bool good = ant.core->lanes().admit(keys.link.public_key, effects);
     fleet.carry_out(ant, effects);
     return good;
   }
   std::optional<LinkId> listens(const std::string& who, BytesView topic) {
     Effects effects;
-    const auto link = ant.core->on_listen(fleet.keys(who).link.public_key, topic, effects);
+    const auto link = ant.core->lanes().on_listen(fleet.keys(who).link.public_key, topic, effects);
     fleet.carry_out(ant, effects);
     return link;
   }
@@ -66,10 +66,10 @@ TEST_CASE("each end of a link hears the other's lane, and a stream goes by it be
   Stream stream;
   CHECK(stream.fleet.hears("bee", "ant"));
   CHECK(stream.fleet.hears("ant", "bee"));
-  const std::uint64_t heard = stream.bee.core->find_link(stream.bee.link_to("ant"))->heard;
+  const std::uint64_t heard = stream.bee.core->table().link(stream.bee.link_to("ant"))->heard;
   for (int i = 0; i < 1000; ++i) CHECK(stream.fleet.stream("ant", stream.value()).to == To::lane);
   CHECK(stream.bee.delivered.size() == 1000);
-  CHECK(stream.bee.core->find_link(stream.bee.link_to("ant"))->heard == heard);
+  CHECK(stream.bee.core->table().link(stream.bee.link_to("ant"))->heard == heard);
 }
 
 TEST_CASE("a lane is dialled after its link, and again when it has broken, ever less often") {
@@ -128,7 +128,7 @@ TEST_CASE("only the key of a peer whose link is up may listen, and only for its 
 TEST_CASE("who talks to the lane instead of listening is kept out as long as its link lasts") {
   Stream stream;
   Effects effects;
-  stream.ant.core->bar_from_lane(stream.bee.keys.link.public_key, effects);
+  stream.ant.core->lanes().bar(stream.bee.keys.link.public_key, effects);
   stream.fleet.carry_out(stream.ant, effects);
   CHECK(stream.ant.count("refused.lane_word") == 1);
   CHECK_FALSE(stream.admits(stream.bee.keys));
@@ -141,7 +141,8 @@ TEST_CASE("what comes by a lane is its peer's own lossy information for this nod
   Stream stream;
   CHECK(stream.come(stream.value()).connection == 1);
   Effects effects;
-  CHECK(stream.bee.core->route_lane(4711, header_of(stream.value()), effects).reason == Errc::unknown_peer_key);
+  CHECK(stream.bee.core->routing().from_lane(4711, header_of(stream.value()), effects).reason ==
+        Errc::unknown_peer_key);
   Message other = stream.value("cat");
   CHECK(stream.come(other).reason == Errc::source_mismatch);
   other = stream.value();
@@ -182,8 +183,9 @@ TEST_CASE("a stream that nobody asked for is refused by a lane as it is by a lin
   TestNode& cat = stream.fleet.start("cat");
   stream.fleet.run(Seconds(2));
   Effects effects;
-  CHECK(stream.bee.core->route_lane(stream.bee.link_to("cat"), header_of(stream.value("cat")), effects).reason ==
-        Errc::not_asked);
+  CHECK(
+      stream.bee.core->routing().from_lane(stream.bee.link_to("cat"), header_of(stream.value("cat")), effects).reason ==
+      Errc::not_asked);
   CHECK(stream.fleet.hears("bee", "cat"));
   CHECK(cat.delivered.empty());
 }
@@ -233,8 +235,8 @@ TEST_CASE("nobody is told of lossy information that was dropped, not even of the
   lost.subtype = "pose";
   lost.reply_to = 0;
   Effects effects;
-  stream.bee.core->nack_peer(stream.bee.link_to("ant"), header_of(lost), Errc::queue_full, effects);
-  stream.bee.core->nack_local(1, header_of(lost), Errc::queue_full, effects);
+  stream.bee.core->forwarding().on_undelivered(stream.bee.link_to("ant"), header_of(lost), Errc::queue_full, effects);
+  stream.bee.core->bus().nack(1, header_of(lost), Errc::queue_full, effects);
   CHECK(effects.list.empty());
   CHECK(effects.counts == std::vector<std::string>{"dropped.queue_full", "dropped.queue_full"});
 }
@@ -273,7 +275,7 @@ TEST_CASE("a lane is dialled half a second after its link, to the moment; one th
     fleet.start("bee", {.beacon = false, .lane = lane});
     while (ant.link_to("bee") == 0) fleet.run(kStep);
     const MonotonicTime linked = fleet.now.mono;
-    REQUIRE(ant.core->find_link(ant.link_to("bee"))->dialled);
+    REQUIRE(ant.core->table().link(ant.link_to("bee"))->dialled);
     const auto dialled_at = [&](MonotonicTime time) {
       Effects effects;
       ant.core->tick({time, fleet.now.utc}, effects);
@@ -292,11 +294,11 @@ TEST_CASE("a lane was heard for long if it was for more than a lease") {
     const LinkId link = stream.bee.link_to("ant");
     const auto ends = [&](Duration after) {
       Effects effects;
-      bee.on_lane_ended(link, LinkEnd::disconnected, {stream.fleet.now.mono + after, stream.fleet.now.utc}, effects);
-      return *bee.find_link(link)->lane.dial_at - stream.fleet.now.mono - after;
+      bee.lanes().on_ended(link, LinkEnd::disconnected, {stream.fleet.now.mono + after, stream.fleet.now.utc}, effects);
+      return *bee.lanes().of(link).dial_at - stream.fleet.now.mono - after;
     };
     CHECK(ends({}) == kLaneFirst);
-    bee.on_lane_connected(link, stream.fleet.now);
+    bee.lanes().on_connected(link, stream.fleet.now);
     CHECK(ends(Seconds(10) + more) == (more == Duration{} ? 2 * kLaneFirst : kLaneFirst));
   }
 }

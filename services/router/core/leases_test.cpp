@@ -1,7 +1,7 @@
 // What time does to links, dials, strangers and beacons, to the moment: one node, whose clock is moved by hand.
 #include <doctest/doctest.h>
 
-#include "services/router/core/test_fleet.hpp"
+#include "services/router/test/test_fleet.hpp"
 
 using namespace trb;
 using namespace trb::router;
@@ -35,41 +35,43 @@ struct Clock {
     const TestKeys bee = fleet.keys("bee");
     const Hello hello{bee.record, 3, address, "1", kStartUtc, true, {}, 0, "behind", false, ""};
     Effects effects;
-    node.core->on_link_message(link, bee.link.public_key, make_message(MessageType::information, "bee", "", hello), 1,
-                               fleet.now, effects);
+    node.core->inbox().on_message(link, bee.link.public_key, make_message(MessageType::information, "bee", "", hello),
+                                  1, fleet.now, effects);
     fleet.carry_out(node, effects);
     REQUIRE(node.link_to("bee") == link);
   }
   void end(LinkId link, Duration after) {
     Effects effects;
-    node.core->on_link_ended(link, LinkEnd::disconnected, at(after), effects);
+    node.core->links().on_ended(link, LinkEnd::disconnected, at(after), effects);
     fleet.carry_out(node, effects);
   }
   /// Something comes by the bee's link.
   void hear(LinkId link, Duration after) {
     Effects effects;
-    const Message word = make_message(MessageType::information, "bee", node.id, KeepAlive{0});
-    node.core->route_peer(link, header_of(word, node.core->find_link(link)->heard + 1), at(after), effects);
+    Message word = make_message(MessageType::information, "bee", node.id, KeepAlive{0});
+    word.subtype = "note";
+    const std::uint64_t next = node.core->table().link(link)->heard + 1;
+    node.core->forwarding().from_link(link, header_of(word, next, link), encode_frame(word), at(after), effects);
   }
   void beacon(std::uint64_t boot, std::uint64_t count, Duration after, const std::string& address = "10.0.0.2:45000") {
     const TestKeys bee = fleet.keys("bee");
     const Beacon body{bee.record, address, boot, kStartUtc, count};
     Effects effects;
-    node.core->on_beacon(encode(sign(kSignedBeacon, "bee", fleet.authority.fleet.id(), encode(body), bee.identity)),
-                         at(after), effects);
+    node.core->beacons().on_beacon(
+        encode(sign(kSignedBeacon, "bee", fleet.authority.fleet.id(), encode(body), bee.identity)), at(after), effects);
     fleet.carry_out(node, effects);
   }
   bool admit(const Bytes& key, Duration after) {
     Effects effects;
-    const bool good = node.core->admit(key, at(after).mono, effects);
+    const bool good = node.core->admission().admit(key, at(after), effects);
     fleet.carry_out(node, effects);
     return good;
   }
   /// A stranger says something that is no Hello.
   void speak(const Bytes& key, Duration after) {
     Effects effects;
-    node.core->on_link_message(4711, key, make_message(MessageType::information, "dog", "", KeepAlive{1}), 1, at(after),
-                               effects);
+    node.core->inbox().on_message(4711, key, make_message(MessageType::information, "dog", "", KeepAlive{1}), 1,
+                                  at(after), effects);
     fleet.carry_out(node, effects);
   }
   [[nodiscard]] bool logged(const std::string& line) const {
@@ -105,7 +107,7 @@ TEST_CASE("a keep-alive leaves each 2.5 s, to the moment, behind a seal over wha
   clock.greet(9);
   CHECK_FALSE(place_of(clock.tick(milliseconds(2500) - kInstant), is_keep_alive));
   Bytes frame = encode_frame(make_message(MessageType::information, "ant", "bee", KeepAlive{0}));
-  REQUIRE(clock.node.core->stamp(9, frame.data(), frame.size()));
+  REQUIRE(clock.node.core->seals().send(9, frame.data(), frame.size(), clock.fleet.now).known);
   const Effects due = clock.tick(milliseconds(2500));
   const auto alive = place_of(due, is_keep_alive);
   const auto seal = place_of(due, [](const Effect& effect) { return std::holds_alternative<SealDue>(effect); });
@@ -124,9 +126,9 @@ TEST_CASE("a node that was dialled has two seconds to the moment for its Hello")
   REQUIRE(clock.node.dials.size() == 1);
   const LinkId dial = clock.node.dials[0].link;
   clock.tick(Seconds(2) - kInstant);
-  CHECK(clock.node.core->find_link(dial) != nullptr);
+  CHECK(clock.node.core->table().link(dial) != nullptr);
   clock.tick(Seconds(2));
-  CHECK(clock.node.core->find_link(dial) == nullptr);
+  CHECK(clock.node.core->table().link(dial) == nullptr);
   CHECK(clock.logged("dial_ended unproven: no Hello in time"));
 }
 

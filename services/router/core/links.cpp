@@ -1,15 +1,46 @@
-// Links: dialled, admitted, heard, dropped and dialled again.
+#include "services/router/core/links.hpp"
+
 #include <algorithm>
 
-#include "common/base/hex.hpp"
-#include "common/security/revocations.hpp"
-#include "services/router/core/router_core.hpp"
-
 namespace trb::router {
+namespace {
 
-void RouterCore::dial(Redial& redial, const std::string& address, BytesView key, Now now, Effects& out) {
+/// Where it says that it is, and where it was reached, one after the other: behind a translator only the second is
+/// good, after a move only the first.
+const std::string& address_to_dial(Peer& peer) {
+  if (peer.address.empty()) return peer.good_address;
+  const bool choice = !peer.good_address.empty() && peer.good_address != peer.address;
+  peer.try_good = choice && !peer.try_good;
+  return peer.try_good ? peer.good_address : peer.address;
+}
+
+}  // namespace
+
+void Links::start(Now now) {
+  for (Seed& seed : table_.seeds()) seed.redial.at = now.mono;
+}
+
+void Links::drop_all(const std::string& why, Now now, Effects& out) {
+  std::vector<LinkId> links;
+  for (const auto& [id, link] : table_.links()) links.push_back(id);
+  for (const LinkId id : links) drop(id, why, true, now, out);
+}
+
+void Links::redial_all(Now now) {
+  for (auto& [id, peer] : table_.peers()) peer.redial = {now.mono, {}, 0};
+  for (Seed& seed : table_.seeds()) seed.redial = {now.mono, {}, 0};
+}
+
+void Links::redial_unlinked(Now now) {
+  for (Seed& seed : table_.seeds()) seed.redial = {now.mono, {}, 0};
+  for (auto& [id, peer] : table_.peers()) {
+    if (peer.link == 0) peer.redial = {now.mono, {}, 0};
+  }
+}
+
+void Links::dial(Redial& redial, const std::string& address, BytesView key, Now now, Effects& out) {
   Link link;
-  link.id = random_u64();
+  link.id = node_.random();
   link.dialled = true;
   link.key = key;
   link.address = address;
@@ -18,196 +49,251 @@ void RouterCore::dial(Redial& redial, const std::string& address, BytesView key,
   redial.at.reset();
   redial.link = link.id;
   out.add(Dial{link.id, address, link.key});
-  links_.emplace(link.id, std::move(link));
+  table_.links().emplace(link.id, std::move(link));
 }
 
-/// One dialling at a time for a key: a seed and a beacon may name the same node.
-bool RouterCore::dialling(BytesView key) const {
-  return std::any_of(links_.begin(), links_.end(),
-                     [&](const auto& row) { return row.second.dialled && !row.second.up && row.second.key == key; });
-}
-
-void RouterCore::redial_later(Redial& redial, Now now, Duration at_least) {
+void Links::redial_later(Redial& redial, Now now, Duration at_least) {
+  const Timing& timing = node_.config().timing;
   redial.link = 0;
-  redial.wait =
-      redial.wait == Duration{} ? config_.timing.redial_first : std::min(redial.wait * 2, config_.timing.redial_most);
+  redial.wait = redial.wait == Duration{} ? timing.redial_first : std::min(redial.wait * 2, timing.redial_most);
   redial.at = now.mono + std::max(redial.wait, at_least);
 }
 
-void RouterCore::redial_failed(LinkId id, Now now) {
-  for (Seed& seed : seeds_) {
+void Links::redial_soon(Peer& peer, Now now) {
+  peer.redial.wait = {};
+  peer.redial.at = now.mono + (node_.is_smaller_than(peer.id) ? Duration{} : node_.config().timing.yield);
+}
+
+void Links::redial_failed(LinkId id, Now now) {
+  const Duration most = node_.config().timing.redial_most;
+  for (Seed& seed : table_.seeds()) {
     if (seed.redial.link != id) continue;
-    const bool patient = seed.hint && seed.redial.wait >= config_.timing.redial_most;
+    const bool patient = seed.hint && seed.redial.wait >= most;
     redial_later(seed.redial, now, patient ? kHintPause : Duration{});
   }
-  for (auto& [name, peer] : peers_) {
-    if (peer.redial.link == id) {
-      const bool patient = relay_of(peer) != nullptr && peer.redial.wait >= config_.timing.redial_most;
-      redial_later(peer.redial, now, patient ? kViaPause : Duration{});
-    }
+  for (auto& [name, peer] : table_.peers()) {
+    if (peer.redial.link != id) continue;
+    const bool patient = watcher_.is_relayed(peer) && peer.redial.wait >= most;
+    redial_later(peer.redial, now, patient ? kViaPause : Duration{});
   }
 }
 
-void RouterCore::on_dial_connected(LinkId id, Now now, Effects& out) {
-  if (const auto at = links_.find(id); at != links_.end()) send_hello(at->second, now, out);
+void Links::drop(LinkId id, const std::string& why, bool say_goodbye, Now now, Effects& out) {
+  const Link* link = table_.link(id);
+  if (link == nullptr) return;
+  if (link->up) seals_.note_open_end(id, link->peer, out);
+  if (link->up && seals_.holds(id)) out.add(ReturnHeld{id, link->peer, why, say_goodbye});
+  if (say_goodbye && link->up) seals_.last_seal(id, out);
+  if (say_goodbye && link->up) messages_.send(*link, Goodbye{why.substr(0, 128)}, out);
+  // A node that is off is dialled for ever: names apart, so that its lines do not use up what may be logged of real
+  // ends.
+  out.log(LogLevel::info, link->up ? "link_closed" : "dial_ended",
+          (link->peer.empty() ? "unproven" : link->peer) + ": " + why);
+  out.add(CloseLink{id});
+  const Link gone = *link;
+  table_.links().erase(id);
+  redial_failed(id, now);
+  Peer* peer = gone.up ? table_.find(gone.peer) : nullptr;
+  if (peer != nullptr && peer->link == id) lose(*peer, gone, now, out);
 }
 
-void RouterCore::link_send(Link& link, const Body& body, Effects& out, const Message* asked) {
-  const std::string& target = asked != nullptr ? asked->source : link.peer;
-  if (auto message = make_own(target, asked != nullptr ? asked->id : 0, body, out)) {
-    if (asked != nullptr && asked->subtype != EchoRequest::kSubtype)
-      peers_.at(link.peer).answers.spend(message->data.size());
-    out.add(LinkSend{link.id, std::move(*message)});
-  }
+void Links::lose(Peer& peer, const Link& gone, Now now, Effects& out) {
+  peer.link = 0;
+  // The lease runs from the last sign of life, not from when its end was noticed.
+  peer.lost = std::min(gone.last_heard, gone.confirmed);
+  peer.last_heard = gone.last_heard;
+  watcher_.on_link_lost(peer, gone, now, out);
+  // Both may dial again; the greater id gives the smaller a head start.
+  redial_later(peer.redial, now, node_.is_smaller_than(peer.id) ? Duration{} : node_.config().timing.yield);
 }
 
-bool RouterCore::admit(BytesView key, MonotonicTime now, Effects& out) {
-  if (key == config_.own.link_key.bytes || refuse_revoked_key(key, now, out)) return false;
-  // One that is revoked knows that no Hello of its own is taken; one that has only ended may be brought its renewal.
-  if (find_revocation(news_.list, config_.own) != nullptr) return false;
-  if (const auto at = noisy_.find(key); at != noisy_.end() && now < at->second) {
-    out.count("refused.noisy_key");
+void Links::on_ended(LinkId id, LinkEnd how, Now now, Effects& out) {
+  const Link* link = table_.link(id);
+  if (link == nullptr) return;
+  if (how != LinkEnd::failed && how != LinkEnd::disconnected) out.count("dial." + std::string(name_of(how)));
+  if (!link->up) errors_.note_link(id, name_of(how), "the dial ended before a Hello was heard", now);
+  drop(id, std::string(name_of(how)), false, now, out);
+}
+
+void Links::on_bad_frame(LinkId id, const Error& error, Now now, Effects& out) {
+  const std::string code(errc_name(error.code));
+  out.count("refused." + code);
+  out.log(LogLevel::warning, "frame_refused", error.text());
+  errors_.note_link(id, code, error.what, now);
+  drop(id, "sent a frame that is none: " + code, true, now, out);
+}
+
+void Links::on_second_link(LinkId id, Now now, Effects& out) {
+  const Link* link = table_.link(id);
+  if (link == nullptr) return;
+  out.count("refused.second_hello");
+  out.log(LogLevel::warning, "second_hello", link->peer + " wants a second link on one connection");
+  drop(id, "a second link on one connection", true, now, out);
+}
+
+void Links::break_seal(LinkId id, const std::string& peer, SealFault fault, Now now, Effects& out) {
+  const Link* link = table_.link(id);
+  const std::string reason(name_of(fault));
+  std::string text = "link " + std::to_string(id) + " of " + peer + ", ";
+  // The check of a signature may outlast the link.
+  text += link == nullptr ? "which has ended" : "after sequence " + std::to_string(link->heard);
+  text += ": " + reason;
+  out.count("refused.seal_" + reason);
+  // An event for each reason: many of one kind do not use up what may be logged of another.
+  out.log(LogLevel::error, "seal_alarm_" + reason, text + "; what it carried since its last seal is not proven");
+  errors_.note_link(id, errc_name(Errc::seal_broken), text, now);
+  drop(id, "seal_broken: " + reason, true, now, out);
+}
+
+void Links::on_name_found(LinkId id, const std::string& address) {
+  if (Link* link = table_.link(id)) link->address = address;
+}
+
+void Links::on_name_unknown(LinkId id, const std::string& why, Now now, Effects& out) {
+  if (table_.link(id) == nullptr) return;
+  out.count("dial.no_name");
+  if (!why.empty()) errors_.note_link(id, "no_name", why, now);
+  drop(id, why.empty() ? "its name is asked for" : why, false, now, out);
+}
+
+bool Links::receive(Link& link, const HeaderView& header, Now now, Effects& out) {
+  if (header.sequence != link.heard + 1 && link.up) {
+    out.count("refused.sequence");
+    const std::string why = "sequence " + std::to_string(header.sequence) + " after " + std::to_string(link.heard);
+    out.log(LogLevel::warning, "sequence_gap", link.peer + ": " + why);
+    drop(link.id, why, true, now, out);
     return false;
   }
-  // Members, and those whom node.json names though they were never met: no crowd of strangers keeps them out.
-  if (is_expected(key)) {
-    if (const auto name = peers_by_key_.find(key); name != peers_by_key_.end())
-      peers_.at(name->second).comes_until = now + config_.timing.handshake;
-    return true;
-  }
-  if (const auto at = denied_.find(key); at != denied_.end() && now < at->second) {
-    out.count("refused.denied_key");
-    out.log(LogLevel::warning, "denied_key", "the key " + to_hex(key) + " was refused a moment ago");
-    return false;
-  }
-  if (candidates_.count(key) == 0 && candidates_.size() >= kMaxCandidates) {
-    out.count("refused.too_many_candidates");
-    out.log(LogLevel::warning, "too_many_candidates", "no room for the unknown key " + to_hex(key));
-    return false;
-  }
-  // Connecting again buys no more time.
-  if (candidates_.emplace(Bytes(key), now + config_.timing.handshake).second) out.count("candidates");
+  link.heard = header.sequence;
+  link.last_heard = now.mono;
   return true;
 }
 
-void RouterCore::on_link_message(LinkId id, BytesView key, const Message& message, std::uint64_t sequence, Now now,
-                                 Effects& out) {
-  const auto at = links_.find(id);
-  if (at != links_.end() && !key.empty() && key != at->second.key) {
-    out.count("refused.link_theft");
-    return out.log(LogLevel::warning, "link_theft", "a connection used another one's link id");
-  }
-  if (at == links_.end() && refuse_revoked_key(key, now.mono, out)) return;
-  const auto denied = denied_.find(key);
-  if (at == links_.end() && peers_by_key_.count(key) == 0 && denied != denied_.end() && now.mono < denied->second)
-    return out.count("refused.denied_key");
-  if (message.subtype == Hello::kSubtype) return on_hello(id, key, message, sequence, now, out);
-  if (at == links_.end() || !at->second.up) return on_early_message(id, key, message, now, out);
-  on_peer_message(at->second, message, now, out);
-}
-
-void RouterCore::on_early_message(LinkId id, BytesView key, const Message& message, Now now, Effects& out) {
-  if (const auto at = links_.find(id); at != links_.end()) {
-    // What it says before its Goodbye may be what this node has to know: its own renewed certificate.
-    if (message.subtype == FleetNews::kSubtype) return on_news_message(at->second, message, now, out);
-    // Dialled, and answered by something else than Hello: the other side refuses.
-    auto goodbye = decode<Goodbye>(message.data);
-    const bool said = message.subtype == Goodbye::kSubtype && goodbye;
-    out.count("dial.refused");
-    note_trouble(id, said ? "refused_us" : "no_hello", said ? goodbye->reason : "answered without Hello", now);
-    return drop_link(id, said ? "refused: " + goodbye->reason : "answered without Hello", false, now, out);
-  }
-  // A member's may have been under way when its link was closed; a stranger's first word must be Hello.
-  if (peers_by_key_.count(key) != 0) return out.count("dropped.closed_link");
-  refuse_candidate(id, key, fail(Errc::unknown_peer_key, "a connection without a certificate sent " + message.subtype),
-                   now, out);
-}
-
-void RouterCore::on_peer_message(Link& link, const Message& message, Now now, Effects& out) {
-  if (message.subtype == FleetNews::kSubtype) return on_news_message(link, message, now, out);
-  if (message.subtype == NodeProfile::kSubtype) return take_profile(peers_.at(link.peer), message.data, now, out);
-  auto body = decode_body(message.subtype, message.data);
-  if (!body) return deny_peer(link, message, body.error(), out);
-  if (const auto* seal = get_if<Seal>(&*body)) return on_seal(link, *seal, now, out);
-  if (const auto* alive = get_if<KeepAlive>(&*body)) return on_keep_alive(link, *alive, now);
-  if (const auto* told = get_if<Neighbours>(&*body)) {
-    on_neighbours(link, *told, now, out);
-  } else if (const auto* relayed = get_if<Relayed>(&*body)) {
-    on_relayed(link, message, *relayed, now, out);
-  } else if (const auto* refused = get_if<RelayRefused>(&*body)) {
-    on_relay_refused(link, *refused, out);
-  } else if (const auto* goodbye = get_if<Goodbye>(&*body)) {
-    if (goodbye->reason == kUnheard)
-      note_trouble(link.id, "one_way", "it does not hear this node, which hears it", now);
-    drop_link(link.id, "the other side said goodbye: " + goodbye->reason, false, now, out);
-  } else if (auto reply = answer_peer(peers_.at(link.peer), message, now)) {
-    link_send(link, *reply, out, &message);
-  } else {
-    const bool full = reply.error().code == Errc::queue_full;
-    deny_peer(link, message, full ? reply.error() : fail(Errc::not_permitted, reply.error().what), out);
-  }
-}
-
-void RouterCore::deny_peer(Link& link, const Message& message, const Error& error, Effects& out) {
-  out.count("refused." + std::string(errc_name(error.code)));
-  out.log(LogLevel::warning, "message_refused", link.peer + " sent " + message.subtype + ": " + error.text());
-  if (message.type == MessageType::information || message.reply_to != 0) return;
-  const Nack nack{std::string(errc_name(error.code)), message.subtype, message.target, error.what, error.cure};
-  link_send(link, nack, out, &message);
-}
-
-void RouterCore::on_keep_alive(Link& link, const KeepAlive& body, Now now) {
+void Links::on_keep_alive(Link& link, const KeepAlive& body, Now now) {
   while (!link.unconfirmed.empty() && link.unconfirmed.front() <= body.heard) {
     link.unconfirmed.pop_front();
     link.confirmed = now.mono;
   }
 }
 
-void RouterCore::drop_link(LinkId id, const std::string& why, bool say_goodbye, Now now, Effects& out) {
-  const auto at = links_.find(id);
-  if (at == links_.end()) return;
-  Link& link = at->second;
-  const bool carried = link.up && peers_.count(link.peer) != 0 && peers_.at(link.peer).link == id;
-  if (link.up) tell_unsealed(id, link.peer, out);
-  if (link.up && holds(id)) out.add(ReturnHeld{id, link.peer, why, say_goodbye});
-  if (say_goodbye && link.up) last_seal(id, out);
-  if (say_goodbye && link.up) link_send(link, Goodbye{why.substr(0, 128)}, out);
-  // A node that is off is dialled for ever: names apart, so that its lines do not use up what may be logged of real
-  // ends.
-  out.log(LogLevel::info, link.up ? "link_closed" : "dial_ended",
-          (link.peer.empty() ? "unproven" : link.peer) + ": " + why);
-  out.add(CloseLink{id});
-  const std::string name = link.peer;
-  const Link gone = link;
-  links_.erase(at);
-  redial_failed(id, now);
-  if (!carried) return;
-  Peer& peer = peers_.at(name);
-  peer.link = 0;
-  // The lease runs from the last sign of life, not from when its end was noticed.
-  peer.lost = std::min(gone.last_heard, gone.confirmed);
-  peer.last_heard = gone.last_heard;
-  if (carrier_of(peer) != nullptr) peer.road.begin(now.mono);
-  neighbour_changed(name, now);
-  relay_lost(gone, out);
-  // Both may dial again; the greater id gives the smaller a head start.
-  redial_later(peer.redial, now, own_is_smaller(name) ? Duration{} : config_.timing.yield);
+void Links::set_address(Peer& peer, const std::string& address, Now now, Effects& out) {
+  if (peer.address == address) return;
+  peer.address = address;
+  peer.good_address.clear();
+  if (peer.redial.link != 0) drop(peer.redial.link, "its address has changed", false, now, out);
 }
 
-void RouterCore::on_bad_frame(LinkId id, const Error& error, Now now, Effects& out) {
-  const std::string code(errc_name(error.code));
-  out.count("refused." + code);
-  out.log(LogLevel::warning, "frame_refused", error.text());
-  note_trouble(id, code, error.what, now);
-  drop_link(id, "sent a frame that is none: " + code, true, now, out);
+void Links::expire(Peer& peer, const std::string& reason, Effects& out) {
+  peer.expired = true;
+  out.count("peer_expired");
+  out.log(LogLevel::warning, "peer_expired", peer.id + ": " + reason);
+  bus_.notify(PeerExpired{peer.id, reason}, out);
 }
 
-void RouterCore::on_link_ended(LinkId id, LinkEnd how, Now now, Effects& out) {
-  const auto at = links_.find(id);
-  if (at == links_.end()) return;
-  if (how != LinkEnd::failed && how != LinkEnd::disconnected) out.count("dial." + std::string(name_of(how)));
-  if (!at->second.up) note_trouble(id, name_of(how), "the dial ended before a Hello was heard", now);
-  drop_link(id, std::string(name_of(how)), false, now, out);
+// ---- time
+
+std::optional<MonotonicTime> Links::next_deadline() const {
+  const Timing& timing = node_.config().timing;
+  std::optional<MonotonicTime> next;
+  for (const auto& [id, link] : table_.links()) {
+    const MonotonicTime lapse = std::min(link.last_heard, link.confirmed) + timing.lease;
+    next = earlier(next, link.up ? std::min(link.next_keep_alive, lapse) : link.opened + timing.handshake);
+  }
+  for (const auto& [id, peer] : table_.peers()) {
+    if (peer.link != 0) continue;
+    next = earlier(next, peer.redial.at);
+    if (peer.lost && !peer.expired) next = earlier(next, *peer.lost + timing.lease);
+  }
+  for (const Seed& seed : table_.seeds()) next = earlier(next, seed.redial.at);
+  return next;
+}
+
+void Links::tick(bool may_dial, Now now, Effects& out) {
+  tick_links(now, out);
+  tick_peers(may_dial, now, out);
+  for (Seed& seed : table_.seeds()) {
+    if (seed.redial.at && now.mono >= *seed.redial.at) dial_seed(seed, may_dial, now, out);
+  }
+}
+
+std::optional<Links::Lapse> Links::lapse_of(const Link& link, Now now) const {
+  const Timing& timing = node_.config().timing;
+  if (!link.up) {
+    if (now.mono < link.opened + timing.handshake) return std::nullopt;
+    return Lapse{link.id, "no_hello", "no Hello in time"};
+  }
+  const Peer& peer = *table_.find(link.peer);
+  if (node_.checked_utc(now.utc).ns >= peer.certificate.not_after)
+    return Lapse{link.id, "cert_expired", "its certificate has ended"};
+  if (now.mono >= link.last_heard + timing.lease) return Lapse{link.id, "not_heard", std::string(kUnheard)};
+  if (now.mono < link.confirmed + timing.lease) return std::nullopt;
+  // Cut both ways, the echo ends a little before the words do; cut one way, TCP soon stalls in the other too, but
+  // beacons go on.
+  const bool still_heard = now.mono - std::max(link.last_heard, peer.last_beacon) < timing.lease * 3 / 5;
+  // What is said here tells the other side whether it is a one-way cut.
+  if (still_heard) return Lapse{link.id, "one_way", "not heard by the other side for a lease"};
+  return Lapse{link.id, "not_heard", std::string(kUnheard)};
+}
+
+void Links::keep_alive(Link& link, Now now, Effects& out) {
+  link.next_keep_alive = now.mono + node_.config().timing.keep_alive;
+  // A keep-alive says: what was before it is sealed.
+  seals_.seal_now(link.id, out);
+  messages_.send(link, KeepAlive{link.heard}, out);
+  // It gets this number or, behind what is on its way out already, a higher one.
+  link.unconfirmed.push_back(seals_.next_sequence(link.id));
+}
+
+void Links::tick_links(Now now, Effects& out) {
+  std::vector<Lapse> lapsed;
+  for (auto& [id, link] : table_.links()) {
+    if (auto lapse = lapse_of(link, now)) {
+      lapsed.push_back(std::move(*lapse));
+    } else if (link.up && now.mono >= link.next_keep_alive) {
+      keep_alive(link, now, out);
+    }
+  }
+  for (const auto& [id, code, why] : lapsed) {
+    if (code == "cert_expired") out.count("refused.cert_expired");
+    errors_.note_link(id, code, why, now);
+    drop(id, why, true, now, out);
+  }
+}
+
+void Links::tick_peers(bool may_dial, Now now, Effects& out) {
+  for (auto& [id, peer] : table_.peers()) {
+    if (peer.link != 0) continue;
+    if (peer.lost && !peer.expired && now.mono >= *peer.lost + node_.config().timing.lease)
+      expire(peer, "lease ended", out);
+    if (peer.redial.at && now.mono >= *peer.redial.at) dial_peer(peer, may_dial, now, out);
+  }
+}
+
+void Links::dial_peer(Peer& peer, bool may_dial, Now now, Effects& out) {
+  const Bytes& key = peer.certificate.link_key.bytes;
+  if (!may_dial) {
+    peer.redial.at = now.mono + node_.config().timing.redial_most;
+  } else if (now.mono < peer.comes_until || table_.is_dialling(key)) {
+    // After an outage both sides dial: two handshakes for one link, where the second could wait for the first's end.
+    peer.redial.at = now.mono + node_.config().timing.redial_first;
+  } else if (const std::string& address = address_to_dial(peer); address.empty()) {
+    peer.redial.at.reset();  // until it tells one: by a beacon, a relay, or a link that it makes
+  } else {
+    dial(peer.redial, address, key, now, out);
+  }
+}
+
+void Links::dial_seed(Seed& seed, bool may_dial, Now now, Effects& out) {
+  const Peer* peer = table_.find(seed.peer);
+  if (seed.hint && peer != nullptr && peer->met) {
+    seed.redial.at.reset();
+  } else if (!may_dial || trust_.is_revoked_key(seed.key) || (peer != nullptr && peer->link != 0) ||
+             table_.is_dialling(seed.key)) {
+    // The link is there, or is being dialled by another way; look again later, in case that address is lost.
+    seed.redial.at = now.mono + node_.config().timing.redial_most;
+  } else {
+    dial(seed.redial, seed.address, seed.key, now, out);
+  }
 }
 
 }  // namespace trb::router

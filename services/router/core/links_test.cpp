@@ -1,7 +1,7 @@
 // Links between nodes: found, dialled, doubled, lost, found again. Time is injected, nothing sleeps.
 #include <doctest/doctest.h>
 
-#include "services/router/core/test_fleet.hpp"
+#include "services/router/test/test_fleet.hpp"
 
 using namespace trb;
 using namespace trb::router;
@@ -51,7 +51,7 @@ TEST_CASE("ten nodes that all dial each other at once end with one link a pair, 
     for (const std::string& b : ids) {
       if (a < b) check_linked(fleet, a, b);
     }
-    CHECK(fleet.at(a).core->up_links().size() == ids.size() - 1);
+    CHECK(fleet.at(a).core->table().up_links().size() == ids.size() - 1);
   }
   const std::size_t closed = fleet.at("node-a").closed.size();
   fleet.run(Seconds(30));
@@ -64,7 +64,7 @@ TEST_CASE("a seed and a beacon that name one node make one link, not two") {
   fleet.start("bee");
   fleet.run(Seconds(4));
   check_linked(fleet, "ant", "bee");
-  CHECK(fleet.at("bee").core->up_links().size() == 1);
+  CHECK(fleet.at("bee").core->table().up_links().size() == 1);
 }
 
 TEST_CASE("a cut, two-way or one-way, ends the lease after ten seconds on both sides") {
@@ -91,8 +91,8 @@ TEST_CASE("whoever takes peer_expired is told of it, and the peer is welcome aga
   TestNode& ant = fleet.start("ant");
   fleet.start("bee");
   Effects effects;
-  ant.core->on_service_hello(1, {"resilience", {"peer_expired", "peer_joined"}, 5, 100, "1"}, "resilience", fleet.now,
-                             effects);
+  ant.core->bus().on_hello(1, {"resilience", {"peer_expired", "peer_joined"}, 5, 100, "1"}, "resilience", fleet.now,
+                           effects);
   fleet.carry_out(ant, effects);
   fleet.run(Seconds(1));
   CHECK(ant.told("peer_joined") == 1);
@@ -152,8 +152,8 @@ TEST_CASE("who has stolen the keys and says the highest boot keeps their owner o
   const auto hello = [&](LinkId link) {
     const Hello owner{fleet.keys("ant").record, 7, "ant", "1", kStartUtc, true, {}, 0, "behind", false, ""};
     Effects effects;
-    bee.core->on_link_message(link, fleet.keys("ant").link.public_key,
-                              make_message(MessageType::information, "ant", "", owner), 1, fleet.now, effects);
+    bee.core->inbox().on_message(link, fleet.keys("ant").link.public_key,
+                                 make_message(MessageType::information, "ant", "", owner), 1, fleet.now, effects);
     fleet.carry_out(bee, effects);
   };
   hello(4711);
@@ -176,21 +176,21 @@ TEST_CASE("replayed, foreign and damaged beacons are counted and lead nowhere") 
   fleet.run(Seconds(1));
   Effects effects;
   const Bytes first = fleet.at("bee").beacons.front();
-  ant.core->on_beacon(first, fleet.now, effects);
+  ant.core->beacons().on_beacon(first, fleet.now, effects);
   TestFleet other;
   other.start("cat");
   other.run(milliseconds(100));
-  ant.core->on_beacon(other.at("cat").beacons.front(), fleet.now, effects);
-  ant.core->on_beacon("noise", fleet.now, effects);
+  ant.core->beacons().on_beacon(other.at("cat").beacons.front(), fleet.now, effects);
+  ant.core->beacons().on_beacon("noise", fleet.now, effects);
   Bytes changed = first;
   changed.back() = static_cast<char>(changed.back() ^ 1);
-  ant.core->on_beacon(changed, fleet.now, effects);
+  ant.core->beacons().on_beacon(changed, fleet.now, effects);
   fleet.carry_out(ant, effects);
   CHECK(ant.count("beacon.replayed") == 1);
   CHECK(ant.count("beacon.foreign_fleet") == 1);
   CHECK(ant.count("beacon.malformed") == 1);
   CHECK(ant.count("beacon.bad_signature") == 1);
-  CHECK(ant.core->peers().size() == 1);
+  CHECK(ant.core->table().peers().size() == 1);
 }
 
 TEST_CASE("a crowd of made-up nodes in beacons gets no row, and no more of this node's time than is set") {
@@ -206,12 +206,12 @@ TEST_CASE("a crowd of made-up nodes in beacons gets no row, and no more of this 
                               id,
                               {encode(Beacon{nobody.sign_node(id).record, "127.0.0.9:1", 1, 0, 1})},
                               {Bytes(64, 's')}};
-    ant.core->on_beacon(encode(record), fleet.now, effects);
+    ant.core->beacons().on_beacon(encode(record), fleet.now, effects);
   }
   fleet.carry_out(ant, effects);
   CHECK(ant.count("beacon.foreign_fleet") == kBeaconsChecked);
   CHECK(ant.count("beacon.too_many") == 2'000 - kBeaconsChecked);
-  CHECK(ant.core->peers().size() == 1);
+  CHECK(ant.core->table().peers().size() == 1);
   CHECK(ant.link_to("bee") != 0);
   fleet.run(Seconds(1));
   fleet.start("cat");
@@ -230,9 +230,9 @@ TEST_CASE("a beacon of an earlier boot stays a replay while the later one is not
   fleet.cut("bee", "ant");
   fleet.run(milliseconds(20));
   Effects effects;
-  ant.core->on_beacon(fleet.at("bee").beacons.front(), fleet.now, effects);
-  ant.core->on_beacon(fleet.at("bee").beacons.front(), fleet.now, effects);
-  ant.core->on_beacon(old, fleet.now, effects);
+  ant.core->beacons().on_beacon(fleet.at("bee").beacons.front(), fleet.now, effects);
+  ant.core->beacons().on_beacon(fleet.at("bee").beacons.front(), fleet.now, effects);
+  ant.core->beacons().on_beacon(old, fleet.now, effects);
   fleet.carry_out(ant, effects);
   CHECK(ant.count("beacon.replayed") == 2);
 }
@@ -242,12 +242,13 @@ TEST_CASE("a profile that changes while the Hello is under way, or is too large 
   TestNode& ant = fleet.start("ant");
   fleet.start("bee");
   Effects effects;
-  ant.core->on_service_hello(1, {"mode-adapter", {}, 5, 100, "1"}, "mode-adapter", fleet.now, effects);
+  ant.core->bus().on_hello(1, {"mode-adapter", {}, 5, 100, "1"}, "mode-adapter", fleet.now, effects);
   NodeProfile profile;
   profile.maker = "Maker";
   for (int i = 0; i < 120; ++i)
     profile.skills.push_back({"skill_with_a_long_name_" + std::to_string(i), "grab", {}, true, 2});
-  ant.core->on_bus_message(1, make_message(MessageType::information, "ant", "ant", profile), fleet.now, effects);
+  ant.core->forwarding().on_bus_message(1, make_message(MessageType::information, "ant", "ant", profile), fleet.now,
+                                        effects);
   fleet.carry_out(ant, effects);
   fleet.run(Seconds(2));
   check_linked(fleet, "ant", "bee");
@@ -274,7 +275,7 @@ TEST_CASE("a frame that is none ends its link under a name of its own, not as a 
   fleet.run(milliseconds(500));
   const LinkId link = fleet.at("bee").link_to("ant");
   Effects effects;
-  fleet.at("bee").core->on_bad_frame(link, fail(Errc::malformed, "header: no array"), fleet.now, effects);
+  fleet.at("bee").core->links().on_bad_frame(link, fail(Errc::malformed, "header: no array"), fleet.now, effects);
   fleet.carry_out(fleet.at("bee"), effects);
   CHECK(fleet.at("bee").link_to("ant") == 0);
   CHECK(fleet.at("bee").count("refused.malformed") == 1);
@@ -296,14 +297,14 @@ TEST_CASE("a Hello read after its dialler gave it up takes nothing: the link tha
   const Hello stale{ant.record, 1, fleet.address("ant"), "1", kStartUtc, true, {}, 0, "behind", false, ""};
   const LinkId late = 4711;
   Effects effects;
-  bee.core->on_link_message(late, ant.link.public_key, make_message(MessageType::information, "ant", "bee", stale), 1,
-                            fleet.now, effects);
+  bee.core->inbox().on_message(late, ant.link.public_key, make_message(MessageType::information, "ant", "bee", stale),
+                               1, fleet.now, effects);
   fleet.carry_out(bee, effects);
   fleet.run(Seconds(8));
   CHECK(bee.link_to("ant") == live);
   check_linked(fleet, "ant", "bee");
   fleet.run(Seconds(5));
-  CHECK(bee.core->find_link(late) == nullptr);  // its lease has ended
+  CHECK(bee.core->table().link(late) == nullptr);  // its lease has ended
   CHECK(bee.link_to("ant") == live);
 }
 
@@ -313,8 +314,8 @@ TEST_CASE("the second word on the better link makes it the link") {
   fleet.start("bee", {.beacon = false, .seeds = {"ant"}});
   fleet.run(Seconds(2));
   check_linked(fleet, "ant", "bee");
-  CHECK(fleet.at("ant").core->find_link(fleet.at("ant").link_to("bee"))->dialled);
-  CHECK_FALSE(fleet.at("bee").core->find_link(fleet.at("bee").link_to("ant"))->waiting);
+  CHECK(fleet.at("ant").core->table().link(fleet.at("ant").link_to("bee"))->dialled);
+  CHECK_FALSE(fleet.at("bee").core->table().link(fleet.at("bee").link_to("ant"))->waiting);
 }
 
 TEST_CASE("a member that asks for tables without end is told no more than its bytes of a second, by name") {
@@ -325,12 +326,10 @@ TEST_CASE("a member that asks for tables without end is told no more than its by
   fleet.run(Seconds(1));
   const auto ask = [&](const std::string& who, const auto& question) {
     const LinkId link = ant.link_to(who);
-    const std::uint64_t next = ant.core->find_link(link)->heard + 1;
+    const std::uint64_t next = ant.core->table().link(link)->heard + 1;
     Effects effects;
-    ant.core->route_peer(link, header_of(make_message(MessageType::request, who, "ant", question), next), fleet.now,
-                         effects);
-    ant.core->on_link_message(link, ant.core->find_link(link)->key,
-                              make_message(MessageType::request, who, "ant", question), next, fleet.now, effects);
+    ant.core->inbox().on_message(link, ant.core->table().link(link)->key,
+                                 make_message(MessageType::request, who, "ant", question), next, fleet.now, effects);
     for (const Effect& effect : effects.list) {
       if (const auto* send = std::get_if<LinkSend>(&effect)) return send->message;
     }
@@ -362,7 +361,7 @@ TEST_CASE("what a peer may not ask is Nacked if it asks, and not if it only tell
   const LinkId link = ant.link_to("bee");
   const auto nacks = [&](const Message& message) {
     Effects effects;
-    ant.core->on_link_message(link, ant.core->find_link(link)->key, message, 99, fleet.now, effects);
+    ant.core->inbox().on_message(link, ant.core->table().link(link)->key, message, 99, fleet.now, effects);
     for (const std::string& name : effects.counts) ++ant.counts[name];
     return std::count_if(effects.list.begin(), effects.list.end(), [](const Effect& effect) {
       const auto* send = std::get_if<LinkSend>(&effect);
@@ -410,7 +409,7 @@ TEST_CASE("who is reached by a relay is dialled more seldom than who is not reac
     fleet.cut("bee", "ant");
     fleet.run(Seconds(40));
     CHECK(ant.link_to("bee") == 0);
-    CHECK(ant.peer("bee")->by_relay == relay);
+    CHECK(ant.relay_route("bee").open == relay);
     const std::size_t before = ant.dials.size();
     fleet.run(Seconds(60));
     // Each dial waits two seconds for its Hello, and then four seconds or two.
@@ -430,7 +429,7 @@ TEST_CASE("a dial that is answered by anything but a Hello has failed; only a Go
     word.data = data;
     fleet.arrive(ant, ant.dials.back().link, 1, word);
     CHECK(ant.count("dial.refused") == 1);
-    CHECK(ant.core->find_link(ant.dials.back().link) == nullptr);
+    CHECK(ant.core->table().link(ant.dials.back().link) == nullptr);
     return ant.log.back();
   };
   CHECK(answered("goodbye", encode(Goodbye{"other fleet"})) == "dial_ended unproven: refused: other fleet");
@@ -465,17 +464,17 @@ TEST_CASE("a link that is closed here ends with a seal and a Goodbye; one that b
                         return one.address == fleet.address("dog");
                       })->link;
   Effects closed;
-  ant.core->on_bad_frame(ant.link_to("bee"), fail(Errc::malformed, "header: no array"), fleet.now, closed);
+  ant.core->links().on_bad_frame(ant.link_to("bee"), fail(Errc::malformed, "header: no array"), fleet.now, closed);
   CHECK(says(closed, Goodbye::kSubtype));
   CHECK(has<SealDue>(closed));
   CHECK_FALSE(has<ReturnHeld>(closed));  // what came by it was delivered at once
   Effects broken;
-  ant.core->on_link_ended(ant.link_to("cat"), LinkEnd::disconnected, fleet.now, broken);
+  ant.core->links().on_ended(ant.link_to("cat"), LinkEnd::disconnected, fleet.now, broken);
   CHECK(has<CloseLink>(broken));
   CHECK_FALSE(says(broken, Goodbye::kSubtype));
   CHECK_FALSE(has<SealDue>(broken));
   Effects never;
-  ant.core->on_bad_frame(dial, fail(Errc::malformed, "header: no array"), fleet.now, never);
+  ant.core->links().on_bad_frame(dial, fail(Errc::malformed, "header: no array"), fleet.now, never);
   CHECK(has<CloseLink>(never));
   CHECK_FALSE(says(never, Goodbye::kSubtype));
   CHECK_FALSE(has<SealDue>(never));
@@ -489,7 +488,7 @@ TEST_CASE("how a dial ended is counted, unless nobody was there or the connectio
     fleet.cut("ant", "bee");
     fleet.run(kStep);
     Effects effects;
-    ant.core->on_link_ended(ant.dials.back().link, how, fleet.now, effects);
+    ant.core->links().on_ended(ant.dials.back().link, how, fleet.now, effects);
     const bool counted = how == LinkEnd::refused_key || how == LinkEnd::no_curve;
     CHECK(effects.counts ==
           (counted ? std::vector<std::string>{"dial." + std::string(name_of(how))} : std::vector<std::string>{}));
@@ -505,16 +504,16 @@ TEST_CASE("a keep-alive is confirmed by one that has heard it, and by none that 
     const Hello hello{bee.record, 3, "10.0.0.2:45000", "1", kStartUtc, true, {}, 0, "behind", false, ""};
     const auto say = [&](const auto& body) {
       Effects effects;
-      ant.core->on_link_message(9, bee.link.public_key, make_message(MessageType::information, "bee", "ant", body), 1,
-                                fleet.now, effects);
+      ant.core->inbox().on_message(9, bee.link.public_key, make_message(MessageType::information, "bee", "ant", body),
+                                   1, fleet.now, effects);
       fleet.carry_out(ant, effects);
     };
     say(hello);
     fleet.run(milliseconds(2500));
-    const auto& sent = ant.core->find_link(9)->unconfirmed;
+    const auto& sent = ant.core->table().link(9)->unconfirmed;
     REQUIRE(sent.size() == 1);
     say(KeepAlive{sent.front() - (heard ? 0 : 1)});
-    CHECK(ant.core->find_link(9)->unconfirmed.empty() == heard);
-    CHECK((ant.core->find_link(9)->confirmed == fleet.now.mono) == heard);
+    CHECK(ant.core->table().link(9)->unconfirmed.empty() == heard);
+    CHECK((ant.core->table().link(9)->confirmed == fleet.now.mono) == heard);
   }
 }

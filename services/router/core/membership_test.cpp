@@ -1,7 +1,7 @@
 // Who is put out and comes back, and when a node is told that its own certificate ends: one node, driven by hand.
 #include <doctest/doctest.h>
 
-#include "services/router/core/test_fleet.hpp"
+#include "services/router/test/test_fleet.hpp"
 
 using namespace trb;
 using namespace trb::router;
@@ -44,7 +44,7 @@ struct Ant {
   Effects tick(Duration after) { return tick(after, after); }
   void say(LinkId link, const TestKeys& keys, const Message& message) {
     Effects effects;
-    ant.core->on_link_message(link, keys.link.public_key, message, 1, fleet.now, effects);
+    ant.core->inbox().on_message(link, keys.link.public_key, message, 1, fleet.now, effects);
     fleet.carry_out(ant, effects);
   }
   void greet(LinkId link, const TestKeys& keys) {
@@ -56,8 +56,8 @@ struct Ant {
     const std::string& id = keys.certificate.id;
     const Beacon body{keys.record, fleet.address(id), 3, kStartUtc, 1};
     Effects effects;
-    ant.core->on_beacon(encode(sign(kSignedBeacon, id, fleet.authority.fleet.id(), encode(body), keys.identity)),
-                        fleet.now, effects);
+    ant.core->beacons().on_beacon(
+        encode(sign(kSignedBeacon, id, fleet.authority.fleet.id(), encode(body), keys.identity)), fleet.now, effects);
     fleet.carry_out(ant, effects);
   }
   void revoke(std::uint64_t number, const std::vector<std::string>& ids, std::uint64_t serial = 1,
@@ -68,25 +68,25 @@ struct Ant {
     list.issued = issued;
     for (const std::string& id : ids) list.revoked.push_back({serial, id, "stolen", kStartUtc});
     Effects effects;
-    REQUIRE(
-        ant.core
-            ->on_news({sign(kSignedRevocations, "", fleet.authority.fleet.id(), encode(list), fleet.authority.key), {}},
-                      0, fleet.now, effects)
-            .ok());
+    REQUIRE(ant.core->updates()
+                .on_update(
+                    {sign(kSignedRevocations, "", fleet.authority.fleet.id(), encode(list), fleet.authority.key), {}},
+                    0, fleet.now, effects)
+                .ok());
     fleet.carry_out(ant, effects);
   }
   bool admit(const TestKeys& keys) {
     Effects effects;
-    const bool good = ant.core->admit(keys.link.public_key, fleet.now.mono, effects);
+    const bool good = ant.core->admission().admit(keys.link.public_key, fleet.now, effects);
     fleet.carry_out(ant, effects);
     return good;
   }
   /// What `trb doctor` reads of a peer's trouble.
   std::string trouble(const std::string& peer, const std::string& code) {
     Effects effects;
-    ant.core->on_service_hello(7, {"cli", {}, 1, 1, "1"}, kProbe, fleet.now, effects);
-    ant.core->on_bus_message(7, make_message(MessageType::request, "ant", "ant", LinkTroublesRequest{}), fleet.now,
-                             effects);
+    ant.core->bus().on_hello(7, {"cli", {}, 1, 1, "1"}, kProbe, fleet.now, effects);
+    ant.core->forwarding().on_bus_message(7, make_message(MessageType::request, "ant", "ant", LinkTroublesRequest{}),
+                                          fleet.now, effects);
     const auto table = decode<LinkTroubles>(std::get<BusSend>(effects.list.back()).message.data);
     for (const LinkTrouble& row : table->troubles) {
       if (row.peer == peer && row.code == code) return row.text;
@@ -173,9 +173,9 @@ TEST_CASE("who is revoked while it is dialled is dialled no more, and whoever el
   for (const Dial& dial : one.ant.dials)
     (dial.server_key == one.fleet.keys("cat").link.public_key ? cat : dog) = dial.link;
   one.revoke(1, {"cat"});
-  CHECK(one.ant.core->find_link(cat) == nullptr);
+  CHECK(one.ant.core->table().link(cat) == nullptr);
   CHECK(one.told("dial_ended unproven: cert_revoked: stolen") == 1);
-  CHECK(one.ant.core->find_link(dog) != nullptr);
+  CHECK(one.ant.core->table().link(dog) != nullptr);
   CHECK(one.ant.link_to("bee") == 9);
   // It was never there, so no service hears that it is gone.
   CHECK(one.ant.count("peer_expired") == 0);
@@ -211,7 +211,7 @@ TEST_CASE("the renewal of a node that is then revoked is told to nobody") {
   Certificate renewed = one.fleet.keys("dog").certificate;
   renewed.serial = 4;
   Effects effects;
-  REQUIRE(one.ant.core->on_news({{}, {one.sign_certificate(renewed)}}, 0, one.fleet.now, effects).ok());
+  REQUIRE(one.ant.core->updates().on_update({{}, {one.sign_certificate(renewed)}}, 0, one.fleet.now, effects).ok());
   one.fleet.carry_out(one.ant, effects);
   REQUIRE(one.ant.stored_news.back().news.certificates.size() == 1);
   one.revoke(1, {"dog"}, 3);
@@ -322,7 +322,7 @@ TEST_CASE("a renewal that has ended is forgotten when somebody joins, once the c
   brief.serial = 4;
   brief.not_after = kStartUtc + Duration(minutes(11)).count();
   Effects effects;
-  REQUIRE(one.ant.core->on_news({{}, {one.sign_certificate(brief)}}, 0, one.fleet.now, effects).ok());
+  REQUIRE(one.ant.core->updates().on_update({{}, {one.sign_certificate(brief)}}, 0, one.fleet.now, effects).ok());
   for (const int minute : {5, 12}) {
     CAPTURE(minute);
     one.tick(minutes(minute));

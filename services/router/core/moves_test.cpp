@@ -1,7 +1,7 @@
 // Addresses that change, and whom a node lets in and dials without having met them. Time is injected, nothing sleeps.
 #include <doctest/doctest.h>
 
-#include "services/router/core/test_fleet.hpp"
+#include "services/router/test/test_fleet.hpp"
 
 using namespace trb;
 using namespace trb::router;
@@ -82,7 +82,7 @@ TEST_CASE("a node without an address dials by its seeds, sends no beacon, and sa
   fleet.carry_out(ant, effects);
   fleet.run(Seconds(30));
   CHECK(ant.beacons.empty());
-  CHECK(ant.core->route_table(fleet.now).routes.at(0).address.empty());
+  CHECK(ant.core->answers().route_table(fleet.now).routes.at(0).address.empty());
   fleet.start("bee");
   fleet.move("ant", fleet.address("ant"));
   fleet.run(Seconds(2));
@@ -94,9 +94,9 @@ TEST_CASE("a seed that was never met is let in whatever the crowd of strangers")
   TestFleet fleet;
   TestNode& ant = fleet.start("ant", {.beacon = false, .seeds = {"bee"}});
   Effects effects;
-  for (int i = 0; i < 40; ++i) ant.core->admit(make_link_key().public_key, fleet.now.mono, effects);
-  CHECK_FALSE(ant.core->admit(fleet.keys("cat").link.public_key, fleet.now.mono, effects));
-  CHECK(ant.core->admit(fleet.keys("bee").link.public_key, fleet.now.mono, effects));
+  for (int i = 0; i < 40; ++i) ant.core->admission().admit(make_link_key().public_key, fleet.now, effects);
+  CHECK_FALSE(ant.core->admission().admit(fleet.keys("cat").link.public_key, fleet.now, effects));
+  CHECK(ant.core->admission().admit(fleet.keys("bee").link.public_key, fleet.now, effects));
 }
 
 TEST_CASE("the peers of the last run are dialled at the start, and gathered for the next") {
@@ -138,15 +138,15 @@ TEST_CASE("a Hello and a beacon that name a host instead of numbers are refused,
     const auto greet = [&](const std::string& id, const std::string& address, const std::string& lane) {
       const TestKeys keys = fleet.keys(id);
       const Hello hello{keys.record, 3, address, "1", kStartUtc, true, {}, 0, "behind", false, lane};
-      ant.core->on_link_message(random_u64(), keys.link.public_key,
-                                make_message(MessageType::information, id, "", hello), 1, fleet.now, effects);
+      ant.core->inbox().on_message(random_u64(), keys.link.public_key,
+                                   make_message(MessageType::information, id, "", hello), 1, fleet.now, effects);
     };
     greet("bee", name, "");
     greet("dog", "", name);
     const Beacon beacon{cat.record, name, 1, kStartUtc, 1};
     const SignedRecord record =
         sign(kSignedBeacon, "cat", fleet.authority.fleet.id(), encode(beacon), fleet.keys("cat").identity);
-    ant.core->on_beacon(encode(record), fleet.now, effects);
+    ant.core->beacons().on_beacon(encode(record), fleet.now, effects);
     fleet.carry_out(ant, effects);
     fleet.run(Seconds(10));
     CHECK(ant.count("refused.bad_value") == 2);
@@ -167,8 +167,8 @@ TEST_CASE("a Hello with an IPv6 address, or without one, is taken") {
     const TestKeys bee = fleet.keys("bee");
     const Hello hello{bee.record, 3, address, "1", kStartUtc, true, {}, 0, "behind", false, ""};
     Effects effects;
-    ant.core->on_link_message(9, bee.link.public_key, make_message(MessageType::information, "bee", "", hello), 1,
-                              fleet.now, effects);
+    ant.core->inbox().on_message(9, bee.link.public_key, make_message(MessageType::information, "bee", "", hello), 1,
+                                 fleet.now, effects);
     fleet.carry_out(ant, effects);
     CHECK(ant.link_to("bee") == 9);
   }
@@ -180,12 +180,12 @@ TEST_CASE("a peer that tells no address is not dialled when its link has ended, 
   const TestKeys bee = fleet.keys("bee");
   const Hello hello{bee.record, 3, "", "1", kStartUtc, true, {}, 0, "behind", false, ""};
   Effects effects;
-  ant.core->on_link_message(9, bee.link.public_key, make_message(MessageType::information, "bee", "", hello), 1,
-                            fleet.now, effects);
+  ant.core->inbox().on_message(9, bee.link.public_key, make_message(MessageType::information, "bee", "", hello), 1,
+                               fleet.now, effects);
   fleet.carry_out(ant, effects);
   REQUIRE(ant.link_to("bee") == 9);
   Effects ended;
-  ant.core->on_link_ended(9, LinkEnd::disconnected, fleet.now, ended);
+  ant.core->links().on_ended(9, LinkEnd::disconnected, fleet.now, ended);
   fleet.carry_out(ant, ended);
   fleet.run(Seconds(30));
   CHECK(ant.dials.empty());
@@ -231,8 +231,9 @@ TEST_CASE("a dial to where a peer no longer is ends when its beacon tells anothe
   const auto hear = [&](const std::string& address, std::uint64_t count) {
     const Beacon beacon{bee.record, address, 1, kStartUtc, count};
     Effects effects;
-    ant.core->on_beacon(encode(sign(kSignedBeacon, "bee", fleet.authority.fleet.id(), encode(beacon), bee.identity)),
-                        fleet.now, effects);
+    ant.core->beacons().on_beacon(
+        encode(sign(kSignedBeacon, "bee", fleet.authority.fleet.id(), encode(beacon), bee.identity)), fleet.now,
+        effects);
     ant.core->tick(fleet.now, effects);
     return effects;
   };
@@ -245,7 +246,7 @@ TEST_CASE("a dial to where a peer no longer is ends when its beacon tells anothe
   const Dial first = dial_of(hear("10.0.0.2:45000", 1));
   CHECK(first.address == "10.0.0.2:45000");
   const Effects moved = hear("10.0.0.3:45000", 2);
-  CHECK(ant.core->find_link(first.link) == nullptr);
+  CHECK(ant.core->table().link(first.link) == nullptr);
   CHECK(dial_of(moved).address == "10.0.0.3:45000");
 }
 
@@ -262,8 +263,8 @@ TEST_CASE("a dial whose name is not known ends at once, and one that is over is 
   REQUIRE(dial != nullptr);
   const LinkId link = dial->link;
   Effects out;
-  core.on_name_unknown(link, "no such name", fleet.now, out);
-  core.on_name_unknown(link, "no such name", fleet.now, out);
-  CHECK(core.find_link(link) == nullptr);
+  core.links().on_name_unknown(link, "no such name", fleet.now, out);
+  core.links().on_name_unknown(link, "no such name", fleet.now, out);
+  CHECK(core.table().link(link) == nullptr);
   CHECK(out.counts == std::vector<std::string>{"dial.no_name"});
 }

@@ -2,7 +2,7 @@
 #include <doctest/doctest.h>
 
 #include "common/security/revocations.hpp"
-#include "services/router/core/test_fleet.hpp"
+#include "services/router/test/test_fleet.hpp"
 
 using namespace trb;
 using namespace trb::router;
@@ -49,7 +49,7 @@ struct Three {
   }
   Result<std::string> tell(TestNode& node, const FleetNews& news) {
     Effects effects;
-    auto taken = node.core->on_news(news, 0, fleet.now, effects);
+    auto taken = node.core->updates().on_update(news, 0, fleet.now, effects);
     fleet.carry_out(node, effects);
     return taken;
   }
@@ -85,7 +85,7 @@ TEST_CASE("a revocation that one node hears of is in force on all, and the revok
   CHECK(three.bee.count("refused.cert_revoked") == 1);
   CHECK(logged(three.cat, "own_certificate_over this node's certificate is revoked: stolen"));
   Effects effects;
-  CHECK_FALSE(three.cat.core->admit(three.ant.keys.link.public_key, three.fleet.now.mono, effects));
+  CHECK_FALSE(three.cat.core->admission().admit(three.ant.keys.link.public_key, three.fleet.now, effects));
   three.cat.beacons.clear();
   const std::size_t dials = three.cat.dials.size();
   three.fleet.run(Seconds(20));
@@ -98,8 +98,8 @@ TEST_CASE("a revocation that one node hears of is in force on all, and the revok
 TEST_CASE("a list is on disk before anything is done about it, and the beacon key's box goes with it") {
   Three three;
   Effects effects;
-  REQUIRE(three.ant.core
-              ->on_news({list_of(three.fleet.authority, 1, {"cat"}, {"ant", "bee"}), {}}, 0, three.fleet.now, effects)
+  REQUIRE(three.ant.core->updates()
+              .on_update({list_of(three.fleet.authority, 1, {"cat"}, {"ant", "bee"}), {}}, 0, three.fleet.now, effects)
               .ok());
   std::optional<std::size_t> stored;
   for (std::size_t i = 0; i < effects.list.size(); ++i) {
@@ -118,17 +118,17 @@ TEST_CASE("a revoked node's key, Hello and beacon are refused, and services hear
   Three three;
   TestNode& ant = three.ant;
   Effects effects;
-  ant.core->on_service_hello(1, {"resilience", {"peer_expired"}, 1, 1, "1"}, "resilience", three.fleet.now, effects);
+  ant.core->bus().on_hello(1, {"resilience", {"peer_expired"}, 1, 1, "1"}, "resilience", three.fleet.now, effects);
   const Bytes beacon = three.cat.beacons.back();
   REQUIRE(three.tell(ant, {list_of(three.fleet.authority, 1, {"cat"}), {}}).ok());
   CHECK(ant.told("peer_expired") == 1);
-  CHECK_FALSE(ant.core->admit(three.cat.keys.link.public_key, three.fleet.now.mono, effects));
-  ant.core->on_beacon(beacon, three.fleet.now, effects);
+  CHECK_FALSE(ant.core->admission().admit(three.cat.keys.link.public_key, three.fleet.now, effects));
+  ant.core->beacons().on_beacon(beacon, three.fleet.now, effects);
   three.fleet.carry_out(ant, effects);
   CHECK(ant.count("beacon.cert_revoked") == 1);
   const Hello hello{three.cat.keys.record, 9, "cat", "1", kStartUtc, true, {}, 0, "behind", false, ""};
-  ant.core->on_link_message(77, three.cat.keys.link.public_key,
-                            make_message(MessageType::information, "cat", "", hello), 1, three.fleet.now, effects);
+  ant.core->inbox().on_message(77, three.cat.keys.link.public_key,
+                               make_message(MessageType::information, "cat", "", hello), 1, three.fleet.now, effects);
   three.fleet.carry_out(ant, effects);
   CHECK(ant.count("refused.cert_revoked") >= 3);
   CHECK(ant.peer("cat") == nullptr);
@@ -138,7 +138,7 @@ TEST_CASE("a revoked node that this one never met is refused at its Hello and ha
   TestFleet fleet;
   TestNode& ant = fleet.start("ant", {.beacon = false});
   Effects effects;
-  REQUIRE(ant.core->on_news({list_of(fleet.authority, 1, {"dog"}), {}}, 0, fleet.now, effects).ok());
+  REQUIRE(ant.core->updates().on_update({list_of(fleet.authority, 1, {"dog"}), {}}, 0, fleet.now, effects).ok());
   fleet.carry_out(ant, effects);
   TestNode& dog = fleet.start("dog", {.beacon = false, .seeds = {"ant"}});
   fleet.run(Seconds(1));
@@ -174,7 +174,7 @@ TEST_CASE("a member that brings a forged list is counted and stays linked") {
   SignedRecord forged = list_of(three.fleet.authority, 3, {"cat"});
   forged.signature.bytes[5] ^= 1;
   const LinkId link = three.ant.link_to("bee");
-  const std::uint64_t next = three.ant.core->find_link(link)->heard + 1;
+  const std::uint64_t next = three.ant.core->table().link(link)->heard + 1;
   three.fleet.arrive(three.ant, link, next,
                      make_message(MessageType::information, "bee", "ant", FleetNews{forged, {}}));
   CHECK(three.ant.count("refused.bad_signature") == 1);
@@ -248,9 +248,9 @@ TEST_CASE("256 copies of one certificate cost one check, and a member's news no 
   };
   tell(copies);
   CHECK(three.ant.count("news.certificates") == 1);
-  CHECK(three.ant.core->peers().at("bee").news_checks.left() == kNewsChecked - 1);
+  CHECK(three.ant.core->table().peers().at("bee").update_checks.left() == kUpdatesChecked - 1);
   tell(copies);
-  CHECK(three.ant.core->peers().at("bee").news_checks.left() == kNewsChecked - 1);
+  CHECK(three.ant.core->table().peers().at("bee").update_checks.left() == kUpdatesChecked - 1);
 
   // Each of them the authority's, and none of them new.
   FleetNews old;
@@ -260,7 +260,7 @@ TEST_CASE("256 copies of one certificate cost one check, and a member's news no 
   }
   tell(old);
   tell(old);
-  CHECK(three.ant.core->peers().at("bee").news_checks.left() == 0);
+  CHECK(three.ant.core->table().peers().at("bee").update_checks.left() == 0);
   CHECK(three.ant.link_to("bee") != 0);
 }
 
@@ -357,7 +357,7 @@ TEST_CASE("a node that starts in 1970 joins, unverified, by what the authority h
     fleet.start("bee");
     fleet.run(Seconds(2));
     CHECK(late.link_to("bee") != 0);
-    CHECK(late.core->route_table(fleet.now).routes[0].clock == "unverified");
+    CHECK(late.core->answers().route_table(fleet.now).routes[0].clock == "unverified");
     CHECK(std::find(late.stored_utc.begin(), late.stored_utc.end(), UtcTime{kStartUtc + 3'600'000'000'000}) !=
           late.stored_utc.end());
   }
@@ -397,7 +397,7 @@ TEST_CASE("who brings news is not told them again, the others are, and who asked
   Heard back(three.fleet, "ant", three.ant, "bee");
   Effects effects;
   const FleetNews news{list_of(three.fleet.authority, 1, {"dog"}, {"ant", "bee", "cat"}), {}};
-  const auto taken = three.ant.core->on_news(news, three.ant.link_to("bee"), three.fleet.now, effects);
+  const auto taken = three.ant.core->updates().on_update(news, three.ant.link_to("bee"), three.fleet.now, effects);
   three.fleet.carry_out(three.ant, effects);
   three.fleet.run(2 * kStep);
   REQUIRE(taken.ok());
@@ -426,13 +426,13 @@ TEST_CASE("what a node knows already costs no signature, whoever's it is") {
   const SignedRecord away = three.sign_certificate(of_another(three.fleet, "dog", 4));
   REQUIRE(three.tell(three.ant, {{}, {away}}).ok());
   const std::uint64_t taken = three.ant.count("news.certificates");
-  const std::uint32_t left = three.ant.peer("bee")->news_checks.left();
+  const std::uint32_t left = three.ant.peer("bee")->update_checks.left();
   Effects effects;
   const FleetNews known{{}, {three.ant.keys.record, three.cat.keys.record, away}};
-  const auto told = three.ant.core->on_news(known, three.ant.link_to("bee"), three.fleet.now, effects);
+  const auto told = three.ant.core->updates().on_update(known, three.ant.link_to("bee"), three.fleet.now, effects);
   CHECK(*told == "nothing new");
   CHECK(effects.list.empty());
-  CHECK(three.ant.peer("bee")->news_checks.left() == left);
+  CHECK(three.ant.peer("bee")->update_checks.left() == left);
   CHECK(three.ant.count("news.certificates") == taken);
 }
 
@@ -442,13 +442,13 @@ TEST_CASE("a member whose signatures of this second are spent brings not even a 
   for (std::uint64_t i = 0; i < 256; ++i) noise.certificates.push_back(three.sign_certificate(three.renewed("cat", 0)));
   const auto bring = [&](const FleetNews& news) {
     Effects effects;
-    const auto taken = three.ant.core->on_news(news, three.ant.link_to("bee"), three.fleet.now, effects);
+    const auto taken = three.ant.core->updates().on_update(news, three.ant.link_to("bee"), three.fleet.now, effects);
     three.fleet.carry_out(three.ant, effects);
     return taken ? Errc::ok : taken.error().code;
   };
   CHECK(bring(noise) == Errc::downgraded);
   CHECK(bring(noise) == Errc::queue_full);
-  REQUIRE(three.ant.peer("bee")->news_checks.left() == 0);
+  REQUIRE(three.ant.peer("bee")->update_checks.left() == 0);
   CHECK(bring({list_of(three.fleet.authority, 1, {"dog"}), {}}) == Errc::ok);
   CHECK(three.ant.count("news.lists") == 0);
   three.fleet.run(Seconds(2));
@@ -461,7 +461,7 @@ TEST_CASE("an old file that was left on the node is no attack; one that the auth
   REQUIRE(three.tell(three.ant, {list_of(three.fleet.authority, 3, {}), {}}).ok());
   const auto read = [&](const SignedRecord& list) {
     Effects effects;
-    three.ant.core->on_news_of_file({list, {}}, three.fleet.now, effects);
+    three.ant.core->updates().on_file({list, {}}, three.fleet.now, effects);
     three.fleet.carry_out(three.ant, effects);
   };
   read(list_of(three.fleet.authority, 2, {}));
@@ -484,7 +484,7 @@ TEST_CASE("a list tells a clock that is behind what time it is at least") {
   const SignedRecord record =
       sign(kSignedRevocations, "", fleet.authority.fleet.id(), encode(list), fleet.authority.key);
   Effects effects;
-  REQUIRE(ant.core->on_news({record, {}}, 0, fleet.now_of(ant), effects).ok());
+  REQUIRE(ant.core->updates().on_update({record, {}}, 0, fleet.now_of(ant), effects).ok());
   fleet.carry_out(ant, effects);
   REQUIRE_FALSE(ant.stored_utc.empty());
   CHECK(ant.stored_utc.back() == UtcTime{list.issued});
@@ -533,7 +533,7 @@ TEST_CASE("of others 1024 renewals are kept and 256 told on; one more finds no r
     certificate.id = id;
     certificate.serial = serial;
     Effects effects;
-    auto taken = ant.core->on_news(
+    auto taken = ant.core->updates().on_update(
         {{}, {sign(kSignedCertificate, "", fleet.authority.fleet.id(), encode(certificate), fleet.authority.key)}}, 0,
         fleet.now, effects);
     ant.stored_news.clear();
@@ -559,7 +559,7 @@ TEST_CASE("news that are too much for one message go in several: the list first,
   SUBCASE("without one") {
     all.revocations = {};
   }
-  REQUIRE(encode(all).size() > kMaxNews);
+  REQUIRE(encode(all).size() > kMaxUpdate);
   Heard heard(three.fleet, "ant", three.ant, "bee");
   REQUIRE(three.tell(three.ant, all).ok());
   three.fleet.run(2 * kStep);
@@ -573,7 +573,7 @@ TEST_CASE("news that are too much for one message go in several: the list first,
   for (std::size_t i = lists; i < heard.news.size(); ++i) {
     CHECK(heard.news[i].revocations.kind.empty());
     CHECK_FALSE(heard.news[i].certificates.empty());
-    CHECK(encode(heard.news[i]).size() <= kMaxNews);
+    CHECK(encode(heard.news[i]).size() <= kMaxUpdate);
     certificates.insert(certificates.end(), heard.news[i].certificates.begin(), heard.news[i].certificates.end());
   }
   CHECK(certificates == all.certificates);
@@ -619,12 +619,12 @@ TEST_CASE("news over their size are not read; the log names who brought what was
     const LinkId link = three.ant.link_to("bee");
     Message message = make_message(MessageType::information, "bee", "ant", FleetNews{});
     message.data = Bytes(size, '\xc1');
-    three.fleet.arrive(three.ant, link, three.ant.core->find_link(link)->heard + 1, message);
+    three.fleet.arrive(three.ant, link, three.ant.core->table().link(link)->heard + 1, message);
   };
-  bring(kMaxNews);
+  bring(kMaxUpdate);
   CHECK(three.ant.count("refused.malformed") == 1);
   CHECK(logged(three.ant, "news_refused of bee: "));
-  bring(kMaxNews + 1);
+  bring(kMaxUpdate + 1);
   CHECK(three.ant.count("refused.too_large") == 1);
 }
 
@@ -649,9 +649,9 @@ TEST_CASE("a refused node is handed what it does not know, and nothing else") {
     Effects effects;
     ant.refused.clear();
     const Hello said{keys.record, 9, "10.0.0.9:1", "1", kStartUtc, true, {}, list, "behind", false, ""};
-    ant.core->on_link_message(random_u64(), keys.link.public_key,
-                              make_message(MessageType::information, keys.certificate.id, "", said), 1, three.fleet.now,
-                              effects);
+    ant.core->inbox().on_message(random_u64(), keys.link.public_key,
+                                 make_message(MessageType::information, keys.certificate.id, "", said), 1,
+                                 three.fleet.now, effects);
     three.fleet.carry_out(ant, effects);
     return std::any_of(ant.refused.begin(), ant.refused.end(),
                        [](const RefuseCandidate& one) { return one.message.subtype == FleetNews::kSubtype; });

@@ -1,4 +1,4 @@
-// The routing table of section 3.2.1 and the links behind it: who is known, by which link, until when.
+// The rows of the routing table: who is known, by which link, until when.
 #pragma once
 
 #include <deque>
@@ -16,7 +16,6 @@
 #include "services/router/core/config.hpp"
 #include "services/router/core/effects.hpp"
 #include "services/router/core/lane.hpp"
-#include "services/router/core/relay_road.hpp"
 
 namespace trb::router {
 
@@ -47,7 +46,6 @@ struct Link {
   MonotonicTime confirmed;  ///< when the peer was last known to hear us
   MonotonicTime next_keep_alive;
   std::deque<std::uint64_t> unconfirmed;  ///< sequences of our keep-alives not yet echoed
-  Lane lane;
 };
 
 /// When to dial, and how patient to be.
@@ -66,19 +64,11 @@ struct Peer {
   std::string good_address;  ///< where this node has reached it, if that is another one: a seed's, behind a translator
   bool try_good = false;     ///< the next dial goes there
   std::uint64_t boot = 0;
-  std::set<std::string> relays;    ///< members that say they reach it
-  std::string carrier;             ///< which of them is given what is for it
-  bool by_relay = false;           ///< there is no link, but the road by relays is open
-  RelayRoad road;                  ///< to it by relays
-  Bytes relay_key;                 ///< locks what goes that way; empty until it is needed
-  std::uint64_t told_profile = 0;  ///< number of this node's profile that it was last told by a relay
-  MonotonicTime profile_told_at{};
-  std::map<std::string, Budget> carried_by{};  ///< by relay: what it brings of this peer
   Budget hellos{kHellosOfOne};
-  ByteRate answers{kAnsweredOfOne};  ///< tables that it asked for
-  Budget news{kNewsOfOne};
-  Budget news_checks{kNewsChecked};
-  Budget neighbour_checks{kNeighboursChecked};
+  ByteRate answers{kAnsweredOfOne};       ///< tables that it asked for
+  Budget updates{kUpdatesOfOne};          ///< trust updates that it brings
+  Budget update_checks{kUpdatesChecked};  ///< signatures in them
+  Budget reach_checks{kReachChecked};     ///< signatures of whom it reaches
   std::uint64_t beacon_boot = 0;
   std::uint64_t beacon_count = 0;
   MonotonicTime last_beacon;
@@ -91,7 +81,7 @@ struct Peer {
   std::optional<MonotonicTime> lost;  ///< since when the lease runs: the last sign of life on the link that went down
   MonotonicTime last_heard;
   Redial redial;
-  MonotonicTime comes_until{};  ///< its own dial is at the door, and has this long to say Hello
+  MonotonicTime comes_until{};  ///< its own dial has arrived, and has this long to send its Hello
   Spare spare;
 };
 

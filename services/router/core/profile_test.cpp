@@ -2,7 +2,7 @@
 #include <doctest/doctest.h>
 
 #include "common/actor/route_pages.hpp"
-#include "services/router/core/test_fleet.hpp"
+#include "services/router/test/test_fleet.hpp"
 
 using namespace trb;
 using namespace trb::router;
@@ -43,12 +43,12 @@ struct Pair {
     Message asked = make_message(MessageType::request, "ant", "ant", LinkTroublesRequest{});
     serve("scheduler", 9);
     Effects effects;
-    ant.core->on_bus_message(9, asked, fleet.now, effects);
+    ant.core->forwarding().on_bus_message(9, asked, fleet.now, effects);
     return *decode<LinkTroubles>(std::get<BusSend>(effects.list.at(0)).message.data);
   }
   void serve(const std::string& service, ConnectionId from) {
     Effects effects;
-    ant.core->on_service_hello(from, {service, {}, 5, 100, "1"}, service, fleet.now, effects);
+    ant.core->bus().on_hello(from, {service, {}, 5, 100, "1"}, service, fleet.now, effects);
     fleet.carry_out(ant, effects);
   }
   void own(ConnectionId from, const Body& body) {
@@ -57,7 +57,7 @@ struct Pair {
     message.subtype = subtype_of(body);
     message.data = encode_body(body);
     Effects effects;
-    ant.core->on_bus_message(from, message, fleet.now, effects);
+    ant.core->forwarding().on_bus_message(from, message, fleet.now, effects);
     fleet.carry_out(ant, effects);
     fleet.run(2 * kStep);
   }
@@ -177,7 +177,7 @@ TEST_CASE("a Hello over 4 kB is nobody's, a member's neither: its profile follow
       make_message(MessageType::information, "cat", "ant",
                    Hello{cat.keys.record, 9, "cat", "1", kStartUtc, true, large(5'000), 0, "behind", false, ""});
   Effects effects;
-  pair.ant.core->on_link_message(1234, cat.keys.link.public_key, hello, 1, pair.fleet.now, effects);
+  pair.ant.core->inbox().on_message(1234, cat.keys.link.public_key, hello, 1, pair.fleet.now, effects);
   pair.fleet.carry_out(pair.ant, effects);
   CHECK(pair.ant.count("refused.too_large") == 1);
   CHECK(pair.ant.link_to("bee") != 0);
@@ -196,7 +196,7 @@ TEST_CASE("a table of many large profiles comes in pages, each of which its read
   std::optional<RouteTable> whole;
   int asked = 0;
   for (; !whole && asked < 20; ++asked) {
-    const RouteTable page = zed.core->route_table(fleet.now, question.after);
+    const RouteTable page = zed.core->answers().route_table(fleet.now, question.after);
     const auto packed = pack(page);
     REQUIRE(packed.ok());
     CHECK(packed->size() <= 256U << 10U);
@@ -219,10 +219,10 @@ TEST_CASE("what a hearer would have to refuse is not sent; who waits for it is t
   for (int i = 0; i < 40; ++i) config.services.push_back("s" + std::to_string(i));
   RouterCore core(config);
   Effects effects;
-  core.on_service_hello(1, {"s1", {}, 5, 100, "1"}, "s1", pair.fleet.now, effects);
+  core.bus().on_hello(1, {"s1", {}, 5, 100, "1"}, "s1", pair.fleet.now, effects);
   effects = {};
   Message asked = make_message(MessageType::request, "many", "many", ServiceListRequest{});
-  core.on_bus_message(1, asked, pair.fleet.now, effects);
+  core.forwarding().on_bus_message(1, asked, pair.fleet.now, effects);
   const auto& sends = effects.list;
   const auto* nack = std::get_if<BusSend>(&sends.back());
   REQUIRE(nack != nullptr);

@@ -1,7 +1,7 @@
 // Who relays, whom it reaches, and what of that is believed. Time is injected, nothing sleeps.
 #include <doctest/doctest.h>
 
-#include "services/router/core/test_relays.hpp"
+#include "services/router/test/test_relays.hpp"
 
 using namespace trb;
 using namespace trb::router;
@@ -114,7 +114,7 @@ TEST_CASE("what a relay tells of a node is taken only with a certificate that a 
   const SignedRecord record =
       sign(kSignedRevocations, "", three.fleet.authority.fleet.id(), encode(list), three.fleet.authority.key);
   Effects effects;
-  REQUIRE(three.ant->core->on_news({record, {}}, 0, three.fleet.now, effects).ok());
+  REQUIRE(three.ant->core->updates().on_update({record, {}}, 0, three.fleet.now, effects).ok());
   three.fleet.carry_out(*three.ant, effects);
   tell(three.fleet.authority.sign_node("fox"));
   CHECK(three.ant->count("refused.neighbour_cert_revoked") == 1);
@@ -168,7 +168,7 @@ TEST_CASE("a member without the right is no relay, whatever its Hello says") {
   const auto say = [&](std::uint64_t sequence, const auto& body) {
     Effects effects;
     const Message message = make_message(MessageType::information, "thief", "ant", body);
-    ant.core->on_link_message(4711, thief.link.public_key, message, sequence, fleet.now, effects);
+    ant.core->inbox().on_message(4711, thief.link.public_key, message, sequence, fleet.now, effects);
     fleet.carry_out(ant, effects);
   };
   say(1, Hello{thief.record, 3, "10.0.0.9:45000", "1", kStartUtc, true, {}, 0, "behind", true, ""});
@@ -189,9 +189,9 @@ TEST_CASE("a relay tells of many in several messages, of who has gone too, and n
     many.push_back(fleet.authority.sign_node("n" + std::to_string(number)));
     Effects effects;
     const Hello hello{many.back().record, 3, "10.1.0.1:1", "1", kStartUtc, true, {}, 0, "behind", false, ""};
-    cloud.core->on_link_message(9000 + number, many.back().link.public_key,
-                                make_message(MessageType::information, many.back().certificate.id, "", hello), 1,
-                                fleet.now, effects);
+    cloud.core->inbox().on_message(9000 + number, many.back().link.public_key,
+                                   make_message(MessageType::information, many.back().certificate.id, "", hello), 1,
+                                   fleet.now, effects);
     fleet.carry_out(cloud, effects);
   };
   for (std::uint64_t i = 0; i < 65; ++i) come(i);
@@ -209,12 +209,13 @@ TEST_CASE("a relay tells of many in several messages, of who has gone too, and n
   CHECK(told[1].reached.size() == 1);
   CHECK(told[0].gone.empty());
   for (const SignedRecord& one : told[0].reached) CHECK(one != ant.keys.record);
-  CHECK(ant.peer("n64")->relays == std::set<std::string>{"cloud"});
+  CHECK(ant.relay_route("n64").relays == std::set<std::string>{"cloud"});
 
   // All are told at once of those whose connections end at once.
   told.clear();
   Effects effects;
-  for (std::uint64_t i = 0; i < 65; ++i) cloud.core->on_link_ended(9000 + i, LinkEnd::disconnected, fleet.now, effects);
+  for (std::uint64_t i = 0; i < 65; ++i)
+    cloud.core->links().on_ended(9000 + i, LinkEnd::disconnected, fleet.now, effects);
   fleet.carry_out(cloud, effects);
   fleet.run(milliseconds(90));
   CHECK(told.empty());
@@ -223,7 +224,7 @@ TEST_CASE("a relay tells of many in several messages, of who has gone too, and n
   CHECK(told[0].gone.size() == 64);
   CHECK(told[1].gone.size() == 1);
   CHECK(told[0].reached.empty());
-  CHECK(ant.peer("n64")->relays.empty());
+  CHECK(ant.relay_route("n64").relays.empty());
 }
 
 TEST_CASE("what a relay says of nodes that nobody knows, or of this one itself, changes nothing") {
@@ -231,9 +232,9 @@ TEST_CASE("what a relay says of nodes that nobody knows, or of this one itself, 
   const auto tell = [&](const Neighbours& told) {
     three.put(three.cloud, "ant", make_message(MessageType::information, "cloud", "ant", told));
   };
-  const std::size_t peers = three.ant->core->peers().size();
+  const std::size_t peers = three.ant->core->table().peers().size();
   tell({{three.ant->keys.record}, {"nobody", "ant"}});
-  CHECK(three.ant->core->peers().size() == peers);
+  CHECK(three.ant->core->table().peers().size() == peers);
   CHECK(three.ant->peer("ant") == nullptr);
   CHECK(Triangle::route(*three.ant, "bee", three.fleet)->via == "cloud");
   tell({{}, {"bee"}});
@@ -248,22 +249,22 @@ TEST_CASE("a relay that tells of ever new nodes is listened to for so many signa
   fleet.run(Seconds(2));
   const auto tell = [&](const SignedRecord& record) {
     Effects effects;
-    ant.core->on_link_message(ant.link_to("cloud"), cloud.keys.link.public_key,
-                              make_message(MessageType::information, "cloud", "ant", Neighbours{{record}, {}}), 1,
-                              fleet.now, effects);
+    ant.core->inbox().on_message(ant.link_to("cloud"), cloud.keys.link.public_key,
+                                 make_message(MessageType::information, "cloud", "ant", Neighbours{{record}, {}}), 1,
+                                 fleet.now, effects);
     for (const std::string& name : effects.counts) ++ant.counts[name];
   };
   for (std::size_t i = 0; i + 1 < kMaxPeers; ++i) tell(fleet.authority.sign_node("n" + std::to_string(i)).record);
-  CHECK(ant.core->peers().size() == kMaxPeers);
+  CHECK(ant.core->table().peers().size() == kMaxPeers);
   CHECK(ant.count("refused.neighbour_queue_full") == 0);
   const SignedRecord more = fleet.authority.sign_node("one-more").record;
   tell(more);
   CHECK(ant.count("refused.neighbour_queue_full") == 1);
-  tell(ant.core->peers().at("n5").certificate_record);  // known: there is room, and no signature to check
+  tell(ant.core->table().peers().at("n5").certificate_record);  // known: there is room, and no signature to check
   CHECK(ant.count("refused.neighbour_queue_full") == 1);
   for (int i = 0; i < 100; ++i) tell(more);
   CHECK(ant.count("refused.neighbour_too_many") == 100 - 64);
-  tell(ant.core->peers().at("n5").certificate_record);
+  tell(ant.core->table().peers().at("n5").certificate_record);
   CHECK(ant.count("refused.neighbour_too_many") == 100 - 64);
   CHECK(cloud.link_to("ant") != 0);
 }
@@ -274,8 +275,8 @@ TEST_CASE("who is reached by a relay within the lease has not joined anew; a ser
   three.fleet.run(Seconds(6));
   REQUIRE(three.ant->link_to("bee") != 0);
   Effects effects;
-  three.ant->core->on_service_hello(3, {"resilience", {"peer_joined", "peer_expired"}, 5, 100, "1"}, "resilience",
-                                    three.fleet.now, effects);
+  three.ant->core->bus().on_hello(3, {"resilience", {"peer_joined", "peer_expired"}, 5, 100, "1"}, "resilience",
+                                  three.fleet.now, effects);
   three.fleet.carry_out(*three.ant, effects);
   const std::size_t joined = three.ant->told("peer_joined");
   three.fleet.cut("ant", "bee");
@@ -283,7 +284,7 @@ TEST_CASE("who is reached by a relay within the lease has not joined anew; a ser
   const LinkId link = three.ant->link_to("bee");
   for (TestNode* node : {three.ant, three.bee}) {
     Effects broken;
-    node->core->on_link_ended(link, LinkEnd::disconnected, three.fleet.now, broken);
+    node->core->links().on_ended(link, LinkEnd::disconnected, three.fleet.now, broken);
     three.fleet.carry_out(*node, broken);
   }
   three.fleet.run(Seconds(4));
@@ -292,7 +293,7 @@ TEST_CASE("who is reached by a relay within the lease has not joined anew; a ser
   CHECK(three.ant->told("peer_expired") == 0);
   three.fleet.stop("bee");
   Effects ended;
-  three.cloud.core->on_link_ended(three.cloud.link_to("bee"), LinkEnd::disconnected, three.fleet.now, ended);
+  three.cloud.core->links().on_ended(three.cloud.link_to("bee"), LinkEnd::disconnected, three.fleet.now, ended);
   three.fleet.carry_out(three.cloud, ended);
   three.fleet.run(Seconds(15));
   CHECK(three.ant->told("peer_expired") == 1);
@@ -311,7 +312,7 @@ TEST_CASE("whose link ends and who is reached by a relay right after, of the sam
   REQUIRE(ant.link_to("bee") != 0);
   fleet.start("dock", {.beacon = false, .seeds = {"ant", "bee"}, .relay = true});
   Effects hello;
-  ant.core->on_service_hello(1, {"resilience", {"peer_joined"}, 5, 100, "1"}, "resilience", fleet.now, hello);
+  ant.core->bus().on_hello(1, {"resilience", {"peer_joined"}, 5, 100, "1"}, "resilience", fleet.now, hello);
   fleet.carry_out(ant, hello);
   fleet.run(Seconds(3));
   const std::size_t joined = ant.told("peer_joined");
@@ -325,7 +326,7 @@ TEST_CASE("whose link ends and who is reached by a relay right after, of the sam
   const LinkId link = ant.link_to("bee");
   for (TestNode* node : {&ant, &bee}) {
     Effects broken;
-    node->core->on_link_ended(link, LinkEnd::disconnected, fleet.now, broken);
+    node->core->links().on_ended(link, LinkEnd::disconnected, fleet.now, broken);
     fleet.carry_out(*node, broken);
   }
   fleet.run(Seconds(4));

@@ -1,7 +1,7 @@
 // Messages that go by a relay: taken, refused, lost, answered. Time is injected, nothing sleeps.
 #include <doctest/doctest.h>
 
-#include "services/router/core/test_relays.hpp"
+#include "services/router/test/test_relays.hpp"
 
 using namespace trb;
 using namespace trb::router;
@@ -108,7 +108,7 @@ TEST_CASE("a role's rights are the same by a relay: what only a robot can know i
   Message fault = three.numbered("x");
   fault.source = "office";
   fault.subtype = "robot_fault";
-  auto relaying = office.core->relay_out(1, "bee", header_of(fault), encode_frame(fault), three.fleet.now);
+  auto relaying = office.core->relays().wrap(1, "bee", header_of(fault), encode_frame(fault), three.fleet.now);
   REQUIRE(relaying.ok());
   three.put(office, "cloud", relaying->message);
   three.fleet.run(milliseconds(100));
@@ -138,22 +138,22 @@ TEST_CASE("a target that the relay has lost: who sent it is told at once; a mess
   three.fleet.stop("bee");
   three.fleet.run(milliseconds(20));
   Effects effects;
-  three.cloud.core->on_link_ended(three.cloud.link_to("bee"), LinkEnd::disconnected, three.fleet.now, effects);
+  three.cloud.core->links().on_ended(three.cloud.link_to("bee"), LinkEnd::disconnected, three.fleet.now, effects);
   three.fleet.carry_out(three.cloud, effects);
   three.put(*three.ant, "cloud", relaying.message);
   CHECK(three.cloud.count("dropped.peer_unreachable") == 1);
   three.fleet.run(milliseconds(200));
   CHECK(three.nacks(*three.ant) == std::vector<std::string>{"peer_unreachable"});
-  CHECK(three.ant->peer("bee")->relays.empty());
+  CHECK(three.ant->relay_route("bee").relays.empty());
   const Message later = three.numbered("x");
-  const auto gone = three.ant->core->relay_out(1, "bee", header_of(later), encode_frame(later), three.fleet.now);
+  const auto gone = three.ant->core->relays().wrap(1, "bee", header_of(later), encode_frame(later), three.fleet.now);
   CHECK(gone.error().code == Errc::peer_unreachable);
   three.fleet.run(Seconds(4));
   CHECK(three.nacks(*three.ant).size() == 1);
 
   Triangle again;
   const Message huge = again.numbered(std::string(600'000, 'x'));
-  const auto large = again.ant->core->relay_out(1, "bee", header_of(huge), encode_frame(huge), again.fleet.now);
+  const auto large = again.ant->core->relays().wrap(1, "bee", header_of(huge), encode_frame(huge), again.fleet.now);
   CHECK(large.error().code == Errc::too_large);
 }
 
@@ -192,7 +192,7 @@ TEST_CASE("what finds the relay's queue full, or this node's own, is told to who
   Triangle three;
   const Relaying relaying = three.wrap(three.command(*three.ant));
   Effects effects;
-  three.cloud.core->not_passed_on(relaying.message, Errc::queue_full, effects);
+  three.cloud.core->forwarding().on_own_unsent(relaying.message, Errc::queue_full, effects);
   REQUIRE(effects.list.size() == 1);
   CHECK(std::get<LinkSend>(effects.list[0]).link == three.cloud.link_to("ant"));
   three.fleet.carry_out(three.cloud, effects);
@@ -201,7 +201,7 @@ TEST_CASE("what finds the relay's queue full, or this node's own, is told to who
 
   const Relaying own = three.wrap(three.command(*three.ant));
   Effects stuck;
-  three.ant->core->not_passed_on(own.message, Errc::queue_full, stuck);
+  three.ant->core->forwarding().on_own_unsent(own.message, Errc::queue_full, stuck);
   three.fleet.carry_out(*three.ant, stuck);
   three.fleet.run(Seconds(4));
   CHECK(three.nacks(*three.ant) == std::vector<std::string>{"queue_full", "queue_full"});
@@ -209,7 +209,7 @@ TEST_CASE("what finds the relay's queue full, or this node's own, is told to who
   Message nonsense = relaying.message;
   nonsense.data = "nothing";
   Effects none;
-  three.cloud.core->not_passed_on(nonsense, Errc::queue_full, none);
+  three.cloud.core->forwarding().on_own_unsent(nonsense, Errc::queue_full, none);
   CHECK(none.list.empty());
 }
 
@@ -305,9 +305,9 @@ TEST_CASE("a profile goes to who is reached by a relay, by its own word, at once
     NodeProfile profile;
     profile.model = model;
     Effects said;
-    three.ant->core->on_service_hello(2, {"mode-adapter", {}, 5, 100, "1"}, "mode-adapter", three.fleet.now, said);
-    three.ant->core->on_bus_message(2, make_message(MessageType::information, "ant", "ant", profile), three.fleet.now,
-                                    said);
+    three.ant->core->bus().on_hello(2, {"mode-adapter", {}, 5, 100, "1"}, "mode-adapter", three.fleet.now, said);
+    three.ant->core->forwarding().on_bus_message(2, make_message(MessageType::information, "ant", "ant", profile),
+                                                 three.fleet.now, said);
     three.fleet.carry_out(*three.ant, said);
     three.fleet.run(milliseconds(1200));
   };
@@ -342,8 +342,8 @@ TEST_CASE(
   // What cannot leave is told its signer, if that is there.
   const auto stuck = [&](TestNode& node, const SignedRecord& record) {
     Effects effects;
-    node.core->not_passed_on(make_message(MessageType::information, node.id, "bee", Relayed{record}), Errc::queue_full,
-                             effects);
+    node.core->forwarding().on_own_unsent(make_message(MessageType::information, node.id, "bee", Relayed{record}),
+                                          Errc::queue_full, effects);
     return effects.list.size();
   };
   SignedRecord nobodys = three.signed_by_ant(for_dog);
@@ -353,7 +353,7 @@ TEST_CASE(
   CHECK(stuck(three.cloud, three.signed_by_ant(for_dog)) == 1);
   three.fleet.stop("ant");
   Effects ended;
-  three.cloud.core->on_link_ended(three.cloud.link_to("ant"), LinkEnd::disconnected, three.fleet.now, ended);
+  three.cloud.core->links().on_ended(three.cloud.link_to("ant"), LinkEnd::disconnected, three.fleet.now, ended);
   three.fleet.carry_out(three.cloud, ended);
   CHECK(stuck(three.cloud, nobodys) == 0);
 }
@@ -373,7 +373,7 @@ TEST_CASE(
   message.source = "ant";
   message.target = "bee";
   message.remaining_ms = 700;
-  const auto out = ant.core->relay_out(1, "bee", header_of(message), encode_frame(message), fleet.now);
+  const auto out = ant.core->relays().wrap(1, "bee", header_of(message), encode_frame(message), fleet.now);
   REQUIRE(out.ok());
   const auto inner = decode<RelayedFrame>(decode<Relayed>(out->message.data)->record.payload.bytes);
   CHECK(inner->expires == fleet.now.utc.ns + 700'000'000);
@@ -386,7 +386,7 @@ TEST_CASE(
   const std::size_t most = (1U << 19U) - 1024 - kRelayBoxOverhead;
   const auto out = [&](const Message& message) {
     const auto relaying =
-        three.ant->core->relay_out(1, "bee", header_of(message), encode_frame(message), three.fleet.now);
+        three.ant->core->relays().wrap(1, "bee", header_of(message), encode_frame(message), three.fleet.now);
     return relaying ? Errc::ok : relaying.error().code;
   };
   std::string text(most, 'x');
@@ -401,8 +401,10 @@ TEST_CASE(
   Message typed = three.numbered("x");
   typed.subtype = RobotFault::kSubtype;
   CHECK(out(typed) == Errc::ok);
-  CHECK(three.ant->core->relay_out(1, "nobody", header_of(typed), encode_frame(typed), three.fleet.now).error().code ==
-        Errc::peer_unreachable);
+  CHECK(three.ant->core->relays()
+            .wrap(1, "nobody", header_of(typed), encode_frame(typed), three.fleet.now)
+            .error()
+            .code == Errc::peer_unreachable);
 }
 
 TEST_CASE("a relay speaks of what it carries, and of nothing else") {
@@ -428,7 +430,7 @@ TEST_CASE("a relay speaks of what it carries, and of nothing else") {
 
   Triangle three;
   const LinkId link = three.cloud.link_to("bee");
-  three.fleet.arrive(three.cloud, link, three.cloud.core->find_link(link)->heard + 1,
+  three.fleet.arrive(three.cloud, link, three.cloud.core->table().link(link)->heard + 1,
                      make_message(MessageType::information, "bee", "cloud", RelayRefused{"ant", 1, "queue_full"}));
   CHECK(three.cloud.count("refused.not_permitted") == 1);  // bee is no relay
 }
@@ -443,7 +445,7 @@ TEST_CASE("when the last relay goes, who waits to hear whether its command came 
   three.fleet.run(2 * kStep);
   Effects effects;
   if (three.ant->link_to("cloud") != 0)
-    three.ant->core->on_link_ended(three.ant->link_to("cloud"), LinkEnd::disconnected, three.fleet.now, effects);
+    three.ant->core->links().on_ended(three.ant->link_to("cloud"), LinkEnd::disconnected, three.fleet.now, effects);
   three.fleet.carry_out(*three.ant, effects);
   CHECK(three.nacks(*three.ant) == std::vector<std::string>{"not_confirmed"});
   CHECK(three.ant->count("relayed.unconfirmed") == 1);
@@ -460,7 +462,7 @@ TEST_CASE("what a node says to every node is taken by a relay too; one whose tim
 
   const auto hand = [&](const RelayedFrame& frame) {
     const LinkId link = three.bee->link_to("cloud");
-    three.fleet.arrive(*three.bee, link, three.bee->core->find_link(link)->heard + 1,
+    three.fleet.arrive(*three.bee, link, three.bee->core->table().link(link)->heard + 1,
                        make_message(MessageType::information, "cloud", "bee", Relayed{three.signed_by_ant(frame)}));
   };
   RelayedFrame last = three.frame(41, three.numbered("x"));
@@ -491,9 +493,9 @@ TEST_CASE("what one relay brings of one node is checked so often in a second and
   const LinkId link = three.bee->link_to("cloud");
   Effects effects;
   for (std::uint32_t i = 0; i < kRelayedChecked + 50; ++i) {
-    three.bee->core->on_link_message(link, three.cloud.keys.link.public_key,
-                                     make_message(MessageType::information, "cloud", "bee", Relayed{forged}), 1,
-                                     three.fleet.now, effects);
+    three.bee->core->inbox().on_message(link, three.cloud.keys.link.public_key,
+                                        make_message(MessageType::information, "cloud", "bee", Relayed{forged}), 1,
+                                        three.fleet.now, effects);
   }
   three.fleet.carry_out(*three.bee, effects);
   CHECK(three.bee->count("refused.relayed_too_many") >= 50);
@@ -504,8 +506,8 @@ TEST_CASE("what one relay brings of one node is checked so often in a second and
 TEST_CASE("by a relay a router is asked for its tables, hears who listens, and says when nobody takes a message") {
   Triangle three;
   Effects effects;
-  three.bee->core->on_service_hello(3, {"resilience", {}, 5, 100, "1", {"robot_fault"}}, "resilience", three.fleet.now,
-                                    effects);
+  three.bee->core->bus().on_hello(3, {"resilience", {}, 5, 100, "1", {"robot_fault"}}, "resilience", three.fleet.now,
+                                  effects);
   three.fleet.carry_out(*three.bee, effects);
   three.put(*three.ant, "cloud",
             three.wrap(make_message(MessageType::information, "ant", "bee", RobotFault{})).message);
@@ -518,7 +520,7 @@ TEST_CASE("by a relay a router is asked for its tables, hears who listens, and s
     question.type = type;
     question.subtype = word;
     question.data = data;
-    const Routing way = three.ant->core->route_local(1, header_of(question));
+    const Routing way = three.ant->core->routing().from_bus(1, header_of(question));
     REQUIRE(way.to == Routing::To::relay);
     three.put(*three.ant, "cloud", three.wrap(question).message);
     three.fleet.run(milliseconds(200));
@@ -535,15 +537,15 @@ TEST_CASE("by a relay a router is asked for its tables, hears who listens, and s
 TEST_CASE("of a profile that changes often one is told in a second by a relay, the newest") {
   Triangle three;
   Effects said;
-  three.ant->core->on_service_hello(2, {"mode-adapter", {}, 5, 100, "1"}, "mode-adapter", three.fleet.now, said);
+  three.ant->core->bus().on_hello(2, {"mode-adapter", {}, 5, 100, "1"}, "mode-adapter", three.fleet.now, said);
   three.fleet.carry_out(*three.ant, said);
   std::size_t sent = 0;
   const auto tell = [&](const std::string& model) {
     NodeProfile profile;
     profile.model = model;
     Effects effects;
-    three.ant->core->on_bus_message(2, make_message(MessageType::information, "ant", "ant", profile), three.fleet.now,
-                                    effects);
+    three.ant->core->forwarding().on_bus_message(2, make_message(MessageType::information, "ant", "ant", profile),
+                                                 three.fleet.now, effects);
     three.fleet.carry_out(*three.ant, effects);
     three.fleet.run(5 * kStep);
   };
@@ -564,10 +566,10 @@ TEST_CASE("of a profile that changes often one is told in a second by a relay, t
 TEST_CASE("a word by a relay that one service takes and another hears comes to both") {
   Triangle three;
   Effects effects;
-  three.bee->core->on_service_hello(3, {"resilience", {}, 5, 100, "1", {"robot_fault"}}, "resilience", three.fleet.now,
-                                    effects);
-  three.bee->core->on_service_hello(4, {"cloud-gateway", {"robot_fault"}, 6, 100, "1"}, "cloud-gateway",
-                                    three.fleet.now, effects);
+  three.bee->core->bus().on_hello(3, {"resilience", {}, 5, 100, "1", {"robot_fault"}}, "resilience", three.fleet.now,
+                                  effects);
+  three.bee->core->bus().on_hello(4, {"cloud-gateway", {"robot_fault"}, 6, 100, "1"}, "cloud-gateway", three.fleet.now,
+                                  effects);
   three.fleet.carry_out(*three.bee, effects);
   three.put(*three.ant, "cloud",
             three.wrap(make_message(MessageType::information, "ant", "bee", RobotFault{})).message);

@@ -1,7 +1,7 @@
 // Who may what, at the router: by the role in the peer's certificate, and by the own role before it signs.
 #include <doctest/doctest.h>
 
-#include "services/router/core/test_fleet.hpp"
+#include "services/router/test/test_fleet.hpp"
 
 using namespace trb;
 using namespace trb::router;
@@ -22,7 +22,7 @@ struct Pair {
   template <class T>
   Errc hear(MessageType type, const T& body) {
     const LinkId link = ant->link_to("bee");
-    const std::uint64_t next = ant->core->find_link(link)->heard + 1;
+    const std::uint64_t next = ant->core->table().link(link)->heard + 1;
     return fleet.arrive(*ant, link, next, make_message(type, "bee", "ant", body)).reason;
   }
 };
@@ -54,13 +54,13 @@ TEST_CASE("a robot's router signs no decision, whoever asks") {
   TestFleet fleet;
   TestNode& ant = fleet.start("ant");
   Effects effects;
-  ant.core->on_service_hello(1, {"cli", {}, 1, 1, "1"}, kProbe, fleet.now, effects);
-  ant.core->on_service_hello(2, {"resilience", {}, 1, 1, "1"}, "resilience", fleet.now, effects);
+  ant.core->bus().on_hello(1, {"cli", {}, 1, 1, "1"}, kProbe, fleet.now, effects);
+  ant.core->bus().on_hello(2, {"resilience", {}, 1, 1, "1"}, "resilience", fleet.now, effects);
   for (const ConnectionId asking : {1U, 2U}) {
     ant.bus.clear();
     effects = {};
     const Message ask = make_message(MessageType::request, "ant", "ant", SignRequest{std::string(kSignedDecision), {}});
-    ant.core->on_bus_message(asking, ask, fleet.now, effects);
+    ant.core->forwarding().on_bus_message(asking, ask, fleet.now, effects);
     fleet.carry_out(ant, effects);
     REQUIRE(ant.bus.size() == 1);
     CHECK(decode<Nack>(ant.bus[0].message.data)->code == "not_permitted");
@@ -72,9 +72,9 @@ TEST_CASE("a service that is not the scheduler commands no skill, and a probe ca
   TestFleet fleet;
   TestNode& ant = fleet.start("ant");
   Effects effects;
-  ant.core->on_service_hello(1, {"cli", {}, 1, 1, "1"}, kProbe, fleet.now, effects);
-  ant.core->on_service_hello(2, {"mode-adapter", {"execute"}, 1, 1, "1"}, "mode-adapter", fleet.now, effects);
-  ant.core->on_service_hello(3, {"scheduler", {"outcome"}, 1, 1, "1"}, "scheduler", fleet.now, effects);
+  ant.core->bus().on_hello(1, {"cli", {}, 1, 1, "1"}, kProbe, fleet.now, effects);
+  ant.core->bus().on_hello(2, {"mode-adapter", {"execute"}, 1, 1, "1"}, "mode-adapter", fleet.now, effects);
+  ant.core->bus().on_hello(3, {"scheduler", {"outcome"}, 1, 1, "1"}, "scheduler", fleet.now, effects);
   fleet.carry_out(ant, effects);
   std::map<ConnectionId, std::uint64_t> slots;
   for (const auto& send : ant.bus) {
@@ -84,7 +84,7 @@ TEST_CASE("a service that is not the scheduler commands no skill, and a probe ca
     Message message = word;
     message.id = (slots.at(from) << 48U) + 1;
     const Bytes frame = encode_frame(message);
-    return ant.core->route_local(from, *decode_frame(frame));
+    return ant.core->routing().from_bus(from, *decode_frame(frame));
   };
   const Message execute = make_message(MessageType::command, "ant", "ant", Execute{});
   const Message outcome = make_message(MessageType::information, "ant", "ant", Outcome{});

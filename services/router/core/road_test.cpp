@@ -1,7 +1,7 @@
 // The road of a message: where it goes, who is refused, who is told.
 #include <doctest/doctest.h>
 
-#include "services/router/core/test_fleet.hpp"
+#include "services/router/test/test_fleet.hpp"
 
 using namespace trb;
 using namespace trb::router;
@@ -23,8 +23,8 @@ struct Pair {
   }
   void hello(ConnectionId from, const std::string& service, std::vector<std::string> subtypes, bool probe = false) {
     Effects effects;
-    ant.core->on_service_hello(from, {service, std::move(subtypes), 5, 100, "1"},
-                               probe ? kProbe : std::string_view(service), fleet.now, effects);
+    ant.core->bus().on_hello(from, {service, std::move(subtypes), 5, 100, "1"},
+                             probe ? kProbe : std::string_view(service), fleet.now, effects);
     fleet.carry_out(ant, effects);
   }
   std::uint64_t slot(std::size_t welcome) const {
@@ -45,12 +45,12 @@ struct Pair {
   Routing ask(ConnectionId from, std::uint64_t id, const std::string& target, const std::string& subtype = "move",
               MessageType type = MessageType::command) {
     Message question{.type = type, .subtype = subtype, .source = "ant", .target = target, .id = id, .data = {}};
-    return ant.core->route_local(from, header_of(question));
+    return ant.core->routing().from_bus(from, header_of(question));
   }
-  Routing route(const Message& message) { return ant.core->route_local(1, header_of(message)); }
+  Routing route(const Message& message) { return ant.core->routing().from_bus(1, header_of(message)); }
   Routing come(const Message& message) {
     const LinkId link = ant.link_to("bee");
-    return fleet.arrive(ant, link, ant.core->find_link(link)->heard + 1, message);
+    return fleet.arrive(ant, link, ant.core->table().link(link)->heard + 1, message);
   }
   std::size_t nacks() const { return ant.told(Nack::kSubtype); }
 };
@@ -130,7 +130,7 @@ TEST_CASE("a member that floods answers to what another was asked is refused, th
                    .id = 3,
                    .reply_to = id,
                    .data = {}};
-    return pair.fleet.arrive(pair.ant, link, pair.ant.core->find_link(link)->heard + 1, answer);
+    return pair.fleet.arrive(pair.ant, link, pair.ant.core->table().link(link)->heard + 1, answer);
   };
   for (std::uint64_t guess = 0; guess < 16; ++guess) CHECK(from_cat("ack", first | guess).reason == Errc::not_asked);
   CHECK(from_cat("nack", first | 9U).reason == Errc::not_asked);
@@ -159,9 +159,9 @@ TEST_CASE("on the bus only the connection that got the question answers it") {
                    .id = pair.slot(welcome) << 48U | 5U,
                    .reply_to = id,
                    .data = {}};
-    const Routing way = pair.ant.core->route_local(connection, header_of(answer));
+    const Routing way = pair.ant.core->routing().from_bus(connection, header_of(answer));
     Effects effects;
-    if (way.to == To::drop) pair.ant.core->nack_local(connection, header_of(answer), way.reason, effects);
+    if (way.to == To::drop) pair.ant.core->bus().nack(connection, header_of(answer), way.reason, effects);
     pair.fleet.carry_out(pair.ant, effects);
     return way;
   };
@@ -191,8 +191,8 @@ TEST_CASE("who comes anew has asked nothing; who says hello again still waits") 
   // Its slot is given again when 65,535 others have been: whoever has it then has asked nothing.
   for (int i = 0; i < 65'535; ++i) {
     Effects effects;
-    pair.ant.core->on_service_hello(100, {"cli", {}, static_cast<std::uint64_t>(i) + 10, 100, "1"}, kProbe,
-                                    pair.fleet.now, effects);
+    pair.ant.core->bus().on_hello(100, {"cli", {}, static_cast<std::uint64_t>(i) + 10, 100, "1"}, kProbe,
+                                  pair.fleet.now, effects);
     const auto slot = decode<ServiceWelcome>(std::get<BusSend>(effects.list.at(0)).message.data)->slot;
     REQUIRE(slot != 0);
     if (slot != id >> 48U) continue;
@@ -233,11 +233,11 @@ TEST_CASE("by a relay, too, only whom was asked answers, and not the relay itsel
   fleet.start("cat", {.beacon = false, .seeds = {"cloud"}});
   fleet.run(Seconds(5));
   Effects effects;
-  ant.core->on_service_hello(1, {"scheduler", {"baton"}, 5, 100, "1"}, "scheduler", fleet.now, effects);
+  ant.core->bus().on_hello(1, {"scheduler", {"baton"}, 5, 100, "1"}, "scheduler", fleet.now, effects);
   const auto slot = decode<ServiceWelcome>(std::get<BusSend>(effects.list.back()).message.data)->slot;
   const std::uint64_t id = static_cast<std::uint64_t>(slot) << 48U | 9U;
   Message stop{.type = MessageType::command, .subtype = "stop", .source = "ant", .target = "bee", .id = id, .data = {}};
-  REQUIRE(ant.core->route_local(1, header_of(stop)).to == To::relay);
+  REQUIRE(ant.core->routing().from_bus(1, header_of(stop)).to == To::relay);
   const auto by_relay = [&](const std::string& from, const std::string& subtype) {
     Message answer{.type = MessageType::information,
                    .subtype = subtype,
@@ -246,7 +246,7 @@ TEST_CASE("by a relay, too, only whom was asked answers, and not the relay itsel
                    .id = 3,
                    .reply_to = id,
                    .data = {}};
-    auto relaying = fleet.at(from).core->relay_out(0, "ant", header_of(answer), encode_frame(answer), fleet.now);
+    auto relaying = fleet.at(from).core->relays().wrap(0, "ant", header_of(answer), encode_frame(answer), fleet.now);
     REQUIRE(relaying.ok());
     Effects out;
     out.add(LinkSend{relaying->link, relaying->message});
@@ -266,7 +266,7 @@ TEST_CASE("by a relay, too, only whom was asked answers, and not the relay itsel
                    .reply_to = id,
                    .data = {}};
     const LinkId link = ant.link_to("cloud");
-    return fleet.arrive(ant, link, ant.core->find_link(link)->heard + 1, answer);
+    return fleet.arrive(ant, link, ant.core->table().link(link)->heard + 1, answer);
   };
   CHECK(by_cloud("ack").reason == Errc::not_asked);
   CHECK(by_cloud("nack").reason == Errc::not_asked);
@@ -278,7 +278,7 @@ TEST_CASE("what was said to every node is not Nacked back by each") {
   Effects effects;
   Message word = pair.remote("greeting", MessageType::information);
   word.target = "*";
-  pair.ant.core->nack_peer(pair.ant.link_to("bee"), header_of(word), Errc::queue_full, effects);
+  pair.ant.core->forwarding().on_undelivered(pair.ant.link_to("bee"), header_of(word), Errc::queue_full, effects);
   CHECK(effects.list.empty());
 }
 
@@ -289,7 +289,7 @@ TEST_CASE("a wrong source is refused; a gap in the sequence closes the link") {
   CHECK(pair.come(forged).reason == Errc::source_mismatch);
   CHECK(pair.ant.count("refused.source_mismatch") == 1);
   const LinkId link = pair.ant.link_to("bee");
-  pair.fleet.arrive(pair.ant, link, pair.ant.core->find_link(link)->heard + 2, pair.remote("move"));
+  pair.fleet.arrive(pair.ant, link, pair.ant.core->table().link(link)->heard + 2, pair.remote("move"));
   CHECK(pair.ant.count("refused.sequence") == 1);
   CHECK(pair.ant.link_to("bee") == 0);
   pair.fleet.run(Seconds(3));
@@ -301,7 +301,7 @@ TEST_CASE("a Nack answers commands, requests and the user's own information, nev
   Pair pair;
   const auto nack = [&](const Message& message) {
     Effects effects;
-    pair.ant.core->nack_local(1, header_of(message), Errc::unknown_target, effects);
+    pair.ant.core->bus().nack(1, header_of(message), Errc::unknown_target, effects);
     pair.fleet.carry_out(pair.ant, effects);
     return pair.nacks();
   };
@@ -319,22 +319,24 @@ TEST_CASE("a Nack answers commands, requests and the user's own information, nev
 
 TEST_CASE("who is unknown on the bus says nothing; what a robot says to its own node does not come back to it") {
   Pair pair;
-  CHECK(pair.ant.core->route_local(99, header_of(pair.local("bee", "move"))).reason == Errc::no_service);
+  CHECK(pair.ant.core->routing().from_bus(99, header_of(pair.local("bee", "move"))).reason == Errc::no_service);
   CHECK(pair.route(pair.local("ant", "greeting", MessageType::information)).reason == Errc::no_service);
   Message from_scheduler = pair.local("ant", "greeting", MessageType::information);
   from_scheduler.id = pair.slot(1) << 48U | 3U;
-  CHECK(pair.ant.core->route_local(2, header_of(from_scheduler)).connection == 1);
+  CHECK(pair.ant.core->routing().from_bus(2, header_of(from_scheduler)).connection == 1);
   // An answer to itself is one.
   Message question = pair.local("ant", "stop", MessageType::command);
   question.id = pair.slot(1) << 48U | 4U;
-  CHECK(pair.ant.core->route_local(2, header_of(question)).connection == 1);
+  CHECK(pair.ant.core->routing().from_bus(2, header_of(question)).connection == 1);
 }
 
 TEST_CASE("what comes by a link that is not there, for another node, or too late is refused with the reason") {
   Pair pair;
   Effects effects;
-  CHECK(pair.ant.core->route_peer(4711, header_of(pair.remote("move"), 1), pair.fleet.now, effects).reason ==
-        Errc::unknown_peer_key);
+  const Message lost = pair.remote("move");
+  const FrameOrders orders = pair.ant.core->forwarding().from_link(4711, header_of(lost, 1, 4711), encode_frame(lost),
+                                                                   pair.fleet.now, effects);
+  CHECK(orders.way.reason == Errc::unknown_peer_key);
   Message astray = pair.remote("move");
   astray.target = "cat";
   CHECK(pair.come(astray).reason == Errc::unknown_target);
@@ -352,7 +354,7 @@ TEST_CASE("a peer is Nacked what it waits for, in its own name, by its own link,
   const LinkId link = pair.ant.link_to("bee");
   const auto nacked = [&](LinkId by, const Message& message, Errc reason) {
     Effects effects;
-    pair.ant.core->nack_peer(by, header_of(message), reason, effects);
+    pair.ant.core->forwarding().on_undelivered(by, header_of(message), reason, effects);
     for (const std::string& name : effects.counts) ++pair.ant.counts[name];
     if (effects.list.empty()) return std::string();
     const auto& send = std::get<LinkSend>(effects.list.at(0));
@@ -382,7 +384,7 @@ TEST_CASE("a service that says what is not its word is named in the log, and wha
   const auto nack = [&](ConnectionId from, Errc reason) {
     Effects effects;
     pair.ant.log.clear();
-    pair.ant.core->nack_local(from, header_of(pair.local("bee", "execute")), reason, effects);
+    pair.ant.core->bus().nack(from, header_of(pair.local("bee", "execute")), reason, effects);
     pair.fleet.carry_out(pair.ant, effects);
   };
   nack(2, Errc::not_permitted);
@@ -409,7 +411,7 @@ TEST_CASE("what is an answer, has no number or may be lost has asked nothing") {
                     .id = number,
                     .data = {}};
     change(message);
-    REQUIRE(pair.ant.core->route_local(2, header_of(message)).to == To::peer);
+    REQUIRE(pair.ant.core->routing().from_bus(2, header_of(message)).to == To::peer);
     answer.reply_to = number;
     return pair.come(answer);
   };

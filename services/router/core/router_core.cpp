@@ -1,108 +1,87 @@
 #include "services/router/core/router_core.hpp"
 
-#include "common/base/address.hpp"
-
 namespace trb::router {
 
-RouterCore::RouterCore(RouterConfig config) : config_(std::move(config)), services_(config_.first_slot) {
-  for (const SeedAddress& seed : config_.seeds) {
-    if (seed.key != config_.own.link_key.bytes) seeds_.push_back({seed.address, seed.key, {}, {}});
-  }
-  for (const SeedAddress& hint : config_.known) {
-    if (!is_numeric_endpoint(hint.address)) continue;  // as an earlier release stored it
-    if (hint.key != config_.own.link_key.bytes && !is_expected(hint.key))
-      seeds_.push_back({hint.address, hint.key, {}, {}, true});
-  }
+RouterCore::RouterCore(RouterConfig config) : node_(std::move(config)), table_(node_.config()) {}
+
+LinkParts RouterCore::parts() {
+  return {node_,    table_, trust_, admission_, messages_, bus_,    seals_,     links_,   errors_,
+          profile_, lanes_, known_, handshake_, updates_,  relays_, reachable_, answers_, routing_};
 }
 
 void RouterCore::start(Now now, Effects& out) {
-  started_ = now.mono;
-  out.log(LogLevel::info, "started", config_.id + " at " + config_.address + ", boot " + std::to_string(config_.boot));
-  for (Seed& seed : seeds_) seed.redial.at = now.mono;
-  if (config_.beacon && !config_.address.empty()) next_beacon_ = now.mono;
-  clock_.start(config_.utc_bound, now);
-  if (checked_utc(now.utc) != now.utc) {
+  const RouterConfig& own = node_.config();
+  answers_.start(now);
+  out.log(LogLevel::info, "started", own.id + " at " + own.address + ", boot " + std::to_string(own.boot));
+  links_.start(now);
+  beacons_.begin(now);
+  node_.start_clock(now);
+  if (!node_.knows_the_time(now)) {
     out.log(LogLevel::warning, "clock_unverified",
-            "the clock says " + to_iso8601(now.utc) + ", but it is " + to_iso8601(checked_utc(now.utc)) +
+            "the clock says " + to_iso8601(now.utc) + ", but it is " + to_iso8601(node_.checked_utc(now.utc)) +
                 " at least: set it; if it was ahead before, remove state/utc");
   }
   // What was in force before this start is now, before the first link; each of it is checked anew.
-  on_news_of_file(config_.news, now, out);
-  check_own(now, out);
-  if (!config_.boot_stored) on_stored(Kept::boot, config_.boot_stored, now, out);
+  updates_.on_file(own.updates, now, out);
+  membership_.check_own(now, out);
+  if (!own.boot_stored) updates_.on_stored(Kept::boot, own.boot_stored, now, out);
 }
 
-const Link* RouterCore::find_link(LinkId id) const {
-  const auto at = links_.find(id);
-  return at == links_.end() ? nullptr : &at->second;
+void RouterCore::set_address(const std::string& address, const std::string& why, Now now, Effects& out) {
+  if (!node_.move_to(address, why)) return;
+  out.count("address_changed");
+  beacons_.stop();
+  // Nothing comes or goes by the old one any more, and nobody would tell.
+  links_.drop_all("this node's address has changed", now, out);
+  if (address.empty()) return;
+  // The peers do not know yet where it is now, so both ids dial at once; a beacon tells the others.
+  links_.redial_all(now);
+  beacons_.burst(now);
 }
 
-std::uint64_t RouterCore::counter(std::string_view name) const {
-  const auto at = counts_.find(name);
-  return at == counts_.end() ? 0 : at->second;
+void RouterCore::on_connection_gone(ConnectionId connection, Now now, Effects& out) {
+  if (bus_.on_gone(connection, out) == kSensorBus) profile_.on_sensor_bus_gone(now);
 }
 
-void RouterCore::count(std::string_view name, std::uint64_t by) {
-  const auto at = counts_.find(name);
-  if (at != counts_.end()) {
-    at->second += by;
-  } else if (counts_.size() < 1000) {
-    counts_.emplace(name, by);
+void RouterCore::on_link_lost(Peer& peer, const Link& gone, Now now, Effects& out) {
+  reachable_.on_change(peer.id, now);
+  relays_.on_link_lost(peer, gone, now, out);
+}
+
+bool RouterCore::is_relayed(const Peer& peer) const {
+  return relays_.relay_of(peer) != nullptr;
+}
+
+std::optional<MonotonicTime> RouterCore::sensor_bus_heard() const {
+  const auto holder = bus_.services().holder(kSensorBus);
+  return holder ? std::optional(bus_.services().find(*holder)->last_heard) : std::nullopt;
+}
+
+std::optional<MonotonicTime> RouterCore::next_deadline() const {
+  std::optional<MonotonicTime> next = profile_.next_deadline(sensor_bus_heard());
+  for (const auto& due :
+       {membership_.next_deadline(), seals_.next_deadline(), links_.next_deadline(), beacons_.next_deadline(),
+        admission_.next_deadline(), known_.next_deadline(), updates_.next_deadline(), reachable_.next_deadline(),
+        relays_.next_deadline(), lanes_.next_deadline()}) {
+    next = earlier(next, due);
   }
+  return next;
 }
 
-namespace {
-
-constexpr std::size_t kRoutePage = 256U << 10U;  ///< of it a row takes 66 kB at most
-constexpr std::size_t kRouteWords = 512;         ///< a row's own words and numbers, at most
-
-}  // namespace
-
-Route RouterCore::route_of(const Peer& peer, Now now) const {
-  const Link* link = find_link(peer.link);
-  const Link* relay = link == nullptr ? relay_of(peer) : nullptr;
-  const std::string state = link != nullptr || relay != nullptr ? "ONLINE"
-                            : peer.expired || !peer.met         ? "OFFLINE"
-                                                                : "CONNECTION_BROKEN";
-  const MonotonicTime heard = link != nullptr    ? link->last_heard
-                              : relay != nullptr ? peer.road.last_sign()
-                                                 : peer.last_heard;
-  return {peer.id,
-          peer.certificate.role,
-          peer.address,
-          state,
-          to_seconds(now.mono - heard),
-          peer.boot,
-          peer.link,
-          link == nullptr ? ""
-          : link->dialled ? config_.id
-                          : peer.id,
-          peer.version,
-          peer.clock_verified ? "verified" : "unverified",
-          peer.certificate_record,
-          peer.profile,
-          relay == nullptr ? "" : relay->peer};
-}
-
-RouteTable RouterCore::route_table(Now now, const std::string& after) const {
-  RouteTable table{config_.id, {}, false, after};
-  std::size_t size = 0;
-  const auto add = [&](Route&& route) {
-    size += kRouteWords + encode(route.certificate).size() + encode(route.profile).size();
-    // The first always has room, and this node's own row is never the last: the cursor runs over peers.
-    table.more = size > kRoutePage && table.routes.size() > 1;
-    if (!table.more) table.routes.push_back(std::move(route));
-    return !table.more;
-  };
-  if (after.empty()) {
-    const bool verified = checked_utc(now.utc) == now.utc;
-    add({config_.id, config_.role, config_.address, "self", 0, config_.boot, 0, "", config_.version,
-         verified ? "verified" : "unverified", config_.certificate, profile_, ""});
-  }
-  for (auto at = peers_.upper_bound(after); at != peers_.end(); ++at) {
-    if (!add(route_of(at->second, now))) break;
-  }
-  return table;
+void RouterCore::tick(Now now, Effects& out) {
+  membership_.check_own(now, out);
+  membership_.note_time(now, out);
+  seals_.tick(now, out);
+  links_.tick(!membership_.is_muted(), now, out);
+  if (membership_.is_muted()) beacons_.stop();
+  beacons_.tick(now, out);
+  admission_.tick(now, out);
+  known_.tick(now, out);
+  updates_.tick(now, out);
+  reachable_.tick(now, out);
+  relays_.tick(now, out);
+  profile_.tick(sensor_bus_heard(), now, out);
+  lanes_.tick(now, out);
 }
 
 }  // namespace trb::router

@@ -3,7 +3,7 @@
 
 #include <doctest/doctest.h>
 
-#include "services/router/core/test_fleet.hpp"
+#include "services/router/test/test_fleet.hpp"
 
 using namespace trb;
 using namespace trb::router;
@@ -19,7 +19,7 @@ bool logged(const Effects& effects, const std::string& event) {
 }
 
 Route row(const TestFleet& fleet, const TestNode& node, const std::string& id) {
-  for (const Route& one : node.core->route_table(fleet.now).routes) {
+  for (const Route& one : node.core->answers().route_table(fleet.now).routes) {
     if (one.id == id) return one;
   }
   return {};
@@ -56,7 +56,8 @@ TEST_CASE("what was in force before a start is in force after it, before anythin
   list.number = 3;
   list.revoked = {{1, "ant", "stolen", kStartUtc}};
   RouterConfig config = ant.core->config();
-  config.news.revocations = sign(kSignedRevocations, "", fleet.authority.fleet.id(), encode(list), fleet.authority.key);
+  config.updates.revocations =
+      sign(kSignedRevocations, "", fleet.authority.fleet.id(), encode(list), fleet.authority.key);
   RouterCore again(config);
   Effects effects;
   again.start(fleet.now, effects);
@@ -90,7 +91,7 @@ TEST_CASE("the table says of each node whether it is there, since when it is sil
   CHECK(there.last_heard_s < 3);
   CHECK(there.clock == "verified");
   CHECK(there.dialled_by == row(fleet, bee, "ant").dialled_by);
-  CHECK(there.dialled_by == (ant.core->find_link(ant.link_to("bee"))->dialled ? "ant" : "bee"));
+  CHECK(there.dialled_by == (ant.core->table().link(ant.link_to("bee"))->dialled ? "ant" : "bee"));
   CHECK(row(fleet, ant, "ant").state == "self");
   CHECK(row(fleet, ant, "ant").clock == "verified");
   fleet.stop("bee");
@@ -100,7 +101,7 @@ TEST_CASE("the table says of each node whether it is there, since when it is sil
   CHECK(row(fleet, ant, "bee").state == "OFFLINE");
   CHECK(row(fleet, ant, "bee").last_heard_s > 8);
   // Behind a page's last row only.
-  const RouteTable rest = ant.core->route_table(fleet.now, "ant");
+  const RouteTable rest = ant.core->answers().route_table(fleet.now, "ant");
   REQUIRE(rest.routes.size() == 1);
   CHECK(rest.routes[0].id == "bee");
   CHECK_FALSE(rest.more);

@@ -1,4 +1,4 @@
-// The seals of all links: what each direction has sealed, what is due, what is still to be checked.
+// The seals of one link.
 #pragma once
 
 #include <deque>
@@ -38,7 +38,6 @@ struct LinkSeals {
   bool each = false;     ///< one of the two sides wants each message sealed by itself
   std::optional<MonotonicTime> due;
   bool overdue = false;              ///< must leave before anything else
-  SignedRecord made;                 ///< the last seal, until it is told that it has left
   std::uint64_t unsealed_count = 0;  ///< with kUnsealed: the last sequence
 };
 

@@ -1,7 +1,7 @@
 // Seals between routers: made, checked, and every way in which one is not what it should be.
 #include <doctest/doctest.h>
 
-#include "services/router/core/test_fleet.hpp"
+#include "services/router/test/test_fleet.hpp"
 
 using namespace trb;
 using namespace trb::router;
@@ -24,7 +24,7 @@ struct Pair {
   explicit Pair(bool before_delivery = false)
       : ant(fleet.start("ant")), bee(fleet.start("bee", {.seal_before_delivery = before_delivery})) {
     Effects effects;
-    bee.core->on_service_hello(1, {"mode-adapter", {}, 5, 100, "1"}, "mode-adapter", fleet.now, effects);
+    bee.core->bus().on_hello(1, {"mode-adapter", {}, 5, 100, "1"}, "mode-adapter", fleet.now, effects);
     fleet.carry_out(bee, effects);
     fleet.run(Seconds(1));
     REQUIRE(ant.link_to("bee") != 0);
@@ -82,7 +82,7 @@ TEST_CASE("a seal leaves 20 ms after the first message that it covers, and no ro
   const std::uint64_t messages = pair.bee.count("seals.messages");
   const LinkId link = pair.ant.link_to("bee");
   CHECK(*pair.ant.core->next_deadline() > pair.fleet.now.mono);
-  CHECK_FALSE(pair.ant.core->make_seal(link, pair.fleet.now).has_value());  // there is nothing to seal
+  CHECK_FALSE(pair.ant.core->seals().make_seal(link, pair.fleet.now).has_value());  // there is nothing to seal
   pair.say("one");
   pair.say("two");
   CHECK(*pair.ant.core->next_deadline() <= pair.fleet.now.mono);
@@ -116,17 +116,18 @@ TEST_CASE("a frame that did not leave is taken back: the next one bears its numb
   Pair pair;
   const LinkId link = pair.ant.link_to("bee");
   Bytes lost = encode_frame(make_message(MessageType::information, "ant", "bee", RobotFault{}));
-  REQUIRE(pair.ant.core->stamp(link, lost.data(), lost.size()));
-  pair.ant.core->take_back(link);
+  REQUIRE(pair.ant.core->seals().send(link, lost.data(), lost.size(), pair.fleet.now).known);
+  pair.ant.core->seals().not_sent(link, Unsent::frame);
   pair.say("one");
   pair.fleet.run(milliseconds(100));
   CHECK(pair.bee.delivered.size() == 1);
   CHECK(pair.bee.link_to("ant") == link);
   // The seal that was made over the last of 64 has not left either: it is no longer urgent.
-  for (std::size_t i = 0; i < kMaxUnsealed; ++i) REQUIRE(pair.ant.core->stamp(link, lost.data(), lost.size()));
-  CHECK(pair.ant.core->seal_is_overdue(link));
-  pair.ant.core->take_back(link);
-  CHECK_FALSE(pair.ant.core->seal_is_overdue(link));
+  for (std::size_t i = 0; i < kMaxUnsealed; ++i)
+    REQUIRE(pair.ant.core->seals().send(link, lost.data(), lost.size(), pair.fleet.now).known);
+  CHECK(pair.ant.core->seals().is_overdue(link));
+  pair.ant.core->seals().not_sent(link, Unsent::frame);
+  CHECK_FALSE(pair.ant.core->seals().is_overdue(link));
 }
 
 TEST_CASE("of a link that is not there nothing is sealed, numbered or heard") {
@@ -135,24 +136,24 @@ TEST_CASE("of a link that is not there nothing is sealed, numbered or heard") {
   const LinkId none = 4711;
   Bytes frame = encode_frame(make_message(MessageType::information, "ant", "bee", RobotFault{}));
   const std::uint64_t sent = pair.ant.count("seals.sent");
-  CHECK_FALSE(core.stamp(none, frame.data(), frame.size()));
-  core.take_back(none);
-  CHECK_FALSE(core.seal_is_overdue(none));
-  CHECK_FALSE(core.seals_each(none));
-  CHECK_FALSE(core.make_seal(none, pair.fleet.now));
-  core.seal_left(none);
+  CHECK_FALSE(core.seals().send(none, frame.data(), frame.size(), pair.fleet.now).known);
+  core.seals().not_sent(none, Unsent::frame);
+  CHECK_FALSE(core.seals().is_overdue(none));
+  CHECK_FALSE(core.seals().seals_each(none));
+  CHECK_FALSE(core.seals().make_seal(none, pair.fleet.now));
+  core.seals().not_sent(none, Unsent::behind);
   CHECK(pair.ant.count("seals.sent") == sent);
-  CHECK_FALSE(core.holds(none));
+  CHECK_FALSE(core.seals().holds(none));
   Effects effects;
-  core.hear_frame(none, header_of(make_message(MessageType::information, "bee", "ant", RobotFault{}), 5), frame,
-                  pair.fleet.now, effects);
+  const Message early = make_message(MessageType::information, "bee", "ant", RobotFault{});
+  CHECK(core.seals().receive(none, header_of(early, 5), frame) == SealFault::none);
   CHECK(effects.list.empty());
 
   // One that is closed while something of it is unsealed.
   const LinkId link = pair.ant.link_to("bee");
-  REQUIRE(core.stamp(link, frame.data(), frame.size()));
-  core.forget_link(link);
-  CHECK(core.seals_of(link) == nullptr);
+  REQUIRE(core.seals().send(link, frame.data(), frame.size(), pair.fleet.now).known);
+  core.seals().forget(link);
+  CHECK(core.seals().find(link) == nullptr);
   core.tick(pair.fleet.now, effects);
 }
 
@@ -164,16 +165,16 @@ TEST_CASE("before the peer's Hello nobody knows for whom to seal") {
   fleet.run(milliseconds(200));
   REQUIRE_FALSE(ant.dials.empty());
   const LinkId link = ant.dials.back().link;
-  REQUIRE(ant.core->seals_of(link) != nullptr);
-  CHECK(ant.core->seals_of(link)->writer.unsealed() == 1);  // its Hello
-  CHECK_FALSE(ant.core->make_seal(link, fleet.now));
-  CHECK_FALSE(ant.core->seals_each(link));
+  REQUIRE(ant.core->seals().find(link) != nullptr);
+  CHECK(ant.core->seals().find(link)->writer.unsealed() == 1);  // its Hello
+  CHECK_FALSE(ant.core->seals().make_seal(link, fleet.now));
+  CHECK_FALSE(ant.core->seals().seals_each(link));
   CHECK(*ant.core->next_deadline() > fleet.now.mono);
-  const std::size_t heard = ant.core->seals_of(link)->reader.unsealed();
+  const std::size_t heard = ant.core->seals().find(link)->reader.unsealed();
   Effects effects;
   const Message early = make_message(MessageType::information, "bee", "ant", RobotFault{});
-  ant.core->hear_frame(link, header_of(early, 1), encode_frame(early), fleet.now, effects);
-  CHECK(ant.core->seals_of(link)->reader.unsealed() == heard);
+  ant.core->forwarding().from_link(link, header_of(early, 1, link), encode_frame(early), fleet.now, effects);
+  CHECK(ant.core->seals().find(link)->reader.unsealed() == heard);
 }
 
 TEST_CASE("a signature that is found wrong when its link has ended raises the alarm all the same, and ends no other") {
@@ -183,14 +184,14 @@ TEST_CASE("a signature that is found wrong when its link has ended raises the al
   late.link = 4711;
   late.signer = pair.ant.keys.certificate;
   Effects effects;
-  pair.bee.core->on_seal_checked(late, false, pair.fleet.now, effects);
+  pair.bee.core->forwarding().on_seal_checked(late, false, pair.fleet.now, effects);
   pair.fleet.carry_out(pair.bee, effects);
   CHECK(pair.bee.count("refused.seal_wrong_signature") == 1);
   CHECK(logged(pair.bee, "seal_alarm_wrong_signature link 4711 of ant, which has ended: wrong_signature") == 1);
   CHECK(pair.bee.link_to("ant") == link);
   late.link = link;
-  const std::uint64_t heard = pair.bee.core->find_link(link)->heard;
-  pair.bee.core->on_seal_checked(late, false, pair.fleet.now, effects);
+  const std::uint64_t heard = pair.bee.core->table().link(link)->heard;
+  pair.bee.core->forwarding().on_seal_checked(late, false, pair.fleet.now, effects);
   pair.fleet.carry_out(pair.bee, effects);
   CHECK(logged(pair.bee, "seal_alarm_wrong_signature link " + std::to_string(link) + " of ant, after sequence " +
                              std::to_string(heard) + ": wrong_signature") == 1);
@@ -262,7 +263,7 @@ TEST_CASE("seals that stay away are missed at the 65th message, or at the second
 
 TEST_CASE("before_delivery: a message waits for its seal, and the sender seals each at once") {
   Pair pair(true);
-  CHECK(pair.bee.core->holds(pair.bee.link_to("ant")));
+  CHECK(pair.bee.core->seals().holds(pair.bee.link_to("ant")));
   const std::uint64_t sent = pair.ant.count("seals.sent");
   for (const char* data : {"one", "two", "three"}) pair.say(data);
   CHECK(pair.bee.delivered.empty());
@@ -291,7 +292,7 @@ std::size_t nacks(const TestNode& node, std::string_view code) {
 TEST_CASE("before_delivery: what waits for a seal when the link ends is counted, told its sender, and not delivered") {
   Pair pair(true);
   Effects effects;
-  pair.ant.core->on_service_hello(1, {"mode-adapter", {}, 5, 100, "1"}, "mode-adapter", pair.fleet.now, effects);
+  pair.ant.core->bus().on_hello(1, {"mode-adapter", {}, 5, 100, "1"}, "mode-adapter", pair.fleet.now, effects);
   pair.fleet.carry_out(pair.ant, effects);
   pair.fleet.run(milliseconds(100));
   const std::uint64_t sealed = pair.bee.count("seals.checked");
@@ -309,7 +310,7 @@ TEST_CASE("before_delivery: what waits for a seal when the link ends is counted,
     pair.fleet.ask("ant", "bee", "greet", "one");
     pair.fleet.run(milliseconds(10));
     Effects ended;
-    pair.bee.core->on_link_ended(pair.bee.link_to("ant"), LinkEnd::disconnected, pair.fleet.now, ended);
+    pair.bee.core->links().on_ended(pair.bee.link_to("ant"), LinkEnd::disconnected, pair.fleet.now, ended);
     pair.fleet.carry_out(pair.bee, ended);
     CHECK(nacks(pair.ant, "seal_broken") == 0);
   }
@@ -331,15 +332,15 @@ TEST_CASE("before_delivery: so many bytes wait for a seal and no more") {
   const LinkId link = pair.bee.link_to("ant");
   const Bytes large(1'000'000, 'x');
   pair.fleet.run(milliseconds(50));
-  REQUIRE(pair.bee.core->seals_of(link)->held == 0);
+  REQUIRE(pair.bee.core->seals().find(link)->held == 0);
   for (int i = 0; i < 8; ++i) pair.say(large);
   pair.fleet.run(milliseconds(10));
   // To the byte.
-  const std::size_t held = pair.bee.core->seals_of(link)->held;
+  const std::size_t held = pair.bee.core->seals().find(link)->held;
   const std::size_t around = held / 8 - large.size();
   pair.say(Bytes(kMaxHeldBytes - held - around, 'x'));
   pair.fleet.run(milliseconds(10));
-  CHECK(pair.bee.core->seals_of(link)->held == kMaxHeldBytes);
+  CHECK(pair.bee.core->seals().find(link)->held == kMaxHeldBytes);
   CHECK(pair.bee.link_to("ant") == link);
   pair.say("x");
   pair.check_alarm("missing");

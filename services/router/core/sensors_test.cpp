@@ -1,7 +1,7 @@
 // Sensors of a node's PC: told to the fleet beside the robot's own, asked for by their names, gone with their service.
 #include <doctest/doctest.h>
 
-#include "services/router/core/test_fleet.hpp"
+#include "services/router/test/test_fleet.hpp"
 
 using namespace trb;
 using namespace trb::router;
@@ -35,14 +35,15 @@ struct Hall {
   void hello(ConnectionId from, const std::string& service, std::vector<std::string> subtypes = {},
              bool probe = false) {
     Effects effects;
-    ant.core->on_service_hello(from, {service, std::move(subtypes), 5, 100, "1"},
-                               probe ? kProbe : std::string_view(service), fleet.now, effects);
+    ant.core->bus().on_hello(from, {service, std::move(subtypes), 5, 100, "1"},
+                             probe ? kProbe : std::string_view(service), fleet.now, effects);
     fleet.carry_out(ant, effects);
   }
   template <class T>
   void say(ConnectionId from, const T& body) {
     Effects effects;
-    ant.core->on_bus_message(from, make_message(MessageType::information, "ant", "ant", body), fleet.now, effects);
+    ant.core->forwarding().on_bus_message(from, make_message(MessageType::information, "ant", "ant", body), fleet.now,
+                                          effects);
     fleet.carry_out(ant, effects);
   }
   void plug(std::vector<SensorInfo> sensors) {
@@ -61,7 +62,7 @@ struct Hall {
   Routing come(const std::string& subtype, MessageType type) {
     const LinkId link = ant.link_to("bee");
     const Message message{.type = type, .subtype = subtype, .source = "bee", .target = "ant", .id = 9, .data = {}};
-    return fleet.arrive(ant, link, ant.core->find_link(link)->heard + 1, message);
+    return fleet.arrive(ant, link, ant.core->table().link(link)->heard + 1, message);
   }
   /// Says for so long that the sensor-bus is alive.
   void live(Duration time) {
@@ -126,7 +127,7 @@ TEST_CASE("a node without a robot may have sensors; a peer that comes later lear
   const Peer* ant = hall.fleet.at("cat").peer("ant");
   REQUIRE(ant != nullptr);
   CHECK(ant->profile.plugged.size() == 255);  // it was too large for the Hello, and followed it
-  CHECK(hall.ant.core->route_table(hall.fleet.now).routes.at(0).profile.plugged.size() == 255);
+  CHECK(hall.ant.core->answers().route_table(hall.fleet.now).routes.at(0).profile.plugged.size() == 255);
 }
 
 TEST_CASE("only the sensor-bus tells of sensors, and the mode-adapter of none that are plugged") {
@@ -249,7 +250,7 @@ TEST_CASE("sensors go three seconds after their service's connection, and with n
   CHECK(hall.profile().plugged.size() == 1);
   hall.gone(kSensors);
   hall.fleet.run(Seconds(3) - kStep);
-  CHECK(hall.ant.core->route_table(hall.fleet.now).routes.at(0).profile.plugged.size() == 1);
+  CHECK(hall.ant.core->answers().route_table(hall.fleet.now).routes.at(0).profile.plugged.size() == 1);
   hall.fleet.run(kStep);
-  CHECK(hall.ant.core->route_table(hall.fleet.now).routes.at(0).profile.plugged.empty());
+  CHECK(hall.ant.core->answers().route_table(hall.fleet.now).routes.at(0).profile.plugged.empty());
 }

@@ -17,7 +17,7 @@ Result<std::uint16_t> Services::welcome(ConnectionId connection, const ServiceHe
   const bool again = known != connections_.end() && known->second.hello.instance == hello.instance &&
                      known->second.hello.service == hello.service && known->second.probe == probe;
   const std::uint16_t kept = again ? known->second.slot : 0;
-  Asked asked = again ? std::move(known->second.asked) : Asked{};
+  PendingRequests pending = again ? std::move(known->second.pending) : PendingRequests{};
   forget(connection);
   // Services are bounded by node.json; no crowd of probes keeps one of them out.
   if (probe && connections_.size() >= kMaxConnections) return fail(Errc::queue_full, "too many connections on the bus");
@@ -36,7 +36,7 @@ Result<std::uint16_t> Services::welcome(ConnectionId connection, const ServiceHe
       return fail(Errc::bad_value, "hears: '" + subtype + "' is no word of the middleware");
   }
   const std::uint16_t slot = kept != 0 ? kept : free_slot();
-  connections_[connection] = {hello, probe, slot, now, now, std::move(asked)};
+  connections_[connection] = {hello, probe, slot, now, now, std::move(pending)};
   slots_[slot] = connection;
   if (!probe) {
     services_[hello.service] = connection;
@@ -75,9 +75,9 @@ const Connection* Services::find(ConnectionId connection) const {
   return at == connections_.end() ? nullptr : &at->second;
 }
 
-Asked* Services::asked_of(ConnectionId connection) {
+PendingRequests* Services::pending_of(ConnectionId connection) {
   const auto at = connections_.find(connection);
-  return at == connections_.end() ? nullptr : &at->second.asked;
+  return at == connections_.end() ? nullptr : &at->second.pending;
 }
 
 std::optional<ConnectionId> Services::holder(std::string_view service) const {

@@ -7,8 +7,8 @@
 
 #include "common/base/time.hpp"
 #include "proto/bodies/bus.hpp"
-#include "services/router/core/asked.hpp"
 #include "services/router/core/effects.hpp"
+#include "services/router/core/pending_requests.hpp"
 
 namespace trb::router {
 
@@ -18,7 +18,7 @@ struct Connection {
   std::uint16_t slot = 0;
   MonotonicTime since;
   MonotonicTime last_heard;
-  Asked asked{};  ///< goes with the slot: who comes anew has asked nothing
+  PendingRequests pending{};  ///< goes with the slot: who comes anew has asked nothing
 };
 
 class Services {
@@ -33,7 +33,7 @@ class Services {
   void heard(ConnectionId connection, MonotonicTime now);
 
   [[nodiscard]] const Connection* find(ConnectionId connection) const;
-  [[nodiscard]] Asked* asked_of(ConnectionId connection);
+  [[nodiscard]] PendingRequests* pending_of(ConnectionId connection);
   [[nodiscard]] std::optional<ConnectionId> holder(std::string_view service) const;
   [[nodiscard]] std::optional<ConnectionId> by_subtype(std::string_view subtype) const;
   /// Those that want a copy of information of that subtype.

@@ -3,7 +3,7 @@
 
 #include <doctest/doctest.h>
 
-#include "services/router/core/test_fleet.hpp"
+#include "services/router/test/test_fleet.hpp"
 
 using namespace trb;
 using namespace trb::router;
@@ -30,14 +30,15 @@ struct Two {
   Two() {
     fleet.run(Seconds(2));
     Effects effects;
-    ant.core->on_service_hello(7, {"cli", {}, 1, 1, "1"}, kProbe, fleet.now, effects);
+    ant.core->bus().on_hello(7, {"cli", {}, 1, 1, "1"}, kProbe, fleet.now, effects);
     fleet.carry_out(ant, effects);
     ant.bus.clear();
   }
   /// What `trb fleet revoke --via` does.
   void ask(const FleetNews& news) {
     Effects effects;
-    ant.core->on_bus_message(7, make_message(MessageType::command, "ant", "ant", news), fleet.now, effects);
+    ant.core->forwarding().on_bus_message(7, make_message(MessageType::command, "ant", "ant", news), fleet.now,
+                                          effects);
     fleet.carry_out(ant, effects);
   }
   [[nodiscard]] std::optional<Nack> nack() const {
@@ -48,8 +49,8 @@ struct Two {
   }
   [[nodiscard]] std::string note() {
     Effects effects;
-    ant.core->on_bus_message(7, make_message(MessageType::request, "ant", "ant", ServiceListRequest{}), fleet.now,
-                             effects);
+    ant.core->forwarding().on_bus_message(7, make_message(MessageType::request, "ant", "ant", ServiceListRequest{}),
+                                          fleet.now, effects);
     for (const Effect& effect : effects.list) {
       const auto* send = std::get_if<BusSend>(&effect);
       if (send != nullptr && send->message.subtype == ServiceTable::kSubtype)
@@ -68,7 +69,7 @@ TEST_CASE("a list that is on disk is acknowledged, after it is") {
   CHECK(two.ant.bus.empty());
   CHECK(two.ant.stored_news.size() == 1);
   Effects effects;
-  two.ant.core->on_stored(Kept::news, Done{}, two.fleet.now, effects);
+  two.ant.core->updates().on_stored(Kept::news, Done{}, two.fleet.now, effects);
   two.fleet.carry_out(two.ant, effects);
   CHECK(two.ant.told(Ack::kSubtype) == 1);
   CHECK_FALSE(two.nack());
@@ -141,7 +142,7 @@ TEST_CASE("a renewed certificate of this node is acknowledged when it is on disk
   two.ask({{}, {record}});
   const auto stored = [&](Kept what, const Status& done) {
     Effects effects;
-    two.ant.core->on_stored(what, done, two.fleet.now, effects);
+    two.ant.core->updates().on_stored(what, done, two.fleet.now, effects);
     two.fleet.carry_out(two.ant, effects);
   };
   stored(Kept::news, Done{});
@@ -166,7 +167,7 @@ TEST_CASE("who asks while the disk has not answered waits; a crowd is told that 
   CHECK(two.ant.told(Nack::kSubtype) == 24);
   CHECK(two.nack()->code == "queue_full");
   Effects effects;
-  two.ant.core->on_stored(Kept::news, kFull, two.fleet.now, effects);
+  two.ant.core->updates().on_stored(Kept::news, kFull, two.fleet.now, effects);
   two.fleet.carry_out(two.ant, effects);
   CHECK(two.ant.told(Nack::kSubtype) == 40);
 }
@@ -197,8 +198,8 @@ TEST_CASE("a note that is too long for its field is cut between two letters, and
     std::string path = start;
     for (int i = 0; i < 300; ++i) path += "\xc3\xa4";
     Effects effects;
-    two.ant.core->on_stored(Kept::news, fail(Errc::io_error, path + ": cannot write", "make room"), two.fleet.now,
-                            effects);
+    two.ant.core->updates().on_stored(Kept::news, fail(Errc::io_error, path + ": cannot write", "make room"),
+                                      two.fleet.now, effects);
     const std::string note = two.note();
     CHECK(note.starts_with("certificate ends"));
     CHECK(note.size() >= 254);

@@ -19,7 +19,7 @@ void RouterShell::drain_bus(BusSocket& bus) {
     bytes += frame.size();
     if (frame.more()) {
       bus.socket.skip_rest(frame);
-      core_.count("refused.malformed");
+      core_.counters().count("refused.malformed");
       continue;
     }
     i += on_bus_frame(bus, view_of(routing_id), frame) - 1;
@@ -42,7 +42,7 @@ int RouterShell::on_bus_frame(BusSocket& bus, BytesView routing_id, Frame& frame
   const auto header = decode_frame(view_of(frame));
   const std::string name = whom_it_proves(bus, frame);
   if (!header || name.empty()) {
-    core_.count(header ? "refused.bus_key" : "refused." + std::string(errc_name(header.error().code)));
+    core_.counters().count(header ? "refused.bus_key" : "refused." + std::string(errc_name(header.error().code)));
     return 1;
   }
   ConnectionId from = connection_of(bus, routing_id);
@@ -59,46 +59,50 @@ int RouterShell::on_bus_frame(BusSocket& bus, BytesView routing_id, Frame& frame
     note_bus_visitor(bus, frame, from);
     return 1;
   }
-  if (!core_.knows(from)) {
+  if (!core_.bus().knows(from)) {
     want_hello(bus, routing_id);
     return 1;
   }
   count_sent(header->subtype);
   const bool lossy = is_lossy(*header);
-  route_bus_frame(from, *header, frame);
+  forward_bus_frame(from, *header, frame);
   return lossy ? kLossyCounts : 1;
 }
 
-void RouterShell::route_bus_frame(ConnectionId from, const HeaderView& header, Frame& frame) {
-  const Routing decision = core_.route_local(from, header);
-  const bool leaves = decision.to == Routing::To::peer || decision.to == Routing::To::relay;
-  if (leaves && is_lossy(header)) return forward_lossy(from, header.target, header, std::move(frame));
+void RouterShell::forward_bus_frame(ConnectionId from, const HeaderView& header, Frame& frame) {
   Effects effects;
-  switch (decision.to) {
-    case Routing::To::peer:
-      return forward_to_link(from, decision.link, header, std::move(frame));
-    case Routing::To::relay:
-      return forward_by_relay(from, header.target, header, frame);
-    case Routing::To::service: {
-      tap('=', view_of(frame));
-      const SendResult result = send_bus(decision.connection, std::move(frame));
-      if (result == SendResult::sent) return;
-      // A send that failed has left the frame, and the header that points into it, alone.
-      core_.nack_local(from, header, why_undelivered(result), effects);
-      break;
-    }
-    case Routing::To::every_peer:
-      if (is_lossy(header)) return forward_lossy_to_all(from, header, frame);
-      return forward_to_all(from, frame, header);
-    case Routing::To::router:
-      core_.on_bus_message(from, to_message(header), read_clocks(), effects);
-      break;
-    case Routing::To::lane:  // by_lane() alone says so
-    case Routing::To::drop:
-      core_.nack_local(from, header, decision.reason, effects);
-      break;
+  const FrameOrders orders =
+      core_.forwarding().from_bus(from, header, static_cast<char*>(frame.data()), frame.size(), read_clocks(), effects);
+  const char direction = orders.way.to == Routing::To::service ? '=' : '>';
+  for (unsigned i = 0; i < orders.shown; ++i) tap(direction, view_of(frame));
+  for (const ConnectionId to : orders.copies) {
+    if (send_bus(to, to_frame(view_of(frame))) != SendResult::sent) core_.counters().count("dropped.queue_full");
   }
-  carry_out(effects);
+  send_forwarded(from, header, orders, frame, effects);
+  if (!effects.list.empty() || !effects.counts.empty()) carry_out(effects);
+  for (const Routing& way : orders.each) send_copy(way, frame);
+}
+
+void RouterShell::send_forwarded(ConnectionId from, const HeaderView& header, const FrameOrders& orders, Frame& frame,
+                                 Effects& effects) {
+  const Routing& way = orders.way;
+  if (way.to == Routing::To::lane) return publish(way.link, std::move(frame));
+  // A send that failed has left the frame, and the header that points into it, alone.
+  if (way.to == Routing::To::service) {
+    const SendResult result = send_bus(way.connection, std::move(frame));
+    if (result != SendResult::sent) core_.forwarding().on_unsent(from, header, why_undelivered(result), effects);
+  } else if (way.to == Routing::To::peer) {
+    const SendResult result = put_outgoing(way.link, orders.outgoing, std::move(frame));
+    if (result != SendResult::sent) core_.forwarding().on_unsent(from, header, why_unsent(result), effects);
+    if (result == SendResult::unroutable) lost_links_.push_back(way.link);
+  }
+}
+
+/// Of what goes to every peer.
+void RouterShell::send_copy(const Routing& way, const Frame& frame) {
+  tap('>', view_of(frame));
+  if (way.to == Routing::To::lane) return publish(way.link, to_frame(view_of(frame)));
+  if (send_link(way.link, to_frame(view_of(frame))) != SendResult::sent) core_.counters().count("dropped.queue_full");
 }
 
 void RouterShell::on_bus_hello(BusSocket& bus, ConnectionId from, const std::string& name, const HeaderView& header) {
@@ -108,8 +112,8 @@ void RouterShell::on_bus_hello(BusSocket& bus, ConnectionId from, const std::str
     effects.count("refused.malformed");
   } else {
     free_dead_holder(*hello, effects);
-    if (name == kProbe && core_.bus_is_full()) free_dead_probes(bus, from, effects);
-    core_.on_service_hello(from, *hello, name, read_clocks(), effects);
+    if (name == kProbe && core_.bus().is_full()) free_dead_probes(bus, from, effects);
+    core_.bus().on_hello(from, *hello, name, read_clocks(), effects);
   }
   carry_out(effects);
   forget_unknown();
@@ -119,7 +123,7 @@ void RouterShell::forget_unknown() {
   // Those that were refused just now, and probes that have been silent for long.
   std::vector<ConnectionId> unknown;
   for (const auto& [id, connection] : connections_) {
-    if (!core_.knows(id)) unknown.push_back(id);
+    if (!core_.bus().knows(id)) unknown.push_back(id);
   }
   Effects effects;
   for (const ConnectionId id : unknown) forget_connection(id, effects);
@@ -127,7 +131,7 @@ void RouterShell::forget_unknown() {
 }
 
 void RouterShell::free_dead_holder(const ServiceHello& hello, Effects& effects) {
-  const auto holder = core_.holder_of(hello.service);
+  const auto holder = core_.bus().services().holder(hello.service);
   if (holder && is_gone(*holder)) forget_connection(*holder, effects);
 }
 

@@ -23,11 +23,12 @@ VisitorLimits limits_of(const VisitorLimits& inbox) {
 
 }  // namespace
 
-LaneServer::LaneServer(Context& context, Loop& loop, RouterCore& core, CurveKeys keys, const VisitorLimits& inbox,
-                       std::shared_ptr<ByteBudget> whole, Owner owner)
+LaneServer::LaneServer(Context& context, Loop& loop, LaneTable& lanes, CounterTable& counters, CurveKeys keys,
+                       const VisitorLimits& inbox, std::shared_ptr<ByteBudget> whole, Owner owner)
     : context_(context),
       loop_(loop),
-      core_(core),
+      lanes_(lanes),
+      counters_(counters),
       keys_(std::move(keys)),
       whole_(std::move(whole)),
       owner_(std::move(owner)),
@@ -48,7 +49,7 @@ void LaneServer::close() {
   monitor_.reset();
   socket_.reset();
   door_.reset();
-  for (const auto& [link, listener] : listeners_) core_.on_listener_gone(link);
+  for (const auto& [link, listener] : listeners_) lanes_.on_listener_gone(link);
   listeners_.clear();
   also_.clear();
   port_ = 0;
@@ -129,11 +130,11 @@ void LaneServer::on_word(const Frame& frame) {
   Effects effects;
   if (frame.more() || word.empty() || (word[0] != kListen && word[0] != kListenNoMore)) {
     mixed_up_ = true;
-    core_.bar_from_lane(*key, effects);
+    lanes_.bar(*key, effects);
   } else if (mixed_up_) {
     effects.count("lane.ask_again");
   } else if (word[0] == kListen && visitor != 0) {
-    if (const auto link = core_.on_listen(*key, word.substr(1), effects)) {
+    if (const auto link = lanes_.on_listen(*key, word.substr(1), effects)) {
       owner_.carry_out(effects);
       return listen(*link, visitor, word.substr(1));
     }
@@ -152,7 +153,7 @@ void LaneServer::listen(LinkId link, VisitorId visitor, BytesView topic) {
 }
 
 void LaneServer::count(const std::string& name, const char* event, const std::string& text) {
-  core_.count(name);
+  counters_.count(name);
   owner_.warn(event, text);
 }
 
@@ -162,7 +163,7 @@ void LaneServer::on_event(LinkEvent event, int fd) {
     const auto at = std::find_if(listeners_.begin(), listeners_.end(),
                                  [&](const auto& row) { return row.second.visitor == visitor; });
     if (visitor != 0 && at != listeners_.end()) {
-      core_.on_listener_gone(at->first);
+      lanes_.on_listener_gone(at->first);
       listeners_.erase(at);
     }
   }

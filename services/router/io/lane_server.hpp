@@ -10,7 +10,8 @@
 #include "common/transport/loop.hpp"
 #include "common/transport/monitor.hpp"
 #include "common/transport/socket.hpp"
-#include "services/router/core/router_core.hpp"
+#include "services/router/core/counter_table.hpp"
+#include "services/router/core/lane_table.hpp"
 #include "services/router/io/door.hpp"
 
 namespace trb::router {
@@ -24,8 +25,8 @@ class LaneServer {
   };
   /// ZAP must be bound before, and the context have two I/O threads. `whole` bounds what waits in all queues of the
   /// node.
-  LaneServer(Context& context, Loop& loop, RouterCore& core, CurveKeys keys, const VisitorLimits& inbox,
-             std::shared_ptr<ByteBudget> whole, Owner owner);
+  LaneServer(Context& context, Loop& loop, LaneTable& lanes, CounterTable& counters, CurveKeys keys,
+             const VisitorLimits& inbox, std::shared_ptr<ByteBudget> whole, Owner owner);
 
   /// At this address; every connection to another is gone. Port 0: any. Errors: io_error naming the address.
   Status open(const std::string& host, std::uint16_t port);
@@ -55,7 +56,8 @@ class LaneServer {
 
   Context& context_;
   Loop& loop_;
-  RouterCore& core_;
+  LaneTable& lanes_;
+  CounterTable& counters_;
   CurveKeys keys_;
   std::shared_ptr<ByteBudget> whole_;
   Owner owner_;

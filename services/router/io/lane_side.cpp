@@ -24,32 +24,24 @@ void RouterShell::open_lane() {
   look_again_ = earlier(look_again_, read_clocks().mono + std::chrono::seconds(2));
 }
 
-void RouterShell::forward_lossy(ConnectionId from, std::string_view to, const HeaderView& header, Frame&& frame) {
-  const Now now = read_clocks();
-  const Routing way = core_.by_lane(to, frame.size(), now);
-  if (way.to == Routing::To::peer) return forward_to_link(from, way.link, header, std::move(frame));
-  if (way.to == Routing::To::relay) return forward_by_relay(from, to, header, frame);
-  if (way.to != Routing::To::lane) return;
-  tap('>', view_of(frame));
-  const SendResult result = lane_->publish(way.link, topic_of(to), std::move(frame));
-  core_.count(result == SendResult::sent ? "lane.sent" : "dropped.lane_full");
-}
-
-void RouterShell::forward_lossy_to_all(ConnectionId from, const HeaderView& header, const Frame& frame) {
-  for (const auto& [id, peer] : core_.peers()) forward_lossy(from, id, header, to_frame(view_of(frame)));
+void RouterShell::publish(LinkId link, Frame&& frame) {
+  const Link* to = core_.table().link(link);
+  if (to == nullptr) return;
+  const SendResult result = lane_->publish(link, topic_of(to->peer), std::move(frame));
+  core_.counters().count(result == SendResult::sent ? "lane.sent" : "dropped.lane_full");
 }
 
 void RouterShell::dial_lane(const DialLane& effect) {
   const LinkId link = effect.link;
   const auto ended = [this, link](LinkEnd how) {
     Effects effects;
-    core_.on_lane_ended(link, how, read_clocks(), effects);
+    core_.lanes().on_ended(link, how, read_clocks(), effects);
     carry_out(effects);
   };
   if (!is_numeric_endpoint(effect.address)) return ended(LinkEnd::failed);
   close_heard(link);
   const auto on_event = [this, link, ended](LinkEvent event, int) {
-    if (event == LinkEvent::connected) return core_.on_lane_connected(link, read_clocks());
+    if (event == LinkEvent::connected) return core_.lanes().on_connected(link, read_clocks());
     const auto end = to_end(event);
     if (!end || heard_.count(link) == 0) return;
     close_heard(link);
@@ -96,21 +88,21 @@ void RouterShell::drain_lane(LinkId link) {
       on_lane_frame(link, frame);
     } else {
       at->second.socket->skip_rest(topic.more() ? frame : topic);
-      core_.count("refused.lane_malformed");
+      core_.counters().count("refused.lane_malformed");
     }
   }
 }
 
 void RouterShell::on_lane_frame(LinkId link, Frame& frame) {
   const auto header = decode_frame(view_of(frame));
-  if (!header) return core_.count("refused.lane_malformed");
+  if (!header) return core_.counters().count("refused.lane_malformed");
   Effects effects;
-  const Routing decision = core_.route_lane(link, *header, effects);
+  const Routing decision = core_.forwarding().from_lane(link, *header, effects);
   if (decision.to == Routing::To::service) {
     tap('<', view_of(frame));
     const SendResult result = send_bus(decision.connection, std::move(frame));
     const Errc why = why_undelivered(result);
-    core_.count(result == SendResult::sent ? "lane.received" : "dropped." + std::string(errc_name(why)));
+    core_.counters().count(result == SendResult::sent ? "lane.received" : "dropped." + std::string(errc_name(why)));
   }
   if (!effects.list.empty() || !effects.counts.empty()) carry_out(effects);
 }

@@ -48,7 +48,7 @@ void RouterShell::drain_inbox() {
     bytes += frame.size();
     if (frame.more()) {
       inbox_->skip_rest(frame);
-      core_.count("refused.malformed");
+      core_.counters().count("refused.malformed");
       continue;
     }
     on_inbox_frame(view_of(routing_id), frame);
@@ -75,9 +75,9 @@ void RouterShell::on_inbox_frame(BytesView routing_id, Frame& frame) {
   const std::string_view user = user_id(frame);
   const auto link = accepted_.find(header->link);
   const bool proven = link != accepted_.end() && link->second.routing_id == routing_id && link->second.user == user;
-  if (proven) return on_link_frame(header->link, {}, *header, frame);
+  if (proven) return on_link_frame(header->link, *header, frame);
   const auto key = from_hex(user);
-  if (!key || key->size() != 32) return core_.count("refused.no_key");
+  if (!key || key->size() != 32) return core_.counters().count("refused.no_key");
   origin_ = {Bytes(routing_id), Bytes(user), inbox_visitor(frame)};
   Effects effects;
   if (link != accepted_.end()) {
@@ -90,13 +90,12 @@ void RouterShell::on_inbox_frame(BytesView routing_id, Frame& frame) {
     if (own == accepted_.end()) {
       effects.count("dropped.closed_link");
     } else {
-      core_.on_second_link(own->first, read_clocks(), effects);
+      core_.links().on_second_link(own->first, read_clocks(), effects);
     }
   } else {
     const Now now = read_clocks();
-    const bool fresh = core_.find_link(header->link) == nullptr;
-    core_.on_link_message(header->link, *key, to_message(*header), header->sequence, now, effects);
-    if (fresh) hear(header->link, *header, view_of(frame), now, effects);
+    const FrameOrders orders = core_.forwarding().from_stranger(*key, *header, view_of(frame), now, effects);
+    keep_proof(orders, now.utc, view_of(frame));
   }
   carry_out(effects);
   origin_ = {};
@@ -114,51 +113,31 @@ void RouterShell::on_other_version(BytesView routing_id, Frame& frame) {
   }
   origin_ = {Bytes(routing_id), Bytes(user_id(frame)), visitor};
   Effects effects;
-  core_.on_other_version(0, *key, wire_version(view_of(frame)), *header, read_clocks(), effects);
+  core_.handshake().on_other_version(0, *key, wire_version(view_of(frame)), *header, read_clocks(), effects);
   carry_out(effects);
   origin_ = {};
 }
 
-bool RouterShell::copy_to_hearers(LinkId link, const HeaderView& header, const Frame& frame) {
-  const std::vector<ConnectionId> hearers = core_.hearers_of(header);
-  for (const ConnectionId hearer : hearers) {
-    const SendResult result = deliver(link, header.sequence, hearer, to_frame(view_of(frame)));
-    if (result != SendResult::sent) core_.count("dropped.queue_full");
-  }
-  return !hearers.empty();
-}
-
-void RouterShell::on_link_frame(LinkId link, BytesView key, const HeaderView& header, Frame& frame) {
+void RouterShell::on_link_frame(LinkId link, const HeaderView& header, Frame& frame) {
   Effects effects;
   const Now now = read_clocks();
-  const Routing decision = core_.route_peer(link, header, now, effects);
-  const Link* known = core_.find_link(link);
-  const bool was_up = known != nullptr && known->up;
-  if (was_up && !hear(link, header, view_of(frame), now, effects)) {
-    // It is the one that was too many: told before the Goodbye.
-    auto nack = decision.to == Routing::To::service ? core_.nack_unsealed(header, effects) : std::nullopt;
-    if (nack) effects.list.insert(effects.list.begin(), LinkSend{link, std::move(*nack)});
-    return carry_out(effects);
-  }
-  const bool may = decision.to == Routing::To::service || decision.reason == Errc::no_service;
-  const bool heard = may && copy_to_hearers(link, header, frame);
-  if (decision.to != Routing::To::drop || heard) tap('<', view_of(frame));
-  switch (decision.to) {
-    case Routing::To::service: {
-      const SendResult result = deliver(link, header.sequence, decision.connection, std::move(frame));
-      if (result != SendResult::sent) core_.nack_peer(link, header, why_undelivered(result), effects);
-      break;
-    }
-    case Routing::To::router:
-      core_.on_link_message(link, key, to_message(header), header.sequence, now, effects);
-      if (!was_up) hear(link, header, view_of(frame), now, effects);
-      if (header.subtype == Seal::kSubtype) keep_proof(link);
-      break;
-    default:
-      if (!heard) core_.nack_peer(link, header, decision.reason, effects);
-      break;
-  }
+  const FrameOrders orders = core_.forwarding().from_link(link, header, view_of(frame), now, effects);
+  keep_proof(orders, now.utc, view_of(frame));
+  deliver_frame(link, header, frame, orders, effects);
   if (!effects.list.empty() || !effects.counts.empty()) carry_out(effects);
+}
+
+void RouterShell::deliver_frame(LinkId link, const HeaderView& header, Frame& frame, const FrameOrders& orders,
+                                Effects& effects) {
+  for (const ConnectionId to : orders.copies) {
+    const SendResult result = deliver(link, header.sequence, orders.hold, to, to_frame(view_of(frame)));
+    if (result != SendResult::sent) core_.counters().count("dropped.queue_full");
+  }
+  if (orders.shown > 0) tap('<', view_of(frame));
+  if (orders.way.to != Routing::To::service) return;
+  const SendResult result = deliver(link, header.sequence, orders.hold, orders.way.connection, std::move(frame));
+  // A send that failed has left the frame, and the header that points into it, alone.
+  if (result != SendResult::sent) core_.forwarding().on_undelivered(link, header, why_undelivered(result), effects);
 }
 
 void RouterShell::drain_dialled(LinkId link) {
@@ -170,30 +149,30 @@ void RouterShell::drain_dialled(LinkId link) {
     bytes += frame.size();
     if (frame.more()) {
       at->second.socket->skip_rest(frame);
-      core_.count("refused.malformed");
+      core_.counters().count("refused.malformed");
       continue;
     }
     const auto header = decode_frame(view_of(frame));
-    const Link* known = core_.find_link(link);
     if (!header) {
-      const auto other = decode_frame_of_any_version(view_of(frame));
-      if (header.error().code == Errc::version_mismatch && other && known != nullptr && !known->up) {
-        Effects effects;
-        core_.on_other_version(link, Bytes(known->key), wire_version(view_of(frame)), *other, read_clocks(), effects);
-        carry_out(effects);
-      } else {
-        on_bad_frame(link, header.error());
-      }
-      continue;
+      on_undecoded(link, frame, header.error());
+    } else if (header->link != link) {
+      core_.counters().count("refused.malformed");
+    } else {
+      on_link_frame(link, *header, frame);
     }
-    if (known == nullptr || header->link != link) {
-      core_.count("refused.malformed");
-      continue;
-    }
-    // The dialling side's proof is the pinned server key.
-    const Bytes key = known->key;
-    on_link_frame(link, key, *header, frame);
   }
+}
+
+/// A frame of a dialled link that cannot be decoded, perhaps for it is of another version of the wire.
+void RouterShell::on_undecoded(LinkId link, const Frame& frame, const Error& error) {
+  const auto other = decode_frame_of_any_version(view_of(frame));
+  const Link* known = core_.table().link(link);
+  const bool answers_hello = known != nullptr && !known->up;
+  if (error.code != Errc::version_mismatch || !other || !answers_hello) return on_bad_frame(link, error);
+  Effects effects;
+  core_.handshake().on_other_version(link, Bytes(known->key), wire_version(view_of(frame)), *other, read_clocks(),
+                                     effects);
+  carry_out(effects);
 }
 
 void RouterShell::dial(const Dial& effect) {
@@ -201,11 +180,11 @@ void RouterShell::dial(const Dial& effect) {
   const Now now = read_clocks();
   const Resolver::Found found = resolver_->find(effect.address, now.mono);
   if (!found.address.empty()) {
-    core_.on_name_found(effect.link, found.address);
+    core_.links().on_name_found(effect.link, found.address);
     return dial_numbers({effect.link, found.address, effect.server_key}, effect.address);
   }
   Effects effects;
-  core_.on_name_unknown(effect.link, found.trouble, now, effects);
+  core_.links().on_name_unknown(effect.link, found.trouble, now, effects);
   carry_out(effects);
 }
 
@@ -214,7 +193,7 @@ void RouterShell::dial_numbers(const Dial& effect, const std::string& name) {
   const Status opened = open_dialled(effect, name);
   if (opened) return;
   // No descriptor is left: it ends as a dial that failed, and is tried again.
-  core_.count("dial.no_descriptor");
+  core_.counters().count("dial.no_descriptor");
   log_limited(limit_, read_clocks().mono, Level::error, "no_descriptor",
               effect.address + " cannot be dialled: " + opened.error().what + "; raise the limit of open files");
   lost_links_.push_back(effect.link);
@@ -232,9 +211,9 @@ Status RouterShell::open_dialled(const Dial& effect, const std::string& name) {
     Effects effects;
     const auto end = to_end(event);
     if (end) {
-      core_.on_link_ended(link, *end, read_clocks(), effects);
+      core_.links().on_ended(link, *end, read_clocks(), effects);
     } else {
-      core_.on_dial_connected(link, read_clocks(), effects);
+      core_.handshake().on_dial_connected(link, read_clocks(), effects);
     }
     carry_out(effects);
   });
@@ -257,7 +236,7 @@ void RouterShell::close_link(LinkId link) {
   }
   lane_->link_closed(link);
   close_heard(link);
-  core_.forget_link(link);
+  core_.seals().forget(link);
   proof_->ended(link, read_clocks().utc, "closed");
   held_.erase(link);
   const auto at = dialled_.find(link);
@@ -276,22 +255,9 @@ bool RouterShell::link_has_room(LinkId link, std::size_t bytes) const {
 }
 
 SendResult RouterShell::send_link(LinkId link, Frame&& frame) {
-  // Before a megabyte is hashed in vain.
   if (!link_has_room(link, frame.size())) return SendResult::full;
-  if (core_.seal_is_overdue(link)) {
-    if (const SendResult result = send_seal(link); result != SendResult::sent) return result;
-  }
-  if (!core_.stamp(link, static_cast<char*>(frame.data()), frame.size())) return SendResult::unroutable;
-  // Signed before the message leaves, the two go together and wake the other side once.
-  std::optional<Bytes> seal;
-  if (core_.seals_each(link)) seal = core_.make_seal(link, read_clocks());
-  const SendResult result = put_on_link(link, std::move(frame));
-  if (result != SendResult::sent) {
-    core_.take_back(link);
-  } else if (seal) {
-    put_seal(link, *seal);
-  }
-  return result;
+  const Outgoing outgoing = core_.seals().send(link, static_cast<char*>(frame.data()), frame.size(), read_clocks());
+  return put_outgoing(link, outgoing, std::move(frame));
 }
 
 SendResult RouterShell::put_on_link(LinkId link, Frame&& frame) {
@@ -306,52 +272,16 @@ SendResult RouterShell::put_on_link(LinkId link, Frame&& frame) {
                      [&](Frame&& one) { return inbox_->send_to(accepted.routing_id, std::move(one)); });
 }
 
-void RouterShell::forward_to_link(ConnectionId from, LinkId link, const HeaderView& header, Frame&& frame) {
-  tap('>', view_of(frame));
-  const SendResult result = send_link(link, std::move(frame));
-  if (result == SendResult::sent) return;
-  Effects effects;
-  core_.nack_local(from, header, result == SendResult::full ? Errc::queue_full : Errc::peer_unreachable, effects);
-  if (result == SendResult::unroutable) lost_links_.push_back(link);
-  carry_out(effects);
-}
-
-void RouterShell::forward_to_all(ConnectionId from, Frame& frame, const HeaderView& header) {
-  for (const ConnectionId hearer : core_.hearers_of(header)) {
-    if (hearer != from && send_bus(hearer, to_frame(view_of(frame))) != SendResult::sent)
-      core_.count("dropped.queue_full");
-  }
-  for (const std::string& peer : core_.relayed_peers()) forward_by_relay(from, peer, header, frame);
-  for (const LinkId link : core_.up_links()) {
-    tap('>', view_of(frame));
-    if (send_link(link, to_frame(view_of(frame))) == SendResult::sent) continue;
-    core_.count("dropped.queue_full");
-  }
-}
-
-void RouterShell::forward_by_relay(ConnectionId from, std::string_view target, const HeaderView& header,
-                                   const Frame& frame) {
-  auto relaying = core_.relay_out(from, target, header, view_of(frame), read_clocks());
-  Effects effects;
-  if (relaying) {
-    tap('>', view_of(frame));
-    effects.add(LinkSend{relaying->link, std::move(relaying->message)});
-    return carry_out(effects);
-  }
-  core_.nack_local(from, header, relaying.error().code, effects);
-  carry_out(effects);
-}
-
 void RouterShell::on_bad_frame(LinkId link, const Error& error) {
   Effects effects;
-  core_.on_bad_frame(link, error, read_clocks(), effects);
+  core_.links().on_bad_frame(link, error, read_clocks(), effects);
   carry_out(effects);
 }
 
 /// Where the nodes are that were linked before: a crowd of strangers keeps none of them from coming back.
 std::vector<std::string> RouterShell::sources_of_peers() const {
   std::vector<std::string> out;
-  for (const auto& [id, peer] : core_.peers()) {
+  for (const auto& [id, peer] : core_.table().peers()) {
     if (!peer.met) continue;
     for (const std::string& address : {peer.address, peer.good_address}) {
       const std::string host = split_endpoint(address).host;
@@ -362,25 +292,25 @@ std::vector<std::string> RouterShell::sources_of_peers() const {
 }
 
 void RouterShell::on_source_blocked(const std::string& source) {
-  core_.count("refused.source_blocked");
+  core_.counters().count("refused.source_blocked");
   log_limited(limit_, read_clocks().mono, Level::warning, "source_blocked",
               source + " has too many connections that prove nothing; its new ones are dropped for 10 s");
 }
 
 void RouterShell::on_visitor_cut(const std::string& address) {
-  core_.count("cut.no_link");
+  core_.counters().count("cut.no_link");
   log_limited(limit_, read_clocks().mono, Level::warning, "no_link",
               "the connection of " + address + " has become no link in time and was cut");
 }
 
 void RouterShell::on_inbox_event(LinkEvent event, int fd) {
   // Of a client of ZMTP 1 or 2, in which there is no CURVE, libzmq tells nothing but its end.
-  if (event == LinkEvent::disconnected && door_.is_undecided(fd)) core_.count("ended.no_link");
+  if (event == LinkEvent::disconnected && door_.is_undecided(fd)) core_.counters().count("ended.no_link");
   door_.on_event(event, fd);
   if (event == LinkEvent::failed && fd >= 0) return;  // the listening socket itself was closed
   switch (event) {
     case LinkEvent::accept_failed:
-      core_.count("refused.no_descriptor");
+      core_.counters().count("refused.no_descriptor");
       log_limited(limit_, read_clocks().mono, Level::error, "no_descriptor",
                   "a connection could not be taken: raise the limit of open files (ulimit -n)");
       break;
@@ -388,20 +318,20 @@ void RouterShell::on_inbox_event(LinkEvent event, int fd) {
     case LinkEvent::accepted:
       break;
     case LinkEvent::no_curve:
-      core_.count("refused.no_curve");
+      core_.counters().count("refused.no_curve");
       log_limited(limit_, read_clocks().mono, Level::warning, "no_curve", "a client without CURVE was refused");
       break;
     case LinkEvent::wrong_server_key:
-      core_.count("refused.wrong_server_key");
+      core_.counters().count("refused.wrong_server_key");
       log_limited(limit_, read_clocks().mono, Level::warning, "wrong_server_key",
                   "a client dialled with a wrong server key");
       break;
     case LinkEvent::refused_key:
-      core_.count("refused.key");
+      core_.counters().count("refused.key");
       break;
     case LinkEvent::protocol_error:
     case LinkEvent::failed:
-      core_.count("refused.no_zmtp");
+      core_.counters().count("refused.no_zmtp");
       log_limited(limit_, read_clocks().mono, Level::warning, "no_zmtp",
                   "a client that does not speak ZMTP, or left during the handshake");
       break;

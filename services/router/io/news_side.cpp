@@ -65,7 +65,7 @@ void RouterShell::store_boot(const StoreBoot& store) {
 
 void RouterShell::stored(Kept what, const Status& done) {
   Effects effects;
-  core_.on_stored(what, done, read_clocks(), effects);
+  core_.updates().on_stored(what, done, read_clocks(), effects);
   carry_out(effects);
 }
 
@@ -78,14 +78,14 @@ void RouterShell::store_utc(const StoreUtc& store) {
 void RouterShell::read_key_folder() {
   const auto take = [this](const FleetNews& news) {
     Effects effects;
-    core_.on_news_of_file(news, read_clocks(), effects);
+    core_.updates().on_file(news, read_clocks(), effects);
     carry_out(effects);
   };
   if (auto file = read_certificate_file("keys/certificate.json")) take({file->revocations, {file->certificate}});
   if (!file_exists("keys/news.json")) return;
   auto news = read_news("keys/news.json");
   if (news) return take(*news);
-  core_.count("refused." + std::string(errc_name(news.error().code)));
+  core_.counters().count("refused." + std::string(errc_name(news.error().code)));
   log_limited(limit_, read_clocks().mono, Level::warning, "news_refused", news.error().text());
 }
 

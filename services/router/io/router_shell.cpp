@@ -23,7 +23,7 @@ constexpr std::size_t kNodeBytes = 64U << 20U;
 }  // namespace
 
 RouterShell::RouterShell(RouterConfig config, ShellOptions options)
-    : core_(std::move(config)),
+    : core_(with_ports(std::move(config))),
       options_(std::move(options)),
       whole_(std::make_shared<ByteBudget>(kNodeBytes)),
       tap_budget_(new_budget()),
@@ -33,24 +33,30 @@ RouterShell::RouterShell(RouterConfig config, ShellOptions options)
 
 RouterShell::~RouterShell() = default;
 
+RouterConfig RouterShell::with_ports(RouterConfig config) const {
+  config.random = random_u64;
+  config.has_room = [this](LinkId link, std::size_t bytes) { return link_has_room(link, bytes); };
+  return config;
+}
+
 Status RouterShell::open() {
   // ZAP first: an inbox without it would let every key in.
   zap_ = std::make_unique<ZapServer>(context_, loop_, [this](BytesView domain, BytesView key) {
     if (domain == kBusDomain) return admit_to_bus(key);
     Effects effects;
-    const bool good =
-        domain == kLaneDomain ? core_.admit_to_lane(key, effects) : core_.admit(key, read_clocks().mono, effects);
+    const bool good = domain == kLaneDomain ? core_.lanes().admit(key, effects)
+                                            : core_.admission().admit(key, read_clocks(), effects);
     carry_out(effects);
     return good;
   });
   door_.set_friends([this] { return sources_of_peers(); });
-  lane_ = std::make_unique<LaneServer>(context_, loop_, core_, options_.link_keys, options_.visitors, whole_,
-                                       LaneServer::Owner{[this](Effects& effects) { carry_out(effects); },
-                                                         [this](const char* event, const std::string& text) {
-                                                           log_limited(limit_, read_clocks().mono, Level::warning,
-                                                                       event, text);
-                                                         },
-                                                         [this] { return sources_of_peers(); }});
+  lane_ = std::make_unique<LaneServer>(
+      context_, loop_, core_.lanes(), core_.counters(), options_.link_keys, options_.visitors, whole_,
+      LaneServer::Owner{[this](Effects& effects) { carry_out(effects); },
+                        [this](const char* event, const std::string& text) {
+                          log_limited(limit_, read_clocks().mono, Level::warning, event, text);
+                        },
+                        [this] { return sources_of_peers(); }});
   if (Status bus = open_bus(); !bus) return bus;
   return open_place();
 }
@@ -108,7 +114,8 @@ void RouterShell::carry_out(Effects& effects) {
                      const auto frame = own_frame(send.message);
                      if (!frame) return;
                      tap('=', *frame);
-                     if (send_bus(send.to, to_frame(*frame)) == SendResult::full) core_.count("dropped.queue_full");
+                     if (send_bus(send.to, to_frame(*frame)) == SendResult::full)
+                       core_.counters().count("dropped.queue_full");
                    },
                    [this](LinkSend& send) { send_own(send); },
                    [this](SealDue& due) { send_seal(due.link); },
@@ -149,15 +156,15 @@ void RouterShell::carry_out(Effects& effects) {
                },
                effect);
   }
-  for (const std::string& name : effects.counts) core_.count(name);
-  nack_unpassed();
+  for (const std::string& name : effects.counts) core_.counters().count(name);
+  report_unsent();
   end_lost_links();
 }
 
-void RouterShell::nack_unpassed() {
-  for (const auto& [message, reason] : std::exchange(unpassed_, {})) {
+void RouterShell::report_unsent() {
+  for (const auto& [message, reason] : std::exchange(unsent_, {})) {
     Effects effects;
-    core_.not_passed_on(message, reason, effects);
+    core_.forwarding().on_own_unsent(message, reason, effects);
     carry_out(effects);
   }
 }
@@ -168,7 +175,7 @@ void RouterShell::end_lost_links() {
     const LinkId link = lost_links_.back();
     lost_links_.pop_back();
     Effects effects;
-    core_.on_link_ended(link, LinkEnd::disconnected, read_clocks(), effects);
+    core_.links().on_ended(link, LinkEnd::disconnected, read_clocks(), effects);
     carry_out(effects);
   }
 }
@@ -182,7 +189,7 @@ std::optional<Bytes> RouterShell::own_frame(const Message& message) {
   Bytes frame = encode_frame(message);
   const auto readable = decode_frame(frame);
   if (readable) return frame;
-  core_.count("dropped." + std::string(errc_name(readable.error().code)));
+  core_.counters().count("dropped." + std::string(errc_name(readable.error().code)));
   log_limited(limit_, read_clocks().mono, Level::error, "not_sent",
               message.subtype + " for '" + message.target + "': " + readable.error().text());
   return std::nullopt;
@@ -196,12 +203,7 @@ void RouterShell::send_own(LinkSend& send) {
   const SendResult result = send_link(send.link, to_frame(*frame));
   if (result == SendResult::sent) return;
   if (result == SendResult::unroutable) lost_links_.push_back(send.link);
-  if (send.message.subtype == Relayed::kSubtype) {
-    unpassed_.emplace_back(std::move(send.message),
-                           result == SendResult::full ? Errc::queue_full : Errc::peer_unreachable);
-    return;
-  }
-  core_.count(result == SendResult::full ? "dropped.queue_full" : "dropped.closed_link");
+  unsent_.emplace_back(std::move(send.message), why_unsent(result));
 }
 
 void RouterShell::tap(char direction, BytesView frame) {
@@ -211,7 +213,7 @@ void RouterShell::tap(char direction, BytesView frame) {
     tap_->send(to_frame(std::string(1, direction)), true);
     return tap_->send(std::move(one));
   });
-  if (result != SendResult::sent) core_.count("dropped.tap_full");
+  if (result != SendResult::sent) core_.counters().count("dropped.tap_full");
 }
 
 void RouterShell::drain_tap() {
@@ -233,16 +235,16 @@ void RouterShell::count_sent(std::string_view subtype) {
     if (sent_names_.size() >= 500) return;
     at = sent_names_.emplace(subtype, "sent." + std::string(subtype)).first;
   }
-  core_.count(at->second);
+  core_.counters().count(at->second);
 }
 
 void RouterShell::on_beacon_datagram(BytesView datagram) {
   auto plain = open_beacon(options_.beacon_key, core_.config().authority.id(), datagram);
   Effects effects;
   if (!plain) {
-    core_.on_bad_beacon(plain.error(), read_clocks(), effects);
+    core_.beacons().refuse(errc_name(plain.error().code), plain.error().what, read_clocks(), effects);
   } else {
-    core_.on_beacon(*plain, read_clocks(), effects);
+    core_.beacons().on_beacon(*plain, read_clocks(), effects);
   }
   carry_out(effects);
 }

@@ -61,6 +61,11 @@ constexpr Errc why_undelivered(SendResult result) {
   return result == SendResult::full ? Errc::queue_full : Errc::no_service;
 }
 
+/// Why a link did not take a message.
+constexpr Errc why_unsent(SendResult result) {
+  return result == SendResult::full ? Errc::queue_full : Errc::peer_unreachable;
+}
+
 class RouterShell {
  public:
   RouterShell(RouterConfig config, ShellOptions options);
@@ -107,7 +112,10 @@ class RouterShell {
   void drain_bus(BusSocket& bus);
   /// How many it counts for in this turn.
   int on_bus_frame(BusSocket& bus, BytesView routing_id, Frame& frame);
-  void route_bus_frame(ConnectionId from, const HeaderView& header, Frame& frame);
+  void forward_bus_frame(ConnectionId from, const HeaderView& header, Frame& frame);
+  void send_forwarded(ConnectionId from, const HeaderView& header, const FrameOrders& orders, Frame& frame,
+                      Effects& effects);
+  void send_copy(const Routing& way, const Frame& frame);
   ConnectionId connection_of(const BusSocket& bus, BytesView routing_id) const;  ///< 0: none
   ConnectionId add_connection(BusSocket& bus, BytesView routing_id, const std::string& name);
   void on_bus_hello(BusSocket& bus, ConnectionId from, const std::string& name, const HeaderView& header);
@@ -128,8 +136,7 @@ class RouterShell {
   // lane_side.cpp
   [[nodiscard]] std::string own_lane() const;
   void open_lane();
-  void forward_lossy(ConnectionId from, std::string_view to, const HeaderView& header, Frame&& frame);
-  void forward_lossy_to_all(ConnectionId from, const HeaderView& header, const Frame& frame);
+  void publish(LinkId link, Frame&& frame);
   void dial_lane(const DialLane& effect);
   Status open_lane(const DialLane& effect, SocketMonitor::OnEvent on_event);
   void close_heard(LinkId link);
@@ -140,9 +147,9 @@ class RouterShell {
   void on_inbox_frame(BytesView routing_id, Frame& frame);
   void on_other_version(BytesView routing_id, Frame& frame);
   void drain_dialled(LinkId link);
-  /// Copies of a link's message for those that want to hear it; true if there are any.
-  bool copy_to_hearers(LinkId link, const HeaderView& header, const Frame& frame);
-  void on_link_frame(LinkId link, BytesView key, const HeaderView& header, Frame& frame);
+  void on_undecoded(LinkId link, const Frame& frame, const Error& error);
+  void on_link_frame(LinkId link, const HeaderView& header, Frame& frame);
+  void deliver_frame(LinkId link, const HeaderView& header, Frame& frame, const FrameOrders& orders, Effects& effects);
   void dial(const Dial& effect);
   void dial_numbers(const Dial& effect, const std::string& name);
   Status open_dialled(const Dial& effect, const std::string& name);
@@ -150,9 +157,8 @@ class RouterShell {
   [[nodiscard]] bool link_has_room(LinkId link, std::size_t bytes) const;
   SendResult send_link(LinkId link, Frame&& frame);
   SendResult put_on_link(LinkId link, Frame&& frame);
-  void forward_to_link(ConnectionId from, LinkId link, const HeaderView& header, Frame&& frame);
-  void forward_by_relay(ConnectionId from, std::string_view target, const HeaderView& header, const Frame& frame);
-  void forward_to_all(ConnectionId from, Frame& frame, const HeaderView& header);
+  /// A frame that is numbered, with its seals.
+  SendResult put_outgoing(LinkId link, const Outgoing& outgoing, Frame&& frame);
   void on_inbox_event(LinkEvent event, int fd);
   void on_bad_frame(LinkId link, const Error& error);
   [[nodiscard]] std::vector<std::string> sources_of_peers() const;
@@ -175,19 +181,19 @@ class RouterShell {
   void stored(Kept what, const Status& done);
   void read_key_folder();  ///< a person may have put a new certificate.json or news.json there
   // seal_side.cpp
-  SendResult send_seal(LinkId link);
+  void send_seal(LinkId link);
   SendResult put_seal(LinkId link, BytesView seal);
-  /// False: the link has been closed by what came.
-  bool hear(LinkId link, const HeaderView& header, BytesView frame, Now now, Effects& effects);
-  void keep_proof(LinkId link);
+  void keep_proof(const FrameOrders& orders, UtcTime now, BytesView frame);
+  void report_proof_log();
   void check_seal(CheckSeal&& seal);
   void take_checked();
-  SendResult deliver(LinkId link, std::uint64_t sequence, ConnectionId to, Frame&& frame);
+  SendResult deliver(LinkId link, std::uint64_t sequence, bool hold, ConnectionId to, Frame&& frame);
   void deliver_held(const DeliverHeld& proven);
   void return_held(const ReturnHeld& of);
   // router_shell.cpp
   void carry_out(Effects& effects);
-  void nack_unpassed();
+  void report_unsent();
+  [[nodiscard]] RouterConfig with_ports(RouterConfig config) const;
   void end_lost_links();
   [[nodiscard]] std::shared_ptr<ByteBudget> new_budget() const;
   void send_own(LinkSend& send);
@@ -227,8 +233,8 @@ class RouterShell {
   std::unique_ptr<Resolver> resolver_;
   InboxOrigin origin_;
   std::vector<LinkId> lost_links_;
-  std::vector<std::pair<Message, Errc>> unpassed_;  ///< `relayed` of others that did not leave
-  std::unique_ptr<Door> bus_door_;                  ///< of a bus over TCP
+  std::vector<std::pair<Message, Errc>> unsent_;  ///< of the router itself, that did not leave
+  std::unique_ptr<Door> bus_door_;                ///< of a bus over TCP
   std::unique_ptr<Socket> tap_;
   std::vector<std::unique_ptr<SocketMonitor>> bus_monitors_;  ///< of the bus, and of the tap
   unsigned tap_listeners_ = 0;

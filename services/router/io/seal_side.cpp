@@ -5,69 +5,77 @@
 
 namespace trb::router {
 
-SendResult RouterShell::send_seal(LinkId link) {
-  const auto seal = core_.make_seal(link, read_clocks());
-  return seal ? put_seal(link, *seal) : SendResult::sent;
+void RouterShell::send_seal(LinkId link) {
+  const auto seal = core_.seals().make_seal(link, read_clocks());
+  if (seal && put_seal(link, *seal) != SendResult::sent) core_.seals().not_sent(link, Unsent::behind);
 }
 
 SendResult RouterShell::put_seal(LinkId link, BytesView seal) {
   tap('>', seal);
   const SendResult result = put_on_link(link, to_frame(seal));
-  if (result == SendResult::sent) {
-    core_.seal_left(link);
-  } else if (result == SendResult::unroutable) {
-    lost_links_.push_back(link);
+  if (result == SendResult::unroutable) lost_links_.push_back(link);
+  return result;
+}
+
+SendResult RouterShell::put_outgoing(LinkId link, const Outgoing& outgoing, Frame&& frame) {
+  if (!outgoing.known) return SendResult::unroutable;
+  if (!outgoing.before.empty()) {
+    if (const SendResult result = put_seal(link, outgoing.before); result != SendResult::sent) {
+      core_.seals().not_sent(link, Unsent::before);
+      return result;
+    }
+  }
+  const SendResult result = put_on_link(link, std::move(frame));
+  if (result != SendResult::sent) {
+    core_.seals().not_sent(link, Unsent::frame);
+  } else if (!outgoing.behind.empty() && put_seal(link, outgoing.behind) != SendResult::sent) {
+    core_.seals().not_sent(link, Unsent::behind);
   }
   return result;
 }
 
-bool RouterShell::hear(LinkId link, const HeaderView& header, BytesView frame, Now now, Effects& effects) {
-  if (proof_->on()) {
-    const LinkSeals* seals = core_.seals_of(link);
-    const Link* known = core_.find_link(link);
-    if (seals != nullptr && known != nullptr && known->up) proof_->heard(*seals, now.utc, frame);
-  }
-  core_.hear_frame(link, header, frame, now, effects);
-  return core_.find_link(link) != nullptr;
+/// A seal that was refused is written when its link is closed.
+void RouterShell::keep_proof(const FrameOrders& orders, UtcTime now, BytesView frame) {
+  if (!proof_->on() || orders.proof == nullptr) return;
+  proof_->heard(*orders.proof, now, frame);
+  if (!orders.sealed) return;
+  proof_->sealed(*orders.proof);
+  report_proof_log();
 }
 
-void RouterShell::keep_proof(LinkId link) {
-  const LinkSeals* seals = core_.seals_of(link);
-  // A seal that was refused is written when its link is closed.
-  if (!proof_->on() || seals == nullptr || core_.find_link(link) == nullptr) return;
-  proof_->sealed(*seals);
+void RouterShell::report_proof_log() {
   if (const std::uint64_t dropped = proof_->take_dropped(); dropped > 0) {
-    core_.count("proof.dropped", dropped);
+    core_.counters().count("proof.dropped", dropped);
     log_limited(
         limit_, read_clocks().mono, Level::warning, "proof_log",
         "the disk is slower than the links: " + std::to_string(dropped) + " messages are not kept for trb proof");
   }
   const std::string problem = proof_->take_problem();
   if (problem.empty()) return;
-  core_.count("proof.write_failed");
+  core_.counters().count("proof.write_failed");
   log_limited(limit_, read_clocks().mono, Level::warning, "proof_log", problem + ": not kept for trb proof");
 }
 
 void RouterShell::check_seal(CheckSeal&& seal) {
   // What waits for its seal is not to wait for another thread too.
-  if (!core_.holds(seal.link) && checker_->put(std::move(seal))) return;
+  if (!core_.seals().holds(seal.link) && checker_->put(std::move(seal))) return;
   Effects effects;
   const bool good = verify_seal(seal.record, seal.signer);
-  core_.on_seal_checked(seal, good, read_clocks(), effects);
+  core_.forwarding().on_seal_checked(seal, good, read_clocks(), effects);
   carry_out(effects);
 }
 
 void RouterShell::take_checked() {
   for (const SealChecker::Checked& row : checker_->take()) {
     Effects effects;
-    core_.on_seal_checked(row.seal, row.good, read_clocks(), effects);
+    core_.forwarding().on_seal_checked(row.seal, row.good, read_clocks(), effects);
     carry_out(effects);
   }
 }
 
-SendResult RouterShell::deliver(LinkId link, std::uint64_t sequence, ConnectionId to, Frame&& frame) {
-  if (!core_.holds(link)) return send_bus(to, std::move(frame));
-  // A link with more unsealed messages than this is closed at once; see RouterCore::hear_frame.
+SendResult RouterShell::deliver(LinkId link, std::uint64_t sequence, bool hold, ConnectionId to, Frame&& frame) {
+  if (!hold) return send_bus(to, std::move(frame));
+  // A link with more unsealed messages than this is closed at once; see SealBook::receive.
   held_[link].push_back({sequence, to, std::move(frame)});
   return SendResult::sent;
 }
@@ -82,7 +90,7 @@ void RouterShell::deliver_held(const DeliverHeld& proven) {
     if (result == SendResult::sent) continue;
     Effects effects;
     if (const auto header = decode_frame(view_of(held.frame)))
-      core_.nack_peer(proven.link, *header, why_undelivered(result), effects);
+      core_.forwarding().on_undelivered(proven.link, *header, why_undelivered(result), effects);
     carry_out(effects);
   }
 }
@@ -91,21 +99,12 @@ void RouterShell::return_held(const ReturnHeld& of) {
   const auto at = held_.find(of.link);
   if (at == held_.end()) return;
   const std::deque<Held> held = std::exchange(at->second, {});
-  Effects effects;
-  std::size_t messages = 0;
-  std::uint64_t last = 0;
+  std::vector<HeaderView> headers;
   for (const Held& one : held) {
-    // Some have copies, for those that hear them too.
-    const auto header = decode_frame(view_of(one.frame));
-    if (!header || std::exchange(last, one.sequence) == one.sequence) continue;
-    ++messages;
-    auto nack = core_.nack_unsealed(*header, effects);
-    if (nack && of.tell) effects.add(LinkSend{of.link, std::move(*nack)});
+    if (const auto header = decode_frame(view_of(one.frame))) headers.push_back(*header);
   }
-  if (messages == 0) return;
-  effects.log(LogLevel::warning, "undelivered",
-              std::to_string(messages) + " messages of " + of.peer +
-                  " waited for their seal and are not delivered: " + of.why + (of.tell ? "" : "; it cannot be told"));
+  Effects effects;
+  core_.forwarding().on_returned(of, headers, effects);
   carry_out(effects);
 }
 

@@ -143,7 +143,7 @@ Result<int> start(NodeConfig node) {
   RouterConfig config = make_config(node, *keys, boot);
   config.boot_stored = write_boot(boot);
   config.utc_bound = bound;
-  config.news = stored_news();
+  config.updates = stored_news();
   auto bus = read_tcp_bus(node);
   if (!bus) return bus.error();
   ShellOptions options{{keys->link.public_key, keys->link.secret_key},

@@ -25,12 +25,12 @@ Status RouterShell::open_tcp_bus() {
   bus_door_ = std::make_unique<Door>(
       loop_, bus_limits(),
       [this](const std::string& source) {
-        core_.count("refused.bus_source_blocked");
+        core_.counters().count("refused.bus_source_blocked");
         log_limited(limit_, read_clocks().mono, Level::warning, "bus_source_blocked",
                     source + " has too many connections to the bus that prove nothing; dropped for 10 s");
       },
       [this](const std::string& address) {
-        core_.count("cut.no_service");
+        core_.counters().count("cut.no_service");
         log_limited(limit_, read_clocks().mono, Level::warning, "no_service",
                     "the connection of " + address + " to the bus has become no service in time and was cut");
       });
@@ -54,7 +54,7 @@ Status RouterShell::open_tcp_bus() {
 
 bool RouterShell::admit_to_bus(BytesView key) {
   if (options_.bus.names.count(key) != 0) return true;
-  core_.count("refused.bus_key");
+  core_.counters().count("refused.bus_key");
   log_limited(limit_, read_clocks().mono, Level::warning, "bus_key",
               "the key " + to_hex(key) + " is of no service of this node, nor of trb: see keys/bus");
   return false;
@@ -72,7 +72,7 @@ void RouterShell::note_bus_visitor(const BusSocket& bus, const Frame& frame, Con
   const int fd = connection_fd(frame);
   bus_monitors_.front()->catch_up();  // the descriptor may have been another connection's a moment ago
   const VisitorId visitor = bus_door_->visitor(fd);
-  if (core_.knows(from)) return bus_door_->linked(visitor);
+  if (core_.bus().knows(from)) return bus_door_->linked(visitor);
   bus_door_->leave(visitor);  // refused; it reads why first
 }
 
@@ -81,7 +81,7 @@ void RouterShell::on_bus_event(LinkEvent event, int fd, bool proves) {
   const VisitorId visitor = bus_door_->visitor(fd);
   bus_door_->on_event(event, fd);
   const auto refused = [this](const char* name, const char* text) {
-    core_.count("refused." + std::string(name));
+    core_.counters().count("refused." + std::string(name));
     log_limited(limit_, read_clocks().mono, Level::warning, name, text);
   };
   switch (event) {
@@ -89,7 +89,7 @@ void RouterShell::on_bus_event(LinkEvent event, int fd, bool proves) {
       if (proves) bus_door_->linked(visitor);
       break;
     case LinkEvent::accept_failed:
-      core_.count("refused.no_descriptor");
+      core_.counters().count("refused.no_descriptor");
       break;
     case LinkEvent::no_curve:
       return refused("bus_no_curve", "a client without CURVE was refused on the bus");

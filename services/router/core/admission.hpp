@@ -1,0 +1,49 @@
+// Which keys may connect to the inbox: members may; of strangers a few at a time, for a short time.
+#pragma once
+
+#include <map>
+
+#include "services/router/core/trust_store.hpp"
+
+namespace trb::router {
+
+/// key       | event                                     | next
+/// ----------|-------------------------------------------|-------------------------------------------------------
+/// unknown   | connects, there is room for a candidate   | candidate for 2 s; connecting again buys no more time
+/// unknown   | connects, there is none                   | unknown, refused
+/// candidate | its Hello is accepted                     | member
+/// candidate | its Hello is refused, or something else   | denied for 10 s
+/// candidate | 2 s (expired)                             | denied for 10 s
+/// member    | connects                                  | member, admitted
+/// member    | says Hello too often                      | noisy: out for 10 s
+/// any       | is revoked                                | refused as long as it is on the list
+class Admission {
+ public:
+  Admission(const LocalNode& node, PeerTable& table, TrustStore& trust) : node_(node), table_(table), trust_(trust) {}
+
+  /// ZAP: may this key connect?
+  bool admit(BytesView key, Now now, Effects& out);
+  /// It was refused a moment ago.
+  [[nodiscard]] bool is_denied(BytesView key, MonotonicTime now) const;
+  /// It is no candidate any more.
+  void settle(BytesView key);
+  void deny(BytesView key, MonotonicTime now);
+  /// A member's key stays out for a while.
+  void silence(BytesView key, MonotonicTime now);
+
+  void tick(Now now, Effects& out);
+  [[nodiscard]] std::optional<MonotonicTime> next_deadline() const;
+
+ private:
+  using Keys = std::map<Bytes, MonotonicTime, std::less<>>;
+  bool admit_stranger(BytesView key, MonotonicTime now, Effects& out);
+
+  const LocalNode& node_;
+  PeerTable& table_;
+  TrustStore& trust_;
+  Keys candidates_;  ///< until when a Hello must have come
+  Keys denied_;      ///< until when it stays out
+  Keys noisy_;       ///< members', until when they stay out
+};
+
+}  // namespace trb::router

@@ -1,0 +1,139 @@
+#include "services/router/core/answers.hpp"
+
+#include <algorithm>
+
+namespace trb::router {
+namespace {
+
+constexpr std::size_t kRoutePage = 256U << 10U;  ///< of it a row takes 66 kB at most
+constexpr std::size_t kRouteWords = 512;         ///< a row's own words and numbers, at most
+
+/// As much of both as a note may be long; no letter is cut in two.
+std::string join_notes(const std::string& first, const std::string& second) {
+  std::string out = first + (first.empty() || second.empty() ? "" : "; ") + second;
+  auto end = std::min<std::size_t>(out.size(), kDefaultMaxSize);
+  while (end > 0 && (static_cast<unsigned char>(out[end]) & 0xc0U) == 0x80) --end;
+  return out.substr(0, end);
+}
+
+}  // namespace
+
+Result<Body> Answers::to_request(const Message& message, Now now) const {
+  if (message.type == MessageType::request) {
+    if (message.subtype == RouteListRequest::kSubtype) {
+      auto request = decode<RouteListRequest>(message.data);
+      if (!request) return request.error();
+      return Body{route_table(now, request->after)};
+    }
+    if (message.subtype == ServiceListRequest::kSubtype) return Body{service_table(now)};
+    if (message.subtype == RouterCountersRequest::kSubtype) return Body{counters_.table(node_.id())};
+    if (message.subtype == LinkTroublesRequest::kSubtype) return Body{errors_.table(node_.id(), now.mono)};
+    if (message.subtype == EchoRequest::kSubtype) {
+      auto request = decode<EchoRequest>(message.data);
+      if (!request) return request.error();
+      return Body{Echo{std::move(request->pad)}};
+    }
+  }
+  return fail(Errc::bad_value, message.subtype + " is not for a router in this way");
+}
+
+/// A table costs a question of a hundred bytes: who asks without end would have this node work and speak for him alone.
+/// An echo is as long as its question.
+Result<Body> Answers::to_peer(Peer& peer, const Message& message, Now now) const {
+  const bool table = message.type == MessageType::request && message.subtype != EchoRequest::kSubtype;
+  if (table && !peer.answers.has_room(now.mono)) {
+    return fail(Errc::queue_full,
+                message.subtype + ": in this second '" + peer.id + "' was told " + std::to_string(kAnsweredOfOne) +
+                    " bytes already",
+                "ask less often");
+  }
+  return to_request(message, now);
+}
+
+void Answers::charge(Peer& peer, const Message& request, const Message& answer) {
+  if (request.subtype != EchoRequest::kSubtype) peer.answers.spend(answer.data.size());
+}
+
+Route Answers::route_of(const Peer& peer, Now now) const {
+  const Link* link = table_.link(peer.link);
+  const Link* relay = link == nullptr ? relays_.relay_of(peer) : nullptr;
+  const std::string state = link != nullptr || relay != nullptr ? "ONLINE"
+                            : peer.expired || !peer.met         ? "OFFLINE"
+                                                                : "CONNECTION_BROKEN";
+  const MonotonicTime heard = link != nullptr    ? link->last_heard
+                              : relay != nullptr ? relays_.route(peer).road.last_sign()
+                                                 : peer.last_heard;
+  return {peer.id,
+          peer.certificate.role,
+          peer.address,
+          state,
+          to_seconds(now.mono - heard),
+          peer.boot,
+          peer.link,
+          link == nullptr ? ""
+          : link->dialled ? node_.id()
+                          : peer.id,
+          peer.version,
+          peer.clock_verified ? "verified" : "unverified",
+          peer.certificate_record,
+          peer.profile,
+          relay == nullptr ? "" : relay->peer};
+}
+
+RouteTable Answers::route_table(Now now, const std::string& after) const {
+  RouteTable table{node_.id(), {}, false, after};
+  std::size_t size = 0;
+  const auto add = [&](Route&& route) {
+    size += kRouteWords + encode(route.certificate).size() + encode(route.profile).size();
+    // The first always has room, and this node's own row is never the last: the cursor runs over peers.
+    table.more = size > kRoutePage && table.routes.size() > 1;
+    if (!table.more) table.routes.push_back(std::move(route));
+    return !table.more;
+  };
+  if (after.empty()) {
+    const bool verified = node_.knows_the_time(now);
+    add({node_.id(), node_.config().role, node_.config().address, "self", 0, node_.config().boot, 0, "",
+         node_.config().version, verified ? "verified" : "unverified", node_.config().certificate, profile_.profile(),
+         ""});
+  }
+  for (auto at = table_.peers().upper_bound(after); at != table_.peers().end(); ++at) {
+    if (!add(route_of(at->second, now))) break;
+  }
+  return table;
+}
+
+ServiceTable Answers::service_table(Now now) const {
+  const RouterConfig& own = node_.config();
+  ServiceTable table{own.id, {}};
+  table.services.push_back({"router",
+                            "up",
+                            own.pid,
+                            own.instance,
+                            own.version,
+                            to_seconds(now.mono - started_),
+                            0,
+                            {},
+                            join_notes(membership_.note(now), updates_.note())});
+  for (const std::string& name : own.services) {
+    if (name != "router") table.services.push_back(entry_of(name, now));
+  }
+  return table;
+}
+
+ServiceEntry Answers::entry_of(const std::string& name, Now now) const {
+  const auto holder = bus_.services().holder(name);
+  if (!holder) return {name, "down", 0, 0, "", 0, 0, {}, {}};
+  const Connection& connection = *bus_.services().find(*holder);
+  const Duration quiet = now.mono - connection.last_heard;
+  return {name,
+          quiet > node_.config().timing.service_silent ? "silent" : "up",
+          connection.hello.pid,
+          connection.hello.instance,
+          connection.hello.version,
+          to_seconds(now.mono - connection.since),
+          to_seconds(quiet),
+          connection.hello.subtypes,
+          {}};
+}
+
+}  // namespace trb::router

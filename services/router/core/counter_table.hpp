@@ -1,0 +1,27 @@
+// The router's counters, by name: for `trb service counters` and the tests.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <string>
+#include <string_view>
+
+#include "proto/bodies/bus.hpp"
+
+namespace trb::router {
+
+class CounterTable {
+ public:
+  static constexpr std::size_t kMost = 1000;  ///< names; more are not counted
+
+  void count(std::string_view name, std::uint64_t by = 1);
+  /// What was counted did not happen after all.
+  void take_back(std::string_view name);
+  [[nodiscard]] std::uint64_t value(std::string_view name) const;
+  [[nodiscard]] Counters table(const std::string& node) const;
+
+ private:
+  std::map<std::string, std::uint64_t, std::less<>> counts_;
+};
+
+}  // namespace trb::router

@@ -1,0 +1,80 @@
+// The lossy lanes of all links: who listens to this node's, where the others' are dialled.
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+
+#include "services/router/core/lane.hpp"
+#include "services/router/core/link_end.hpp"
+#include "services/router/core/local_node.hpp"
+#include "services/router/core/peer_table.hpp"
+
+namespace trb::router {
+
+constexpr Duration kLaneAfter = std::chrono::milliseconds(500);  ///< from the link to the first dial: links come first
+constexpr Duration kLaneFirst = std::chrono::milliseconds(200);  ///< before the lane is dialled again; doubled
+constexpr Duration kLaneMost = std::chrono::seconds(30);
+
+/// What a node knows of the lanes of one link, its own and the other side's.
+struct Lane {
+  std::string address;                     ///< where the other side's can be dialled; empty: it has none
+  std::optional<MonotonicTime> dial_at;    ///< nothing while it is dialled or heard
+  std::optional<MonotonicTime> connected;  ///< since when it is heard
+  Duration wait{};                         ///< before the last dial
+  bool listens = false;                    ///< the other side listens to this node's
+  bool barred = false;                     ///< it misused this node's lane
+};
+
+/// other's lane | event                     | next
+/// -------------|---------------------------|--------------------------------------------------------------------
+/// -            | the link is up            | waiting: dialled after 0.5 s, if the other side has a lane
+/// waiting      | its time (expired)        | dialled (DialLane)
+/// dialled      | connected                 | heard
+/// any          | ended                     | waiting: 0.2 s to 30 s, doubled; from 0.2 s if it was heard for a lease
+/// any          | the link ends             | -
+///
+/// own lane     | event                     | next
+/// -------------|---------------------------|--------------------------------------------------------------------
+/// silent       | subscribes to its topic   | listens
+/// silent       | to another (invalid)      | silent, refused
+/// any          | says something (invalid)  | barred until its link has ended
+/// listens      | its connection ends       | silent
+class LaneTable {
+ public:
+  LaneTable(const LocalNode& node, PeerTable& table) : node_(node), table_(table) {}
+
+  // ---- the other side's lane
+
+  /// The link is up: its lane is dialled soon, if the Hello names one.
+  void open(const Link& link, const Hello& hello, Now now);
+  void on_connected(LinkId link, Now now);
+  void on_ended(LinkId link, LinkEnd how, Now now, Effects& out);
+
+  // ---- this node's lane
+
+  /// ZAP: only peers with a link that is up may listen.
+  bool admit(BytesView key, Effects& out);
+  /// A connection of this key subscribes to `topic`. Its link; nothing: refused, and to be cut.
+  std::optional<LinkId> on_listen(BytesView key, BytesView topic, Effects& out);
+  void on_listener_gone(LinkId link);
+  /// It sent something that is no subscription.
+  void bar(BytesView key, Effects& out);
+  [[nodiscard]] bool listens(LinkId link) const;
+
+  /// Of an unknown link an empty one.
+  [[nodiscard]] Lane of(LinkId link) const;
+  void tick(Now now, Effects& out);
+  [[nodiscard]] std::optional<MonotonicTime> next_deadline() const;
+
+ private:
+  /// The lane of the peer with this key, if its link is up and it is not barred.
+  Link* listener(BytesView key);
+  Lane* row(LinkId link);
+
+  const LocalNode& node_;
+  PeerTable& table_;
+  std::map<LinkId, Lane> rows_;  ///< of links that are in the table; those of others go with the next tick
+};
+
+}  // namespace trb::router

@@ -1,0 +1,70 @@
+#include "services/router/core/link_errors.hpp"
+
+#include <algorithm>
+
+#include "common/base/saturate.hpp"
+
+namespace trb::router {
+namespace {
+
+constexpr std::int64_t kClockApart = 60'000'000'000;
+
+}  // namespace
+
+void LinkErrors::note(std::string_view peer, std::string_view address, std::string_view code, std::string_view text,
+                      Now now) {
+  const auto key = std::make_tuple(std::string(peer), std::string(address), std::string(code));
+  if (rows_.count(key) == 0 && rows_.size() >= kMaxLinkErrors) forget_oldest();
+  Row& row = rows_[key];
+  row.text = text;
+  row.last = now.mono;
+  ++row.count;
+}
+
+void LinkErrors::forget_oldest() {
+  rows_.erase(std::min_element(rows_.begin(), rows_.end(),
+                               [](const auto& a, const auto& b) { return a.second.last < b.second.last; }));
+}
+
+void LinkErrors::note_link(LinkId id, std::string_view code, std::string_view text, Now now) {
+  const Link* link = table_.link(id);
+  if (link == nullptr) return note("", "", code, text, now);
+  if (link->up) return note(link->peer, "", code, text, now);
+  for (const Seed& seed : table_.seeds()) {
+    if (seed.redial.link == id) return note(seed.peer, seed.address, code, text, now);
+  }
+  for (const auto& [name, peer] : table_.peers()) {
+    if (peer.redial.link == id) return note(name, peer.address, code, text, now);
+  }
+}
+
+void LinkErrors::recovered(std::string_view peer, std::string_view address) {
+  std::erase_if(rows_, [&](const auto& row) {
+    const auto& [of, at, code] = row.first;
+    return (!peer.empty() && of == peer) || (!address.empty() && at == address);
+  });
+}
+
+void LinkErrors::note_up(const Link& link, const Hello& hello, Now now) {
+  recovered(link.peer, hello.address);
+  for (const Seed& seed : table_.seeds()) {
+    if (seed.key == link.key) recovered(link.peer, seed.address);
+  }
+  const std::int64_t apart = saturating_sub(hello.utc, now.utc.ns);
+  if (apart <= kClockApart && apart >= -kClockApart) return;
+  note(link.peer, "", "clock_off", "its clock is " + std::to_string(apart / 1'000'000'000) + " s away from this node's",
+       now);
+}
+
+LinkTroubles LinkErrors::table(const std::string& node, MonotonicTime now) const {
+  LinkTroubles out{node, {}};
+  for (const auto& [key, row] : rows_) {
+    const auto& [peer, address, code] = key;
+    out.troubles.push_back({peer, address, code, row.text, row.count, to_seconds(now - row.last)});
+  }
+  std::stable_sort(out.troubles.begin(), out.troubles.end(),
+                   [](const LinkTrouble& a, const LinkTrouble& b) { return a.last_s < b.last_s; });
+  return out;
+}
+
+}  // namespace trb::router

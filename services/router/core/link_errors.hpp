@@ -1,0 +1,45 @@
+// What has gone wrong with links and has not recovered yet: for people, through `trb doctor`.
+#pragma once
+
+#include <map>
+#include <string>
+#include <string_view>
+#include <tuple>
+
+#include "common/base/time.hpp"
+#include "proto/bodies/link.hpp"
+#include "services/router/core/peer_table.hpp"
+
+namespace trb::router {
+
+constexpr std::size_t kMaxLinkErrors = 256;  ///< the oldest gives way
+
+class LinkErrors {
+ public:
+  explicit LinkErrors(const PeerTable& table) : table_(table) {}
+
+  /// `peer` or `address` may be empty; `code` is an errc_name() or the name of a link's end. The same again raises the
+  /// count.
+  void note(std::string_view peer, std::string_view address, std::string_view code, std::string_view text, Now now);
+  /// Of a link: by its peer while it is up, by the address that is dialled before that.
+  void note_link(LinkId link, std::string_view code, std::string_view text, Now now);
+  /// A link with this peer came up by this address: what kept it away is over.
+  void recovered(std::string_view peer, std::string_view address);
+  /// A link is up. Clocks that are a minute apart make certificates and schedules fail before anybody sees why.
+  void note_up(const Link& link, const Hello& hello, Now now);
+  /// The newest first.
+  [[nodiscard]] LinkTroubles table(const std::string& node, MonotonicTime now) const;
+
+ private:
+  struct Row {
+    std::string text;
+    std::uint64_t count = 0;
+    MonotonicTime last;
+  };
+  void forget_oldest();
+
+  const PeerTable& table_;
+  std::map<std::tuple<std::string, std::string, std::string>, Row> rows_;  ///< by peer, address, code
+};
+
+}  // namespace trb::router

@@ -1,0 +1,70 @@
+// What arrives for this router itself: by a link, by a connection that has none yet, by a relay.
+#pragma once
+
+#include "services/router/core/answers.hpp"
+#include "services/router/core/handshake.hpp"
+#include "services/router/core/known_addresses.hpp"
+#include "services/router/core/lane_table.hpp"
+#include "services/router/core/reachable_peers.hpp"
+#include "services/router/core/routing.hpp"
+
+namespace trb::router {
+
+/// What the messages of a link are handed to.
+struct LinkParts {
+  const LocalNode& node;
+  PeerTable& table;
+  TrustStore& trust;
+  Admission& admission;
+  OwnMessages& messages;
+  LocalBus& bus;
+  SealBook& seals;
+  Links& links;
+  LinkErrors& errors;
+  LocalProfile& profile;
+  LaneTable& lanes;
+  KnownAddresses& known;
+  Handshake& handshake;
+  TrustUpdates& updates;
+  RelayRoutes& relays;
+  ReachablePeers& reachable;
+  Answers& answers;
+  MessageRouting& routing;
+};
+
+/// first message        | of                        | what follows
+/// ---------------------|---------------------------|---------------------------------------------------------------
+/// Hello                | any connection            | Handshake
+/// another (invalid)    | a stranger                | refused: its first message must be Hello
+/// another              | a member, link just closed | dropped.closed_link
+/// FleetNews            | a link that is dialled    | a trust update: it may be what this node needs to come back
+/// Goodbye              | a link that is dialled    | refused by the other side; dialled again
+class LinkInbox {
+ public:
+  explicit LinkInbox(const LinkParts& parts) : at_(parts) {}
+
+  /// A message for the router itself, or the first one (Hello). `key`: the connection's; empty: proven to be the
+  /// link's.
+  void on_message(LinkId link, BytesView key, const Message& message, std::uint64_t sequence, Now now, Effects& out);
+  /// The Hello that waited for one more message counts.
+  void carry(Link& link, const Hello& hello, Now now, Effects& out);
+
+ private:
+  void on_early_message(LinkId link, BytesView key, const Message& message, Now now, Effects& out);
+  void on_dialled_message(const Link& link, const Message& message, Now now, Effects& out);
+  void on_peer_message(Link& link, const Message& message, Now now, Effects& out);
+  void on_body(Link& link, const Message& message, const Body& body, Now now, Effects& out);
+  void on_goodbye(const Link& link, const Goodbye& goodbye, Now now, Effects& out);
+  void on_request(const Link& link, const Message& message, Now now, Effects& out);
+  void on_profile(Peer& peer, BytesView data, Now now, Effects& out);
+  void on_relayed(const Link& link, const Message& message, const Relayed& body, Now now, Effects& out);
+  void deliver_relayed(Peer& source, BytesView frame, Now now, Effects& out);
+  void answer_relayed(Peer& peer, const Message& request, Now now, Effects& out);
+  void answer(const Link& link, const Message& request, const Body& body, Effects& out);
+  void deny(const Link& link, const Message& message, const Error& error, Effects& out);
+  void on_carried(const Carried& carried, Now now, Effects& out);
+
+  LinkParts at_;
+};
+
+}  // namespace trb::router

@@ -1,0 +1,116 @@
+#include "services/router/core/local_profile.hpp"
+
+#include <algorithm>
+
+namespace trb::router {
+namespace {
+
+constexpr std::size_t kMaxNames = 255;        ///< NodeProfile::sensors
+constexpr std::size_t kMaxCapabilities = 64;  ///< NodeProfile::capabilities
+
+/// False if there is no room.
+bool add_once(std::vector<std::string>& words, const std::string& word, std::size_t most) {
+  if (word.empty() || std::find(words.begin(), words.end(), word) != words.end()) return true;
+  if (words.size() >= most) return false;
+  words.push_back(word);
+  return true;
+}
+
+}  // namespace
+
+bool LocalProfile::is_plugged(std::string_view sensor) const {
+  return std::any_of(plugged_.begin(), plugged_.end(), [&](const SensorInfo& info) { return info.name == sensor; });
+}
+
+void LocalProfile::on_sensors(const NodeSensors& told, Effects& out) {
+  lost_.reset();
+  plugged_ = told.sensors;
+  publish(out);
+}
+
+void LocalProfile::on_robot(const NodeProfile& told, Now now, Effects& out) {
+  NodeProfile profile = told;
+  profile.plugged.clear();
+  // That something is out of use must be known; the words of it can be read on the node.
+  if (!fits(profile)) {
+    for (OutOfUse& one : profile.out_of_use) one.text.clear();
+  }
+  if (!fits(profile)) return refuse(encode(profile).size(), now, out);
+  robot_ = std::move(profile);
+  publish(out);
+}
+
+/// No peer would take it: it is not told, and whoever looks sees why.
+void LocalProfile::refuse(std::size_t size, Now now, Effects& out) {
+  const std::string text = "this node's own profile of " + std::to_string(size) + " bytes is not told, " +
+                           std::to_string(kMaxProfileSize) + " are the most";
+  out.count("refused.profile_too_large");
+  out.log(LogLevel::error, "profile_too_large",
+          text + "; the one before stands: name fewer skills, places or words in the robot's description");
+  errors_.note(node_.id(), "", "profile_too_large", text, now);
+}
+
+/// Every peer must be able to take it: what sensors say of themselves goes first, then the sensors, never the robot.
+bool LocalProfile::make_fit(NodeProfile& profile) const {
+  if (fits(profile)) return true;
+  for (SensorInfo& sensor : profile.plugged) sensor.detail.clear();
+  if (fits(profile)) return false;
+  for (SensorInfo& sensor : profile.plugged) sensor.device.clear();
+  if (fits(profile)) return false;
+  profile.plugged.clear();
+  if (!fits(profile)) profile = robot_;
+  return false;
+}
+
+/// What the mode-adapter said and what the sensor-bus said, as one; told to every peer if it is another than before.
+void LocalProfile::publish(Effects& out) {
+  NodeProfile profile = robot_;
+  profile.plugged = plugged_;
+  bool room = true;
+  for (const SensorInfo& sensor : plugged_) {
+    room = add_once(profile.sensors, sensor.name, kMaxNames) && room;
+    room = add_once(profile.capabilities, sensor.kind, kMaxCapabilities) && room;
+  }
+  const bool whole = make_fit(profile);
+  if (profile == whole_) return;
+  if (!whole) {
+    out.count("dropped.profile_details");
+    out.log(LogLevel::warning, "profile_too_large",
+            "with all that is plugged in the profile is over " + std::to_string(kMaxProfileSize) +
+                " bytes: the fleet is not told all of its sensors (trb sensor list tells it here): plug in fewer");
+  }
+  if (!room) {
+    out.log(LogLevel::warning, "too_many_sensors",
+            "a profile has " + std::to_string(kMaxNames) + " sensors and " + std::to_string(kMaxCapabilities) +
+                " capabilities at most: some are not among them");
+  }
+  whole_ = std::move(profile);
+  ++number_;
+  for (const LinkId id : table_.up_links()) send(*table_.link(id), out);
+}
+
+void LocalProfile::send(Link& link, Effects& out) {
+  if (link.profile == number_) return;
+  link.profile = number_;
+  messages_.send(link, whole_, out);
+}
+
+void LocalProfile::on_sensor_bus_gone(Now now) {
+  if (!plugged_.empty()) lost_ = now.mono + node_.config().timing.service_silent;
+}
+
+std::optional<MonotonicTime> LocalProfile::next_deadline(std::optional<MonotonicTime> last_heard) const {
+  if (plugged_.empty()) return std::nullopt;
+  const auto silent = last_heard ? std::optional(*last_heard + node_.config().timing.lease) : std::nullopt;
+  return earlier(lost_, silent);
+}
+
+void LocalProfile::tick(std::optional<MonotonicTime> last_heard, Now now, Effects& out) {
+  const auto end = next_deadline(last_heard);
+  if (!end || now.mono < *end) return;
+  out.log(LogLevel::warning, "sensors_gone",
+          std::to_string(plugged_.size()) + " sensors: their service has not told of them again");
+  on_sensors({}, out);
+}
+
+}  // namespace trb::router

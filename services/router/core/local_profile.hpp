@@ -1,0 +1,62 @@
+// What the fleet is told of this node: the robot's profile, as its mode-adapter sent it, and the sensors that are
+// plugged into this PC, as its sensor-bus did.
+#pragma once
+
+#include <optional>
+#include <string_view>
+#include <vector>
+
+#include "services/router/core/link_errors.hpp"
+#include "services/router/core/own_messages.hpp"
+#include "services/router/core/peer_table.hpp"
+
+namespace trb::router {
+
+constexpr std::string_view kSensorBus = "sensor-bus";
+
+/// sensors | event                                                  | next
+/// --------|--------------------------------------------------------|---------------------------------------------
+/// any     | told by the sensor-bus                                 | plugged; every peer is told what has changed
+/// plugged | the sensor-bus's connection ends                       | lost: 3 s to come back
+/// plugged | nothing of the sensor-bus for a lease (expired)        | none; every peer is told
+/// lost    | told anew                                              | plugged
+/// lost    | 3 s are over (expired)                                 | none; every peer is told
+/// any     | a robot's profile that no peer would take (invalid)    | as before; counted, logged, a link error
+class LocalProfile {
+ public:
+  LocalProfile(const LocalNode& node, PeerTable& table, OwnMessages& messages, LinkErrors& errors)
+      : node_(node), table_(table), messages_(messages), errors_(errors) {}
+
+  void on_sensors(const NodeSensors& told, Effects& out);
+  void on_robot(const NodeProfile& told, Now now, Effects& out);
+  /// One that the supervisor starts again sends its sensors anew before they are missed.
+  void on_sensor_bus_gone(Now now);
+
+  [[nodiscard]] const NodeProfile& profile() const { return whole_; }
+  /// Rises with each change.
+  [[nodiscard]] std::uint64_t number() const { return number_; }
+  [[nodiscard]] bool is_plugged(std::string_view sensor) const;
+  /// Sends the profile by the link, if the other side was not sent this one yet.
+  void send(Link& link, Effects& out);
+
+  /// `last_heard`: of the sensor-bus, if it is there.
+  void tick(std::optional<MonotonicTime> last_heard, Now now, Effects& out);
+  [[nodiscard]] std::optional<MonotonicTime> next_deadline(std::optional<MonotonicTime> last_heard) const;
+
+ private:
+  void refuse(std::size_t size, Now now, Effects& out);
+  bool make_fit(NodeProfile& profile) const;
+  void publish(Effects& out);
+
+  const LocalNode& node_;
+  PeerTable& table_;
+  OwnMessages& messages_;
+  LinkErrors& errors_;
+  NodeProfile whole_;                  ///< what the fleet is told
+  NodeProfile robot_;                  ///< of it, what the mode-adapter sent
+  std::vector<SensorInfo> plugged_;    ///< of it, what the sensor-bus sent
+  std::optional<MonotonicTime> lost_;  ///< until when a sensor-bus that is gone may come back
+  std::uint64_t number_ = 1;
+};
+
+}  // namespace trb::router

@@ -1,0 +1,62 @@
+// The local profile by itself: what peers are sent when the robot or a sensor changes.
+#include "services/router/core/local_profile.hpp"
+
+#include "services/router/test/test_parts.hpp"
+
+using namespace trb;
+using namespace trb::router;
+
+namespace {
+
+struct Own : Parts {
+  LocalProfile profile{node, table, messages, errors};
+  Link& link = link_with(bee);
+
+  void plug(const std::string& name) {
+    out = {};
+    SensorInfo sensor;
+    sensor.name = name;
+    sensor.kind = "camera";
+    profile.on_sensors({{sensor}}, out);
+  }
+};
+
+}  // namespace
+
+TEST_CASE("given a sensor that is plugged in, then every peer is sent the new profile, once") {
+  Own own;
+  own.plug("eye");
+  REQUIRE(own.all<LinkSend>().size() == 1);
+  const auto sent = decode<NodeProfile>(own.all<LinkSend>()[0].message.data);
+  CHECK(sent->sensors == std::vector<std::string>{"eye"});
+  CHECK(sent->capabilities == std::vector<std::string>{"camera"});
+  CHECK(own.profile.is_plugged("eye"));
+  own.plug("eye");
+  CHECK(own.all<LinkSend>().empty());
+  own.profile.send(own.link, own.out);
+  CHECK(own.all<LinkSend>().empty());
+}
+
+TEST_CASE("given a sensor-bus that is gone, then its sensors are given up after three seconds, not before") {
+  Own own;
+  own.plug("eye");
+  own.profile.on_sensor_bus_gone(own.now);
+  own.pass(own.node.config().timing.service_silent - Duration(1));
+  own.profile.tick(std::nullopt, own.now, own.out);
+  CHECK(own.profile.is_plugged("eye"));
+  own.pass(Duration(1));
+  own.profile.tick(std::nullopt, own.now, own.out);
+  CHECK_FALSE(own.profile.is_plugged("eye"));
+  CHECK_FALSE(own.profile.next_deadline(std::nullopt));
+}
+
+TEST_CASE("given a robot's profile that no peer would take, then the one before stands, and it is a link error") {
+  Own own;
+  NodeProfile large;
+  for (int i = 0; i < 2000; ++i)
+    large.skills.push_back({"skill_" + std::to_string(i), std::string(60, 'x'), {}, false, 5});
+  own.profile.on_robot(large, own.now, own.out);
+  CHECK(own.profile.profile().skills.empty());
+  CHECK(own.counted("refused.profile_too_large") == 1);
+  CHECK(own.errors.table("ant", own.now.mono).troubles.size() == 1);
+}

@@ -1,0 +1,66 @@
+// Who belongs to the fleet now: what a new revocation list does to peers, and whether this node is a member itself.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "services/router/core/admission.hpp"
+#include "services/router/core/beacons.hpp"
+#include "services/router/core/links.hpp"
+#include "services/router/core/trust_store.hpp"
+
+namespace trb::router {
+
+/// this node | event                                             | next
+/// ----------|---------------------------------------------------|-----------------------------------------------
+/// member    | its certificate is revoked, or ends (expired)     | muted: no beacon, no dial, its links end
+/// muted     | a renewed certificate, or a clock that was ahead  | member: beacons and dials at once
+/// member    | 30 days before the end                            | member; a warning once a day
+///
+/// a peer    | a list revokes it                                 | - : links end, its key is refused, its row is gone
+class Membership {
+ public:
+  Membership(LocalNode& node, PeerTable& table, TrustStore& trust, Links& links, Beacons& beacons, Admission& admission,
+             LinkErrors& errors)
+      : node_(node),
+        table_(table),
+        trust_(trust),
+        links_(links),
+        beacons_(beacons),
+        admission_(admission),
+        errors_(errors) {}
+
+  /// A new list is in force.
+  void apply_revocations(Now now, Effects& out);
+  /// Is this node a member still, or again? Each turn, and when a trust update came.
+  void check_own(Now now, Effects& out);
+  /// This node's certificate is another one: whoever was warned of its end is warned anew.
+  void on_renewed() { warned_.reset(); }
+  /// No other node takes this one.
+  [[nodiscard]] bool is_muted() const { return muted_; }
+  /// For people: why this node has no links, or that its certificate ends soon; may be empty.
+  [[nodiscard]] std::string note(Now now) const;
+  /// Each turn: time that has certainly passed is stored now and then.
+  void note_time(Now now, Effects& out);
+  [[nodiscard]] std::optional<MonotonicTime> next_deadline() const { return next_check_; }
+
+ private:
+  void put_out(const std::string& id, Now now, Effects& out);
+  void mute(const std::string& why, Now now, Effects& out);
+  void unmute(Now now, Effects& out);
+  [[nodiscard]] std::string why_over(Now now) const;
+  void warn_of_end(Now now, Effects& out);
+
+  LocalNode& node_;
+  PeerTable& table_;
+  TrustStore& trust_;
+  Links& links_;
+  Beacons& beacons_;
+  Admission& admission_;
+  LinkErrors& errors_;
+  bool muted_ = false;
+  std::optional<UtcTime> warned_;
+  std::optional<MonotonicTime> next_check_;  ///< while the own certificate does not count
+};
+
+}  // namespace trb::router

@@ -1,0 +1,101 @@
+#include "services/router/core/peer_table.hpp"
+
+#include <algorithm>
+
+#include "common/base/address.hpp"
+
+namespace trb::router {
+
+PeerTable::PeerTable(const RouterConfig& config) {
+  const Bytes& own = config.own.link_key.bytes;
+  for (const SeedAddress& seed : config.seeds) {
+    if (seed.key != own) seeds_.push_back({seed.address, seed.key, {}, {}});
+  }
+  for (const SeedAddress& hint : config.known) {
+    if (!is_numeric_endpoint(hint.address)) continue;  // as an earlier release stored it
+    if (hint.key != own && !is_expected(hint.key)) seeds_.push_back({hint.address, hint.key, {}, {}, true});
+  }
+}
+
+Peer* PeerTable::find(std::string_view id) {
+  const auto at = peers_.find(id);
+  return at == peers_.end() ? nullptr : &at->second;
+}
+
+const Peer* PeerTable::find(std::string_view id) const {
+  const auto at = peers_.find(id);
+  return at == peers_.end() ? nullptr : &at->second;
+}
+
+Peer* PeerTable::by_key(BytesView key) {
+  const auto at = by_key_.find(key);
+  return at == by_key_.end() ? nullptr : find(at->second);
+}
+
+bool PeerTable::is_expected(BytesView key) const {
+  return by_key_.count(key) != 0 ||
+         std::any_of(seeds_.begin(), seeds_.end(), [&](const Seed& seed) { return seed.key == key; });
+}
+
+bool PeerTable::has_room_for(std::string_view id) const {
+  return peers_.size() < kMaxPeers || peers_.count(id) != 0;
+}
+
+Peer& PeerTable::learn(const Certificate& certificate, const SignedRecord& record) {
+  Peer& peer = peers_[certificate.id];
+  if (peer.certificate.link_key != certificate.link_key) by_key_.erase(peer.certificate.link_key.bytes);
+  const bool other =
+      peer.certificate.identity_key != certificate.identity_key || peer.certificate.link_key != certificate.link_key;
+  if (other) {
+    peer.number = ++last_number_;
+    peer.beacon_boot = peer.beacon_count = 0;
+  }
+  peer.id = certificate.id;
+  peer.certificate = certificate;
+  peer.certificate_record = record;
+  by_key_[certificate.link_key.bytes] = certificate.id;
+  for (Seed& seed : seeds_) {
+    if (seed.key == certificate.link_key.bytes) seed.peer = certificate.id;
+  }
+  return peer;
+}
+
+void PeerTable::forget(const std::string& id) {
+  const auto at = peers_.find(id);
+  if (at == peers_.end()) return;
+  for (Seed& seed : seeds_) {
+    if (seed.peer == id) seed.peer.clear();
+  }
+  by_key_.erase(at->second.certificate.link_key.bytes);
+  peers_.erase(at);
+}
+
+Link* PeerTable::link(LinkId id) {
+  const auto at = links_.find(id);
+  return at == links_.end() ? nullptr : &at->second;
+}
+
+const Link* PeerTable::link(LinkId id) const {
+  const auto at = links_.find(id);
+  return at == links_.end() ? nullptr : &at->second;
+}
+
+Link* PeerTable::linked_by_key(BytesView key) {
+  const Peer* peer = by_key(key);
+  return peer == nullptr ? nullptr : link(peer->link);
+}
+
+std::vector<LinkId> PeerTable::up_links() const {
+  std::vector<LinkId> out;
+  for (const auto& [id, peer] : peers_) {
+    if (peer.link != 0) out.push_back(peer.link);
+  }
+  return out;
+}
+
+bool PeerTable::is_dialling(BytesView key) const {
+  return std::any_of(links_.begin(), links_.end(),
+                     [&](const auto& row) { return row.second.dialled && !row.second.up && row.second.key == key; });
+}
+
+}  // namespace trb::router

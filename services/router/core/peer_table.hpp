@@ -1,0 +1,61 @@
+// The routing table of section 3.2.1: the peers, the links to them, and where this node dials.
+#pragma once
+
+#include <map>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "services/router/core/config.hpp"
+#include "services/router/core/peers.hpp"
+
+namespace trb::router {
+
+class PeerTable {
+ public:
+  /// Seeds of node.json, and hints of the run before where no seed has that key.
+  explicit PeerTable(const RouterConfig& config);
+
+  using Peers = std::map<std::string, Peer, std::less<>>;
+  using Links = std::map<LinkId, Link>;
+  [[nodiscard]] Peers& peers() { return peers_; }
+  [[nodiscard]] const Peers& peers() const { return peers_; }
+  [[nodiscard]] Links& links() { return links_; }
+  [[nodiscard]] const Links& links() const { return links_; }
+  [[nodiscard]] std::vector<Seed>& seeds() { return seeds_; }
+  [[nodiscard]] const std::vector<Seed>& seeds() const { return seeds_; }
+
+  // ---- peers; nullptr: none
+
+  [[nodiscard]] Peer* find(std::string_view id);
+  [[nodiscard]] const Peer* find(std::string_view id) const;
+  [[nodiscard]] Peer* by_key(BytesView key);
+  /// A peer or a seed has this key.
+  [[nodiscard]] bool is_expected(BytesView key) const;
+  /// There is a row for it, or room for one.
+  [[nodiscard]] bool has_room_for(std::string_view id) const;
+  /// The row of that member, new or as this certificate says. One with other keys than before is another computer: it
+  /// gets a number of its own.
+  Peer& learn(const Certificate& certificate, const SignedRecord& record);
+  void forget(const std::string& id);
+
+  // ---- links; nullptr: none
+
+  [[nodiscard]] Link* link(LinkId id);
+  [[nodiscard]] const Link* link(LinkId id) const;
+  /// The link that is up with the peer that has this key.
+  [[nodiscard]] Link* linked_by_key(BytesView key);
+  /// The links that carry messages, by the ids of their peers.
+  [[nodiscard]] std::vector<LinkId> up_links() const;
+  /// A link is being dialled to this key: one at a time, for a seed and a beacon may name the same node.
+  [[nodiscard]] bool is_dialling(BytesView key) const;
+
+ private:
+  Peers peers_;
+  std::map<Bytes, std::string, std::less<>> by_key_;
+  Links links_;
+  std::vector<Seed> seeds_;
+  std::uint64_t last_number_ = 0;
+};
+
+}  // namespace trb::router

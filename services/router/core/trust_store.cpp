@@ -1,0 +1,250 @@
+#include "services/router/core/trust_store.hpp"
+
+#include <algorithm>
+
+#include "common/base/hex.hpp"
+#include "proto/body.hpp"
+
+namespace trb::router {
+
+TakenUpdate TrustStore::take(const FleetNews& update, Budget* checks, Now now, Effects& out) {
+  TakenUpdate taken;
+  const bool lists = !update.revocations.kind.empty() && update.revocations != record_;
+  taken.known = !update.revocations.kind.empty() && !lists;
+  // A signature costs 50 us to check: what one member brings costs this node no more than so many in a second.
+  if (lists && (checks == nullptr || checks->take(now.mono))) {
+    if (Status good = take_list(update.revocations, now, out); good) {
+      taken.fresh.revocations = update.revocations;
+    } else {
+      taken.refusal = good.error();
+    }
+  }
+  taken.list_refused = taken.refusal.has_value();
+  take_certificates(update, checks, now, taken, out);
+  return taken;
+}
+
+void TrustStore::take_certificates(const FleetNews& update, Budget* checks, Now now, TakenUpdate& taken, Effects& out) {
+  for (const SignedRecord& record : update.certificates) {
+    if (is_known(record)) {
+      taken.known = true;
+      continue;
+    }
+    if (checks != nullptr && !checks->take(now.mono)) {
+      taken.refusal = fail(Errc::queue_full, "over " + std::to_string(kUpdatesChecked) + " signatures in a second");
+      return;
+    }
+    const Status good = take_certificate(record, now, out);
+    if (good) taken.fresh.certificates.push_back(record);
+    taken.own_renewed = taken.own_renewed || (good && record == node_.config().certificate);
+    if (!good && !taken.refusal) taken.refusal = good.error();
+    // Who brings one that is forged brings more: a message of 256 would cost as many checks.
+    if (taken.refusal && taken.refusal->code == Errc::bad_signature) return;
+  }
+}
+
+/// The very record that is held already; its signature was checked.
+bool TrustStore::is_known(const SignedRecord& record) const {
+  if (record == node_.config().certificate) return true;
+  const auto shown = decode<Certificate>(record.payload.bytes);
+  if (!shown) return false;
+  const auto peer = table_.peers().find(shown->id);
+  if (peer != table_.peers().end() && record == peer->second.certificate_record) return true;
+  const auto renewed = renewed_.find(shown->id);
+  return renewed != renewed_.end() && record == renewed->second;
+}
+
+Status TrustStore::take_list(const SignedRecord& record, Now now, Effects& out) {
+  auto list = open_revocations(record, node_.config().authority);
+  if (!list) return list.error();
+  if (list->number < std::max<std::uint64_t>(list_.number, 1)) {
+    return fail(
+        Errc::downgraded,
+        "revocation list " + std::to_string(list->number) + "; list " + std::to_string(list_.number) + " is in force",
+        "bring news.json as it is now in the authority's folder");
+  }
+  if (list->number == list_.number) {
+    return fail(Errc::conflict, "another revocation list with number " + std::to_string(list->number),
+                "the authority's folder was put back to an older copy: revoke once more, so that the number rises");
+  }
+  // A list is taken whatever the clock says: to believe it is to do less.
+  if (node_.checked_utc(now.utc) != now.utc) node_.raise_utc_bound({list->issued}, out);
+  out.log(LogLevel::warning, "revocations",
+          "list " + std::to_string(list->number) + " of " + to_iso8601({list->issued}) + ": " +
+              std::to_string(list->revoked.size()) + " revoked, beacon key " + std::to_string(list->beacon_number));
+  out.count("news.lists");
+  record_ = record;
+  list_ = std::move(*list);
+  return Done{};
+}
+
+Status TrustStore::take_certificate(const SignedRecord& record, Now now, Effects& out) {
+  auto certificate = open_member(record, now, out);
+  if (!certificate) return certificate.error();
+  const bool own = certificate->id == node_.id();
+  if (Status newest = check_newest(*certificate); !newest) return newest.error();
+  if (Status good = own ? check_own(*certificate) : Status(Done{}); !good) return good;
+  out.count("news.certificates");
+  if (!own) return keep(record, *certificate);
+  node_.renew(record, *certificate);
+  out.log(LogLevel::info, "certificate_renewed",
+          "serial " + std::to_string(certificate->serial) + ", to " + to_iso8601({certificate->not_after}));
+  out.add(StoreCertificate{record});
+  return Done{};
+}
+
+/// Of this node, it must fit what runs here.
+Status TrustStore::check_own(const Certificate& certificate) const {
+  const RouterConfig& config = node_.config();
+  if (certificate.identity_key != config.own.identity_key || certificate.link_key != config.own.link_key) {
+    return fail(Errc::wrong_key, "a certificate of '" + config.id + "' for other keys than this node's",
+                "have this node's own request signed: trb fleet request, trb fleet sign");
+  }
+  if (certificate.role == config.role) return Done{};
+  // The services were started for the other role, and the next start would compare it with node.json.
+  return fail(Errc::bad_value,
+              "a certificate of '" + config.id + "' with the role " + std::string(name_of(certificate.role)) +
+                  "; it runs as " + std::string(name_of(config.role)),
+              "set role in node.json, put that certificate.json into keys/ and run trb reload");
+}
+
+Status TrustStore::keep(const SignedRecord& record, const Certificate& certificate) {
+  if (renewed_.size() >= kMaxPeers && renewed_.count(certificate.id) == 0)
+    return fail(Errc::queue_full, "no room for another node's renewed certificate", std::string(kFullCure));
+  renewed_[certificate.id] = record;
+  // A link stays up through it: the keys are the same, the end is later.
+  Peer* peer = table_.find(certificate.id);
+  const bool same = peer != nullptr && peer->certificate.identity_key == certificate.identity_key &&
+                    peer->certificate.link_key == certificate.link_key;
+  if (same) {
+    peer->certificate = certificate;
+    peer->certificate_record = record;
+  }
+  return Done{};
+}
+
+Result<Certificate> TrustStore::open_known(const SignedRecord& record) const {
+  // Every beacon, Hello and relay shows it again: the signature of the very record that a peer is known by was checked.
+  const auto shown = decode<Certificate>(record.payload.bytes);
+  const Peer* peer = shown ? table_.find(shown->id) : nullptr;
+  if (peer != nullptr && peer->certificate_record == record) return peer->certificate;
+  return open_certificate_any_time(record, node_.config().authority);
+}
+
+Result<Certificate> TrustStore::open_member(const SignedRecord& record, Now now, Effects& out) {
+  auto certificate = open_known(record);
+  if (!certificate) return certificate;
+  if (const Revocation* entry = find_revoked(*certificate)) {
+    remember_revoked(*certificate);
+    return fail(Errc::cert_revoked,
+                "certificate of '" + certificate->id + "' (serial " + std::to_string(certificate->serial) +
+                    ") is revoked by list " + std::to_string(list_.number) + ": " + entry->reason,
+                "if it shall be a member again: new keys, trb fleet request and trb fleet sign");
+  }
+  // This clock is known to be behind: what the authority has signed tells more of the time than it does.
+  const bool verified = node_.checked_utc(now.utc) == now.utc;
+  if (!verified) node_.raise_utc_bound({certificate->not_before}, out);
+  if (Status dates = check_dates(*certificate, node_.checked_utc(now.utc)); !dates) return dates.error();
+  return certificate;
+}
+
+Status TrustStore::check_newest(const Certificate& certificate) const {
+  std::uint64_t newest = certificate.id == node_.id() ? node_.config().own.serial : 0;
+  if (const auto peer = table_.peers().find(certificate.id); peer != table_.peers().end())
+    newest = peer->second.certificate.serial;
+  if (const auto at = renewed_.find(certificate.id); at != renewed_.end()) {
+    if (const auto renewed = decode<Certificate>(at->second.payload.bytes)) newest = std::max(newest, renewed->serial);
+  }
+  if (certificate.serial >= newest) return Done{};
+  return fail(Errc::downgraded,
+              "an older certificate of '" + certificate.id + "': serial " + std::to_string(certificate.serial) + ", " +
+                  std::to_string(newest) + " is known",
+              "use the one that was signed last");
+}
+
+void TrustStore::remember_revoked(const Certificate& certificate) {
+  if (revoked_keys_.size() < kMaxPeers) revoked_keys_[certificate.link_key.bytes] = certificate;
+}
+
+bool TrustStore::refuse_revoked_key(BytesView key, Now now, Effects& out) {
+  const auto at = revoked_keys_.find(key);
+  if (at == revoked_keys_.end()) return false;
+  const Revocation* entry = find_revoked(at->second);
+  errors_.note(at->second.id, "", "cert_revoked",
+               "its key has knocked since: " + (entry == nullptr ? std::string("revoked") : entry->reason), now);
+  out.count("refused.cert_revoked");
+  out.log(LogLevel::warning, "revoked_key", "the revoked key of '" + at->second.id + "' knocked: " + to_hex(key));
+  return true;
+}
+
+void TrustStore::drop_revoked() {
+  std::erase_if(revoked_keys_, [&](const auto& row) { return find_revoked(row.second) == nullptr; });
+  std::erase_if(renewed_, [&](const auto& row) {
+    const auto certificate = decode<Certificate>(row.second.payload.bytes);
+    return !certificate || find_revoked(*certificate) != nullptr;
+  });
+}
+
+FleetNews TrustStore::all() const {
+  FleetNews update{record_, {}};
+  for (const auto& [id, record] : renewed_) {
+    constexpr std::size_t kMost = 256;
+    if (update.certificates.size() < kMost) update.certificates.push_back(record);
+  }
+  return update;
+}
+
+StoreNews TrustStore::to_store(Effects& out) const {
+  StoreNews store{all(), list_.beacon_number, {}};
+  for (const SealedKey& sealed : list_.beacon_keys) {
+    if (sealed.id == node_.id()) store.beacon_box = sealed.box.bytes;
+  }
+  const bool staying = !record_.kind.empty() && own_revocation() == nullptr;
+  if (staying && store.beacon_box.empty()) {
+    out.log(LogLevel::warning, "no_beacon_key",
+            "list " + std::to_string(list_.number) + " has no beacon key for this node: trb fleet sign it again");
+  }
+  return store;
+}
+
+FleetNews TrustStore::for_peer(std::uint64_t known_list, Now now) const {
+  FleetNews update = all();
+  std::erase_if(update.certificates, [&](const SignedRecord& record) { return has_ended(record, now); });
+  if (list_.number <= known_list) update.revocations = {};
+  return update;
+}
+
+std::optional<FleetNews> TrustStore::for_refused(const Error& refusal, const Hello& hello) const {
+  if (refusal.code == Errc::cert_revoked) {
+    // It may not know yet. One that says it does is not told again.
+    return hello.revocations < list_.number ? std::optional(FleetNews{record_, {}}) : std::nullopt;
+  }
+  if (refusal.code != Errc::downgraded && refusal.code != Errc::cert_expired) return std::nullopt;
+  const auto shown = decode<Certificate>(hello.certificate.payload.bytes);
+  if (!shown) return std::nullopt;
+  const auto peer = table_.peers().find(shown->id);
+  const auto renewed = renewed_.find(shown->id);
+  if (renewed != renewed_.end()) return FleetNews{{}, {renewed->second}};
+  if (peer != table_.peers().end() && peer->second.certificate.serial > shown->serial)
+    return FleetNews{{}, {peer->second.certificate_record}};
+  return std::nullopt;
+}
+
+bool TrustStore::has_ended(const SignedRecord& renewal, Now now) const {
+  const auto renewed = decode<Certificate>(renewal.payload.bytes);
+  return !renewed || renewed->not_after <= node_.checked_utc(now.utc).ns;
+}
+
+void TrustStore::forget_ended(Now now) {
+  // By a clock that is far ahead for a moment all have ended.
+  if (node_.clock_is_steady(now)) std::erase_if(renewed_, [&](const auto& row) { return has_ended(row.second, now); });
+}
+
+void TrustStore::forget_shown(const Certificate& certificate) {
+  const auto at = renewed_.find(certificate.id);
+  if (at == renewed_.end()) return;
+  const auto renewed = decode<Certificate>(at->second.payload.bytes);
+  if (!renewed || renewed->serial <= certificate.serial) renewed_.erase(at);
+}
+
+}  // namespace trb::router

@@ -1,0 +1,79 @@
+// The trust store by itself: what of a trust update is kept, and who is a member by it.
+#include "services/router/core/trust_store.hpp"
+
+#include "services/router/test/test_parts.hpp"
+
+using namespace trb;
+using namespace trb::router;
+
+namespace {
+
+struct Store : Parts {
+  [[nodiscard]] SignedRecord list(std::uint64_t number, const std::vector<std::string>& out_of_it) const {
+    RevocationList made;
+    made.fleet = {authority.fleet.id()};
+    made.number = number;
+    made.issued = kStartUtc;
+    for (const std::string& id : out_of_it) made.revoked.push_back({1, id, "stolen", kStartUtc});
+    return sign(kSignedRevocations, "", authority.fleet.id(), encode(made), authority.key);
+  }
+  /// The same keys, signed again.
+  [[nodiscard]] SignedRecord renewed(const TestKeys& keys, std::uint64_t serial) const {
+    Certificate certificate = keys.certificate;
+    certificate.serial = serial;
+    return sign(kSignedCertificate, "", authority.fleet.id(), encode(certificate), authority.key);
+  }
+};
+
+}  // namespace
+
+TEST_CASE("given a renewed certificate of a peer, then it is kept, its row has it, and an older one is downgraded") {
+  Store store;
+  store.link_with(store.bee);
+  const SignedRecord newer = store.renewed(store.bee, 5);
+  TakenUpdate taken = store.trust.take({{}, {newer}}, nullptr, store.now, store.out);
+  CHECK(taken.fresh.certificates.size() == 1);
+  CHECK_FALSE(taken.own_renewed);
+  CHECK(store.table.find("bee")->certificate.serial == 5);
+  taken = store.trust.take({{}, {newer}}, nullptr, store.now, store.out);
+  CHECK(taken.is_empty());
+  CHECK(taken.known);
+  taken = store.trust.take({{}, {store.renewed(store.bee, 4)}}, nullptr, store.now, store.out);
+  REQUIRE(taken.refusal);
+  CHECK(taken.refusal->code == Errc::downgraded);
+  store.trust.forget_shown(store.table.find("bee")->certificate);
+  CHECK(store.trust.all().certificates.empty());
+}
+
+TEST_CASE("given this node's own renewed certificate, then it is this node's from now on, and is to be stored") {
+  Store store;
+  const SignedRecord newer = store.renewed(store.ant, 5);
+  CHECK(store.trust.take({{}, {newer}}, nullptr, store.now, store.out).own_renewed);
+  CHECK(store.node.config().own.serial == 5);
+  CHECK(store.all<StoreCertificate>().size() == 1);
+}
+
+TEST_CASE("given a list that revokes a member, then it is none, its key is refused, and an older list is not taken") {
+  Store store;
+  REQUIRE(store.trust.open_member(store.bee.record, store.now, store.out));
+  store.trust.take({store.list(2, {"bee"}), {}}, nullptr, store.now, store.out);
+  const auto member = store.trust.open_member(store.bee.record, store.now, store.out);
+  REQUIRE_FALSE(member);
+  CHECK(member.error().code == Errc::cert_revoked);
+  CHECK(store.trust.refuse_revoked_key(store.bee.link.public_key, store.now, store.out));
+  const TakenUpdate old = store.trust.take({store.list(1, {}), {}}, nullptr, store.now, store.out);
+  CHECK(old.list_refused);
+  CHECK(store.trust.list_number() == 2);
+  store.trust.take({store.list(3, {}), {}}, nullptr, store.now, store.out);
+  store.trust.drop_revoked();
+  CHECK_FALSE(store.trust.is_revoked_key(store.bee.link.public_key));
+}
+
+TEST_CASE("given no signatures left to be checked, then nothing of an update is taken") {
+  Store store;
+  Budget none{1};
+  none.take(store.now.mono);
+  const TakenUpdate taken = store.trust.take({{}, {store.renewed(store.bee, 5)}}, &none, store.now, store.out);
+  CHECK(taken.is_empty());
+  CHECK(taken.refusal->code == Errc::queue_full);
+}

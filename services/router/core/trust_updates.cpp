@@ -1,0 +1,132 @@
+#include "services/router/core/trust_updates.hpp"
+
+#include <utility>
+
+namespace trb::router {
+
+Result<std::string> TrustUpdates::on_update(const FleetNews& update, LinkId from, Now now, Effects& out) {
+  const Link* link = table_.link(from);
+  Peer* teller = link == nullptr ? nullptr : table_.find(link->peer);
+  TakenUpdate taken = trust_.take(update, teller == nullptr ? nullptr : &teller->update_checks, now, out);
+  if (taken.own_renewed) {
+    membership_.on_renewed();
+    unstored_.asked(Kept::certificate);
+  }
+  if (taken.is_empty()) {
+    if (taken.refusal && (taken.list_refused || !taken.known)) return *taken.refusal;
+    return std::string("nothing new");
+  }
+  store(out);
+  const std::size_t others = pass_on(taken.fresh, from, out);
+  const bool list = !taken.fresh.revocations.kind.empty();
+  if (list) membership_.apply_revocations(now, out);
+  membership_.check_own(now, out);
+  if (taken.list_refused) return *taken.refusal;
+  return (list ? "list " + std::to_string(trust_.list_number()) + ", " : std::string()) +
+         std::to_string(taken.fresh.certificates.size()) + " renewed certificates, told to " + std::to_string(others) +
+         " nodes";
+}
+
+void TrustUpdates::on_file(const FleetNews& update, Now now, Effects& out) {
+  auto taken = on_update(update, 0, now, out);
+  // An old file that was left there is no attack.
+  if (taken || taken.error().code == Errc::downgraded) return;
+  out.count("refused." + std::string(errc_name(taken.error().code)));
+  out.log(LogLevel::warning, "news_refused", "of a file: " + taken.error().text());
+}
+
+void TrustUpdates::on_bus_request(ConnectionId from, const Message& message, const FleetNews& update, Now now,
+                                  Effects& out) {
+  auto taken = on_update(update, 0, now, out);
+  if (!taken) return bus_.deny(from, message, taken.error(), out);
+  // It may be known already, and not on disk.
+  if (!unstored_.waits() && unstored_.news_failure()) store(out);
+  if (!unstored_.waits()) return bus_.answer(from, message, Ack{"accepted", *taken}, out);
+  if (waiting_.size() >= kMaxWaiting)
+    return bus_.deny(from, message,
+                     fail(Errc::queue_full, "in force, but whether it is on disk is not known yet", "try again"), out);
+  waiting_.push_back({from, message, std::move(*taken)});
+  waiting_.back().request.data.clear();
+}
+
+void TrustUpdates::on_stored(Kept what, const Status& done, Now now, Effects& out) {
+  if (!done) {
+    out.count("not_stored");
+    out.log(LogLevel::error, "not_stored", done.error().text());
+  }
+  unstored_.answered(what, done, now.mono);
+  if (unstored_.waits()) return;
+  const auto failure = unstored_.news_failure();
+  for (const Waiting& one : std::exchange(waiting_, {})) {
+    if (failure) {
+      bus_.deny(one.from, one.request, *failure, out);
+    } else {
+      bus_.answer(one.from, one.request, Ack{"accepted", one.text}, out);
+    }
+  }
+}
+
+void TrustUpdates::tick(Now now, Effects& out) {
+  for (const Kept what : unstored_.take_due(now.mono)) {
+    if (what == Kept::news) {
+      store(out);
+      continue;
+    }
+    unstored_.asked(what);
+    out.add(what == Kept::boot ? Effect(StoreBoot{node_.config().boot})
+                               : Effect(StoreCertificate{node_.config().certificate}));
+  }
+}
+
+std::size_t TrustUpdates::pass_on(const FleetNews& fresh, LinkId from, Effects& out) {
+  std::size_t told = 0;
+  for (const LinkId id : table_.up_links()) {
+    if (id == from) continue;
+    send(*table_.link(id), fresh, out);
+    ++told;
+  }
+  return told;
+}
+
+void TrustUpdates::send_known(const Link& link, std::uint64_t known_list, Now now, Effects& out) {
+  const FleetNews update = trust_.for_peer(known_list, now);
+  if (!update.revocations.kind.empty() || !update.certificates.empty()) send(link, update, out);
+}
+
+/// In messages that their hearer takes: the list first, certificates apart from it if need be.
+void TrustUpdates::send(const Link& link, const FleetNews& update, Effects& out) {
+  if (encode(update).size() <= kMaxUpdate) return messages_.send(link, update, out);
+  if (!update.revocations.kind.empty()) messages_.send(link, FleetNews{update.revocations, {}}, out);
+  FleetNews part;
+  std::size_t size = 0;
+  for (const SignedRecord& record : update.certificates) {
+    const std::size_t more = encode(record).size();
+    if (size + more > kMaxUpdate / 2 && !part.certificates.empty()) {
+      messages_.send(link, std::exchange(part, {}), out);
+      size = 0;
+    }
+    part.certificates.push_back(record);
+    size += more;
+  }
+  if (!part.certificates.empty()) messages_.send(link, part, out);
+}
+
+void TrustUpdates::on_link_message(const Link& link, const Message& message, Now now, Effects& out) {
+  auto update = message.data.size() > kMaxUpdate ? Result<FleetNews>(fail(Errc::too_large, "FleetNews over 512 kB"))
+                                                 : decode<FleetNews>(message.data);
+  if (Peer* peer = table_.find(link.peer); peer != nullptr && !peer->updates.take(now.mono))
+    return out.count("refused.too_much_news");
+  // It may be gone before the refusal is written down: the list may say so.
+  const std::string who = link.peer.empty() ? "the node that was dialled" : link.peer;
+  auto taken = update ? on_update(*update, link.id, now, out) : Result<std::string>(update.error());
+  if (taken) return;
+  out.count("refused." + std::string(errc_name(taken.error().code)));
+  out.log(LogLevel::warning, "news_refused", "of " + who + ": " + taken.error().text());
+}
+
+void TrustUpdates::store(Effects& out) {
+  unstored_.asked(Kept::news);
+  out.add(trust_.to_store(out));
+}
+
+}  // namespace trb::router

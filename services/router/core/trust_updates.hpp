@@ -1,0 +1,69 @@
+// Trust updates (`fleet_news`): what the authority has signed, from a link, the bus or a file. What is new is in force
+// at once, stored, told to every other link, and acknowledged once it is on disk.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "services/router/core/local_bus.hpp"
+#include "services/router/core/membership.hpp"
+#include "services/router/core/unstored.hpp"
+
+namespace trb::router {
+
+/// update   | event                                  | next
+/// ---------|----------------------------------------|-------------------------------------------------------------
+/// -        | arrives, nothing of it is new          | acknowledged (bus), or forgotten
+/// -        | arrives, refused (invalid)             | counted, logged; Nack (bus)
+/// -        | arrives, new                           | stored (StoreNews), in force, told to the other links
+/// stored   | it is on disk                          | who brought it is acknowledged
+/// stored   | it could not be                        | who brought it gets io_error; unstored
+/// unstored | 10 s (expired)                         | stored: tried again
+class TrustUpdates {
+ public:
+  TrustUpdates(const LocalNode& node, PeerTable& table, TrustStore& trust, Membership& membership,
+               OwnMessages& messages, LocalBus& bus)
+      : node_(node), table_(table), trust_(trust), membership_(membership), messages_(messages), bus_(bus) {}
+
+  /// From any road: a link, the bus, a file (0). Returns what was done, in words. Errors: bad_signature, foreign_fleet,
+  /// downgraded, conflict, malformed, cert_revoked, cert_expired, cert_not_yet_valid.
+  Result<std::string> on_update(const FleetNews& update, LinkId from, Now now, Effects& out);
+  void on_link_message(const Link& link, const Message& message, Now now, Effects& out);
+  void on_bus_request(ConnectionId from, const Message& message, const FleetNews& update, Now now, Effects& out);
+  /// Refusals are counted and logged.
+  void on_file(const FleetNews& update, Now now, Effects& out);
+
+  /// The link is up: what the other side does not know. `known_list`: the number of its list.
+  void send_known(const Link& link, std::uint64_t known_list, Now now, Effects& out);
+
+  /// The shell has stored what an effect told it to, or could not: then what it is stays in force, is told to people
+  /// and tried again.
+  void on_stored(Kept what, const Status& done, Now now, Effects& out);
+  /// For people: what is not on disk; empty if all is.
+  [[nodiscard]] std::string note() const { return unstored_.note(); }
+  void tick(Now now, Effects& out);
+  [[nodiscard]] std::optional<MonotonicTime> next_deadline() const { return unstored_.next(); }
+
+ private:
+  /// Who has brought an update, and what it is told once that is on disk.
+  struct Waiting {
+    ConnectionId from = 0;
+    Message request;  ///< without its data
+    std::string text;
+  };
+  void store(Effects& out);
+  std::size_t pass_on(const FleetNews& fresh, LinkId from, Effects& out);
+  void send(const Link& link, const FleetNews& update, Effects& out);
+
+  const LocalNode& node_;
+  PeerTable& table_;
+  TrustStore& trust_;
+  Membership& membership_;
+  OwnMessages& messages_;
+  LocalBus& bus_;
+  Unstored unstored_;
+  std::vector<Waiting> waiting_;
+};
+
+}  // namespace trb::router

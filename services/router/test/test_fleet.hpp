@@ -1,0 +1,235 @@
+// A fleet of router cores in memory, for tests: cables that carry LinkSend effects, a clock that moves when told.
+#pragma once
+
+#include <algorithm>
+#include <deque>
+#include <functional>
+#include <map>
+#include <memory>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "services/router/core/router_core.hpp"
+
+namespace trb::router {
+
+constexpr std::int64_t kStartUtc = 1'772'366'400'000'000'000;
+constexpr Duration kStep = std::chrono::milliseconds(10);
+
+/// What a fleet authority would have given a node.
+struct TestKeys {
+  SigningKey identity = make_signing_key();
+  LinkKey link = make_link_key();
+  SignedRecord record;
+  Certificate certificate;
+};
+
+struct TestAuthority {
+  SigningKey key = make_signing_key();
+  FleetAuthority fleet{"hall", key.public_key};
+
+  /// The same keys, with the right to relay.
+  void let_relay(TestKeys& keys) const {
+    keys.certificate.relay = true;
+    keys.record = sign(kSignedCertificate, "", fleet.id(), encode(keys.certificate), key);
+  }
+
+  TestKeys sign_node(const std::string& id, Role role = Role::robot, std::uint64_t serial = 1) const {
+    TestKeys keys;
+    keys.certificate = {{fleet.id()},
+                        serial,
+                        id,
+                        role,
+                        {keys.identity.public_key},
+                        {keys.link.public_key},
+                        kStartUtc - 1'000'000'000,
+                        kStartUtc + 86'400'000'000'000,
+                        false};
+    keys.record = sign(kSignedCertificate, "", fleet.id(), encode(keys.certificate), key);
+    return keys;
+  }
+};
+
+/// One node: its core, and what its shell would have written down.
+struct TestNode {
+  std::string id;
+  TestKeys keys;
+  std::unique_ptr<RouterCore> core;
+  std::map<std::string, std::uint64_t> counts;
+  std::vector<BusSend> bus;
+  std::vector<RefuseCandidate> refused;
+  std::vector<LinkId> closed;
+  std::vector<Dial> dials;
+  std::vector<DialLane> lane_dials;
+  std::vector<Bytes> beacons;
+  std::string stored;  ///< what StorePeers would have written
+  enum class Disk : unsigned char { good, full, silent } disk = Disk::good;
+  std::size_t stored_boots = 0;  ///< that were tried
+  std::vector<StoreNews> stored_news;
+  std::vector<SignedRecord> stored_certificates;
+  std::vector<UtcTime> stored_utc;
+  std::vector<std::string> log;
+  std::vector<Message> delivered;  ///< that came by a link, for a service
+  Duration clock_off{};
+
+  [[nodiscard]] std::uint64_t count(const std::string& name) const {
+    const auto at = counts.find(name);
+    return (at == counts.end() ? 0 : at->second) + core->counters().value(name);
+  }
+  [[nodiscard]] const Peer* peer(const std::string& other) const {
+    const auto at = core->table().peers().find(other);
+    return at == core->table().peers().end() ? nullptr : &at->second;
+  }
+  [[nodiscard]] LinkId link_to(const std::string& other) const {
+    return peer(other) == nullptr ? 0 : peer(other)->link;
+  }
+  /// What it knows of the way to another node by relays.
+  [[nodiscard]] const RelayRoute& relay_route(const std::string& other) const {
+    return core->relays().route(*peer(other));
+  }
+  [[nodiscard]] std::size_t told(std::string_view subtype) const {
+    return static_cast<std::size_t>(
+        std::count_if(bus.begin(), bus.end(), [&](const BusSend& send) { return send.message.subtype == subtype; }));
+  }
+};
+
+class TestFleet {
+ public:
+  TestFleet() { init_crypto(); }
+
+  TestAuthority authority;
+  Now now{{1'000'000'000}, {kStartUtc}};
+
+  struct Options {
+    std::uint64_t boot = 1;
+    bool beacon = true;
+    std::vector<std::string> seeds{};
+    std::vector<std::string> known{};                  ///< hints of the run before
+    std::map<std::string, std::string> seed_names{};   ///< id -> the HOST:PORT that its seed names
+    std::map<std::string, std::string> known_names{};  ///< of hints
+    bool disk_full = false;                            ///< also when it starts
+    bool relay = false;                                ///< its certificate lets it, too
+    bool lane = true;
+    bool seal_before_delivery = false;
+    Duration clock_off{};  ///< of the node's clock of UTC
+  };
+
+  TestNode& start(const std::string& id, const Options& options);
+  TestNode& start(const std::string& id) { return start(id, Options{}); }
+  TestNode& at(const std::string& id) { return *nodes_.at(id); }
+  /// Where a node is at first, in numbers; it may not have been started yet.
+  std::string address(const std::string& id);
+  /// The keys of a node that may not have been started yet.
+  TestKeys& keys(const std::string& id);
+
+  /// What a name server knows of the hosts that seeds name: HOST:PORT -> address.
+  std::map<std::string, std::string> hosts;
+  /// Lets time pass in small steps; every message that is due arrives.
+  void run(Duration time);
+  /// Nothing sent from one node arrives at the other any more; nobody is told.
+  void cut(const std::string& from, const std::string& to) { cuts_.insert({from, to}); }
+  void heal() { cuts_.clear(); }
+  /// The node is at another address from now on: its connections lead nowhere and nobody is told, but its own router.
+  void move(const std::string& id, const std::string& address);
+  /// May change each message that one node sends the other, or have it lost (false).
+  std::function<bool(const std::string& from, LinkId link, std::uint64_t& sequence, Message& message)> meddle;
+  /// A node that keeps to itself what it should send: nothing of it shows on the link.
+  std::function<bool(const std::string& from, const Message& message)> withhold;
+  /// A service of this node says something to another node, through the road that the shell takes.
+  void say(const std::string& from, const std::string& to, const std::string& word, const Bytes& data);
+  /// The service that has connection 1 of this node asks another node something.
+  void ask(const std::string& from, const std::string& to, const std::string& word, const Bytes& data);
+  /// Lossy information by whatever way its core chooses; returns that way. What the lane carries arrives at once.
+  Routing stream(const std::string& from, const Message& message);
+  /// This node hears that one's lane.
+  [[nodiscard]] bool hears(const std::string& listener, const std::string& speaker) const {
+    return lanes_.count({listener, at_const(listener).link_to(speaker)}) != 0;
+  }
+  /// The connection of a lane breaks, its link does not.
+  void break_lane(const std::string& listener, const std::string& speaker);
+  /// The process ends: its connections break.
+  void stop(const std::string& id);
+
+  /// The time as this node's clocks tell it.
+  [[nodiscard]] Now now_of(const TestNode& node) const { return {now.mono, now.utc + node.clock_off}; }
+
+  void carry_out(TestNode& node, Effects& effects);
+  /// Hands a message to a node as one that came by a link, through the road that the shell takes.
+  Routing arrive(TestNode& node, LinkId link, std::uint64_t sequence, const Message& message);
+  /// What a connection of the node's bus sends, by the way that the shell takes.
+  Routing forward(TestNode& node, ConnectionId from, const Message& message);
+
+ private:
+  struct Wire {
+    std::string dialler;
+    std::string acceptor;
+    bool open = true;
+  };
+  struct Packet {
+    std::string from;
+    std::string to;
+    LinkId link = 0;
+    std::uint64_t sequence = 0;
+    Message message;
+  };
+  void store(TestNode& node, Kept what);
+  void connect(TestNode& node, const Dial& dial);
+  void connect_numbers(TestNode& node, const Dial& dial);
+  void deliver(const Packet& packet);
+  void break_wire(LinkId link);
+  [[nodiscard]] const TestNode& at_const(const std::string& id) const { return *nodes_.at(id); }
+  void connect_lane(TestNode& node, const DialLane& dial);
+  void close_lanes(const TestNode& node, LinkId link);
+  void send(TestNode& node, LinkId link, const Message& message);
+  void put_outgoing(TestNode& node, LinkId link, const Outgoing& outgoing, BytesView frame);
+  void send_seal(TestNode& node, LinkId link);
+  [[nodiscard]] bool is_open(LinkId link) const;
+  std::uint64_t next_random();
+  void put(TestNode& node, LinkId link, BytesView frame);
+  std::map<std::pair<std::string, LinkId>, std::deque<std::pair<std::uint64_t, Message>>> held_;
+
+  std::map<std::string, std::unique_ptr<TestNode>> nodes_;
+  std::map<std::string, TestKeys> keys_;
+  std::map<std::string, std::string> places_;     ///< HOST:PORT -> id
+  std::map<std::string, std::string> addresses_;  ///< by id, at first
+  std::map<LinkId, Wire> wires_;
+  std::map<std::pair<std::string, LinkId>, std::string> lanes_;  ///< (who listens, by which link) -> to whom
+  std::set<std::pair<std::string, LinkId>> bound_;               ///< (node, link): accepted by its shell
+  std::deque<Packet> packets_;
+  std::deque<std::pair<std::string, Bytes>> beacons_;
+  std::set<std::pair<std::string, std::string>> cuts_;
+  std::string origin_;
+  std::uint64_t random_ = 0;
+};
+
+inline HeaderView header_of(const Message& message, std::uint64_t sequence = 0, LinkId link = 0) {
+  HeaderView view;
+  view.type = message.type;
+  view.flags = message.flags;
+  view.remaining_ms = message.remaining_ms;
+  view.link = link;
+  view.sequence = sequence;
+  view.subtype = message.subtype;
+  view.source = message.source;
+  view.target = message.target;
+  view.id = message.id;
+  view.reply_to = message.reply_to;
+  view.data = message.data;
+  return view;
+}
+
+template <class T>
+Message make_message(MessageType type, const std::string& source, const std::string& target, const T& body) {
+  Message message;
+  message.type = type;
+  message.subtype = T::kSubtype;
+  message.source = source;
+  message.target = target;
+  message.id = 77;
+  message.data = encode(body);
+  return message;
+}
+
+}  // namespace trb::router
