@@ -194,7 +194,7 @@ void ResilienceCore::record_handed(const Alert& alert, const std::string& what, 
 void ResilienceCore::finish(Alert& alert, Outbox& out) {
   record_handed(alert, "decision", out);
   alert.state = AlertState::decided;
-  stirred_runs_.insert(alert.run);
+  due_runs_.notify(alert.run);
   alert.waits_for.clear();
   works_.erase(alert.id);
   out.record(alert);
@@ -218,7 +218,7 @@ void ResilienceCore::reopen(Alert& alert, const std::string& why, Outbox& out) {
   // The policy is not to try the same again and again.
   if (refused) works_[alert.id].asks_for = why;
   if (const WatchedRun* run = watcher_.find(alert.run); run != nullptr && run->is_known()) {
-    stirred_runs_.insert(alert.run);  // it is proposed for anew
+    due_runs_.notify(alert.run);  // it is proposed for anew
     watcher_.refresh(alert.run);
   }
   out.record(alert);

@@ -9,6 +9,7 @@ namespace trb::resilience {
 namespace {
 
 constexpr std::size_t kMaxText = 1024;
+constexpr Duration kLook = std::chrono::seconds(1);  ///< so long after it found no room a trouble is told again
 
 std::vector<std::string> names_of(const WatchedRun& run, const std::vector<std::size_t>& tasks) {
   std::vector<std::string> out;
@@ -31,41 +32,38 @@ std::string joined(const std::vector<std::string>& words) {
 
 }  // namespace
 
-void ResilienceCore::look_at_runs(bool all, Now now, Outbox& out) {
+void ResilienceCore::look_at_runs(Now now, Outbox& out) {
   for (const std::string& run : watcher_.take_changed()) {
     count_tasks(run);
-    stirred_runs_.insert(run);
+    due_runs_.notify(run);
   }
-  // Who has been away for the grace by now stirs nobody by a word.
-  if (all) {
-    for (const auto& [id, run] : watcher_.runs()) stirred_runs_.insert(id);
-  }
-  const std::set<std::string> runs = std::exchange(stirred_runs_, {});
+  const std::set<std::string> runs = due_runs_.take(now.mono);
   if (!runs.empty()) stirred_ = true;
   for (const std::string& id : runs) {
     const WatchedRun* run = watcher_.find(id);
     if (run == nullptr) overdue_.forget(id);
     if (run != nullptr && run->is_known()) look_at_run(*run, now, out);
   }
+  // The scheduler tells every few seconds when a run ends; it is looked at only when that is near.
+  for (const std::string& id : watcher_.take_timed()) {
+    const WatchedRun* run = watcher_.find(id);
+    if (run != nullptr && run->is_known()) due_runs_.hasten(id, next_moment(*run, now));
+  }
 }
 
-/// How many tasks each robot still has, in any run: the less it has, the more it is at hand.
-void ResilienceCore::count_tasks(const std::string& id) {
-  std::map<std::string, std::uint32_t> tasks;
-  if (const WatchedRun* run = watcher_.find(id); run != nullptr && run->view) {
-    for (const TaskView& task : run->view->tasks) {
-      if (!task.robot.empty() && !is_final(task)) ++tasks[task.robot];
-    }
+/// When the run is to be looked at, though nothing is told of it.
+std::optional<MonotonicTime> ResilienceCore::next_moment(const WatchedRun& run, Now now) const {
+  std::optional<MonotonicTime> out = overdue_.next(run, fleet_, now);
+  if (const auto end = end_told_at(run); end && *end > now.mono) out = earlier(out, end);
+  for (const TaskView& task : run.view->tasks) {
+    if (!task.robot.empty()) out = earlier(out, presence_.next(task.robot, now));
   }
-  const std::map<std::string, std::uint32_t> before = std::exchange(open_tasks_[id], tasks);
-  if (tasks.empty()) open_tasks_.erase(id);
-  for (const auto& [robot, count] : before) tasks.try_emplace(robot, 0);
-  for (const auto& [robot, count] : tasks) {
-    std::uint32_t sum = 0;
-    for (const auto& [run, robots] : open_tasks_) {
-      if (const auto at = robots.find(robot); at != robots.end()) sum += at->second;
-    }
-    fleet_.set_later_tasks(robot, sum);
+  return out;
+}
+
+void ResilienceCore::count_tasks(const std::string& run) {
+  for (const std::string& robot : open_tasks_.count(run, watcher_.find(run))) {
+    fleet_.set_later_tasks(robot, open_tasks_.of(robot));
   }
 }
 
@@ -86,9 +84,10 @@ void ResilienceCore::look_at_run(const WatchedRun& run, Now now, Outbox& out) {
   std::vector<Trouble> troubles = troubles_of(run, fleet_, presence_, ruled, now);
   for (Trouble& twice : double_executions(run)) troubles.push_back(std::move(twice));
   if (auto end = trouble_of_end(run, now)) troubles.push_back(std::move(*end));
-  for (const Trouble& trouble : troubles) meet(run, trouble, now, out);
+  bool all_told = true;
+  for (const Trouble& trouble : troubles) all_told = meet(run, trouble, now, out) && all_told;
   for (Trouble& late : overdue_troubles(run, now)) {
-    meet(run, late, now, out);
+    all_told = meet(run, late, now, out) && all_told;
     troubles.push_back(std::move(late));
   }
   for (Alert* alert : book_.open()) {
@@ -99,19 +98,22 @@ void ResilienceCore::look_at_run(const WatchedRun& run, Now now, Outbox& out) {
     }
   }
   skip_unbegun(run, now, out);
+  const std::optional<MonotonicTime> at = next_moment(run, now);
+  due_runs_.schedule(run.summary.run, all_told ? at : earlier(at, now.mono + kLook));
 }
 
-/// Raises the alert of that robot in that run, or lets the one that is there follow what is known.
-void ResilienceCore::meet(const WatchedRun& run, const Trouble& trouble, Now now, Outbox& out) {
+/// Raises the alert of that robot in that run, or lets the one that is there follow what is known. False: there is no
+/// room for another alert.
+bool ResilienceCore::meet(const WatchedRun& run, const Trouble& trouble, Now now, Outbox& out) {
   Alert* alert = nullptr;
   for (Alert* one : book_.open()) {
     if (is_about(*one, run, trouble)) alert = one;
   }
   // A verdict was given: what is new becomes an alert of its own once that is done.
-  if (alert != nullptr && alert->state == AlertState::releasing) return;
+  if (alert != nullptr && alert->state == AlertState::releasing) return true;
   if (alert == nullptr) {
     alert = raise(alert_of(run, trouble.robot, now), now, out);
-    if (alert == nullptr) return;
+    if (alert == nullptr) return false;
   }
   const Alert before = *alert;
   if (alert->cause == kOverdue) alert->text = cut_utf8(trouble.text, kMaxText);
@@ -124,7 +126,7 @@ void ResilienceCore::meet(const WatchedRun& run, const Trouble& trouble, Now now
     alert->severity = trouble.severity;
     alert->text = cut_utf8(trouble.text, kMaxText);
   }
-  if (*alert == before) return;
+  if (*alert == before) return true;
   if (alert->tasks != before.tasks || before.cause.empty()) {
     if (alert->state == AlertState::expired) alert->state = AlertState::open;
     works_[alert->id].grown_at = now.mono;
@@ -136,6 +138,7 @@ void ResilienceCore::meet(const WatchedRun& run, const Trouble& trouble, Now now
                 " (run " + alert->run.substr(0, 8) + ", tasks " + joined(alert->tasks) + ")");
   }
   out.record(*alert);
+  return true;
 }
 
 /// Without what may change: the cause, and what follows from it.
@@ -201,7 +204,7 @@ Alert* ResilienceCore::raise_lone(const Standing::Key& key, Now now, Outbox& out
 
 void ResilienceCore::close(Alert& alert, const std::string& why, Outbox& out) {
   alert.state = AlertState::closed;
-  if (watcher_.find(alert.run) != nullptr) stirred_runs_.insert(alert.run);
+  if (watcher_.find(alert.run) != nullptr) due_runs_.notify(alert.run);
   alert.waits_for = cut_utf8(why, 512);
   works_.erase(alert.id);
   record_handed(alert, "decision_dropped", out);

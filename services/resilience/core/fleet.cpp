@@ -115,10 +115,10 @@ Status Fleet::restore(RobotRecord robot) {
   return Done{};
 }
 
-void Fleet::take_profile(RobotRecord& robot, const NodeProfile& told, UtcTime now) {
+bool Fleet::take_profile(RobotRecord& robot, const NodeProfile& told, UtcTime now) {
   const NodeProfile profile = cleaned(told);
   const NodeProfile& before = robot.profile.is;
-  if (before == profile) return;
+  if (before == profile) return false;
   if (before.robot != profile.robot) note(robot, "connection", profile.robot + " " + profile.detail, now);
   if (before.fenced != profile.fenced) note(robot, profile.fenced ? "fenced" : "released", "", now);
   note_service(robot, before, profile, now);
@@ -127,22 +127,23 @@ void Fleet::take_profile(RobotRecord& robot, const NodeProfile& told, UtcTime no
   if (take_out_of_use(robot, before, profile, now)) parts |= Changes::kFaults;
   robot.profile = {profile, now};
   changed(robot, parts);
+  return true;
 }
 
-void Fleet::set_reached(RobotRecord& robot, bool reached, const std::string& reason, UtcTime now) {
-  if (robot.reached == reached) return;
+bool Fleet::set_reached(RobotRecord& robot, bool reached, const std::string& reason, UtcTime now) {
+  if (robot.reached == reached) return false;
   robot.reached = reached;
   note(robot, reached ? "joined" : "expired", reason, now);
   changed(robot, Changes::kNode);
+  return true;
 }
 
-Status Fleet::on_route(const Route& route, UtcTime now) {
+Result<bool> Fleet::on_route(const Route& route, UtcTime now) {
   const auto robot = known(route.id);
   if (!robot) return robot.error();
-  take_profile(**robot, route.profile, now);
+  const bool is_new = take_profile(**robot, route.profile, now);
   const bool reached = route.state == "self" || route.state == "ONLINE";
-  set_reached(**robot, reached, reached ? "" : route.state, now);
-  return Done{};
+  return set_reached(**robot, reached, reached ? "" : route.state, now) || is_new;
 }
 
 Status Fleet::on_joined(std::string_view id, UtcTime now) {

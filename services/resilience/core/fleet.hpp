@@ -49,9 +49,9 @@ class Fleet {
   /// As it was on disk; nobody is reached before the router says so. Errors: too_large, bad_value (no id), duplicate.
   Status restore(RobotRecord robot);
 
-  /// What the router says: its table (Route::state "self" and "ONLINE": reached). Errors: too_large (kMaxRobots),
-  /// bad_value (no id); the node is then not known here.
-  Status on_route(const Route& route, UtcTime now);
+  /// What the router says: its table (Route::state "self" and "ONLINE": reached). True: something about the robot has
+  /// changed. Errors: too_large (kMaxRobots), bad_value (no id); the node is then not known here.
+  Result<bool> on_route(const Route& route, UtcTime now);
   Status on_joined(std::string_view id, UtcTime now);
   void on_expired(std::string_view id, const std::string& reason, UtcTime now);
 
@@ -92,11 +92,11 @@ class Fleet {
   RobotRecord* existing(std::string_view id);
   void changed(const RobotRecord& robot, unsigned parts);
   void note(const RobotRecord& robot, std::string_view kind, std::string_view text, UtcTime now);
-  void take_profile(RobotRecord& robot, const NodeProfile& told, UtcTime now);
+  bool take_profile(RobotRecord& robot, const NodeProfile& told, UtcTime now);
   bool on_fault_ended(std::string_view id, const RobotFault& told, UtcTime now);
   bool take_out_of_use(RobotRecord& robot, const NodeProfile& before, const NodeProfile& profile, UtcTime now);
   void note_service(const RobotRecord& robot, const NodeProfile& before, const NodeProfile& profile, UtcTime now);
-  void set_reached(RobotRecord& robot, bool reached, const std::string& reason, UtcTime now);
+  bool set_reached(RobotRecord& robot, bool reached, const std::string& reason, UtcTime now);
 
   std::map<std::string, RobotRecord, std::less<>> robots_;
   FleetIndex index_;

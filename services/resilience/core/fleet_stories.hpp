@@ -50,7 +50,7 @@ inline Route route_of(const std::string& id, const NodeProfile& profile, const s
 }
 
 /// The table with another profile; whether the robot is reached stays.
-inline Status tell_profile(Fleet& fleet, const std::string& id, const NodeProfile& profile, UtcTime now) {
+inline Result<bool> tell_profile(Fleet& fleet, const std::string& id, const NodeProfile& profile, UtcTime now) {
   const RobotRecord* robot = fleet.find(id);
   const bool reached = robot != nullptr && robot->reached;
   return fleet.on_route(route_of(id, profile, reached ? "ONLINE" : "CONNECTION_BROKEN"), now);

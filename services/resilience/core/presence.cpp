@@ -23,6 +23,12 @@ const Presence::Gone* Presence::find(std::string_view id, Now now) const {
   return &at->second;
 }
 
+std::optional<MonotonicTime> Presence::next(std::string_view id, Now now) const {
+  const auto at = away_.find(id);
+  if (at == away_.end() || at->second.since + kGrace <= now.mono) return std::nullopt;
+  return at->second.since + kGrace;
+}
+
 std::optional<MonotonicTime> Presence::next(Now now) const {
   std::optional<MonotonicTime> out;
   for (const auto& [id, gone] : away_) {

@@ -26,7 +26,9 @@ class Presence {
   void look(const std::string& id, const RobotRecord* robot, Now now, bool expired = false);
   /// nullptr: it is there, or has not been away for long.
   [[nodiscard]] const Gone* find(std::string_view id, Now now) const;
-  /// When the next one has been away for the grace.
+  /// When that robot has been away for the grace; nothing: it is there, or is gone already.
+  [[nodiscard]] std::optional<MonotonicTime> next(std::string_view id, Now now) const;
+  /// When the next one has been.
   [[nodiscard]] std::optional<MonotonicTime> next(Now now) const;
 
  private:

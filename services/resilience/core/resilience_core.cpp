@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include "services/resilience/core/run_end.hpp"
-
 namespace trb::resilience {
 namespace {
 
@@ -145,30 +143,34 @@ void ResilienceCore::take_page(const RouteTable& page, Now now, Outbox& out) {
 }
 
 void ResilienceCore::hear(const RouteTable& table, Now now, Outbox& out) {
-  routes_heard_ = true;
+  const bool first = !std::exchange(routes_heard_, true);
   answered(settings_.node, std::string(RouteListRequest::kSubtype));
   presence_.begin();
   for (const Route& route : table.routes) {
     // A cloud node has no robot: it takes no tasks, and its certificate is the run's already.
     if (route.role != Role::robot) continue;
-    if (const Status taken = fleet_.on_route(route, now.utc); !taken) {
+    const auto changed = fleet_.on_route(route, now.utc);
+    if (!changed) {
       out.count("dropped.route");
       continue;
     }
     certificates_[route.id] = route.certificate;
+    fleet_.set_later_tasks(route.id, open_tasks_.of(route.id));  // it may be new here
+    if (*changed && !first) look_at_robot(route.id, now);
   }
-  std::set<std::string> robots;
-  for (const auto& [id, run] : watcher_.runs()) {
-    if (!run.view) continue;
-    for (const TaskView& task : run.view->tasks) robots.insert(task.robot);
-    robots.erase("");
-  }
-  for (const std::string& robot : robots) presence_.look(robot, fleet_.find(robot), now);
-  for (const auto& [id, run] : watcher_.runs()) {
-    stirred_runs_.insert(id);
-    count_tasks(id);  // of robots that are new here
-  }
+  if (first) judge_all(now);
   stirred_ = true;
+}
+
+/// The first table has come: before, nobody was known to be gone.
+void ResilienceCore::judge_all(Now now) {
+  for (const auto& [id, run] : watcher_.runs()) {
+    due_runs_.notify(id);
+    if (!run.view) continue;
+    for (const TaskView& task : run.view->tasks) {
+      if (!task.robot.empty()) presence_.look(task.robot, fleet_.find(task.robot), now);
+    }
+  }
 }
 
 void ResilienceCore::hear(const Nack& nack, Now now, Outbox& out) {
@@ -204,7 +206,7 @@ void ResilienceCore::look_at_robot(const std::string& robot, Now now, bool expir
     const bool needed = std::ranges::any_of(run.view->tasks, [&](const TaskView& task) { return task.robot == robot; });
     if (!needed) continue;
     presence_.look(robot, fleet_.find(robot), now, expired);
-    stirred_runs_.insert(id);
+    due_runs_.notify(id);
   }
 }
 
@@ -220,7 +222,7 @@ void ResilienceCore::tick(Now now, Outbox& out) {
 /// At what has changed, and once a second at what is open.
 void ResilienceCore::look(Now now, Outbox& out) {
   const bool due = look_at_ && *look_at_ <= now.mono;
-  look_at_runs(due, now, out);
+  look_at_runs(now, out);
   if (!stirred_ && !due) return;
   stirred_ = false;
   looked_at_ = now.mono;
@@ -241,14 +243,10 @@ void ResilienceCore::settle(Now now, Outbox& out) {
       if (backoff->next() && *backoff->next() > now.mono) look_at_ = earlier(look_at_, backoff->next());
     }
   }
-  for (const auto& [id, run] : watcher_.runs()) {
-    if (!run.is_known()) continue;
-    look_at_ = earlier(look_at_, overdue_.next(run, fleet_, now));
-    if (const auto at = end_told_at(run); at && *at > now.mono) look_at_ = earlier(look_at_, at);
-  }
+  if (routes_heard_) look_at_ = earlier(look_at_, due_runs_.next());
   standing_.follow(fleet_, now);
   look_at_ = earlier(earlier(look_at_, presence_.next(now)), standing_.next(now));
-  if (routes_heard_ && !stirred_runs_.empty()) look_at_ = now.mono;
+  if (routes_heard_ && due_runs_.has_notified()) look_at_ = now.mono;
   // Only the table tells of a profile that has changed: that a robot is retired or has returned, say.
   if (open || fleet_.has_retired() || !watcher_.runs().empty()) ask_routes(now, kRoutesWhileOpen);
   // Who is not there may be there again, and its word of it have been lost with a link that was just being built.

@@ -12,6 +12,8 @@
 #include "common/actor/route_pages.hpp"
 #include "common/actor/takes.hpp"
 #include "services/resilience/core/alert_book.hpp"
+#include "services/resilience/core/due_runs.hpp"
+#include "services/resilience/core/open_tasks.hpp"
 #include "services/resilience/core/overdue.hpp"
 #include "services/resilience/core/proposals.hpp"
 #include "services/resilience/core/run_watcher.hpp"
@@ -88,6 +90,7 @@ class ResilienceCore final : public Core {
   void hear(const RobotFault& fault, const std::string& robot, Now now, Outbox& out);
   void take_page(const RouteTable& page, Now now, Outbox& out);
   void hear(const RouteTable& table, Now now, Outbox& out);
+  void judge_all(Now now);
   void hear(const Nack& nack, Now now, Outbox& out);
   void look_at_robot(const std::string& robot, Now now, bool expired = false);
   void ask_routes(Now now, Duration at_most_every);
@@ -95,10 +98,11 @@ class ResilienceCore final : public Core {
   void settle(Now now, Outbox& out);
 
   // detecting.cpp
-  void look_at_runs(bool all, Now now, Outbox& out);
+  void look_at_runs(Now now, Outbox& out);
   void look_at_run(const WatchedRun& run, Now now, Outbox& out);
+  [[nodiscard]] std::optional<MonotonicTime> next_moment(const WatchedRun& run, Now now) const;
   void count_tasks(const std::string& run);
-  void meet(const WatchedRun& run, const Trouble& trouble, Now now, Outbox& out);
+  bool meet(const WatchedRun& run, const Trouble& trouble, Now now, Outbox& out);
   [[nodiscard]] static Alert alert_of(const WatchedRun& run, const std::string& robot, Now now);
   Alert* raise(Alert alert, Now now, Outbox& out);
   void tell_standing(Now now, Outbox& out);
@@ -192,11 +196,11 @@ class ResilienceCore final : public Core {
   AlertBook book_;
   std::map<std::string, Work, std::less<>> works_;  ///< by alert
   std::map<std::string, SignedRecord, std::less<>> certificates_;
-  std::map<std::string, std::map<std::string, std::uint32_t>, std::less<>> open_tasks_;  ///< run -> robot -> tasks
+  OpenTasks open_tasks_;
   Standing standing_;
   Overdue overdue_;
-  std::set<std::string> stirred_runs_;  ///< to be looked at
-  std::string handed_;                  ///< the alert whose decision or order was sent last
+  DueRuns due_runs_;
+  std::string handed_;  ///< the alert whose decision or order was sent last
   bool welcomed_ = false;
   bool stirred_ = true;        ///< something has changed that alerts may depend on
   bool routes_heard_ = false;  ///< before, nobody is known to be reached: nothing is judged

@@ -28,7 +28,10 @@ void RunWatcher::take(const RunSummary& summary, Now now) {
                     run.summary.epoch == summary.epoch && run.summary.tasks_final == summary.tasks_final;
   run.summary = summary;
   constexpr double kLongest_s = 1e9;
-  if (summary.left_s > 0) run.ends_at = now.mono + seconds(std::min(summary.left_s, kLongest_s));
+  if (summary.left_s > 0) {
+    run.ends_at = now.mono + seconds(std::min(summary.left_s, kLongest_s));
+    timed_.insert(summary.run);
+  }
   if (!same) refresh(summary.run);
 }
 

@@ -5,6 +5,7 @@
 #include <map>
 #include <set>
 #include <string>
+#include <utility>
 
 #include "common/actor/outbox.hpp"
 #include "services/resilience/core/backoff.hpp"
@@ -37,6 +38,8 @@ class RunWatcher {
   void refresh(std::string_view run);
   /// The runs that are new, have changed or are over since the last call.
   std::set<std::string> take_changed() { return std::exchange(changed_, {}); }
+  /// The runs of which the scheduler has told since the last call when they end.
+  std::set<std::string> take_timed() { return std::exchange(timed_, {}); }
 
  private:
   struct Asking {
@@ -54,6 +57,7 @@ class RunWatcher {
   Runs runs_;
   std::map<std::string, Asking, std::less<>> asking_;
   std::set<std::string> changed_;
+  std::set<std::string> timed_;
   std::deque<std::pair<std::string, RunState>> ended_;  ///< the oldest first
   bool has_table_ = false;
   std::optional<MonotonicTime> renew_at_;

@@ -141,6 +141,7 @@ Result<std::string> ResilienceCore::decide(Alert& alert, const AlertDecide& body
   out.record(alert);
   out.log(LogLevel::warning, "alert_decided", alert.id + " " + decided_text(alert));
   stirred_ = true;
+  due_runs_.notify(alert.run);  // what the verdict leaves out may be an alert of its own
   advance(alert, now, out);
   return "alert " + alert.id + " " + decided_text(alert) + "; waits for: " + alert.waits_for;
 }
