@@ -1,9 +1,8 @@
-// ResilienceCore: when nobody needs to be asked.
-#include <algorithm>
+#include "services/resilience/core/policy.hpp"
 
 #include "common/ranking/pairwise.hpp"
 #include "proto/value.hpp"
-#include "services/resilience/core/resilience_core.hpp"
+#include "services/resilience/core/troubles.hpp"
 
 namespace trb::resilience {
 namespace {
@@ -12,14 +11,19 @@ namespace {
 constexpr Duration kGather = std::chrono::seconds(2);
 constexpr const char* kGathers = "other tasks may fail of the same cause";
 constexpr Duration kPatience = std::chrono::seconds(2);  ///< so long a task that names no robot waits for answers
-constexpr Duration kAnswers = std::chrono::seconds(5);
+
+/// Who is to answer yet, if it was asked less than `patience` ago; empty: nobody.
+std::string awaits(const AlertWork& work, Duration patience, Now now) {
+  const std::string robot = work.inquiry.awaited_robot(patience, now);
+  return robot.empty() ? robot : "what " + robot + " answers";
+}
 
 }  // namespace
 
 /// Who is moved again and again fails everywhere.
-std::string ResilienceCore::why_moved_enough(const Alert& alert) const {
-  const WatchedRun* run = watcher_.find(alert.run);
-  const std::uint32_t most = settings_.resilience.policy.max_moves;
+std::string Policy::why_moved_enough(const Alert& alert) const {
+  const WatchedRun* run = situation_.runs().find(alert.run);
+  const std::uint32_t most = situation_.settings().resilience.policy.max_moves;
   for (const std::string& id : alert.tasks) {
     const auto index = run == nullptr ? std::nullopt : run->find_task(id);
     if (!index || is_pinned(alert, *run, id) || run->policy_moves(*index) < most) continue;
@@ -29,9 +33,8 @@ std::string ResilienceCore::why_moved_enough(const Alert& alert) const {
 }
 
 /// Why the policy does not decide; empty: it does.
-std::string ResilienceCore::why_ask(const Alert& alert, Now now) {
-  const ReplacementPolicy& policy = settings_.resilience.policy;
-  const Work& work = works_[alert.id];
+std::string Policy::why_ask(const Alert& alert, const AlertWork& work, Now now) const {
+  const ReplacementPolicy& policy = situation_.settings().resilience.policy;
   if (!work.asks_for.empty()) return work.asks_for;
   if (alert.cause == kOverdue) return "nothing has failed: a person decides what becomes of what is late";
   if (alert.needs_word) return "only a person can say that " + alert.robot + " stands";
@@ -44,49 +47,48 @@ std::string ResilienceCore::why_ask(const Alert& alert, Now now) {
   if (merit < policy.min_score) return "the best has a merit of " + short_number(merit);
   if (lead < policy.min_lead) return "the best leads by " + short_number(lead) + " only";
   if (work.grown_at && now.mono - *work.grown_at < kGather) return kGathers;
-  return awaits(work, kAnswers, now);
-}
-
-/// Who is to answer yet, if it was asked less than `patience` ago; empty: nobody.
-std::string ResilienceCore::awaits(const Work& work, Duration patience, Now now) {
-  const bool waits = work.asked_at && now.mono - *work.asked_at < patience && !work.awaited.empty();
-  return waits ? "what " + work.awaited.begin()->first + " answers" : "";
+  return awaits(work, Inquiry::kAnswers, now);
 }
 
 /// Why nobody is chosen yet for a task that names no robot; empty: the best is. One task after the other: who gets one
 /// is less at hand for the next.
-std::string ResilienceCore::why_wait(const Alert& alert, Now now) {
-  const Work& work = works_[alert.id];
+std::string Policy::why_wait(const Alert& alert, const AlertWork& work, Now now) {
   if (!work.asks_for.empty()) return work.asks_for;
   if (alert.proposals.empty()) return "no robot can do it now";
   if (std::string enough = why_moved_enough(alert); !enough.empty()) return enough;
-  for (const Alert* other : book_.open()) {
+  for (const Alert* other : alerts_.open()) {
     if (other->state == AlertState::releasing && wants_robot(*other)) return "alert " + other->id + " comes first";
   }
   return awaits(work, kPatience, now);
 }
 
-void ResilienceCore::try_policy(Alert& alert, Now now, Outbox& out) {
-  const ReplacementPolicy& policy = settings_.resilience.policy;
+std::string Policy::why_not(const Alert& alert, Now now) {
+  const AlertWork& work = alerts_.work(alert.id);
+  return wants_robot(alert) ? why_wait(alert, work, now) : why_ask(alert, work, now);
+}
+
+void Policy::try_decide(Alert& alert, Now now, Outbox& out) {
+  const ReplacementPolicy& policy = situation_.settings().resilience.policy;
   const bool binds = wants_robot(alert);
-  if (!(binds ? !policy.asks_who_begins : policy.automatic) || !decides(alert)) return;
-  const auto why_not = [&] { return binds ? why_wait(alert, now) : why_ask(alert, now); };
-  std::string why = why_not();
-  if (why.empty() && works_[alert.id].heard_at) {
-    follow_answers(alert, now, out);
-    why = why_not();
+  const WatchedRun* run = situation_.runs().find(alert.run);
+  if (!(binds ? !policy.asks_who_begins : policy.automatic) || !situation_.decides_on(run)) return;
+  std::string why = why_not(alert, now);
+  if (why.empty() && alerts_.work(alert.id).inquiry.has_new_values()) {
+    proposer_.follow_answers(alert, now, out);
+    why = why_not(alert, now);
   }
-  const bool passes = binds || why == kGathers || why == awaits(works_[alert.id], kAnswers, now);
+  const bool passes = binds || why == kGathers || why == awaits(alerts_.work(alert.id), Inquiry::kAnswers, now);
   const std::string asks = passes ? "automatic, waits: " : "automatic, but asks: ";
   alert.policy = why.empty() ? "automatic" : cut_utf8(asks + why, 255);
   if (!why.empty()) return;
-  if (binds) propose(alert, *watcher_.find(alert.run), now);  // somebody may have got a task meanwhile
+  if (binds) proposer_.propose(alert, *run, now);  // somebody may have got a task meanwhile
   if (alert.proposals.empty()) return;
   AlertDecide verdict;
   verdict.verdict = Verdict::accept;
   verdict.reason =
       (binds ? "it names no robot: the best of " : "policy: the best of ") + std::to_string(alert.proposals.size());
-  if (const auto decided = decide(alert, verdict, now, out); !decided) works_[alert.id].asks_for = decided.error().what;
+  const auto decided = verdicts_.decide(alert, verdict, now, out);
+  if (!decided) alerts_.work(alert.id).asks_for = decided.error().what;
 }
 
 }  // namespace trb::resilience

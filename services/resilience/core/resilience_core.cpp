@@ -2,13 +2,14 @@
 
 #include <algorithm>
 
+#include "proto/value.hpp"
+
 namespace trb::resilience {
 namespace {
 
-constexpr Duration kRoutes = std::chrono::seconds(30);
-constexpr Duration kRoutesWhileOpen = std::chrono::seconds(5);
-constexpr Duration kRoutesAtOnce = std::chrono::seconds(1);
 constexpr Duration kLook = std::chrono::seconds(1);
+constexpr Duration kShown = std::chrono::minutes(15);  ///< a lesser fault is shown for so long
+constexpr std::uint32_t kMostEvents = 500;             ///< as many as a HistoryTable holds
 
 }  // namespace
 
@@ -22,26 +23,13 @@ std::vector<std::string> ResilienceCore::hears() {
 }
 
 void ResilienceCore::restore(std::vector<Alert> alerts, const std::vector<StoredDecision>& decisions) {
-  for (Alert& alert : alerts) book_.restore(std::move(alert));
-  book_.prune();
-  for (const auto& [id, robot] : fleet_.robots()) fleet_.set_later_tasks(id, 0);  // the runs say it anew
-  for (const StoredDecision& stored : decisions) {
-    const auto decision = decode<Decision>(stored.record.payload.bytes);
-    if (stored.delivered || !decision) continue;
-    const Alert* alert = book_.find(decision->alert);
-    if (alert == nullptr || alert->state != AlertState::releasing) continue;
-    Work& work = works_[alert->id];
-    work.record = stored.record;
-    work.epoch = decision->epoch;
-  }
+  for (const auto& [id, robot] : fleet().robots()) fleet().set_later_tasks(id, 0);  // the runs say it anew
+  alerts_.restore(std::move(alerts), decisions);
 }
 
 void ResilienceCore::on_welcome(const NodeIdentity& node, Now now, Outbox& out) {
   welcomed_ = true;
-  settings_.node = node.id;
-  settings_.role = node.role;
-  watcher_.on_welcome(node.id, now);
-  ask_routes_at_ = now.mono;
+  situation_.on_welcome(node, now);
   settle(now, out);
 }
 
@@ -54,166 +42,132 @@ void ResilienceCore::on(const Inbound& message, Now now, Outbox& out) {
   settle(now, out);
 }
 
+// ---- what people ask and decide
+
 void ResilienceCore::on_request(const Inbound& message, Now now, Outbox& out) {
-  stirred_ = true;
+  situation_.note_change();
   if (Taken::dispatch(message.body, [&](const auto& body) { handle(body, message, now, out); })) return;
   out.count("refused.unexpected");
   out.nack(message,
            fail(Errc::unknown_subtype, "trb-resilience does not take '" + std::string(subtype_of(message.body)) + "'"));
 }
 
+void ResilienceCore::handle(const AlertListRequest& body, const Inbound& from, Now now, Outbox& out) {
+  for (Alert* alert : alerts_.open()) {
+    const WatchedRun* run = situation_.runs().find(alert->run);
+    // Nobody holds what was proposed long ago.
+    const bool is_old = alert->state == AlertState::expired && run != nullptr && run->is_known();
+    if (is_old) proposer_.propose(*alert, *run, now);
+  }
+  AlertTable table = alerts_.book().table(body.all);
+  for (Alert& lesser : lesser_faults(fleet(), now.utc - kShown)) {
+    if (table.alerts.size() == AlertBook::kMaxTable) break;
+    table.alerts.push_back(std::move(lesser));
+  }
+  out.reply(from, std::move(table));
+}
+
+void ResilienceCore::handle(const AlertDecide& body, const Inbound& from, Now now, Outbox& out) {
+  const auto taken = verdicts_.receive(body, from.source, now, out);
+  if (taken) return out.reply(from, Ack{"accepted", cut_utf8(*taken, 1024)});
+  out.count("refused.alert_decide." + std::string(errc_name(taken.error().code)));
+  out.nack(from, taken.error());
+}
+
+void ResilienceCore::handle(const HistoryListRequest& body, const Inbound& from, Now, Outbox& out) const {
+  if (history_ == nullptr) return out.nack(from, fail(Errc::no_service, "this node keeps no history"));
+  if (body.most == 0 || body.most > kMostEvents) {
+    return out.nack(from, fail(Errc::bad_value, "most: " + std::to_string(body.most), "use 1 to 500"));
+  }
+  const auto entries = history_->history(body.robot, body.most);
+  if (!entries) return out.nack(from, entries.error());
+  if (entries->empty() && !body.robot.empty() && situation_.fleet().find(body.robot) == nullptr) {
+    return out.nack(from, fail(Errc::unknown_target, "'" + body.robot + "' was never heard", "trb robot list"));
+  }
+  HistoryTable table;
+  for (const HistoryEntry& one : *entries) table.events.push_back({one.time.ns, one.robot, one.kind, one.text});
+  out.reply(from, std::move(table));
+}
+
+// ---- what the fleet, the own router and the own scheduler tell
+
 void ResilienceCore::on_information(const Inbound& message, Now now, Outbox& out) {
+  if (!on_fleet(message, now, out) && !on_own_node(message, now, out)) on_answer(message, now, out);
+}
+
+/// False: it is something else.
+bool ResilienceCore::on_fleet(const Inbound& message, Now now, Outbox& out) {
   const std::string& from = message.source;
-  const bool own = from == settings_.node;
-  visit(Overloaded{[&](const RobotState& body) {
-                     if (!fleet_.on_state(from, body, now.utc)) out.count("dropped.robot_state");
-                   },
-                   [&](const RobotFault& body) { hear(body, from, now, out); },
-                   [&](const RobotConnection& body) {
-                     if (!fleet_.on_connection(from, body, now.utc)) out.count("dropped.robot_connection");
-                     look_at_robot(from, now);
-                     ask_routes(now, kRoutesAtOnce);
-                   },
-                   [&](const PeerJoined& body) {
-                     if (!own) return out.count("dropped.foreign");
-                     ask_routes(now, kRoutesAtOnce);
-                     if (fleet_.find(body.id) == nullptr) return;  // the table says whether it has a robot
-                     if (const Status known = fleet_.on_joined(body.id, now.utc); !known)
-                       out.count("dropped.peer_joined");
-                     look_at_robot(body.id, now);
-                   },
-                   [&](const PeerExpired& body) {
-                     if (!own) return out.count("dropped.foreign");
-                     fleet_.on_expired(body.id, body.reason, now.utc);
-                     look_at_robot(body.id, now, true);
-                   },
-                   [&](const RouteTable& body) { own ? take_page(body, now, out) : out.count("dropped.foreign"); },
-                   [&](const RunTable& body) { own ? watcher_.on(body, now) : out.count("dropped.foreign"); },
-                   [&](const RunChanged& body) { own ? watcher_.on(body, now) : out.count("dropped.foreign"); },
-                   [&](const RunView& body) { own ? watcher_.on(body) : out.count("dropped.foreign"); },
-                   [&](const Definition& body) { own ? watcher_.on(body) : out.count("dropped.foreign"); },
-                   [&](const auto&) { on_answer(message, now, out); }},
-        message.body);
+  return visit(Overloaded{[&](const RobotState& body) { return situation_.receive(body, from, now, out), true; },
+                          [&](const RobotFault& body) { return situation_.receive(body, from, now, out), true; },
+                          [&](const RobotConnection& body) { return situation_.receive(body, from, now, out), true; },
+                          [&](const auto&) { return false; }},
+               message.body);
+}
+
+/// False: it is something else. Of another node it is dropped.
+bool ResilienceCore::on_own_node(const Inbound& message, Now now, Outbox& out) {
+  RunWatcher& runs = situation_.runs();
+  const bool own = message.source == situation_.node();
+  const auto take = [&](const auto& effect) {
+    own ? effect() : out.count("dropped.foreign");
+    return true;
+  };
+  return visit(Overloaded{[&](const PeerJoined& body) { return take([&] { situation_.receive(body, now, out); }); },
+                          [&](const PeerExpired& body) { return take([&] { situation_.receive(body, now); }); },
+                          [&](const RouteTable& body) { return take([&] { receive(body, now, out); }); },
+                          [&](const RunTable& body) { return take([&] { runs.on(body, now); }); },
+                          [&](const RunChanged& body) { return take([&] { runs.on(body, now); }); },
+                          [&](const RunView& body) { return take([&] { runs.on(body); }); },
+                          [&](const Definition& body) { return take([&] { runs.on(body); }); },
+                          [&](const SignedRecord& body) { return take([&] { decisions_.receive(body, out); }); },
+                          [&](const auto&) { return false; }},
+               message.body);
 }
 
 void ResilienceCore::on_answer(const Inbound& message, Now now, Outbox& out) {
   const std::string& from = message.source;
-  const bool own = from == settings_.node;
-  visit(Overloaded{[&](const SignedRecord& body) { own ? on_signed(body, out) : out.count("dropped.foreign"); },
-                   // Of the own scheduler: it has taken a decision or an order; what came of it the view tells.
-                   [&](const Ack& body) {
-                     if (!own && body.state == "in_use") return hear_taken(from, now);
-                     const Alert* alert = own ? book_.find(handed_) : nullptr;
-                     if (alert != nullptr) watcher_.refresh(alert->run);
-                   },
-                   // Nobody refuses in the own scheduler's place.
-                   [&](const Nack& body) {
-                     const bool asked_here =
-                         body.subtype == RunDecision::kSubtype || body.subtype == RunAbort::kSubtype;
-                     const bool of_robot = body.subtype == TakeIntoUse::kSubtype;
-                     if (of_robot) return hear_unmended(body, from, now, out);
-                     own || !asked_here ? hear(body, now, out) : out.count("dropped.foreign");
-                   },
-                   [&](const Opaque& body) {
-                     message.reply_to != 0 ? hear(body, from, now, out) : out.count("dropped.unexpected");
-                   },
-                   [&](const SensorReading& body) {
-                     message.reply_to != 0 ? hear(body, from, now, out) : out.count("dropped.unexpected");
-                   },
-                   [&](const auto&) { out.count("dropped.unexpected"); }},
+  const bool asked = message.reply_to != 0;
+  const auto unexpected = [&] { out.count("dropped.unexpected"); };
+  visit(Overloaded{[&](const Ack& body) { receive(body, from, now); },
+                   [&](const Nack& body) { receive(body, from, now, out); },
+                   [&](const Opaque& body) { asked ? proposer_.receive(body, from, now, out) : unexpected(); },
+                   [&](const SensorReading& body) { asked ? proposer_.receive(body, from, now, out) : unexpected(); },
+                   [&](const auto&) { unexpected(); }},
         message.body);
 }
 
-void ResilienceCore::hear(const RobotFault& fault, const std::string& robot, Now now, Outbox& out) {
-  const RobotRecord* known = fleet_.find(robot);
-  const std::vector<Fault> before = known == nullptr ? std::vector<Fault>{} : known->faults;
-  if (!fleet_.on_fault(robot, fault, now.utc)) return out.count("dropped.robot_fault");
-  // Told again in the same words it changes nothing for any run.
-  known = fleet_.find(robot);
-  if (known->faults != before) {
-    ask_routes(now, kRoutesAtOnce);
-    look_at_robot(robot, now);
-  }
+void ResilienceCore::receive(const RouteTable& page, Now now, Outbox& out) {
+  const auto table = situation_.routes().receive(page, situation_.node(), out);
+  if (!table) return;
+  alerts_.on_answer(situation_.node(), std::string(RouteListRequest::kSubtype));
+  situation_.receive(*table, now, out);
 }
 
-void ResilienceCore::take_page(const RouteTable& page, Now now, Outbox& out) {
-  auto taken = routes_.take(page);
-  if (taken.whole) return hear(*taken.whole, now, out);
-  if (taken.next) out.request(settings_.node, std::move(*taken.next));
+void ResilienceCore::receive(const Ack& ack, const std::string& from, Now now) {
+  const bool own = from == situation_.node();
+  if (own) return decisions_.on_accepted();
+  if (ack.state == "in_use") repairs_.on_taken(from, now);
 }
 
-void ResilienceCore::hear(const RouteTable& table, Now now, Outbox& out) {
-  const bool first = !std::exchange(routes_heard_, true);
-  answered(settings_.node, std::string(RouteListRequest::kSubtype));
-  presence_.begin();
-  for (const Route& route : table.routes) {
-    // A cloud node has no robot: it takes no tasks, and its certificate is the run's already.
-    if (route.role != Role::robot) continue;
-    const auto changed = fleet_.on_route(route, now.utc);
-    if (!changed) {
-      out.count("dropped.route");
-      continue;
-    }
-    certificates_[route.id] = route.certificate;
-    fleet_.set_later_tasks(route.id, open_tasks_.of(route.id));  // it may be new here
-    if (*changed && !first) look_at_robot(route.id, now);
-  }
-  if (first) judge_all(now);
-  stirred_ = true;
-}
-
-/// The first table has come: before, nobody was known to be gone.
-void ResilienceCore::judge_all(Now now) {
-  for (const auto& [id, run] : watcher_.runs()) {
-    due_runs_.notify(id);
-    if (!run.view) continue;
-    for (const TaskView& task : run.view->tasks) {
-      if (!task.robot.empty()) presence_.look(task.robot, fleet_.find(task.robot), now);
-    }
-  }
-}
-
-void ResilienceCore::hear(const Nack& nack, Now now, Outbox& out) {
-  answered(nack.target, nack.subtype);
-  if (nack.subtype == SensorRead::kSubtype) refused_reading(nack.target);
-  if (nack.subtype == RunDecision::kSubtype || nack.subtype == RunAbort::kSubtype) {
-    out.count("nacked." + nack.subtype);
-    out.log(LogLevel::warning, "decision_refused", nack.code + ": " + nack.what);
-    Alert* alert = book_.find(handed_);
-    if (alert == nullptr || !is_open(*alert)) return;  // late
-    // What is only not delivered is sent again.
-    constexpr Errc kNotDelivered[] = {Errc::no_service, Errc::queue_full, Errc::expired, Errc::timeout};
-    const auto code = errc_of(nack.code);
-    if (!code || std::ranges::find(kNotDelivered, *code) == std::end(kNotDelivered)) {
-      works_[alert->id].refusal = nack.what;
-    }
-    return watcher_.refresh(alert->run);
-  }
+void ResilienceCore::receive(const Nack& nack, const std::string& from, Now now, Outbox& out) {
+  const bool of_decision = nack.subtype == RunDecision::kSubtype || nack.subtype == RunAbort::kSubtype;
+  if (nack.subtype == TakeIntoUse::kSubtype) return repairs_.on_refused(nack, from, now, out);
+  // Nobody refuses in the own scheduler's place.
+  if (of_decision && from != situation_.node()) return out.count("dropped.foreign");
+  alerts_.on_answer(nack.target, nack.subtype);
+  if (nack.subtype == SensorRead::kSubtype) proposer_.on_reading_refused(nack.target);
+  if (of_decision) return decisions_.on_refused(nack, out);
   if (nack.subtype == ReleaseTasks::kSubtype || nack.subtype == SignRequest::kSubtype) {
     out.count("nacked." + nack.subtype);
     return out.log(LogLevel::warning, "not_yet", nack.subtype + " to '" + nack.target + "': " + nack.what);
   }
   for (const std::string_view word : {RunWatch::kSubtype, RunQuery::kSubtype, NeedDefinition::kSubtype}) {
-    if (nack.subtype == word) watcher_.on_nack(nack, now, out);
+    if (nack.subtype == word) situation_.runs().on_nack(nack, now, out);
   }
 }
 
-/// Something about the robot is another than before: its runs are looked at.
-void ResilienceCore::look_at_robot(const std::string& robot, Now now, bool expired) {
-  stirred_ = true;
-  for (const auto& [id, run] : watcher_.runs()) {
-    if (!run.view) continue;
-    const bool needed = std::ranges::any_of(run.view->tasks, [&](const TaskView& task) { return task.robot == robot; });
-    if (!needed) continue;
-    presence_.look(robot, fleet_.find(robot), now, expired);
-    due_runs_.notify(id);
-  }
-}
-
-void ResilienceCore::ask_routes(Now now, Duration at_most_every) {
-  const MonotonicTime at = asked_routes_ ? std::max(now.mono, *asked_routes_ + at_most_every) : now.mono;
-  ask_routes_at_ = earlier(ask_routes_at_, at);
-}
+// ---- the end of each step
 
 void ResilienceCore::tick(Now now, Outbox& out) {
   settle(now, out);
@@ -222,47 +176,57 @@ void ResilienceCore::tick(Now now, Outbox& out) {
 /// At what has changed, and once a second at what is open.
 void ResilienceCore::look(Now now, Outbox& out) {
   const bool due = look_at_ && *look_at_ <= now.mono;
-  look_at_runs(now, out);
-  if (!stirred_ && !due) return;
-  stirred_ = false;
+  detection_.look(now, out);
+  if (!situation_.take_change() && !due) return;
   looked_at_ = now.mono;
   look_at_alerts(now, out);
-  tell_standing(now, out);
+  standing_.tell(now, out);
 }
 
-/// The end of every step.
-void ResilienceCore::settle(Now now, Outbox& out) {
-  if (!welcomed_) return;
-  if (routes_heard_) look(now, out);
-  const bool open = !book_.open().empty();
-  look_at_ = open && looked_at_ ? std::optional(*looked_at_ + kLook) : std::nullopt;
-  for (const auto& [id, work] : works_) {
-    const auto follow_at = work.heard_at ? std::optional(*work.heard_at + kCrowd) : std::nullopt;
-    if (follow_at && *follow_at > now.mono) look_at_ = earlier(look_at_, follow_at);
-    for (const Backoff* backoff : {&work.release, &work.sign, &work.hand, &work.mend}) {
-      if (backoff->next() && *backoff->next() > now.mono) look_at_ = earlier(look_at_, backoff->next());
+void ResilienceCore::look_at_alerts(Now now, Outbox& out) {
+  for (Alert* alert : alerts_.open()) {
+    if (alert->run.empty()) {
+      standing_.look(*alert, now, out);
+    } else if (alert->state == AlertState::releasing) {
+      decisions_.advance(*alert, now, out);
+    } else {
+      open_alerts_.look(*alert, now, out);
     }
   }
-  if (routes_heard_) look_at_ = earlier(look_at_, due_runs_.next());
-  standing_.follow(fleet_, now);
-  look_at_ = earlier(earlier(look_at_, presence_.next(now)), standing_.next(now));
-  if (routes_heard_ && due_runs_.has_notified()) look_at_ = now.mono;
+  alerts_.book().prune();
+}
+
+void ResilienceCore::settle(Now now, Outbox& out) {
+  if (!welcomed_) return;
+  const bool judged = situation_.is_judged();
+  if (judged) look(now, out);
+  schedule_look(now);
+  want_routes(now);
+  // Without a first table nothing is judged: whatever has kept it away, it is asked for again soon.
+  situation_.routes().tick(situation_.node(), judged ? RouteRequests::kIdle : RouteRequests::kAtOnce, now, out);
+  situation_.runs().tick(now, out);
+}
+
+void ResilienceCore::schedule_look(Now now) {
+  const DueRuns& due = situation_.due_runs();
+  look_at_ = !alerts_.open().empty() && looked_at_ ? std::optional(*looked_at_ + kLook) : std::nullopt;
+  look_at_ = earlier(look_at_, alerts_.next(now));
+  look_at_ = earlier(earlier(look_at_, situation_.presence().next(now)), standing_.next(now));
+  if (!situation_.is_judged()) return;
+  look_at_ = due.has_notified() ? std::optional(now.mono) : earlier(look_at_, due.next());
+}
+
+void ResilienceCore::want_routes(Now now) {
   // Only the table tells of a profile that has changed: that a robot is retired or has returned, say.
-  if (open || fleet_.has_retired() || !watcher_.runs().empty()) ask_routes(now, kRoutesWhileOpen);
+  const bool often = !alerts_.open().empty() || fleet().has_retired() || !situation_.runs().runs().empty();
+  if (often) situation_.routes().want(now, RouteRequests::kWhileOpen);
   // Who is not there may be there again, and its word of it have been lost with a link that was just being built.
-  if (presence_.next(now)) ask_routes(now, kRoutesAtOnce);
-  if (ask_routes_at_ && *ask_routes_at_ <= now.mono) {
-    out.request(settings_.node, RouteListRequest{});
-    asked_routes_ = now.mono;
-    // Without a first table nothing is judged: whatever has kept it away, it is asked for again soon.
-    ask_routes_at_ = now.mono + (routes_heard_ ? kRoutes : kRoutesAtOnce);
-  }
-  watcher_.tick(now, out);
+  if (situation_.presence().next(now)) situation_.routes().want(now, RouteRequests::kAtOnce);
 }
 
 std::optional<MonotonicTime> ResilienceCore::next_deadline() const {
   if (!welcomed_) return std::nullopt;
-  return earlier(earlier(look_at_, ask_routes_at_), watcher_.next_deadline());
+  return earlier(earlier(look_at_, situation_.routes().next_deadline()), situation_.runs().next_deadline());
 }
 
 }  // namespace trb::resilience

@@ -1,9 +1,10 @@
-// ResilienceCore: a verdict that cannot be carried out is refused when it is given.
+#include "services/resilience/core/verdict_checks.hpp"
+
 #include <algorithm>
 
 #include "proto/value.hpp"
 #include "services/resilience/core/plan.hpp"
-#include "services/resilience/core/resilience_core.hpp"
+#include "services/resilience/core/troubles.hpp"
 
 namespace trb::resilience {
 namespace {
@@ -28,11 +29,11 @@ bool moves(Verdict verdict) {
 
 }  // namespace
 
-Status ResilienceCore::check_decider(const Alert& alert, const WatchedRun* run, const AlertDecide& body) const {
-  if (run == nullptr || !run->is_known() || !routes_heard_) {
+Status VerdictChecks::check_decider(const Alert& alert, const WatchedRun* run, const AlertDecide& body) const {
+  if (run == nullptr || !run->is_known() || !situation_.is_judged()) {
     return fail(Errc::unknown_run, "run " + alert.run + " is not known by this node's scheduler now", "try again");
   }
-  if (!decides(alert)) {
+  if (!situation_.decides_on(run)) {
     const std::string who = run->decider();
     return fail(Errc::not_permitted, "this node does not decide on run " + alert.run,
                 who.empty() ? "the run has no cloud node: abort it" : "say it on node '" + who + "'");
@@ -50,7 +51,7 @@ Status ResilienceCore::check_decider(const Alert& alert, const WatchedRun* run, 
 }
 
 /// Of what has not failed there is nothing to try again.
-Status ResilienceCore::check_retry_of(const Alert& alert, const WatchedRun& run) {
+Status VerdictChecks::check_retry_of(const Alert& alert, const WatchedRun& run) {
   if (alert.cause != kOverdue && alert.cause != kAsked) return Done{};
   for (const std::string& id : alert.tasks) {
     const auto index = run.find_task(id);
@@ -61,17 +62,21 @@ Status ResilienceCore::check_retry_of(const Alert& alert, const WatchedRun& run)
 }
 
 /// Who does it is there, is told of, and may be given it.
-Status ResilienceCore::check_override(const Alert& alert, const AlertDecide& body, const WatchedRun& run) const {
+Status VerdictChecks::check_override(const Alert& alert, const AlertDecide& body, const WatchedRun& run) const {
   if (body.robot.empty() || body.reason.empty()) {
     return fail(Errc::missing, "an override needs a robot and a reason", "--override ROBOT --reason TEXT");
   }
-  const RobotRecord* robot = fleet_.find(body.robot);
+  const RobotRecord* robot = situation_.fleet().find(body.robot);
   if (robot == nullptr) return fail(Errc::unknown_target, "'" + body.robot + "' was never heard", "trb robot list");
   if (body.robot == alert.robot) return fail(Errc::bad_value, "it is the robot that failed", "use --retry");
   if (!robot->reached || robot->profile.is.robot != "ONLINE" || retirement_of(*robot) != nullptr) {
     return fail(Errc::conflict, "'" + body.robot + "' is not there: " + why_unfit(*robot),
                 "bring it back, or name another one");
   }
+  return check_able(*robot, alert, run);
+}
+
+Status VerdictChecks::check_able(const RobotRecord& robot, const Alert& alert, const WatchedRun& run) {
   std::vector<std::size_t> tasks;
   for (const std::string& id : alert.tasks) {
     if (const auto index = run.find_task(id)) tasks.push_back(*index);
@@ -79,16 +84,18 @@ Status ResilienceCore::check_override(const Alert& alert, const AlertDecide& bod
   const auto needs = needs_of(run, tasks, alert.robot);
   if (!needs) return needs.error();
   for (const TaskNeed& need : needs->tasks) {
-    const std::string why = why_unable(*robot, need);
+    const std::string why = why_unable(robot, need);
     if (!why.empty())
-      return fail(Errc::bad_value, "'" + body.robot + "' cannot do task '" + need.task + "': " + why,
+      return fail(Errc::bad_value, "'" + robot.id + "' cannot do task '" + need.task + "': " + why,
                   "trb alert list says who can");
   }
   return Done{};
 }
 
-Status ResilienceCore::take_proposal(Alert& alert, const AlertDecide& body, const WatchedRun& run, Now now) {
-  if (alert.proposals.empty() || alert.state == AlertState::expired || is_stale(alert)) propose(alert, run, now);
+Status VerdictChecks::take_proposal(Alert& alert, const AlertDecide& body, const WatchedRun& run, Now now) {
+  if (alert.proposals.empty() || alert.state == AlertState::expired || proposer_.is_stale(alert)) {
+    proposer_.propose(alert, run, now);
+  }
   if (alert.proposals.empty()) {
     return fail(Errc::conflict, "no robot can take over", "trb alert list says why; --retry, --skip or --abort");
   }
@@ -101,7 +108,7 @@ Status ResilienceCore::take_proposal(Alert& alert, const AlertDecide& body, cons
   return Done{};
 }
 
-Status ResilienceCore::take_override(Alert& alert, const AlertDecide& body, const WatchedRun& run) const {
+Status VerdictChecks::take_override(Alert& alert, const AlertDecide& body, const WatchedRun& run) const {
   if (Status good = check_override(alert, body, run); !good) return good;
   Proposal own{body.robot, {}, 0, {}, cut_utf8("override: " + body.reason, 512)};
   for (const std::string& task : alert.tasks) own.tasks.push_back({task, body.robot});
@@ -110,21 +117,21 @@ Status ResilienceCore::take_override(Alert& alert, const AlertDecide& body, cons
   return Done{};
 }
 
-Status ResilienceCore::check_word(const Alert& alert, const AlertDecide& body, const WatchedRun& run) const {
+Status VerdictChecks::check_word(const Alert& alert, const AlertDecide& body, const WatchedRun& run) const {
   if (body.stands || body.verdict == Verdict::abort) return Done{};
   for (const std::string& id : alert.tasks) {
     const auto index = run.find_task(id);
     if (!index) continue;
-    const std::string why = why_word(run, *index, fleet_, body.verdict == Verdict::retry);
+    const std::string why = why_word(run, *index, situation_.fleet(), body.verdict == Verdict::retry);
     if (!why.empty()) return fail(Errc::bad_value, why, kStands);
   }
   return Done{};
 }
 
-Status ResilienceCore::check_retry(const Alert& alert, Now now) const {
+Status VerdictChecks::check_retry(const Alert& alert, Now now) const {
   if (wants_robot(alert)) return fail(Errc::bad_value, "nothing has failed: there is nothing to try again");
-  const Presence::Gone* gone = presence_.find(alert.robot, now);
-  const RobotRecord* robot = fleet_.find(alert.robot);
+  const Presence::Gone* gone = situation_.presence().find(alert.robot, now);
+  const RobotRecord* robot = situation_.fleet().find(alert.robot);
   if (const OutOfUse* retired = robot == nullptr ? nullptr : retirement_of(*robot)) {
     return fail(Errc::conflict, alert.robot + " cannot try again: it " + retired_text(*retired),
                 "trb robot return " + alert.robot + ", or let another one");
@@ -133,22 +140,26 @@ Status ResilienceCore::check_retry(const Alert& alert, Now now) const {
   return fail(Errc::conflict, alert.robot + " cannot try again: " + gone->text, "bring it back, or let another one");
 }
 
-/// What the scheduler would refuse for good.
-Status ResilienceCore::check_bounds(const Alert& alert, const WatchedRun& run) {
-  if (alert.verdict == Verdict::abort) return Done{};
+/// The run takes another decision.
+Status VerdictChecks::check_decisions(const Alert& alert, const WatchedRun& run) {
   std::uint32_t decided = run.view->epoch - 1;
-  for (const Alert* other : book_.open()) {
+  for (const Alert* other : alerts_.open()) {
     const bool comes = other->run == alert.run && other->id != alert.id && other->state == AlertState::releasing &&
                        other->verdict != Verdict::abort;
     decided += comes ? 1 : 0;
   }
-  if (decided >= kMaxDecisions) {
-    return fail(Errc::conflict,
-                "run " + alert.run + " has its " + std::to_string(kMaxDecisions) + " decisions: it takes no more",
-                "--abort, or let it end");
-  }
+  if (decided < kMaxDecisions) return Done{};
+  return fail(Errc::conflict,
+              "run " + alert.run + " has its " + std::to_string(kMaxDecisions) + " decisions: it takes no more",
+              "--abort, or let it end");
+}
+
+/// What the scheduler would refuse for good.
+Status VerdictChecks::check_bounds(const Alert& alert, const WatchedRun& run) {
+  if (alert.verdict == Verdict::abort) return Done{};
+  if (Status good = check_decisions(alert, run); !good) return good;
   const bool skips = alert.verdict == Verdict::skip;
-  for (const TaskRuling& ruling : plan_of(alert, run, fleet_, settings_.node, true).rulings) {
+  for (const TaskRuling& ruling : plan_of(alert, run, situation_.fleet(), situation_.node(), true).rulings) {
     if (ruling.attempt <= kMaxAttempts + (skips ? 1 : 0)) continue;
     return fail(Errc::conflict,
                 "task '" + ruling.task + "' would come to attempt " + std::to_string(ruling.attempt) + ", " +
@@ -159,7 +170,7 @@ Status ResilienceCore::check_bounds(const Alert& alert, const WatchedRun& run) {
 }
 
 /// Makes of the alert what it is with that verdict.
-Status ResilienceCore::shape(Alert& alert, const AlertDecide& body, const WatchedRun& run, Now now) {
+Status VerdictChecks::shape(Alert& alert, const AlertDecide& body, const WatchedRun& run, Now now) {
   Status good = narrow(alert, body, run);
   if (good && body.verdict == Verdict::accept) good = take_proposal(alert, body, run, now);
   if (good && body.verdict == Verdict::override_) good = take_override(alert, body, run);
@@ -177,7 +188,7 @@ Status ResilienceCore::shape(Alert& alert, const AlertDecide& body, const Watche
 }
 
 /// To those of its tasks that are meant: those that are named; of a move otherwise those that may move.
-Status ResilienceCore::narrow(Alert& alert, const AlertDecide& body, const WatchedRun& run) {
+Status VerdictChecks::narrow(Alert& alert, const AlertDecide& body, const WatchedRun& run) {
   const bool named = !body.tasks.empty();
   if (named && body.verdict == Verdict::abort) {
     return fail(Errc::bad_value, "tasks: a run is aborted as a whole", "leave --task out");

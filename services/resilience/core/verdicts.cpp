@@ -1,13 +1,12 @@
-// ResilienceCore: what people ask and decide.
+#include "services/resilience/core/verdicts.hpp"
+
 #include <algorithm>
 
 #include "proto/value.hpp"
-#include "services/resilience/core/resilience_core.hpp"
+#include "services/resilience/core/troubles.hpp"
 
 namespace trb::resilience {
 namespace {
-
-constexpr Duration kShown = std::chrono::minutes(15);  ///< a lesser fault is shown for so long
 
 std::string person_of(const Alert& alert) {
   return alert.person.empty() ? "the policy" : "'" + alert.person + "'";
@@ -23,55 +22,62 @@ std::string decided_text(const Alert& alert) {
   return cut_utf8(out, 512);
 }
 
+constexpr const char* kTrbRun = "trb scenario list names the runs, trb scenario watch a run's tasks";
+
+bool has(const std::vector<std::string>& words, const std::string& word) {
+  return std::ranges::find(words, word) != words.end();
+}
+
+/// The robot of all of them.
+Result<std::string> robot_of(const WatchedRun& run, const std::vector<std::string>& tasks) {
+  std::string robot;
+  for (const std::string& id : tasks) {
+    const auto index = run.find_task(id);
+    if (!index) return fail(Errc::bad_value, "tasks: the run has no task '" + cut_utf8(id, 64) + "'", kTrbRun);
+    const TaskView& task = run.view->tasks[*index];
+    if (is_final(task)) {
+      return fail(Errc::conflict, "task '" + id + "' is " + std::string(name_of(task.state)) + " already", kTrbRun);
+    }
+    if (task.robot.empty()) {
+      return fail(Errc::conflict, "task '" + id + "' names no robot yet", "an alert asks for one when it is due");
+    }
+    if (!robot.empty() && robot != task.robot) {
+      return fail(Errc::bad_value, "tasks: '" + id + "' is of " + task.robot + ", others are of " + robot,
+                  "decide on one robot's tasks at a time");
+    }
+    robot = task.robot;
+  }
+  return robot;
+}
+
 }  // namespace
 
-void ResilienceCore::handle(const AlertListRequest& body, const Inbound& from, Now now, Outbox& out) {
-  for (Alert* alert : book_.open()) {
-    const WatchedRun* run = watcher_.find(alert->run);
-    // Nobody holds what was proposed long ago.
-    if (alert->state == AlertState::expired && run != nullptr && run->is_known()) propose(*alert, *run, now);
-  }
-  AlertTable table = book_.table(body.all);
-  for (Alert& lesser : lesser_faults(fleet_, now.utc - kShown)) {
-    if (table.alerts.size() == AlertBook::kMaxTable) break;
-    table.alerts.push_back(std::move(lesser));
-  }
-  out.reply(from, std::move(table));
-}
-
-void ResilienceCore::handle(const AlertDecide& body, const Inbound& from, Now now, Outbox& out) {
-  const auto refuse = [&](const Error& error) {
-    out.count("refused.alert_decide." + std::string(errc_name(error.code)));
-    out.nack(from, error);
-  };
-  if (from.source != settings_.node) {
-    return refuse(fail(Errc::not_permitted, "an alert is decided on the node whose alert it is", "use --node"));
+Result<std::string> Verdicts::receive(const AlertDecide& body, const std::string& source, Now now, Outbox& out) {
+  if (source != situation_.node()) {
+    return fail(Errc::not_permitted, "an alert is decided on the node whose alert it is", "use --node");
   }
   if (!body.alert.empty() && !body.run.empty()) {
-    return refuse(fail(Errc::bad_value, "run: an alert names its run itself", "give the alert, or run and tasks"));
+    return fail(Errc::bad_value, "run: an alert names its run itself", "give the alert, or run and tasks");
   }
-  const bool by_run = body.alert.empty() && !body.run.empty();
-  const auto alert = by_run ? Result<Alert*>(nullptr) : book_.choose(body.alert);
-  if (!alert) return refuse(alert.error());
-  const auto taken = by_run ? decide_tasks(body, now, out) : decide_alert(**alert, body, now, out);
-  if (!taken) return refuse(taken.error());
-  out.reply(from, Ack{"accepted", cut_utf8(*taken, 1024)});
+  if (body.alert.empty() && !body.run.empty()) return decide_tasks(body, now, out);
+  const auto alert = alerts_.book().choose(body.alert);
+  return alert ? decide_alert(**alert, body, now, out) : alert.error();
 }
 
-Result<std::string> ResilienceCore::decide_alert(Alert& alert, const AlertDecide& body, Now now, Outbox& out) {
+Result<std::string> Verdicts::decide_alert(Alert& alert, const AlertDecide& body, Now now, Outbox& out) {
   if (alert.run.empty()) return decide_lone(alert, body, now, out);
   const bool undecided = alert.verdict == Verdict::none && is_open(alert);
   return undecided ? decide(alert, body, now, out) : decide_again(alert, body, now, out);
 }
 
 /// The fault of a robot that no run needs: a person can say that it is over.
-Result<std::string> ResilienceCore::decide_lone(Alert& alert, const AlertDecide& body, Now now, Outbox& out) {
+Result<std::string> Verdicts::decide_lone(Alert& alert, const AlertDecide& body, Now now, Outbox& out) {
   if (!is_open(alert)) return fail(Errc::conflict, "alert " + alert.id + " is closed: " + alert.waits_for);
   if (body.verdict != Verdict::retry) {
     return fail(Errc::bad_value, "no run needs " + alert.robot + ": there is nothing to move or to skip",
                 "say --retry once it works again");
   }
-  if (settings_.role != Role::cloud && !told_broken(alert).empty()) {
+  if (situation_.settings().role != Role::cloud && !repairs_.still_broken(alert).empty()) {
     return fail(Errc::not_permitted, "this node puts no robot back into use",
                 "say it on the cloud's node, or on the robot's: trb robot repaired " + alert.robot);
   }
@@ -80,45 +86,49 @@ Result<std::string> ResilienceCore::decide_lone(Alert& alert, const AlertDecide&
   alert.person = body.person;
   alert.reason = body.reason;
   alert.state = AlertState::releasing;
-  mend(alert, "said by " + person_of(alert), now);
+  repairs_.begin(alert, "said by " + person_of(alert), now);
   out.record(alert);
-  look_at_lone(alert, now, out);
+  standing_.look(alert, now, out);
   if (!is_open(alert)) return alert.robot + " is taken as mended";
   return "alert " + alert.id + " " + decided_text(alert) + "; waits for: " + alert.waits_for;
 }
 
 /// The open alert that tells of the fault, which has outlived this one.
-Alert* ResilienceCore::alert_of_fault(const Alert& alert) {
-  const std::vector<std::string> broken = told_broken(alert);
-  for (Alert* other : book_.open()) {
+Alert* Verdicts::alert_of_fault(const Alert& alert) {
+  const std::vector<std::string> broken = repairs_.still_broken(alert);
+  for (Alert* other : alerts_.open()) {
     const auto tells = [&](const std::string& capability) { return tells_of(*other, capability); };
     if (other->robot == alert.robot && std::ranges::any_of(broken, tells)) return other;
   }
   return nullptr;
 }
 
-/// It was decided before, or its run has ended: said once more it does no harm, a word may be added, `retry` says that
-/// the robot is mended.
-Result<std::string> ResilienceCore::decide_again(Alert& alert, const AlertDecide& body, Now now, Outbox& out) {
+/// The alert is over: a person says that its robot is repaired.
+Result<std::string> Verdicts::mend_again(Alert& alert, const AlertDecide& body, Now now, Outbox& out) {
   const std::string name = "alert " + alert.id + " ";
-  if (body.verdict == Verdict::retry && !is_open(alert) && !alert.robot.empty()) {
-    mend(alert, "said by '" + body.person + "'", now);
-    if (const auto broken = told_broken(alert); !broken.empty()) {
-      Alert* stands = alert_of_fault(alert);
-      if (stands == nullptr) stands = raise_lone({alert.robot, broken.front()}, now, out);
-      if (stands == nullptr)
-        return fail(Errc::queue_full, "too many alerts are open", "decide on some: trb alert list");
-      if (stands->run.empty()) return decide_lone(*stands, body, now, out);
-      return fail(Errc::conflict, name + "is closed: alert " + stands->id + " tells of the fault",
-                  "decide on that one");
-    }
+  repairs_.begin(alert, "said by '" + body.person + "'", now);
+  const auto broken = repairs_.still_broken(alert);
+  if (broken.empty()) {
     const bool decided = alert.verdict != Verdict::none;
     return alert.robot + " is taken as mended; " + name + (decided ? decided_text(alert) : "is closed");
   }
+  Alert* stands = alert_of_fault(alert);
+  if (stands == nullptr) stands = standing_.raise({alert.robot, broken.front()}, now, out);
+  if (stands == nullptr) return fail(Errc::queue_full, "too many alerts are open", "decide on some: trb alert list");
+  if (stands->run.empty()) return decide_lone(*stands, body, now, out);
+  return fail(Errc::conflict, name + "is closed: alert " + stands->id + " tells of the fault", "decide on that one");
+}
+
+/// It was decided before, or its run has ended: said once more it does no harm, a word may be added, `retry` says that
+/// the robot is mended.
+Result<std::string> Verdicts::decide_again(Alert& alert, const AlertDecide& body, Now now, Outbox& out) {
+  const std::string name = "alert " + alert.id + " ";
+  if (body.verdict == Verdict::retry && !is_open(alert) && !alert.robot.empty())
+    return mend_again(alert, body, now, out);
   const bool same = alert.verdict == body.verdict &&
                     (body.robot.empty() || alert.proposals.empty() || alert.proposals.front().robot == body.robot);
   if (alert.verdict == Verdict::none) return fail(Errc::conflict, name + "is closed: " + alert.waits_for);
-  if (!same && is_stuck(alert, now)) return decide(alert, body, now, out);
+  if (!same && decisions_.is_stuck(alert, now)) return decide(alert, body, now, out);
   if (!same) return fail(Errc::conflict, name + decided_text(alert), "trb alert list --all has it");
   if (alert.state == AlertState::releasing && body.stands && !alert.needs_word) {
     alert.needs_word = true;
@@ -128,22 +138,74 @@ Result<std::string> ResilienceCore::decide_again(Alert& alert, const AlertDecide
   return name + decided_text(alert) + " already";
 }
 
-Result<std::string> ResilienceCore::decide(Alert& alert, const AlertDecide& body, Now now, Outbox& out) {
-  const WatchedRun* run = watcher_.find(alert.run);
-  if (Status may = check_decider(alert, run, body); !may) return may.error();
+Result<std::string> Verdicts::decide(Alert& alert, const AlertDecide& body, Now now, Outbox& out) {
+  const WatchedRun* run = situation_.runs().find(alert.run);
+  if (Status may = checks_.check_decider(alert, run, body); !may) return may.error();
   Alert next = alert;
   if (alert.state == AlertState::releasing) next.proposals.clear();  // decided anew
-  if (Status good = shape(next, body, *run, now); !good) return good.error();
+  if (Status good = checks_.shape(next, body, *run, now); !good) return good.error();
   alert = std::move(next);
-  works_.erase(alert.id);
-  works_[alert.id].releasing_since = now.mono;
-  if (body.verdict == Verdict::retry) mend(alert, "said by " + person_of(alert), now);
+  alerts_.reset_work(alert.id);
+  alerts_.work(alert.id).signing.begin(now);
+  if (body.verdict == Verdict::retry) repairs_.begin(alert, "said by " + person_of(alert), now);
   out.record(alert);
   out.log(LogLevel::warning, "alert_decided", alert.id + " " + decided_text(alert));
-  stirred_ = true;
-  due_runs_.notify(alert.run);  // what the verdict leaves out may be an alert of its own
-  advance(alert, now, out);
+  situation_.note_change();
+  situation_.due_runs().notify(alert.run);  // what the verdict leaves out may be an alert of its own
+  decisions_.advance(alert, now, out);
   return "alert " + alert.id + " " + decided_text(alert) + "; waits for: " + alert.waits_for;
+}
+
+/// By a unique beginning of its id.
+Result<const WatchedRun*> Verdicts::choose_run(const std::string& beginning) const {
+  const WatchedRun* out = nullptr;
+  for (const auto& [id, run] : situation_.runs().runs()) {
+    if (!id.starts_with(beginning)) continue;
+    if (out != nullptr)
+      return fail(Errc::bad_value, "'" + beginning + "' is the beginning of several runs", "give more of the id");
+    out = &run;
+  }
+  if (out != nullptr && out->is_known() && situation_.is_judged()) return out;
+  return fail(Errc::unknown_run, "run '" + beginning + "' is not known by this node's scheduler now", kTrbRun);
+}
+
+/// The open alert that tells of these tasks. Error: it tells of some of them only.
+Result<Alert*> Verdicts::alert_of_tasks(const WatchedRun& run, const std::vector<std::string>& tasks) {
+  for (Alert* alert : alerts_.open()) {
+    if (alert->run != run.summary.run || !may_be_ruled(*alert)) continue;
+    const auto told = std::ranges::count_if(tasks, [&](const std::string& id) { return has(alert->tasks, id); });
+    if (told == 0) continue;
+    if (static_cast<std::size_t>(told) == tasks.size()) return alert;
+    return fail(Errc::conflict, "tasks: alert " + alert->id + " tells of some of them",
+                "decide on those by themselves");
+  }
+  return static_cast<Alert*>(nullptr);
+}
+
+Result<std::string> Verdicts::decide_tasks(const AlertDecide& body, Now now, Outbox& out) {
+  const auto run = choose_run(body.run);
+  if (!run) return run.error();
+  if (body.tasks.empty()) return fail(Errc::missing, "tasks: which tasks of the run?", "--task T[,T]");
+  const auto robot = robot_of(**run, body.tasks);
+  if (!robot) return robot.error();
+  const auto told = alert_of_tasks(**run, body.tasks);
+  if (!told) return told.error();
+  if (*told != nullptr) return decide_alert(**told, body, now, out);
+  Alert alert = alert_of(**run, *robot, now);
+  alert.cause = kAsked;
+  alert.text = cut_utf8("asked by '" + body.person + "'" + (body.reason.empty() ? "" : ": " + body.reason), 1024);
+  for (const std::string& id : body.tasks) {
+    if (!has(alert.tasks, id)) alert.tasks.push_back(id);
+  }
+  return decide_anew(std::move(alert), body, now, out);
+}
+
+Result<std::string> Verdicts::decide_anew(Alert fresh, const AlertDecide& body, Now now, Outbox& out) {
+  Alert* alert = alerts_.raise(std::move(fresh), now, out);
+  if (alert == nullptr) return fail(Errc::queue_full, "too many alerts are open", "decide on some: trb alert list");
+  auto decided = decide(*alert, body, now, out);
+  if (!decided) alerts_.drop(alert->id);
+  return decided;
 }
 
 }  // namespace trb::resilience

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "services/resilience/core/fleet.hpp"
+#include "services/resilience/core/history_reader.hpp"
 #include "services/resilience/io/sqlite.hpp"
 
 namespace trb::resilience {
@@ -33,7 +34,7 @@ struct DecisionRow {
   bool operator==(const DecisionRow&) const = default;
 };
 
-class CapabilityDb {
+class CapabilityDb final : public HistoryReader {
  public:
   static constexpr std::int64_t kMaxHistory = 10'000;                   ///< rows; the oldest go
   static constexpr Duration kHistoryAge = std::chrono::hours(30 * 24);  ///< and what is older
@@ -50,7 +51,7 @@ class CapabilityDb {
   Status write(Fleet& fleet, UtcTime now);
 
   /// The newest entries, of one robot or (empty) of all; the newest first.
-  Result<std::vector<HistoryEntry>> history(const std::string& robot, std::uint32_t most);
+  Result<std::vector<HistoryEntry>> history(const std::string& robot, std::uint32_t most) override;
 
   Status put_alert(const AlertRow& alert);  /// Of the alerts with one of these two states only the newest stay.
   Status keep_newest_alerts(std::int64_t state, std::int64_t other, std::int64_t most);

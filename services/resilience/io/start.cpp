@@ -4,7 +4,7 @@
 #include "common/config/node_config.hpp"
 #include "common/log/log.hpp"
 #include "common/service/service.hpp"
-#include "services/resilience/io/steps.hpp"
+#include "services/resilience/io/recording_core.hpp"
 #include "services/resilience/io/store.hpp"
 
 namespace trb::resilience {
@@ -23,14 +23,14 @@ Result<int> start(NodeConfig config) {
   if (auto made = make_private_dir(config.dir + "/state"); !made) return made.error();
   auto db = CapabilityDb::open(config.dir + "/state/capability.db");
   if (!db) return db.error();
-  ResilienceCore core(settings_of(config));
+  ResilienceCore core(settings_of(config), db->get());
   if (Status restored = restore(**db, core); !restored) return restored.error();
-  auto service = Service::open({config.dir, "resilience", Steps::subtypes(), ResilienceCore::hears()});
+  auto service = Service::open({config.dir, "resilience", ResilienceCore::Taken::subtypes(), ResilienceCore::hears()});
   if (!service) return service.error();
-  Steps steps(core, **db);
+  RecordingCore recording(core, **db);
   (*service)->on_journal([&](const std::vector<Journal>& records) { return commit(**db, records); });
-  const int status = (*service)->run(steps);
-  if (Status written = steps.flush(now()); !written) {
+  const int status = (*service)->run(recording);
+  if (Status written = recording.flush(now()); !written) {
     log_event(Level::error, "fleet_not_written", written.error().text());
   }
   return status;

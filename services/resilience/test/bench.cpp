@@ -30,10 +30,10 @@ void Bench::open() {
   auto db = CapabilityDb::open(folder_ + "/capability.db");
   REQUIRE_MESSAGE(db.ok(), (db ? "" : db.error().text()));
   db_ = std::move(*db);
-  core_ = std::make_unique<ResilienceCore>(settings);
+  core_ = std::make_unique<ResilienceCore>(settings, db_.get());
   const Status restored = trb::resilience::restore(*db_, *core_);
   REQUIRE_MESSAGE(restored.ok(), (restored ? "" : restored.error().text()));
-  steps_ = std::make_unique<Steps>(*core_, *db_);
+  steps_ = std::make_unique<RecordingCore>(*core_, *db_);
   step([&](Outbox& out) { steps_->on_welcome({"cloud", settings.role, 1}, now, out); });
 }
 

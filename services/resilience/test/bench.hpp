@@ -13,7 +13,7 @@
 
 #include "common/security/keys.hpp"
 #include "services/resilience/core/fleet_stories.hpp"
-#include "services/resilience/io/steps.hpp"
+#include "services/resilience/io/recording_core.hpp"
 #include "services/resilience/io/store.hpp"
 
 namespace trb::resilience::test {
@@ -119,7 +119,7 @@ class Bench {
   SigningKey key_;
   std::unique_ptr<CapabilityDb> db_;
   std::unique_ptr<ResilienceCore> core_;
-  std::unique_ptr<Steps> steps_;
+  std::unique_ptr<RecordingCore> steps_;
   std::deque<Inbound> inbox_;
   std::uint64_t count_ = 0;
   std::uint64_t version_ = 0;

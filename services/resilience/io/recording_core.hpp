@@ -1,5 +1,4 @@
 // Runs the core and writes what the fleet has told: before anything is said of it, or, values, every few seconds.
-// Answers `history_list` out of the file: the core keeps no past.
 #pragma once
 
 #include "common/actor/core.hpp"
@@ -8,12 +7,9 @@
 
 namespace trb::resilience {
 
-class Steps final : public Core {
+class RecordingCore final : public Core {
  public:
-  Steps(ResilienceCore& core, CapabilityDb& db) : core_(core), db_(db) {}
-
-  /// What the core takes, and what is answered here.
-  static std::vector<std::string> subtypes();
+  RecordingCore(ResilienceCore& core, CapabilityDb& db) : core_(core), db_(db) {}
 
   void on_welcome(const NodeIdentity& node, Now now, Outbox& out) override;
   void on(const Inbound& message, Now now, Outbox& out) override;
@@ -25,7 +21,6 @@ class Steps final : public Core {
 
  private:
   void keep(Now now, Outbox& out);
-  void tell_history(const HistoryListRequest& asked, const Inbound& from, Outbox& out);
 
   ResilienceCore& core_;
   CapabilityDb& db_;

@@ -1,0 +1,75 @@
+// The alerts, and what is under way of each: how an alert is raised, is over, or is open again.
+#pragma once
+
+#include <map>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "common/actor/outbox.hpp"
+#include "services/resilience/core/alert_book.hpp"
+#include "services/resilience/core/inquiry.hpp"
+#include "services/resilience/core/repair.hpp"
+#include "services/resilience/core/signing.hpp"
+#include "services/resilience/core/situation.hpp"
+
+namespace trb::resilience {
+
+constexpr std::size_t kMaxAlertText = 1024;
+
+/// What is under way of an alert; lost at a restart but for a signed record.
+struct AlertWork {
+  Inquiry inquiry;
+  Repair repair;
+  Signing signing;
+  std::optional<MonotonicTime> grown_at;  ///< the alert's tasks, or itself
+  std::string asks_for;                   ///< why the policy leaves it to people
+};
+
+/// A decision as the database has it.
+struct StoredDecision {
+  SignedRecord record;
+  bool delivered = false;  ///< the scheduler has it
+};
+
+/// Of a run and a robot, without what may change: the cause, and what follows from it.
+[[nodiscard]] Alert alert_of(const WatchedRun& run, const std::string& robot, Now now);
+
+class Alerts {
+ public:
+  explicit Alerts(Situation& situation) : situation_(situation) {}
+
+  void restore(std::vector<Alert> alerts, const std::vector<StoredDecision>& decisions);
+
+  AlertBook& book() { return book_; }
+  /// Not over, by time, then id.
+  std::vector<Alert*> open() { return book_.open(); }
+  AlertWork& work(std::string_view alert);
+  [[nodiscard]] const AlertWork* find_work(std::string_view alert) const;
+  /// What was under way is dropped.
+  void reset_work(std::string_view alert) { works_.erase(std::string(alert)); }
+  /// A robot has answered what alerts ask for.
+  void on_answer(const std::string& robot, const std::string& value);
+  /// When something is sent again, or proposals follow what has come.
+  [[nodiscard]] std::optional<MonotonicTime> next(Now now) const;
+
+  /// nullptr: too many are open.
+  Alert* raise(Alert fresh, Now now, Outbox& out);
+  /// It was never recorded.
+  void drop(const std::string& alert);
+  /// It is over, and nothing was decided.
+  void close(Alert& alert, const std::string& why, Outbox& out);
+  /// The scheduler has the decision.
+  void finish(Alert& alert, Outbox& out);
+  /// What was decided cannot be: the alert is as before the verdict, and says why.
+  void reopen(Alert& alert, const std::string& why, Outbox& out);
+
+ private:
+  void record_handed(const Alert& alert, const std::string& what, Outbox& out) const;
+
+  Situation& situation_;
+  AlertBook book_;
+  std::map<std::string, AlertWork, std::less<>> works_;
+};
+
+}  // namespace trb::resilience

@@ -1,0 +1,43 @@
+// From a verdict to the decision, or the order to abort, that the own scheduler has.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "services/resilience/core/repairs.hpp"
+
+namespace trb::resilience {
+
+class Decisions {
+ public:
+  Decisions(Situation& situation, Alerts& alerts, Repairs& repairs)
+      : situation_(situation), alerts_(alerts), repairs_(repairs) {}
+
+  /// The next step of an alert with a verdict.
+  void advance(Alert& alert, Now now, Outbox& out);
+  /// What was decided waits for long, and nothing is signed yet: it may be decided anew.
+  [[nodiscard]] bool is_stuck(const Alert& alert, Now now) const;
+
+  /// The router has signed what it was asked to.
+  void receive(const SignedRecord& record, Outbox& out);
+  /// The scheduler has taken what was handed last; what came of it its view tells.
+  void on_accepted();
+  /// The scheduler refuses what was handed last, or did not get it.
+  void on_refused(const Nack& nack, Outbox& out);
+
+ private:
+  void advance_abort(Alert& alert, const WatchedRun& run, Now now, Outbox& out);
+  void advance_decision(Alert& alert, const WatchedRun& run, Now now, Outbox& out);
+  void sign(Alert& alert, const WatchedRun& run, std::vector<TaskRuling> rulings, Now now, Outbox& out);
+  [[nodiscard]] bool add_members(Decision& decision, Alert& alert, const WatchedRun& run, Now now, Outbox& out);
+  void hand_on(Alert& alert, const WatchedRun& run, Now now, Outbox& out);
+  [[nodiscard]] bool take_turn(const std::string& alert, Now now);
+  [[nodiscard]] std::string busy_with(const Alert& alert);
+
+  Situation& situation_;
+  Alerts& alerts_;
+  Repairs& repairs_;
+  std::string handed_;  ///< the alert whose decision or order was sent last
+};
+
+}  // namespace trb::resilience

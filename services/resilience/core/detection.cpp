@@ -1,0 +1,201 @@
+#include "services/resilience/core/detection.hpp"
+
+#include <algorithm>
+
+#include "common/ranking/pairwise.hpp"
+#include "proto/value.hpp"
+#include "services/resilience/core/run_end.hpp"
+
+namespace trb::resilience {
+namespace {
+
+constexpr Duration kTellAgain = std::chrono::seconds(1);  ///< a trouble for which there was no room
+
+std::vector<std::string> names_of(const WatchedRun& run, const std::vector<std::size_t>& tasks) {
+  std::vector<std::string> out;
+  for (const std::size_t index : tasks) out.push_back(run.view->tasks[index].id);
+  return out;
+}
+
+std::string over_text(const Alert& alert) {
+  if (alert.cause == kOverdue) return "its tasks go on";
+  if (alert.cause == kTwice) return "the run is held no more";
+  if (alert.cause == kRunEnds) return "the run does not end soon";
+  return "its cause is over: nothing failed, nothing was moved";
+}
+
+std::string joined(const std::vector<std::string>& words) {
+  std::string out;
+  for (const std::string& word : words) out += (out.empty() ? "" : ", ") + word;
+  return out;
+}
+
+/// The alert follows what is known now. What explains more is told; what is over explains the failed task all the same.
+void follow(Alert& alert, const WatchedRun& run, const Trouble& trouble) {
+  if (alert.cause == kOverdue) alert.text = cut_utf8(trouble.text, kMaxAlertText);
+  alert.tasks = names_of(run, trouble.tasks);
+  alert.needs_word = trouble.needs_word;
+  if (strength_of(trouble.cause) <= strength_of(alert.cause)) return;
+  alert.cause = trouble.cause;
+  alert.capability = trouble.capability;
+  alert.severity = trouble.severity;
+  alert.text = cut_utf8(trouble.text, kMaxAlertText);
+}
+
+/// One for each robot.
+void add_late(std::vector<Trouble>& out, const WatchedRun& run, Overdue::Late late, const Fleet& fleet) {
+  const std::string& robot = run.view->tasks[late.task].robot;
+  auto at = std::ranges::find(out, robot, &Trouble::robot);
+  if (at == out.end()) {
+    Trouble fresh;
+    fresh.robot = robot;
+    fresh.severity = Severity::urgent;
+    fresh.cause = kOverdue;
+    fresh.text = std::move(late.text);
+    at = out.insert(out.end(), std::move(fresh));
+  }
+  at->tasks.push_back(late.task);
+  at->needs_word = at->needs_word || !why_word(run, late.task, fleet, false).empty();
+}
+
+}  // namespace
+
+void Detection::look(Now now, Outbox& out) {
+  for (const std::string& id : situation_.take_due_runs(now)) {
+    const WatchedRun* run = situation_.runs().find(id);
+    if (run == nullptr) overdue_.forget(id);
+    if (run != nullptr && run->is_known()) look_at(*run, now, out);
+  }
+  // The scheduler tells every few seconds when a run ends; it is looked at only when that is near.
+  for (const std::string& id : situation_.runs().take_timed()) {
+    const WatchedRun* run = situation_.runs().find(id);
+    if (run != nullptr && run->is_known()) situation_.due_runs().hasten(id, next_moment(*run, now));
+  }
+}
+
+/// When the run is to be looked at, though nothing is told of it.
+std::optional<MonotonicTime> Detection::next_moment(const WatchedRun& run, Now now) const {
+  std::optional<MonotonicTime> out = overdue_.next(run, situation_.fleet(), now);
+  if (const auto end = end_told_at(run); end && *end > now.mono) out = earlier(out, end);
+  for (const TaskView& task : run.view->tasks) {
+    if (!task.robot.empty()) out = earlier(out, situation_.presence().next(task.robot, now));
+  }
+  return out;
+}
+
+/// Of a verdict on single tasks: that they are given back for it is no failure.
+std::set<std::string> Detection::ruled_tasks(const WatchedRun& run) {
+  std::set<std::string> out;
+  for (const Alert* alert : alerts_.open()) {
+    const bool single = alert->cause == kAsked || alert->cause == kOverdue;
+    if (alert->run != run.summary.run || alert->state != AlertState::releasing || !single) continue;
+    out.insert(alert->tasks.begin(), alert->tasks.end());
+  }
+  return out;
+}
+
+std::vector<Trouble> Detection::troubles(const WatchedRun& run, Now now) {
+  std::vector<Trouble> out = troubles_of(run, situation_.fleet(), situation_.presence(), ruled_tasks(run), now);
+  for (Trouble& twice : double_executions(run)) out.push_back(std::move(twice));
+  if (auto end = trouble_of_end(run, now)) out.push_back(std::move(*end));
+  return out;
+}
+
+void Detection::look_at(const WatchedRun& run, Now now, Outbox& out) {
+  std::vector<Trouble> found = troubles(run, now);
+  bool all_told = true;
+  for (const Trouble& trouble : found) all_told = meet(run, trouble, now, out) && all_told;
+  for (Trouble& late : overdue_troubles(run, now)) {
+    all_told = meet(run, late, now, out) && all_told;
+    found.push_back(std::move(late));
+  }
+  close_over(run, found, out);
+  skip_unbegun(run, now, out);
+  const std::optional<MonotonicTime> at = next_moment(run, now);
+  situation_.due_runs().schedule(run.summary.run, all_told ? at : earlier(at, now.mono + kTellAgain));
+}
+
+void Detection::close_over(const WatchedRun& run, const std::vector<Trouble>& found, Outbox& out) {
+  for (Alert* alert : alerts_.open()) {
+    if (alert->run != run.summary.run || alert->state == AlertState::releasing) continue;
+    const auto is_its = [&](const Trouble& trouble) { return is_about(*alert, run, trouble); };
+    if (std::ranges::none_of(found, is_its)) alerts_.close(*alert, over_text(*alert), out);
+  }
+}
+
+/// The last of them; nullptr: none tells of it.
+Alert* Detection::find_alert(const WatchedRun& run, const Trouble& trouble) {
+  Alert* out = nullptr;
+  for (Alert* one : alerts_.open()) {
+    if (is_about(*one, run, trouble)) out = one;
+  }
+  return out;
+}
+
+/// Raises the alert of that robot in that run, or lets the one that is there follow what is known. False: there is no
+/// room for another alert.
+bool Detection::meet(const WatchedRun& run, const Trouble& trouble, Now now, Outbox& out) {
+  Alert* alert = find_alert(run, trouble);
+  // A verdict was given: what is new becomes an alert of its own once that is done.
+  if (alert != nullptr && alert->state == AlertState::releasing) return true;
+  if (alert == nullptr) alert = alerts_.raise(alert_of(run, trouble.robot, now), now, out);
+  if (alert == nullptr) return false;
+  const Alert before = *alert;
+  follow(*alert, run, trouble);
+  if (*alert == before) return true;
+  if (alert->tasks != before.tasks || before.cause.empty()) tell_grown(*alert, run, before.tasks.empty(), now, out);
+  out.record(*alert);
+  return true;
+}
+
+void Detection::tell_grown(Alert& alert, const WatchedRun& run, bool is_new, Now now, Outbox& out) {
+  if (alert.state == AlertState::expired) alert.state = AlertState::open;
+  alerts_.work(alert.id).grown_at = now.mono;
+  if (may_be_ruled(alert)) proposer_.propose(alert, run, now);
+  if (may_be_ruled(alert)) proposer_.ask_values(alert, now, out);
+  out.log(wants_robot(alert) ? LogLevel::info : LogLevel::warning, is_new ? "alert_raised" : "alert_grown",
+          alert.id + ": " + alert.robot + (alert.robot.empty() ? "" : ": ") + alert.cause + ": " + alert.text +
+              " (run " + alert.run.substr(0, 8) + ", tasks " + joined(alert.tasks) + ")");
+}
+
+/// Of what no other alert tells, one for each robot.
+std::vector<Trouble> Detection::overdue_troubles(const WatchedRun& run, Now now) {
+  std::set<std::string> told_otherwise;
+  std::set<std::string> told;
+  for (const Alert* alert : alerts_.open()) {
+    if (alert->run != run.summary.run) continue;
+    auto& tasks = alert->cause == kOverdue && alert->state != AlertState::releasing ? told : told_otherwise;
+    tasks.insert(alert->tasks.begin(), alert->tasks.end());
+  }
+  overdue_.follow(run, told, now);
+  std::vector<Trouble> out;
+  for (Overdue::Late& late : overdue_.late(run, situation_.fleet(), now)) {
+    if (told_otherwise.contains(run.view->tasks[late.task].id)) continue;
+    add_late(out, run, std::move(late), situation_.fleet());
+  }
+  return out;
+}
+
+/// Its robot is gone and cannot say that it did not begin in time: the scenario's author has said what follows.
+void Detection::skip_unbegun(const WatchedRun& run, Now now, Outbox& out) {
+  if (run.decider() != situation_.node()) return;
+  for (const std::size_t index : overdue_.to_skip(run, now)) {
+    const TaskView& task = run.view->tasks[index];
+    if (situation_.presence().find(task.robot, now) == nullptr) continue;
+    overdue_.ruled(run, index);
+    AlertDecide verdict;
+    verdict.verdict = Verdict::skip;
+    verdict.stands = true;
+    verdict.reason = "did not begin within " + short_number(run.start->scenario.tasks[index].start_within_s) + " s";
+    Alert alert = alert_of(run, task.robot, now);
+    alert.cause = kOverdue;
+    alert.severity = Severity::urgent;
+    alert.text = "task '" + task.id + "' " + verdict.reason;
+    alert.tasks = {task.id};
+    if (const auto ruled = verdicts_.decide_anew(std::move(alert), verdict, now, out); !ruled) {
+      out.log(LogLevel::warning, "not_skipped", "task '" + task.id + "': " + ruled.error().what);
+    }
+  }
+}
+
+}  // namespace trb::resilience

@@ -1,0 +1,41 @@
+// What a run's robots cannot do any more becomes an alert, and what is over closes it.
+#pragma once
+
+#include <set>
+#include <string>
+#include <vector>
+
+#include "services/resilience/core/overdue.hpp"
+#include "services/resilience/core/troubles.hpp"
+#include "services/resilience/core/verdicts.hpp"
+
+namespace trb::resilience {
+
+class Detection {
+ public:
+  Detection(Situation& situation, Alerts& alerts, Proposer& proposer, Verdicts& verdicts)
+      : situation_(situation), alerts_(alerts), proposer_(proposer), verdicts_(verdicts) {}
+
+  /// Looks at the runs that have changed, and at those of which a moment has come.
+  void look(Now now, Outbox& out);
+
+ private:
+  void look_at(const WatchedRun& run, Now now, Outbox& out);
+  [[nodiscard]] std::optional<MonotonicTime> next_moment(const WatchedRun& run, Now now) const;
+  [[nodiscard]] std::set<std::string> ruled_tasks(const WatchedRun& run);
+  [[nodiscard]] std::vector<Trouble> troubles(const WatchedRun& run, Now now);
+  [[nodiscard]] std::vector<Trouble> overdue_troubles(const WatchedRun& run, Now now);
+  bool meet(const WatchedRun& run, const Trouble& trouble, Now now, Outbox& out);
+  [[nodiscard]] Alert* find_alert(const WatchedRun& run, const Trouble& trouble);
+  void tell_grown(Alert& alert, const WatchedRun& run, bool is_new, Now now, Outbox& out);
+  void close_over(const WatchedRun& run, const std::vector<Trouble>& found, Outbox& out);
+  void skip_unbegun(const WatchedRun& run, Now now, Outbox& out);
+
+  Situation& situation_;
+  Alerts& alerts_;
+  Proposer& proposer_;
+  Verdicts& verdicts_;
+  Overdue overdue_;
+};
+
+}  // namespace trb::resilience

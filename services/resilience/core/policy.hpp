@@ -1,0 +1,30 @@
+// When nobody needs to be asked: the policy decides on an open alert.
+#pragma once
+
+#include <string>
+
+#include "services/resilience/core/verdicts.hpp"
+
+namespace trb::resilience {
+
+class Policy {
+ public:
+  Policy(Situation& situation, Alerts& alerts, Proposer& proposer, Verdicts& verdicts)
+      : situation_(situation), alerts_(alerts), proposer_(proposer), verdicts_(verdicts) {}
+
+  /// Decides if nothing keeps it from that; else the alert says what does.
+  void try_decide(Alert& alert, Now now, Outbox& out);
+
+ private:
+  [[nodiscard]] std::string why_not(const Alert& alert, Now now);
+  [[nodiscard]] std::string why_ask(const Alert& alert, const AlertWork& work, Now now) const;
+  [[nodiscard]] std::string why_wait(const Alert& alert, const AlertWork& work, Now now);
+  [[nodiscard]] std::string why_moved_enough(const Alert& alert) const;
+
+  Situation& situation_;
+  Alerts& alerts_;
+  Proposer& proposer_;
+  Verdicts& verdicts_;
+};
+
+}  // namespace trb::resilience

@@ -1,0 +1,178 @@
+#include "services/resilience/core/proposer.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "proto/value.hpp"
+#include "services/resilience/core/robot_state.hpp"
+#include "services/resilience/core/troubles.hpp"
+
+namespace trb::resilience {
+namespace {
+
+/// What is older is asked for. An answer changes the proposals so long after that: later, somebody has read them.
+constexpr Duration kFresh = std::chrono::seconds(10);
+
+void add_unfit(Alert& alert, Unfit one) {
+  if (alert.unfit.size() < kMaxUnfit) alert.unfit.push_back(std::move(one));
+}
+
+/// The alert's tasks that may move; of the others it says why they do not.
+std::vector<std::size_t> movable(Alert& alert, const WatchedRun& run) {
+  std::vector<std::size_t> out;
+  for (const std::string& id : alert.tasks) {
+    const auto index = run.find_task(id);
+    if (!index) continue;
+    if (!is_pinned(alert, run, id)) {
+      out.push_back(*index);
+    } else {
+      add_unfit(alert, {alert.robot, "task '" + id + "' is pinned to it: it stays, for --retry or --skip"});
+    }
+  }
+  return out;
+}
+
+}  // namespace
+
+void Proposer::propose(Alert& alert, const WatchedRun& run, Now now) {
+  Inquiry& inquiry = alerts_.work(alert.id).inquiry;
+  inquiry.on_ranked(now);
+  const CoreSettings& settings = situation_.settings();
+  alert.expires = (now.utc + settings.resilience.expires).ns;
+  alert.proposals.clear();
+  alert.unfit.clear();
+  const std::vector<std::size_t> tasks = movable(alert, run);
+  if (tasks.empty()) return;
+  const auto needs = needs_of(run, tasks, alert.robot);
+  if (!needs) return add_unfit(alert, {alert.robot, cut_utf8(needs.error().what, 255)});
+  Ways ways = find_ways(situation_.fleet(), *needs, settings.places, criteria(), now.utc);
+  inquiry.set_bounded(std::move(ways.bounded));
+  alert.proposals = std::move(ways.proposals);
+  for (Unfit& one : ways.unfit) add_unfit(alert, std::move(one));
+}
+
+void Proposer::refresh(Alert& alert, const WatchedRun& run, Now now, Outbox& out) {
+  const Inquiry& inquiry = alerts_.work(alert.id).inquiry;
+  // After a start what counts may be another: everybody is asked and proposed anew.
+  const bool wanted = !inquiry.has_begun() || (inquiry.may_rank(now) && (alert.proposals.empty() || is_stale(alert)));
+  if (wanted) {
+    const std::vector<Proposal> proposals = alert.proposals;
+    const std::vector<Unfit> unfit = alert.unfit;
+    propose(alert, run, now);
+    ask_values(alert, now, out);
+    if (!(alert.proposals == proposals && alert.unfit == unfit)) out.record(alert);
+  }
+  const auto follow_at = inquiry.follow_at();
+  if (follow_at && *follow_at <= now.mono) follow_answers(alert, now, out);
+}
+
+void Proposer::ask_values(const Alert& alert, Now now, Outbox& out) {
+  Inquiry& inquiry = alerts_.work(alert.id).inquiry;
+  if (!inquiry.begin(now)) return;
+  if (wants_robot(alert)) {  // nobody tells that a robot was stopped: the table does
+    situation_.routes().want(now, Duration{0});
+    inquiry.await(situation_.node(), std::string(RouteListRequest::kSubtype));
+  }
+  std::set<std::string> robots(inquiry.bounded().begin(), inquiry.bounded().end());
+  for (const Proposal& proposal : alert.proposals) {
+    for (const TaskForRobot& one : proposal.tasks) robots.insert(one.robot);
+  }
+  // A task is often due because somebody has just arrived: what was told on the way is wrong already.
+  const Duration fresh = wants_robot(alert) ? Duration{0} : kFresh;
+  for (const std::string& id : robots) {
+    if (const RobotRecord* robot = situation_.fleet().find(id)) ask_robot(*robot, fresh, inquiry, now, out);
+  }
+}
+
+void Proposer::ask_robot(const RobotRecord& robot, Duration fresh, Inquiry& inquiry, Now now, Outbox& out) const {
+  for (const Question& one : questions(criteria(), robot, now.utc, fresh)) {
+    one.sensor.empty() ? out.request(robot.id, Opaque{one.subtype, ""})
+                       : out.request(robot.id, SensorRead{one.sensor, "", 0});
+    inquiry.await(robot.id, one.value);
+  }
+}
+
+void Proposer::on_reading_refused(const std::string& robot) {
+  for (const ReplacementCriterion& one : criteria()) {
+    if (one.from == CriterionSource::sensor) alerts_.on_answer(robot, sensor_value(one.value));
+  }
+}
+
+/// Values of robots that somebody may have asked for.
+bool Proposer::is_asked_for(const std::string& subtype) const {
+  const auto is_criterion = [&](const ReplacementCriterion& one) {
+    return one.from == CriterionSource::robot && one.value == subtype;
+  };
+  return subtype == kPositionRequest || std::ranges::find(kChargeRequests, subtype) != std::end(kChargeRequests) ||
+         std::ranges::any_of(criteria(), is_criterion);
+}
+
+void Proposer::receive(const Opaque& value, const std::string& robot, Now now, Outbox& out) {
+  alerts_.on_answer(robot, value.subtype);
+  const bool taken =
+      is_asked_for(value.subtype) && situation_.fleet().on_value(robot, value.subtype, value.data, now.utc);
+  taken ? on_value(now, out) : out.count("dropped.value");
+}
+
+void Proposer::receive(const SensorReading& reading, const std::string& robot, Now now, Outbox& out) {
+  const RobotRecord* record = situation_.fleet().find(robot);
+  bool taken = false;
+  for (const ReplacementCriterion& one : criteria()) {
+    if (record == nullptr || reading.is_text || !std::isfinite(reading.number) ||
+        !is_sensor_of(one, *record, reading.sensor))
+      continue;
+    const std::string name = sensor_value(one.value);
+    alerts_.on_answer(robot, name);
+    taken = situation_.fleet().on_value(robot, name, dump_json(Value{reading.number}), now.utc) || taken;
+  }
+  taken ? on_value(now, out) : out.count("dropped.value");
+}
+
+/// Nobody has seen the proposals for long: they follow what comes. Answers come in a crowd, one a robot and value:
+/// they are followed when the last has come, or at the latest after Inquiry::kCrowd.
+void Proposer::on_value(Now now, Outbox& out) {
+  for (Alert* alert : alerts_.open()) {
+    Inquiry& inquiry = alerts_.work(alert->id).inquiry;
+    if (!inquiry.takes_answers(now) || alert->verdict != Verdict::none) continue;
+    inquiry.on_value(now);
+    if (inquiry.is_complete()) follow_answers(*alert, now, out);
+  }
+}
+
+void Proposer::follow_answers(Alert& alert, Now now, Outbox& out) {
+  alerts_.work(alert.id).inquiry.on_followed();
+  const WatchedRun* run = situation_.runs().find(alert.run);
+  if (run == nullptr || !run->is_known()) return;
+  const std::vector<Proposal> before = alert.proposals;
+  propose(alert, *run, now);
+  if (alert.proposals != before) out.record(alert);
+}
+
+bool Proposer::is_out_of_bounds(const WatchedRun& run, std::size_t task, const RobotRecord& robot) const {
+  if (!has_bounds(criteria())) return false;
+  const auto needs = needs_of(run, {task}, "");
+  if (!needs) return false;
+  return !why_out(criteria(), needs->tasks, robot, place_of(robot, needs->tasks, situation_.settings().places)).empty();
+}
+
+bool Proposer::is_able_to(const TaskForRobot& one, const WatchedRun* run) const {
+  const RobotRecord* robot = situation_.fleet().find(one.robot);
+  if (robot == nullptr || !is_fit(*robot)) return false;
+  const auto index = run == nullptr ? std::nullopt : run->find_task(one.task);
+  if (!index) return true;
+  if (std::ranges::count(run->view->tasks[*index].failed_by, one.robot) != 0) return false;
+  if (is_out_of_bounds(*run, *index, *robot)) return false;
+  const SkillInfo* skill = find_skill(*robot, run->view->tasks[*index].skill);
+  return skill == nullptr || skill->capability.empty() || is_able(*robot, skill->capability);
+}
+
+bool Proposer::is_stale(const Alert& alert) const {
+  const WatchedRun* run = situation_.runs().find(alert.run);
+  const auto holds = [&](const Proposal& proposal) {
+    return std::ranges::all_of(proposal.tasks, [&](const TaskForRobot& one) { return is_able_to(one, run); });
+  };
+  return !std::ranges::all_of(alert.proposals, holds);
+}
+
+}  // namespace trb::resilience

@@ -1,0 +1,29 @@
+#include "services/resilience/core/repair.hpp"
+
+namespace trb::resilience {
+
+bool Repair::is_due(Now now) const {
+  const bool answered = refused_at_ || (taken_at_ && now.mono - *taken_at_ < kTellAgain);
+  return !answered && send_.due(now.mono);
+}
+
+void Repair::on_sent(Now now) {
+  send_.said(now.mono);
+  taken_at_.reset();
+}
+
+void Repair::on_taken(Now now) {
+  if (send_.next()) taken_at_ = now.mono;
+}
+
+void Repair::on_refused(const std::string& why, Now now) {
+  if (!send_.next() || done_ || taken_at_ || refused_at_) return;
+  refused_at_ = now.mono;
+  refusal_ = why;
+}
+
+std::optional<std::string> Repair::refusal(Now now) const {
+  return refused_at_ && now.mono - *refused_at_ >= kProfile ? std::optional(refusal_) : std::nullopt;
+}
+
+}  // namespace trb::resilience

@@ -1,0 +1,34 @@
+// When the router is asked for its table: it sends nobody a profile that has changed.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "common/actor/outbox.hpp"
+#include "common/actor/route_pages.hpp"
+#include "common/base/time.hpp"
+
+namespace trb::resilience {
+
+class RouteRequests {
+ public:
+  static constexpr Duration kAtOnce = std::chrono::seconds(1);  ///< the shortest time between two requests
+  static constexpr Duration kWhileOpen = std::chrono::seconds(5);
+  static constexpr Duration kIdle = std::chrono::seconds(30);
+
+  /// A table is wanted as soon as `pause` has passed since the last request.
+  void want(Now now, Duration pause);
+  /// Sends the request that is due; the next one follows after `again`, unless it is wanted before.
+  void tick(const std::string& router, Duration again, Now now, Outbox& out);
+  /// The whole table once its last page has come; before that the next page is requested.
+  std::optional<RouteTable> receive(const RouteTable& page, const std::string& router, Outbox& out);
+
+  [[nodiscard]] std::optional<MonotonicTime> next_deadline() const { return due_; }
+
+ private:
+  RoutePages pages_;
+  std::optional<MonotonicTime> due_;
+  std::optional<MonotonicTime> sent_;
+};
+
+}  // namespace trb::resilience

@@ -1,0 +1,67 @@
+#include "services/resilience/core/standing_alerts.hpp"
+
+#include "proto/value.hpp"
+#include "services/resilience/core/troubles.hpp"
+
+namespace trb::resilience {
+
+void StandingAlerts::tell(Now now, Outbox& out) {
+  standing_.follow(situation_.fleet(), now);
+  for (const Alert* alert : alerts_.open()) {
+    if (alert->cause != "robot_fault") continue;
+    const RobotRecord* robot = situation_.fleet().find(alert->robot);
+    if (robot == nullptr) continue;
+    for (const Fault& fault : robot->faults) {
+      if (tells_of(*alert, fault.capability)) standing_.told({alert->robot, fault.capability}, now);
+    }
+  }
+  for (const Standing::Key& key : standing_.untold(now)) {
+    if (!alerts_.book().has_room_for_lone()) return out.count("dropped.alerts");
+    const RobotRecord& robot = *situation_.fleet().find(key.robot);
+    if (!key.capability.empty() && worst_fault(robot, "") != nullptr) continue;  // it is told of the whole robot
+    if (raise(key, now, out) == nullptr) return;
+  }
+}
+
+Alert* StandingAlerts::raise(const Standing::Key& key, Now now, Outbox& out) {
+  const Fault& fault = *worst_fault(*situation_.fleet().find(key.robot), key.capability);
+  Alert fresh;
+  fresh.robot = key.robot;
+  fresh.capability = key.capability;
+  fresh.severity = fault.severity;
+  fresh.cause = "robot_fault";
+  fresh.text = cut_utf8(fault.text, kMaxAlertText);
+  fresh.time = now.utc.ns;
+  Alert* alert = alerts_.raise(std::move(fresh), now, out);
+  if (alert == nullptr) return nullptr;
+  standing_.told(key, now);
+  look(*alert, now, out);
+  out.record(*alert);
+  out.log(LogLevel::warning, "alert_raised", alert->id + ": " + alert->robot + ": " + alert->text + " (no run)");
+  return alert;
+}
+
+void StandingAlerts::look(Alert& alert, Now now, Outbox& out) {
+  const RobotRecord* robot = situation_.fleet().find(alert.robot);
+  if (robot == nullptr || worst_fault(*robot, alert.capability) == nullptr) {
+    const bool mended = alert.verdict == Verdict::retry;
+    return alerts_.close(alert, mended ? "taken as mended" : "the fault is over", out);
+  }
+  if (alert.verdict == Verdict::retry && repairs_.is_awaited(alert, now, out)) return;
+  if (!alert.capability.empty() && worst_fault(*robot, "") != nullptr) {
+    return alerts_.close(alert, "the whole robot is broken", out);
+  }
+  for (const Alert* other : alerts_.open()) {
+    const bool tells = !other->run.empty() && other->robot == alert.robot && tells_of(*other, alert.capability);
+    if (tells) return alerts_.close(alert, "run alert " + other->id, out);
+  }
+  alert.waits_for =
+      "somebody to mend " + alert.robot + "; then: trb alert decide " + alert.id.substr(0, 8) + " --retry";
+}
+
+std::optional<MonotonicTime> StandingAlerts::next(Now now) {
+  standing_.follow(situation_.fleet(), now);
+  return standing_.next(now);
+}
+
+}  // namespace trb::resilience

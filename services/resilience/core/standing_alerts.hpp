@@ -1,0 +1,30 @@
+// Faults that stand and that no run's alert tells of: each is an alert without a run.
+#pragma once
+
+#include "services/resilience/core/repairs.hpp"
+#include "services/resilience/core/standing.hpp"
+
+namespace trb::resilience {
+
+class StandingAlerts {
+ public:
+  StandingAlerts(Situation& situation, Alerts& alerts, Repairs& repairs)
+      : situation_(situation), alerts_(alerts), repairs_(repairs) {}
+
+  /// Raises the alerts of faults that nobody has told for long enough.
+  void tell(Now now, Outbox& out);
+  /// The fault stands. nullptr: too many alerts are open.
+  Alert* raise(const Standing::Key& fault, Now now, Outbox& out);
+  /// The alert is there as long as the fault is, or until a run's alert tells of it.
+  void look(Alert& alert, Now now, Outbox& out);
+  /// When the next fault has been untold for long enough.
+  [[nodiscard]] std::optional<MonotonicTime> next(Now now);
+
+ private:
+  Situation& situation_;
+  Alerts& alerts_;
+  Repairs& repairs_;
+  Standing standing_;
+};
+
+}  // namespace trb::resilience

@@ -1,0 +1,37 @@
+// A verdict that cannot be carried out is refused when it is given.
+#pragma once
+
+#include "services/resilience/core/proposer.hpp"
+
+namespace trb::resilience {
+
+class VerdictChecks {
+ public:
+  VerdictChecks(Situation& situation, Alerts& alerts, Proposer& proposer)
+      : situation_(situation), alerts_(alerts), proposer_(proposer) {}
+
+  /// This node decides on the alert's run now, and its cause allows the verdict. Errors: unknown_run, not_permitted,
+  /// missing (no verdict), conflict.
+  [[nodiscard]] Status check_decider(const Alert& alert, const WatchedRun* run, const AlertDecide& body) const;
+  /// Makes of the alert what it is with that verdict. Errors: missing, bad_value, conflict, unknown_target, malformed;
+  /// the alert is then of no use.
+  [[nodiscard]] Status shape(Alert& alert, const AlertDecide& body, const WatchedRun& run, Now now);
+
+ private:
+  [[nodiscard]] static Status narrow(Alert& alert, const AlertDecide& body, const WatchedRun& run);
+  [[nodiscard]] Status take_proposal(Alert& alert, const AlertDecide& body, const WatchedRun& run, Now now);
+  [[nodiscard]] Status take_override(Alert& alert, const AlertDecide& body, const WatchedRun& run) const;
+  [[nodiscard]] Status check_override(const Alert& alert, const AlertDecide& body, const WatchedRun& run) const;
+  [[nodiscard]] static Status check_able(const RobotRecord& robot, const Alert& alert, const WatchedRun& run);
+  [[nodiscard]] Status check_word(const Alert& alert, const AlertDecide& body, const WatchedRun& run) const;
+  [[nodiscard]] Status check_retry(const Alert& alert, Now now) const;
+  [[nodiscard]] static Status check_retry_of(const Alert& alert, const WatchedRun& run);
+  [[nodiscard]] Status check_bounds(const Alert& alert, const WatchedRun& run);
+  [[nodiscard]] Status check_decisions(const Alert& alert, const WatchedRun& run);
+
+  Situation& situation_;
+  Alerts& alerts_;
+  Proposer& proposer_;
+};
+
+}  // namespace trb::resilience

@@ -1,0 +1,59 @@
+// What people, or the policy, decide on an alert, or on tasks of which no alert tells.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "services/resilience/core/decisions.hpp"
+#include "services/resilience/core/standing_alerts.hpp"
+#include "services/resilience/core/verdict_checks.hpp"
+
+namespace trb::resilience {
+
+/// What verdicts come to. Each must outlive who uses it.
+struct VerdictParts {
+  Situation& situation;
+  Alerts& alerts;
+  Proposer& proposer;
+  Repairs& repairs;
+  Decisions& decisions;
+  StandingAlerts& standing;
+};
+
+/// Results say in words what was taken; errors name what keeps the verdict from being carried out.
+class Verdicts {
+ public:
+  explicit Verdicts(VerdictParts parts)
+      : situation_(parts.situation),
+        alerts_(parts.alerts),
+        repairs_(parts.repairs),
+        decisions_(parts.decisions),
+        standing_(parts.standing),
+        checks_(parts.situation, parts.alerts, parts.proposer) {}
+
+  /// A person's word, of an alert or of a run's tasks.
+  Result<std::string> receive(const AlertDecide& body, const std::string& source, Now now, Outbox& out);
+  /// On an open alert of a run.
+  Result<std::string> decide(Alert& alert, const AlertDecide& body, Now now, Outbox& out);
+  /// An alert that is decided as it is raised, or is none.
+  Result<std::string> decide_anew(Alert fresh, const AlertDecide& body, Now now, Outbox& out);
+
+ private:
+  Result<std::string> decide_alert(Alert& alert, const AlertDecide& body, Now now, Outbox& out);
+  Result<std::string> decide_again(Alert& alert, const AlertDecide& body, Now now, Outbox& out);
+  Result<std::string> mend_again(Alert& alert, const AlertDecide& body, Now now, Outbox& out);
+  Result<std::string> decide_lone(Alert& alert, const AlertDecide& body, Now now, Outbox& out);
+  Result<std::string> decide_tasks(const AlertDecide& body, Now now, Outbox& out);
+  [[nodiscard]] Alert* alert_of_fault(const Alert& alert);
+  [[nodiscard]] Result<const WatchedRun*> choose_run(const std::string& beginning) const;
+  [[nodiscard]] Result<Alert*> alert_of_tasks(const WatchedRun& run, const std::vector<std::string>& tasks);
+
+  Situation& situation_;
+  Alerts& alerts_;
+  Repairs& repairs_;
+  Decisions& decisions_;
+  StandingAlerts& standing_;
+  VerdictChecks checks_;
+};
+
+}  // namespace trb::resilience

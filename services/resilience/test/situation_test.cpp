@@ -1,0 +1,60 @@
+#include "services/resilience/core/situation.hpp"
+
+#include "services/resilience/test/parts.hpp"
+
+using namespace trb;
+using namespace trb::resilience;
+using namespace trb::resilience::test;
+
+using Runs = std::set<std::string>;
+
+TEST_CASE("the cloud node that is the run's first decides on it, a robot's node never") {
+  Parts cloud;
+  CHECK(cloud.situation.decides_on(&cloud.run()));
+  CHECK_FALSE(cloud.situation.decides_on(nullptr));
+  Parts robot(Role::robot);
+  CHECK_FALSE(robot.situation.decides_on(&robot.run()));
+}
+
+TEST_CASE("a table that says nothing new makes no run due; a robot that has gone makes its runs due") {
+  Parts parts;
+  parts.tell_routes();
+  CHECK(parts.situation.take_due_runs(parts.now).empty());
+  parts.tell_routes("r3");  // has no task
+  CHECK(parts.situation.take_due_runs(parts.now).empty());
+  parts.tell_routes("r1");
+  CHECK(parts.situation.take_due_runs(parts.now) == Runs{"run1"});
+  CHECK(parts.situation.take_due_runs(parts.now).empty());
+}
+
+TEST_CASE("a fault makes its robot's runs due once, however often it is told") {
+  Parts parts;
+  parts.break_down("r1");
+  CHECK(parts.situation.take_due_runs(parts.now) == Runs{"run1"});
+  parts.break_down("r1");
+  CHECK(parts.situation.take_due_runs(parts.now).empty());
+}
+
+TEST_CASE("nothing is judged before the router's first table") {
+  Situation situation({"", Role::cloud, default_resilience(), {}});
+  const Now now{{1}, at_second(0)};
+  Outbox out;
+  situation.on_welcome({"cloud", Role::cloud, 1}, now);
+  CHECK_FALSE(situation.is_judged());
+  CHECK(situation.routes().next_deadline() == now.mono);
+  situation.receive(RouteTable{}, now, out);
+  CHECK(situation.is_judged());
+}
+
+TEST_CASE("each robot's open tasks count, and its certificate is kept") {
+  Parts parts;
+  CHECK(parts.situation.fleet().find("r1")->later_tasks == 1);
+  CHECK(parts.situation.fleet().find("r3")->later_tasks == 0);
+  REQUIRE(parts.situation.certificate_of("r3") != nullptr);
+  CHECK(parts.situation.certificate_of("r3")->payload.bytes == "r3");
+  CHECK(parts.situation.certificate_of("nobody") == nullptr);
+  parts.view.tasks[0].state = TaskState::finished;
+  parts.tell_view();
+  CHECK(parts.situation.take_due_runs(parts.now) == Runs{"run1"});
+  CHECK(parts.situation.fleet().find("r1")->later_tasks == 0);
+}
