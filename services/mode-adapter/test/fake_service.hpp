@@ -34,6 +34,11 @@ class FakeService : public Service {
     for (Log& log : out.logs) logs.push_back(std::move(log.event));
   }
   int run(Core&, std::function<bool()>) override { return 0; }
+  void start(Core&, std::function<bool()>) override {}
+  [[nodiscard]] int descriptor() const override { return -1; }
+  [[nodiscard]] std::optional<MonotonicTime> next_deadline() override { return std::nullopt; }
+  bool handle_ready() override { return false; }
+  [[nodiscard]] int exit_status() const override { return 0; }
 
   /// Turns until it is true, for 5 s at most.
   template <class Condition>

@@ -39,6 +39,11 @@ class FakeService final : public Service {
   }
   void step(const Effect&) override {}
   int run(Core&, std::function<bool()>) override { return 0; }
+  void start(Core&, std::function<bool()>) override {}
+  [[nodiscard]] int descriptor() const override { return -1; }
+  [[nodiscard]] std::optional<MonotonicTime> next_deadline() override { return std::nullopt; }
+  bool handle_ready() override { return false; }
+  [[nodiscard]] int exit_status() const override { return 0; }
 
   [[nodiscard]] bool run_until(const std::function<bool()>& holds, double timeout_s = 5) {
     const MonotonicTime deadline = now().mono + seconds(timeout_s);
