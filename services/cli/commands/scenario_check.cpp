@@ -87,8 +87,8 @@ std::vector<std::string> robots_for(const Scenario& scenario, const Profiles& pr
   check_scenario(scenario, profiles, path, faults);
   if (!faults_that_stop(faults).empty()) return {};
   warn_of_robots(scenario, profiles, path, faults);
-  Crew crew(profiles);
-  return bind_tasks(scenario, crew, binder.node, path, faults);
+  CandidateIndex candidates(profiles);
+  return bind_tasks(scenario, candidates, binder.node, path, faults);
 }
 
 Value::List bound_json(const Scenario& scenario, const std::vector<std::string>& robots, const Binder& binder) {
@@ -129,8 +129,8 @@ int run_scenario_check(const Arguments& arguments) {
   check_scenario(scenario, profiles, path, faults);
   warn_of_robots(scenario, profiles, path, faults);
   if (!faults_that_stop(faults).empty()) return print_faults(arguments, faults);
-  Crew crew(profiles);
-  const std::vector<NoSpare> without = tasks_without_spare(scenario, crew);
+  CandidateIndex candidates(profiles);
+  const std::vector<NoSpare> without = tasks_without_spare(scenario, candidates);
   return print_good(arguments, scenario, faults, &without);
 }
 

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "common/scenario/crew.hpp"
+#include "common/scenario/candidate_index.hpp"
 #include "services/cli/core/arguments.hpp"
 #include "services/cli/io/probe.hpp"
 
