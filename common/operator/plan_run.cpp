@@ -13,8 +13,8 @@ void bind(RunPlan& plan, const std::string& file) {
   check_scenario(plan.scenario, profiles, file, plan.faults);
   if (!faults_that_stop(plan.faults).empty()) return;
   warn_of_robots(plan.scenario, profiles, file, plan.faults);
-  Crew crew(profiles);
-  plan.robots = bind_tasks(plan.scenario, crew, plan.binder.node, file, plan.faults);
+  CandidateIndex candidates(profiles);
+  plan.robots = bind_tasks(plan.scenario, candidates, plan.binder.node, file, plan.faults);
 }
 
 }  // namespace

@@ -12,8 +12,8 @@ ScenarioCheck check(const Scenario& scenario, const std::string& file, const Rou
   check_scenario(scenario, profiles, file, out.faults);
   warn_of_robots(scenario, profiles, file, out.faults);
   if (!faults_that_stop(out.faults).empty()) return out;
-  Crew crew(profiles);
-  out.without_spare = tasks_without_spare(scenario, crew);
+  CandidateIndex candidates(profiles);
+  out.without_spare = tasks_without_spare(scenario, candidates);
   return out;
 }
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "common/operator/session.hpp"
-#include "common/scenario/crew.hpp"
+#include "common/scenario/candidate_index.hpp"
 
 namespace trb::op {
 

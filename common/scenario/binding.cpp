@@ -4,7 +4,7 @@
 
 #include "common/fleet/did_you_mean.hpp"
 #include "common/fleet/object_reader.hpp"
-#include "common/scenario/crew.hpp"
+#include "common/scenario/candidate_index.hpp"
 #include "common/scenario/graph.hpp"
 #include "common/scenario/repeat.hpp"
 
@@ -31,7 +31,7 @@ std::vector<std::size_t> depths_of(const Scenario& scenario) {
 }
 
 /// What the decider chooses: see bind_tasks.
-std::vector<std::size_t> left_to_decider(const Scenario& scenario, Crew& crew) {
+std::vector<std::size_t> left_to_decider(const Scenario& scenario, CandidateIndex& candidates) {
   std::vector<std::size_t> out;
   for (std::size_t i = 0; i < scenario.tasks.size(); ++i) {
     if (scenario.tasks[i].robot.empty()) out.push_back(i);
@@ -39,7 +39,7 @@ std::vector<std::size_t> left_to_decider(const Scenario& scenario, Crew& crew) {
   if (out.size() <= kMaxBoundWhenDue) return out;
   const std::vector<std::size_t> depths = depths_of(scenario);
   const auto gain = [&](std::size_t i) {
-    const std::size_t ready = crew.able(scenario.tasks[i]).ready.size();
+    const std::size_t ready = candidates.able(scenario.tasks[i]).ready.size();
     return std::pair(ready == 0 ? 2 : ready > 1 ? 1 : 0, depths[i]);
   };
   std::stable_sort(out.begin(), out.end(), [&](std::size_t a, std::size_t b) { return gain(a) > gain(b); });
@@ -62,7 +62,7 @@ const std::string* least_loaded(const std::vector<std::string>& robots,
 
 }  // namespace
 
-std::vector<std::string> bind_tasks(const Scenario& scenario, Crew& crew, const std::string& decider,
+std::vector<std::string> bind_tasks(const Scenario& scenario, CandidateIndex& candidates, const std::string& decider,
                                     const std::string& file, ConfigFaults& faults) {
   std::vector<std::string> out;
   std::map<std::string, std::size_t> load;
@@ -71,19 +71,19 @@ std::vector<std::string> bind_tasks(const Scenario& scenario, Crew& crew, const 
     if (!task.robot.empty()) ++load[task.robot];
   }
   if (!decider.empty()) {
-    for (const std::size_t i : left_to_decider(scenario, crew)) out[i] = decider;
+    for (const std::size_t i : left_to_decider(scenario, candidates)) out[i] = decider;
   }
   std::set<std::string> told;
   const FileFaults sink(file, faults);
   for (std::size_t i = 0; i < scenario.tasks.size(); ++i) {
     const Task& task = scenario.tasks[i];
     if (!out[i].empty()) continue;
-    if (const std::string* robot = least_loaded(crew.everybody(task), load)) {
+    if (const std::string* robot = least_loaded(candidates.everybody(task), load)) {
       out[i] = *robot;
       ++load[*robot];
     } else if (told.insert(first_id(task.id)).second) {  // the same of a later round is not told again
       sink.add("tasks[" + std::to_string(i) + "].requires",
-               "task " + in_quotes(task.id) + ": nobody can do it now: " + crew.able(task).reasons(),
+               "task " + in_quotes(task.id) + ": nobody can do it now: " + candidates.able(task).reasons(),
                "bring such a robot online, or name one; see: trb robot list");
     }
   }

@@ -2,8 +2,8 @@
 
 #include "common/fleet/did_you_mean.hpp"
 #include "common/fleet/object_reader.hpp"
+#include "common/scenario/candidate_index.hpp"
 #include "common/scenario/condition_file.hpp"
-#include "common/scenario/crew.hpp"
 #include "common/scenario/definition.hpp"
 #include "common/scenario/repeat.hpp"
 
@@ -17,8 +17,8 @@ bool contains(const std::vector<std::string>& words, const std::string& word) {
 /// Checks one task; `path_` is where it stands in the file.
 class TaskCheck {
  public:
-  TaskCheck(const Task& task, std::string path, const Profiles& profiles, Crew& crew, FileFaults faults)
-      : task_(task), path_(std::move(path)), profiles_(profiles), crew_(crew), faults_(std::move(faults)) {}
+  TaskCheck(const Task& task, std::string path, const Profiles& profiles, CandidateIndex& candidates, FileFaults faults)
+      : task_(task), path_(std::move(path)), profiles_(profiles), candidates_(candidates), faults_(std::move(faults)) {}
 
   void run() {
     if (task_.robot.empty()) return bound_late();
@@ -50,11 +50,11 @@ class TaskCheck {
   void bound_late() const {
     const auto data = parameters_of(task_);
     if (!data) return add({"data", data.error().what, data.error().cure});
-    const Able& able = crew_.able(task_);
+    const Able& able = candidates_.able(task_);
     if (faults_.full() || !able.ready.empty() || !able.waiting.empty()) return;
-    bool told = unknown_word("skill", task_.skill, crew_.skills());
+    bool told = unknown_word("skill", task_.skill, candidates_.skills());
     for (const std::string& capability : task_.requires_) {
-      told = unknown_word("requires", capability, crew_.capabilities()) || told;
+      told = unknown_word("requires", capability, candidates_.capabilities()) || told;
     }
     if (told) return;
     add({"requires", "no robot of the fleet can do it: " + able.reasons(),
@@ -72,7 +72,7 @@ class TaskCheck {
   const Task& task_;
   std::string path_;
   const Profiles& profiles_;
-  Crew& crew_;
+  CandidateIndex& candidates_;
   FileFaults faults_;
 };
 
@@ -80,12 +80,12 @@ class TaskCheck {
 
 void check_scenario(const Scenario& scenario, const std::map<std::string, NodeProfile>& profiles,
                     const std::string& file, ConfigFaults& faults) {
-  Crew crew(profiles);
+  CandidateIndex candidates(profiles);
   for (std::size_t i = 0; i < scenario.tasks.size(); ++i) {
     const Task& task = scenario.tasks[i];
     if (is_repetition(task.id)) continue;
     const std::string path = "tasks[" + std::to_string(i) + "]";
-    TaskCheck(task, path, profiles, crew, FileFaults(file, faults)).run();
+    TaskCheck(task, path, profiles, candidates, FileFaults(file, faults)).run();
     for (const Condition& condition : task.when) check_condition(condition, profiles, path + ".when", file, faults);
   }
 }

@@ -243,7 +243,7 @@ class Script {
       one.run = "run-" + std::to_string(i);
       asked += sent<NeedDefinition>(node_.hear("c", one)).size();
     }
-    require(asked <= scheduler::Held::kMax, "no more is kept than there is place for");
+    require(asked <= scheduler::DeferredMessages::kMax, "no more is kept than there is place for");
   }
 
   void acknowledge(const std::string& from) {

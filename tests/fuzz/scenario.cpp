@@ -2,7 +2,7 @@
 // every scheduler makes, it stays the same on the wire, and values of results make data that a node takes, or an error.
 #include <algorithm>
 
-#include "common/scenario/crew.hpp"
+#include "common/scenario/candidate_index.hpp"
 #include "common/scenario/definition.hpp"
 #include "common/scenario/graph.hpp"
 #include "common/scenario/repeat.hpp"
@@ -36,11 +36,11 @@ void check_faults(const ConfigFaults& faults) {
 void check_fleet(const Scenario& scenario) {
   ConfigFaults faults;
   check_scenario(scenario, fleet(), "s.json", faults);
-  Crew crew(fleet());
-  const auto robots = bind_tasks(scenario, crew, "", "s.json", faults);
+  CandidateIndex candidates(fleet());
+  const auto robots = bind_tasks(scenario, candidates, "", "s.json", faults);
   check_faults(faults);
   require(robots.size() == scenario.tasks.size(), "each task has its robot, or nobody");
-  for (const NoSpare& one : tasks_without_spare(scenario, crew)) require(!one.why.empty(), "no spare: it says why");
+  for (const NoSpare& one : tasks_without_spare(scenario, candidates)) require(!one.why.empty(), "no spare: it says why");
 }
 
 void check_values(const Task& task, const std::string& data) {

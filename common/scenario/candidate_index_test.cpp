@@ -1,4 +1,4 @@
-#include "common/scenario/crew.hpp"
+#include "common/scenario/candidate_index.hpp"
 
 #include <doctest/doctest.h>
 
@@ -59,9 +59,9 @@ ConfigFaults check(const Task& task, const Profiles& profiles = hall()) {
 }
 
 std::string bound(const Task& task, const Profiles& profiles = hall()) {
-  Crew crew(profiles);
+  CandidateIndex candidates(profiles);
   ConfigFaults faults;
-  const auto robots = bind_tasks({"n", "", {task}}, crew, "", "s.json", faults);
+  const auto robots = bind_tasks({"n", "", {task}}, candidates, "", "s.json", faults);
   REQUIRE(robots.size() == 1);
   CHECK(robots[0].empty() == !faults.empty());
   return faults.empty() ? robots[0] : faults[0].what;
@@ -69,8 +69,8 @@ std::string bound(const Task& task, const Profiles& profiles = hall()) {
 
 /// "": there is a spare.
 std::string why_alone(const Task& task, const Profiles& profiles = hall()) {
-  Crew crew(profiles);
-  const auto without = tasks_without_spare({"n", "", {task}}, crew);
+  CandidateIndex candidates(profiles);
+  const auto without = tasks_without_spare({"n", "", {task}}, candidates);
   return without.empty() ? "" : without[0].robot + ": " + without[0].why;
 }
 
@@ -155,19 +155,19 @@ TEST_CASE("bound late: the first by id that is online, not stopped, and able") {
 
 TEST_CASE("where somebody decides, who does it is left until it is due: of so many tasks as a run has decisions for") {
   const Profiles profiles = hall();
-  Crew crew(profiles);
+  CandidateIndex candidates(profiles);
   ConfigFaults faults;
   Scenario scenario{"n", "", {named("pioneer2"), late({"fly"}), late({"mobile"})}};
   using Robots = std::vector<std::string>;
-  CHECK(bind_tasks(scenario, crew, "cloud", "s.json", faults) == Robots{"pioneer2", "cloud", "cloud"});
+  CHECK(bind_tasks(scenario, candidates, "cloud", "s.json", faults) == Robots{"pioneer2", "cloud", "cloud"});
   CHECK(faults.empty());  // somebody who flies may come
   scenario.tasks = repeat_tasks({late({"mobile"})}, kMaxBoundWhenDue + 1);
-  const Robots robots = bind_tasks(scenario, crew, "cloud", "s.json", faults);
+  const Robots robots = bind_tasks(scenario, candidates, "cloud", "s.json", faults);
   CHECK(robots[0] == "pioneer1");  // of equals, what begins last is left
   CHECK(std::ranges::count(robots, "cloud") == kMaxBoundWhenDue);
   CHECK(faults.empty());
   scenario.tasks = repeat_tasks({late({"fly"})}, kMaxBoundWhenDue + 5);
-  bind_tasks(scenario, crew, "cloud", "s.json", faults);
+  bind_tasks(scenario, candidates, "cloud", "s.json", faults);
   CHECK(faults.size() == 1);
 }
 
@@ -184,9 +184,9 @@ TEST_CASE("the decider is left first what nobody can do now, then what several c
   profiles["drone"].capabilities = {"fly"};
   profiles["drone"].robot = "OFFLINE";
   for (int i = 0; i < 20; ++i) add(late({"fly"}), "nobody");
-  Crew crew(profiles);
+  CandidateIndex candidates(profiles);
   ConfigFaults faults;
-  const auto robots = bind_tasks(scenario, crew, "cloud", "s.json", faults);
+  const auto robots = bind_tasks(scenario, candidates, "cloud", "s.json", faults);
   CHECK(faults.empty());
   std::map<std::string, int> left;
   for (std::size_t i = 0; i < robots.size(); ++i)
@@ -199,12 +199,12 @@ TEST_CASE("what is bound at once is spread: the fewest tasks of this run, then b
   Scenario scenario{"n", "", {named("pioneer1"), named("pioneer1")}};
   for (int i = 0; i < 7; ++i) scenario.tasks.push_back(late({"mobile"}));
   for (std::size_t i = 0; i < scenario.tasks.size(); ++i) scenario.tasks[i].id = "t" + std::to_string(i);
-  Crew crew(profiles);
+  CandidateIndex candidates(profiles);
   ConfigFaults faults;
   using Robots = std::vector<std::string>;
-  CHECK(bind_tasks(scenario, crew, "", "s.json", faults) == Robots{"pioneer1", "pioneer1", "pioneer2", "ridgeback",
-                                                                   "pioneer2", "ridgeback", "pioneer1", "pioneer2",
-                                                                   "ridgeback"});
+  CHECK(bind_tasks(scenario, candidates, "", "s.json", faults) == Robots{"pioneer1", "pioneer1", "pioneer2",
+                                                                         "ridgeback", "pioneer2", "ridgeback",
+                                                                         "pioneer1", "pioneer2", "ridgeback"});
 }
 
 TEST_CASE("a robot that is retired or out of use is no spare and gets no task, and the check warns of it") {
@@ -265,10 +265,10 @@ TEST_CASE("the rounds of a repeated scenario are told once") {
   ConfigFaults faults;
   check_scenario(scenario, profiles, "s.json", faults);
   CHECK(faults.size() == 1);
-  Crew crew(profiles);
-  CHECK(tasks_without_spare(scenario, crew).size() == 1);
+  CandidateIndex candidates(profiles);
+  CHECK(tasks_without_spare(scenario, candidates).size() == 1);
   scenario.tasks = repeat_tasks({late({"fly"})}, 3);
-  CHECK(bind_tasks(scenario, crew, "", "s.json", faults) == std::vector<std::string>(3));
+  CHECK(bind_tasks(scenario, candidates, "", "s.json", faults) == std::vector<std::string>(3));
   CHECK(faults.size() == 2);
 }
 
@@ -314,9 +314,9 @@ TEST_CASE("a thousand robots: check, preflight and binding of a hundred tasks ta
     ConfigFaults faults;
     check_scenario(scenario, profiles, "s.json", faults);
     CHECK(faults.size() == 50);
-    Crew crew(profiles);
-    CHECK(tasks_without_spare(scenario, crew).size() == 50);
-    CHECK(bind_tasks(scenario, crew, "", "s.json", faults)[0] == "robot0");
+    CandidateIndex candidates(profiles);
+    CHECK(tasks_without_spare(scenario, candidates).size() == 50);
+    CHECK(bind_tasks(scenario, candidates, "", "s.json", faults)[0] == "robot0");
   });
   MESSAGE("check, preflight, binding: " << ms << " ms");
 #ifdef __SANITIZE_ADDRESS__

@@ -60,9 +60,9 @@ struct Able {
 
 /// The fleet's robots by what they can do. Keeps the profiles by reference, and answers that were given already: tasks
 /// that ask the same are looked for once.
-class Crew {
+class CandidateIndex {
  public:
-  explicit Crew(const Profiles& profiles);
+  explicit CandidateIndex(const Profiles& profiles);
 
   const Able& able(const Task& task);
   /// Everybody who is ready and able, by id.
@@ -88,7 +88,7 @@ constexpr std::size_t kMaxBoundWhenDue = 32;
 /// the one with the fewest tasks of this run, then the first by id. The decider is left what gains most by it: what
 /// nobody can do now, then what several could do, what begins last before what begins first. What is left without
 /// anybody is a fault.
-std::vector<std::string> bind_tasks(const Scenario& scenario, Crew& crew, const std::string& decider,
+std::vector<std::string> bind_tasks(const Scenario& scenario, CandidateIndex& candidates, const std::string& decider,
                                     const std::string& file, ConfigFaults& faults);
 
 /// A task that nobody else could take over now.
@@ -99,6 +99,6 @@ struct NoSpare {
 };
 
 /// The tasks without a spare, in the file's order; of a repeated scenario, those of the first round.
-std::vector<NoSpare> tasks_without_spare(const Scenario& scenario, Crew& crew);
+std::vector<NoSpare> tasks_without_spare(const Scenario& scenario, CandidateIndex& candidates);
 
 }  // namespace trb

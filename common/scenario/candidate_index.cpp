@@ -1,4 +1,4 @@
-#include "common/scenario/crew.hpp"
+#include "common/scenario/candidate_index.hpp"
 
 #include <algorithm>
 #include <set>
@@ -165,7 +165,7 @@ std::string Able::reasons(const std::string& except) const {
   return out;
 }
 
-Crew::Crew(const Profiles& profiles) : profiles_(profiles) {
+CandidateIndex::CandidateIndex(const Profiles& profiles) : profiles_(profiles) {
   for (const Robot& robot : profiles_) {
     for (const SkillInfo& skill : robot.second.skills) {
       auto& robots = by_skill_[skill.name];
@@ -174,7 +174,7 @@ Crew::Crew(const Profiles& profiles) : profiles_(profiles) {
   }
 }
 
-const Able& Crew::able(const Task& task) {
+const Able& CandidateIndex::able(const Task& task) {
   const auto [at, is_new] = known_.try_emplace(need_of(task));
   Able& out = at->second;
   const auto robots = by_skill_.find(task.skill);
@@ -195,7 +195,7 @@ const Able& Crew::able(const Task& task) {
   return out;
 }
 
-const std::vector<std::string>& Crew::everybody(const Task& task) {
+const std::vector<std::string>& CandidateIndex::everybody(const Task& task) {
   const auto [at, is_new] = everybody_.try_emplace(need_of(task));
   const auto robots = by_skill_.find(task.skill);
   const auto data = parameters_of(task);
@@ -207,13 +207,13 @@ const std::vector<std::string>& Crew::everybody(const Task& task) {
   return at->second;
 }
 
-std::vector<std::string> Crew::skills() const {
+std::vector<std::string> CandidateIndex::skills() const {
   std::vector<std::string> out;
   for (const auto& [skill, robots] : by_skill_) out.emplace_back(skill);
   return out;
 }
 
-std::vector<std::string> Crew::capabilities() const {
+std::vector<std::string> CandidateIndex::capabilities() const {
   std::set<std::string> all;
   for (const auto& [id, profile] : profiles_) {
     if (!profile.skills.empty()) all.insert(profile.capabilities.begin(), profile.capabilities.end());
@@ -221,11 +221,11 @@ std::vector<std::string> Crew::capabilities() const {
   return {all.begin(), all.end()};
 }
 
-std::vector<NoSpare> tasks_without_spare(const Scenario& scenario, Crew& crew) {
+std::vector<NoSpare> tasks_without_spare(const Scenario& scenario, CandidateIndex& candidates) {
   std::vector<NoSpare> out;
   for (const Task& task : scenario.tasks) {
     if (is_repetition(task.id)) continue;
-    const Able& able = crew.able(task);
+    const Able& able = candidates.able(task);
     const std::string robot = !task.robot.empty() ? task.robot : able.ready.empty() ? "" : able.ready.front();
     const auto is_other = [&](const std::string& id) { return id != robot; };
     if (!task.pinned && std::ranges::any_of(able.ready, is_other)) continue;
