@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <cstdlib>
 
+#include "common/operator/decide.hpp"
 #include "services/cli/commands/command.hpp"
 #include "services/cli/core/table.hpp"
 #include "services/cli/io/print.hpp"
@@ -143,63 +144,52 @@ std::vector<std::string> words_of(const std::string& list) {
   return out;
 }
 
-/// What the verdict is about: an alert, or tasks of a run.
-Status take_subject(const Arguments& arguments, AlertDecide& out) {
+/// The verdict that an option gives; how many were given.
+int take_verdict(const Arguments& arguments, AlertDecide& out) {
+  int given = 0;
+  const auto take = [&](const char* option, Verdict verdict) {
+    if (!arguments.has(option)) return;
+    out.verdict = verdict;
+    ++given;
+  };
+  take("--robot", Verdict::accept);
+  take("--override", Verdict::override_);
+  take("--retry", Verdict::retry);
+  take("--skip", Verdict::skip);
+  take("--abort", Verdict::abort);
+  // The best proposal is what one says yes to.
+  if (given == 0 && !out.alert.empty()) out.verdict = Verdict::accept;
+  return given;
+}
+
+Result<AlertDecide> decision_of(const Arguments& arguments) {
+  AlertDecide out;
   if (!arguments.words.empty()) out.alert = arguments.words[0];
   out.run = arguments.get("--run");
   out.tasks = words_of(arguments.get("--task"));
-  if (out.alert.empty() == out.run.empty()) {
-    return fail(Errc::missing, "an alert, or a run and its tasks",
-                "trb alert decide ALERT, or trb alert decide --run RUN --task T[,T]");
-  }
-  if (out.alert.empty() && out.tasks.empty()) return fail(Errc::missing, "which tasks of the run", "--task T[,T]");
+  if (Status named = op::check_subject(out); !named) return named.error();
   if (arguments.has("--task") && out.tasks.empty()) return fail(Errc::bad_value, "--task names none", "--task T[,T]");
-  return Done{};
-}
-
-Result<AlertDecide> verdict_of(const Arguments& arguments) {
-  AlertDecide out;
-  if (Status named = take_subject(arguments, out); !named) return named.error();
-  int said = 0;
-  const auto say = [&](const char* option, Verdict verdict) {
-    if (!arguments.has(option)) return;
-    out.verdict = verdict;
-    ++said;
-  };
-  say("--robot", Verdict::accept);
-  say("--override", Verdict::override_);
-  say("--retry", Verdict::retry);
-  say("--skip", Verdict::skip);
-  say("--abort", Verdict::abort);
-  if (out.alert.empty() && (said == 0 || out.verdict == Verdict::abort)) {
-    return fail(Errc::missing, "what is to become of the tasks", "--robot, --override, --retry or --skip");
-  }
-  if (said > 1) {
+  if (take_verdict(arguments, out) > 1) {
     return fail(Errc::bad_value, "several verdicts", "one of --robot, --override, --retry, --skip and --abort");
   }
-  // The best proposal is what one says yes to.
-  if (said == 0) out.verdict = Verdict::accept;
   out.robot = arguments.get("--robot", arguments.get("--override"));
   out.person = arguments.get("--person", user());
   out.reason = arguments.get("--reason");
   out.stands = arguments.has("--stands");
-  if (out.verdict == Verdict::override_ && out.reason.empty()) {
-    return fail(Errc::missing, "an override needs a reason", "--reason TEXT");
-  }
+  if (Status sound = op::check_decision(out); !sound) return sound.error();
   return out;
 }
 
 int run_decide(const Arguments& arguments) {
-  const auto verdict = verdict_of(arguments);
-  if (!verdict) {
-    print_error(arguments, verdict.error());
+  const auto decision = decision_of(arguments);
+  if (!decision) {
+    print_error(arguments, decision.error());
     return kWrongUse;
   }
   auto probe = open_probe(arguments);
   if (!probe) return kFailed;
-  auto answer = probe->command(probe->node(), *verdict);
-  if (!answer) return print_error(arguments, answer.error());
-  const auto ack = decode<Ack>(answer->data);
+  const auto ack =
+      probe->wait<Ack>([&](op::Session& session, const auto& done) { op::decide(session, *decision, done); });
   if (!ack) return print_error(arguments, ack.error());
   print_line(arguments.has("--json") ? to_json(*ack) : ack->text);
   return kGood;
