@@ -19,7 +19,7 @@ struct BusSend {
   ConnectionId to = 0;
   Message message;
 };
-/// The shell has it numbered as it leaves; see RouterCore::stamp.
+/// The shell has it numbered as it leaves; see SealBook::send.
 struct LinkSend {
   LinkId link = 0;
   Message message;
@@ -58,7 +58,7 @@ struct RefuseCandidate {
 };
 
 /// What the authority said, to be on disk before what follows in the list is done; the beacon key of the list, if this
-/// node has a box in it, is used from then on. RouterCore::on_stored follows, for this and the next two.
+/// node has a box in it, is used from then on. TrustUpdates::on_stored follows, for this and the next two.
 struct StoreNews {
   FleetNews news;
   std::uint32_t beacon_number = 0;
@@ -81,7 +81,7 @@ struct StoreUtc {
 struct SealDue {
   LinkId link = 0;
 };
-/// A seal whose range fits: is it signed by `signer`? The answer goes to RouterCore::on_seal_checked.
+/// A seal whose range fits: is it signed by `signer`? The answer goes to Forwarding::on_seal_checked.
 struct CheckSeal {
   LinkId link = 0;
   std::uint64_t last = 0;    ///< sequence
@@ -122,7 +122,7 @@ struct Relaying {
   Message message;
 };
 
-/// Where a message goes; `relay`: wrap it with RouterCore::relay_out; `lane`: only from RouterCore::by_lane.
+/// Where a message goes; `relay`: wrapped by RelayRoutes::wrap; `lane`: only what may be lost.
 struct Routing {
   enum class To : unsigned char { drop, service, peer, relay, every_peer, router, lane } to = To::drop;
   ConnectionId connection = 0;
