@@ -1,3 +1,4 @@
+#include "common/scenario/graph.hpp"
 #include "services/scheduler/test/scenarios.hpp"
 
 namespace trb::scheduler::test {
