@@ -1,0 +1,155 @@
+// Revocation lists: who is out, and what becomes of who is. Time is injected, nothing sleeps.
+#include "services/router/test/test_trust.hpp"
+
+using namespace trb;
+using namespace trb::router;
+using std::chrono::hours;
+using std::chrono::milliseconds;
+using Seconds = std::chrono::seconds;
+
+TEST_CASE("a revocation that one node hears of is in force on all, and the revoked node knows it") {
+  Three three;
+  REQUIRE(three.tell(three.ant, {list_of(three.fleet.authority, 1, {"cat"}, {"ant", "bee"}), {}}).ok());
+  CHECK(three.ant.peer("cat") == nullptr);
+  three.fleet.run(milliseconds(100));
+  CHECK(three.bee.peer("cat") == nullptr);
+  CHECK(three.ant.count("refused.cert_revoked") == 1);
+  CHECK(three.bee.count("refused.cert_revoked") == 1);
+  CHECK(logged(three.cat, "own_certificate_over this node's certificate is revoked: stolen"));
+  Effects effects;
+  CHECK_FALSE(three.cat.core->admission().admit(three.ant.keys.link.public_key, three.fleet.now, effects));
+  three.cat.beacons.clear();
+  const std::size_t dials = three.cat.dials.size();
+  three.fleet.run(Seconds(20));
+  CHECK(three.cat.beacons.empty());
+  CHECK(three.cat.dials.size() == dials);
+  CHECK(Three::linked({&three.ant, &three.bee}));
+  CHECK(three.ant.peer("cat") == nullptr);
+}
+
+TEST_CASE("a list is on disk before anything is done about it, and the beacon key's box goes with it") {
+  Three three;
+  Effects effects;
+  REQUIRE(three.ant.core->updates()
+              .on_update({list_of(three.fleet.authority, 1, {"cat"}, {"ant", "bee"}), {}}, 0, three.fleet.now, effects)
+              .ok());
+  std::optional<std::size_t> stored;
+  for (std::size_t i = 0; i < effects.list.size(); ++i) {
+    if (std::holds_alternative<StoreNews>(effects.list[i])) stored = i;
+    if (std::holds_alternative<LinkSend>(effects.list[i]) || std::holds_alternative<CloseLink>(effects.list[i])) {
+      CHECK(stored.has_value());
+    }
+  }
+  REQUIRE(stored);
+  const auto& store = std::get<StoreNews>(effects.list[*stored]);
+  CHECK(store.beacon_number == 2);
+  CHECK(store.beacon_box == Bytes(80, 'b'));
+}
+
+TEST_CASE("a revoked node's key, Hello and beacon are refused, and services hear that it is gone") {
+  Three three;
+  TestNode& ant = three.ant;
+  Effects effects;
+  ant.core->bus().on_hello(1, {"resilience", {"peer_expired"}, 1, 1, "1"}, "resilience", three.fleet.now, effects);
+  const Bytes beacon = three.cat.beacons.back();
+  REQUIRE(three.tell(ant, {list_of(three.fleet.authority, 1, {"cat"}), {}}).ok());
+  CHECK(ant.told("peer_expired") == 1);
+  CHECK_FALSE(ant.core->admission().admit(three.cat.keys.link.public_key, three.fleet.now, effects));
+  ant.core->beacons().on_beacon(beacon, three.fleet.now, effects);
+  three.fleet.carry_out(ant, effects);
+  CHECK(ant.count("beacon.cert_revoked") == 1);
+  const Hello hello{three.cat.keys.record, 9, "cat", "1", kStartUtc, true, {}, 0, "behind", false, ""};
+  ant.core->inbox().on_message(77, three.cat.keys.link.public_key,
+                               make_message(MessageType::information, "cat", "", hello), 1, three.fleet.now, effects);
+  three.fleet.carry_out(ant, effects);
+  CHECK(ant.count("refused.cert_revoked") >= 3);
+  CHECK(ant.peer("cat") == nullptr);
+}
+
+TEST_CASE("a revoked node that this one never met is refused at its Hello and handed the list") {
+  TestFleet fleet;
+  TestNode& ant = fleet.start("ant", {.beacon = false});
+  Effects effects;
+  REQUIRE(ant.core->updates().on_update({list_of(fleet.authority, 1, {"dog"}), {}}, 0, fleet.now, effects).ok());
+  fleet.carry_out(ant, effects);
+  TestNode& dog = fleet.start("dog", {.beacon = false, .seeds = {"ant"}});
+  fleet.run(Seconds(1));
+  CHECK(ant.count("refused.cert_revoked") >= 1);
+  CHECK(ant.refused.front().message.subtype == FleetNews::kSubtype);
+  CHECK(logged(dog, "own_certificate_over"));
+  const std::size_t dials = dog.dials.size();
+  fleet.run(Seconds(10));
+  CHECK(dog.dials.size() == dials);
+}
+
+TEST_CASE("older, forged, foreign and doubled lists are refused, each under its own name") {
+  Three three;
+  const TestAuthority other;
+  const TestAuthority& authority = three.fleet.authority;
+  CHECK(three.code(three.ant, {list_of(authority, 2, {}), {}}) == Errc::ok);
+  CHECK(three.code(three.ant, {list_of(authority, 2, {}), {}}) == Errc::ok);  // the same: nothing new
+  CHECK(three.code(three.ant, {list_of(authority, 1, {"cat"}), {}}) == Errc::downgraded);
+  CHECK(three.code(three.ant, {list_of(authority, 0, {"cat"}), {}}) == Errc::downgraded);
+  CHECK(three.code(three.ant, {list_of(authority, 2, {"cat"}), {}}) == Errc::conflict);
+  CHECK(three.code(three.ant, {list_of(other, 3, {"cat"}), {}}) == Errc::foreign_fleet);
+  SignedRecord forged = list_of(authority, 3, {"cat"});
+  forged.signature.bytes[5] ^= 1;
+  CHECK(three.code(three.ant, {forged, {}}) == Errc::bad_signature);
+  SignedRecord garbage = forged;
+  garbage.payload.bytes = "noise";
+  CHECK(three.code(three.ant, {garbage, {}}) == Errc::malformed);
+  CHECK(Three::linked({&three.ant, &three.bee, &three.cat}));
+}
+
+TEST_CASE("a member that brings a forged list is counted and stays linked") {
+  Three three;
+  SignedRecord forged = list_of(three.fleet.authority, 3, {"cat"});
+  forged.signature.bytes[5] ^= 1;
+  const LinkId link = three.ant.link_to("bee");
+  const std::uint64_t next = three.ant.core->table().link(link)->heard + 1;
+  three.fleet.arrive(three.ant, link, next,
+                     make_message(MessageType::information, "bee", "ant", FleetNews{forged, {}}));
+  CHECK(three.ant.count("refused.bad_signature") == 1);
+  CHECK(three.ant.link_to("bee") == link);
+}
+
+TEST_CASE("a node that was away hears the list when it is linked again") {
+  Three three;
+  three.fleet.stop("bee");
+  REQUIRE(three.tell(three.ant, {list_of(three.fleet.authority, 4, {"cat"}), {}}).ok());
+  TestNode& bee = three.fleet.start("bee", {.boot = 2});
+  three.fleet.run(Seconds(2));
+  CHECK(bee.count("news.lists") == 1);
+  CHECK(bee.link_to("ant") != 0);
+  CHECK(bee.peer("cat") == nullptr);
+}
+
+TEST_CASE("a list without this node's beacon key is told in the log, but not of one that is out, nor without a list") {
+  Three three;
+  REQUIRE(three.tell(three.ant, {{}, {three.sign_certificate(three.renewed("dog", 3))}}).ok());
+  CHECK_FALSE(logged(three.ant, "no_beacon_key"));
+  REQUIRE(three.tell(three.ant, {list_of(three.fleet.authority, 1, {"cat"}, {"ant"}), {}}).ok());
+  three.fleet.run(milliseconds(100));
+  CHECK_FALSE(logged(three.ant, "no_beacon_key"));
+  CHECK(three.ant.stored_news.back().beacon_box == Bytes(80, 'b'));
+  CHECK(logged(three.bee, "no_beacon_key"));
+  CHECK(three.bee.stored_news.back().beacon_box.empty());
+  REQUIRE(logged(three.cat, "own_certificate_over"));
+  CHECK_FALSE(logged(three.cat, "no_beacon_key"));
+}
+
+TEST_CASE("a list tells a clock that is behind what time it is at least") {
+  TestFleet fleet;
+  TestNode& ant = fleet.start("ant", {.beacon = false, .clock_off = -hours(24 * 300)});
+  RevocationList list;
+  list.fleet = {fleet.authority.fleet.id()};
+  list.number = 1;
+  list.issued = kStartUtc + 3'600'000'000'000;
+  const SignedRecord record =
+      sign(kSignedRevocations, "", fleet.authority.fleet.id(), encode(list), fleet.authority.key);
+  Effects effects;
+  REQUIRE(ant.core->updates().on_update({record, {}}, 0, fleet.now_of(ant), effects).ok());
+  fleet.carry_out(ant, effects);
+  REQUIRE_FALSE(ant.stored_utc.empty());
+  CHECK(ant.stored_utc.back() == UtcTime{list.issued});
+}
