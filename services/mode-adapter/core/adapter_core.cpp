@@ -3,14 +3,13 @@
 namespace trb::adapter {
 
 ModeAdapterCore::ModeAdapterCore(Settings settings, PersistFence persist, PersistOutOfUse keep, InjectLine inject)
-    : inject_(std::move(inject)),
-      robot_(std::move(settings)),
+    : robot_(std::move(settings)),
       status_(robot_.settings),
-      faults_(robot_.settings.description.faults),
-      sensors_(robot_.settings.description.sensors),
-      out_of_use_(robot_.settings.out_of_use, std::move(keep)),
       stops_(robot_, std::move(persist)),
-      desk_(robot_) {}
+      desk_(robot_),
+      faults_(robot_, desk_, std::move(keep)),
+      watch_(robot_.settings, faults_),
+      injection_(robot_.settings, std::move(inject)) {}
 
 void ModeAdapterCore::on_welcome(const NodeIdentity&, Now, Outbox& out) {
   status_.welcome(condition(), out);
@@ -29,9 +28,9 @@ void ModeAdapterCore::on(const Inbound& message, Now now, Outbox& out) {
                           stops_.on_stop(message, now, out);
                         },
                         [&](const Release&) { stops_.on_release(message, now, out); },
-                        [&](const TakeOutOfUse& order) { on_take_out(message, order, now, out); },
-                        [&](const TakeIntoUse& order) { on_take_in(message, order, out); },
-                        [&](const InjectFault& order) { on_inject(message, order, out); },
+                        [&](const TakeOutOfUse& order) { faults_.on_take_out(message, order, now, out); },
+                        [&](const TakeIntoUse& order) { faults_.on_take_in(message, order, out); },
+                        [&](const InjectFault& order) { injection_.on_inject(message, order, out); },
                         [&](const BridgeEvent& event) { on_bridge(message, event, now, out); },
                         [&](const BridgeState& state) {
                           on_bridge(message, state, now, out);
@@ -62,11 +61,11 @@ void ModeAdapterCore::on_bridge(const Inbound& message, const Heard& heard, Now 
 void ModeAdapterCore::tick(Now now, Outbox& out) {
   // Before the modes: a stop's answer says what was known at its deadline.
   stops_.tick(now, out);
-  out_of_use_.tick(now, out);
+  faults_.save(now, out);
   robot_.for_each([&](Driver& mode) { mode.tick(now, robot_.to(mode, out)); });
   settle(now, out);
   desk_.tick(now, out);
-  tick_watch(now, out);
+  watch_.tick(now, out);
   expire(commands_, "the robot did not take it in time", now, out);
   expire(requests_, "the robot did not answer in time", now, out);
   end_streams(now, out);
@@ -74,11 +73,10 @@ void ModeAdapterCore::tick(Now now, Outbox& out) {
 }
 
 std::optional<MonotonicTime> ModeAdapterCore::next_deadline() const {
-  const auto watched = earlier(faults_.next_deadline(), sensors_.next_deadline());
-  const auto askers = earlier(control_.next_deadline(), earlier(commands_.next_deadline(), requests_.next_deadline()));
-  const auto kept = earlier(stops_.next_deadline(), out_of_use_.next_deadline());
-  return earlier(earlier(earlier(kept, streams_.next_deadline()), desk_.next_deadline()),
-                 earlier(robot_.next_deadline(), earlier(askers, watched)));
+  const auto watched = watch_.next_deadline();
+  const auto pending = earlier(control_.next_deadline(), earlier(commands_.next_deadline(), requests_.next_deadline()));
+  const auto kept = earlier(stops_.next_deadline(), streams_.next_deadline());
+  return earlier(earlier(kept, desk_.next_deadline()), earlier(robot_.next_deadline(), earlier(pending, watched)));
 }
 
 void ModeAdapterCore::on_channel_up(Channel channel, Now now, Outbox& out) {

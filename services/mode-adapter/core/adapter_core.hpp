@@ -4,13 +4,12 @@
 
 #include "common/actor/core.hpp"
 #include "common/actor/takes.hpp"
-#include "services/mode-adapter/core/askers.hpp"
 #include "services/mode-adapter/core/control_lease.hpp"
-#include "services/mode-adapter/core/fault_rules.hpp"
-#include "services/mode-adapter/core/out_of_use_book.hpp"
-#include "services/mode-adapter/core/robot_sensors.hpp"
+#include "services/mode-adapter/core/fault_injection.hpp"
+#include "services/mode-adapter/core/pending_requests.hpp"
 #include "services/mode-adapter/core/robot_side.hpp"
 #include "services/mode-adapter/core/robot_status.hpp"
+#include "services/mode-adapter/core/robot_watch.hpp"
 #include "services/mode-adapter/core/skill_desk.hpp"
 #include "services/mode-adapter/core/stop_control.hpp"
 #include "services/mode-adapter/core/streams.hpp"
@@ -51,32 +50,8 @@ class ModeAdapterCore : public Core {
   void on_nack(const Inbound& message, const Nack& nack, Now now, Outbox& out);
   void inform(std::string_view subtype, std::string_view source, BytesView data, Now now, Outbox& out);
   /// The message's token; none: refused, and told so.
-  std::optional<Token> wait_or_answer(Askers& askers, const Inbound& message, const Opaque& body, Driver& mode, Now now,
-                                      Outbox& out);
-
-  // the description's faults and sensors: watch.cpp
-  void watch(const Driver& mode, Now now, Outbox& out);
-  void watch_field(const Said& said, Now now, Outbox& out);
-  void tick_watch(Now now, Outbox& out);
-  void tell_watched(const FaultNews& news, Now now, Outbox& out);
-
-  // what keeps it out of use: out_of_use.cpp
-  void on_fault(const FaultSaid& fault, Now now, Outbox& out);
-  void on_over(const FaultOver& over, Now now, Outbox& out);
-  void keep_fault(const FaultSaid& fault, Now now, Outbox& out);
-  void tell_end(const OutOfUse& ended, const std::string& text, Outbox& out);
-  void on_take_out(const Inbound& message, const TakeOutOfUse& order, Now now, Outbox& out);
-  void on_take_in(const Inbound& message, const TakeIntoUse& order, Outbox& out);
-  [[nodiscard]] Status may_take_out(const Inbound& message, const OutOfUse& what) const;
-  Status returned(const TakeIntoUse& order, Outbox& out);
-  Status repaired(const TakeIntoUse& order, Outbox& out);
-  [[nodiscard]] std::optional<Error> out_of_use(const Execute& order) const;
-  [[nodiscard]] std::vector<std::string> concerned(const std::string& capability) const;
-  [[nodiscard]] bool knows_capability(const std::string& capability) const;
-
-  // faults by word: fault_injection.cpp
-  void on_inject(const Inbound& message, const InjectFault& order, Outbox& out);
-  [[nodiscard]] Status injected(const InjectFault& order) const;
+  std::optional<Token> wait_or_answer(PendingRequests& pending, const Inbound& message, const Opaque& body,
+                                      Driver& mode, Now now, Outbox& out);
 
   template <class Heard>
   void on_bridge(const Inbound& message, const Heard& heard, Now now, Outbox& out);
@@ -97,24 +72,23 @@ class ModeAdapterCore : public Core {
   void on_said(Driver& mode, const Said& said, Now now, Outbox& out);
   void on_link_up(Driver& mode, Now now, Outbox& out);
   void on_link_down(Driver& mode, const std::string& reason, Now now, Outbox& out);
-  void expire(Askers& askers, const char* what, Now now, Outbox& out);
+  void expire(PendingRequests& pending, const char* what, Now now, Outbox& out);
 
-  InjectLine inject_;
   RobotSide robot_;
   RobotStatus status_;
-  FaultRules faults_;
-  RobotSensors sensors_;
-  OutOfUseBook out_of_use_;
   StopControl stops_;
   SkillDesk desk_;
+  RobotFaults faults_;
+  RobotWatch watch_;
+  FaultInjection injection_;
   ControlLease control_;
   struct {
     Driver* mode = nullptr;
     Token token = 0;
-  } commanded_;      ///< the last command that a person has given
-  Askers commands_;  ///< until the robot has them
-  Askers requests_;  ///< until the robot has answered them
-  Streams streams_;  ///< requests that go on
+  } commanded_;               ///< the last command that a person has given
+  PendingRequests commands_;  ///< until the robot has them
+  PendingRequests requests_;  ///< until the robot has answered them
+  Streams streams_;           ///< requests that go on
 };
 
 }  // namespace trb::adapter

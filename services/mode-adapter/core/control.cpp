@@ -11,7 +11,7 @@ std::optional<Error> ModeAdapterCore::barred(const Holder& by, bool take, Now no
 void ModeAdapterCore::execute(const Inbound& message, const Execute& order, Now now, Outbox& out) {
   const Holder by{Holder::Kind::run, order.key.run};
   auto error = barred(by, false, now);
-  if (!error) error = out_of_use(order);
+  if (!error) error = faults_.refusal(order);
   if (error && (error->code == Errc::control_held || error->code == Errc::out_of_use)) {
     out.count("refused." + std::string(errc_name(error->code)));
   }
@@ -37,8 +37,8 @@ void ModeAdapterCore::refresh_control(Now now) {
 
 Condition ModeAdapterCore::condition() const {
   const auto& holder = control_.holder();
-  if (!holder) return {stops_.fenced(), desk_.busy(), {}, true, out_of_use_.shown()};
-  return {stops_.fenced(), desk_.busy(), holder->text(), holder->kind == Holder::Kind::run, out_of_use_.shown()};
+  if (!holder) return {stops_.fenced(), desk_.busy(), {}, true, faults_.shown()};
+  return {stops_.fenced(), desk_.busy(), holder->text(), holder->kind == Holder::Kind::run, faults_.shown()};
 }
 
 }  // namespace trb::adapter

@@ -1,8 +1,8 @@
-// Faults by word: a virtual robot is told to fail. A real one never is.
+#include "services/mode-adapter/core/fault_injection.hpp"
+
 #include <algorithm>
 
 #include "common/fleet/did_you_mean.hpp"
-#include "services/mode-adapter/core/adapter_core.hpp"
 
 namespace trb::adapter {
 namespace {
@@ -20,23 +20,22 @@ std::string line_of(const InjectFault& order) {
 
 }  // namespace
 
-Status ModeAdapterCore::injected(const InjectFault& order) const {
-  const Settings& settings = robot_.settings;
+Status FaultInjection::injected(const InjectFault& order) const {
   if (!inject_) {
     return fail(Errc::not_permitted,
-                "'" + settings.id + "' is not known to be a virtual robot, and a real one is not made to fail",
+                "'" + settings_.id + "' is not known to be a virtual robot, and a real one is not made to fail",
                 "for a virtual one, name its --control address in node.json: \"robot\": {\"fault_injection\": "
                 "\"HOST:PORT\"}");
   }
-  const std::vector<std::string>& known = settings.description.capabilities;
+  const std::vector<std::string>& known = settings_.description.capabilities;
   if (!order.capability.empty() && std::find(known.begin(), known.end(), order.capability) == known.end()) {
-    return fail(Errc::bad_value, "'" + settings.id + "' has no capability '" + order.capability + "'",
+    return fail(Errc::bad_value, "'" + settings_.id + "' has no capability '" + order.capability + "'",
                 did_you_mean(order.capability, known, "use one of"));
   }
   return inject_(line_of(order));
 }
 
-void ModeAdapterCore::on_inject(const Inbound& message, const InjectFault& order, Outbox& out) {
+void FaultInjection::on_inject(const Inbound& message, const InjectFault& order, Outbox& out) const {
   const Status done = injected(order);
   if (!done) {
     out.count("refused." + std::string(errc_name(done.error().code)));

@@ -23,12 +23,12 @@ void ModeAdapterCore::on_event(Driver& mode, const DriverEvent& event, Now now, 
                  },
                  [&](const Refused& refused) { on_refused(refused, now, out); },
                  [&](const Said& said) { on_said(mode, said, now, out); },
-                 [&](const FaultSaid& fault) { on_fault(fault, now, out); },
-                 [&](const FaultOver& over) { on_over(over, now, out); },
+                 [&](const FaultSaid& fault) { faults_.on_fault(fault, now, out); },
+                 [&](const FaultOver& over) { faults_.on_over(over, now, out); },
                  [&](const ValuesHeard&) {
                    desk_.on_values(&mode, now, out);
                    streams_.on_values(mode, now, out);
-                   watch(mode, now, out);
+                   watch_.on_values(mode, now, out);
                  },
                  [&](const Stopped& stopped) { stops_.on_stopped(&mode, stopped, out); },
                  [&](const Released& released) { stops_.on_released(&mode, released, out); },
@@ -40,16 +40,16 @@ void ModeAdapterCore::on_event(Driver& mode, const DriverEvent& event, Now now, 
 
 void ModeAdapterCore::on_progress(Token token, const char* state, Now now, Outbox& out) {
   if (desk_.owns(token)) return desk_.on_under_way(now);
-  if (const auto asker = commands_.take(token)) out.reply(*asker, Ack{state, ""});
+  if (const auto request = commands_.take(token)) out.reply(*request, Ack{state, ""});
 }
 
 void ModeAdapterCore::on_refused(const Refused& refused, Now now, Outbox& out) {
   if (desk_.owns(refused.token)) return desk_.on_refused(refused.error, now, out);
-  auto asker = commands_.take(refused.token);
-  if (!asker) asker = requests_.take(refused.token);
-  if (!asker) return;
+  auto request = commands_.take(refused.token);
+  if (!request) request = requests_.take(refused.token);
+  if (!request) return;
   out.count("refused." + std::string(errc_name(refused.error.code)));
-  out.nack(*asker, refused.error);
+  out.nack(*request, refused.error);
 }
 
 void ModeAdapterCore::on_said(Driver& mode, const Said& said, Now now, Outbox& out) {
@@ -58,10 +58,10 @@ void ModeAdapterCore::on_said(Driver& mode, const Said& said, Now now, Outbox& o
   if (said.type == MessageType::request) return out.request(said.target, std::move(body));
   if (said.target == robot_.settings.id) {
     desk_.on_information(&mode, said.subtype, said.data, now, out);
-    watch_field(said, now, out);
+    watch_.on_field(said, now, out);
   }
-  if (const auto asker = requests_.take_answered(said.subtype, said.target)) {
-    return out.reply(*asker, std::move(body));
+  if (const auto request = requests_.take_answered(said.subtype, said.target)) {
+    return out.reply(*request, std::move(body));
   }
   out.information(said.target, std::move(body));
 }
@@ -74,11 +74,11 @@ void ModeAdapterCore::on_link_up(Driver& mode, Now now, Outbox& out) {
 
 void ModeAdapterCore::on_link_down(Driver& mode, const std::string& reason, Now now, Outbox& out) {
   if (&mode == &robot_.primary()) status_.on_down(reason);
-  faults_.forget_standing();
+  faults_.on_link_down();
   desk_.on_link_down(&mode, reason, now, out);
   streams_.on_link_down(mode);
-  while (const auto asker = requests_.take_any_of(&mode)) {
-    out.nack(*asker,
+  while (const auto request = requests_.take_any_of(&mode)) {
+    out.nack(*request,
              fail(Errc::robot_offline, "the robot left before it answered: " + reason, "look at the robot's program"));
   }
 }

@@ -66,8 +66,8 @@ void ModeAdapterCore::end_streams(Now now, Outbox& out) {
   }
 }
 
-std::optional<Token> ModeAdapterCore::wait_or_answer(Askers& askers, const Inbound& message, const Opaque& body,
-                                                     Driver& mode, Now now, Outbox& out) {
+std::optional<Token> ModeAdapterCore::wait_or_answer(PendingRequests& pending, const Inbound& message,
+                                                     const Opaque& body, Driver& mode, Now now, Outbox& out) {
   const Token token = robot_.next_token();
   const auto progress =
       mode.hand_over({token, message.type, body.subtype, message.source, body.data, {}}, now, robot_.to(mode, out));
@@ -79,7 +79,7 @@ std::optional<Token> ModeAdapterCore::wait_or_answer(Askers& askers, const Inbou
   if (*progress == Progress::handed_over) {
     out.reply(message, Ack{"handed_over", ""});
   } else {
-    askers.add(token, message, mode, now);
+    pending.add(token, message, mode, now);
   }
   return token;
 }
@@ -121,11 +121,11 @@ void ModeAdapterCore::on_nack(const Inbound& message, const Nack& nack, Now now,
   inform(Nack::kSubtype, message.source, nack.code + " " + nack.what, now, out);
 }
 
-void ModeAdapterCore::expire(Askers& askers, const char* what, Now now, Outbox& out) {
-  while (auto expired = askers.take_expired(now)) {
-    Asker& asker = expired->second;
-    out.nack(asker.message, fail(Errc::timeout, what, "look at the robot's program"));
-    asker.mode->forget(expired->first, now, robot_.to(*asker.mode, out));
+void ModeAdapterCore::expire(PendingRequests& pending, const char* what, Now now, Outbox& out) {
+  while (auto expired = pending.take_expired(now)) {
+    PendingRequest& request = expired->second;
+    out.nack(request.message, fail(Errc::timeout, what, "look at the robot's program"));
+    request.mode->forget(expired->first, now, robot_.to(*request.mode, out));
   }
 }
 

@@ -1,9 +1,9 @@
-// What keeps the robot out of use: the faults that the robot tells, and the words of persons and of the node's
-// services.
+#include "services/mode-adapter/core/robot_faults.hpp"
+
 #include <algorithm>
 
 #include "common/fleet/did_you_mean.hpp"
-#include "services/mode-adapter/core/adapter_core.hpp"
+#include "proto/value.hpp"
 
 namespace trb::adapter {
 namespace {
@@ -18,9 +18,44 @@ std::string name_of_whole(const std::string& capability) {
 
 }  // namespace
 
-void ModeAdapterCore::on_fault(const FaultSaid& fault, Now now, Outbox& out) {
+RobotFaults::RobotFaults(RobotSide& robot, SkillDesk& desk, PersistOutOfUse keep)
+    : robot_(robot),
+      desk_(desk),
+      rules_(robot.settings.description.faults),
+      book_(robot.settings.out_of_use, std::move(keep)) {}
+
+void RobotFaults::on_values(const Driver& mode, Now now, Outbox& out) {
+  FaultNews news;
+  for (const FaultRule& rule : robot_.settings.description.faults) {
+    if (const RobotValue* value = mode.value(rule.value)) rules_.on_value(rule.value, *value, now, news);
+  }
+  tell(news, now, out);
+}
+
+void RobotFaults::on_value(std::string_view name, const RobotValue& value, Now now, Outbox& out) {
+  FaultNews news;
+  rules_.on_value(name, value, now, news);
+  tell(news, now, out);
+}
+
+void RobotFaults::tick(Now now, Outbox& out) {
+  FaultNews news;
+  rules_.tick(now, news);
+  tell(news, now, out);
+}
+
+void RobotFaults::tell(const FaultNews& news, Now now, Outbox& out) {
+  for (const FaultOver& over : news.over) on_over(over, now, out);
+  for (const FaultSaid& fault : news.said) on_fault(fault, now, out);
+}
+
+std::optional<MonotonicTime> RobotFaults::next_deadline() const {
+  return earlier(rules_.next_deadline(), book_.next_deadline());
+}
+
+void RobotFaults::on_fault(const FaultSaid& fault, Now now, Outbox& out) {
   const std::string text = cut_utf8(fault.text, kMaxText);
-  keep_fault(fault, now, out);
+  keep(fault, now, out);
   if (!fault.is_news) return;
   out.count("from_robot.robot_fault");
   out.log(LogLevel::warning, "robot_fault",
@@ -32,11 +67,11 @@ void ModeAdapterCore::on_fault(const FaultSaid& fault, Now now, Outbox& out) {
 }
 
 /// One that names none is of all.
-std::vector<std::string> ModeAdapterCore::concerned(const std::string& capability) const {
+std::vector<std::string> RobotFaults::concerned(const std::string& capability) const {
   return capability.empty() ? robot_.settings.description.capabilities : std::vector{capability};
 }
 
-void ModeAdapterCore::keep_fault(const FaultSaid& fault, Now now, Outbox& out) {
+void RobotFaults::keep(const FaultSaid& fault, Now now, Outbox& out) {
   if (!knows_capability(fault.capability)) return;
   if (fault.severity < Severity::critical) {
     // The same cause, and it has become milder.
@@ -45,27 +80,27 @@ void ModeAdapterCore::keep_fault(const FaultSaid& fault, Now now, Outbox& out) {
   }
   const std::string cause = fault.cause.empty() ? "said " + fault.capability : fault.cause;
   OutOfUse what{fault.capability, fault.severity, cut_utf8(fault.text, kMaxShortText), now.utc.ns, false, {}};
-  (void)out_of_use_.add({cause, std::move(what), fault.lasts && !fault.cause.empty()}, now, out);
+  (void)book_.add({cause, std::move(what), fault.lasts && !fault.cause.empty()}, now, out);
 }
 
-void ModeAdapterCore::on_over(const FaultOver& over, Now now, Outbox& out) {
-  if (const auto ended = out_of_use_.end(over.cause, now, out)) tell_end(*ended, ended->text, out);
+void RobotFaults::on_over(const FaultOver& over, Now now, Outbox& out) {
+  if (const auto ended = book_.end(over.cause, now, out)) tell_end(*ended, ended->text, out);
 }
 
-void ModeAdapterCore::tell_end(const OutOfUse& ended, const std::string& text, Outbox& out) {
+void RobotFaults::tell_end(const OutOfUse& ended, const std::string& text, Outbox& out) {
   out.log(LogLevel::info, "fault_over", name_of_whole(ended.capability) + ": " + text);
   for (const std::string& capability : concerned(ended.capability)) {
-    if (out_of_use_.faulty(capability)) continue;
+    if (book_.faulty(capability)) continue;
     out.information(std::string(kEveryNode), RobotFault{capability, ended.severity, text, true});
   }
 }
 
-bool ModeAdapterCore::knows_capability(const std::string& capability) const {
+bool RobotFaults::knows_capability(const std::string& capability) const {
   const auto& known = robot_.settings.description.capabilities;
   return capability.empty() || std::ranges::find(known, capability) != known.end();
 }
 
-Status ModeAdapterCore::may_take_out(const Inbound& message, const OutOfUse& what) const {
+Status RobotFaults::may_take_out(const Inbound& message, const OutOfUse& what) const {
   if (!what.retired && message.source != robot_.settings.id) {
     return fail(Errc::not_permitted, "only the robot and the services of its node tell a fault",
                 "trb robot retire " + robot_.settings.id);
@@ -79,7 +114,7 @@ Status ModeAdapterCore::may_take_out(const Inbound& message, const OutOfUse& wha
               did_you_mean(what.capability, robot_.settings.description.capabilities, "use one of"));
 }
 
-void ModeAdapterCore::on_take_out(const Inbound& message, const TakeOutOfUse& order, Now now, Outbox& out) {
+void RobotFaults::on_take_out(const Inbound& message, const TakeOutOfUse& order, Now now, Outbox& out) {
   if (Status may = may_take_out(message, order.what); !may) return out.nack(message, may.error());
   OutOfUse what = order.what;
   what.since = now.utc.ns;
@@ -88,7 +123,7 @@ void ModeAdapterCore::on_take_out(const Inbound& message, const TakeOutOfUse& or
   out.log(LogLevel::warning, what.retired ? "retired" : "out_of_use",
           name_of_whole(what.capability) + ", by " + what.by + ": " + what.text);
   const std::string cause = what.retired ? kRetired : "service " + what.capability;
-  const Status saved = out_of_use_.add({cause, std::move(what)}, now, out);
+  const Status saved = book_.add({cause, std::move(what)}, now, out);
   if (saved) return out.reply(message, Ack{"out_of_use", ""});
   out.nack(message,
            fail(saved.error().code,
@@ -96,47 +131,47 @@ void ModeAdapterCore::on_take_out(const Inbound& message, const TakeOutOfUse& or
                 saved.error().cure));
 }
 
-void ModeAdapterCore::on_take_in(const Inbound& message, const TakeIntoUse& order, Outbox& out) {
+void RobotFaults::on_take_in(const Inbound& message, const TakeIntoUse& order, Outbox& out) {
   const Status done = order.retired ? returned(order, out) : repaired(order, out);
   if (!done) return out.nack(message, done.error());
   out.reply(message, Ack{"in_use", ""});
 }
 
-Status ModeAdapterCore::returned(const TakeIntoUse& order, Outbox& out) {
+Status RobotFaults::returned(const TakeIntoUse& order, Outbox& out) {
   if (!order.capability.empty()) {
     return fail(Errc::bad_value, "capability: a robot returns as a whole", "leave it empty");
   }
-  if (Status done = out_of_use_.returned(); !done) return done;
+  if (Status done = book_.returned(); !done) return done;
   out.log(LogLevel::info, "returned", "by " + order.by);
   return Done{};
 }
 
-Status ModeAdapterCore::repaired(const TakeIntoUse& order, Outbox& out) {
+Status RobotFaults::repaired(const TakeIntoUse& order, Outbox& out) {
   if (!knows_capability(order.capability)) {
     return fail(Errc::bad_value, "capability: the robot has no '" + order.capability + "'",
                 did_you_mean(order.capability, robot_.settings.description.capabilities, "use one of"));
   }
-  if (const FaultSaid* fault = faults_.standing(order.capability)) {
+  if (const FaultSaid* fault = rules_.standing(order.capability)) {
     return fail(Errc::conflict, "it still says \"" + fault->text + "\"",
                 "mend it until the robot itself says so no more");
   }
-  const auto ended = out_of_use_.repaired(order.capability, robot_.primary().online());
+  const auto ended = book_.repaired(order.capability, robot_.primary().online());
   if (!ended) return ended.error();
-  faults_.begin_again(order.capability);
+  rules_.begin_again(order.capability);
   for (const OutOfUse& one : *ended) tell_end(one, "repaired, says " + order.by, out);
   return Done{};
 }
 
-std::optional<Error> ModeAdapterCore::out_of_use(const Execute& order) const {
+std::optional<Error> RobotFaults::refusal(const Execute& order) const {
   const Skill* skill = robot_.settings.description.find_skill(order.skill);
   const std::string capability = skill == nullptr ? std::string() : skill->capability;
-  const OutOfUse* kept = out_of_use_.keeps_out(capability);
+  const OutOfUse* kept = book_.keeps_out(capability);
   if (kept != nullptr && kept->retired) {
     return fail(Errc::out_of_use, "the robot is retired by " + kept->by + ": " + kept->text,
                 "trb robot return " + robot_.settings.id);
   }
   // One that is not told yet, because it began again a moment after its end, counts as well.
-  const FaultSaid* standing = skill == nullptr ? nullptr : faults_.standing(capability);
+  const FaultSaid* standing = skill == nullptr ? nullptr : rules_.standing(capability);
   if (kept == nullptr && standing == nullptr) return std::nullopt;
   return fail(Errc::out_of_use,
               name_of_whole(capability) + " is out of use: " + (kept != nullptr ? kept->text : standing->text),

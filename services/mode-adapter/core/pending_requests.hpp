@@ -11,29 +11,29 @@
 
 namespace trb::adapter {
 
-struct Asker {
+struct PendingRequest {
   Inbound message;  ///< without its data
   Driver* mode = nullptr;
   MonotonicTime deadline;
 };
 
-class Askers {
+class PendingRequests {
  public:
   static constexpr std::uint32_t kLongestMs = 10'000;
 
   [[nodiscard]] std::size_t size() const { return waiting_.size(); }
   void add(Token token, const Inbound& message, Driver& mode, Now now);
   std::optional<Inbound> take(Token token);
-  /// The oldest one that asked for that subtype from there.
+  /// The oldest request for that subtype from there.
   std::optional<Inbound> take_answered(std::string_view subtype, std::string_view source);
-  std::optional<std::pair<Token, Asker>> take_expired(Now now);
+  std::optional<std::pair<Token, PendingRequest>> take_expired(Now now);
   std::optional<Inbound> take_any_of(const Driver* mode);
   [[nodiscard]] std::optional<MonotonicTime> next_deadline() const;
 
  private:
-  Asker erase(std::map<Token, Asker>::iterator at);
+  PendingRequest erase(std::map<Token, PendingRequest>::iterator at);
 
-  std::map<Token, Asker> waiting_;
+  std::map<Token, PendingRequest> waiting_;
   std::set<std::pair<MonotonicTime, Token>> deadlines_;  ///< asked for at every turn of the loop
 };
 

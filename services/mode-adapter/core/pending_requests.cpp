@@ -1,0 +1,59 @@
+#include "services/mode-adapter/core/pending_requests.hpp"
+
+#include <algorithm>
+
+namespace trb::adapter {
+namespace {
+
+Inbound without_data(const Inbound& message) {
+  return {message.type,     message.source, message.target,       message.id,
+          message.reply_to, message.flags,  message.remaining_ms, Opaque{std::string(subtype_of(message.body)), {}}};
+}
+
+}  // namespace
+
+void PendingRequests::add(Token token, const Inbound& message, Driver& mode, Now now) {
+  const auto wait = std::chrono::milliseconds(std::min(message.remaining_ms, kLongestMs));
+  const auto [at, is_new] = waiting_.emplace(token, PendingRequest{without_data(message), &mode, now.mono + wait});
+  if (is_new) deadlines_.emplace(at->second.deadline, token);
+}
+
+PendingRequest PendingRequests::erase(std::map<Token, PendingRequest>::iterator at) {
+  deadlines_.erase({at->second.deadline, at->first});
+  PendingRequest request = std::move(at->second);
+  waiting_.erase(at);
+  return request;
+}
+
+std::optional<Inbound> PendingRequests::take(Token token) {
+  const auto found = waiting_.find(token);
+  if (found == waiting_.end()) return std::nullopt;
+  return erase(found).message;
+}
+
+std::optional<Inbound> PendingRequests::take_answered(std::string_view subtype, std::string_view source) {
+  for (const auto& [token, request] : waiting_) {
+    if (request.message.source == source && subtype_of(request.message.body) == subtype) return take(token);
+  }
+  return std::nullopt;
+}
+
+std::optional<std::pair<Token, PendingRequest>> PendingRequests::take_expired(Now now) {
+  if (deadlines_.empty() || now.mono < deadlines_.begin()->first) return std::nullopt;
+  const Token token = deadlines_.begin()->second;
+  return std::pair(token, erase(waiting_.find(token)));
+}
+
+std::optional<Inbound> PendingRequests::take_any_of(const Driver* mode) {
+  for (const auto& [token, request] : waiting_) {
+    if (request.mode == mode) return take(token);
+  }
+  return std::nullopt;
+}
+
+std::optional<MonotonicTime> PendingRequests::next_deadline() const {
+  if (deadlines_.empty()) return std::nullopt;
+  return deadlines_.begin()->first;
+}
+
+}  // namespace trb::adapter

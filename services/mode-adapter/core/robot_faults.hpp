@@ -1,0 +1,59 @@
+// The robot's faults, and what keeps it out of use: by its own word and values, by persons, by the node's services.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "services/mode-adapter/core/fault_rules.hpp"
+#include "services/mode-adapter/core/out_of_use_book.hpp"
+#include "services/mode-adapter/core/robot_side.hpp"
+#include "services/mode-adapter/core/skill_desk.hpp"
+
+namespace trb::adapter {
+
+class RobotFaults {
+ public:
+  RobotFaults(RobotSide& robot, SkillDesk& desk, PersistOutOfUse keep);
+
+  // ---- what the robot says
+  void on_fault(const FaultSaid& fault, Now now, Outbox& out);
+  void on_over(const FaultOver& over, Now now, Outbox& out);
+  /// The description's rules, of all values that the driver has.
+  void on_values(const Driver& mode, Now now, Outbox& out);
+  void on_value(std::string_view name, const RobotValue& value, Now now, Outbox& out);
+  /// The connection is lost: what it says anew counts anew.
+  void on_link_down() { rules_.forget_standing(); }
+
+  // ---- what persons and services say
+  void on_take_out(const Inbound& message, const TakeOutOfUse& order, Now now, Outbox& out);
+  void on_take_in(const Inbound& message, const TakeIntoUse& order, Outbox& out);
+
+  /// Why the skill cannot be begun; nothing: its capability is in use.
+  [[nodiscard]] std::optional<Error> refusal(const Execute& order) const;
+  /// As the profile tells it.
+  [[nodiscard]] const std::vector<OutOfUse>& shown() const { return book_.shown(); }
+
+  /// Writes what the disk has not taken yet.
+  void save(Now now, Outbox& out) { book_.tick(now, out); }
+  /// Tells the faults whose time has come.
+  void tick(Now now, Outbox& out);
+  [[nodiscard]] std::optional<MonotonicTime> next_deadline() const;
+
+ private:
+  void keep(const FaultSaid& fault, Now now, Outbox& out);
+  void tell(const FaultNews& news, Now now, Outbox& out);
+  void tell_end(const OutOfUse& ended, const std::string& text, Outbox& out);
+  [[nodiscard]] Status may_take_out(const Inbound& message, const OutOfUse& what) const;
+  Status returned(const TakeIntoUse& order, Outbox& out);
+  Status repaired(const TakeIntoUse& order, Outbox& out);
+  [[nodiscard]] std::vector<std::string> concerned(const std::string& capability) const;
+  [[nodiscard]] bool knows_capability(const std::string& capability) const;
+
+  RobotSide& robot_;
+  SkillDesk& desk_;
+  FaultRules rules_;
+  OutOfUseBook book_;
+};
+
+}  // namespace trb::adapter

@@ -1,0 +1,66 @@
+#include "services/mode-adapter/core/pending_requests.hpp"
+
+#include <doctest/doctest.h>
+
+#include "common/drivers/lines/driver.hpp"
+
+using namespace trb;
+using namespace trb::adapter;
+
+namespace {
+
+Now at(double s) {
+  return {MonotonicTime{} + seconds(s), UtcTime{}};
+}
+
+Inbound request(const std::string& subtype, const std::string& source, std::uint32_t remaining_ms = 1000) {
+  return {MessageType::request, source, "r1", 7, 0, 0, remaining_ms, Opaque{subtype, "data"}};
+}
+
+struct Waiting {
+  LinesDriver driver{{}, "r1"};
+  PendingRequests pending;
+  void add(Token token, const Inbound& message, double s) { pending.add(token, message, driver, at(s)); }
+};
+
+}  // namespace
+
+TEST_CASE("the oldest request for a subtype from a sender is answered first, and each once") {
+  Waiting is;
+  is.add(1, request("position", "a"), 0);
+  is.add(2, request("position", "b"), 0);
+  is.add(3, request("position", "a"), 0);
+  CHECK_FALSE(is.pending.take_answered("battery", "a"));
+  const auto answered = is.pending.take_answered("position", "a");
+  REQUIRE(answered);
+  CHECK(get<Opaque>(answered->body).data.empty());
+  CHECK_FALSE(is.pending.take(1));
+  CHECK(is.pending.take(3));
+  CHECK(is.pending.take_answered("position", "b"));
+  CHECK(is.pending.size() == 0);
+  CHECK_FALSE(is.pending.next_deadline());
+}
+
+TEST_CASE("a request waits for as long as its sender does, ten seconds at most") {
+  Waiting is;
+  is.add(1, request("position", "a", 500), 0);
+  is.add(2, request("position", "b", 60'000), 0);
+  CHECK(is.pending.next_deadline() == at(0.5).mono);
+  CHECK_FALSE(is.pending.take_expired(at(0.4)));
+  const auto expired = is.pending.take_expired(at(0.5));
+  REQUIRE(expired);
+  CHECK(expired->first == 1);
+  CHECK_FALSE(is.pending.take_expired(at(9.9)));
+  CHECK(is.pending.take_expired(at(10)));
+}
+
+TEST_CASE("the requests of a driver whose robot has left are taken one by one") {
+  Waiting is;
+  const LinesDriver other({}, "r1");
+  is.add(1, request("position", "a"), 0);
+  is.add(2, request("battery", "a"), 0);
+  CHECK_FALSE(is.pending.take_any_of(&other));
+  CHECK(is.pending.take_any_of(&is.driver));
+  CHECK(is.pending.take_any_of(&is.driver));
+  CHECK_FALSE(is.pending.take_any_of(&is.driver));
+}
