@@ -94,10 +94,6 @@ struct Heard {
   }
 };
 
-Certificate of_another(const TestFleet& fleet, const std::string& id, std::uint64_t serial) {
-  return fleet.authority.sign_node(id, Role::robot, serial).certificate;
-}
-
 }  // namespace
 
 TEST_CASE("who brings news is not told them again, the others are, and who asked hears how many") {

@@ -64,6 +64,11 @@ struct Three {
   }
 };
 
+/// Of a node of that id, made anew: its keys are others.
+inline Certificate of_another(const TestFleet& fleet, const std::string& id, std::uint64_t serial) {
+  return fleet.authority.sign_node(id, Role::robot, serial).certificate;
+}
+
 inline bool logged(const TestNode& node, const std::string& text) {
   return std::any_of(node.log.begin(), node.log.end(),
                      [&](const std::string& line) { return line.find(text) != std::string::npos; });
