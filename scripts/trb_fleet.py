@@ -61,7 +61,9 @@ class Process:
         self.rest = b""
 
     def pump(self, wait):
-        """Reads what there is, waiting at most so long. False at the end of the output."""
+        """Reads what there is, waiting at most so long. False at the end of the output, and once it was stopped."""
+        if self.child.stdout.closed:
+            return False
         ready, _, _ = select.select([self.child.stdout], [], [], max(wait, 0))
         if not ready:
             return True
