@@ -297,7 +297,7 @@ Result<Bytes> data_of(MessageForm& form, const std::optional<Value>& body, bool 
       return fail(Errc::bad_value, "body: comes with data", "keep one");
     }
     auto bytes = body_from_json(form.subtype, dump_json(*body));
-    if (!bytes) return fail(bytes.error().code, "body: " + bytes.error().what, bytes.error().cure);
+    if (!bytes) return fail(bytes.error().code, "body: " + bytes.error().what, bytes.error().hint);
     return bytes;  // its size is msgpack's, which a writer of JSON need not know
   }
   if (!form.data.empty() && !form.data_hex.bytes.empty()) {

@@ -73,8 +73,8 @@ Result<HeaderView> decode_frame(BytesView frame);
 
 /// The version that a frame bears; 0 for an empty one.
 std::uint8_t wire_version(BytesView frame);
-/// The same of a frame of whatever version: prefix and header are alike in all of them, so that a node of another one can
-/// be refused by name, and told why in its own.
+/// The same of a frame of whatever version: prefix and header are alike in all of them, so that a node of another one
+/// can be refused by name, and told why in its own.
 Result<HeaderView> decode_frame_of_any_version(BytesView frame);
 void stamp_version(char* frame, std::uint8_t version);
 

@@ -25,8 +25,8 @@ void Outbox::nack(const Inbound& to, const Error& error, std::string about) {
   // Of information only a user's own words are Nacked: nobody waits for the middleware's.
   const bool silent = to.type == MessageType::information && !holds_alternative<Opaque>(to.body);
   if (silent || to.reply_to != 0 || to.id == 0) return;
-  Nack nack{std::string(errc_name(error.code)), std::string(subtype_of(to.body)), to.target, cut_utf8(error.what, 1024),
-            cut_utf8(error.cure, 1024), std::move(about)};
+  Nack nack{std::string(errc_name(error.code)), std::string(subtype_of(to.body)), to.target,
+            cut_utf8(error.what, 1024),         cut_utf8(error.hint, 1024),       std::move(about)};
   sends.push_back({.type = MessageType::information, .target = to.source, .reply_to = to.id, .body = std::move(nack)});
 }
 

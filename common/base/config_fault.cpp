@@ -16,7 +16,7 @@ std::string to_text(const ConfigFaults& faults) {
     out += fault.file + ": ";
     if (!fault.key.empty()) out += fault.key + ": ";
     out += fault.what;
-    if (!fault.cure.empty()) out += "; " + fault.cure;
+    if (!fault.hint.empty()) out += "; " + fault.hint;
     out += '\n';
   }
   return out;

@@ -11,7 +11,7 @@ struct ConfigFault {
   std::string file;
   std::string key;  ///< path of the key, "skills.go_to.end.kind"; may be empty
   std::string what;
-  std::string cure;
+  std::string hint;
   bool may_wait = false;  ///< what is missing may come later: `trb up` starts and waits for it
 };
 using ConfigFaults = std::vector<ConfigFault>;

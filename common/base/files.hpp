@@ -22,8 +22,8 @@ Status overwrite_file(const std::string& path, BytesView bytes);
 /// Makes the folder and its parents; an existing one is given the mode if it is this user's.
 Status make_dir(const std::string& path, unsigned mode = 0755);
 
-/// A folder for this user alone: it gets the mode 0700, what is in it loses every right of others, and what this process
-/// makes from now on has none (umask 077). Errors: io_error if there is none and it cannot be made.
+/// A folder for this user alone: it gets the mode 0700, what is in it loses every right of others, and what this
+/// process makes from now on has none (umask 077). Errors: io_error if there is none and it cannot be made.
 Status make_private_dir(const std::string& path);
 
 bool file_exists(const std::string& path);

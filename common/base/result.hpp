@@ -15,13 +15,13 @@ namespace trb {
 struct Error {
   Errc code = Errc::ok;
   std::string what;  ///< names the field: "network.json: TCP_PORT: 70000 is no port"
-  std::string cure;  ///< what to do: "use a number from 1 to 65535"; may be empty
+  std::string hint;  ///< what to do: "use a number from 1 to 65535"; may be empty
 
   /// "code: what; cure"
   [[nodiscard]] std::string text() const {
     std::string out(errc_name(code));
     if (!what.empty()) out += ": " + what;
-    if (!cure.empty()) out += "; " + cure;
+    if (!hint.empty()) out += "; " + hint;
     return out;
   }
 };
@@ -62,8 +62,8 @@ class [[nodiscard]] Result {
 struct Done {};
 using Status = Result<Done>;
 
-inline Error fail(Errc code, std::string what, std::string cure = {}) {
-  return Error{code, std::move(what), std::move(cure)};
+inline Error fail(Errc code, std::string what, std::string hint = {}) {
+  return Error{code, std::move(what), std::move(hint)};
 }
 
 }  // namespace trb

@@ -1,4 +1,4 @@
-// The golden set of bad files: what is wrong, in which file, at which key, and that a cure is given.
+// The golden set of bad files: what is wrong, in which file, at which key, and that a hint is given.
 #include <arpa/inet.h>
 #include <doctest/doctest.h>
 #include <sys/socket.h>
@@ -14,7 +14,7 @@ namespace {
 void check_cures(const ConfigFaults& faults) {
   for (const ConfigFault& fault : faults) {
     CAPTURE(to_text({fault}));
-    CHECK_FALSE(fault.cure.empty());
+    CHECK_FALSE(fault.hint.empty());
   }
 }
 
@@ -228,7 +228,7 @@ TEST_CASE("network.json: values") {
 TEST_CASE("an interface that does not exist is told with those that do") {
   const NodeFolder folder;
   folder.change("network.json", "127.0.77.1", "eth99");
-  CHECK(only_fault(folder).cure.find("lo (127.0.0.1)") != std::string::npos);
+  CHECK(only_fault(folder).hint.find("lo (127.0.0.1)") != std::string::npos);
 }
 
 TEST_CASE("profile.json: unknown modes") {
@@ -238,7 +238,7 @@ TEST_CASE("profile.json: unknown modes") {
                  {"profile.json", R"("lines": "interpreter")", R"("lines": 1)", "lines", "whole number"}});
   const NodeFolder folder;
   folder.change("profile.json", R"("lines": "interpreter")", R"("lines": "serial")");
-  CHECK(only_fault(folder).cure == "use one of: interpreter, direct, ros");
+  CHECK(only_fault(folder).hint == "use one of: interpreter, direct, ros");
 }
 
 TEST_CASE("the ros mode: its service, topics, types, data, and ends that it can see") {

@@ -34,17 +34,17 @@ Endpoint split_endpoint(const std::string& address) {
 std::string read_bus_key(ObjectReader& reader) {
   const auto text = reader.text("bus", Need::optional, 80);
   if (!text || *text == "ipc") return "";
-  const char* cure = R"(use "ipc", or an address of the router's machine: "tcp://10.0.0.1:46000")";
+  const char* hint = R"(use "ipc", or an address of the router's machine: "tcp://10.0.0.1:46000")";
   if (!text->starts_with(kTcp)) {
-    reader.faults().add("bus", in_quotes(*text) + " is neither \"ipc\" nor tcp://ADDRESS:PORT", cure);
+    reader.faults().add("bus", in_quotes(*text) + " is neither \"ipc\" nor tcp://ADDRESS:PORT", hint);
     return "";
   }
   std::string address = text->substr(kTcp.size());
   const Endpoint at = split_endpoint(address);
   if (at.host.empty() || at.port > kLastPort) {
-    reader.faults().add("bus", in_quotes(*text) + " names no address and port below 65535", cure);
+    reader.faults().add("bus", in_quotes(*text) + " names no address and port below 65535", hint);
   } else if (is_everywhere(at.host)) {
-    reader.faults().add("bus", in_quotes(*text) + " tells the services no address to go to", cure);
+    reader.faults().add("bus", in_quotes(*text) + " tells the services no address to go to", hint);
   } else {
     return address;
   }
@@ -55,11 +55,11 @@ Result<std::string> read_bus(const std::string& node_dir) {
   auto text = read_file(node_dir + "/node.json");
   if (!text) return fail(text.error().code, text.error().what, "name a node's folder");
   auto json = parse_json(*text);
-  if (!json) return fail(json.error().code, node_dir + "/node.json: " + json.error().what, json.error().cure);
+  if (!json) return fail(json.error().code, node_dir + "/node.json: " + json.error().what, json.error().hint);
   ConfigFaults faults;
   ObjectReader reader(*json, "", FileFaults("node.json", faults));
   std::string bus = read_bus_key(reader);
-  if (!faults.empty()) return fail(Errc::bad_value, to_text(faults), faults.front().cure);
+  if (!faults.empty()) return fail(Errc::bad_value, to_text(faults), faults.front().hint);
   return bus;
 }
 

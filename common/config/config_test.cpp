@@ -121,8 +121,8 @@ TEST_CASE("interfaces: what cannot be used says why") {
   CHECK(resolve_interface("127.255.255.255", known).what.find("no address of one node") != std::string::npos);
   const Resolved missing = resolve_interface("10.0.0.6", known);
   CHECK(missing.what == "there is no interface or address '10.0.0.6' here");
-  CHECK(missing.cure == "use one of: eth0 (10.0.0.5), eth1 (no address), eth2 (10.0.1.5, down), tun0 (10.8.0.2)");
-  CHECK(resolve_interface("Wi-Fi", known).cure.find("usually 'eth0'") != std::string::npos);
+  CHECK(missing.hint == "use one of: eth0 (10.0.0.5), eth1 (no address), eth2 (10.0.1.5, down), tun0 (10.8.0.2)");
+  CHECK(resolve_interface("Wi-Fi", known).hint.find("usually 'eth0'") != std::string::npos);
 }
 
 TEST_CASE("interfaces: IPv6 where there is no IPv4, link-local addresses last, beacons to the group") {

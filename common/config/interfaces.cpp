@@ -70,8 +70,8 @@ bool has_name(const std::vector<Interface>& known, const std::string& name) {
   return std::any_of(known.begin(), known.end(), [&](const Interface& one) { return one.name == name; });
 }
 
-Resolved refuse(std::string what, std::string cure, bool may_come = false) {
-  return {{}, {}, std::move(what), std::move(cure), {}, may_come};
+Resolved refuse(std::string what, std::string hint, bool may_come = false) {
+  return {{}, {}, std::move(what), std::move(hint), {}, may_come};
 }
 
 Resolved missing_interface(const std::string& name, const std::vector<Interface>& known) {

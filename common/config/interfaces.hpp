@@ -45,7 +45,7 @@ struct Resolved {
   std::string address;
   std::string broadcast;
   std::string what;  ///< why not; empty if found
-  std::string cure;
+  std::string hint;
   std::string interface;  ///< its name; "lo" for 127.x.y.z
   bool may_come = false;  ///< not found, but an interface of that name may come, come up or get its address later
 };

@@ -4,18 +4,18 @@
 
 namespace trb {
 
-std::optional<Value> load_json(const std::string& path, const std::string& cure, const FileFaults& faults) {
-  if (cure.empty() && !file_exists(path)) return std::nullopt;
+std::optional<Value> load_json(const std::string& path, const std::string& hint, const FileFaults& faults) {
+  if (hint.empty() && !file_exists(path)) return std::nullopt;
   const auto bytes = read_file(path);
   if (!bytes) {
     const bool missing = bytes.error().code == Errc::missing;
     faults.add("", missing ? "there is no such file: " + path : bytes.error().what,
-               missing ? cure : "it must be a readable file of at most 1 MiB");
+               missing ? hint : "it must be a readable file of at most 1 MiB");
     return std::nullopt;
   }
   auto json = parse_json(*bytes);
   if (json) return std::move(*json);
-  const std::string& known_cure = json.error().cure;
+  const std::string& known_cure = json.error().hint;
   faults.add("", json.error().what, known_cure.empty() ? "make the file simpler" : known_cure);
   return std::nullopt;
 }

@@ -9,8 +9,8 @@
 
 namespace trb {
 
-/// Nothing if it cannot be read or parsed, which is then told. `cure` is for a file that is not there; an empty one
+/// Nothing if it cannot be read or parsed, which is then told. `hint` is for a file that is not there; an empty one
 /// means that it need not be.
-std::optional<Value> load_json(const std::string& path, const std::string& cure, const FileFaults& faults);
+std::optional<Value> load_json(const std::string& path, const std::string& hint, const FileFaults& faults);
 
 }  // namespace trb

@@ -13,7 +13,7 @@ std::uint16_t read_port(ObjectReader& reader, std::string_view key, std::uint16_
 Resolved resolve(const std::string& name, const FileFaults& faults, const std::string& key,
                  const std::vector<Interface>& known) {
   Resolved out = resolve_interface(name, known);
-  if (!out.what.empty()) faults.add(key, out.what, out.cure);
+  if (!out.what.empty()) faults.add(key, out.what, out.hint);
   return out;
 }
 

@@ -117,7 +117,7 @@ void read_services(ObjectReader& reader, NodeConfig& config) {
 
 bool check_own_name(const std::string& name, const std::string& path, const FileFaults& faults) {
   const Status named = check_id("service", name);
-  if (!named) faults.add(path, named.error().what, named.error().cure);
+  if (!named) faults.add(path, named.error().what, named.error().hint);
   const bool reserved = is_reserved_service(name);
   if (reserved) faults.add(path, in_quotes(name) + " is a name of the middleware's", "give it a name of your own");
   return named.ok() && !reserved;
@@ -192,7 +192,7 @@ void read_id(ObjectReader& reader, NodeConfig& config, NodeFile& file) {
   config.id = *id;
   const Status good = check_id("id", *id);
   file.usable = good.ok();
-  if (!good) reader.faults().add("id", good.error().what, good.error().cure);
+  if (!good) reader.faults().add("id", good.error().what, good.error().hint);
 }
 
 }  // namespace

@@ -58,13 +58,13 @@ class Checker {
 
   FileFaults sink(const std::string& file) { return {file, out_.faults}; }
 
-  /// `cure` is for a file that is not there; an empty one means that it need not be.
-  std::optional<Value> load(const std::string& name, const std::string& cure) {
-    return load_json((std::filesystem::path(out_.config.dir) / name).string(), cure, sink(name));
+  /// `hint` is for a file that is not there; an empty one means that it need not be.
+  std::optional<Value> load(const std::string& name, const std::string& hint) {
+    return load_json((std::filesystem::path(out_.config.dir) / name).string(), hint, sink(name));
   }
 
   /// A file that only a robot's node needs.
-  std::string for_robot(const std::string& cure) const { return out_.config.framework.empty() ? "" : cure; }
+  std::string for_robot(const std::string& hint) const { return out_.config.framework.empty() ? "" : hint; }
 
   NodeFile node_json() {
     const auto json =
@@ -180,7 +180,7 @@ class Checker {
       if (at.host.empty()) return;
       const Status free = check_tcp_port(at.host, static_cast<std::uint16_t>(at.port + further));
       if (free) continue;
-      sink("node.json").add("bus", free.error().what, free.error().cure);
+      sink("node.json").add("bus", free.error().what, free.error().hint);
       out_.faults.back().may_wait = free.error().code == Errc::missing;
       return;
     }
@@ -190,7 +190,7 @@ class Checker {
     if (address.empty()) return;
     const Status free = check_tcp_port(address, number);
     if (free) return;
-    sink("network.json").add(key, free.error().what, free.error().cure);
+    sink("network.json").add(key, free.error().what, free.error().hint);
     out_.faults.back().may_wait = free.error().code == Errc::missing;
   }
 

@@ -61,7 +61,7 @@ void read_judgments(const Value::List& list, const std::vector<std::string>& nam
     judgments.push_back(std::move(*one));
   }
   const auto weighed = weigh_criteria(names, judgments);
-  if (!weighed) return faults.add("judgments", weighed.error().what, weighed.error().cure);
+  if (!weighed) return faults.add("judgments", weighed.error().what, weighed.error().hint);
   if (weighed->consistency.cr > kMaxRatio) {
     const Judgment& worst = *weighed->worst;
     return faults.add("judgments",

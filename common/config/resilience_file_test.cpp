@@ -42,7 +42,7 @@ std::string fault_of(const std::string& text) {
   ConfigFaults faults;
   read(text, faults);
   REQUIRE_MESSAGE(faults.size() == 1, to_text(faults));
-  CHECK_FALSE(faults[0].cure.empty());
+  CHECK_FALSE(faults[0].hint.empty());
   return faults[0].key;
 }
 

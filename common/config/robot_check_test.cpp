@@ -16,7 +16,7 @@ RobotFiles files_of(const NodeFolder& folder, const std::string& framework = "")
 ConfigFault only_fault(const RobotFiles& files) {
   const ConfigFaults faults = check_robot_files(files, drivers::robot_transports()).faults;
   REQUIRE_MESSAGE(faults.size() == 1, to_text(faults));
-  CHECK_FALSE(faults[0].cure.empty());
+  CHECK_FALSE(faults[0].hint.empty());
   return faults[0];
 }
 
@@ -90,7 +90,7 @@ TEST_CASE("one fault of each kind, with its file and key") {
     CHECK(faults[0].file.ends_with(one.file));
     CHECK(faults[0].key == one.key);
     CHECK_MESSAGE(faults[0].what.find(one.what) != std::string::npos, faults[0].what);
-    CHECK_FALSE(faults[0].cure.empty());
+    CHECK_FALSE(faults[0].hint.empty());
   }
 }
 
@@ -104,6 +104,6 @@ TEST_CASE("words that fit nobody, and a framework that is not there") {
   const NodeFolder folder("ur");
   folder.change("robots/r.json", R"("command": {"data")", R"("command": {"subtype": "fly", "data")");
   CHECK(only_fault(files_of(folder)).what.find("no framework of") != std::string::npos);
-  CHECK(only_fault(files_of(folder, "urr")).cure == "did you mean 'ur'?");
+  CHECK(only_fault(files_of(folder, "urr")).hint == "did you mean 'ur'?");
   CHECK(only_fault(files_of(folder, "ur")).key == "ur.commands.fly");
 }

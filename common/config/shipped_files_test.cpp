@@ -142,7 +142,7 @@ TEST_CASE("a scenario's faults: a cycle, an unknown robot, skill and place") {
   check_scenario(scenario, {{"ridgeback", profile_of(check.config)}}, "s.json", faults);
   REQUIRE_MESSAGE(faults.size() == 4, to_text(faults));
   CHECK(faults[0].what.find("a -> b -> a") != std::string::npos);
-  CHECK(faults[1].cure == "did you mean 'ridgeback'?");
-  CHECK(faults[2].cure == "did you mean 'go_to'?");
-  CHECK(faults[3].cure == "did you mean 'dock'?");
+  CHECK(faults[1].hint == "did you mean 'ridgeback'?");
+  CHECK(faults[2].hint == "did you mean 'go_to'?");
+  CHECK(faults[3].hint == "did you mean 'dock'?");
 }

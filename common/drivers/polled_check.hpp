@@ -20,8 +20,8 @@ class PolledCheck {
       : config_(config), faults_(faults), examples_(std::move(examples)) {}
 
   /// A fault of the vendor's key: "commands.stop".
-  void add(const std::string& key, std::string what, std::string cure) const {
-    faults_.add(config_.framework + "." + key, std::move(what), std::move(cure));
+  void add(const std::string& key, std::string what, std::string hint) const {
+    faults_.add(config_.framework + "." + key, std::move(what), std::move(hint));
   }
   /// It has no monitor and no language.
   void check_foreign_keys() const;

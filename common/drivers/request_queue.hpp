@@ -17,8 +17,8 @@ enum class Purpose : std::uint8_t { command, halt, stop, release };
 /// Whose answer is awaited. A job that was dropped meanwhile leaves `nobody`: its answer is heard and forgotten.
 enum class Awaits : std::uint8_t { nothing = 0, poll, job, nobody };
 
-/// A command is one or more steps, each with its answer. A stop goes before all that waits and behind what is under way,
-/// so that it waits for one answer at most.
+/// A command is one or more steps, each with its answer. A stop goes before all that waits and behind what is under
+/// way, so that it waits for one answer at most.
 ///
 /// event         | the first job is under way       | it waits
 /// --------------|----------------------------------|--------------------------

@@ -10,7 +10,7 @@ namespace trb {
 /// The candidate nearest to `word`, at most two edits away; or an empty text.
 std::string nearest(std::string_view word, const std::vector<std::string>& candidates);
 
-/// A cure: "did you mean 'x'?", else `otherwise` followed by the candidates (the first 40 of them).
+/// A hint: "did you mean 'x'?", else `otherwise` followed by the candidates (the first 40 of them).
 std::string did_you_mean(std::string_view word, const std::vector<std::string>& candidates, std::string_view otherwise);
 
 /// "a, b, c", the first 40 of them.

@@ -34,7 +34,7 @@ void check_bad(const std::string& rule, const std::string& key, const std::strin
   REQUIRE_MESSAGE(out.faults.size() == 1, to_text(out.faults));
   CHECK(out.faults[0].key == key);
   CHECK_MESSAGE(out.faults[0].what.find(what) != std::string::npos, out.faults[0].what);
-  CHECK_FALSE(out.faults[0].cure.empty());
+  CHECK_FALSE(out.faults[0].hint.empty());
 }
 
 }  // namespace

@@ -69,11 +69,11 @@ TEST_CASE("places: every fault is told, with its key and a cure") {
   CHECK(read.faults[1].key == "places.a.x");
   CHECK(read.faults[2].key == "places.a.y");
   CHECK(read.faults[3].key == "places.b.jaw");
-  CHECK(read.faults[3].cure == "did you mean 'yaw'?");
+  CHECK(read.faults[3].hint == "did you mean 'yaw'?");
   CHECK(read.faults[4].key == "places.c");
   CHECK(read.faults[5].key == "places.d.x");
-  CHECK(read.faults[6].cure == "did you mean 'places'?");
-  for (const ConfigFault& fault : read.faults) CHECK_FALSE(fault.cure.empty());
+  CHECK(read.faults[6].hint == "did you mean 'places'?");
+  for (const ConfigFault& fault : read.faults) CHECK_FALSE(fault.hint.empty());
 }
 
 TEST_CASE("a document that is no object is one fault") {
@@ -160,7 +160,7 @@ TEST_CASE("a description: faults of its own keys") {
     CHECK_MESSAGE(text.find(expected) != std::string::npos, text);
   }
   CHECK(read.faults.size() == 10);
-  for (const ConfigFault& fault : read.faults) CHECK_FALSE(fault.cure.empty());
+  for (const ConfigFault& fault : read.faults) CHECK_FALSE(fault.hint.empty());
 }
 
 TEST_CASE("the numeric encoding: every word needs a number of its own, and data are numbers") {

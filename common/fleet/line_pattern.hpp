@@ -13,7 +13,7 @@ namespace trb {
 /// Bounded, so that no line, however hostile, makes it slow or deep: the time is polynomial, and no way back is kept.
 class LinePattern {
  public:
-  /// ECMAScript without back references; one group at most. Errors: bad_value, with a cure.
+  /// ECMAScript without back references; one group at most. Errors: bad_value, with a hint.
   static Result<LinePattern> make(const std::string& text);
 
   /// What the group matches, or, without a group, the whole pattern.

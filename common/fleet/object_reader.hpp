@@ -18,8 +18,8 @@ class FileFaults {
  public:
   FileFaults(std::string file, ConfigFaults& faults) : file_(std::move(file)), faults_(&faults) {}
 
-  void add(std::string key, std::string what, std::string cure) const {
-    if (!full()) faults_->push_back({file_, std::move(key), std::move(what), std::move(cure), false});
+  void add(std::string key, std::string what, std::string hint) const {
+    if (!full()) faults_->push_back({file_, std::move(key), std::move(what), std::move(hint), false});
   }
   /// So many that nobody reads more; a file of a megabyte must not make as many guesses as it has words.
   [[nodiscard]] bool full() const { return faults_->size() >= kMost; }

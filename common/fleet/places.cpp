@@ -26,7 +26,7 @@ Pose read_pose(const Value& json, const std::string& path, Need need, const File
 
 bool check_place_name(const std::string& name, const std::string& path, const FileFaults& faults) {
   const Status named = check_id("place", name);
-  if (!named) faults.add(path, named.error().what, named.error().cure);
+  if (!named) faults.add(path, named.error().what, named.error().hint);
   return named.ok();
 }
 

@@ -128,7 +128,7 @@ void read_line_channel(ObjectReader& reader, SensorChannel& channel) {
   }
   if (!pattern) return;
   auto made = LinePattern::make(*pattern);
-  if (!made) return reader.faults().add(reader.path("pattern"), made.error().what, made.error().cure);
+  if (!made) return reader.faults().add(reader.path("pattern"), made.error().what, made.error().hint);
   channel.pattern = std::move(*made);
 }
 

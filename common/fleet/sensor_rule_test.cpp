@@ -19,7 +19,7 @@ std::string fault_of(const std::string& text) {
   ConfigFaults faults;
   read(text, faults);
   REQUIRE_MESSAGE(faults.size() == 1, to_text(faults));
-  return faults[0].key + ": " + faults[0].what + "; " + faults[0].cure;
+  return faults[0].key + ": " + faults[0].what + "; " + faults[0].hint;
 }
 
 /// A thermometer on a serial line, with that instead of its pattern.
@@ -81,7 +81,7 @@ TEST_CASE("every fault of a rule is told at once, with its key and a cure") {
         "sensors[0].unit: is a whole number", "sensors[2].name: 'a' occurs twice"}) {
     CHECK_MESSAGE(text.find(key) != std::string::npos, key << "\n" << text);
   }
-  for (const ConfigFault& fault : faults) CHECK_MESSAGE(!fault.cure.empty(), fault.key);
+  for (const ConfigFault& fault : faults) CHECK_MESSAGE(!fault.hint.empty(), fault.key);
 }
 
 TEST_CASE("what a reader does not take is refused") {

@@ -19,7 +19,7 @@ ConfigFaults faults_of(const std::string& skills) {
 ConfigFault fault_of(const std::string& keys) {
   const ConfigFaults faults = faults_of(R"({"go": {)" + keys + "}}");
   REQUIRE_MESSAGE(faults.size() == 1, (keys + "\n" + to_text(faults)));
-  CHECK_FALSE(faults[0].cure.empty());
+  CHECK_FALSE(faults[0].hint.empty());
   CHECK(faults[0].file == "r.json");
   return faults[0];
 }
@@ -38,7 +38,7 @@ TEST_CASE("a skill without an end is refused, and told what an end is") {
   CHECK(fault.key == "skills.go.end");
   CHECK(fault.what == "the skill has no end");
   for (const char* kind : {"acknowledgement", "state", "position", "time"})
-    CHECK(fault.cure.find(kind) != std::string::npos);
+    CHECK(fault.hint.find(kind) != std::string::npos);
 }
 
 TEST_CASE("ends: what each kind needs") {
@@ -66,14 +66,14 @@ TEST_CASE("ends: what each kind needs") {
 }
 
 TEST_CASE("skills: names, capabilities, times and keys") {
-  CHECK(fault_of(R"("capability": "mobil", )" + kEnd).cure == "did you mean 'mobile'?");
-  CHECK(fault_of(R"("capability": "fly", )" + kEnd).cure.find("mobile, grab") != std::string::npos);
+  CHECK(fault_of(R"("capability": "mobil", )" + kEnd).hint == "did you mean 'mobile'?");
+  CHECK(fault_of(R"("capability": "fly", )" + kEnd).hint.find("mobile, grab") != std::string::npos);
   CHECK(fault_of(kEnd).key == "skills.go.capability");
   CHECK(fault_of(kMobile + kEnd + R"(, "timeout_s": 0)").key == "skills.go.timeout_s");
   CHECK(fault_of(kMobile + kEnd + R"(, "timeout_s": 1e9)").key == "skills.go.timeout_s");
   CHECK(fault_of(kMobile + kEnd + R"(, "timeout_s": "60")").key == "skills.go.timeout_s");
   CHECK(fault_of(kMobile + kEnd + R"(, "repeatable": 1)").key == "skills.go.repeatable");
-  CHECK(fault_of(kMobile + kEnd + R"(, "timeout": 3)").cure == "did you mean 'timeout_s'?");
+  CHECK(fault_of(kMobile + kEnd + R"(, "timeout": 3)").hint == "did you mean 'timeout_s'?");
   CHECK(fault_of(kMobile + kEnd + R"(, "command": {"subtype": "go to"})").key == "skills.go.command.subtype");
   CHECK(fault_of(kMobile + kEnd + R"(, "command": {"subtype": "stop"})").what.find("is no skill") != std::string::npos);
   CHECK(faults_of(R"({"go to": {"capability": "mobile", "end": {"kind": "acknowledgement"}}})").size() >= 1);
@@ -84,10 +84,10 @@ TEST_CASE("data: placeholders name parameters") {
   const std::string start =
       kMobile + kEnd + R"(, "parameters": {"place": {"type": "place"}, "speed": {"type": "number"},
     "note": {"type": "text", "required": false}}, "command": {"data": )";
-  CHECK(fault_of(start + R"("{plase.x}"})").cure == "did you mean 'place'?");
-  CHECK(fault_of(start + R"("{place.w}"})").cure == "use one of: x, y, z, yaw, qz, qw");
-  CHECK(fault_of(start + R"("{speed.x}"})").cure == "use {speed}");
-  CHECK(fault_of(start + R"("{note}"})").cure.find("default") != std::string::npos);
+  CHECK(fault_of(start + R"("{plase.x}"})").hint == "did you mean 'place'?");
+  CHECK(fault_of(start + R"("{place.w}"})").hint == "use one of: x, y, z, yaw, qz, qw");
+  CHECK(fault_of(start + R"("{speed.x}"})").hint == "use {speed}");
+  CHECK(fault_of(start + R"("{note}"})").hint.find("default") != std::string::npos);
   for (const char* broken : {R"("{place"})", R"("place}"})", R"("{}"})", R"("{place.}"})", R"("{{place}}"})"}) {
     CAPTURE(broken);
     const ConfigFaults faults = faults_of("{\"go\": {" + start + broken + "}}");

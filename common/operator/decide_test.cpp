@@ -39,7 +39,7 @@ TEST_CASE("tasks of a run are moved, retried or skipped; an override says why") 
   CHECK(check_decision(on_run(Verdict::abort)).error().what == "what is to become of the tasks");
   CHECK(check_decision(on_alert(Verdict::abort)).ok());
   AlertDecide other = on_alert(Verdict::override_);
-  CHECK(check_decision(other).error().cure == "--reason TEXT");
+  CHECK(check_decision(other).error().hint == "--reason TEXT");
   other.reason = "it stands next to it";
   CHECK(check_decision(other).ok());
 }

@@ -43,7 +43,7 @@ TEST_CASE("a sensor is found by name, by kind, by identity, wherever it is") {
   CHECK(found(table, {"humidity", "", "SN2"}) == "unknown_target");
   CHECK(find_sensor(table, {"pressure", "", ""})
             .error()
-            .cure.starts_with("there are: temperature of hall, oven of hall,"));
+            .hint.starts_with("there are: temperature of hall, oven of hall,"));
 }
 
 TEST_CASE("of several nodes one is asked that tells its values, the own one first") {

@@ -25,9 +25,9 @@ std::string usual_cure(Errc code) {
 Error nack_error(const Nack& nack) {
   for (int code = 1; code < 256; ++code) {
     const auto known = static_cast<Errc>(code);
-    if (errc_name(known) == nack.code) return fail(known, nack.what, nack.cure.empty() ? usual_cure(known) : nack.cure);
+    if (errc_name(known) == nack.code) return fail(known, nack.what, nack.hint.empty() ? usual_cure(known) : nack.hint);
   }
-  return fail(Errc::bad_value, nack.code + ": " + nack.what, nack.cure);
+  return fail(Errc::bad_value, nack.code + ": " + nack.what, nack.hint);
 }
 
 }  // namespace trb::op

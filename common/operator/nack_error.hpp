@@ -5,7 +5,7 @@
 
 namespace trb::op {
 
-/// The error that a Nack carries: its code and text; if it names no cure, the usual one for that code. A code of a
+/// The error that a Nack carries: its code and text; if it names no hint, the usual one for that code. A code of a
 /// newer version is bad_value, and stands in the text.
 Error nack_error(const Nack& nack);
 

@@ -22,7 +22,7 @@ ScenarioCheck check(const Scenario& scenario, const std::string& file, const Rou
 Scenario parse_scenario(const std::string& text, const std::string& file, ConfigFaults& faults) {
   auto json = parse_json(text);
   if (json) return read_scenario(*json, file, faults);
-  faults.push_back({file, "", json.error().what, json.error().cure});
+  faults.push_back({file, "", json.error().what, json.error().hint});
   return {};
 }
 

@@ -55,8 +55,8 @@ TEST_CASE("a Nack is the request's error, with its own cure or the usual one") {
   CHECK(node.refuse(Errc::fenced, "ur3 is stopped"));
   CHECK(ending.error().code == Errc::fenced);
   CHECK(ending.error().what == "ur3 is stopped");
-  CHECK(ending.error().cure == "trb release ROBOT lifts the fence");
-  CHECK(nack_error({"fenced", "", "", "x", "do this"}).cure == "do this");
+  CHECK(ending.error().hint == "trb release ROBOT lifts the fence");
+  CHECK(nack_error({"fenced", "", "", "x", "do this"}).hint == "do this");
   const Error newer = nack_error({"of_tomorrow", "", "", "x", ""});
   CHECK(newer.code == Errc::bad_value);
   CHECK(newer.what == "of_tomorrow: x");

@@ -19,7 +19,7 @@ Result<Body> user_body(const std::string& subtype, const std::string& data) {
   if (!bytes) {
     auto like = body_to_json(subtype, "\x90");  // an empty array: every field at its default
     return fail(bytes.error().code, "DATA of " + subtype + ": " + bytes.error().what,
-                like ? "write it like " + *like : bytes.error().cure);
+                like ? "write it like " + *like : bytes.error().hint);
   }
   return decode_body(subtype, *bytes);
 }

@@ -20,7 +20,7 @@ TEST_CASE("what cannot be a body is named, with what would be") {
   CHECK(user_body("greeting", std::string(kMaxDataSize + 1, 'x')).error().code == Errc::too_large);
   const auto bad = user_body("stop", "{");
   CHECK(bad.error().what.starts_with("DATA of stop: "));
-  CHECK(bad.error().cure == R"(write it like {"reason":""})");
+  CHECK(bad.error().hint == R"(write it like {"reason":""})");
 }
 
 TEST_CASE("information is sent; only a Nack that comes at once tells of a failure") {

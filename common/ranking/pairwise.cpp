@@ -50,8 +50,8 @@ std::string text_of(const Judgment& judgment) {
   return "'" + judgment.a + "' to '" + judgment.b + "' = " + short_number(judgment.times);
 }
 
-Error at_node(const std::string& node, Errc code, const std::string& what, std::string cure) {
-  return fail(code, "judgments of '" + node + "': " + what, std::move(cure));
+Error at_node(const std::string& node, Errc code, const std::string& what, std::string hint) {
+  return fail(code, "judgments of '" + node + "': " + what, std::move(hint));
 }
 
 Result<std::size_t> index_of(const std::string& node, const std::vector<std::string>& items, const std::string& name) {
@@ -303,7 +303,7 @@ Result<Priorities> weigh(const std::string& node, const std::vector<std::string>
     const auto added = add_opinion(node, items, opinion, table);
     if (added) continue;
     const std::string who = opinion.who.empty() ? "" : "'" + opinion.who + "': ";
-    return fail(added.error().code, who + added.error().what, added.error().cure);
+    return fail(added.error().code, who + added.error().what, added.error().hint);
   }
   if (auto linked = check_linked(node, items, table); !linked) return linked.error();
   const std::vector<double> squares = least_squares(table);

@@ -14,7 +14,7 @@ Result<Priorities> weigh_one(const std::vector<std::string>& items, const std::v
   return weigh("it", items, {{1, list}}, method);
 }
 
-/// Refused with this code; the text names the node and these words, and there is a cure.
+/// Refused with this code; the text names the node and these words, and there is a hint.
 void check_refused(const std::vector<std::string>& items, const std::vector<Judgment>& list, Errc code,
                    const std::string& words) {
   const auto found = weigh_one(items, list);
@@ -22,7 +22,7 @@ void check_refused(const std::vector<std::string>& items, const std::vector<Judg
   CHECK(found.error().code == code);
   CHECK(found.error().what.find("'it'") != std::string::npos);
   CHECK_MESSAGE(found.error().what.find(words) != std::string::npos, found.error().what);
-  CHECK_FALSE(found.error().cure.empty());
+  CHECK_FALSE(found.error().hint.empty());
 }
 
 std::vector<std::string> names(std::size_t count) {

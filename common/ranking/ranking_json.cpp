@@ -53,8 +53,8 @@ class Reader {
   using Keys = std::vector<std::string>;
   using Columns = std::map<std::string, std::vector<double>*>;
 
-  void refuse(Errc code, const std::string& what, const std::string& cure) {
-    if (error_.code == Errc::ok) error_ = fail(code, what, cure);
+  void refuse(Errc code, const std::string& what, const std::string& hint) {
+    if (error_.code == Errc::ok) error_ = fail(code, what, hint);
   }
 
   void wrong_kind(const Value& value, const std::string& path, const std::string& wanted) {

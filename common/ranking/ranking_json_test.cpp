@@ -30,7 +30,7 @@ void check_refused(const std::string& text, Errc code, const std::string& words)
   REQUIRE_MESSAGE(!answer.ok(), text);
   CHECK_MESSAGE(answer.error().code == code, answer.error().text());
   CHECK_MESSAGE(answer.error().what.find(words) != std::string::npos, answer.error().text());
-  CHECK_FALSE(answer.error().cure.empty());
+  CHECK_FALSE(answer.error().hint.empty());
 }
 
 }  // namespace

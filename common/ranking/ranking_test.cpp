@@ -40,7 +40,7 @@ void check_refused(const RankingProblem& problem, Errc code, const std::string& 
   REQUIRE_FALSE(answer.ok());
   CHECK(answer.error().code == code);
   CHECK_MESSAGE(answer.error().what.find(words) != std::string::npos, answer.error().what);
-  CHECK_FALSE(answer.error().cure.empty());
+  CHECK_FALSE(answer.error().hint.empty());
 }
 
 /// A tree of two levels with values at random, the weights given.
@@ -200,7 +200,7 @@ TEST_CASE("a ratio over the bound is refused with the judgment that hurts most, 
        {{"battery", "distance", 5}, {"distance", "availability", 5}, {"availability", "battery", 5}}}};
   check_refused(problem, Errc::conflict, "'replace ridgeback'");
   check_refused(problem, Errc::conflict, "hurts most");
-  CHECK(rank(problem).error().cure.find("would fit there") != std::string::npos);
+  CHECK(rank(problem).error().hint.find("would fit there") != std::string::npos);
   problem.options.max_ratio = 10;
   const auto answer = ranked(problem);
   CHECK(answer.consistency[0].of.cr > 0.1);

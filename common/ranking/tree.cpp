@@ -93,14 +93,14 @@ Status check_alternatives(const RankingProblem& problem) {
 
 /// Each list is of a node of its own, and of one that has something to judge.
 Status check_lists(const std::vector<NodeJudgments>& lists, const std::string& key,
-                   const std::vector<std::string>& allowed, const std::string& cure) {
+                   const std::vector<std::string>& allowed, const std::string& hint) {
   std::set<std::string> seen;
   for (const NodeJudgments& one : lists) {
     if (!seen.insert(one.node).second) {
       return fail(Errc::duplicate, key + ": '" + one.node + "' has two lists", "make one of them");
     }
     if (std::find(allowed.begin(), allowed.end(), one.node) == allowed.end()) {
-      return fail(Errc::unknown_key, key + ": '" + one.node + "' " + cure, "use one of " + quoted_names(allowed));
+      return fail(Errc::unknown_key, key + ": '" + one.node + "' " + hint, "use one of " + quoted_names(allowed));
     }
   }
   return Done{};

@@ -21,7 +21,7 @@ using Profiles = std::map<std::string, NodeProfile>;
 struct Obstacle {
   std::string key;  ///< within the task: "skill", "data.place"
   std::string what;
-  std::string cure;
+  std::string hint;
 };
 
 /// A task's data. Errors: malformed (no JSON object).

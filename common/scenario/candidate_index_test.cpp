@@ -54,7 +54,7 @@ Task named(std::string robot, std::string skill = "go_to", std::string data = R"
 ConfigFaults check(const Task& task, const Profiles& profiles = hall()) {
   ConfigFaults faults;
   check_scenario({"n", "", {task}}, profiles, "s.json", faults);
-  for (const ConfigFault& fault : faults) CHECK_FALSE(fault.cure.empty());
+  for (const ConfigFault& fault : faults) CHECK_FALSE(fault.hint.empty());
   return faults;
 }
 
@@ -81,10 +81,10 @@ TEST_CASE("a value out of its range, none of the words, or too many numbers") {
   const auto fast = check(named("pioneer1", "go_to", R"({"place":"dock","speed":3})"));
   REQUIRE(fast.size() == 1);
   CHECK(fast[0].what == "task 't': 3 is over 1 m/s");
-  CHECK(fast[0].cure == R"(use "speed": a number from 0.1 to 1 in m/s)");
+  CHECK(fast[0].hint == R"(use "speed": a number from 0.1 to 1 in m/s)");
   const auto word = check(named("ridgeback", "load_out", R"({"side":"lfet"})"));
   CHECK(word.at(0).key == "tasks[0].data.side");
-  CHECK(word.at(0).cure == "did you mean 'left'?");
+  CHECK(word.at(0).hint == "did you mean 'left'?");
   Profiles profiles = hall();
   auto& parameters = profiles["pioneer1"].skills[0].parameters;
   parameters.push_back({"joints", "numbers", false, "rad", {-1, std::numeric_limits<double>::max()}, {}, 2});
@@ -93,7 +93,7 @@ TEST_CASE("a value out of its range, none of the words, or too many numbers") {
   };
   CHECK(joints("[0, 1e9]").empty());
   CHECK(joints("[0]").at(0).what == "task 't': has 1 numbers, not 2");
-  CHECK(joints("[0, -2]").at(0).cure == R"(use "joints": a list of 2 numbers from -1 on in rad)");
+  CHECK(joints("[0, -2]").at(0).hint == R"(use "joints": a list of 2 numbers from -1 on in rad)");
 }
 
 TEST_CASE("a value that comes from a result: its parameter must exist, and is not missing") {
@@ -103,7 +103,7 @@ TEST_CASE("a value that comes from a result: its parameter must exist, and is no
   CHECK(check(task).empty());
   task.values.push_back({"spede", "scan", ""});
   CHECK(check(task).at(0).key == "tasks[0].data.spede");
-  CHECK(check(task).at(0).cure == "did you mean 'speed'?");
+  CHECK(check(task).at(0).hint == "did you mean 'speed'?");
 }
 
 TEST_CASE("a robot that is named has what the task requires, too") {
@@ -122,8 +122,8 @@ TEST_CASE("a task that is bound late: somebody of the fleet must be able, online
   Profiles asleep = hall();
   for (auto& [id, profile] : asleep) profile.robot = "OFFLINE";
   CHECK(check(late({"mobile"}), asleep).empty());
-  CHECK(check(late({"mobiel"})).at(0).cure == "did you mean 'mobile'?");
-  CHECK(check(late({"mobile"}, "goto")).at(0).cure == "did you mean 'go_to'?");
+  CHECK(check(late({"mobiel"})).at(0).hint == "did you mean 'mobile'?");
+  CHECK(check(late({"mobile"}, "goto")).at(0).hint == "did you mean 'go_to'?");
   const auto both = check(late({"fly"}, "goto"));
   REQUIRE(both.size() == 2);
   CHECK(both[0].key == "tasks[0].skill");

@@ -25,14 +25,14 @@ class TaskCheck {
     const auto at = profiles_.find(task_.robot);
     if (at == profiles_.end()) return unknown_robot();
     const auto data = parameters_of(task_);
-    if (!data) return add({"data", data.error().what, data.error().cure});
+    if (!data) return add({"data", data.error().what, data.error().hint});
     for (Obstacle& obstacle : obstacles(task_, *data, at->first, at->second)) add(std::move(obstacle));
   }
 
  private:
   void add(Obstacle obstacle) const {
     faults_.add(path_ + "." + obstacle.key, "task " + in_quotes(task_.id) + ": " + obstacle.what,
-                std::move(obstacle.cure));
+                std::move(obstacle.hint));
   }
 
   void unknown_robot() const {
@@ -49,7 +49,7 @@ class TaskCheck {
   /// Somebody of the fleet must be able; whether now is not asked before the run begins.
   void bound_late() const {
     const auto data = parameters_of(task_);
-    if (!data) return add({"data", data.error().what, data.error().cure});
+    if (!data) return add({"data", data.error().what, data.error().hint});
     const Able& able = candidates_.able(task_);
     if (faults_.full() || !able.ready.empty() || !able.waiting.empty()) return;
     bool told = unknown_word("skill", task_.skill, candidates_.skills());

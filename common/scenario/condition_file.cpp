@@ -46,7 +46,7 @@ void check_words(const ObjectReader& reader, const Condition& read) {
                         "use a letter or '_', then letters, digits or '_'");
   }
   if (read.of.empty()) return;
-  if (auto id = check_id("of", read.of); !id) reader.faults().add(reader.path("of"), id.error().what, id.error().cure);
+  if (auto id = check_id("of", read.of); !id) reader.faults().add(reader.path("of"), id.error().what, id.error().hint);
 }
 
 std::vector<std::string> ids_of(const std::map<std::string, NodeProfile>& profiles) {
@@ -70,7 +70,7 @@ Condition read_condition(const Value& json, const std::string& path, const FileF
   reader.refuse_unknown_keys();
   check_words(reader, out);
   if (auto checked = check_condition(out); !checked && !out.sensor.empty()) {
-    faults.add(reader.path("op"), checked.error().what, checked.error().cure);
+    faults.add(reader.path("op"), checked.error().what, checked.error().hint);
   }
   return out;
 }

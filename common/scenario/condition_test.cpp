@@ -30,7 +30,7 @@ ConfigFaults faults_of(const std::string& when, Condition* read = nullptr) {
   ConfigFaults faults;
   const Scenario scenario = read_scenario(*json, "s.json", faults);
   if (read != nullptr) *read = scenario.tasks.at(0).when.at(0);
-  for (const ConfigFault& fault : faults) CHECK_FALSE(fault.cure.empty());
+  for (const ConfigFault& fault : faults) CHECK_FALSE(fault.hint.empty());
   return faults;
 }
 
@@ -152,7 +152,7 @@ TEST_CASE("a condition is checked against the fleet: what is not plugged in yet 
   Condition elsewhere = condition;
   elsewhere.of = "convejor";
   REQUIRE(check_in_fleet(elsewhere, {}).size() == 1);
-  CHECK(check_in_fleet(elsewhere, {})[0].cure == "did you mean 'conveyor'?");
+  CHECK(check_in_fleet(elsewhere, {})[0].hint == "did you mean 'conveyor'?");
   Condition anywhere = condition;
   anywhere.of = "";
   CHECK(check_in_fleet(anywhere, {thermometer("temperature", "degC")}).empty());

@@ -40,7 +40,7 @@ std::string read_word(ObjectReader& reader, std::string_view key, Need need) {
   const auto id = reader.text(key, need);
   if (!id) return {};
   if (auto checked = check_id(key, *id); !checked) {
-    reader.faults().add(reader.path(key), checked.error().what, checked.error().cure);
+    reader.faults().add(reader.path(key), checked.error().what, checked.error().hint);
   }
   return *id;
 }

@@ -18,7 +18,7 @@ Read read(const std::string& text) {
   out.scenario = read_scenario(*json, "s.json", out.faults);
   for (const ConfigFault& fault : out.faults) {
     CHECK(fault.file == "s.json");
-    CHECK_FALSE(fault.cure.empty());
+    CHECK_FALSE(fault.hint.empty());
   }
   return out;
 }
@@ -50,7 +50,7 @@ ConfigFaults check(const std::string& robot, const std::string& skill, const std
   check_scenario(scenario, fleet(), "s.json", faults);
   for (const ConfigFault& fault : faults) {
     CHECK(fault.file == "s.json");
-    CHECK_FALSE(fault.cure.empty());
+    CHECK_FALSE(fault.hint.empty());
   }
   return faults;
 }
@@ -98,7 +98,7 @@ TEST_CASE("ids: twice the same, unknown, and named twice") {
   CHECK(r.faults[2].key == "tasks[1].id");
   CHECK(r.faults[2].what.find("tasks[0]") != std::string::npos);
   CHECK(r.faults[3].key == "tasks[1].after");
-  CHECK(r.faults[3].cure == "did you mean 'pick'?");
+  CHECK(r.faults[3].hint == "did you mean 'pick'?");
 }
 
 TEST_CASE("a task: types, missing and unknown keys") {
@@ -140,7 +140,7 @@ TEST_CASE("a scenario: its own keys and bounds") {
   CHECK(read("[]").faults.size() == 1);
   CHECK(read("{}").faults.size() == 2);
   CHECK(read(R"({"name":"n","tasks":[]})").faults.at(0).key == "tasks");
-  CHECK(read(R"({"name":"n","task":[],"tasks":[]})").faults.at(1).cure == "did you mean 'tasks'?");
+  CHECK(read(R"({"name":"n","task":[],"tasks":[]})").faults.at(1).hint == "did you mean 'tasks'?");
   std::string many;
   for (int i = 0; i < 1001; ++i) many += std::string(i == 0 ? "" : ",") + "{}";
   CHECK(read(R"({"name":"n","tasks":[)" + many + "]}").faults.at(0).key == "tasks");
@@ -156,7 +156,7 @@ TEST_CASE("a scenario that the fleet can do") {
 
 TEST_CASE("unknown robots, skills and places, with the word that was meant") {
   struct Case {
-    std::string robot, skill, data, key, cure;
+    std::string robot, skill, data, key, hint;
   };
   const std::vector<Case> cases = {
       {"r2", "go_to", "", "tasks[0].robot", "did you mean 'r1'?"},
@@ -168,19 +168,19 @@ TEST_CASE("unknown robots, skills and places, with the word that was meant") {
       {"r1", "go_to", R"({"place":"moon"})", "tasks[0].data.place",
        "add it to places.json of its node, or use one of: dock, table1"}};
   for (const Case& one : cases) {
-    CAPTURE(one.cure);
+    CAPTURE(one.hint);
     const ConfigFaults faults = check(one.robot, one.skill, one.data);
     REQUIRE_MESSAGE(faults.size() == 1, to_text(faults));
     CHECK(faults[0].key == one.key);
-    CHECK(faults[0].cure == one.cure);
+    CHECK(faults[0].hint == one.hint);
   }
 }
 
 TEST_CASE("parameters: missing, unknown and of the wrong type") {
   CHECK(check("r1", "go_to", "").at(0).key == "tasks[0].data.place");
-  CHECK(check("r1", "go_to", R"({"place":"dock","sped":1})").at(0).cure == "did you mean 'speed'?");
+  CHECK(check("r1", "go_to", R"({"place":"dock","sped":1})").at(0).hint == "did you mean 'speed'?");
   CHECK(check("r1", "go_to", R"({"place":1})").at(0).what.find("whole number") != std::string::npos);
-  CHECK(check("r1", "go_to", R"({"place":"dock","speed":"1"})").at(0).cure == R"(use "speed": a number in m/s)");
+  CHECK(check("r1", "go_to", R"({"place":"dock","speed":"1"})").at(0).hint == R"(use "speed": a number in m/s)");
   CHECK(check("r1", "pose", R"({"joints":["1"]})").at(0).key == "tasks[0].data.joints");
   CHECK(check("r1", "pose", R"({"joints":[1],"count":1.5})").at(0).key == "tasks[0].data.count");
   CHECK(check("r1", "say", R"({"words":"a","loud":"yes"})").at(0).key == "tasks[0].data.loud");

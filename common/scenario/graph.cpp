@@ -10,8 +10,8 @@
 namespace trb {
 namespace {
 
-Error wrong(Errc code, const Task& task, const std::string& what, std::string cure = {}) {
-  return fail(code, "task '" + task.id + "': " + what, std::move(cure));
+Error wrong(Errc code, const Task& task, const std::string& what, std::string hint = {}) {
+  return fail(code, "task '" + task.id + "': " + what, std::move(hint));
 }
 
 Status check_id_and_robot(const Task& task) {
@@ -64,7 +64,7 @@ Status check_task(const Scenario& scenario, std::size_t index, std::set<std::str
   if (task.when.size() > 1) return fail(Errc::bad_value, "task '" + task.id + "' has more than one condition");
   for (const Condition& condition : task.when) {
     if (auto checked = check_condition(condition); !checked) {
-      return fail(Errc::bad_value, "task '" + task.id + "': " + checked.error().what, checked.error().cure);
+      return fail(Errc::bad_value, "task '" + task.id + "': " + checked.error().what, checked.error().hint);
     }
   }
   if (auto retries = check_retries(task); !retries) return retries;

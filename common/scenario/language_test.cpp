@@ -19,7 +19,7 @@ Read read(const std::string& tasks, const std::string& more = "") {
   REQUIRE_MESSAGE(json.ok(), tasks);
   Read out;
   out.scenario = read_scenario(*json, "s.json", out.faults);
-  for (const ConfigFault& fault : out.faults) CHECK_FALSE(fault.cure.empty());
+  for (const ConfigFault& fault : out.faults) CHECK_FALSE(fault.hint.empty());
   if (out.faults.empty()) CHECK(check_graph(out.scenario).ok());
   return out;
 }
@@ -50,9 +50,9 @@ TEST_CASE("a task says how often it is tried again, and what follows when that w
   CHECK(plain.retries == 0);
   CHECK(plain.retry_after_s == 1);
   CHECK(plain.on_failure == OnFailure::resilience);
-  CHECK(fault_of(R"({"id":"a","robot":"r","skill":"go","on_failure":"abrot"})").cure ==
+  CHECK(fault_of(R"({"id":"a","robot":"r","skill":"go","on_failure":"abrot"})").hint ==
         "use one of: resilience, skip, abort, continue; did you mean 'abort'?");
-  CHECK(fault_of(R"({"id":"a","robot":"r","skill":"go","retires":3})").cure == "did you mean 'retries'?");
+  CHECK(fault_of(R"({"id":"a","robot":"r","skill":"go","retires":3})").hint == "did you mean 'retries'?");
 }
 
 TEST_CASE("a task says how long it waits for its beginning, and that what follows goes on though it has failed") {
@@ -77,7 +77,7 @@ TEST_CASE("a task that is skipped when it fails takes with it what waits for it 
                           film + R"(},{"id":"land","robot":"d","skill":"go","after":)" + land + "}");
     warn_of_skips(fly.scenario, "s.json", faults);
     CHECK(faults_that_stop(faults).empty());
-    return faults.empty() ? std::string() : faults[0].key + ": " + faults[0].what + "; " + faults[0].cure;
+    return faults.empty() ? std::string() : faults[0].key + ": " + faults[0].what + "; " + faults[0].hint;
   };
   CHECK(
       warned(R"(,"on_failure":"skip")", R"(["film"])") ==
@@ -110,15 +110,15 @@ TEST_CASE("a parameter may be taken from the result of a task before") {
 TEST_CASE("a value that cannot be there is told with what to do") {
   const ConfigFault later = fault_of(behind_scan(R"({"to":{"from":"count"}})"));
   CHECK(later.key == "tasks[2].data.to.from");
-  CHECK(later.cure == R"(add "count" to its "after")");
+  CHECK(later.hint == R"(add "count" to its "after")");
   CHECK(fault_of(behind_scan(R"({"to":{"from":"carry"}})")).what == "is the task itself");
-  CHECK(fault_of(behind_scan(R"({"to":{"from":"scn"}})")).cure == "did you mean 'scan'?");
+  CHECK(fault_of(behind_scan(R"({"to":{"from":"scn"}})")).hint == "did you mean 'scan'?");
   CHECK(fault_of(behind_scan(R"({"to":{"from":"scan","value":""}})")).key == "tasks[2].data.to.value");
-  CHECK(fault_of(behind_scan(R"({"to":{"from":"scan","vale":"x"}})")).cure == "did you mean 'value'?");
+  CHECK(fault_of(behind_scan(R"({"to":{"from":"scan","vale":"x"}})")).hint == "did you mean 'value'?");
   CHECK(fault_of(behind_scan(R"({"to":{"from":3}})")).key == "tasks[2].data.to.from");
   const Read misspelt = read(behind_scan(R"({"to":{"form":"scan","value":"x"}})"));
   REQUIRE(misspelt.faults.size() == 2);
-  CHECK(misspelt.faults[1].cure == "did you mean 'from'?");
+  CHECK(misspelt.faults[1].hint == "did you mean 'from'?");
   std::string many;
   for (int i = 0; i < 33; ++i) many += (i == 0 ? "\"p" : ",\"p") + std::to_string(i) + R"(":{"from":"scan"})";
   CHECK(fault_of(behind_scan("{" + many + "}")).key == "tasks[2].data");
@@ -147,16 +147,16 @@ TEST_CASE("rounds that are too many") {
   const ConfigFault over = fault_of(three, R"("repeat":334,)");
   CHECK(over.key == "repeat");
   CHECK(over.what == "makes 1002 tasks of 3");
-  CHECK(over.cure == "use at most 333: a scenario has 1000 tasks at most");
+  CHECK(over.hint == "use at most 333: a scenario has 1000 tasks at most");
   CHECK(fault_of(one, R"("repeat":0,)").key == "repeat");
   CHECK(fault_of(one, R"("repeat":1001,)").key == "repeat");
   CHECK(fault_of(one, R"("repeat":"2",)").key == "repeat");
-  CHECK(fault_of(one, R"("repaet":2,)").cure == "did you mean 'repeat'?");
+  CHECK(fault_of(one, R"("repaet":2,)").hint == "did you mean 'repeat'?");
   const std::string longest = R"({"id":")" + std::string(62, 'a') + R"(","robot":"r","skill":"go"})";
   CHECK(read(longest, R"("repeat":9,)").faults.empty());
   const ConfigFault no_room = fault_of(longest, R"("repeat":10,)");
   CHECK(no_room.key == "tasks[0].id");
-  CHECK(no_room.cure == "keep it to 61 bytes");
+  CHECK(no_room.hint == "keep it to 61 bytes");
 }
 
 TEST_CASE("a scenario that no message could carry") {
@@ -168,5 +168,5 @@ TEST_CASE("a scenario that no message could carry") {
   // Each of the second round's tasks would wait for each of the first's.
   const ConfigFault large = fault_of(tasks, R"("repeat":2,)");
   CHECK(large.key == "tasks");
-  CHECK(large.cure.find("one task that waits for many") != std::string::npos);
+  CHECK(large.hint.find("one task that waits for many") != std::string::npos);
 }

@@ -14,12 +14,12 @@ constexpr ParseLimits kResultLimits{.bytes = kMaxTaskData, .depth = ParseLimits{
 
 Result<Value> parse_result(const ValueFrom& from, const TaskResult* result) {
   const std::string of = in_quotes(from.task);
-  const std::string cure = "look at the run: trb scenario watch";
-  if (result == nullptr) return fail(Errc::missing, "there is no result of " + of, cure);
+  const std::string hint = "look at the run: trb scenario watch";
+  if (result == nullptr) return fail(Errc::missing, "there is no result of " + of, hint);
   if (result->outcome == TaskOutcome::skipped) {
     return fail(Errc::missing, of + " was skipped and has no result", "skip this task on the same condition");
   }
-  if (result->outcome != TaskOutcome::finished) return fail(Errc::missing, of + " has not finished", cure);
+  if (result->outcome != TaskOutcome::finished) return fail(Errc::missing, of + " has not finished", hint);
   if (result->data.empty()) {
     return fail(Errc::missing, of + " ended without a value", "let its robot tell one when it is done");
   }
@@ -46,7 +46,7 @@ Result<Value> value_of(const ValueFrom& from, const TaskResult* result) {
 
 Error of_parameter(const Task& task, const ValueFrom& from, const Error& error) {
   return fail(error.code, "task '" + task.id + "', parameter " + in_quotes(from.parameter) + ": " + error.what,
-              error.cure);
+              error.hint);
 }
 
 }  // namespace

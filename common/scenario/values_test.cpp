@@ -38,7 +38,7 @@ Error error_of(const Task& task, const Told& results) {
   const auto filled = fill(task, results);
   REQUIRE_FALSE(filled.ok());
   CHECK(filled.error().what.find("'carry'") != std::string::npos);
-  CHECK_FALSE(filled.error().cure.empty());
+  CHECK_FALSE(filled.error().hint.empty());
   return filled.error();
 }
 
@@ -72,7 +72,7 @@ TEST_CASE("what has no value names task and parameter") {
   CHECK(refused({{"scan", result("{}")}}) == Errc::missing);
   CHECK(refused({{"scan", result("\"dock\"")}}) == Errc::bad_value);
   CHECK(refused({{"scan", result("dock")}}) == Errc::malformed);
-  CHECK(error_of(task, {{"scan", result(R"({"plcae":"a"})")}}).cure == "did you mean 'plcae'?");
+  CHECK(error_of(task, {{"scan", result(R"({"plcae":"a"})")}}).hint == "did you mean 'plcae'?");
 }
 
 TEST_CASE("values that no robot's node would take") {

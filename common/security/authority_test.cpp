@@ -50,7 +50,7 @@ TEST_CASE("an authority.key that does not belong to its fleet.json, or was damag
   std::filesystem::remove(key_file);
   const auto gone = open_authority(dir, kTwelve);
   REQUIRE(code_of(gone) == Errc::missing);
-  CHECK(gone.error().cure.find("trb fleet init") != std::string::npos);
+  CHECK(gone.error().hint.find("trb fleet init") != std::string::npos);
 }
 
 TEST_CASE("one of an authority's two files is enough to keep a new one out of the folder") {
@@ -101,5 +101,5 @@ TEST_CASE("a fleet.json in which something is missing, or is of another kind, is
   }
   std::filesystem::remove(path);
   CHECK(code_of(read_fleet(hall.dir)) == Errc::missing);
-  CHECK(read_fleet(hall.dir).error().cure.find("trb fleet init") != std::string::npos);
+  CHECK(read_fleet(hall.dir).error().hint.find("trb fleet init") != std::string::npos);
 }

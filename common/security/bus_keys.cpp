@@ -59,7 +59,7 @@ Result<Bytes> load_bus_public(const std::string& node_dir, std::string_view name
 void check_bus_keys(const std::string& node_dir, const std::vector<std::string>& names, ConfigFaults& faults) {
   for (const std::string& name : names) {
     const auto add = [&](const std::string& file, const Error& error) {
-      if (error.code != Errc::missing) faults.push_back({"keys/bus/" + name + file, "", error.what, error.cure});
+      if (error.code != Errc::missing) faults.push_back({"keys/bus/" + name + file, "", error.what, error.hint});
     };
     const auto secret = load_bus_key(node_dir, name);
     const auto shown = load_bus_public(node_dir, name);

@@ -19,7 +19,7 @@ constexpr std::string_view kBusProbe = "probe";  ///< for trb
 /// service, elsewhere. Errors: io_error, and those of load_bus_key.
 Status make_bus_keys(const std::string& node_dir, const std::vector<std::string>& names);
 
-/// Errors: missing, not_permitted (mode is not 0600), malformed; each with the cure.
+/// Errors: missing, not_permitted (mode is not 0600), malformed; each with the hint.
 Result<LinkKey> load_bus_key(const std::string& node_dir, std::string_view name);
 /// 32 bytes. Errors: missing, malformed.
 Result<Bytes> load_bus_public(const std::string& node_dir, std::string_view name);

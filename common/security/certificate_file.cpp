@@ -77,7 +77,7 @@ Result<CertificateFile> read_certificate_file(const std::string& path) {
     return fail(text.error().code, text.error().what, "run trb fleet sign with this node's keys/request.json");
   }
   auto file = certificate_file_from_json(*text);
-  if (!file) return fail(file.error().code, path + ": " + file.error().what, file.error().cure);
+  if (!file) return fail(file.error().code, path + ": " + file.error().what, file.error().hint);
   return file;
 }
 

@@ -40,7 +40,7 @@ TEST_CASE("a certificate file that lacks something says what, and what to do") {
     const auto read = certificate_file_from_json(text);
     REQUIRE(code_of(read) == code);
     CHECK(read.error().what.find(what) != std::string::npos);
-    CHECK(read.error().cure.find("trb fleet sign") != std::string::npos);
+    CHECK(read.error().hint.find("trb fleet sign") != std::string::npos);
   };
   is(with(good, "\"certificate\":", "\"other\":"), Errc::missing, "certificate");
   is(with(good, "authority_key", "other"), Errc::missing, "authority_key");
@@ -71,7 +71,7 @@ TEST_CASE("a certificate file that is not there, or damaged, is told with its pa
   Hall hall;
   const std::string path = hall.root + "/certificate.json";
   CHECK(code_of(read_certificate_file(path)) == Errc::missing);
-  CHECK(read_certificate_file(path).error().cure.find("request.json") != std::string::npos);
+  CHECK(read_certificate_file(path).error().hint.find("request.json") != std::string::npos);
   REQUIRE(write_file(path, "{}").ok());
   CHECK(code_of(read_certificate_file(path)) == Errc::missing);
   CHECK(read_certificate_file(path).error().what == path + ": certificate: missing");

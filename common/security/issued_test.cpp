@@ -107,7 +107,7 @@ TEST_CASE("another computer under the name of a living one is not certified") {
   hall.join("ur3");
   const auto refused = hall.ask("new-pc", "ur3");
   CHECK(code_of(refused) == Errc::conflict);
-  CHECK(refused.error().cure.find("trb fleet revoke") != std::string::npos);
+  CHECK(refused.error().hint.find("trb fleet revoke") != std::string::npos);
   CHECK(hall.ask("ur3", "ur3").ok());  // the same keys: a renewal
 }
 

@@ -116,7 +116,7 @@ void check_node_keys(const std::string& node_dir, const std::string& id, UtcTime
   auto keys = load_node_keys(node_dir);
   const std::string file = "keys/certificate.json";
   if (!keys) {
-    faults.push_back({"keys", "", keys.error().what, keys.error().cure});
+    faults.push_back({"keys", "", keys.error().what, keys.error().hint});
     return;
   }
   if (keys->certificate.id != id) {

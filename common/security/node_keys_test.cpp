@@ -142,8 +142,8 @@ TEST_CASE("trb check names the fault of a folder once, and the last moment of a 
   const std::int64_t end = hall.living("ur3").not_after;
   CHECK(faults("ur3", {end - 1}).empty());
   REQUIRE(faults("ur3", {end}).size() == 1);
-  CHECK(faults("ur3", {end})[0].cure.find("trb fleet renew") != std::string::npos);
+  CHECK(faults("ur3", {end})[0].hint.find("trb fleet renew") != std::string::npos);
   REQUIRE(faults("nowhere", kNow).size() == 1);
   CHECK(faults("nowhere", kNow)[0].file == "keys");
-  CHECK(faults("nowhere", kNow)[0].cure.find("trb fleet request") != std::string::npos);
+  CHECK(faults("nowhere", kNow)[0].hint.find("trb fleet request") != std::string::npos);
 }

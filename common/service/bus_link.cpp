@@ -85,7 +85,7 @@ Result<std::uint64_t> BusLink::send(Message message) {
   message.id = ids_.next(welcome_->slot);
   const Bytes bytes = encode_frame(message);
   if (const auto readable = decode_frame(bytes); !readable)
-    return fail(readable.error().code, message.subtype + ": " + readable.error().what, readable.error().cure);
+    return fail(readable.error().code, message.subtype + ": " + readable.error().what, readable.error().hint);
   Frame frame = to_frame(bytes);
   const SendResult result = send_within(budget_, frame, [this](Frame&& one) { return socket_.send(std::move(one)); });
   return result == SendResult::sent ? message.id : 0;

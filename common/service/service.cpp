@@ -194,7 +194,7 @@ class ServiceShell final : public Service {
     count("dropped." + std::string(errc_name(why.code)));
     log_limited(limit_, read_clocks().mono, Level::error, "not_sent",
                 subtype + " for '" + send.target + "': " + why.text());
-    Nack nack{std::string(errc_name(why.code)), subtype, send.target, why.what, why.cure};
+    Nack nack{std::string(errc_name(why.code)), subtype, send.target, why.what, why.hint};
     if (send.reply_to != 0) {
       (void)link_.send(Send{.target = send.target, .reply_to = send.reply_to, .body = std::move(nack)});
     } else if (refused_.size() < kMostRefused) {

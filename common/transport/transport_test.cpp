@@ -153,7 +153,7 @@ TEST_CASE("two servers cannot bind one address") {
   const auto second = Socket::inbox(door.context, door.inbox.last_endpoint(), make_keys());
   REQUIRE_FALSE(second.ok());
   CHECK(second.error().code == Errc::io_error);
-  CHECK_FALSE(second.error().cure.empty());
+  CHECK_FALSE(second.error().hint.empty());
 }
 
 TEST_CASE("the loop wakes for descriptors, deadlines and signals, and forgets what was removed") {

@@ -53,12 +53,12 @@ struct BridgeEvent {
   std::string data;  ///< of a value: JSON
   std::string code;  ///< of a failure: an Errc's name
   std::string what;
-  std::string cure;
+  std::string hint;
   template <class T = BridgeEvent>
   static FieldTable fields() {
     return FieldTable{field("instance", &T::instance), field("token", &T::token),   field("result", &T::result),
                       field("data", &T::data, 65536),  field("code", &T::code, 32), field("what", &T::what, 1024),
-                      field("cure", &T::cure, 1024)};
+                      field("cure", &T::hint, 1024)};
   }
 };
 

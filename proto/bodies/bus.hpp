@@ -78,12 +78,12 @@ struct Nack {
   std::string subtype;  ///< of the message that failed
   std::string target;   ///< of the message that failed
   std::string what;
-  std::string cure;
+  std::string hint;
   std::string about{};  ///< what the message that failed is about: a run's id; empty if nothing rests on it
   template <class T = Nack>
   static FieldTable fields() {
     return FieldTable{field("code", &T::code, 64),   field("subtype", &T::subtype, 64), field("target", &T::target, 64),
-                      field("what", &T::what, 1024), field("cure", &T::cure, 1024),     field("about", &T::about, 64)};
+                      field("what", &T::what, 1024), field("cure", &T::hint, 1024),     field("about", &T::about, 64)};
   }
 };
 

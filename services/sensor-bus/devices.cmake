@@ -4,7 +4,7 @@ pkg_check_modules(jpeg REQUIRED IMPORTED_TARGET libjpeg)
 trb_library(trb_sensor_devices_core SOURCES core/nmea.cpp core/recognition.cpp core/tag_keys.cpp core/unknown_device.cpp core/values.cpp
             LIBS trb_fleet)
 trb_library(trb_sensor_jpeg SOURCES core/jpeg.cpp LIBS trb_base PkgConfig::jpeg)
-trb_library(trb_sensor_devices_io SOURCES io/devices/attributes.cpp io/devices/camera.cpp io/devices/crew.cpp io/devices/devices.cpp
+trb_library(trb_sensor_devices_io SOURCES io/devices/attributes.cpp io/devices/camera.cpp io/devices/reader_pool.cpp io/devices/devices.cpp
             io/devices/keyboard.cpp io/devices/reader.cpp io/devices/serial.cpp io/devices/udev_monitor.cpp
             LIBS trb_sensor_devices_core trb_sensor_jpeg trb_service PkgConfig::udev Threads::Threads)
 trb_test(test_sensor_recognition LABEL unit SOURCES core/recognition_test.cpp core/values_test.cpp LIBS trb_sensor_devices_core trb_config)

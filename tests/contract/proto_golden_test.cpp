@@ -228,7 +228,7 @@ TEST_CASE("bodies of link and bus") {
   CHECK(to_hex(encode(Nack{"c", "s", "t", "w", "u", "r"})) == "96a163a173a174a177a175a172");
   const auto before = decode<Nack>(*from_hex("95a163a173a174a177a175"));
   REQUIRE(before.ok());
-  CHECK((before->cure == "u" && before->about.empty()));
+  CHECK((before->hint == "u" && before->about.empty()));
 }
 
 TEST_CASE("the JSON of a message, with text, with bytes, with a body") {

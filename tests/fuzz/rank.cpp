@@ -8,7 +8,7 @@ namespace trb::fuzz {
 namespace {
 
 void check_error(const Error& error) {
-  require(error.code != Errc::ok && !error.what.empty() && !error.cure.empty(), "an error has a text and a cure");
+  require(error.code != Errc::ok && !error.what.empty() && !error.hint.empty(), "an error has a text and a cure");
 }
 
 void check_answer(const RankingProblem& problem, const RankingAnswer& answer) {

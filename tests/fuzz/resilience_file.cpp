@@ -1,4 +1,4 @@
-// resilience.json as a person writes it: any bytes give faults with a cure, or settings that can be used.
+// resilience.json as a person writes it: any bytes give faults with a hint, or settings that can be used.
 #include <cmath>
 
 #include "common/config/resilience_file.hpp"
@@ -26,7 +26,7 @@ void run(BytesView input) {
   ConfigFaults faults;
   const ResilienceSettings settings = read_resilience(*json, "resilience.json", faults);
   for (const ConfigFault& fault : faults) {
-    require(fault.file == "resilience.json" && !fault.what.empty() && !fault.cure.empty(), "a fault has a cure");
+    require(fault.file == "resilience.json" && !fault.what.empty() && !fault.hint.empty(), "a fault has a cure");
   }
   double sum = 0;
   for (const ReplacementCriterion& one : settings.criteria) {

@@ -1,4 +1,4 @@
-// A scenario's file: any bytes give faults with a cure, or a scenario that may run: its graph passes the check that
+// A scenario's file: any bytes give faults with a hint, or a scenario that may run: its graph passes the check that
 // every scheduler makes, it stays the same on the wire, and values of results make data that a node takes, or an error.
 #include <algorithm>
 
@@ -30,7 +30,7 @@ const Profiles& fleet() {
 }
 
 void check_faults(const ConfigFaults& faults) {
-  for (const ConfigFault& fault : faults) require(!fault.what.empty() && !fault.cure.empty(), "a fault has a cure");
+  for (const ConfigFault& fault : faults) require(!fault.what.empty() && !fault.hint.empty(), "a fault has a cure");
 }
 
 void check_fleet(const Scenario& scenario) {
@@ -40,7 +40,8 @@ void check_fleet(const Scenario& scenario) {
   const auto robots = bind_tasks(scenario, candidates, "", "s.json", faults);
   check_faults(faults);
   require(robots.size() == scenario.tasks.size(), "each task has its robot, or nobody");
-  for (const NoSpare& one : tasks_without_spare(scenario, candidates)) require(!one.why.empty(), "no spare: it says why");
+  for (const NoSpare& one : tasks_without_spare(scenario, candidates))
+    require(!one.why.empty(), "no spare: it says why");
 }
 
 void check_values(const Task& task, const std::string& data) {
@@ -48,7 +49,7 @@ void check_values(const Task& task, const std::string& data) {
   result.outcome = TaskOutcome::finished;
   result.data = data;
   const auto filled = fill_values(task, [&](const std::string&) { return &result; });
-  if (!filled) return require(!filled.error().what.empty() && !filled.error().cure.empty(), "an error has a cure");
+  if (!filled) return require(!filled.error().what.empty() && !filled.error().hint.empty(), "an error has a cure");
   const auto json = parse_json(filled->empty() ? "{}" : *filled);
   require(json.ok() && json->is_object() && filled->size() <= kMaxTaskData, "filled data are a node's data");
   for (const ValueFrom& value : task.values) {

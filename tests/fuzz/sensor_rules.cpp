@@ -79,7 +79,7 @@ std::vector<Bytes> seeds() {
 void run(BytesView input) {
   ConfigFaults faults;
   SensorRule rule = read_rule(input, faults);
-  for (const ConfigFault& fault : faults) require(fault.cure.empty() == fault.what.empty(), "a fault has a cure");
+  for (const ConfigFault& fault : faults) require(fault.hint.empty() == fault.what.empty(), "a fault has a cure");
   std::vector<SensorRule> rules;
   if (faults.empty()) rules.push_back(std::move(rule));
   ConfigFaults none;

@@ -38,7 +38,7 @@ class ArcosCheck {
 
   void command(const std::string& subtype, const std::string& words) {
     const auto steps = read_arcos_steps(words);
-    if (!steps) return faults_.add(key("commands", subtype), steps.error().what, steps.error().cure);
+    if (!steps) return faults_.add(key("commands", subtype), steps.error().what, steps.error().hint);
     const bool stops = std::ranges::any_of(*steps, [](const ArcosStep& s) { return s.effect == ArcosEffect::stops; });
     if (subtype == "stop" && !words.empty() && !stops) {
       faults_.add(key("commands", subtype), "stops nothing", "use STOP, or E_STOP to brake as hard as the robot can");
@@ -47,7 +47,7 @@ class ArcosCheck {
 
   void value(const std::string& name, const std::string& words) {
     const auto fields = read_arcos_value(words);
-    if (!fields) faults_.add(key("values", name), fields.error().what, fields.error().cure);
+    if (!fields) faults_.add(key("values", name), fields.error().what, fields.error().hint);
   }
 
   void skill(const Skill& skill) {

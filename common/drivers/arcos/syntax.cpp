@@ -78,8 +78,8 @@ bool is_quoted(std::string_view text) {
   return text.size() >= 2 && text.front() == '"' && text.back() == '"';
 }
 
-Error bad(std::string what, std::string cure) {
-  return fail(Errc::bad_value, std::move(what), std::move(cure));
+Error bad(std::string what, std::string hint) {
+  return fail(Errc::bad_value, std::move(what), std::move(hint));
 }
 
 Status check_number(const ArcosStep& step) {

@@ -19,17 +19,17 @@ std::vector<std::string> names_of(const std::map<std::string, std::string>& word
 void check_commands(const VendorCommands& vendor, const std::string& name, const FileFaults& faults) {
   for (const auto& [subtype, words] : vendor.commands) {
     const auto read = read_c3_assignments(words);
-    if (!read) faults.add(name + ".commands." + subtype, read.error().what, read.error().cure);
+    if (!read) faults.add(name + ".commands." + subtype, read.error().what, read.error().hint);
   }
 }
 
 void check_values(const VendorCommands& vendor, const std::string& name, bool fields, const FileFaults& faults) {
   for (const auto& [value, words] : vendor.values) {
     const auto read = read_c3_question(words);
-    if (!read) faults.add(name + ".values." + value, read.error().what, read.error().cure);
+    if (!read) faults.add(name + ".values." + value, read.error().what, read.error().hint);
   }
   if (const auto names = read_c3_names(vendor.values, fields); !names) {
-    faults.add(name + ".values", names.error().what, names.error().cure);
+    faults.add(name + ".values", names.error().what, names.error().hint);
   }
   for (const auto& [subtype, value] : vendor.requests) {
     if (vendor.values.contains(value)) continue;

@@ -144,7 +144,7 @@ Result<C3Assignment> read_assignment(std::string_view line) {
   C3Assignment out{std::string(trimmed(take(rest, '='))), std::string(trimmed(rest))};
   if (!is_variable(out.variable)) return no_variable(out.variable);
   const auto value = filled(out.value);
-  if (!value) return fail(Errc::bad_value, out.variable + ": " + value.error().what, value.error().cure);
+  if (!value) return fail(Errc::bad_value, out.variable + ": " + value.error().what, value.error().hint);
   if (is_krl_value(*value)) return out;
   return fail(
       Errc::bad_value, in_quotes(out.value) + " is no value of KRL for " + out.variable,

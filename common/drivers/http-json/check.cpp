@@ -40,7 +40,7 @@ class Checker {
  private:
   void command(const std::string& subtype, const std::string& words) {
     const auto read = read_http_words(words);
-    if (!read) return check_.add("commands." + subtype, read.error().what, read.error().cure);
+    if (!read) return check_.add("commands." + subtype, read.error().what, read.error().hint);
     if (read->empty() && !words.empty())
       check_.add("commands." + subtype, "is blank", "write METHOD PATH [JSON], a line each");
     for (const HttpWords& one : *read) {
@@ -54,7 +54,7 @@ class Checker {
 
   void value(const std::string& name, const std::string& words) {
     const auto read = read_http_question(words);
-    if (!read) return check_.add("values." + name, read.error().what, read.error().cure);
+    if (!read) return check_.add("values." + name, read.error().what, read.error().hint);
     names("values." + name, read->path);
   }
 

@@ -82,7 +82,7 @@ Result<std::vector<HttpJsonDriver::Step>> HttpJsonDriver::fill(std::string_view 
   std::vector<Step> out;
   for (const HttpWords& words : found->second) {
     const auto body = words.body ? words.body->fill(data, json_literal) : Result<std::string>(std::string());
-    if (!body) return fail(body.error().code, text_of(words) + ": " + body.error().what, body.error().cure);
+    if (!body) return fail(body.error().code, text_of(words) + ": " + body.error().what, body.error().hint);
     out.push_back({words, *body});
   }
   return out;
@@ -180,7 +180,7 @@ void HttpJsonDriver::begin_step(Now now, const DriverOut& out) {
   const Job gone = queue_.pop();
   on_refused(
       gone,
-      fail(target.error().code, text_of(gone.steps[gone.done].words) + ": " + target.error().what, target.error().cure),
+      fail(target.error().code, text_of(gone.steps[gone.done].words) + ": " + target.error().what, target.error().hint),
       out);
 }
 
@@ -227,7 +227,7 @@ void HttpJsonDriver::on_answer(const HttpAnswer& answer, Now now, const DriverOu
 void HttpJsonDriver::on_poll(const HttpAnswer& answer, Now now, const DriverOut& out) {
   const HttpPoll::News news = poll_.on_answer(answer, now);
   for (const Error& problem : news.problems) {
-    out.emit(FaultSaid{"", Severity::warning, problem.what + "; " + problem.cure});
+    out.emit(FaultSaid{"", Severity::warning, problem.what + "; " + problem.hint});
   }
   if (news.values) out.emit(ValuesHeard{});
 }

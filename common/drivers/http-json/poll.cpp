@@ -59,7 +59,7 @@ HttpPoll::News HttpPoll::on_answer(const HttpAnswer& answer, Now now) {
 
 void HttpPoll::take(const std::string& name, const std::vector<HttpQuestion::Part>& parts, const Result<Value>& json,
                     Now now, News& news) {
-  if (!json) return lose(name, fail(Errc::robot_error, name + ": " + json.error().what, json.error().cure), news);
+  if (!json) return lose(name, fail(Errc::robot_error, name + ": " + json.error().what, json.error().hint), news);
   RobotValue value{{}, "", now.mono};
   Value::List all;
   for (const HttpQuestion::Part& part : parts) {

@@ -73,7 +73,7 @@ Status check_body(const VendorTemplate& body) {
   for (std::size_t i = 1; i < std::max<std::size_t>(body.items(), 1); ++i) zeros += ",0";
   const auto filled = body.fill(zeros + "]", json_literal);
   const auto json = filled ? parse_json(*filled) : Result<Value>(filled.error());
-  if (!json) return fail(Errc::bad_value, "the body: " + json.error().what, json.error().cure);
+  if (!json) return fail(Errc::bad_value, "the body: " + json.error().what, json.error().hint);
   return Done{};
 }
 
@@ -97,8 +97,8 @@ Result<HttpWords> read_line(std::string_view line) {
 }  // namespace
 
 Result<HttpPath> HttpPath::read(std::string_view text) {
-  const auto bad = [&](const std::string& what, const std::string& cure) {
-    return fail(Errc::bad_value, "'" + std::string(text.substr(0, 60)) + "' " + what, cure);
+  const auto bad = [&](const std::string& what, const std::string& hint) {
+    return fail(Errc::bad_value, "'" + std::string(text.substr(0, 60)) + "' " + what, hint);
   };
   if (text.empty() || text.front() != '/') return bad("is no path", "begin it with /, for example /api/v2.0.0/status");
   if (text.size() > kMaxPath) return bad("is too long", "use at most 1024 characters");

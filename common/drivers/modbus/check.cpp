@@ -32,14 +32,14 @@ class Checker {
   void values() {
     for (const auto& [name, words] : vendor_.values) {
       const auto place = read_modbus_place(words);
-      if (!place) check_.add("values." + name, place.error().what, place.error().cure);
+      if (!place) check_.add("values." + name, place.error().what, place.error().hint);
       places_[name] = place ? *place : ModbusPlace{};  // a bad place counts as given: one mistake, one fault
     }
   }
 
   void command(const std::string& subtype, const std::string& words) const {
     const auto read = read_modbus_assignments(words, places_);
-    if (!read) return check_.add("commands." + subtype, read.error().what, read.error().cure);
+    if (!read) return check_.add("commands." + subtype, read.error().what, read.error().hint);
     if (read->empty() && !words.empty())
       check_.add("commands." + subtype, "is blank", "write NAME = NUMBER, a line each");
     if (subtype != "stop" && subtype != "release") return;

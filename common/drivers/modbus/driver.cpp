@@ -82,7 +82,7 @@ Result<std::vector<ModbusDriver::Write>> ModbusDriver::fill(std::string_view sub
     if (!number) return number.error();
     const std::string meant = one.name + " (" + to_text(one.place) + ")";
     auto words = modbus_words(one.place, *number);
-    if (!words) return fail(words.error().code, meant + ": " + words.error().what, words.error().cure);
+    if (!words) return fail(words.error().code, meant + ": " + words.error().what, words.error().hint);
     out.push_back({meant, one.place, std::move(*words)});
   }
   return out;
@@ -199,7 +199,7 @@ void ModbusDriver::on_bytes(Channel channel, BytesView bytes, Now now, const Dri
 void ModbusDriver::on_poll(const ModbusAnswer& answer, Now now, const DriverOut& out) {
   const ModbusPoll::News news = poll_.on_answer(answer, now);
   for (const Error& problem : news.problems) {
-    out.emit(FaultSaid{"", Severity::warning, problem.what + "; " + problem.cure});
+    out.emit(FaultSaid{"", Severity::warning, problem.what + "; " + problem.hint});
   }
   if (news.values) out.emit(ValuesHeard{});
 }

@@ -10,7 +10,7 @@ namespace {
 struct Exception {
   std::uint8_t code;
   std::string_view name;
-  std::string_view cure;
+  std::string_view hint;
 };
 
 // Modbus Application Protocol V1.1b3, section 7.
@@ -35,7 +35,7 @@ Error modbus_exception(std::uint8_t code, const std::string& meant) {
   const bool is_known = known != kExceptions.end();
   const std::string name = is_known ? "'" + std::string(known->name) + "'" : "an exception of its own";
   return fail(Errc::robot_error, meant + ": the device answered " + name + " (exception " + std::to_string(code) + ")",
-              is_known ? std::string(known->cure) : "look the exception up in the device's manual");
+              is_known ? std::string(known->hint) : "look the exception up in the device's manual");
 }
 
 }  // namespace trb::drivers

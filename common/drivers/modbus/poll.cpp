@@ -85,7 +85,7 @@ void ModbusPoll::take(const Block& block, const ModbusAnswer& answer, Now now, N
     }
     const auto number = modbus_number(item.place, words);
     if (!number) {
-      lose(item, fail(Errc::robot_error, item.name + ": " + number.error().what, number.error().cure), news);
+      lose(item, fail(Errc::robot_error, item.name + ": " + number.error().what, number.error().hint), news);
       continue;
     }
     known_[item.name] = {RobotValue{{*number}, json_of(item.place, *number), now.mono}, {}};

@@ -55,8 +55,8 @@ std::optional<E> one_of(std::string_view word) {
   return static_cast<E>(at - kNames.begin());
 }
 
-Error bad(std::string what, std::string cure) {
-  return fail(Errc::bad_value, std::move(what), std::move(cure));
+Error bad(std::string what, std::string hint) {
+  return fail(Errc::bad_value, std::move(what), std::move(hint));
 }
 
 Status read_address(Words& words, ModbusPlace& place) {
@@ -181,7 +181,7 @@ Result<ModbusAssignment> read_assignment(std::string_view line, const ModbusPlac
   out.literal = wanted->literal;
   if (out.item != ModbusAssignment::kLiteral) return out;
   const auto words = modbus_words(out.place, out.literal);
-  if (!words) return fail(words.error().code, out.name + ": " + words.error().what, words.error().cure);
+  if (!words) return fail(words.error().code, out.name + ": " + words.error().what, words.error().hint);
   return out;
 }
 

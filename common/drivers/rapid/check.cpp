@@ -28,7 +28,7 @@ void check_commands(const VendorCommands& vendor, const std::string& name, const
     const std::string key = name + ".commands." + subtype;
     const auto read = read_rapid_requests(words);
     if (!read) {
-      faults.add(key, read.error().what, read.error().cure);
+      faults.add(key, read.error().what, read.error().hint);
       continue;
     }
     const bool urgent = subtype == "stop" || subtype == "release";
@@ -45,7 +45,7 @@ void check_values(const VendorCommands& vendor, const std::string& name, const F
   std::vector<std::string> known = rapid_state_values();
   for (const auto& [value, words] : vendor.values) {
     const auto read = read_rapid_question(words);
-    if (!read) faults.add(name + ".values." + value, read.error().what, read.error().cure);
+    if (!read) faults.add(name + ".values." + value, read.error().what, read.error().hint);
     known.push_back(value);
   }
   for (const auto& [subtype, value] : vendor.requests) {

@@ -11,11 +11,11 @@ void check_ros(const NodeConfig& config, const FileFaults& faults) {
   check_words(vendor, config.framework, faults);
   for (const auto& [subtype, words] : vendor.commands) {
     const auto read = read_ros_publications(words);
-    if (!read) faults.add(config.framework + ".commands." + subtype, read.error().what, read.error().cure);
+    if (!read) faults.add(config.framework + ".commands." + subtype, read.error().what, read.error().hint);
   }
   for (const auto& [subtype, words] : vendor.requests) {
     const auto read = read_ros_question(words);
-    if (!read) faults.add(config.framework + ".requests." + subtype, read.error().what, read.error().cure);
+    if (!read) faults.add(config.framework + ".requests." + subtype, read.error().what, read.error().hint);
   }
   for (const Skill& skill : config.description.skills) {
     if (!vendor.commands.contains(skill.subtype) && !config.description.has_field_channel) {

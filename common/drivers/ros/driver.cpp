@@ -220,7 +220,7 @@ void RosDriver::on_done(std::uint64_t key, Pending& pending, const DriverOut& ou
 
 void RosDriver::on_failed(std::uint64_t key, const Pending& pending, const BridgeEvent& event, const DriverOut& out) {
   pending_.erase(key);
-  const Error error{errc_of(event.code).value_or(Errc::robot_error), event.what, event.cure};
+  const Error error{errc_of(event.code).value_or(Errc::robot_error), event.what, event.hint};
   if (pending.purpose == Purpose::command || pending.purpose == Purpose::request) {
     return out.emit(Refused{pending.token, error});
   }

@@ -66,7 +66,7 @@ Result<std::vector<RosPublication>> read_ros_publications(std::string_view text)
     }
     publication.data = line.empty() ? "{data}" : std::string(line);
     if (const auto json = parse_json(filled(publication.data)); !json) {
-      return fail(Errc::bad_value, "the data of " + publication.topic + ": " + json.error().what, json.error().cure);
+      return fail(Errc::bad_value, "the data of " + publication.topic + ": " + json.error().what, json.error().hint);
     }
     out.push_back(std::move(publication));
   }

@@ -43,7 +43,7 @@ Result<Value> value_for(const AtArgument& argument, const Data& data) {
 }
 
 Error named(const AtLine& line, const Error& error) {
-  return fail(error.code, line.name + ": the data " + error.what, error.cure);
+  return fail(error.code, line.name + ": the data " + error.what, error.hint);
 }
 
 Result<AtOrder> fill(const AtLine& line, const Data& data) {

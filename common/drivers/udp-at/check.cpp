@@ -37,7 +37,7 @@ void check_lines(const VendorCommands& vendor, const std::string& name, const Fi
   for (const auto& [subtype, words] : vendor.commands) {
     const std::string key = name + ".commands." + subtype;
     const auto lines = read_at_lines(words);
-    if (!lines) faults.add(key, lines.error().what, lines.error().cure);
+    if (!lines) faults.add(key, lines.error().what, lines.error().hint);
     if (subtype == "stop") check_stop(words, key, faults);
     if (subtype == "release" && !words.empty()) {
       faults.add(key, "lifting a stop moves no drone", "leave its words empty");

@@ -124,9 +124,9 @@ void AtFlight::end_well(const DriverOut& out) {
   out.emit(Ended{ended.token, true, {}});
 }
 
-void AtFlight::end_badly(Errc code, const std::string& what, const std::string& cure, const DriverOut& out) {
+void AtFlight::end_badly(Errc code, const std::string& what, const std::string& hint, const DriverOut& out) {
   const auto ended = std::exchange(task_, std::nullopt);
-  if (ended) out.emit(Refused{ended->token, fail(code, what, cure)});
+  if (ended) out.emit(Refused{ended->token, fail(code, what, hint)});
 }
 
 }  // namespace trb::drivers

@@ -52,7 +52,7 @@ class AtFlight {
   void check_emergency(const ArNavdata& drone, Now now, const DriverOut& out);
   void check_ground(const ArNavdata& drone, Now now, const DriverOut& out);
   void end_well(const DriverOut& out);
-  void end_badly(Errc code, const std::string& what, const std::string& cure, const DriverOut& out);
+  void end_badly(Errc code, const std::string& what, const std::string& hint, const DriverOut& out);
   [[nodiscard]] bool does(AtAction action) const { return task_ && task_->action == action; }
   [[nodiscard]] bool toggles() const { return does(AtAction::emergency) || does(AtAction::recover); }
 

@@ -42,8 +42,8 @@ struct Word {
   bool quoted = false;
 };
 
-Error bad(const std::string& what, std::string cure) {
-  return fail(Errc::bad_value, what, std::move(cure));
+Error bad(const std::string& what, std::string hint) {
+  return fail(Errc::bad_value, what, std::move(hint));
 }
 
 /// The words of one line; a text in quotes is one word.
@@ -137,7 +137,7 @@ Result<AtLine> read_line(std::string_view text) {
   }
   for (std::size_t i = 0; i < shape->types.size(); ++i) {
     auto argument = read_argument(shape->types[i], (*words)[i + 1]);
-    if (!argument) return fail(argument.error().code, name + ": " + argument.error().what, argument.error().cure);
+    if (!argument) return fail(argument.error().code, name + ": " + argument.error().what, argument.error().hint);
     line.arguments.push_back(std::move(*argument));
   }
   return line;

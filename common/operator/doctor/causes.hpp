@@ -9,7 +9,7 @@ struct Cause {
   std::string_view code;   ///< of a trouble
   std::string_view cause;  ///< what it is called here
   std::string_view what;
-  std::string_view cure;
+  std::string_view hint;
 };
 
 /// Null for a trouble that explains nothing by itself.

@@ -38,22 +38,22 @@ class Doctor {
   }
 
  private:
-  void add(Weight weight, std::string_view cause, const std::string& subject, std::string what, std::string cure) {
+  void add(Weight weight, std::string_view cause, const std::string& subject, std::string what, std::string hint) {
     const bool told = std::any_of(out_.begin(), out_.end(),
                                   [&](const Finding& f) { return f.cause == cause && f.subject == subject; });
-    if (!told) out_.push_back({weight, std::string(cause), subject, std::move(what), std::move(cure)});
+    if (!told) out_.push_back({weight, std::string(cause), subject, std::move(what), std::move(hint)});
   }
-  void problem(std::string_view cause, const std::string& subject, std::string what, std::string cure) {
-    add(Weight::problem, cause, subject, std::move(what), std::move(cure));
+  void problem(std::string_view cause, const std::string& subject, std::string what, std::string hint) {
+    add(Weight::problem, cause, subject, std::move(what), std::move(hint));
   }
-  void note(std::string_view cause, const std::string& subject, std::string what, std::string cure) {
-    add(Weight::note, cause, subject, std::move(what), std::move(cure));
+  void note(std::string_view cause, const std::string& subject, std::string what, std::string hint) {
+    add(Weight::note, cause, subject, std::move(what), std::move(hint));
   }
 
   void own_folder() {
     for (const ConfigFault& fault : seen_.faults) {
       const std::string key = fault.key.empty() ? "" : fault.key + ": ";
-      problem(fault.key == "not_after" ? "cert_expired" : "node_folder", fault.file, key + fault.what, fault.cure);
+      problem(fault.key == "not_after" ? "cert_expired" : "node_folder", fault.file, key + fault.what, fault.hint);
     }
     if (!seen_.beacon && seen_.seeds == 0) {
       problem("no_way", "node.json", "beacons are off and no seed is named: no other node can be found",
@@ -65,16 +65,16 @@ class Doctor {
     if (!seen_.own) return;
     const std::int64_t left = seen_.own->not_after - seen_.now.ns;
     const std::string until = to_iso8601({seen_.own->not_after});
-    const std::string cure = "where the authority is: trb fleet renew FLEET_DIR " + seen_.own->id;
+    const std::string hint = "where the authority is: trb fleet renew FLEET_DIR " + seen_.own->id;
     if (seen_.now.ns < seen_.own->not_before) {
       problem("clock_off", seen_.node,
               "this node's clock (" + to_iso8601(seen_.now) + ") is before the beginning of its own certificate (" +
                   to_iso8601({seen_.own->not_before}) + ")",
               "set the clock: timedatectl; on a PC without a battery let NTP do it");
     } else if (left <= 0) {
-      problem("cert_expired", seen_.node, "its certificate ended " + until, cure);
+      problem("cert_expired", seen_.node, "its certificate ended " + until, hint);
     } else if (left < kWarnDays * kDay) {
-      note("cert_ends_soon", seen_.node, "its certificate ends in " + days(left) + ", " + until, cure);
+      note("cert_ends_soon", seen_.node, "its certificate ends in " + days(left) + ", " + until, hint);
     }
   }
 
@@ -112,20 +112,20 @@ class Doctor {
     if (self == nullptr || self->profile.robot.empty() || self->profile.robot == "ONLINE") return;
     std::string what = "the robot is " + self->profile.robot;
     if (!self->profile.detail.empty()) what += ": " + self->profile.detail;
-    std::string cure = "start its program that connects to TCP_PORT of this node";
+    std::string hint = "start its program that connects to TCP_PORT of this node";
     if (!seen_.robot.address.empty()) {
       const std::string at = seen_.robot.address;
       if (seen_.robot.port == Port::refused) {
-        cure = "nothing listens at " + at + ": start the robot's controller, or correct its port in commands.json";
+        hint = "nothing listens at " + at + ": start the robot's controller, or correct its port in commands.json";
       } else if (seen_.robot.port == Port::no_answer || seen_.robot.port == Port::no_route) {
-        cure = "nothing answers at " + at + ": look at its power and cable, and at robot.host in node.json";
+        hint = "nothing answers at " + at + ": look at its power and cable, and at robot.host in node.json";
       } else {
-        cure =
+        hint =
             at +
             " takes connections but the robot says nothing: is it in remote mode? see trb logs NODE_DIR mode-adapter";
       }
     }
-    problem("robot_silent", seen_.node, std::move(what), std::move(cure));
+    problem("robot_silent", seen_.node, std::move(what), std::move(hint));
   }
 
   const Route* find(const std::string& id) const {
@@ -147,7 +147,7 @@ class Doctor {
     for (const LinkTrouble& trouble : seen_.troubles.troubles) {
       const bool own = trouble.peer == id && trouble.code.starts_with("own.");
       const Cause* cause = own ? cause_of(trouble.code.substr(4)) : nullptr;
-      if (cause != nullptr) problem(cause->cause, id, trouble.text, std::string(cause->cure));
+      if (cause != nullptr) problem(cause->cause, id, trouble.text, std::string(cause->hint));
     }
   }
 
@@ -223,7 +223,7 @@ class Doctor {
         problem("refused", subject, "it refuses this node: " + trouble.text, "see the log of its router");
       } else {
         problem(cause->cause, subject, "it refuses this node: by its view " + std::string(cause->what),
-                "seen from there: " + std::string(cause->cure));
+                "seen from there: " + std::string(cause->hint));
       }
       return true;
     }
@@ -236,7 +236,7 @@ class Doctor {
     if (cause == nullptr) return false;
     add(online ? Weight::note : Weight::problem, cause->cause, subject,
         cause->what.empty() ? trouble.text : std::string(cause->what) + " (" + trouble.text + ")",
-        std::string(cause->cure));
+        std::string(cause->hint));
     return true;
   }
 
@@ -354,7 +354,7 @@ class Doctor {
       } else if (const Cause* cause = cause_of(code)) {
         // A named node that is kept out is a problem for somebody; an unnamed one may be no business of this fleet.
         add(trouble.peer.empty() ? Weight::note : Weight::problem, cause->cause, subject,
-            std::string(cause->what) + " (" + trouble.text + ")", std::string(cause->cure));
+            std::string(cause->what) + " (" + trouble.text + ")", std::string(cause->hint));
       }
     }
   }

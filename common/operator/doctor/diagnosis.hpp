@@ -79,7 +79,7 @@ struct Finding {
   std::string cause;    ///< a word for programs: "wrong_key", "port_closed" …
   std::string subject;  ///< node, address or file
   std::string what;
-  std::string cure;
+  std::string hint;
 };
 
 /// Problems first; empty if all is well.

@@ -61,7 +61,7 @@ const Finding* find(const std::vector<Finding>& findings, const std::string& cau
   return at == findings.end() ? nullptr : &*at;
 }
 
-/// The only problem is this one, and it has a cure.
+/// The only problem is this one, and it has a hint.
 void check_only(const Observed& seen, const std::string& cause, const std::string& subject) {
   const std::vector<Finding> findings = diagnose(seen);
   CAPTURE(cause);
@@ -69,7 +69,7 @@ void check_only(const Observed& seen, const std::string& cause, const std::strin
   REQUIRE(found != nullptr);
   CHECK(found->weight == Weight::problem);
   CHECK_FALSE(found->what.empty());
-  CHECK_FALSE(found->cure.empty());
+  CHECK_FALSE(found->hint.empty());
   CHECK(std::count_if(findings.begin(), findings.end(), [](const Finding& f) { return f.weight == Weight::problem; }) ==
         1);
 }
@@ -281,13 +281,13 @@ TEST_CASE("faults that stand and robots that are retired: a problem of the own r
   REQUIRE(own != nullptr);
   CHECK(own->weight == Weight::problem);
   CHECK(own->what.find("'grab' is out of use") == 0);
-  CHECK(own->cure.find("--capability grab") != std::string::npos);
+  CHECK(own->hint.find("--capability grab") != std::string::npos);
   const Finding* other = find(findings, "fault_stands", "bee");
   REQUIRE(other != nullptr);
   CHECK(other->weight == Weight::note);
   const Finding* retired = find(findings, "robot_retired", "bee");
   REQUIRE(retired != nullptr);
-  CHECK(retired->cure == "trb robot return bee");
+  CHECK(retired->hint == "trb robot return bee");
 }
 
 TEST_CASE("a scheduler that is nearly full of runs") {

@@ -29,8 +29,8 @@ bool FakeNode::answer(std::uint64_t id, const std::string& source, const Body& b
   return session_.receive(message);
 }
 
-bool FakeNode::refuse(Errc code, const std::string& what, const std::string& cure) {
-  return answer(Nack{std::string(errc_name(code)), "", target_, what, cure});
+bool FakeNode::refuse(Errc code, const std::string& what, const std::string& hint) {
+  return answer(Nack{std::string(errc_name(code)), "", target_, what, hint});
 }
 
 void FakeNode::pass(Duration time) {

@@ -37,7 +37,7 @@ class FakeNode final : public NodeLink {
   /// The answer of the node that it was for. True if a request waited for it.
   bool answer(const Body& body) { return answer(taken_, target_, body); }
   bool answer(std::uint64_t id, const std::string& source, const Body& body);
-  bool refuse(Errc code, const std::string& what, const std::string& cure = {});
+  bool refuse(Errc code, const std::string& what, const std::string& hint = {});
 
   /// Lets time pass, and what is due happen in its order.
   void pass(Duration time);

@@ -103,7 +103,7 @@ Value to_value(const Finding& finding) {
                              {"cause", Value{finding.cause}},
                              {"subject", Value{finding.subject}},
                              {"what", Value{finding.what}},
-                             {"cure", Value{finding.cure}}}};
+                             {"cure", Value{finding.hint}}}};
 }
 
 int report(const Arguments& arguments, const Observed& seen, const std::vector<Finding>& findings) {
@@ -120,7 +120,7 @@ int report(const Arguments& arguments, const Observed& seen, const std::vector<F
     const bool problem = finding.weight == Weight::problem;
     print_line(coloured(problem ? Colour::bad : Colour::plain, problem ? "problem" : "note   ") + "  " +
                finding.subject + ": " + finding.what + "  [" + finding.cause + "]");
-    print_line("         -> " + finding.cure);
+    print_line("         -> " + finding.hint);
   }
   const auto online = std::count_if(seen.routes.routes.begin(), seen.routes.routes.end(),
                                     [](const Route& route) { return route.state == "ONLINE"; });

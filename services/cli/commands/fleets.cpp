@@ -56,14 +56,14 @@ int run_request(const Arguments& arguments) {
         arguments, fail(file.error().code, file.error().what, "write node.json first: its id goes into the request"));
   auto json = parse_json(*file);
   if (!json)
-    return print_error(arguments, fail(json.error().code, dir + "/node.json: " + json.error().what, json.error().cure));
+    return print_error(arguments, fail(json.error().code, dir + "/node.json: " + json.error().what, json.error().hint));
   auto id = text_member(*json, "id", "");
   auto role = text_member(*json, "role", "robot");
   if (!id || !role) return print_error(arguments, (id ? role : id).error());
   if (*role != "robot" && *role != "cloud")
     return print_error(arguments, fail(Errc::bad_value, "node.json: role: '" + *role + "'", "use robot or cloud"));
   if (Status good = check_id("id", *id); !good)
-    return print_error(arguments, fail(good.error().code, dir + "/node.json: " + good.error().what, good.error().cure));
+    return print_error(arguments, fail(good.error().code, dir + "/node.json: " + good.error().what, good.error().hint));
   const Status made = make_request(dir, *id, *role == "cloud" ? Role::cloud : Role::robot);
   if (!made) return print_error(arguments, made.error());
   if (const Status keys = make_keys_of_bus(dir); !keys) return print_error(arguments, keys.error());

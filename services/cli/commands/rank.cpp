@@ -32,8 +32,8 @@ Result<RankingAnswer> rank_file(const std::string& path) {
   const auto text = path == "-" ? read_standard_input(kRankingLimits.bytes) : read_file(path, kRankingLimits.bytes);
   if (!text) {
     return fail(text.error().code, text.error().what,
-                text.error().cure.empty() ? "name a file like config/rank/paper-figure-8.json, or - for standard input"
-                                          : text.error().cure);
+                text.error().hint.empty() ? "name a file like config/rank/paper-figure-8.json, or - for standard input"
+                                          : text.error().hint);
   }
   return op::rank_text(*text, path);
 }

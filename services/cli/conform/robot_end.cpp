@@ -16,8 +16,8 @@
 namespace trb::cli::conform {
 namespace {
 
-Error io_error(const std::string& what, const std::string& cure) {
-  return fail(Errc::io_error, what + ": " + std::strerror(errno), cure);
+Error io_error(const std::string& what, const std::string& hint) {
+  return fail(Errc::io_error, what + ": " + std::strerror(errno), hint);
 }
 
 /// The events that came within the time; 0 for none.

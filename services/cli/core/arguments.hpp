@@ -29,7 +29,7 @@ struct Arguments {
   [[nodiscard]] Result<double> number(const std::string& option, double otherwise) const;
 };
 
-/// Errors: bad_value naming the word, with the nearest option as the cure.
+/// Errors: bad_value naming the word, with the nearest option as the hint.
 Result<Arguments> parse_arguments(const Usage& usage, const std::vector<std::string>& given);
 
 /// The text of `trb COMMAND --help`.

@@ -57,11 +57,11 @@ void print_json(const Value& value) {
 int print_error(const Arguments& arguments, const Error& error) {
   if (arguments.has("--json")) {
     Value::Object inner{
-        {"code", Value{std::string(errc_name(error.code))}}, {"what", Value{error.what}}, {"cure", Value{error.cure}}};
+        {"code", Value{std::string(errc_name(error.code))}}, {"what", Value{error.what}}, {"cure", Value{error.hint}}};
     print_json(Value{Value::Object{{"error", Value{std::move(inner)}}}});
   } else {
-    const std::string cure = error.cure.empty() ? "" : "\n     " + error.cure;
-    print_problem("trb: " + std::string(errc_name(error.code)) + ": " + error.what + cure + "\n");
+    const std::string hint = error.hint.empty() ? "" : "\n     " + error.hint;
+    print_problem("trb: " + std::string(errc_name(error.code)) + ": " + error.what + hint + "\n");
   }
   return kFailed;
 }
@@ -72,7 +72,7 @@ Value faults_json(const ConfigFaults& faults) {
     list.push_back(Value{Value::Object{{"file", Value{fault.file}},
                                        {"key", Value{fault.key}},
                                        {"what", Value{fault.what}},
-                                       {"cure", Value{fault.cure}},
+                                       {"cure", Value{fault.hint}},
                                        {"may_wait", Value{fault.may_wait}}}});
   }
   return Value{Value::Object{{"faults", Value{std::move(list)}}}};

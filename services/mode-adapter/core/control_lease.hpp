@@ -33,7 +33,7 @@ class ControlLease {
   static constexpr Duration kHold = std::chrono::seconds(10);
 
   /// Why a command of `by` is not taken now, if it is not. Error: control_held, naming the holder, since when, and the
-  /// cure.
+  /// hint.
   [[nodiscard]] std::optional<Error> refusal(const Holder& by, const std::string& robot, Now now) const;
   /// A command of `by` is taken. Returns the one that it was taken over from, if there was one.
   std::optional<Holder> take(Holder by, Now now);

@@ -128,7 +128,7 @@ void RobotFaults::on_take_out(const Inbound& message, const TakeOutOfUse& order,
   out.nack(message,
            fail(saved.error().code,
                 "it is out of use, but that is not on disk and would be lost in a restart: " + saved.error().what,
-                saved.error().cure));
+                saved.error().hint));
 }
 
 void RobotFaults::on_take_in(const Inbound& message, const TakeIntoUse& order, Outbox& out) {

@@ -9,8 +9,8 @@
 namespace trb::adapter {
 namespace {
 
-Error bad(const Parameter& parameter, const std::string& what, std::string cure = {}) {
-  return fail(Errc::bad_value, "parameter '" + parameter.name + "': " + what, std::move(cure));
+Error bad(const Parameter& parameter, const std::string& what, std::string hint = {}) {
+  return fail(Errc::bad_value, "parameter '" + parameter.name + "': " + what, std::move(hint));
 }
 
 Error wrong_type(const Parameter& parameter, const Value& value) {

@@ -115,7 +115,7 @@ bool StopControl::try_answer(const Pending& pending, Outbox& out) const {
                                    "fenced, and the robot was told to stop, but the fence is not on disk and would be "
                                    "lost in a restart: " +
                                        save_error_->what,
-                                   save_error_->cure));
+                                   save_error_->hint));
     return true;
   }
   if (!pending.release && save_at_) return false;

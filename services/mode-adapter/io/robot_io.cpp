@@ -29,12 +29,12 @@ Result<std::unique_ptr<RobotIo>> RobotIo::open(const RobotIoSettings& settings, 
 
 RobotIo::RobotIo(const RobotIoSettings& settings, Service& service, ModeAdapterCore& core, Descriptor listener)
     : settings_(settings), service_(service), core_(core), listener_(std::move(listener)), buffer_(kReadSize, '\0') {
-  road(Channel::field).channel = Channel::field;
-  road(Channel::command).channel = Channel::command;
-  road(Channel::command).port = settings.command_port;
-  road(Channel::monitor).channel = Channel::monitor;
-  road(Channel::monitor).port = settings.monitor_port;
-  for (Road& dialled : roads_) {
+  connection(Channel::field).channel = Channel::field;
+  connection(Channel::command).channel = Channel::command;
+  connection(Channel::command).port = settings.command_port;
+  connection(Channel::monitor).channel = Channel::monitor;
+  connection(Channel::monitor).port = settings.monitor_port;
+  for (RobotConnection& dialled : connections_) {
     dialled.back_off = kFirstBackOff;
     dialled.datagrams = settings.datagrams && dialled.port;
     if (dialled.port) dialled.due = now().mono;
@@ -45,7 +45,7 @@ RobotIo::RobotIo(const RobotIoSettings& settings, Service& service, ModeAdapterC
 }
 
 RobotIo::~RobotIo() {
-  for (Road& open : roads_) close(open);
+  for (RobotConnection& open : connections_) close(open);
   service_.unwatch(listener_.get());
 }
 
@@ -60,7 +60,7 @@ void RobotIo::accept_all() {
 
 void RobotIo::take_in(Accepted accepted) {
   const bool stranger = !settings_.robot_host.empty() && accepted.peer != settings_.robot_host;
-  Road& field = road(Channel::field);
+  RobotConnection& field = connection(Channel::field);
   if (stranger || field.state == State::up) {
     const std::string why = stranger ? ": robot.host is " + settings_.robot_host : ": the robot is connected already";
     service_.step([&](Now, Outbox& out) {
@@ -74,171 +74,174 @@ void RobotIo::take_in(Accepted accepted) {
   come_up(field);
 }
 
-void RobotIo::dial(Road& road) {
-  if (road.datagrams) return dial_datagrams(road);
-  auto dialled = tcp_dial(settings_.robot_host, *road.port);
-  if (!dialled) return go_down(road, dialled.error().what);
-  road.fd = std::move(*dialled);
-  road.state = State::connecting;
-  road.due = now().mono + kConnectTimeout;
-  service_.watch(road.fd.get(), POLLOUT, [this, &road](short) { on_dialled(road); });
+void RobotIo::dial(RobotConnection& connection) {
+  if (connection.datagrams) return dial_datagrams(connection);
+  auto dialled = tcp_dial(settings_.robot_host, *connection.port);
+  if (!dialled) return go_down(connection, dialled.error().what);
+  connection.fd = std::move(*dialled);
+  connection.state = State::connecting;
+  connection.due = now().mono + kConnectTimeout;
+  service_.watch(connection.fd.get(), POLLOUT, [this, &connection](short) { on_dialled(connection); });
 }
 
 /// Nobody answers to that: the road is up, and what the robot says tells whether somebody is there.
-void RobotIo::dial_datagrams(Road& road) {
-  auto dialled = udp_dial(settings_.robot_host, *road.port);
-  if (!dialled) return go_down(road, dialled.error().what);
-  road.fd = std::move(*dialled);
-  road.state = State::up;
-  road.due.reset();
-  watch(road);
-  service_.step([&](Now at, Outbox& out) { core_.on_channel_up(road.channel, at, out); });
+void RobotIo::dial_datagrams(RobotConnection& connection) {
+  auto dialled = udp_dial(settings_.robot_host, *connection.port);
+  if (!dialled) return go_down(connection, dialled.error().what);
+  connection.fd = std::move(*dialled);
+  connection.state = State::up;
+  connection.due.reset();
+  watch(connection);
+  service_.step([&](Now at, Outbox& out) { core_.on_channel_up(connection.channel, at, out); });
 }
 
-void RobotIo::on_dialled(Road& road) {
-  if (const Status connected = tcp_connected(road.fd.get()); !connected) return go_down(road, connected.error().what);
-  come_up(road);
+void RobotIo::on_dialled(RobotConnection& connection) {
+  if (const Status connected = tcp_connected(connection.fd.get()); !connected)
+    return go_down(connection, connected.error().what);
+  come_up(connection);
 }
 
-void RobotIo::come_up(Road& road) {
-  road.state = State::up;
-  road.due.reset();
-  road.last_failure.clear();
-  road.wants_write = false;
-  watch(road);
+void RobotIo::come_up(RobotConnection& connection) {
+  connection.state = State::up;
+  connection.due.reset();
+  connection.last_failure.clear();
+  connection.wants_write = false;
+  watch(connection);
   service_.step([&](Now at, Outbox& out) {
-    out.log(LogLevel::info, "robot_connected", std::string(name_of(road.channel)));
-    core_.on_channel_up(road.channel, at, out);
+    out.log(LogLevel::info, "robot_connected", std::string(name_of(connection.channel)));
+    core_.on_channel_up(connection.channel, at, out);
   });
 }
 
-void RobotIo::watch(Road& road) {
-  const auto events = static_cast<short>(road.wants_write ? POLLIN | POLLOUT : POLLIN);
-  service_.watch(road.fd.get(), events, [this, &road](short revents) { on_ready(road, revents); });
+void RobotIo::watch(RobotConnection& connection) {
+  const auto events = static_cast<short>(connection.wants_write ? POLLIN | POLLOUT : POLLIN);
+  service_.watch(connection.fd.get(), events, [this, &connection](short revents) { on_ready(connection, revents); });
 }
 
-void RobotIo::on_ready(Road& road, short revents) {
+void RobotIo::on_ready(RobotConnection& connection, short revents) {
   tell_losses();
-  if (road.state != State::up) return;
-  if ((revents & POLLOUT) != 0 && !flush(road)) return tell_losses();
-  if ((revents & (POLLIN | POLLERR | POLLHUP)) != 0) read(road);
+  if (connection.state != State::up) return;
+  if ((revents & POLLOUT) != 0 && !flush(connection)) return tell_losses();
+  if ((revents & (POLLIN | POLLERR | POLLHUP)) != 0) read(connection);
 }
 
-void RobotIo::read(Road& road) {
-  if (road.datagrams) return read_datagram(road);
-  const auto got = tcp_read(road.fd.get(), buffer_.data(), buffer_.size());
-  if (!got) return go_down(road, got.error().what);
-  if (got->closed) return go_down(road, "closed by the robot");
+void RobotIo::read(RobotConnection& connection) {
+  if (connection.datagrams) return read_datagram(connection);
+  const auto got = tcp_read(connection.fd.get(), buffer_.data(), buffer_.size());
+  if (!got) return go_down(connection, got.error().what);
+  if (got->closed) return go_down(connection, "closed by the robot");
   if (got->bytes == 0) return;
-  hear(road, got->bytes);
+  hear(connection, got->bytes);
 }
 
-void RobotIo::read_datagram(Road& road) {
-  const auto got = udp_read(road.fd.get(), buffer_.data(), buffer_.size());
-  if (!got) return go_down(road, got.error().what);
+void RobotIo::read_datagram(RobotConnection& connection) {
+  const auto got = udp_read(connection.fd.get(), buffer_.data(), buffer_.size());
+  if (!got) return go_down(connection, got.error().what);
   if (!got->came) return;
-  road.last_failure.clear();
-  hear(road, got->bytes);
+  connection.last_failure.clear();
+  hear(connection, got->bytes);
 }
 
-void RobotIo::hear(Road& road, std::size_t size) {
-  road.back_off = kFirstBackOff;
+void RobotIo::hear(RobotConnection& connection, std::size_t size) {
+  connection.back_off = kFirstBackOff;
   const BytesView bytes(buffer_.data(), size);
-  service_.step([&](Now at, Outbox& out) { core_.on_bytes(road.channel, bytes, at, out); });
+  service_.step([&](Now at, Outbox& out) { core_.on_bytes(connection.channel, bytes, at, out); });
 }
 
 /// A road of datagrams is up as soon as it is dialled, and goes down again if nobody is there.
-bool RobotIo::is_news(const Road& road, const std::string& reason) {
-  return road.last_failure != reason || (road.state == State::up && !road.datagrams);
+bool RobotIo::is_news(const RobotConnection& connection, const std::string& reason) {
+  return connection.last_failure != reason || (connection.state == State::up && !connection.datagrams);
 }
 
-void RobotIo::go_down(Road& road, const std::string& reason) {
-  const bool was_up = road.state == State::up;
-  const bool news = is_news(road, reason);
-  close(road);
-  retry_later(road);
+void RobotIo::go_down(RobotConnection& connection, const std::string& reason) {
+  const bool was_up = connection.state == State::up;
+  const bool news = is_news(connection, reason);
+  close(connection);
+  retry_later(connection);
   if (!was_up && !news) return;
-  road.last_failure = reason;
+  connection.last_failure = reason;
   service_.step([&](Now at, Outbox& out) {
     const char* const event = was_up ? "robot_lost" : "robot_not_reached";
-    if (news) out.log(LogLevel::warning, event, std::string(name_of(road.channel)) + ": " + reason);
-    core_.on_channel_down(road.channel, reason, at, out);
+    if (news) out.log(LogLevel::warning, event, std::string(name_of(connection.channel)) + ": " + reason);
+    core_.on_channel_down(connection.channel, reason, at, out);
   });
 }
 
-void RobotIo::close(Road& road) {
-  if (road.fd) service_.unwatch(road.fd.get());
-  road.fd.reset();
-  road.state = State::down;
-  road.output.clear();
-  road.written = 0;
-  road.has_written = false;
-  road.due.reset();
+void RobotIo::close(RobotConnection& connection) {
+  if (connection.fd) service_.unwatch(connection.fd.get());
+  connection.fd.reset();
+  connection.state = State::down;
+  connection.output.clear();
+  connection.written = 0;
+  connection.has_written = false;
+  connection.due.reset();
 }
 
-void RobotIo::retry_later(Road& road) {
-  if (!road.port) return;
-  road.due = now().mono + road.back_off;
-  road.back_off = std::min(2 * road.back_off, kLongestBackOff);
+void RobotIo::retry_later(RobotConnection& connection) {
+  if (!connection.port) return;
+  connection.due = now().mono + connection.back_off;
+  connection.back_off = std::min(2 * connection.back_off, kLongestBackOff);
 }
 
 void RobotIo::carry_out(const Outbox& out) {
-  for (const RobotWrite& order : out.writes) write(road(order.channel), order.bytes);
+  for (const RobotWrite& order : out.writes) write(connection(order.channel), order.bytes);
   for (const RobotClose& order : out.closes) {
-    push(road(order.channel));
-    close(road(order.channel));
-    retry_later(road(order.channel));
+    push(connection(order.channel));
+    close(connection(order.channel));
+    retry_later(connection(order.channel));
   }
 }
 
-void RobotIo::write(Road& road, BytesView bytes) {
-  if (road.state != State::up) return;
-  if (road.datagrams) {
-    if (const Status put = udp_write(road.fd.get(), bytes); !put) notice_loss(road, put.error().what);
+void RobotIo::write(RobotConnection& connection, BytesView bytes) {
+  if (connection.state != State::up) return;
+  if (connection.datagrams) {
+    if (const Status put = udp_write(connection.fd.get(), bytes); !put) notice_loss(connection, put.error().what);
     return;
   }
-  if (road.output.size() - road.written > kMaxWaiting) return notice_loss(road, "the robot does not read");
+  if (connection.output.size() - connection.written > kMaxWaiting)
+    return notice_loss(connection, "the robot does not read");
   // The first words of a turn go at once, the others together at its end: a system call a message costs more than all
   // the rest of its way.
-  if (!std::exchange(road.has_written, true) && road.written == road.output.size()) {
-    const auto put = tcp_write(road.fd.get(), bytes);
-    if (!put) return notice_loss(road, put.error().what);
+  if (!std::exchange(connection.has_written, true) && connection.written == connection.output.size()) {
+    const auto put = tcp_write(connection.fd.get(), bytes);
+    if (!put) return notice_loss(connection, put.error().what);
     bytes.remove_prefix(put->bytes);
   }
-  road.output += bytes;
+  connection.output += bytes;
 }
 
 /// Ends the turn's collecting. False if the connection is lost.
-bool RobotIo::push(Road& road) {
-  road.has_written = false;
-  if (road.state != State::up || road.wants_write || road.written == road.output.size()) return true;
-  if (!flush(road)) return false;
-  if (!road.output.empty()) {
-    road.wants_write = true;
-    watch(road);
+bool RobotIo::push(RobotConnection& connection) {
+  connection.has_written = false;
+  if (connection.state != State::up || connection.wants_write || connection.written == connection.output.size())
+    return true;
+  if (!flush(connection)) return false;
+  if (!connection.output.empty()) {
+    connection.wants_write = true;
+    watch(connection);
   }
   return true;
 }
 
-bool RobotIo::flush(Road& road) {
-  const auto put = tcp_write(road.fd.get(), BytesView(road.output).substr(road.written));
+bool RobotIo::flush(RobotConnection& connection) {
+  const auto put = tcp_write(connection.fd.get(), BytesView(connection.output).substr(connection.written));
   if (!put) {
-    notice_loss(road, put.error().what);
+    notice_loss(connection, put.error().what);
     return false;
   }
-  road.written += put->bytes;
-  if (road.written < road.output.size()) return true;
-  road.output.clear();
-  road.written = 0;
-  if (std::exchange(road.wants_write, false)) watch(road);
+  connection.written += put->bytes;
+  if (connection.written < connection.output.size()) return true;
+  connection.output.clear();
+  connection.written = 0;
+  if (std::exchange(connection.wants_write, false)) watch(connection);
   return true;
 }
 
-void RobotIo::notice_loss(Road& road, const std::string& reason) {
-  losses_.push_back({road.channel, reason, is_news(road, reason)});
-  road.last_failure = reason;
-  close(road);
-  retry_later(road);
+void RobotIo::notice_loss(RobotConnection& connection, const std::string& reason) {
+  losses_.push_back({connection.channel, reason, is_news(connection, reason)});
+  connection.last_failure = reason;
+  close(connection);
+  retry_later(connection);
 }
 
 void RobotIo::tell_losses() {
@@ -252,22 +255,23 @@ void RobotIo::tell_losses() {
 }
 
 std::optional<MonotonicTime> RobotIo::next_deadline() const {
-  const bool has_written = std::any_of(roads_.begin(), roads_.end(), [](const Road& road) { return road.has_written; });
+  const bool has_written = std::any_of(connections_.begin(), connections_.end(),
+                                       [](const RobotConnection& connection) { return connection.has_written; });
   if (!losses_.empty() || has_written) return MonotonicTime{};
   std::optional<MonotonicTime> next;
-  for (const Road& road : roads_) next = earlier(next, road.due);
+  for (const RobotConnection& connection : connections_) next = earlier(next, connection.due);
   return next;
 }
 
 void RobotIo::tick(Now at) {
-  for (Road& written : roads_) push(written);
+  for (RobotConnection& written : connections_) push(written);
   tell_losses();
-  for (Road& road : roads_) {
-    if (!road.due || at.mono < *road.due) continue;
-    if (road.state == State::connecting) {
-      go_down(road, "no answer within 2 s");
-    } else if (road.state == State::down) {
-      dial(road);
+  for (RobotConnection& connection : connections_) {
+    if (!connection.due || at.mono < *connection.due) continue;
+    if (connection.state == State::connecting) {
+      go_down(connection, "no answer within 2 s");
+    } else if (connection.state == State::down) {
+      dial(connection);
     }
   }
 }

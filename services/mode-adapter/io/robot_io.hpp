@@ -36,7 +36,7 @@ class RobotIo {
 
  private:
   enum class State : std::uint8_t { down, connecting, up };
-  struct Road {
+  struct RobotConnection {
     Channel channel{};
     std::optional<std::uint16_t> port;  ///< dialled; none: the robot dials
     bool datagrams = false;
@@ -57,29 +57,29 @@ class RobotIo {
   };
 
   RobotIo(const RobotIoSettings& settings, Service& service, ModeAdapterCore& core, Descriptor listener);
-  Road& road(Channel channel) { return roads_[static_cast<std::size_t>(channel)]; }
+  RobotConnection& connection(Channel channel) { return connections_[static_cast<std::size_t>(channel)]; }
 
   void accept_all();
   void take_in(Accepted accepted);
-  void dial(Road& road);
-  void dial_datagrams(Road& road);
-  void on_dialled(Road& road);
-  void come_up(Road& road);
-  void on_ready(Road& road, short revents);
-  void read(Road& road);
-  void read_datagram(Road& road);
-  void hear(Road& road, std::size_t size);
-  static bool is_news(const Road& road, const std::string& reason);
-  void go_down(Road& road, const std::string& reason);
-  void close(Road& road);
-  void retry_later(Road& road);
+  void dial(RobotConnection& connection);
+  void dial_datagrams(RobotConnection& connection);
+  void on_dialled(RobotConnection& connection);
+  void come_up(RobotConnection& connection);
+  void on_ready(RobotConnection& connection, short revents);
+  void read(RobotConnection& connection);
+  void read_datagram(RobotConnection& connection);
+  void hear(RobotConnection& connection, std::size_t size);
+  static bool is_news(const RobotConnection& connection, const std::string& reason);
+  void go_down(RobotConnection& connection, const std::string& reason);
+  void close(RobotConnection& connection);
+  void retry_later(RobotConnection& connection);
 
   void carry_out(const Outbox& out);
-  void write(Road& road, BytesView bytes);
-  bool flush(Road& road);
-  bool push(Road& road);
-  void watch(Road& road);
-  void notice_loss(Road& road, const std::string& reason);
+  void write(RobotConnection& connection, BytesView bytes);
+  bool flush(RobotConnection& connection);
+  bool push(RobotConnection& connection);
+  void watch(RobotConnection& connection);
+  void notice_loss(RobotConnection& connection, const std::string& reason);
 
   [[nodiscard]] std::optional<MonotonicTime> next_deadline() const;
   void tick(Now now);
@@ -89,7 +89,7 @@ class RobotIo {
   Service& service_;
   ModeAdapterCore& core_;
   Descriptor listener_;
-  std::array<Road, 3> roads_;
+  std::array<RobotConnection, 3> connections_;
   std::vector<Notice> losses_;  ///< noticed while the core's output was written, told to it in a step of their own
   Bytes buffer_;
 };

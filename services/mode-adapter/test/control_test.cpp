@@ -1,16 +1,16 @@
 // The control lease: one commands the robot at a time, and it is taken over by word alone.
 #include "services/mode-adapter/core/control_lease.hpp"
 
-#include "services/mode-adapter/test/bench.hpp"
+#include "services/mode-adapter/test/fixture.hpp"
 
 using namespace trb;
 using namespace trb::adapter;
 
 namespace {
 
-class ControlBench : public Bench {
+class ControlBench : public Fixture {
  public:
-  ControlBench() : Bench(pioneer()) {
+  ControlBench() : Fixture(pioneer()) {
     up(Channel::field);
     welcome();
     out.clear();
@@ -35,120 +35,121 @@ class ControlBench : public Bench {
 }  // namespace
 
 TEST_CASE("who commands first is listened to alone, until 10 s after the last command") {
-  ControlBench bench;
-  CHECK(bench.move("cloud") == "ack handed_over");
-  CHECK(bench.control() == "cloud");
-  bench.wait(9);
-  CHECK(bench.move("cloud") == "ack handed_over");
-  bench.wait(9);
-  CHECK(bench.move("ur3") == "nack control_held");
-  CHECK(bench.counted("refused.control_held") == 1);
-  CHECK(bench.control() == "?");
-  bench.wait(1);
-  CHECK(bench.control().empty());
-  CHECK(bench.move("ur3") == "ack handed_over");
-  CHECK(bench.control() == "ur3");
+  ControlBench fixture;
+  CHECK(fixture.move("cloud") == "ack handed_over");
+  CHECK(fixture.control() == "cloud");
+  fixture.wait(9);
+  CHECK(fixture.move("cloud") == "ack handed_over");
+  fixture.wait(9);
+  CHECK(fixture.move("ur3") == "nack control_held");
+  CHECK(fixture.counted("refused.control_held") == 1);
+  CHECK(fixture.control() == "?");
+  fixture.wait(1);
+  CHECK(fixture.control().empty());
+  CHECK(fixture.move("ur3") == "ack handed_over");
+  CHECK(fixture.control() == "ur3");
 }
 
 TEST_CASE("the refusal names the holder, since when, and the cure") {
-  ControlBench bench;
-  bench.move("cloud");
-  bench.wait(4);
-  bench.move("cloud");
-  bench.wait(3);
-  bench.move("ur3");
-  const Nack nack = bench.nack_of(bench.last_id);
+  ControlBench fixture;
+  fixture.move("cloud");
+  fixture.wait(4);
+  fixture.move("cloud");
+  fixture.wait(3);
+  fixture.move("ur3");
+  const Nack nack = fixture.nack_of(fixture.last_id);
   CHECK(nack.what == "'cloud' has controlled pioneer for 7 s; its last command was 3 s ago");
-  CHECK(nack.cure == "wait until 10 s after its last command, or take it over: trb send --take");
+  CHECK(nack.hint == "wait until 10 s after its last command, or take it over: trb send --take");
 }
 
 TEST_CASE("the lease is taken over by word, and that is logged and told") {
-  ControlBench bench;
-  bench.move("cloud");
-  bench.out.clear();
-  CHECK(bench.move("ur3", kFlagTakeControl) == "ack handed_over");
-  CHECK(bench.control() == "ur3");
-  REQUIRE(bench.out.logs.size() == 1);
-  CHECK(bench.out.logs[0].event == "control_taken_over");
-  CHECK(bench.out.logs[0].text == "by 'ur3' from 'cloud'");
-  CHECK(bench.counted("control.taken_over") == 1);
-  CHECK(bench.move("cloud") == "nack control_held");
+  ControlBench fixture;
+  fixture.move("cloud");
+  fixture.out.clear();
+  CHECK(fixture.move("ur3", kFlagTakeControl) == "ack handed_over");
+  CHECK(fixture.control() == "ur3");
+  REQUIRE(fixture.out.logs.size() == 1);
+  CHECK(fixture.out.logs[0].event == "control_taken_over");
+  CHECK(fixture.out.logs[0].text == "by 'ur3' from 'cloud'");
+  CHECK(fixture.counted("control.taken_over") == 1);
+  CHECK(fixture.move("cloud") == "nack control_held");
 }
 
 TEST_CASE("a command that the robot cannot take does not take the lease, unless that was asked for") {
-  ControlBench bench;
-  bench.down(Channel::field);
-  CHECK(bench.move("cloud") == "nack no_field_channel");
-  CHECK(bench.control().empty());
-  CHECK(bench.move("cloud", kFlagTakeControl) == "nack no_field_channel");
-  CHECK(bench.control() == "cloud");
-  CHECK(bench.move("ur3") == "nack no_field_channel");  // the cause is told that waiting would not cure
-  bench.up(Channel::field);
-  CHECK(bench.move("ur3") == "nack control_held");
+  ControlBench fixture;
+  fixture.down(Channel::field);
+  CHECK(fixture.move("cloud") == "nack no_field_channel");
+  CHECK(fixture.control().empty());
+  CHECK(fixture.move("cloud", kFlagTakeControl) == "nack no_field_channel");
+  CHECK(fixture.control() == "cloud");
+  CHECK(fixture.move("ur3") == "nack no_field_channel");  // the cause is told that waiting would not hint
+  fixture.up(Channel::field);
+  CHECK(fixture.move("ur3") == "nack control_held");
 }
 
 TEST_CASE("stop, release, requests and information are taken from everybody and change no lease") {
-  ControlBench bench;
-  bench.move("cloud");
-  bench.out.clear();
-  const auto question = bench.send(MessageType::request, "battery", "", "ur3");
-  bench.take_fields();
-  CHECK(bench.answer(question).empty());  // it waits for the robot: it was not refused
-  bench.send(MessageType::information, "greeting", "hello", "ur3");
-  bench.take_fields();
-  const auto stop = bench.deliver(MessageType::command, Stop{"a person is in the way"}, "ur3");
-  bench.wait(0);
-  bench.say("!stopped\n");
-  CHECK(bench.answer(stop) == "ack stopped");
-  CHECK(bench.move("cloud") == "nack fenced");
-  const auto release = bench.deliver(MessageType::command, Release{"all clear"}, "drone");
-  bench.say("!released\n");
-  CHECK(bench.answer(release) == "ack released");
-  CHECK(bench.control() == "cloud");
-  CHECK(bench.move("ur3") == "nack control_held");
-  CHECK(bench.move("cloud") == "ack handed_over");
+  ControlBench fixture;
+  fixture.move("cloud");
+  fixture.out.clear();
+  const auto question = fixture.send(MessageType::request, "battery", "", "ur3");
+  fixture.take_fields();
+  CHECK(fixture.answer(question).empty());  // it waits for the robot: it was not refused
+  fixture.send(MessageType::information, "greeting", "hello", "ur3");
+  fixture.take_fields();
+  const auto stop = fixture.deliver(MessageType::command, Stop{"a person is in the way"}, "ur3");
+  fixture.wait(0);
+  fixture.say("!stopped\n");
+  CHECK(fixture.answer(stop) == "ack stopped");
+  CHECK(fixture.move("cloud") == "nack fenced");
+  const auto release = fixture.deliver(MessageType::command, Release{"all clear"}, "drone");
+  fixture.say("!released\n");
+  CHECK(fixture.answer(release) == "ack released");
+  CHECK(fixture.control() == "cloud");
+  CHECK(fixture.move("ur3") == "nack control_held");
+  CHECK(fixture.move("cloud") == "ack handed_over");
 }
 
 TEST_CASE("a run holds the lease as long as its skill runs, and 10 s after it") {
-  ControlBench bench;
-  CHECK(bench.execute() == "running");
-  CHECK(bench.control() == "run run-1");
-  bench.take_fields();
-  bench.wait(9.9);
-  CHECK(bench.move("cloud") == "nack control_held");
-  CHECK(bench.nack_of(bench.last_id).what == "'run run-1' has controlled pioneer for 9 s; what it began still runs");
-  bench.wait(0.1);  // it times out
-  bench.say("!stopped\n!released\n");
-  bench.wait(9.9);
-  CHECK(bench.move("cloud") == "nack control_held");
-  bench.wait(0.1);
-  CHECK(bench.move("cloud") == "ack handed_over");
+  ControlBench fixture;
+  CHECK(fixture.execute() == "running");
+  CHECK(fixture.control() == "run run-1");
+  fixture.take_fields();
+  fixture.wait(9.9);
+  CHECK(fixture.move("cloud") == "nack control_held");
+  CHECK(fixture.nack_of(fixture.last_id).what ==
+        "'run run-1' has controlled pioneer for 9 s; what it began still runs");
+  fixture.wait(0.1);  // it times out
+  fixture.say("!stopped\n!released\n");
+  fixture.wait(9.9);
+  CHECK(fixture.move("cloud") == "nack control_held");
+  fixture.wait(0.1);
+  CHECK(fixture.move("cloud") == "ack handed_over");
 }
 
 TEST_CASE("a run waits while another commands the robot; its scheduler is told who") {
-  ControlBench bench;
-  bench.move("cloud");
-  CHECK(bench.execute() == "nack control_held");
-  const auto states = bench.told<AdapterState>();
+  ControlBench fixture;
+  fixture.move("cloud");
+  CHECK(fixture.execute() == "nack control_held");
+  const auto states = fixture.told<AdapterState>();
   REQUIRE(!states.empty());
   CHECK(get<AdapterState>(states.back().body).control == "cloud");
-  bench.wait(10);
-  CHECK(bench.one<AdapterState>().control.empty());
-  CHECK(bench.execute() == "running");
-  CHECK(bench.one<AdapterState>().control.empty());  // its own lease keeps the scheduler from nothing
+  fixture.wait(10);
+  CHECK(fixture.one<AdapterState>().control.empty());
+  CHECK(fixture.execute() == "running");
+  CHECK(fixture.one<AdapterState>().control.empty());  // its own lease keeps the scheduler from nothing
 }
 
 TEST_CASE("a take-over stops nothing: the skill runs to its end, the next one waits") {
-  ControlBench bench;
-  bench.execute();
-  bench.take_fields();
-  CHECK(bench.move("cloud", kFlagTakeControl) == "ack handed_over");
-  CHECK(bench.told<Outcome>().empty());
-  CHECK(bench.core.idle() == false);
-  bench.say("information\ndone\n\n4\nhome\n");
-  CHECK(bench.one<Outcome>().outcome == TaskOutcome::finished);
-  CHECK(bench.execute("home", 2) == "nack control_held");
-  CHECK(bench.execute("home", 1) == "finished");  // what is known is told to whoever may know it
+  ControlBench fixture;
+  fixture.execute();
+  fixture.take_fields();
+  CHECK(fixture.move("cloud", kFlagTakeControl) == "ack handed_over");
+  CHECK(fixture.told<Outcome>().empty());
+  CHECK(fixture.core.idle() == false);
+  fixture.say("information\ndone\n\n4\nhome\n");
+  CHECK(fixture.one<Outcome>().outcome == TaskOutcome::finished);
+  CHECK(fixture.execute("home", 2) == "nack control_held");
+  CHECK(fixture.execute("home", 1) == "finished");  // what is known is told to whoever may know it
 }
 
 TEST_CASE("two runs of one scheduler are one holder") {
@@ -161,14 +162,14 @@ TEST_CASE("two runs of one scheduler are one holder") {
 }
 
 TEST_CASE("a program that runs on a controller keeps the lease of who began it") {
-  UrBench bench;
-  const auto move = bench.command("move", "[0.1,0,0,0,0,0]");
-  bench.monitor(ur_started("trb_1"));
-  CHECK(bench.answer(move) == "ack started");
-  bench.live(30, {.running = true});
-  const auto other = bench.send(MessageType::command, "move", "[0.2,0,0,0,0,0]", "drone");
-  CHECK(bench.answer(other) == "nack control_held");
-  bench.monitor(ur_text("trb_1 done") + ur_stopped("trb_1"));
-  bench.live(10);
-  CHECK(bench.answer(bench.send(MessageType::command, "move", "[0.2,0,0,0,0,0]", "drone")).empty());
+  UrFixture fixture;
+  const auto move = fixture.command("move", "[0.1,0,0,0,0,0]");
+  fixture.monitor(ur_started("trb_1"));
+  CHECK(fixture.answer(move) == "ack started");
+  fixture.live(30, {.running = true});
+  const auto other = fixture.send(MessageType::command, "move", "[0.2,0,0,0,0,0]", "drone");
+  CHECK(fixture.answer(other) == "nack control_held");
+  fixture.monitor(ur_text("trb_1 done") + ur_stopped("trb_1"));
+  fixture.live(10);
+  CHECK(fixture.answer(fixture.send(MessageType::command, "move", "[0.2,0,0,0,0,0]", "drone")).empty());
 }

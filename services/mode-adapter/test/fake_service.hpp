@@ -7,7 +7,7 @@
 #include <memory>
 
 #include "services/mode-adapter/io/robot_io.hpp"
-#include "services/mode-adapter/test/bench.hpp"
+#include "services/mode-adapter/test/fixture.hpp"
 
 namespace trb::adapter {
 

@@ -1,5 +1,5 @@
 // A virtual robot is told to fail; what it makes of that comes back like any robot's fault.
-#include "services/mode-adapter/test/bench.hpp"
+#include "services/mode-adapter/test/fixture.hpp"
 
 using namespace trb;
 using namespace trb::adapter;
@@ -40,15 +40,15 @@ TEST_CASE("a capability that the robot does not have is refused, and the ones th
   CHECK(robot.lines.empty());
   const Nack nack = sent<Nack>(robot.out).at(0);
   CHECK(nack.what == "'ur3' has no capability 'fly'");
-  CHECK(nack.cure == "use one of: grab, reach");
+  CHECK(nack.hint == "use one of: grab, reach");
 }
 
 TEST_CASE("a real robot is not made to fail") {
-  Bench bench(ur3());
-  bench.deliver(MessageType::command, InjectFault{"grab", Severity::fatal, ""});
-  const Nack nack = sent<Nack>(bench.out).at(0);
+  Fixture fixture(ur3());
+  fixture.deliver(MessageType::command, InjectFault{"grab", Severity::fatal, ""});
+  const Nack nack = sent<Nack>(fixture.out).at(0);
   CHECK(nack.code == "not_permitted");
-  CHECK(nack.cure.find("fault_injection") != std::string::npos);
+  CHECK(nack.hint.find("fault_injection") != std::string::npos);
 }
 
 TEST_CASE("a control port that cannot be reached is told") {

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "services/mode-adapter/test/bench.hpp"
+#include "services/mode-adapter/test/fixture.hpp"
 
 using namespace trb;
 using namespace trb::adapter;
@@ -205,10 +205,10 @@ TEST_CASE("after a person's word a rule that is met begins anew") {
 TEST_CASE("in fields a value is what the robot tells its own node") {
   Settings settings = pioneer();
   settings.description.faults = {limit(FaultWhen::below, 20, 25)};
-  Bench bench(settings);
-  bench.up(Channel::field);
-  bench.say("information\nbattery\n\n2\n19\n");
-  const auto faults = sent<RobotFault>(bench.out);
+  Fixture fixture(settings);
+  fixture.up(Channel::field);
+  fixture.say("information\nbattery\n\n2\n19\n");
+  const auto faults = sent<RobotFault>(fixture.out);
   REQUIRE(faults.size() == 1);
   CHECK(faults[0].capability == "mobile");
   CHECK(faults[0].severity == Severity::urgent);
@@ -218,28 +218,28 @@ TEST_CASE("in fields a value is what the robot tells its own node") {
 TEST_CASE("sensors are told to every node at their first word and when one changes, once a second at most") {
   Settings settings = pioneer();
   settings.description.sensors = {"battery", "pose"};
-  Bench bench(settings);
-  bench.up(Channel::field);
+  Fixture fixture(settings);
+  fixture.up(Channel::field);
   const auto told = [&] {
-    const auto states = sent<RobotState>(bench.out);
-    bench.out.clear();
+    const auto states = sent<RobotState>(fixture.out);
+    fixture.out.clear();
     return states;
   };
-  bench.say("information\nbattery\n\n2\n19\n");
+  fixture.say("information\nbattery\n\n2\n19\n");
   const auto first = told();
   REQUIRE(first.size() == 1);
   REQUIRE(first[0].values.size() == 1);
   CHECK(first[0].values[0].value == "19");
-  for (const char* next : {"18", "17", "16"}) bench.say(std::string("information\nbattery\n\n2\n") + next + "\n");
+  for (const char* next : {"18", "17", "16"}) fixture.say(std::string("information\nbattery\n\n2\n") + next + "\n");
   CHECK(told().empty());
-  bench.wait(1.1);
+  fixture.wait(1.1);
   const auto later = told();
   REQUIRE(later.size() == 1);
   CHECK(later[0].values[0].value == "16");
-  bench.say("information\npose\n\n5\n[1,2]\n");
-  bench.wait(1.1);
+  fixture.say("information\npose\n\n5\n[1,2]\n");
+  fixture.wait(1.1);
   CHECK(told().size() == 1);
-  bench.say("information\npose\n\n5\n[1,3]\n");  // it merely moves
-  bench.wait(5);
+  fixture.say("information\npose\n\n5\n[1,3]\n");  // it merely moves
+  fixture.wait(5);
   CHECK(told().empty());
 }

@@ -6,7 +6,7 @@
 #include <filesystem>
 
 #include "common/base/files.hpp"
-#include "services/mode-adapter/test/bench.hpp"
+#include "services/mode-adapter/test/fixture.hpp"
 
 using namespace trb;
 using namespace trb::adapter;
@@ -34,8 +34,8 @@ Settings with_rules() {
 }
 
 /// A robot that tells values in fields, and a scheduler that asks it to go home.
-struct Robot : Bench {
-  explicit Robot(Settings settings = with_rules()) : Bench(std::move(settings)) {
+struct Robot : Fixture {
+  explicit Robot(Settings settings = with_rules()) : Fixture(std::move(settings)) {
     up(Channel::field);
     welcome();
   }

@@ -6,8 +6,8 @@
 #include <filesystem>
 
 #include "services/mode-adapter/io/fence_file.hpp"
-#include "services/mode-adapter/test/bench.hpp"
 #include "services/mode-adapter/test/fake_service.hpp"
+#include "services/mode-adapter/test/fixture.hpp"
 
 using namespace trb;
 using namespace trb::adapter;

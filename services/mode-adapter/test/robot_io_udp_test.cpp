@@ -3,7 +3,7 @@
 #include <netinet/in.h>
 #include <sys/socket.h>
 
-#include "common/drivers/udp-at/test/bench.hpp"
+#include "common/drivers/udp-at/test/fixture.hpp"
 #include "services/mode-adapter/io/udp.hpp"
 #include "services/mode-adapter/test/fake_service.hpp"
 

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "services/mode-adapter/test/bench.hpp"
+#include "services/mode-adapter/test/fixture.hpp"
 
 using namespace trb;
 using namespace trb::adapter;

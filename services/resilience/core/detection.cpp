@@ -31,23 +31,23 @@ std::string joined(const std::vector<std::string>& words) {
 }
 
 /// The alert follows what is known now. What explains more is told; what is over explains the failed task all the same.
-void follow(Alert& alert, const WatchedRun& run, const Trouble& trouble) {
-  if (alert.cause == kOverdue) alert.text = cut_utf8(trouble.text, kMaxAlertText);
-  alert.tasks = names_of(run, trouble.tasks);
-  alert.needs_word = trouble.needs_word;
-  if (strength_of(trouble.cause) <= strength_of(alert.cause)) return;
-  alert.cause = trouble.cause;
-  alert.capability = trouble.capability;
-  alert.severity = trouble.severity;
-  alert.text = cut_utf8(trouble.text, kMaxAlertText);
+void follow(Alert& alert, const WatchedRun& run, const RunProblem& problem) {
+  if (alert.cause == kOverdue) alert.text = cut_utf8(problem.text, kMaxAlertText);
+  alert.tasks = names_of(run, problem.tasks);
+  alert.needs_word = problem.needs_word;
+  if (strength_of(problem.cause) <= strength_of(alert.cause)) return;
+  alert.cause = problem.cause;
+  alert.capability = problem.capability;
+  alert.severity = problem.severity;
+  alert.text = cut_utf8(problem.text, kMaxAlertText);
 }
 
 /// One for each robot.
-void add_late(std::vector<Trouble>& out, const WatchedRun& run, Overdue::Late late, const Fleet& fleet) {
+void add_late(std::vector<RunProblem>& out, const WatchedRun& run, Overdue::Late late, const Fleet& fleet) {
   const std::string& robot = run.view->tasks[late.task].robot;
-  auto at = std::ranges::find(out, robot, &Trouble::robot);
+  auto at = std::ranges::find(out, robot, &RunProblem::robot);
   if (at == out.end()) {
-    Trouble fresh;
+    RunProblem fresh;
     fresh.robot = robot;
     fresh.severity = Severity::urgent;
     fresh.cause = kOverdue;
@@ -78,7 +78,7 @@ std::optional<MonotonicTime> Detection::next_moment(const WatchedRun& run, Now n
   std::optional<MonotonicTime> out = overdue_.next(run, situation_.fleet(), now);
   if (const auto end = end_told_at(run); end && *end > now.mono) out = earlier(out, end);
   for (const TaskView& task : run.view->tasks) {
-    if (!task.robot.empty()) out = earlier(out, situation_.presence().next(task.robot, now));
+    if (!task.robot.empty()) out = earlier(out, situation_.liveness().next(task.robot, now));
   }
   return out;
 }
@@ -94,18 +94,18 @@ std::set<std::string> Detection::ruled_tasks(const WatchedRun& run) {
   return out;
 }
 
-std::vector<Trouble> Detection::troubles(const WatchedRun& run, Now now) {
-  std::vector<Trouble> out = troubles_of(run, situation_.fleet(), situation_.presence(), ruled_tasks(run), now);
-  for (Trouble& twice : double_executions(run)) out.push_back(std::move(twice));
-  if (auto end = trouble_of_end(run, now)) out.push_back(std::move(*end));
+std::vector<RunProblem> Detection::problems(const WatchedRun& run, Now now) {
+  std::vector<RunProblem> out = problems_of(run, situation_.fleet(), situation_.liveness(), ruled_tasks(run), now);
+  for (RunProblem& twice : double_executions(run)) out.push_back(std::move(twice));
+  if (auto end = problem_of_end(run, now)) out.push_back(std::move(*end));
   return out;
 }
 
 void Detection::look_at(const WatchedRun& run, Now now, Outbox& out) {
-  std::vector<Trouble> found = troubles(run, now);
+  std::vector<RunProblem> found = problems(run, now);
   bool all_told = true;
-  for (const Trouble& trouble : found) all_told = meet(run, trouble, now, out) && all_told;
-  for (Trouble& late : overdue_troubles(run, now)) {
+  for (const RunProblem& problem : found) all_told = meet(run, problem, now, out) && all_told;
+  for (RunProblem& late : overdue_problems(run, now)) {
     all_told = meet(run, late, now, out) && all_told;
     found.push_back(std::move(late));
   }
@@ -115,33 +115,33 @@ void Detection::look_at(const WatchedRun& run, Now now, Outbox& out) {
   situation_.due_runs().schedule(run.summary.run, all_told ? at : earlier(at, now.mono + kTellAgain));
 }
 
-void Detection::close_over(const WatchedRun& run, const std::vector<Trouble>& found, Outbox& out) {
+void Detection::close_over(const WatchedRun& run, const std::vector<RunProblem>& found, Outbox& out) {
   for (Alert* alert : alerts_.open()) {
     if (alert->run != run.summary.run || alert->state == AlertState::releasing) continue;
-    const auto is_its = [&](const Trouble& trouble) { return is_about(*alert, run, trouble); };
+    const auto is_its = [&](const RunProblem& problem) { return is_about(*alert, run, problem); };
     if (std::ranges::none_of(found, is_its)) alerts_.close(*alert, over_text(*alert), out);
   }
 }
 
 /// The last of them; nullptr: none tells of it.
-Alert* Detection::find_alert(const WatchedRun& run, const Trouble& trouble) {
+Alert* Detection::find_alert(const WatchedRun& run, const RunProblem& problem) {
   Alert* out = nullptr;
   for (Alert* one : alerts_.open()) {
-    if (is_about(*one, run, trouble)) out = one;
+    if (is_about(*one, run, problem)) out = one;
   }
   return out;
 }
 
 /// Raises the alert of that robot in that run, or lets the one that is there follow what is known. False: there is no
 /// room for another alert.
-bool Detection::meet(const WatchedRun& run, const Trouble& trouble, Now now, Outbox& out) {
-  Alert* alert = find_alert(run, trouble);
+bool Detection::meet(const WatchedRun& run, const RunProblem& problem, Now now, Outbox& out) {
+  Alert* alert = find_alert(run, problem);
   // A verdict was given: what is new becomes an alert of its own once that is done.
   if (alert != nullptr && alert->state == AlertState::releasing) return true;
-  if (alert == nullptr) alert = alerts_.raise(alert_of(run, trouble.robot, now), now, out);
+  if (alert == nullptr) alert = alerts_.raise(alert_of(run, problem.robot, now), now, out);
   if (alert == nullptr) return false;
   const Alert before = *alert;
-  follow(*alert, run, trouble);
+  follow(*alert, run, problem);
   if (*alert == before) return true;
   if (alert->tasks != before.tasks || before.cause.empty()) tell_grown(*alert, run, before.tasks.empty(), now, out);
   out.record(*alert);
@@ -159,7 +159,7 @@ void Detection::tell_grown(Alert& alert, const WatchedRun& run, bool is_new, Now
 }
 
 /// Of what no other alert tells, one for each robot.
-std::vector<Trouble> Detection::overdue_troubles(const WatchedRun& run, Now now) {
+std::vector<RunProblem> Detection::overdue_problems(const WatchedRun& run, Now now) {
   std::set<std::string> told_otherwise;
   std::set<std::string> told;
   for (const Alert* alert : alerts_.open()) {
@@ -168,7 +168,7 @@ std::vector<Trouble> Detection::overdue_troubles(const WatchedRun& run, Now now)
     tasks.insert(alert->tasks.begin(), alert->tasks.end());
   }
   overdue_.follow(run, told, now);
-  std::vector<Trouble> out;
+  std::vector<RunProblem> out;
   for (Overdue::Late& late : overdue_.late(run, situation_.fleet(), now)) {
     if (told_otherwise.contains(run.view->tasks[late.task].id)) continue;
     add_late(out, run, std::move(late), situation_.fleet());
@@ -181,7 +181,7 @@ void Detection::skip_unbegun(const WatchedRun& run, Now now, Outbox& out) {
   if (run.decider() != situation_.node()) return;
   for (const std::size_t index : overdue_.to_skip(run, now)) {
     const TaskView& task = run.view->tasks[index];
-    if (situation_.presence().find(task.robot, now) == nullptr) continue;
+    if (situation_.liveness().find(task.robot, now) == nullptr) continue;
     overdue_.ruled(run, index);
     AlertDecide verdict;
     verdict.verdict = Verdict::skip;

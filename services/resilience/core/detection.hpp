@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "services/resilience/core/overdue.hpp"
-#include "services/resilience/core/troubles.hpp"
+#include "services/resilience/core/run_problems.hpp"
 #include "services/resilience/core/verdicts.hpp"
 
 namespace trb::resilience {
@@ -23,12 +23,12 @@ class Detection {
   void look_at(const WatchedRun& run, Now now, Outbox& out);
   [[nodiscard]] std::optional<MonotonicTime> next_moment(const WatchedRun& run, Now now) const;
   [[nodiscard]] std::set<std::string> ruled_tasks(const WatchedRun& run);
-  [[nodiscard]] std::vector<Trouble> troubles(const WatchedRun& run, Now now);
-  [[nodiscard]] std::vector<Trouble> overdue_troubles(const WatchedRun& run, Now now);
-  bool meet(const WatchedRun& run, const Trouble& trouble, Now now, Outbox& out);
-  [[nodiscard]] Alert* find_alert(const WatchedRun& run, const Trouble& trouble);
+  [[nodiscard]] std::vector<RunProblem> problems(const WatchedRun& run, Now now);
+  [[nodiscard]] std::vector<RunProblem> overdue_problems(const WatchedRun& run, Now now);
+  bool meet(const WatchedRun& run, const RunProblem& problem, Now now, Outbox& out);
+  [[nodiscard]] Alert* find_alert(const WatchedRun& run, const RunProblem& problem);
   void tell_grown(Alert& alert, const WatchedRun& run, bool is_new, Now now, Outbox& out);
-  void close_over(const WatchedRun& run, const std::vector<Trouble>& found, Outbox& out);
+  void close_over(const WatchedRun& run, const std::vector<RunProblem>& found, Outbox& out);
   void skip_unbegun(const WatchedRun& run, Now now, Outbox& out);
 
   Situation& situation_;

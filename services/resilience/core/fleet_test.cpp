@@ -2,8 +2,8 @@
 
 #include <doctest/doctest.h>
 
-#include "services/resilience/core/fleet_stories.hpp"
 #include "services/resilience/core/robot_state.hpp"
+#include "services/resilience/test/fleet_fixture.hpp"
 
 using namespace trb;
 using namespace trb::resilience;

@@ -2,7 +2,7 @@
 
 #include "services/resilience/core/run_end.hpp"
 #include "services/resilience/core/run_over.hpp"
-#include "services/resilience/core/troubles.hpp"
+#include "services/resilience/core/run_problems.hpp"
 
 namespace trb::resilience {
 

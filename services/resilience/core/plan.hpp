@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "proto/bodies/resilience.hpp"
-#include "services/resilience/core/troubles.hpp"
+#include "services/resilience/core/run_problems.hpp"
 
 namespace trb::resilience {
 

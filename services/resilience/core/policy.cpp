@@ -2,7 +2,7 @@
 
 #include "common/ranking/pairwise.hpp"
 #include "proto/value.hpp"
-#include "services/resilience/core/troubles.hpp"
+#include "services/resilience/core/run_problems.hpp"
 
 namespace trb::resilience {
 namespace {

@@ -6,7 +6,7 @@
 
 #include "proto/value.hpp"
 #include "services/resilience/core/robot_state.hpp"
-#include "services/resilience/core/troubles.hpp"
+#include "services/resilience/core/run_problems.hpp"
 
 namespace trb::resilience {
 namespace {

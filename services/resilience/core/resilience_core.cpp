@@ -211,7 +211,7 @@ void ResilienceCore::schedule_look(Now now) {
   const DueRuns& due = situation_.due_runs();
   look_at_ = !alerts_.open().empty() && looked_at_ ? std::optional(*looked_at_ + kLook) : std::nullopt;
   look_at_ = earlier(look_at_, alerts_.next(now));
-  look_at_ = earlier(earlier(look_at_, situation_.presence().next(now)), standing_.next(now));
+  look_at_ = earlier(earlier(look_at_, situation_.liveness().next(now)), standing_.next(now));
   if (!situation_.is_judged()) return;
   look_at_ = due.has_notified() ? std::optional(now.mono) : earlier(look_at_, due.next());
 }
@@ -221,7 +221,7 @@ void ResilienceCore::want_routes(Now now) {
   const bool often = !alerts_.open().empty() || fleet().has_retired() || !situation_.runs().runs().empty();
   if (often) situation_.routes().want(now, RouteRequests::kWhileOpen);
   // Who is not there may be there again, and its word of it have been lost with a link that was just being built.
-  if (situation_.presence().next(now)) situation_.routes().want(now, RouteRequests::kAtOnce);
+  if (situation_.liveness().next(now)) situation_.routes().want(now, RouteRequests::kAtOnce);
 }
 
 std::optional<MonotonicTime> ResilienceCore::next_deadline() const {

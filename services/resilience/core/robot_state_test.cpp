@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "services/resilience/core/fleet_stories.hpp"
+#include "services/resilience/test/fleet_fixture.hpp"
 
 using namespace trb;
 using namespace trb::resilience;

@@ -22,11 +22,11 @@ std::optional<MonotonicTime> end_told_at(const WatchedRun& run) {
   return *run.ends_at - told_before(life);
 }
 
-std::optional<Trouble> trouble_of_end(const WatchedRun& run, Now now) {
+std::optional<RunProblem> problem_of_end(const WatchedRun& run, Now now) {
   const auto told_at = end_told_at(run);
   if (!told_at || *told_at > now.mono) return std::nullopt;
   const Duration left = *run.ends_at - now.mono;
-  Trouble out;
+  RunProblem out;
   out.cause = kRunEnds;
   out.severity = Severity::warning;
   out.text = "run " + run.view->name + " ends in " + words_of(left) + ", at " + to_iso8601(now.utc + left) +

@@ -1,7 +1,7 @@
 // A run that ends soon: what is not done then is not begun any more.
 #pragma once
 
-#include "services/resilience/core/troubles.hpp"
+#include "services/resilience/core/run_problems.hpp"
 
 namespace trb::resilience {
 
@@ -10,7 +10,7 @@ namespace trb::resilience {
 /// When it is to be told of; nothing: its end or its life is not known. The run is_known().
 [[nodiscard]] std::optional<MonotonicTime> end_told_at(const WatchedRun& run);
 /// It ends soon. The run is_known().
-[[nodiscard]] std::optional<Trouble> trouble_of_end(const WatchedRun& run, Now now);
+[[nodiscard]] std::optional<RunProblem> problem_of_end(const WatchedRun& run, Now now);
 /// "its end in 9 min"
 [[nodiscard]] std::string wait_for_end(const WatchedRun& run, Now now);
 

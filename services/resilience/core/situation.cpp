@@ -55,7 +55,7 @@ void Situation::receive(const PeerExpired& peer, Now now) {
 
 void Situation::receive(const RouteTable& table, Now now, Outbox& out) {
   const bool first = !std::exchange(judged_, true);
-  presence_.begin();
+  liveness_.begin();
   for (const Route& route : table.routes) {
     // A cloud node has no robot: it takes no tasks, and its certificate is the run's already.
     if (route.role != Role::robot) continue;
@@ -77,7 +77,7 @@ void Situation::judge_all(Now now) {
     due_runs_.notify(id);
     if (!run.view) continue;
     for (const TaskView& task : run.view->tasks) {
-      if (!task.robot.empty()) presence_.look(task.robot, fleet_.find(task.robot), now);
+      if (!task.robot.empty()) liveness_.look(task.robot, fleet_.find(task.robot), now);
     }
   }
 }
@@ -88,7 +88,7 @@ void Situation::note_robot(const std::string& robot, Now now, bool expired) {
     if (!run.view) continue;
     const bool needed = std::ranges::any_of(run.view->tasks, [&](const TaskView& task) { return task.robot == robot; });
     if (!needed) continue;
-    presence_.look(robot, fleet_.find(robot), now, expired);
+    liveness_.look(robot, fleet_.find(robot), now, expired);
     due_runs_.notify(id);
   }
 }
@@ -110,7 +110,7 @@ std::set<std::string> Situation::take_due_runs(Now now) {
     const WatchedRun* run = runs_.find(id);
     if (run == nullptr || !run->is_known()) continue;
     for (const TaskView& task : run->view->tasks) {
-      if (!task.robot.empty()) presence_.look(task.robot, fleet_.find(task.robot), now);
+      if (!task.robot.empty()) liveness_.look(task.robot, fleet_.find(task.robot), now);
     }
   }
   return out;

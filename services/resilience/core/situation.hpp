@@ -12,8 +12,8 @@
 #include "common/actor/outbox.hpp"
 #include "services/resilience/core/core_settings.hpp"
 #include "services/resilience/core/due_runs.hpp"
+#include "services/resilience/core/liveness.hpp"
 #include "services/resilience/core/open_tasks.hpp"
-#include "services/resilience/core/presence.hpp"
 #include "services/resilience/core/route_requests.hpp"
 #include "services/resilience/core/run_watcher.hpp"
 
@@ -29,7 +29,7 @@ class Situation {
   Fleet& fleet() { return fleet_; }
   [[nodiscard]] const RunWatcher& runs() const { return runs_; }
   RunWatcher& runs() { return runs_; }
-  [[nodiscard]] const Presence& presence() const { return presence_; }
+  [[nodiscard]] const Liveness& liveness() const { return liveness_; }
   RouteRequests& routes() { return routes_; }
   [[nodiscard]] const RouteRequests& routes() const { return routes_; }
   DueRuns& due_runs() { return due_runs_; }
@@ -68,7 +68,7 @@ class Situation {
   CoreSettings settings_;
   Fleet fleet_;
   RunWatcher runs_;
-  Presence presence_;
+  Liveness liveness_;
   RouteRequests routes_;
   DueRuns due_runs_;
   OpenTasks open_tasks_;

@@ -1,7 +1,7 @@
 #include "services/resilience/core/standing_alerts.hpp"
 
 #include "proto/value.hpp"
-#include "services/resilience/core/troubles.hpp"
+#include "services/resilience/core/run_problems.hpp"
 
 namespace trb::resilience {
 

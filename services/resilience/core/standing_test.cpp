@@ -2,7 +2,7 @@
 
 #include <doctest/doctest.h>
 
-#include "services/resilience/core/fleet_stories.hpp"
+#include "services/resilience/test/fleet_fixture.hpp"
 
 using namespace trb;
 using namespace trb::resilience;

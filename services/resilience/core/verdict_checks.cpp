@@ -4,7 +4,7 @@
 
 #include "proto/value.hpp"
 #include "services/resilience/core/plan.hpp"
-#include "services/resilience/core/troubles.hpp"
+#include "services/resilience/core/run_problems.hpp"
 
 namespace trb::resilience {
 namespace {
@@ -130,7 +130,7 @@ Status VerdictChecks::check_word(const Alert& alert, const AlertDecide& body, co
 
 Status VerdictChecks::check_retry(const Alert& alert, Now now) const {
   if (wants_robot(alert)) return fail(Errc::bad_value, "nothing has failed: there is nothing to try again");
-  const Presence::Gone* gone = situation_.presence().find(alert.robot, now);
+  const Liveness::Gone* gone = situation_.liveness().find(alert.robot, now);
   const RobotRecord* robot = situation_.fleet().find(alert.robot);
   if (const OutOfUse* retired = robot == nullptr ? nullptr : retirement_of(*robot)) {
     return fail(Errc::conflict, alert.robot + " cannot try again: it " + retired_text(*retired),

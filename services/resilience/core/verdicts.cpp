@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "proto/value.hpp"
-#include "services/resilience/core/troubles.hpp"
+#include "services/resilience/core/run_problems.hpp"
 
 namespace trb::resilience {
 namespace {

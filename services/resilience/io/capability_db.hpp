@@ -40,7 +40,7 @@ class CapabilityDb final : public HistoryReader {
   static constexpr Duration kHistoryAge = std::chrono::hours(30 * 24);  ///< and what is older
 
   /// Opens or makes the file, brings it to this build's version. Errors: io_error, malformed (no database, a damaged
-  /// one), version_mismatch (of a newer build); each names the file and the cure.
+  /// one), version_mismatch (of a newer build); each names the file and the hint.
   static Result<std::unique_ptr<CapabilityDb>> open(const std::string& path);
 
   /// Fills an empty fleet with what is kept. Errors: malformed, io_error, and those of Fleet::restore.

@@ -9,9 +9,9 @@
 #include <filesystem>
 #include <fstream>
 
-#include "services/resilience/core/fleet_stories.hpp"
 #include "services/resilience/core/robot_state.hpp"
 #include "services/resilience/io/schema.hpp"
+#include "services/resilience/test/fleet_fixture.hpp"
 
 using namespace trb;
 using namespace trb::resilience;
@@ -238,7 +238,7 @@ TEST_CASE("a full disk: nothing half, nothing lost, and it goes on once there is
     REQUIRE_FALSE(written.ok());
     CHECK(written.error().code == Errc::io_error);
     CHECK(written.error().text().find("capability.db") != std::string::npos);
-    CHECK(written.error().cure == "check the disk's space and the file's rights");
+    CHECK(written.error().hint == "check the disk's space and the file's rights");
   }
   CHECK_FALSE(fleet.changes().empty());
   CHECK(loaded(*db).robots().size() == 1);
@@ -262,7 +262,7 @@ TEST_CASE("a file of a newer build is refused with a cure, and left as it is") {
   const Error error = refused(folder);
   CHECK(error.code == Errc::version_mismatch);
   CHECK(error.what.find("schema version 99, this build knows 3") != std::string::npos);
-  CHECK(error.cure.find("start the build that wrote it") != std::string::npos);
+  CHECK(error.hint.find("start the build that wrote it") != std::string::npos);
   CHECK(refused(folder).code == Errc::version_mismatch);
 }
 
@@ -272,7 +272,7 @@ TEST_CASE("a damaged file is refused with a cure: no database, a page of it gone
     std::ofstream(folder.file()) << std::string(4096, 'x');
     const Error error = refused(folder);
     CHECK(error.code == Errc::malformed);
-    CHECK(error.cure.find("move it away together with its -wal and -shm files") != std::string::npos);
+    CHECK(error.hint.find("move it away together with its -wal and -shm files") != std::string::npos);
   }
   SUBCASE("pages overwritten") {
     const Folder folder;

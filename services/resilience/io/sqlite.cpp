@@ -23,10 +23,10 @@ double Columns::real(int column) const {
   return sqlite3_column_double(statement_, column);
 }
 
-Result<std::unique_ptr<SqliteFile>> SqliteFile::open(const std::string& path, std::string cure) {
+Result<std::unique_ptr<SqliteFile>> SqliteFile::open(const std::string& path, std::string hint) {
   sqlite3* db = nullptr;
   const int code = sqlite3_open_v2(path.c_str(), &db, SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE, nullptr);
-  std::unique_ptr<SqliteFile> file(new SqliteFile(path, std::move(cure), db));
+  std::unique_ptr<SqliteFile> file(new SqliteFile(path, std::move(hint), db));
   if (code != SQLITE_OK) return file->problem("cannot be opened");
   sqlite3_busy_timeout(db, kBusyMs);
   const Status ready = file->script("PRAGMA journal_mode=WAL; PRAGMA synchronous=FULL; PRAGMA foreign_keys=ON");

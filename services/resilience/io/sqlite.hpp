@@ -1,4 +1,4 @@
-// A SQLite file: statements that are prepared once, values bound and read by their types, errors with a cure.
+// A SQLite file: statements that are prepared once, values bound and read by their types, errors with a hint.
 #pragma once
 
 #include <functional>
@@ -35,9 +35,9 @@ struct BlobView {
 
 class SqliteFile {
  public:
-  /// Opens or makes the file: WAL, synchronous=FULL, foreign keys. `cure` is what a person does about a damaged one.
+  /// Opens or makes the file: WAL, synchronous=FULL, foreign keys. `hint` is what a person does about a damaged one.
   /// Errors: io_error, malformed.
-  static Result<std::unique_ptr<SqliteFile>> open(const std::string& path, std::string cure);
+  static Result<std::unique_ptr<SqliteFile>> open(const std::string& path, std::string hint);
 
   SqliteFile(const SqliteFile&) = delete;
   SqliteFile& operator=(const SqliteFile&) = delete;
@@ -72,8 +72,8 @@ class SqliteFile {
  private:
   using Statement = std::unique_ptr<sqlite3_stmt, int (*)(sqlite3_stmt*)>;
 
-  SqliteFile(std::string path, std::string cure, sqlite3* db)
-      : path_(std::move(path)), cure_(std::move(cure)), db_(db) {}
+  SqliteFile(std::string path, std::string hint, sqlite3* db)
+      : path_(std::move(path)), cure_(std::move(hint)), db_(db) {}
   Result<sqlite3_stmt*> prepared(const char* sql);
   Status step(sqlite3_stmt* statement, const EachRow& each);
   static void bind(sqlite3_stmt* statement, int place, std::string_view text);

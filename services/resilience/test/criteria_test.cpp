@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "services/resilience/test/bench.hpp"
+#include "services/resilience/test/fixture.hpp"
 
 using namespace trb;
 using namespace trb::resilience;
@@ -28,10 +28,10 @@ ResilienceSettings settings_of(const std::string& criteria, ResilienceSettings b
   return base;
 }
 
-std::unique_ptr<Bench> failed(const std::string& criteria, ResilienceSettings base = default_resilience()) {
-  auto bench = paper(settings_of(criteria, base));
-  bench->end_task("t4", TaskOutcome::failed, "stuck");
-  return bench;
+std::unique_ptr<Fixture> failed(const std::string& criteria, ResilienceSettings base = default_resilience()) {
+  auto fixture = paper(settings_of(criteria, base));
+  fixture->end_task("t4", TaskOutcome::failed, "stuck");
+  return fixture;
 }
 
 const CriterionPart& part(const Proposal& of, const std::string& criterion) {
@@ -43,22 +43,22 @@ const CriterionPart& part(const Proposal& of, const std::string& criterion) {
 }  // namespace
 
 TEST_CASE("a merit is against the best that is possible: of five good ones the best has no less than alone") {
-  auto bench = std::make_unique<Bench>();
-  for (int i = 0; i < 5; ++i) bench->add("r" + std::to_string(i), mobile_robot(), 95 - i, 4, 0.5);
-  bench->add("ridgeback", mobile_robot(), 70, 2, 0);
-  bench->add("turtlebot", mobile_robot(), 1, 4, 0);
-  bench->add("ur3", mobile_robot(), 1, 4, 90);
-  bench->begin_run();
-  bench->end_task("t4", TaskOutcome::failed, "stuck");
-  const Alert many = bench->alert();
+  auto fixture = std::make_unique<Fixture>();
+  for (int i = 0; i < 5; ++i) fixture->add("r" + std::to_string(i), mobile_robot(), 95 - i, 4, 0.5);
+  fixture->add("ridgeback", mobile_robot(), 70, 2, 0);
+  fixture->add("turtlebot", mobile_robot(), 1, 4, 0);
+  fixture->add("ur3", mobile_robot(), 1, 4, 90);
+  fixture->begin_run();
+  fixture->end_task("t4", TaskOutcome::failed, "stuck");
+  const Alert many = fixture->alert();
   CHECK(many.proposals.size() == 7);
   CHECK(many.proposals[0].robot == "r0");
   CHECK(many.proposals[0].score < 0.3);
   CHECK(many.proposals[0].merit > 0.95);
-  for (int i = 0; i < 5; ++i) bench->silence("r" + std::to_string(i));
-  bench->silence("turtlebot");
-  bench->wait(seconds(12));
-  for (const Alert& alert : bench->alerts()) {
+  for (int i = 0; i < 5; ++i) fixture->silence("r" + std::to_string(i));
+  fixture->silence("turtlebot");
+  fixture->wait(seconds(12));
+  for (const Alert& alert : fixture->alerts()) {
     if (alert.robot != "ridgeback") continue;
     REQUIRE(robots_of(alert) == Words{"ur3"});
     CHECK(alert.proposals[0].score == doctest::Approx(1));
@@ -67,17 +67,17 @@ TEST_CASE("a merit is against the best that is possible: of five good ones the b
 }
 
 TEST_CASE("the policy's least score is one of merit: the only one, with 1 %, is not taken") {
-  auto bench = failed(R"({"battery": 1})", automatic(0.5));
-  bench->wait(seconds(10));
-  CHECK(rulings(bench->taken.at(0)) == "t4>turtlebot");
-  bench = paper(settings_of(R"({"battery": 1})", automatic(0.5)));
-  for (const char* id : {"pioneer1", "turtlebot"}) bench->silence(id);
-  bench->values["pioneer2"]["battery"] = "0.01";
-  bench->say("pioneer2", RobotState{{{"battery", "0.01"}}});
-  bench->end_task("t4", TaskOutcome::failed, "stuck");
-  bench->wait(seconds(10));
-  CHECK(bench->taken.empty());
-  for (const Alert& alert : bench->alerts()) {
+  auto fixture = failed(R"({"battery": 1})", automatic(0.5));
+  fixture->wait(seconds(10));
+  CHECK(rulings(fixture->taken.at(0)) == "t4>turtlebot");
+  fixture = paper(settings_of(R"({"battery": 1})", automatic(0.5)));
+  for (const char* id : {"pioneer1", "turtlebot"}) fixture->silence(id);
+  fixture->values["pioneer2"]["battery"] = "0.01";
+  fixture->say("pioneer2", RobotState{{{"battery", "0.01"}}});
+  fixture->end_task("t4", TaskOutcome::failed, "stuck");
+  fixture->wait(seconds(10));
+  CHECK(fixture->taken.empty());
+  for (const Alert& alert : fixture->alerts()) {
     if (alert.robot == "ridgeback") CHECK(alert.policy == "automatic, but asks: the best has a merit of 0.01");
   }
 }
@@ -86,12 +86,12 @@ TEST_CASE("a number of the description counts, for tasks whose skills need that 
   const std::string payload =
       R"({"battery": 1, "payload": {"weight": 3, "from": "description", "unit": "kg", "best": 10, "worst": 0,
           "capabilities": [")";
-  auto bench = paper(settings_of(payload + R"(mobile"]}})"));
-  bench->routes["pioneer2"].profile.numbers = {{"payload", 8, "kg"}};
-  bench->routes["pioneer1"].profile.numbers = {{"payload", 2, "kg"}};
-  bench->wait(seconds(40));
-  bench->end_task("t4", TaskOutcome::failed, "stuck");
-  Alert alert = bench->alert();
+  auto fixture = paper(settings_of(payload + R"(mobile"]}})"));
+  fixture->routes["pioneer2"].profile.numbers = {{"payload", 8, "kg"}};
+  fixture->routes["pioneer1"].profile.numbers = {{"payload", 2, "kg"}};
+  fixture->wait(seconds(40));
+  fixture->end_task("t4", TaskOutcome::failed, "stuck");
+  Alert alert = fixture->alert();
   CHECK(alert.proposals[0].robot == "pioneer2");
   CHECK(part(alert.proposals[0], "payload").value == 8);
   CHECK(part(alert.proposals[0], "payload").unit == "kg");
@@ -101,20 +101,20 @@ TEST_CASE("a number of the description counts, for tasks whose skills need that 
   for (const Proposal& one : alert.proposals) {
     if (one.robot == "turtlebot") CHECK(one.note.find("payload is not known") != std::string::npos);
   }
-  bench = failed(payload + R"(grab"]}})");
-  alert = bench->alert();
+  fixture = failed(payload + R"(grab"]}})");
+  alert = fixture->alert();
   CHECK(alert.proposals[0].robot == "turtlebot");  // by its battery alone
   CHECK(alert.proposals[0].parts.size() == 3);
 }
 
 TEST_CASE("what the robot tells is asked for: a number, or an object that has it") {
-  auto bench = paper(settings_of(R"({"grip": {"from": "robot", "value": "grip_force", "best": 40, "worst": 0}})"));
-  bench->values["pioneer1"]["grip_force"] = "12.5";
-  bench->values["pioneer2"]["grip_force"] = R"({"grip_force": 30})";
-  bench->values["turtlebot"]["grip_force"] = R"(["much"])";
-  bench->end_task("t4", TaskOutcome::failed, "stuck");
-  const Alert alert = bench->alert();
-  CHECK(bench->heard["grip_force"] == 3);
+  auto fixture = paper(settings_of(R"({"grip": {"from": "robot", "value": "grip_force", "best": 40, "worst": 0}})"));
+  fixture->values["pioneer1"]["grip_force"] = "12.5";
+  fixture->values["pioneer2"]["grip_force"] = R"({"grip_force": 30})";
+  fixture->values["turtlebot"]["grip_force"] = R"(["much"])";
+  fixture->end_task("t4", TaskOutcome::failed, "stuck");
+  const Alert alert = fixture->alert();
+  CHECK(fixture->heard["grip_force"] == 3);
   CHECK(alert.proposals[0].robot == "pioneer2");
   CHECK(part(alert.proposals[0], "grip").value == 30);
   CHECK(alert.proposals[0].merit == doctest::Approx(0.75));
@@ -131,19 +131,19 @@ TEST_CASE("what nobody knows of any robot is worth nothing, whatever is best") {
 TEST_CASE("a sensor at the robot's node is read, by its name or its kind") {
   for (const char* word : {"t1", "temperature"}) {
     CAPTURE(word);
-    auto bench = paper(settings_of(R"({"heat": {"from": "sensor", "value": ")" + std::string(word) +
-                                   R"(", "best": 20, "worst": 80, "at_most": 60}})"));
+    auto fixture = paper(settings_of(R"({"heat": {"from": "sensor", "value": ")" + std::string(word) +
+                                     R"(", "best": 20, "worst": 80, "at_most": 60}})"));
     for (const char* id : {"pioneer1", "pioneer2"}) {
-      bench->routes[id].profile.plugged = {{"t1", "temperature", "degC", "", "", SensorState::ok, ""}};
+      fixture->routes[id].profile.plugged = {{"t1", "temperature", "degC", "", "", SensorState::ok, ""}};
     }
-    bench->wait(seconds(40));
+    fixture->wait(seconds(40));
     for (const auto& [id, value] : {std::pair{"pioneer1", 65.0}, std::pair{"pioneer2", -5.0}}) {
-      bench->readings[id].sensor = "t1";
-      bench->readings[id].number = value;
+      fixture->readings[id].sensor = "t1";
+      fixture->readings[id].number = value;
     }
-    bench->end_task("t4", TaskOutcome::failed, "stuck");
-    bench->wait(seconds(1));
-    const Alert alert = bench->alert();
+    fixture->end_task("t4", TaskOutcome::failed, "stuck");
+    fixture->wait(seconds(1));
+    const Alert alert = fixture->alert();
     REQUIRE(robots_of(alert) == Words{"pioneer2"});
     CHECK(alert.proposals[0].merit == doctest::Approx(1));
     CHECK(part(alert.proposals[0], "heat").value == -5);
@@ -153,31 +153,31 @@ TEST_CASE("a sensor at the robot's node is read, by its name or its kind") {
 }
 
 TEST_CASE("a bound keeps a robot out, with the reason; a person may override; who is charged is in again") {
-  auto bench = paper(settings_of(R"({"battery": {"at_least": 60}, "distance": 1})"));
-  bench->values["turtlebot"].clear();
-  bench->say("turtlebot", RobotState{{{"battery", "\"?\""}}});
-  bench->end_task("t4", TaskOutcome::failed, "stuck");
-  Alert alert = bench->alert();
+  auto fixture = paper(settings_of(R"({"battery": {"at_least": 60}, "distance": 1})"));
+  fixture->values["turtlebot"].clear();
+  fixture->say("turtlebot", RobotState{{{"battery", "\"?\""}}});
+  fixture->end_task("t4", TaskOutcome::failed, "stuck");
+  Alert alert = fixture->alert();
   CHECK(robots_of(alert) == Words{"pioneer1"});
   CHECK(why_unfit(alert, "pioneer2") == "battery 55 %, at least 60 wanted");
   CHECK(why_unfit(alert, "turtlebot") == "its battery is not known");
-  CHECK(bench->decide(Verdict::accept, "pioneer2") == "bad_value");
-  bench->say("pioneer1", RobotState{{{"battery", "0.2"}}});
-  bench->values["pioneer1"]["battery"] = "0.2";
-  bench->values["pioneer2"]["battery"] = "0.9";
-  bench->wait(seconds(12));
-  alert = bench->alert();
+  CHECK(fixture->decide(Verdict::accept, "pioneer2") == "bad_value");
+  fixture->say("pioneer1", RobotState{{{"battery", "0.2"}}});
+  fixture->values["pioneer1"]["battery"] = "0.2";
+  fixture->values["pioneer2"]["battery"] = "0.9";
+  fixture->wait(seconds(12));
+  alert = fixture->alert();
   CHECK(robots_of(alert) == Words{"pioneer2"});
   CHECK(why_unfit(alert, "pioneer1") == "battery 20 %, at least 60 wanted");
-  CHECK(bench->decide(Verdict::override_, "pioneer1", false, "it is near its dock") == "accepted");
+  CHECK(fixture->decide(Verdict::override_, "pioneer1", false, "it is near its dock") == "accepted");
 }
 
 TEST_CASE("of a shared proposal each part names its robot, and they add up to the score") {
-  auto bench = paper();
-  bench->add("loader", loader_robot(), 40, 0, 0);
-  bench->fault("ridgeback", "");
-  bench->end_task("t4", TaskOutcome::failed);
-  const Proposal shared = bench->alert().proposals.at(0);
+  auto fixture = paper();
+  fixture->add("loader", loader_robot(), 40, 0, 0);
+  fixture->fault("ridgeback", "");
+  fixture->end_task("t4", TaskOutcome::failed);
+  const Proposal shared = fixture->alert().proposals.at(0);
   CHECK(shared.robot.empty());
   double sum = 0;
   std::set<std::string> robots;
@@ -191,15 +191,15 @@ TEST_CASE("of a shared proposal each part names its robot, and they add up to th
 }
 
 TEST_CASE("a bound for one of the tasks has several do them between them") {
-  auto bench = paper(settings_of(R"({"battery": 1, "payload": {"from": "description", "best": 10, "worst": 0,
+  auto fixture = paper(settings_of(R"({"battery": 1, "payload": {"from": "description", "best": 10, "worst": 0,
                                      "at_least": 5, "capabilities": ["carry"]}})"));
   NodeProfile loader = loader_robot();
   loader.numbers = {{"payload", 7, "kg"}};
-  bench->add("husky", carrier(), 50, 0, 0);
-  bench->add("loader", loader, 50, 0, 0);
-  for (const char* id : {"pioneer1", "pioneer2", "turtlebot"}) bench->silence(id);
-  bench->fault("ridgeback", "");
-  for (const Alert& alert : bench->alerts()) {
+  fixture->add("husky", carrier(), 50, 0, 0);
+  fixture->add("loader", loader, 50, 0, 0);
+  for (const char* id : {"pioneer1", "pioneer2", "turtlebot"}) fixture->silence(id);
+  fixture->fault("ridgeback", "");
+  for (const Alert& alert : fixture->alerts()) {
     if (alert.robot != "ridgeback") continue;
     REQUIRE(robots_of(alert) == Words{""});
     CHECK(alert.proposals[0].tasks.back() == TaskForRobot{"t9", "loader"});
@@ -209,31 +209,32 @@ TEST_CASE("a bound for one of the tasks has several do them between them") {
 }
 
 TEST_CASE("after a start what counts may be another: everybody is asked anew and proposed anew") {
-  auto bench = paper();
-  bench->end_task("t4", TaskOutcome::failed, "stuck");
-  CHECK(bench->alert().proposals[0].robot == "pioneer1");
-  bench->wait(seconds(20));
-  bench->settings.resilience = settings_of(R"({"battery": 1})");
-  bench->heard["position"] = 0;
-  bench->restart();
-  bench->wait(seconds(6));
-  CHECK(robots_of(bench->alert()) == Words{"turtlebot", "pioneer1", "pioneer2"});
-  CHECK(bench->heard["position"] >= 2);
+  auto fixture = paper();
+  fixture->end_task("t4", TaskOutcome::failed, "stuck");
+  CHECK(fixture->alert().proposals[0].robot == "pioneer1");
+  fixture->wait(seconds(20));
+  fixture->settings.resilience = settings_of(R"({"battery": 1})");
+  fixture->heard["position"] = 0;
+  fixture->restart();
+  fixture->wait(seconds(6));
+  CHECK(robots_of(fixture->alert()) == Words{"turtlebot", "pioneer1", "pioneer2"});
+  CHECK(fixture->heard["position"] >= 2);
 }
 
 TEST_CASE("of more robots than proposals the best by the operator's own criteria are told") {
-  auto bench = std::make_unique<Bench>(settings_of(R"({"payload": {"from": "description", "best": 100, "worst": 0}})"));
-  bench->add("ridgeback", mobile_robot(), 70, 2, 0);
-  bench->add("ur3", mobile_robot(), 70, 2, 0);
-  bench->add("turtlebot", mobile_robot(), 70, 2, 0);
+  auto fixture =
+      std::make_unique<Fixture>(settings_of(R"({"payload": {"from": "description", "best": 100, "worst": 0}})"));
+  fixture->add("ridgeback", mobile_robot(), 70, 2, 0);
+  fixture->add("ur3", mobile_robot(), 70, 2, 0);
+  fixture->add("turtlebot", mobile_robot(), 70, 2, 0);
   for (int i = 0; i < 70; ++i) {
     NodeProfile profile = mobile_robot();
     profile.numbers = {{"payload", static_cast<double>(i), "kg"}};
-    bench->add("r" + std::to_string(100 + i), profile, 50, 0, 0);
+    fixture->add("r" + std::to_string(100 + i), profile, 50, 0, 0);
   }
-  bench->begin_run();
-  bench->end_task("t4", TaskOutcome::failed, "stuck");
-  const Alert alert = bench->alert();
+  fixture->begin_run();
+  fixture->end_task("t4", TaskOutcome::failed, "stuck");
+  const Alert alert = fixture->alert();
   REQUIRE(alert.proposals.size() == 64);
   CHECK(alert.proposals[0].robot == "r169");
   CHECK(alert.proposals[63].robot == "r106");

@@ -1,13 +1,13 @@
 // The bench's fleet, its scheduler and the run.
 #include <algorithm>
 
-#include "services/resilience/test/bench.hpp"
+#include "services/resilience/test/fixture.hpp"
 
 namespace trb::resilience::test {
 
 // ---- the scheduler
 
-Status Bench::take(const SignedRecord& record) {
+Status Fixture::take(const SignedRecord& record) {
   const auto decision = decode<Decision>(record.payload.bytes);
   if (!decision) return decision.error();
   if (!decisions.empty() && decisions.back().payload == record.payload) return Done{};
@@ -43,7 +43,7 @@ Status Bench::take(const SignedRecord& record) {
   return Done{};
 }
 
-void Bench::changed() {
+void Fixture::changed() {
   ++version_;
   const auto stopped = [](const TaskView& task) {
     return task.outcome == TaskOutcome::failed || task.outcome == TaskOutcome::interrupted ||
@@ -56,23 +56,23 @@ void Bench::changed() {
   answer("cloud", RunChanged{summary()});
 }
 
-RunSummary Bench::summary() const {
+RunSummary Fixture::summary() const {
   RunSummary out{kRun, view.name, view.state, "", 0, 9, 3, view.epoch, version_};
   if (ends_at) out.left_s = static_cast<double>((*ends_at - now.mono).count()) / 1e9;
   return out;
 }
 
-void Bench::decided_elsewhere() {
+void Fixture::decided_elsewhere() {
   start.members.insert(start.members.begin(), {"cloud2", certificate("cloud2", Role::cloud)});
 }
 
-TaskView& Bench::task(const std::string& id) {
+TaskView& Fixture::task(const std::string& id) {
   const auto at = std::ranges::find(view.tasks, id, &TaskView::id);
   REQUIRE(at != view.tasks.end());
   return *at;
 }
 
-void Bench::end_task(const std::string& id, TaskOutcome outcome, const std::string& reason) {
+void Fixture::end_task(const std::string& id, TaskOutcome outcome, const std::string& reason) {
   TaskView& of = task(id);
   of.outcome = outcome;
   of.attempt = std::max<std::uint32_t>(1, of.attempt);
@@ -87,7 +87,7 @@ void Bench::end_task(const std::string& id, TaskOutcome outcome, const std::stri
   settle();
 }
 
-void Bench::release(const std::string& robot, const ReleaseTasks& order) {
+void Fixture::release(const std::string& robot, const ReleaseTasks& order) {
   releases.push_back(order);
   if (keeps.contains(robot)) return;
   for (const std::uint16_t index : order.tasks) {
@@ -101,7 +101,7 @@ void Bench::release(const std::string& robot, const ReleaseTasks& order) {
   changed();
 }
 
-void Bench::begin_run() {
+void Fixture::begin_run() {
   struct Row {
     const char* robot;
     const char* skill;
@@ -148,7 +148,7 @@ void Bench::begin_run() {
 
 // ---- the fleet
 
-void Bench::add(const std::string& id, const NodeProfile& profile, double charge, double x, double y) {
+void Fixture::add(const std::string& id, const NodeProfile& profile, double charge, double x, double y) {
   Route route = route_of(id, profile);
   route.certificate = certificate(id, Role::robot);
   routes[id] = route;
@@ -161,37 +161,37 @@ void Bench::add(const std::string& id, const NodeProfile& profile, double charge
   say(id, told);
 }
 
-void Bench::say(const std::string& robot, Body information) {
+void Fixture::say(const std::string& robot, Body information) {
   inbox_.push_back({MessageType::information, robot, "*", ++count_, 0, 0, 1000, std::move(information)});
   settle();
 }
 
-void Bench::fault(const std::string& robot, const std::string& capability, Severity severity) {
+void Fixture::fault(const std::string& robot, const std::string& capability, Severity severity) {
   say(robot, RobotFault{capability, severity, capability + " is broken"});
 }
 
-void Bench::stand(const std::string& robot, const std::string& capability, Severity severity) {
+void Fixture::stand(const std::string& robot, const std::string& capability, Severity severity) {
   auto& kept = routes[robot].profile.out_of_use;
   std::erase_if(kept, [&](const OutOfUse& one) { return !one.retired && one.capability == capability; });
   kept.push_back({capability, severity, capability + " is broken", now.utc.ns, false, ""});
   fault(robot, capability, severity);
 }
 
-void Bench::end_fault(const std::string& robot, const std::string& capability, Severity severity) {
+void Fixture::end_fault(const std::string& robot, const std::string& capability, Severity severity) {
   std::erase_if(routes[robot].profile.out_of_use,
                 [&](const OutOfUse& one) { return !one.retired && one.capability == capability; });
   say(robot, RobotFault{capability, severity, "", true});
 }
 
-void Bench::retire(const std::string& robot, const std::string& text, const std::string& by) {
+void Fixture::retire(const std::string& robot, const std::string& text, const std::string& by) {
   routes[robot].profile.out_of_use.push_back({"", Severity::warning, text, now.utc.ns, true, by});
 }
 
-void Bench::return_to_service(const std::string& robot) {
+void Fixture::return_to_service(const std::string& robot) {
   std::erase_if(routes[robot].profile.out_of_use, [](const OutOfUse& one) { return one.retired; });
 }
 
-void Bench::take_into_use(const Send& send, const TakeIntoUse& order) {
+void Fixture::take_into_use(const Send& send, const TakeIntoUse& order) {
   repairs.push_back(order);
   if (unmended.contains(send.target)) return nack(send, send.target, "conflict", "the bumper is still pressed");
   if (idle.contains(send.target)) return;
@@ -202,33 +202,33 @@ void Bench::take_into_use(const Send& send, const TakeIntoUse& order) {
   if (!mute.contains(send.target)) answer(send.target, Ack{"in_use", ""});
 }
 
-void Bench::silence(const std::string& robot) {
+void Fixture::silence(const std::string& robot) {
   routes[robot].state = "OFFLINE";
   say("cloud", PeerExpired{robot, "lease"});
 }
 
-void Bench::back(const std::string& robot) {
+void Fixture::back(const std::string& robot) {
   routes[robot].state = "ONLINE";
   say("cloud", PeerJoined{robot, 2});
 }
 
 // ---- stories' beginnings
 
-std::unique_ptr<Bench> paper(ResilienceSettings settings) {
-  auto bench = std::make_unique<Bench>(settings);
+std::unique_ptr<Fixture> paper(ResilienceSettings settings) {
+  auto fixture = std::make_unique<Fixture>(settings);
   NodeProfile arm;
   arm.mode = "direct";
   arm.capabilities = {"grab"};
   arm.skills = {{"grab", "grab", {}, false, 10}};
   arm.robot = "ONLINE";
   arm.frame = {1, 4, 1, 0};
-  bench->add("ridgeback", carrier(), 70, 2, 0);
-  bench->add("pioneer1", mobile_robot(), 80, 4, 3.1);
-  bench->add("pioneer2", mobile_robot(), 55, 4, 4.2);
-  bench->add("turtlebot", mobile_robot(), 90, 4, 6.5);
-  bench->add("ur3", arm, 0, 0, 0);
-  bench->begin_run();
-  return bench;
+  fixture->add("ridgeback", carrier(), 70, 2, 0);
+  fixture->add("pioneer1", mobile_robot(), 80, 4, 3.1);
+  fixture->add("pioneer2", mobile_robot(), 55, 4, 4.2);
+  fixture->add("turtlebot", mobile_robot(), 90, 4, 6.5);
+  fixture->add("ur3", arm, 0, 0, 0);
+  fixture->begin_run();
+  return fixture;
 }
 
 ResilienceSettings automatic(double min_score, double min_lead) {

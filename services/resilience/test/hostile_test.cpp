@@ -3,26 +3,26 @@
 
 #include "proto/message.hpp"
 #include "services/resilience/core/alert_book.hpp"
-#include "services/resilience/test/bench.hpp"
+#include "services/resilience/test/fixture.hpp"
 
 using namespace trb;
 using namespace trb::resilience;
 using namespace trb::resilience::test;
 
 TEST_CASE("another node's Nack refuses no decision: the own scheduler alone can") {
-  auto bench = paper();
-  bench->fault("ridgeback", "mobile");
-  bench->end_task("t4", TaskOutcome::failed, "mobile is broken");
-  const std::string id = bench->alert().id;
-  bench->deaf = true;
-  CHECK(bench->decide(Verdict::skip) == "accepted");
-  CHECK(bench->heard["run_decision"] == 1);
-  bench->say("pioneer1", Nack{"conflict", "run_decision", "cloud", "not so", ""});
-  CHECK(bench->any(id).state == AlertState::releasing);
-  bench->deaf = false;
-  bench->wait(seconds(10));
-  CHECK(bench->any(id).state == AlertState::decided);
-  CHECK(bench->taken.size() == 1);
+  auto fixture = paper();
+  fixture->fault("ridgeback", "mobile");
+  fixture->end_task("t4", TaskOutcome::failed, "mobile is broken");
+  const std::string id = fixture->alert().id;
+  fixture->deaf = true;
+  CHECK(fixture->decide(Verdict::skip) == "accepted");
+  CHECK(fixture->heard["run_decision"] == 1);
+  fixture->say("pioneer1", Nack{"conflict", "run_decision", "cloud", "not so", ""});
+  CHECK(fixture->any(id).state == AlertState::releasing);
+  fixture->deaf = false;
+  fixture->wait(seconds(10));
+  CHECK(fixture->any(id).state == AlertState::decided);
+  CHECK(fixture->taken.size() == 1);
 }
 
 TEST_CASE(
@@ -67,18 +67,18 @@ TEST_CASE("alerts that are done push each other out, never one that is open") {
 }
 
 TEST_CASE("more faults than alerts may stand: as one is over the next is told") {
-  auto bench = std::make_unique<Bench>();
+  auto fixture = std::make_unique<Fixture>();
   for (std::size_t i = 0; i < AlertBook::kMaxLone + 1; ++i) {
     const std::string id = "r" + std::to_string(1000 + i);
-    bench->add(id, mobile_robot(), 50, 0, 0);
-    bench->fault(id, "mobile");
+    fixture->add(id, mobile_robot(), 50, 0, 0);
+    fixture->fault(id, "mobile");
   }
-  bench->wait(seconds(3));
-  CHECK(bench->alerts().size() == AlertBook::kMaxLone);
-  bench->say("r1000", RobotFault{"mobile", Severity::critical, "", true});
-  bench->wait(seconds(3));
-  CHECK(bench->alerts().size() == AlertBook::kMaxLone);
-  for (const Alert& one : bench->alerts()) CHECK(one.robot != "r1000");
+  fixture->wait(seconds(3));
+  CHECK(fixture->alerts().size() == AlertBook::kMaxLone);
+  fixture->say("r1000", RobotFault{"mobile", Severity::critical, "", true});
+  fixture->wait(seconds(3));
+  CHECK(fixture->alerts().size() == AlertBook::kMaxLone);
+  for (const Alert& one : fixture->alerts()) CHECK(one.robot != "r1000");
 }
 
 TEST_CASE("robots that tell of very many faults leave room for the alerts of runs") {

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "services/resilience/core/detection.hpp"
-#include "services/resilience/core/fleet_stories.hpp"
 #include "services/resilience/core/open_alerts.hpp"
+#include "services/resilience/test/fleet_fixture.hpp"
 
 namespace trb::resilience::test {
 

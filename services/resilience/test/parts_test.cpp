@@ -45,8 +45,8 @@ TEST_CASE("detection: a robot that has been away for five seconds is an alert, a
   parts.tell_routes("r1");
   parts.detection.look(parts.now, parts.out);
   CHECK(parts.alerts.open().empty());
-  CHECK(parts.situation.due_runs().next() == parts.now.mono + Presence::kGrace);
-  parts.wait(Presence::kGrace);
+  CHECK(parts.situation.due_runs().next() == parts.now.mono + Liveness::kGrace);
+  parts.wait(Liveness::kGrace);
   parts.detection.look(parts.now, parts.out);
   REQUIRE(parts.alerts.open().size() == 1);
   CHECK(parts.alerts.open().front()->cause == "peer_expired");

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "services/resilience/test/bench.hpp"
+#include "services/resilience/test/fixture.hpp"
 
 using namespace trb;
 using namespace trb::resilience;
@@ -138,7 +138,7 @@ class Storm {
   }
 
   std::uint64_t state_;
-  std::unique_ptr<Bench> bench_;
+  std::unique_ptr<Fixture> bench_;
 };
 
 }  // namespace

@@ -377,7 +377,7 @@ void BridgeCore::event(std::uint64_t token, BridgeResult result, std::string dat
   if (error) {
     event.code = std::string(errc_name(error->code));
     event.what = error->what;
-    event.cure = error->cure;
+    event.hint = error->hint;
     out.count("refused." + event.code);
   }
   out.information(settings_.id, std::move(event));

@@ -10,7 +10,7 @@
 #include "proto/bodies/bridge.hpp"
 #include "proto/value.hpp"
 #include "services/ros-bridge/core/message_type.hpp"
-#include "services/ros-bridge/core/worker_words.hpp"
+#include "services/ros-bridge/core/worker_syntax.hpp"
 
 namespace trb::ros {
 

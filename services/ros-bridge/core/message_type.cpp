@@ -90,7 +90,7 @@ void collect(const RosType& type, std::map<std::string, const RosType*>& parts) 
 }
 
 Error named(const std::string& type, const Error& error) {
-  return fail(error.code, type + ": " + error.what, error.cure);
+  return fail(error.code, type + ": " + error.what, error.hint);
 }
 
 }  // namespace

@@ -84,7 +84,7 @@ TEST_CASE("types that contain each other, or that nobody knows, are refused by n
   TypeStore store = make_store();
   CHECK(store.find("demo/Ring").error().what.find("demo/Ring: contains itself") != std::string::npos);
   CHECK(store.find("demo/Gap").error().what == "demo/Gap.field: demo/Nowhere: no definition");
-  CHECK(store.find("Twist").error().cure == "write package/Name");
+  CHECK(store.find("Twist").error().hint == "write package/Name");
   CHECK(store.find("../etc/passwd").error().code == Errc::bad_value);
   CHECK(store.find("a/../../b").error().code == Errc::bad_value);
 }

@@ -51,8 +51,8 @@ class Writer {
   Bytes out;
 
  private:
-  [[nodiscard]] Error refuse(Errc code, const std::string& what, std::string cure = {}) const {
-    return fail(code, (path_.empty() ? "" : path_ + ": ") + what, std::move(cure));
+  [[nodiscard]] Error refuse(Errc code, const std::string& what, std::string hint = {}) const {
+    return fail(code, (path_.empty() ? "" : path_ + ": ") + what, std::move(hint));
   }
   [[nodiscard]] Error wrong(const Value& value, const std::string& wanted) const {
     return refuse(Errc::bad_value, kinds(value) + ", where " + wanted + " is needed");

@@ -13,7 +13,7 @@
 #include <memory>
 #include <string>
 
-#include "services/ros-bridge/core/worker_words.hpp"
+#include "services/ros-bridge/core/worker_syntax.hpp"
 
 namespace trb::ros {
 namespace {
@@ -71,8 +71,8 @@ class Worker {
       if (now > 0) sent += static_cast<std::size_t>(now);
     }
   }
-  static void refuse(const Bytes& token, std::string_view code, const std::string& what, const std::string& cure) {
-    say(Word::failed, {token, Bytes(code), what, cure});
+  static void refuse(const Bytes& token, std::string_view code, const std::string& what, const std::string& hint) {
+    say(Word::failed, {token, Bytes(code), what, hint});
   }
 
   /// False: the bridge is gone.

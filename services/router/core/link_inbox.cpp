@@ -112,7 +112,7 @@ void LinkInbox::deny(const Link& link, const Message& message, const Error& erro
   out.count("refused." + code);
   out.log(LogLevel::warning, "message_refused", link.peer + " sent " + message.subtype + ": " + error.text());
   if (message.type == MessageType::information || message.reply_to != 0) return;
-  answer(link, message, Nack{code, message.subtype, message.target, error.what, error.cure}, out);
+  answer(link, message, Nack{code, message.subtype, message.target, error.what, error.hint}, out);
 }
 
 /// Of a peer's robot and sensors, by its own word. It is told on, row beside row: none takes the others' room.

@@ -37,7 +37,7 @@ void LocalBus::refuse(ConnectionId from, const ServiceHello& hello, const Error&
   out.count(error.code == Errc::source_mismatch ? "refused.impersonation" : "refused." + code);
   out.log(LogLevel::warning, "service_refused",
           hello.service + " (pid " + std::to_string(hello.pid) + "): " + error.what);
-  const std::string hint = error.cure.empty() ? "stop the other process first: trb service list" : error.cure;
+  const std::string hint = error.hint.empty() ? "stop the other process first: trb service list" : error.hint;
   messages_.send_bus(from, 1, Nack{code, std::string(ServiceHello::kSubtype), node_.id(), error.what, hint}, out);
 }
 
@@ -85,7 +85,7 @@ void LocalBus::deny(ConnectionId to, const Message& request, const Error& error,
   const std::string code(errc_name(error.code));
   out.count("refused." + code);
   if (request.type == MessageType::information || request.reply_to != 0) return;
-  answer(to, request, Nack{code, request.subtype, request.target, error.what, error.cure}, out);
+  answer(to, request, Nack{code, request.subtype, request.target, error.what, error.hint}, out);
 }
 
 void LocalBus::nack(ConnectionId from, const HeaderView& header, Errc reason, Effects& out) {

@@ -57,7 +57,7 @@ std::optional<Message> OwnMessages::make(const std::string& target, std::uint64_
   out.count("dropped." + std::string(errc_name(why.code)));
   out.log(LogLevel::error, "not_sent", message.subtype + " for '" + target + "': " + why.text());
   if (reply_to == 0) return std::nullopt;
-  message.data = encode(Nack{std::string(errc_name(why.code)), message.subtype, target, why.what, why.cure});
+  message.data = encode(Nack{std::string(errc_name(why.code)), message.subtype, target, why.what, why.hint});
   message.subtype = Nack::kSubtype;
   return message;
 }

@@ -45,7 +45,7 @@ RelayRoute& RelayRoutes::row(const Peer& peer) {
   route.number = peer.number;
   route.open = false;
   route.key.clear();
-  route.road = RelayRoad(own.boot, {.lease = own.timing.lease, .alive = own.timing.keep_alive});
+  route.road = RelayConnection(own.boot, {.lease = own.timing.lease, .alive = own.timing.keep_alive});
   return route;
 }
 
@@ -200,7 +200,7 @@ Result<Relaying> RelayRoutes::wrap(ConnectionId from, std::string_view target, c
   const Link* relay = peer == nullptr ? nullptr : relay_of(*peer);
   if (relay == nullptr) return fail(Errc::peer_unreachable, "no relay reaches '" + std::string(target) + "'");
   if (frame.size() > kMaxRelayedFrame) return fail(Errc::too_large, "over 511 kB by way of a relay");
-  RelayRoad& road = row(*peer).road;
+  RelayConnection& road = row(*peer).road;
   const bool waits = deserves_nack(header);
   if (waits && !road.has_room()) return fail(Errc::queue_full, "too much is unconfirmed by way of a relay");
   const std::uint64_t count = road.next_count();
@@ -340,7 +340,7 @@ void RelayRoutes::on_alive(const Link& relay, Peer& peer, const RelayedFrame& in
   RelayRoute& route = row(peer);
   const bool first_relay = route.relays.insert(relay.peer).second;
   if (first_relay && route.carrier.empty()) route.carrier = relay.peer;
-  const RelayRoad::Heard heard = route.road.hear(*word, inner.source_boot, inner.count, now.mono);
+  const RelayConnection::Heard heard = route.road.hear(*word, inner.source_boot, inner.count, now.mono);
   if (!heard.lost.empty()) {
     change_carrier(route);
     notify_lost(heard.lost, out);

@@ -1,5 +1,5 @@
 // Everybody's side of relays: which peers are reached by one, and what goes that way end to end: locked and signed
-// here, checked, opened and confirmed there. Between two ends: relay_road.hpp.
+// here, checked, opened and confirmed there. Between two ends: relay_connection.hpp.
 #pragma once
 
 #include <map>
@@ -12,7 +12,7 @@
 #include "services/router/core/links.hpp"
 #include "services/router/core/local_bus.hpp"
 #include "services/router/core/local_profile.hpp"
-#include "services/router/core/relay_road.hpp"
+#include "services/router/core/relay_connection.hpp"
 #include "services/router/core/trust_store.hpp"
 
 namespace trb::router {
@@ -23,7 +23,7 @@ struct RelayRoute {
   std::set<std::string> relays;  ///< members that say they reach it
   std::string carrier;           ///< which of them is given what is for it
   bool open = false;             ///< there is no link, but this way is open
-  RelayRoad road;
+  RelayConnection road;
   Bytes key;                           ///< locks what goes that way; empty until it is needed
   std::uint64_t told_profile = 0;      ///< number of this node's profile that the peer was sent last
   MonotonicTime profile_told_at{};     ///< when

@@ -232,7 +232,7 @@ TEST_CASE(
   REQUIRE(encode_frame(three.numbered(text)).size() == most);
   CHECK(out(three.numbered(text)) == Errc::ok);
   CHECK(out(three.numbered(text + "x")) == Errc::too_large);
-  for (std::size_t i = 0; i < RelayRoad::kMaxUnconfirmed - 1; ++i) {
+  for (std::size_t i = 0; i < RelayConnection::kMaxUnconfirmed - 1; ++i) {
     REQUIRE(out(three.command(*three.ant)) == Errc::ok);
   }
   CHECK(out(three.command(*three.ant)) == Errc::queue_full);

@@ -18,7 +18,7 @@ std::optional<Error> Unstored::news_failure() const {
     const auto at = failed_.find(what);
     if (at == failed_.end()) continue;
     return fail(Errc::io_error, "in force until this router ends, but not on disk: " + at->second.what,
-                (at->second.cure.empty() ? "" : at->second.cure + "; ") +
+                (at->second.hint.empty() ? "" : at->second.hint + "; ") +
                     "it is tried again every 10 s, and trb service list shows until when it is not");
   }
   return std::nullopt;
@@ -29,7 +29,7 @@ std::string Unstored::note() const {
   const Error& first = failed_.begin()->second;
   return "not on disk, and lost in a restart: " + first.what +
          (failed_.size() > 1 ? " (and " + std::to_string(failed_.size() - 1) + " more)" : "") +
-         (first.cure.empty() ? "" : ": " + first.cure);
+         (first.hint.empty() ? "" : ": " + first.hint);
 }
 
 std::vector<Kept> Unstored::take_due(MonotonicTime now) {

@@ -84,7 +84,7 @@ TEST_CASE("a list that is not on disk is in force, told to the others, not ackno
   CHECK(two.nack()->code == "io_error");
   CHECK(two.nack()->what.find("No space left on device") != std::string::npos);
   CHECK(two.nack()->what.find("in force until this router ends, but not on disk") != std::string::npos);
-  CHECK(two.nack()->cure.find("df -h") != std::string::npos);
+  CHECK(two.nack()->hint.find("df -h") != std::string::npos);
   two.fleet.run(Seconds(1));
   CHECK(two.bee.count("news.lists") == 1);
   CHECK(two.note().find("not on disk") != std::string::npos);
@@ -228,5 +228,5 @@ TEST_CASE("of two that are not on disk the note tells the first and how many mor
   CHECK_FALSE(unstored.next());
   unstored.answered(Kept::certificate, fail(Errc::io_error, "/n/keys: cannot write", ""), now + Seconds(11));
   REQUIRE(unstored.news_failure());
-  CHECK(unstored.news_failure()->cure.starts_with("it is tried again every 10 s"));
+  CHECK(unstored.news_failure()->hint.starts_with("it is tried again every 10 s"));
 }

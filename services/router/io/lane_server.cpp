@@ -14,8 +14,8 @@ constexpr char kListen = 1;                ///< a subscription's first byte; the
 constexpr char kListenNoMore = 0;
 
 /// Only peers have anything to do here, each with one connection: strangers get less room than at the inbox.
-VisitorLimits limits_of(const VisitorLimits& inbox) {
-  VisitorLimits limits = inbox;
+PendingConnectionLimits limits_of(const PendingConnectionLimits& inbox) {
+  PendingConnectionLimits limits = inbox;
   limits.open = std::max<std::size_t>(inbox.open / 4, 32);
   limits.open_from_one = std::max<std::size_t>(inbox.open_from_one / 4, 16);
   return limits;
@@ -24,7 +24,7 @@ VisitorLimits limits_of(const VisitorLimits& inbox) {
 }  // namespace
 
 LaneServer::LaneServer(Context& context, Loop& loop, LaneTable& lanes, CounterTable& counters, CurveKeys keys,
-                       const VisitorLimits& inbox, std::shared_ptr<ByteBudget> whole, Owner owner)
+                       const PendingConnectionLimits& inbox, std::shared_ptr<ByteBudget> whole, Owner owner)
     : context_(context),
       loop_(loop),
       lanes_(lanes),
@@ -32,7 +32,7 @@ LaneServer::LaneServer(Context& context, Loop& loop, LaneTable& lanes, CounterTa
       keys_(std::move(keys)),
       whole_(std::move(whole)),
       owner_(std::move(owner)),
-      door_(
+      inbox_guard_(
           loop, limits_of(inbox),
           [this](const std::string& source) {
             count("refused.lane_source_blocked", "lane_source_blocked",
@@ -41,14 +41,14 @@ LaneServer::LaneServer(Context& context, Loop& loop, LaneTable& lanes, CounterTa
           [this](const std::string& address) {
             count("cut.no_listener", "no_listener", "the connection of " + address + " did not listen in time");
           }) {
-  door_.set_friends(owner_.friends);
+  inbox_guard_.set_friends(owner_.friends);
 }
 
 void LaneServer::close() {
   if (socket_) loop_.remove_socket(socket_->handle());
   monitor_.reset();
   socket_.reset();
-  door_.reset();
+  inbox_guard_.reset();
   for (const auto& [link, listener] : listeners_) lanes_.on_listener_gone(link);
   listeners_.clear();
   also_.clear();
@@ -96,7 +96,7 @@ SendResult LaneServer::publish(LinkId link, BytesView topic, Frame&& frame) {
 void LaneServer::link_closed(LinkId link) {
   const auto at = listeners_.find(link);
   if (at == listeners_.end()) return;
-  door_.leave(at->second.visitor);
+  inbox_guard_.leave(at->second.pending);
   listeners_.erase(at);
 }
 
@@ -113,9 +113,9 @@ void LaneServer::drain() {
 
 /// The descriptor may have been another connection's a moment ago: first what the monitor has to tell of that one's
 /// end.
-VisitorId LaneServer::visitor_on(int fd) {
+PendingConnectionId LaneServer::visitor_on(int fd) {
   monitor_->catch_up();
-  return door_.visitor(fd);
+  return inbox_guard_.pending(fd);
 }
 
 /// libzmq 4.3.4 says which connection a subscription came by, but lets the *next* one of its queue hear; any other word
@@ -125,7 +125,7 @@ void LaneServer::on_word(const Frame& frame) {
   const auto key = from_hex(user_id(frame));
   if (!key || key->size() != 32) return;  // libzmq's own word for a connection that has ended
   const int fd = subscriber_fd(frame);
-  const VisitorId visitor = visitor_on(fd);
+  const PendingConnectionId pending = visitor_on(fd);
   const BytesView word = view_of(frame);
   Effects effects;
   if (frame.more() || word.empty() || (word[0] != kListen && word[0] != kListenNoMore)) {
@@ -133,23 +133,23 @@ void LaneServer::on_word(const Frame& frame) {
     lanes_.bar(*key, effects);
   } else if (mixed_up_) {
     effects.count("lane.ask_again");
-  } else if (word[0] == kListen && visitor != 0) {
+  } else if (word[0] == kListen && pending != 0) {
     if (const auto link = lanes_.on_listen(*key, word.substr(1), effects)) {
       owner_.carry_out(effects);
-      return listen(*link, visitor, word.substr(1));
+      return listen(*link, pending, word.substr(1));
     }
   }
   owner_.carry_out(effects);
-  door_.leave(visitor);
+  inbox_guard_.leave(pending);
 }
 
-void LaneServer::listen(LinkId link, VisitorId visitor, BytesView topic) {
+void LaneServer::listen(LinkId link, PendingConnectionId pending, BytesView topic) {
   socket_->let_listen(topic);
-  door_.linked(visitor);
-  Listener now{visitor, std::make_shared<ByteBudget>(kBytes, whole_)};
-  const VisitorId old = std::exchange(listeners_[link], std::move(now)).visitor;
+  inbox_guard_.linked(pending);
+  Listener now{pending, std::make_shared<ByteBudget>(kBytes, whole_)};
+  const PendingConnectionId old = std::exchange(listeners_[link], std::move(now)).pending;
   // A dialler makes a second connection when its first is dead; what waits for that one must not be in its way.
-  if (old != 0 && old != visitor) door_.leave(old);
+  if (old != 0 && old != pending) inbox_guard_.leave(old);
 }
 
 void LaneServer::count(const std::string& name, const char* event, const std::string& text) {
@@ -159,15 +159,15 @@ void LaneServer::count(const std::string& name, const char* event, const std::st
 
 void LaneServer::on_event(LinkEvent event, int fd) {
   if (event == LinkEvent::disconnected) {
-    const VisitorId visitor = door_.visitor(fd);
+    const PendingConnectionId pending = inbox_guard_.pending(fd);
     const auto at = std::find_if(listeners_.begin(), listeners_.end(),
-                                 [&](const auto& row) { return row.second.visitor == visitor; });
-    if (visitor != 0 && at != listeners_.end()) {
+                                 [&](const auto& row) { return row.second.pending == pending; });
+    if (pending != 0 && at != listeners_.end()) {
       lanes_.on_listener_gone(at->first);
       listeners_.erase(at);
     }
   }
-  door_.on_event(event, fd);
+  inbox_guard_.on_event(event, fd);
   if (event == LinkEvent::failed && fd >= 0) return;  // the listening socket itself was closed
   switch (event) {
     case LinkEvent::accept_failed:

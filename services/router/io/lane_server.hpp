@@ -12,7 +12,7 @@
 #include "common/transport/socket.hpp"
 #include "services/router/core/counter_table.hpp"
 #include "services/router/core/lane_table.hpp"
-#include "services/router/io/door.hpp"
+#include "services/router/io/inbox_guard.hpp"
 
 namespace trb::router {
 
@@ -26,7 +26,7 @@ class LaneServer {
   /// ZAP must be bound before, and the context have two I/O threads. `whole` bounds what waits in all queues of the
   /// node.
   LaneServer(Context& context, Loop& loop, LaneTable& lanes, CounterTable& counters, CurveKeys keys,
-             const VisitorLimits& inbox, std::shared_ptr<ByteBudget> whole, Owner owner);
+             const PendingConnectionLimits& inbox, std::shared_ptr<ByteBudget> whole, Owner owner);
 
   /// At this address; every connection to another is gone. Port 0: any. Errors: io_error naming the address.
   Status open(const std::string& host, std::uint16_t port);
@@ -43,14 +43,14 @@ class LaneServer {
 
  private:
   struct Listener {
-    VisitorId visitor = 0;
+    PendingConnectionId pending = 0;
     std::shared_ptr<ByteBudget> budget;
   };
 
   void drain();
   void on_word(const Frame& frame);
-  void listen(LinkId link, VisitorId visitor, BytesView topic);
-  VisitorId visitor_on(int fd);
+  void listen(LinkId link, PendingConnectionId pending, BytesView topic);
+  PendingConnectionId visitor_on(int fd);
   void on_event(LinkEvent event, int fd);
   void count(const std::string& name, const char* event, const std::string& text);
 
@@ -61,7 +61,7 @@ class LaneServer {
   CurveKeys keys_;
   std::shared_ptr<ByteBudget> whole_;
   Owner owner_;
-  Door door_;
+  InboxGuard inbox_guard_;
   std::unique_ptr<Socket> socket_;
   std::unique_ptr<SocketMonitor> monitor_;
   std::map<LinkId, Listener> listeners_;

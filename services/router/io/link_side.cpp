@@ -55,21 +55,21 @@ void RouterShell::drain_inbox() {
   }
 }
 
-VisitorId RouterShell::inbox_visitor(const Frame& frame) {
+PendingConnectionId RouterShell::inbox_visitor(const Frame& frame) {
   inbox_monitor_->catch_up();  // the descriptor may have been another connection's a moment ago
-  return door_.visitor(connection_fd(frame));
+  return inbox_guard_.pending(connection_fd(frame));
 }
 
 void RouterShell::on_inbox_frame(BytesView routing_id, Frame& frame) {
   const auto header = decode_frame(view_of(frame));
   const bool other_version = !header && header.error().code == Errc::version_mismatch;
-  if (other_version && inbox_visitor(frame) != 0 && door_.is_undecided(connection_fd(frame)))
+  if (other_version && inbox_visitor(frame) != 0 && inbox_guard_.is_undecided(connection_fd(frame)))
     return on_other_version(routing_id, frame);
   if (!header) {
     const auto from = std::find_if(accepted_.begin(), accepted_.end(), [&](const auto& row) {
       return row.second.routing_id == routing_id && row.second.user == user_id(frame);
     });
-    if (from == accepted_.end()) door_.leave(inbox_visitor(frame));
+    if (from == accepted_.end()) inbox_guard_.leave(inbox_visitor(frame));
     return on_bad_frame(from == accepted_.end() ? 0 : from->first, header.error());
   }
   const std::string_view user = user_id(frame);
@@ -84,9 +84,9 @@ void RouterShell::on_inbox_frame(BytesView routing_id, Frame& frame) {
     // Another connection names a link that is not its own.
     effects.count("refused.link_theft");
     effects.log(LogLevel::warning, "link_theft", "a connection used another one's link id");
-  } else if (!door_.is_undecided(connection_fd(frame))) {
+  } else if (!inbox_guard_.is_undecided(connection_fd(frame))) {
     const auto own = std::find_if(accepted_.begin(), accepted_.end(),
-                                  [&](const auto& row) { return row.second.visitor == origin_.visitor; });
+                                  [&](const auto& row) { return row.second.pending == origin_.pending; });
     if (own == accepted_.end()) {
       effects.count("dropped.closed_link");
     } else {
@@ -105,13 +105,13 @@ void RouterShell::on_inbox_frame(BytesView routing_id, Frame& frame) {
 void RouterShell::on_other_version(BytesView routing_id, Frame& frame) {
   const auto header = decode_frame_of_any_version(view_of(frame));
   const auto key = from_hex(user_id(frame));
-  const VisitorId visitor = inbox_visitor(frame);
+  const PendingConnectionId pending = inbox_visitor(frame);
   if (!header || !key || key->size() != 32) {
-    door_.leave(visitor);
+    inbox_guard_.leave(pending);
     return on_bad_frame(0,
                         fail(Errc::version_mismatch, "wire version " + std::to_string(wire_version(view_of(frame)))));
   }
-  origin_ = {Bytes(routing_id), Bytes(user_id(frame)), visitor};
+  origin_ = {Bytes(routing_id), Bytes(user_id(frame)), pending};
   Effects effects;
   core_.handshake().on_other_version(0, *key, wire_version(view_of(frame)), *header, read_clocks(), effects);
   carry_out(effects);
@@ -231,7 +231,7 @@ Status RouterShell::open_dialled(const Dial& effect, const std::string& name) {
 
 void RouterShell::close_link(LinkId link) {
   if (const auto accepted = accepted_.find(link); accepted != accepted_.end()) {
-    door_.leave(accepted->second.visitor);
+    inbox_guard_.leave(accepted->second.pending);
     accepted_.erase(accepted);
   }
   lane_->link_closed(link);
@@ -305,8 +305,8 @@ void RouterShell::on_visitor_cut(const std::string& address) {
 
 void RouterShell::on_inbox_event(LinkEvent event, int fd) {
   // Of a client of ZMTP 1 or 2, in which there is no CURVE, libzmq tells nothing but its end.
-  if (event == LinkEvent::disconnected && door_.is_undecided(fd)) core_.counters().count("ended.no_link");
-  door_.on_event(event, fd);
+  if (event == LinkEvent::disconnected && inbox_guard_.is_undecided(fd)) core_.counters().count("ended.no_link");
+  inbox_guard_.on_event(event, fd);
   if (event == LinkEvent::failed && fd >= 0) return;  // the listening socket itself was closed
   switch (event) {
     case LinkEvent::accept_failed:

@@ -117,7 +117,7 @@ void Resolver::take(Name& name, const std::string& host, Result<std::vector<std:
     name.hosts = std::move(*found);
     return;
   }
-  name.failure = found.error().what + ": " + found.error().cure;
+  name.failure = found.error().what + ": " + found.error().hint;
   name.until.reset();  // asked again with the next dial
   if (found.error().code == Errc::missing) name.hosts.clear();
 }

@@ -49,16 +49,16 @@ Status RouterShell::open() {
     carry_out(effects);
     return good;
   });
-  door_.set_friends([this] { return sources_of_peers(); });
+  inbox_guard_.set_friends([this] { return sources_of_peers(); });
   lane_ = std::make_unique<LaneServer>(
-      context_, loop_, core_.lanes(), core_.counters(), options_.link_keys, options_.visitors, whole_,
+      context_, loop_, core_.lanes(), core_.counters(), options_.link_keys, options_.pending_connections, whole_,
       LaneServer::Owner{[this](Effects& effects) { carry_out(effects); },
                         [this](const char* event, const std::string& text) {
                           log_limited(limit_, read_clocks().mono, Level::warning, event, text);
                         },
                         [this] { return sources_of_peers(); }});
   if (Status bus = open_bus(); !bus) return bus;
-  return open_place();
+  return open_local_address();
 }
 
 Status RouterShell::open_bus() {
@@ -92,7 +92,7 @@ int RouterShell::run() {
   Effects effects;
   core_.start(read_clocks(), effects);
   carry_out(effects);
-  tell_place();
+  notify_local_address();
   keys_watch_ = std::make_unique<KeysWatch>(loop_, "keys", [this] { read_key_folder(); });
   read_key_folder();
   loop_.add_fd(checker_->fd(), POLLIN, [this](short) { take_checked(); });
@@ -126,8 +126,8 @@ void RouterShell::carry_out(Effects& effects) {
                    [this](DialLane& dial) { dial_lane(dial); },
                    [this](CloseLink& close) { close_link(close.link); },
                    [this](AcceptLink& accept) {
-                     accepted_[accept.link] = {origin_.routing_id, origin_.user, origin_.visitor, new_budget()};
-                     door_.linked(origin_.visitor);
+                     accepted_[accept.link] = {origin_.routing_id, origin_.user, origin_.pending, new_budget()};
+                     inbox_guard_.linked(origin_.pending);
                    },
                    [this](RefuseCandidate& refuse) {
                      if (origin_.routing_id.empty()) return;
@@ -136,7 +136,7 @@ void RouterShell::carry_out(Effects& effects) {
                        stamp_version(frame->data(), refuse.version);
                        inbox_->send_to(origin_.routing_id, to_frame(*frame));
                      }
-                     door_.leave(origin_.visitor);
+                     inbox_guard_.leave(origin_.pending);
                    },
                    [this](SendBeacon& beacon) {
                      if (beacon_)

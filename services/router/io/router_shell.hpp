@@ -17,7 +17,7 @@
 #include "common/transport/zap.hpp"
 #include "services/router/core/router_core.hpp"
 #include "services/router/io/beacon_socket.hpp"
-#include "services/router/io/door.hpp"
+#include "services/router/io/inbox_guard.hpp"
 #include "services/router/io/interface_watch.hpp"
 #include "services/router/io/keys_watch.hpp"
 
@@ -44,7 +44,7 @@ struct ShellOptions {
   std::uint16_t lane_port = 0;  ///< 0: any
   std::uint16_t beacon_port = 0;
   BeaconKey beacon_key;
-  VisitorLimits visitors;
+  PendingConnectionLimits pending_connections;
   std::uint64_t proof_log_bytes = 0;  ///< at most so much in log/proof; 0: no proof log
   TcpBus bus;
 };
@@ -97,14 +97,14 @@ class RouterShell {
   struct Accepted {
     Bytes routing_id;
     Bytes user;  ///< User-Id: the key, in hexadecimal
-    VisitorId visitor = 0;
+    PendingConnectionId pending = 0;
     std::shared_ptr<ByteBudget> budget;
   };
   /// Where the message now being handled came from, for AcceptLink and RefuseCandidate.
   struct InboxOrigin {
     Bytes routing_id;
     Bytes user;
-    VisitorId visitor = 0;
+    PendingConnectionId pending = 0;
   };
 
   Status open_bus();
@@ -131,7 +131,7 @@ class RouterShell {
   bool admit_to_bus(BytesView key);
   [[nodiscard]] std::string whom_it_proves(const BusSocket& bus, const Frame& frame) const;  ///< empty: nobody
   void note_bus_visitor(const BusSocket& bus, const Frame& frame, ConnectionId from);
-  VisitorId inbox_visitor(const Frame& frame);
+  PendingConnectionId inbox_visitor(const Frame& frame);
   void on_bus_event(LinkEvent event, int fd, bool proves);
   // lane_side.cpp
   [[nodiscard]] std::string own_lane() const;
@@ -165,11 +165,11 @@ class RouterShell {
   void on_source_blocked(const std::string& source);
   void on_visitor_cut(const std::string& address);
   // place.cpp
-  Status open_place();
+  Status open_local_address();
   Status open_inbox(const Resolved& host);
   void follow_interfaces();
   void move_to(const Resolved& host);
-  void tell_place();
+  void notify_local_address();
   void follow_vpn();
   [[nodiscard]] std::string own_address() const;
   [[nodiscard]] std::string to_dial(const std::string& address) const;
@@ -215,8 +215,9 @@ class RouterShell {
   ConnectionId next_connection_ = 0;
   std::unique_ptr<Socket> inbox_;
   std::unique_ptr<SocketMonitor> inbox_monitor_;
-  Door door_{loop_, options_.visitors, [this](const std::string& source) { on_source_blocked(source); },
-             [this](const std::string& address) { on_visitor_cut(address); }};
+  InboxGuard inbox_guard_{loop_, options_.pending_connections,
+                          [this](const std::string& source) { on_source_blocked(source); },
+                          [this](const std::string& address) { on_visitor_cut(address); }};
   std::unique_ptr<LaneServer> lane_;
   std::map<LinkId, Dialled> dialled_;
   std::map<LinkId, Dialled> heard_;  ///< the lanes of the peers
@@ -234,7 +235,7 @@ class RouterShell {
   InboxOrigin origin_;
   std::vector<LinkId> lost_links_;
   std::vector<std::pair<Message, Errc>> unsent_;  ///< of the router itself, that did not leave
-  std::unique_ptr<Door> bus_door_;                ///< of a bus over TCP
+  std::unique_ptr<InboxGuard> bus_door_;          ///< of a bus over TCP
   std::unique_ptr<Socket> tap_;
   std::vector<std::unique_ptr<SocketMonitor>> bus_monitors_;  ///< of the bus, and of the tap
   unsigned tap_listeners_ = 0;

@@ -159,7 +159,8 @@ Result<int> start(NodeConfig node) {
   if (descriptors < kGoodDescriptors) {
     log_event(Level::warning, "few_descriptors",
               "at most " + std::to_string(descriptors) + " open files: strangers get " +
-                  std::to_string(options.visitors.open) + " of them, which may be few for a large fleet; " + kRaise);
+                  std::to_string(options.pending_connections.open) + " of them, which may be few for a large fleet; " +
+                  kRaise);
   }
   RouterShell shell(std::move(config), std::move(options));
   if (Status opened = shell.open(); !opened) return opened.error();

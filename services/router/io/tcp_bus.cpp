@@ -7,8 +7,8 @@ namespace trb::router {
 namespace {
 
 /// A node's services and probes are few, and on one machine they all come from one address.
-VisitorLimits bus_limits() {
-  VisitorLimits limits;
+PendingConnectionLimits bus_limits() {
+  PendingConnectionLimits limits;
   limits.open = 64;
   limits.open_from_one = 48;
   return limits;
@@ -22,7 +22,7 @@ Status RouterShell::open_tcp_bus() {
   if (!socket) return socket.error();
   auto tap = Socket::tap_server(context_, "", &options.keys);
   if (!tap) return tap.error();
-  bus_door_ = std::make_unique<Door>(
+  bus_door_ = std::make_unique<InboxGuard>(
       loop_, bus_limits(),
       [this](const std::string& source) {
         core_.counters().count("refused.bus_source_blocked");
@@ -71,14 +71,14 @@ void RouterShell::note_bus_visitor(const BusSocket& bus, const Frame& frame, Con
   if (!bus.name.empty()) return;
   const int fd = connection_fd(frame);
   bus_monitors_.front()->catch_up();  // the descriptor may have been another connection's a moment ago
-  const VisitorId visitor = bus_door_->visitor(fd);
-  if (core_.bus().knows(from)) return bus_door_->linked(visitor);
-  bus_door_->leave(visitor);  // refused; it reads why first
+  const PendingConnectionId pending = bus_door_->pending(fd);
+  if (core_.bus().knows(from)) return bus_door_->linked(pending);
+  bus_door_->leave(pending);  // refused; it reads why first
 }
 
 /// `proves`: on this socket the handshake is all there is to prove.
 void RouterShell::on_bus_event(LinkEvent event, int fd, bool proves) {
-  const VisitorId visitor = bus_door_->visitor(fd);
+  const PendingConnectionId pending = bus_door_->pending(fd);
   bus_door_->on_event(event, fd);
   const auto refused = [this](const char* name, const char* text) {
     core_.counters().count("refused." + std::string(name));
@@ -86,7 +86,7 @@ void RouterShell::on_bus_event(LinkEvent event, int fd, bool proves) {
   };
   switch (event) {
     case LinkEvent::connected:
-      if (proves) bus_door_->linked(visitor);
+      if (proves) bus_door_->linked(pending);
       break;
     case LinkEvent::accept_failed:
       core_.counters().count("refused.no_descriptor");

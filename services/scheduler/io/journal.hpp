@@ -24,7 +24,7 @@ class JournalFile final : public Archive {
   /// Opens or makes the file (WAL, synchronous=FULL); an older schema is brought up to date. `archive_bytes`: when the
   /// records of the archive take more, the oldest go; that those runs are over stays known for as long as anything may
   /// come for them. Errors: io_error, malformed (no database, a damaged one), version_mismatch; each names the file and
-  /// the cure.
+  /// the hint.
   static Result<std::unique_ptr<JournalFile>> open(const std::string& path, std::int64_t archive_bytes = kArchiveBytes);
 
   JournalFile(const JournalFile&) = delete;

@@ -208,7 +208,7 @@ TEST_CASE("a torn record is refused, with the file's name and a cure") {
   CHECK(records.error().code == Errc::malformed);
   CHECK(records.error().what.find(folder.file()) != std::string::npos);
   CHECK(records.error().what.find("record 2") != std::string::npos);
-  CHECK_FALSE(records.error().cure.empty());
+  CHECK_FALSE(records.error().hint.empty());
 }
 
 TEST_CASE("a record of an unknown kind, another schema, and a file that is no database are refused") {

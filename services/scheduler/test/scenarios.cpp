@@ -1,5 +1,5 @@
-#include "common/scenario/graph.hpp"
 #include "services/scheduler/test/scenarios.hpp"
+#include "common/scenario/graph.hpp"
 
 namespace trb::scheduler::test {
 

@@ -188,5 +188,5 @@ TEST_CASE("what is too large is told with less quality, and else is an error tha
   const auto none = to_jpeg(picture, 1000);
   REQUIRE_FALSE(none.ok());
   CHECK(none.error().code == Errc::too_large);
-  CHECK(none.error().cure.find("\"width\"") != std::string::npos);
+  CHECK(none.error().hint.find("\"width\"") != std::string::npos);
 }

@@ -68,7 +68,7 @@ void Watches::end_of(const std::string& name, const Error& why, Outbox& out) {
         {.type = MessageType::information,
          .target = std::get<1>(key),
          .reply_to = watch.request,
-         .body = Nack{std::string(errc_name(why.code)), std::string(SensorWatch::kSubtype), name, why.what, why.cure}});
+         .body = Nack{std::string(errc_name(why.code)), std::string(SensorWatch::kSubtype), name, why.what, why.hint}});
     at = watches_.erase(at);
     changed_ = true;
   }

@@ -34,7 +34,8 @@ using Ranges = std::array<Range, kAxes>;
 extern const Ranges kKukaRanges;
 extern const Ranges kAbbRanges;
 
-/** The joint that is out of its range, told as "A2 60.0 is not in -190.0..45.0"; `letter`: how the make calls an axis. */
+/** The joint that is out of its range, told as "A2 60.0 is not in -190.0..45.0"; `letter`: how the make calls an axis.
+ */
 std::optional<std::string> out_of_range(const Joints& joints, const Ranges& ranges = kKukaRanges, char letter = 'A');
 
 /** What is fetched, put down and left, as every virtual arm does it. */

@@ -15,7 +15,7 @@ namespace {
 std::string what_of(std::string_view words) {
   const auto steps = read_arcos_steps(words);
   if (steps) return "";
-  CHECK_FALSE(steps.error().cure.empty());
+  CHECK_FALSE(steps.error().hint.empty());
   return steps.error().what;
 }
 
@@ -35,7 +35,7 @@ std::string fault_of(const std::string& file, const std::string& from, const std
   folder.change(file, from, to);
   const ConfigFaults faults = without_keys(folder.check().faults);
   REQUIRE_MESSAGE(faults.size() == 1, to_text(faults));
-  CHECK_FALSE(faults[0].cure.empty());
+  CHECK_FALSE(faults[0].hint.empty());
   return faults[0].key + ": " + faults[0].what;
 }
 

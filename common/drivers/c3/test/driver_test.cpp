@@ -1,6 +1,6 @@
 // The interpreter mode over C3: what a KUKA's variables are told, and what they tell.
 #include "common/drivers/c3/krl.hpp"
-#include "common/drivers/c3/test/bench.hpp"
+#include "common/drivers/c3/test/fixture.hpp"
 #include "common/drivers/c3/wire.hpp"
 
 using namespace trb;
@@ -66,139 +66,139 @@ TEST_CASE("values: numbers, flags, texts, structures and their components") {
 }
 
 TEST_CASE("a message goes field by field, and is answered once the robot's program has taken it") {
-  C3Bench bench;
-  CHECK(bench.writes() == "TRB_COMMAND=FALSE\n");
-  const auto id = bench.command("wave", "hello \"you\"\nand you");
-  bench.serve();
-  CHECK(bench.writes() ==
+  C3Fixture fixture;
+  CHECK(fixture.writes() == "TRB_COMMAND=FALSE\n");
+  const auto id = fixture.command("wave", "hello \"you\"\nand you");
+  fixture.serve();
+  CHECK(fixture.writes() ==
         "TRB_TYPE[]=\"command\"\nTRB_SUBTYPE[]=\"wave\"\nTRB_SOURCE[]=\"operator\"\nTRB_SIZE=19\n"
         "TRB_DATA[]=\"hello \\qyou\\q\\na\"\nTRB_CHUNK=TRUE\n");
-  bench.live(1);
-  CHECK(bench.answer(id).empty());
-  bench.robot["TRB_CHUNK"] = "FALSE";
-  bench.live(0.1);
-  CHECK(bench.writes() == "TRB_DATA[]=\"nd you\"\nTRB_NUMBER=77000001\nTRB_COMMAND=TRUE\n");
-  bench.take();
-  CHECK(bench.answer(id) == "ack started");
-  bench.finish();
-  CHECK(bench.writes() == "TRB_DONE=FALSE\n");
-  CHECK(bench.counted("from_robot.done") == 1);
+  fixture.live(1);
+  CHECK(fixture.answer(id).empty());
+  fixture.robot["TRB_CHUNK"] = "FALSE";
+  fixture.live(0.1);
+  CHECK(fixture.writes() == "TRB_DATA[]=\"nd you\"\nTRB_NUMBER=77000001\nTRB_COMMAND=TRUE\n");
+  fixture.take();
+  CHECK(fixture.answer(id) == "ack started");
+  fixture.finish();
+  CHECK(fixture.writes() == "TRB_DONE=FALSE\n");
+  CHECK(fixture.counted("from_robot.done") == 1);
 }
 
 TEST_CASE("words are written before the message, and must fit the data") {
-  C3Bench bench;
-  bench.writes();
-  bench.command("move", "[1.5, -2]");
-  bench.serve();
-  CHECK(
-      bench.writes().starts_with("TRB_AXIS={E6AXIS: A1 1.5, A2 -2}\nTRB_TYPE[]=\"command\"\nTRB_SUBTYPE[]=\"move\"\n"));
-  CHECK(bench.answer(bench.command("move", "[1]")) == "nack bad_value");
-  const auto wrong = bench.command("move", "[1, 2, 3]");
-  CHECK(bench.nack_of(wrong).what == "the command takes 2 items, and the data has 3");
-  CHECK(bench.answer(bench.command("move", R"(["a\"b", 1])")) == "nack not_escapable");
-  CHECK(bench.answer(bench.command("move", "home")) == "nack bad_value");
+  C3Fixture fixture;
+  fixture.writes();
+  fixture.command("move", "[1.5, -2]");
+  fixture.serve();
+  CHECK(fixture.writes().starts_with(
+      "TRB_AXIS={E6AXIS: A1 1.5, A2 -2}\nTRB_TYPE[]=\"command\"\nTRB_SUBTYPE[]=\"move\"\n"));
+  CHECK(fixture.answer(fixture.command("move", "[1]")) == "nack bad_value");
+  const auto wrong = fixture.command("move", "[1, 2, 3]");
+  CHECK(fixture.nack_of(wrong).what == "the command takes 2 items, and the data has 3");
+  CHECK(fixture.answer(fixture.command("move", R"(["a\"b", 1])")) == "nack not_escapable");
+  CHECK(fixture.answer(fixture.command("move", "home")) == "nack bad_value");
 }
 
 TEST_CASE("what the robot's program refuses is told to the sender with its text") {
-  C3Bench bench;
-  const auto id = bench.command("move", "[400, 0]");
-  bench.live(0.1);
-  bench.number = bench.robot["TRB_NUMBER"];
-  bench.robot["TRB_COMMAND"] = "FALSE";
-  bench.finish(4, "A1 is out of its range");
-  CHECK(bench.nack_of(id).code == "robot_error");
-  CHECK(bench.nack_of(id).what == "the robot refuses it: A1 is out of its range");
+  C3Fixture fixture;
+  const auto id = fixture.command("move", "[400, 0]");
+  fixture.live(0.1);
+  fixture.number = fixture.robot["TRB_NUMBER"];
+  fixture.robot["TRB_COMMAND"] = "FALSE";
+  fixture.finish(4, "A1 is out of its range");
+  CHECK(fixture.nack_of(id).code == "robot_error");
+  CHECK(fixture.nack_of(id).what == "the robot refuses it: A1 is out of its range");
 }
 
 TEST_CASE("a variable that is not declared on the robot: the answer names it") {
-  C3Bench bench;
-  bench.robot.erase("TRB_AXIS");
-  const auto id = bench.command("move", "[1, 2]");
-  bench.serve();
-  CHECK(bench.nack_of(id).what == "the robot refuses TRB_AXIS = {E6AXIS: A1 1, A2 2} (C3 error 0)");
+  C3Fixture fixture;
+  fixture.robot.erase("TRB_AXIS");
+  const auto id = fixture.command("move", "[1, 2]");
+  fixture.serve();
+  CHECK(fixture.nack_of(id).what == "the robot refuses TRB_AXIS = {E6AXIS: A1 1, A2 2} (C3 error 0)");
 }
 
 TEST_CASE("two commands at once: the second waits for the first's end, or for its own deadline") {
-  C3Bench bench;
-  const auto first = bench.command("wave", "1");
-  bench.remaining_ms = 1000;
-  const auto second = bench.command("wave", "2");
-  bench.remaining_ms = 8000;
-  const auto third = bench.command("wave", "3");
-  bench.take();
-  CHECK(bench.answer(first) == "ack started");
-  bench.live(1);
-  CHECK(bench.answer(second) == "nack timeout");
-  bench.finish();
-  bench.take();
-  CHECK(bench.robot["TRB_DATA[]"] == "\"3\"");
-  CHECK(bench.answer(third) == "ack started");
+  C3Fixture fixture;
+  const auto first = fixture.command("wave", "1");
+  fixture.remaining_ms = 1000;
+  const auto second = fixture.command("wave", "2");
+  fixture.remaining_ms = 8000;
+  const auto third = fixture.command("wave", "3");
+  fixture.take();
+  CHECK(fixture.answer(first) == "ack started");
+  fixture.live(1);
+  CHECK(fixture.answer(second) == "nack timeout");
+  fixture.finish();
+  fixture.take();
+  CHECK(fixture.robot["TRB_DATA[]"] == "\"3\"");
+  CHECK(fixture.answer(third) == "ack started");
 }
 
 TEST_CASE("a program that does not take a message: it is withdrawn, and the answer says where to look") {
-  C3Bench bench;
-  const auto id = bench.command("wave", "1");
-  bench.live(2.1);
-  CHECK(bench.nack_of(id).code == "robot_error");
-  CHECK(bench.nack_of(id).cure.find("trb.src") != std::string::npos);
-  CHECK(bench.robot["TRB_COMMAND"] == "FALSE");
+  C3Fixture fixture;
+  const auto id = fixture.command("wave", "1");
+  fixture.live(2.1);
+  CHECK(fixture.nack_of(id).code == "robot_error");
+  CHECK(fixture.nack_of(id).hint.find("trb.src") != std::string::npos);
+  CHECK(fixture.robot["TRB_COMMAND"] == "FALSE");
 }
 
 TEST_CASE("a skill ends when the program says so, with its text") {
-  C3Bench bench;
-  bench.deliver(MessageType::request, order("reach", R"({"joints": [1, 2]})"), "kuka");
-  bench.take();
-  bench.flags = kFlagTakeControl;
-  CHECK(bench.answer(bench.command("wave", "1")) == "nack busy");
-  bench.finish(0, "picked");
-  const auto ended = bench.one<Outcome>();
+  C3Fixture fixture;
+  fixture.deliver(MessageType::request, order("reach", R"({"joints": [1, 2]})"), "kuka");
+  fixture.take();
+  fixture.flags = kFlagTakeControl;
+  CHECK(fixture.answer(fixture.command("wave", "1")) == "nack busy");
+  fixture.finish(0, "picked");
+  const auto ended = fixture.one<Outcome>();
   CHECK(ended.outcome == TaskOutcome::finished);
   CHECK(ended.data == "\"picked\"");
 }
 
 TEST_CASE("the end of an old message is not taken for that of a new one") {
-  C3Bench bench;
-  bench.deliver(MessageType::request, order("home", ""), "kuka");
-  bench.take();
-  const std::string ours = bench.number;
-  bench.number = "1999000001";
-  bench.finish();
-  CHECK(bench.counted("refused.late_done") == 1);
-  CHECK(bench.told<Outcome>().empty());
-  bench.number = ours;
-  bench.finish(3, "no part");
-  CHECK(bench.one<Outcome>().reason == "no part");
+  C3Fixture fixture;
+  fixture.deliver(MessageType::request, order("home", ""), "kuka");
+  fixture.take();
+  const std::string ours = fixture.number;
+  fixture.number = "1999000001";
+  fixture.finish();
+  CHECK(fixture.counted("refused.late_done") == 1);
+  CHECK(fixture.told<Outcome>().empty());
+  fixture.number = ours;
+  fixture.finish(3, "no part");
+  CHECK(fixture.one<Outcome>().reason == "no part");
 }
 
 TEST_CASE("a skill that takes too long: the motion is ended, and what the robot says afterwards is late") {
-  C3Bench bench;
-  bench.deliver(MessageType::request, order("home", ""), "kuka");
-  bench.take();
-  bench.writes();
-  bench.live(10);
-  CHECK(bench.one<Outcome>().reason == "timed out after 10 s");
-  CHECK(bench.writes() == "TRB_STOP=TRUE\n");
-  bench.robot["TRB_STOPPED"] = "TRUE";
-  bench.finish(2, "stopped");
-  CHECK(bench.counted("refused.late_done") == 1);
-  CHECK(bench.robot["TRB_STOP"] == "FALSE");
-  bench.robot["TRB_STOPPED"] = "FALSE";
-  bench.live(0.1);
-  bench.flags = kFlagTakeControl;
-  const auto id = bench.command("wave", "1");
-  bench.take();
-  CHECK(bench.answer(id) == "ack started");
+  C3Fixture fixture;
+  fixture.deliver(MessageType::request, order("home", ""), "kuka");
+  fixture.take();
+  fixture.writes();
+  fixture.live(10);
+  CHECK(fixture.one<Outcome>().reason == "timed out after 10 s");
+  CHECK(fixture.writes() == "TRB_STOP=TRUE\n");
+  fixture.robot["TRB_STOPPED"] = "TRUE";
+  fixture.finish(2, "stopped");
+  CHECK(fixture.counted("refused.late_done") == 1);
+  CHECK(fixture.robot["TRB_STOP"] == "FALSE");
+  fixture.robot["TRB_STOPPED"] = "FALSE";
+  fixture.live(0.1);
+  fixture.flags = kFlagTakeControl;
+  const auto id = fixture.command("wave", "1");
+  fixture.take();
+  CHECK(fixture.answer(id) == "ack started");
 }
 
 TEST_CASE("a stop overtakes what is under way, and is confirmed by the robot") {
-  C3Bench bench;
-  bench.command("wave", "first");
-  const auto waits = bench.command("wave", "second");
-  bench.written(Channel::command);
-  const auto id = bench.deliver(MessageType::command, Stop{"test"});
-  CHECK(bench.written(Channel::command).find("TRB_STOP\0\x04TRUE"s) != std::string::npos);
-  CHECK(bench.answer(waits) == "nack fenced");
-  C3Bench calm;
+  C3Fixture fixture;
+  fixture.command("wave", "first");
+  const auto waits = fixture.command("wave", "second");
+  fixture.written(Channel::command);
+  const auto id = fixture.deliver(MessageType::command, Stop{"test"});
+  CHECK(fixture.written(Channel::command).find("TRB_STOP\0\x04TRUE"s) != std::string::npos);
+  CHECK(fixture.answer(waits) == "nack fenced");
+  C3Fixture calm;
   const auto stop = calm.deliver(MessageType::command, Stop{"test"});
   calm.live(0.5);
   CHECK(calm.answer(stop).empty());
@@ -212,145 +212,145 @@ TEST_CASE("a stop overtakes what is under way, and is confirmed by the robot") {
   calm.robot["TRB_STOPPED"] = "FALSE";
   calm.live(0.1);
   CHECK(calm.answer(release) == "ack released");
-  CHECK(bench.answer(id).empty());
+  CHECK(fixture.answer(id).empty());
 }
 
 TEST_CASE("a stop that the robot does not confirm is told so") {
-  C3Bench bench;
-  const auto id = bench.deliver(MessageType::command, Stop{"test"});
-  bench.live(2.1);
-  CHECK(bench.answer(id) == "nack timeout");
+  C3Fixture fixture;
+  const auto id = fixture.deliver(MessageType::command, Stop{"test"});
+  fixture.live(2.1);
+  CHECK(fixture.answer(id) == "nack timeout");
 }
 
 TEST_CASE("a controller that stops its program: a fault with the robot's text, and nothing goes on by itself") {
-  C3Bench bench;
-  bench.deliver(MessageType::request, order("home", ""), "kuka");
-  bench.take();
-  bench.robot["TRB_ERROR[]"] = "\"grab URGENT gripper \\qleft\\q lost\"";
-  bench.robot["$STOPMESS"] = "TRUE";
-  bench.live(0.2);
-  const auto fault = bench.one<RobotFault>();
+  C3Fixture fixture;
+  fixture.deliver(MessageType::request, order("home", ""), "kuka");
+  fixture.take();
+  fixture.robot["TRB_ERROR[]"] = "\"grab URGENT gripper \\qleft\\q lost\"";
+  fixture.robot["$STOPMESS"] = "TRUE";
+  fixture.live(0.2);
+  const auto fault = fixture.one<RobotFault>();
   CHECK(fault.capability == "grab");
   CHECK(fault.severity == Severity::urgent);
   CHECK(fault.text == "gripper \"left\" lost");
-  CHECK(bench.one<Outcome>().outcome == TaskOutcome::failed);
-  CHECK(bench.robot["TRB_STOP"] == "TRUE");
-  bench.flags = kFlagTakeControl;
-  CHECK(bench.nack_of(bench.command("wave", "1")).cure.find("panel") != std::string::npos);
-  bench.robot["$STOPMESS"] = "FALSE";
-  bench.robot["TRB_STOPPED"] = "TRUE";
-  bench.live(0.3);
-  CHECK(bench.robot["TRB_STOP"] == "FALSE");
+  CHECK(fixture.one<Outcome>().outcome == TaskOutcome::failed);
+  CHECK(fixture.robot["TRB_STOP"] == "TRUE");
+  fixture.flags = kFlagTakeControl;
+  CHECK(fixture.nack_of(fixture.command("wave", "1")).hint.find("panel") != std::string::npos);
+  fixture.robot["$STOPMESS"] = "FALSE";
+  fixture.robot["TRB_STOPPED"] = "TRUE";
+  fixture.live(0.3);
+  CHECK(fixture.robot["TRB_STOP"] == "FALSE");
 }
 
 TEST_CASE("a fault ends when the controller's message is gone, and the text of the program's with the text") {
-  C3Bench bench;
-  bench.robot["TRB_ERROR[]"] = "\"grab CRITICAL gripper lost\"";
-  bench.robot["$STOPMESS"] = "TRUE";
-  bench.live(1);
-  CHECK_FALSE(bench.kept.empty());
-  bench.robot["TRB_ERROR[]"] = "\"\"";
-  bench.live(1);
-  CHECK(bench.kept.size() == 1);
-  CHECK(bench.over().empty());
-  bench.robot["$STOPMESS"] = "FALSE";
-  bench.live(1);
-  CHECK(bench.kept.empty());
-  CHECK(bench.over() == std::vector<std::string>{"grab: gripper lost"});
+  C3Fixture fixture;
+  fixture.robot["TRB_ERROR[]"] = "\"grab CRITICAL gripper lost\"";
+  fixture.robot["$STOPMESS"] = "TRUE";
+  fixture.live(1);
+  CHECK_FALSE(fixture.kept.empty());
+  fixture.robot["TRB_ERROR[]"] = "\"\"";
+  fixture.live(1);
+  CHECK(fixture.kept.size() == 1);
+  CHECK(fixture.over().empty());
+  fixture.robot["$STOPMESS"] = "FALSE";
+  fixture.live(1);
+  CHECK(fixture.kept.empty());
+  CHECK(fixture.over() == std::vector<std::string>{"grab: gripper lost"});
 }
 
 TEST_CASE("an error text without a stop is a fault, told once") {
-  C3Bench bench;
-  bench.robot["TRB_ERROR[]"] = "\"air is low\"";
-  bench.live(1);
-  const auto faults = bench.told<RobotFault>();
+  C3Fixture fixture;
+  fixture.robot["TRB_ERROR[]"] = "\"air is low\"";
+  fixture.live(1);
+  const auto faults = fixture.told<RobotFault>();
   REQUIRE(faults.size() == 2);
   CHECK(get<RobotFault>(faults[0].body).text == "air is low");
 }
 
 TEST_CASE("a request that commands.json maps is answered with the variable; another by the robot's program") {
-  C3Bench bench;
-  const auto position = bench.send(MessageType::request, "position", "");
-  const auto pose = bench.send(MessageType::request, "pose", "");
-  bench.serve();
-  CHECK(bench.answer(position) == "[10.5,-20]");
-  CHECK(bench.answer(pose) == R"({"X":10.5,"Y":-20,"Z":3})");
-  const auto gripper = bench.send(MessageType::request, "gripper", "");
-  bench.take();
-  bench.finish(0, "open");
-  CHECK(bench.answer(gripper) == "open");
-  const auto unknown = bench.send(MessageType::request, "weather", "");
-  bench.take();
-  bench.finish(5, "unknown request");
-  CHECK(bench.answer(unknown) == "nack robot_error");
+  C3Fixture fixture;
+  const auto position = fixture.send(MessageType::request, "position", "");
+  const auto pose = fixture.send(MessageType::request, "pose", "");
+  fixture.serve();
+  CHECK(fixture.answer(position) == "[10.5,-20]");
+  CHECK(fixture.answer(pose) == R"({"X":10.5,"Y":-20,"Z":3})");
+  const auto gripper = fixture.send(MessageType::request, "gripper", "");
+  fixture.take();
+  fixture.finish(0, "open");
+  CHECK(fixture.answer(gripper) == "open");
+  const auto unknown = fixture.send(MessageType::request, "weather", "");
+  fixture.take();
+  fixture.finish(5, "unknown request");
+  CHECK(fixture.answer(unknown) == "nack robot_error");
 }
 
 TEST_CASE("the robot's own messages: chunk by chunk, and never in the middleware's words") {
-  C3Bench bench;
+  C3Fixture fixture;
   const auto say = [&](const std::string& subtype, const std::string& data, int size) {
-    bench.robot["TRB_OUT_TYPE[]"] = "\"information\"";
-    bench.robot["TRB_OUT_SUBTYPE[]"] = '"' + subtype + '"';
-    bench.robot["TRB_OUT_TARGET[]"] = "\"ur3\"";
-    bench.robot["TRB_OUT_SIZE"] = std::to_string(size);
-    bench.robot["TRB_OUT_DATA[]"] = '"' + data + '"';
-    bench.robot["TRB_OUT"] = "TRUE";
-    bench.live(0.3);
-    CHECK(bench.robot["TRB_OUT"] == "FALSE");
+    fixture.robot["TRB_OUT_TYPE[]"] = "\"information\"";
+    fixture.robot["TRB_OUT_SUBTYPE[]"] = '"' + subtype + '"';
+    fixture.robot["TRB_OUT_TARGET[]"] = "\"ur3\"";
+    fixture.robot["TRB_OUT_SIZE"] = std::to_string(size);
+    fixture.robot["TRB_OUT_DATA[]"] = '"' + data + '"';
+    fixture.robot["TRB_OUT"] = "TRUE";
+    fixture.live(0.3);
+    CHECK(fixture.robot["TRB_OUT"] == "FALSE");
   };
   say("greeting", "two\\n", 9);
-  CHECK(bench.told<Opaque>().empty());
+  CHECK(fixture.told<Opaque>().empty());
   say("greeting", "lines", 9);
-  const auto told = bench.told<Opaque>();
+  const auto told = fixture.told<Opaque>();
   REQUIRE(told.size() == 1);
   CHECK(told[0].target == "ur3");
   CHECK(get<Opaque>(told[0].body).data == "two\nlines");
   say("stop", "", 0);
   say("greeting", "toolong", 2);
   say("two words", "", 0);
-  CHECK(bench.told<Opaque>().empty());
-  CHECK(bench.counted("refused.typed_subtype") == 1);
-  CHECK(bench.counted("refused.bad_message") == 2);
+  CHECK(fixture.told<Opaque>().empty());
+  CHECK(fixture.counted("refused.typed_subtype") == 1);
+  CHECK(fixture.counted("refused.bad_message") == 2);
 }
 
 TEST_CASE("a robot that answers nothing for 2 s is dialled again; what was under way ends") {
-  C3Bench bench;
-  const auto id = bench.command("wave", "1");
-  bench.wait(2.1);
-  CHECK(bench.closed() == "no answer for 2 s;");
-  CHECK(bench.answer(id) == "nack robot_offline");
-  C3Bench moving;
+  C3Fixture fixture;
+  const auto id = fixture.command("wave", "1");
+  fixture.wait(2.1);
+  CHECK(fixture.closed() == "no answer for 2 s;");
+  CHECK(fixture.answer(id) == "nack robot_offline");
+  C3Fixture moving;
   moving.deliver(MessageType::request, order("home", ""), "kuka");
   moving.take();
   moving.wait(2.1);
   CHECK(moving.one<Outcome>().outcome == TaskOutcome::interrupted);
   // It accepts connections, but nobody speaks: it counts as gone until it does.
-  bench.up(Channel::command);
-  CHECK(bench.answer(bench.command("wave", "1")) == "nack robot_offline");
-  bench.serve();
-  bench.remaining_ms = 5000;
-  CHECK(bench.answer(bench.command("wave", "1")).empty());
+  fixture.up(Channel::command);
+  CHECK(fixture.answer(fixture.command("wave", "1")) == "nack robot_offline");
+  fixture.serve();
+  fixture.remaining_ms = 5000;
+  CHECK(fixture.answer(fixture.command("wave", "1")).empty());
 }
 
 TEST_CASE("an answer of a tag that nobody has asked with is counted and ignored") {
-  C3Bench bench;
-  bench.hear(Channel::command, "\x7f\x7f\x00\x09\x00\x00\x03\x31\x30\x30\x00\x01\x01"s);
-  CHECK(bench.counted("refused.unknown_tag") == 1);
-  bench.hear(Channel::command, "\x00\x01\x00\x00"s);
-  CHECK(bench.closed().find("contradict") != std::string::npos);
+  C3Fixture fixture;
+  fixture.hear(Channel::command, "\x7f\x7f\x00\x09\x00\x00\x03\x31\x30\x30\x00\x01\x01"s);
+  CHECK(fixture.counted("refused.unknown_tag") == 1);
+  fixture.hear(Channel::command, "\x00\x01\x00\x00"s);
+  CHECK(fixture.closed().find("contradict") != std::string::npos);
 }
 
 TEST_CASE("an integrator's own program: words, a done flag and a result, no messages") {
-  C3Bench bench(own_program());
-  for (const char* name : {"GOAL", "JOB", "GO", "READY", "RESULT"}) bench.robot[name] = "0";
-  bench.deliver(MessageType::request, order("reach", R"({"joints": [1, 2]})"), "kuka");
-  bench.live(0.1);
-  CHECK(bench.writes() == "READY=FALSE\nGOAL={E6POS: X 1, Y 2}\nJOB=3\nGO=TRUE\n");
-  bench.robot["READY"] = "TRUE";
-  bench.live(0.2);
-  CHECK(bench.one<Outcome>().outcome == TaskOutcome::finished);
-  const auto id = bench.command("wave", "1");
-  CHECK(bench.answer(id) == "nack no_field_channel");
-  const auto stop = bench.deliver(MessageType::command, Stop{"test"});
-  bench.live(0.1);
-  CHECK(bench.answer(stop) == "ack stopped");
+  C3Fixture fixture(own_program());
+  for (const char* name : {"GOAL", "JOB", "GO", "READY", "RESULT"}) fixture.robot[name] = "0";
+  fixture.deliver(MessageType::request, order("reach", R"({"joints": [1, 2]})"), "kuka");
+  fixture.live(0.1);
+  CHECK(fixture.writes() == "READY=FALSE\nGOAL={E6POS: X 1, Y 2}\nJOB=3\nGO=TRUE\n");
+  fixture.robot["READY"] = "TRUE";
+  fixture.live(0.2);
+  CHECK(fixture.one<Outcome>().outcome == TaskOutcome::finished);
+  const auto id = fixture.command("wave", "1");
+  CHECK(fixture.answer(id) == "nack no_field_channel");
+  const auto stop = fixture.deliver(MessageType::command, Stop{"test"});
+  fixture.live(0.1);
+  CHECK(fixture.answer(stop) == "ack stopped");
 }

@@ -57,7 +57,7 @@ TEST_CASE("the hand-shake's names: all of them with fields, else those that are 
   CHECK(read_c3_names({{"trb_data", "MINE[]"}, {"position", "X"}}, true)->data == "MINE[]");
   CHECK(read_c3_names({{"trb_done", "READY"}}, false)->done == "READY");
   CHECK(read_c3_names({{"trb_done", "READY"}}, false)->command.empty());
-  CHECK(read_c3_names({{"trb_dne", "READY"}}, false).error().cure == "did you mean 'trb_done'?");
+  CHECK(read_c3_names({{"trb_dne", "READY"}}, false).error().hint == "did you mean 'trb_done'?");
 }
 
 TEST_CASE("a KUKA's files: each mistake is told with its key") {
@@ -84,6 +84,6 @@ TEST_CASE("a KUKA's files: each mistake is told with its key") {
     REQUIRE_MESSAGE(!faults.empty(), change.to);
     CHECK_MESSAGE(faults[0].key == change.key, to_text(faults));
     CHECK_MESSAGE(faults[0].what.find(change.text) != std::string::npos, to_text(faults));
-    CHECK_FALSE(faults[0].cure.empty());
+    CHECK_FALSE(faults[0].hint.empty());
   }
 }

@@ -1,5 +1,5 @@
 // A mobile robot with MiR's interface: the test reads the requests and answers as the robot would.
-#include "services/mode-adapter/test/bench.hpp"
+#include "services/mode-adapter/test/fixture.hpp"
 
 using namespace trb;
 using namespace trb::adapter;
@@ -37,8 +37,8 @@ Settings mir() {
 
 constexpr const char* kStatus = R"({"battery_percentage": 81.5, "position": {"x": 1.5, "y": -2}})";
 
-struct MirBench : Bench {
-  explicit MirBench(Settings settings = mir()) : Bench(std::move(settings)) {}
+struct MirBench : Fixture {
+  explicit MirBench(Settings settings = mir()) : Fixture(std::move(settings)) {}
 
   /// "PUT /status {"state_id": 4}": the request since the last look; there is never more than one without an answer.
   std::string asked() {
@@ -97,41 +97,41 @@ struct MirBench : Bench {
 }  // namespace
 
 TEST_CASE("http: values of one path are asked for together, twice a second, and answered as numbers and JSON") {
-  MirBench bench;
-  bench.up(Channel::command);
-  CHECK(bench.robot() == "OFFLINE");
-  CHECK(bench.asked() == "GET /status");
-  bench.answer_with(200, kStatus);
-  CHECK(bench.robot() == "ONLINE");
-  CHECK(bench.asked().empty());  // no mission is known yet
-  CHECK(bench.answer(bench.send(MessageType::request, "position", "")) == "[1.5,-2]");
-  CHECK(bench.answer(bench.send(MessageType::request, "battery", "")) == "81.5");
-  bench.wait(0.4);
-  CHECK(bench.asked().empty());
-  bench.wait(0.1);
-  CHECK(bench.asked() == "GET /status");
+  MirBench fixture;
+  fixture.up(Channel::command);
+  CHECK(fixture.robot() == "OFFLINE");
+  CHECK(fixture.asked() == "GET /status");
+  fixture.answer_with(200, kStatus);
+  CHECK(fixture.robot() == "ONLINE");
+  CHECK(fixture.asked().empty());  // no mission is known yet
+  CHECK(fixture.answer(fixture.send(MessageType::request, "position", "")) == "[1.5,-2]");
+  CHECK(fixture.answer(fixture.send(MessageType::request, "battery", "")) == "81.5");
+  fixture.wait(0.4);
+  CHECK(fixture.asked().empty());
+  fixture.wait(0.1);
+  CHECK(fixture.asked() == "GET /status");
 }
 
 TEST_CASE("http: a skill is queued, its number kept, and its end seen under that number") {
-  MirBench bench;
-  bench.connect();
-  bench.deliver(MessageType::command, order("drive", R"({"mission": "to \"dock\""})"), "mir");
-  CHECK(bench.serve() == R"(POST /queue {"mission_id": "to \"dock\""})");
-  bench.live(1);
-  bench.state = "Executing";
-  bench.live(1);
-  CHECK(bench.told<Outcome>().empty());
-  bench.state = "Done";
-  bench.live(1);
-  const Outcome done = bench.one<Outcome>();
-  bench.deliver(MessageType::information, OutcomeJournaled{done.key}, "mir");
+  MirBench fixture;
+  fixture.connect();
+  fixture.deliver(MessageType::command, order("drive", R"({"mission": "to \"dock\""})"), "mir");
+  CHECK(fixture.serve() == R"(POST /queue {"mission_id": "to \"dock\""})");
+  fixture.live(1);
+  fixture.state = "Executing";
+  fixture.live(1);
+  CHECK(fixture.told<Outcome>().empty());
+  fixture.state = "Done";
+  fixture.live(1);
+  const Outcome done = fixture.one<Outcome>();
+  fixture.deliver(MessageType::information, OutcomeJournaled{done.key}, "mir");
   CHECK(done.outcome == TaskOutcome::finished);
   // The next one is not over because the one before is.
-  bench.deliver(MessageType::command, order("drive", R"({"mission": "home"})", 2), "mir");
-  CHECK(bench.serve() == R"(POST /queue {"mission_id": "home"})");
-  bench.state = "Aborted";
-  bench.live(1);
-  const auto failed = bench.told<Outcome>();
+  fixture.deliver(MessageType::command, order("drive", R"({"mission": "home"})", 2), "mir");
+  CHECK(fixture.serve() == R"(POST /queue {"mission_id": "home"})");
+  fixture.state = "Aborted";
+  fixture.live(1);
+  const auto failed = fixture.told<Outcome>();
   REQUIRE_FALSE(failed.empty());
   const Outcome last = get<Outcome>(failed.back().body);
   CHECK(last.key.attempt == 2);
@@ -139,170 +139,170 @@ TEST_CASE("http: a skill is queued, its number kept, and its end seen under that
 }
 
 TEST_CASE("http: a command's requests go one after the other, and it is answered when all are") {
-  MirBench bench;
-  bench.connect();
-  const auto id = bench.command("tidy", "");
-  CHECK(bench.asked() == "DELETE /queue");
-  bench.answer_with(204);
-  CHECK(bench.asked() == R"(PUT /status {"state_id": 3})");
-  CHECK(bench.answer(id).empty());
-  bench.answer_with(200, "{}");
-  CHECK(bench.answer(id) == "ack handed_over");
+  MirBench fixture;
+  fixture.connect();
+  const auto id = fixture.command("tidy", "");
+  CHECK(fixture.asked() == "DELETE /queue");
+  fixture.answer_with(204);
+  CHECK(fixture.asked() == R"(PUT /status {"state_id": 3})");
+  CHECK(fixture.answer(id).empty());
+  fixture.answer_with(200, "{}");
+  CHECK(fixture.answer(id) == "ack handed_over");
 }
 
 TEST_CASE("http: what the robot refuses is told with its words; a sign-in that is wrong with the cure") {
-  MirBench bench;
-  bench.connect();
-  const auto id = bench.command("tidy", "");
-  bench.answer_with(204);
-  bench.answer_with(400, R"({"error": "no such state"})");
-  const Nack nack = bench.nack_of(id);
+  MirBench fixture;
+  fixture.connect();
+  const auto id = fixture.command("tidy", "");
+  fixture.answer_with(204);
+  fixture.answer_with(400, R"({"error": "no such state"})");
+  const Nack nack = fixture.nack_of(id);
   CHECK(nack.code == "robot_error");
   CHECK(nack.what.find(R"(PUT /status was answered with 400: {"error": "no such state"})") != std::string::npos);
   CHECK(nack.what.find("the 1 requests before it were answered well") != std::string::npos);
-  bench.out = {};
-  bench.wait(0.5);
-  bench.asked();
-  bench.answer_with(401);
-  const auto faults = bench.told<RobotFault>();
+  fixture.out = {};
+  fixture.wait(0.5);
+  fixture.asked();
+  fixture.answer_with(401);
+  const auto faults = fixture.told<RobotFault>();
   REQUIRE(faults.size() == 2);  // a value each
   CHECK(get<RobotFault>(faults[0].body).text.find("keys/robot.auth") != std::string::npos);
-  CHECK(bench.answer(bench.send(MessageType::request, "battery", "")).starts_with("nack"));
+  CHECK(fixture.answer(fixture.send(MessageType::request, "battery", "")).starts_with("nack"));
 }
 
 TEST_CASE("http: a stop waits for the one answer that is under way, and drops all that waits") {
-  MirBench bench;
-  bench.connect();
-  const auto first = bench.command("tidy", "");
-  const auto second = bench.command("tidy", "");
-  CHECK(bench.asked() == "DELETE /queue");
-  const auto stop = bench.deliver(MessageType::command, Stop{}, "operator");
-  CHECK(bench.answer(first) == "nack fenced");
-  CHECK(bench.answer(second) == "nack fenced");
-  CHECK(bench.asked().empty());
-  bench.answer_with(204);
-  CHECK(bench.asked() == R"(PUT /status {"state_id": 4})");
-  CHECK(bench.answer(stop).empty());
-  bench.answer_with(200, "{}");
-  bench.wait(0.01);
-  CHECK(bench.answer(stop) == "ack stopped");
-  const auto release = bench.deliver(MessageType::command, Release{}, "operator");
-  CHECK(bench.serve() == R"(PUT /status {"state_id": 3})");
-  CHECK(bench.answer(release) == "ack released");
+  MirBench fixture;
+  fixture.connect();
+  const auto first = fixture.command("tidy", "");
+  const auto second = fixture.command("tidy", "");
+  CHECK(fixture.asked() == "DELETE /queue");
+  const auto stop = fixture.deliver(MessageType::command, Stop{}, "operator");
+  CHECK(fixture.answer(first) == "nack fenced");
+  CHECK(fixture.answer(second) == "nack fenced");
+  CHECK(fixture.asked().empty());
+  fixture.answer_with(204);
+  CHECK(fixture.asked() == R"(PUT /status {"state_id": 4})");
+  CHECK(fixture.answer(stop).empty());
+  fixture.answer_with(200, "{}");
+  fixture.wait(0.01);
+  CHECK(fixture.answer(stop) == "ack stopped");
+  const auto release = fixture.deliver(MessageType::command, Release{}, "operator");
+  CHECK(fixture.serve() == R"(PUT /status {"state_id": 3})");
+  CHECK(fixture.answer(release) == "ack released");
 }
 
 TEST_CASE("http: a robot that refuses to stop is a critical fault") {
-  MirBench bench;
-  bench.connect();
-  bench.deliver(MessageType::command, Stop{}, "operator");
-  bench.asked();
-  bench.answer_with(503);
-  const auto faults = bench.told<RobotFault>();
+  MirBench fixture;
+  fixture.connect();
+  fixture.deliver(MessageType::command, Stop{}, "operator");
+  fixture.asked();
+  fixture.answer_with(503);
+  const auto faults = fixture.told<RobotFault>();
   REQUIRE_FALSE(faults.empty());
   CHECK(get<RobotFault>(faults.front().body).severity == Severity::critical);
 }
 
 TEST_CASE("http: a stop whose connection is lost is sent again, before all else, and is no refusal") {
-  MirBench bench;
-  bench.connect();
-  const auto stop = bench.deliver(MessageType::command, Stop{}, "operator");
-  CHECK(bench.asked() == R"(PUT /status {"state_id": 4})");
-  bench.down(Channel::command, "end of the stream");
-  bench.wait(0.6);
-  CHECK(bench.told<RobotFault>().empty());
-  bench.up(Channel::command);
-  CHECK(bench.asked() == R"(PUT /status {"state_id": 4})");
-  bench.answer_with(200, "{}");
-  CHECK(bench.answer(stop) == "ack stopped");
-  CHECK(bench.asked() == "GET /status");
+  MirBench fixture;
+  fixture.connect();
+  const auto stop = fixture.deliver(MessageType::command, Stop{}, "operator");
+  CHECK(fixture.asked() == R"(PUT /status {"state_id": 4})");
+  fixture.down(Channel::command, "end of the stream");
+  fixture.wait(0.6);
+  CHECK(fixture.told<RobotFault>().empty());
+  fixture.up(Channel::command);
+  CHECK(fixture.asked() == R"(PUT /status {"state_id": 4})");
+  fixture.answer_with(200, "{}");
+  CHECK(fixture.answer(stop) == "ack stopped");
+  CHECK(fixture.asked() == "GET /status");
 }
 
 TEST_CASE("http: a stop that three connections in turn do not answer is a critical fault, until one does") {
-  MirBench bench;
-  bench.connect();
-  bench.deliver(MessageType::command, Stop{}, "operator");
+  MirBench fixture;
+  fixture.connect();
+  fixture.deliver(MessageType::command, Stop{}, "operator");
   for (int i = 1; i <= 3; ++i) {
-    CHECK(bench.told<RobotFault>().empty());
-    CHECK(bench.asked() == R"(PUT /status {"state_id": 4})");
-    bench.down(Channel::command, "end of the stream");
-    bench.wait(0.1);
-    bench.up(Channel::command);
+    CHECK(fixture.told<RobotFault>().empty());
+    CHECK(fixture.asked() == R"(PUT /status {"state_id": 4})");
+    fixture.down(Channel::command, "end of the stream");
+    fixture.wait(0.1);
+    fixture.up(Channel::command);
   }
-  const auto faults = bench.told<RobotFault>();
+  const auto faults = fixture.told<RobotFault>();
   REQUIRE_FALSE(faults.empty());
   CHECK(get<RobotFault>(faults.front().body).severity == Severity::critical);
-  bench.serve();
-  bench.wait(0.1);
-  CHECK(get<RobotFault>(bench.told<RobotFault>().back().body).ended);
+  fixture.serve();
+  fixture.wait(0.1);
+  CHECK(get<RobotFault>(fixture.told<RobotFault>().back().body).ended);
 }
 
 TEST_CASE("http: each halt has three connections of its own: what one before has lost is no fault of the next") {
-  MirBench bench;
-  bench.connect();
+  MirBench fixture;
+  fixture.connect();
   for (int attempt = 1; attempt <= 3; ++attempt) {
-    bench.deliver(MessageType::command, order("drive", R"({"mission": "dock"})", attempt), "mir");
-    bench.serve();
-    bench.deliver(MessageType::command, CancelExecution{order("drive", "", attempt).key, "enough"}, "mir");
-    CHECK(bench.asked() == R"(PUT /status {"state_id": 4})");
-    bench.down(Channel::command, "end of the stream");
-    bench.wait(0.1);
-    bench.up(Channel::command);
-    CHECK(bench.serve().starts_with(R"(PUT /status {"state_id": 4})"));
-    bench.wait(0.1);
-    bench.serve();
+    fixture.deliver(MessageType::command, order("drive", R"({"mission": "dock"})", attempt), "mir");
+    fixture.serve();
+    fixture.deliver(MessageType::command, CancelExecution{order("drive", "", attempt).key, "enough"}, "mir");
+    CHECK(fixture.asked() == R"(PUT /status {"state_id": 4})");
+    fixture.down(Channel::command, "end of the stream");
+    fixture.wait(0.1);
+    fixture.up(Channel::command);
+    CHECK(fixture.serve().starts_with(R"(PUT /status {"state_id": 4})"));
+    fixture.wait(0.1);
+    fixture.serve();
   }
-  for (const auto& told : bench.told<RobotFault>()) CHECK(get<RobotFault>(told.body).ended);
+  for (const auto& told : fixture.told<RobotFault>()) CHECK(get<RobotFault>(told.body).ended);
 }
 
 TEST_CASE("http: a robot that ends each connection is there all the same, and its answers may have no length") {
-  MirBench bench;
-  bench.up(Channel::command);
+  MirBench fixture;
+  fixture.up(Channel::command);
   for (int i = 0; i < 5; ++i) {
-    CHECK(bench.asked() == "GET /status");
-    bench.hear(Channel::command, std::string("HTTP/1.1 200 OK\r\nConnection: close\r\n\r\n") + kStatus);
-    bench.down(Channel::command, "end of the stream");
-    CHECK(bench.robot() == "ONLINE");
-    bench.wait(0.5);
-    bench.up(Channel::command);
+    CHECK(fixture.asked() == "GET /status");
+    fixture.hear(Channel::command, std::string("HTTP/1.1 200 OK\r\nConnection: close\r\n\r\n") + kStatus);
+    fixture.down(Channel::command, "end of the stream");
+    CHECK(fixture.robot() == "ONLINE");
+    fixture.wait(0.5);
+    fixture.up(Channel::command);
   }
-  CHECK(bench.answer(bench.send(MessageType::request, "battery", "")) == "81.5");
+  CHECK(fixture.answer(fixture.send(MessageType::request, "battery", "")) == "81.5");
 }
 
 TEST_CASE("http: without an answer the connection is given up; what was under way may have been taken") {
-  MirBench bench;
-  bench.connect();
-  const auto id = bench.command("tidy", "");
-  const auto waiting = bench.command("tidy", "");
-  CHECK(bench.asked() == "DELETE /queue");
-  bench.wait(1);
-  CHECK(bench.closed() == "no answer in time;");
-  CHECK(bench.nack_of(id).what.find("nobody knows whether it was taken") != std::string::npos);
-  CHECK(bench.answer(waiting).empty());
-  CHECK(bench.robot() == "ONLINE");
-  bench.wait(1);
-  CHECK(bench.nack_of(waiting).code == "robot_offline");
-  CHECK(bench.robot() == "CONNECTION_BROKEN");
-  CHECK(bench.answer(bench.command("tidy", "")) == "nack robot_offline");
+  MirBench fixture;
+  fixture.connect();
+  const auto id = fixture.command("tidy", "");
+  const auto waiting = fixture.command("tidy", "");
+  CHECK(fixture.asked() == "DELETE /queue");
+  fixture.wait(1);
+  CHECK(fixture.closed() == "no answer in time;");
+  CHECK(fixture.nack_of(id).what.find("nobody knows whether it was taken") != std::string::npos);
+  CHECK(fixture.answer(waiting).empty());
+  CHECK(fixture.robot() == "ONLINE");
+  fixture.wait(1);
+  CHECK(fixture.nack_of(waiting).code == "robot_offline");
+  CHECK(fixture.robot() == "CONNECTION_BROKEN");
+  CHECK(fixture.answer(fixture.command("tidy", "")) == "nack robot_offline");
 }
 
 TEST_CASE("http: an answer that nobody asked for, and one that is no HTTP, do no harm") {
-  MirBench bench;
-  bench.connect();
-  bench.answer_with(200, "{}");
-  CHECK(bench.counted("refused.bad_packet") == 1);
-  bench.hear(Channel::command, "SSH-2.0-OpenSSH_9.2\r\n\r\n");
-  CHECK(bench.counted("refused.bad_packet") == 2);
-  CHECK(bench.closed().find("no answer of HTTP") != std::string::npos);
+  MirBench fixture;
+  fixture.connect();
+  fixture.answer_with(200, "{}");
+  CHECK(fixture.counted("refused.bad_packet") == 1);
+  fixture.hear(Channel::command, "SSH-2.0-OpenSSH_9.2\r\n\r\n");
+  CHECK(fixture.counted("refused.bad_packet") == 2);
+  CHECK(fixture.closed().find("no answer of HTTP") != std::string::npos);
 }
 
 TEST_CASE("http: a way that needs what no answer has told yet is refused, and nothing is sent") {
-  MirBench bench;
-  bench.connect();
-  const auto id = bench.command("again", "");
-  CHECK(bench.nack_of(id).what.find("no answer has told 'mission' yet") != std::string::npos);
-  CHECK(bench.asked().empty());
-  bench.command("drive", R"(["a"])");
-  bench.serve();
-  bench.command("again", "");
-  CHECK(bench.serve() == "DELETE /queue/7");
+  MirBench fixture;
+  fixture.connect();
+  const auto id = fixture.command("again", "");
+  CHECK(fixture.nack_of(id).what.find("no answer has told 'mission' yet") != std::string::npos);
+  CHECK(fixture.asked().empty());
+  fixture.command("drive", R"(["a"])");
+  fixture.serve();
+  fixture.command("again", "");
+  CHECK(fixture.serve() == "DELETE /queue/7");
 }

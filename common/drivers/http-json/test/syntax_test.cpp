@@ -37,7 +37,7 @@ TEST_CASE("what is no line of a command is refused with what is wrong") {
     const auto words = read_http_words(line);
     REQUIRE_FALSE(words.ok());
     CHECK(words.error().what.find(what) != std::string::npos);
-    CHECK_FALSE(words.error().cure.empty());
+    CHECK_FALSE(words.error().hint.empty());
   }
 }
 

@@ -2,7 +2,7 @@
 #define DOCTEST_CONFIG_DISABLE  // the bench is for doctest; here require() tells
 #include "common/drivers/lines/frame.hpp"
 #include "common/drivers/lines/receiver.hpp"
-#include "services/mode-adapter/test/bench.hpp"
+#include "services/mode-adapter/test/fixture.hpp"
 #include "tests/fuzz/target.hpp"
 
 namespace trb::fuzz {
@@ -60,16 +60,16 @@ void check_mode(BytesView input, Framing framing, Encoding encoding) {
   Settings settings = pioneer();
   settings.description.field_channel = channel(framing, encoding);
   settings.description.sensors = {"position"};
-  Bench bench(std::move(settings));
-  bench.up(Channel::field);
-  bench.deliver(MessageType::command, order("go_to", R"({"place": "dock"})"), "pioneer");
-  bench.say(input);
-  for (const Send& send : bench.out.sends) {
+  Fixture fixture(std::move(settings));
+  fixture.up(Channel::field);
+  fixture.deliver(MessageType::command, order("go_to", R"({"place": "dock"})"), "pioneer");
+  fixture.say(input);
+  for (const Send& send : fixture.out.sends) {
     const auto* opaque = get_if<Opaque>(&send.body);
     require(opaque == nullptr || !is_typed(opaque->subtype), "a robot says no word of the middleware's");
   }
-  bench.wait(30);
-  require(bench.told<Outcome>().size() >= 1, "the skill has an outcome");
+  fixture.wait(30);
+  require(fixture.told<Outcome>().size() >= 1, "the skill has an outcome");
 }
 
 }  // namespace

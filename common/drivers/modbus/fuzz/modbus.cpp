@@ -16,7 +16,7 @@ namespace plc = virtual_robots::plc;
 
 void read_place(BytesView text) {
   const auto place = read_modbus_place(text);
-  if (!place) return require(!place.error().cure.empty(), "every mistake has a cure");
+  if (!place) return require(!place.error().hint.empty(), "every mistake has a cure");
   require(place->address + place->size() <= 65536, "a place lies in the table");
   for (const std::uint16_t word : std::initializer_list<std::uint16_t>{0, 1, 0x7fff, 0x8000, 0xffff}) {
     const std::vector<std::uint16_t> words(place->size(), word);
@@ -30,7 +30,7 @@ void read_place(BytesView text) {
 void read_command(BytesView text) {
   const ModbusPlaces values = {{"running", {}}, {"at_exit", {ModbusKind::discrete, 0, {}, false, 1, 0}}};
   const auto read = read_modbus_assignments(text, values);
-  if (!read) return require(!read.error().cure.empty(), "every mistake has a cure");
+  if (!read) return require(!read.error().hint.empty(), "every mistake has a cure");
   for (const ModbusAssignment& one : *read) {
     require(one.place.writable(), "nothing is written that is read only");
     const bool literal = one.item == ModbusAssignment::kLiteral;

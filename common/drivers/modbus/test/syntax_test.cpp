@@ -1,4 +1,4 @@
-// The words of the transport modbus: what can be said, how numbers lie in registers, and every mistake by its cure.
+// The words of the transport modbus: what can be said, how numbers lie in registers, and every mistake by its hint.
 #include "common/drivers/modbus/syntax.hpp"
 
 #include <doctest/doctest.h>
@@ -116,20 +116,20 @@ TEST_CASE("modbus numbers: every type lies in its registers as the device has it
     CHECK(std::abs(*back - number) < 1e-9);
   }
   CHECK(modbus_number(place("holding 0 float32"), {0x3dcc, 0xcccd}).value() == 0.1);
-  CHECK(modbus_number(place("input 0 float32"), {0x7fc0, 0}).error().cure.find("low_word_first") != std::string::npos);
+  CHECK(modbus_number(place("input 0 float32"), {0x7fc0, 0}).error().hint.find("low_word_first") != std::string::npos);
   CHECK_FALSE(modbus_number(place("input 0 float32"), {1}).ok());
 }
 
 TEST_CASE("modbus numbers: what a register cannot hold is refused with the range that it has") {
-  const auto cure = [](const std::string& text, double number) { return modbus_words(place(text), number).error(); };
-  CHECK(cure("holding 0 uint16 * 0.001", 70).cure == "give 0 to 65.535");
-  CHECK(cure("holding 0 int16 * 0.1 - 40", 4000).cure == "give -3316.8 to 3236.7");
-  CHECK(cure("holding 0", -1).what == "-1 does not fit holding 0, a uint16");
-  CHECK(cure("holding 0", 0.5).cure.find("factor") != std::string::npos);
-  CHECK(cure("coil 3", 2).cure == "give true, false, 1 or 0");
-  CHECK(cure("coil 3", 0.5).cure == "give true, false, 1 or 0");
-  CHECK(cure("holding 0 float32", 1e300).code == Errc::bad_value);
-  CHECK(cure("holding 0 int32", std::nan("")).code == Errc::bad_value);
+  const auto hint = [](const std::string& text, double number) { return modbus_words(place(text), number).error(); };
+  CHECK(hint("holding 0 uint16 * 0.001", 70).hint == "give 0 to 65.535");
+  CHECK(hint("holding 0 int16 * 0.1 - 40", 4000).hint == "give -3316.8 to 3236.7");
+  CHECK(hint("holding 0", -1).what == "-1 does not fit holding 0, a uint16");
+  CHECK(hint("holding 0", 0.5).hint.find("factor") != std::string::npos);
+  CHECK(hint("coil 3", 2).hint == "give true, false, 1 or 0");
+  CHECK(hint("coil 3", 0.5).hint == "give true, false, 1 or 0");
+  CHECK(hint("holding 0 float32", 1e300).code == Errc::bad_value);
+  CHECK(hint("holding 0 int32", std::nan("")).code == Errc::bad_value);
   CHECK(modbus_words(place("holding 0 * 0.001"), 0.2504).value() == Registers{250});  // to the next that there is
 }
 
@@ -212,7 +212,7 @@ TEST_CASE("modbus: each mistake in commands.json is one fault, with its key") {
     CHECK(fault.file == "commands.json");
     CHECK(fault.key == one.key);
     CHECK_MESSAGE(fault.what.find(one.what) != std::string::npos, fault.what);
-    CHECK_FALSE(fault.cure.empty());
+    CHECK_FALSE(fault.hint.empty());
     if (one.key != "ur.unit" || one.to.find("tcp-text") == std::string::npos)
       CHECK_MESSAGE(faults.size() == 1, to_text(faults));
   }

@@ -61,6 +61,6 @@ TEST_CASE("an ABB's files: each mistake is told with its key") {
     if (faults.empty()) continue;
     CHECK_MESSAGE(faults[0].key == change.key, to_text(faults));
     CHECK_MESSAGE(faults[0].what.find(change.text) != std::string::npos, to_text(faults));
-    CHECK_FALSE(faults[0].cure.empty());
+    CHECK_FALSE(faults[0].hint.empty());
   }
 }

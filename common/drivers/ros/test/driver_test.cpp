@@ -1,5 +1,5 @@
 // The ros mode: what goes to the bridge, and what its answers mean.
-#include "services/mode-adapter/test/bench.hpp"
+#include "services/mode-adapter/test/fixture.hpp"
 
 using namespace trb;
 using namespace trb::adapter;
@@ -27,8 +27,8 @@ Settings ridgeback() {
   return settings;
 }
 
-struct RosBench : Bench {
-  explicit RosBench(Settings settings = ridgeback()) : Bench(std::move(settings)) { welcome(); }
+struct RosBench : Fixture {
+  explicit RosBench(Settings settings = ridgeback()) : Fixture(std::move(settings)) { welcome(); }
 
   void bridge(bool is_up, std::uint64_t connection = 1, const std::string& detail = "") {
     deliver(MessageType::information, BridgeState{connection, is_up, detail}, "ridgeback");
@@ -47,77 +47,77 @@ struct RosBench : Bench {
 }  // namespace
 
 TEST_CASE("a command is published on the topic that commands.json names, as its sender wrote it") {
-  RosBench bench;
-  bench.bridge(true);
-  bench.asked();
-  const auto id = bench.command("move", "[0.5,0,0,0,0,0.3]");
-  const auto asked = bench.asked();
+  RosBench fixture;
+  fixture.bridge(true);
+  fixture.asked();
+  const auto id = fixture.command("move", "[0.5,0,0,0,0,0.3]");
+  const auto asked = fixture.asked();
   REQUIRE(asked.size() == 1);
   CHECK(asked[0].action == BridgeAction::publish);
   CHECK(asked[0].name == "/cmd_vel");
   CHECK(asked[0].type.empty());
   CHECK(asked[0].data == "[0.5,0,0,0,0,0.3]");
-  CHECK(bench.answer(id).empty());
-  bench.tell(asked[0].token, BridgeResult::done);
-  CHECK(bench.answer(id) == "ack handed_over");
+  CHECK(fixture.answer(id).empty());
+  fixture.tell(asked[0].token, BridgeResult::done);
+  CHECK(fixture.answer(id) == "ack handed_over");
 }
 
 TEST_CASE("a template's items are JSON, whatever they hold") {
-  RosBench bench;
-  bench.bridge(true);
-  bench.asked();
-  bench.command("go_to", R"([1.5, "\"}, \"x\": {"])");
-  const auto asked = bench.asked();
+  RosBench fixture;
+  fixture.bridge(true);
+  fixture.asked();
+  fixture.command("go_to", R"([1.5, "\"}, \"x\": {"])");
+  const auto asked = fixture.asked();
   REQUIRE(asked.size() == 1);
   CHECK(asked[0].type == "geometry_msgs/PoseStamped");
   CHECK(asked[0].data == R"({"pose":{"position":{"x":1.5,"y":"\"}, \"x\": {"}}})");
-  const auto id = bench.command("move", "hello");
-  CHECK(bench.answer(id) == "nack bad_value");
+  const auto id = fixture.command("move", "hello");
+  CHECK(fixture.answer(id) == "nack bad_value");
 }
 
 TEST_CASE("a refusal of the bridge is the sender's answer") {
-  RosBench bench;
-  bench.bridge(true);
-  bench.asked();
-  const auto id = bench.command("move", "[1]");
-  bench.tell(bench.asked().at(0).token, BridgeResult::failed, "", "bad_value");
-  CHECK(bench.answer(id) == "nack bad_value");
+  RosBench fixture;
+  fixture.bridge(true);
+  fixture.asked();
+  const auto id = fixture.command("move", "[1]");
+  fixture.tell(fixture.asked().at(0).token, BridgeResult::failed, "", "bad_value");
+  CHECK(fixture.answer(id) == "nack bad_value");
 }
 
 TEST_CASE("a request is answered with the topic's next message") {
-  RosBench bench;
-  bench.bridge(true);
-  bench.asked();
-  const auto id = bench.send(MessageType::request, "scan", "");
-  const auto asked = bench.asked();
+  RosBench fixture;
+  fixture.bridge(true);
+  fixture.asked();
+  const auto id = fixture.send(MessageType::request, "scan", "");
+  const auto asked = fixture.asked();
   REQUIRE(asked.size() == 1);
   CHECK(asked[0].action == BridgeAction::ask);
   CHECK(asked[0].name == "/scan");
-  bench.tell(asked[0].token, BridgeResult::value, R"({"ranges":[1.0]})");
-  CHECK(bench.answer(id) == R"({"ranges":[1.0]})");
-  bench.tell(asked[0].token, BridgeResult::value, "{}");
-  CHECK(bench.answer(id) == R"({"ranges":[1.0]})");
+  fixture.tell(asked[0].token, BridgeResult::value, R"({"ranges":[1.0]})");
+  CHECK(fixture.answer(id) == R"({"ranges":[1.0]})");
+  fixture.tell(asked[0].token, BridgeResult::value, "{}");
+  CHECK(fixture.answer(id) == R"({"ranges":[1.0]})");
 }
 
 TEST_CASE("a skill that ends at a position is seen to end by the watched topic") {
-  RosBench bench;
-  bench.bridge(true);
-  const auto watched = bench.asked();
+  RosBench fixture;
+  fixture.bridge(true);
+  const auto watched = fixture.asked();
   REQUIRE(watched.size() == 1);
   CHECK(watched[0].action == BridgeAction::watch);
   CHECK(watched[0].paths == std::vector<std::string>{"pose.pose.position.x", "pose.pose.position.y"});
-  bench.deliver(MessageType::command, Execute{{"run", "t1", 1, 1}, 1, kInstance, "go_to", R"({"place":"dock"})", 0},
-                "ridgeback");
-  const auto asked = bench.asked();
+  fixture.deliver(MessageType::command, Execute{{"run", "t1", 1, 1}, 1, kInstance, "go_to", R"({"place":"dock"})", 0},
+                  "ridgeback");
+  const auto asked = fixture.asked();
   REQUIRE(asked.size() == 1);
   CHECK(asked[0].data == R"({"pose":{"position":{"x":1,"y":2}}})");
-  bench.tell(asked[0].token, BridgeResult::done);
-  bench.wait(0.2);
-  bench.tell(watched[0].token, BridgeResult::value, "[0.5,1.0]");
-  CHECK(bench.told<Outcome>().empty());
-  bench.wait(0.2);
-  bench.tell(watched[0].token, BridgeResult::value, "[1.01,1.99]");
-  CHECK(bench.one<Outcome>().outcome == TaskOutcome::finished);
+  fixture.tell(asked[0].token, BridgeResult::done);
+  fixture.wait(0.2);
+  fixture.tell(watched[0].token, BridgeResult::value, "[0.5,1.0]");
+  CHECK(fixture.told<Outcome>().empty());
+  fixture.wait(0.2);
+  fixture.tell(watched[0].token, BridgeResult::value, "[1.01,1.99]");
+  CHECK(fixture.one<Outcome>().outcome == TaskOutcome::finished);
 }
 
 TEST_CASE("a skill ends as its state says: well at one value, badly at another") {
@@ -125,19 +125,19 @@ TEST_CASE("a skill ends as its state says: well at one value, badly at another")
     Settings settings = ridgeback();
     settings.description.skills[0].end = {EndKind::state, "task", 0, 0.01, "", 0, 2};
     settings.commands.requests["task"] = "/task data";
-    RosBench bench(std::move(settings));
-    bench.bridge(true);
-    const auto watched = bench.asked();
+    RosBench fixture(std::move(settings));
+    fixture.bridge(true);
+    const auto watched = fixture.asked();
     REQUIRE(watched.size() == 1);
     CHECK(watched[0].name == "/task");
-    bench.deliver(MessageType::command, Execute{{"run", "t1", 1, 1}, 1, kInstance, "go_to", R"({"place":"dock"})", 0},
-                  "ridgeback");
-    bench.tell(bench.asked().at(0).token, BridgeResult::done);
-    bench.wait(0.2);
-    bench.tell(watched[0].token, BridgeResult::value, "1");
-    CHECK(bench.told<Outcome>().empty());
-    bench.tell(watched[0].token, BridgeResult::value, said);
-    CHECK(bench.one<Outcome>().outcome == outcome);
+    fixture.deliver(MessageType::command, Execute{{"run", "t1", 1, 1}, 1, kInstance, "go_to", R"({"place":"dock"})", 0},
+                    "ridgeback");
+    fixture.tell(fixture.asked().at(0).token, BridgeResult::done);
+    fixture.wait(0.2);
+    fixture.tell(watched[0].token, BridgeResult::value, "1");
+    CHECK(fixture.told<Outcome>().empty());
+    fixture.tell(watched[0].token, BridgeResult::value, said);
+    CHECK(fixture.one<Outcome>().outcome == outcome);
   }
 }
 
@@ -153,21 +153,21 @@ TEST_CASE("a critical fault ends the skill that needs what is gone: it is halted
     rule.capability = capability;
     settings.description.faults = {rule};
     settings.commands.requests["error"] = "/error data";
-    RosBench bench(std::move(settings));
-    bench.bridge(true);
-    const auto watched = bench.asked();
+    RosBench fixture(std::move(settings));
+    fixture.bridge(true);
+    const auto watched = fixture.asked();
     REQUIRE(watched.size() == 2);
     const auto error = std::ranges::find(watched, "/error", &BridgeCommand::name)->token;
-    bench.tell(error, BridgeResult::value, "\"\"");
-    bench.deliver(MessageType::command, Execute{{"run", "t1", 1, 1}, 1, kInstance, "go_to", R"({"place":"dock"})", 0},
-                  "ridgeback");
-    bench.tell(bench.asked().at(0).token, BridgeResult::done);
-    bench.tell(error, BridgeResult::value, "\"a wheel is blocked\"");
-    CHECK(bench.told<RobotFault>().size() == 1);
+    fixture.tell(error, BridgeResult::value, "\"\"");
+    fixture.deliver(MessageType::command, Execute{{"run", "t1", 1, 1}, 1, kInstance, "go_to", R"({"place":"dock"})", 0},
+                    "ridgeback");
+    fixture.tell(fixture.asked().at(0).token, BridgeResult::done);
+    fixture.tell(error, BridgeResult::value, "\"a wheel is blocked\"");
+    CHECK(fixture.told<RobotFault>().size() == 1);
     const bool ends = severity == Severity::critical && std::string_view(capability) == "mobile";
-    const auto outcomes = bench.told<Outcome>();
+    const auto outcomes = fixture.told<Outcome>();
     REQUIRE(outcomes.size() == (ends ? 1 : 0));
-    CHECK(bench.asked().size() == (ends ? 2 : 0));  // its stop has two topics
+    CHECK(fixture.asked().size() == (ends ? 2 : 0));  // its stop has two topics
     if (!ends) continue;
     const auto outcome = get<Outcome>(outcomes[0].body);
     CHECK(outcome.outcome == TaskOutcome::failed);
@@ -185,109 +185,109 @@ TEST_CASE("a skill whose capability a fault has taken is not begun, until the ro
   rule.capability = "mobile";
   settings.description.faults = {rule};
   settings.commands.requests["error"] = "/error data";
-  RosBench bench(std::move(settings));
-  bench.bridge(true);
-  const auto watched = bench.asked();
+  RosBench fixture(std::move(settings));
+  fixture.bridge(true);
+  const auto watched = fixture.asked();
   const auto error = std::ranges::find(watched, "/error", &BridgeCommand::name)->token;
-  bench.out.clear();
+  fixture.out.clear();
   std::uint32_t attempt = 0;
   const auto go = [&] {
     const Execute go_to{{"run", "t1", 1, ++attempt}, 1, kInstance, "go_to", R"({"place":"dock"})", 0};
-    return bench.nack_of(bench.deliver(MessageType::command, go_to, "ridgeback"));
+    return fixture.nack_of(fixture.deliver(MessageType::command, go_to, "ridgeback"));
   };
   // Also the first value: the node may have been started after the fault, and then nobody is told of one.
-  bench.tell(error, BridgeResult::value, "\"a wheel is blocked\"");
-  CHECK(bench.told<RobotFault>().empty());
-  CHECK(bench.one<NodeProfile>().out_of_use.at(0).text == "a wheel is blocked");
+  fixture.tell(error, BridgeResult::value, "\"a wheel is blocked\"");
+  CHECK(fixture.told<RobotFault>().empty());
+  CHECK(fixture.one<NodeProfile>().out_of_use.at(0).text == "a wheel is blocked");
   const Nack refused = go();
   CHECK(refused.code == "out_of_use");
   CHECK(refused.what.find("a wheel is blocked") != std::string::npos);
-  CHECK(bench.asked().empty());
-  bench.tell(error, BridgeResult::value, "\"\"");
-  CHECK(bench.over() == std::vector<std::string>{"mobile: a wheel is blocked"});
+  CHECK(fixture.asked().empty());
+  fixture.tell(error, BridgeResult::value, "\"\"");
+  CHECK(fixture.over() == std::vector<std::string>{"mobile: a wheel is blocked"});
   CHECK(go().code.empty());
-  CHECK(bench.asked().size() == 1);
+  CHECK(fixture.asked().size() == 1);
 }
 
 TEST_CASE("a request for a stream is answered, and then told again and again until its time is over") {
-  RosBench bench;
-  bench.bridge(true);
-  bench.asked();
-  const auto id = bench.send(MessageType::request, "scan", R"({"stream_s": 2, "every_s": 0.5})");
-  auto asked = bench.asked();
+  RosBench fixture;
+  fixture.bridge(true);
+  fixture.asked();
+  const auto id = fixture.send(MessageType::request, "scan", R"({"stream_s": 2, "every_s": 0.5})");
+  auto asked = fixture.asked();
   REQUIRE(asked.size() == 2);
   CHECK(asked[0].action == BridgeAction::watch);
   CHECK(asked[1].action == BridgeAction::ask);
-  bench.tell(asked[1].token, BridgeResult::value, "[1]");
-  CHECK(bench.answer(id) == "[1]");
-  bench.told<Opaque>();
+  fixture.tell(asked[1].token, BridgeResult::value, "[1]");
+  CHECK(fixture.answer(id) == "[1]");
+  fixture.told<Opaque>();
   std::vector<std::string> told;
   for (int i = 0; i < 30; ++i) {
-    bench.wait(0.1);
-    bench.tell(asked[0].token, BridgeResult::value, "[" + std::to_string(i) + "]");
-    for (const Send& send : bench.told<Opaque>()) told.push_back(get<Opaque>(send.body).data);
+    fixture.wait(0.1);
+    fixture.tell(asked[0].token, BridgeResult::value, "[" + std::to_string(i) + "]");
+    for (const Send& send : fixture.told<Opaque>()) told.push_back(get<Opaque>(send.body).data);
   }
   CHECK(told == std::vector<std::string>{"[4]", "[9]", "[14]"});
-  const auto after = bench.asked();
+  const auto after = fixture.asked();
   REQUIRE(after.size() == 1);
   CHECK(after[0].action == BridgeAction::unwatch);
   CHECK(after[0].token == asked[0].token);
-  CHECK(bench.answer(bench.send(MessageType::request, "scan", R"({"stream_s": "long"})")) == "nack bad_value");
+  CHECK(fixture.answer(fixture.send(MessageType::request, "scan", R"({"stream_s": "long"})")) == "nack bad_value");
 }
 
 TEST_CASE("a stop goes to every topic that it names, overtakes what waits, and is answered once all have it") {
-  RosBench bench;
-  bench.bridge(true);
-  bench.asked();
-  const auto waiting = bench.command("move", "[1]");
-  bench.asked();
-  const auto id = bench.deliver(MessageType::command, Stop{"fire"});
-  CHECK(bench.answer(waiting) == "nack fenced");
-  const auto asked = bench.asked();
+  RosBench fixture;
+  fixture.bridge(true);
+  fixture.asked();
+  const auto waiting = fixture.command("move", "[1]");
+  fixture.asked();
+  const auto id = fixture.deliver(MessageType::command, Stop{"fire"});
+  CHECK(fixture.answer(waiting) == "nack fenced");
+  const auto asked = fixture.asked();
   REQUIRE(asked.size() == 2);
   CHECK(asked[0].data == "{}");
   CHECK(asked[1].name == "/arm/stop");
-  bench.tell(asked[0].token, BridgeResult::done);
-  CHECK(bench.answer(id).empty());
-  bench.tell(asked[1].token, BridgeResult::done);
-  bench.wait(0.1);
-  CHECK(bench.answer(id) == "ack stopped");
+  fixture.tell(asked[0].token, BridgeResult::done);
+  CHECK(fixture.answer(id).empty());
+  fixture.tell(asked[1].token, BridgeResult::done);
+  fixture.wait(0.1);
+  CHECK(fixture.answer(id) == "ack stopped");
 }
 
 TEST_CASE("without ROS the robot is offline and says why; what was under way is not known") {
-  RosBench bench;
-  bench.bridge(false, 1, "no ROS master at http://10.0.0.9:11311");
-  const auto profiles = bench.told<NodeProfile>();
+  RosBench fixture;
+  fixture.bridge(false, 1, "no ROS master at http://10.0.0.9:11311");
+  const auto profiles = fixture.told<NodeProfile>();
   CHECK(get<NodeProfile>(profiles.back().body).detail == "no ROS master at http://10.0.0.9:11311");
-  auto id = bench.command("move", "[1]");
-  CHECK(bench.answer(id) == "nack robot_offline");
-  bench.bridge(true);
-  bench.asked();
-  id = bench.command("move", "[1]");
-  CHECK(bench.answer(id).empty());
-  bench.bridge(false, 1, "the ROS master does not answer");
-  CHECK(bench.answer(id) == "nack robot_offline");
-  const auto told = bench.told<RobotConnection>();
+  auto id = fixture.command("move", "[1]");
+  CHECK(fixture.answer(id) == "nack robot_offline");
+  fixture.bridge(true);
+  fixture.asked();
+  id = fixture.command("move", "[1]");
+  CHECK(fixture.answer(id).empty());
+  fixture.bridge(false, 1, "the ROS master does not answer");
+  CHECK(fixture.answer(id) == "nack robot_offline");
+  const auto told = fixture.told<RobotConnection>();
   REQUIRE(told.size() == 1);
   CHECK(get<RobotConnection>(told[0].body).detail == "the ROS master does not answer");
 }
 
 TEST_CASE("a bridge that has started anew, or says nothing for 4 s, has forgotten what was asked") {
-  RosBench bench;
-  bench.bridge(true, 1);
-  bench.asked();
-  auto id = bench.command("move", "[1]");
-  bench.asked();
-  bench.bridge(true, 2);
-  CHECK(bench.answer(id) == "nack robot_offline");
-  CHECK(bench.asked().size() == 1);  // watches again
-  id = bench.command("move", "[1]");
-  bench.wait(5);
-  CHECK(bench.answer(id) == "nack robot_offline");
+  RosBench fixture;
+  fixture.bridge(true, 1);
+  fixture.asked();
+  auto id = fixture.command("move", "[1]");
+  fixture.asked();
+  fixture.bridge(true, 2);
+  CHECK(fixture.answer(id) == "nack robot_offline");
+  CHECK(fixture.asked().size() == 1);  // watches again
+  id = fixture.command("move", "[1]");
+  fixture.wait(5);
+  CHECK(fixture.answer(id) == "nack robot_offline");
 }
 
 TEST_CASE("another node cannot play the bridge") {
-  RosBench bench;
-  bench.deliver(MessageType::information, BridgeState{1, true, ""}, "ur3");
-  CHECK(bench.answer(bench.command("move", "[1]")) == "nack robot_offline");
+  RosBench fixture;
+  fixture.deliver(MessageType::information, BridgeState{1, true, ""}, "ur3");
+  CHECK(fixture.answer(fixture.command("move", "[1]")) == "nack robot_offline");
 }

@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "common/drivers/tcp-text/ur_monitor.hpp"
-#include "services/mode-adapter/test/bench.hpp"
+#include "services/mode-adapter/test/fixture.hpp"
 #include "tests/fuzz/target.hpp"
 
 namespace trb::fuzz {
@@ -26,17 +26,17 @@ void check_cutting(BytesView input) {
 
 /// A skill that runs while the controller says this: it is answered, and what is told to the fleet is bounded.
 void check_mode(BytesView input) {
-  UrBench bench;
-  bench.deliver(MessageType::command, order("reach", R"({"joints": [0,0,0,0,0,0]})"), "ur3");
-  bench.monitor(ur_started("trb_1"));
-  bench.monitor(Bytes(input));
-  for (const Send& send : bench.out.sends) {
+  UrFixture fixture;
+  fixture.deliver(MessageType::command, order("reach", R"({"joints": [0,0,0,0,0,0]})"), "ur3");
+  fixture.monitor(ur_started("trb_1"));
+  fixture.monitor(Bytes(input));
+  for (const Send& send : fixture.out.sends) {
     if (const auto* fault = get_if<RobotFault>(&send.body)) {
       require(is_utf8(fault->text) && fault->text.size() <= 1024, "a fault's text is short and UTF-8");
     }
   }
-  bench.wait(30);
-  require(bench.told<Outcome>().size() >= 1, "the skill has an outcome");
+  fixture.wait(30);
+  require(fixture.told<Outcome>().size() >= 1, "the skill has an outcome");
 }
 
 }  // namespace

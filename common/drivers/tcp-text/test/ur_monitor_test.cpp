@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "common/base/hex.hpp"
-#include "services/mode-adapter/test/bench.hpp"
+#include "services/mode-adapter/test/fixture.hpp"
 
 using namespace trb;
 using namespace trb::adapter;

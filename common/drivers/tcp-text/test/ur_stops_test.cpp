@@ -1,5 +1,5 @@
 // What a Universal Robot does when it stops by itself: protective stop, emergency stop, power, runtime exceptions.
-#include "services/mode-adapter/test/bench.hpp"
+#include "services/mode-adapter/test/fixture.hpp"
 
 using namespace trb;
 using namespace trb::adapter;
@@ -22,8 +22,8 @@ std::string ur_error(int code, int level, const std::string& text) {
 }
 
 /// An arm in the middle of a skill's program.
-struct Moving : UrBench {
-  Moving() : UrBench(with_power()) {
+struct Moving : UrFixture {
+  Moving() : UrFixture(with_power()) {
     deliver(MessageType::command, order("reach", R"({"joints": [0,0,0,0,0,0]})"), "ur3");
     sent();
     monitor(ur_started("trb_1"));
@@ -54,7 +54,7 @@ TEST_CASE("a protective stop in the middle of a move fails the skill with the re
 
 TEST_CASE(
     "a protective stop keeps the arm out of use until the controller tells that it is over, also to a new process") {
-  UrBench arm;
+  UrFixture arm;
   arm.state({.protective = true});
   REQUIRE(arm.kept.size() == 1);
   CHECK(arm.answer(arm.deliver(MessageType::command, order("reach", "{}"), "ur3")) == "nack out_of_use");
@@ -67,12 +67,12 @@ TEST_CASE(
   arm.state();
   CHECK(arm.over() == std::vector<std::string>{"grab: emergency stop", "reach: emergency stop"});
   CHECK(arm.kept.empty());
-  UrBench next(settings);  // its first state is a good one
+  UrFixture next(settings);  // its first state is a good one
   CHECK(next.over().size() == 2);
 }
 
 TEST_CASE("a stop that the controller tells of again on a new connection is told again") {
-  UrBench arm;
+  UrFixture arm;
   arm.state({.protective = true});
   arm.told<RobotFault>();
   arm.down(Channel::monitor);
@@ -105,7 +105,7 @@ TEST_CASE("a program that had come to its end when the arm stopped has ended wel
 TEST_CASE("while the arm carries nothing out, a command is refused with the way out, and nothing is written") {
   struct Case {
     UrPicture picture;
-    std::string what, cure;
+    std::string what, hint;
   };
   for (const Case& one :
        {Case{{.protective = true}, "protective stop", "trb send ur3 command unlock"},
@@ -114,37 +114,37 @@ TEST_CASE("while the arm carries nothing out, a command is refused with the way 
         Case{{.mode = 5}, "brakes are on", "trb send ur3 command run_mode"},
         Case{{.mode = 2}, "robot mode 2", "pendant"}}) {
     CAPTURE(one.what);
-    UrBench bench(with_power());
-    bench.state(one.picture);
-    const auto id = bench.command("move", kJoints);
-    CHECK(bench.nack_of(id).code == "robot_error");
-    CHECK(bench.nack_of(id).what.find(one.what) != std::string::npos);
-    CHECK(bench.nack_of(id).cure.find(one.cure) != std::string::npos);
-    CHECK(bench.sent().empty());
-    CHECK(bench.answer(bench.command("power_on", "")) == "ack handed_over");
-    CHECK(bench.sent() == "power on\n");
-    bench.state();
-    CHECK(bench.answer(bench.command("move", kJoints)).empty());
+    UrFixture fixture(with_power());
+    fixture.state(one.picture);
+    const auto id = fixture.command("move", kJoints);
+    CHECK(fixture.nack_of(id).code == "robot_error");
+    CHECK(fixture.nack_of(id).what.find(one.what) != std::string::npos);
+    CHECK(fixture.nack_of(id).hint.find(one.hint) != std::string::npos);
+    CHECK(fixture.sent().empty());
+    CHECK(fixture.answer(fixture.command("power_on", "")) == "ack handed_over");
+    CHECK(fixture.sent() == "power on\n");
+    fixture.state();
+    CHECK(fixture.answer(fixture.command("move", kJoints)).empty());
   }
 }
 
 TEST_CASE("an arm without words for its power is sent to its pendant") {
-  UrBench bench;
-  bench.state({.mode = 5});
-  CHECK(bench.nack_of(bench.command("move", kJoints)).cure == "use the robot's pendant");
+  UrFixture fixture;
+  fixture.state({.mode = 5});
+  CHECK(fixture.nack_of(fixture.command("move", kJoints)).hint == "use the robot's pendant");
 }
 
 TEST_CASE("a program that was sent and one that waits are refused when the arm stops") {
-  UrBench bench(with_power());
-  const auto sent = bench.command("move", kJoints);
-  const auto waits = bench.command("move", kJoints);
-  bench.state({.protective = true});
-  CHECK(bench.answer(sent) == "nack robot_error");
-  CHECK(bench.answer(waits) == "nack robot_error");
-  bench.sent();
-  bench.state();
-  bench.live(1);
-  CHECK(bench.sent().empty());  // nothing is repeated
+  UrFixture fixture(with_power());
+  const auto sent = fixture.command("move", kJoints);
+  const auto waits = fixture.command("move", kJoints);
+  fixture.state({.protective = true});
+  CHECK(fixture.answer(sent) == "nack robot_error");
+  CHECK(fixture.answer(waits) == "nack robot_error");
+  fixture.sent();
+  fixture.state();
+  fixture.live(1);
+  CHECK(fixture.sent().empty());  // nothing is repeated
 }
 
 TEST_CASE("a runtime exception in a running program ends it with line and column, and is a warning to the fleet") {
@@ -157,16 +157,16 @@ TEST_CASE("a runtime exception in a running program ends it with line and column
 }
 
 TEST_CASE("a warning of the controller's is a fault of its severity; whatever its text, it stays text") {
-  UrBench bench(with_power());
-  bench.monitor(ur_error(4, 2, "\"hot\"\njoint\xff"));
-  const auto fault = get<RobotFault>(bench.told<RobotFault>().at(0).body);
+  UrFixture fixture(with_power());
+  fixture.monitor(ur_error(4, 2, "\"hot\"\njoint\xff"));
+  const auto fault = get<RobotFault>(fixture.told<RobotFault>().at(0).body);
   CHECK(fault.severity == Severity::warning);
   CHECK(fault.text == "C4A0 \"hot\"\njoint?");
   for (int i = 0; i < 50; ++i) {  // the controller says it again at each cycle
-    bench.live(0.1);
-    bench.monitor(ur_error(4, 2, "\"hot\"\njoint\xff"));
+    fixture.live(0.1);
+    fixture.monitor(ur_error(4, 2, "\"hot\"\njoint\xff"));
   }
-  CHECK(bench.told<RobotFault>().empty());
-  bench.monitor(ur_error(4, 1, "for the curious"));
-  CHECK(bench.told<RobotFault>().empty());
+  CHECK(fixture.told<RobotFault>().empty());
+  fixture.monitor(ur_error(4, 1, "for the curious"));
+  CHECK(fixture.told<RobotFault>().empty());
 }

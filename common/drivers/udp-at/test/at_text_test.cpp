@@ -1,7 +1,7 @@
 // AT commands and navdata, byte by byte.
 #include "common/drivers/udp-at/at_text.hpp"
 
-#include "common/drivers/udp-at/test/bench.hpp"
+#include "common/drivers/udp-at/test/fixture.hpp"
 #include "common/drivers/udp-at/values.hpp"
 
 using namespace trb;

@@ -101,7 +101,7 @@ TEST_CASE("a drone's commands.json: every fault with its key") {
     const ConfigFaults faults = faults_of(one.file, one.from, one.to);
     REQUIRE_MESSAGE(faults.size() == 1, to_text(faults));
     CHECK(faults[0].key == one.key);
-    CHECK_FALSE(faults[0].cure.empty());
+    CHECK_FALSE(faults[0].hint.empty());
     CHECK_MESSAGE(faults[0].what.find(one.what) != std::string::npos, faults[0].what);
   }
 }

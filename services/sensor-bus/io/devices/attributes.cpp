@@ -50,7 +50,7 @@ class Attributes {
     const auto text = read_attribute(folder_ + name);
     if (!text) return text.error();
     auto value = parse_number(*text);
-    if (!value) return fail(value.error().code, name + ": " + value.error().what, value.error().cure);
+    if (!value) return fail(value.error().code, name + ": " + value.error().what, value.error().hint);
     return value;
   }
 

@@ -28,21 +28,22 @@ std::string seconds_text(double s) {
 
 Result<std::unique_ptr<Devices>> Devices::open(Service& service, DeviceListener& listener,
                                                std::vector<SensorRule> rules) {
-  auto crew = Crew::make();
-  if (!crew) return crew.error();
-  std::unique_ptr<Devices> out(new Devices(service, listener, std::move(rules), std::move(*crew)));
+  auto pool = ReaderPool::make();
+  if (!pool) return pool.error();
+  std::unique_ptr<Devices> out(new Devices(service, listener, std::move(rules), std::move(*pool)));
   if (Status heard = out->hear(); !heard) return heard.error();
   return out;
 }
 
-Devices::Devices(Service& service, DeviceListener& listener, std::vector<SensorRule> rules, std::shared_ptr<Crew> crew)
-    : service_(service), listener_(listener), recognition_(std::move(rules)), crew_(std::move(crew)) {
-  service_.watch(crew_->ready_fd(), POLLIN, [this](short) { on_posts(); });
+Devices::Devices(Service& service, DeviceListener& listener, std::vector<SensorRule> rules,
+                 std::shared_ptr<ReaderPool> pool)
+    : service_(service), listener_(listener), recognition_(std::move(rules)), reader_pool_(std::move(pool)) {
+  service_.watch(reader_pool_->ready_fd(), POLLIN, [this](short) { on_posts(); });
   service_.timer([this] { return std::min(next_look_, next_udevd_look_); }, [this](Now at) { look(at); });
 }
 
 Devices::~Devices() {
-  service_.unwatch(crew_->ready_fd());
+  service_.unwatch(reader_pool_->ready_fd());
   if (monitor_) service_.unwatch(monitor_->fd());
   for (auto& [ignored, plugged] : plugged_) {
     if (!plugged.reader) continue;
@@ -136,7 +137,7 @@ void Devices::plug(FoundDevice found) {
       found.channels.front().plugged.info.device + " as " + found.rule->file + " says: " + syspath);
   Plugged& plugged = plugged_.insert_or_assign(syspath, Plugged{std::move(found), nullptr, 0, false}).first->second;
   for (const FoundChannel& channel : plugged.found.channels) listener_.on_plugged(channel.plugged);
-  auto reader = start_reader(plugged.found, ++readers_, crew_);
+  auto reader = start_reader(plugged.found, ++readers_, reader_pool_);
   if (!reader) {
     log_limited(limit_, now().mono, Level::error, "reader_not_started", reader.error().text());
     return fail_all(plugged, reader.error());
@@ -161,9 +162,9 @@ void Devices::unplug(const std::string& syspath) {
 }
 
 void Devices::on_posts() {
-  for (Post& post : crew_->take()) on_post(std::move(post));
-  if (crew_->dropped() == dropped_) return;
-  dropped_ = crew_->dropped();
+  for (Post& post : reader_pool_->take()) on_post(std::move(post));
+  if (reader_pool_->dropped() == dropped_) return;
+  dropped_ = reader_pool_->dropped();
   log_limited(limit_, now().mono, Level::warning, "samples_dropped", std::to_string(dropped_) + " in all");
 }
 
@@ -235,7 +236,7 @@ void Devices::take_picture(const std::string& key) {
 
 Devices::Counts Devices::counts() const {
   const auto left = std::count_if(leaving_.begin(), leaving_.end(), [](const auto& each) { return !each->ended; });
-  return {plugged_.size(), crew_->threads, static_cast<std::size_t>(left)};
+  return {plugged_.size(), reader_pool_->threads, static_cast<std::size_t>(left)};
 }
 
 }  // namespace trb::sensor

@@ -45,7 +45,7 @@ class Devices final : public DeviceControl {
   };
   using Place = std::pair<Plugged*, std::size_t>;
 
-  Devices(Service& service, DeviceListener& listener, std::vector<SensorRule> rules, std::shared_ptr<Crew> crew);
+  Devices(Service& service, DeviceListener& listener, std::vector<SensorRule> rules, std::shared_ptr<ReaderPool> pool);
   Status hear();
   void look_for_udevd(MonotonicTime now);
   void scan();
@@ -65,7 +65,7 @@ class Devices final : public DeviceControl {
   Service& service_;
   DeviceListener& listener_;
   Recognition recognition_;
-  std::shared_ptr<Crew> crew_;
+  std::shared_ptr<ReaderPool> reader_pool_;
   std::unique_ptr<UdevMonitor> monitor_;
   std::map<std::string, Plugged> plugged_;              ///< by syspath
   std::map<std::uint64_t, std::string> reader_of_;      ///< reader's number: syspath

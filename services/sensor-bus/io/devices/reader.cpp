@@ -18,7 +18,7 @@ struct Start {
   ReaderContext context;
   ReadBy by;
   std::shared_ptr<ReaderOrders> orders;
-  std::shared_ptr<Crew> crew;
+  std::shared_ptr<ReaderPool> pool;
 };
 
 void run(ReaderContext& context, ReadBy by) {
@@ -40,7 +40,7 @@ void* thread_main(void* argument) {
   const std::unique_ptr<Start> start(static_cast<Start*>(argument));
   run(start->context, start->by);
   start->orders->ended = true;
-  --start->crew->threads;
+  --start->pool->threads;
   return nullptr;
 }
 
@@ -77,8 +77,8 @@ void ReaderOrders::end() {
   ::eventfd_write(wake.get(), 1);
 }
 
-ReaderContext::ReaderContext(FoundDevice found, std::shared_ptr<ReaderOrders> orders, std::shared_ptr<Crew> crew)
-    : found_(std::move(found)), orders_(std::move(orders)), crew_(std::move(crew)) {}
+ReaderContext::ReaderContext(FoundDevice found, std::shared_ptr<ReaderOrders> orders, std::shared_ptr<ReaderPool> pool)
+    : found_(std::move(found)), orders_(std::move(orders)), reader_pool_(std::move(pool)) {}
 
 ReaderContext::Woken ReaderContext::wait(int fd, std::optional<MonotonicTime> deadline) {
   for (;;) {
@@ -115,7 +115,7 @@ void ReaderContext::tell(std::size_t channel, const Measured& measured) {
   sample.text = measured.text;
   sample.time = at.utc;
   sample.measured = at.mono;
-  crew_->post({orders_->number, std::move(sample)});
+  reader_pool_->post({orders_->number, std::move(sample)});
 }
 
 void ReaderContext::fail_one(std::size_t channel, const Error& error) {
@@ -125,7 +125,7 @@ void ReaderContext::fail_one(std::size_t channel, const Error& error) {
   sample.time = at.utc;
   sample.measured = at.mono;
   sample.error = error;
-  crew_->post({orders_->number, std::move(sample)});
+  reader_pool_->post({orders_->number, std::move(sample)});
 }
 
 void ReaderContext::fail_all(const Error& error) {
@@ -135,7 +135,7 @@ void ReaderContext::fail_all(const Error& error) {
 void ReaderContext::show(Picture picture) {
   picture.key = channels().front().plugged.key;
   picture.time = now().utc;
-  crew_->post({orders_->number, std::move(picture)});
+  reader_pool_->post({orders_->number, std::move(picture)});
 }
 
 ReaderContext::Busy::Busy(ReaderContext& context) : orders_(*context.orders_) {
@@ -143,8 +143,8 @@ ReaderContext::Busy::Busy(ReaderContext& context) : orders_(*context.orders_) {
 }
 
 Result<std::shared_ptr<ReaderOrders>> start_reader(const FoundDevice& found, std::uint64_t number,
-                                                   const std::shared_ptr<Crew>& crew) {
-  if (crew->threads >= kMaxReaders) {
+                                                   const std::shared_ptr<ReaderPool>& pool) {
+  if (pool->threads >= kMaxReaders) {
     return fail(Errc::queue_full, "there are " + std::to_string(kMaxReaders) + " readers, which is the most",
                 "unplug devices, or leave out rules for some");
   }
@@ -152,10 +152,10 @@ Result<std::shared_ptr<ReaderOrders>> start_reader(const FoundDevice& found, std
   orders->number = number;
   orders->wake = Descriptor(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK));
   if (!orders->wake) return system_error("eventfd", errno);
-  auto start = std::make_unique<Start>(Start{ReaderContext(found, orders, crew), found.rule->by, orders, crew});
-  ++crew->threads;
+  auto start = std::make_unique<Start>(Start{ReaderContext(found, orders, pool), found.rule->by, orders, pool});
+  ++pool->threads;
   if (const int problem = start_detached(start.get()); problem != 0) {
-    --crew->threads;
+    --pool->threads;
     return system_error("a reader's thread", problem);
   }
   start.release();  // NOLINT(bugprone-unused-return-value): the thread's now

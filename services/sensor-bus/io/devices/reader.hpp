@@ -8,7 +8,7 @@
 
 #include "services/sensor-bus/core/recognition.hpp"
 #include "services/sensor-bus/core/values.hpp"
-#include "services/sensor-bus/io/devices/crew.hpp"
+#include "services/sensor-bus/io/devices/reader_pool.hpp"
 
 namespace trb::sensor {
 
@@ -29,7 +29,7 @@ struct ReaderOrders {
 /// The thread's side: what a kind of reader needs.
 class ReaderContext {
  public:
-  ReaderContext(FoundDevice found, std::shared_ptr<ReaderOrders> orders, std::shared_ptr<Crew> crew);
+  ReaderContext(FoundDevice found, std::shared_ptr<ReaderOrders> orders, std::shared_ptr<ReaderPool> pool);
 
   [[nodiscard]] const Device& device() const { return found_.device; }
   [[nodiscard]] const SensorRule& rule() const { return *found_.rule; }
@@ -62,7 +62,7 @@ class ReaderContext {
  private:
   FoundDevice found_;
   std::shared_ptr<ReaderOrders> orders_;
-  std::shared_ptr<Crew> crew_;
+  std::shared_ptr<ReaderPool> reader_pool_;
 };
 
 // The kinds of readers; each returns when it is stopped.
@@ -74,7 +74,7 @@ void run_camera(ReaderContext& context);
 /// Starts the thread; it ends by itself after end(). Errors: queue_full (kMaxReaders threads are there), io_error.
 constexpr std::size_t kMaxReaders = 256;
 Result<std::shared_ptr<ReaderOrders>> start_reader(const FoundDevice& found, std::uint64_t number,
-                                                   const std::shared_ptr<Crew>& crew);
+                                                   const std::shared_ptr<ReaderPool>& pool);
 
 /// "WHAT: the system's words"
 Error system_error(const std::string& what, int number);

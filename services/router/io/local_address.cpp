@@ -17,7 +17,7 @@ bool is_link_local(const std::string& address) {
 
 }  // namespace
 
-Status RouterShell::open_place() {
+Status RouterShell::open_local_address() {
   auto watch = InterfaceWatch::open(loop_, [this] { follow_interfaces(); });
   if (watch) {
     interface_watch_ = std::move(*watch);
@@ -33,7 +33,7 @@ Status RouterShell::open_place() {
     wait_text_ = opened.error().text();
     look_again_ = read_clocks().mono + kAgain;
   }
-  if (!wait_text_.empty()) log_event(Level::warning, "waiting", wait_text_ + "; " + host.cure);
+  if (!wait_text_.empty()) log_event(Level::warning, "waiting", wait_text_ + "; " + host.hint);
   follow_vpn();
   return Done{};
 }
@@ -43,7 +43,7 @@ Status RouterShell::open_inbox(const Resolved& host) {
   if (inbox_) loop_.remove_socket(inbox_->handle());
   inbox_monitor_.reset();
   inbox_.reset();
-  door_.reset();
+  inbox_guard_.reset();
   beacon_.reset();
   vpn_endpoint_.clear();
   host_ = {};
@@ -86,7 +86,7 @@ void RouterShell::follow_interfaces() {
     open_lane();
   }
   wait_text_ = host_.address.empty() ? "HOST_INT: " + (host.what.empty() ? "cannot be bound yet" : host.what) : "";
-  tell_place();
+  notify_local_address();
   follow_vpn();
 }
 
@@ -105,7 +105,7 @@ void RouterShell::move_to(const Resolved& host) {
   }
 }
 
-void RouterShell::tell_place() {
+void RouterShell::notify_local_address() {
   Effects effects;
   core_.set_lane(own_lane());
   core_.set_address(own_address(), wait_text_, read_clocks(), effects);

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "common/base/hex.hpp"
-#include "services/mode-adapter/test/bench.hpp"
+#include "services/mode-adapter/test/fixture.hpp"
 
 namespace trb::adapter {
 
@@ -85,9 +85,9 @@ inline std::string hex(const Bytes& bytes) {
 }
 
 /// A robot that is there, and does at once what it is told.
-class PioneerBench : public Bench {
+class PioneerFixture : public Fixture {
  public:
-  PioneerBench() : Bench(pioneer3()) { welcome(); }
+  PioneerFixture() : Fixture(pioneer3()) { welcome(); }
 
   void connect() {
     up(Channel::command);

@@ -1,5 +1,5 @@
 // The kernel's filter and the cut of one connection, with plain sockets.
-#include "common/transport/tcp_door.hpp"
+#include "common/transport/source_filter.hpp"
 
 #include <arpa/inet.h>
 #include <doctest/doctest.h>

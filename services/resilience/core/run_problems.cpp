@@ -1,4 +1,4 @@
-#include "services/resilience/core/troubles.hpp"
+#include "services/resilience/core/run_problems.hpp"
 
 #include <algorithm>
 
@@ -22,7 +22,7 @@ bool has_not_begun(const TaskView& task) {
 /// The worst thing known of a robot, as it is found task by task.
 class Finder {
  public:
-  Finder(const WatchedRun& run, const Fleet& fleet, const std::string& robot, const Presence::Gone* gone)
+  Finder(const WatchedRun& run, const Fleet& fleet, const std::string& robot, const Liveness::Gone* gone)
       : run_(run), fleet_(fleet), record_(fleet.find(robot)), gone_(gone) {
     out_.robot = robot;
   }
@@ -50,7 +50,7 @@ class Finder {
          capability, "task '" + task.id + "': " + (task.reason.empty() ? "stopped" : task.reason));
   }
 
-  Trouble take() { return std::move(out_); }
+  RunProblem take() { return std::move(out_); }
 
  private:
   void tell(const std::string& cause, Severity severity, const std::string& capability, const std::string& text) {
@@ -66,8 +66,8 @@ class Finder {
   const WatchedRun& run_;
   const Fleet& fleet_;
   const RobotRecord* record_;
-  const Presence::Gone* gone_;
-  Trouble out_;
+  const Liveness::Gone* gone_;
+  RunProblem out_;
 };
 
 std::string joined(const std::vector<std::string>& words) {
@@ -76,8 +76,8 @@ std::string joined(const std::vector<std::string>& words) {
   return out;
 }
 
-Trouble robot_wanted(const Task& task, std::size_t index) {
-  Trouble out;
+RunProblem robot_wanted(const Task& task, std::size_t index) {
+  RunProblem out;
   out.cause = kWantsRobot;
   out.text = "task '" + task.id + "' wants a robot with '" + task.skill + "' and " + joined(task.requires_);
   out.tasks = {index};
@@ -110,11 +110,11 @@ bool is_pinned(const Alert& alert, const WatchedRun& run, std::string_view task)
   return index && run.start->scenario.tasks[*index].pinned && !wants_robot(alert);
 }
 
-bool is_about(const Alert& alert, const WatchedRun& run, const Trouble& trouble) {
-  if (alert.run != run.summary.run || alert.robot != trouble.robot) return false;
-  if (family_of(alert.cause) != family_of(trouble.cause)) return false;
-  return trouble.cause != kWantsRobot ||
-         alert.tasks == std::vector<std::string>{run.view->tasks[trouble.tasks.front()].id};
+bool is_about(const Alert& alert, const WatchedRun& run, const RunProblem& problem) {
+  if (alert.run != run.summary.run || alert.robot != problem.robot) return false;
+  if (family_of(alert.cause) != family_of(problem.cause)) return false;
+  return problem.cause != kWantsRobot ||
+         alert.tasks == std::vector<std::string>{run.view->tasks[problem.tasks.front()].id};
 }
 
 int strength_of(std::string_view cause) {
@@ -166,15 +166,15 @@ std::vector<Alert> lesser_faults(const Fleet& fleet, UtcTime since) {
   return out;
 }
 
-std::vector<Trouble> double_executions(const WatchedRun& run) {
-  std::vector<Trouble> out;
+std::vector<RunProblem> double_executions(const WatchedRun& run) {
+  std::vector<RunProblem> out;
   if (run.view->paused_by.empty()) return out;
   for (std::size_t i = 0; i < run.view->tasks.size(); ++i) {
     const TaskView& task = run.view->tasks[i];
     if (!task.twice) continue;
-    auto at = std::ranges::find(out, task.robot, &Trouble::robot);
+    auto at = std::ranges::find(out, task.robot, &RunProblem::robot);
     if (at == out.end()) {
-      Trouble fresh;
+      RunProblem fresh;
       fresh.robot = task.robot;
       fresh.severity = Severity::critical;
       fresh.cause = kTwice;
@@ -187,12 +187,12 @@ std::vector<Trouble> double_executions(const WatchedRun& run) {
   return out;
 }
 
-std::vector<Trouble> troubles_of(const WatchedRun& run, const Fleet& fleet, const Presence& presence,
-                                 const std::set<std::string>& ruled, Now now) {
+std::vector<RunProblem> problems_of(const WatchedRun& run, const Fleet& fleet, const Liveness& liveness,
+                                    const std::set<std::string>& ruled, Now now) {
   const std::string decider = run.decider();  // it has no robot: its tasks are those that it skips
   std::vector<std::string> order;
   std::map<std::string, Finder, std::less<>> finders;
-  std::vector<Trouble> out;
+  std::vector<RunProblem> out;
   for (std::size_t i = 0; i < run.view->tasks.size() && i < run.start->scenario.tasks.size(); ++i) {
     const std::string& robot = run.view->tasks[i].robot;
     if (ruled.contains(run.view->tasks[i].id)) continue;
@@ -201,13 +201,13 @@ std::vector<Trouble> troubles_of(const WatchedRun& run, const Fleet& fleet, cons
     auto at = finders.find(robot);
     if (at == finders.end()) {
       order.push_back(robot);
-      at = finders.emplace(robot, Finder(run, fleet, robot, presence.find(robot, now))).first;
+      at = finders.emplace(robot, Finder(run, fleet, robot, liveness.find(robot, now))).first;
     }
     at->second.look(i);
   }
   for (const std::string& robot : order) {
-    Trouble trouble = finders.at(robot).take();
-    if (!trouble.tasks.empty()) out.push_back(std::move(trouble));
+    RunProblem problem = finders.at(robot).take();
+    if (!problem.tasks.empty()) out.push_back(std::move(problem));
   }
   return out;
 }

@@ -21,7 +21,7 @@ enum class Word : std::uint8_t {
   alive,      ///< "up" or "absent", detail; every half second
   type,       ///< topic, type ("" if the master knows none)
   published,  ///< token
-  failed,     ///< token, Errc's name, what, cure
+  failed,     ///< token, Errc's name, what, hint
   message,    ///< topic, type, md5, definition, wire
 };
 

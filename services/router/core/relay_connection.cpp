@@ -1,11 +1,11 @@
-#include "services/router/core/relay_road.hpp"
+#include "services/router/core/relay_connection.hpp"
 
 #include <algorithm>
 #include <utility>
 
 namespace trb::router {
 
-std::optional<Unconfirmed> RelayRoad::withdraw(std::uint64_t count) {
+std::optional<Unconfirmed> RelayConnection::withdraw(std::uint64_t count) {
   const auto at = std::find_if(unconfirmed_.begin(), unconfirmed_.end(),
                                [&](const Unconfirmed& question) { return question.count == count; });
   if (at == unconfirmed_.end()) return std::nullopt;
@@ -14,18 +14,18 @@ std::optional<Unconfirmed> RelayRoad::withdraw(std::uint64_t count) {
   return out;
 }
 
-void RelayRoad::begin(MonotonicTime at) {
+void RelayConnection::begin(MonotonicTime at) {
   wait_ = {};
   unanswered_ = 0;
   say_by(at);
 }
 
-void RelayRoad::say_by(MonotonicTime at) {
+void RelayConnection::say_by(MonotonicTime at) {
   // Whoever makes this node answer pays more than it: one word in so much time at most.
   next_word_ = earlier(next_word_, std::max(at, last_word_ + timing_.acknowledge));
 }
 
-RelayAlive RelayRoad::make_word(RelayAlive own, std::uint64_t nonce, MonotonicTime now) {
+RelayAlive RelayConnection::make_word(RelayAlive own, std::uint64_t nonce, MonotonicTime now) {
   constexpr std::size_t kNonces = 8;
   if (nonces_.size() >= kNonces) nonces_.pop_front();
   nonces_.push_back({nonce, now});
@@ -43,7 +43,8 @@ RelayAlive RelayRoad::make_word(RelayAlive own, std::uint64_t nonce, MonotonicTi
   return own;
 }
 
-RelayRoad::Heard RelayRoad::hear(const RelayAlive& word, std::uint64_t boot, std::uint64_t count, MonotonicTime now) {
+RelayConnection::Heard RelayConnection::hear(const RelayAlive& word, std::uint64_t boot, std::uint64_t count,
+                                             MonotonicTime now) {
   Heard out;
   const auto nonce = std::find_if(nonces_.begin(), nonces_.end(), [&](const Nonce& one) {
     return (one.value == word.echo || one.value == word.echo_other) && now < one.sent + timing_.lease;
@@ -75,7 +76,7 @@ RelayRoad::Heard RelayRoad::hear(const RelayAlive& word, std::uint64_t boot, std
 }
 
 /// What the other side has, by its own word, is confirmed; what it has not, though it has later ones, is lost.
-void RelayRoad::settle(const RelayAlive& word, std::vector<Unconfirmed>& lost) {
+void RelayConnection::settle(const RelayAlive& word, std::vector<Unconfirmed>& lost) {
   while (!unconfirmed_.empty() && unconfirmed_.front().count <= word.heard) {
     const std::uint64_t behind = word.heard - unconfirmed_.front().count;
     const bool taken = behind < kWindow && ((word.mask >> behind) & 1U) != 0;
@@ -84,7 +85,7 @@ void RelayRoad::settle(const RelayAlive& word, std::vector<Unconfirmed>& lost) {
   }
 }
 
-bool RelayRoad::take(std::uint64_t boot, std::uint64_t count, bool answer, MonotonicTime now) {
+bool RelayConnection::take(std::uint64_t boot, std::uint64_t count, bool answer, MonotonicTime now) {
   if (boot != boot_ || boot_ == 0 || count == 0) return false;
   if (count > highest_) {
     const std::uint64_t ahead = count - highest_;
@@ -101,7 +102,7 @@ bool RelayRoad::take(std::uint64_t boot, std::uint64_t count, bool answer, Monot
   return true;
 }
 
-std::vector<Unconfirmed> RelayRoad::overdue(MonotonicTime now) {
+std::vector<Unconfirmed> RelayConnection::overdue(MonotonicTime now) {
   std::vector<Unconfirmed> out;
   while (!unconfirmed_.empty() && now >= unconfirmed_.front().sent + timing_.confirmed_in) {
     out.push_back(std::move(unconfirmed_.front()));
@@ -110,19 +111,19 @@ std::vector<Unconfirmed> RelayRoad::overdue(MonotonicTime now) {
   return out;
 }
 
-std::vector<Unconfirmed> RelayRoad::take_all() {
+std::vector<Unconfirmed> RelayConnection::take_all() {
   const auto all = std::exchange(unconfirmed_, {});
   return {all.begin(), all.end()};
 }
 
-bool RelayRoad::lapse(MonotonicTime now) {
+bool RelayConnection::lapse(MonotonicTime now) {
   if (!since_ || now < *since_ + timing_.lease) return false;
   since_.reset();
   knows_us_ = false;
   return true;
 }
 
-std::optional<MonotonicTime> RelayRoad::next_deadline() const {
+std::optional<MonotonicTime> RelayConnection::next_deadline() const {
   std::optional<MonotonicTime> next = next_word_;
   if (since_) next = earlier(next, *since_ + timing_.lease);
   if (!unconfirmed_.empty()) next = earlier(next, unconfirmed_.front().sent + timing_.confirmed_in);

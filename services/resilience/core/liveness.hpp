@@ -9,7 +9,7 @@
 
 namespace trb::resilience {
 
-class Presence {
+class Liveness {
  public:
   static constexpr Duration kGrace = std::chrono::seconds(5);
 

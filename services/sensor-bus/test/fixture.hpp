@@ -12,14 +12,14 @@
 namespace trb::sensor {
 
 /// A D-Bus that gives what is emitted to whoever is subscribed, when the test says so.
-struct Bench {
+struct Fixture {
   SensorBusCore core{"conveyor", {"speed"}};  // the robot itself is asked for its speed
   Now now{{1'000'000'000}, {1'700'000'000'000'000'000}};
   Outbox out;
   std::vector<Effect> effects;
   std::uint64_t last_id = 0;
 
-  Bench() {
+  Fixture() {
     core.on_welcome({"conveyor", Role::robot, 1}, now, out);
     news(BusUp{""});
     clear();

@@ -12,20 +12,20 @@
 #include <vector>
 
 #include "common/security/keys.hpp"
-#include "services/resilience/core/fleet_stories.hpp"
 #include "services/resilience/io/recording_core.hpp"
 #include "services/resilience/io/store.hpp"
+#include "services/resilience/test/fleet_fixture.hpp"
 
 namespace trb::resilience::test {
 
 inline const std::string kRun = "0123456789abcdef0123456789abcdef";
 
-class Bench {
+class Fixture {
  public:
-  explicit Bench(ResilienceSettings settings = default_resilience(), Role role = Role::cloud);
-  Bench(const Bench&) = delete;
-  Bench& operator=(const Bench&) = delete;
-  ~Bench();
+  explicit Fixture(ResilienceSettings settings = default_resilience(), Role role = Role::cloud);
+  Fixture(const Fixture&) = delete;
+  Fixture& operator=(const Fixture&) = delete;
+  ~Fixture();
 
   // ---- the fleet
   void add(const std::string& id, const NodeProfile& profile, double charge, double x, double y);
@@ -129,7 +129,7 @@ class Bench {
 };
 
 /// A bench with the paper's hall: ridgeback, two Pioneers, a TurtleBot and an arm, and the run under way.
-std::unique_ptr<Bench> paper(ResilienceSettings settings = default_resilience());
+std::unique_ptr<Fixture> paper(ResilienceSettings settings = default_resilience());
 ResilienceSettings automatic(double min_score = 0, double min_lead = 0);
 using Words = std::vector<std::string>;
 /// The robots that it proposes, the best first; "" for a proposal that is shared.

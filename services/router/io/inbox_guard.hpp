@@ -1,4 +1,5 @@
-// The inbox's visitors (core/visitors.hpp) on their descriptors: who they are, and what is done with them.
+// The inbox's pending connections (core/pending_connections.hpp) on their descriptors: whose they are, and what is done
+// with them.
 #pragma once
 
 #include <functional>
@@ -7,16 +8,16 @@
 
 #include "common/transport/loop.hpp"
 #include "common/transport/monitor.hpp"
-#include "common/transport/tcp_door.hpp"
-#include "services/router/core/visitors.hpp"
+#include "common/transport/source_filter.hpp"
+#include "services/router/core/pending_connections.hpp"
 
 namespace trb::router {
 
-class Door {
+class InboxGuard {
  public:
   /// `on_blocked` is told of each source that is kept out from now on, `on_cut` of each connection whose time is over.
-  Door(Loop& loop, VisitorLimits limits, std::function<void(const std::string& source)> on_blocked,
-       std::function<void(const std::string& address)> on_cut);
+  InboxGuard(Loop& loop, PendingConnectionLimits limits, std::function<void(const std::string& source)> on_blocked,
+             std::function<void(const std::string& address)> on_cut);
 
   /// Every event of the inbox's monitor.
   void on_event(LinkEvent event, int fd);
@@ -25,10 +26,10 @@ class Door {
   /// A connection is on this descriptor that is neither a link nor refused by a word.
   [[nodiscard]] bool is_undecided(int fd) const;
   /// The visitor on this descriptor now; 0: none.
-  [[nodiscard]] VisitorId visitor(int fd) const;
-  void linked(VisitorId visitor);
+  [[nodiscard]] PendingConnectionId pending(int fd) const;
+  void linked(PendingConnectionId pending);
   /// Its link is over, or was refused: cut, once what was sent to it may have been read.
-  void leave(VisitorId visitor);
+  void leave(PendingConnectionId pending);
   /// Asked for the sources that are let in while the door is closed to everybody else.
   void set_friends(std::function<std::vector<std::string>()> friends) { friends_ = std::move(friends); }
 
@@ -44,10 +45,10 @@ class Door {
   std::function<void(const std::string&)> on_blocked_;
   std::function<void(const std::string&)> on_cut_;
   std::function<std::vector<std::string>()> friends_;
-  Visitors visitors_;
+  PendingConnections pending_connections_;
   SourceFilter filter_;
-  std::map<int, VisitorId> by_fd_;
-  std::map<VisitorId, Connection> connections_;
+  std::map<int, PendingConnectionId> by_fd_;
+  std::map<PendingConnectionId, Connection> connections_;
 };
 
 /// Takes as many descriptors as the system allows, and returns how many that are.

@@ -13,7 +13,7 @@
 
 namespace trb::router {
 
-struct RoadTiming {
+struct RelayTiming {
   Duration lease = std::chrono::seconds(10);
   Duration alive = std::chrono::milliseconds(2500);         ///< between words while the other side is there
   Duration first = std::chrono::milliseconds(500);          ///< before the second word to who has not answered; doubled
@@ -42,13 +42,14 @@ struct Unconfirmed {
 /// any     | a count that was taken, or is 64 behind (repeated) | refused
 /// any     | a message of another boot than the proven (invalid)| refused
 /// Open: it is there, and has said that it has proven this boot of ours. Only then messages go.
-class RelayRoad {
+class RelayConnection {
  public:
   static constexpr std::size_t kMaxUnconfirmed = 256;
   static constexpr std::uint64_t kWindow = 64;  ///< counts that may overtake each other: a change of relays
   static constexpr std::size_t kAcknowledgeEach = 32;
 
-  explicit RelayRoad(std::uint64_t own_boot = 0, RoadTiming timing = {}) : timing_(timing), own_boot_(own_boot) {}
+  explicit RelayConnection(std::uint64_t own_boot = 0, RelayTiming timing = {})
+      : timing_(timing), own_boot_(own_boot) {}
 
   // ---- out
 
@@ -108,7 +109,7 @@ class RelayRoad {
   void say_by(MonotonicTime at);
   void settle(const RelayAlive& word, std::vector<Unconfirmed>& lost);
 
-  RoadTiming timing_;
+  RelayTiming timing_;
   std::uint64_t sent_ = 0;
   std::deque<Nonce> nonces_;  ///< the last eight
   std::uint64_t own_boot_ = 0;

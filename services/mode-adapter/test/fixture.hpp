@@ -75,9 +75,9 @@ inline Settings ur3() {
   return settings;
 }
 
-class Bench {
+class Fixture {
  public:
-  explicit Bench(Settings settings)
+  explicit Fixture(Settings settings)
       : core(
             std::move(settings),
             [this](bool fenced) {
@@ -267,9 +267,9 @@ inline std::string ur_state(const UrPicture& picture = {}) {
 }
 
 /// An arm whose controller is connected and idle.
-class UrBench : public Bench {
+class UrFixture : public Fixture {
  public:
-  explicit UrBench(Settings settings = ur3()) : Bench(std::move(settings)) {
+  explicit UrFixture(Settings settings = ur3()) : Fixture(std::move(settings)) {
     up(Channel::command);
     up(Channel::monitor);
     state();

@@ -1,4 +1,4 @@
-#include "services/sensor-bus/io/devices/crew.hpp"
+#include "services/sensor-bus/io/devices/reader_pool.hpp"
 
 #include <sys/eventfd.h>
 
@@ -7,13 +7,13 @@
 
 namespace trb::sensor {
 
-Result<std::shared_ptr<Crew>> Crew::make() {
+Result<std::shared_ptr<ReaderPool>> ReaderPool::make() {
   Descriptor ready(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK));
   if (!ready) return fail(Errc::io_error, std::string("eventfd: ") + std::strerror(errno));
-  return std::make_shared<Crew>(std::move(ready));
+  return std::make_shared<ReaderPool>(std::move(ready));
 }
 
-void Crew::post(Post post) {
+void ReaderPool::post(Post post) {
   bool first = false;
   {
     const std::lock_guard lock(mutex_);
@@ -27,7 +27,7 @@ void Crew::post(Post post) {
   if (first) ::eventfd_write(ready_.get(), 1);
 }
 
-std::vector<Post> Crew::take() {
+std::vector<Post> ReaderPool::take() {
   eventfd_t ignored = 0;
   ::eventfd_read(ready_.get(), &ignored);
   const std::lock_guard lock(mutex_);

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "proto/bodies/resilience.hpp"
-#include "services/resilience/core/presence.hpp"
+#include "services/resilience/core/liveness.hpp"
 #include "services/resilience/core/watched_run.hpp"
 
 namespace trb::resilience {
@@ -20,7 +20,7 @@ constexpr std::string_view kTwice = "double_execution";  ///< two robots have do
 constexpr std::string_view kRunEnds = "run_ends";        ///< its time to live is nearly over
 constexpr std::string_view kAsked = "asked";             ///< nothing has failed: a person wants it otherwise
 
-struct Trouble {
+struct RunProblem {
   std::string robot;
   std::string capability;  ///< that is gone; empty: the whole robot
   Severity severity{};
@@ -34,11 +34,11 @@ struct Trouble {
 /// One for each robot that has any, in the order of its first task; before them one for each task that wants a robot,
 /// with none in `robot`. Of tasks in `ruled`
 /// it tells nothing: they are being decided on. The run is_known().
-std::vector<Trouble> troubles_of(const WatchedRun& run, const Fleet& fleet, const Presence& presence,
-                                 const std::set<std::string>& ruled, Now now);
+std::vector<RunProblem> problems_of(const WatchedRun& run, const Fleet& fleet, const Liveness& liveness,
+                                    const std::set<std::string>& ruled, Now now);
 
 /// Tasks that were done twice, in a run that is held for it: one for each robot. The run is_known().
-std::vector<Trouble> double_executions(const WatchedRun& run);
+std::vector<RunProblem> double_executions(const WatchedRun& run);
 
 /// Why it may be decided only on a person's word; empty: it may be without. `retry`: the same robot does it again.
 std::string why_word(const WatchedRun& run, std::size_t task, const Fleet& fleet, bool retry);
@@ -61,7 +61,7 @@ std::vector<Alert> lesser_faults(const Fleet& fleet, UtcTime since);
 [[nodiscard]] bool is_pinned(const Alert& alert, const WatchedRun& run, std::string_view task);
 /// It is the alert that this trouble made: of its family one for each robot of a run, one for each task that wants a
 /// robot.
-[[nodiscard]] bool is_about(const Alert& alert, const WatchedRun& run, const Trouble& trouble);
+[[nodiscard]] bool is_about(const Alert& alert, const WatchedRun& run, const RunProblem& problem);
 
 /// Of two causes the one that explains more: a fault explains the task that has failed of it.
 int strength_of(std::string_view cause);

@@ -96,7 +96,7 @@ void SensorBusCore::on_picture(const Picture& picture, Now now, Outbox& out) {
   std::erase_if(pictures_, [&](const Asker& one) {
     if (one.name != name) return false;
     if (error) {
-      out.nack(one.asked, fail(Errc::robot_error, error->what, error->cure));
+      out.nack(one.asked, fail(Errc::robot_error, error->what, error->hint));
     } else {
       out.sends.push_back({.type = MessageType::information,
                            .target = one.asked.source,
@@ -143,7 +143,7 @@ void SensorBusCore::read_failed(const Sensor& sensor, const Error& error, Now no
   sensors_.failed(name, error.what, state);
   const auto is_over = [&](const Asker& one) {
     if (one.name != name) return false;
-    out.nack(one.asked, fail(Errc::robot_error, name + ": " + error.what, error.cure));
+    out.nack(one.asked, fail(Errc::robot_error, name + ": " + error.what, error.hint));
     return true;
   };
   asked_changed_ = std::erase_if(reads_, is_over) != 0 || asked_changed_;

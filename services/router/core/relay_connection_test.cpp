@@ -1,6 +1,6 @@
 // The road by relays between two nodes, without a relay: what one end says is handed to the other, late, twice or
 // never.
-#include "services/router/core/relay_road.hpp"
+#include "services/router/core/relay_connection.hpp"
 
 #include <doctest/doctest.h>
 
@@ -23,18 +23,18 @@ struct Word {
 /// ant and bee; `now` moves when told.
 struct TwoEnds {
   MonotonicTime now{100'000'000'000};
-  RelayRoad ant{kAnt};
-  RelayRoad bee{kBee};
+  RelayConnection ant{kAnt};
+  RelayConnection bee{kBee};
   std::uint64_t nonce = 1000;
 
-  Word of(RelayRoad& road, std::uint64_t boot) {
+  Word of(RelayConnection& road, std::uint64_t boot) {
     const std::uint64_t count = road.next_count();
     return {road.make_word({}, ++nonce, now), boot, count};
   }
   Word of_ant() { return of(ant, kAnt); }
   Word of_bee() { return of(bee, kBee); }
-  RelayRoad::Heard to_ant(const Word& word) { return ant.hear(word.said, word.boot, word.count, now); }
-  RelayRoad::Heard to_bee(const Word& word) { return bee.hear(word.said, word.boot, word.count, now); }
+  RelayConnection::Heard to_ant(const Word& word) { return ant.hear(word.said, word.boot, word.count, now); }
+  RelayConnection::Heard to_bee(const Word& word) { return bee.hear(word.said, word.boot, word.count, now); }
   void greet() {
     to_bee(of_ant());
     to_ant(of_bee());
@@ -112,7 +112,7 @@ TEST_CASE("a peer that was started again is a new one: its counts begin anew, wh
   TwoEnds two;
   two.greet();
   const std::uint64_t count = two.ask();
-  two.bee = RelayRoad(kBee + 1);
+  two.bee = RelayConnection(kBee + 1);
   const Word fresh{two.bee.make_word({}, 5, two.now), kBee + 1, two.bee.next_count()};
   CHECK_FALSE(two.to_ant(fresh).fresh);
   CHECK(two.ant.boot() == kBee);  // until it is proven
@@ -160,7 +160,7 @@ TEST_CASE("each count is taken once, in any order within 64") {
   CHECK(two.bee.take(kAnt, 937, false, two.now));
   CHECK_FALSE(two.bee.take(kAnt, 0, false, two.now));
   CHECK_FALSE(two.bee.take(kAnt + 1, 2000, false, two.now));
-  RelayRoad nobody(1);
+  RelayConnection nobody(1);
   CHECK_FALSE(nobody.take(0, 1, false, two.now));
 }
 
@@ -182,7 +182,7 @@ TEST_CASE("many that came are confirmed before the window is over") {
   TwoEnds two;
   two.greet();
   two.now = two.now + Seconds(1);
-  for (std::size_t i = 0; i + 1 < RelayRoad::kAcknowledgeEach; ++i) {
+  for (std::size_t i = 0; i + 1 < RelayConnection::kAcknowledgeEach; ++i) {
     CHECK(two.bee.take(kAnt, two.ask(), true, two.now));
     CHECK_FALSE(two.bee.word_due(two.now));
   }
@@ -227,7 +227,7 @@ TEST_CASE("a word about an earlier boot of ours confirms nothing") {
 }
 
 TEST_CASE("who does not answer is spoken to ever less often, and after two words by another relay") {
-  RelayRoad road(1);
+  RelayConnection road(1);
   MonotonicTime now{10'000'000'000};
   road.begin(now);
   std::vector<double> waits;
@@ -266,7 +266,7 @@ TEST_CASE("as many questions may wait as have room; the end of the road gives th
   two.greet();
   while (two.ant.has_room()) (void)two.ask();
   const auto all = two.ant.take_all();
-  CHECK(all.size() == RelayRoad::kMaxUnconfirmed);
+  CHECK(all.size() == RelayConnection::kMaxUnconfirmed);
   CHECK(two.ant.has_room());
 }
 
@@ -314,7 +314,7 @@ TEST_CASE("of what this end has said the last eight words prove who repeats them
     RelayAlive word;
     word.nonce = 3;
     word.echo = nonce;
-    RelayRoad here = two.ant;
+    RelayConnection here = two.ant;
     return here.hear(word, kBee, 1, two.now).fresh;
   };
   for (int i = 0; i < 7; ++i) (void)two.of_ant();
@@ -341,7 +341,7 @@ TEST_CASE("who has just been proven hears so at once, and who speaks of an earli
 }
 
 TEST_CASE("a first word without a boot number is answered as any other") {
-  RelayRoad road(kAnt);
+  RelayConnection road(kAnt);
   RelayAlive word;
   word.nonce = 3;
   CHECK_FALSE(road.hear(word, 0, 1, MonotonicTime{10'000'000'000}).fresh);

@@ -1,4 +1,4 @@
-#include "services/ros-bridge/core/worker_words.hpp"
+#include "services/ros-bridge/core/worker_syntax.hpp"
 
 #include <array>
 

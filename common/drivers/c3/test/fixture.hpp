@@ -3,7 +3,7 @@
 
 #include <map>
 
-#include "services/mode-adapter/test/bench.hpp"
+#include "services/mode-adapter/test/fixture.hpp"
 
 namespace trb::adapter {
 
@@ -29,9 +29,9 @@ inline Settings kuka() {
   return settings;
 }
 
-class C3Bench : public Bench {
+class C3Fixture : public Fixture {
  public:
-  explicit C3Bench(Settings settings = kuka()) : Bench(std::move(settings)) {
+  explicit C3Fixture(Settings settings = kuka()) : Fixture(std::move(settings)) {
     for (const char* flag :
          {"TRB_CHUNK", "TRB_COMMAND", "TRB_DONE", "TRB_OUT", "TRB_STOP", "TRB_STOPPED", "$STOPMESS"}) {
       robot[flag] = "FALSE";

@@ -1,4 +1,4 @@
-#include "services/resilience/test/bench.hpp"
+#include "services/resilience/test/fixture.hpp"
 
 #include <stdlib.h>
 
@@ -7,7 +7,7 @@
 
 namespace trb::resilience::test {
 
-Bench::Bench(ResilienceSettings resilience, Role role)
+Fixture::Fixture(ResilienceSettings resilience, Role role)
     : settings{"cloud", role, resilience, {{"dock", {0, 0}}, {"table1", {4, 0}}}} {
   init_crypto();
   std::string name = (std::filesystem::temp_directory_path() / "trb-resilience-XXXXXX").string();
@@ -19,14 +19,14 @@ Bench::Bench(ResilienceSettings resilience, Role role)
   open();
 }
 
-Bench::~Bench() {
+Fixture::~Fixture() {
   steps_.reset();
   core_.reset();
   db_.reset();
   std::filesystem::remove_all(folder_);
 }
 
-void Bench::open() {
+void Fixture::open() {
   auto db = CapabilityDb::open(folder_ + "/capability.db");
   REQUIRE_MESSAGE(db.ok(), (db ? "" : db.error().text()));
   db_ = std::move(*db);
@@ -37,7 +37,7 @@ void Bench::open() {
   step([&](Outbox& out) { steps_->on_welcome({"cloud", settings.role, 1}, now, out); });
 }
 
-void Bench::restart() {
+void Fixture::restart() {
   steps_.reset();
   core_.reset();
   db_.reset();
@@ -46,11 +46,11 @@ void Bench::restart() {
   open();
 }
 
-SignedRecord Bench::sign(std::string_view purpose, Bytes payload) const {
+SignedRecord Fixture::sign(std::string_view purpose, Bytes payload) const {
   return trb::sign(purpose, "cloud", authority_.id(), std::move(payload), key_);
 }
 
-SignedRecord Bench::certificate(const std::string& id, Role role) const {
+SignedRecord Fixture::certificate(const std::string& id, Role role) const {
   Certificate of;
   of.id = id;
   of.role = role;
@@ -59,13 +59,13 @@ SignedRecord Bench::certificate(const std::string& id, Role role) const {
 
 // ---- the loop
 
-void Bench::step(const std::function<void(Outbox&)>& effect) {
+void Fixture::step(const std::function<void(Outbox&)>& effect) {
   Outbox out;
   effect(out);
   carry_out(out);
 }
 
-void Bench::carry_out(const Outbox& out) {
+void Fixture::carry_out(const Outbox& out) {
   if (!out.journal.empty()) {
     const Status done = commit(*db_, out.journal);
     REQUIRE_MESSAGE(done.ok(), (done ? "" : done.error().text()));
@@ -74,7 +74,7 @@ void Bench::carry_out(const Outbox& out) {
   for (const Send& send : out.sends) handle(send);
 }
 
-void Bench::settle() {
+void Fixture::settle() {
   for (int i = 0; i < 10'000; ++i) {
     if (!inbox_.empty()) {
       const Inbound message = std::move(inbox_.front());
@@ -89,7 +89,7 @@ void Bench::settle() {
   FAIL("the core never comes to rest");
 }
 
-void Bench::wait(Duration time) {
+void Fixture::wait(Duration time) {
   settle();
   const MonotonicTime end = now.mono + time;
   while (true) {
@@ -102,15 +102,15 @@ void Bench::wait(Duration time) {
   }
 }
 
-void Bench::answer(const std::string& from, Body body) {
+void Fixture::answer(const std::string& from, Body body) {
   inbox_.push_back({MessageType::information, from, "cloud", ++count_, 1, 0, 1000, std::move(body)});
 }
 
-void Bench::nack(const Send& send, const std::string& from, const std::string& code, const std::string& what) {
+void Fixture::nack(const Send& send, const std::string& from, const std::string& code, const std::string& what) {
   answer(from, Nack{code, std::string(subtype_of(send.body)), send.target, what, ""});
 }
 
-void Bench::handle(const Send& sent) {
+void Fixture::handle(const Send& sent) {
   auto body = decode_body(subtype_of(sent.body), encode_body(sent.body));
   REQUIRE_MESSAGE(body.ok(), (body ? "" : body.error().text()));
   Send send = sent;
@@ -142,7 +142,7 @@ void Bench::handle(const Send& sent) {
   release(send.target, *order);
 }
 
-void Bench::handle_own(const Send& send) {
+void Fixture::handle_own(const Send& send) {
   if (const auto* asked = get_if<RouteListRequest>(&send.body)) {
     if (no_table) return;
     RouteTable table{"cloud", {}, false, asked->after};
@@ -188,7 +188,7 @@ void Bench::handle_own(const Send& send) {
 
 // ---- people
 
-Body Bench::ask(Body question) {
+Body Fixture::ask(Body question) {
   asked_ = 1'000'000 + ++count_;
   told_.reset();
   inbox_.push_back({MessageType::request, "cloud", "cloud", asked_, 0, 0, 1000, std::move(question)});
@@ -197,29 +197,29 @@ Body Bench::ask(Body question) {
   return *told_;
 }
 
-std::vector<Alert> Bench::alerts(bool all) {
+std::vector<Alert> Fixture::alerts(bool all) {
   return get<AlertTable>(ask(AlertListRequest{all})).alerts;
 }
 
-Alert Bench::alert() {
+Alert Fixture::alert() {
   const auto open = alerts();
   REQUIRE(open.size() == 1);
   return open.front();
 }
 
-std::vector<Alert> Bench::run_alerts() {
+std::vector<Alert> Fixture::run_alerts() {
   auto open = alerts();
   std::erase_if(open, [](const Alert& one) { return one.run.empty(); });
   return open;
 }
 
-Alert Bench::run_alert() {
+Alert Fixture::run_alert() {
   const auto open = run_alerts();
   REQUIRE(open.size() == 1);
   return open.front();
 }
 
-Alert Bench::any(const std::string& id) {
+Alert Fixture::any(const std::string& id) {
   for (const Alert& one : alerts(true)) {
     if (one.id == id) return one;
   }
@@ -227,7 +227,7 @@ Alert Bench::any(const std::string& id) {
   return {};
 }
 
-std::string Bench::decide(AlertDecide verdict) {
+std::string Fixture::decide(AlertDecide verdict) {
   asked_ = 1'000'000 + ++count_;
   told_.reset();
   verdict.person = "ann";
@@ -238,11 +238,11 @@ std::string Bench::decide(AlertDecide verdict) {
     last_text = ack->text;
     return ack->state;
   }
-  last_text = get<Nack>(*told_).what + " | " + get<Nack>(*told_).cure;
+  last_text = get<Nack>(*told_).what + " | " + get<Nack>(*told_).hint;
   return get<Nack>(*told_).code;
 }
 
-std::string Bench::decide(Verdict verdict, const std::string& robot, bool stands, const std::string& reason) {
+std::string Fixture::decide(Verdict verdict, const std::string& robot, bool stands, const std::string& reason) {
   const auto of_runs = run_alerts();
   return decide(AlertDecide{of_runs.size() == 1 ? of_runs.front().id : alert().id, verdict, robot, "", reason, stands});
 }

@@ -13,9 +13,9 @@
 namespace trb::router {
 
 /// Numbers a connection for good, unlike its descriptor.
-using VisitorId = std::uint64_t;
+using PendingConnectionId = std::uint64_t;
 
-struct VisitorLimits {
+struct PendingConnectionLimits {
   std::size_t open_from_one = 128;           ///< unproven connections of one source at a time
   std::size_t failures_of_one = 512;         ///< connections of one source that ended without proof, in a window
   std::size_t open = 1024;                   ///< unproven connections in all
@@ -32,7 +32,7 @@ constexpr std::size_t kLeastDescriptors = 256;
 /// Enough for the limits above and for links to a thousand nodes.
 constexpr std::size_t kGoodDescriptors = 12288;
 /// What strangers may hold of so many descriptors (RLIMIT_NOFILE): a quarter, and never what is above.
-VisitorLimits limits_for(std::size_t descriptors);
+PendingConnectionLimits limits_for(std::size_t descriptors);
 
 /// state    | event                        | next
 /// ---------|------------------------------|------------------------------------------------------------
@@ -43,28 +43,28 @@ VisitorLimits limits_for(std::size_t descriptors);
 /// linked   | leave                        | leaving
 /// any      | gone                         | -; unproven: a failure of its source
 /// The 513th failure of a source in 10 s blocks it: its unproven connections are cut, new ones never come up.
-class Visitors {
+class PendingConnections {
  public:
-  explicit Visitors(VisitorLimits limits = {}) : limits_(limits) {}
+  explicit PendingConnections(PendingConnectionLimits limits = {}) : limits_(limits) {}
 
   /// What has to be done since the last look.
   struct Orders {
-    std::vector<VisitorId> cut;
-    std::vector<VisitorId> expired;  ///< of these, those whose time to become a link is over
+    std::vector<PendingConnectionId> cut;
+    std::vector<PendingConnectionId> expired;  ///< of these, those whose time to become a link is over
     std::vector<std::string> newly_blocked;
     bool filter_changed = false;  ///< blocked() or closed() is another than before
   };
 
-  VisitorId accepted(const std::string& source, MonotonicTime now);
-  void linked(VisitorId id);
-  void leave(VisitorId id, MonotonicTime now);
-  void gone(VisitorId id, MonotonicTime now);
+  PendingConnectionId accepted(const std::string& source, MonotonicTime now);
+  void linked(PendingConnectionId id);
+  void leave(PendingConnectionId id, MonotonicTime now);
+  void gone(PendingConnectionId id, MonotonicTime now);
   void tick(MonotonicTime now);
   [[nodiscard]] std::optional<MonotonicTime> next_deadline() const;
   Orders take_orders();
 
   /// Here, and neither linked nor leaving.
-  [[nodiscard]] bool undecided(VisitorId id) const;
+  [[nodiscard]] bool undecided(PendingConnectionId id) const;
   [[nodiscard]] const std::map<std::string, MonotonicTime>& blocked() const { return blocked_; }
   /// No connection of anybody's is let in for now: there are too many unproven ones.
   [[nodiscard]] bool closed() const { return closed_; }
@@ -84,15 +84,15 @@ class Visitors {
   };
 
   Source* source_of(const std::string& name, MonotonicTime now);
-  void count_out(const Visitor& visitor);
+  void count_out(const Visitor& pending);
   void failed(const std::string& name, MonotonicTime now);
   void block(const std::string& name, MonotonicTime now);
   void set_closed(bool closed);
 
-  VisitorLimits limits_;
-  VisitorId last_ = 0;
-  std::map<VisitorId, Visitor> visitors_;
-  std::set<std::pair<MonotonicTime, VisitorId>> cuts_;
+  PendingConnectionLimits limits_;
+  PendingConnectionId last_ = 0;
+  std::map<PendingConnectionId, Visitor> pending_connections_;
+  std::set<std::pair<MonotonicTime, PendingConnectionId>> cuts_;
   std::map<std::string, Source> sources_;
   std::map<std::string, MonotonicTime> blocked_;  ///< source -> until when
   std::size_t unproven_ = 0;

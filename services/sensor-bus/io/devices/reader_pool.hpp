@@ -19,11 +19,11 @@ struct Post {
   std::variant<Sample, Picture> what;
 };
 
-class Crew {
+class ReaderPool {
  public:
   /// Errors: io_error.
-  static Result<std::shared_ptr<Crew>> make();
-  explicit Crew(Descriptor ready) : ready_(std::move(ready)) {}
+  static Result<std::shared_ptr<ReaderPool>> make();
+  explicit ReaderPool(Descriptor ready) : ready_(std::move(ready)) {}
 
   /// From any thread. A box that nobody empties holds kMaxPosts; what comes then is dropped and counted.
   void post(Post post);

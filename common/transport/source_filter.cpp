@@ -1,4 +1,4 @@
-#include "common/transport/tcp_door.hpp"
+#include "common/transport/source_filter.hpp"
 
 #include <arpa/inet.h>
 #include <linux/filter.h>

@@ -1,8 +1,8 @@
-#include "services/resilience/core/presence.hpp"
+#include "services/resilience/core/liveness.hpp"
 
 namespace trb::resilience {
 
-void Presence::look(const std::string& id, const RobotRecord* robot, Now now, bool expired) {
+void Liveness::look(const std::string& id, const RobotRecord* robot, Now now, bool expired) {
   if (!begun_) return;
   const bool reached = robot != nullptr && robot->reached;
   if (reached && robot->profile.is.robot == "ONLINE") {
@@ -17,19 +17,19 @@ void Presence::look(const std::string& id, const RobotRecord* robot, Now now, bo
   gone.text = robot == nullptr ? "its node was never heard" : why_unfit(*robot);
 }
 
-const Presence::Gone* Presence::find(std::string_view id, Now now) const {
+const Liveness::Gone* Liveness::find(std::string_view id, Now now) const {
   const auto at = away_.find(id);
   if (at == away_.end() || now.mono - at->second.since < kGrace) return nullptr;
   return &at->second;
 }
 
-std::optional<MonotonicTime> Presence::next(std::string_view id, Now now) const {
+std::optional<MonotonicTime> Liveness::next(std::string_view id, Now now) const {
   const auto at = away_.find(id);
   if (at == away_.end() || at->second.since + kGrace <= now.mono) return std::nullopt;
   return at->second.since + kGrace;
 }
 
-std::optional<MonotonicTime> Presence::next(Now now) const {
+std::optional<MonotonicTime> Liveness::next(Now now) const {
   std::optional<MonotonicTime> out;
   for (const auto& [id, gone] : away_) {
     if (gone.since + kGrace > now.mono) out = earlier(out, gone.since + kGrace);

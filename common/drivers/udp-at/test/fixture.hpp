@@ -4,7 +4,7 @@
 #include <numeric>
 #include <sstream>
 
-#include "services/mode-adapter/test/bench.hpp"
+#include "services/mode-adapter/test/fixture.hpp"
 
 namespace trb::adapter {
 
@@ -84,10 +84,10 @@ inline Settings drone() {
   return settings;
 }
 
-class DroneBench : public Bench {
+class DroneFixture : public Fixture {
  public:
-  explicit DroneBench(const Sky& first = kOnGround, Settings settings = drone())
-      : Bench(std::move(settings)), sky(first) {
+  explicit DroneFixture(const Sky& first = kOnGround, Settings settings = drone())
+      : Fixture(std::move(settings)), sky(first) {
     up(Channel::command);
     up(Channel::monitor);
     tell(sky);
