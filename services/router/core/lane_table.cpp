@@ -62,7 +62,7 @@ void LaneTable::tick(Now now, Effects& out) {
 std::optional<MonotonicTime> LaneTable::next_deadline() const {
   std::optional<MonotonicTime> next;
   for (const auto& [id, lane] : rows_) {
-    if (table_.link(id) != nullptr) next = earlier(next, lane.dial_at);
+    if (lane.dial_at && table_.link(id) != nullptr) next = earlier(next, lane.dial_at);
   }
   return next;
 }

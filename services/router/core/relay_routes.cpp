@@ -74,8 +74,9 @@ const Link* RelayRoutes::carrier_of(const RelayRoute& route) const {
 }
 
 const Link* RelayRoutes::relay_of(const Peer& peer) const {
+  if (peer.link != 0) return nullptr;
   const RelayRoute& known = route(peer);
-  return known.open && peer.link == 0 ? carrier_of(known) : nullptr;
+  return known.open ? carrier_of(known) : nullptr;
 }
 
 /// The next relay that says it reaches the peer, in turn: this one has lost what it was given.
@@ -356,7 +357,6 @@ void RelayRoutes::on_alive(const Link& relay, Peer& peer, const RelayedFrame& in
 // ---- time
 
 void RelayRoutes::tick(Now now, Effects& out) {
-  std::erase_if(rows_, [&](const auto& row) { return table_.find(row.first) == nullptr; });
   for (auto& [id, peer] : table_.peers()) {
     RelayRoute& route = row(peer);
     notify_lost(route.road.overdue(now.mono), out);
@@ -369,13 +369,20 @@ void RelayRoutes::tick(Now now, Effects& out) {
       send_alive(peer, now, out);
     }
   }
+  // Every peer has a row by now: one more is of a peer that is none any more.
+  if (rows_.size() == table_.peers().size()) return;
+  std::erase_if(rows_, [&](const auto& row) { return table_.find(row.first) == nullptr; });
 }
 
+/// It is asked for at every turn of the loop: both tables are in one order, and nothing is looked up.
 std::optional<MonotonicTime> RelayRoutes::next_deadline() const {
   std::optional<MonotonicTime> next;
+  auto at = rows_.begin();
   for (const auto& [id, peer] : table_.peers()) {
-    const RelayRoute& known = route(peer);
-    next = earlier(earlier(next, known.road.next_deadline()), profile_due(peer, known));
+    while (at != rows_.end() && at->first < id) ++at;
+    if (at == rows_.end()) break;
+    if (at->first != id || at->second.number != peer.number) continue;
+    next = earlier(earlier(next, at->second.road.next_deadline()), profile_due(peer, at->second));
   }
   return next;
 }

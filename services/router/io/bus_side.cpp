@@ -81,6 +81,7 @@ void RouterShell::forward_bus_frame(ConnectionId from, const HeaderView& header,
   send_forwarded(from, header, orders, frame, effects);
   if (!effects.list.empty() || !effects.counts.empty()) carry_out(effects);
   for (const Routing& way : orders.each) send_copy(way, frame);
+  if (!orders.each.empty()) end_lost_links();
 }
 
 void RouterShell::send_forwarded(ConnectionId from, const HeaderView& header, const FrameOrders& orders, Frame& frame,
@@ -102,7 +103,9 @@ void RouterShell::send_forwarded(ConnectionId from, const HeaderView& header, co
 void RouterShell::send_copy(const Routing& way, const Frame& frame) {
   tap('>', view_of(frame));
   if (way.to == Routing::To::lane) return publish(way.link, to_frame(view_of(frame)));
-  if (send_link(way.link, to_frame(view_of(frame))) != SendResult::sent) core_.counters().count("dropped.queue_full");
+  const SendResult result = send_link(way.link, to_frame(view_of(frame)));
+  if (result == SendResult::unroutable) lost_links_.push_back(way.link);
+  if (result != SendResult::sent) core_.counters().count("dropped." + std::string(errc_name(why_unsent(result))));
 }
 
 void RouterShell::on_bus_hello(BusSocket& bus, ConnectionId from, const std::string& name, const HeaderView& header) {
