@@ -19,6 +19,7 @@ constexpr Duration kAnswerWait = std::chrono::seconds(5);
 
 /// What operations run on. Its owner gives it the messages that come (receive) and the time (tick, at next_deadline());
 /// nothing here waits. All of it happens on one thread. Callbacks that were not made when it ends are dropped.
+/// A callback must not destroy it.
 class Session {
  public:
   explicit Session(NodeLink& link) : link_(link) {}

@@ -107,7 +107,8 @@ void BusLink::tick(Now now) {
     // What is under way to a router that was only slow is not lost: it has a lease more to answer the hello.
     if (!redial_) redial_ = now.mono + kRouterLease;
     if (*redial_ <= now.mono) {
-      (void)socket_.dial_again(endpoint_);  // one that fails is tried again when this lease has ended
+      // One that fails is tried again when this lease has ended.
+      if (const Status dialled = socket_.dial_again(endpoint_); !dialled) dial_problem_ = dialled.error().text();
       redial_ = now.mono + kRouterLease;
     }
     if (key_watch_ && key_watch_->refused()) {

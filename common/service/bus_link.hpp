@@ -5,6 +5,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "common/actor/core.hpp"
@@ -39,6 +40,8 @@ class BusLink {
   [[nodiscard]] const std::optional<ServiceWelcome>& welcome() const { return welcome_; }
   /// Why the router refused this service, if it did.
   [[nodiscard]] const std::string& refusal() const { return refusal_; }
+  /// Why the router could not be dialled again, once for each time; empty: nothing to tell.
+  std::string take_dial_problem() { return std::exchange(dial_problem_, {}); }
   /// It refused the key, so nothing was said.
   [[nodiscard]] bool key_refused() const { return key_refused_; }
   /// Set at each welcome, cleared by the caller.
@@ -55,6 +58,7 @@ class BusLink {
   ServiceHello hello_;
   std::optional<ServiceWelcome> welcome_;
   std::string refusal_;
+  std::string dial_problem_;
   bool key_refused_ = false;
   MessageIds ids_;
   MonotonicTime last_seen_;

@@ -114,6 +114,9 @@ class ServiceShell final : public Service {
 
   void tick_link(Now now) {
     link_.tick(now);
+    if (const std::string problem = link_.take_dial_problem(); !problem.empty()) {
+      log_event(Level::warning, "not_dialled", problem + "; tried again in 3 s");
+    }
     if (link_.refusal().empty()) return;
     log_event(Level::error, "refused_by_router", link_.refusal());
     exit_ = kRefused;

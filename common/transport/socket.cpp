@@ -160,7 +160,8 @@ Context::Context(int io_threads)
     : context_(at_start("a ZeroMQ context", [io_threads] { return make_context(io_threads); })) {}
 
 Socket Socket::bus_client(Context& context, const std::string& endpoint, const CurveClient* curve) {
-  return at_start(endpoint, [&] { return Socket(make_bus_client(context, endpoint, curve)); });
+  return at_start(endpoint.empty() ? "the bus" : endpoint,
+                  [&] { return Socket(make_bus_client(context, endpoint, curve)); });
 }
 
 Result<Socket> Socket::bus_server(Context& context, const std::string& endpoint, const CurveKeys* curve) {

@@ -66,11 +66,20 @@ void Detection::look(Now now, Outbox& out) {
     if (run == nullptr) overdue_.forget(id);
     if (run != nullptr && run->is_known()) look_at(*run, now, out);
   }
-  // The scheduler tells every few seconds when a run ends; it is looked at only when that is near.
   for (const std::string& id : situation_.runs().take_timed()) {
     const WatchedRun* run = situation_.runs().find(id);
-    if (run != nullptr && run->is_known()) situation_.due_runs().hasten(id, next_moment(*run, now));
+    if (run != nullptr && run->is_known()) follow_end(*run, now);
   }
+}
+
+/// The scheduler tells every few seconds when a run ends. It is looked at only when that is near, or when a clock that
+/// was put right has brought the end near, or taken it away.
+void Detection::follow_end(const WatchedRun& run, Now now) {
+  const std::string& id = run.summary.run;
+  const bool warned = std::ranges::any_of(
+      alerts_.open(), [&](const Alert* alert) { return alert->run == id && alert->cause == kRunEnds; });
+  if (problem_of_end(run, now).has_value() != warned) return situation_.due_runs().notify(id);
+  situation_.due_runs().hasten(id, next_moment(run, now));
 }
 
 /// When the run is to be looked at, though nothing is told of it.

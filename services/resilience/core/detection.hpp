@@ -21,6 +21,7 @@ class Detection {
 
  private:
   void look_at(const WatchedRun& run, Now now, Outbox& out);
+  void follow_end(const WatchedRun& run, Now now);
   [[nodiscard]] std::optional<MonotonicTime> next_moment(const WatchedRun& run, Now now) const;
   [[nodiscard]] std::set<std::string> ruled_tasks(const WatchedRun& run);
   [[nodiscard]] std::vector<RunProblem> problems(const WatchedRun& run, Now now);

@@ -80,6 +80,17 @@ TEST_CASE(
   CHECK(rulings(fixture->taken.at(0)) == "t4>pioneer1");
 }
 
+TEST_CASE("a run whose end comes near because a clock was put right is told of, though nothing else happens in it") {
+  auto fixture = ending(24 * 3600, 10 * 3600);
+  CHECK(fixture->run_alerts().empty());
+  fixture->ends_at = fixture->now.mono + seconds(360);
+  fixture->wait(seconds(15));
+  CHECK(fixture->alert().cause == kRunEnds);
+  fixture->ends_at = fixture->now.mono + seconds(10 * 3600);
+  fixture->wait(seconds(15));
+  CHECK(fixture->run_alerts().empty());
+}
+
 TEST_CASE("a result that is on its way is not overtaken by a person's word that its robot stands") {
   auto fixture = timed(40);
   fixture->wait(seconds(56));

@@ -119,6 +119,7 @@ std::string RouterShell::own_address() const {
 /// The VPN's address is a second door: peers that name it as a seed come in by it.
 void RouterShell::follow_vpn() {
   if (options_.vpn_int.empty() || options_.vpn_int == options_.host_int) return;
+  if (!inbox_) return;  // there was no descriptor for one: it is tried again
   const Resolved vpn = resolve_interface(options_.vpn_int, interfaces());
   const bool other = !vpn.address.empty() && vpn.address != host_.address;
   const std::string endpoint = other ? "tcp://" + join_host_port(vpn.address, options_.port) : "";
