@@ -54,7 +54,7 @@ class C3Driver : public Driver {
     C3Question words;
   };
 
-  // to the robot: c3_mode.cpp
+  // to the robot
   [[nodiscard]] Status may_take(const Handover& message) const;
   Result<C3Job> make_job(const Handover& message);
   Result<Progress> ask_value(const Handover& message, const std::string& name, Now now, const DriverOut& out);
@@ -70,7 +70,7 @@ class C3Driver : public Driver {
   void check_patience(Now now, const DriverOut& out);
   void drop_connection(const std::string& counted, const std::string& reason, Now now, const DriverOut& out);
 
-  // from the robot: c3_hear.cpp
+  // from the robot: inbound.cpp
   void on_answer(const C3Link::Answer& answer, Now now, const DriverOut& out);
   void on_step(const C3Link::Answer& answer, Now now, const DriverOut& out);
   void on_probe(Probe what, const C3Reply& reply, Now now, const DriverOut& out);

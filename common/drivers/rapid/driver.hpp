@@ -91,7 +91,7 @@ class RapidDriver : public Driver {
   void drop_connection(Channel channel, const std::string& counted, const std::string& reason, Now now,
                        const DriverOut& out);
 
-  // what is heard: rapid_hear.cpp
+  // from the robot: inbound.cpp
   void read_all(Channel channel, Now now, const DriverOut& out);
   void on_answer(const RapidPort::Answer& answer, Now now, const DriverOut& out);
   void on_step(const RapidPort::Answer& answer, Now now, const DriverOut& out);

@@ -9,6 +9,8 @@
 #include <cstring>
 #include <utility>
 
+#include "common/base/back_off.hpp"
+
 namespace trb::adapter {
 namespace {
 
@@ -55,14 +57,13 @@ class Worker {
       const auto answer = link_.perform(*call);
       if (!answer) return say(Kind::down, answer.error().what);
       say(Kind::answer, encode(*answer));
-      back_off_ = kFirstBackOff;
+      back_off_.reset();
     }
   }
 
   /// Waits before the next dialling; calls that come meanwhile were for a connection that is gone.
   void pause() {
-    const MonotonicTime end = now().mono + back_off_;
-    back_off_ = std::min(2 * back_off_, kLongestBackOff);
+    const MonotonicTime end = now().mono + back_off_.next();
     while (!ended_) {
       const auto left = std::chrono::ceil<std::chrono::milliseconds>(end - now().mono).count();
       if (left <= 0) return;
@@ -95,7 +96,7 @@ class Worker {
   ModbusLink link_;
   Descriptor socket_;
   std::uint32_t connection_ = 0;
-  Duration back_off_ = kFirstBackOff;
+  BackOff back_off_{kFirstBackOff, kLongestBackOff};
   bool ended_ = false;
 };
 

@@ -14,8 +14,6 @@ constexpr std::size_t kReadSize = 64U << 10U;
 /// A robot for which this much waits does not read any more. One message always fits, whatever its size.
 constexpr std::size_t kMaxWaiting = 1U << 20U;
 constexpr int kAcceptBatch = 16;
-constexpr Duration kFirstBackOff = std::chrono::milliseconds(100);
-constexpr Duration kLongestBackOff = std::chrono::seconds(2);
 constexpr Duration kConnectTimeout = std::chrono::seconds(2);
 
 }  // namespace
@@ -35,7 +33,6 @@ RobotIo::RobotIo(const RobotIoSettings& settings, Service& service, ModeAdapterC
   connection(Channel::monitor).channel = Channel::monitor;
   connection(Channel::monitor).port = settings.monitor_port;
   for (RobotConnection& dialled : connections_) {
-    dialled.back_off = kFirstBackOff;
     dialled.datagrams = settings.datagrams && dialled.port;
     if (dialled.port) dialled.due = now().mono;
   }
@@ -84,7 +81,7 @@ void RobotIo::dial(RobotConnection& connection) {
   service_.watch(connection.fd.get(), POLLOUT, [this, &connection](short) { on_dialled(connection); });
 }
 
-/// Nobody answers to that: the road is up, and what the robot says tells whether somebody is there.
+/// Nobody answers to that: the connection is up, and what the robot says tells whether somebody is there.
 void RobotIo::dial_datagrams(RobotConnection& connection) {
   auto dialled = udp_dial(settings_.robot_host, *connection.port);
   if (!dialled) return go_down(connection, dialled.error().what);
@@ -143,12 +140,12 @@ void RobotIo::read_datagram(RobotConnection& connection) {
 }
 
 void RobotIo::hear(RobotConnection& connection, std::size_t size) {
-  connection.back_off = kFirstBackOff;
+  connection.back_off.reset();
   const BytesView bytes(buffer_.data(), size);
   service_.step([&](Now at, Outbox& out) { core_.on_bytes(connection.channel, bytes, at, out); });
 }
 
-/// A road of datagrams is up as soon as it is dialled, and goes down again if nobody is there.
+/// A connection of datagrams is up as soon as it is dialled, and goes down again if nobody is there.
 bool RobotIo::is_news(const RobotConnection& connection, const std::string& reason) {
   return connection.last_failure != reason || (connection.state == State::up && !connection.datagrams);
 }
@@ -179,8 +176,7 @@ void RobotIo::close(RobotConnection& connection) {
 
 void RobotIo::retry_later(RobotConnection& connection) {
   if (!connection.port) return;
-  connection.due = now().mono + connection.back_off;
-  connection.back_off = std::min(2 * connection.back_off, kLongestBackOff);
+  connection.due = now().mono + connection.back_off.next();
 }
 
 void RobotIo::carry_out(const Outbox& out) {

@@ -7,6 +7,7 @@
 #include <optional>
 #include <vector>
 
+#include "common/base/back_off.hpp"
 #include "common/service/service.hpp"
 #include "services/mode-adapter/core/adapter_core.hpp"
 #include "services/mode-adapter/io/tcp.hpp"
@@ -47,7 +48,7 @@ class RobotIo {
     bool wants_write = false;
     bool has_written = false;          ///< in this turn of the loop: more is collected and goes at its end
     std::optional<MonotonicTime> due;  ///< down: when to dial; connecting: when to give up
-    Duration back_off{};
+    BackOff back_off{std::chrono::milliseconds(100), std::chrono::seconds(2)};
     std::string last_failure;
   };
   struct Notice {

@@ -61,7 +61,7 @@ Route Answers::route_of(const Peer& peer, Now now) const {
                             : peer.expired || !peer.met         ? "OFFLINE"
                                                                 : "CONNECTION_BROKEN";
   const MonotonicTime heard = link != nullptr    ? link->last_heard
-                              : relay != nullptr ? relays_.route(peer).road.last_sign()
+                              : relay != nullptr ? relays_.route(peer).connection.last_sign()
                                                  : peer.last_heard;
   return {peer.id,
           peer.certificate.role,

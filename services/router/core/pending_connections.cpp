@@ -31,10 +31,10 @@ PendingConnections::Source* PendingConnections::source_of(const std::string& nam
 
 PendingConnectionId PendingConnections::accepted(const std::string& source, MonotonicTime now) {
   const PendingConnectionId id = ++last_;
-  Visitor& pending = pending_connections_[id];
-  pending.source = source;
-  pending.cut_at = now + limits_.proof;
-  cuts_.emplace(*pending.cut_at, id);
+  Entry& entry = entries_[id];
+  entry.source = source;
+  entry.cut_at = now + limits_.proof;
+  cuts_.emplace(*entry.cut_at, id);
   ++unproven_;
   Source* from = source_of(source, now);
   if (from != nullptr) ++from->open;
@@ -47,16 +47,16 @@ PendingConnectionId PendingConnections::accepted(const std::string& source, Mono
   return id;
 }
 
-void PendingConnections::count_out(const Visitor& pending) {
-  if (pending.linked) return;
+void PendingConnections::count_out(const Entry& entry) {
+  if (entry.linked) return;
   --unproven_;
-  if (const auto at = sources_.find(pending.source); at != sources_.end() && at->second.open > 0) --at->second.open;
+  if (const auto at = sources_.find(entry.source); at != sources_.end() && at->second.open > 0) --at->second.open;
   if (unproven_ <= limits_.open / 2) set_closed(false);
 }
 
 void PendingConnections::linked(PendingConnectionId id) {
-  const auto at = pending_connections_.find(id);
-  if (at == pending_connections_.end() || at->second.linked || at->second.leaving) return;
+  const auto at = entries_.find(id);
+  if (at == entries_.end() || at->second.linked || at->second.leaving) return;
   count_out(at->second);
   at->second.linked = true;
   cuts_.erase({*at->second.cut_at, id});
@@ -64,28 +64,28 @@ void PendingConnections::linked(PendingConnectionId id) {
 }
 
 void PendingConnections::leave(PendingConnectionId id, MonotonicTime now) {
-  const auto at = pending_connections_.find(id);
-  if (at == pending_connections_.end() || at->second.leaving) return;
-  Visitor& pending = at->second;
-  pending.leaving = true;
-  if (pending.cut_at) cuts_.erase({*pending.cut_at, id});
-  pending.cut_at = now + limits_.leave;
-  cuts_.emplace(*pending.cut_at, id);
+  const auto at = entries_.find(id);
+  if (at == entries_.end() || at->second.leaving) return;
+  Entry& entry = at->second;
+  entry.leaving = true;
+  if (entry.cut_at) cuts_.erase({*entry.cut_at, id});
+  entry.cut_at = now + limits_.leave;
+  cuts_.emplace(*entry.cut_at, id);
 }
 
 bool PendingConnections::undecided(PendingConnectionId id) const {
-  const auto at = pending_connections_.find(id);
-  return at != pending_connections_.end() && !at->second.linked && !at->second.leaving;
+  const auto at = entries_.find(id);
+  return at != entries_.end() && !at->second.linked && !at->second.leaving;
 }
 
 void PendingConnections::gone(PendingConnectionId id, MonotonicTime now) {
-  const auto at = pending_connections_.find(id);
-  if (at == pending_connections_.end()) return;
-  const Visitor pending = std::move(at->second);
-  if (pending.cut_at) cuts_.erase({*pending.cut_at, id});
-  pending_connections_.erase(at);
-  count_out(pending);
-  if (!pending.linked) failed(pending.source, now);
+  const auto at = entries_.find(id);
+  if (at == entries_.end()) return;
+  const Entry entry = std::move(at->second);
+  if (entry.cut_at) cuts_.erase({*entry.cut_at, id});
+  entries_.erase(at);
+  count_out(entry);
+  if (!entry.linked) failed(entry.source, now);
 }
 
 void PendingConnections::failed(const std::string& name, MonotonicTime now) {
@@ -99,8 +99,8 @@ void PendingConnections::block(const std::string& name, MonotonicTime now) {
   blocked_[name] = now + limits_.block;
   orders_.newly_blocked.push_back(name);
   orders_.filter_changed = true;
-  for (const auto& [id, pending] : pending_connections_) {
-    if (pending.source == name && !pending.linked) orders_.cut.push_back(id);
+  for (const auto& [id, entry] : entries_) {
+    if (entry.source == name && !entry.linked) orders_.cut.push_back(id);
   }
 }
 
@@ -115,10 +115,10 @@ void PendingConnections::tick(MonotonicTime now) {
     const PendingConnectionId id = cuts_.begin()->second;
     cuts_.erase(cuts_.begin());
     // It stays in the books until libzmq says that it is gone; if that never comes, it is cut again.
-    Visitor& pending = pending_connections_.at(id);
-    if (!pending.leaving) orders_.expired.push_back(id);
-    pending.cut_at = now + limits_.window;
-    cuts_.emplace(*pending.cut_at, id);
+    Entry& entry = entries_.at(id);
+    if (!entry.leaving) orders_.expired.push_back(id);
+    entry.cut_at = now + limits_.window;
+    cuts_.emplace(*entry.cut_at, id);
     orders_.cut.push_back(id);
   }
   const bool freed = std::erase_if(blocked_, [&](const auto& row) { return row.second <= now; }) != 0;

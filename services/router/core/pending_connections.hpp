@@ -71,7 +71,7 @@ class PendingConnections {
   [[nodiscard]] std::size_t unproven() const { return unproven_; }
 
  private:
-  struct Visitor {
+  struct Entry {
     std::string source;
     bool linked = false;
     bool leaving = false;
@@ -84,14 +84,14 @@ class PendingConnections {
   };
 
   Source* source_of(const std::string& name, MonotonicTime now);
-  void count_out(const Visitor& pending);
+  void count_out(const Entry& entry);
   void failed(const std::string& name, MonotonicTime now);
   void block(const std::string& name, MonotonicTime now);
   void set_closed(bool closed);
 
   PendingConnectionLimits limits_;
   PendingConnectionId last_ = 0;
-  std::map<PendingConnectionId, Visitor> pending_connections_;
+  std::map<PendingConnectionId, Entry> entries_;
   std::set<std::pair<MonotonicTime, PendingConnectionId>> cuts_;
   std::map<std::string, Source> sources_;
   std::map<std::string, MonotonicTime> blocked_;  ///< source -> until when

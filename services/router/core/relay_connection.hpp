@@ -1,5 +1,5 @@
-// The road between this node and one peer by way of relays, end to end: is the peer there now, what has come, what was
-// lost? A relay is believed in nothing of it.
+// The connection between this node and one peer by way of relays, end to end: is the peer there now, what has come,
+// what was lost? A relay is believed in nothing of it.
 #pragma once
 
 #include <deque>
@@ -67,7 +67,7 @@ class RelayConnection {
   void begin(MonotonicTime at);
   /// Nothing is said any more: there is a link, or no relay.
   void rest() { next_word_.reset(); }
-  /// The next word; `own` has the fields that are not the road's.
+  /// The next word; `own` has the fields that are not the connection's.
   RelayAlive make_word(RelayAlive own, std::uint64_t nonce, MonotonicTime now);
   struct Heard {
     bool fresh = false;             ///< it repeats a nonce of ours: what it says is said now
@@ -95,7 +95,7 @@ class RelayConnection {
   [[nodiscard]] bool unheard() const { return unanswered_ >= 2; }
   /// Those that nobody has confirmed in time.
   std::vector<Unconfirmed> overdue(MonotonicTime now);
-  /// All that is unconfirmed, at the end of the road.
+  /// All that is unconfirmed, at the end of the connection.
   std::vector<Unconfirmed> take_all();
   /// True once: the last sign of life is a lease ago.
   bool lapse(MonotonicTime now);

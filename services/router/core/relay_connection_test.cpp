@@ -1,4 +1,4 @@
-// The road by relays between two nodes, without a relay: what one end says is handed to the other, late, twice or
+// The connection by relays between two nodes, without a relay: what one end says is handed to the other, late, twice or
 // never.
 #include "services/router/core/relay_connection.hpp"
 
@@ -27,9 +27,9 @@ struct TwoEnds {
   RelayConnection bee{kBee};
   std::uint64_t nonce = 1000;
 
-  Word of(RelayConnection& road, std::uint64_t boot) {
-    const std::uint64_t count = road.next_count();
-    return {road.make_word({}, ++nonce, now), boot, count};
+  Word of(RelayConnection& connection, std::uint64_t boot) {
+    const std::uint64_t count = connection.next_count();
+    return {connection.make_word({}, ++nonce, now), boot, count};
   }
   Word of_ant() { return of(ant, kAnt); }
   Word of_bee() { return of(bee, kBee); }
@@ -227,19 +227,19 @@ TEST_CASE("a word about an earlier boot of ours confirms nothing") {
 }
 
 TEST_CASE("who does not answer is spoken to ever less often, and after two words by another relay") {
-  RelayConnection road(1);
+  RelayConnection connection(1);
   MonotonicTime now{10'000'000'000};
-  road.begin(now);
+  connection.begin(now);
   std::vector<double> waits;
   for (int i = 0; i < 7; ++i) {
-    CHECK(road.unheard() == (i >= 2));
-    (void)road.make_word({}, 100 + static_cast<std::uint64_t>(i), now);
-    waits.push_back(to_seconds(*road.next_deadline() - now));
-    now = *road.next_deadline();
+    CHECK(connection.unheard() == (i >= 2));
+    (void)connection.make_word({}, 100 + static_cast<std::uint64_t>(i), now);
+    waits.push_back(to_seconds(*connection.next_deadline() - now));
+    now = *connection.next_deadline();
   }
   CHECK(waits == std::vector<double>{0.5, 1, 2, 4, 8, 8, 8});
-  road.rest();
-  CHECK_FALSE(road.next_deadline().has_value());
+  connection.rest();
+  CHECK_FALSE(connection.next_deadline().has_value());
 }
 
 TEST_CASE("no flood of words makes this end say more than ten a second") {
@@ -261,7 +261,7 @@ TEST_CASE("no flood of words makes this end say more than ten a second") {
   CHECK(said <= 11);
 }
 
-TEST_CASE("as many questions may wait as have room; the end of the road gives them all back") {
+TEST_CASE("as many questions may wait as have room; the end of the connection gives them all back") {
   TwoEnds two;
   two.greet();
   while (two.ant.has_room()) (void)two.ask();
@@ -341,14 +341,15 @@ TEST_CASE("who has just been proven hears so at once, and who speaks of an earli
 }
 
 TEST_CASE("a first word without a boot number is answered as any other") {
-  RelayConnection road(kAnt);
+  RelayConnection connection(kAnt);
   RelayAlive word;
   word.nonce = 3;
-  CHECK_FALSE(road.hear(word, 0, 1, MonotonicTime{10'000'000'000}).fresh);
-  CHECK(road.word_due(MonotonicTime{10'000'000'000}));
+  CHECK_FALSE(connection.hear(word, 0, 1, MonotonicTime{10'000'000'000}).fresh);
+  CHECK(connection.word_due(MonotonicTime{10'000'000'000}));
 }
 
-TEST_CASE("the road is over a lease after the last sign of life and not before; its next moment is the earliest") {
+TEST_CASE(
+    "the connection is over a lease after the last sign of life and not before; its next moment is the earliest") {
   TwoEnds two;
   two.greet();
   const MonotonicTime said = two.ant.last_sign();

@@ -45,7 +45,7 @@ RelayRoute& RelayRoutes::row(const Peer& peer) {
   route.number = peer.number;
   route.open = false;
   route.key.clear();
-  route.road = RelayConnection(own.boot, {.lease = own.timing.lease, .alive = own.timing.keep_alive});
+  route.connection = RelayConnection(own.boot, {.lease = own.timing.lease, .alive = own.timing.keep_alive});
   return route;
 }
 
@@ -123,7 +123,7 @@ void RelayRoutes::learn(const Link& relay, const SignedRecord& told, Now now, Ef
   Peer& peer = table_.learn(*certificate, told);
   RelayRoute& route = row(peer);
   const bool fresh = route.relays.insert(relay.peer).second;
-  if (peer.link == 0 && fresh && !route.road.proven()) route.road.begin(now.mono + kLinksFirst);
+  if (peer.link == 0 && fresh && !route.connection.proven()) route.connection.begin(now.mono + kLinksFirst);
 }
 
 /// That relay does not reach it any more, or is not reached itself.
@@ -135,7 +135,7 @@ void RelayRoutes::forget_relay(Peer& peer, const std::string& relay, Effects& ou
 
 void RelayRoutes::on_link_lost(Peer& peer, const Link& gone, Now now, Effects& out) {
   RelayRoute& lost = row(peer);
-  if (carrier_of(lost) != nullptr) lost.road.begin(now.mono);
+  if (carrier_of(lost) != nullptr) lost.connection.begin(now.mono);
   if (!gone.relay) return;
   for (auto& [id, other] : table_.peers()) forget_relay(other, gone.peer, out);
 }
@@ -144,17 +144,17 @@ void RelayRoutes::on_link_lost(Peer& peer, const Link& gone, Now now, Effects& o
 void RelayRoutes::leave(Peer& peer, const std::string& why, Effects& out) {
   RelayRoute& route = row(peer);
   route.open = false;
-  notify_lost(route.road.take_all(), out);
+  notify_lost(route.connection.take_all(), out);
   if (peer.link != 0) return;
-  peer.lost = peer.last_heard = route.road.last_sign();
+  peer.lost = peer.last_heard = route.connection.last_sign();
   out.log(LogLevel::info, "route_lost", why);
 }
 
 /// The peer is there, and knows this node: it is ONLINE by the relay.
 void RelayRoutes::join(Peer& peer, const Link& relay, Now now, Effects& out) {
   RelayRoute& route = row(peer);
-  const bool again = peer.met && !peer.expired && peer.boot == route.road.boot();
-  peer.boot = route.road.boot();
+  const bool again = peer.met && !peer.expired && peer.boot == route.connection.boot();
+  peer.boot = route.connection.boot();
   route.open = true;
   peer.met = true;
   peer.expired = false;
@@ -201,12 +201,12 @@ Result<Relaying> RelayRoutes::wrap(ConnectionId from, std::string_view target, c
   const Link* relay = peer == nullptr ? nullptr : relay_of(*peer);
   if (relay == nullptr) return fail(Errc::peer_unreachable, "no relay reaches '" + std::string(target) + "'");
   if (frame.size() > kMaxRelayedFrame) return fail(Errc::too_large, "over 511 kB by way of a relay");
-  RelayConnection& road = row(*peer).road;
+  RelayConnection& connection = row(*peer).connection;
   const bool waits = deserves_nack(header);
-  if (waits && !road.has_room()) return fail(Errc::queue_full, "too much is unconfirmed by way of a relay");
-  const std::uint64_t count = road.next_count();
-  Relaying out{relay->id, make_relayed(*peer, *relay, road.boot(), count, frame, header.remaining_ms, now)};
-  if (waits) road.remember({count, relay->peer, from, header_only(header), now.mono});
+  if (waits && !connection.has_room()) return fail(Errc::queue_full, "too much is unconfirmed by way of a relay");
+  const std::uint64_t count = connection.next_count();
+  Relaying out{relay->id, make_relayed(*peer, *relay, connection.boot(), count, frame, header.remaining_ms, now)};
+  if (waits) connection.remember({count, relay->peer, from, header_only(header), now.mono});
   return out;
 }
 
@@ -219,18 +219,18 @@ void RelayRoutes::send(const std::string& to, const Message& message, Now now, E
 void RelayRoutes::not_sent(std::string_view target, std::uint64_t count, Errc reason, Effects& out) {
   const Peer* peer = table_.find(target);
   if (peer == nullptr) return;
-  if (const auto question = row(*peer).road.withdraw(count)) notify_lost(*question, reason, out);
+  if (const auto question = row(*peer).connection.withdraw(count)) notify_lost(*question, reason, out);
 }
 
 void RelayRoutes::on_refused(const Link& relay, const RelayRefused& told, Effects& out) {
   const Peer* peer = table_.find(told.target);
   if (peer == nullptr || !relay.relay) return out.count("refused.not_permitted");
   RelayRoute& route = row(*peer);
-  const auto question = route.road.withdraw(told.count);
+  const auto question = route.connection.withdraw(told.count);
   if (!question) return;
   // Another relay's word about what this one carries is nobody's.
   if (question->relay != relay.peer) {
-    route.road.remember(*question);
+    route.connection.remember(*question);
     return out.count("refused.not_permitted");
   }
   const bool full = told.reason == errc_name(Errc::queue_full);
@@ -253,19 +253,19 @@ void RelayRoutes::notify_lost(const std::vector<Unconfirmed>& questions, Effects
 void RelayRoutes::send_alive(Peer& peer, Now now, Effects& out) {
   RelayRoute& route = row(peer);
   const Link* relay = carrier_of(route);
-  if (relay == nullptr) return route.road.rest();
+  if (relay == nullptr) return route.connection.rest();
   const RouterConfig& config = node_.config();
   RelayAlive own;
   own.address = config.address;
   own.version = config.version;
   own.clock_verified = node_.knows_the_time(now);
   Message word = messages_.plain(RelayAlive::kSubtype, peer.id,
-                                 encode(route.road.make_word(std::move(own), node_.random(), now.mono)));
+                                 encode(route.connection.make_word(std::move(own), node_.random(), now.mono)));
   const auto lease = std::chrono::duration_cast<std::chrono::milliseconds>(config.timing.lease).count();
   word.remaining_ms = static_cast<std::uint32_t>(lease);
   // For whatever boot it has: what proves that it is no replay is the nonce that it repeats.
-  out.add(LinkSend{relay->id,
-                   make_relayed(peer, *relay, 0, route.road.next_count(), encode_frame(word), word.remaining_ms, now)});
+  out.add(LinkSend{relay->id, make_relayed(peer, *relay, 0, route.connection.next_count(), encode_frame(word),
+                                           word.remaining_ms, now)});
 }
 
 /// At a change, but once a second at most: each costs a signature, and a relay's bandwidth.
@@ -312,7 +312,7 @@ std::optional<Unwrapped> RelayRoutes::receive(const Link& relay, const Relayed& 
   }
   if (inner.target_boot != node_.config().boot)
     return no("other_boot", of + ": meant for boot " + std::to_string(inner.target_boot));
-  if (!row(*source).road.take(inner.source_boot, inner.count, deserves_nack(*header), now.mono))
+  if (!row(*source).connection.take(inner.source_boot, inner.count, deserves_nack(*header), now.mono))
     return no("replayed", of + ": count " + std::to_string(inner.count) + " of boot " +
                               std::to_string(inner.source_boot) + " is not new, or that boot is not proven");
   return Unwrapped{source->id, std::move(*plain)};
@@ -341,7 +341,7 @@ void RelayRoutes::on_alive(const Link& relay, Peer& peer, const RelayedFrame& in
   RelayRoute& route = row(peer);
   const bool first_relay = route.relays.insert(relay.peer).second;
   if (first_relay && route.carrier.empty()) route.carrier = relay.peer;
-  const RelayConnection::Heard heard = route.road.hear(*word, inner.source_boot, inner.count, now.mono);
+  const RelayConnection::Heard heard = route.connection.hear(*word, inner.source_boot, inner.count, now.mono);
   if (!heard.lost.empty()) {
     change_carrier(route);
     notify_lost(heard.lost, out);
@@ -351,7 +351,7 @@ void RelayRoutes::on_alive(const Link& relay, Peer& peer, const RelayedFrame& in
   peer.version = word->version;
   peer.clock_verified = word->clock_verified;
   if (!word->address.empty()) links_.set_address(peer, word->address, now, out);
-  if (route.road.open() && !route.open) join(peer, relay, now, out);
+  if (route.connection.open() && !route.open) join(peer, relay, now, out);
 }
 
 // ---- time
@@ -359,13 +359,13 @@ void RelayRoutes::on_alive(const Link& relay, Peer& peer, const RelayedFrame& in
 void RelayRoutes::tick(Now now, Effects& out) {
   for (auto& [id, peer] : table_.peers()) {
     RelayRoute& route = row(peer);
-    notify_lost(route.road.overdue(now.mono), out);
-    if (route.road.lapse(now.mono) && route.open) leave(peer, id + " says nothing by any relay", out);
+    notify_lost(route.connection.overdue(now.mono), out);
+    if (route.connection.lapse(now.mono) && route.open) leave(peer, id + " says nothing by any relay", out);
     if (const auto due = profile_due(peer, route); due && now.mono >= *due) send_profile(peer, now, out);
     if (peer.link != 0) {
-      route.road.rest();
-    } else if (route.road.word_due(now.mono)) {
-      if (route.road.unheard()) change_carrier(route);
+      route.connection.rest();
+    } else if (route.connection.word_due(now.mono)) {
+      if (route.connection.unheard()) change_carrier(route);
       send_alive(peer, now, out);
     }
   }
@@ -382,7 +382,7 @@ std::optional<MonotonicTime> RelayRoutes::next_deadline() const {
     while (at != rows_.end() && at->first < id) ++at;
     if (at == rows_.end()) break;
     if (at->first != id || at->second.number != peer.number) continue;
-    next = earlier(earlier(next, at->second.road.next_deadline()), profile_due(peer, at->second));
+    next = earlier(earlier(next, at->second.connection.next_deadline()), profile_due(peer, at->second));
   }
   return next;
 }

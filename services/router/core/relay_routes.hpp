@@ -23,7 +23,7 @@ struct RelayRoute {
   std::set<std::string> relays;  ///< members that say they reach it
   std::string carrier;           ///< which of them is given what is for it
   bool open = false;             ///< there is no link, but this way is open
-  RelayConnection road;
+  RelayConnection connection;
   Bytes key;                           ///< locks what goes that way; empty until it is needed
   std::uint64_t told_profile = 0;      ///< number of this node's profile that the peer was sent last
   MonotonicTime profile_told_at{};     ///< when

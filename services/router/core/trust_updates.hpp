@@ -26,7 +26,7 @@ class TrustUpdates {
                OwnMessages& messages, LocalBus& bus)
       : node_(node), table_(table), trust_(trust), membership_(membership), messages_(messages), bus_(bus) {}
 
-  /// From any road: a link, the bus, a file (0). Returns what was done, in words. Errors: bad_signature, foreign_fleet,
+  /// From anywhere: a link, the bus, a file (0). Returns what was done, in words. Errors: bad_signature, foreign_fleet,
   /// downgraded, conflict, malformed, cert_revoked, cert_expired, cert_not_yet_valid.
   Result<std::string> on_update(const FleetNews& update, LinkId from, Now now, Effects& out);
   void on_link_message(const Link& link, const Message& message, Now now, Effects& out);

@@ -56,7 +56,7 @@ int RouterShell::on_bus_frame(BusSocket& bus, BytesView routing_id, Frame& frame
   if (header->subtype == ServiceHello::kSubtype) {
     if (from == 0) from = add_connection(bus, routing_id, name);
     on_bus_hello(bus, from, name, *header);
-    note_bus_visitor(bus, frame, from);
+    note_pending_on_bus(bus, frame, from);
     return 1;
   }
   if (!core_.bus().knows(from)) {

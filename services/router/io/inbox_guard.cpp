@@ -39,7 +39,7 @@ void InboxGuard::on_accepted(int fd) {
 void InboxGuard::reset() {
   const MonotonicTime now = read_clocks().mono;
   for (const auto& [fd, id] : by_fd_) {
-    pending_connections_.linked(id);  // it is not the visitor's fault
+    pending_connections_.linked(id);  // that is not the connection's fault
     pending_connections_.gone(id, now);
   }
   by_fd_.clear();

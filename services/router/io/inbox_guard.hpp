@@ -25,12 +25,12 @@ class InboxGuard {
   void reset();
   /// A connection is on this descriptor that is neither a link nor refused by a word.
   [[nodiscard]] bool is_undecided(int fd) const;
-  /// The visitor on this descriptor now; 0: none.
+  /// The pending connection on this descriptor now; 0: none.
   [[nodiscard]] PendingConnectionId pending(int fd) const;
   void linked(PendingConnectionId pending);
   /// Its link is over, or was refused: cut, once what was sent to it may have been read.
   void leave(PendingConnectionId pending);
-  /// Asked for the sources that are let in while the door is closed to everybody else.
+  /// Asked for the sources that are let in while the inbox is closed to everybody else.
   void set_friends(std::function<std::vector<std::string>()> friends) { friends_ = std::move(friends); }
 
  private:

@@ -59,7 +59,7 @@ void LaneServer::close() {
 Status LaneServer::open(const std::string& host, std::uint16_t port) {
   close();
   socket_ = std::make_unique<Socket>(Socket::lane_server(context_, keys_));
-  // The monitor is there before the door opens, as at the inbox.
+  // The monitor is there before the port opens, as at the inbox.
   monitor_ = std::make_unique<SocketMonitor>(context_, loop_, *socket_,
                                              [this](LinkEvent event, int fd) { on_event(event, fd); });
   loop_.add_socket(
@@ -113,7 +113,7 @@ void LaneServer::drain() {
 
 /// The descriptor may have been another connection's a moment ago: first what the monitor has to tell of that one's
 /// end.
-PendingConnectionId LaneServer::visitor_on(int fd) {
+PendingConnectionId LaneServer::pending_on(int fd) {
   monitor_->catch_up();
   return inbox_guard_.pending(fd);
 }
@@ -125,7 +125,7 @@ void LaneServer::on_word(const Frame& frame) {
   const auto key = from_hex(user_id(frame));
   if (!key || key->size() != 32) return;  // libzmq's own word for a connection that has ended
   const int fd = subscriber_fd(frame);
-  const PendingConnectionId pending = visitor_on(fd);
+  const PendingConnectionId pending = pending_on(fd);
   const BytesView word = view_of(frame);
   Effects effects;
   if (frame.more() || word.empty() || (word[0] != kListen && word[0] != kListenNoMore)) {

@@ -1,4 +1,4 @@
-// This node's lossy lane: who may listen to it, and what they are told. Its connections are visitors until they listen.
+// This node's lossy lane: who may listen to it, and what they are told. Its connections are pending until they listen.
 #pragma once
 
 #include <functional>
@@ -21,7 +21,7 @@ class LaneServer {
   struct Owner {
     std::function<void(Effects&)> carry_out;
     std::function<void(const char* event, const std::string& text)> warn;
-    std::function<std::vector<std::string>()> friends;  ///< see Door::set_friends
+    std::function<std::vector<std::string>()> friends;  ///< see InboxGuard::set_friends
   };
   /// ZAP must be bound before, and the context have two I/O threads. `whole` bounds what waits in all queues of the
   /// node.
@@ -50,7 +50,7 @@ class LaneServer {
   void drain();
   void on_word(const Frame& frame);
   void listen(LinkId link, PendingConnectionId pending, BytesView topic);
-  PendingConnectionId visitor_on(int fd);
+  PendingConnectionId pending_on(int fd);
   void on_event(LinkEvent event, int fd);
   void count(const std::string& name, const char* event, const std::string& text);
 

@@ -55,7 +55,7 @@ void RouterShell::drain_inbox() {
   }
 }
 
-PendingConnectionId RouterShell::inbox_visitor(const Frame& frame) {
+PendingConnectionId RouterShell::pending_at_inbox(const Frame& frame) {
   inbox_monitor_->catch_up();  // the descriptor may have been another connection's a moment ago
   return inbox_guard_.pending(connection_fd(frame));
 }
@@ -63,13 +63,13 @@ PendingConnectionId RouterShell::inbox_visitor(const Frame& frame) {
 void RouterShell::on_inbox_frame(BytesView routing_id, Frame& frame) {
   const auto header = decode_frame(view_of(frame));
   const bool other_version = !header && header.error().code == Errc::version_mismatch;
-  if (other_version && inbox_visitor(frame) != 0 && inbox_guard_.is_undecided(connection_fd(frame)))
+  if (other_version && pending_at_inbox(frame) != 0 && inbox_guard_.is_undecided(connection_fd(frame)))
     return on_other_version(routing_id, frame);
   if (!header) {
     const auto from = std::find_if(accepted_.begin(), accepted_.end(), [&](const auto& row) {
       return row.second.routing_id == routing_id && row.second.user == user_id(frame);
     });
-    if (from == accepted_.end()) inbox_guard_.leave(inbox_visitor(frame));
+    if (from == accepted_.end()) inbox_guard_.leave(pending_at_inbox(frame));
     return on_bad_frame(from == accepted_.end() ? 0 : from->first, header.error());
   }
   const std::string_view user = user_id(frame);
@@ -78,7 +78,7 @@ void RouterShell::on_inbox_frame(BytesView routing_id, Frame& frame) {
   if (proven) return on_link_frame(header->link, *header, frame);
   const auto key = from_hex(user);
   if (!key || key->size() != 32) return core_.counters().count("refused.no_key");
-  origin_ = {Bytes(routing_id), Bytes(user), inbox_visitor(frame)};
+  origin_ = {Bytes(routing_id), Bytes(user), pending_at_inbox(frame)};
   Effects effects;
   if (link != accepted_.end()) {
     // Another connection names a link that is not its own.
@@ -105,7 +105,7 @@ void RouterShell::on_inbox_frame(BytesView routing_id, Frame& frame) {
 void RouterShell::on_other_version(BytesView routing_id, Frame& frame) {
   const auto header = decode_frame_of_any_version(view_of(frame));
   const auto key = from_hex(user_id(frame));
-  const PendingConnectionId pending = inbox_visitor(frame);
+  const PendingConnectionId pending = pending_at_inbox(frame);
   if (!header || !key || key->size() != 32) {
     inbox_guard_.leave(pending);
     return on_bad_frame(0,
@@ -297,7 +297,7 @@ void RouterShell::on_source_blocked(const std::string& source) {
               source + " has too many connections that prove nothing; its new ones are dropped for 10 s");
 }
 
-void RouterShell::on_visitor_cut(const std::string& address) {
+void RouterShell::on_pending_cut(const std::string& address) {
   core_.counters().count("cut.no_link");
   log_limited(limit_, read_clocks().mono, Level::warning, "no_link",
               "the connection of " + address + " has become no link in time and was cut");

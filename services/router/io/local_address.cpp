@@ -55,7 +55,7 @@ Status RouterShell::open_inbox(const Resolved& host) {
                                                    [this](LinkEvent event, int fd) { on_inbox_event(event, fd); });
   loop_.add_socket(
       inbox_->handle(), [this] { drain_inbox(); }, inbox_->unseen());
-  // The monitor is there before the door opens: it must see every connection, and the listening socket itself.
+  // The monitor is there before the port opens: it must see every connection, and the listening socket itself.
   const Status bound = endpoint.empty() ? Status(Done{}) : inbox_->bind(endpoint);
   if (!bound) return bound;
   if (!host.address.empty() && core_.config().beacon && !host.broadcast.empty()) {
@@ -116,7 +116,7 @@ std::string RouterShell::own_address() const {
   return host_.address.empty() ? "" : join_host_port(without_scope(host_.address), options_.port);
 }
 
-/// The VPN's address is a second door: peers that name it as a seed come in by it.
+/// The VPN's address is a second way in: peers that name it as a seed come in by it.
 void RouterShell::follow_vpn() {
   if (options_.vpn_int.empty() || options_.vpn_int == options_.host_int) return;
   if (!inbox_) return;  // there was no descriptor for one: it is tried again

@@ -130,8 +130,8 @@ class RouterShell {
   Status open_tcp_bus();
   bool admit_to_bus(BytesView key);
   [[nodiscard]] std::string whom_it_proves(const BusSocket& bus, const Frame& frame) const;  ///< empty: nobody
-  void note_bus_visitor(const BusSocket& bus, const Frame& frame, ConnectionId from);
-  PendingConnectionId inbox_visitor(const Frame& frame);
+  void note_pending_on_bus(const BusSocket& bus, const Frame& frame, ConnectionId from);
+  PendingConnectionId pending_at_inbox(const Frame& frame);
   void on_bus_event(LinkEvent event, int fd, bool proves);
   // lane_side.cpp
   [[nodiscard]] std::string own_lane() const;
@@ -163,8 +163,8 @@ class RouterShell {
   void on_bad_frame(LinkId link, const Error& error);
   [[nodiscard]] std::vector<std::string> sources_of_peers() const;
   void on_source_blocked(const std::string& source);
-  void on_visitor_cut(const std::string& address);
-  // place.cpp
+  void on_pending_cut(const std::string& address);
+  // local_address.cpp
   Status open_local_address();
   Status open_inbox(const Resolved& host);
   void follow_interfaces();
@@ -173,7 +173,7 @@ class RouterShell {
   void follow_vpn();
   [[nodiscard]] std::string own_address() const;
   [[nodiscard]] std::string to_dial(const std::string& address) const;
-  // news_side.cpp
+  // trust_side.cpp
   void store_news(const StoreNews& store);
   void store_certificate(const StoreCertificate& store);
   void store_boot(const StoreBoot& store);
@@ -217,7 +217,7 @@ class RouterShell {
   std::unique_ptr<SocketMonitor> inbox_monitor_;
   InboxGuard inbox_guard_{loop_, options_.pending_connections,
                           [this](const std::string& source) { on_source_blocked(source); },
-                          [this](const std::string& address) { on_visitor_cut(address); }};
+                          [this](const std::string& address) { on_pending_cut(address); }};
   std::unique_ptr<LaneServer> lane_;
   std::map<LinkId, Dialled> dialled_;
   std::map<LinkId, Dialled> heard_;  ///< the lanes of the peers

@@ -1,5 +1,5 @@
 // The node's own bus over TCP, for a container for each service: one socket for all, on which the key proves who comes;
-// the tap beside it. What has shown no key of this node is a visitor, as at the inbox.
+// the tap beside it. What has shown no key of this node is pending, as at the inbox.
 #include "common/base/hex.hpp"
 #include "services/router/io/router_shell.hpp"
 
@@ -67,7 +67,7 @@ std::string RouterShell::whom_it_proves(const BusSocket& bus, const Frame& frame
   return at == options_.bus.names.end() ? "" : at->second;
 }
 
-void RouterShell::note_bus_visitor(const BusSocket& bus, const Frame& frame, ConnectionId from) {
+void RouterShell::note_pending_on_bus(const BusSocket& bus, const Frame& frame, ConnectionId from) {
   if (!bus.name.empty()) return;
   const int fd = connection_fd(frame);
   bus_monitors_.front()->catch_up();  // the descriptor may have been another connection's a moment ago

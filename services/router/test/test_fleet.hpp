@@ -137,7 +137,7 @@ class TestFleet {
   std::function<bool(const std::string& from, LinkId link, std::uint64_t& sequence, Message& message)> meddle;
   /// A node that keeps to itself what it should send: nothing of it shows on the link.
   std::function<bool(const std::string& from, const Message& message)> withhold;
-  /// A service of this node says something to another node, through the road that the shell takes.
+  /// A service of this node says something to another node, by the call that the shell makes.
   void say(const std::string& from, const std::string& to, const std::string& word, const Bytes& data);
   /// The service that has connection 1 of this node asks another node something.
   void ask(const std::string& from, const std::string& to, const std::string& word, const Bytes& data);
@@ -156,7 +156,7 @@ class TestFleet {
   [[nodiscard]] Now now_of(const TestNode& node) const { return {now.mono, now.utc + node.clock_off}; }
 
   void carry_out(TestNode& node, Effects& effects);
-  /// Hands a message to a node as one that came by a link, through the road that the shell takes.
+  /// Hands a message to a node as one that came by a link, by the call that the shell makes.
   Routing arrive(TestNode& node, LinkId link, std::uint64_t sequence, const Message& message);
   /// What a connection of the node's bus sends, by the way that the shell takes.
   Routing forward(TestNode& node, ConnectionId from, const Message& message);

@@ -3,7 +3,6 @@
 #include <array>
 #include <cstdio>
 #include <stdexcept>
-#include <thread>
 
 #include "common/base/hex.hpp"
 #include "common/security/keys.hpp"
@@ -32,11 +31,7 @@ void insist(Socket& socket, const F& send) {
 
 /// A client's first word; it also tells when the connection stands, since an unconnected socket refuses.
 void say_hello(Socket& socket) {
-  for (int i = 0; i < 5000; ++i) {
-    if (socket.send(Frame()) == SendResult::sent) return;
-    std::this_thread::sleep_for(std::chrono::milliseconds(1));
-  }
-  throw std::runtime_error("no connection within 5 s");
+  insist(socket, [&] { return socket.send(Frame()); });
 }
 
 class ClientEnd final : public End {
