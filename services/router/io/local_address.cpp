@@ -1,8 +1,4 @@
-// Where this node is: the inbox and the beacons follow the addresses of HOST_INT and VPN_INT.
-#include "common/base/hex.hpp"
-#include "common/config/interfaces.hpp"
-#include "services/router/io/lane_server.hpp"
-#include "services/router/io/router_shell.hpp"
+#include "services/router/io/local_address.hpp"
 
 namespace trb::router {
 namespace {
@@ -17,20 +13,31 @@ bool is_link_local(const std::string& address) {
 
 }  // namespace
 
-Status RouterShell::open_local_address() {
-  auto watch = InterfaceWatch::open(loop_, [this] { follow_interfaces(); });
+LocalAddress::LocalAddress(ShellContext& shell, InboxSocket& inbox, LaneSockets& lanes, BeaconChannel& beacons,
+                           const ShellOptions& options)
+    : shell_(shell),
+      inbox_(inbox),
+      lanes_(lanes),
+      beacons_(beacons),
+      host_int_(options.host_int),
+      vpn_int_(options.vpn_int),
+      port_(options.port),
+      lane_port_(options.lane_port) {}
+
+Status LocalAddress::open() {
+  auto watch = InterfaceWatch::open(shell_.loop(), [this] { follow_interfaces(); });
   if (watch) {
-    interface_watch_ = std::move(*watch);
+    watch_ = std::move(*watch);
   } else {
     log_event(Level::warning, "no_interface_watch", watch.error().text());
   }
-  loop_.add_timer([this] { return look_again_; }, [this](Now) { follow_interfaces(); });
-  const Resolved host = resolve_interface(options_.host_int, interfaces());
+  shell_.loop().add_timer([this] { return look_again_; }, [this](Now) { follow_interfaces(); });
+  const Resolved host = resolve_interface(host_int_, interfaces());
   wait_text_ = host.what.empty() ? "" : "HOST_INT: " + host.what;
-  if (Status opened = open_inbox(host); !opened) {
+  if (Status bound = bind(host); !bound) {
     // A fresh IPv6 address is of no use until the kernel has asked whether another host has it.
-    if (!is_ipv6(host.address)) return opened;
-    wait_text_ = opened.error().text();
+    if (!is_ipv6(host.address)) return bound;
+    wait_text_ = bound.error().text();
     look_again_ = read_clocks().mono + kAgain;
   }
   if (!wait_text_.empty()) log_event(Level::warning, "waiting", wait_text_ + "; " + host.hint);
@@ -38,111 +45,109 @@ Status RouterShell::open_local_address() {
   return Done{};
 }
 
-/// An inbox at this address, which may be none yet; the old one and every connection to it is gone.
-Status RouterShell::open_inbox(const Resolved& host) {
-  if (inbox_) loop_.remove_socket(inbox_->handle());
-  inbox_monitor_.reset();
-  inbox_.reset();
-  inbox_guard_.reset();
-  beacon_.reset();
+/// At this address, which may be none yet; every connection to the old one is gone.
+Status LocalAddress::bind(const Resolved& host) {
+  beacons_.close();
   vpn_endpoint_.clear();
   host_ = {};
-  const std::string endpoint = host.address.empty() ? "" : "tcp://" + join_host_port(host.address, options_.port);
-  auto inbox = Socket::inbox(context_, "", options_.link_keys);
-  if (!inbox) return inbox.error();
-  inbox_ = std::make_unique<Socket>(std::move(*inbox));
-  inbox_monitor_ = std::make_unique<SocketMonitor>(context_, loop_, *inbox_,
-                                                   [this](LinkEvent event, int fd) { on_inbox_event(event, fd); });
-  loop_.add_socket(
-      inbox_->handle(), [this] { drain_inbox(); }, inbox_->unseen());
-  // The monitor is there before the port opens: it must see every connection, and the listening socket itself.
-  const Status bound = endpoint.empty() ? Status(Done{}) : inbox_->bind(endpoint);
-  if (!bound) return bound;
-  if (!host.address.empty() && core_.config().beacon && !host.broadcast.empty()) {
-    auto beacon = BeaconSocket::open(loop_, host.address, host.broadcast, options_.beacon_port,
-                                     [this](BytesView datagram) { on_beacon_datagram(datagram); });
-    if (!beacon) return beacon.error();
-    beacon_ = std::move(*beacon);
-  }
+  const std::string endpoint = host.address.empty() ? "" : "tcp://" + join_host_port(host.address, port_);
+  if (Status opened = inbox_.open(endpoint); !opened) return opened;
+  if (Status opened = beacons_.open(host); !opened) return opened;
   host_ = host;
   open_lane();
   return Done{};
 }
 
-void RouterShell::follow_interfaces() {
+void LocalAddress::open_lane() {
+  if (host_.address.empty()) return lanes_.own().close();
+  const Status opened = lanes_.own().open(host_.address, lane_port_);
+  if (opened) return;
+  shell_.log(Level::warning, "no_lane", opened.error().text());
+  look_again_in(kAgain);
+}
+
+void LocalAddress::follow_interfaces() {
   look_again_.reset();
-  const MonotonicTime now = read_clocks().mono;
-  Resolved host = resolve_interface(options_.host_int, interfaces());
-  const bool fallen_back =
-      is_link_local(host.address) && !is_link_local(host_.address) && host.address != options_.host_int;
-  if (fallen_back && !(host_.address.empty() && now >= alone_until_)) {
-    if (!host_.address.empty()) alone_until_ = now + kLinkLocalOnly;
-    look_again_ = alone_until_;
-    host = {{}, {}, "the interface '" + options_.host_int + "' has a link-local address only", "", {}, true};
-  }
+  const Resolved host = look_up();
   if (host.address != host_.address || host.broadcast != host_.broadcast) {
     move_to(host);
-  } else if (lane_->port() == 0) {
+  } else if (lanes_.own().port() == 0) {
     open_lane();
   }
   wait_text_ = host_.address.empty() ? "HOST_INT: " + (host.what.empty() ? "cannot be bound yet" : host.what) : "";
-  notify_local_address();
+  notify();
   follow_vpn();
 }
 
-void RouterShell::move_to(const Resolved& host) {
+/// What HOST_INT is now.
+Resolved LocalAddress::look_up() {
+  const MonotonicTime now = read_clocks().mono;
+  Resolved host = resolve_interface(host_int_, interfaces());
+  const bool fallen_back = is_link_local(host.address) && !is_link_local(host_.address) && host.address != host_int_;
+  if (!fallen_back || (!host_.address.empty() && now >= alone_until_)) return host;
+  if (!host_.address.empty()) alone_until_ = now + kLinkLocalOnly;
+  look_again_ = alone_until_;
+  return {{}, {}, "the interface '" + host_int_ + "' has a link-local address only", "", {}, true};
+}
+
+void LocalAddress::move_to(const Resolved& host) {
   log_event(Level::warning, "address_changed",
             "from " + (host_.address.empty() ? "none" : host_.address) + " to " +
                 (host.address.empty() ? "none: " + host.what : host.address));
   // The links end first: their sockets go with the inbox.
   Effects effects;
-  core_.set_address("", host.what, read_clocks(), effects);
-  carry_out(effects);
-  accepted_.clear();
-  if (Status opened = open_inbox(host); !opened) {
-    log_event(Level::warning, "cannot_bind", opened.error().text());
+  shell_.core().set_address("", host.what, read_clocks(), effects);
+  shell_.carry_out(effects);
+  if (Status bound = bind(host); !bound) {
+    log_event(Level::warning, "cannot_bind", bound.error().text());
     look_again_ = read_clocks().mono + kAgain;
   }
 }
 
-void RouterShell::notify_local_address() {
+void LocalAddress::notify() {
   Effects effects;
-  core_.set_lane(own_lane());
-  core_.set_address(own_address(), wait_text_, read_clocks(), effects);
-  carry_out(effects);
+  shell_.core().set_lane(own_lane());
+  shell_.core().set_address(own_address(), wait_text_, read_clocks(), effects);
+  shell_.carry_out(effects);
 }
 
-std::string RouterShell::own_address() const {
-  return host_.address.empty() ? "" : join_host_port(without_scope(host_.address), options_.port);
+std::string LocalAddress::own_address() const {
+  return host_.address.empty() ? "" : join_host_port(without_scope(host_.address), port_);
+}
+
+std::string LocalAddress::own_lane() const {
+  const std::uint16_t port = lanes_.own().port();
+  return host_.address.empty() || port == 0 ? "" : join_host_port(without_scope(host_.address), port);
 }
 
 /// The VPN's address is a second way in: peers that name it as a seed come in by it.
-void RouterShell::follow_vpn() {
-  if (options_.vpn_int.empty() || options_.vpn_int == options_.host_int) return;
-  if (!inbox_) return;  // there was no descriptor for one: it is tried again
-  const Resolved vpn = resolve_interface(options_.vpn_int, interfaces());
+void LocalAddress::follow_vpn() {
+  if (vpn_int_.empty() || vpn_int_ == host_int_) return;
+  if (!inbox_.is_open()) return;  // there was no descriptor for one: it is tried again
+  const Resolved vpn = resolve_interface(vpn_int_, interfaces());
   const bool other = !vpn.address.empty() && vpn.address != host_.address;
-  const std::string endpoint = other ? "tcp://" + join_host_port(vpn.address, options_.port) : "";
-  lane_->also_at(other ? vpn.address : "");
-  if (endpoint == vpn_endpoint_) return;
+  lanes_.own().also_at(other ? vpn.address : "");
+  const std::string endpoint = other ? "tcp://" + join_host_port(vpn.address, port_) : "";
+  if (endpoint != vpn_endpoint_) move_vpn_to(endpoint);
+}
+
+void LocalAddress::move_vpn_to(const std::string& endpoint) {
   if (!vpn_endpoint_.empty()) {
-    inbox_->unbind(vpn_endpoint_);
+    inbox_.unbind(vpn_endpoint_);
     log_event(Level::warning, "vpn_gone", vpn_endpoint_);
   }
   vpn_endpoint_.clear();
   if (endpoint.empty()) return;
-  if (Status bound = inbox_->bind(endpoint); !bound) {
+  if (Status bound = inbox_.bind(endpoint); !bound) {
     log_event(Level::warning, "cannot_bind", bound.error().text());
-    look_again_ = earlier(look_again_, read_clocks().mono + kAgain);
-    return;
+    return look_again_in(kAgain);
   }
   vpn_endpoint_ = endpoint;
   log_event(Level::info, "vpn_here", endpoint);
 }
 
-/// A link-local address that another machine told bears no scope, or its own: here it is reached by HOST_INT.
-std::string RouterShell::to_dial(const std::string& address) const {
-  return with_scope(address, host_.interface);
+void LocalAddress::look_again_in(Duration wait) {
+  look_again_ = earlier(look_again_, read_clocks().mono + wait);
 }
 
 }  // namespace trb::router

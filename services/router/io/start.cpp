@@ -16,6 +16,7 @@
 #include "common/security/node_keys.hpp"
 #include "common/service/version.hpp"
 #include "common/transport/loop.hpp"
+#include "common/transport/signals.hpp"
 #include "proto/body.hpp"
 #include "services/router/io/router_shell.hpp"
 
@@ -162,7 +163,7 @@ Result<int> start(NodeConfig node) {
                   std::to_string(options.pending_connections.open) + " of them, which may be few for a large fleet; " +
                   kRaise);
   }
-  RouterShell shell(std::move(config), std::move(options));
+  RouterShell shell(std::move(config), options);
   if (Status opened = shell.open(); !opened) return opened.error();
   return shell.run();
 }

@@ -1,11 +1,11 @@
-// The news of the authority on disk: state/news, state/utc, keys/certificate.json, keys/news.json.
+#include "services/router/io/trust_files.hpp"
+
 #include <filesystem>
 
 #include "common/base/files.hpp"
 #include "common/security/certificate_file.hpp"
 #include "common/security/revocations.hpp"
 #include "proto/body.hpp"
-#include "services/router/io/router_shell.hpp"
 
 namespace trb::router {
 namespace {
@@ -44,49 +44,64 @@ Status write_boot(std::uint64_t boot) {
   return in_full(whole, "state");
 }
 
-void RouterShell::store_news(const StoreNews& store) {
+TrustFiles::TrustFiles(ShellContext& shell, BeaconChannel& beacons, LinkKey own)
+    : shell_(shell), beacons_(beacons), own_(std::move(own)) {}
+
+void TrustFiles::store(const StoreNews& store) {
   stored(Kept::news, in_full(store_news_file(store.news), "state"));
-  if (store.beacon_box.empty() || store.beacon_number <= options_.beacon_key.number) return;
-  const LinkKey own{options_.link_keys.public_key, options_.link_keys.secret_key};
-  auto key = open_sealed_beacon_key(store.beacon_number, store.beacon_box, own);
+  if (!store.beacon_box.empty() && store.beacon_number > beacons_.key_number()) take_beacon_key(store);
+}
+
+void TrustFiles::take_beacon_key(const StoreNews& store) {
+  auto key = open_sealed_beacon_key(store.beacon_number, store.beacon_box, own_);
   if (!key) return log_event(Level::error, "no_beacon_key", key.error().text());
-  options_.beacon_key = std::move(*key);
+  beacons_.set_key(std::move(*key));
   log_event(Level::info, "beacon_key", "number " + std::to_string(store.beacon_number) + " from now on");
 }
 
-void RouterShell::store_certificate(const StoreCertificate& store) {
+void TrustFiles::store(const StoreCertificate& store) {
   const std::string path = "keys/certificate.json";
   stored(Kept::certificate, in_full(store_certificate_file(path, store.record), "keys"));
 }
 
-void RouterShell::store_boot(const StoreBoot& store) {
+void TrustFiles::store(const StoreBoot& store) {
   stored(Kept::boot, write_boot(store.boot));
 }
 
-void RouterShell::stored(Kept what, const Status& done) {
+void TrustFiles::stored(Kept what, const Status& done) {
   Effects effects;
-  core_.updates().on_stored(what, done, read_clocks(), effects);
-  carry_out(effects);
+  shell_.core().updates().on_stored(what, done, read_clocks(), effects);
+  shell_.carry_out(effects);
 }
 
-void RouterShell::store_utc(const StoreUtc& store) {
-  // A lower bound alone: the one before it is as true.
+void TrustFiles::store(const StoreUtc& store) {
   const Status done = write_file("state/utc", std::to_string(store.utc.ns) + "\n");
   if (!done) log_event(Level::warning, "not_stored", done.error().text());
 }
 
-void RouterShell::read_key_folder() {
-  const auto take = [this](const FleetNews& news) {
-    Effects effects;
-    core_.updates().on_file(news, read_clocks(), effects);
-    carry_out(effects);
-  };
+void TrustFiles::store(const StorePeers& store) {
+  if (Status kept = write_file("state/peers", store.text, 0600); !kept)
+    log_event(Level::warning, "state", kept.error().text());
+}
+
+void TrustFiles::watch_keys() {
+  watch_ = std::make_unique<KeysWatch>(shell_.loop(), "keys", [this] { read_keys(); });
+  read_keys();
+}
+
+void TrustFiles::read_keys() {
   if (auto file = read_certificate_file("keys/certificate.json")) take({file->revocations, {file->certificate}});
   if (!file_exists("keys/news.json")) return;
-  auto news = read_news("keys/news.json");
-  if (news) return take(*news);
-  core_.counters().count("refused." + std::string(errc_name(news.error().code)));
-  log_limited(limit_, read_clocks().mono, Level::warning, "news_refused", news.error().text());
+  auto update = read_news("keys/news.json");
+  if (update) return take(*update);
+  shell_.count("refused." + std::string(errc_name(update.error().code)));
+  shell_.log(Level::warning, "news_refused", update.error().text());
+}
+
+void TrustFiles::take(const FleetNews& update) {
+  Effects effects;
+  shell_.core().updates().on_file(update, read_clocks(), effects);
+  shell_.carry_out(effects);
 }
 
 }  // namespace trb::router

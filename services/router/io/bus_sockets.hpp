@@ -1,0 +1,73 @@
+// The node's own bus: one ROUTER socket for each service of node.json and one for probes, or one over TCP for all.
+#pragma once
+
+#include <map>
+#include <memory>
+#include <string>
+
+#include "services/router/io/sent_counter.hpp"
+#include "services/router/io/shell_context.hpp"
+#include "services/router/io/shell_options.hpp"
+#include "services/router/io/tap.hpp"
+#include "services/router/io/tcp_bus_guard.hpp"
+
+namespace trb::router {
+
+class FrameForwarder;
+
+/// The connections of services and probes: which proves to be whom, and what may wait for it. A connection is known to
+/// the core once its Hello was accepted; what it sends from then on goes to the forwarder.
+class BusSockets {
+ public:
+  BusSockets(ShellContext& shell, Tap& tap, FrameForwarder& forwarder, SentCounter& sent, TcpBus tcp);
+
+  /// Binds the bus and the tap. Errors: io_error naming the address.
+  Status open();
+  /// ZAP's question, for a bus over TCP.
+  bool admit(BytesView key) { return guard_ != nullptr && guard_->admit(key); }
+  /// `unroutable`: that connection is gone, and the core was told so.
+  SendResult send(ConnectionId to, Frame&& frame);
+
+ private:
+  struct Server {
+    Socket socket;
+    std::string name;  ///< whom it proves; empty: the key does
+    std::map<Bytes, ConnectionId, std::less<>> connections;
+  };
+  struct Connection {
+    Server* server = nullptr;
+    Bytes routing_id;
+    std::string name;  ///< whom it proves
+    std::shared_ptr<ByteBudget> budget;
+  };
+
+  Status open_folder();
+  Status open_tcp();
+  void add_server(const std::string& key, Socket socket, const std::string& name);
+  void drain(Server& server);
+  int on_frame(Server& server, BytesView routing_id, Frame& frame);
+  [[nodiscard]] std::string whom_it_proves(const Server& server, const Frame& frame) const;         ///< empty: nobody
+  ConnectionId connection_of(const Server& server, BytesView routing_id, const std::string& name);  ///< 0: none
+  ConnectionId add_connection(Server& server, BytesView routing_id, const std::string& name);
+  void on_hello_frame(Server& server, ConnectionId from, const std::string& name, const HeaderView& header,
+                      const Frame& frame);
+  void on_hello(Server& server, ConnectionId from, const std::string& name, const HeaderView& header);
+  void free_dead_holder(const ServiceHello& hello, Effects& effects);
+  void free_dead_probes(Server& server, ConnectionId asker, Effects& effects);
+  bool is_gone(ConnectionId connection);
+  void request_hello(Server& server, BytesView routing_id);
+  void forget_unknown();
+  void forget_connection(ConnectionId connection, Effects& effects);
+
+  ShellContext& shell_;
+  Tap& tap_;
+  FrameForwarder& forwarder_;
+  SentCounter& sent_;
+  TcpBus tcp_;
+  std::map<std::string, std::unique_ptr<Server>> servers_;
+  std::map<ConnectionId, Connection> connections_;
+  ConnectionId next_connection_ = 0;
+  std::unique_ptr<TcpBusGuard> guard_;  ///< of a bus over TCP; goes before the sockets that it watches
+};
+
+}  // namespace trb::router

@@ -1,0 +1,134 @@
+#include "services/router/io/dialled_links.hpp"
+
+#include "common/base/address.hpp"
+#include "common/config/interfaces.hpp"
+#include "services/router/io/frame_forwarder.hpp"
+#include "services/router/io/link_event_end.hpp"
+
+namespace trb::router {
+namespace {
+
+constexpr int kBatch = 256;
+
+}  // namespace
+
+DialledLinks::DialledLinks(ShellContext& shell, FrameForwarder& forwarder, CurveKeys keys)
+    : shell_(shell), forwarder_(forwarder), keys_(std::move(keys)) {}
+
+bool DialledLinks::dial(const Dial& dial, const std::string& scope) {
+  if (is_numeric_endpoint(dial.address)) return dial_numbers(dial, scope, "");
+  const Now now = read_clocks();
+  const Resolver::Found found = resolver_.find(dial.address, now.mono);
+  if (!found.address.empty()) {
+    shell_.core().links().on_name_found(dial.link, found.address);
+    return dial_numbers({dial.link, found.address, dial.server_key}, scope, dial.address);
+  }
+  Effects effects;
+  shell_.core().links().on_name_unknown(dial.link, found.trouble, now, effects);
+  shell_.carry_out(effects);
+  return true;
+}
+
+/// libzmq asks the name server on the one thread that carries everything: it gets numbers only.
+bool DialledLinks::dial_numbers(const Dial& dial, const std::string& scope, const std::string& name) {
+  const Status opened = open(dial, scope, name);
+  if (opened) return true;
+  shell_.count("dial.no_descriptor");
+  shell_.log(Level::error, "no_descriptor",
+             dial.address + " cannot be dialled: " + opened.error().what + "; raise the limit of open files");
+  return false;
+}
+
+Status DialledLinks::open(const Dial& dial, const std::string& scope, const std::string& name) {
+  Dialled dialled;
+  dialled.name = name;
+  dialled.budget = shell_.new_budget();
+  auto made = Socket::dialler(shell_.zmq(), keys_, dial.server_key);
+  if (!made) return made.error();
+  dialled.socket = std::make_unique<Socket>(std::move(*made));
+  const LinkId link = dial.link;
+  auto monitor = SocketMonitor::watch(shell_.zmq(), shell_.loop(), *dialled.socket,
+                                      [this, link](LinkEvent event, int) { on_event(link, event); });
+  if (!monitor) return monitor.error();
+  dialled.monitor = std::move(*monitor);
+  Socket& socket = *dialled.socket;
+  shell_.loop().add_socket(
+      socket.handle(), [this, link] { drain(link); }, socket.unseen());
+  dialled_[link] = std::move(dialled);
+  if (const Status sent = socket.dial("tcp://" + with_scope(dial.address, scope)); !sent) {
+    shell_.log(Level::warning, "dial_failed", sent.error().what);
+  }
+  return Done{};
+}
+
+void DialledLinks::on_event(LinkId link, LinkEvent event) {
+  Effects effects;
+  if (const auto end = to_end(event)) {
+    shell_.core().links().on_ended(link, *end, read_clocks(), effects);
+  } else {
+    shell_.core().handshake().on_dial_connected(link, read_clocks(), effects);
+  }
+  shell_.carry_out(effects);
+}
+
+void DialledLinks::close(LinkId link) {
+  const auto at = dialled_.find(link);
+  if (at == dialled_.end()) return;
+  if (!at->second.name.empty()) resolver_.ended(at->second.name, read_clocks().mono);
+  shell_.loop().remove_socket(at->second.socket->handle());
+  closed_.push_back(std::move(at->second));
+  dialled_.erase(at);
+}
+
+std::optional<bool> DialledLinks::has_room(LinkId link, std::size_t bytes) const {
+  const auto at = dialled_.find(link);
+  if (at == dialled_.end()) return std::nullopt;
+  return at->second.budget->has_room(bytes);
+}
+
+std::optional<SendResult> DialledLinks::send(LinkId link, Frame&& frame) {
+  const auto at = dialled_.find(link);
+  if (at == dialled_.end()) return std::nullopt;
+  Socket& socket = *at->second.socket;
+  return send_within(at->second.budget, frame, [&](Frame&& one) { return socket.send(std::move(one)); });
+}
+
+void DialledLinks::drain(LinkId link) {
+  Frame frame;
+  std::size_t bytes = 0;
+  for (int i = 0; i < kBatch && bytes < kTurnBytes; ++i) {
+    const auto at = dialled_.find(link);
+    if (at == dialled_.end() || !at->second.socket->receive(frame)) return;
+    bytes += frame.size();
+    if (frame.more()) {
+      at->second.socket->skip_rest(frame);
+      shell_.count("refused.malformed");
+      continue;
+    }
+    on_frame(link, frame);
+  }
+}
+
+void DialledLinks::on_frame(LinkId link, Frame& frame) {
+  const auto header = decode_frame(view_of(frame));
+  if (!header) return on_undecoded(link, frame, header.error());
+  if (header->link != link) return shell_.count("refused.malformed");
+  forwarder_.from_link(link, *header, frame);
+}
+
+/// A frame that cannot be decoded, perhaps for it is of another version of the wire.
+void DialledLinks::on_undecoded(LinkId link, const Frame& frame, const Error& error) {
+  const auto other = decode_frame_of_any_version(view_of(frame));
+  const Link* known = std::as_const(shell_.core()).table().link(link);
+  const bool answers_hello = known != nullptr && !known->up;
+  Effects effects;
+  if (error.code != Errc::version_mismatch || !other || !answers_hello) {
+    shell_.core().links().on_bad_frame(link, error, read_clocks(), effects);
+  } else {
+    shell_.core().handshake().on_other_version(link, Bytes(known->key), wire_version(view_of(frame)), *other,
+                                               read_clocks(), effects);
+  }
+  shell_.carry_out(effects);
+}
+
+}  // namespace trb::router

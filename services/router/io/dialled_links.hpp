@@ -1,0 +1,57 @@
+// The links that this node has dialled: a DEALER for each.
+#pragma once
+
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/transport/monitor.hpp"
+#include "services/router/io/resolver.hpp"
+#include "services/router/io/shell_context.hpp"
+
+namespace trb::router {
+
+class FrameForwarder;
+
+/// One connection is one link; libzmq never makes it again by itself. A seed's name is looked up beside the loop.
+class DialledLinks {
+ public:
+  DialledLinks(ShellContext& shell, FrameForwarder& forwarder, CurveKeys keys);
+
+  /// A link-local address is reached by the interface `scope`. How it ends is told to the core; false: it could not
+  /// begin, for no descriptor is left, which was counted and logged.
+  bool dial(const Dial& dial, const std::string& scope);
+  void close(LinkId link);
+  /// Between turns: a monitor must not die inside its own call.
+  void free_closed() { closed_.clear(); }
+
+  /// Nothing: no such link was dialled.
+  [[nodiscard]] std::optional<bool> has_room(LinkId link, std::size_t bytes) const;
+  std::optional<SendResult> send(LinkId link, Frame&& frame);
+
+ private:
+  struct Dialled {
+    std::shared_ptr<ByteBudget> budget;
+    std::unique_ptr<Socket> socket;
+    std::unique_ptr<SocketMonitor> monitor;
+    std::string name;  ///< of a seed that was resolved
+  };
+
+  bool dial_numbers(const Dial& dial, const std::string& scope, const std::string& name);
+  Status open(const Dial& dial, const std::string& scope, const std::string& name);
+  void on_event(LinkId link, LinkEvent event);
+  void drain(LinkId link);
+  void on_frame(LinkId link, Frame& frame);
+  void on_undecoded(LinkId link, const Frame& frame, const Error& error);
+
+  ShellContext& shell_;
+  FrameForwarder& forwarder_;
+  CurveKeys keys_;
+  Resolver resolver_;
+  std::map<LinkId, Dialled> dialled_;
+  std::vector<Dialled> closed_;
+};
+
+}  // namespace trb::router

@@ -1,0 +1,48 @@
+// Carries a frame from the socket by which it came to where the core's orders send it.
+#pragma once
+
+#include "services/router/core/forwarding.hpp"
+#include "services/router/io/bus_sockets.hpp"
+#include "services/router/io/held_frames.hpp"
+#include "services/router/io/lane_sockets.hpp"
+#include "services/router/io/link_sender.hpp"
+#include "services/router/io/proof_recorder.hpp"
+#include "services/router/io/tap.hpp"
+
+namespace trb::router {
+
+/// Each call enters the core once; the frame is moved on, its copies alone are copied.
+class FrameForwarder {
+ public:
+  struct To {
+    Tap& tap;
+    BusSockets& bus;
+    LinkSender& links;
+    LaneSockets& lanes;
+    HeldFrames& held;
+    ProofRecorder& proof;
+  };
+  FrameForwarder(ShellContext& shell, const To& to) : shell_(shell), to_(to) {}
+
+  /// Of a service or probe that the core knows.
+  void from_bus(ConnectionId from, const HeaderView& header, Frame& frame);
+  /// By the link's own connection.
+  void from_link(LinkId link, const HeaderView& header, Frame& frame);
+  /// The first one of a connection at the inbox, which has this key; the effects are the caller's to carry out.
+  void from_stranger(BytesView key, const HeaderView& header, const Frame& frame, Effects& effects);
+  /// By the lane that was dialled for this link.
+  void from_lane(LinkId link, Frame& frame);
+  /// The core is told of the links that were found gone.
+  void report_lost_links();
+
+ private:
+  void send(ConnectionId from, const HeaderView& header, const FrameOrders& orders, Frame& frame, Effects& effects);
+  void send_copy(const Routing& way, const Frame& frame);
+  void deliver(LinkId link, const HeaderView& header, Frame& frame, const FrameOrders& orders, Effects& effects);
+  SendResult deliver_one(LinkId link, std::uint64_t sequence, bool hold, ConnectionId to, Frame&& frame);
+
+  ShellContext& shell_;
+  To to_;
+};
+
+}  // namespace trb::router

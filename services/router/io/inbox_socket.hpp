@@ -1,0 +1,83 @@
+// The inbox: the links that other nodes have dialled, and who comes to become one.
+#pragma once
+
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "services/router/io/inbox_guard.hpp"
+#include "services/router/io/shell_context.hpp"
+
+namespace trb::router {
+
+class FrameForwarder;
+
+/// frame of                     | what follows
+/// -----------------------------|---------------------------------------------------------------------------------
+/// an accepted link's connection| forwarder, as the link's
+/// a connection without a link  | forwarder, as a stranger's: accept() or refuse() may follow while it is handled
+/// another link's connection    | refused.link_theft; a second Hello: Links::on_second_link
+/// another version of the wire  | Handshake, if it is a connection's first one; else the link's bad frame
+class InboxSocket {
+ public:
+  InboxSocket(ShellContext& shell, FrameForwarder& forwarder, CurveKeys keys, const PendingConnectionLimits& limits);
+
+  /// At this endpoint; empty: nowhere yet. Every connection to another is gone. Errors: io_error (naming the address;
+  /// no descriptor is left); without one there is no inbox until the next call.
+  Status open(const std::string& endpoint);
+  void close();
+  [[nodiscard]] bool is_open() const { return socket_.has_value(); }
+  /// A second endpoint, while it is open. Errors: io_error naming it.
+  Status bind(const std::string& endpoint) { return socket_->bind(endpoint); }
+  void unbind(const std::string& endpoint) { socket_->unbind(endpoint); }
+
+  /// The connection whose frame is being handled is this link from now on.
+  void accept(LinkId link);
+  /// It gets this Goodbye and is cut; nothing if no connection's frame is being handled.
+  void refuse(const RefuseCandidate& refuse);
+  /// The link is over: its connection is cut, once what was sent to it may have been read.
+  void close_link(LinkId link);
+
+  /// Nothing: no such link was accepted here.
+  [[nodiscard]] std::optional<bool> has_room(LinkId link, std::size_t bytes) const;
+  /// `unroutable`: there is no such link, or its connection is gone.
+  SendResult send(LinkId link, Frame&& frame);
+
+ private:
+  struct Accepted {
+    Bytes routing_id;
+    Bytes user;  ///< User-Id: the key, in hexadecimal
+    PendingConnectionId pending = 0;
+    std::shared_ptr<ByteBudget> budget;
+  };
+  /// Where the frame now being handled came from, for accept() and refuse().
+  struct Origin {
+    Bytes routing_id;
+    Bytes user;
+    PendingConnectionId pending = 0;
+  };
+
+  void drain();
+  void on_frame(BytesView routing_id, Frame& frame);
+  void on_undecoded(BytesView routing_id, const Frame& frame, const Error& error);
+  void on_other_version(BytesView routing_id, const Frame& frame);
+  void on_unproven(BytesView routing_id, const HeaderView& header, const Frame& frame);
+  void on_second_word(Effects& effects);
+  void on_bad_frame(LinkId link, const Error& error);
+  PendingConnectionId pending_of(const Frame& frame);
+  [[nodiscard]] bool is_undecided(const Frame& frame) const { return guard_.is_undecided(connection_fd(frame)); }
+  void on_event(LinkEvent event, int fd);
+  void refused(const char* name, const char* text);
+
+  ShellContext& shell_;
+  FrameForwarder& forwarder_;
+  CurveKeys keys_;
+  InboxGuard guard_;
+  std::optional<Socket> socket_;
+  std::unique_ptr<SocketMonitor> monitor_;
+  std::map<LinkId, Accepted> accepted_;
+  Origin origin_;
+};
+
+}  // namespace trb::router

@@ -1,0 +1,107 @@
+#include "services/router/io/lane_sockets.hpp"
+
+#include "common/base/address.hpp"
+#include "common/config/interfaces.hpp"
+#include "services/router/io/frame_forwarder.hpp"
+#include "services/router/io/link_event_end.hpp"
+#include "services/router/io/peer_sources.hpp"
+
+namespace trb::router {
+namespace {
+
+/// Of what may be lost so much is taken a turn, whatever the number of lanes: what may not be lost waits no longer.
+constexpr int kLaneBatch = 8;
+
+LaneServer::Owner owner_of(ShellContext& shell) {
+  return {[&shell](Effects& effects) { shell.carry_out(effects); },
+          [&shell](const char* event, const std::string& text) { shell.log(Level::warning, event, text); },
+          [&shell] { return sources_of_peers(shell.core().table()); }};
+}
+
+}  // namespace
+
+LaneSockets::LaneSockets(ShellContext& shell, FrameForwarder& forwarder, const ShellOptions& options)
+    : shell_(shell),
+      forwarder_(forwarder),
+      keys_(options.link_keys),
+      own_(shell.zmq(), shell.loop(), shell.core().lanes(), shell.core().counters(), options.link_keys,
+           options.pending_connections, shell.whole(), owner_of(shell)) {}
+
+void LaneSockets::publish(LinkId link, Frame&& frame) {
+  const Link* to = shell_.core().table().link(link);
+  if (to == nullptr) return;
+  const SendResult result = own_.publish(link, topic_of(to->peer), std::move(frame));
+  shell_.count(result == SendResult::sent ? "lane.sent" : "dropped.lane_full");
+}
+
+void LaneSockets::dial(const DialLane& dial, const std::string& scope) {
+  if (!is_numeric_endpoint(dial.address)) return ended(dial.link, LinkEnd::failed);
+  close_dialled(dial.link);
+  if (const Status opened = open(dial, scope); !opened) {
+    shell_.log(Level::warning, "no_lane", dial.address + ": " + opened.error().what);
+    close_dialled(dial.link);
+    ended(dial.link, LinkEnd::failed);
+  }
+}
+
+Status LaneSockets::open(const DialLane& dial, const std::string& scope) {
+  auto made = Socket::lane_client(shell_.zmq(), keys_, dial.server_key, topic_of(shell_.core().config().id));
+  if (!made) return made.error();
+  const LinkId link = dial.link;
+  Dialled dialled;
+  dialled.socket = std::make_unique<Socket>(std::move(*made));
+  auto monitor = SocketMonitor::watch(shell_.zmq(), shell_.loop(), *dialled.socket,
+                                      [this, link](LinkEvent event, int) { on_event(link, event); });
+  if (!monitor) return monitor.error();
+  dialled.monitor = std::move(*monitor);
+  Socket& socket = *dialled.socket;
+  shell_.loop().add_background_socket(
+      socket.handle(), [this, link] { drain(link); }, socket.unseen());
+  dialled_[link] = std::move(dialled);
+  return socket.dial("tcp://" + with_scope(dial.address, scope));
+}
+
+void LaneSockets::on_event(LinkId link, LinkEvent event) {
+  if (event == LinkEvent::connected) return shell_.core().lanes().on_connected(link, read_clocks());
+  const auto end = to_end(event);
+  if (!end || dialled_.count(link) == 0) return;
+  close_dialled(link);
+  ended(link, *end);
+}
+
+void LaneSockets::ended(LinkId link, LinkEnd how) {
+  Effects effects;
+  shell_.core().lanes().on_ended(link, how, read_clocks(), effects);
+  shell_.carry_out(effects);
+}
+
+void LaneSockets::close_link(LinkId link) {
+  own_.link_closed(link);
+  close_dialled(link);
+}
+
+void LaneSockets::close_dialled(LinkId link) {
+  const auto at = dialled_.find(link);
+  if (at == dialled_.end()) return;
+  shell_.loop().remove_socket(at->second.socket->handle());
+  closed_.push_back(std::move(at->second));
+  dialled_.erase(at);
+}
+
+void LaneSockets::drain(LinkId link) {
+  Frame topic;
+  Frame frame;
+  for (int i = 0; i < kLaneBatch; ++i) {
+    const auto at = dialled_.find(link);
+    if (at == dialled_.end() || !at->second.socket->receive(topic)) return;
+    const bool whole = topic.more() && at->second.socket->receive(frame) && !frame.more();
+    if (whole) {
+      forwarder_.from_lane(link, frame);
+    } else {
+      at->second.socket->skip_rest(topic.more() ? frame : topic);
+      shell_.count("refused.lane_malformed");
+    }
+  }
+}
+
+}  // namespace trb::router

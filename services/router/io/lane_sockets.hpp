@@ -1,0 +1,53 @@
+// Lossy information: out by the own lane, in by the lanes of the peers, a SUB for each.
+#pragma once
+
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "services/router/io/lane_server.hpp"
+#include "services/router/io/shell_context.hpp"
+#include "services/router/io/shell_options.hpp"
+
+namespace trb::router {
+
+class FrameForwarder;
+
+/// The lanes of this node: its own, and of each peer the one that was dialled beside the link.
+class LaneSockets {
+ public:
+  LaneSockets(ShellContext& shell, FrameForwarder& forwarder, const ShellOptions& options);
+
+  /// Where others listen.
+  [[nodiscard]] LaneServer& own() { return own_; }
+  /// To the link's peer; counted as sent or as dropped.
+  void publish(LinkId link, Frame&& frame);
+  /// A link-local address is reached by the interface `scope`. How it ends is told to the core.
+  void dial(const DialLane& dial, const std::string& scope);
+  /// The link is over: in both directions.
+  void close_link(LinkId link);
+  /// Between turns: a monitor must not die inside its own call.
+  void free_closed() { closed_.clear(); }
+
+ private:
+  struct Dialled {
+    std::unique_ptr<Socket> socket;
+    std::unique_ptr<SocketMonitor> monitor;
+  };
+
+  Status open(const DialLane& dial, const std::string& scope);
+  void close_dialled(LinkId link);
+  void on_event(LinkId link, LinkEvent event);
+  void ended(LinkId link, LinkEnd how);
+  void drain(LinkId link);
+
+  ShellContext& shell_;
+  FrameForwarder& forwarder_;
+  CurveKeys keys_;
+  LaneServer own_;
+  std::map<LinkId, Dialled> dialled_;
+  std::vector<Dialled> closed_;
+};
+
+}  // namespace trb::router

@@ -1,0 +1,14 @@
+// Where the nodes are that were linked before.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "services/router/core/peer_table.hpp"
+
+namespace trb::router {
+
+/// As source_of() names them: a crowd of strangers keeps none of them from coming back.
+std::vector<std::string> sources_of_peers(const PeerTable& table);
+
+}  // namespace trb::router

@@ -1,0 +1,27 @@
+#include "services/router/io/seal_verifier.hpp"
+
+#include <poll.h>
+
+namespace trb::router {
+
+void SealVerifier::watch() {
+  shell_.loop().add_fd(checker_.fd(), POLLIN, [this](short) { take_checked(); });
+}
+
+void SealVerifier::check(CheckSeal&& seal) {
+  // What waits for its seal is not to wait for another thread too.
+  if (!shell_.core().seals().holds(seal.link) && checker_.put(std::move(seal))) return;
+  on_checked(seal, verify_seal(seal.record, seal.signer));
+}
+
+void SealVerifier::take_checked() {
+  for (const SealChecker::Checked& row : checker_.take()) on_checked(row.seal, row.good);
+}
+
+void SealVerifier::on_checked(const CheckSeal& seal, bool good) {
+  Effects effects;
+  shell_.core().forwarding().on_seal_checked(seal, good, read_clocks(), effects);
+  shell_.carry_out(effects);
+}
+
+}  // namespace trb::router

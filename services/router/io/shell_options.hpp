@@ -1,0 +1,35 @@
+// What the router's shell is told at its start.
+#pragma once
+
+#include <functional>
+#include <map>
+#include <string>
+
+#include "common/security/beacon_key.hpp"
+#include "common/transport/socket.hpp"
+#include "services/router/core/pending_connections.hpp"
+
+namespace trb::router {
+
+/// A bus over TCP; without an address it is sockets in the node's folder.
+struct TcpBus {
+  std::string endpoint;  ///< of messages, for libzmq
+  std::string tap;
+  CurveKeys keys;
+  std::map<Bytes, std::string, std::less<>> names;  ///< public key -> the service that it proves, or "probe"
+};
+
+struct ShellOptions {
+  CurveKeys link_keys;
+  std::string host_int;  ///< an interface or an address: the inbox and the beacons
+  std::string vpn_int;   ///< a second way in, when it is there; may be empty
+  std::uint16_t port = 0;
+  std::uint16_t lane_port = 0;  ///< 0: any
+  std::uint16_t beacon_port = 0;
+  BeaconKey beacon_key;
+  PendingConnectionLimits pending_connections;
+  std::uint64_t proof_log_bytes = 0;  ///< at most so much in log/proof; 0: no proof log
+  TcpBus bus;
+};
+
+}  // namespace trb::router

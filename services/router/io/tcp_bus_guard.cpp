@@ -1,0 +1,96 @@
+#include "services/router/io/tcp_bus_guard.hpp"
+
+#include "common/base/hex.hpp"
+
+namespace trb::router {
+namespace {
+
+/// A node's services and probes are few, and on one machine they all come from one address.
+PendingConnectionLimits bus_limits() {
+  PendingConnectionLimits limits;
+  limits.open = 64;
+  limits.open_from_one = 48;
+  return limits;
+}
+
+}  // namespace
+
+TcpBusGuard::TcpBusGuard(ShellContext& shell, std::map<Bytes, std::string, std::less<>> names)
+    : shell_(shell),
+      names_(std::move(names)),
+      guard_(
+          shell.loop(), bus_limits(),
+          [this](const std::string& source) {
+            shell_.count("refused.bus_source_blocked");
+            shell_.log(Level::warning, "bus_source_blocked",
+                       source + " has too many connections to the bus that prove nothing; dropped for 10 s");
+          },
+          [this](const std::string& address) {
+            shell_.count("cut.no_service");
+            shell_.log(Level::warning, "no_service",
+                       "the connection of " + address + " to the bus has become no service in time and was cut");
+          }) {}
+
+Status TcpBusGuard::watch(Socket& bus, Socket& tap) {
+  if (Status watched = watch(bus, false); !watched) return watched;
+  return watch(tap, true);
+}
+
+/// `proves`: on this socket the handshake is all there is to prove.
+Status TcpBusGuard::watch(Socket& socket, bool proves) {
+  auto monitor = SocketMonitor::watch(shell_.zmq(), shell_.loop(), socket,
+                                      [this, proves](LinkEvent event, int fd) { on_event(event, fd, proves); });
+  if (!monitor) return monitor.error();
+  monitors_.push_back(std::move(*monitor));
+  return Done{};
+}
+
+bool TcpBusGuard::admit(BytesView key) {
+  if (names_.count(key) != 0) return true;
+  shell_.count("refused.bus_key");
+  shell_.log(Level::warning, "bus_key",
+             "the key " + to_hex(key) + " is of no service of this node, nor of trb: see keys/bus");
+  return false;
+}
+
+std::string TcpBusGuard::name_of(const Frame& frame) const {
+  const auto key = from_hex(user_id(frame));
+  const auto at = key ? names_.find(*key) : names_.end();
+  return at == names_.end() ? "" : at->second;
+}
+
+void TcpBusGuard::on_hello(const Frame& frame, bool accepted) {
+  const int fd = connection_fd(frame);
+  monitors_.front()->catch_up();  // the descriptor may have been another connection's a moment ago
+  const PendingConnectionId pending = guard_.pending(fd);
+  if (accepted) return guard_.linked(pending);
+  guard_.leave(pending);  // refused; it reads why first
+}
+
+void TcpBusGuard::on_event(LinkEvent event, int fd, bool proves) {
+  const PendingConnectionId pending = guard_.pending(fd);
+  guard_.on_event(event, fd);
+  switch (event) {
+    case LinkEvent::connected:
+      if (proves) guard_.linked(pending);
+      return;
+    case LinkEvent::accept_failed:
+      return shell_.count("refused.no_descriptor");
+    case LinkEvent::no_curve:
+      return refused("bus_no_curve", "a client without CURVE was refused on the bus");
+    case LinkEvent::wrong_server_key:
+      return refused("bus_wrong_server_key", "a client came to the bus with a wrong key of the router");
+    case LinkEvent::protocol_error:
+    case LinkEvent::failed:
+      return refused("bus_no_zmtp", "a client of the bus that does not speak ZMTP, or left during the handshake");
+    default:  // of a refused key admit() has told
+      return;
+  }
+}
+
+void TcpBusGuard::refused(const char* name, const char* text) {
+  shell_.count("refused." + std::string(name));
+  shell_.log(Level::warning, name, text);
+}
+
+}  // namespace trb::router

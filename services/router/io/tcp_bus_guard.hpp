@@ -1,0 +1,41 @@
+// Who may use the node's bus over TCP.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "services/router/io/inbox_guard.hpp"
+#include "services/router/io/shell_context.hpp"
+#include "services/router/io/shell_options.hpp"
+
+namespace trb::router {
+
+/// A connection of the bus proves by its key which service it is; what has shown no key of this node is pending, as at
+/// the inbox. Refused connections are counted and logged.
+class TcpBusGuard {
+ public:
+  TcpBusGuard(ShellContext& shell, std::map<Bytes, std::string, std::less<>> names);
+
+  /// Before the sockets are bound: each connection, and the listening sockets themselves, must be seen. Errors:
+  /// io_error (no descriptor is left).
+  Status watch(Socket& bus, Socket& tap);
+  /// ZAP's question: is this the key of a service of this node, or of trb?
+  bool admit(BytesView key);
+  /// The service that the frame's connection proves to be, or "probe"; empty: none.
+  [[nodiscard]] std::string name_of(const Frame& frame) const;
+  /// A Hello came on the frame's connection, which was `accepted` or refused.
+  void on_hello(const Frame& frame, bool accepted);
+
+ private:
+  Status watch(Socket& socket, bool proves);
+  void on_event(LinkEvent event, int fd, bool proves);
+  void refused(const char* name, const char* text);
+
+  ShellContext& shell_;
+  std::map<Bytes, std::string, std::less<>> names_;
+  InboxGuard guard_;
+  std::vector<std::unique_ptr<SocketMonitor>> monitors_;  ///< of the bus, and of the tap
+};
+
+}  // namespace trb::router

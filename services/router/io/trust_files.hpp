@@ -1,0 +1,48 @@
+// What the authority has said, on disk: state/news, state/utc, state/boot, state/peers, keys/certificate.json,
+// keys/news.json.
+#pragma once
+
+#include <memory>
+
+#include "common/security/node_keys.hpp"
+#include "services/router/io/beacon_channel.hpp"
+#include "services/router/io/keys_watch.hpp"
+#include "services/router/io/shell_context.hpp"
+
+namespace trb::router {
+
+constexpr const char* kBootFile = "state/boot";
+/// Errors: io_error, with what to do.
+Status write_boot(std::uint64_t boot);
+
+/// Writes what the core has stored, in the node's folder, and tells the core whether it is on disk; reads what a person
+/// puts into keys/.
+class TrustFiles {
+ public:
+  /// `own` opens the beacon keys that a trust update brings.
+  TrustFiles(ShellContext& shell, BeaconChannel& beacons, LinkKey own);
+
+  /// The core is told of the outcome of these three.
+  void store(const StoreNews& store);
+  void store(const StoreCertificate& store);
+  void store(const StoreBoot& store);
+  /// A failure of these two is logged: what was stored before is as true.
+  void store(const StoreUtc& store);
+  static void store(const StorePeers& store);
+
+  /// Reads keys/ now and whenever a file of it is written: a person may have put a certificate or a trust update there.
+  void watch_keys();
+
+ private:
+  void stored(Kept what, const Status& done);
+  void take_beacon_key(const StoreNews& store);
+  void read_keys();
+  void take(const FleetNews& update);
+
+  ShellContext& shell_;
+  BeaconChannel& beacons_;
+  LinkKey own_;
+  std::unique_ptr<KeysWatch> watch_;
+};
+
+}  // namespace trb::router
