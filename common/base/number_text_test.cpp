@@ -1,11 +1,8 @@
-// Numbers in text, and waits that double.
 #include "common/base/number_text.hpp"
 
 #include <doctest/doctest.h>
 
 #include <cstdint>
-
-#include "common/base/back_off.hpp"
 
 using namespace trb;
 
@@ -15,16 +12,5 @@ TEST_CASE("a number is the whole text, within the type's range") {
   CHECK(parse_number<double>("0.5") == 0.5);
   for (const char* none : {"", " 1", "1 ", "+1", "1x", "x", "-", "0x10", "65536", "-1"}) {
     CHECK_FALSE(parse_number<std::uint16_t>(none));
-  }
-}
-
-TEST_CASE("a back-off doubles up to its longest wait, and begins anew") {
-  BackOff wait(std::chrono::milliseconds(100), std::chrono::milliseconds(350));
-  for (int i = 0; i < 2; ++i) {
-    CHECK(wait.next() == std::chrono::milliseconds(100));
-    CHECK(wait.next() == std::chrono::milliseconds(200));
-    CHECK(wait.next() == std::chrono::milliseconds(350));
-    CHECK(wait.next() == std::chrono::milliseconds(350));
-    wait.reset();
   }
 }

@@ -5,7 +5,6 @@
 
 #include "common/fleet/did_you_mean.hpp"
 #include "common/fleet/object_reader.hpp"
-#include "common/scenario/parameters.hpp"
 #include "common/scenario/repeat.hpp"
 
 namespace trb {
@@ -18,59 +17,33 @@ bool contains(const std::vector<std::string>& words, const std::string& word) {
   return std::find(words.begin(), words.end(), word) != words.end();
 }
 
-const SkillInfo* find_skill(const NodeProfile& profile, const std::string& name) {
-  const auto at = std::ranges::find(profile.skills, name, &SkillInfo::name);
-  return at == profile.skills.end() ? nullptr : &*at;
+/// It has the capabilities and the skill. The same as no obstacles, without putting them into words.
+bool suits(const TaskNeed& need, const NodeProfile& profile) {
+  const auto has = [&](const std::string& capability) { return contains(profile.capabilities, capability); };
+  return std::ranges::all_of(need.capabilities, has) && takes_task(need, profile);
 }
 
-bool comes_later(const Task& task, const std::string& parameter) {
-  return std::ranges::find(task.values, parameter, &ValueFrom::parameter) != task.values.end();
-}
-
-bool has_parameter(const SkillInfo& skill, const std::string& name) {
-  return std::ranges::find(skill.parameters, name, &ParameterInfo::name) != skill.parameters.end();
-}
-
-/// The same as no obstacles, without putting them into words.
-bool suits(const Task& task, const Value& data, const NodeProfile& profile) {
-  const SkillInfo* skill = find_skill(profile, task.skill);
-  const auto lacks = [&](const std::string& capability) { return !contains(profile.capabilities, capability); };
-  if (skill == nullptr || std::ranges::any_of(task.requires_, lacks)) return false;
-  const auto fits = [&](const ParameterInfo& info) {
-    const Value* value = data.find(info.name);
-    if (value == nullptr) return !info.required || comes_later(task, info.name);
-    return misfit_of(info, *value, profile.places) == Misfit::none;
-  };
-  return std::ranges::all_of(skill->parameters, fits) &&
-         std::ranges::all_of(data.object(), [&](const auto& given) { return has_parameter(*skill, given.first); }) &&
-         std::ranges::all_of(task.values, [&](const ValueFrom& from) { return has_parameter(*skill, from.parameter); });
-}
-
-void add_parameters(const Task& task, const Value& data, const SkillInfo& skill, const std::string& robot,
-                    const NodeProfile& profile, std::vector<Obstacle>& out) {
-  std::vector<std::string> names;
-  for (const ParameterInfo& info : skill.parameters) {
-    names.push_back(info.name);
+void add_parameters(const TaskNeed& need, const SkillInfo& skill, const std::string& robot, const NodeProfile& profile,
+                    std::vector<Obstacle>& out) {
+  for (const auto& [info, value, misfit] : parameter_faults(need, skill, profile.places)) {
     const std::string key = "data." + info.name;
-    const Value* value = data.find(info.name);
     if (value == nullptr) {
-      if (!info.required || comes_later(task, info.name)) continue;
-      out.push_back({key, "is missing: " + in_quotes(task.skill) + " needs it", "add " + wanted_text(info)});
-    } else if (const Misfit misfit = misfit_of(info, *value, profile.places); misfit != Misfit::none) {
+      out.push_back({key, "is missing: " + in_quotes(skill.name) + " needs it", "add " + wanted_text(info)});
+    } else {
       out.push_back({key, misfit_text(misfit, info, *value, robot), misfit_cure(misfit, info, *value, profile.places)});
     }
   }
-  const auto known = [&](const std::string& name) {
-    if (contains(names, name)) return;
-    out.push_back({"data." + name, in_quotes(skill.name) + " has no such parameter",
-                   did_you_mean(name, names, names.empty() ? "remove it: the skill has none" : "use one of")});
-  };
-  for (const auto& [name, ignored] : data.object()) known(name);
-  for (const ValueFrom& from : task.values) known(from.parameter);
+  std::vector<std::string> names;
+  for (const ParameterInfo& info : skill.parameters) names.push_back(info.name);
+  const std::string otherwise = names.empty() ? "remove it: the skill has none" : "use one of";
+  for (const std::string_view name : unknown_parameters(need, skill)) {
+    out.push_back({"data." + std::string(name), in_quotes(skill.name) + " has no such parameter",
+                   did_you_mean(std::string(name), names, otherwise)});
+  }
 }
 
 /// Everything that a task asks of whoever does it.
-std::string need_of(const Task& task) {
+std::string key_of(const Task& task) {
   std::string out = task.skill + '\n' + task.data;
   for (const std::string& capability : task.requires_) out += '\n' + capability;
   for (const ValueFrom& from : task.values) out += "\n=" + from.parameter;
@@ -90,30 +63,23 @@ std::string why_no_spare(const Task& task, const Able& able, const std::string& 
 
 }  // namespace
 
-Result<Value> parameters_of(const Task& task) {
-  auto parsed = parse_json(task.data.empty() ? "{}" : task.data);
-  if (parsed && parsed->is_object()) return parsed;
-  return fail(Errc::malformed, "is no JSON object", R"(write the skill's parameters as { "NAME": VALUE, … })");
-}
-
-std::vector<Obstacle> obstacles(const Task& task, const Value& data, const std::string& robot,
-                                const NodeProfile& profile) {
+std::vector<Obstacle> obstacles(const TaskNeed& need, const std::string& robot, const NodeProfile& profile) {
   std::vector<Obstacle> out;
-  for (const std::string& capability : task.requires_) {
+  for (const std::string& capability : need.capabilities) {
     if (contains(profile.capabilities, capability)) continue;
     out.push_back({"requires", in_quotes(robot) + " has no capability " + in_quotes(capability),
                    did_you_mean(capability, profile.capabilities, "use another robot, or remove it; it has")});
   }
-  if (const SkillInfo* skill = find_skill(profile, task.skill)) {
-    add_parameters(task, data, *skill, robot, profile, out);
+  if (const SkillInfo* skill = find_skill(profile, need.skill)) {
+    add_parameters(need, *skill, robot, profile, out);
     return out;
   }
   std::vector<std::string> names;
   for (const SkillInfo& info : profile.skills) names.push_back(info.name);
   const std::string otherwise =
       names.empty() ? "use another robot: this node has none, or its robot has no skills" : "use one of";
-  out.push_back({"skill", in_quotes(robot) + " has no skill " + in_quotes(task.skill),
-                 did_you_mean(task.skill, names, otherwise)});
+  out.push_back({"skill", in_quotes(robot) + " has no skill " + in_quotes(need.skill),
+                 did_you_mean(need.skill, names, otherwise)});
   return out;
 }
 
@@ -174,17 +140,23 @@ CandidateIndex::CandidateIndex(const Profiles& profiles) : profiles_(profiles) {
   }
 }
 
+const std::vector<const CandidateIndex::Robot*>& CandidateIndex::robots_with(const std::string& skill) const {
+  static const std::vector<const Robot*> kNobody;
+  const auto robots = by_skill_.find(skill);
+  return robots == by_skill_.end() ? kNobody : robots->second;
+}
+
 const Able& CandidateIndex::able(const Task& task) {
-  const auto [at, is_new] = known_.try_emplace(need_of(task));
+  const auto [at, is_new] = known_.try_emplace(key_of(task));
   Able& out = at->second;
-  const auto robots = by_skill_.find(task.skill);
-  const auto data = parameters_of(task);
-  if (!is_new || robots == by_skill_.end() || !data) return out;
-  for (const Robot* robot : robots->second) {
+  if (!is_new) return out;
+  const auto need = need_of(task);
+  if (!need) return out;
+  for (const Robot* robot : robots_with(task.skill)) {
     const auto& [id, profile] = *robot;
-    if (!suits(task, *data, profile)) {
+    if (!suits(*need, profile)) {
       if (out.unable.size() == Able::kMaxTold) continue;
-      out.unable.push_back({id, in_words(id, obstacles(task, *data, id, profile).at(0))});
+      out.unable.push_back({id, in_words(id, obstacles(*need, id, profile).at(0))});
     } else if (const std::string why = why_not_ready(task, profile); !why.empty()) {
       if (out.waiting.size() < Able::kMaxTold) out.waiting.push_back({id, in_quotes(id) + " " + why});
     } else {
@@ -196,13 +168,13 @@ const Able& CandidateIndex::able(const Task& task) {
 }
 
 const std::vector<std::string>& CandidateIndex::everybody(const Task& task) {
-  const auto [at, is_new] = everybody_.try_emplace(need_of(task));
-  const auto robots = by_skill_.find(task.skill);
-  const auto data = parameters_of(task);
-  if (!is_new || robots == by_skill_.end() || !data) return at->second;
-  for (const Robot* robot : robots->second) {
+  const auto [at, is_new] = everybody_.try_emplace(key_of(task));
+  if (!is_new) return at->second;
+  const auto need = need_of(task);
+  if (!need) return at->second;
+  for (const Robot* robot : robots_with(task.skill)) {
     const auto& [id, profile] = *robot;
-    if (suits(task, *data, profile) && why_not_ready(task, profile).empty()) at->second.push_back(id);
+    if (suits(*need, profile) && why_not_ready(task, profile).empty()) at->second.push_back(id);
   }
   return at->second;
 }

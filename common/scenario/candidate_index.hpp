@@ -8,10 +8,9 @@
 #include <vector>
 
 #include "common/base/config_fault.hpp"
-#include "common/base/result.hpp"
+#include "common/scenario/task_need.hpp"
 #include "proto/bodies/link.hpp"
 #include "proto/bodies/run.hpp"
-#include "proto/value.hpp"
 
 namespace trb {
 
@@ -24,13 +23,8 @@ struct Obstacle {
   std::string hint;
 };
 
-/// A task's data. Errors: malformed (no JSON object).
-Result<Value> parameters_of(const Task& task);
-
 /// Everything that keeps the robot from the task, except what it is doing now: capabilities, skill, parameters, places.
-/// Values that come from results are not there yet: their parameters must exist.
-std::vector<Obstacle> obstacles(const Task& task, const Value& data, const std::string& robot,
-                                const NodeProfile& profile);
+std::vector<Obstacle> obstacles(const TaskNeed& need, const std::string& robot, const NodeProfile& profile);
 
 /// Why the robot cannot be given a task now, whatever task: "is OFFLINE", "is stopped until it is released", "is
 /// retired by ann: new wheels"; or "".
@@ -73,6 +67,8 @@ class CandidateIndex {
 
  private:
   using Robot = Profiles::value_type;
+
+  [[nodiscard]] const std::vector<const Robot*>& robots_with(const std::string& skill) const;
 
   const Profiles& profiles_;
   std::map<std::string_view, std::vector<const Robot*>> by_skill_;

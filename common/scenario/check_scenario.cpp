@@ -26,7 +26,7 @@ class TaskCheck {
     if (at == profiles_.end()) return unknown_robot();
     const auto data = parameters_of(task_);
     if (!data) return add({"data", data.error().what, data.error().hint});
-    for (Obstacle& obstacle : obstacles(task_, *data, at->first, at->second)) add(std::move(obstacle));
+    for (Obstacle& obstacle : obstacles(need_of(task_, *data), at->first, at->second)) add(std::move(obstacle));
   }
 
  private:

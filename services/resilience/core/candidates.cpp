@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <set>
 
-#include "services/resilience/core/arguments.hpp"
-
 namespace trb::resilience {
 namespace {
+
+constexpr std::size_t kMaxName = 40;  ///< bytes of a parameter's name, which comes from outside
 
 bool contains(const std::vector<std::string>& words, std::string_view word) {
   return std::find(words.begin(), words.end(), word) != words.end();
@@ -25,11 +25,24 @@ std::vector<RobotNumber> ask(const FleetIndex& index, std::set<std::string> word
   return out;
 }
 
+/// Of a robot that has the capabilities and the skill.
 bool suits(const RobotRecord& robot, const TaskNeed& need) {
-  if (contains(need.tried, robot.id)) return false;
-  if (need.skill.empty()) return true;
-  const SkillInfo* skill = find_skill(robot, need.skill);
-  return skill != nullptr && misfit(*skill, need, robot).empty();
+  return !contains(need.tried, robot.id) && takes_task(need, robot.profile.is);
+}
+
+std::string of_parameter(std::string_view name, const std::string& what) {
+  return "parameter '" + cut_utf8(name, kMaxName) + "': " + what;
+}
+
+/// What is wrong with the first of the parameters, for a person: "parameter 'speed': 3 is over 1 m/s"; empty: nothing.
+std::string why_misfit(const RobotRecord& robot, const TaskNeed& need, const SkillInfo& skill) {
+  const auto unknown = unknown_parameters(need, skill);
+  if (!unknown.empty()) return of_parameter(unknown.front(), "its skill has none of that name");
+  const auto faults = parameter_faults(need, skill, robot.profile.is.places);
+  if (faults.empty()) return {};
+  const auto& [info, value, misfit] = faults.front();
+  return of_parameter(info.name,
+                      value == nullptr ? "it is required here" : misfit_text(misfit, info, *value, robot.id));
 }
 
 std::string lacks_capability(const RobotRecord& robot, const std::string& capability) {
@@ -86,18 +99,6 @@ bool Candidates::cover() const {
          std::ranges::none_of(by_task, [](const TaskCandidates& task) { return task.robots.empty(); });
 }
 
-Result<TaskNeed> need_of(const Task& task) {
-  TaskNeed need{task.id, task.skill, task.requires_, {}, {}};
-  for (const ValueFrom& value : task.values) need.later.push_back(value.parameter);
-  if (task.data.empty()) return need;
-  auto data = parse_json(task.data);
-  if (!data || !data->is_object()) {
-    return fail(Errc::malformed, "task '" + task.id + "': its data is no JSON object");
-  }
-  need.arguments = data->object();
-  return need;
-}
-
 std::string why_unable(const RobotRecord& robot, const TaskNeed& need) {
   for (const std::string& capability : need.capabilities) {
     if (auto why = lacks_capability(robot, capability); !why.empty()) return why;
@@ -108,7 +109,7 @@ std::string why_unable(const RobotRecord& robot, const TaskNeed& need) {
   if (!skill->capability.empty()) {
     if (auto why = lacks_capability(robot, skill->capability); !why.empty()) return why;
   }
-  return misfit(*skill, need, robot);
+  return why_misfit(robot, need, *skill);
 }
 
 std::vector<std::string> find_able(const Fleet& fleet, const std::vector<TaskNeed>& needs,

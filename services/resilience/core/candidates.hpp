@@ -6,25 +6,10 @@
 #include <utility>
 #include <vector>
 
-#include "proto/bodies/run.hpp"
-#include "proto/value.hpp"
+#include "common/scenario/task_need.hpp"
 #include "services/resilience/core/fleet.hpp"
 
 namespace trb::resilience {
-
-/// What a task asks of whoever does it.
-struct TaskNeed {
-  std::string task;                       ///< its id, for the reasons
-  std::string skill;                      ///< of the same name; empty: only the capabilities
-  std::vector<std::string> capabilities;  ///< beyond the one that the skill itself needs
-  Value::Object arguments;                ///< the parameters that are given, by name
-  /// Parameters whose values come from a result that is not there yet: they must exist, their values are not checked.
-  std::vector<std::string> later;
-  std::vector<std::string> tried{};  ///< robots that have failed it: no candidates, whatever they can do
-};
-
-/// Of a scenario's task: skill, `requires`, and its data. Error: malformed (the data is no JSON object).
-Result<TaskNeed> need_of(const Task& task);
 
 struct Needs {
   std::vector<TaskNeed> tasks;

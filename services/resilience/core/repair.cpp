@@ -4,11 +4,11 @@ namespace trb::resilience {
 
 bool Repair::is_due(Now now) const {
   const bool answered = refused_at_ || (taken_at_ && now.mono - *taken_at_ < kTellAgain);
-  return !answered && send_.due(now.mono);
+  return !answered && send_.is_due(now.mono);
 }
 
 void Repair::on_sent(Now now) {
-  send_.said(now.mono);
+  send_.on_sent(now.mono);
   taken_at_.reset();
 }
 

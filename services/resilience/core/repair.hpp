@@ -4,7 +4,7 @@
 #include <optional>
 #include <string>
 
-#include "services/resilience/core/backoff.hpp"
+#include "services/resilience/core/resend.hpp"
 
 namespace trb::resilience {
 
@@ -33,7 +33,7 @@ class Repair {
   [[nodiscard]] std::optional<MonotonicTime> next() const { return send_.next(); }
 
  private:
-  Backoff send_;
+  ResendTimer send_ = resend_timer();
   std::optional<MonotonicTime> taken_at_;
   std::optional<MonotonicTime> refused_at_;
   std::string refusal_;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "common/scenario/task_need.hpp"
 #include "services/resilience/core/robot_state.hpp"
 
 namespace trb::resilience {
@@ -89,9 +90,7 @@ std::string why_unfit(const RobotRecord& robot) {
 }
 
 const SkillInfo* find_skill(const RobotRecord& robot, std::string_view skill) {
-  const auto& skills = robot.profile.is.skills;
-  const auto at = std::ranges::find(skills, skill, &SkillInfo::name);
-  return at == skills.end() ? nullptr : &*at;
+  return trb::find_skill(robot.profile.is, skill);
 }
 
 double availability(const RobotRecord& robot) {

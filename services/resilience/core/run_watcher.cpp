@@ -58,7 +58,7 @@ void RunWatcher::refresh(std::string_view run) {
   if (find(run) == nullptr) return;
   Asking& asking = asking_[std::string(run)];
   asking.view_wanted = true;
-  if (!asking.view_asked) asking.view.reset();
+  if (!asking.view_asked) asking.view.restart();
 }
 
 void RunWatcher::on(const RunTable& table, Now now) {
@@ -87,7 +87,7 @@ void RunWatcher::on(const RunView& view) {
   at->second.view = view;
   Asking& asking = asking_[view.run];
   asking.view_asked = false;
-  if (asking.view_wanted) asking.view.reset();
+  if (asking.view_wanted) asking.view.restart();
   changed_.insert(view.run);
 }
 
@@ -106,7 +106,7 @@ void RunWatcher::on(const Definition& definition) {
   run.decisions = std::move(decisions);
   run.last_decision = definition.decisions.empty() ? Bytes() : definition.decisions.back().payload.bytes;
   const std::string& id = run.start->run;
-  if (run.is_current()) asking_[id].definition.reset();
+  if (run.is_current()) asking_[id].definition.restart();
   if (run.view && run.decisions.size() + 1 > run.view->epoch) refresh(id);
   changed_.insert(id);
 }
@@ -127,15 +127,15 @@ void RunWatcher::tick(Now now, Outbox& out) {
   }
   for (auto& [id, asking] : asking_) {
     if (asking.view_wanted || asking.view_asked) {
-      if (asking.view.due(now.mono)) {
-        asking.view.said(now.mono);
+      if (asking.view.is_due(now.mono)) {
+        asking.view.on_sent(now.mono);
         asking.view_wanted = false;
         asking.view_asked = true;
         out.request(node_, RunQuery{id});
       }
     }
-    if (wants_definition(runs_.at(id)) && asking.definition.due(now.mono)) {
-      asking.definition.said(now.mono);
+    if (wants_definition(runs_.at(id)) && asking.definition.is_due(now.mono)) {
+      asking.definition.on_sent(now.mono);
       out.request(node_, NeedDefinition{id, {}});
     }
   }
@@ -144,10 +144,9 @@ void RunWatcher::tick(Now now, Outbox& out) {
 std::optional<MonotonicTime> RunWatcher::next_deadline() const {
   if (node_.empty()) return std::nullopt;
   std::optional<MonotonicTime> out = renew_at_;
-  constexpr MonotonicTime kNow{0};
   for (const auto& [id, asking] : asking_) {
-    if (asking.view_wanted || asking.view_asked) out = earlier(out, asking.view.next().value_or(kNow));
-    if (wants_definition(runs_.at(id))) out = earlier(out, asking.definition.next().value_or(kNow));
+    if (asking.view_wanted || asking.view_asked) out = earlier(out, asking.view.due_at());
+    if (wants_definition(runs_.at(id))) out = earlier(out, asking.definition.due_at());
   }
   return out;
 }

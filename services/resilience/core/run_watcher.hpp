@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "common/actor/outbox.hpp"
-#include "services/resilience/core/backoff.hpp"
+#include "services/resilience/core/resend.hpp"
 #include "services/resilience/core/watched_run.hpp"
 
 namespace trb::resilience {
@@ -45,8 +45,8 @@ class RunWatcher {
   struct Asking {
     bool view_wanted = true;
     bool view_asked = false;  ///< and not yet answered
-    Backoff view;
-    Backoff definition;
+    ResendTimer view = resend_timer();
+    ResendTimer definition = resend_timer();
   };
   static constexpr std::size_t kMaxEnded = 256;
   void take(const RunSummary& summary, Now now);

@@ -27,15 +27,15 @@ void Signing::restore(SignedRecord record, std::uint32_t epoch) {
 
 std::optional<MonotonicTime> Signing::next(Now now) const {
   std::optional<MonotonicTime> out;
-  for (const Backoff* backoff : {&release_, &sign_, &hand_}) {
-    if (const auto at = backoff->next(); at && *at > now.mono) out = earlier(out, at);
+  for (const ResendTimer* timer : {&release_, &sign_, &hand_}) {
+    if (const auto at = timer->next(); at && *at > now.mono) out = earlier(out, at);
   }
   return out;
 }
 
-bool Signing::take(Backoff& backoff, Now now) {
-  if (!backoff.due(now.mono)) return false;
-  backoff.said(now.mono);
+bool Signing::take(ResendTimer& timer, Now now) {
+  if (!timer.is_due(now.mono)) return false;
+  timer.on_sent(now.mono);
   return true;
 }
 

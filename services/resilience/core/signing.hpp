@@ -7,7 +7,7 @@
 
 #include "common/base/bytes.hpp"
 #include "proto/bodies/link.hpp"
-#include "services/resilience/core/backoff.hpp"
+#include "services/resilience/core/resend.hpp"
 
 namespace trb::resilience {
 
@@ -40,7 +40,7 @@ class Signing {
   bool try_hand(Now now) { return take(hand_, now); }
   [[nodiscard]] bool was_handed() const { return hand_.next().has_value(); }
   /// It was sent a moment ago: the answer may be on its way.
-  [[nodiscard]] bool awaits_answer(Now now) const { return record_ && was_handed() && !hand_.due(now.mono); }
+  [[nodiscard]] bool awaits_answer(Now now) const { return record_ && was_handed() && !hand_.is_due(now.mono); }
   void on_refused(const std::string& why) { refusal_ = why; }
   [[nodiscard]] const std::string& refusal() const { return refusal_; }  ///< the scheduler's
 
@@ -48,12 +48,12 @@ class Signing {
   [[nodiscard]] std::optional<MonotonicTime> next(Now now) const;
 
  private:
-  static bool take(Backoff& backoff, Now now);
+  static bool take(ResendTimer& timer, Now now);
 
   std::optional<MonotonicTime> since_;
-  Backoff release_;
-  Backoff sign_;
-  Backoff hand_;
+  ResendTimer release_ = resend_timer();
+  ResendTimer sign_ = resend_timer();
+  ResendTimer hand_ = resend_timer();
   Bytes payload_;
   std::optional<SignedRecord> record_;
   std::uint32_t epoch_ = 0;

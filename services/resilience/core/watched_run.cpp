@@ -3,18 +3,13 @@
 #include <algorithm>
 #include <utility>
 
-#include "proto/body.hpp"
+#include "common/scenario/decision_rule.hpp"
 
 namespace trb::resilience {
 
+// The own scheduler has checked the certificates before it took the run.
 std::string WatchedRun::decider() const {
-  if (!start) return {};
-  for (const Member& member : start->members) {
-    // The own scheduler has checked it before it took the run.
-    const auto certificate = decode<Certificate>(member.certificate.payload.bytes);
-    if (certificate && certificate->role == Role::cloud) return member.id;
-  }
-  return {};
+  return start ? first_cloud_of(start->members) : std::string();
 }
 
 bool WatchedRun::is_member(std::string_view node) const {

@@ -11,7 +11,6 @@ namespace {
 constexpr Duration kLookup = std::chrono::seconds(2);
 constexpr double kRead_s = 5;  // what the sensor has to tell its next value; then it is asked again
 constexpr Duration kRead = std::chrono::seconds(6);
-constexpr Duration kLongestWait = std::chrono::seconds(5);
 
 struct Found {
   const Route* route = nullptr;
@@ -59,8 +58,7 @@ void Inquiry::try_again(const std::string& why, Now now) {
   phase_ = InquiryPhase::waiting;
   obstacle_ = (sensor_text(condition_) + ": " + why).substr(0, 512);
   updated_ = true;
-  next_ = now.mono + wait_;
-  wait_ = std::min(wait_ * 2, kLongestWait);
+  next_ = now.mono + back_off_.next();
 }
 
 void Inquiry::tick(Now now, Outbox& out) {
@@ -89,7 +87,7 @@ void Inquiry::on_refusal(const Nack& nack, const std::string& from, Now now) {
   const bool undelivered = from == self_ && nack.target == node_;
   if (from != node_ && !undelivered) return;
   // It may tell a value only now and then: whoever listens for that does not pause for long.
-  if (nack.code == errc_name(Errc::timeout)) wait_ = seconds(0.5);
+  if (nack.code == errc_name(Errc::timeout)) back_off_.reset();
   try_again(refusal_text(nack, node_), now);
 }
 

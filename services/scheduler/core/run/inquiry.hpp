@@ -5,6 +5,7 @@
 #include <string>
 
 #include "common/actor/outbox.hpp"
+#include "common/base/back_off.hpp"
 #include "common/base/result.hpp"
 #include "common/base/time.hpp"
 #include "common/scenario/condition.hpp"
@@ -44,13 +45,16 @@ class Inquiry {
   }
 
  private:
+  static constexpr Duration kFirstWait = std::chrono::milliseconds(500);
+  static constexpr Duration kLongestWait = std::chrono::seconds(5);
+
   void try_again(const std::string& why, Now now);
 
   std::string self_;
   Condition condition_;
   InquiryPhase phase_ = InquiryPhase::waiting;
   MonotonicTime next_{};
-  Duration wait_ = seconds(0.5);
+  BackOff back_off_{kFirstWait, kLongestWait};
   std::string node_;    ///< asked
   std::string sensor_;  ///< its name there
   std::string obstacle_;

@@ -4,24 +4,11 @@
 
 namespace trb::scheduler {
 
-bool BackOff::slow() const {
-  return wait_ >= seconds(0.8);
-}
-
-void BackOff::sent(MonotonicTime now) {
-  next_ = now + wait_;
-  wait_ = std::min(wait_ * 2, seconds(2));
-}
-
 bool Pace::due(MonotonicTime now) {
-  if (!next_) {
-    next_ = now + wait_;
-    return false;
-  }
-  if (*next_ > now) return false;
-  wait_ = std::min<Duration>(wait_ * 2, kLongest);
-  next_ = now + wait_;
-  return true;
+  if (next_ && *next_ > now) return false;
+  const bool has_begun = next_.has_value();
+  next_ = now + back_off_.next();
+  return has_begun;
 }
 
 void PendingDeliveries::owe(DeliveryKind kind, const std::string& to, const std::vector<TaskIndex>& tasks) {
@@ -29,7 +16,7 @@ void PendingDeliveries::owe(DeliveryKind kind, const std::string& to, const std:
     return delivery.kind == kind && delivery.to == to && delivery.tasks == tasks;
   });
   if (owed) return;
-  open_.push_back({kind, to, tasks, {}});
+  open_.push_back({kind, to, tasks});
   ++changes_;
 }
 
@@ -67,13 +54,13 @@ void PendingDeliveries::drop_batons() {
 }
 
 PendingDelivery PendingDeliveries::gather_results(const std::string& to, MonotonicTime now) {
-  PendingDelivery all{DeliveryKind::results, to, {}, {}};
+  PendingDelivery all{DeliveryKind::results, to, {}};
   for (PendingDelivery& delivery : open_) {
     const bool taken = delivery.kind == DeliveryKind::results && delivery.to == to &&
-                       (delivery.timer.due(now) || delivery.timer.slow());
+                       (delivery.timer.is_due(now) || is_slow(delivery.timer));
     if (!taken) continue;
     all.tasks.insert(all.tasks.end(), delivery.tasks.begin(), delivery.tasks.end());
-    delivery.timer.sent(now);
+    delivery.timer.on_sent(now);
   }
   return all;
 }
@@ -81,11 +68,11 @@ PendingDelivery PendingDeliveries::gather_results(const std::string& to, Monoton
 std::vector<PendingDelivery> PendingDeliveries::take_due(MonotonicTime now) {
   std::vector<PendingDelivery> out;
   for (PendingDelivery& delivery : open_) {
-    if (!delivery.timer.due(now)) continue;
+    if (!delivery.timer.is_due(now)) continue;
     if (delivery.kind == DeliveryKind::results) {
       out.push_back(gather_results(delivery.to, now));
     } else {
-      delivery.timer.sent(now);
+      delivery.timer.on_sent(now);
       out.push_back(delivery);
     }
   }
@@ -98,7 +85,7 @@ void PendingDeliveries::restart() {
 
 std::optional<MonotonicTime> PendingDeliveries::next() const {
   std::optional<MonotonicTime> out;
-  for (const PendingDelivery& delivery : open_) out = earlier(out, delivery.timer.next());
+  for (const PendingDelivery& delivery : open_) out = earlier(out, delivery.timer.due_at());
   return out;
 }
 

@@ -1,30 +1,26 @@
 // What this node owes to others until they say that they have journaled it.
 #pragma once
 
-#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "common/base/back_off.hpp"
+#include "common/base/resend_timer.hpp"
 #include "common/base/time.hpp"
 #include "common/scenario/graph.hpp"
 
 namespace trb::scheduler {
 
-/// When to send again: at once, then after 0.2 s, doubled up to 2 s.
-class BackOff {
- public:
-  [[nodiscard]] bool due(MonotonicTime now) const { return next_ <= now; }
-  [[nodiscard]] MonotonicTime next() const { return next_; }
-  /// True once it has been sent twice in vain: the other side is likely away.
-  [[nodiscard]] bool slow() const;
-  void sent(MonotonicTime now);
-  void restart() { *this = BackOff{}; }
+/// What is sent to another node until it answers: at once, then after 0.2 s, doubled up to 2 s.
+inline ResendTimer resend_timer() {
+  return {seconds(0.2), seconds(2)};
+}
 
- private:
-  MonotonicTime next_{std::numeric_limits<std::int64_t>::min()};
-  Duration wait_ = seconds(0.2);
-};
+/// Sent twice in vain: the other side is likely away.
+inline bool is_slow(const ResendTimer& timer) {
+  return timer.times() >= 2;
+}
 
 /// When to ask again: after kFirst, doubled up to kLongest.
 class Pace {
@@ -39,7 +35,7 @@ class Pace {
 
  private:
   std::optional<MonotonicTime> next_;
-  Duration wait_ = kFirst;
+  BackOff back_off_{kFirst, kLongest};
 };
 
 enum class DeliveryKind : std::uint8_t { baton = 0, results, abort, decision, pause };
@@ -51,7 +47,7 @@ struct PendingDelivery {
   DeliveryKind kind{};
   std::string to;
   std::vector<TaskIndex> tasks;  ///< baton: those it is for; results: those that ended; else none
-  BackOff timer;
+  ResendTimer timer = resend_timer();
 };
 
 class PendingDeliveries {

@@ -28,13 +28,13 @@ TEST_CASE("a delivery is sent at once, then after 0.2 s, doubled up to 2 s, unti
 }
 
 TEST_CASE("who was sent a thing twice in vain is likely away") {
-  BackOff timer;
+  ResendTimer timer = resend_timer();
   for (const bool slow : {false, false, true, true}) {
-    CHECK(timer.slow() == slow);
-    timer.sent({});
+    CHECK(is_slow(timer) == slow);
+    timer.on_sent({});
   }
   timer.restart();
-  CHECK_FALSE(timer.slow());
+  CHECK_FALSE(is_slow(timer));
 }
 
 TEST_CASE("results for a node that is away go together, those for one that answers go alone") {

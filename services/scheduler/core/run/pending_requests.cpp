@@ -9,8 +9,8 @@ void PendingRequests::drop_results_of(const std::string& giver) {
 std::map<std::string, std::vector<TaskIndex>> PendingRequests::take_due_results(MonotonicTime now) {
   std::map<std::string, std::vector<TaskIndex>> out;
   for (auto& [task, need] : results_) {
-    if (!need.timer.due(now)) continue;
-    need.timer.sent(now);
+    if (!need.timer.is_due(now)) continue;
+    need.timer.on_sent(now);
     out[need.giver].push_back(task);
   }
   return out;
@@ -22,7 +22,7 @@ void PendingRequests::restart() {
 
 std::optional<MonotonicTime> PendingRequests::next() const {
   std::optional<MonotonicTime> out = end_.next();
-  for (const auto& [task, need] : results_) out = earlier(out, need.timer.next());
+  for (const auto& [task, need] : results_) out = earlier(out, need.timer.due_at());
   return out;
 }
 

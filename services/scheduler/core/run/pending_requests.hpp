@@ -15,7 +15,7 @@ namespace trb::scheduler {
 class PendingRequests {
  public:
   /// A result that this node's next tasks need, and which `giver` is said to hold. The first giver stays.
-  void need_result(TaskIndex task, const std::string& giver) { results_.try_emplace(task, Need{giver, {}}); }
+  void need_result(TaskIndex task, const std::string& giver) { results_.try_emplace(task, Need{giver}); }
   void drop_result(TaskIndex task) { results_.erase(task); }
   /// That giver does not hold what its baton spoke of.
   void drop_results_of(const std::string& giver);
@@ -39,7 +39,7 @@ class PendingRequests {
  private:
   struct Need {
     std::string giver;
-    BackOff timer;
+    ResendTimer timer = resend_timer();
   };
   std::map<TaskIndex, Need> results_;
   std::set<std::string> decisions_;
