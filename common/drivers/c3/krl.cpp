@@ -182,6 +182,11 @@ Result<KrlValue> read_krl(std::string_view text, const std::vector<std::string>&
   return out;
 }
 
+std::int64_t krl_whole(std::string_view text) {
+  const auto value = read_krl(text, {});
+  return value && !value->numbers.empty() ? static_cast<std::int64_t>(value->numbers.front()) : 0;
+}
+
 bool krl_true(std::string_view text) {
   text = trimmed(text);
   if (text == "TRUE") return true;

@@ -1,6 +1,7 @@
 // Data into KRL and back. A KRL text has no escape for its own quote: words refuse one, fields write it as `\q`.
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -31,6 +32,9 @@ struct KrlValue {
 
 /// Errors: malformed, missing (a component).
 Result<KrlValue> read_krl(std::string_view text, const std::vector<std::string>& components);
+
+/// A number without its fraction; 0 for anything else.
+std::int64_t krl_whole(std::string_view text);
 
 /// True for TRUE, or a number that is not 0.
 bool krl_true(std::string_view text);

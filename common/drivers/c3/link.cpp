@@ -66,4 +66,10 @@ void C3Link::send_next(Now now, const DriverOut& out) {
   send(std::move(next), now, out);
 }
 
+Error refused_by_robot(const C3Link::Answer& answer) {
+  const std::string what = answer.ask.variable + (answer.ask.value ? " = " + answer.ask.value->substr(0, 80) : "");
+  return fail(Errc::robot_error, "the robot refuses " + what + " (C3 error " + std::to_string(answer.reply.error) + ")",
+              "look whether the variable is declared on the robot, with that type and room enough");
+}
+
 }  // namespace trb::drivers

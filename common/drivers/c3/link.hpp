@@ -61,4 +61,7 @@ class C3Link {
   std::uint16_t last_tag_ = 0;
 };
 
+/// The robot has not done what was asked of it; the text names the variable and the value.
+Error refused_by_robot(const C3Link::Answer& answer);
+
 }  // namespace trb::drivers

@@ -1,0 +1,62 @@
+#include "common/drivers/c3/turns.hpp"
+
+#include <utility>
+
+namespace trb::drivers {
+
+Token C3Turns::stop(Now now, const DriverOut& out) {
+  told_to_stop_ = true;
+  return begin(true, false, now, out);
+}
+
+Token C3Turns::release(Now now, const DriverOut& out) {
+  return begin(false, false, now, out);
+}
+
+void C3Turns::end_motion(Now now, const DriverOut& out) {
+  begin(true, true, now, out);
+}
+
+Token C3Turns::begin(bool stop, bool own, Now now, const DriverOut& out) {
+  const std::vector<C3Step>& steps = stop ? words_.stop : words_.release;
+  const Token ticket = ++last_ticket_;
+  open_ = Turn{stop, own, ticket, steps.size()};
+  const C3Purpose purpose = stop ? C3Purpose::stop : C3Purpose::release;
+  for (const C3Step& step : steps) link_.urge({purpose, step.variable, step.value, ticket}, now, out);
+  polls_.soon(now);
+  if (steps.empty()) confirm(false, now, out);
+  return ticket;
+}
+
+bool C3Turns::on_written(const C3Link::Answer& answer, Now now, const DriverOut& out) {
+  if (!open_ || open_->ticket != answer.ask.about) return false;
+  // What the robot does not take is not confirmed: its asker is told so at the deadline.
+  if (!answer.reply.ok) {
+    out.refuse("robot_error", refused_by_robot(answer).text());
+    return false;
+  }
+  return --open_->unanswered == 0 && !words_.told_by_robot && confirm(false, now, out);
+}
+
+bool C3Turns::on_stopped(bool stopped, Now now, const DriverOut& out) {
+  return open_ && open_->unanswered == 0 && open_->stop == stopped && confirm(true, now, out);
+}
+
+bool C3Turns::confirm(bool by_robot, Now now, const DriverOut& out) {
+  const Turn turn = *std::exchange(open_, std::nullopt);
+  if (turn.stop && turn.own) {
+    begin(false, true, now, out);
+    return !open_;
+  }
+  if (turn.stop) {
+    out.emit(Stopped{turn.ticket, by_robot});
+    return false;
+  }
+  if (!turn.own) {
+    told_to_stop_ = false;
+    out.emit(Released{turn.ticket});
+  }
+  return true;
+}
+
+}  // namespace trb::drivers

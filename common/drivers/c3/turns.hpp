@@ -1,0 +1,61 @@
+// The stop or release that a KUKA is told of, until it has confirmed it.
+#pragma once
+
+#include "common/drivers/c3/job.hpp"
+#include "common/drivers/c3/link.hpp"
+#include "common/drivers/c3/poll_times.hpp"
+
+namespace trb::drivers {
+
+/// begin      | the robot has taken every write and says so | then
+/// -----------|---------------------------------------------|----------------------------------
+/// stop       | its stopped variable is TRUE                | Stopped; nothing goes on
+/// release    | it is FALSE                                 | Released; commands go on
+/// end_motion | TRUE, then FALSE after a release of its own | nothing is told; commands go on
+///
+/// Without a stopped variable the answers to the writes count, without words for it nothing is awaited at all; Stopped
+/// says then that the robot was merely told.
+class C3Turns {
+ public:
+  struct Words {
+    std::vector<C3Step> stop, release;
+    bool told_by_robot = false;  ///< there is a stopped variable
+  };
+  C3Turns(C3Link& link, C3PollTimes& polls, Words words) : link_(link), polls_(polls), words_(std::move(words)) {}
+
+  /// The ticket of the stop or release. A turn that is open gives way to it.
+  Token stop(Now now, const DriverOut& out);
+  Token release(Now now, const DriverOut& out);
+  /// Ends the motion under way, without a fence.
+  void end_motion(Now now, const DriverOut& out);
+
+  [[nodiscard]] bool open() const { return open_.has_value(); }
+  [[nodiscard]] bool told_to_stop() const { return told_to_stop_; }
+  /// The connection is lost: nothing confirms it any more.
+  void drop() { open_.reset(); }
+
+  // Both: true if commands go on now.
+  /// The answer to a write of a stop or release.
+  bool on_written(const C3Link::Answer& answer, Now now, const DriverOut& out);
+  /// The stopped variable was read.
+  bool on_stopped(bool stopped, Now now, const DriverOut& out);
+
+ private:
+  struct Turn {
+    bool stop = false;
+    bool own = false;  ///< a motion is ended
+    Token ticket = 0;
+    std::size_t unanswered = 0;  ///< its writes
+  };
+  Token begin(bool stop, bool own, Now now, const DriverOut& out);
+  bool confirm(bool by_robot, Now now, const DriverOut& out);
+
+  C3Link& link_;
+  C3PollTimes& polls_;
+  Words words_;
+  bool told_to_stop_ = false;
+  Token last_ticket_ = 0;
+  std::optional<Turn> open_;
+};
+
+}  // namespace trb::drivers

@@ -1,0 +1,54 @@
+// What a KUKA's variables hold: those that are read again and again, and those that a request asks for.
+#pragma once
+
+#include <map>
+#include <set>
+
+#include "common/drivers/c3/link.hpp"
+#include "common/drivers/c3/syntax.hpp"
+
+namespace trb::drivers {
+
+class C3Values {
+ public:
+  struct Question {
+    std::string name;
+    C3Question words;
+  };
+  using Requests = std::map<std::string, std::string, std::less<>>;  ///< subtype -> a question's name
+
+  C3Values(C3Link& link, std::vector<Question> questions, Requests requests)
+      : link_(link), questions_(std::move(questions)), requests_(std::move(requests)) {}
+
+  [[nodiscard]] bool answers(std::string_view subtype) const { return requests_.contains(subtype); }
+  [[nodiscard]] const RobotValue* find(std::string_view name) const;
+
+  /// A request that commands.json maps to a value: the robot is asked. Errors: unknown_subtype, queue_full.
+  Status ask(const Handover& request, Now now, const DriverOut& out);
+  void forget(Token token) { asked_.erase(token); }
+  /// Every value is asked for.
+  void poll(Now now, const DriverOut& out);
+
+  void on_value(const C3Link::Answer& answer, Now now, const DriverOut& out);
+  void on_request(const C3Link::Answer& answer, const DriverOut& out);
+  /// A new connection: what is wrong with a value is told again.
+  void restart() { told_bad_.clear(); }
+  /// The connection is lost. The askers are told by LinkDown.
+  void drop_asked() { asked_.clear(); }
+
+ private:
+  struct Asked {
+    std::string subtype;
+    std::string source;
+    C3Question words;
+  };
+
+  C3Link& link_;
+  std::vector<Question> questions_;
+  Requests requests_;
+  std::map<Token, Asked> asked_;
+  std::map<std::string, RobotValue, std::less<>> values_;
+  std::set<std::string, std::less<>> told_bad_;  ///< values that could not be read since the robot was connected
+};
+
+}  // namespace trb::drivers
