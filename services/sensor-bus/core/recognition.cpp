@@ -141,8 +141,7 @@ bool matches(const DeviceMatch& match, const Device& device) {
 FoundDevice find_sensors(const Device& device, const std::shared_ptr<const SensorRule>& rule) {
   FoundDevice found{device, rule, {}};
   const std::string identity = identity_of(device, *rule);
-  const bool needs_node = rule->by != ReadBy::attributes && rule->by != ReadBy::w1;
-  if (needs_node && device.devnode.empty()) return found;
+  if (kind_of(rule->by).device_file && device.devnode.empty()) return found;
   for (const SensorChannel& how : rule->channels) {
     if (rule->by != ReadBy::attributes) {
       found.channels.push_back(make_channel(device, how, how.name, identity));

@@ -1,27 +1,15 @@
-// What devices write, read as values: files below /sys, 1-Wire thermometers, lines.
+// The lines of a serial port, and what a rule finds in them.
 #pragma once
 
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "common/fleet/sensor_rule.hpp"
+#include "services/sensor-bus/readers/measured.hpp"
 
 namespace trb::sensor {
-
-/// A value as it was read, before a rule's scale and offset.
-struct Measured {
-  bool is_text = false;
-  double number = 0;
-  std::string text;
-};
-
-/// A finite decimal number and nothing else; blanks around it are no part of it. Errors: malformed.
-Result<double> parse_number(std::string_view text);
-
-/// The two lines of w1_slave: "… crc=4b YES", "… t=21500"; in m°C. Errors: malformed (also a checksum that is wrong,
-/// and 85 °C, which a thermometer tells that has lost its power while measuring).
-Result<double> parse_w1_slave(std::string_view text);
 
 /// What a channel of a line protocol finds in a line; nothing: the line does not speak of it. Errors: malformed.
 Result<std::optional<Measured>> parse_line(const SensorRule& rule, const SensorChannel& channel, std::string_view line);

@@ -8,8 +8,9 @@
 #include <map>
 
 #include "common/service/service.hpp"
-#include "services/sensor-bus/core/nmea.hpp"
-#include "services/sensor-bus/io/devices/reader.hpp"
+#include "services/sensor-bus/readers/registry.hpp"
+#include "services/sensor-bus/readers/serial/lines.hpp"
+#include "services/sensor-bus/readers/serial/nmea.hpp"
 
 namespace trb::sensor {
 namespace {
@@ -144,8 +145,6 @@ class Serial {
   bool first_ = true;
 };
 
-}  // namespace
-
 void run_serial(ReaderContext& context) {
   Serial serial(context);
   for (;;) {
@@ -162,6 +161,16 @@ void run_serial(ReaderContext& context) {
     }
     if (context.stopped()) return;
   }
+}
+
+}  // namespace
+
+void run_nmea(ReaderContext& context) {
+  run_serial(context);
+}
+
+void run_line(ReaderContext& context) {
+  run_serial(context);
 }
 
 }  // namespace trb::sensor

@@ -1,10 +1,11 @@
-#include "services/sensor-bus/core/nmea.hpp"
+#include "services/sensor-bus/readers/serial/nmea.hpp"
 
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <cstdio>
 #include <vector>
+
+#include "common/base/number_text.hpp"
 
 namespace trb::sensor {
 namespace {
@@ -32,14 +33,12 @@ Fields split(std::string_view text) {
 bool checksum_is_right(std::string_view body, std::string_view digits) {
   unsigned sum = 0;
   for (const char c : body) sum ^= static_cast<unsigned char>(c);
-  unsigned said = 256;
-  const auto [end, problem] = std::from_chars(digits.data(), digits.data() + digits.size(), said, 16);
-  return digits.size() == 2 && problem == std::errc() && end == digits.data() + 2 && said == sum;
+  return digits.size() == 2 && parse_hex_number<unsigned>(digits) == sum;
 }
 
 std::optional<double> number(std::string_view text, double from, double to) {
   if (text.empty()) return std::nullopt;
-  const auto value = parse_number(text);
+  const auto value = parse_finite(text);
   if (!value || *value < from || *value > to) return std::nullopt;
   return *value;
 }

@@ -1,4 +1,4 @@
-#include "services/sensor-bus/core/tag_keys.hpp"
+#include "services/sensor-bus/readers/keyboard/tag_keys.hpp"
 
 #include <linux/input-event-codes.h>
 

@@ -1,4 +1,4 @@
-// One device's reader: a thread that reads its sensors, so that a device that hangs holds up nothing else.
+// What a reader of devices is told and tells; it runs on a thread of its own, which may hang.
 #pragma once
 
 #include <poll.h>
@@ -7,8 +7,8 @@
 #include <set>
 
 #include "services/sensor-bus/core/recognition.hpp"
-#include "services/sensor-bus/core/values.hpp"
-#include "services/sensor-bus/io/devices/reader_pool.hpp"
+#include "services/sensor-bus/readers/measured.hpp"
+#include "services/sensor-bus/readers/reader_pool.hpp"
 
 namespace trb::sensor {
 
@@ -64,17 +64,6 @@ class ReaderContext {
   std::shared_ptr<ReaderOrders> orders_;
   std::shared_ptr<ReaderPool> reader_pool_;
 };
-
-// The kinds of readers; each returns when it is stopped.
-void run_attributes(ReaderContext& context);  ///< attributes, w1
-void run_serial(ReaderContext& context);      ///< nmea, line
-void run_keyboard(ReaderContext& context);
-void run_camera(ReaderContext& context);
-
-/// Starts the thread; it ends by itself after end(). Errors: queue_full (kMaxReaders threads are there), io_error.
-constexpr std::size_t kMaxReaders = 256;
-Result<std::shared_ptr<ReaderOrders>> start_reader(const FoundDevice& found, std::uint64_t number,
-                                                   const std::shared_ptr<ReaderPool>& pool);
 
 /// "WHAT: the system's words"
 Error system_error(const std::string& what, int number);

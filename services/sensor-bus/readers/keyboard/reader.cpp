@@ -7,8 +7,8 @@
 #include <cerrno>
 
 #include "common/service/service.hpp"
-#include "services/sensor-bus/core/tag_keys.hpp"
-#include "services/sensor-bus/io/devices/reader.hpp"
+#include "services/sensor-bus/readers/keyboard/tag_keys.hpp"
+#include "services/sensor-bus/readers/registry.hpp"
 
 namespace trb::sensor {
 namespace {

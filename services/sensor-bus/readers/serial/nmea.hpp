@@ -4,7 +4,8 @@
 #include <optional>
 #include <string_view>
 
-#include "services/sensor-bus/core/values.hpp"
+#include "common/fleet/sensor_rule.hpp"
+#include "services/sensor-bus/readers/measured.hpp"
 
 namespace trb::sensor {
 

@@ -1,4 +1,4 @@
-#include "services/sensor-bus/io/devices/reader_pool.hpp"
+#include "services/sensor-bus/readers/reader_pool.hpp"
 
 #include <sys/eventfd.h>
 

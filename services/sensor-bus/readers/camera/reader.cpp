@@ -9,8 +9,8 @@
 #include <cstring>
 
 #include "common/service/service.hpp"
-#include "services/sensor-bus/core/jpeg.hpp"
-#include "services/sensor-bus/io/devices/reader.hpp"
+#include "services/sensor-bus/readers/camera/jpeg.hpp"
+#include "services/sensor-bus/readers/registry.hpp"
 
 namespace trb::sensor {
 namespace {

@@ -5,7 +5,9 @@
 #include <cerrno>
 
 #include "common/service/service.hpp"
-#include "services/sensor-bus/io/devices/reader.hpp"
+#include "services/sensor-bus/readers/attributes/w1_slave.hpp"
+#include "services/sensor-bus/readers/measured.hpp"
+#include "services/sensor-bus/readers/registry.hpp"
 
 namespace trb::sensor {
 namespace {
@@ -49,7 +51,7 @@ class Attributes {
   Result<double> number(const std::string& name) {
     const auto text = read_attribute(folder_ + name);
     if (!text) return text.error();
-    auto value = parse_number(*text);
+    auto value = parse_finite(*text);
     if (!value) return fail(value.error().code, name + ": " + value.error().what, value.error().hint);
     return value;
   }
@@ -86,9 +88,7 @@ class Attributes {
   std::string folder_;
 };
 
-}  // namespace
-
-void run_attributes(ReaderContext& context) {
+void read_files(ReaderContext& context) {
   Attributes attributes(context);
   const auto& channels = context.channels();
   std::vector<MonotonicTime> due(channels.size(), now().mono);
@@ -103,6 +103,16 @@ void run_attributes(ReaderContext& context) {
     const MonotonicTime next = *std::min_element(due.begin(), due.end());
     if (context.wait(-1, next) == ReaderContext::Woken::stopped) return;
   }
+}
+
+}  // namespace
+
+void run_attributes(ReaderContext& context) {
+  read_files(context);
+}
+
+void run_w1(ReaderContext& context) {
+  read_files(context);
 }
 
 }  // namespace trb::sensor

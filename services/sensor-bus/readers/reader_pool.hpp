@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "services/sensor-bus/core/device_events.hpp"
-#include "services/sensor-bus/io/devices/descriptor.hpp"
+#include "services/sensor-bus/readers/descriptor.hpp"
 
 namespace trb::sensor {
 

@@ -1,4 +1,4 @@
-#include "services/sensor-bus/core/jpeg.hpp"
+#include "services/sensor-bus/readers/camera/jpeg.hpp"
 
 #include <doctest/doctest.h>
 
