@@ -185,43 +185,45 @@ int run_show(const Arguments& arguments) {
 const std::string kPassphrase = "--passphrase-file FILE|its first line (else TRB_PASSPHRASE, else the terminal)";
 const std::string kJson = "--json|for programs";
 
+const std::vector<Command> kCommands = {
+    {{"fleet", "init"},
+     {"fleet init FLEET_DIR",
+      "Makes a fleet: its authority's key, encrypted with a passphrase, and its beacon key.",
+      {"--name NAME|the fleet's name (fleet)", kPassphrase, kJson},
+      {"trb fleet init ~/hall-3-authority --name hall3"},
+      1,
+      1},
+     run_init},
+    {{"fleet", "request"},
+     {"fleet request NODE_DIR",
+      "Makes the node's keys, which stay there, and a request to be signed.",
+      {kJson},
+      {"trb fleet request nodes/ur3"},
+      1,
+      1},
+     run_request},
+    {{"fleet", "sign"},
+     {"fleet sign FLEET_DIR REQUEST ...",
+      "Signs requests; writes the certificate beside each, as certificate.json.",
+      {"--days N|how long the certificate is valid (365)", kRelay, kNoRelay, kPassphrase, kJson},
+      {"trb fleet sign ~/hall-3-authority nodes/*/keys/request.json"},
+      2,
+      1000},
+     run_sign},
+    {{"fleet", "show"},
+     {"fleet show PATH",
+      "Shows a fleet's folder with its nodes, a node's folder or a certificate file.",
+      {kJson},
+      {"trb fleet show nodes/ur3", "trb fleet show ~/hall-3-authority --json"},
+      1,
+      1},
+     run_show},
+};
+
 }  // namespace
 
 std::vector<Command> fleet_commands() {
-  return {
-      {{"fleet", "init"},
-       {"fleet init FLEET_DIR",
-        "Makes a fleet: its authority's key, encrypted with a passphrase, and its beacon key.",
-        {"--name NAME|the fleet's name (fleet)", kPassphrase, kJson},
-        {"trb fleet init ~/hall-3-authority --name hall3"},
-        1,
-        1},
-       run_init},
-      {{"fleet", "request"},
-       {"fleet request NODE_DIR",
-        "Makes the node's keys, which stay there, and a request to be signed.",
-        {kJson},
-        {"trb fleet request nodes/ur3"},
-        1,
-        1},
-       run_request},
-      {{"fleet", "sign"},
-       {"fleet sign FLEET_DIR REQUEST ...",
-        "Signs requests; writes the certificate beside each, as certificate.json.",
-        {"--days N|how long the certificate is valid (365)", kRelay, kNoRelay, kPassphrase, kJson},
-        {"trb fleet sign ~/hall-3-authority nodes/*/keys/request.json"},
-        2,
-        1000},
-       run_sign},
-      {{"fleet", "show"},
-       {"fleet show PATH",
-        "Shows a fleet's folder with its nodes, a node's folder or a certificate file.",
-        {kJson},
-        {"trb fleet show nodes/ur3", "trb fleet show ~/hall-3-authority --json"},
-        1,
-        1},
-       run_show},
-  };
+  return kCommands;
 }
 
 }  // namespace trb::cli

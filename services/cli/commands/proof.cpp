@@ -222,25 +222,27 @@ int run_proof(const Arguments& arguments) {
   return report.faults.empty() ? kGood : kFailed;
 }
 
+const std::vector<Command> kCommands = {
+    {{"proof"},
+     {"proof LOG ...",
+      "Shows which messages a node's log proves, and by whom, to anybody who has the fleet's public key.\n"
+      "LOG is a file, a folder log/proof or a node's folder. Exit status 0: all is proven but for what came by a "
+      "link\n"
+      "behind its last seal; 1: something is not what it was, and it says in which file, record and byte. More:\n"
+      "trb help proof.",
+      {"--fleet FLEET_DIR|the fleet's public half, fleet.json", "--key HEX|the authority's public key instead",
+       "--summary|no list of messages", "--json|for programs"},
+      {"trb proof nodes/ur3/log/proof --fleet ~/hall-3-authority",
+       "trb proof proof-0000000007.log --key 5f0c... --summary"},
+      1,
+      1000},
+     run_proof},
+};
+
 }  // namespace
 
 std::vector<Command> proof_commands() {
-  return {
-      {{"proof"},
-       {"proof LOG ...",
-        "Shows which messages a node's log proves, and by whom, to anybody who has the fleet's public key.\n"
-        "LOG is a file, a folder log/proof or a node's folder. Exit status 0: all is proven but for what came by a "
-        "link\n"
-        "behind its last seal; 1: something is not what it was, and it says in which file, record and byte. More:\n"
-        "trb help proof.",
-        {"--fleet FLEET_DIR|the fleet's public half, fleet.json", "--key HEX|the authority's public key instead",
-         "--summary|no list of messages", "--json|for programs"},
-        {"trb proof nodes/ur3/log/proof --fleet ~/hall-3-authority",
-         "trb proof proof-0000000007.log --key 5f0c... --summary"},
-        1,
-        1000},
-       run_proof},
-  };
+  return kCommands;
 }
 
 }  // namespace trb::cli
