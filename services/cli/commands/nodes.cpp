@@ -88,6 +88,18 @@ int detached(const Arguments& arguments, const std::string& dir, const std::stri
   return kGood;
 }
 
+/// Until the node is ended.
+int supervise(const Arguments& arguments, const std::string& dir, const std::string& id,
+              const std::vector<ServiceProgram>& services) {
+  auto held = NodeLock::take(dir);
+  if (!held) return print_error(arguments, held.error());
+  supervisor::block_signals();
+  supervisor::Supervisor supervisor(dir, services, [&id](const std::string& text) { print_line(id + ": " + text); });
+  const auto reload = [&] { return services_of_new_files(arguments, dir); };
+  ReadyCheck is_ready(dir);
+  return supervisor.run(reload, std::ref(is_ready));
+}
+
 int run_up(const Arguments& arguments) {
   if (arguments.has("--die-with-parent")) supervisor::die_with_parent();
   const std::string dir = absolute(arguments.words[0]);
@@ -110,13 +122,7 @@ int run_up(const Arguments& arguments) {
     if (const pid_t child = ::fork(); child != 0) return detached(arguments, dir, id, child, *wait_s);
     leave_terminal(dir);
   }
-  auto held = NodeLock::take(dir);
-  if (!held) return print_error(arguments, held.error());
-  supervisor::block_signals();
-  supervisor::Supervisor supervisor(dir, *services, [&id](const std::string& text) { print_line(id + ": " + text); });
-  const auto reload = [&] { return services_of_new_files(arguments, dir); };
-  ReadyCheck is_ready(dir);
-  return supervisor.run(reload, std::ref(is_ready));
+  return supervise(arguments, dir, id, *services);
 }
 
 int run_reload(const Arguments& arguments) {

@@ -199,6 +199,27 @@ std::vector<Row> play_all(const std::vector<Case>& cases, conform::Play& play, b
   return rows;
 }
 
+/// Waits for the robot, and plays every case against it.
+int play_plan(const Arguments& arguments, const Plan& plan, const std::vector<Case>& cases) {
+  conform::RobotEnd end;
+  if (Status listens = end.listen(plan.address, plan.port); !listens) return print_error(arguments, listens.error());
+  const bool aloud = !arguments.has("--json");
+  if (aloud) {
+    print_line("listening on " + plan.address + ":" + std::to_string(end.port()) +
+               ": start the robot's program, it dials this as its node's TCP_PORT");
+  }
+  conform::Play play(end, plan.settings);
+  const std::vector<Row> rows = play_all(cases, play, aloud);
+  const std::size_t wrong = count_of(rows, Verdict::Kind::wrong);
+  if (aloud) {
+    print_line(std::to_string(count_of(rows, Verdict::Kind::good)) + " ok, " + std::to_string(wrong) + " wrong, " +
+               std::to_string(count_of(rows, Verdict::Kind::not_tried)) + " not tried");
+  } else {
+    print_rows_json(rows);
+  }
+  return wrong == 0 ? kGood : kFailed;
+}
+
 int run_conform(const Arguments& arguments) {
   if (arguments.has("--list")) return list_cases(arguments);
   if (arguments.words.empty()) {
@@ -212,23 +233,7 @@ int run_conform(const Arguments& arguments) {
   if (Status good = read_options(arguments, *plan); !good) return print_error(arguments, good.error());
   const auto cases = chosen_cases(arguments);
   if (!cases) return print_error(arguments, cases.error());
-  conform::RobotEnd end;
-  if (Status listens = end.listen(plan->address, plan->port); !listens) return print_error(arguments, listens.error());
-  const bool aloud = !arguments.has("--json");
-  if (aloud) {
-    print_line("listening on " + plan->address + ":" + std::to_string(end.port()) +
-               ": start the robot's program, it dials this as its node's TCP_PORT");
-  }
-  conform::Play play(end, plan->settings);
-  const std::vector<Row> rows = play_all(*cases, play, aloud);
-  const std::size_t wrong = count_of(rows, Verdict::Kind::wrong);
-  if (aloud) {
-    print_line(std::to_string(count_of(rows, Verdict::Kind::good)) + " ok, " + std::to_string(wrong) + " wrong, " +
-               std::to_string(count_of(rows, Verdict::Kind::not_tried)) + " not tried");
-  } else {
-    print_rows_json(rows);
-  }
-  return wrong == 0 ? kGood : kFailed;
+  return play_plan(arguments, *plan, *cases);
 }
 
 const std::vector<Command> kCommands = {
