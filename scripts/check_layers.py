@@ -79,15 +79,26 @@ def driver_of(path):
     return parts[2] if path.startswith("common/drivers/") and len(parts) > 3 and parts[2] != "text" else None
 
 
+SENSOR_READERS = "services/sensor-bus/readers/"
+
+
+def reader_of(path):
+    """A sensor reader's folder."""
+    parts = path.removeprefix(SENSOR_READERS).split("/")
+    return parts[0] if path.startswith(SENSOR_READERS) and len(parts) > 1 and parts[0] != "test" else None
+
+
 # Libraries that are pure but for the folders io/ in them.
 PURE = ("common/drivers/", "common/operator/")
 
 
 def is_core(path):
-    """Pure code: every core/, and the pure libraries. Tests beside it may use more."""
+    """Pure code: every core/, and the pure libraries; of a sensor reader's folder all but reader.cpp, which has the device.
+    Tests beside it may use more."""
     if is_test(path) or "virtual-robots" in path:
         return False
-    return "/core/" in path or path.startswith(PURE) and "/io/" not in path
+    pure_reader = reader_of(path) is not None and not path.endswith("/reader.cpp")
+    return "/core/" in path or pure_reader or path.startswith(PURE) and "/io/" not in path
 
 
 def check_include(path, line, included, faults):
@@ -110,6 +121,9 @@ def check_include(path, line, included, faults):
     shared = path.startswith("common/drivers/") and not is_test(path) and path != "common/drivers/registry.cpp"
     if shared and other is not None and of != other:
         faults.append(f"{where}: {of or 'what drivers share'} includes the driver {other}")
+    reader, other = reader_of(path), reader_of(target)
+    if path.startswith(SENSOR_READERS) and not is_test(path) and other is not None and reader != other:
+        faults.append(f"{where}: {reader or 'what sensor readers share'} includes the sensor reader {other}")
     if theirs not in LAYERS:
         return
     if mine in LAYERS and theirs not in allowed(mine) and not is_test(path):

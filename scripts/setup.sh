@@ -67,6 +67,18 @@ install_udev() {
   "${as_root[@]}" rm -f "$policy"
 }
 
+# changed_files PATTERN...: what differs from the main branch's last commit, committed or not, and what git does not know yet;
+# one a line, from the repository's root. All that git knows, if there is no main branch.
+changed_files() {
+  local base
+  if base="$(git -C "$repo" merge-base HEAD main 2>/dev/null)"; then
+    { git -C "$repo" diff --name-only --diff-filter=d "$base" -- "$@"
+      git -C "$repo" ls-files --others --exclude-standard -- "$@"; } | sort -u
+  else
+    git -C "$repo" ls-files -- "$@"
+  fi
+}
+
 # build PRESET TARGET...: configures and builds below build/PRESET
 build() {
   local preset="$1"

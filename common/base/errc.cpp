@@ -1,109 +1,88 @@
 #include "common/base/errc.hpp"
 
+#include <array>
+#include <cstddef>
+
 namespace trb {
+namespace {
+
+struct Row {
+  Errc code;
+  std::string_view name;
+};
+#define TRB_ROW(NAME) \
+  Row {               \
+    Errc::NAME, #NAME \
+  }
+/// In the order of the codes.
+constexpr std::array kRows{
+    TRB_ROW(ok),
+    TRB_ROW(malformed),
+    TRB_ROW(too_large),
+    TRB_ROW(bad_value),
+    TRB_ROW(missing),
+    TRB_ROW(unknown_key),
+    TRB_ROW(duplicate),
+    TRB_ROW(version_mismatch),
+    TRB_ROW(does_not_fit_figure_3),
+    TRB_ROW(unknown_target),
+    TRB_ROW(peer_expired),
+    TRB_ROW(peer_unreachable),
+    TRB_ROW(queue_full),
+    TRB_ROW(no_service),
+    TRB_ROW(no_field_channel),
+    TRB_ROW(robot_offline),
+    TRB_ROW(timeout),
+    TRB_ROW(expired),
+    TRB_ROW(not_confirmed),
+    TRB_ROW(fenced),
+    TRB_ROW(busy),
+    TRB_ROW(out_of_use),
+    TRB_ROW(unknown_subtype),
+    TRB_ROW(unknown_skill),
+    TRB_ROW(unknown_place),
+    TRB_ROW(not_escapable),
+    TRB_ROW(robot_error),
+    TRB_ROW(stale_instance),
+    TRB_ROW(bad_signature),
+    TRB_ROW(foreign_fleet),
+    TRB_ROW(wrong_key),
+    TRB_ROW(cert_expired),
+    TRB_ROW(cert_not_yet_valid),
+    TRB_ROW(source_mismatch),
+    TRB_ROW(not_permitted),
+    TRB_ROW(unknown_peer_key),
+    TRB_ROW(cert_revoked),
+    TRB_ROW(replayed),
+    TRB_ROW(downgraded),
+    TRB_ROW(seal_broken),
+    TRB_ROW(not_asked),
+    TRB_ROW(control_held),
+    TRB_ROW(unknown_run),
+    TRB_ROW(already_claimed),
+    TRB_ROW(conflict),
+    TRB_ROW(io_error),
+};
+#undef TRB_ROW
+
+constexpr bool is_in_order() {
+  for (std::size_t i = 0; i < kRows.size(); ++i) {
+    if (static_cast<std::size_t>(kRows[i].code) != i) return false;
+  }
+  return true;
+}
+static_assert(is_in_order() && kRows.back().code == Errc::io_error, "a row for every code, in their order");
+
+}  // namespace
 
 std::string_view errc_name(Errc code) {
-  switch (code) {
-    case Errc::ok:
-      return "ok";
-    case Errc::malformed:
-      return "malformed";
-    case Errc::too_large:
-      return "too_large";
-    case Errc::bad_value:
-      return "bad_value";
-    case Errc::missing:
-      return "missing";
-    case Errc::unknown_key:
-      return "unknown_key";
-    case Errc::duplicate:
-      return "duplicate";
-    case Errc::version_mismatch:
-      return "version_mismatch";
-    case Errc::does_not_fit_figure_3:
-      return "does_not_fit_figure_3";
-    case Errc::unknown_target:
-      return "unknown_target";
-    case Errc::peer_expired:
-      return "peer_expired";
-    case Errc::peer_unreachable:
-      return "peer_unreachable";
-    case Errc::queue_full:
-      return "queue_full";
-    case Errc::no_service:
-      return "no_service";
-    case Errc::no_field_channel:
-      return "no_field_channel";
-    case Errc::robot_offline:
-      return "robot_offline";
-    case Errc::timeout:
-      return "timeout";
-    case Errc::expired:
-      return "expired";
-    case Errc::not_confirmed:
-      return "not_confirmed";
-    case Errc::fenced:
-      return "fenced";
-    case Errc::busy:
-      return "busy";
-    case Errc::out_of_use:
-      return "out_of_use";
-    case Errc::unknown_subtype:
-      return "unknown_subtype";
-    case Errc::unknown_skill:
-      return "unknown_skill";
-    case Errc::unknown_place:
-      return "unknown_place";
-    case Errc::not_escapable:
-      return "not_escapable";
-    case Errc::robot_error:
-      return "robot_error";
-    case Errc::stale_instance:
-      return "stale_instance";
-    case Errc::bad_signature:
-      return "bad_signature";
-    case Errc::foreign_fleet:
-      return "foreign_fleet";
-    case Errc::wrong_key:
-      return "wrong_key";
-    case Errc::cert_expired:
-      return "cert_expired";
-    case Errc::cert_not_yet_valid:
-      return "cert_not_yet_valid";
-    case Errc::source_mismatch:
-      return "source_mismatch";
-    case Errc::not_permitted:
-      return "not_permitted";
-    case Errc::unknown_peer_key:
-      return "unknown_peer_key";
-    case Errc::cert_revoked:
-      return "cert_revoked";
-    case Errc::replayed:
-      return "replayed";
-    case Errc::downgraded:
-      return "downgraded";
-    case Errc::seal_broken:
-      return "seal_broken";
-    case Errc::not_asked:
-      return "not_asked";
-    case Errc::control_held:
-      return "control_held";
-    case Errc::unknown_run:
-      return "unknown_run";
-    case Errc::already_claimed:
-      return "already_claimed";
-    case Errc::conflict:
-      return "conflict";
-    case Errc::io_error:
-      return "io_error";
-  }
-  return "unknown_error";
+  const auto at = static_cast<std::size_t>(code);
+  return at < kRows.size() ? kRows[at].name : "unknown_error";
 }
 
 std::optional<Errc> errc_of(std::string_view name) {
-  for (int value = 0; value <= static_cast<int>(Errc::io_error); ++value) {
-    const auto code = static_cast<Errc>(value);
-    if (errc_name(code) == name) return code;
+  for (const Row& row : kRows) {
+    if (row.name == name) return row.code;
   }
   return std::nullopt;
 }

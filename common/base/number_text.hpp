@@ -17,4 +17,13 @@ std::optional<T> parse_number(std::string_view text) {
   return out;
 }
 
+/// Likewise of a whole number's hexadecimal digits, without "0x".
+template <class T>
+std::optional<T> parse_hex_number(std::string_view digits) {
+  T out{};
+  const auto [end, problem] = std::from_chars(digits.data(), digits.data() + digits.size(), out, 16);
+  if (problem != std::errc() || end != digits.data() + digits.size()) return std::nullopt;
+  return out;
+}
+
 }  // namespace trb

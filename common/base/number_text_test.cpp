@@ -14,3 +14,9 @@ TEST_CASE("a number is the whole text, within the type's range") {
     CHECK_FALSE(parse_number<std::uint16_t>(none));
   }
 }
+
+TEST_CASE("a hexadecimal number is the whole text, without a prefix") {
+  CHECK(parse_hex_number<std::uint8_t>("fF") == 255);
+  CHECK(parse_hex_number<std::uint16_t>("0100") == 256);
+  for (const char* none : {"", "0x1", " 1", "g", "100", "+1"}) CHECK_FALSE(parse_hex_number<std::uint8_t>(none));
+}

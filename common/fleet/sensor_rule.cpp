@@ -140,12 +140,12 @@ void read_how(ObjectReader& reader, ReadBy by, SensorChannel& channel) {
 }
 
 bool is_text(ReadBy by, const SensorChannel& channel) {
-  return channel.is_text || by == ReadBy::keyboard || (by == ReadBy::nmea && channel.nmea == NmeaValue::position);
+  return channel.is_text || (by == ReadBy::nmea && channel.nmea == NmeaValue::position);
 }
 
 /// Who tells only when there is something has no period.
 bool has_no_period(ReadBy by, const SensorChannel& channel) {
-  return by == ReadBy::keyboard || by == ReadBy::camera || (by == ReadBy::line && channel.is_text);
+  return !kind_of(by).period || (by == ReadBy::line && channel.is_text);
 }
 
 void check_name(ObjectReader& reader, std::string_view key, const std::string& name) {
@@ -164,10 +164,10 @@ SensorChannel read_channel(const Value& json, const std::string& path, ReadBy by
   channel.unit = reader.text("unit", Need::optional, 16).value_or("");
   read_how(reader, by, channel);
   channel.every_s = has_no_period(by, channel) ? 0 : 1;
-  if (by != ReadBy::keyboard && by != ReadBy::camera) {
+  if (kind_of(by).period) {
     channel.every_s = reader.number("every_s", Need::optional, kPeriod).value_or(channel.every_s);
   }
-  if (by != ReadBy::camera && !is_text(by, channel)) {
+  if (kind_of(by).period && !is_text(by, channel)) {
     channel.scale = reader.number("scale", Need::optional).value_or(1);
     channel.offset = reader.number("offset", Need::optional).value_or(0);
   }
@@ -189,8 +189,7 @@ void read_channels(ObjectReader& rule, SensorRule& out) {
     }
     out.channels.push_back(std::move(channel));
   }
-  const bool one_alone = out.by == ReadBy::w1 || out.by == ReadBy::keyboard || out.by == ReadBy::camera;
-  if (one_alone && out.channels.size() > 1) {
+  if (kind_of(out.by).one_sensor && out.channels.size() > 1) {
     rule.faults().add("sensors", "a device that is read by " + std::string(name_of(out.by)) + " is one sensor",
                       "keep one of them");
   }

@@ -8,17 +8,11 @@
 
 #include "common/base/config_fault.hpp"
 #include "common/fleet/line_pattern.hpp"
+#include "common/fleet/reader_kind.hpp"
 #include "proto/field.hpp"
 #include "proto/value.hpp"
 
 namespace trb {
-
-/// How a device is read. attributes: files of its folder below /sys. w1: likewise, with a checksum. nmea, line: lines
-/// of a serial port. keyboard: a reader that types what it has read. camera: pictures when asked for.
-enum class ReadBy : std::uint8_t { attributes = 0, w1, nmea, line, keyboard, camera };
-constexpr auto enum_names(ReadBy) {
-  return std::array<std::string_view, 6>{"attributes", "w1", "nmea", "line", "keyboard", "camera"};
-}
 
 /// What an NMEA receiver tells. position: "LATITUDE,LONGITUDE" as text; speed in m/s, altitude in m, the rest in
 /// degrees.

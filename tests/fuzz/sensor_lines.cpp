@@ -1,8 +1,10 @@
 // What sensors write: NMEA, lines of a protocol, 1-Wire thermometers, keys of a reader of tags.
 #include <cstring>
 
-#include "services/sensor-bus/core/nmea.hpp"
-#include "services/sensor-bus/core/tag_keys.hpp"
+#include "services/sensor-bus/readers/attributes/w1_slave.hpp"
+#include "services/sensor-bus/readers/keyboard/tag_keys.hpp"
+#include "services/sensor-bus/readers/serial/lines.hpp"
+#include "services/sensor-bus/readers/serial/nmea.hpp"
 #include "tests/fuzz/target.hpp"
 
 namespace trb::fuzz {

@@ -195,43 +195,46 @@ int run_decide(const Arguments& arguments) {
   return kGood;
 }
 
+const std::string kNode = "--node DIR|the node that decides, the cloud's (else TRB_NODE, else this folder)";
+
+const std::vector<Command> kCommands = {
+    {{"alert", "list"},
+     {"alert list",
+      "Lists what robots cannot do any more, who could take over and why in this order; behind them, without an id, "
+      "the\n"
+      "WARNING and URGENT faults of the last 15 minutes.",
+      {"--all|those that are over as well", kNode, "--json|for programs: everything that is known of each"},
+      {"trb alert list", "trb alert list --all --json"},
+      0,
+      0},
+     run_list},
+    {{"alert", "decide"},
+     {"alert decide [ALERT]",
+      "Decides on an alert; without a verdict the best proposal is accepted. ALERT is a unique beginning of its id; "
+      "with\n"
+      "--run, it is decided on a run's tasks of which no alert tells. A robot that failed gives its tasks back "
+      "before\n"
+      "others get them; if it is silent, or nobody knows what became of a task, somebody must have seen that it "
+      "stands.",
+      {"--task T[,T]|only these of its tasks; the others come back as an alert of their own",
+       "--run RUN|without an alert: move, retry or skip the tasks of --task, all of one robot",
+       "--robot R|accept the proposal of this robot", "--override R|this robot, though it is not proposed",
+       "--retry|the same robot tries again: it is repaired, and its node is told so; after a decision too",
+       "--skip|what has failed is left out", "--abort|the run ends",
+       "--stands|I have seen that the failed robot stands", "--reason TEXT|why; an override needs one",
+       "--person NAME|who decides ($USER)", kNode, "--json|for programs"},
+      {"trb alert decide 3f2a", "trb alert decide 3f2a --robot pioneer2",
+       "trb alert decide 3f2a --override turtlebot --reason 'it stands next to it' --stands",
+       "trb alert decide --run 71c0 --task fetch,carry --robot pioneer1"},
+      0,
+      1},
+     run_decide},
+};
+
 }  // namespace
 
 std::vector<Command> alert_commands() {
-  const std::string node = "--node DIR|the node that decides, the cloud's (else TRB_NODE, else this folder)";
-  return {
-      {{"alert", "list"},
-       {"alert list",
-        "Lists what robots cannot do any more, who could take over and why in this order; behind them, without an id, "
-        "the\n"
-        "WARNING and URGENT faults of the last 15 minutes.",
-        {"--all|those that are over as well", node, "--json|for programs: everything that is known of each"},
-        {"trb alert list", "trb alert list --all --json"},
-        0,
-        0},
-       run_list},
-      {{"alert", "decide"},
-       {"alert decide [ALERT]",
-        "Decides on an alert; without a verdict the best proposal is accepted. ALERT is a unique beginning of its id; "
-        "with\n"
-        "--run, it is decided on a run's tasks of which no alert tells. A robot that failed gives its tasks back "
-        "before\n"
-        "others get them; if it is silent, or nobody knows what became of a task, somebody must have seen that it "
-        "stands.",
-        {"--task T[,T]|only these of its tasks; the others come back as an alert of their own",
-         "--run RUN|without an alert: move, retry or skip the tasks of --task, all of one robot",
-         "--robot R|accept the proposal of this robot", "--override R|this robot, though it is not proposed",
-         "--retry|the same robot tries again: it is repaired, and its node is told so; after a decision too",
-         "--skip|what has failed is left out", "--abort|the run ends",
-         "--stands|I have seen that the failed robot stands", "--reason TEXT|why; an override needs one",
-         "--person NAME|who decides ($USER)", node, "--json|for programs"},
-        {"trb alert decide 3f2a", "trb alert decide 3f2a --robot pioneer2",
-         "trb alert decide 3f2a --override turtlebot --reason 'it stands next to it' --stands",
-         "trb alert decide --run 71c0 --task fetch,carry --robot pioneer1"},
-        0,
-        1},
-       run_decide},
-  };
+  return kCommands;
 }
 
 }  // namespace trb::cli

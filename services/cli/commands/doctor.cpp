@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <iterator>
+#include <optional>
 
 #include "common/base/address.hpp"
 #include "common/base/files.hpp"
@@ -10,10 +12,11 @@
 #include "common/config/node_config.hpp"
 #include "common/drivers/registry.hpp"
 #include "common/operator/doctor/observe.hpp"
+#include "common/operator/io/address_probes.hpp"
+#include "common/operator/io/socket_address.hpp"
 #include "common/security/node_keys.hpp"
 #include "common/transport/loop.hpp"
 #include "services/cli/commands/command.hpp"
-#include "services/cli/io/ports.hpp"
 #include "services/cli/io/print.hpp"
 #include "services/cli/io/probe.hpp"
 
@@ -43,23 +46,62 @@ void look_at_folder(const std::string& dir, Observed& seen, NodeConfig& config) 
   if (auto keys = load_node_keys(dir)) seen.own = keys->certificate;
 }
 
+/// Tries addresses, while the loop keeps the link to the router alive.
+class AddressTests {
+ public:
+  explicit AddressTests(Loop& loop) : loop_(loop), probes_(loop) {}
+
+  std::vector<AddressProbe> ports(std::vector<AddressProbe> addresses) {
+    return wait(&op::AddressProbes::try_ports, std::move(addresses));
+  }
+  Port port(const std::string& address) { return ports({to_try(address)}).front().port; }
+  std::vector<AddressProbe> datagrams(std::vector<AddressProbe> addresses) {
+    return wait(&op::AddressProbes::try_datagrams, std::move(addresses));
+  }
+
+  static AddressProbe to_try(const std::string& address) {
+    AddressProbe out;
+    out.address = address;
+    return out;
+  }
+
+ private:
+  using Begin = void (op::AddressProbes::*)(std::vector<AddressProbe>, op::AddressProbes::Done);
+  std::vector<AddressProbe> wait(Begin begin, std::vector<AddressProbe> addresses) {
+    std::optional<std::vector<AddressProbe>> out;
+    (probes_.*begin)(std::move(addresses), [&out](std::vector<AddressProbe> seen) { out = std::move(seen); });
+    while (!out) loop_.turn();
+    return std::move(*out);
+  }
+
+  Loop& loop_;
+  op::AddressProbes probes_;
+};
+
 /// The node's folder is the working directory by now.
-void look_at_bus(const NodeConfig& config, Observed& seen) {
+void look_for_sockets(const NodeConfig& config, Observed& seen) {
   std::vector<std::string> names = config.services;
   names.insert(names.end(), {"probe", "tap"});
   for (const std::string& name : names) {
     const std::string path = "bus/" + name + ".ipc";
     if (config.bus.empty() && name != "router" && !file_exists(path)) seen.missing_sockets.push_back(path);
   }
+}
+
+/// The router's own ports: of its bus, if that is TCP, and for other routers.
+void try_own_ports(const NodeConfig& config, AddressTests& tests, Observed& seen) {
+  std::vector<AddressProbe> bus;
   if (const Endpoint at = split_endpoint(config.bus); !at.host.empty()) {
     for (const int further : {0, 1}) {
-      const std::string address = join_host_port(at.host, static_cast<std::uint16_t>(at.port + further));
-      if (probe_port(address) != Port::zmtp) seen.missing_sockets.push_back("tcp://" + address);
+      bus.push_back(AddressTests::to_try(join_host_port(at.host, static_cast<std::uint16_t>(at.port + further))));
     }
+  }
+  for (const AddressProbe& probe : tests.ports(std::move(bus))) {
+    if (probe.port != Port::zmtp) seen.missing_sockets.push_back("tcp://" + probe.address);
   }
   const Network& network = config.network;
   if (!network.address.empty())
-    seen.inbox_open = probe_port(network.address + ":" + std::to_string(network.tcp_port_ext)) == Port::zmtp;
+    seen.inbox_open = tests.port(network.address + ":" + std::to_string(network.tcp_port_ext)) == Port::zmtp;
 }
 
 /// Lets the probe add what it has seen.
@@ -71,31 +113,42 @@ void observe(Probe& probe, Observed& seen, void (*add)(op::Session&, Observed, c
 std::vector<AddressProbe> find_addresses(const NodeConfig& config, const Observed& seen) {
   std::vector<std::string> seeds;
   for (const Seed& seed : config.seeds) seeds.push_back(seed.address);
-  return op::addresses_to_try(seen, seeds, in_own_subnet);
+  return op::addresses_to_try(seen, seeds, op::in_own_subnet);
 }
 
-void try_addresses(Observed& seen) {
-  const auto names = std::stable_partition(seen.addresses.begin(), seen.addresses.end(), [](const AddressProbe& probe) {
-    return is_numeric_endpoint(probe.address);
-  });
-  std::vector<AddressProbe> numbers(seen.addresses.begin(), names);
-  probe_ports(numbers);
-  std::copy(numbers.begin(), numbers.end(), seen.addresses.begin());
-  for (AddressProbe& probe : seen.addresses) {
-    // Only a way that carries something can carry too little.
-    if (probe.port == Port::zmtp && !probe.address.starts_with("127."))
-      probe.large = probe_large_datagrams(probe.address);
+bool is_number(const AddressProbe& probe) {
+  return is_numeric_endpoint(probe.address);
+}
+
+/// Only a way that carries something can carry too little.
+bool carries_something(const AddressProbe& probe) {
+  return probe.port == Port::zmtp && !probe.address.starts_with("127.");
+}
+
+/// Those of `probes` that `wanted` is true of, tried; the others stay as they are.
+void try_some(std::vector<AddressProbe>& probes, bool (*wanted)(const AddressProbe&), AddressTests& tests,
+              std::vector<AddressProbe> (AddressTests::*attempt)(std::vector<AddressProbe>)) {
+  std::vector<AddressProbe> some;
+  std::ranges::copy_if(probes, std::back_inserter(some), wanted);
+  for (AddressProbe& tried : (tests.*attempt)(std::move(some))) {
+    *std::ranges::find(probes, tried.address, &AddressProbe::address) = tried;
   }
 }
 
-void try_robot(const NodeConfig& config, Observed& seen) {
+void try_addresses(AddressTests& tests, Observed& seen) {
+  std::ranges::stable_partition(seen.addresses, is_number);
+  try_some(seen.addresses, is_number, tests, &AddressTests::ports);
+  try_some(seen.addresses, carries_something, tests, &AddressTests::datagrams);
+}
+
+void try_robot(const NodeConfig& config, AddressTests& tests, Observed& seen) {
   if (config.mode != Mode::direct || config.robot.host.empty() || !config.commands.port) return;
   seen.robot.address = config.robot.host + ":" + std::to_string(*config.commands.port);
   const auto self = std::find_if(seen.routes.routes.begin(), seen.routes.routes.end(),
                                  [](const Route& route) { return route.state == "self"; });
   // A controller may take one connection only: it is tried when the node has none.
   if (self != seen.routes.routes.end() && self->profile.robot != "ONLINE")
-    seen.robot.port = probe_port(seen.robot.address);
+    seen.robot.port = tests.port(seen.robot.address);
 }
 
 Value to_value(const Finding& finding) {
@@ -143,29 +196,34 @@ int run_doctor(const Arguments& arguments) {
   auto probe = Probe::open(".");
   if (probe) observe(**probe, seen, op::observe_router);
   seen.bus_key_refused = !probe && probe.error().code == Errc::wrong_key;
-  look_at_bus(config, seen);
+  look_for_sockets(config, seen);
+  Loop alone;  // without a router
+  AddressTests tests(probe ? (*probe)->bus().loop() : alone);
+  try_own_ports(config, tests, seen);
   seen.addresses = find_addresses(config, seen);
   progress(arguments, "trying " + std::to_string(seen.addresses.size()) + " addresses");
-  try_addresses(seen);
+  try_addresses(tests, seen);
   if (probe) observe(**probe, seen, op::observe_links);
-  try_robot(config, seen);
+  try_robot(config, tests, seen);
   return report(arguments, seen, op::diagnose(seen));
 }
+
+const std::vector<Command> kCommands = {
+    {{"doctor"},
+     {"doctor [PEER]",
+      "Looks at the node's files, services, links and robot, and names what is wrong and the cure. PEER is an id or\n"
+      "HOST:PORT: looks at that one alone, also if it was never heard of. Exit status 0: no problem found.",
+      {"--node DIR|the node to look at (else TRB_NODE, else this folder)", "--json|for programs"},
+      {"trb doctor --node nodes/ur3", "trb doctor ridgeback", "trb doctor 10.0.2.7:45000 --json"},
+      0,
+      1},
+     run_doctor},
+};
 
 }  // namespace
 
 std::vector<Command> doctor_commands() {
-  return {
-      {{"doctor"},
-       {"doctor [PEER]",
-        "Looks at the node's files, services, links and robot, and names what is wrong and the cure. PEER is an id or\n"
-        "HOST:PORT: looks at that one alone, also if it was never heard of. Exit status 0: no problem found.",
-        {"--node DIR|the node to look at (else TRB_NODE, else this folder)", "--json|for programs"},
-        {"trb doctor --node nodes/ur3", "trb doctor ridgeback", "trb doctor 10.0.2.7:45000 --json"},
-        0,
-        1},
-       run_doctor},
-  };
+  return kCommands;
 }
 
 }  // namespace trb::cli

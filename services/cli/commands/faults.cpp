@@ -48,23 +48,25 @@ int run_fault(const Arguments& arguments) {
   return kGood;
 }
 
+const std::vector<Command> kCommands = {
+    {{"robot", "fault"},
+     {"robot fault ROBOT [CAPABILITY]",
+      "Lets a virtual robot fail as its maker's robot would, or ends that; a real robot refuses it.\n"
+      "The virtual robot needs --control, and its node.json \"robot\": {\"fault_injection\": \"HOST:PORT\"}.",
+      {"--severity S|WARNING, URGENT, CRITICAL or FATAL (CRITICAL)", "--text T|what the robot says of it",
+       "--clear|the fault is over", "--node DIR|the node to speak from (else TRB_NODE, else this folder)",
+       "--json|for programs"},
+      {"trb robot fault ridgeback mobile", "trb robot fault ur3 grab --severity FATAL --text 'gripper jammed'",
+       "trb robot fault ur3 --clear"},
+      1,
+      2},
+     run_fault},
+};
+
 }  // namespace
 
 std::vector<Command> fault_commands() {
-  return {
-      {{"robot", "fault"},
-       {"robot fault ROBOT [CAPABILITY]",
-        "Lets a virtual robot fail as its maker's robot would, or ends that; a real robot refuses it.\n"
-        "The virtual robot needs --control, and its node.json \"robot\": {\"fault_injection\": \"HOST:PORT\"}.",
-        {"--severity S|WARNING, URGENT, CRITICAL or FATAL (CRITICAL)", "--text T|what the robot says of it",
-         "--clear|the fault is over", "--node DIR|the node to speak from (else TRB_NODE, else this folder)",
-         "--json|for programs"},
-        {"trb robot fault ridgeback mobile", "trb robot fault ur3 grab --severity FATAL --text 'gripper jammed'",
-         "trb robot fault ur3 --clear"},
-        1,
-        2},
-       run_fault},
-  };
+  return kCommands;
 }
 
 }  // namespace trb::cli

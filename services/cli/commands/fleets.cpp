@@ -129,34 +129,44 @@ std::string_view state_of(const Authority& authority, const Certificate& certifi
   return now.ns < certificate.not_before ? "not yet valid" : "valid";
 }
 
-/// The fleet, and the newest certificate of every node.
-void show_fleet(const Arguments& arguments, const Authority& authority, UtcTime now) {
-  std::map<std::string, const Certificate*> newest;
+using Newest = std::map<std::string, const Certificate*>;  ///< by node
+
+Newest newest_certificates(const Authority& authority) {
+  Newest newest;
   for (const Certificate& certificate : authority.issued) {
     const Certificate*& kept = newest[certificate.id];
     if (kept == nullptr || kept->serial < certificate.serial) kept = &certificate;
   }
+  return newest;
+}
+
+Value to_value(const Authority& authority, const Certificate& certificate, UtcTime now) {
+  return Value{Value::Object{{"id", Value{certificate.id}},
+                             {"role", Value{std::string(name_of(certificate.role))}},
+                             {"serial", Value{static_cast<std::int64_t>(certificate.serial)}},
+                             {"state", Value{std::string(state_of(authority, certificate, now))}},
+                             {"valid_to", Value{to_iso8601({certificate.not_after})}}}};
+}
+
+void print_fleet_json(const Authority& authority, const Newest& newest, UtcTime now) {
   Value::List nodes;
+  for (const auto& [id, certificate] : newest) nodes.push_back(to_value(authority, *certificate, now));
+  print_json(Value{Value::Object{{"name", Value{authority.fleet.name}},
+                                 {"fleet", Value{to_hex(authority.fleet.id())}},
+                                 {"authority_key", Value{to_hex(authority.fleet.public_key)}},
+                                 {"revocation_list", Value{static_cast<std::int64_t>(authority.list.number)}},
+                                 {"beacon_key", Value{static_cast<std::int64_t>(authority.beacon.number)}},
+                                 {"nodes", Value{std::move(nodes)}}}});
+}
+
+/// The fleet, and the newest certificate of every node.
+void show_fleet(const Arguments& arguments, const Authority& authority, UtcTime now) {
+  const Newest newest = newest_certificates(authority);
+  if (arguments.has("--json")) return print_fleet_json(authority, newest, now);
   std::vector<std::vector<std::string>> rows{{"NODE", "ROLE", "SERIAL", "CERTIFICATE", "VALID TO"}};
   for (const auto& [id, certificate] : newest) {
-    const std::string role(name_of(certificate->role));
-    const std::string state(state_of(authority, *certificate, now));
-    const std::string end = to_iso8601({certificate->not_after});
-    nodes.push_back(Value{Value::Object{{"id", Value{id}},
-                                        {"role", Value{role}},
-                                        {"serial", Value{static_cast<std::int64_t>(certificate->serial)}},
-                                        {"state", Value{state}},
-                                        {"valid_to", Value{end}}}});
-    rows.push_back({id, role, std::to_string(certificate->serial), state, end});
-  }
-  if (arguments.has("--json")) {
-    print_json(Value{Value::Object{{"name", Value{authority.fleet.name}},
-                                   {"fleet", Value{to_hex(authority.fleet.id())}},
-                                   {"authority_key", Value{to_hex(authority.fleet.public_key)}},
-                                   {"revocation_list", Value{static_cast<std::int64_t>(authority.list.number)}},
-                                   {"beacon_key", Value{static_cast<std::int64_t>(authority.beacon.number)}},
-                                   {"nodes", Value{std::move(nodes)}}}});
-    return;
+    rows.push_back({id, std::string(name_of(certificate->role)), std::to_string(certificate->serial),
+                    std::string(state_of(authority, *certificate, now)), to_iso8601({certificate->not_after})});
   }
   print_line("fleet            " + authority.fleet.name + ", id " + to_hex(authority.fleet.id()));
   print_line("authority key    " + to_hex(authority.fleet.public_key));
@@ -185,43 +195,45 @@ int run_show(const Arguments& arguments) {
 const std::string kPassphrase = "--passphrase-file FILE|its first line (else TRB_PASSPHRASE, else the terminal)";
 const std::string kJson = "--json|for programs";
 
+const std::vector<Command> kCommands = {
+    {{"fleet", "init"},
+     {"fleet init FLEET_DIR",
+      "Makes a fleet: its authority's key, encrypted with a passphrase, and its beacon key.",
+      {"--name NAME|the fleet's name (fleet)", kPassphrase, kJson},
+      {"trb fleet init ~/hall-3-authority --name hall3"},
+      1,
+      1},
+     run_init},
+    {{"fleet", "request"},
+     {"fleet request NODE_DIR",
+      "Makes the node's keys, which stay there, and a request to be signed.",
+      {kJson},
+      {"trb fleet request nodes/ur3"},
+      1,
+      1},
+     run_request},
+    {{"fleet", "sign"},
+     {"fleet sign FLEET_DIR REQUEST ...",
+      "Signs requests; writes the certificate beside each, as certificate.json.",
+      {"--days N|how long the certificate is valid (365)", kRelay, kNoRelay, kPassphrase, kJson},
+      {"trb fleet sign ~/hall-3-authority nodes/*/keys/request.json"},
+      2,
+      1000},
+     run_sign},
+    {{"fleet", "show"},
+     {"fleet show PATH",
+      "Shows a fleet's folder with its nodes, a node's folder or a certificate file.",
+      {kJson},
+      {"trb fleet show nodes/ur3", "trb fleet show ~/hall-3-authority --json"},
+      1,
+      1},
+     run_show},
+};
+
 }  // namespace
 
 std::vector<Command> fleet_commands() {
-  return {
-      {{"fleet", "init"},
-       {"fleet init FLEET_DIR",
-        "Makes a fleet: its authority's key, encrypted with a passphrase, and its beacon key.",
-        {"--name NAME|the fleet's name (fleet)", kPassphrase, kJson},
-        {"trb fleet init ~/hall-3-authority --name hall3"},
-        1,
-        1},
-       run_init},
-      {{"fleet", "request"},
-       {"fleet request NODE_DIR",
-        "Makes the node's keys, which stay there, and a request to be signed.",
-        {kJson},
-        {"trb fleet request nodes/ur3"},
-        1,
-        1},
-       run_request},
-      {{"fleet", "sign"},
-       {"fleet sign FLEET_DIR REQUEST ...",
-        "Signs requests; writes the certificate beside each, as certificate.json.",
-        {"--days N|how long the certificate is valid (365)", kRelay, kNoRelay, kPassphrase, kJson},
-        {"trb fleet sign ~/hall-3-authority nodes/*/keys/request.json"},
-        2,
-        1000},
-       run_sign},
-      {{"fleet", "show"},
-       {"fleet show PATH",
-        "Shows a fleet's folder with its nodes, a node's folder or a certificate file.",
-        {kJson},
-        {"trb fleet show nodes/ur3", "trb fleet show ~/hall-3-authority --json"},
-        1,
-        1},
-       run_show},
-  };
+  return kCommands;
 }
 
 }  // namespace trb::cli

@@ -168,43 +168,45 @@ int run_counters(const Arguments& arguments) {
 const std::string kNode = "--node DIR|the node to ask (else TRB_NODE, else this folder)";
 const std::string kJson = "--json|for programs";
 
+const std::vector<Command> kCommands = {
+    {{"robot", "list"},
+     {"robot list",
+      "The fleet's robots: are they there, can they be commanded, what can they do?",
+      {kNode, kJson},
+      {"trb robot list"},
+      0,
+      0},
+     run_robots},
+    {{"route", "list"},
+     {"route list",
+      "The node's routing table: every node of the fleet that it has heard of.",
+      {kNode, kJson},
+      {"trb route list --json"},
+      0,
+      0},
+     run_routes},
+    {{"service", "list"},
+     {"service list",
+      "The node's services: which run, since when, what they take.",
+      {kNode, kJson},
+      {"trb service list --node nodes/ur3"},
+      0,
+      0},
+     run_services},
+    {{"service", "counters"},
+     {"service counters SERVICE",
+      "What a router or mode-adapter has counted: messages, refusals.",
+      {kNode, kJson},
+      {"trb service counters router"},
+      1,
+      1},
+     run_counters},
+};
+
 }  // namespace
 
 std::vector<Command> list_commands() {
-  return {
-      {{"robot", "list"},
-       {"robot list",
-        "The fleet's robots: are they there, can they be commanded, what can they do?",
-        {kNode, kJson},
-        {"trb robot list"},
-        0,
-        0},
-       run_robots},
-      {{"route", "list"},
-       {"route list",
-        "The node's routing table: every node of the fleet that it has heard of.",
-        {kNode, kJson},
-        {"trb route list --json"},
-        0,
-        0},
-       run_routes},
-      {{"service", "list"},
-       {"service list",
-        "The node's services: which run, since when, what they take.",
-        {kNode, kJson},
-        {"trb service list --node nodes/ur3"},
-        0,
-        0},
-       run_services},
-      {{"service", "counters"},
-       {"service counters SERVICE",
-        "What a router or mode-adapter has counted: messages, refusals.",
-        {kNode, kJson},
-        {"trb service counters router"},
-        1,
-        1},
-       run_counters},
-  };
+  return kCommands;
 }
 
 }  // namespace trb::cli

@@ -88,6 +88,18 @@ int detached(const Arguments& arguments, const std::string& dir, const std::stri
   return kGood;
 }
 
+/// Until the node is ended.
+int supervise(const Arguments& arguments, const std::string& dir, const std::string& id,
+              const std::vector<ServiceProgram>& services) {
+  auto held = NodeLock::take(dir);
+  if (!held) return print_error(arguments, held.error());
+  supervisor::block_signals();
+  supervisor::Supervisor supervisor(dir, services, [&id](const std::string& text) { print_line(id + ": " + text); });
+  const auto reload = [&] { return services_of_new_files(arguments, dir); };
+  ReadyCheck is_ready(dir);
+  return supervisor.run(reload, std::ref(is_ready));
+}
+
 int run_up(const Arguments& arguments) {
   if (arguments.has("--die-with-parent")) supervisor::die_with_parent();
   const std::string dir = absolute(arguments.words[0]);
@@ -110,13 +122,7 @@ int run_up(const Arguments& arguments) {
     if (const pid_t child = ::fork(); child != 0) return detached(arguments, dir, id, child, *wait_s);
     leave_terminal(dir);
   }
-  auto held = NodeLock::take(dir);
-  if (!held) return print_error(arguments, held.error());
-  supervisor::block_signals();
-  supervisor::Supervisor supervisor(dir, *services, [&id](const std::string& text) { print_line(id + ": " + text); });
-  const auto reload = [&] { return services_of_new_files(arguments, dir); };
-  ReadyCheck is_ready(dir);
-  return supervisor.run(reload, std::ref(is_ready));
+  return supervise(arguments, dir, id, *services);
 }
 
 int run_reload(const Arguments& arguments) {
@@ -209,57 +215,59 @@ int run_logs(const Arguments& arguments) {
 
 const std::string kJson = "--json|for programs";
 
+const std::vector<Command> kCommands = {
+    {{"up"},
+     {"up NODE_DIR",
+      "Checks a node's folder, starts its services and keeps them running until Ctrl-C or SIGTERM.\nSays 'ID: ready' "
+      "once all of them are up.",
+      {"--without SERVICE|leave this one to somebody else, who starts it with its own rights",
+       "--detach|return once it is ready and leave it up; its words go to NODE_DIR/log/up.log",
+       "--timeout S|of --detach: how long to wait for that (30)",
+       "--die-with-parent|end when the starting process ends, however it ends", kJson},
+      {"trb up nodes/ur3", "trb up nodes/ur3 --detach", "trb up nodes/ur3 --without sensor-bus"},
+      1,
+      1},
+     run_up},
+    {{"down"},
+     {"down NODE_DIR",
+      "Ends a node's services, and returns once they have ended.",
+      {"--timeout S|how long to wait for that (10)", kJson},
+      {"trb down nodes/ur3"},
+      1,
+      1},
+     run_down},
+    {{"check"},
+     {"check NODE_DIR",
+      "Reads every file of a node's folder and tells every fault at once: file, key, cure. Starts nothing.",
+      {kJson},
+      {"trb check nodes/ur3", "trb check nodes/ur3 --json"},
+      1,
+      1},
+     run_check},
+    {{"reload"},
+     {"reload NODE_DIR",
+      "Checks the changed files; if they are good, each service takes them as soon as it is idle. One that was added "
+      "to\n"
+      "node.json is started, one that was taken out ends.",
+      {kJson},
+      {"trb reload nodes/ur3"},
+      1,
+      1},
+     run_reload},
+    {{"logs"},
+     {"logs NODE_DIR [SERVICE]",
+      "Shows the services' logs, newest last.",
+      {"--lines N|how many (50)", "--follow|go on with what comes", kJson},
+      {"trb logs nodes/ur3 router --lines 200"},
+      1,
+      2},
+     run_logs},
+};
+
 }  // namespace
 
 std::vector<Command> node_commands() {
-  return {
-      {{"up"},
-       {"up NODE_DIR",
-        "Checks a node's folder, starts its services and keeps them running until Ctrl-C or SIGTERM.\nSays 'ID: ready' "
-        "once all of them are up.",
-        {"--without SERVICE|leave this one to somebody else, who starts it with its own rights",
-         "--detach|return once it is ready and leave it up; its words go to NODE_DIR/log/up.log",
-         "--timeout S|of --detach: how long to wait for that (30)",
-         "--die-with-parent|end when the starting process ends, however it ends", kJson},
-        {"trb up nodes/ur3", "trb up nodes/ur3 --detach", "trb up nodes/ur3 --without sensor-bus"},
-        1,
-        1},
-       run_up},
-      {{"down"},
-       {"down NODE_DIR",
-        "Ends a node's services, and returns once they have ended.",
-        {"--timeout S|how long to wait for that (10)", kJson},
-        {"trb down nodes/ur3"},
-        1,
-        1},
-       run_down},
-      {{"check"},
-       {"check NODE_DIR",
-        "Reads every file of a node's folder and tells every fault at once: file, key, cure. Starts nothing.",
-        {kJson},
-        {"trb check nodes/ur3", "trb check nodes/ur3 --json"},
-        1,
-        1},
-       run_check},
-      {{"reload"},
-       {"reload NODE_DIR",
-        "Checks the changed files; if they are good, each service takes them as soon as it is idle. One that was added "
-        "to\n"
-        "node.json is started, one that was taken out ends.",
-        {kJson},
-        {"trb reload nodes/ur3"},
-        1,
-        1},
-       run_reload},
-      {{"logs"},
-       {"logs NODE_DIR [SERVICE]",
-        "Shows the services' logs, newest last.",
-        {"--lines N|how many (50)", "--follow|go on with what comes", kJson},
-        {"trb logs nodes/ur3 router --lines 200"},
-        1,
-        2},
-       run_logs},
-  };
+  return kCommands;
 }
 
 }  // namespace trb::cli

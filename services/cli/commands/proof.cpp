@@ -92,7 +92,9 @@ struct Tail {
 };
 
 struct Sums {
-  std::map<std::string, std::array<std::size_t, 3>> nodes;  ///< by ProofState
+  using Nodes = std::map<std::string, std::array<std::size_t, 3>>;  ///< by ProofState
+  using Node = Nodes::value_type;
+  Nodes nodes;
   std::vector<Tail> tails;
 };
 
@@ -113,46 +115,52 @@ Value link_value(std::uint64_t link) {
   return Value{std::to_string(link)};
 }
 
+Value to_value(const ProofFault& row) {
+  return Value{Value::Object{{"file", Value{row.file}},
+                             {"record", number(row.record)},
+                             {"offset", number(row.offset)},
+                             {"what", Value{row.what}}}};
+}
+
+Value to_value(const ProofGap& row) {
+  return Value{Value::Object{{"file", Value{row.file}},
+                             {"record", number(row.record)},
+                             {"by", Value{row.by}},
+                             {"link", link_value(row.link)},
+                             {"first", number(row.first)},
+                             {"last", number(row.last)}}};
+}
+
+Value to_value(const Tail& row) {
+  return Value{Value::Object{{"by", Value{row.by}},
+                             {"link", link_value(row.link)},
+                             {"first", number(row.first)},
+                             {"messages", number(row.messages)}}};
+}
+
+Value to_value(const Sums::Node& row) {
+  const auto& [node, counts] = row;
+  return Value{Value::Object{{"by", Value{node}},
+                             {"proven", number(counts[0])},
+                             {"authenticated", number(counts[1])},
+                             {"broken", number(counts[2])}}};
+}
+
+template <class Rows>
+Value list_of(const Rows& rows) {
+  Value::List out;
+  for (const auto& row : rows) out.push_back(to_value(row));
+  return Value{std::move(out)};
+}
+
 void print_report_json(const ProofReport& report) {
-  Value::List messages;
-  for (const ProvenMessage& row : report.messages) messages.push_back(to_value(row));
-  Value::List faults;
-  for (const ProofFault& row : report.faults) {
-    faults.push_back(Value{Value::Object{{"file", Value{row.file}},
-                                         {"record", number(row.record)},
-                                         {"offset", number(row.offset)},
-                                         {"what", Value{row.what}}}});
-  }
-  Value::List gaps;
-  for (const ProofGap& row : report.gaps) {
-    gaps.push_back(Value{Value::Object{{"file", Value{row.file}},
-                                       {"record", number(row.record)},
-                                       {"by", Value{row.by}},
-                                       {"link", link_value(row.link)},
-                                       {"first", number(row.first)},
-                                       {"last", number(row.last)}}});
-  }
   const Sums sums = sums_of(report);
-  Value::List tails;
-  for (const Tail& row : sums.tails) {
-    tails.push_back(Value{Value::Object{{"by", Value{row.by}},
-                                        {"link", link_value(row.link)},
-                                        {"first", number(row.first)},
-                                        {"messages", number(row.messages)}}});
-  }
-  Value::List nodes;
-  for (const auto& [node, counts] : sums.nodes) {
-    nodes.push_back(Value{Value::Object{{"by", Value{node}},
-                                        {"proven", number(counts[0])},
-                                        {"authenticated", number(counts[1])},
-                                        {"broken", number(counts[2])}}});
-  }
   print_json(Value{Value::Object{{"seals", number(report.seals)},
-                                 {"nodes", Value{std::move(nodes)}},
-                                 {"tails", Value{std::move(tails)}},
-                                 {"gaps", Value{std::move(gaps)}},
-                                 {"faults", Value{std::move(faults)}},
-                                 {"messages", Value{std::move(messages)}}}});
+                                 {"nodes", list_of(sums.nodes)},
+                                 {"tails", list_of(sums.tails)},
+                                 {"gaps", list_of(report.gaps)},
+                                 {"faults", list_of(report.faults)},
+                                 {"messages", list_of(report.messages)}}});
 }
 
 /// A text that a stranger may have written, for a terminal.
@@ -222,25 +230,27 @@ int run_proof(const Arguments& arguments) {
   return report.faults.empty() ? kGood : kFailed;
 }
 
+const std::vector<Command> kCommands = {
+    {{"proof"},
+     {"proof LOG ...",
+      "Shows which messages a node's log proves, and by whom, to anybody who has the fleet's public key.\n"
+      "LOG is a file, a folder log/proof or a node's folder. Exit status 0: all is proven but for what came by a "
+      "link\n"
+      "behind its last seal; 1: something is not what it was, and it says in which file, record and byte. More:\n"
+      "trb help proof.",
+      {"--fleet FLEET_DIR|the fleet's public half, fleet.json", "--key HEX|the authority's public key instead",
+       "--summary|no list of messages", "--json|for programs"},
+      {"trb proof nodes/ur3/log/proof --fleet ~/hall-3-authority",
+       "trb proof proof-0000000007.log --key 5f0c... --summary"},
+      1,
+      1000},
+     run_proof},
+};
+
 }  // namespace
 
 std::vector<Command> proof_commands() {
-  return {
-      {{"proof"},
-       {"proof LOG ...",
-        "Shows which messages a node's log proves, and by whom, to anybody who has the fleet's public key.\n"
-        "LOG is a file, a folder log/proof or a node's folder. Exit status 0: all is proven but for what came by a "
-        "link\n"
-        "behind its last seal; 1: something is not what it was, and it says in which file, record and byte. More:\n"
-        "trb help proof.",
-        {"--fleet FLEET_DIR|the fleet's public half, fleet.json", "--key HEX|the authority's public key instead",
-         "--summary|no list of messages", "--json|for programs"},
-        {"trb proof nodes/ur3/log/proof --fleet ~/hall-3-authority",
-         "trb proof proof-0000000007.log --key 5f0c... --summary"},
-        1,
-        1000},
-       run_proof},
-  };
+  return kCommands;
 }
 
 }  // namespace trb::cli

@@ -80,20 +80,23 @@ int run_rank(const Arguments& arguments) {
   return kGood;
 }
 
+const std::vector<Command> kCommands = {
+    {{"rank"},
+     {"rank FILE|-",
+      "Ranks alternatives by criteria (the analytic hierarchy process), and says why. Needs no node.\n"
+      "The file has the goal, a tree of criteria, judgments in pairs, and the alternatives with their values:\n"
+      "config/rank/README.md. Judgments that contradict each other (consistency ratio over 0.10) are refused:\n"
+      "exit 1, with the one that hurts most and the number that would fit.",
+      {"--json|for programs: criteria, consistency, ranking, sensitivity"},
+      {"trb rank config/rank/paper-figure-8.json", "trb rank - --json < problem.json"},
+      1,
+      1},
+     run_rank}};
+
 }  // namespace
 
 std::vector<Command> rank_commands() {
-  return {{{"rank"},
-           {"rank FILE|-",
-            "Ranks alternatives by criteria (the analytic hierarchy process), and says why. Needs no node.\n"
-            "The file has the goal, a tree of criteria, judgments in pairs, and the alternatives with their values:\n"
-            "config/rank/README.md. Judgments that contradict each other (consistency ratio over 0.10) are refused:\n"
-            "exit 1, with the one that hurts most and the number that would fit.",
-            {"--json|for programs: criteria, consistency, ranking, sensitivity"},
-            {"trb rank config/rank/paper-figure-8.json", "trb rank - --json < problem.json"},
-            1,
-            1},
-           run_rank}};
+  return kCommands;
 }
 
 }  // namespace trb::cli

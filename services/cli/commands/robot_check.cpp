@@ -128,21 +128,23 @@ int run_robot_check(const Arguments& arguments) {
   return kGood;
 }
 
+const std::vector<Command> kCommands = {
+    {{"robot", "check"},
+     {"robot check FILE",
+      "Reads a robot's description and tells every fault at once: file, key, cure; or else what the robot can do.\n"
+      "profile.json, commands.json and places.json are taken from beside it or from the folder above.",
+      {"--framework NAME|whose words of commands.json are meant (any that fit)",
+       "--commands FILE|another commands.json", "--places FILE|another places.json",
+       "--profile FILE|another profile.json", "--json|for programs"},
+      {"trb robot check config/robots/ur3.json", "trb robot check my-robot.json --framework lines"},
+      1,
+      1},
+     run_robot_check}};
+
 }  // namespace
 
 std::vector<Command> robot_check_commands() {
-  return {
-      {{"robot", "check"},
-       {"robot check FILE",
-        "Reads a robot's description and tells every fault at once: file, key, cure; or else what the robot can do.\n"
-        "profile.json, commands.json and places.json are taken from beside it or from the folder above.",
-        {"--framework NAME|whose words of commands.json are meant (any that fit)",
-         "--commands FILE|another commands.json", "--places FILE|another places.json",
-         "--profile FILE|another profile.json", "--json|for programs"},
-        {"trb robot check config/robots/ur3.json", "trb robot check my-robot.json --framework lines"},
-        1,
-        1},
-       run_robot_check}};
+  return kCommands;
 }
 
 }  // namespace trb::cli

@@ -10,8 +10,8 @@
 #include "proto/message.hpp"
 #include "services/cli/commands/command.hpp"
 #include "services/cli/conform/cases.hpp"
+#include "services/cli/core/host_port.hpp"
 #include "services/cli/core/table.hpp"
-#include "services/cli/io/ports.hpp"
 #include "services/cli/io/print.hpp"
 
 namespace trb::cli {
@@ -199,6 +199,27 @@ std::vector<Row> play_all(const std::vector<Case>& cases, conform::Play& play, b
   return rows;
 }
 
+/// Waits for the robot, and plays every case against it.
+int play_plan(const Arguments& arguments, const Plan& plan, const std::vector<Case>& cases) {
+  conform::RobotEnd end;
+  if (Status listens = end.listen(plan.address, plan.port); !listens) return print_error(arguments, listens.error());
+  const bool aloud = !arguments.has("--json");
+  if (aloud) {
+    print_line("listening on " + plan.address + ":" + std::to_string(end.port()) +
+               ": start the robot's program, it dials this as its node's TCP_PORT");
+  }
+  conform::Play play(end, plan.settings);
+  const std::vector<Row> rows = play_all(cases, play, aloud);
+  const std::size_t wrong = count_of(rows, Verdict::Kind::wrong);
+  if (aloud) {
+    print_line(std::to_string(count_of(rows, Verdict::Kind::good)) + " ok, " + std::to_string(wrong) + " wrong, " +
+               std::to_string(count_of(rows, Verdict::Kind::not_tried)) + " not tried");
+  } else {
+    print_rows_json(rows);
+  }
+  return wrong == 0 ? kGood : kFailed;
+}
+
 int run_conform(const Arguments& arguments) {
   if (arguments.has("--list")) return list_cases(arguments);
   if (arguments.words.empty()) {
@@ -212,48 +233,35 @@ int run_conform(const Arguments& arguments) {
   if (Status good = read_options(arguments, *plan); !good) return print_error(arguments, good.error());
   const auto cases = chosen_cases(arguments);
   if (!cases) return print_error(arguments, cases.error());
-  conform::RobotEnd end;
-  if (Status listens = end.listen(plan->address, plan->port); !listens) return print_error(arguments, listens.error());
-  const bool aloud = !arguments.has("--json");
-  if (aloud) {
-    print_line("listening on " + plan->address + ":" + std::to_string(end.port()) +
-               ": start the robot's program, it dials this as its node's TCP_PORT");
-  }
-  conform::Play play(end, plan->settings);
-  const std::vector<Row> rows = play_all(*cases, play, aloud);
-  const std::size_t wrong = count_of(rows, Verdict::Kind::wrong);
-  if (aloud) {
-    print_line(std::to_string(count_of(rows, Verdict::Kind::good)) + " ok, " + std::to_string(wrong) + " wrong, " +
-               std::to_string(count_of(rows, Verdict::Kind::not_tried)) + " not tried");
-  } else {
-    print_rows_json(rows);
-  }
-  return wrong == 0 ? kGood : kFailed;
+  return play_plan(arguments, *plan, *cases);
 }
+
+const std::vector<Command> kCommands = {
+    {{"robot", "conform"},
+     {"robot conform ROBOT",
+      "Plays the middleware against a robot that you have programmed to speak proto/FIELD_CHANNEL.md, and tells "
+      "case\n"
+      "by case what it gets wrong. ROBOT is its description, or the folder of its node (which must be down). The "
+      "robot\n"
+      "dials in as it dials its node. Most cases need a robot that answers the request 'echo' with its own data.",
+      {"--listen ADDRESS:PORT|where the robot dials (0.0.0.0:40000, or as the node does)",
+       "--from ADDRESS|let only this robot in", "--id ID|of the robot's own node (node)",
+       "--run 'SKILL DATA'|a skill that the robot may do, with the data as it gets them; it will move",
+       "--large BYTES|the largest message (1000000); 0: none, for a controller that has no room for it",
+       "--echo SUBTYPE|the request that comes back with its data (echo)",
+       "--timeout S|how long to wait for an answer, or until the robot dials again (5)",
+       "--wait S|how long to wait until the robot dials first (60)", "--only CASE|one case",
+       "--list|which cases there are", "--json|for programs"},
+      {"trb robot conform config/robots/field-example.json --listen 127.0.0.1:40000",
+       "trb robot conform nodes/mine --run 'go_to 1 0 0'", "trb robot conform --list"},
+      0,
+      1},
+     run_conform}};
 
 }  // namespace
 
 std::vector<Command> robot_conform_commands() {
-  return {{{"robot", "conform"},
-           {"robot conform ROBOT",
-            "Plays the middleware against a robot that you have programmed to speak proto/FIELD_CHANNEL.md, and tells "
-            "case\n"
-            "by case what it gets wrong. ROBOT is its description, or the folder of its node (which must be down). The "
-            "robot\n"
-            "dials in as it dials its node. Most cases need a robot that answers the request 'echo' with its own data.",
-            {"--listen ADDRESS:PORT|where the robot dials (0.0.0.0:40000, or as the node does)",
-             "--from ADDRESS|let only this robot in", "--id ID|of the robot's own node (node)",
-             "--run 'SKILL DATA'|a skill that the robot may do, with the data as it gets them; it will move",
-             "--large BYTES|the largest message (1000000); 0: none, for a controller that has no room for it",
-             "--echo SUBTYPE|the request that comes back with its data (echo)",
-             "--timeout S|how long to wait for an answer, or until the robot dials again (5)",
-             "--wait S|how long to wait until the robot dials first (60)", "--only CASE|one case",
-             "--list|which cases there are", "--json|for programs"},
-            {"trb robot conform config/robots/field-example.json --listen 127.0.0.1:40000",
-             "trb robot conform nodes/mine --run 'go_to 1 0 0'", "trb robot conform --list"},
-            0,
-            1},
-           run_conform}};
+  return kCommands;
 }
 
 }  // namespace trb::cli

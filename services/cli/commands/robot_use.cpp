@@ -45,37 +45,39 @@ const std::string kNode =
     "--node DIR|the node to speak from: the robot's or the cloud's (else TRB_NODE, else this folder)";
 const std::string kJson = "--json|for programs";
 
+const std::vector<Command> kCommands = {
+    {{"robot", "retire"},
+     {"robot retire ROBOT",
+      "Takes a robot out of service: it finishes what it is at and is given no task until trb robot return.\n"
+      "This stops nothing: trb stop does. Your own commands (trb send) still go.",
+      {"--reason TEXT|why, for everybody who looks", kPerson, kNode, kJson},
+      {"trb robot retire pioneer2 --reason 'new wheels are coming'"},
+      1,
+      1},
+     run_retire},
+    {{"robot", "return"},
+     {"robot return ROBOT",
+      "Brings a retired robot back.",
+      {kPerson, kNode, kJson},
+      {"trb robot return pioneer2"},
+      1,
+      1},
+     run_return},
+    {{"robot", "repaired"},
+     {"robot repaired ROBOT",
+      "Says that what a CRITICAL or FATAL fault took is whole again; trb robot list shows what is out of use.\n"
+      "Needed where the robot cannot tell it itself; refused while the robot still tells the fault.",
+      {"--capability C|that one alone; else every one", kPerson, kNode, kJson},
+      {"trb robot repaired ridgeback", "trb robot repaired ridgeback --capability carry"},
+      1,
+      1},
+     run_repaired},
+};
+
 }  // namespace
 
 std::vector<Command> robot_use_commands() {
-  return {
-      {{"robot", "retire"},
-       {"robot retire ROBOT",
-        "Takes a robot out of service: it finishes what it is at and is given no task until trb robot return.\n"
-        "This stops nothing: trb stop does. Your own commands (trb send) still go.",
-        {"--reason TEXT|why, for everybody who looks", kPerson, kNode, kJson},
-        {"trb robot retire pioneer2 --reason 'new wheels are coming'"},
-        1,
-        1},
-       run_retire},
-      {{"robot", "return"},
-       {"robot return ROBOT",
-        "Brings a retired robot back.",
-        {kPerson, kNode, kJson},
-        {"trb robot return pioneer2"},
-        1,
-        1},
-       run_return},
-      {{"robot", "repaired"},
-       {"robot repaired ROBOT",
-        "Says that what a CRITICAL or FATAL fault took is whole again; trb robot list shows what is out of use.\n"
-        "Needed where the robot cannot tell it itself; refused while the robot still tells the fault.",
-        {"--capability C|that one alone; else every one", kPerson, kNode, kJson},
-        {"trb robot repaired ridgeback", "trb robot repaired ridgeback --capability carry"},
-        1,
-        1},
-       run_repaired},
-  };
+  return kCommands;
 }
 
 }  // namespace trb::cli

@@ -209,40 +209,42 @@ const std::string kJson = "--json|for programs";
 const std::string kOf = "--of NODE|of this node (else of any that has it)";
 const std::string kIdentity = "--identity SERIAL|the device with this serial number, wherever it is plugged in";
 
+const std::vector<Command> kCommands = {
+    {{"sensor", "list"},
+     {"sensor list",
+      "Sensors that are plugged into the nodes' computers, or fed by programs there.",
+      {kNode, "--unknown|devices of this node that no rule knows, each with a rule to edit", kJson},
+      {"trb sensor list", "trb sensor list --unknown --node nodes/conveyor"},
+      0,
+      0},
+     run_list},
+    {{"sensor", "read"},
+     {"sensor read [NAME]",
+      "Asks for one value, the next that the sensor tells. NAME is a sensor's name or its kind.",
+      {kNode, kOf, kIdentity, "--save FILE|a picture, of a camera",
+       "--timeout S|how long to wait for a value (three of its periods, 3 s at least)", kJson},
+      {"trb sensor read temperature", "trb sensor read temperature --of conveyor --json",
+       "trb sensor read --identity 28-0316a2795b8c", "trb sensor read camera --save hall.jpg"},
+      0,
+      1},
+     run_read},
+    {{"sensor", "watch"},
+     {"sensor watch [NAME]",
+      "Prints values as they come, until it is ended. A sensor with a serial number is followed to the node that it "
+      "is\n"
+      "plugged into next.",
+      {kNode, kOf, kIdentity, "--every S|at most so often (1)", "--count N|end after N values",
+       "--timeout S|end after S seconds", kJson},
+      {"trb sensor watch temperature", "trb sensor watch humidity --of hall --every 0.2 --count 10"},
+      0,
+      1},
+     run_watch},
+};
+
 }  // namespace
 
 std::vector<Command> sensor_commands() {
-  return {
-      {{"sensor", "list"},
-       {"sensor list",
-        "Sensors that are plugged into the nodes' computers, or fed by programs there.",
-        {kNode, "--unknown|devices of this node that no rule knows, each with a rule to edit", kJson},
-        {"trb sensor list", "trb sensor list --unknown --node nodes/conveyor"},
-        0,
-        0},
-       run_list},
-      {{"sensor", "read"},
-       {"sensor read [NAME]",
-        "Asks for one value, the next that the sensor tells. NAME is a sensor's name or its kind.",
-        {kNode, kOf, kIdentity, "--save FILE|a picture, of a camera",
-         "--timeout S|how long to wait for a value (three of its periods, 3 s at least)", kJson},
-        {"trb sensor read temperature", "trb sensor read temperature --of conveyor --json",
-         "trb sensor read --identity 28-0316a2795b8c", "trb sensor read camera --save hall.jpg"},
-        0,
-        1},
-       run_read},
-      {{"sensor", "watch"},
-       {"sensor watch [NAME]",
-        "Prints values as they come, until it is ended. A sensor with a serial number is followed to the node that it "
-        "is\n"
-        "plugged into next.",
-        {kNode, kOf, kIdentity, "--every S|at most so often (1)", "--count N|end after N values",
-         "--timeout S|end after S seconds", kJson},
-        {"trb sensor watch temperature", "trb sensor watch humidity --of hall --every 0.2 --count 10"},
-        0,
-        1},
-       run_watch},
-  };
+  return kCommands;
 }
 
 }  // namespace trb::cli

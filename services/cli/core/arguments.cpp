@@ -1,6 +1,6 @@
 #include "services/cli/core/arguments.hpp"
 
-#include <cstdlib>
+#include "common/base/number_text.hpp"
 
 namespace trb::cli {
 namespace {
@@ -38,14 +38,36 @@ std::string Arguments::get(const std::string& option, const std::string& otherwi
 Result<double> Arguments::number(const std::string& option, double otherwise) const {
   if (!has(option)) return otherwise;
   const std::string text = get(option);
-  char* end = nullptr;
-  const double value = std::strtod(text.c_str(), &end);
-  const bool good = !text.empty() && *end == '\0' && value > 0 && value < 1e9;
-  if (!good)
+  const auto value = parse_number<double>(text);
+  if (!value || !(*value > 0 && *value < 1e9))
     return fail(Errc::bad_value, option + ": '" + text + "' is no positive number",
                 "write, for example, " + option + " 5");
-  return value;
+  return *value;
 }
+
+namespace {
+
+/// The option at given[i]; moves i on to its value, if that is a word of its own.
+Status take_option(const Usage& usage, const std::vector<std::string>& given, std::size_t& i, Arguments& out) {
+  const std::string& word = given[i];
+  const auto equals = word.find('=');
+  const std::string name = word.substr(0, equals);
+  const std::string* spec = find_option(usage, name);
+  if (spec == nullptr) return unknown_option(usage, name);
+  std::string& value = out.options[name];
+  if (!takes_value(*spec)) {
+    value.clear();
+  } else if (equals != std::string::npos) {
+    value = word.substr(equals + 1);
+  } else if (i + 1 < given.size()) {
+    value = given[++i];
+  } else {
+    return fail(Errc::missing, name + ": needs a value", "write " + spec->substr(0, spec->find('|')));
+  }
+  return Done{};
+}
+
+}  // namespace
 
 Result<Arguments> parse_arguments(const Usage& usage, const std::vector<std::string>& given) {
   Arguments out;
@@ -55,19 +77,7 @@ Result<Arguments> parse_arguments(const Usage& usage, const std::vector<std::str
       out.words.push_back(word);
       continue;
     }
-    const auto equals = word.find('=');
-    const std::string name = word.substr(0, equals);
-    const std::string* spec = find_option(usage, name);
-    if (spec == nullptr) return unknown_option(usage, name);
-    if (!takes_value(*spec)) {
-      out.options[name] = "";
-    } else if (equals != std::string::npos) {
-      out.options[name] = word.substr(equals + 1);
-    } else if (i + 1 < given.size()) {
-      out.options[name] = given[++i];
-    } else {
-      return fail(Errc::missing, name + ": needs a value", "write " + spec->substr(0, spec->find('|')));
-    }
+    if (Status taken = take_option(usage, given, i, out); !taken) return taken.error();
   }
   if (out.words.size() < usage.least) return fail(Errc::missing, "too few words", "trb " + usage.words);
   if (out.words.size() > usage.most) {

@@ -1,9 +1,10 @@
 #include "services/ros-bridge/core/bridge_core.hpp"
 
 #include <algorithm>
-#include <charconv>
 
+#include "common/base/number_text.hpp"
 #include "services/ros-bridge/core/message_codec.hpp"
+#include "services/ros-bridge/core/select.hpp"
 
 namespace trb::ros {
 namespace {
@@ -36,40 +37,18 @@ bool is_topic(std::string_view name) {
   });
 }
 
-/// The member or item that the path's first step names; takes the step off the path.
-const Value* step(const Value* value, std::string_view& path) {
-  if (path.front() == '[') {
-    const std::size_t end = path.find(']');
-    std::size_t index = 0;
-    if (end == std::string_view::npos || !value->is_list()) return nullptr;
-    const auto [last, code] = std::from_chars(path.data() + 1, path.data() + end, index);
-    if (code != std::errc{} || last != path.data() + end || index >= value->list().size()) return nullptr;
-    path.remove_prefix(end + 1);
-    return &value->list()[index];
-  }
-  if (path.front() == '.') path.remove_prefix(1);
-  const std::size_t end = std::min(path.find_first_of(".["), path.size());
-  const Value* member = value->find(path.substr(0, end));
-  path.remove_prefix(end);
-  return member;
+/// What a listener wants of a topic's message, as JSON.
+Result<std::string> selected_json(const Result<Value>& message, const std::vector<std::string>& paths,
+                                  const std::string& topic) {
+  const auto selected = message ? select(*message, paths) : message;
+  if (!selected) return selected.error();
+  std::string data = dump_json(*selected);
+  if (data.size() <= kMaxData) return data;
+  return fail(Errc::too_large, topic + ": over 64 kB of JSON",
+              "name the fields that are needed in commands.json: \"TOPIC field.path\"");
 }
 
 }  // namespace
-
-Result<Value> select(const Value& message, const std::vector<std::string>& paths) {
-  if (paths.empty()) return message;
-  Value::List out;
-  for (const std::string& path : paths) {
-    std::string_view rest = path;
-    const Value* value = &message;
-    while (value != nullptr && !rest.empty()) value = step(value, rest);
-    if (value == nullptr) {
-      return fail(Errc::bad_value, "the message has no " + path, "ask without it and look at what there is");
-    }
-    out.push_back(*value);
-  }
-  return out.size() == 1 ? out.front() : Value{std::move(out)};
-}
 
 BridgeCore::BridgeCore(BridgeSettings settings, TypeStore::Read read)
     : settings_(std::move(settings)), store_(std::move(read)), detail_("starting"), connection_(settings_.instance) {}
@@ -195,11 +174,7 @@ void BridgeCore::on_worker_bytes(BytesView bytes, Now now, Outbox& out) {
 void BridgeCore::on_word(const WorkerMessage& message, Now now, Outbox& out) {
   alive_ = now.mono;
   const auto& parts = message.parts;
-  const auto token = [&parts] {
-    std::uint64_t value = 0;
-    std::from_chars(parts[0].data(), parts[0].data() + parts[0].size(), value);
-    return value;
-  };
+  const auto token = [&parts] { return parse_number<std::uint64_t>(parts[0]).value_or(0); };
   switch (message.word) {
     case Word::alive:
       return on_alive(parts[0] == "up", parts[1], now, out);
@@ -283,20 +258,13 @@ void BridgeCore::on_message(const WorkerMessage& message, Now now, Outbox& out) 
   std::erase_if(listeners, [&](Listener& listener) {
     if (listener.watch && now.mono < listener.next) return false;
     listener.next = now.mono + kWatchPeriod;
-    const auto selected = value ? select(*value, listener.paths) : value;
-    std::string data = selected ? dump_json(*selected) : "";
-    if (!selected) {
-      fail_event(listener.token, selected.error(), out);
-    } else if (data.size() > kMaxData) {
-      fail_event(listener.token,
-                 fail(Errc::too_large, message.parts[0] + ": over 64 kB of JSON",
-                      "name the fields that are needed in commands.json: \"TOPIC field.path\""),
-                 out);
-    } else {
-      event(listener.token, BridgeResult::value, std::move(data), std::nullopt, out);
-      return !listener.watch;
+    auto data = selected_json(value, listener.paths, message.parts[0]);
+    if (!data) {
+      fail_event(listener.token, data.error(), out);
+      return true;
     }
-    return true;
+    event(listener.token, BridgeResult::value, std::move(*data), std::nullopt, out);
+    return !listener.watch;
   });
   if (listeners.empty()) at->second.idle_since = now.mono;
 }
@@ -338,6 +306,10 @@ void BridgeCore::expire(Now now, Outbox& out) {
   }
   std::erase_if(looked_up_, [](const auto& entry) { return entry.second.empty(); });
   std::erase_if(published_, [&](const auto& entry) { return late(entry.second, kGrace); });
+  expire_listeners(now, out);
+}
+
+void BridgeCore::expire_listeners(Now now, Outbox& out) {
   for (auto& [name, topic] : topics_) {
     std::erase_if(topic.listeners, [&, &topic_name = name](const Listener& listener) {
       if (listener.watch || now.mono < listener.deadline) return false;

@@ -14,10 +14,6 @@
 
 namespace trb::ros {
 
-/// The value at each path ("pose.position.x", "ranges[3]"): one is given as it is, several as a list, none: the whole.
-/// Errors: bad_value, naming the path.
-Result<Value> select(const Value& message, const std::vector<std::string>& paths);
-
 struct BridgeSettings {
   std::string id;      ///< the own node's
   std::string master;  ///< the ROS master's URI, for people
@@ -74,6 +70,7 @@ class BridgeCore : public Core {
   Result<RosTypePtr> type_of(const std::string& name);
   void end_publish(std::uint64_t token, const std::optional<Error>& error, Outbox& out);
   void expire(Now now, Outbox& out);
+  void expire_listeners(Now now, Outbox& out);
   void event(std::uint64_t token, BridgeResult result, std::string data, const std::optional<Error>& error,
              Outbox& out) const;
   void fail_event(std::uint64_t token, const Error& error, Outbox& out) const {

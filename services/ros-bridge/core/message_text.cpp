@@ -2,9 +2,10 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <set>
 #include <utility>
+
+#include "common/base/number_text.hpp"
 
 namespace trb::ros {
 namespace {
@@ -88,14 +89,12 @@ class Parser {
     if (bracket != std::string_view::npos) {
       out.array = true;
       const std::string_view length = type.substr(bracket + 1);
-      std::uint32_t number = 0;
-      const auto [end, code] = std::from_chars(length.data(), length.data() + length.size(), number);
-      if (length.empty() || length.back() != ']' ||
-          (length.size() > 1 && (code != std::errc{} || end != length.data() + length.size() - 1)) ||
-          number > kMaxFixedLength) {
+      const bool fixed = length.size() > 1;
+      const auto number = parse_number<std::uint32_t>(length.substr(0, length.size() - (length.empty() ? 0 : 1)));
+      if (!length.ends_with(']') || (fixed && (!number || *number > kMaxFixedLength))) {
         return refuse(Errc::malformed, "'" + std::string(type.substr(0, 80)) + "' is no array");
       }
-      if (length.size() > 1) out.length = number;
+      if (fixed) out.length = *number;
     }
     if (auto named = take_name(name); !named) return named;
     message.fields.push_back(std::move(out));

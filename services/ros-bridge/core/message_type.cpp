@@ -117,19 +117,24 @@ Result<RosTypePtr> TypeStore::build(const std::string& type, std::vector<std::st
   auto out = std::make_shared<RosType>();
   out->name = type;
   out->text = *text;
-  const std::string package = type.substr(0, type.find('/'));
-  for (const FieldText& field : parsed->fields) {
-    out->fields.push_back({field.name, field.primitive, field.array, field.length, nullptr});
-    if (field.primitive != Primitive::none) continue;
-    auto nested = build(full_type_name(package, field.type), inside);
-    if (!nested) return named(type + "." + field.name, nested.error());
-    out->fields.back().message = *nested;
-  }
+  if (Status good = add_fields(*out, parsed->fields, inside); !good) return good.error();
   inside.pop_back();
   if (auto added = add_up(*out); !added) return added.error();
   out->md5 = md5_of(md5_text(*parsed, out->fields));
   types_[type] = out;
   return RosTypePtr(out);
+}
+
+Status TypeStore::add_fields(RosType& type, const std::vector<FieldText>& fields, std::vector<std::string>& inside) {
+  const std::string package = type.name.substr(0, type.name.find('/'));
+  for (const FieldText& field : fields) {
+    type.fields.push_back({field.name, field.primitive, field.array, field.length, nullptr});
+    if (field.primitive != Primitive::none) continue;
+    auto nested = build(full_type_name(package, field.type), inside);
+    if (!nested) return named(type.name + "." + field.name, nested.error());
+    type.fields.back().message = *nested;
+  }
+  return Done{};
 }
 
 std::string full_definition(const RosType& type) {

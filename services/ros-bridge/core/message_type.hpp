@@ -51,6 +51,7 @@ class TypeStore {
 
  private:
   Result<RosTypePtr> build(const std::string& type, std::vector<std::string>& inside);
+  Status add_fields(RosType& type, const std::vector<FieldText>& fields, std::vector<std::string>& inside);
 
   Read read_;
   std::map<std::string, RosTypePtr> types_;

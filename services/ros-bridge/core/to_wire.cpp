@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <bit>
-#include <charconv>
 #include <cmath>
 #include <limits>
 #include <span>
 
+#include "common/base/number_text.hpp"
 #include "services/ros-bridge/core/message_codec.hpp"
 #include "services/ros-bridge/core/wire_bytes.hpp"
 
@@ -223,11 +223,9 @@ class Writer {
       }
       number = static_cast<T>(static_cast<std::int64_t>(real));
     } else if (sizeof(T) == 8 && json.is_text()) {
-      const std::string& text = json.text();
-      const auto [end, code] = std::from_chars(text.data(), text.data() + text.size(), number);
-      if (text.empty() || code != std::errc{} || end != text.data() + text.size()) {
-        return refuse(Errc::bad_value, "text that is not " + range);
-      }
+      const auto written = parse_number<T>(json.text());
+      if (!written) return refuse(Errc::bad_value, "text that is not " + range);
+      number = *written;
     } else {
       return wrong(json, range);
     }

@@ -91,27 +91,34 @@ void SensorBusCore::on_picture(const Picture& picture, Now now, Outbox& out) {
   auto error = picture.error;
   if (!error && picture.bytes.size() > kMaxPicture)
     error = fail(Errc::too_large, name + ": its picture has over 1 MB", "let the camera give smaller ones");
-  SensorImage image{name, sensor->info.identity, picture.media_type, picture.time.ns, {}};
-  if (!error) image.bytes.bytes = picture.bytes;
-  std::erase_if(pictures_, [&](const Asker& one) {
-    if (one.name != name) return false;
-    if (error) {
-      out.nack(one.asked, fail(Errc::robot_error, error->what, error->hint));
-    } else {
-      out.sends.push_back({.type = MessageType::information,
-                           .target = one.asked.source,
-                           .reply_to = one.asked.id,
-                           .flags = kFlagLossy,
-                           .body = image});
-    }
-    return true;
-  });
   if (error) {
+    refuse_pictures(name, *error, out);
     sensors_.failed(name, error->what);
   } else {
+    send_picture({name, sensor->info.identity, picture.media_type, picture.time.ns, {picture.bytes}}, out);
     sensors_.told(name, {}, now.mono, now.mono);
   }
   settle(now, out);
+}
+
+void SensorBusCore::refuse_pictures(const std::string& name, const Error& error, Outbox& out) {
+  std::erase_if(pictures_, [&](const Asker& one) {
+    if (one.name != name) return false;
+    out.nack(one.asked, fail(Errc::robot_error, error.what, error.hint));
+    return true;
+  });
+}
+
+void SensorBusCore::send_picture(const SensorImage& image, Outbox& out) {
+  std::erase_if(pictures_, [&](const Asker& one) {
+    if (one.name != image.sensor) return false;
+    out.sends.push_back({.type = MessageType::information,
+                         .target = one.asked.source,
+                         .reply_to = one.asked.id,
+                         .flags = kFlagLossy,
+                         .body = image});
+    return true;
+  });
 }
 
 // ---- values

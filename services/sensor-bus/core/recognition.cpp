@@ -141,8 +141,7 @@ bool matches(const DeviceMatch& match, const Device& device) {
 FoundDevice find_sensors(const Device& device, const std::shared_ptr<const SensorRule>& rule) {
   FoundDevice found{device, rule, {}};
   const std::string identity = identity_of(device, *rule);
-  const bool needs_node = rule->by != ReadBy::attributes && rule->by != ReadBy::w1;
-  if (needs_node && device.devnode.empty()) return found;
+  if (kind_of(rule->by).device_file && device.devnode.empty()) return found;
   for (const SensorChannel& how : rule->channels) {
     if (rule->by != ReadBy::attributes) {
       found.channels.push_back(make_channel(device, how, how.name, identity));
@@ -204,20 +203,22 @@ Recognition::Change Recognition::on_present(Device device) {
     ++refused_;
     return change;
   }
-  if (!found.rule) {
-    change = on_gone(syspath);
-    if (is_worth_listing(device)) {
-      unknown_.insert_or_assign(syspath, std::move(device));
-      change.unknown_changed = true;
-    }
-    return change;
-  }
+  if (!found.rule) return put_unknown(std::move(device));
   std::string looks = looks_of(found);
   if (before != known_.end() && before->second.looks == looks) return change;
   change = on_gone(syspath);
   change.unknown_changed = change.unknown_changed || !unknown_.empty();  // one below it may be listed no more
   known_.insert_or_assign(syspath, Known{std::move(device), std::move(looks)});
   change.plugged.push_back(std::move(found));
+  return change;
+}
+
+Recognition::Change Recognition::put_unknown(Device device) {
+  const std::string syspath = device.syspath;
+  Change change = on_gone(syspath);
+  if (!is_worth_listing(device)) return change;
+  unknown_.insert_or_assign(syspath, std::move(device));
+  change.unknown_changed = true;
   return change;
 }
 

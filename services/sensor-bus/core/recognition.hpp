@@ -69,6 +69,7 @@ class Recognition {
     std::string looks;  ///< its sensors in one text: another one means another device
   };
   [[nodiscard]] FoundDevice recognise(const Device& device) const;
+  Change put_unknown(Device device);
 
   std::vector<std::shared_ptr<const SensorRule>> rules_;
   std::set<std::string> subsystems_;

@@ -55,6 +55,8 @@ class SensorBusCore : public Core {
   void begin_read(const Inbound& asked, const SensorRead& body, Now now, Outbox& out);
   void begin_picture(const Inbound& asked, const SensorSnapshot& body, Now now, Outbox& out);
   void order_watch(const Inbound& asked, const SensorWatch& body, Now now, Outbox& out);
+  void refuse_pictures(const std::string& name, const Error& error, Outbox& out);
+  void send_picture(const SensorImage& image, Outbox& out);
   void tell_table(const Inbound& asked, const SensorListRequest& body, Outbox& out) const;
   [[nodiscard]] Duration patience_of(const std::string& name, double timeout_s) const;
 

@@ -121,23 +121,25 @@ void Sensors::settle_identities(const std::string& serial) {
   }
 }
 
+Result<const Sensor*> Sensors::add_fed(const std::string& name, MonotonicTime now) {
+  if (is_taken_word(name)) {
+    return fail(
+        Errc::not_permitted,
+        "a program feeds trbots." + name + ", a word of the " + (is_typed(name) ? "middleware's" : "robot's") + " own",
+        "give it another name");
+  }
+  const auto fed = std::ranges::count_if(sensors_, [](const auto& one) { return one.second.fed(); });
+  if (static_cast<std::size_t>(fed) >= kMaxFed || sensors_.size() >= kMaxSensors)
+    return fail(Errc::queue_full, "trbots." + name + ": programs feed too many sensors", "64 at most");
+  Sensor sensor;
+  sensor.info = {name, name, "", "", "a program on D-Bus", SensorState::ok, ""};
+  sensor.heard = now;
+  return &add(std::move(sensor), now);
+}
+
 Result<const Sensor*> Sensors::fed(const std::string& name, MonotonicTime now) {
   const auto at = sensors_.find(name);
-  if (at == sensors_.end()) {
-    if (is_taken_word(name)) {
-      return fail(Errc::not_permitted,
-                  "a program feeds trbots." + name + ", a word of the " +
-                      (is_typed(name) ? "middleware's" : "robot's") + " own",
-                  "give it another name");
-    }
-    const auto fed = std::ranges::count_if(sensors_, [](const auto& one) { return one.second.fed(); });
-    if (static_cast<std::size_t>(fed) >= kMaxFed || sensors_.size() >= kMaxSensors)
-      return fail(Errc::queue_full, "trbots." + name + ": programs feed too many sensors", "64 at most");
-    Sensor sensor;
-    sensor.info = {name, name, "", "", "a program on D-Bus", SensorState::ok, ""};
-    sensor.heard = now;
-    return &add(std::move(sensor), now);
-  }
+  if (at == sensors_.end()) return add_fed(name, now);
   Sensor& sensor = at->second;
   if (!sensor.fed())
     return fail(Errc::not_permitted, "a program emits trbots." + name + ", which is the name of a device",

@@ -73,6 +73,7 @@ class Sensors {
   Change take_change() { return std::exchange(change_, {}); }
 
  private:
+  Result<const Sensor*> add_fed(const std::string& name, MonotonicTime now);
   Sensor& add(Sensor sensor, MonotonicTime now);
   std::string free_name(const std::string& wish) const;
   [[nodiscard]] bool is_taken_word(const std::string& name) const;

@@ -1,5 +1,7 @@
 #include "services/sensor-bus/io/bus_message.hpp"
 
+#include <algorithm>
+#include <array>
 #include <cstring>
 
 namespace trb::sensor {
@@ -23,41 +25,38 @@ BusArgument take_text(sdbus::Message& message) {
   return std::string(text, ::strnlen(text, kMaxValueText + 1));
 }
 
+using Take = BusArgument (*)(sdbus::Message&);
+struct BasicType {
+  char letter;
+  Take take;
+};
+/// D-Bus' letters for the types of which a value may be.
+constexpr std::array kBasicTypes{
+    BasicType{'y', take<std::uint8_t, std::uint64_t>},
+    BasicType{'b', take<bool, bool>},
+    BasicType{'n', take<std::int16_t, std::int64_t>},
+    BasicType{'q', take<std::uint16_t, std::uint64_t>},
+    BasicType{'i', take<std::int32_t, std::int64_t>},
+    BasicType{'u', take<std::uint32_t, std::uint64_t>},
+    BasicType{'x', take<std::int64_t, std::int64_t>},
+    BasicType{'t', take<std::uint64_t, std::uint64_t>},
+    BasicType{'d', take<double, double>},
+    BasicType{'s', take_text},
+};
+
 BusArgument read_argument(sdbus::Message& message, int depth) {
   std::string type;
   std::string contents;
   message.peekType(type, contents);
-  switch (type.empty() ? '\0' : type.front()) {
-    case 'y':
-      return take<std::uint8_t, std::uint64_t>(message);
-    case 'b':
-      return take<bool, bool>(message);
-    case 'n':
-      return take<std::int16_t, std::int64_t>(message);
-    case 'q':
-      return take<std::uint16_t, std::uint64_t>(message);
-    case 'i':
-      return take<std::int32_t, std::int64_t>(message);
-    case 'u':
-      return take<std::uint32_t, std::uint64_t>(message);
-    case 'x':
-      return take<std::int64_t, std::int64_t>(message);
-    case 't':
-      return take<std::uint64_t, std::uint64_t>(message);
-    case 'd':
-      return take<double, double>(message);
-    case 's':
-      return take_text(message);
-    case 'v': {
-      if (depth >= kDeepest) return std::monostate{};
-      message.enterVariant(contents);
-      BusArgument inside = read_argument(message, depth + 1);
-      if (!std::holds_alternative<std::monostate>(inside)) message.exitVariant();
-      return inside;
-    }
-    default:
-      return std::monostate{};
+  const char letter = type.empty() ? '\0' : type.front();
+  if (const auto basic = std::ranges::find(kBasicTypes, letter, &BasicType::letter); basic != kBasicTypes.end()) {
+    return basic->take(message);
   }
+  if (letter != 'v' || depth >= kDeepest) return std::monostate{};
+  message.enterVariant(contents);
+  BusArgument inside = read_argument(message, depth + 1);
+  if (!std::holds_alternative<std::monostate>(inside)) message.exitVariant();
+  return inside;
 }
 
 }  // namespace

@@ -9,7 +9,7 @@
 #include "common/log/log.hpp"
 #include "common/service/service.hpp"
 #include "services/sensor-bus/core/recognition.hpp"
-#include "services/sensor-bus/io/devices/reader.hpp"
+#include "services/sensor-bus/io/devices/reader_thread.hpp"
 #include "services/sensor-bus/io/devices/udev_monitor.hpp"
 
 namespace trb::sensor {

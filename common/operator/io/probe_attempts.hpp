@@ -1,0 +1,50 @@
+// What the doctor tries on one address: a connection, or datagrams. Each ends by what comes, or by its deadline.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "common/base/time.hpp"
+#include "common/operator/doctor/diagnosis.hpp"
+
+namespace trb::op {
+
+class Attempt {
+ public:
+  virtual ~Attempt();
+  Attempt(const Attempt&) = delete;
+  Attempt& operator=(const Attempt&) = delete;
+
+  /// What it waits for, and until when; of no meaning once it is done.
+  [[nodiscard]] int fd() const { return fd_; }
+  [[nodiscard]] short events() const { return events_; }
+  [[nodiscard]] MonotonicTime deadline() const { return deadline_; }
+  [[nodiscard]] bool done() const { return done_; }
+
+  virtual void on_ready(MonotonicTime now) = 0;
+  virtual void on_late(MonotonicTime now) = 0;
+  /// Puts what was seen into `probe`.
+  virtual void tell(AddressProbe& probe) const = 0;
+
+ protected:
+  Attempt() = default;
+  void open(int fd) { fd_ = fd; }
+  void wait_for(short events, MonotonicTime deadline) {
+    events_ = events;
+    deadline_ = deadline;
+  }
+  void end() { done_ = true; }
+
+ private:
+  int fd_ = -1;
+  short events_ = 0;
+  MonotonicTime deadline_;
+  bool done_ = false;
+};
+
+/// A connection: 1.5 s at most.
+std::unique_ptr<Attempt> try_connection(const std::string& address, MonotonicTime now);
+/// Two small and two large datagrams, 250 ms each: 1 s at most.
+std::unique_ptr<Attempt> try_datagrams(const std::string& address, MonotonicTime now);
+
+}  // namespace trb::op
