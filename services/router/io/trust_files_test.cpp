@@ -22,16 +22,16 @@ TEST_CASE("boot, time and peers are written as the next start reads them") {
 TEST_CASE("a trust update is written whole, and again only if it is another one") {
   ShellParts parts;
   const FleetNews update{list_of(parts.ant.authority, 1, {"bee"}), {}};
-  parts.files.store(StoreNews{update, 0, ""});
+  parts.files.store(StoreUpdate{update, 0, ""});
   CHECK(*read_file("state/news") == encode(update));
   const auto written = std::filesystem::last_write_time("state/news");
-  parts.files.store(StoreNews{update, 0, ""});
+  parts.files.store(StoreUpdate{update, 0, ""});
   CHECK(std::filesystem::last_write_time("state/news") == written);
 }
 
 TEST_CASE("a beacon key that this node cannot open leaves the old one in use") {
   ShellParts parts;
-  parts.files.store(StoreNews{{}, 9, Bytes(80, 'b')});
+  parts.files.store(StoreUpdate{{}, 9, Bytes(80, 'b')});
   CHECK(parts.beacons.key_number() == 0);
 }
 
