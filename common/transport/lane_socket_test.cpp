@@ -22,7 +22,7 @@ struct Lane {
   Loop loop;
   CurveKeys keys = make_keys();
   ZapServer zap{context, loop, [](BytesView domain, BytesView) { return domain == kLaneDomain; }};
-  Socket server = Socket::lane_server(context, keys);
+  Socket server = *Socket::lane_server(context, keys);
   std::string endpoint;
 
   Lane() {

@@ -67,9 +67,6 @@ Result<std::unique_ptr<SocketMonitor>> SocketMonitor::watch(Context& context, Lo
   return std::unique_ptr<SocketMonitor>(new SocketMonitor(loop, socket, std::move(*pair), std::move(on_event)));
 }
 
-SocketMonitor::SocketMonitor(Context& context, Loop& loop, Socket& socket, OnEvent on_event)
-    : SocketMonitor(loop, socket, started_monitor(context, socket, kEvents), std::move(on_event)) {}
-
 SocketMonitor::SocketMonitor(Loop& loop, Socket& socket, Socket pair, OnEvent on_event)
     : loop_(loop), socket_(socket), pair_(std::move(pair)), on_event_(std::move(on_event)) {
   loop_.add_socket(

@@ -45,8 +45,6 @@ class SocketMonitor {
   using OnEvent = std::function<void(LinkEvent event, int fd)>;
   /// Errors: io_error (no descriptor is left).
   static Result<std::unique_ptr<SocketMonitor>> watch(Context& context, Loop& loop, Socket& socket, OnEvent on_event);
-  /// The same while a program starts: throws std::runtime_error.
-  SocketMonitor(Context& context, Loop& loop, Socket& socket, OnEvent on_event);
   ~SocketMonitor();
   SocketMonitor(const SocketMonitor&) = delete;
   /// Tells at once what has happened up to now: a frame may be read before the loop comes to its connection's events.

@@ -65,14 +65,18 @@ void watch_bus(zmq::socket_t& socket) {
   socket.set(zmq::sockopt::heartbeat_timeout, 6000);
 }
 
+std::string hint_for(const zmq::error_t& problem) {
+  if (problem.num() == EADDRINUSE) return "stop the other process on that address, or take another one";
+  return problem.num() == EMFILE ? "raise the limit of open files (ulimit -n)" : "";
+}
+
 Error refused(const std::string& endpoint, const zmq::error_t& problem) {
-  return fail(Errc::io_error, endpoint + ": cannot bind: " + problem.what(),
-              problem.num() == EADDRINUSE ? "stop the other process on that address, or take another one" : "");
+  const std::string what = endpoint.empty() ? "a socket that others dial" : endpoint + ": cannot bind";
+  return fail(Errc::io_error, what + ": " + problem.what(), hint_for(problem));
 }
 
 Error failed(const std::string& what, const zmq::error_t& problem) {
-  return fail(Errc::io_error, what + ": " + problem.what(),
-              problem.num() == EMFILE ? "raise the limit of open files" : "");
+  return fail(Errc::io_error, what + ": " + problem.what(), hint_for(problem));
 }
 
 /// While a program starts, what cannot be made ends it.
@@ -250,8 +254,12 @@ Socket Socket::tap_client(Context& context, const std::string& endpoint, const C
   return at_start(endpoint, [&] { return Socket(make_tap_client(context, endpoint, curve)); });
 }
 
-Socket Socket::lane_server(Context& context, const CurveKeys& keys) {
-  return at_start("the lane's socket", [&] { return Socket(make_lane_server(context, keys)); });
+Result<Socket> Socket::lane_server(Context& context, const CurveKeys& keys) {
+  try {
+    return Socket(make_lane_server(context, keys));
+  } catch (const zmq::error_t& problem) {
+    return failed("the own lane's socket", problem);
+  }
 }
 
 Result<Socket> Socket::lane_client(Context& context, const CurveKeys& keys, BytesView server_key, BytesView topic) {

@@ -91,8 +91,8 @@ class Socket {
   /// The lossy lane: XPUB that takes no subscription by itself. It tells of each one (a frame: 1 and the topic) and
   /// lets that connection hear what let_listen() says. Sends are topic and frame; `full` if one who listens to that
   /// topic has kLaneHighWaterMark messages waiting. In a context of two I/O threads it is on the second. bind()
-  /// follows.
-  static Socket lane_server(Context& context, const CurveKeys& keys);
+  /// follows. Errors: io_error (no descriptor is left).
+  static Result<Socket> lane_server(Context& context, const CurveKeys& keys);
   /// Listens to one topic at another node's; one connection, never made again by libzmq. dial() follows. Errors:
   /// io_error (no descriptor is left).
   static Result<Socket> lane_client(Context& context, const CurveKeys& keys, BytesView server_key, BytesView topic);

@@ -12,6 +12,7 @@
 #include "common/transport/monitor.hpp"
 #include "common/transport/signals.hpp"
 #include "common/transport/socket.hpp"
+#include "common/transport/test/no_descriptors.hpp"
 #include "common/transport/zap.hpp"
 
 using namespace trb;
@@ -45,10 +46,10 @@ struct Door {
   Socket inbox = *Socket::inbox(context, "tcp://127.0.0.1:*", server);
   std::vector<LinkEvent> events;
   int accepted_fd = -1;
-  SocketMonitor watch{context, loop, inbox, [this](LinkEvent event, int fd) {
-                        if (event == LinkEvent::accepted) accepted_fd = fd;
-                        if (event != LinkEvent::accepted && event != LinkEvent::listening) events.push_back(event);
-                      }};
+  std::unique_ptr<SocketMonitor> watch = *SocketMonitor::watch(context, loop, inbox, [this](LinkEvent event, int fd) {
+    if (event == LinkEvent::accepted) accepted_fd = fd;
+    if (event != LinkEvent::accepted && event != LinkEvent::listening) events.push_back(event);
+  });
 
   bool saw(LinkEvent event) const { return std::find(events.begin(), events.end(), event) != events.end(); }
 };
@@ -57,11 +58,12 @@ struct Caller {
   CurveKeys keys = make_keys();
   Socket socket;
   std::vector<LinkEvent> events;
-  SocketMonitor watch;
+  std::unique_ptr<SocketMonitor> watch;
 
   Caller(Door& door, BytesView server_key, bool member)
       : socket(*Socket::dialler(door.context, keys, server_key)),
-        watch(door.context, door.loop, socket, [this](LinkEvent event, int) { events.push_back(event); }) {
+        watch(*SocketMonitor::watch(door.context, door.loop, socket,
+                                    [this](LinkEvent event, int) { events.push_back(event); })) {
     if (member) door.members.insert(keys.public_key);
     REQUIRE(socket.dial(door.inbox.last_endpoint()).ok());
   }
@@ -119,7 +121,8 @@ TEST_CASE("a dialled link is never made again behind the core's back") {
   door->members.insert(keys.public_key);
   Socket dialler = *Socket::dialler(other, keys, door->server.public_key);
   std::vector<LinkEvent> events;
-  SocketMonitor watch(other, loop, dialler, [&](LinkEvent event, int) { events.push_back(event); });
+  const auto watch =
+      *SocketMonitor::watch(other, loop, dialler, [&](LinkEvent event, int) { events.push_back(event); });
   const std::string endpoint = door->inbox.last_endpoint();
   REQUIRE(dialler.dial(endpoint).ok());
   REQUIRE(turn_until(door->loop, [&] { return door->saw(LinkEvent::connected); }));
@@ -154,6 +157,30 @@ TEST_CASE("two servers cannot bind one address") {
   REQUIRE_FALSE(second.ok());
   CHECK(second.error().code == Errc::io_error);
   CHECK_FALSE(second.error().hint.empty());
+}
+
+TEST_CASE("sockets and monitors that no descriptor is left for are errors with a hint, and can be made later") {
+  init_crypto();
+  Context context{2};
+  Loop loop;
+  const CurveKeys keys = make_keys();
+  Socket socket = *Socket::dialler(context, keys, keys.public_key);
+  const auto watch = [&] { return SocketMonitor::watch(context, loop, socket, [](LinkEvent, int) {}); };
+  const auto check = [](const auto& made) {
+    REQUIRE_FALSE(made.ok());
+    CHECK(made.error().code == Errc::io_error);
+    CHECK(made.error().hint.find("limit of open files") != std::string::npos);
+  };
+  {
+    const NoDescriptors none;
+    check(Socket::inbox(context, "", keys));
+    check(Socket::dialler(context, keys, keys.public_key));
+    check(Socket::lane_server(context, keys));
+    check(Socket::lane_client(context, keys, keys.public_key, "topic"));
+    check(watch());
+  }
+  CHECK(Socket::lane_server(context, keys).ok());
+  CHECK(watch().ok());
 }
 
 TEST_CASE("the loop wakes for descriptors, deadlines and signals, and forgets what was removed") {

@@ -59,7 +59,7 @@ struct RefuseCandidate {
 
 /// What the authority said, to be on disk before what follows in the list is done; the beacon key of the list, if this
 /// node has a box in it, is used from then on. TrustUpdates::on_stored follows, for this and the next two.
-struct StoreNews {
+struct StoreUpdate {
   FleetNews news;
   std::uint32_t beacon_number = 0;
   Bytes beacon_box;
@@ -105,7 +105,7 @@ struct ReturnHeld {
 };
 
 using Effect = std::variant<BusSend, LinkSend, Dial, CloseLink, AcceptLink, SendBeacon, StorePeers, RefuseCandidate,
-                            Log, StoreNews, StoreCertificate, StoreBoot, StoreUtc, SealDue, CheckSeal, DeliverHeld,
+                            Log, StoreUpdate, StoreCertificate, StoreBoot, StoreUtc, SealDue, CheckSeal, DeliverHeld,
                             DialLane, ReturnHeld>;
 
 struct Effects {

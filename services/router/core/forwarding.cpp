@@ -16,35 +16,33 @@ FrameOrders Forwarding::from_bus(ConnectionId from, const HeaderView& header, ch
   FrameOrders orders;
   orders.way = at_.routing.from_bus(from, header);
   const bool leaves = orders.way.to == To::peer || orders.way.to == To::relay;
-  const bool lossy = is_lossy(header);
-  if (leaves && lossy) orders.way = at_.routing.lossy(header.target, size, now);
+  if (leaves && is_lossy(header)) orders.way = at_.routing.lossy(header.target, size, now);
+  // Of what may be lost nobody is told, once its sender may send it.
+  if (orders.way.to == To::drop && !leaves) at_.bus.nack(from, header, orders.way.reason, out);
+  follow(from, header, frame, size, now, orders, out);
+  return orders;
+}
+
+/// What its way asks for.
+void Forwarding::follow(ConnectionId from, const HeaderView& header, char* frame, std::size_t size, Now now,
+                        FrameOrders& orders, Effects& out) {
   switch (orders.way.to) {
     case To::peer:
-      to_link(from, header, frame, size, now, orders, out);
-      break;
+      return to_link(from, header, frame, size, now, orders, out);
     case To::relay:
-      by_relay(from, header.target, header, {frame, size}, now, orders, out);
-      break;
+      return by_relay(from, header.target, header, {frame, size}, now, orders, out);
     case To::lane:
     case To::service:
       orders.shown = 1;
-      break;
+      return;
     case To::every_peer:
-      if (lossy) {
-        lossy_to_every_peer(from, header, {frame, size}, now, orders, out);
-      } else {
-        to_every_peer(from, header, {frame, size}, now, orders, out);
-      }
-      break;
+      if (is_lossy(header)) return lossy_to_every_peer(from, header, {frame, size}, now, orders, out);
+      return to_every_peer(from, header, {frame, size}, now, orders, out);
     case To::router:
-      on_bus_message(from, to_message(header), now, out);
-      break;
+      return on_bus_message(from, to_message(header), now, out);
     case To::drop:
-      // Of what may be lost nobody is told, once its sender may send it.
-      if (!leaves) at_.bus.nack(from, header, orders.way.reason, out);
-      break;
+      return;
   }
-  return orders;
 }
 
 void Forwarding::to_link(ConnectionId from, const HeaderView& header, char* frame, std::size_t size, Now now,

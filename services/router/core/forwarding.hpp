@@ -54,6 +54,8 @@ class Forwarding {
   void on_bus_message(ConnectionId from, const Message& message, Now now, Effects& out);
 
  private:
+  void follow(ConnectionId from, const HeaderView& header, char* frame, std::size_t size, Now now, FrameOrders& orders,
+              Effects& out);
   void to_link(ConnectionId from, const HeaderView& header, char* frame, std::size_t size, Now now, FrameOrders& orders,
                Effects& out);
   void by_relay(ConnectionId from, std::string_view target, const HeaderView& header, BytesView frame, Now now,

@@ -6,6 +6,17 @@
 #include "common/base/saturate.hpp"
 
 namespace trb::router {
+namespace {
+
+Link fresh_link(LinkId id, BytesView key, MonotonicTime opened) {
+  Link link;
+  link.id = id;
+  link.key = key;
+  link.opened = opened;
+  return link;
+}
+
+}  // namespace
 
 void Handshake::on_dial_connected(LinkId link, Now now, Effects& out) {
   if (Link* known = table_.link(link)) send_hello(*known, now, out);
@@ -152,10 +163,7 @@ std::optional<Carried> Handshake::on_hello(LinkId id, BytesView key, const Messa
     return std::nullopt;
   }
   if (!dialled && !may_say_hello(id, key, now, out)) return std::nullopt;
-  Link fresh;
-  fresh.id = id;
-  fresh.key = key;
-  fresh.opened = now.mono;
+  const Link fresh = fresh_link(id, key, now.mono);
   const auto hello = read(id, message);
   const auto certificate =
       hello ? check(dialled ? *known : fresh, message, *hello, now, out) : Result<Certificate>(hello.error());

@@ -6,6 +6,28 @@
 #include "services/router/core/nack.hpp"
 
 namespace trb::router {
+namespace {
+
+/// Whom a record names as its maker, in this field; empty if it cannot be decoded.
+template <class Body>
+std::string named_by(const SignRequest& request, std::string Body::*maker) {
+  const auto body = decode<Body>(request.payload.bytes);
+  return body ? (*body).*maker : std::string();
+}
+
+/// Nothing: records of that kind are not made.
+std::optional<std::string> maker_of(const SignRequest& request) {
+  if (request.kind == kSignedResult) return named_by(request, &TaskResult::robot);
+  if (request.kind == kSignedChoice) return named_by(request, &Choice::by);
+  if (request.kind == kSignedRunStart) return named_by(request, &RunStart::submitter);
+  if (request.kind == kSignedRunAbort) return named_by(request, &AbortOrder::by);
+  if (request.kind == kSignedRunPause) return named_by(request, &PauseOrder::by);
+  if (request.kind == kSignedRunEnd) return named_by(request, &RunEnd::by);
+  if (request.kind == kSignedDecision) return named_by(request, &trb::Decision::by);
+  return std::nullopt;
+}
+
+}  // namespace
 
 Status LocalBus::may_be(const ServiceHello& hello, std::string_view proven) const {
   if (proven == kProbe) return Done{};
@@ -122,26 +144,10 @@ Status LocalBus::may_sign_for(const Connection& from, const SignRequest& request
                     " node may not have a '" + request.kind + "' signed",
                 "trb help rights says who signs what");
   }
-  std::string maker;
-  if (request.kind == kSignedResult) {
-    if (auto body = decode<TaskResult>(request.payload.bytes)) maker = body->robot;
-  } else if (request.kind == kSignedChoice) {
-    if (auto body = decode<Choice>(request.payload.bytes)) maker = body->by;
-  } else if (request.kind == kSignedRunStart) {
-    if (auto body = decode<RunStart>(request.payload.bytes)) maker = body->submitter;
-  } else if (request.kind == kSignedRunAbort) {
-    if (auto body = decode<AbortOrder>(request.payload.bytes)) maker = body->by;
-  } else if (request.kind == kSignedRunPause) {
-    if (auto body = decode<PauseOrder>(request.payload.bytes)) maker = body->by;
-  } else if (request.kind == kSignedRunEnd) {
-    if (auto body = decode<RunEnd>(request.payload.bytes)) maker = body->by;
-  } else if (request.kind == kSignedDecision) {
-    if (auto body = decode<trb::Decision>(request.payload.bytes)) maker = body->by;
-  } else {
-    return fail(Errc::bad_value, "this version makes no records of the kind '" + request.kind + "'");
-  }
-  if (maker != node_.id())
-    return fail(Errc::source_mismatch, "the record names '" + maker + "', this node is '" + node_.id() + "'");
+  const auto maker = maker_of(request);
+  if (!maker) return fail(Errc::bad_value, "this version makes no records of the kind '" + request.kind + "'");
+  if (*maker != node_.id())
+    return fail(Errc::source_mismatch, "the record names '" + *maker + "', this node is '" + node_.id() + "'");
   return Done{};
 }
 

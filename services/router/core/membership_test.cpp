@@ -213,12 +213,12 @@ TEST_CASE("the renewal of a node that is then revoked is told to nobody") {
   Effects effects;
   REQUIRE(one.ant.core->updates().on_update({{}, {one.sign_certificate(renewed)}}, 0, one.fleet.now, effects).ok());
   one.fleet.carry_out(one.ant, effects);
-  REQUIRE(one.ant.stored_news.back().news.certificates.size() == 1);
+  REQUIRE(one.ant.stored_updates.back().news.certificates.size() == 1);
   one.revoke(1, {"dog"}, 3);
-  CHECK(one.ant.stored_news.back().news.certificates.size() == 1);
+  CHECK(one.ant.stored_updates.back().news.certificates.size() == 1);
   one.revoke(2, {"dog"}, 4);
   one.revoke(3, {"dog"}, 5);  // what is stored is what is known
-  CHECK(one.ant.stored_news.back().news.certificates.empty());
+  CHECK(one.ant.stored_updates.back().news.certificates.empty());
 }
 
 TEST_CASE("the end of a certificate is told from thirty days before it on, to the moment") {
@@ -328,6 +328,6 @@ TEST_CASE("a renewal that has ended is forgotten when somebody joins, once the c
     one.tick(minutes(minute));
     one.greet(static_cast<LinkId>(minute), one.fleet.keys("bee"));
     one.revoke(static_cast<std::uint64_t>(minute), {"eel"});
-    CHECK(one.ant.stored_news.back().news.certificates.size() == (minute == 5 ? 1 : 0));
+    CHECK(one.ant.stored_updates.back().news.certificates.size() == (minute == 5 ? 1 : 0));
   }
 }

@@ -59,13 +59,7 @@ RelayConnection::Heard RelayConnection::hear(const RelayAlive& word, std::uint64
     return out;
   }
   out.new_boot = !since_ || !same_boot;
-  if (!same_boot) {
-    out.lost = take_all();
-    boot_ = boot;
-    highest_ = count;
-    mask_ = 1;
-    echo_other_ = 0;
-  }
+  if (!same_boot) out.lost = restart(boot, count);
   echo_ = word.nonce;
   since_ = std::max(since_.value_or(nonce->sent), nonce->sent);
   unanswered_ = 0;
@@ -73,6 +67,15 @@ RelayConnection::Heard RelayConnection::hear(const RelayAlive& word, std::uint64
   if (out.new_boot || !knows_us_) say_by(now);
   if (knows_us_) settle(word, out.lost);
   return out;
+}
+
+/// The other side was restarted: its counts begin anew, and what the old boot did not confirm is lost.
+std::vector<Unconfirmed> RelayConnection::restart(std::uint64_t boot, std::uint64_t count) {
+  boot_ = boot;
+  highest_ = count;
+  mask_ = 1;
+  echo_other_ = 0;
+  return take_all();
 }
 
 /// What the other side has, by its own word, is confirmed; what it has not, though it has later ones, is lost.

@@ -107,6 +107,7 @@ class RelayConnection {
     MonotonicTime sent;
   };
   void say_by(MonotonicTime at);
+  std::vector<Unconfirmed> restart(std::uint64_t boot, std::uint64_t count);
   void settle(const RelayAlive& word, std::vector<Unconfirmed>& lost);
 
   RelayTiming timing_;

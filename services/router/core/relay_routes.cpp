@@ -302,10 +302,7 @@ std::optional<Unwrapped> RelayRoutes::receive(const Link& relay, const Relayed& 
     return no(plain.error().code == Errc::wrong_key ? "wrong_key" : "malformed", of + ": " + plain.error().text());
   const auto header = decode_frame(*plain);
   if (!header) return no("malformed", of + ": " + header.error().text());
-  if (header->source != source->id)
-    return no("source_mismatch", of + ": signed for '" + std::string(header->source) + "'");
-  if (header->target != node_.id() && header->target != kEveryNode)
-    return no("wrong_target", of + ": the message is for '" + std::string(header->target) + "'");
+  if (const auto why = check_ends(*source, *header)) return no(why->first, of + ": " + why->second);
   if (header->subtype == RelayAlive::kSubtype) {
     on_alive(relay, *source, inner, *header, now, out);
     return std::nullopt;
@@ -316,6 +313,16 @@ std::optional<Unwrapped> RelayRoutes::receive(const Link& relay, const Relayed& 
     return no("replayed", of + ": count " + std::to_string(inner.count) + " of boot " +
                               std::to_string(inner.source_boot) + " is not new, or that boot is not proven");
   return Unwrapped{source->id, std::move(*plain)};
+}
+
+/// From its signer, to this node: the reason if not, as check() gives it.
+std::optional<std::pair<std::string_view, std::string>> RelayRoutes::check_ends(const Peer& source,
+                                                                                const HeaderView& header) const {
+  using Why = std::pair<std::string_view, std::string>;
+  if (header.source != source.id) return Why{"source_mismatch", "signed for '" + std::string(header.source) + "'"};
+  if (header.target != node_.id() && header.target != kEveryNode)
+    return Why{"wrong_target", "the message is for '" + std::string(header.target) + "'"};
+  return std::nullopt;
 }
 
 /// Nothing that a link proves holds here: each of it is checked on its own, in this order. The reason is the counter's

@@ -106,6 +106,8 @@ class RelayRoutes {
   void notify_lost(const Unconfirmed& question, Errc reason, Effects& out);
   void notify_lost(const std::vector<Unconfirmed>& questions, Effects& out);
 
+  [[nodiscard]] std::optional<std::pair<std::string_view, std::string>> check_ends(const Peer& source,
+                                                                                   const HeaderView& header) const;
   [[nodiscard]] std::optional<std::pair<std::string_view, std::string>> check(const Peer& source,
                                                                               const SignedRecord& record,
                                                                               const RelayedFrame& inner, Now now) const;

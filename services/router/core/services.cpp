@@ -19,33 +19,45 @@ Result<std::uint16_t> Services::welcome(ConnectionId connection, const ServiceHe
   const std::uint16_t kept = again ? known->second.slot : 0;
   PendingRequests pending = again ? std::move(known->second.pending) : PendingRequests{};
   forget(connection);
-  // Services are bounded by node.json; no crowd of probes keeps one of them out.
-  if (probe && connections_.size() >= kMaxConnections) return fail(Errc::queue_full, "too many connections on the bus");
-  if (!probe) {
-    if (holder(hello.service)) return fail(Errc::already_claimed, "service '" + hello.service + "' is running already");
-    for (const std::string& subtype : hello.subtypes) {
-      if (!is_valid_word(subtype)) return fail(Errc::bad_value, "subtypes: '" + subtype + "' is no word");
-      if (!may_take(hello.service, subtype))
-        return fail(Errc::not_permitted, "subtype '" + subtype + "' is the middleware's own", "hear it: `hears`");
-      if (by_subtype(subtype))
-        return fail(Errc::already_claimed, "subtype '" + subtype + "' is taken by another service");
-    }
-  }
-  for (const std::string& subtype : hello.hears) {
-    if (!probe && !is_typed(subtype))
-      return fail(Errc::bad_value, "hears: '" + subtype + "' is no word of the middleware");
-  }
+  if (Status may = may_come(hello, probe); !may) return may.error();
   const std::uint16_t slot = kept != 0 ? kept : free_slot();
   connections_[connection] = {hello, probe, slot, now, now, std::move(pending)};
   slots_[slot] = connection;
-  if (!probe) {
-    services_[hello.service] = connection;
-    for (const std::string& subtype : hello.subtypes) subtypes_[subtype] = connection;
-    for (const std::string& subtype : std::set<std::string>(hello.hears.begin(), hello.hears.end())) {
-      hearers_[subtype].push_back(connection);
-    }
-  }
+  if (!probe) add_service(connection, hello);
   return slot;
+}
+
+/// Services are bounded by node.json; no crowd of probes keeps one of them out.
+Status Services::may_come(const ServiceHello& hello, bool probe) const {
+  if (probe) {
+    if (connections_.size() < kMaxConnections) return Done{};
+    return fail(Errc::queue_full, "too many connections on the bus");
+  }
+  if (holder(hello.service)) return fail(Errc::already_claimed, "service '" + hello.service + "' is running already");
+  if (Status may = may_take_subtypes(hello); !may) return may;
+  for (const std::string& subtype : hello.hears) {
+    if (!is_typed(subtype)) return fail(Errc::bad_value, "hears: '" + subtype + "' is no word of the middleware");
+  }
+  return Done{};
+}
+
+Status Services::may_take_subtypes(const ServiceHello& hello) const {
+  for (const std::string& subtype : hello.subtypes) {
+    if (!is_valid_word(subtype)) return fail(Errc::bad_value, "subtypes: '" + subtype + "' is no word");
+    if (!may_take(hello.service, subtype))
+      return fail(Errc::not_permitted, "subtype '" + subtype + "' is the middleware's own", "hear it: `hears`");
+    if (by_subtype(subtype))
+      return fail(Errc::already_claimed, "subtype '" + subtype + "' is taken by another service");
+  }
+  return Done{};
+}
+
+void Services::add_service(ConnectionId connection, const ServiceHello& hello) {
+  services_[hello.service] = connection;
+  for (const std::string& subtype : hello.subtypes) subtypes_[subtype] = connection;
+  for (const std::string& subtype : std::set<std::string>(hello.hears.begin(), hello.hears.end())) {
+    hearers_[subtype].push_back(connection);
+  }
 }
 
 std::uint16_t Services::free_slot() {

@@ -42,6 +42,9 @@ class Services {
   [[nodiscard]] const std::map<ConnectionId, Connection>& all() const { return connections_; }
 
  private:
+  [[nodiscard]] Status may_come(const ServiceHello& hello, bool probe) const;
+  [[nodiscard]] Status may_take_subtypes(const ServiceHello& hello) const;
+  void add_service(ConnectionId connection, const ServiceHello& hello);
   std::uint16_t free_slot();
 
   std::map<ConnectionId, Connection> connections_;

@@ -35,13 +35,13 @@ TEST_CASE("a list is on disk before anything is done about it, and the beacon ke
               .ok());
   std::optional<std::size_t> stored;
   for (std::size_t i = 0; i < effects.list.size(); ++i) {
-    if (std::holds_alternative<StoreNews>(effects.list[i])) stored = i;
+    if (std::holds_alternative<StoreUpdate>(effects.list[i])) stored = i;
     if (std::holds_alternative<LinkSend>(effects.list[i]) || std::holds_alternative<CloseLink>(effects.list[i])) {
       CHECK(stored.has_value());
     }
   }
   REQUIRE(stored);
-  const auto& store = std::get<StoreNews>(effects.list[*stored]);
+  const auto& store = std::get<StoreUpdate>(effects.list[*stored]);
   CHECK(store.beacon_number == 2);
   CHECK(store.beacon_box == Bytes(80, 'b'));
 }
@@ -131,9 +131,9 @@ TEST_CASE("a list without this node's beacon key is told in the log, but not of 
   REQUIRE(three.tell(three.ant, {list_of(three.fleet.authority, 1, {"cat"}, {"ant"}), {}}).ok());
   three.fleet.run(milliseconds(100));
   CHECK_FALSE(logged(three.ant, "no_beacon_key"));
-  CHECK(three.ant.stored_news.back().beacon_box == Bytes(80, 'b'));
+  CHECK(three.ant.stored_updates.back().beacon_box == Bytes(80, 'b'));
   CHECK(logged(three.bee, "no_beacon_key"));
-  CHECK(three.bee.stored_news.back().beacon_box.empty());
+  CHECK(three.bee.stored_updates.back().beacon_box.empty());
   REQUIRE(logged(three.cat, "own_certificate_over"));
   CHECK_FALSE(logged(three.cat, "no_beacon_key"));
 }

@@ -76,7 +76,7 @@ TEST_CASE("a certificate with other keys is remembered for the node that will co
   REQUIRE(three.tell(three.ant, {{}, {three.sign_certificate(anew)}}).ok());
   CHECK(three.ant.peer("cat")->certificate.serial == 1);
   CHECK(three.ant.link_to("cat") == link);
-  CHECK(three.ant.stored_news.back().news.certificates.size() == 1);
+  CHECK(three.ant.stored_updates.back().news.certificates.size() == 1);
   // For this node itself there are no other keys than those it has.
   Certificate own = three.renewed("ant", 9);
   own.identity_key = anew.identity_key;
@@ -94,14 +94,14 @@ TEST_CASE("of others 1024 renewals are kept and 256 told on; one more finds no r
     auto taken = ant.core->updates().on_update(
         {{}, {sign(kSignedCertificate, "", fleet.authority.fleet.id(), encode(certificate), fleet.authority.key)}}, 0,
         fleet.now, effects);
-    ant.stored_news.clear();
+    ant.stored_updates.clear();
     fleet.carry_out(ant, effects);
     return taken ? Errc::ok : taken.error().code;
   };
   std::size_t taken = 0;
   for (std::size_t i = 0; i < kMaxPeers; ++i) taken += tell("n" + std::to_string(i), 2) == Errc::ok ? 1 : 0;
   CHECK(taken == kMaxPeers);
-  CHECK(ant.stored_news.back().news.certificates.size() == 256);
+  CHECK(ant.stored_updates.back().news.certificates.size() == 256);
   CHECK(tell("one-more", 2) == Errc::queue_full);
   CHECK(tell("n7", 3) == Errc::ok);
 }
@@ -112,7 +112,7 @@ TEST_CASE("who links again is told what it does not know, and no renewal that it
   three.fleet.stop("bee");
   const SignedRecord renewed = three.sign_certificate(three.renewed("cat", 5));
   REQUIRE(three.tell(three.ant, {list_of(three.fleet.authority, 1, {"dog"}, {"ant", "bee", "cat"}), {renewed}}).ok());
-  CHECK(three.ant.stored_news.back().news.certificates.size() == 1);
+  CHECK(three.ant.stored_updates.back().news.certificates.size() == 1);
   TestNode& bee = three.fleet.start("bee", {.boot = 2});
   three.fleet.run(Seconds(4));
   CHECK(bee.count("news.lists") == 1);

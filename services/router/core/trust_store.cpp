@@ -194,8 +194,8 @@ FleetNews TrustStore::all() const {
   return update;
 }
 
-StoreNews TrustStore::to_store(Effects& out) const {
-  StoreNews store{all(), list_.beacon_number, {}};
+StoreUpdate TrustStore::to_store(Effects& out) const {
+  StoreUpdate store{all(), list_.beacon_number, {}};
   for (const SealedKey& sealed : list_.beacon_keys) {
     if (sealed.id == node_.id()) store.beacon_box = sealed.box.bytes;
   }

@@ -65,7 +65,7 @@ class TrustStore {
 
   /// All that is to be on disk.
   [[nodiscard]] FleetNews all() const;
-  [[nodiscard]] StoreNews to_store(Effects& out) const;
+  [[nodiscard]] StoreUpdate to_store(Effects& out) const;
   /// What a peer whose list has this number has to know; may be empty.
   [[nodiscard]] FleetNews for_peer(std::uint64_t known_list, Now now) const;
   /// What a refused node has to know to come back: its renewed certificate, or the list that it is on.

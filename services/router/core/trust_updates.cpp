@@ -40,7 +40,7 @@ void TrustUpdates::on_bus_request(ConnectionId from, const Message& message, con
   auto taken = on_update(update, 0, now, out);
   if (!taken) return bus_.deny(from, message, taken.error(), out);
   // It may be known already, and not on disk.
-  if (!unstored_.waits() && unstored_.news_failure()) store(out);
+  if (!unstored_.waits() && unstored_.update_failure()) store(out);
   if (!unstored_.waits()) return bus_.answer(from, message, Ack{"accepted", *taken}, out);
   if (waiting_.size() >= kMaxWaiting)
     return bus_.deny(from, message,
@@ -56,7 +56,7 @@ void TrustUpdates::on_stored(Kept what, const Status& done, Now now, Effects& ou
   }
   unstored_.answered(what, done, now.mono);
   if (unstored_.waits()) return;
-  const auto failure = unstored_.news_failure();
+  const auto failure = unstored_.update_failure();
   for (const Waiting& one : std::exchange(waiting_, {})) {
     if (failure) {
       bus_.deny(one.from, one.request, *failure, out);
@@ -68,7 +68,7 @@ void TrustUpdates::on_stored(Kept what, const Status& done, Now now, Effects& ou
 
 void TrustUpdates::tick(Now now, Effects& out) {
   for (const Kept what : unstored_.take_due(now.mono)) {
-    if (what == Kept::news) {
+    if (what == Kept::update) {
       store(out);
       continue;
     }
@@ -125,7 +125,7 @@ void TrustUpdates::on_link_message(const Link& link, const Message& message, Now
 }
 
 void TrustUpdates::store(Effects& out) {
-  unstored_.asked(Kept::news);
+  unstored_.asked(Kept::update);
   out.add(trust_.to_store(out));
 }
 

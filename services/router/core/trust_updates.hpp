@@ -16,7 +16,7 @@ namespace trb::router {
 /// ---------|----------------------------------------|-------------------------------------------------------------
 /// -        | arrives, nothing of it is new          | acknowledged (bus), or forgotten
 /// -        | arrives, refused (invalid)             | counted, logged; Nack (bus)
-/// -        | arrives, new                           | stored (StoreNews), in force, told to the other links
+/// -        | arrives, new                           | stored (StoreUpdate), in force, told to the other links
 /// stored   | it is on disk                          | who brought it is acknowledged
 /// stored   | it could not be                        | who brought it gets io_error; unstored
 /// unstored | 10 s (expired)                         | stored: tried again

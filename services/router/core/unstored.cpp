@@ -13,8 +13,8 @@ void Unstored::answered(Kept what, const Status& done, MonotonicTime now) {
   if (!again_) again_ = now + kStoreAgain;
 }
 
-std::optional<Error> Unstored::news_failure() const {
-  for (const Kept what : {Kept::news, Kept::certificate}) {
+std::optional<Error> Unstored::update_failure() const {
+  for (const Kept what : {Kept::update, Kept::certificate}) {
     const auto at = failed_.find(what);
     if (at == failed_.end()) continue;
     return fail(Errc::io_error, "in force until this router ends, but not on disk: " + at->second.what,

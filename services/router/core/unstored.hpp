@@ -14,7 +14,7 @@
 
 namespace trb::router {
 
-enum class Kept : std::uint8_t { news, certificate, boot };
+enum class Kept : std::uint8_t { update, certificate, boot };
 
 constexpr Duration kStoreAgain = std::chrono::seconds(10);
 
@@ -28,7 +28,7 @@ class Unstored {
   /// The shell has not answered yet.
   [[nodiscard]] bool waits() const { return !waiting_.empty(); }
   /// Why what the authority has said is not on disk, and what to do; nothing if it is, as far as is known.
-  [[nodiscard]] std::optional<Error> news_failure() const;
+  [[nodiscard]] std::optional<Error> update_failure() const;
   /// For people: what is not on disk, and what to do; empty if all is.
   [[nodiscard]] std::string note() const;
 

@@ -67,9 +67,9 @@ TEST_CASE("a list that is on disk is acknowledged, after it is") {
   two.ant.disk = TestNode::Disk::silent;  // has not answered yet
   two.ask({two.list, {}});
   CHECK(two.ant.bus.empty());
-  CHECK(two.ant.stored_news.size() == 1);
+  CHECK(two.ant.stored_updates.size() == 1);
   Effects effects;
-  two.ant.core->updates().on_stored(Kept::news, Done{}, two.fleet.now, effects);
+  two.ant.core->updates().on_stored(Kept::update, Done{}, two.fleet.now, effects);
   two.fleet.carry_out(two.ant, effects);
   CHECK(two.ant.told(Ack::kSubtype) == 1);
   CHECK_FALSE(two.nack());
@@ -95,21 +95,21 @@ TEST_CASE("a list that is not on disk is in force, told to the others, not ackno
   REQUIRE(two.nack());
   CHECK(two.ant.told(Ack::kSubtype) == 0);
 
-  const std::size_t tried = two.ant.stored_news.size();
+  const std::size_t tried = two.ant.stored_updates.size();
   two.fleet.run(Seconds(31));
-  CHECK(two.ant.stored_news.size() == tried + 3);
+  CHECK(two.ant.stored_updates.size() == tried + 3);
   CHECK(two.ant.stored_certificates.empty());
   CHECK(two.ant.count("not_stored") == tried + 3);
   two.ant.disk = TestNode::Disk::good;
   two.fleet.run(Seconds(11));
   CHECK(two.note().find("not on disk") == std::string::npos);
-  const std::size_t stored = two.ant.stored_news.size();
+  const std::size_t stored = two.ant.stored_updates.size();
   two.fleet.run(Seconds(60));
-  CHECK(two.ant.stored_news.size() == stored);
+  CHECK(two.ant.stored_updates.size() == stored);
   two.ant.bus.clear();
   two.ask({two.list, {}});
   CHECK(two.ant.told(Ack::kSubtype) == 1);
-  CHECK(two.ant.stored_news.size() == stored);  // it is there
+  CHECK(two.ant.stored_updates.size() == stored);  // it is there
 }
 
 TEST_CASE("a renewed certificate of this node that is not on disk is not acknowledged") {
@@ -145,7 +145,7 @@ TEST_CASE("a renewed certificate of this node is acknowledged when it is on disk
     two.ant.core->updates().on_stored(what, done, two.fleet.now, effects);
     two.fleet.carry_out(two.ant, effects);
   };
-  stored(Kept::news, Done{});
+  stored(Kept::update, Done{});
   CHECK(two.ant.bus.empty());
   stored(Kept::certificate, kFull);
   CHECK(two.ant.told(Nack::kSubtype) == 1);
@@ -162,12 +162,12 @@ TEST_CASE("who asks while the disk has not answered waits; a crowd is told that 
   Two two;
   two.ant.disk = TestNode::Disk::silent;
   for (int i = 0; i < 40; ++i) two.ask({two.list, {}});
-  CHECK(two.ant.stored_news.size() == 1);
+  CHECK(two.ant.stored_updates.size() == 1);
   CHECK(two.ant.told(Ack::kSubtype) == 0);
   CHECK(two.ant.told(Nack::kSubtype) == 24);
   CHECK(two.nack()->code == "queue_full");
   Effects effects;
-  two.ant.core->updates().on_stored(Kept::news, kFull, two.fleet.now, effects);
+  two.ant.core->updates().on_stored(Kept::update, kFull, two.fleet.now, effects);
   two.fleet.carry_out(two.ant, effects);
   CHECK(two.ant.told(Nack::kSubtype) == 40);
 }
@@ -198,7 +198,7 @@ TEST_CASE("a note that is too long for its field is cut between two letters, and
     std::string path = start;
     for (int i = 0; i < 300; ++i) path += "\xc3\xa4";
     Effects effects;
-    two.ant.core->updates().on_stored(Kept::news, fail(Errc::io_error, path + ": cannot write", "make room"),
+    two.ant.core->updates().on_stored(Kept::update, fail(Errc::io_error, path + ": cannot write", "make room"),
                                       two.fleet.now, effects);
     const std::string note = two.note();
     CHECK(note.starts_with("certificate ends"));
@@ -212,21 +212,21 @@ TEST_CASE("of two that are not on disk the note tells the first and how many mor
   Unstored unstored;
   const MonotonicTime now{1'000'000'000};
   CHECK(unstored.note().empty());
-  unstored.answered(Kept::news, kFull, now);
+  unstored.answered(Kept::update, kFull, now);
   CHECK(unstored.note().find("more)") == std::string::npos);
   unstored.answered(Kept::boot, fail(Errc::io_error, "/n/state/boot: cannot write", ""), now + Seconds(5));
   CHECK(unstored.note().find("/n/state/news: cannot write: No space left on device (and 1 more)") != std::string::npos);
   CHECK(unstored.next() == now + Seconds(10));
   CHECK(unstored.take_due(now + Seconds(10) - kStep).empty());
-  CHECK(unstored.take_due(now + Seconds(10)) == std::vector{Kept::news, Kept::boot});
+  CHECK(unstored.take_due(now + Seconds(10)) == std::vector{Kept::update, Kept::boot});
   CHECK(unstored.take_due(now + Seconds(10)).empty());
-  unstored.answered(Kept::news, Done{}, now + Seconds(10));
-  CHECK_FALSE(unstored.news_failure());
+  unstored.answered(Kept::update, Done{}, now + Seconds(10));
+  CHECK_FALSE(unstored.update_failure());
   CHECK(unstored.next() == now + Seconds(20));
   CHECK(unstored.note() == "not on disk, and lost in a restart: /n/state/boot: cannot write");
   unstored.answered(Kept::boot, Done{}, now + Seconds(10));
   CHECK_FALSE(unstored.next());
   unstored.answered(Kept::certificate, fail(Errc::io_error, "/n/keys: cannot write", ""), now + Seconds(11));
-  REQUIRE(unstored.news_failure());
-  CHECK(unstored.news_failure()->hint.starts_with("it is tried again every 10 s"));
+  REQUIRE(unstored.update_failure());
+  CHECK(unstored.update_failure()->hint.starts_with("it is tried again every 10 s"));
 }

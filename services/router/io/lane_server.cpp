@@ -58,19 +58,27 @@ void LaneServer::close() {
 
 Status LaneServer::open(const std::string& host, std::uint16_t port) {
   close();
-  socket_ = std::make_unique<Socket>(Socket::lane_server(context_, keys_));
-  // The monitor is there before the port opens, as at the inbox.
-  monitor_ = std::make_unique<SocketMonitor>(context_, loop_, *socket_,
-                                             [this](LinkEvent event, int fd) { on_event(event, fd); });
-  loop_.add_socket(
-      socket_->handle(), [this] { drain(); }, socket_->unseen());
-  if (Status bound = socket_->bind("tcp://" + join_host_port(host, port)); !bound) {
+  if (Status bound = bind("tcp://" + join_host_port(host, port)); !bound) {
     close();
     return bound;
   }
   const std::string endpoint = socket_->last_endpoint();
   port_ = static_cast<std::uint16_t>(std::stoi(endpoint.substr(endpoint.rfind(':') + 1)));
   return Done{};
+}
+
+Status LaneServer::bind(const std::string& endpoint) {
+  auto made = Socket::lane_server(context_, keys_);
+  if (!made) return made.error();
+  socket_ = std::make_unique<Socket>(std::move(*made));
+  // The monitor is there before the port opens, as at the inbox.
+  auto monitor =
+      SocketMonitor::watch(context_, loop_, *socket_, [this](LinkEvent event, int fd) { on_event(event, fd); });
+  if (!monitor) return monitor.error();
+  monitor_ = std::move(*monitor);
+  loop_.add_socket(
+      socket_->handle(), [this] { drain(); }, socket_->unseen());
+  return socket_->bind(endpoint);
 }
 
 void LaneServer::also_at(const std::string& host) {

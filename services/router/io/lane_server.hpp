@@ -28,7 +28,8 @@ class LaneServer {
   LaneServer(Context& context, Loop& loop, LaneTable& lanes, CounterTable& counters, CurveKeys keys,
              const PendingConnectionLimits& inbox, std::shared_ptr<ByteBudget> whole, Owner owner);
 
-  /// At this address; every connection to another is gone. Port 0: any. Errors: io_error naming the address.
+  /// At this address; every connection to another is gone. Port 0: any. Errors: io_error (naming the address; no
+  /// descriptor is left); then it is closed.
   Status open(const std::string& host, std::uint16_t port);
   void close();
   /// Also there; empty: there no more.
@@ -47,6 +48,7 @@ class LaneServer {
     std::shared_ptr<ByteBudget> budget;
   };
 
+  Status bind(const std::string& endpoint);
   void drain();
   void on_word(const Frame& frame);
   void listen(LinkId link, PendingConnectionId pending, BytesView topic);

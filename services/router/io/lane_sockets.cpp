@@ -38,7 +38,7 @@ void LaneSockets::dial(const DialLane& dial, const std::string& scope) {
   if (!is_numeric_endpoint(dial.address)) return ended(dial.link, LinkEnd::failed);
   close_dialled(dial.link);
   if (const Status opened = open(dial, scope); !opened) {
-    shell_.log(Level::warning, "no_lane", dial.address + ": " + opened.error().what);
+    shell_.log(Level::warning, "no_lane", dial.address + ": " + opened.error().text());
     close_dialled(dial.link);
     ended(dial.link, LinkEnd::failed);
   }

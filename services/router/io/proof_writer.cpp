@@ -114,36 +114,50 @@ void ProofWriter::write(ProofBatch& batch) {
     flush(at);
     peer.open = false;
   }
-  // Its own last segment may be what has to go: then it needs another beginning.
-  bool was_open = false;
   Bytes beginning;
-  do {
-    was_open = peer.open;
-    beginning = beginning_of(peer, batch);
-    if (make_room(at, beginning.size() + batch.records.size())) continue;
+  if (!find_room(at, batch, beginning)) {
     peer.told.erase(batch.link->link);
     const std::lock_guard lock(mutex_);
     dropped_ += batch.frames;
     return;
-  } while (was_open && !peer.open);
-  if (!peer.open) {
-    peer.segment_bytes = std::clamp(peer.cost / kSegmentsOfPeer, segment_bytes_, kMostSegment);
-    peer.segments.push_back({next_number_++, 0});
-    peer.cost += cost_of(peer.segments.back());
-    cost_ += cost_of(peer.segments.back());
-    peer.open = true;
-    peer.written = 0;
-    peer.told.clear();
   }
+  if (!peer.open) open_segment(peer);
   peer.told.insert(batch.link->link);
   if (batch.last) peer.told.erase(batch.link->link);
+  add_records(peer, beginning, batch);
+  if (unwritten_ >= kWriteAtOnce) flush_all();
+}
+
+/// Makes room for the batch and the `beginning` that it needs. Its own last segment may be what has to go: then it
+/// needs another beginning.
+bool ProofWriter::find_room(Peers::iterator at, const ProofBatch& batch, Bytes& beginning) {
+  const Peer& peer = at->second;
+  bool was_open = false;
+  do {
+    was_open = peer.open;
+    beginning = beginning_of(peer, batch);
+    if (!make_room(at, beginning.size() + batch.records.size())) return false;
+  } while (was_open && !peer.open);
+  return true;
+}
+
+void ProofWriter::open_segment(Peer& peer) {
+  peer.segment_bytes = std::clamp(peer.cost / kSegmentsOfPeer, segment_bytes_, kMostSegment);
+  peer.segments.push_back({next_number_++, 0});
+  peer.cost += cost_of(peer.segments.back());
+  cost_ += cost_of(peer.segments.back());
+  peer.open = true;
+  peer.written = 0;
+  peer.told.clear();
+}
+
+void ProofWriter::add_records(Peer& peer, const Bytes& beginning, const ProofBatch& batch) {
   const std::size_t from = peer.out.size() + (peer.segments.back().size == 0 ? proof_head().size() : 0);
   peer.out += beginning;
   peer.out += batch.records;
   finish_proof_records(peer.out, from);
   resize_last(peer, peer.segments.back().size + beginning.size() + batch.records.size());
   unwritten_ += beginning.size() + batch.records.size();
-  if (unwritten_ >= kWriteAtOnce) flush_all();
 }
 
 /// What stands before its records, in its peer's last segment or in a new one. Each segment can be read alone: it

@@ -65,6 +65,9 @@ class ProofWriter {
 
   void run();
   void write(ProofBatch& batch);
+  bool find_room(Peers::iterator peer, const ProofBatch& batch, Bytes& beginning);
+  void open_segment(Peer& peer);
+  void add_records(Peer& peer, const Bytes& beginning, const ProofBatch& batch);
   [[nodiscard]] static Bytes beginning_of(const Peer& peer, const ProofBatch& batch);
   bool make_room(Peers::iterator peer, std::uint64_t bytes);
   void remove_oldest(Peers::iterator peer);

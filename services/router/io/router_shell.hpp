@@ -39,7 +39,7 @@ class RouterShell {
   void carry_out(RefuseCandidate& refuse) { inbox_.refuse(refuse); }
   void carry_out(SendBeacon& beacon) { beacons_.send(beacon.plain); }
   void carry_out(StorePeers& store) { TrustFiles::store(store); }
-  void carry_out(StoreNews& store) { files_.store(store); }
+  void carry_out(StoreUpdate& store) { files_.store(store); }
   void carry_out(StoreCertificate& store) { files_.store(store); }
   void carry_out(StoreBoot& store) { files_.store(store); }
   void carry_out(StoreUtc& store) { files_.store(store); }

@@ -61,7 +61,7 @@ std::vector<SeedAddress> read_known() {
 }
 
 /// What the authority had said before this start; nothing if there is none, and a damaged file is told anew by a peer.
-FleetNews stored_news() {
+FleetNews stored_update() {
   auto bytes = read_file("state/news");
   auto news = bytes ? decode<FleetNews>(*bytes) : Result<FleetNews>(bytes.error());
   return news ? std::move(*news) : FleetNews{};
@@ -92,6 +92,17 @@ RouterConfig make_config(const NodeConfig& node, const NodeKeys& keys, std::uint
   return config;
 }
 
+/// With what earlier starts have left in state/, and this start's boot number there.
+RouterConfig restored_config(const NodeConfig& node, const NodeKeys& keys) {
+  const UtcTime bound = stored_time("state/utc");
+  const std::uint64_t boot = count_boot(read_clocks().utc, std::max(bound, UtcTime{keys.certificate.not_before}));
+  RouterConfig config = make_config(node, keys, boot);
+  config.boot_stored = write_boot(boot);
+  config.utc_bound = bound;
+  config.updates = stored_update();
+  return config;
+}
+
 /// Errors: those of the keys.
 Result<TcpBus> read_tcp_bus(const NodeConfig& node) {
   TcpBus bus;
@@ -113,6 +124,42 @@ Result<TcpBus> read_tcp_bus(const NodeConfig& node) {
   return bus;
 }
 
+/// Errors: those of the keys of a bus over TCP.
+Result<ShellOptions> make_options(const NodeConfig& node, const NodeKeys& keys, std::size_t descriptors) {
+  auto bus = read_tcp_bus(node);
+  if (!bus) return bus.error();
+  ShellOptions options;
+  options.link_keys = {keys.link.public_key, keys.link.secret_key};
+  options.host_int = node.network.host_int;
+  options.vpn_int = node.network.vpn_int;
+  options.port = node.network.tcp_port_ext;
+  options.lane_port = node.network.lane_port;
+  options.beacon_port = node.network.udp_port;
+  options.beacon_key = keys.beacon;
+  options.pending_connections = limits_for(descriptors);
+  options.proof_log_bytes = std::uint64_t{node.proof_log_mb} << 20U;
+  options.bus = std::move(*bus);
+  return options;
+}
+
+/// As many as the system allows. Errors: io_error, they are too few.
+Result<std::size_t> take_descriptors() {
+  const std::size_t descriptors = raise_descriptor_limit();
+  if (descriptors >= kLeastDescriptors) return descriptors;
+  return fail(Errc::io_error,
+              "at most " + std::to_string(descriptors) + " open files are allowed, at least " +
+                  std::to_string(kLeastDescriptors) + " are needed",
+              kRaise);
+}
+
+Status enter_folder(const std::string& dir) {
+  if (::chdir(dir.c_str()) != 0) return fail(Errc::io_error, dir + ": no such folder");
+  for (const char* folder : {"log", "state"}) {
+    if (Status made = make_private_dir(folder); !made) return made;
+  }
+  return Done{};
+}
+
 /// What a flood took goes back to the system when it is over. Left alone, glibc raises the first bound to the size of
 /// what was freed and keeps messages of that size in its heaps for good.
 void give_memory_back() {
@@ -125,45 +172,22 @@ void give_memory_back() {
 Result<int> start(NodeConfig node) {
   give_memory_back();
   block_signals();
-  const std::size_t descriptors = raise_descriptor_limit();
-  if (descriptors < kLeastDescriptors) {
-    return fail(Errc::io_error,
-                "at most " + std::to_string(descriptors) + " open files are allowed, at least " +
-                    std::to_string(kLeastDescriptors) + " are needed",
-                kRaise);
-  }
-  if (::chdir(node.dir.c_str()) != 0) return fail(Errc::io_error, node.dir + ": no such folder");
-  for (const char* folder : {"log", "state"}) {
-    if (Status made = make_private_dir(folder); !made) return made.error();
-  }
+  const auto descriptors = take_descriptors();
+  if (!descriptors) return descriptors.error();
+  if (Status entered = enter_folder(node.dir); !entered) return entered.error();
   open_log("router", "log/router.log");
   auto keys = load_node_keys(".");
   if (!keys) return keys.error();
-  const UtcTime bound = stored_time("state/utc");
-  const std::uint64_t boot = count_boot(read_clocks().utc, std::max(bound, UtcTime{keys->certificate.not_before}));
-  RouterConfig config = make_config(node, *keys, boot);
-  config.boot_stored = write_boot(boot);
-  config.utc_bound = bound;
-  config.updates = stored_news();
-  auto bus = read_tcp_bus(node);
-  if (!bus) return bus.error();
-  ShellOptions options{{keys->link.public_key, keys->link.secret_key},
-                       node.network.host_int,
-                       node.network.vpn_int,
-                       node.network.tcp_port_ext,
-                       node.network.lane_port,
-                       node.network.udp_port,
-                       keys->beacon,
-                       limits_for(descriptors),
-                       std::uint64_t{node.proof_log_mb} << 20U,
-                       std::move(*bus)};
-  if (descriptors < kGoodDescriptors) {
+  RouterConfig config = restored_config(node, *keys);
+  auto options = make_options(node, *keys, *descriptors);
+  if (!options) return options.error();
+  if (*descriptors < kGoodDescriptors) {
     log_event(Level::warning, "few_descriptors",
-              "at most " + std::to_string(descriptors) + " open files: strangers get " +
-                  std::to_string(options.pending_connections.open) + " of them, which may be few for a large fleet; " +
+              "at most " + std::to_string(*descriptors) + " open files: strangers get " +
+                  std::to_string(options->pending_connections.open) + " of them, which may be few for a large fleet; " +
                   kRaise);
   }
-  RouterShell shell(std::move(config), options);
+  RouterShell shell(std::move(config), *options);
   if (Status opened = shell.open(); !opened) return opened.error();
   return shell.run();
 }

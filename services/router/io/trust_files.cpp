@@ -18,7 +18,7 @@ Status in_full(const Status& done, const std::string& path) {
               "make room for " + whole + " (df -h " + whole + "), or let it be written to");
 }
 
-Status store_news_file(const FleetNews& news) {
+Status store_update_file(const FleetNews& news) {
   const Bytes bytes = encode(news);
   // At each start it is taken from there, and is there.
   if (const auto there = read_file("state/news"); there && *there == bytes) return Done{};
@@ -47,12 +47,12 @@ Status write_boot(std::uint64_t boot) {
 TrustFiles::TrustFiles(ShellContext& shell, BeaconChannel& beacons, LinkKey own)
     : shell_(shell), beacons_(beacons), own_(std::move(own)) {}
 
-void TrustFiles::store(const StoreNews& store) {
-  stored(Kept::news, in_full(store_news_file(store.news), "state"));
+void TrustFiles::store(const StoreUpdate& store) {
+  stored(Kept::update, in_full(store_update_file(store.news), "state"));
   if (!store.beacon_box.empty() && store.beacon_number > beacons_.key_number()) take_beacon_key(store);
 }
 
-void TrustFiles::take_beacon_key(const StoreNews& store) {
+void TrustFiles::take_beacon_key(const StoreUpdate& store) {
   auto key = open_sealed_beacon_key(store.beacon_number, store.beacon_box, own_);
   if (!key) return log_event(Level::error, "no_beacon_key", key.error().text());
   beacons_.set_key(std::move(*key));

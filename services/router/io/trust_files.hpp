@@ -23,7 +23,7 @@ class TrustFiles {
   TrustFiles(ShellContext& shell, BeaconChannel& beacons, LinkKey own);
 
   /// The core is told of the outcome of these three.
-  void store(const StoreNews& store);
+  void store(const StoreUpdate& store);
   void store(const StoreCertificate& store);
   void store(const StoreBoot& store);
   /// A failure of these two is logged: what was stored before is as true.
@@ -35,7 +35,7 @@ class TrustFiles {
 
  private:
   void stored(Kept what, const Status& done);
-  void take_beacon_key(const StoreNews& store);
+  void take_beacon_key(const StoreUpdate& store);
   void read_keys();
   void take(const FleetNews& update);
 

@@ -154,9 +154,9 @@ void TestFleet::carry_out(TestNode& node, Effects& effects) {
                      node.refused.push_back(refuse);
                      if (!origin_.empty()) packets_.push_back({node.id, origin_, refuse.link, 1, refuse.message});
                    },
-                   [&](StoreNews& store) {
-                     node.stored_news.push_back(store);
-                     this->store(node, Kept::news);
+                   [&](StoreUpdate& store) {
+                     node.stored_updates.push_back(store);
+                     this->store(node, Kept::update);
                    },
                    [&](StoreCertificate& store) {
                      node.stored_certificates.push_back(store.record);

@@ -67,7 +67,7 @@ struct TestNode {
   std::string stored;  ///< what StorePeers would have written
   enum class Disk : unsigned char { good, full, silent } disk = Disk::good;
   std::size_t stored_boots = 0;  ///< that were tried
-  std::vector<StoreNews> stored_news;
+  std::vector<StoreUpdate> stored_updates;
   std::vector<SignedRecord> stored_certificates;
   std::vector<UtcTime> stored_utc;
   std::vector<std::string> log;

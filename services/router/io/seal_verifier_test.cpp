@@ -1,0 +1,23 @@
+// Seals that are checked beside the loop.
+#include "services/router/io/seal_verifier.hpp"
+
+#include "services/router/io/link_event_end.hpp"
+#include "services/router/test/test_shell.hpp"
+
+using namespace trb;
+using namespace trb::router;
+
+TEST_CASE("a seal that is none ends its link, once the thread has looked at it") {
+  ShellParts parts;
+  SealVerifier seals(parts.shell);
+  seals.watch();
+  seals.check({7, 3, 3, {}, parts.ant.bee.certificate});
+  CHECK(parts.turn_until([&] { return parts.counted("refused.seal_broken") + parts.ordered.list.size() > 0; }));
+}
+
+TEST_CASE("an event of a connection that is not its end is none") {
+  CHECK_FALSE(to_end(LinkEvent::connected));
+  CHECK_FALSE(to_end(LinkEvent::accept_failed));
+  CHECK(to_end(LinkEvent::refused_key) == LinkEnd::refused_key);
+  CHECK(to_end(LinkEvent::disconnected) == LinkEnd::disconnected);
+}

@@ -1,0 +1,51 @@
+// The files of trust in a node's folder.
+#include "services/router/io/trust_files.hpp"
+
+#include "common/base/files.hpp"
+#include "proto/body.hpp"
+#include "services/router/test/test_shell.hpp"
+#include "services/router/test/test_trust.hpp"
+
+using namespace trb;
+using namespace trb::router;
+
+TEST_CASE("boot, time and peers are written as the next start reads them") {
+  ShellParts parts;
+  parts.files.store(StoreBoot{42});
+  parts.files.store(StoreUtc{{1'772'366'400'000'000'000}});
+  TrustFiles::store(StorePeers{"10.0.0.2:45000 0f\n"});
+  CHECK(*read_file("state/boot") == "00000000000000000042\n");
+  CHECK(*read_file("state/utc") == "1772366400000000000\n");
+  CHECK(*read_file("state/peers") == "10.0.0.2:45000 0f\n");
+}
+
+TEST_CASE("a trust update is written whole, and again only if it is another one") {
+  ShellParts parts;
+  const FleetNews update{list_of(parts.ant.authority, 1, {"bee"}), {}};
+  parts.files.store(StoreUpdate{update, 0, ""});
+  CHECK(*read_file("state/news") == encode(update));
+  const auto written = std::filesystem::last_write_time("state/news");
+  parts.files.store(StoreUpdate{update, 0, ""});
+  CHECK(std::filesystem::last_write_time("state/news") == written);
+}
+
+TEST_CASE("a beacon key that this node cannot open leaves the old one in use") {
+  ShellParts parts;
+  parts.files.store(StoreUpdate{{}, 9, Bytes(80, 'b')});
+  CHECK(parts.beacons.key_number() == 0);
+}
+
+TEST_CASE("what a person puts into keys/ is read at once; what is no trust update is counted") {
+  ShellParts parts;
+  parts.files.watch_keys();
+  REQUIRE(write_file("keys/news.json", "no JSON").ok());
+  CHECK(parts.turn_until([&] { return !parts.core.counters().table("ant").values.empty(); }));
+}
+
+TEST_CASE("what cannot be written is an error with what to do") {
+  ShellParts parts;
+  std::filesystem::remove_all("state");
+  const Status written = write_boot(7);
+  REQUIRE_FALSE(written.ok());
+  CHECK(written.error().hint.find("make room for") != std::string::npos);
+}
