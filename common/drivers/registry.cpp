@@ -1,5 +1,7 @@
 #include "common/drivers/registry.hpp"
 
+#include <stdexcept>
+
 // One line a driver: the function of its row. The first of a mode is the one that is meant where commands.json names
 // none.
 #define TRB_DRIVERS(ROW) \
@@ -46,7 +48,10 @@ const Transports& robot_transports() {
 
 std::unique_ptr<Driver> make_driver(const DriverSettings& settings) {
   const DriverRow* row = find_driver(settings.commands.transport);
-  return row == nullptr || row->make == nullptr ? nullptr : row->make(settings);
+  if (row == nullptr || row->make == nullptr) return nullptr;
+  auto driver = row->make(settings);
+  if (!driver) throw std::invalid_argument(driver.error().text());
+  return std::move(*driver);
 }
 
 }  // namespace trb::drivers

@@ -22,8 +22,9 @@ enum class Wire : std::uint8_t {
 struct DriverRow {
   Transport transport;
   Wire wire{};
-  /// None for a robot that is spoken to in fields alone.
-  std::unique_ptr<Driver> (*make)(const DriverSettings&) = nullptr;
+  /// None for a robot that is spoken to in fields alone. Errors: bad_value (words of commands.json that cannot be
+  /// read).
+  Result<std::unique_ptr<Driver>> (*make)(const DriverSettings&) = nullptr;
 };
 
 /// The row of that transport, or nullptr.
@@ -32,7 +33,8 @@ const DriverRow* find_driver(std::string_view transport);
 /// What check_node_dir and check_robot_files ask for.
 const Transports& robot_transports();
 
-/// The driver of the robot's own language; none without one.
+/// The driver of the robot's own language; none without one. Throws std::invalid_argument for words that cannot be
+/// read: those of a node that was checked can.
 std::unique_ptr<Driver> make_driver(const DriverSettings& settings);
 
 }  // namespace trb::drivers

@@ -1,22 +1,17 @@
 // That commands.json has what a robot that speaks ARCOS needs.
-#include <algorithm>
-
 #include "common/config/transports.hpp"
-#include "common/drivers/arcos/syntax.hpp"
+#include "common/drivers/arcos/commands.hpp"
 #include "common/fleet/did_you_mean.hpp"
 
 namespace trb::drivers {
 namespace {
-
-using Steps = std::vector<ArcosStep>;
 
 class ArcosCheck {
  public:
   ArcosCheck(const NodeConfig& config, const FileFaults& faults) : config_(config), faults_(faults) {}
 
   void run() {
-    for (const auto& [subtype, words] : vendor().commands) command(subtype, words);
-    for (const auto& [name, words] : vendor().values) value(name, words);
+    commands_ = read_arcos_commands(vendor(), config_.description, VendorFaults(config_.framework, faults_));
     for (const auto& [subtype, name] : vendor().requests) {
       if (vendor().values.contains(name)) continue;
       faults_.add(key("requests", subtype), in_quotes(name) + " is none of \"values\"",
@@ -36,30 +31,16 @@ class ArcosCheck {
     return names;
   }
 
-  void command(const std::string& subtype, const std::string& words) {
-    const auto steps = read_arcos_steps(words);
-    if (!steps) return faults_.add(key("commands", subtype), steps.error().what, steps.error().hint);
-    const bool stops = std::ranges::any_of(*steps, [](const ArcosStep& s) { return s.effect == ArcosEffect::stops; });
-    if (subtype == "stop" && !words.empty() && !stops) {
-      faults_.add(key("commands", subtype), "stops nothing", "use STOP, or E_STOP to brake as hard as the robot can");
-    }
-  }
-
-  void value(const std::string& name, const std::string& words) {
-    const auto fields = read_arcos_value(words);
-    if (!fields) faults_.add(key("values", name), fields.error().what, fields.error().hint);
-  }
-
   void skill(const Skill& skill) {
-    const auto words = vendor().commands.find(skill.subtype);
-    if (words == vendor().commands.end()) {
+    if (!vendor().commands.contains(skill.subtype)) {
       if (config_.description.has_field_channel) return;
       return faults_.add(key("commands", skill.subtype), "is missing: skill '" + skill.name + "' sends it",
                          "add it, for example \"goto {0} {1} {2}\"");
     }
-    const auto steps = read_arcos_steps(words->second);
-    const bool ends = steps && !steps->empty() && steps->back().travel;
-    if (steps && !ends && skill.end.kind == EndKind::acknowledgement) {
+    const auto steps = commands_.commands.find(skill.subtype);
+    const bool read = steps != commands_.commands.end();
+    const bool ends = read && !steps->second.empty() && steps->second.back().travel;
+    if (read && !ends && skill.end.kind == EndKind::acknowledgement) {
       faults_.add(key("commands", skill.subtype),
                   "ends skill '" + skill.name + "' with an acknowledgement, which only goto gives",
                   R"(use goto, or give the skill an end of kind "position", "state" or "time")");
@@ -86,6 +67,7 @@ class ArcosCheck {
 
   const NodeConfig& config_;
   const FileFaults& faults_;
+  ArcosCommands commands_;
 };
 
 }  // namespace

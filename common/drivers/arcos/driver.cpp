@@ -22,16 +22,11 @@ Error offline() {
 
 }  // namespace
 
-ArcosDriver::ArcosDriver(const VendorCommands& words, std::string own_id)
-    : own_id_(std::move(own_id)), requests_(words.requests.begin(), words.requests.end()) {
-  // What cannot be read was a fault of commands.json, which keeps the node from starting.
-  for (const auto& [subtype, text] : words.commands) {
-    if (auto steps = read_arcos_steps(text)) commands_.emplace(subtype, std::move(*steps));
-  }
-  for (const auto& [name, text] : words.values) {
-    if (auto fields = read_arcos_value(text)) fields_.emplace(name, std::move(*fields));
-  }
-}
+ArcosDriver::ArcosDriver(const DriverSettings& settings, ArcosCommands commands)
+    : own_id_(settings.id),
+      commands_(std::move(commands.commands)),
+      fields_(std::move(commands.values)),
+      requests_(settings.commands.requests.begin(), settings.commands.requests.end()) {}
 
 bool ArcosDriver::knows(MessageType type, std::string_view subtype) const {
   if (type == MessageType::command) return commands_.contains(subtype);

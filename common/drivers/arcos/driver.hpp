@@ -4,7 +4,7 @@
 
 #include <map>
 
-#include "common/config/node_config.hpp"
+#include "common/drivers/arcos/commands.hpp"
 #include "common/drivers/arcos/journey.hpp"
 #include "common/drivers/arcos/link.hpp"
 #include "common/drivers/arcos/order.hpp"
@@ -16,7 +16,7 @@ namespace trb::drivers {
 
 class ArcosDriver : public Driver {
  public:
-  ArcosDriver(const VendorCommands& words, std::string own_id);
+  ArcosDriver(const DriverSettings& settings, ArcosCommands commands);
 
   [[nodiscard]] bool online() const override { return sip_.has_value(); }
   [[nodiscard]] bool knows(MessageType type, std::string_view subtype) const override;

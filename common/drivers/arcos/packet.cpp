@@ -64,7 +64,7 @@ void ArcosReader::add(BytesView bytes, std::vector<ArcosPacket>& out) {
   }
 }
 
-bool ArcosReader::take_one(std::vector<ArcosPacket>& out) {
+bool ArcosReader::begins_with_header() {
   const std::size_t begin = buffer_.find(kHeader);
   if (begin == Bytes::npos) {
     // The last byte may be the first of a header.
@@ -73,7 +73,11 @@ bool ArcosReader::take_one(std::vector<ArcosPacket>& out) {
     return false;
   }
   drop(begin);
-  if (buffer_.size() <= kHeader.size()) return false;
+  return buffer_.size() > kHeader.size();
+}
+
+bool ArcosReader::take_one(std::vector<ArcosPacket>& out) {
+  if (!begins_with_header()) return false;
   const std::size_t count = byte_at(buffer_, kHeader.size());
   if (count <= kChecksum) {
     drop(kHeader.size());

@@ -40,6 +40,8 @@ class ArcosReader {
 
  private:
   /// True if the buffer may hold another packet.
+  /// Drops what stands before the next header. False: the header has not come, or nothing behind it.
+  bool begins_with_header();
   bool take_one(std::vector<ArcosPacket>& out);
   void drop(std::size_t size);
 

@@ -1,6 +1,7 @@
 #include "common/drivers/arcos/report.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "common/drivers/text/number_text.hpp"
@@ -15,44 +16,33 @@ constexpr double kFull = 12.8;
 constexpr std::uint32_t kMotorsOff = 1U << 16U;
 constexpr std::uint32_t kStopButton = 1U << 17U;
 
-double number_of(ArcosField field, const ArcosSip& sip, const ArcosOdometry& place) {
-  switch (field) {
-    case ArcosField::x:
-      return place.x();
-    case ArcosField::y:
-      return place.y();
-    case ArcosField::heading:
-      return sip.heading;
-    case ArcosField::velocity:
-      return (sip.left + sip.right) / 2.0;
-    case ArcosField::rotation:
-      return sip.rotation;
-    case ArcosField::left:
-      return sip.left;
-    case ArcosField::right:
-      return sip.right;
-    case ArcosField::battery:
-      return sip.battery;
-    case ArcosField::state_of_charge:
-      return std::clamp((sip.battery - kEmpty) / (kFull - kEmpty), 0.0, 1.0) * 100;
-    case ArcosField::stalled:
-      return sip.stalled() ? 1 : 0;
-    case ArcosField::bumpers:
-      return sip.stall & 0xfefeU;
-    case ArcosField::motors:
-      return sip.motors() ? 1 : 0;
-    case ArcosField::emergency_stop:
-      return sip.emergency_stop() ? 1 : 0;
-    case ArcosField::moving:
-      return sip.moving ? 1 : 0;
-    case ArcosField::compass:
-      return sip.compass;
-    case ArcosField::digital_in:
-      return sip.digital_in;
-    case ArcosField::digital_out:
-      break;
-  }
-  return sip.digital_out;
+using Sip = const ArcosSip&;
+using Place = const ArcosOdometry&;
+
+/// What tells each field, in the order of ArcosField.
+constexpr std::array<double (*)(Sip, Place), 17> kTellers = {
+    [](Sip, Place place) -> double { return place.x(); },
+    [](Sip, Place place) -> double { return place.y(); },
+    [](Sip sip, Place) -> double { return sip.heading; },
+    [](Sip sip, Place) -> double { return (sip.left + sip.right) / 2.0; },
+    [](Sip sip, Place) -> double { return sip.rotation; },
+    [](Sip sip, Place) -> double { return sip.left; },
+    [](Sip sip, Place) -> double { return sip.right; },
+    [](Sip sip, Place) -> double { return sip.battery; },
+    [](Sip sip, Place) -> double { return std::clamp((sip.battery - kEmpty) / (kFull - kEmpty), 0.0, 1.0) * 100; },
+    [](Sip sip, Place) -> double { return sip.stalled() ? 1 : 0; },
+    [](Sip sip, Place) -> double { return sip.stall & 0xfefeU; },
+    [](Sip sip, Place) -> double { return sip.motors() ? 1 : 0; },
+    [](Sip sip, Place) -> double { return sip.emergency_stop() ? 1 : 0; },
+    [](Sip sip, Place) -> double { return sip.moving ? 1 : 0; },
+    [](Sip sip, Place) -> double { return sip.compass; },
+    [](Sip sip, Place) -> double { return sip.digital_in; },
+    [](Sip sip, Place) -> double { return sip.digital_out; },
+};
+static_assert(kTellers.size() == static_cast<std::size_t>(ArcosField::digital_out) + 1);
+
+double number_of(ArcosField field, Sip sip, Place place) {
+  return kTellers[static_cast<std::size_t>(field)](sip, place);
 }
 
 bool is_bool(ArcosField field) {

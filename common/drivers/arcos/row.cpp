@@ -12,9 +12,7 @@ DriverRow arcos_row() {
   row.transport.mode = Mode::interpreter;
   row.transport.check = check_arcos;
   row.wire = Wire::stream;
-  row.make = [](const DriverSettings& settings) -> std::unique_ptr<Driver> {
-    return std::make_unique<ArcosDriver>(settings.commands, settings.id);
-  };
+  row.make = make_with<ArcosDriver, read_arcos_commands>;
   return row;
 }
 

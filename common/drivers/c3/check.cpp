@@ -2,7 +2,7 @@
 #include <algorithm>
 
 #include "common/config/transports.hpp"
-#include "common/drivers/c3/syntax.hpp"
+#include "common/drivers/c3/commands.hpp"
 #include "common/fleet/did_you_mean.hpp"
 
 namespace trb::drivers {
@@ -16,21 +16,7 @@ std::vector<std::string> names_of(const std::map<std::string, std::string>& word
   return names;
 }
 
-void check_commands(const VendorCommands& vendor, const std::string& name, const FileFaults& faults) {
-  for (const auto& [subtype, words] : vendor.commands) {
-    const auto read = read_c3_assignments(words);
-    if (!read) faults.add(name + ".commands." + subtype, read.error().what, read.error().hint);
-  }
-}
-
-void check_values(const VendorCommands& vendor, const std::string& name, bool fields, const FileFaults& faults) {
-  for (const auto& [value, words] : vendor.values) {
-    const auto read = read_c3_question(words);
-    if (!read) faults.add(name + ".values." + value, read.error().what, read.error().hint);
-  }
-  if (const auto names = read_c3_names(vendor.values, fields); !names) {
-    faults.add(name + ".values", names.error().what, names.error().hint);
-  }
+void check_requests(const VendorCommands& vendor, const std::string& name, const FileFaults& faults) {
   for (const auto& [subtype, value] : vendor.requests) {
     if (vendor.values.contains(value)) continue;
     faults.add(name + ".requests." + subtype, in_quotes(value) + " is none of the values",
@@ -62,8 +48,8 @@ void check_c3(const NodeConfig& config, const FileFaults& faults) {
   const bool fields = config.description.has_field_channel;
   require_port(config, faults, "7000");
   check_words(vendor, name, faults);
-  check_commands(vendor, name, faults);
-  check_values(vendor, name, fields, faults);
+  read_c3_commands(vendor, config.description, VendorFaults(name, faults));
+  check_requests(vendor, name, faults);
   if (fields && config.description.field_channel.encoding == Encoding::numeric) {
     faults.add(name + ".transport", "'c3' writes text into variables, and the description says \"numeric\"",
                "set \"encoding\" to \"text\" in the description");

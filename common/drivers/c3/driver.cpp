@@ -10,31 +10,23 @@ Error offline() {
               "look at the robot's power and network, and whether its C3 server runs on port 7000");
 }
 
-C3Names names_of(const DriverSettings& settings) {
-  auto names = read_c3_names(settings.commands.values, settings.description.has_field_channel);
-  return names ? std::move(*names) : C3Names{};
+C3Jobs::Commands words_of(const C3Commands& commands) {
+  C3Jobs::Commands words;
+  for (const auto& [subtype, assignments] : commands.commands) words.emplace(subtype, C3Words(assignments));
+  return words;
 }
 
-C3Jobs::Commands commands_of(const DriverSettings& settings) {
-  C3Jobs::Commands commands;
-  for (const auto& [subtype, text] : settings.commands.commands) commands.emplace(subtype, C3Words(text));
-  return commands;
-}
-
-C3Turns::Words turn_words(const DriverSettings& settings, const C3Names& names) {
+C3Turns::Words turn_words(const C3Commands& commands, const C3Names& names) {
   const auto steps = [&](const char* subtype) {
-    const auto text = settings.commands.commands.find(subtype);
-    return text == settings.commands.commands.end() ? std::vector<C3Step>{} : C3Words(text->second).steps();
+    const auto found = commands.commands.find(subtype);
+    return found == commands.commands.end() ? std::vector<C3Step>{} : C3Words(found->second).steps();
   };
   return {steps("stop"), steps("release"), !names.stopped.empty()};
 }
 
-std::vector<C3Values::Question> questions_of(const DriverSettings& settings) {
+std::vector<C3Values::Question> questions_of(const C3Commands& commands) {
   std::vector<C3Values::Question> questions;
-  for (const auto& [name, text] : settings.commands.values) {
-    const auto words = read_c3_question(text);
-    if (words && !is_c3_name(name)) questions.push_back({name, *words});
-  }
+  for (const auto& [name, words] : commands.values) questions.push_back({name, words});
   return questions;
 }
 
@@ -46,15 +38,15 @@ C3Jobs::Program program_of(const DriverSettings& settings) {
 
 }  // namespace
 
-C3Driver::C3Driver(const DriverSettings& settings)
+C3Driver::C3Driver(const DriverSettings& settings, C3Commands commands)
     : own_id_(settings.id),
       fields_(settings.description.has_field_channel),
-      names_(names_of(settings)),
-      turns_(link_, polls_, turn_words(settings, names_)),
-      jobs_({names_, link_, polls_, turns_}, program_of(settings), commands_of(settings)),
+      names_(std::move(commands.names)),
+      turns_(link_, polls_, turn_words(commands, names_)),
+      jobs_({names_, link_, polls_, turns_}, program_of(settings), words_of(commands)),
       messages_(names_, own_id_),
       faults_(settings.description.capabilities),
-      values_(link_, questions_of(settings), {settings.commands.requests.begin(), settings.commands.requests.end()}) {}
+      values_(link_, questions_of(commands), {settings.commands.requests.begin(), settings.commands.requests.end()}) {}
 
 bool C3Driver::knows(MessageType type, std::string_view subtype) const {
   if (fields_) return true;

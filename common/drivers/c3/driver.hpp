@@ -4,18 +4,18 @@
 
 #include <set>
 
+#include "common/drivers/c3/commands.hpp"
 #include "common/drivers/c3/faults.hpp"
 #include "common/drivers/c3/jobs.hpp"
 #include "common/drivers/c3/messages.hpp"
 #include "common/drivers/c3/values.hpp"
-#include "common/drivers/driver_settings.hpp"
 
 namespace trb::drivers {
 
 /// It reads the flags in turn, and gives each answer to the part that has asked.
 class C3Driver : public Driver {
  public:
-  explicit C3Driver(const DriverSettings& settings);
+  C3Driver(const DriverSettings& settings, C3Commands commands);
 
   [[nodiscard]] bool online() const override { return up_ && heard_; }
   [[nodiscard]] bool knows(MessageType type, std::string_view subtype) const override;

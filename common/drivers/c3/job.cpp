@@ -6,11 +6,8 @@
 
 namespace trb::drivers {
 
-C3Words::C3Words(std::string_view text) {
-  // What cannot be read was a fault of commands.json, which keeps the node from starting.
-  const auto read = read_c3_assignments(text);
-  if (!read) return;
-  for (const C3Assignment& one : *read) {
+C3Words::C3Words(const std::vector<C3Assignment>& assignments) {
+  for (const C3Assignment& one : assignments) {
     assignments_.push_back({one.variable, VendorTemplate(one.value)});
     items_ = std::max(items_, assignments_.back().value.items());
   }

@@ -40,7 +40,7 @@ struct C3Job {
 /// The vendor's words for a subtype.
 class C3Words {
  public:
-  explicit C3Words(std::string_view text);
+  explicit C3Words(const std::vector<C3Assignment>& assignments);
   /// Errors: bad_value, not_escapable. With data, a list must have just the items that the words take.
   [[nodiscard]] Result<std::vector<C3Step>> fill(BytesView data) const;
   /// Every value with its placeholders empty; for words that take no data.

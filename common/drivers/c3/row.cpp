@@ -12,9 +12,7 @@ DriverRow c3_row() {
   row.transport.mode = Mode::interpreter;
   row.transport.check = check_c3;
   row.wire = Wire::stream;
-  row.make = [](const DriverSettings& settings) -> std::unique_ptr<Driver> {
-    return std::make_unique<C3Driver>(settings);
-  };
+  row.make = make_with<C3Driver, read_c3_commands>;
   return row;
 }
 

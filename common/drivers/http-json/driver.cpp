@@ -10,14 +10,13 @@ constexpr std::size_t kStopsLost = 3;
 constexpr const char* kWouldNotStop = "stop refused";
 constexpr std::string_view kPosition = "position";
 
-// What cannot be read was a fault of commands.json, which keeps the node from starting.
-std::map<std::string, HttpQuestion> questions_of(const VendorCommands& vendor, const Description& description) {
+std::map<std::string, HttpQuestion> questions_of(const HttpCommands& commands, const VendorCommands& vendor,
+                                                 const Description& description) {
   std::map<std::string, HttpQuestion> out;
   const auto add = [&](const std::string& name) {
     const auto request = vendor.requests.find(name);
-    const auto words = vendor.values.find(request == vendor.requests.end() ? name : request->second);
-    if (words == vendor.values.end()) return;
-    if (auto question = read_http_question(words->second)) out[words->first] = std::move(*question);
+    const auto question = commands.values.find(request == vendor.requests.end() ? name : request->second);
+    if (question != commands.values.end()) out.insert(*question);
   };
   for (const auto& [subtype, name] : vendor.requests) add(subtype);
   for (const FaultRule& rule : description.faults) add(rule.value);
@@ -30,11 +29,9 @@ std::map<std::string, HttpQuestion> questions_of(const VendorCommands& vendor, c
 }
 
 /// The way that every such robot surely has: where its stop goes.
-HttpPath probe_of(const VendorCommands& vendor) {
-  const auto stop = vendor.commands.find("stop");
-  const auto words = stop == vendor.commands.end() ? Result<std::vector<HttpWords>>(std::vector<HttpWords>())
-                                                   : read_http_words(stop->second);
-  return words && !words->empty() ? words->front().path : *HttpPath::read("/");
+HttpPath probe_of(const HttpCommands& commands) {
+  const auto stop = commands.commands.find("stop");
+  return stop == commands.commands.end() || stop->second.empty() ? *HttpPath::read("/") : stop->second.front().path;
 }
 
 std::string text_of(const HttpWords& words) {
@@ -43,17 +40,15 @@ std::string text_of(const HttpWords& words) {
 
 }  // namespace
 
-HttpJsonDriver::HttpJsonDriver(const DriverSettings& settings)
+HttpJsonDriver::HttpJsonDriver(const DriverSettings& settings, HttpCommands commands)
     : own_id_(settings.id),
       host_(settings.host),
       authorization_(settings.authorization),
       requests_(settings.commands.requests.begin(), settings.commands.requests.end()),
-      poll_(questions_of(settings.commands, settings.description), probe_of(settings.commands),
+      poll_(questions_of(commands, settings.commands, settings.description), probe_of(commands),
             seconds(http_timing(settings.commands).poll_s)),
       timeout_(seconds(http_timing(settings.commands).timeout_s)) {
-  for (const auto& [subtype, text] : settings.commands.commands) {
-    if (auto words = read_http_words(text)) commands_[subtype] = std::move(*words);
-  }
+  commands_ = std::move(commands.commands);
 }
 
 bool HttpJsonDriver::knows(MessageType type, std::string_view subtype) const {

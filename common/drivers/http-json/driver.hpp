@@ -7,9 +7,8 @@
 #include <vector>
 
 #include "common/drivers/driver.hpp"
-#include "common/drivers/driver_settings.hpp"
+#include "common/drivers/http-json/commands.hpp"
 #include "common/drivers/http-json/poll.hpp"
-#include "common/drivers/http-json/syntax.hpp"
 #include "common/drivers/http-json/wire.hpp"
 #include "common/drivers/request_queue.hpp"
 
@@ -26,7 +25,7 @@ namespace trb::drivers {
 /// stop                | at once                  | behind that one answer     | behind that one answer
 class HttpJsonDriver : public Driver {
  public:
-  explicit HttpJsonDriver(const DriverSettings& settings);
+  HttpJsonDriver(const DriverSettings& settings, HttpCommands commands);
 
   /// Connections come and go with HTTP: it is there if it has answered, until one cannot be made for long.
   [[nodiscard]] bool online() const override { return heard_; }

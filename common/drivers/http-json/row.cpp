@@ -14,9 +14,7 @@ DriverRow http_json_row() {
   row.transport.check = check_http_json;
   row.transport.read = read_http_json_keys;
   row.wire = Wire::stream;
-  row.make = [](const DriverSettings& settings) -> std::unique_ptr<Driver> {
-    return std::make_unique<HttpJsonDriver>(settings);
-  };
+  row.make = make_with<HttpJsonDriver, read_http_commands>;
   return row;
 }
 

@@ -7,6 +7,7 @@
 namespace trb::drivers {
 namespace {
 
+constexpr const char* kQuestion = "write \"GET PATH POINTER ...\", for example \"GET /status /battery_percentage\"";
 constexpr std::size_t kMaxPath = 1024;
 constexpr std::size_t kMaxPointer = 256;
 constexpr std::size_t kMaxParts = 16;
@@ -94,6 +95,23 @@ Result<HttpWords> read_line(std::string_view line) {
   return words;
 }
 
+/// "TEXT=NUMBER", of the pointer before it.
+Status read_number_of_text(std::string_view word, std::vector<HttpQuestion::Part>& parts) {
+  const std::size_t equals = word.find('=');
+  double number = 0;
+  const char* const end = word.data() + word.size();
+  const char* const begin = equals == std::string_view::npos ? end : word.data() + equals + 1;
+  const auto read = std::from_chars(begin, end, number);
+  if (parts.empty() || equals == 0 || begin == end || read.ec != std::errc() || read.ptr != end) {
+    return fail(Errc::bad_value, "'" + std::string(word.substr(0, 60)) + "' is neither a pointer nor TEXT=NUMBER",
+                kQuestion);
+  }
+  auto& numbers = parts.back().numbers;
+  numbers[std::string(word.substr(0, equals))] = number;
+  if (numbers.size() > kMaxNumbers) return fail(Errc::bad_value, "more than 32 texts", "name fewer");
+  return Done{};
+}
+
 }  // namespace
 
 Result<HttpPath> HttpPath::read(std::string_view text) {
@@ -161,8 +179,7 @@ Result<std::vector<HttpWords>> read_http_words(std::string_view text) {
 
 Result<HttpQuestion> read_http_question(std::string_view text) {
   HttpQuestion question;
-  constexpr const char* kCure = "write \"GET PATH POINTER ...\", for example \"GET /status /battery_percentage\"";
-  if (take_word(text) != "GET") return fail(Errc::bad_value, "a value is read with GET", kCure);
+  if (take_word(text) != "GET") return fail(Errc::bad_value, "a value is read with GET", kQuestion);
   auto path = HttpPath::read(take_word(text));
   if (!path) return path.error();
   question.path = std::move(*path);
@@ -170,22 +187,11 @@ Result<HttpQuestion> read_http_question(std::string_view text) {
     const std::string_view word = take_word(text);
     if (is_pointer(word)) {
       question.parts.push_back({std::string(word), {}});
-      continue;
+    } else if (const Status read = read_number_of_text(word, question.parts); !read) {
+      return read.error();
     }
-    const std::size_t equals = word.find('=');
-    double number = 0;
-    const char* const end = word.data() + word.size();
-    const char* const begin = equals == std::string_view::npos ? end : word.data() + equals + 1;
-    const auto read = std::from_chars(begin, end, number);
-    if (question.parts.empty() || equals == 0 || begin == end || read.ec != std::errc() || read.ptr != end) {
-      return fail(Errc::bad_value, "'" + std::string(word.substr(0, 60)) + "' is neither a pointer nor TEXT=NUMBER",
-                  kCure);
-    }
-    question.parts.back().numbers[std::string(word.substr(0, equals))] = number;
-    if (question.parts.back().numbers.size() > kMaxNumbers)
-      return fail(Errc::bad_value, "more than 32 texts", "name fewer");
   }
-  if (question.parts.empty()) return fail(Errc::bad_value, "says not where in the answer the value is", kCure);
+  if (question.parts.empty()) return fail(Errc::bad_value, "says not where in the answer the value is", kQuestion);
   if (question.parts.size() > kMaxParts) return fail(Errc::bad_value, "more than 16 pointers", "ask for fewer");
   return question;
 }

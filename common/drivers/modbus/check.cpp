@@ -1,6 +1,6 @@
 // What the transport modbus asks of commands.json.
 #include "common/config/transports.hpp"
-#include "common/drivers/modbus/syntax.hpp"
+#include "common/drivers/modbus/commands.hpp"
 #include "common/drivers/polled_check.hpp"
 
 namespace trb::drivers {
@@ -9,53 +9,6 @@ namespace {
 constexpr int kMostUnits = 247;
 constexpr Range kPoll{0.005, 1, false};
 constexpr Range kTimeout{0.05, 2, false};
-
-/// One vendor's part of commands.json.
-class Checker {
- public:
-  Checker(const NodeConfig& config, const FileFaults& faults)
-      : config_(config),
-        vendor_(config.commands),
-        faults_(faults),
-        check_(config, faults,
-               {"modbus", "numbers only", "discrete 0", R"(its assignments, for example "running = 1")"}) {}
-
-  void check() {
-    check_.check_foreign_keys();
-    values();
-    check_words(vendor_, config_.framework, faults_);
-    for (const auto& [subtype, words] : vendor_.commands) command(subtype, words);
-    check_.check_names();
-  }
-
- private:
-  void values() {
-    for (const auto& [name, words] : vendor_.values) {
-      const auto place = read_modbus_place(words);
-      if (!place) check_.add("values." + name, place.error().what, place.error().hint);
-      places_[name] = place ? *place : ModbusPlace{};  // a bad place counts as given: one mistake, one fault
-    }
-  }
-
-  void command(const std::string& subtype, const std::string& words) const {
-    const auto read = read_modbus_assignments(words, places_);
-    if (!read) return check_.add("commands." + subtype, read.error().what, read.error().hint);
-    if (read->empty() && !words.empty())
-      check_.add("commands." + subtype, "is blank", "write NAME = NUMBER, a line each");
-    if (subtype != "stop" && subtype != "release") return;
-    for (const ModbusAssignment& one : *read) {
-      if (one.item == ModbusAssignment::kLiteral) continue;
-      check_.add("commands." + subtype, "needs data for '" + one.name + "', and a " + subtype + " has none",
-                 "write the number itself, for example " + one.name + " = 0");
-    }
-  }
-
-  const NodeConfig& config_;
-  const VendorCommands& vendor_;
-  const FileFaults& faults_;
-  PolledCheck check_;
-  ModbusPlaces places_;
-};
 
 }  // namespace
 
@@ -84,7 +37,15 @@ ModbusSettings modbus_settings(const VendorCommands& vendor) {
 }
 
 void check_modbus(const NodeConfig& config, const FileFaults& faults) {
-  Checker(config, faults).check();
+  const VendorCommands& vendor = config.commands;
+  const VendorFaults vendor_faults(config.framework, faults);
+  const PolledCheck check(config, faults,
+                          {"modbus", "numbers only", "discrete 0", R"(its assignments, for example "running = 1")"});
+  check.check_foreign_keys();
+  ModbusPlaces values = read_modbus_values(vendor, vendor_faults);
+  check_words(vendor, config.framework, faults);
+  read_modbus_commands(vendor, std::move(values), vendor_faults);
+  check.check_names();
 }
 
 }  // namespace trb::drivers

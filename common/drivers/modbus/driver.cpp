@@ -11,17 +11,7 @@ namespace {
 constexpr const char* kWouldNotStop = "stop refused";
 constexpr std::string_view kPosition = "position";
 
-// What cannot be read was a fault of commands.json, which keeps the node from starting.
-ModbusPlaces places_of(const VendorCommands& words) {
-  ModbusPlaces places;
-  for (const auto& [name, text] : words.values) {
-    if (const auto place = read_modbus_place(text)) places[name] = *place;
-  }
-  return places;
-}
-
-ModbusPlaces polled_of(const VendorCommands& words, const Description& description) {
-  const ModbusPlaces places = places_of(words);
+ModbusPlaces polled_of(const ModbusPlaces& places, const VendorCommands& words, const Description& description) {
   ModbusPlaces polled;
   const auto add = [&](const std::string& name) {
     const auto request = words.requests.find(name);
@@ -39,23 +29,19 @@ ModbusPlaces polled_of(const VendorCommands& words, const Description& descripti
 }
 
 /// Where the stop writes: the one place that every device surely has.
-ModbusPlace probe_of(const VendorCommands& words) {
-  const auto stop = words.commands.find("stop");
-  if (stop == words.commands.end()) return {};
-  const auto read = read_modbus_assignments(stop->second, places_of(words));
-  return read && !read->empty() ? read->front().place : ModbusPlace{};
+ModbusPlace probe_of(const ModbusCommands& commands) {
+  const auto stop = commands.commands.find("stop");
+  return stop == commands.commands.end() || stop->second.empty() ? ModbusPlace{} : stop->second.front().place;
 }
 
 }  // namespace
 
-ModbusDriver::ModbusDriver(const VendorCommands& words, const Description& description, std::string own_id)
-    : own_id_(std::move(own_id)),
-      requests_(words.requests.begin(), words.requests.end()),
-      poll_(polled_of(words, description), probe_of(words), seconds(modbus_settings(words).poll_s)) {
-  const ModbusPlaces places = places_of(words);
-  for (const auto& [subtype, text] : words.commands) {
-    if (auto read = read_modbus_assignments(text, places)) commands_[subtype] = std::move(*read);
-  }
+ModbusDriver::ModbusDriver(const DriverSettings& settings, ModbusCommands commands)
+    : own_id_(settings.id),
+      requests_(settings.commands.requests.begin(), settings.commands.requests.end()),
+      poll_(polled_of(commands.values, settings.commands, settings.description), probe_of(commands),
+            seconds(modbus_settings(settings.commands).poll_s)) {
+  commands_ = std::move(commands.commands);
 }
 
 bool ModbusDriver::knows(MessageType type, std::string_view subtype) const {

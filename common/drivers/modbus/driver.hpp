@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "common/config/node_config.hpp"
 #include "common/drivers/driver.hpp"
+#include "common/drivers/modbus/commands.hpp"
 #include "common/drivers/modbus/poll.hpp"
 #include "common/drivers/request_queue.hpp"
 
@@ -16,7 +16,7 @@ namespace trb::drivers {
 class ModbusDriver : public Driver {
  public:
   /// Asks for the values that requests and the description's faults, sensors and ends of skills need.
-  ModbusDriver(const VendorCommands& words, const Description& description, std::string own_id);
+  ModbusDriver(const DriverSettings& settings, ModbusCommands commands);
 
   /// A connection alone is none: a hung device still accepts it.
   [[nodiscard]] bool online() const override { return up_ && heard_; }

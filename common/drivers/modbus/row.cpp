@@ -14,9 +14,7 @@ DriverRow modbus_row() {
   row.transport.check = check_modbus;
   row.transport.read = read_modbus_keys;
   row.wire = Wire::modbus;
-  row.make = [](const DriverSettings& settings) -> std::unique_ptr<Driver> {
-    return std::make_unique<ModbusDriver>(settings.commands, settings.description, settings.id);
-  };
+  row.make = make_with<ModbusDriver, read_modbus_vendor>;
   return row;
 }
 

@@ -156,6 +156,13 @@ std::string_view trimmed(std::string_view text) {
   return text;
 }
 
+Result<ModbusPlace> read_writable(std::string_view text, const ModbusPlaces& values) {
+  auto place = read_target(text, values);
+  if (!place || place->writable()) return place;
+  return bad(in_quotes(text) + " (" + to_text(*place) + ") cannot be written: discrete and input are read only",
+             "write a coil or a holding register");
+}
+
 Result<ModbusAssignment> read_assignment(std::string_view line, const ModbusPlaces& values) {
   const std::size_t equals = line.find('=');
   if (equals == std::string_view::npos) {
@@ -163,14 +170,9 @@ Result<ModbusAssignment> read_assignment(std::string_view line, const ModbusPlac
   }
   ModbusAssignment out;
   out.name = trimmed(line.substr(0, equals));
-  const auto place = read_target(out.name, values);
+  const auto place = read_writable(out.name, values);
   if (!place) return place.error();
   out.place = *place;
-  if (!out.place.writable()) {
-    return bad(
-        in_quotes(out.name) + " (" + to_text(out.place) + ") cannot be written: discrete and input are read only",
-        "write a coil or a holding register");
-  }
   const std::string_view word = trimmed(line.substr(equals + 1));
   const auto wanted = read_wanted(word);
   if (!wanted) {

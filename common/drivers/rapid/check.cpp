@@ -2,7 +2,7 @@
 #include <algorithm>
 
 #include "common/config/transports.hpp"
-#include "common/drivers/rapid/syntax.hpp"
+#include "common/drivers/rapid/commands.hpp"
 #include "common/fleet/did_you_mean.hpp"
 
 namespace trb::drivers {
@@ -23,31 +23,9 @@ void check_service(const VendorCommands& vendor, const std::string& name, const 
   }
 }
 
-void check_commands(const VendorCommands& vendor, const std::string& name, const FileFaults& faults) {
-  for (const auto& [subtype, words] : vendor.commands) {
-    const std::string key = name + ".commands." + subtype;
-    const auto read = read_rapid_requests(words);
-    if (!read) {
-      faults.add(key, read.error().what, read.error().hint);
-      continue;
-    }
-    const bool urgent = subtype == "stop" || subtype == "release";
-    const bool fits = std::ranges::all_of(*read, [&](const RapidRequest& one) { return one.service == urgent; });
-    if (fits) continue;
-    faults.add(key,
-               urgent ? "goes to the program, where it would wait for the end of a move"
-                      : "goes to the service task, which moves nothing",
-               urgent ? "begin it with 'service', for example \"service 91\"" : "leave 'service' out");
-  }
-}
-
-void check_values(const VendorCommands& vendor, const std::string& name, const FileFaults& faults) {
+void check_requests(const VendorCommands& vendor, const std::string& name, const FileFaults& faults) {
   std::vector<std::string> known = rapid_state_values();
-  for (const auto& [value, words] : vendor.values) {
-    const auto read = read_rapid_question(words);
-    if (!read) faults.add(name + ".values." + value, read.error().what, read.error().hint);
-    known.push_back(value);
-  }
+  for (const auto& [value, ignored] : vendor.values) known.push_back(value);
   for (const auto& [subtype, value] : vendor.requests) {
     if (std::ranges::find(known, value) != known.end()) continue;
     faults.add(name + ".requests." + subtype, in_quotes(value) + " is none of the values",
@@ -83,8 +61,8 @@ void check_rapid(const NodeConfig& config, const FileFaults& faults) {
   require_port(config, faults, "5000");
   check_words(vendor, config.framework, faults);
   check_service(vendor, config.framework, faults);
-  check_commands(vendor, config.framework, faults);
-  check_values(vendor, config.framework, faults);
+  read_rapid_commands(vendor, config.description, VendorFaults(config.framework, faults));
+  check_requests(vendor, config.framework, faults);
   for (const Skill& skill : config.description.skills) check_skill(config, skill, faults);
 }
 

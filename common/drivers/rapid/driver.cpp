@@ -23,23 +23,18 @@ Error offline() {
 
 }  // namespace
 
-RapidDriver::RapidDriver(const DriverSettings& settings)
+RapidDriver::RapidDriver(const DriverSettings& settings, const RapidCommands& commands)
     : own_id_(settings.id),
       capabilities_(settings.description.capabilities),
       requests_(settings.commands.requests.begin(), settings.commands.requests.end()) {
-  // What cannot be read was a fault of commands.json, which keeps the node from starting.
-  for (const auto& [subtype, text] : settings.commands.commands) {
-    const auto read = read_rapid_requests(text);
-    if (!read) continue;
+  for (const auto& [subtype, requests] : commands.commands) {
     Words& words = commands_[subtype];
-    for (const RapidRequest& one : *read) {
+    for (const RapidRequest& one : requests) {
       words.requests.push_back({one.code, VendorTemplate(one.text)});
       words.items = std::max(words.items, words.requests.back().text.items());
     }
   }
-  for (const auto& [name, text] : settings.commands.values) {
-    if (const auto read = read_rapid_question(text)) questions_.push_back({name, *read});
-  }
+  for (const auto& [name, question] : commands.values) questions_.push_back({name, question});
 }
 
 bool RapidDriver::knows(MessageType type, std::string_view subtype) const {

@@ -7,15 +7,15 @@
 
 #include "common/drivers/driver.hpp"
 #include "common/drivers/driver_settings.hpp"
+#include "common/drivers/rapid/commands.hpp"
 #include "common/drivers/rapid/port.hpp"
-#include "common/drivers/rapid/syntax.hpp"
 #include "common/drivers/text/vendor_template.hpp"
 
 namespace trb::drivers {
 
 class RapidDriver : public Driver {
  public:
-  explicit RapidDriver(const DriverSettings& settings);
+  RapidDriver(const DriverSettings& settings, const RapidCommands& commands);
 
   [[nodiscard]] bool online() const override { return program_up_ && service_up_ && heard_; }
   [[nodiscard]] bool knows(MessageType type, std::string_view subtype) const override;

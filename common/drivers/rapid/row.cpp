@@ -13,9 +13,7 @@ DriverRow rapid_row() {
   row.transport.check = check_rapid;
   row.transport.monitors = {"rapid-service"};
   row.wire = Wire::stream;
-  row.make = [](const DriverSettings& settings) -> std::unique_ptr<Driver> {
-    return std::make_unique<RapidDriver>(settings);
-  };
+  row.make = make_with<RapidDriver, read_rapid_commands>;
   return row;
 }
 

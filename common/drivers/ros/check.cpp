@@ -1,6 +1,6 @@
 // What the transport ros asks of commands.json.
 #include "common/config/transports.hpp"
-#include "common/drivers/ros/syntax.hpp"
+#include "common/drivers/ros/commands.hpp"
 
 namespace trb::drivers {
 
@@ -9,14 +9,7 @@ void check_ros(const NodeConfig& config, const FileFaults& faults);
 void check_ros(const NodeConfig& config, const FileFaults& faults) {
   const VendorCommands& vendor = config.commands;
   check_words(vendor, config.framework, faults);
-  for (const auto& [subtype, words] : vendor.commands) {
-    const auto read = read_ros_publications(words);
-    if (!read) faults.add(config.framework + ".commands." + subtype, read.error().what, read.error().hint);
-  }
-  for (const auto& [subtype, words] : vendor.requests) {
-    const auto read = read_ros_question(words);
-    if (!read) faults.add(config.framework + ".requests." + subtype, read.error().what, read.error().hint);
-  }
+  read_ros_commands(vendor, config.description, VendorFaults(config.framework, faults));
   for (const Skill& skill : config.description.skills) {
     if (!vendor.commands.contains(skill.subtype) && !config.description.has_field_channel) {
       faults.add(config.framework + ".commands." + skill.subtype, "is missing: skill '" + skill.name + "' sends it",

@@ -43,20 +43,14 @@ bool is_watched(const Description& description, const std::string& name) {
 
 }  // namespace
 
-RosDriver::RosDriver(const VendorCommands& words, const Description& description, std::string own_id,
-                     std::uint64_t instance)
-    : own_id_(std::move(own_id)), instance_(instance) {
-  // What cannot be read was a fault of commands.json, which keeps the node from starting.
-  for (const auto& [subtype, text] : words.commands) {
-    const auto read = read_ros_publications(text);
-    if (!read) continue;
+RosDriver::RosDriver(const DriverSettings& settings, const RosCommands& commands)
+    : own_id_(settings.id), instance_(settings.instance) {
+  for (const auto& [subtype, words] : commands.commands) {
     auto& publications = commands_[subtype];
-    for (const RosPublication& one : *read) publications.push_back({one.topic, one.type, VendorTemplate(one.data)});
+    for (const RosPublication& one : words) publications.push_back({one.topic, one.type, VendorTemplate(one.data)});
   }
-  for (const auto& [subtype, text] : words.requests) {
-    const auto read = read_ros_question(text);
-    if (!read) continue;
-    requests_.emplace(subtype, Question{*read, is_watched(description, subtype)});
+  for (const auto& [subtype, question] : commands.requests) {
+    requests_.emplace(subtype, Question{question, is_watched(settings.description, subtype)});
   }
 }
 

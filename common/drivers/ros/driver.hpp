@@ -6,9 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "common/config/node_config.hpp"
 #include "common/drivers/driver.hpp"
-#include "common/drivers/ros/syntax.hpp"
+#include "common/drivers/ros/commands.hpp"
 #include "common/drivers/text/vendor_template.hpp"
 #include "proto/bodies/bridge.hpp"
 
@@ -17,7 +16,7 @@ namespace trb::drivers {
 class RosDriver : public Driver {
  public:
   /// Watches the requests that ends of skills, faults and sensors need.
-  RosDriver(const VendorCommands& words, const Description& description, std::string own_id, std::uint64_t instance);
+  RosDriver(const DriverSettings& settings, const RosCommands& commands);
 
   [[nodiscard]] bool online() const override { return up_; }
   [[nodiscard]] bool knows(MessageType type, std::string_view subtype) const override;

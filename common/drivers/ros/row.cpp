@@ -12,9 +12,7 @@ DriverRow ros_row() {
   row.transport.mode = Mode::ros;
   row.transport.check = check_ros;
   row.wire = Wire::none;
-  row.make = [](const DriverSettings& settings) -> std::unique_ptr<Driver> {
-    return std::make_unique<RosDriver>(settings.commands, settings.description, settings.id, settings.instance);
-  };
+  row.make = make_with<RosDriver, read_ros_commands>;
   return row;
 }
 

@@ -18,8 +18,8 @@ DriverRow tcp_text_row() {
   row.transport.wraps = {"urscript-program"};
   row.transport.monitored_values = {"joints", "robot_mode", "safety", "program_running"};
   row.wire = Wire::stream;
-  row.make = [](const DriverSettings& settings) -> std::unique_ptr<Driver> {
-    return std::make_unique<TcpTextDriver>(settings.commands, settings.id);
+  row.make = [](const DriverSettings& settings) -> Result<std::unique_ptr<Driver>> {
+    return std::unique_ptr<Driver>(std::make_unique<TcpTextDriver>(settings.commands, settings.id));
   };
   return row;
 }

@@ -28,17 +28,15 @@ Error offline() {
 
 }  // namespace
 
-AtDriver::AtDriver(const VendorCommands& words, std::string own_id)
-    : own_id_(std::move(own_id)),
-      names_(words.values.begin(), words.values.end()),
-      requests_(words.requests.begin(), words.requests.end()) {
-  // What cannot be read was a fault of commands.json, which keeps the node from starting.
-  for (const auto& [subtype, text] : words.commands) {
-    auto lines = read_at_lines(text);
-    if (!lines || lines->empty()) continue;
-    if (subtype == "stop") stop_lands_ = lines->front().action == AtAction::land;
-    if (lines->front().action == AtAction::recover) recover_ = subtype;
-    commands_.emplace(subtype, std::move(*lines));
+AtDriver::AtDriver(const DriverSettings& settings, AtCommands commands)
+    : own_id_(settings.id),
+      commands_(std::move(commands)),
+      names_(settings.commands.values.begin(), settings.commands.values.end()),
+      requests_(settings.commands.requests.begin(), settings.commands.requests.end()) {
+  std::erase_if(commands_, [](const auto& command) { return command.second.empty(); });
+  for (const auto& [subtype, lines] : commands_) {
+    if (subtype == "stop") stop_lands_ = lines.front().action == AtAction::land;
+    if (lines.front().action == AtAction::recover) recover_ = subtype;
   }
 }
 

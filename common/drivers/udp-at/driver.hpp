@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "common/config/node_config.hpp"
+#include "common/drivers/udp-at/commands.hpp"
 #include "common/drivers/udp-at/configs.hpp"
 #include "common/drivers/udp-at/flight.hpp"
 
@@ -13,7 +13,7 @@ namespace trb::drivers {
 
 class AtDriver : public Driver {
  public:
-  AtDriver(const VendorCommands& words, std::string own_id);
+  AtDriver(const DriverSettings& settings, AtCommands commands);
 
   [[nodiscard]] bool online() const override { return online_; }
   [[nodiscard]] bool knows(MessageType type, std::string_view subtype) const override;
@@ -47,7 +47,7 @@ class AtDriver : public Driver {
   void write(Now now, const DriverOut& out);
 
   std::string own_id_;
-  std::map<std::string, std::vector<AtLine>, std::less<>> commands_;
+  AtCommands commands_;
   std::map<std::string, std::string, std::less<>> names_;  ///< of requests and values -> navdata's
   std::map<std::string, std::string, std::less<>> requests_;
   bool stop_lands_ = false;

@@ -13,9 +13,7 @@ DriverRow udp_at_row() {
   row.transport.check = check_udp_at;
   row.transport.monitors = {"ar-navdata"};
   row.wire = Wire::datagrams;
-  row.make = [](const DriverSettings& settings) -> std::unique_ptr<Driver> {
-    return std::make_unique<AtDriver>(settings.commands, settings.id);
-  };
+  row.make = make_with<AtDriver, read_at_commands>;
   return row;
 }
 

@@ -9,7 +9,9 @@ ModeAdapterCore::ModeAdapterCore(Settings settings, PersistFence persist, Persis
       desk_(robot_),
       faults_(robot_, desk_, std::move(keep)),
       watch_(robot_.settings, faults_),
-      injection_(robot_.settings, std::move(inject)) {}
+      injection_(robot_.settings, std::move(inject)),
+      control_(stops_, robot_.settings.id),
+      messages_(robot_, control_) {}
 
 void ModeAdapterCore::on_welcome(const NodeIdentity&, Now, Outbox& out) {
   status_.welcome(condition(), out);
@@ -43,8 +45,8 @@ void ModeAdapterCore::on(const Inbound& message, Now now, Outbox& out) {
 
 /// A user's own word, or an answer.
 void ModeAdapterCore::on_other(const Inbound& message, Now now, Outbox& out) {
-  visit(Overloaded{[&](const Opaque& body) { on_opaque(message, body, now, out); },
-                   [&](const Nack& nack) { on_nack(message, nack, now, out); }, [&](const Ack&) {},
+  visit(Overloaded{[&](const Opaque& body) { messages_.on_message(message, body, now, out); },
+                   [&](const Nack& nack) { messages_.on_nack(message, nack, now, out); }, [&](const Ack&) {},
                    [&](const auto&) {
                      out.count("refused.unexpected");
                      out.nack(message, fail(Errc::unknown_subtype, "the mode-adapter takes no such message"));
@@ -66,17 +68,14 @@ void ModeAdapterCore::tick(Now now, Outbox& out) {
   settle(now, out);
   desk_.tick(now, out);
   watch_.tick(now, out);
-  expire(commands_, "the robot did not take it in time", now, out);
-  expire(requests_, "the robot did not answer in time", now, out);
-  end_streams(now, out);
+  messages_.tick(now, out);
   settle(now, out);
 }
 
 std::optional<MonotonicTime> ModeAdapterCore::next_deadline() const {
-  const auto watched = watch_.next_deadline();
-  const auto pending = earlier(control_.next_deadline(), earlier(commands_.next_deadline(), requests_.next_deadline()));
-  const auto kept = earlier(stops_.next_deadline(), streams_.next_deadline());
-  return earlier(earlier(kept, desk_.next_deadline()), earlier(robot_.next_deadline(), earlier(pending, watched)));
+  const auto commanded = earlier(control_.next_deadline(), messages_.next_deadline());
+  const auto robot = earlier(robot_.next_deadline(), watch_.next_deadline());
+  return earlier(earlier(stops_.next_deadline(), desk_.next_deadline()), earlier(commanded, robot));
 }
 
 void ModeAdapterCore::on_channel_up(Channel channel, Now now, Outbox& out) {
@@ -99,6 +98,85 @@ void ModeAdapterCore::leave(Now now, Outbox& out) {
 void ModeAdapterCore::on_bytes(Channel channel, BytesView bytes, Now now, Outbox& out) {
   robot_.for_each([&](Driver& mode) { mode.on_bytes(channel, bytes, now, robot_.to(mode, out)); });
   settle(now, out);
+}
+
+void ModeAdapterCore::execute(const Inbound& message, const Execute& order, Now now, Outbox& out) {
+  const Holder by{Holder::Kind::run, order.key.run};
+  auto error = control_.barred(by, false, now);
+  if (!error) error = faults_.refusal(order);
+  if (error && (error->code == Errc::control_held || error->code == Errc::out_of_use)) {
+    out.count("refused." + std::string(errc_name(error->code)));
+  }
+  if (desk_.execute(message, order, error, now, out)) control_.take(by, now, out);
+}
+
+Condition ModeAdapterCore::condition() const {
+  const auto& holder = control_.holder();
+  if (!holder) return {stops_.fenced(), desk_.busy(), {}, true, faults_.shown()};
+  return {stops_.fenced(), desk_.busy(), holder->text(), holder->kind == Holder::Kind::run, faults_.shown()};
+}
+
+void ModeAdapterCore::settle(Now now, Outbox& out) {
+  // What an event leads to may add events of its own.
+  while (const auto from = robot_.next_event()) on_event(*from->mode, from->event, now, out);
+  control_.refresh(desk_.busy(), now);
+  status_.publish(condition(), out);
+}
+
+void ModeAdapterCore::on_event(Driver& mode, const DriverEvent& event, Now now, Outbox& out) {
+  std::visit(Overloaded{
+                 [&](const HandedOver& handed) { on_progress(handed.token, "handed_over", now, out); },
+                 [&](const Started& started) { on_progress(started.token, "started", now, out); },
+                 [&](const Ended& ended) {
+                   if (desk_.owns(ended.token)) desk_.on_ended(ended, now, out);
+                 },
+                 [&](const Refused& refused) {
+                   if (desk_.owns(refused.token)) return desk_.on_refused(refused.error, now, out);
+                   messages_.on_refused(refused, out);
+                 },
+                 [&](const Said& said) { on_said(mode, said, now, out); },
+                 [&](const FaultSaid& fault) { faults_.on_fault(fault, now, out); },
+                 [&](const FaultOver& over) { faults_.on_over(over, now, out); },
+                 [&](const ValuesHeard&) { on_values(mode, now, out); },
+                 [&](const Stopped& stopped) { stops_.on_stopped(&mode, stopped, out); },
+                 [&](const Released& released) { stops_.on_released(&mode, released, out); },
+                 [&](const LinkUp&) { on_link_up(mode, now, out); },
+                 [&](const LinkDown& down) { on_link_down(mode, down.reason, now, out); },
+             },
+             event);
+}
+
+void ModeAdapterCore::on_progress(Token token, const char* state, Now now, Outbox& out) {
+  if (desk_.owns(token)) return desk_.on_under_way(now);
+  messages_.on_progress(token, state, out);
+}
+
+void ModeAdapterCore::on_said(Driver& mode, const Said& said, Now now, Outbox& out) {
+  const bool asks = said.type == MessageType::command || said.type == MessageType::request;
+  if (!asks && said.target == robot_.settings.id) {
+    desk_.on_information(&mode, said.subtype, said.data, now, out);
+    watch_.on_field(said, now, out);
+  }
+  messages_.on_said(said, out);
+}
+
+void ModeAdapterCore::on_values(Driver& mode, Now now, Outbox& out) {
+  desk_.on_values(&mode, now, out);
+  messages_.on_values(mode, now, out);
+  watch_.on_values(mode, now, out);
+}
+
+void ModeAdapterCore::on_link_up(Driver& mode, Now now, Outbox& out) {
+  out.count("from_robot.ready");
+  if (&mode == &robot_.primary()) status_.on_up();
+  stops_.on_link_up(mode, now, out);
+}
+
+void ModeAdapterCore::on_link_down(Driver& mode, const std::string& reason, Now now, Outbox& out) {
+  if (&mode == &robot_.primary()) status_.on_down(reason);
+  faults_.on_link_down();
+  desk_.on_link_down(&mode, reason, now, out);
+  messages_.on_link_down(mode, reason, out);
 }
 
 }  // namespace trb::adapter

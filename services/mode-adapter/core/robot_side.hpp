@@ -17,7 +17,6 @@ class RobotSide {
         native_(make_driver(settings)) {}
 
   const Settings settings;
-  std::vector<EventFrom> events;  ///< what the modes have told in this step
 
   /// The mode whose connection is the robot's.
   [[nodiscard]] Driver& primary() { return native_ ? *native_ : field_; }
@@ -29,7 +28,14 @@ class RobotSide {
   /// Direct or ros: not by fields.
   [[nodiscard]] bool is_native(const Driver& mode) const { return &mode == native_.get(); }
 
-  [[nodiscard]] DriverOut to(Driver& mode, Outbox& out) { return {&mode, out, events}; }
+  [[nodiscard]] DriverOut to(Driver& mode, Outbox& out) { return {&mode, out, events_}; }
+  /// What the modes have told, in order; none: that was all.
+  std::optional<EventFrom> next_event() {
+    if (taken_ < events_.size()) return std::move(events_[taken_++]);
+    events_.clear();
+    taken_ = 0;
+    return std::nullopt;
+  }
   Token next_token() { return ++last_token_; }
 
   template <class F>
@@ -45,6 +51,8 @@ class RobotSide {
   LinesDriver field_;
   std::unique_ptr<Driver> native_;
   Token last_token_ = 0;
+  std::vector<EventFrom> events_;
+  std::size_t taken_ = 0;  ///< of the events
 };
 
 }  // namespace trb::adapter

@@ -24,6 +24,23 @@ std::optional<std::uint8_t> exception_of(int error) {
   return std::nullopt;
 }
 
+using Bits = std::array<std::uint8_t, kMostModbusRegisters>;
+
+/// Coils and discretes come as bits, registers as words. Negative: see errno.
+int ask(_modbus* modbus, const ModbusCall& call, Bits& bits, std::uint16_t* words) {
+  switch (call.kind) {
+    case ModbusKind::coil:
+      return modbus_read_bits(modbus, call.address, call.count, bits.data());
+    case ModbusKind::discrete:
+      return modbus_read_input_bits(modbus, call.address, call.count, bits.data());
+    case ModbusKind::input:
+      return modbus_read_input_registers(modbus, call.address, call.count, words);
+    case ModbusKind::holding:
+      break;
+  }
+  return modbus_read_registers(modbus, call.address, call.count, words);
+}
+
 }  // namespace
 
 ModbusLink::ModbusLink(Where where)
@@ -71,32 +88,14 @@ Result<ModbusAnswer> ModbusLink::perform(const ModbusCall& call) {
 
 Result<ModbusAnswer> ModbusLink::read(const ModbusCall& call) {
   ModbusAnswer answer;
-  std::array<std::uint8_t, kMostModbusRegisters> bits{};
+  Bits bits{};
   answer.words.resize(call.count);
-  _modbus* const modbus = modbus_.get();
-  const int at = call.address;
-  const int count = call.count;
-  int done = -1;
-  switch (call.kind) {
-    case ModbusKind::coil:
-      done = modbus_read_bits(modbus, at, count, bits.data());
-      break;
-    case ModbusKind::discrete:
-      done = modbus_read_input_bits(modbus, at, count, bits.data());
-      break;
-    case ModbusKind::input:
-      done = modbus_read_input_registers(modbus, at, count, answer.words.data());
-      break;
-    case ModbusKind::holding:
-      done = modbus_read_registers(modbus, at, count, answer.words.data());
-      break;
-  }
-  if (done < 0) {
+  if (ask(modbus_.get(), call, bits, answer.words.data()) < 0) {
     if (const auto exception = exception_of(errno)) return ModbusAnswer{*exception, {}};
     return lost();
   }
   const bool is_bits = call.kind == ModbusKind::coil || call.kind == ModbusKind::discrete;
-  if (is_bits) answer.words.assign(bits.begin(), bits.begin() + count);
+  if (is_bits) answer.words.assign(bits.begin(), bits.begin() + call.count);
   return answer;
 }
 

@@ -12,7 +12,9 @@ namespace {
 struct JobsBench : C3Bench {
   C3Names names = *read_c3_names({{"trb_done", "READY"}, {"trb_result", "RESULT"}}, false);
   C3Turns turns{link, polls, {{{"HALT", "TRUE"}}, {}, false}};
-  C3Jobs jobs{{names, link, polls, turns}, {false, 0, std::chrono::seconds(2), 0}, {{"go", C3Words("GOAL = {0}")}}};
+  C3Jobs jobs{{names, link, polls, turns},
+              {false, 0, std::chrono::seconds(2), 0},
+              {{"go", C3Words(*read_c3_assignments("GOAL = {0}"))}}};
 
   Status add(Token token, const char* skill = "") {
     return jobs.add({token, MessageType::command, "go", "operator", "[3]", skill}, now, out);

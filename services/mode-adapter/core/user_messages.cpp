@@ -1,7 +1,4 @@
-// Messages for the robot: which mode takes them, and what their sender is answered.
-#include <algorithm>
-
-#include "services/mode-adapter/core/adapter_core.hpp"
+#include "services/mode-adapter/core/user_messages.hpp"
 
 namespace trb::adapter {
 namespace {
@@ -11,7 +8,7 @@ constexpr Duration kStale = std::chrono::seconds(2);
 
 }  // namespace
 
-void ModeAdapterCore::on_opaque(const Inbound& message, const Opaque& body, Now now, Outbox& out) {
+void UserMessages::on_message(const Inbound& message, const Opaque& body, Now now, Outbox& out) {
   if (message.type == MessageType::information) return inform(body.subtype, message.source, body.data, now, out);
   if (message.remaining_ms == 0) {
     return out.nack(message, fail(Errc::expired, "its deadline had passed when it came to the robot's node"));
@@ -20,25 +17,25 @@ void ModeAdapterCore::on_opaque(const Inbound& message, const Opaque& body, Now 
   on_request(message, body, now, out);
 }
 
-void ModeAdapterCore::on_command(const Inbound& message, const Opaque& body, Now now, Outbox& out) {
+void UserMessages::on_command(const Inbound& message, const Opaque& body, Now now, Outbox& out) {
   const Holder by{Holder::Kind::person, message.source};
   const bool take = (message.flags & kFlagTakeControl) != 0;
   Driver& mode = robot_.mode_for(MessageType::command, body.subtype);
   // With no robot on the field channel the command goes nowhere, whoever gives it: that is the cause to be told.
   const bool nobody_there = !robot_.is_native(mode) && !mode.online();
-  if (const auto error = barred(by, take || nobody_there, now)) {
+  if (const auto error = control_.barred(by, take || nobody_there, now)) {
     out.count("refused." + std::string(errc_name(error->code)));
     return out.nack(message, *error);
   }
   // By word it is taken over even if the command itself is refused: whoever asks for it wants the former one silent.
-  if (take) take_control(by, now, out);
+  if (take) control_.take(by, now, out);
   const auto token = wait_or_answer(commands_, message, body, mode, now, out);
   if (!token) return;
-  take_control(by, now, out);
-  commanded_ = {&mode, *token};
+  control_.take(by, now, out);
+  control_.began(mode, *token);
 }
 
-void ModeAdapterCore::on_request(const Inbound& message, const Opaque& body, Now now, Outbox& out) {
+void UserMessages::on_request(const Inbound& message, const Opaque& body, Now now, Outbox& out) {
   Driver& mode = robot_.mode_for(MessageType::request, body.subtype);
   if (robot_.is_native(mode) && !begin_stream(message, body, mode, now, out)) return;
   if (mode.answers_from_values()) return answer_from_monitor(message, body, mode, now, out);
@@ -49,7 +46,7 @@ void ModeAdapterCore::on_request(const Inbound& message, const Opaque& body, Now
 }
 
 /// A request that asks for a stream is answered like any other; what comes later is information. False: refused.
-bool ModeAdapterCore::begin_stream(const Inbound& message, const Opaque& body, Driver& mode, Now now, Outbox& out) {
+bool UserMessages::begin_stream(const Inbound& message, const Opaque& body, Driver& mode, Now now, Outbox& out) {
   const auto order = read_stream_order(body.data);
   if (order && *order && !mode.online()) return true;  // its answer says so
   const Status begun = !order   ? Status(order.error())
@@ -60,14 +57,8 @@ bool ModeAdapterCore::begin_stream(const Inbound& message, const Opaque& body, D
   return begun.ok();
 }
 
-void ModeAdapterCore::end_streams(Now now, Outbox& out) {
-  for (const std::string& subtype : streams_.take_ended(now)) {
-    robot_.primary().unwatch(subtype, robot_.to(robot_.primary(), out));
-  }
-}
-
-std::optional<Token> ModeAdapterCore::wait_or_answer(PendingRequests& pending, const Inbound& message,
-                                                     const Opaque& body, Driver& mode, Now now, Outbox& out) {
+std::optional<Token> UserMessages::wait_or_answer(PendingRequests& pending, const Inbound& message, const Opaque& body,
+                                                  Driver& mode, Now now, Outbox& out) {
   const Token token = robot_.next_token();
   const auto progress =
       mode.hand_over({token, message.type, body.subtype, message.source, body.data, {}}, now, robot_.to(mode, out));
@@ -84,7 +75,7 @@ std::optional<Token> ModeAdapterCore::wait_or_answer(PendingRequests& pending, c
   return token;
 }
 
-Error ModeAdapterCore::explain(const Error& error, std::string_view subtype) const {
+Error UserMessages::explain(const Error& error, std::string_view subtype) const {
   if (error.code != Errc::no_field_channel || robot_.settings.commands.transport == "lines") return error;
   const std::string word(subtype);
   return fail(error.code,
@@ -93,8 +84,7 @@ Error ModeAdapterCore::explain(const Error& error, std::string_view subtype) con
               "add '" + word + "' to commands.json, or start the robot's program that dials TCP_PORT");
 }
 
-void ModeAdapterCore::answer_from_monitor(const Inbound& message, const Opaque& body, Driver& mode, Now now,
-                                          Outbox& out) {
+void UserMessages::answer_from_monitor(const Inbound& message, const Opaque& body, Driver& mode, Now now, Outbox& out) {
   const RobotValue* value = mode.value(body.subtype);
   if (value != nullptr && now.mono - value->heard <= kStale) {
     return out.reply(message, Opaque{body.subtype, value->json});
@@ -108,25 +98,67 @@ void ModeAdapterCore::answer_from_monitor(const Inbound& message, const Opaque& 
                          "look whether commands.json maps it to a value that the monitor reports"));
 }
 
-void ModeAdapterCore::inform(std::string_view subtype, std::string_view source, BytesView data, Now now, Outbox& out) {
+void UserMessages::inform(std::string_view subtype, std::string_view source, BytesView data, Now now, Outbox& out) {
   Driver& mode = robot_.mode_for(MessageType::information, subtype);
   const Handover message{robot_.next_token(), MessageType::information, subtype, source, data, {}};
   const auto progress = mode.hand_over(message, now, robot_.to(mode, out));
   if (!progress) out.count("refused." + std::string(errc_name(progress.error().code)));
 }
 
-void ModeAdapterCore::on_nack(const Inbound& message, const Nack& nack, Now now, Outbox& out) {
+void UserMessages::on_nack(const Inbound& message, const Nack& nack, Now now, Outbox& out) {
   // What the adapter itself has sent in vain is counted, only the robot's own words come back to the robot.
   if (is_typed(nack.subtype)) return out.count("refused.nack_" + nack.subtype);
   inform(Nack::kSubtype, message.source, nack.code + " " + nack.what, now, out);
 }
 
-void ModeAdapterCore::expire(PendingRequests& pending, const char* what, Now now, Outbox& out) {
+void UserMessages::expire(PendingRequests& pending, const char* what, Now now, Outbox& out) {
   while (auto expired = pending.take_expired(now)) {
     PendingRequest& request = expired->second;
     out.nack(request.message, fail(Errc::timeout, what, "look at the robot's program"));
     request.mode->forget(expired->first, now, robot_.to(*request.mode, out));
   }
+}
+
+void UserMessages::on_progress(Token token, const char* state, Outbox& out) {
+  if (const auto request = commands_.take(token)) out.reply(*request, Ack{state, ""});
+}
+
+void UserMessages::on_refused(const Refused& refused, Outbox& out) {
+  auto request = commands_.take(refused.token);
+  if (!request) request = requests_.take(refused.token);
+  if (!request) return;
+  out.count("refused." + std::string(errc_name(refused.error.code)));
+  out.nack(*request, refused.error);
+}
+
+void UserMessages::on_said(const Said& said, Outbox& out) {
+  Opaque body{said.subtype, said.data};
+  if (said.type == MessageType::command) return out.command(said.target, std::move(body));
+  if (said.type == MessageType::request) return out.request(said.target, std::move(body));
+  if (const auto request = requests_.take_answered(said.subtype, said.target)) {
+    return out.reply(*request, std::move(body));
+  }
+  out.information(said.target, std::move(body));
+}
+
+void UserMessages::on_link_down(Driver& mode, const std::string& reason, Outbox& out) {
+  streams_.on_link_down(mode);
+  while (const auto request = requests_.take_any_of(&mode)) {
+    out.nack(*request,
+             fail(Errc::robot_offline, "the robot left before it answered: " + reason, "look at the robot's program"));
+  }
+}
+
+void UserMessages::tick(Now now, Outbox& out) {
+  expire(commands_, "the robot did not take it in time", now, out);
+  expire(requests_, "the robot did not answer in time", now, out);
+  for (const std::string& subtype : streams_.take_ended(now)) {
+    robot_.primary().unwatch(subtype, robot_.to(robot_.primary(), out));
+  }
+}
+
+std::optional<MonotonicTime> UserMessages::next_deadline() const {
+  return earlier(streams_.next_deadline(), earlier(commands_.next_deadline(), requests_.next_deadline()));
 }
 
 }  // namespace trb::adapter

@@ -1,0 +1,68 @@
+#include "common/drivers/http-json/commands.hpp"
+
+#include <set>
+
+#include "common/fleet/did_you_mean.hpp"
+
+namespace trb::drivers {
+namespace {
+
+/// One vendor's part of commands.json.
+class Reader {
+ public:
+  explicit Reader(const VendorFaults& faults) : faults_(faults) {}
+
+  HttpCommands read(const VendorCommands& vendor) {
+    for (const auto& [subtype, words] : vendor.commands) command(subtype, words);
+    for (const auto& [name, words] : vendor.values) value(name, words);
+    for (const auto& [subtype, lines] : out_.commands) {
+      for (const HttpWords& one : lines) check_names("commands." + subtype, one.path);
+    }
+    return std::move(out_);
+  }
+
+ private:
+  void command(const std::string& subtype, const std::string& words) {
+    const std::string key = "commands." + subtype;
+    auto read = read_http_words(words);
+    if (!read) return faults_.add(key, read.error());
+    if (read->empty() && !words.empty()) faults_.add(key, "is blank", "write METHOD PATH [JSON], a line each");
+    for (const HttpWords& one : *read) {
+      if (!one.remembers.empty()) remembered_.insert(one.remembers);
+      const bool fills = one.body && !one.body->fill("", json_literal).ok();
+      if (fills && (subtype == "stop" || subtype == "release")) {
+        faults_.add(key, "needs data, and a " + subtype + " has none", "write the JSON itself");
+      }
+    }
+    out_.commands.emplace(subtype, std::move(*read));
+  }
+
+  void value(const std::string& name, const std::string& words) {
+    auto read = read_http_question(words);
+    if (!read) return faults_.add("values." + name, read.error());
+    check_names("values." + name, read->path);
+    out_.values.emplace(name, std::move(*read));
+  }
+
+  /// What a path needs must be told by some command's answer.
+  void check_names(const std::string& key, const HttpPath& path) const {
+    for (const std::string& name : path.names()) {
+      if (remembered_.contains(name)) continue;
+      faults_.add(key, "needs <" + name + ">, which no command's answer tells",
+                  did_you_mean(name, {remembered_.begin(), remembered_.end()},
+                               "let a command end with -> " + name + " /POINTER, or use one of"));
+    }
+  }
+
+  const VendorFaults& faults_;
+  HttpCommands out_;
+  std::set<std::string> remembered_;
+};
+
+}  // namespace
+
+HttpCommands read_http_commands(const VendorCommands& vendor, const Description&, const VendorFaults& faults) {
+  return Reader(faults).read(vendor);
+}
+
+}  // namespace trb::drivers

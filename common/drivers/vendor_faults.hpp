@@ -1,0 +1,42 @@
+// A vendor's part of commands.json is read by one function of its driver: `trb check` keeps its faults, the driver its
+// commands.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <utility>
+
+#include "common/drivers/driver.hpp"
+#include "common/drivers/driver_settings.hpp"
+#include "common/fleet/object_reader.hpp"
+
+namespace trb::drivers {
+
+/// Where the faults of one vendor's part go; keys are told below its name: "commands.stop".
+class VendorFaults {
+ public:
+  VendorFaults(std::string vendor, FileFaults faults) : vendor_(std::move(vendor)), faults_(std::move(faults)) {}
+
+  void add(const std::string& key, std::string what, std::string hint) const {
+    faults_.add(vendor_ + "." + key, std::move(what), std::move(hint));
+  }
+  void add(const std::string& key, const Error& error) const { add(key, error.what, error.hint); }
+
+ private:
+  std::string vendor_;
+  FileFaults faults_;
+};
+
+/// A driver with its commands, as `read` makes them of commands.json: none is ever made of words that cannot be read.
+/// Errors: bad_value (the first fault).
+template <class DriverType, auto read>
+Result<std::unique_ptr<Driver>> make_with(const DriverSettings& settings) {
+  ConfigFaults faults;
+  const VendorFaults vendor(settings.commands.transport, FileFaults("commands.json", faults));
+  auto commands = read(settings.commands, settings.description, vendor);
+  if (faults.empty()) return std::unique_ptr<Driver>(std::make_unique<DriverType>(settings, std::move(commands)));
+  const ConfigFault& first = faults.front();
+  return fail(Errc::bad_value, first.file + ": " + first.key + ": " + first.what, first.hint);
+}
+
+}  // namespace trb::drivers

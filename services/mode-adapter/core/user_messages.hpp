@@ -1,0 +1,54 @@
+// The users' own messages: to the robot and from it, and who waits for an answer.
+#pragma once
+
+#include "services/mode-adapter/core/pending_requests.hpp"
+#include "services/mode-adapter/core/robot_control.hpp"
+#include "services/mode-adapter/core/robot_side.hpp"
+#include "services/mode-adapter/core/streams.hpp"
+
+namespace trb::adapter {
+
+/// message     | its sender is answered
+/// ------------|-----------------------------------------------------------------------------------
+/// command     | once the robot has it or begins it (Ack), refuses it, or has not taken it in time
+/// request     | with what the robot answers, or with the value that its monitor tells
+/// information | never
+class UserMessages {
+ public:
+  /// Both outlive it.
+  UserMessages(RobotSide& robot, RobotControl& control) : robot_(robot), control_(control) {}
+
+  void on_message(const Inbound& message, const Opaque& body, Now now, Outbox& out);
+  /// What the robot has said could not be delivered.
+  void on_nack(const Inbound& message, const Nack& nack, Now now, Outbox& out);
+
+  // what the modes tell
+  void on_progress(Token token, const char* state, Outbox& out);
+  void on_refused(const Refused& refused, Outbox& out);
+  void on_said(const Said& said, Outbox& out);
+  void on_values(Driver& mode, Now now, Outbox& out) { streams_.on_values(mode, now, out); }
+  void on_link_down(Driver& mode, const std::string& reason, Outbox& out);
+
+  void tick(Now now, Outbox& out);
+  [[nodiscard]] std::optional<MonotonicTime> next_deadline() const;
+
+ private:
+  void on_command(const Inbound& message, const Opaque& body, Now now, Outbox& out);
+  void on_request(const Inbound& message, const Opaque& body, Now now, Outbox& out);
+  bool begin_stream(const Inbound& message, const Opaque& body, Driver& mode, Now now, Outbox& out);
+  void answer_from_monitor(const Inbound& message, const Opaque& body, Driver& mode, Now now, Outbox& out);
+  void inform(std::string_view subtype, std::string_view source, BytesView data, Now now, Outbox& out);
+  /// The message's token; none: refused, and told so.
+  std::optional<Token> wait_or_answer(PendingRequests& pending, const Inbound& message, const Opaque& body,
+                                      Driver& mode, Now now, Outbox& out);
+  [[nodiscard]] Error explain(const Error& error, std::string_view subtype) const;
+  void expire(PendingRequests& pending, const char* what, Now now, Outbox& out);
+
+  RobotSide& robot_;
+  RobotControl& control_;
+  PendingRequests commands_;  ///< until the robot has them
+  PendingRequests requests_;  ///< until the robot has answered them
+  Streams streams_;           ///< requests that go on
+};
+
+}  // namespace trb::adapter

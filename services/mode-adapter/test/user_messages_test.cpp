@@ -1,0 +1,113 @@
+// The users' own messages by themselves: each command and request has one answer.
+#include "services/mode-adapter/core/user_messages.hpp"
+
+#include "services/mode-adapter/test/fixture.hpp"
+
+using namespace trb;
+using namespace trb::adapter;
+
+namespace {
+
+class UserMessagesBench {
+ public:
+  explicit UserMessagesBench(bool connected = true) {
+    if (connected) robot.field().on_up(Channel::field, now, robot.to(robot.field(), out));
+  }
+  /// The token that the robot knows it by.
+  Token send(MessageType type, const std::string& subtype, std::uint64_t id, std::uint32_t remaining_ms = 1000) {
+    messages.on_message({type, "operator", "pioneer", id, 0, 0, remaining_ms, Opaque{subtype, "1"}},
+                        Opaque{subtype, "1"}, now, out);
+    return ++last_;
+  }
+  /// What that message was answered since the last look: "ack STATE", "nack CODE" or the data.
+  std::string answer(std::uint64_t id) {
+    std::string all;
+    for (const Send& sent : out.sends) {
+      if (sent.reply_to != id) continue;
+      if (const auto* ack = get_if<Ack>(&sent.body)) all += "ack " + ack->state;
+      if (const auto* nack = get_if<Nack>(&sent.body)) all += "nack " + nack->code;
+      if (const auto* said = get_if<Opaque>(&sent.body)) all += said->data;
+    }
+    std::erase_if(out.sends, [&](const Send& sent) { return sent.reply_to == id; });
+    return all;
+  }
+
+  Now now{MonotonicTime{} + seconds(100), UtcTime{}};
+  Outbox out;
+  RobotSide robot{pioneer()};
+  StopControl stops{robot, [](bool) { return Status(Done{}); }};
+  RobotControl control{stops, "pioneer"};
+  UserMessages messages{robot, control};
+
+ private:
+  Token last_ = 0;
+};
+
+}  // namespace
+
+TEST_CASE("a command is answered once the robot has it, and its sender commands the robot") {
+  UserMessagesBench bench;
+  const Token token = bench.send(MessageType::command, "move", 7);
+  CHECK(bench.answer(7).empty());
+  CHECK(bench.control.holder()->name == "operator");
+  bench.messages.on_progress(token, "handed_over", bench.out);
+  CHECK(bench.answer(7) == "ack handed_over");
+  bench.messages.on_progress(token, "started", bench.out);
+  CHECK(bench.answer(7).empty());
+}
+
+TEST_CASE("what the robot refuses is refused to the sender, once") {
+  UserMessagesBench bench;
+  const Token token = bench.send(MessageType::command, "move", 7);
+  bench.messages.on_refused({token, fail(Errc::robot_error, "no")}, bench.out);
+  CHECK(bench.answer(7) == "nack robot_error");
+  bench.messages.on_refused({token, fail(Errc::robot_error, "no")}, bench.out);
+  CHECK(bench.answer(7).empty());
+}
+
+TEST_CASE("a request is answered with the next that the robot says of it to its asker; the rest is information") {
+  UserMessagesBench bench;
+  bench.send(MessageType::request, "position", 7);
+  const Said said{MessageType::information, "position", "operator", "[1,2]"};
+  bench.messages.on_said({MessageType::information, "position", "cloud", "[0,0]"}, bench.out);
+  CHECK(bench.answer(7).empty());
+  bench.messages.on_said(said, bench.out);
+  CHECK(bench.answer(7) == "[1,2]");
+  bench.out.sends.clear();
+  bench.messages.on_said(said, bench.out);
+  REQUIRE(bench.out.sends.size() == 1);
+  CHECK(bench.out.sends[0].type == MessageType::information);
+  CHECK(bench.out.sends[0].reply_to == 0);
+}
+
+TEST_CASE("who waits in vain is told so: at the deadline, or when the robot leaves") {
+  UserMessagesBench bench;
+  bench.send(MessageType::command, "move", 7);
+  bench.send(MessageType::request, "position", 8, 5000);
+  bench.now.mono = *bench.messages.next_deadline();
+  bench.messages.tick(bench.now, bench.out);
+  CHECK(bench.answer(7) == "nack timeout");
+  CHECK(bench.answer(8).empty());
+  bench.messages.on_link_down(bench.robot.field(), "gone", bench.out);
+  CHECK(bench.answer(8) == "nack robot_offline");
+  CHECK_FALSE(bench.messages.next_deadline());
+}
+
+TEST_CASE("a message that is too late, or for a robot that is not there, goes nowhere") {
+  UserMessagesBench bench;
+  bench.send(MessageType::command, "move", 7, 0);
+  CHECK(bench.answer(7) == "nack expired");
+  UserMessagesBench alone(false);
+  alone.send(MessageType::command, "move", 7);
+  CHECK(alone.answer(7) == "nack no_field_channel");
+  CHECK_FALSE(alone.control.holder());
+}
+
+TEST_CASE("a Nack of the user's own word goes back to the robot, one of the middleware's is counted") {
+  UserMessagesBench bench;
+  const Inbound message{MessageType::information, "ur3", "pioneer", 9, 3, 0, 0, Nack{}};
+  bench.messages.on_nack(message, Nack{"offline", "greeting", "ur3", "no such node", "", ""}, bench.now, bench.out);
+  CHECK_FALSE(bench.out.writes.empty());
+  bench.messages.on_nack(message, Nack{"offline", "outcome", "ur3", "no such node", "", ""}, bench.now, bench.out);
+  CHECK(bench.out.counts.back() == "refused.nack_outcome");
+}
