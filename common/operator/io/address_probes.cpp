@@ -1,6 +1,7 @@
 #include "common/operator/io/address_probes.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "common/operator/io/probe_attempts.hpp"
 

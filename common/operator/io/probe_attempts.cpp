@@ -86,7 +86,8 @@ class Datagrams final : public Attempt {
     if (fd() < 0) return end();
     v6_ = to->family() == AF_INET6;
     // "Probe": do not fragment, and do not believe what is remembered of the path.
-    const int whole = v6_ ? static_cast<int>(IPV6_PMTUDISC_PROBE) : static_cast<int>(IP_PMTUDISC_PROBE);
+    static_assert(static_cast<int>(IP_PMTUDISC_PROBE) == static_cast<int>(IPV6_PMTUDISC_PROBE));
+    const int whole = IP_PMTUDISC_PROBE;
     ::setsockopt(fd(), level(), v6_ ? IPV6_MTU_DISCOVER : IP_MTU_DISCOVER, &whole, sizeof whole);
     if (::connect(fd(), to->data(), to->size) != 0) return end();
     send(now);

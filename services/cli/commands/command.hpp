@@ -25,7 +25,7 @@ struct Command {
   GROUP(run)                      \
   GROUP(scenario)                 \
   GROUP(fleet)                    \
-  GROUP(fleet_news)               \
+  GROUP(trust_update)             \
   GROUP(doctor)                   \
   GROUP(proof)                    \
   GROUP(rank)                     \

@@ -136,7 +136,7 @@ void try_some(std::vector<AddressProbe>& probes, bool (*wanted)(const AddressPro
 }
 
 void try_addresses(AddressTests& tests, Observed& seen) {
-  std::ranges::stable_partition(seen.addresses, is_number);
+  std::stable_partition(seen.addresses.begin(), seen.addresses.end(), is_number);
   try_some(seen.addresses, is_number, tests, &AddressTests::ports);
   try_some(seen.addresses, carries_something, tests, &AddressTests::datagrams);
 }

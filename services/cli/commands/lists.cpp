@@ -51,7 +51,7 @@ int show(
 }
 
 /// "carry", "all", "retired".
-std::string out_of_use_words(const NodeProfile& profile) {
+std::string out_of_use_text(const NodeProfile& profile) {
   std::vector<std::string> words;
   for (const OutOfUse& one : profile.out_of_use) {
     words.push_back(one.retired ? "retired" : one.capability.empty() ? "all" : one.capability);
@@ -85,7 +85,7 @@ int run_robots(const Arguments& arguments) {
           const NodeProfile& p = route.profile;
           const std::string robot = p.robot + (p.detail.empty() ? "" : " (" + p.detail + ")");
           rows.push_back({route.id, route.state == "self" ? "ONLINE" : route.state, or_dash(robot),
-                          p.fenced ? "yes" : "no", out_of_use_words(p), or_dash(p.control), or_dash(p.mode),
+                          p.fenced ? "yes" : "no", out_of_use_text(p), or_dash(p.control), or_dash(p.mode),
                           or_dash(p.transport), or_dash(p.maker + " " + p.model), join(p.capabilities)});
         }
         return rows;

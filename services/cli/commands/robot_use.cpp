@@ -9,7 +9,7 @@ namespace {
 
 constexpr std::size_t kMaxReason = 255;
 
-int say(const Arguments& arguments, Body order, const std::string& done) {
+int order(const Arguments& arguments, Body order, const std::string& done) {
   auto probe = open_probe(arguments);
   if (!probe) return kFailed;
   const std::string& robot = arguments.words[0];
@@ -26,18 +26,18 @@ int run_retire(const Arguments& arguments) {
                                 "say it in 255 bytes: --reason 'new wheels are coming'"));
     return kWrongUse;
   }
-  return say(arguments, TakeOutOfUse{{"", {}, reason, 0, true, person_of(arguments)}},
-             "is given no task any more; what it is at it finishes; trb robot return brings it back");
+  return order(arguments, TakeOutOfUse{{"", {}, reason, 0, true, person_of(arguments)}},
+               "is given no task any more; what it is at it finishes; trb robot return brings it back");
 }
 
 int run_return(const Arguments& arguments) {
-  return say(arguments, TakeIntoUse{"", true, person_of(arguments)}, "is given tasks again");
+  return order(arguments, TakeIntoUse{"", true, person_of(arguments)}, "is given tasks again");
 }
 
 int run_repaired(const Arguments& arguments) {
   const std::string capability = arguments.get("--capability");
-  return say(arguments, TakeIntoUse{capability, false, person_of(arguments)},
-             (capability.empty() ? "" : capability + " ") + std::string("is in use again"));
+  return order(arguments, TakeIntoUse{capability, false, person_of(arguments)},
+               (capability.empty() ? "" : capability + " ") + std::string("is in use again"));
 }
 
 const std::string kPerson = "--person NAME|who says so ($USER)";

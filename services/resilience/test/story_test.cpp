@@ -3,21 +3,11 @@
 
 #include <cmath>
 
-#include "services/resilience/test/fixture.hpp"
+#include "services/resilience/test/wheels_fail.hpp"
 
 using namespace trb;
 using namespace trb::resilience;
 using namespace trb::resilience::test;
-
-namespace {
-
-/// Ridgeback's wheels fail in task 4, and the task with them.
-void wheels_fail(Fixture& fixture) {
-  fixture.fault("ridgeback", "mobile");
-  fixture.end_task("t4", TaskOutcome::failed, "mobile is broken");
-}
-
-}  // namespace
 
 TEST_CASE("the paper's story: Ridgeback cannot move any more, a Pioneer takes tasks 4 and 7, Ridgeback still loads") {
   auto fixture = paper();
@@ -110,55 +100,6 @@ TEST_CASE("what the robots said is old: they are asked, and the proposals follow
   fixture->wait(seconds(20));
   CHECK(fixture->heard["position"] == 3);
   CHECK(robots_of(fixture->alert()).front() == "pioneer2");
-}
-
-TEST_CASE("an automatic policy decides once the cause has shown all of its tasks") {
-  auto fixture = paper(automatic());
-  fixture->end_task("t4", TaskOutcome::failed, "stuck");
-  fixture->wait(seconds(1));
-  fixture->fault("ridgeback", "mobile");
-  CHECK(fixture->taken.empty());
-  fixture->wait(seconds(4));
-  REQUIRE(fixture->taken.size() == 1);
-  CHECK(rulings(fixture->taken[0]) == "t4>pioneer1 t7>pioneer1");
-  CHECK(fixture->taken[0].person.empty());
-  CHECK(fixture->any(fixture->taken[0].alert).policy == "automatic");
-}
-
-TEST_CASE("an automatic policy waits for who is proposed to say how it is, for 5 s") {
-  for (const bool answers : {true, false}) {
-    auto fixture = paper(automatic());
-    fixture->wait(seconds(60));
-    fixture->mute.insert("turtlebot");
-    fixture->fault("ridgeback", "mobile");
-    fixture->end_task("t4", TaskOutcome::failed, "stuck");
-    fixture->wait(seconds(4));
-    CHECK(fixture->alert().policy == "automatic, waits: what turtlebot answers");
-    CHECK(fixture->taken.empty());
-    if (answers) {
-      for (const auto& [name, value] : fixture->values["turtlebot"]) fixture->answer("turtlebot", Opaque{name, value});
-    } else {
-      fixture->wait(seconds(2));
-    }
-    fixture->wait(seconds(1));
-    CHECK(fixture->taken.size() == 1);
-  }
-}
-
-TEST_CASE("a policy whose conditions do not hold asks, and says why") {
-  const auto asks = [](ResilienceSettings settings) {
-    auto fixture = paper(settings);
-    wheels_fail(*fixture);
-    fixture->wait(seconds(10));
-    CHECK(fixture->taken.empty());
-    return fixture->alert().policy;
-  };
-  CHECK(asks(automatic(0.95)).starts_with("automatic, but asks: the best has a merit of 0.92"));
-  CHECK(asks(automatic(0, 0.5)).starts_with("automatic, but asks: the best leads by"));
-  ResilienceSettings mild = automatic();
-  mild.policy.max_severity = Severity::urgent;
-  CHECK(asks(mild) == "automatic, but asks: the fault is CRITICAL");
-  CHECK(asks(default_resilience()) == "ask");
 }
 
 TEST_CASE("nobody decides in time: the run stays paused, and can still be decided on new proposals") {

@@ -55,7 +55,7 @@ BridgeCore::BridgeCore(BridgeSettings settings, TypeStore::Read read)
 
 void BridgeCore::on_welcome(const NodeIdentity&, Now now, Outbox& out) {
   welcomed_ = true;
-  tell_state(now, out);
+  send_state(now, out);
 }
 
 void BridgeCore::on(const Inbound& message, Now now, Outbox& out) {
@@ -97,7 +97,7 @@ void BridgeCore::begin_publish(const BridgeCommand& command, Now now, Outbox& ou
   if (waiting.size() >= kMaxWaiting) {
     return fail_event(command.token, fail(Errc::queue_full, "too many messages wait for the ROS master"), out);
   }
-  if (waiting.empty()) say(Word::look_up, {command.name}, out);
+  if (waiting.empty()) send_word(Word::look_up, {command.name}, out);
   waiting.push_back(std::move(publication));
 }
 
@@ -120,10 +120,10 @@ void BridgeCore::publish(Publication publication, const std::string& name, Now n
   }
   const auto left = std::chrono::duration_cast<milliseconds>(publication.deadline - now.mono).count();
   const std::uint64_t key = ++last_key_;
-  say(Word::publish,
-      {std::to_string(key), publication.topic, (*type)->name, (*type)->md5, full_definition(**type),
-       std::to_string(std::max<std::int64_t>(left, 0)), std::move(*wire)},
-      out);
+  send_word(Word::publish,
+            {std::to_string(key), publication.topic, (*type)->name, (*type)->md5, full_definition(**type),
+             std::to_string(std::max<std::int64_t>(left, 0)), std::move(*wire)},
+            out);
   out.count("to_ros." + publication.topic);
   published_.emplace(key, std::move(publication));
 }
@@ -137,7 +137,7 @@ void BridgeCore::listen(const BridgeCommand& command, Now now, Outbox& out) {
   if (topic.listeners.size() >= kMaxWaiting) {
     return fail_event(command.token, fail(Errc::queue_full, "too many wait for " + command.name), out);
   }
-  if (known == topics_.end()) say(Word::subscribe, {command.name}, out);
+  if (known == topics_.end()) send_word(Word::subscribe, {command.name}, out);
   topic.idle_since.reset();
   topic.listeners.push_back({command.token, command.paths, command.action == BridgeAction::watch,
                              now.mono + patience(command.timeout_s), now.mono});
@@ -292,7 +292,7 @@ void BridgeCore::tick(Now now, Outbox& out) {
     on_worker_ended("the ROS master at " + settings_.master + " does not answer", now, out);
   }
   expire(now, out);
-  if (welcomed_ && now.mono >= next_state_) tell_state(now, out);
+  if (welcomed_ && now.mono >= next_state_) send_state(now, out);
 }
 
 void BridgeCore::expire(Now now, Outbox& out) {
@@ -323,7 +323,7 @@ void BridgeCore::expire_listeners(Now now, Outbox& out) {
   }
   std::erase_if(topics_, [&](const auto& entry) {
     if (!entry.second.idle_since || now.mono - *entry.second.idle_since < kIdle) return false;
-    say(Word::unsubscribe, {entry.first}, out);
+    send_word(Word::unsubscribe, {entry.first}, out);
     return true;
   });
 }
@@ -355,7 +355,7 @@ void BridgeCore::event(std::uint64_t token, BridgeResult result, std::string dat
   out.information(settings_.id, std::move(event));
 }
 
-void BridgeCore::say(Word word, std::vector<Bytes> parts, Outbox& out) {
+void BridgeCore::send_word(Word word, std::vector<Bytes> parts, Outbox& out) {
   out.write(Channel::command, to_bytes({word, std::move(parts)}));
 }
 
@@ -364,10 +364,10 @@ void BridgeCore::set_state(bool up, const std::string& detail, Now now, Outbox& 
   up_ = up;
   detail_ = detail;
   out.log(up ? LogLevel::info : LogLevel::warning, "ros", up ? "the ROS master is there" : detail);
-  if (welcomed_) tell_state(now, out);
+  if (welcomed_) send_state(now, out);
 }
 
-void BridgeCore::tell_state(Now now, Outbox& out) {
+void BridgeCore::send_state(Now now, Outbox& out) {
   next_state_ = now.mono + kStatePeriod;
   out.information(settings_.id, BridgeState{connection_, up_, detail_});
 }

@@ -76,10 +76,10 @@ class BridgeCore : public Core {
   void fail_event(std::uint64_t token, const Error& error, Outbox& out) const {
     event(token, BridgeResult::failed, {}, error, out);
   }
-  static void say(Word word, std::vector<Bytes> parts, Outbox& out);
+  static void send_word(Word word, std::vector<Bytes> parts, Outbox& out);
   void forget_all();
   void set_state(bool up, const std::string& detail, Now now, Outbox& out);
-  void tell_state(Now now, Outbox& out);
+  void send_state(Now now, Outbox& out);
 
   BridgeSettings settings_;
   TypeStore store_;

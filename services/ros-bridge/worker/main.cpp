@@ -36,7 +36,7 @@ class Worker {
     for (;;) {
       pollfd bridge{kBridge, POLLIN, 0};
       ::poll(&bridge, 1, static_cast<int>(kTurn.count()));
-      if (bridge.revents != 0 && !hear()) return 0;
+      if (bridge.revents != 0 && !receive()) return 0;
       if (Clock::now() >= next_alive_ && !look_at_master()) return kMasterIsNew;
       if (!node_) continue;
       roscpp::getGlobalCallbackQueue()->callAvailable();
@@ -63,7 +63,7 @@ class Worker {
   };
   using Heard = roscpp::MessageEvent<topic_tools::ShapeShifter const>;
 
-  static void say(Word word, std::vector<Bytes> parts) {
+  static void send_word(Word word, std::vector<Bytes> parts) {
     const Bytes bytes = to_bytes({word, std::move(parts)});
     for (std::size_t sent = 0; sent < bytes.size();) {
       const ssize_t now = ::send(kBridge, bytes.data() + sent, bytes.size() - sent, MSG_NOSIGNAL);
@@ -72,11 +72,11 @@ class Worker {
     }
   }
   static void refuse(const Bytes& token, std::string_view code, const std::string& what, const std::string& hint) {
-    say(Word::failed, {token, Bytes(code), what, hint});
+    send_word(Word::failed, {token, Bytes(code), what, hint});
   }
 
   /// False: the bridge is gone.
-  bool hear() {
+  bool receive() {
     Bytes bytes(65536, '\0');
     const ssize_t size = ::recv(kBridge, bytes.data(), bytes.size(), MSG_DONTWAIT);
     if (size <= 0) return size < 0 && (errno == EAGAIN || errno == EINTR);
@@ -106,14 +106,14 @@ class Worker {
     const bool there = roscpp::master::execute("getPid", request, response, pid, false);
     next_alive_ = Clock::now() + kAlive;
     if (!there) {
-      say(Word::alive, {"absent", "no ROS master at " + master_});
+      send_word(Word::alive, {"absent", "no ROS master at " + master_});
       return true;
     }
     const int number = pid;
     if (node_ && number != pid_) return false;
     pid_ = number;
     if (!node_) node_ = std::make_unique<roscpp::NodeHandle>();
-    say(Word::alive, {"up", ""});
+    send_word(Word::alive, {"up", ""});
     return true;
   }
 
@@ -130,7 +130,7 @@ class Worker {
         if (std::string(types[i][0]) == full) type = std::string(types[i][1]);
       }
     }
-    say(Word::type, {topic, type == "*" ? "" : type});
+    send_word(Word::type, {topic, type == "*" ? "" : type});
   }
 
   void take_publication(const std::vector<Bytes>& parts) {
@@ -177,7 +177,7 @@ class Worker {
       if (!blocked[waiting.topic] && publisher.publisher.getNumSubscribers() > 0) {
         fill(publisher.message, waiting.wire);
         publisher.publisher.publish(publisher.message);
-        say(Word::published, {waiting.token});
+        send_word(Word::published, {waiting.token});
       } else if (Clock::now() >= waiting.deadline) {
         refuse(waiting.token, "timeout", waiting.topic + ": nobody subscribes to it as " + publisher.type,
                "start the robot's node; if it runs, compare the sums: rosmsg md5 " + publisher.type + " is " +
@@ -204,7 +204,8 @@ class Worker {
     Bytes wire(message->size(), '\0');
     roscpp::serialization::OStream stream(reinterpret_cast<std::uint8_t*>(wire.data()), message->size());
     message->write(stream);
-    say(Word::message, {topic, message->getDataType(), message->getMD5Sum(), message->getMessageDefinition(), wire});
+    send_word(Word::message,
+              {topic, message->getDataType(), message->getMD5Sum(), message->getMessageDefinition(), wire});
   }
 
   std::string master_;

@@ -67,6 +67,6 @@ struct SignalRefused {
   std::string text;
 };
 
-using BusNews = std::variant<BusUp, BusDown, SignalHeard, ProgramHeard, SignalRefused>;
+using BusEvent = std::variant<BusUp, BusDown, SignalHeard, ProgramHeard, SignalRefused>;
 
 }  // namespace trb::sensor

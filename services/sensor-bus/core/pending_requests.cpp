@@ -96,7 +96,7 @@ void SensorBusCore::on_picture(const Picture& picture, Now now, Outbox& out) {
     sensors_.failed(name, error->what);
   } else {
     send_picture({name, sensor->info.identity, picture.media_type, picture.time.ns, {picture.bytes}}, out);
-    sensors_.told(name, {}, now.mono, now.mono);
+    sensors_.set_value(name, {}, now.mono, now.mono);
   }
   settle(now, out);
 }
@@ -134,7 +134,7 @@ void SensorBusCore::on_sample(const Sample& sample, Now now, Outbox& out) {
   const auto patience = sensor->patience();
   if (patience && now.mono - sample.measured > *patience) value->quality = "stale";
   const std::string name = sensor->info.name;
-  sensors_.told(name, *value, sample.measured, now.mono);
+  sensors_.set_value(name, *value, sample.measured, now.mono);
   if (other_kind) announce(*sensor);
   order(EmitValue{name, std::move(*value)});
   settle(now, out);
@@ -144,9 +144,9 @@ void SensorBusCore::on_sample(const Sample& sample, Now now, Outbox& out) {
 void SensorBusCore::read_failed(const Sensor& sensor, const Error& error, Now now, Outbox& out) {
   const std::string name = sensor.info.name;
   const SensorState state = error.code == Errc::missing ? SensorState::silent : SensorState::failed;
-  const bool news = sensor.info.state != state;
+  const bool changed = sensor.info.state != state;
   out.count(state == SensorState::silent ? "sensor.silent" : "sensor.failed");
-  if (news) out.log(LogLevel::warning, "sensor_failed", name + ": " + error.text());
+  if (changed) out.log(LogLevel::warning, "sensor_failed", name + ": " + error.text());
   sensors_.failed(name, error.what, state);
   const auto is_over = [&](const Asker& one) {
     if (one.name != name) return false;
@@ -154,12 +154,12 @@ void SensorBusCore::read_failed(const Sensor& sensor, const Error& error, Now no
     return true;
   };
   asked_changed_ = std::erase_if(reads_, is_over) != 0 || asked_changed_;
-  if (news) last_words(name, now, out);
+  if (changed) send_last_value(name, now, out);
   settle(now, out);
 }
 
 /// Who watches a sensor that tells nothing any more gets what it told last, and how old that is.
-void SensorBusCore::last_words(const std::string& name, Now now, Outbox& out) {
+void SensorBusCore::send_last_value(const std::string& name, Now now, Outbox& out) {
   const Sensor* sensor = sensors_.find(name);
   if (sensor == nullptr || !sensor->value || !watches_.any_of(name)) return;
   SensorReading reading = reading_of(name, *sensor->value, now);
@@ -196,7 +196,7 @@ void SensorBusCore::deliver(const std::string& name, const SensorReading& readin
     return true;
   };
   asked_changed_ = std::erase_if(reads_, is_over) != 0 || asked_changed_;
-  watches_.told(name, reading, now, out);
+  watches_.send(name, reading, now, out);
 }
 
 // ---- what did not come
@@ -204,7 +204,7 @@ void SensorBusCore::deliver(const std::string& name, const SensorReading& readin
 void SensorBusCore::expire(Now now, Outbox& out) {
   watches_.expire(now.mono);
   const Sensors::Late late = sensors_.check(now.mono);
-  for (const std::string& name : late.silent) last_words(name, now, out);
+  for (const std::string& name : late.silent) send_last_value(name, now, out);
   for (const std::string& name : late.gone) gone(name, "is fed by no program any more", out);
   const auto is_over = [&](const Asker& one) {
     if (one.deadline > now.mono) return false;

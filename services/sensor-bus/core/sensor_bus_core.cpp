@@ -43,7 +43,7 @@ void SensorBusCore::on_request(const Inbound& asked, Now now, Outbox& out) {
       Taken::dispatch(asked.body, Overloaded{[&](const SensorRead& body) { begin_read(asked, body, now, out); },
                                              [&](const SensorWatch& body) { order_watch(asked, body, now, out); },
                                              [&](const SensorSnapshot& body) { begin_picture(asked, body, now, out); },
-                                             [&](const SensorListRequest& body) { tell_table(asked, body, out); }});
+                                             [&](const SensorListRequest& body) { send_table(asked, body, out); }});
   if (!taken) refuse(asked, out);
 }
 
@@ -60,7 +60,7 @@ void SensorBusCore::forget_node(const std::string& id) {
   std::erase_if(pictures_, of_it);
 }
 
-void SensorBusCore::tell_table(const Inbound& asked, const SensorListRequest& body, Outbox& out) const {
+void SensorBusCore::send_table(const Inbound& asked, const SensorListRequest& body, Outbox& out) const {
   SensorTable table{node_, sensors_.infos(), {}, cut_utf8(bus_fault_, 255)};
   if (body.unknown) table.unknown = unknown_;
   out.reply(asked, std::move(table));

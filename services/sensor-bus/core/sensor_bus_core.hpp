@@ -35,7 +35,7 @@ class SensorBusCore : public Core {
   void on_sample(const Sample& sample, Now now, Outbox& out);
   void on_picture(const Picture& picture, Now now, Outbox& out);
   void on_unknown(const std::vector<UnknownDevice>& devices) { unknown_ = devices; }
-  void on_news(const std::vector<BusNews>& news, Now now, Outbox& out);
+  void on_bus_events(const std::vector<BusEvent>& events, Now now, Outbox& out);
 
   /// What the steps since the last call want done, in order.
   std::vector<Effect> take_effects() { return std::exchange(effects_, {}); }
@@ -57,7 +57,7 @@ class SensorBusCore : public Core {
   void order_watch(const Inbound& asked, const SensorWatch& body, Now now, Outbox& out);
   void refuse_pictures(const std::string& name, const Error& error, Outbox& out);
   void send_picture(const SensorImage& image, Outbox& out);
-  void tell_table(const Inbound& asked, const SensorListRequest& body, Outbox& out) const;
+  void send_table(const Inbound& asked, const SensorListRequest& body, Outbox& out) const;
   [[nodiscard]] Duration patience_of(const std::string& name, double timeout_s) const;
 
   void on_bus(const BusUp& up, Now now, Outbox& out);
@@ -70,7 +70,7 @@ class SensorBusCore : public Core {
   void deliver(const std::string& name, const SensorReading& reading, Now now, Outbox& out);
   [[nodiscard]] SensorReading reading_of(const std::string& name, const BusValue& value, Now now) const;
   void read_failed(const Sensor& sensor, const Error& error, Now now, Outbox& out);
-  void last_words(const std::string& name, Now now, Outbox& out);
+  void send_last_value(const std::string& name, Now now, Outbox& out);
   void gone(const std::string& name, const std::string& why, Outbox& out);
   void expire(Now now, Outbox& out);
   void time_out(const Asker& asker, Outbox& out) const;

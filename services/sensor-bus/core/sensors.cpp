@@ -155,7 +155,7 @@ Result<const Sensor*> Sensors::fed(const std::string& name, MonotonicTime now) {
   return &sensor;
 }
 
-void Sensors::told(const std::string& name, const BusValue& value, MonotonicTime measured, MonotonicTime now) {
+void Sensors::set_value(const std::string& name, const BusValue& value, MonotonicTime measured, MonotonicTime now) {
   const auto at = sensors_.find(name);
   if (at == sensors_.end()) return;
   Sensor& sensor = at->second;

@@ -44,7 +44,7 @@ class Sensors {
   /// robot's), queue_full.
   Result<const Sensor*> fed(const std::string& name, MonotonicTime now);
 
-  void told(const std::string& name, const BusValue& value, MonotonicTime measured, MonotonicTime now);
+  void set_value(const std::string& name, const BusValue& value, MonotonicTime measured, MonotonicTime now);
   void failed(const std::string& name, const std::string& why, SensorState state = SensorState::failed);
 
   /// What has fallen silent; and the fed ones that are gone after a minute of it.

@@ -43,7 +43,7 @@ void Watches::send(const Key& key, Watch& watch, SensorReading reading, Outbox& 
                        .body = std::move(reading)});
 }
 
-void Watches::told(const std::string& name, const SensorReading& reading, Now now, Outbox& out) {
+void Watches::send(const std::string& name, const SensorReading& reading, Now now, Outbox& out) {
   for (auto at = first_of(name); at != watches_.end() && std::get<0>(at->first) == name; ++at) {
     Watch& watch = at->second;
     // A sensor's own period is never exact: what comes a little early is not left to the next one.

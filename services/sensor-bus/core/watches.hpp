@@ -20,7 +20,7 @@ class Watches {
   Status order(const Inbound& asked, const SensorWatch& body, const std::string& name, Now now);
 
   /// A value was told: to each watch that is due. `reading` has no watch and count yet.
-  void told(const std::string& name, const SensorReading& reading, Now now, Outbox& out);
+  void send(const std::string& name, const SensorReading& reading, Now now, Outbox& out);
   /// The same whether due or not: what follows is silence.
   void told_at_once(const std::string& name, const SensorReading& reading, Outbox& out);
 

@@ -17,7 +17,7 @@ namespace trb::sensor {
 
 class BusConnection {
  public:
-  using Tell = std::function<void(BusNews)>;
+  using Tell = std::function<void(BusEvent)>;
 
   /// `where`: "system", "session" or an address. Owns the name trbots.sensors from now on, and hears what other
   /// programs feed.

@@ -19,7 +19,7 @@ using std::chrono::seconds;
 constexpr Duration kFirstWait = milliseconds(100);
 constexpr Duration kLongestWait = seconds(2);
 constexpr Duration kPingEvery = seconds(5);
-constexpr std::size_t kMostNews = 4096;
+constexpr std::size_t kMostEvents = 4096;
 
 /// Wakes whoever polls it.
 class Bell {
@@ -55,20 +55,20 @@ struct BusThread::Shared {
   std::mutex mutex;
   std::condition_variable ended_changed;
   std::vector<Effect> effects;
-  std::vector<BusNews> news;
-  std::size_t lost = 0;  ///< news for which there was no place
+  std::vector<BusEvent> events;
+  std::size_t lost = 0;  ///< events for which there was no place
   bool stop = false;
   bool ended = false;
 
-  void tell(BusNews one) {
+  void post(BusEvent one) {
     const bool must = std::holds_alternative<BusUp>(one) || std::holds_alternative<BusDown>(one);
     const std::lock_guard lock(mutex);
-    if (!must && news.size() >= kMostNews) {
+    if (!must && events.size() >= kMostEvents) {
       ++lost;
       return;
     }
-    news.push_back(std::move(one));
-    if (news.size() == 1) for_loop.ring();
+    events.push_back(std::move(one));
+    if (events.size() == 1) for_loop.ring();
   }
   /// The bus has come: what was wanted of its predecessor is not wanted any more.
   void tell_up(std::string note) {
@@ -76,7 +76,7 @@ struct BusThread::Shared {
       const std::lock_guard lock(mutex);
       effects.clear();
     }
-    tell(BusUp{std::move(note)});
+    post(BusUp{std::move(note)});
   }
   std::vector<Effect> take_effects() {
     for_thread.silence();
@@ -90,7 +90,7 @@ struct BusThread::Shared {
 };
 
 Result<std::unique_ptr<BusThread>> BusThread::open(std::string where, Service& service,
-                                                   std::function<void(const std::vector<BusNews>&)> tell) {
+                                                   std::function<void(const std::vector<BusEvent>&)> tell) {
   auto shared = std::make_shared<Shared>();
   if (shared->for_thread.fd() < 0 || shared->for_loop.fd() < 0)
     return fail(Errc::io_error, "no eventfd", "raise the limit of open files");
@@ -105,9 +105,9 @@ Result<std::unique_ptr<BusThread>> BusThread::open(std::string where, Service& s
 }
 
 BusThread::BusThread(std::shared_ptr<Shared> shared, Service& service,
-                     std::function<void(const std::vector<BusNews>&)> tell)
+                     std::function<void(const std::vector<BusEvent>&)> tell)
     : shared_(std::move(shared)), service_(service), tell_(std::move(tell)) {
-  service_.watch(shared_->for_loop.fd(), POLLIN, [this](short) { on_news(); });
+  service_.watch(shared_->for_loop.fd(), POLLIN, [this](short) { on_bus_events(); });
 }
 
 BusThread::~BusThread() {
@@ -130,15 +130,16 @@ void BusThread::carry_out(std::vector<Effect> effects) {
   shared_->for_thread.ring();
 }
 
-void BusThread::on_news() {
+void BusThread::on_bus_events() {
   shared_->for_loop.silence();
-  std::vector<BusNews> news;
+  std::vector<BusEvent> events;
   {
     const std::lock_guard lock(shared_->mutex);
-    news.swap(shared_->news);
-    if (std::exchange(shared_->lost, 0) > 0) news.emplace_back(SignalRefused{"dropped.signals", "more than 4096 wait"});
+    events.swap(shared_->events);
+    if (std::exchange(shared_->lost, 0) > 0)
+      events.emplace_back(SignalRefused{"dropped.signals", "more than 4096 wait"});
   }
-  tell_(news);
+  tell_(events);
 }
 
 /// One connection after the other, with a pause that grows while there is none.
@@ -149,7 +150,7 @@ void BusThread::run(const std::string& where, Shared& shared) {
       live(where, shared, wait);
       return;
     } catch (const std::exception& problem) {
-      shared.tell(BusDown{"the D-Bus \"" + where + "\": " + problem.what()});
+      shared.post(BusDown{"the D-Bus \"" + where + "\": " + problem.what()});
     }
     pollfd bell{shared.for_thread.fd(), POLLIN, 0};
     const MonotonicTime until = trb::now().mono + wait;
@@ -163,7 +164,7 @@ void BusThread::run(const std::string& where, Shared& shared) {
 
 /// Ends when it is told to stop; throws when the connection is lost.
 void BusThread::live(const std::string& where, Shared& shared, Duration& wait) {
-  BusConnection connection(where, [&](BusNews one) { shared.tell(std::move(one)); });
+  BusConnection connection(where, [&](BusEvent one) { shared.post(std::move(one)); });
   shared.tell_up(connection.note());
   wait = kFirstWait;
   MonotonicTime next_ping = trb::now().mono + kPingEvery;

@@ -17,7 +17,7 @@ class BusThread {
  public:
   /// `where`: "system", "session" or an address. `tell` is called in the service's loop. Errors: io_error.
   static Result<std::unique_ptr<BusThread>> open(std::string where, Service& service,
-                                                 std::function<void(const std::vector<BusNews>&)> tell);
+                                                 std::function<void(const std::vector<BusEvent>&)> tell);
   BusThread(const BusThread&) = delete;
   BusThread& operator=(const BusThread&) = delete;
   /// Leaves a thread that hangs in the bus behind after a second.
@@ -27,14 +27,14 @@ class BusThread {
 
  private:
   struct Shared;
-  BusThread(std::shared_ptr<Shared> shared, Service& service, std::function<void(const std::vector<BusNews>&)> tell);
+  BusThread(std::shared_ptr<Shared> shared, Service& service, std::function<void(const std::vector<BusEvent>&)> tell);
   static void run(const std::string& where, Shared& shared);
   static void live(const std::string& where, Shared& shared, Duration& wait);
-  void on_news();
+  void on_bus_events();
 
   std::shared_ptr<Shared> shared_;
   Service& service_;
-  std::function<void(const std::vector<BusNews>&)> tell_;
+  std::function<void(const std::vector<BusEvent>&)> tell_;
   std::thread thread_;
 };
 

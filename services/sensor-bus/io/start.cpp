@@ -25,7 +25,8 @@ Result<int> start(NodeConfig config) {
   ConfigFaults faults;  // told by the check above
   SensorBusCore core(config.id, requests_of(config));
   Steps steps(**service, core);
-  auto bus = BusThread::open(config.dbus, **service, [&](const std::vector<BusNews>& news) { steps.on_news(news); });
+  auto bus = BusThread::open(config.dbus, **service,
+                             [&](const std::vector<BusEvent>& events) { steps.on_bus_events(events); });
   if (!bus) return bus.error();
   steps.to_bus([&](std::vector<Effect> effects) { (*bus)->carry_out(std::move(effects)); });
   const auto devices = Devices::open(**service, steps, read_sensor_files(config.dir, faults));

@@ -42,8 +42,8 @@ void Steps::on_unknown(const std::vector<UnknownDevice>& devices) {
   step([&](Now, Outbox&) { core_.on_unknown(devices); });
 }
 
-void Steps::on_news(const std::vector<BusNews>& news) {
-  step([&](Now now, Outbox& out) { core_.on_news(news, now, out); });
+void Steps::on_bus_events(const std::vector<BusEvent>& events) {
+  step([&](Now now, Outbox& out) { core_.on_bus_events(events, now, out); });
 }
 
 void Steps::carry_out() {

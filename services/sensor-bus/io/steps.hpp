@@ -30,7 +30,7 @@ class Steps final : public Core, public DeviceListener {
   void on_picture(const Picture& picture) override;
   void on_unknown(const std::vector<UnknownDevice>& devices) override;
 
-  void on_news(const std::vector<BusNews>& news);
+  void on_bus_events(const std::vector<BusEvent>& events);
 
  private:
   void step(const std::function<void(Now, Outbox&)>& effect);

@@ -57,7 +57,7 @@ std::set<std::size_t> ReaderContext::take_asked() {
   return std::exchange(orders_->asked, {});
 }
 
-void ReaderContext::tell(std::size_t channel, const Measured& measured) {
+void ReaderContext::send(std::size_t channel, const Measured& measured) {
   const FoundChannel& of = channels()[channel];
   const Now at = now();
   Sample sample;

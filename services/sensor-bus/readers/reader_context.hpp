@@ -42,7 +42,7 @@ class ReaderContext {
   /// The channels that were asked for since the last call.
   std::set<std::size_t> take_asked();
 
-  void tell(std::size_t channel, const Measured& measured);
+  void send(std::size_t channel, const Measured& measured);
   void fail_one(std::size_t channel, const Error& error);
   void fail_all(const Error& error);
   void show(Picture picture);

@@ -21,7 +21,7 @@ struct Fixture {
 
   Fixture() {
     core.on_welcome({"conveyor", Role::robot, 1}, now, out);
-    news(BusUp{""});
+    bus_event(BusUp{""});
     clear();
   }
 
@@ -67,22 +67,22 @@ struct Fixture {
   }
 
   // ---- the D-Bus
-  void news(BusNews one) {
-    core.on_news({std::move(one)}, now, out);
+  void bus_event(BusEvent one) {
+    core.on_bus_events({std::move(one)}, now, out);
     collect();
   }
   /// What was emitted comes back to who is subscribed.
   void echo() {
-    for (const EmitValue& value : take<EmitValue>()) news(SignalHeard{value.name, true, value.value});
+    for (const EmitValue& value : take<EmitValue>()) bus_event(SignalHeard{value.name, true, value.value});
   }
   void program(const std::string& name, double number, const std::string& unit = "") {
     BusValue value;
     value.number = number;
     value.unit = unit;
-    news(ProgramHeard{name});
-    news(SignalHeard{name, false, value});
+    bus_event(ProgramHeard{name});
+    bus_event(SignalHeard{name, false, value});
   }
-  void device_says(const std::string& key, double number) {
+  void device_sends(const std::string& key, double number) {
     sample(key, number);
     echo();
   }

@@ -30,7 +30,7 @@ TEST_CASE("two who ask for the same sensor share one rule, which goes with the v
   const auto first = fixture.read("temperature");
   const auto second = fixture.ask(SensorRead{"temperature", "", 0}, "pioneer1");
   CHECK(fixture.rules() == "+temperature");
-  fixture.device_says("usb1#t", 3);
+  fixture.device_sends("usb1#t", 3);
   CHECK(fixture.answer(first) == "reading temperature 3.0 good");
   CHECK(fixture.answer(second) == "reading temperature 3.0 good");
   CHECK(fixture.rules() == "-temperature");
@@ -40,7 +40,7 @@ TEST_CASE("a request whose subtype is the sensor's name is answered by the plain
   Fixture fixture;
   fixture.plug("usb1#t", "temperature");
   const auto asked = fixture.ask(Opaque{"temperature", ""});
-  fixture.device_says("usb1#t", 21.5);
+  fixture.device_sends("usb1#t", 21.5);
   CHECK(fixture.answer(asked) == "temperature 21.5");
 }
 
@@ -48,10 +48,10 @@ TEST_CASE("a sensor is found by its name, its kind if only one is of it, or its 
   Fixture fixture;
   fixture.plug("usb1#t", "hall", "SN1");
   auto asked = fixture.read("temperature");
-  fixture.device_says("usb1#t", 1);
+  fixture.device_sends("usb1#t", 1);
   CHECK(fixture.answer(asked) == "reading hall 1.0 good");
   asked = fixture.ask(SensorRead{"", "SN1", 0});
-  fixture.device_says("usb1#t", 2);
+  fixture.device_sends("usb1#t", 2);
   CHECK(fixture.answer(asked) == "reading hall 2.0 good");
 
   fixture.plug("usb2#t", "oven", "SN2");
@@ -68,7 +68,7 @@ TEST_CASE("of a device with two sensors the identity needs the name or the kind 
   CHECK(fixture.answer(fixture.ask(SensorRead{"", "SN1", 0})) ==
         "nack bad_value: several sensors have the identity SN1");
   const auto asked = fixture.ask(SensorRead{"humidity", "SN1", 0});
-  fixture.device_says("usb1#h", 40);
+  fixture.device_sends("usb1#h", 40);
   CHECK(fixture.answer(asked) == "reading humidity 40.0 good");
 }
 
@@ -166,7 +166,7 @@ TEST_CASE("a program cannot speak for a device, nor with a word of the middlewar
   fixture.program("temperature", 99);
   CHECK(fixture.answer(asked).empty());
   CHECK(std::ranges::count(fixture.out.counts, "refused.signal_not_permitted") == 2);
-  fixture.device_says("usb1#t", 20);
+  fixture.device_sends("usb1#t", 20);
   CHECK(fixture.answer(asked) == "reading temperature 20.0 good");
   fixture.program("stop", 1);
   CHECK(fixture.info("stop").name.empty());
@@ -175,7 +175,7 @@ TEST_CASE("a program cannot speak for a device, nor with a word of the middlewar
 TEST_CASE("while the bus is away a read waits for it, and says why nothing came") {
   Fixture fixture;
   fixture.plug("usb1#t", "temperature");
-  fixture.news(BusDown{"it has closed the connection"});
+  fixture.bus_event(BusDown{"it has closed the connection"});
   fixture.clear();
   const auto patient = fixture.read("temperature", 5);
   const auto hasty = fixture.read("temperature", 1);
@@ -183,10 +183,10 @@ TEST_CASE("while the bus is away a read waits for it, and says why nothing came"
   fixture.wait(1100ms);
   CHECK(fixture.answer(hasty) ==
         "nack timeout: temperature told nothing in 1 s: the D-Bus is not there: it has closed the connection");
-  fixture.news(BusUp{""});
+  fixture.bus_event(BusUp{""});
   CHECK(fixture.take<Announce>().size() == 1);
   CHECK(fixture.rules() == "+temperature");
-  fixture.device_says("usb1#t", 20);
+  fixture.device_sends("usb1#t", 20);
   CHECK(fixture.answer(patient) == "reading temperature 20.0 good");
 }
 

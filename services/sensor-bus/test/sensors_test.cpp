@@ -136,14 +136,14 @@ TEST_CASE(
     "a reader of tags tells when there is a tag: it is never silent, and is waited for as long as the asker says") {
   Fixture fixture;
   fixture.plug("usb1#r", "tag", "", "tag", 0);
-  fixture.device_says("usb1#r", 1);
+  fixture.device_sends("usb1#r", 1);
   fixture.wait(3600s);
   CHECK(fixture.info("tag").state == SensorState::ok);
   const auto hasty = fixture.read("tag");
   const auto patient = fixture.read("tag", 20);
   fixture.wait(10s);
   CHECK(fixture.answer(hasty).starts_with("nack timeout: tag told nothing in 3 s"));
-  fixture.device_says("usb1#r", 2);
+  fixture.device_sends("usb1#r", 2);
   CHECK(fixture.answer(patient) == "reading tag 2.0 good");
 }
 
@@ -169,7 +169,7 @@ TEST_CASE("a program that emits is a sensor, silent when it stops, gone after a 
 
 TEST_CASE("programs feed 64 sensors at most, and take no name from a device") {
   Fixture fixture;
-  for (int i = 0; i < 100; ++i) fixture.news(ProgramHeard{"flood_" + std::to_string(i)});
+  for (int i = 0; i < 100; ++i) fixture.bus_event(ProgramHeard{"flood_" + std::to_string(i)});
   fixture.wait(1s);
   CHECK(sent<NodeSensors>(fixture.out).back().sensors.size() == 64);
   CHECK(std::ranges::count(fixture.out.counts, "refused.signal_queue_full") == 36);
@@ -185,7 +185,7 @@ TEST_CASE("the table tells the unknown devices to whoever asks for them, and wha
   fixture.ask(SensorListRequest{true});
   CHECK(sent<SensorTable>(fixture.out).back().unknown.size() == 1);
   CHECK(sent<SensorTable>(fixture.out).back().bus.empty());
-  fixture.news(BusDown{"no socket at /run/x"});
+  fixture.bus_event(BusDown{"no socket at /run/x"});
   fixture.ask(SensorListRequest{});
   CHECK(sent<SensorTable>(fixture.out).back().bus == "no socket at /run/x");
 }

@@ -21,7 +21,7 @@ std::string counts(Fixture& fixture, std::uint64_t number = 7) {
 void run(Fixture& fixture, Duration time, Duration period) {
   for (const MonotonicTime end = fixture.now.mono + time; fixture.now.mono < end;) {
     fixture.wait(period);
-    fixture.device_says("usb1#t", 20);
+    fixture.device_sends("usb1#t", 20);
   }
 }
 
@@ -155,11 +155,11 @@ TEST_CASE("the bus that comes back gets the rules of those who still watch") {
   Fixture fixture;
   fixture.plug("usb1#t", "temperature");
   fixture.watch("temperature", 1, 60);
-  fixture.news(BusDown{"gone"});
+  fixture.bus_event(BusDown{"gone"});
   fixture.clear();
   fixture.sample("usb1#t", 20);
   CHECK(fixture.effects.empty());
-  fixture.news(BusUp{""});
+  fixture.bus_event(BusUp{""});
   CHECK(fixture.rules() == "+temperature");
   run(fixture, 1s, 1s);
   CHECK(counts(fixture) == "1");

@@ -31,7 +31,7 @@ Result<std::unique_ptr<Devices>> Devices::open(Service& service, DeviceListener&
   auto pool = ReaderPool::make();
   if (!pool) return pool.error();
   std::unique_ptr<Devices> out(new Devices(service, listener, std::move(rules), std::move(*pool)));
-  if (Status heard = out->hear(); !heard) return heard.error();
+  if (Status opened = out->open_monitor(); !opened) return opened.error();
   return out;
 }
 
@@ -58,7 +58,7 @@ Devices::~Devices() {
 }
 
 /// From now on; what was said before is for scan() to find.
-Status Devices::hear() {
+Status Devices::open_monitor() {
   const auto udevd = UdevMonitor::udevd();
   auto monitor =
       UdevMonitor::open(recognition_.subsystems(), [this](const auto& of) { return recognition_.attributes_of(of); });
@@ -81,7 +81,8 @@ void Devices::look_for_udevd(MonotonicTime now) {
     udevd_.reset();
   }
   if (there && other) {
-    if (Status heard = hear(); !heard) return log_limited(limit_, now, Level::error, "udev", heard.error().text());
+    if (Status opened = open_monitor(); !opened)
+      return log_limited(limit_, now, Level::error, "udev", opened.error().text());
     log(Level::info, "udevd_heard", "udevd has been started; all is looked at again");
   }
   if (first || (there && other)) scan();
@@ -95,21 +96,21 @@ void Devices::scan() {
     if (!there.contains(syspath)) apply(recognition_.on_gone(syspath));
   }
   for (const Device& device : devices) apply(recognition_.on_present(device));
-  tell_unknown();
+  notify_unknown();
 }
 
 void Devices::on_udev() {
-  bool news = false;
+  bool any = false;
   const bool whole = monitor_->drain([&](UdevMonitor::Event event) {
-    news = true;
+    any = true;
     on_event(std::move(event));
   });
-  tell_unknown();
+  notify_unknown();
   if (!whole) {
     log_limited(limit_, now().mono, Level::warning, "udev_lost", "too much was said at once; all is looked at again");
     scan();
   }
-  if (news && recognition_.refused() > 0) {
+  if (any && recognition_.refused() > 0) {
     log_limited(limit_, now().mono, Level::warning, "devices_refused",
                 "there are more than " + std::to_string(Recognition::kMaxDevices));
   }
@@ -127,7 +128,7 @@ void Devices::apply(Recognition::Change change) {
   unknown_changed_ = unknown_changed_ || change.unknown_changed;
 }
 
-void Devices::tell_unknown() {
+void Devices::notify_unknown() {
   if (std::exchange(unknown_changed_, false)) listener_.on_unknown(recognition_.unknown());
 }
 

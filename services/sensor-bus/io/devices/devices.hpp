@@ -46,13 +46,13 @@ class Devices final : public DeviceControl {
   using Place = std::pair<Plugged*, std::size_t>;
 
   Devices(Service& service, DeviceListener& listener, std::vector<SensorRule> rules, std::shared_ptr<ReaderPool> pool);
-  Status hear();
+  Status open_monitor();
   void look_for_udevd(MonotonicTime now);
   void scan();
   void on_udev();
   void on_event(UdevMonitor::Event event);
   void apply(Recognition::Change change);
-  void tell_unknown();
+  void notify_unknown();
   void plug(FoundDevice found);
   void unplug(const std::string& syspath);
   void on_posts();

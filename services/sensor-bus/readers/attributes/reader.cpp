@@ -42,7 +42,7 @@ class Attributes {
       return value_of(context_.channels()[channel]);
     }();
     if (value)
-      context_.tell(channel, {false, *value, {}});
+      context_.send(channel, {false, *value, {}});
     else
       context_.fail_one(channel, value.error());
   }

@@ -82,7 +82,7 @@ class Camera {
                 "use a camera that does");
   }
 
-  [[nodiscard]] bool tells_jpeg() const {
+  [[nodiscard]] bool gives_jpeg() const {
     return format_.pixelformat == V4L2_PIX_FMT_MJPEG || format_.pixelformat == V4L2_PIX_FMT_JPEG;
   }
 
@@ -127,7 +127,7 @@ class Camera {
   }
 
   Result<Bytes> checked(const void* bytes, std::size_t size) const {
-    if (!tells_jpeg()) return encoded({static_cast<const char*>(bytes), size});
+    if (!gives_jpeg()) return encoded({static_cast<const char*>(bytes), size});
     if (size > kMaxPicture) {
       return fail(Errc::too_large, "a picture of " + std::to_string(size) + " bytes",
                   "make \"width\" and \"height\" of its rule smaller");
@@ -172,7 +172,7 @@ class Camera {
 
   Result<Bytes> by_read() {
     if (Status there = await(); !there) return there.error();
-    Bytes bytes(tells_jpeg() ? kMaxPicture + 1 : std::min<std::size_t>(format_.sizeimage, kMaxRaw), '\0');
+    Bytes bytes(gives_jpeg() ? kMaxPicture + 1 : std::min<std::size_t>(format_.sizeimage, kMaxRaw), '\0');
     const ssize_t size = ::read(file_.get(), bytes.data(), bytes.size());
     if (size < 0) return system_error(devnode_, errno);
     return checked(bytes.data(), static_cast<std::size_t>(size));

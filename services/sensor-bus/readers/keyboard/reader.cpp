@@ -39,7 +39,7 @@ Status serve(ReaderContext& context, int keys) {
     if (size == 0) return fail(Errc::io_error, context.device().devnode + ": has hung up", "plug it in again");
     for (std::size_t i = 0; i < static_cast<std::size_t>(size) / sizeof(input_event); ++i) {
       if (events[i].type != EV_KEY) continue;
-      if (const auto tag = typed.add(events[i].code, events[i].value)) context.tell(0, {true, 0, *tag});
+      if (const auto tag = typed.add(events[i].code, events[i].value)) context.send(0, {true, 0, *tag});
     }
   }
 }

@@ -33,7 +33,7 @@ class LineReader {
     }
   }
   /// True once after a line that was too long.
-  bool take_too_long() { return std::exchange(told_, false); }
+  bool take_too_long() { return std::exchange(untold_, false); }
   [[nodiscard]] std::size_t held() const { return line_.size(); }
 
  private:
@@ -42,14 +42,14 @@ class LineReader {
     if (line_.size() < kMaxLine) {
       line_ += c;
     } else {
-      too_long_ = told_ = true;
+      too_long_ = untold_ = true;
       line_.clear();
     }
   }
 
   std::string line_;
   bool too_long_ = false;
-  bool told_ = false;
+  bool untold_ = false;
 };
 
 }  // namespace trb::sensor

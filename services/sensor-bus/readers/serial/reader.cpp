@@ -45,7 +45,7 @@ Result<Descriptor> open_line(const std::string& devnode, std::uint32_t baud) {
 
 class Serial {
  public:
-  explicit Serial(ReaderContext& context) : context_(context), told_(context.channels().size()) {
+  explicit Serial(ReaderContext& context) : context_(context), last_sent_(context.channels().size()) {
     for (const FoundChannel& channel : context.channels()) skip_first_ = skip_first_ || channel.how->field.has_value();
   }
 
@@ -95,10 +95,10 @@ class Serial {
   std::optional<Error> on_sentence(std::string_view line) {
     const auto fix = parse_nmea(line);
     if (!fix) return fix.error();
-    for (std::size_t i = 0; i < told_.size(); ++i) {
+    for (std::size_t i = 0; i < last_sent_.size(); ++i) {
       const NmeaValue which = context_.channels()[i].how->nmea;
       const auto value = fix->value(which);
-      if (value) tell(i, *value);
+      if (value) send_if_due(i, *value);
       if (!value && fix->none && which != NmeaValue::satellites && is_due(i)) {
         context_.fail_one(i, fail(Errc::missing, "no fix", "let its antenna see the sky"));
       }
@@ -109,19 +109,19 @@ class Serial {
   std::optional<Error> on_values(std::string_view line) {
     std::optional<Error> fault;
     bool spoke = false;
-    for (std::size_t i = 0; i < told_.size(); ++i) {
+    for (std::size_t i = 0; i < last_sent_.size(); ++i) {
       const auto value = parse_line(context_.rule(), *context_.channels()[i].how, line);
       if (!value) fault = value.error();
       if (!value || !*value) continue;
       spoke = true;
-      tell(i, **value);
+      send_if_due(i, **value);
     }
     if (spoke) return std::nullopt;
     return fault ? fault : fail(Errc::malformed, "no line is as the rule says", "look at its \"pattern\" and \"baud\"");
   }
 
-  void tell(std::size_t channel, const Measured& value) {
-    if (is_due(channel)) context_.tell(channel, value);
+  void send_if_due(std::size_t channel, const Measured& value) {
+    if (is_due(channel)) context_.send(channel, value);
   }
 
   /// Not more often than the rule says, but at once if somebody asks.
@@ -129,15 +129,15 @@ class Serial {
     const MonotonicTime at = now().mono;
     const double every = context_.channels()[channel].how->every_s;
     const Duration gap = every > 0 ? std::chrono::duration_cast<Duration>(seconds(0.9 * every)) : kLeastGap;
-    if (at - told_[channel] < gap && asked_.erase(channel) == 0) return false;
+    if (at - last_sent_[channel] < gap && asked_.erase(channel) == 0) return false;
     asked_.erase(channel);
-    told_[channel] = at;
+    last_sent_[channel] = at;
     return true;
   }
 
   ReaderContext& context_;
   LineReader lines_;
-  std::vector<MonotonicTime> told_;
+  std::vector<MonotonicTime> last_sent_;
   std::set<std::size_t> asked_;
   MonotonicTime failed_at_;
   int bad_ = 0;

@@ -3,8 +3,8 @@
 
 namespace trb::sensor {
 
-void SensorBusCore::on_news(const std::vector<BusNews>& news, Now now, Outbox& out) {
-  for (const BusNews& one : news) {
+void SensorBusCore::on_bus_events(const std::vector<BusEvent>& events, Now now, Outbox& out) {
+  for (const BusEvent& one : events) {
     std::visit([&](const auto& told) { on_bus(told, now, out); }, one);
   }
   settle(now, out);
@@ -51,7 +51,7 @@ void SensorBusCore::on_bus(const SignalHeard& heard, Now now, Outbox& out) {
     if (sensor == nullptr || sensor->fed()) return;  // unplugged in the meantime
   } else {
     if (!from_program(heard.name, now, out)) return;
-    sensors_.told(heard.name, heard.value, now.mono, now.mono);
+    sensors_.set_value(heard.name, heard.value, now.mono, now.mono);
   }
   deliver(heard.name, reading_of(heard.name, heard.value, now), now, out);
 }

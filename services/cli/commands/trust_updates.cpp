@@ -114,11 +114,11 @@ int hand_on(const Arguments& arguments) {
         "  on another one    copy news.json into its NODE_DIR/keys; its router takes it at once and tells the others");
     return kGood;
   }
-  auto news = read_news(path);
-  if (!news) return print_error(arguments, news.error());
+  auto updates = read_news(path);
+  if (!updates) return print_error(arguments, updates.error());
   auto probe = Probe::open(via);
   if (!probe) return print_error(arguments, probe.error());
-  auto answer = (*probe)->ask_node<Ack>(std::move(*news));
+  auto answer = (*probe)->ask_node<Ack>(std::move(*updates));
   if (!answer) return print_error(arguments, answer.error());
   print_line((*probe)->node() + ": " + answer->text);
   return kGood;
@@ -189,8 +189,8 @@ int run_tell(const Arguments& arguments) {
   auto learned = learn_from(*authority, dir, arguments.get("--via"));
   if (!learned) return print_error(arguments, learned.error());
   // It was not written if the disk was full when the list was.
-  const auto news = read_news(dir + "/news.json");
-  if (*learned || !news || !(news->revocations == authority->revocations)) {
+  const auto updates = read_news(dir + "/news.json");
+  if (*learned || !updates || !(updates->revocations == authority->revocations)) {
     if (Status told = tell_news(*authority, dir, {}, read_clocks().utc); !told)
       return print_error(arguments, told.error());
   }
@@ -231,7 +231,7 @@ const std::vector<Command> kCommands = {
 
 }  // namespace
 
-std::vector<Command> fleet_news_commands() {
+std::vector<Command> trust_update_commands() {
   return kCommands;
 }
 
