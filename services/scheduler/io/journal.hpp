@@ -85,7 +85,4 @@ class JournalFile final : public Archive {
   Statement drop_run_{nullptr, nullptr};
 };
 
-/// The run that a journal record belongs to. Errors: bad_value (no journal record), malformed.
-Result<std::string> run_of(const Body& record);
-
 }  // namespace trb::scheduler

@@ -2,7 +2,7 @@
 
 #include <map>
 
-#include "services/scheduler/core/passing.hpp"
+#include "services/scheduler/core/delivery_sender.hpp"
 #include "services/scheduler/core/refusal.hpp"
 
 namespace trb::scheduler {
