@@ -255,12 +255,12 @@ Status revoke_certificates(Authority& authority, const std::string& dir, const s
   return Done{};
 }
 
-Status tell_news(const Authority& authority, const std::string& dir, const std::vector<SignedRecord>& renewed,
-                 UtcTime now) {
+Status publish_trust_updates(const Authority& authority, const std::string& dir,
+                             const std::vector<SignedRecord>& renewed, UtcTime now) {
   const std::string path = dir + "/news.json";
   FleetNews news{authority.revocations, {}};
   std::vector<SignedRecord> all = renewed;
-  if (auto old = read_news(path)) all.insert(all.end(), old->certificates.begin(), old->certificates.end());
+  if (auto old = read_trust_updates(path)) all.insert(all.end(), old->certificates.begin(), old->certificates.end());
   for (const SignedRecord& record : all) {
     auto certificate = open_certificate_any_time(record, authority.fleet);
     if (!certificate) continue;
@@ -273,7 +273,7 @@ Status tell_news(const Authority& authority, const std::string& dir, const std::
     return fail(Errc::too_large, "over 256 renewals at once", "renew them in several parts, and hand each on");
   }
   news.certificates.resize(std::min(news.certificates.size(), kMaxRenewed));
-  return write_news(path, news);
+  return write_trust_updates(path, news);
 }
 
 }  // namespace trb

@@ -141,10 +141,10 @@ TEST_CASE("after a restart everything is known again, but that its node is reach
   CHECK(fleet.changes().empty());
   REQUIRE(fleet.robots().size() == 2);
   const RobotRecord& ridgeback = *fleet.find("ridgeback");
-  CHECK(ridgeback.profile == Told<NodeProfile>{rich_profile(), at_second(0)});
+  CHECK(ridgeback.profile == Reported<NodeProfile>{rich_profile(), at_second(0)});
   CHECK(ridgeback.faults == std::vector<Fault>{{"mobile", Severity::critical, "motor", at_second(3)}});
   CHECK(ridgeback.later_tasks == 2);
-  CHECK(charge_of(ridgeback) == Told<double>{75, at_second(2)});
+  CHECK(charge_of(ridgeback) == Reported<double>{75, at_second(2)});
   CHECK(position_of(ridgeback).has_value());
   CHECK_FALSE(ridgeback.reached);
   CHECK(find_candidates(fleet, {{load()}, {}}).robots.empty());
@@ -195,7 +195,7 @@ TEST_CASE("who commands a robot is written without writing anew what it can do")
   CHECK(fleet.changes().robots.at("a") == Changes::kNode);
   REQUIRE(db->write(fleet, at_second(2)));
   Fleet again = loaded(*db);
-  CHECK(again.find("a")->profile == Told<NodeProfile>{taken, at_second(1)});
+  CHECK(again.find("a")->profile == Reported<NodeProfile>{taken, at_second(1)});
   CHECK(again.find("a")->later_tasks == 4);
 }
 
@@ -350,7 +350,7 @@ PRAGMA user_version=1;)");
   REQUIRE(fleet.robots().size() == 1);
   REQUIRE(fleet.on_joined("pioneer1", at_second(0)));
   CHECK(find_candidates(fleet, {{drive("dock")}, {}}).robots == Ids{"pioneer1"});
-  CHECK(charge_of(*fleet.find("pioneer1")) == Told<double>{50, UtcTime{7}});
+  CHECK(charge_of(*fleet.find("pioneer1")) == Reported<double>{50, UtcTime{7}});
   CHECK(fleet.find("pioneer1")->faults.size() == 1);
   CHECK(fleet.find("pioneer1")->profile.is.frame == FrameInfo{});
   REQUIRE(db->write(fleet, at_second(1)));

@@ -83,7 +83,7 @@ void RouterShell::read_key_folder() {
   };
   if (auto file = read_certificate_file("keys/certificate.json")) take({file->revocations, {file->certificate}});
   if (!file_exists("keys/news.json")) return;
-  auto news = read_news("keys/news.json");
+  auto news = read_trust_updates("keys/news.json");
   if (news) return take(*news);
   core_.counters().count("refused." + std::string(errc_name(news.error().code)));
   log_limited(limit_, read_clocks().mono, Level::warning, "news_refused", news.error().text());

@@ -1,5 +1,5 @@
-// The scheduler's journal: one SQLite file, written before anything is said of what it records. What is over is kept in
-// it, too: its archive.
+// The scheduler's journal: one SQLite file, written before anything is sent about what it records. What is over is kept
+// in it, too: its archive.
 #pragma once
 
 #include <memory>
