@@ -27,6 +27,10 @@ Value put_unsigned(std::uint64_t value) {
   return value > (1ULL << 53U) ? Value{std::to_string(value)} : Value{static_cast<std::int64_t>(value)};
 }
 
+Value put_enum(std::span<const std::string_view> names, std::uint64_t index) {
+  return text_of(index < names.size() ? names[index] : std::string_view("?"));
+}
+
 Value put(const Shape& shape, const void* value);
 
 Value put_list(const ListShape& shape, const void* value) {
@@ -47,16 +51,12 @@ Value put(const Shape& shape, const void* value) {
   switch (shape.kind) {
     case FieldKind::boolean:
       return Value{as<bool>(value)};
-    case FieldKind::enumeration: {
-      const auto index = as<std::uint8_t>(value);
-      return text_of(index < shape.names.size() ? shape.names[index] : std::string_view("?"));
-    }
+    case FieldKind::enumeration:
+      return put_enum(shape.names, unsigned_of(shape.kind, value));
     case FieldKind::uint16:
-      return put_unsigned(as<std::uint16_t>(value));
     case FieldKind::uint32:
-      return put_unsigned(as<std::uint32_t>(value));
     case FieldKind::uint64:
-      return put_unsigned(as<std::uint64_t>(value));
+      return put_unsigned(unsigned_of(shape.kind, value));
     case FieldKind::int64:
       return Value{as<std::int64_t>(value)};
     case FieldKind::number:
@@ -97,6 +97,7 @@ struct Reader {
   bool take_enum(std::span<const std::string_view> names, const Value& from, std::uint8_t& out);
   bool take_list(const ListShape& shape, const Value& from, void* out, std::uint32_t max);
   bool take_fields(std::span<const FieldEntry> fields, const Value& from, void* out);
+  bool take_bool(const Value& from, bool& out);
   bool take_double(const Value& from, double& out);
   bool take_text(const Value& from, std::string& out, std::uint32_t max);
   bool take_blob(const Value& from, Blob& out, std::uint32_t max);
@@ -129,6 +130,12 @@ bool Reader::take_enum(std::span<const std::string_view> names, const Value& fro
   std::string all;
   for (const std::string_view name : names) all += (all.empty() ? "" : ", ") + std::string(name);
   return refuse(Errc::bad_value, "is none of " + all);
+}
+
+bool Reader::take_bool(const Value& from, bool& out) {
+  if (!from.is_bool()) return needs("true or false", from);
+  out = from.boolean();
+  return true;
 }
 
 bool Reader::take_double(const Value& from, double& out) {
@@ -185,9 +192,7 @@ bool Reader::take_fields(std::span<const FieldEntry> fields, const Value& from, 
 bool Reader::take(const Shape& shape, const Value& from, void* out, std::uint32_t max) {
   switch (shape.kind) {
     case FieldKind::boolean:
-      if (!from.is_bool()) return needs("true or false", from);
-      as<bool>(out) = from.boolean();
-      return true;
+      return take_bool(from, as<bool>(out));
     case FieldKind::enumeration:
       return take_enum(shape.names, from, as<std::uint8_t>(out));
     case FieldKind::uint16:

@@ -53,55 +53,51 @@ void put_text(Packer& packer, const std::string& value, std::uint32_t max) {
   packer.pack_str_body(value.data(), static_cast<std::uint32_t>(value.size()));
 }
 
+void put(Packer& packer, const Shape& shape, const void* value, std::uint32_t max);
+
+void put_blob(Packer& packer, const std::string& bytes, std::uint32_t max) {
+  if (bytes.size() > max) packer.refuse(Errc::too_large, "over " + std::to_string(max) + " bytes");
+  packer.pack_bin(static_cast<std::uint32_t>(bytes.size()));
+  packer.pack_bin_body(bytes.data(), static_cast<std::uint32_t>(bytes.size()));
+}
+
+void put_list(Packer& packer, const ListShape& shape, const void* value, std::uint32_t max) {
+  const std::size_t size = shape.size(value);
+  if (size > max) packer.refuse(Errc::too_large, "list over " + std::to_string(max) + " items");
+  packer.pack_array(static_cast<std::uint32_t>(size));
+  const void* at = shape.data(value);
+  for (std::size_t i = 0; i < size; ++i, at = behind(at, shape.stride)) put(packer, *shape.item, at, kDefaultMaxSize);
+}
+
+void put_fields(Packer& packer, std::span<const FieldEntry> fields, const void* value) {
+  packer.pack_array(static_cast<std::uint32_t>(fields.size()));
+  for (const FieldEntry& f : fields) {
+    packer.enter(f.name);
+    put(packer, *f.shape, behind(value, f.offset), f.max);
+  }
+}
+
 void put(Packer& packer, const Shape& shape, const void* value, std::uint32_t max) {
   switch (shape.kind) {
     case FieldKind::boolean:
-      as<bool>(value) ? packer.pack_true() : packer.pack_false();
-      return;
+      return void(as<bool>(value) ? packer.pack_true() : packer.pack_false());
     case FieldKind::enumeration:
-      packer.pack_uint64(as<std::uint8_t>(value));
-      return;
     case FieldKind::uint16:
-      packer.pack_uint64(as<std::uint16_t>(value));
-      return;
     case FieldKind::uint32:
-      packer.pack_uint64(as<std::uint32_t>(value));
-      return;
     case FieldKind::uint64:
-      packer.pack_uint64(as<std::uint64_t>(value));
-      return;
+      return void(packer.pack_uint64(unsigned_of(shape.kind, value)));
     case FieldKind::int64:
-      packer.pack_int64(as<std::int64_t>(value));
-      return;
+      return void(packer.pack_int64(as<std::int64_t>(value)));
     case FieldKind::number:
-      packer.put_double(as<double>(value));
-      return;
+      return packer.put_double(as<double>(value));
     case FieldKind::text:
-      put_text(packer, as<std::string>(value), max);
-      return;
-    case FieldKind::blob: {
-      const std::string& bytes = as<Blob>(value).bytes;
-      if (bytes.size() > max) packer.refuse(Errc::too_large, "over " + std::to_string(max) + " bytes");
-      packer.pack_bin(static_cast<std::uint32_t>(bytes.size()));
-      packer.pack_bin_body(bytes.data(), static_cast<std::uint32_t>(bytes.size()));
-      return;
-    }
-    case FieldKind::list: {
-      const std::size_t size = shape.list.size(value);
-      const void* at = shape.list.data(value);
-      if (size > max) packer.refuse(Errc::too_large, "list over " + std::to_string(max) + " items");
-      packer.pack_array(static_cast<std::uint32_t>(size));
-      for (std::size_t i = 0; i < size; ++i, at = behind(at, shape.list.stride))
-        put(packer, *shape.list.item, at, kDefaultMaxSize);
-      return;
-    }
+      return put_text(packer, as<std::string>(value), max);
+    case FieldKind::blob:
+      return put_blob(packer, as<Blob>(value).bytes, max);
+    case FieldKind::list:
+      return put_list(packer, shape.list, value, max);
     case FieldKind::record:
-      packer.pack_array(static_cast<std::uint32_t>(shape.fields.size()));
-      for (const FieldEntry& f : shape.fields) {
-        packer.enter(f.name);
-        put(packer, *f.shape, behind(value, f.offset), f.max);
-      }
-      return;
+      return put_fields(packer, shape.fields, value);
   }
 }
 
@@ -125,6 +121,7 @@ struct Reader {
   bool take_enum(std::span<const std::string_view> names, const msgpack::object& from, std::uint8_t& out);
   bool take_list(const ListShape& shape, const msgpack::object& from, void* out, std::uint32_t max);
   bool take_fields(std::span<const FieldEntry> fields, const msgpack::object& from, void* out);
+  bool take_bool(const msgpack::object& from, bool& out);
   bool take_double(const msgpack::object& from, double& out);
   bool take_text(const msgpack::object& from, std::string& out, std::uint32_t max);
   bool take_blob(const msgpack::object& from, Blob& out, std::uint32_t max);
@@ -144,6 +141,12 @@ bool Reader::take_integer(const msgpack::object& from, T& out) {
     }
   }
   return refuse(Errc::malformed, "no whole number of its range");
+}
+
+bool Reader::take_bool(const msgpack::object& from, bool& out) {
+  if (from.type != msgpack::type::BOOLEAN) return refuse(Errc::malformed, "neither true nor false");
+  out = from.via.boolean;
+  return true;
 }
 
 bool Reader::take_double(const msgpack::object& from, double& out) {
@@ -212,9 +215,7 @@ bool Reader::take_fields(std::span<const FieldEntry> fields, const msgpack::obje
 bool Reader::take(const Shape& shape, const msgpack::object& from, void* out, std::uint32_t max) {
   switch (shape.kind) {
     case FieldKind::boolean:
-      if (from.type != msgpack::type::BOOLEAN) return refuse(Errc::malformed, "neither true nor false");
-      as<bool>(out) = from.via.boolean;
-      return true;
+      return take_bool(from, as<bool>(out));
     case FieldKind::enumeration:
       return take_enum(shape.names, from, as<std::uint8_t>(out));
     case FieldKind::uint16:

@@ -51,6 +51,13 @@ T& as(void* value) {
   return *static_cast<T*>(value);
 }
 
+/// The number of an enumeration or of one of the unsigned kinds.
+inline std::uint64_t unsigned_of(FieldKind kind, const void* value) {
+  if (kind == FieldKind::enumeration) return as<std::uint8_t>(value);
+  if (kind == FieldKind::uint16) return as<std::uint16_t>(value);
+  return kind == FieldKind::uint32 ? as<std::uint32_t>(value) : as<std::uint64_t>(value);
+}
+
 /// Where a field is, by its offset, or a list's item.
 inline const void* behind(const void* at, std::ptrdiff_t bytes) {
   return static_cast<const char*>(at) + bytes;

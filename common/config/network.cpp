@@ -42,35 +42,45 @@ Network read_network(const Value& json, const FileFaults& faults) {
   return network;
 }
 
+namespace {
+
+void resolve_host(NodeConfig& config, const std::vector<Interface>& known, ConfigFaults& faults) {
+  Network& network = config.network;
+  if (network.host_int.empty()) return;
+  const FileFaults file("network.json", faults);
+  const Resolved host = resolve(network.host_int, file, "HOST_INT", known);
+  if (host.may_come) {
+    // An interface may come late (VPN, USB) or get its address late (DHCP); an address that is wrong stays wrong.
+    faults.back().may_wait = true;
+    network.waits_for = "HOST_INT: " + host.what;
+  }
+  network.address = host.address;
+  network.broadcast = host.broadcast;
+  if (config.beacon && host.what.empty() && host.broadcast.empty()) {
+    file.add("HOST_INT", "'" + network.host_int + "' has no broadcast, so no beacon can be heard there",
+             "set \"beacon\" to false in node.json and name the peers in \"seeds\", or use another interface");
+  }
+}
+
+/// The node's own address, unless node.json names another interface towards the robot.
+void resolve_robot(NodeConfig& config, const std::vector<Interface>& known, ConfigFaults& faults) {
+  const FileFaults file("node.json", faults);
+  Network& network = config.network;
+  network.robot_address = network.address;
+  if (!config.robot.interface.empty()) {
+    network.robot_address = resolve(config.robot.interface, file, "robot.interface", known).address;
+  } else if (!config.robot.host.empty() && is_ipv6(network.address)) {
+    file.add("robot.interface", "is missing: robots speak IPv4, and HOST_INT is " + network.address,
+             "name the interface or the IPv4 address on which the robot is reached");
+  }
+}
+
+}  // namespace
+
 void resolve_network(NodeConfig& config, ConfigFaults& faults) {
   const std::vector<Interface> known = interfaces();
-  Network& network = config.network;
-  if (!network.host_int.empty()) {
-    const FileFaults file("network.json", faults);
-    const Resolved host = resolve(network.host_int, file, "HOST_INT", known);
-    if (host.may_come) {
-      // An interface may come late (VPN, USB) or get its address late (DHCP); an address that is wrong stays wrong.
-      faults.back().may_wait = true;
-      network.waits_for = "HOST_INT: " + host.what;
-    }
-    network.address = host.address;
-    network.broadcast = host.broadcast;
-    if (config.beacon && host.what.empty() && host.broadcast.empty()) {
-      file.add("HOST_INT", "'" + network.host_int + "' has no broadcast, so no beacon can be heard there",
-               "set \"beacon\" to false in node.json and name the peers in \"seeds\", or use another interface");
-    }
-  }
-  network.robot_address = network.address;
-  if (config.robot.interface.empty()) {
-    if (!config.robot.host.empty() && is_ipv6(network.address)) {
-      FileFaults("node.json", faults)
-          .add("robot.interface", "is missing: robots speak IPv4, and HOST_INT is " + network.address,
-               "name the interface or the IPv4 address on which the robot is reached");
-    }
-    return;
-  }
-  network.robot_address =
-      resolve(config.robot.interface, FileFaults("node.json", faults), "robot.interface", known).address;
+  resolve_host(config, known, faults);
+  resolve_robot(config, known, faults);
 }
 
 }  // namespace trb

@@ -81,6 +81,14 @@ void read_source(ObjectReader& reader, ReplacementCriterion& out) {
   out.unit = reader.text("unit", Need::optional, 16).value_or("");
 }
 
+/// What is best, and what is worst.
+void read_scale(ObjectReader& reader, Need need, ReplacementCriterion& out) {
+  out.best = reader.number("best", need, kMeasured).value_or(out.best);
+  out.worst = reader.number("worst", need, kMeasured).value_or(out.worst);
+  if (out.best != out.worst) return;
+  reader.faults().add(reader.path("best"), "is the worst", "name what is best, and what is worst");
+}
+
 void read_bounds(ObjectReader& reader, ReplacementCriterion& out) {
   out.at_least = reader.number("at_least", Need::optional, kMeasured);
   out.at_most = reader.number("at_most", Need::optional, kMeasured);
@@ -109,10 +117,7 @@ std::optional<ReplacementCriterion> read_criterion(const Value& json, Replacemen
   const std::size_t before = found.size();
   ObjectReader reader(json, path, faults);
   if (own) read_source(reader, out);
-  const Need need = own ? Need::required : Need::optional;
-  out.best = reader.number("best", need, kMeasured).value_or(out.best);
-  out.worst = reader.number("worst", need, kMeasured).value_or(out.worst);
-  if (out.best == out.worst) faults.add(reader.path("best"), "is the worst", "name what is best, and what is worst");
+  read_scale(reader, own ? Need::required : Need::optional, out);
   out.weight = judged ? 0 : reader.number("weight", Need::optional, kWeight).value_or(1);
   read_bounds(reader, out);
   out.capabilities = reader.texts("capabilities", Need::optional, kMaxCriteria);

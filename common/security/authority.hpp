@@ -52,7 +52,7 @@ const Certificate* find_living(const Authority& authority, std::string_view id, 
 /// open_certificate_any_time, io_error.
 Result<Certificate> adopt_certificate(Authority& authority, const std::string& dir, const SignedRecord& record);
 
-/// Takes over what the fleet has heard of this authority and this folder, put back from an older copy, does not know:
+/// Takes over what the fleet has from this authority and this folder, put back from an older copy, does not know:
 /// certificates, a newer list, so that nothing revoked comes back and no number is used twice. Of two lists of one
 /// number the next one says what either says. Returns whether there was anything. Errors: those of adopt_certificate
 /// and open_revocations, io_error.
@@ -70,7 +70,7 @@ Status revoke_certificates(Authority& authority, const std::string& dir, const s
 
 /// Writes FLEET_DIR/news.json: the newest list, and these renewed certificates beside those of the file that still
 /// count. Errors: too_large (over 256 renewals), io_error.
-Status tell_news(const Authority& authority, const std::string& dir, const std::vector<SignedRecord>& renewed,
-                 UtcTime now);
+Status publish_trust_updates(const Authority& authority, const std::string& dir,
+                             const std::vector<SignedRecord>& renewed, UtcTime now);
 
 }  // namespace trb

@@ -1,4 +1,4 @@
-// The authority's folder put back from a copy: what the fleet has heard since then is still in force.
+// The authority's folder put back from a copy: what the fleet has received since then is still in force.
 #include <algorithm>
 #include <utility>
 

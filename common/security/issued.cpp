@@ -130,24 +130,20 @@ const Certificate* find_living(const Authority& authority, std::string_view id, 
   return newest;
 }
 
-Result<CertificateFile> sign_request(Authority& authority, const std::string& dir, const SignedRecord& record,
-                                     UtcTime now, Duration validity, RelayRight relay) {
+namespace {
+
+Result<CertificateRequest> open_request(const SignedRecord& record) {
   auto request = decode<CertificateRequest>(record.payload.bytes);
-  if (!request) return request.error();
+  if (!request) return request;
   if (Status good = check_id("id", request->id); !good) return good.error();
-  if (!verify(record, kSignedRequest, {}, request->identity_key.bytes) || request->link_key.bytes.size() != 32) {
-    return fail(Errc::bad_signature, "request of '" + request->id + "' was not signed with the key it names",
-                "run trb fleet request on the node again");
+  if (verify(record, kSignedRequest, {}, request->identity_key.bytes) && request->link_key.bytes.size() == 32) {
+    return request;
   }
-  const Certificate wanted{{},
-                           0,
-                           request->id,
-                           request->role,
-                           request->identity_key,
-                           request->link_key,
-                           0,
-                           0,
-                           relay == RelayRight::yes || (relay == RelayRight::by_role && request->role == Role::cloud)};
+  return fail(Errc::bad_signature, "request of '" + request->id + "' was not signed with the key it names",
+              "run trb fleet request on the node again");
+}
+
+Status refuse_revoked_keys(const Authority& authority, const Certificate& wanted) {
   for (const Certificate& old : authority.issued) {
     const bool shared = old.identity_key == wanted.identity_key || old.link_key == wanted.link_key;
     if (shared && find_revocation(authority.list, old) != nullptr) {
@@ -155,13 +151,33 @@ Result<CertificateFile> sign_request(Authority& authority, const std::string& di
                   "remove identity.key and link.key from the node's keys folder and run trb fleet request again");
     }
   }
-  const Certificate* living = find_living(authority, request->id, now);
-  if (living != nullptr && !same_keys(*living, wanted)) {
-    return fail(Errc::conflict,
-                "'" + request->id + "' has a certificate (serial " + std::to_string(living->serial) +
-                    ") for other keys: is this a new computer?",
-                "trb fleet revoke " + dir + " " + request->id + " first: the old one must not go on");
-  }
+  return Done{};
+}
+
+Status refuse_second_computer(const Authority& authority, const std::string& dir, const Certificate& wanted,
+                              UtcTime now) {
+  const Certificate* living = find_living(authority, wanted.id, now);
+  if (living == nullptr || same_keys(*living, wanted)) return Done{};
+  return fail(Errc::conflict,
+              "'" + wanted.id + "' has a certificate (serial " + std::to_string(living->serial) +
+                  ") for other keys: is this a new computer?",
+              "trb fleet revoke " + dir + " " + wanted.id + " first: the old one must not go on");
+}
+
+}  // namespace
+
+Result<CertificateFile> sign_request(Authority& authority, const std::string& dir, const SignedRecord& record,
+                                     UtcTime now, Duration validity, RelayRight relay) {
+  const auto request = open_request(record);
+  if (!request) return request.error();
+  Certificate wanted;
+  wanted.id = request->id;
+  wanted.role = request->role;
+  wanted.identity_key = request->identity_key;
+  wanted.link_key = request->link_key;
+  wanted.relay = relay == RelayRight::yes || (relay == RelayRight::by_role && request->role == Role::cloud);
+  if (Status good = refuse_revoked_keys(authority, wanted); !good) return good.error();
+  if (Status good = refuse_second_computer(authority, dir, wanted, now); !good) return good.error();
   auto signed_record = issue(authority, dir, wanted, now, validity);
   if (!signed_record) return signed_record.error();
   CertificateFile file =
@@ -191,46 +207,60 @@ Result<SignedRecord> renew_certificate(Authority& authority, const std::string& 
   return issue(authority, dir, std::move(next), now, validity);
 }
 
-Status revoke_certificates(Authority& authority, const std::string& dir, const std::vector<Certificate>& over,
-                           const std::string& reason, UtcTime now) {
+namespace {
+
+/// The authority's list with those certificates in it, and without what nobody needs any more. It says which beacon key
+/// comes, and does not have it yet.
+RevocationList next_list(const Authority& authority, const std::vector<Certificate>& over, const std::string& reason,
+                         UtcTime now) {
   RevocationList next = authority.list;
   next.fleet = {authority.fleet.id()};
   ++next.number;
   next.issued = now.ns;
   for (const Certificate& certificate : over) add_entry(next, certificate, reason, now);
   std::erase_if(next.revoked, [&](const Revocation& entry) { return !still_needed(authority, entry, now); });
-  const BeaconKey fresh = derive_beacon_key(authority.key.secret_key, authority.beacon.number + 1);
-  next.beacon_number = fresh.number;
+  next.beacon_number = authority.beacon.number + 1;
   next.beacon_keys.clear();
-  const RevocationList before = std::exchange(authority.list, next);
-  for (const auto& [id, certificate] : members(authority, now)) {
-    authority.list.beacon_keys.push_back({id, {seal_beacon_key(fresh, certificate->link_key.bytes)}});
-  }
+  return next;
+}
+
+Result<SignedRecord> sign_list(const Authority& authority) {
   const Result<Bytes> payload = pack(authority.list);
   if (!payload || payload->size() > kMaxList) {
-    authority.list = before;
     return fail(Errc::too_large, "the revocation list has over 400 kB, or over 2000 names",
                 "give shorter reasons; a fleet has room for about 2000 nodes");
   }
-  const SignedRecord record = sign(kSignedRevocations, "", authority.fleet.id(), *payload, authority.key);
-  const Status stored = write_revocations(dir, record);
+  return sign(kSignedRevocations, "", authority.fleet.id(), *payload, authority.key);
+}
+
+}  // namespace
+
+Status revoke_certificates(Authority& authority, const std::string& dir, const std::vector<Certificate>& over,
+                           const std::string& reason, UtcTime now) {
+  const BeaconKey fresh = derive_beacon_key(authority.key.secret_key, authority.beacon.number + 1);
+  const RevocationList before = std::exchange(authority.list, next_list(authority, over, reason, now));
+  for (const auto& [id, certificate] : members(authority, now)) {
+    authority.list.beacon_keys.push_back({id, {seal_beacon_key(fresh, certificate->link_key.bytes)}});
+  }
+  const Result<SignedRecord> record = sign_list(authority);
+  const Status stored = record ? write_revocations(dir, *record) : Status(record.error());
   if (!stored) {
     authority.list = before;
     return stored;
   }
-  authority.revocations = record;
+  authority.revocations = *record;
   authority.beacon = fresh;
   // The list is what counts, and is on disk: what fleet.json says of its beacon key is a copy.
   (void)write_fleet(dir, authority);
   return Done{};
 }
 
-Status tell_news(const Authority& authority, const std::string& dir, const std::vector<SignedRecord>& renewed,
-                 UtcTime now) {
+Status publish_trust_updates(const Authority& authority, const std::string& dir,
+                             const std::vector<SignedRecord>& renewed, UtcTime now) {
   const std::string path = dir + "/news.json";
   FleetNews news{authority.revocations, {}};
   std::vector<SignedRecord> all = renewed;
-  if (auto old = read_news(path)) all.insert(all.end(), old->certificates.begin(), old->certificates.end());
+  if (auto old = read_trust_updates(path)) all.insert(all.end(), old->certificates.begin(), old->certificates.end());
   for (const SignedRecord& record : all) {
     auto certificate = open_certificate_any_time(record, authority.fleet);
     if (!certificate) continue;
@@ -243,7 +273,7 @@ Status tell_news(const Authority& authority, const std::string& dir, const std::
     return fail(Errc::too_large, "over 256 renewals at once", "renew them in several parts, and hand each on");
   }
   news.certificates.resize(std::min(news.certificates.size(), kMaxRenewed));
-  return write_news(path, news);
+  return write_trust_updates(path, news);
 }
 
 }  // namespace trb

@@ -117,17 +117,17 @@ TEST_CASE("a renewed certificate has the same keys, a higher serial, and stands 
   const Certificate old = hall.living("ur3");
   const auto renewed = renew_certificate(hall.authority, hall.dir, old, kNow, 2 * kYear);
   REQUIRE(renewed.ok());
-  REQUIRE(tell_news(hall.authority, hall.dir, {*renewed}, kNow).ok());
+  REQUIRE(publish_trust_updates(hall.authority, hall.dir, {*renewed}, kNow).ok());
   const auto opened = open_certificate(*renewed, hall.authority.fleet, kNow + kYear + Duration(1));
   REQUIRE(opened.ok());
   CHECK(opened->serial == old.serial + 1);
   CHECK(opened->link_key == old.link_key);
   CHECK(hall.reopened().next_serial == old.serial + 2);
-  CHECK(read_news(hall.dir + "/news.json")->certificates == std::vector{*renewed});
+  CHECK(read_trust_updates(hall.dir + "/news.json")->certificates == std::vector{*renewed});
   REQUIRE(hall.revoke("ur3").ok());
-  REQUIRE(tell_news(hall.authority, hall.dir, {}, kNow).ok());
-  CHECK(read_news(hall.dir + "/news.json")->certificates.empty());
-  CHECK(read_news(hall.dir + "/news.json")->revocations == hall.authority.revocations);
+  REQUIRE(publish_trust_updates(hall.authority, hall.dir, {}, kNow).ok());
+  CHECK(read_trust_updates(hall.dir + "/news.json")->certificates.empty());
+  CHECK(read_trust_updates(hall.dir + "/news.json")->revocations == hall.authority.revocations);
 }
 
 TEST_CASE("a folder of an earlier version opens; its certificates are adopted when they are named") {

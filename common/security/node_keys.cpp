@@ -57,7 +57,8 @@ Status make_keys(const std::string& dir) {
 
 /// A node whose certificate ended while it was off is started with the renewal that a person has put beside it.
 void take_renewal(const std::string& dir, CertificateFile& file, Certificate& own) {
-  const auto news = file_exists(dir + "/news.json") ? read_news(dir + "/news.json") : Result<FleetNews>(Error{});
+  const auto news =
+      file_exists(dir + "/news.json") ? read_trust_updates(dir + "/news.json") : Result<FleetNews>(Error{});
   if (!news) return;  // the router tells what is wrong with it
   for (const SignedRecord& record : news->certificates) {
     auto fresh = open_certificate_any_time(record, file.authority);

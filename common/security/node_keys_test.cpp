@@ -18,7 +18,7 @@ struct Late : Hall {
     join("ur5");
   }
   void put(const std::vector<SignedRecord>& certificates) {
-    REQUIRE(write_news(keys_of("ur3") + "/news.json", {{}, certificates}).ok());
+    REQUIRE(write_trust_updates(keys_of("ur3") + "/news.json", {{}, certificates}).ok());
   }
   SignedRecord renew(const std::string& id) { return *renew_certificate(authority, dir, living(id), kNow, 2 * kYear); }
   std::uint64_t serial() const { return keys("ur3")->certificate.serial; }

@@ -170,21 +170,23 @@ void ProofChecker::open_link(const Place& at, BytesView payload) {
     if (!*certificate)
       return fault(at, "a certificate of link " + std::to_string(id) + ": " + certificate->error().text());
   }
-  // The sequence must go on where it was, through all files.
-  if (const auto known = expected_.find(id); known != expected_.end()) {
-    if (first > known->second) {
-      report_.gaps.push_back({at.file, at.record, peer_certificate->id, id, known->second, first - 1});
-    } else if (first < known->second) {
-      fault(at, "link " + std::to_string(id) + " goes back from sequence " + std::to_string(known->second) + " to " +
-                    std::to_string(first) + ": a file twice, or in another order");
-    }
-  }
-  expected_[id] = first;
+  go_on(at, id, first, peer_certificate->id);
   OpenLink link;
   link.scope = {id, peer_certificate->serial, own_certificate->serial, !dialled};
   link.peer = std::move(*peer_certificate);
   link.reader = SealReader(first, previous);
   links_[id] = std::move(link);
+}
+
+void ProofChecker::go_on(const Place& at, std::uint64_t link, std::uint64_t first, const std::string& peer) {
+  const auto [known, is_new] = expected_.try_emplace(link, first);
+  const std::uint64_t expected = std::exchange(known->second, first);
+  if (first > expected) {
+    report_.gaps.push_back({at.file, at.record, peer, link, expected, first - 1});
+  } else if (first < expected) {
+    fault(at, "link " + std::to_string(link) + " goes back from sequence " + std::to_string(expected) + " to " +
+                  std::to_string(first) + ": a file twice, or in another order");
+  }
 }
 
 void ProofChecker::take_frame(const Place& at, BytesView payload) {
@@ -212,37 +214,41 @@ void ProofChecker::take_frame(const Place& at, BytesView payload) {
   if (!link.reader.add(payload)) fault(at, "more messages than one seal covers came without one");
 }
 
+void ProofChecker::mark(const std::vector<std::size_t>& messages, ProofState state, UtcTime sealed) {
+  for (const std::size_t index : messages) {
+    report_.messages[index].state = state;
+    report_.messages[index].sealed = sealed;
+  }
+}
+
+std::string ProofChecker::records_text(const std::vector<std::size_t>& messages) const {
+  if (messages.empty()) return "no message";
+  return "records " + std::to_string(report_.messages[messages.front()].record) + " to " +
+         std::to_string(report_.messages[messages.back()].record);
+}
+
 void ProofChecker::take_seal(const Place& at, OpenLink& link, const HeaderView& header) {
   const auto seal = decode<Seal>(header.data);
   const auto range = seal ? decode<SealedRange>(seal->range.payload.bytes) : Result<SealedRange>(seal.error());
   const std::vector<std::size_t> messages = std::exchange(link.open, {});
-  const auto mark = [&](ProofState state, UtcTime sealed) {
-    for (const std::size_t index : messages) {
-      report_.messages[index].state = state;
-      report_.messages[index].sealed = sealed;
-    }
-  };
-  const std::string over = messages.empty() ? "no message"
-                                            : "records " + std::to_string(report_.messages[messages.front()].record) +
-                                                  " to " + std::to_string(report_.messages[messages.back()].record);
+  const std::string what = "the seal of " + link.peer.id + " over " + records_text(messages);
   SealFault bad = SealFault::malformed;
   if (range) {
     bad = link.reader.close(link.scope, *range, header.sequence, seal->range.payload.bytes);
     if (bad == SealFault::none && !verify_seal(seal->range, link.peer)) bad = SealFault::wrong_signature;
   }
   if (bad != SealFault::none) {
-    mark(ProofState::broken, {});
-    fault(at, "the seal of " + link.peer.id + " over " + over + " does not hold: " + std::string(name_of(bad)));
+    mark(messages, ProofState::broken, {});
+    fault(at, what + " does not hold: " + std::string(name_of(bad)));
     // What comes behind it may still be proven.
     if (range) link.reader = SealReader(header.sequence + 1, digest(seal->range.payload.bytes));
     return;
   }
   if (range->utc < link.peer.not_before || range->utc >= link.peer.not_after) {
-    mark(ProofState::broken, {});
-    return fault(at, "the seal of " + link.peer.id + " over " + over + " was made at " + to_iso8601({range->utc}) +
-                         ", when its certificate was not valid");
+    mark(messages, ProofState::broken, {});
+    return fault(at, what + " was made at " + to_iso8601({range->utc}) + ", when its certificate was not valid");
   }
-  mark(ProofState::proven, {range->utc});
+  mark(messages, ProofState::proven, {range->utc});
   ++report_.seals;
   report_.proven[link.peer.id] += messages.size();
 }

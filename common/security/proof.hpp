@@ -104,6 +104,11 @@ class ProofChecker {
   void open_link(const Place& at, BytesView payload);
   void take_frame(const Place& at, BytesView payload);
   void take_seal(const Place& at, OpenLink& link, const HeaderView& header);
+  /// A link's sequence goes on where it was, through all files.
+  void go_on(const Place& at, std::uint64_t link, std::uint64_t first, const std::string& peer);
+  /// Of messages, by their numbers in the report.
+  void mark(const std::vector<std::size_t>& messages, ProofState state, UtcTime sealed);
+  [[nodiscard]] std::string records_text(const std::vector<std::size_t>& messages) const;
   void cut_off(const Place& at, std::size_t bytes);
   void fault(const Place& at, std::string what);
 

@@ -35,7 +35,7 @@ Result<BeaconKey> open_listed_beacon_key(const RevocationList& list, std::string
               "have it signed again: trb fleet sign");
 }
 
-Result<FleetNews> read_news(const std::string& path) {
+Result<FleetNews> read_trust_updates(const std::string& path) {
   auto text = read_file(path);
   if (!text) return text.error();
   auto news = from_json<FleetNews>(*text);
@@ -44,7 +44,7 @@ Result<FleetNews> read_news(const std::string& path) {
   return news;
 }
 
-Status write_news(const std::string& path, const FleetNews& news) {
+Status write_trust_updates(const std::string& path, const FleetNews& news) {
   return write_file(path, to_json(news) + "\n");
 }
 

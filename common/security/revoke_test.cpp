@@ -135,8 +135,8 @@ TEST_CASE("the news hold each living certificate once, and none that is revoked,
     return *renew_certificate(hall.authority, hall.dir, hall.living(id), kNow, kYear);
   };
   const auto told = [&](const std::vector<SignedRecord>& renewed) {
-    REQUIRE(tell_news(hall.authority, hall.dir, renewed, kNow).ok());
-    return read_news(hall.dir + "/news.json")->certificates;
+    REQUIRE(publish_trust_updates(hall.authority, hall.dir, renewed, kNow).ok());
+    return read_trust_updates(hall.dir + "/news.json")->certificates;
   };
   const SignedRecord older = renew("ur3");
   CHECK(told({older}) == std::vector{older});
@@ -157,14 +157,14 @@ TEST_CASE("news carry 256 renewals; of older ones as many as have room beside th
     hall.authority.issued.push_back(made_for(hall, "ur" + std::to_string(serial), serial));
     renewed.push_back(hall.sign_certificate(hall.authority.issued.back()));
   }
-  const auto told = [&] { return read_news(hall.dir + "/news.json")->certificates; };
-  CHECK(code_of(tell_news(hall.authority, hall.dir, renewed, kNow)) == Errc::too_large);
+  const auto told = [&] { return read_trust_updates(hall.dir + "/news.json")->certificates; };
+  CHECK(code_of(publish_trust_updates(hall.authority, hall.dir, renewed, kNow)) == Errc::too_large);
   CHECK_FALSE(file_exists(hall.dir + "/news.json"));
   const SignedRecord last = renewed.back();
   renewed.pop_back();
-  REQUIRE(tell_news(hall.authority, hall.dir, renewed, kNow).ok());
+  REQUIRE(publish_trust_updates(hall.authority, hall.dir, renewed, kNow).ok());
   CHECK(told() == renewed);
-  REQUIRE(tell_news(hall.authority, hall.dir, {last}, kNow).ok());
+  REQUIRE(publish_trust_updates(hall.authority, hall.dir, {last}, kNow).ok());
   CHECK(told().size() == 256);
   CHECK(told().front() == last);
   CHECK(told()[1] == renewed.front());
@@ -173,8 +173,8 @@ TEST_CASE("news carry 256 renewals; of older ones as many as have room beside th
 TEST_CASE("news that are not there, or damaged, are told with their path") {
   const Hall hall;
   const std::string path = hall.dir + "/news.json";
-  CHECK(code_of(read_news(path)) == Errc::missing);
+  CHECK(code_of(read_trust_updates(path)) == Errc::missing);
   REQUIRE(write_file(path, "{").ok());
-  CHECK(code_of(read_news(path)) == Errc::malformed);
-  CHECK(read_news(path).error().what.find(path) == 0);
+  CHECK(code_of(read_trust_updates(path)) == Errc::malformed);
+  CHECK(read_trust_updates(path).error().what.find(path) == 0);
 }

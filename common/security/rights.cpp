@@ -87,7 +87,7 @@ bool may_send_out(Role role, std::string_view subtype) {
 
 // Nobody on the bus but those can command the robot past the control lease, tell of an outcome that the robot has not
 // had, or take a task from it.
-bool may_say(std::string_view service, bool probe, std::string_view subtype) {
+bool may_send_on_bus(std::string_view service, bool probe, std::string_view subtype) {
   const Travel* travel = find_travel(subtype);
   if (travel == nullptr) return true;
   const std::string_view saying = probe ? kProbe : service;

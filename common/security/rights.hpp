@@ -14,14 +14,14 @@ namespace trb {
 /// May what comes over a link, from a node of that role, bear this subtype? A user's own words may, from both roles.
 bool may_cross(Role role, std::string_view subtype);
 
-/// May a service send it to another node? What routers say to each other, no service says.
+/// May a service send it to another node? No service sends what routers send to each other.
 bool may_send_out(Role role, std::string_view subtype);
 
-/// May this service (or a probe) of a node's own bus say it to another one there, or to the router?
-bool may_say(std::string_view service, bool probe, std::string_view subtype);
+/// May this service (or a probe) of a node's own bus send it to another one there, or to the router?
+bool may_send_on_bus(std::string_view service, bool probe, std::string_view subtype);
 
 /// May this service take what bears the subtype? One of an operator's takes users' own words; the middleware's words it
-/// may hear, so that it never stands in the way of who takes them.
+/// may only listen to, so that it never stands in the way of who takes them.
 bool may_take(std::string_view service, std::string_view subtype);
 
 /// May this role sign records of that purpose (a kSigned… word)?

@@ -56,23 +56,23 @@ TEST_CASE("a record is signed for the service that makes its kind alone") {
 }
 
 TEST_CASE("on the bus a service says what it is for, and nobody says what the router says") {
-  CHECK(may_say("scheduler", false, "execute"));
-  CHECK(may_say("mode-adapter", false, "outcome"));
-  CHECK(may_say("mode-adapter", false, "service_alive"));
-  CHECK(may_say("cli", true, "run_submit"));
-  CHECK(may_say("cli", true, "stop"));
-  CHECK(may_say("cli", true, "a_word_of_a_user"));
+  CHECK(may_send_on_bus("scheduler", false, "execute"));
+  CHECK(may_send_on_bus("mode-adapter", false, "outcome"));
+  CHECK(may_send_on_bus("mode-adapter", false, "service_alive"));
+  CHECK(may_send_on_bus("cli", true, "run_submit"));
+  CHECK(may_send_on_bus("cli", true, "stop"));
+  CHECK(may_send_on_bus("cli", true, "a_word_of_a_user"));
   for (const std::string_view subtype : {"execute", "outcome", "adapter_state", "node_profile", "peer_expired",
                                          "signed_record", "hello", "certificate", "journal_abort"}) {
-    CHECK_FALSE(may_say("scheduler", true, subtype));  // a probe, whatever it calls itself
-    CHECK_FALSE(may_say("resilience", false, subtype));
+    CHECK_FALSE(may_send_on_bus("scheduler", true, subtype));  // a probe, whatever it calls itself
+    CHECK_FALSE(may_send_on_bus("resilience", false, subtype));
   }
   // From node to node any service may speak, but for what takes a task from a robot.
-  CHECK(may_say("resilience", false, "release_tasks"));
-  CHECK(may_say("scheduler", false, "run_decision"));
+  CHECK(may_send_on_bus("resilience", false, "release_tasks"));
+  CHECK(may_send_on_bus("scheduler", false, "run_decision"));
   for (const std::string_view subtype : {"release_tasks", "run_decision"}) {
-    CHECK_FALSE(may_say("cli", true, subtype));
-    CHECK_FALSE(may_say("fault-tally", false, subtype));
+    CHECK_FALSE(may_send_on_bus("cli", true, subtype));
+    CHECK_FALSE(may_send_on_bus("fault-tally", false, subtype));
   }
 }
 
@@ -85,7 +85,7 @@ TEST_CASE("a service of an operator's takes users' words, and nothing of the mid
   for (const std::string_view name : {"router", "cloud-gateway", "probe", "tap"}) CHECK(is_reserved_service(name));
   CHECK_FALSE(is_reserved_service("fault-tally"));
   CHECK_FALSE(may_have_signed("fault-tally", false, kSignedRunAbort));
-  CHECK_FALSE(may_say("fault-tally", false, "execute"));
+  CHECK_FALSE(may_send_on_bus("fault-tally", false, "execute"));
 }
 
 TEST_CASE("proto/README.md prints the table as it is") {

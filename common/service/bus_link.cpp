@@ -36,16 +36,18 @@ std::optional<Message> BusLink::receive(Now now) {
   return message;
 }
 
+void BusLink::on_welcome(ServiceWelcome welcome, Now now) {
+  welcome_ = std::move(welcome);
+  newly_welcomed = true;
+  refusal_.clear();
+  redial_.reset();
+  last_seen_ = now.mono;
+  next_ = now.mono + kAliveInterval;
+}
+
 bool BusLink::consume(const Message& message, Now now) {
   if (message.subtype == ServiceWelcome::kSubtype) {
-    if (auto body = decode<ServiceWelcome>(message.data)) {
-      welcome_ = std::move(*body);
-      newly_welcomed = true;
-      refusal_.clear();
-      redial_.reset();
-      last_seen_ = now.mono;
-      next_ = now.mono + kAliveInterval;
-    }
+    if (auto body = decode<ServiceWelcome>(message.data)) on_welcome(std::move(*body), now);
     return true;
   }
   if (message.subtype == ServiceAliveSeen::kSubtype) {

@@ -48,6 +48,7 @@ class BusLink {
   bool newly_welcomed = false;
 
  private:
+  void on_welcome(ServiceWelcome welcome, Now now);
   bool consume(const Message& message, Now now);
   void say_hello();
 

@@ -114,7 +114,7 @@ int hand_on(const Arguments& arguments) {
         "  on another one    copy news.json into its NODE_DIR/keys; its router takes it at once and tells the others");
     return kGood;
   }
-  auto updates = read_news(path);
+  auto updates = read_trust_updates(path);
   if (!updates) return print_error(arguments, updates.error());
   auto probe = Probe::open(via);
   if (!probe) return print_error(arguments, probe.error());
@@ -145,7 +145,8 @@ int run_renew(const Arguments& arguments) {
     const Certificate& fresh = authority->issued.back();
     print_line(fresh.id + ": serial " + std::to_string(fresh.serial) + ", valid to " + to_iso8601({fresh.not_after}));
   }
-  if (Status told = tell_news(*authority, dir, renewed, now); !told) return print_error(arguments, told.error());
+  if (Status told = publish_trust_updates(*authority, dir, renewed, now); !told)
+    return print_error(arguments, told.error());
   return hand_on(arguments);
 }
 
@@ -177,7 +178,8 @@ int run_revoke(const Arguments& arguments) {
                " certificates were signed before this folder kept them; their nodes "
                "get no new beacon key. Name their certificate.json in trb fleet renew, then revoke again.");
   }
-  if (Status told = tell_news(*authority, dir, {}, now); !told) return print_error(arguments, not_handed_on(told, dir));
+  if (Status told = publish_trust_updates(*authority, dir, {}, now); !told)
+    return print_error(arguments, not_handed_on(told, dir));
   return hand_on(arguments);
 }
 
@@ -189,9 +191,9 @@ int run_tell(const Arguments& arguments) {
   auto learned = learn_from(*authority, dir, arguments.get("--via"));
   if (!learned) return print_error(arguments, learned.error());
   // It was not written if the disk was full when the list was.
-  const auto updates = read_news(dir + "/news.json");
+  const auto updates = read_trust_updates(dir + "/news.json");
   if (*learned || !updates || !(updates->revocations == authority->revocations)) {
-    if (Status told = tell_news(*authority, dir, {}, read_clocks().utc); !told)
+    if (Status told = publish_trust_updates(*authority, dir, {}, read_clocks().utc); !told)
       return print_error(arguments, told.error());
   }
   return hand_on(arguments);

@@ -18,7 +18,7 @@ namespace trb::resilience {
 class AlertBook {
  public:
   static constexpr std::size_t kMaxOpen = 256;
-  static constexpr std::size_t kMaxLone = 64;   ///< of those, without a run: robots that tell of many faults at once
+  static constexpr std::size_t kMaxLone = 64;   ///< of those, without a run: robots that report many faults at once
   static constexpr std::size_t kMaxDone = 200;  ///< DECIDED and CLOSED: the oldest go
   static constexpr std::size_t kMaxTable = 256;
 

@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::string_view kSensor = "sensor:";
 
-Measured told(const std::optional<Told<double>>& number) {
+Measured told(const std::optional<Reported<double>>& number) {
   return number ? Measured{number->is, number->at} : Measured{};
 }
 

@@ -9,7 +9,7 @@
 namespace trb::resilience {
 namespace {
 
-constexpr Duration kTellAgain = std::chrono::seconds(1);  ///< a trouble for which there was no room
+constexpr Duration kSendAgain = std::chrono::seconds(1);  ///< a trouble for which there was no room
 
 std::vector<std::string> names_of(const WatchedRun& run, const std::vector<std::size_t>& tasks) {
   std::vector<std::string> out;
@@ -34,7 +34,7 @@ std::string joined(const std::vector<std::string>& words) {
 void follow(Alert& alert, const WatchedRun& run, const RunProblem& problem) {
   if (alert.cause == kOverdue) alert.text = cut_utf8(problem.text, kMaxAlertText);
   alert.tasks = names_of(run, problem.tasks);
-  alert.needs_word = problem.needs_word;
+  alert.needs_word = problem.needs_confirmation;
   if (strength_of(problem.cause) <= strength_of(alert.cause)) return;
   alert.cause = problem.cause;
   alert.capability = problem.capability;
@@ -55,7 +55,7 @@ void add_late(std::vector<RunProblem>& out, const WatchedRun& run, Overdue::Late
     at = out.insert(out.end(), std::move(fresh));
   }
   at->tasks.push_back(late.task);
-  at->needs_word = at->needs_word || !why_word(run, late.task, fleet, false).empty();
+  at->needs_confirmation = at->needs_confirmation || !why_confirmation(run, late.task, fleet, false).empty();
 }
 
 }  // namespace
@@ -85,7 +85,7 @@ void Detection::follow_end(const WatchedRun& run, Now now) {
 /// When the run is to be looked at, though nothing is told of it.
 std::optional<MonotonicTime> Detection::next_moment(const WatchedRun& run, Now now) const {
   std::optional<MonotonicTime> out = overdue_.next(run, situation_.fleet(), now);
-  if (const auto end = end_told_at(run); end && *end > now.mono) out = earlier(out, end);
+  if (const auto end = end_warning_at(run); end && *end > now.mono) out = earlier(out, end);
   for (const TaskView& task : run.view->tasks) {
     if (!task.robot.empty()) out = earlier(out, situation_.liveness().next(task.robot, now));
   }
@@ -112,16 +112,16 @@ std::vector<RunProblem> Detection::problems(const WatchedRun& run, Now now) {
 
 void Detection::look_at(const WatchedRun& run, Now now, Outbox& out) {
   std::vector<RunProblem> found = problems(run, now);
-  bool all_told = true;
-  for (const RunProblem& problem : found) all_told = meet(run, problem, now, out) && all_told;
+  bool all_raised = true;
+  for (const RunProblem& problem : found) all_raised = meet(run, problem, now, out) && all_raised;
   for (RunProblem& late : overdue_problems(run, now)) {
-    all_told = meet(run, late, now, out) && all_told;
+    all_raised = meet(run, late, now, out) && all_raised;
     found.push_back(std::move(late));
   }
   close_over(run, found, out);
   skip_unbegun(run, now, out);
   const std::optional<MonotonicTime> at = next_moment(run, now);
-  situation_.due_runs().schedule(run.summary.run, all_told ? at : earlier(at, now.mono + kTellAgain));
+  situation_.due_runs().schedule(run.summary.run, all_raised ? at : earlier(at, now.mono + kSendAgain));
 }
 
 void Detection::close_over(const WatchedRun& run, const std::vector<RunProblem>& found, Outbox& out) {
@@ -152,12 +152,12 @@ bool Detection::meet(const WatchedRun& run, const RunProblem& problem, Now now, 
   const Alert before = *alert;
   follow(*alert, run, problem);
   if (*alert == before) return true;
-  if (alert->tasks != before.tasks || before.cause.empty()) tell_grown(*alert, run, before.tasks.empty(), now, out);
+  if (alert->tasks != before.tasks || before.cause.empty()) on_grown(*alert, run, before.tasks.empty(), now, out);
   out.record(*alert);
   return true;
 }
 
-void Detection::tell_grown(Alert& alert, const WatchedRun& run, bool is_new, Now now, Outbox& out) {
+void Detection::on_grown(Alert& alert, const WatchedRun& run, bool is_new, Now now, Outbox& out) {
   if (alert.state == AlertState::expired) alert.state = AlertState::open;
   alerts_.work(alert.id).grown_at = now.mono;
   if (may_be_ruled(alert)) proposer_.propose(alert, run, now);
@@ -167,19 +167,19 @@ void Detection::tell_grown(Alert& alert, const WatchedRun& run, bool is_new, Now
               " (run " + alert.run.substr(0, 8) + ", tasks " + joined(alert.tasks) + ")");
 }
 
-/// Of what no other alert tells, one for each robot.
+/// Of what no other alert covers, one for each robot.
 std::vector<RunProblem> Detection::overdue_problems(const WatchedRun& run, Now now) {
-  std::set<std::string> told_otherwise;
-  std::set<std::string> told;
+  std::set<std::string> covered_otherwise;
+  std::set<std::string> covered;
   for (const Alert* alert : alerts_.open()) {
     if (alert->run != run.summary.run) continue;
-    auto& tasks = alert->cause == kOverdue && alert->state != AlertState::releasing ? told : told_otherwise;
+    auto& tasks = alert->cause == kOverdue && alert->state != AlertState::releasing ? covered : covered_otherwise;
     tasks.insert(alert->tasks.begin(), alert->tasks.end());
   }
-  overdue_.follow(run, told, now);
+  overdue_.follow(run, covered, now);
   std::vector<RunProblem> out;
   for (Overdue::Late& late : overdue_.late(run, situation_.fleet(), now)) {
-    if (told_otherwise.contains(run.view->tasks[late.task].id)) continue;
+    if (covered_otherwise.contains(run.view->tasks[late.task].id)) continue;
     add_late(out, run, std::move(late), situation_.fleet());
   }
   return out;

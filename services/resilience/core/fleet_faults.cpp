@@ -1,4 +1,4 @@
-// Fleet: faults, as robots tell them and as their nodes' profiles have them.
+// Fleet: faults, as robots report them and as their nodes' profiles have them.
 #include <algorithm>
 #include <tuple>
 
@@ -52,7 +52,7 @@ bool Fleet::on_fault(std::string_view id, const RobotFault& told, UtcTime now) {
   if (!place) return false;
   RobotRecord* robot = *place;
   Fault fault{told.capability, told.severity, cut_utf8(told.text, kMaxValueSize), now};
-  // A robot may tell it a thousand times a second: the disk need not know.
+  // A robot may report it a thousand times a second: the disk need not know.
   const auto same = [&](const Fault& one) { return rank(one) == rank(fault) && one.text == fault.text; };
   if (std::ranges::any_of(robot->faults, same)) return true;
   note(*robot, "fault", words_of_fault(fault.severity, fault.capability, fault.text), now);
@@ -71,7 +71,7 @@ bool Fleet::end_faults(std::string_view id, std::string_view capability, const s
   return true;
 }
 
-/// What the robot says ends its own faults, those as bad and lesser ones: not one that somebody else has found.
+/// What the robot reports ends its own faults, those as bad and lesser ones: not one that somebody else has found.
 bool Fleet::on_fault_ended(std::string_view id, const RobotFault& told, UtcTime now) {
   RobotRecord* robot = existing(id);
   if (robot == nullptr) return false;

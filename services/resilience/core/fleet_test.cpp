@@ -110,8 +110,8 @@ TEST_CASE("values are kept with the moment at which they were told, and measured
   CHECK(fleet.on_state("a", {{{"battery", "0.8"}, {"position", "[1, 2]"}}}, at_second(5)));
   CHECK(fleet.on_value("a", "position", "[3, 4]", at_second(9)));
   CHECK(fleet.set_later_tasks("a", 3));
-  CHECK(charge_of(*fleet.find("a")) == Told<double>{80, at_second(5)});
-  CHECK(position_of(*fleet.find("a")) == Told<HallPoint>{{3, 4}, at_second(9)});
+  CHECK(charge_of(*fleet.find("a")) == Reported<double>{80, at_second(5)});
+  CHECK(position_of(*fleet.find("a")) == Reported<HallPoint>{{3, 4}, at_second(9)});
   const Measures& measures = fleet.index().measures(*fleet.index().find("a"));
   CHECK(measures.charge == 80);
   CHECK(measures.x == 3);

@@ -4,7 +4,7 @@ namespace trb::resilience {
 
 void Inquiry::on_ranked(Now now) {
   ranked_at_ = now.mono;
-  heard_at_.reset();
+  value_at_.reset();
 }
 
 bool Inquiry::begin(Now now) {
@@ -24,11 +24,11 @@ std::string Inquiry::awaited_robot(Duration patience, Now now) const {
 }
 
 void Inquiry::on_value(Now now) {
-  if (!heard_at_) heard_at_ = now.mono;
+  if (!value_at_) value_at_ = now.mono;
 }
 
 std::optional<MonotonicTime> Inquiry::follow_at() const {
-  return heard_at_ ? std::optional(*heard_at_ + kCrowd) : std::nullopt;
+  return value_at_ ? std::optional(*value_at_ + kCrowd) : std::nullopt;
 }
 
 }  // namespace trb::resilience

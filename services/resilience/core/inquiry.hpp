@@ -40,15 +40,15 @@ class Inquiry {
 
   /// A value has come that the proposals do not follow yet.
   void on_value(Now now);
-  void on_followed() { heard_at_.reset(); }
-  [[nodiscard]] bool has_new_values() const { return heard_at_.has_value(); }
+  void on_followed() { value_at_.reset(); }
+  [[nodiscard]] bool has_new_values() const { return value_at_.has_value(); }
   /// When the proposals follow what has come.
   [[nodiscard]] std::optional<MonotonicTime> follow_at() const;
 
  private:
   std::optional<MonotonicTime> ranked_at_;
   std::optional<MonotonicTime> asked_at_;
-  std::optional<MonotonicTime> heard_at_;                  ///< the first value that the proposals do not follow
+  std::optional<MonotonicTime> value_at_;                  ///< the first value that the proposals do not follow
   std::set<std::pair<std::string, std::string>> awaited_;  ///< robot, value
   std::vector<std::string> bounded_;
 };

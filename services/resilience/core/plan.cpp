@@ -5,7 +5,7 @@
 namespace trb::resilience {
 namespace {
 
-/// The alert's tasks that the verdict still speaks of.
+/// The alert's tasks that the verdict still concerns.
 std::vector<std::size_t> tasks_of(const Alert& alert, const WatchedRun& run) {
   std::vector<std::size_t> out;
   for (const std::string& id : alert.tasks) {
@@ -63,7 +63,7 @@ Plan plan_of(const Alert& alert, const WatchedRun& run, const Fleet& fleet, cons
     TaskRuling ruling{task.id, ruling_of(alert.verdict), taker_of(alert, task.id, node), run.last_attempt(index) + 1,
                       Evidence::result};
     if (ruling.robot.empty()) continue;
-    const std::string why = why_word(run, index, fleet, alert.verdict == Verdict::retry);
+    const std::string why = why_confirmation(run, index, fleet, alert.verdict == Verdict::retry);
     const bool open = !run.has_stopped(index);
     // Who can be asked is asked first: what it has done may be on its way.
     const bool word_counts = !why.empty() || (open && (asked_long || !is_reached(fleet, task.robot)));

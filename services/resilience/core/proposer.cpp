@@ -70,7 +70,7 @@ void Proposer::refresh(Alert& alert, const WatchedRun& run, Now now, Outbox& out
 void Proposer::ask_values(const Alert& alert, Now now, Outbox& out) {
   Inquiry& inquiry = alerts_.work(alert.id).inquiry;
   if (!inquiry.begin(now)) return;
-  if (wants_robot(alert)) {  // nobody tells that a robot was stopped: the table does
+  if (wants_robot(alert)) {  // no message says that a robot was stopped: the table does
     situation_.routes().want(now, Duration{0});
     inquiry.await(situation_.node(), std::string(RouteListRequest::kSubtype));
   }
@@ -78,7 +78,7 @@ void Proposer::ask_values(const Alert& alert, Now now, Outbox& out) {
   for (const Proposal& proposal : alert.proposals) {
     for (const TaskForRobot& one : proposal.tasks) robots.insert(one.robot);
   }
-  // A task is often due because somebody has just arrived: what was told on the way is wrong already.
+  // A task is often due because somebody has just arrived: what was reported on the way is wrong already.
   const Duration fresh = wants_robot(alert) ? Duration{0} : kFresh;
   for (const std::string& id : robots) {
     if (const RobotRecord* robot = situation_.fleet().find(id)) ask_robot(*robot, fresh, inquiry, now, out);

@@ -3,7 +3,7 @@
 namespace trb::resilience {
 
 bool Repair::is_due(Now now) const {
-  const bool answered = refused_at_ || (taken_at_ && now.mono - *taken_at_ < kTellAgain);
+  const bool answered = refused_at_ || (taken_at_ && now.mono - *taken_at_ < kSendAgain);
   return !answered && send_.is_due(now.mono);
 }
 

@@ -14,7 +14,7 @@ class Repair {
   /// Within this time the node's new profile has come by way of the routers.
   static constexpr Duration kProfile = std::chrono::seconds(3);
   /// So long after its answer the node is told again.
-  static constexpr Duration kTellAgain = std::chrono::seconds(10);
+  static constexpr Duration kSendAgain = std::chrono::seconds(10);
 
   /// The node is to be told now.
   [[nodiscard]] bool is_due(Now now) const;

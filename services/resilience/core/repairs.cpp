@@ -15,7 +15,7 @@ std::string quoted(const std::vector<std::string>& capabilities) {
 }
 
 /// The alert's word on a repair speaks of that fault.
-bool speaks_of(const Alert& alert, const Fault& fault) {
+bool concerns(const Alert& alert, const Fault& fault) {
   return alert.capability.empty() || fault.capability.empty() || fault.capability == alert.capability;
 }
 
@@ -26,8 +26,8 @@ void Repairs::begin(const Alert& alert, const std::string& why, Now now) {
   if (robot == nullptr) return;
   std::set<std::string> over;
   for (const Fault& fault : robot->faults) {
-    const bool is_told = is_told_broken(*robot, fault.capability) || is_told_broken(*robot, "");
-    if (takes_away(fault) && speaks_of(alert, fault) && !is_told) over.insert(fault.capability);
+    const bool is_reported = is_reported_broken(*robot, fault.capability) || is_reported_broken(*robot, "");
+    if (takes_away(fault) && concerns(alert, fault) && !is_reported) over.insert(fault.capability);
   }
   for (const std::string& capability : over) situation_.fleet().end_faults(alert.robot, capability, why, now.utc);
   situation_.note_robot(alert.robot, now);
@@ -38,7 +38,7 @@ std::vector<std::string> Repairs::still_broken(const Alert& alert) const {
   if (robot == nullptr) return {};
   std::set<std::string> out;
   for (const Fault& fault : robot->faults) {
-    if (takes_away(fault) && speaks_of(alert, fault) && is_told_broken(*robot, fault.capability)) {
+    if (takes_away(fault) && concerns(alert, fault) && is_reported_broken(*robot, fault.capability)) {
       out.insert(fault.capability);
     }
   }

@@ -1,4 +1,4 @@
-// A person says that a robot is repaired: its node is told, and has the last word.
+// A person says that a robot is repaired: its node is notified, and decides.
 #pragma once
 
 #include <string>
@@ -16,13 +16,13 @@ class Repairs {
   void begin(const Alert& alert, const std::string& why, Now now);
   /// Capabilities of which a person has said that they are repaired, and that the robot's node still has as broken.
   [[nodiscard]] std::vector<std::string> still_broken(const Alert& alert) const;
-  /// True: the robot's node has not taken it into use yet, and is told again; or it never will, and the alert is open
-  /// again.
+  /// True: the robot's node has not taken it into use yet, and is notified again; or it never will, and the alert is
+  /// open again.
   [[nodiscard]] bool is_awaited(Alert& alert, Now now, Outbox& out);
 
   /// The robot's node has taken it into use: its profile is on its way.
   void on_taken(const std::string& robot, Now now);
-  /// The robot's node refuses, or does not get, what it was told.
+  /// The robot's node refuses, or does not get, what it was sent.
   void on_refused(const Nack& nack, const std::string& from, Now now, Outbox& out);
 
  private:

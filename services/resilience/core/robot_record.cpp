@@ -61,7 +61,7 @@ std::string retired_text(const OutOfUse& retirement) {
          (retirement.by.empty() ? "" : " (by " + retirement.by + ")");
 }
 
-bool is_told_broken(const RobotRecord& robot, std::string_view capability) {
+bool is_reported_broken(const RobotRecord& robot, std::string_view capability) {
   return std::ranges::any_of(robot.profile.is.out_of_use,
                              [&](const OutOfUse& one) { return is_standing(one) && one.capability == capability; });
 }

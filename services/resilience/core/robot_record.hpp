@@ -19,10 +19,10 @@ constexpr std::size_t kMaxFaults = 128;  ///< of one robot: those of its out_of_
 
 /// Something with the moment at which it was told, so that a person sees how old it is.
 template <class T>
-struct Told {
+struct Reported {
   T is{};
   UtcTime at;
-  bool operator==(const Told&) const = default;
+  bool operator==(const Reported&) const = default;
 };
 
 /// A fault that the robot has told of and nobody has ended.
@@ -43,11 +43,12 @@ struct HallPoint {
 
 struct RobotRecord {
   std::string id;
-  Told<NodeProfile> profile;
+  Reported<NodeProfile> profile;
   bool reached = false;  ///< its node's route is alive; never so after a restart, until the router says it again
-  std::map<std::string, Told<std::string>, std::less<>> values;  ///< by name, as the robot told them: JSON, or words
-  std::vector<Fault> faults;                                     ///< by capability, then severity; one of each
-  std::uint32_t later_tasks = 0;                                 ///< that it still has in any run
+  std::map<std::string, Reported<std::string>, std::less<>>
+      values;                     ///< by name, as the robot told them: JSON, or words
+  std::vector<Fault> faults;      ///< by capability, then severity; one of each
+  std::uint32_t later_tasks = 0;  ///< that it still has in any run
 };
 
 /// CRITICAL and FATAL take a capability away; lesser faults are shown.
@@ -67,7 +68,7 @@ struct RobotRecord {
 /// "is out of service: new wheels (by ann)"
 [[nodiscard]] std::string retired_text(const OutOfUse& retirement);
 /// The node's profile has that fault as standing: its end is the node's to tell.
-[[nodiscard]] bool is_told_broken(const RobotRecord& robot, std::string_view capability);
+[[nodiscard]] bool is_reported_broken(const RobotRecord& robot, std::string_view capability);
 
 /// The robot has it, no fault takes it away, and of the plugged sensors that alone give it one tells its values.
 [[nodiscard]] bool is_able(const RobotRecord& robot, std::string_view capability);

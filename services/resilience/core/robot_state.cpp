@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kFarthest = 1e6;  ///< m; what is further away is no position in a hall
 
-/// JSON, or what a robot in fields told as plain words.
+/// JSON, or what a robot in fields sent as plain words.
 Value value_of(const std::string& told) {
   auto json = parse_json(told);
   return json ? std::move(*json) : Value{told};
@@ -53,7 +53,7 @@ std::vector<double> numbers_of(const Value& value) {
   return out;
 }
 
-std::optional<double> within(const Told<std::string>& told, double highest) {
+std::optional<double> within(const Reported<std::string>& told, double highest) {
   const Value value = value_of(told.is);
   if (value.is_list() || value.is_object()) return std::nullopt;
   const auto numbers = numbers_of(value);
@@ -82,15 +82,15 @@ bool is_in_hall(double x, double y) {
 
 }  // namespace
 
-std::optional<Told<double>> charge_of(const RobotRecord& robot) {
+std::optional<Reported<double>> charge_of(const RobotRecord& robot) {
   if (const auto at = robot.values.find("state_of_charge"); at != robot.values.end()) {
-    if (const auto percent = within(at->second, 100)) return Told<double>{*percent, at->second.at};
+    if (const auto percent = within(at->second, 100)) return Reported<double>{*percent, at->second.at};
   }
   const auto at = robot.values.find("battery");
   const auto full = full_battery(robot.profile.is);
   if (at == robot.values.end() || !full) return std::nullopt;
   const auto percent = within(at->second, *full);
-  return percent ? std::optional(Told<double>{*percent, at->second.at}) : std::nullopt;
+  return percent ? std::optional(Reported<double>{*percent, at->second.at}) : std::nullopt;
 }
 
 std::string_view charge_request(const NodeProfile& profile) {
@@ -99,13 +99,13 @@ std::string_view charge_request(const NodeProfile& profile) {
   return tells_percent || !full_battery(profile) ? kChargeRequests[0] : kChargeRequests[1];
 }
 
-std::optional<Told<HallPoint>> position_of(const RobotRecord& robot) {
+std::optional<Reported<HallPoint>> position_of(const RobotRecord& robot) {
   const NodeProfile& profile = robot.profile.is;
   const FrameInfo& frame = profile.frame;
   if (!(frame.length > 0) || !is_in_hall(frame.x, frame.y) || !std::isfinite(frame.yaw)) return std::nullopt;
   if (!moves(profile)) {
     if (frame == FrameInfo{frame.length, 0, 0, 0}) return std::nullopt;  // nobody has said where it stands
-    return Told<HallPoint>{{frame.x, frame.y}, robot.profile.at};
+    return Reported<HallPoint>{{frame.x, frame.y}, robot.profile.at};
   }
   const auto at = robot.values.find(kPositionRequest);
   if (at == robot.values.end()) return std::nullopt;
@@ -116,10 +116,10 @@ std::optional<Told<HallPoint>> position_of(const RobotRecord& robot) {
   const double c = std::cos(frame.yaw);
   const double s = std::sin(frame.yaw);
   const HallPoint point{frame.x + c * east - s * north, frame.y + s * east + c * north};
-  return is_in_hall(point.x, point.y) ? std::optional(Told<HallPoint>{point, at->second.at}) : std::nullopt;
+  return is_in_hall(point.x, point.y) ? std::optional(Reported<HallPoint>{point, at->second.at}) : std::nullopt;
 }
 
-std::optional<Told<double>> number_of(const RobotRecord& robot, std::string_view name) {
+std::optional<Reported<double>> number_of(const RobotRecord& robot, std::string_view name) {
   const auto at = robot.values.find(name);
   if (at == robot.values.end()) return std::nullopt;
   const Value told = value_of(at->second.is);
@@ -128,15 +128,15 @@ std::optional<Told<double>> number_of(const RobotRecord& robot, std::string_view
   if (value.is_list() || value.is_object()) return std::nullopt;
   const auto numbers = numbers_of(value);
   if (numbers.size() != 1 || !std::isfinite(numbers[0])) return std::nullopt;
-  return Told<double>{numbers[0], at->second.at};
+  return Reported<double>{numbers[0], at->second.at};
 }
 
-std::optional<Told<std::string>> mode_of(const RobotRecord& robot) {
+std::optional<Reported<std::string>> mode_of(const RobotRecord& robot) {
   for (const char* name : {"operating_mode", "robot_mode", "mode", "state"}) {
     const auto at = robot.values.find(name);
     if (at == robot.values.end()) continue;
     const Value value = value_of(at->second.is);
-    return Told<std::string>{value.is_text() ? value.text() : at->second.is, at->second.at};
+    return Reported<std::string>{value.is_text() ? value.text() : at->second.is, at->second.at};
   }
   return std::nullopt;
 }

@@ -57,9 +57,9 @@ TEST_CASE("what cannot be percent is unknown, not guessed") {
 TEST_CASE("state_of_charge wins over battery, unless it says nothing") {
   RobotRecord robot = robot_that_tells("ros", "ros", "battery", "0.5");
   robot.values["state_of_charge"] = {"40", at_second(7)};
-  CHECK(charge_of(robot) == Told<double>{40, at_second(7)});
+  CHECK(charge_of(robot) == Reported<double>{40, at_second(7)});
   robot.values["state_of_charge"].is = "null";
-  CHECK(charge_of(robot) == Told<double>{50, at_second(3)});
+  CHECK(charge_of(robot) == Reported<double>{50, at_second(3)});
 }
 
 TEST_CASE("a robot is asked for its charge by the word whose answer can be read") {
@@ -100,7 +100,7 @@ TEST_CASE("a robot that does not move stands at its origin, if that was said") {
   robot.profile.at = at_second(1);
   CHECK_FALSE(position_of(robot));
   robot.profile.is.frame = {1000, 5.5, 1, 0};
-  CHECK(position_of(robot) == Told<HallPoint>{{5.5, 1}, at_second(1)});
+  CHECK(position_of(robot) == Reported<HallPoint>{{5.5, 1}, at_second(1)});
 }
 
 TEST_CASE("the mode is the robot's own word") {

@@ -12,19 +12,19 @@ std::string words_of(Duration left) {
 
 }  // namespace
 
-Duration told_before(Duration life) {
+Duration warning_time(Duration life) {
   return std::min<Duration>(life / 10, std::chrono::minutes(10));
 }
 
-std::optional<MonotonicTime> end_told_at(const WatchedRun& run) {
+std::optional<MonotonicTime> end_warning_at(const WatchedRun& run) {
   const Duration life{run.start->expires - run.start->created};
   if (!run.ends_at || life <= Duration{0}) return std::nullopt;
-  return *run.ends_at - told_before(life);
+  return *run.ends_at - warning_time(life);
 }
 
 std::optional<RunProblem> problem_of_end(const WatchedRun& run, Now now) {
-  const auto told_at = end_told_at(run);
-  if (!told_at || *told_at > now.mono) return std::nullopt;
+  const auto warn_at = end_warning_at(run);
+  if (!warn_at || *warn_at > now.mono) return std::nullopt;
   const Duration left = *run.ends_at - now.mono;
   RunProblem out;
   out.cause = kRunEnds;

@@ -5,10 +5,10 @@
 
 namespace trb::resilience {
 
-/// So long before its end a run of that life is told of: a tenth of it, 10 min at most.
-[[nodiscard]] Duration told_before(Duration life);
-/// When it is to be told of; nothing: its end or its life is not known. The run is_known().
-[[nodiscard]] std::optional<MonotonicTime> end_told_at(const WatchedRun& run);
+/// So long before its end a run of that life raises a warning: a tenth of it, 10 min at most.
+[[nodiscard]] Duration warning_time(Duration life);
+/// When it is due; nothing: its end or its life is not known. The run is_known().
+[[nodiscard]] std::optional<MonotonicTime> end_warning_at(const WatchedRun& run);
 /// It ends soon. The run is_known().
 [[nodiscard]] std::optional<RunProblem> problem_of_end(const WatchedRun& run, Now now);
 /// "its end in 9 min"

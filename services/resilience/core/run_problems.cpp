@@ -39,7 +39,7 @@ class Finder {
     if (!stopped && !leaves && fault == nullptr && gone_ == nullptr) return;
     out_.tasks.push_back(index);
     out_.failed = out_.failed || stopped;
-    out_.needs_word = out_.needs_word || !why_word(run_, index, fleet_, false).empty();
+    out_.needs_confirmation = out_.needs_confirmation || !why_confirmation(run_, index, fleet_, false).empty();
     if (gone_ != nullptr) tell(gone_->cause, Severity::critical, "", gone_->text);
     if (leaves)
       tell("robot_retired", Severity::warning, "", run_.view->tasks[index].robot + " " + retired_text(*retired));
@@ -101,7 +101,7 @@ bool may_be_ruled(const Alert& alert) {
   return alert.cause != kTwice && alert.cause != kRunEnds;
 }
 
-bool tells_of(const Alert& alert, std::string_view capability) {
+bool covers(const Alert& alert, std::string_view capability) {
   return alert.cause == "robot_fault" && (alert.capability.empty() || alert.capability == capability);
 }
 
@@ -131,7 +131,7 @@ std::string capability_of(const WatchedRun& run, std::size_t task, const Fleet& 
   return skill == nullptr ? std::string() : skill->capability;
 }
 
-std::string why_word(const WatchedRun& run, std::size_t index, const Fleet& fleet, bool retry) {
+std::string why_confirmation(const WatchedRun& run, std::size_t index, const Fleet& fleet, bool retry) {
   const TaskView& task = run.view->tasks[index];
   if (is_final(task)) return {};
   const RobotRecord* robot = fleet.find(task.robot);

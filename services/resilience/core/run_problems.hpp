@@ -27,7 +27,7 @@ struct RunProblem {
   std::string cause;  ///< as Alert::cause
   std::string text;
   std::vector<std::size_t> tasks;  ///< of the run, that cannot go on with this robot
-  bool needs_word = false;
+  bool needs_confirmation = false;
   bool failed = false;  ///< a task of them has stopped: the robot's coming back alone does not end it
 };
 
@@ -41,7 +41,7 @@ std::vector<RunProblem> problems_of(const WatchedRun& run, const Fleet& fleet, c
 std::vector<RunProblem> double_executions(const WatchedRun& run);
 
 /// Why it may be decided only on a person's word; empty: it may be without. `retry`: the same robot does it again.
-std::string why_word(const WatchedRun& run, std::size_t task, const Fleet& fleet, bool retry);
+std::string why_confirmation(const WatchedRun& run, std::size_t task, const Fleet& fleet, bool retry);
 
 /// The capability that the robot's skill of that task needs; empty: it is not known.
 std::string capability_of(const WatchedRun& run, std::size_t task, const Fleet& fleet);
@@ -56,7 +56,7 @@ std::vector<Alert> lesser_faults(const Fleet& fleet, UtcTime since);
 /// Somebody can do something about its tasks: move, try again or skip them.
 [[nodiscard]] bool may_be_ruled(const Alert& alert);
 /// The alert tells of a fault of its robot that takes that capability away.
-[[nodiscard]] bool tells_of(const Alert& alert, std::string_view capability);
+[[nodiscard]] bool covers(const Alert& alert, std::string_view capability);
 /// The task stays with its robot, whatever happens to it.
 [[nodiscard]] bool is_pinned(const Alert& alert, const WatchedRun& run, std::string_view task);
 /// It is the alert that this trouble made: of its family one for each robot of a run, one for each task that wants a

@@ -9,7 +9,7 @@ namespace {
 
 constexpr double kLease_s = 10;
 constexpr Duration kRenew = std::chrono::seconds(5);
-constexpr Duration kComplain = std::chrono::minutes(1);
+constexpr Duration kWarnAgain = std::chrono::minutes(1);
 
 }  // namespace
 
@@ -114,8 +114,8 @@ void RunWatcher::on(const Definition& definition) {
 void RunWatcher::on_nack(const Nack& nack, Now now, Outbox& out) {
   out.count("nacked." + nack.subtype);
   if (nack.subtype == RunWatch::kSubtype) renew_at_ = now.mono + kRenew;
-  if (complained_ && now.mono - *complained_ < kComplain) return;
-  complained_ = now.mono;
+  if (warned_at_ && now.mono - *warned_at_ < kWarnAgain) return;
+  warned_at_ = now.mono;
   out.log(LogLevel::warning, "runs_not_seen", "the scheduler: " + nack.subtype + ": " + nack.code + ": " + nack.what);
 }
 

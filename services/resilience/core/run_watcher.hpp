@@ -30,15 +30,15 @@ class RunWatcher {
   /// Not over, by id.
   [[nodiscard]] const Runs& runs() const { return runs_; }
   [[nodiscard]] const WatchedRun* find(std::string_view run) const;
-  /// How the run has ended, if it was heard lately; nothing: nobody has said.
+  /// How the run has ended, if that was reported lately; nothing: it was not.
   [[nodiscard]] std::optional<RunState> ended(std::string_view run) const;
   /// A table has come since the welcome: who is not in runs() is over, or not known to this scheduler.
   [[nodiscard]] bool has_table() const { return has_table_; }
-  /// Asks for the run anew: something was said to the scheduler.
+  /// Requests the run anew: something was sent to the scheduler.
   void refresh(std::string_view run);
   /// The runs that are new, have changed or are over since the last call.
   std::set<std::string> take_changed() { return std::exchange(changed_, {}); }
-  /// The runs of which the scheduler has told since the last call when they end.
+  /// The runs whose end the scheduler has reported since the last call.
   std::set<std::string> take_timed() { return std::exchange(timed_, {}); }
 
  private:
@@ -61,7 +61,7 @@ class RunWatcher {
   std::deque<std::pair<std::string, RunState>> ended_;  ///< the oldest first
   bool has_table_ = false;
   std::optional<MonotonicTime> renew_at_;
-  std::optional<MonotonicTime> complained_;
+  std::optional<MonotonicTime> warned_at_;
 };
 
 }  // namespace trb::resilience

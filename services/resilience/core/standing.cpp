@@ -10,20 +10,20 @@ void Standing::follow(const Fleet& fleet, Now now) {
     for (const Fault& fault : robot.faults) {
       if (!takes_away(fault)) continue;
       const Key key{id, fault.capability};
-      const auto known = untold_since_.find(key);
-      stand[key] = known == untold_since_.end() ? now.mono : known->second;
+      const auto known = uncovered_since_.find(key);
+      stand[key] = known == uncovered_since_.end() ? now.mono : known->second;
     }
   }
-  untold_since_ = std::move(stand);
+  uncovered_since_ = std::move(stand);
 }
 
-void Standing::told(const Key& fault, Now now) {
-  if (const auto at = untold_since_.find(fault); at != untold_since_.end()) at->second = now.mono;
+void Standing::cover(const Key& fault, Now now) {
+  if (const auto at = uncovered_since_.find(fault); at != uncovered_since_.end()) at->second = now.mono;
 }
 
-std::vector<Standing::Key> Standing::untold(Now now) const {
+std::vector<Standing::Key> Standing::uncovered(Now now) const {
   std::vector<Key> out;
-  for (const auto& [key, since] : untold_since_) {
+  for (const auto& [key, since] : uncovered_since_) {
     if (now.mono - since >= kSettle) out.push_back(key);
   }
   return out;
@@ -31,7 +31,7 @@ std::vector<Standing::Key> Standing::untold(Now now) const {
 
 std::optional<MonotonicTime> Standing::next(Now now) const {
   std::optional<MonotonicTime> out;
-  for (const auto& [key, since] : untold_since_) {
+  for (const auto& [key, since] : uncovered_since_) {
     if (since + kSettle > now.mono) out = earlier(out, since + kSettle);
   }
   return out;

@@ -1,4 +1,4 @@
-// Faults that stand (CRITICAL, FATAL), and since when no alert has told of them.
+// Faults that stand (CRITICAL, FATAL), and since when no alert has covered them.
 #pragma once
 
 #include <compare>
@@ -23,14 +23,14 @@ class Standing {
 
   /// Looks at the fleet's faults, if they have changed.
   void follow(const Fleet& fleet, Now now);
-  /// An open alert tells of it.
-  void told(const Key& fault, Now now);
-  /// Those of which none has told for kSettle.
-  [[nodiscard]] std::vector<Key> untold(Now now) const;
+  /// An open alert covers it.
+  void cover(const Key& fault, Now now);
+  /// Those that none has covered for kSettle.
+  [[nodiscard]] std::vector<Key> uncovered(Now now) const;
   [[nodiscard]] std::optional<MonotonicTime> next(Now now) const;
 
  private:
-  std::map<Key, MonotonicTime> untold_since_;
+  std::map<Key, MonotonicTime> uncovered_since_;
   std::optional<std::uint64_t> seen_;  ///< Fleet::fault_changes
 };
 

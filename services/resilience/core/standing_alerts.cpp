@@ -12,10 +12,10 @@ void StandingAlerts::tell(Now now, Outbox& out) {
     const RobotRecord* robot = situation_.fleet().find(alert->robot);
     if (robot == nullptr) continue;
     for (const Fault& fault : robot->faults) {
-      if (tells_of(*alert, fault.capability)) standing_.told({alert->robot, fault.capability}, now);
+      if (covers(*alert, fault.capability)) standing_.cover({alert->robot, fault.capability}, now);
     }
   }
-  for (const Standing::Key& key : standing_.untold(now)) {
+  for (const Standing::Key& key : standing_.uncovered(now)) {
     if (!alerts_.book().has_room_for_lone()) return out.count("dropped.alerts");
     const RobotRecord& robot = *situation_.fleet().find(key.robot);
     if (!key.capability.empty() && worst_fault(robot, "") != nullptr) continue;  // it is told of the whole robot
@@ -34,7 +34,7 @@ Alert* StandingAlerts::raise(const Standing::Key& key, Now now, Outbox& out) {
   fresh.time = now.utc.ns;
   Alert* alert = alerts_.raise(std::move(fresh), now, out);
   if (alert == nullptr) return nullptr;
-  standing_.told(key, now);
+  standing_.cover(key, now);
   look(*alert, now, out);
   out.record(*alert);
   out.log(LogLevel::warning, "alert_raised", alert->id + ": " + alert->robot + ": " + alert->text + " (no run)");
@@ -52,7 +52,7 @@ void StandingAlerts::look(Alert& alert, Now now, Outbox& out) {
     return alerts_.close(alert, "the whole robot is broken", out);
   }
   for (const Alert* other : alerts_.open()) {
-    const bool tells = !other->run.empty() && other->robot == alert.robot && tells_of(*other, alert.capability);
+    const bool tells = !other->run.empty() && other->robot == alert.robot && covers(*other, alert.capability);
     if (tells) return alerts_.close(alert, "run alert " + other->id, out);
   }
   alert.waits_for =

@@ -24,18 +24,18 @@ TEST_CASE("a fault is untold 2 s after it came, and 2 s after the last alert has
   fleet.on_fault("r1", {"grab", Severity::urgent, "weak"}, at_second(0));
   standing.follow(fleet, at(1));
   CHECK(standing.next(at(1)) == at(3).mono);
-  CHECK(standing.untold(at(2.9)).empty());
-  CHECK(standing.untold(at(3)) == std::vector<Standing::Key>{{"r1", "mobile"}});
-  standing.told({"r1", "mobile"}, at(10));
-  CHECK(standing.untold(at(11)).empty());
+  CHECK(standing.uncovered(at(2.9)).empty());
+  CHECK(standing.uncovered(at(3)) == std::vector<Standing::Key>{{"r1", "mobile"}});
+  standing.cover({"r1", "mobile"}, at(10));
+  CHECK(standing.uncovered(at(11)).empty());
   CHECK(standing.next(at(11)) == at(12).mono);
   fleet.on_fault("r2", {"", Severity::fatal, "dead"}, at_second(0));
   standing.follow(fleet, at(11));
-  CHECK(standing.untold(at(12)) == std::vector<Standing::Key>{{"r1", "mobile"}});
+  CHECK(standing.uncovered(at(12)) == std::vector<Standing::Key>{{"r1", "mobile"}});
   fleet.end_faults("r1", "mobile", "mended", at_second(12));
   standing.follow(fleet, at(13));
-  CHECK(standing.untold(at(13)) == std::vector<Standing::Key>{{"r2", ""}});
+  CHECK(standing.uncovered(at(13)) == std::vector<Standing::Key>{{"r2", ""}});
   fleet.forget("r2", at_second(14));
   standing.follow(fleet, at(14));
-  CHECK(standing.untold(at(20)).empty());
+  CHECK(standing.uncovered(at(20)).empty());
 }

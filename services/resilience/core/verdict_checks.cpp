@@ -11,7 +11,7 @@ namespace {
 
 constexpr const char* kStands = "say --stands if you have seen that it stands";
 
-/// The proposal that the word means: one robot's, or the one of several; the best if none is named.
+/// The proposal that the decision means: one robot's, or the one of several; the best if none is named.
 std::vector<Proposal>::iterator find_proposal(Alert& alert, const std::string& robot) {
   if (robot.empty()) return alert.proposals.begin();
   return std::ranges::find(alert.proposals, robot, &Proposal::robot);
@@ -117,12 +117,12 @@ Status VerdictChecks::take_override(Alert& alert, const AlertDecide& body, const
   return Done{};
 }
 
-Status VerdictChecks::check_word(const Alert& alert, const AlertDecide& body, const WatchedRun& run) const {
+Status VerdictChecks::check_confirmation(const Alert& alert, const AlertDecide& body, const WatchedRun& run) const {
   if (body.stands || body.verdict == Verdict::abort) return Done{};
   for (const std::string& id : alert.tasks) {
     const auto index = run.find_task(id);
     if (!index) continue;
-    const std::string why = why_word(run, *index, situation_.fleet(), body.verdict == Verdict::retry);
+    const std::string why = why_confirmation(run, *index, situation_.fleet(), body.verdict == Verdict::retry);
     if (!why.empty()) return fail(Errc::bad_value, why, kStands);
   }
   return Done{};
@@ -176,12 +176,12 @@ Status VerdictChecks::shape(Alert& alert, const AlertDecide& body, const Watched
   if (good && body.verdict == Verdict::override_) good = take_override(alert, body, run);
   if (good && body.verdict == Verdict::retry) good = check_retry(alert, now);
   if (good && body.verdict == Verdict::retry) good = check_retry_of(alert, run);
-  if (good) good = check_word(alert, body, run);
+  if (good) good = check_confirmation(alert, body, run);
   if (!good) return good;
   alert.verdict = body.verdict;
   alert.person = body.person;
   alert.reason = body.reason;
-  // From here on it says that a person has given the word.
+  // From here on it records that a person has decided.
   alert.needs_word = body.stands;
   alert.state = AlertState::releasing;
   return check_bounds(alert, run);

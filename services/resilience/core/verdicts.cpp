@@ -97,7 +97,7 @@ Result<std::string> Verdicts::decide_lone(Alert& alert, const AlertDecide& body,
 Alert* Verdicts::alert_of_fault(const Alert& alert) {
   const std::vector<std::string> broken = repairs_.still_broken(alert);
   for (Alert* other : alerts_.open()) {
-    const auto tells = [&](const std::string& capability) { return tells_of(*other, capability); };
+    const auto tells = [&](const std::string& capability) { return covers(*other, capability); };
     if (other->robot == alert.robot && std::ranges::any_of(broken, tells)) return other;
   }
   return nullptr;

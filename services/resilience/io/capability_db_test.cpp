@@ -66,10 +66,10 @@ TEST_CASE("after a restart everything is known again, but that its node is reach
   CHECK(fleet.changes().empty());
   REQUIRE(fleet.robots().size() == 2);
   const RobotRecord& ridgeback = *fleet.find("ridgeback");
-  CHECK(ridgeback.profile == Told<NodeProfile>{rich_profile(), at_second(0)});
+  CHECK(ridgeback.profile == Reported<NodeProfile>{rich_profile(), at_second(0)});
   CHECK(ridgeback.faults == std::vector<Fault>{{"mobile", Severity::critical, "motor", at_second(3)}});
   CHECK(ridgeback.later_tasks == 2);
-  CHECK(charge_of(ridgeback) == Told<double>{75, at_second(2)});
+  CHECK(charge_of(ridgeback) == Reported<double>{75, at_second(2)});
   CHECK(position_of(ridgeback).has_value());
   CHECK_FALSE(ridgeback.reached);
   CHECK(find_candidates(fleet, {{load()}, {}}).robots.empty());
@@ -120,7 +120,7 @@ TEST_CASE("who commands a robot is written without writing anew what it can do")
   CHECK(fleet.changes().robots.at("a") == Changes::kNode);
   REQUIRE(db->write(fleet, at_second(2)));
   Fleet again = loaded(*db);
-  CHECK(again.find("a")->profile == Told<NodeProfile>{taken, at_second(1)});
+  CHECK(again.find("a")->profile == Reported<NodeProfile>{taken, at_second(1)});
   CHECK(again.find("a")->later_tasks == 4);
 }
 

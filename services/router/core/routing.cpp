@@ -60,7 +60,7 @@ Routing MessageRouting::from_bus(ConnectionId from, const HeaderView& header) {
 }
 
 Routing MessageRouting::from_bus_to_self(ConnectionId from, const Connection& by, const HeaderView& header) {
-  if (!may_say(by.hello.service, by.probe, header.subtype)) return drop(Errc::not_permitted);
+  if (!may_send_on_bus(by.hello.service, by.probe, header.subtype)) return drop(Errc::not_permitted);
   const Routing own = to_self(header, party_of_connection(from));
   // What a robot says to its own node and nobody takes must not come back to it as fields.
   const bool echo = own.to == Routing::To::service && own.connection == from && header.reply_to == 0;

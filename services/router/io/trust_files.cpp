@@ -92,7 +92,7 @@ void TrustFiles::watch_keys() {
 void TrustFiles::read_keys() {
   if (auto file = read_certificate_file("keys/certificate.json")) take({file->revocations, {file->certificate}});
   if (!file_exists("keys/news.json")) return;
-  auto update = read_news("keys/news.json");
+  auto update = read_trust_updates("keys/news.json");
   if (update) return take(*update);
   shell_.count("refused." + std::string(errc_name(update.error().code)));
   shell_.log(Level::warning, "news_refused", update.error().text());

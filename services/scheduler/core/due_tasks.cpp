@@ -20,7 +20,7 @@ void DueTasks::update(Run& run, Step step) const {
   TaskTimers& timers = run.work().timers();
   const bool goes_on = run.orders().goes_on();
   if (!goes_on) timers.drop_all_due();
-  // That a task has begun is told by no fact of the run.
+  // No fact of the run says that a task has begun.
   timers.drop_due_if([&](TaskIndex task) { return run.reports().is_under_way(task) || is_doing(run, task); });
   if (!timers.take_version(run.version() + run.deliveries().pending().changes())) return;
   std::vector<TaskIndex> unpassed;

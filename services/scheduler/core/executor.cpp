@@ -10,7 +10,7 @@ namespace trb::scheduler {
 namespace {
 
 constexpr Duration kQuestion = std::chrono::seconds(1);
-constexpr Duration kRunningQuestion = std::chrono::seconds(5);  // only finds a restart whose word was lost
+constexpr Duration kRunningQuestion = std::chrono::seconds(5);  // only finds a restart whose message was lost
 constexpr Duration kSign = std::chrono::seconds(2);
 
 /// Refusals that pass: the attempt was not begun, and may be commanded again later.
@@ -97,7 +97,7 @@ void Executor::allow(Permit permit, const std::string& why) {
   if (!attempt_) return;
   attempt_->permit = permit;
   attempt_->why = why;
-  // What was refused will not be commanded again; whether it has begun all the same, its `unknown` will tell.
+  // What was refused will not be commanded again; its `unknown` will show whether it has begun all the same.
   const bool may_wait = permit == Permit::go || permit == Permit::hold;
   if (!may_wait && attempt_->phase == Phase::refused) attempt_->phase = Phase::commanded;
 }
@@ -149,7 +149,7 @@ void Executor::end_unbegun(Now now, Outbox& out) {
 }
 
 void Executor::on(const Outcome& outcome, Now now, Outbox& out) {
-  // A later instance has an outcome only because it was told to cancel what it never knew.
+  // A later instance has an outcome only because it was ordered to cancel what it never knew.
   interrupt_if_other(outcome.instance, now, out);
   if (attempt_->phase == Phase::signing) return;
   if (adapter_ && adapter_->instance == outcome.instance) adapter_->busy = false;
@@ -173,7 +173,7 @@ void Executor::on_refusal(const Nack& nack, Now now, Outbox& out) {
 /// What an attempt that was not done comes to: the robot tries again, the task is SKIPPED, or it stands. What nobody
 /// knows to be undone is tried again only if its skill says that this does no harm.
 TaskOutcome Executor::comes_to(TaskOutcome how) const {
-  // Who is told to stop has not failed by itself.
+  // Who is ordered to stop has not failed by itself.
   if (attempt_->permit == Permit::cancel) return how;
   if (attempt_->permit == Permit::stop) return how == TaskOutcome::failed ? TaskOutcome::retriable : how;
   if (how != TaskOutcome::failed && how != TaskOutcome::interrupted) return how;

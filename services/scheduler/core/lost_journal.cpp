@@ -18,7 +18,7 @@ void LostJournal::tick(const std::string& node, Now now, Outbox& out) {
   out.command(node, TakeOutOfUse{what});
 }
 
-void LostJournal::told(Now now, Outbox& out) {
+void LostJournal::close(Now now, Outbox& out) {
   if (!open_) return;
   open_ = false;
   out.record(JournalLost{now.utc.ns, true});

@@ -7,11 +7,11 @@
 
 namespace trb::scheduler {
 
-/// | | nothing | open | told |
+/// | | nothing | open | closed |
 /// |---|---|---|---|
 /// | the journal says that one was lost | -> open | | |
 /// | time | - | TakeOutOfUse to the own mode-adapter, every second | - |
-/// | its Ack, or there is no robot | - | journaled -> told | - |
+/// | its Ack, or there is no robot | - | journaled -> closed | - |
 /// | restart | as the journal says | as the journal says | nothing |
 class LostJournal {
  public:
@@ -20,7 +20,7 @@ class LostJournal {
   [[nodiscard]] bool open() const { return open_; }
   void tick(const std::string& node, Now now, Outbox& out);
   /// The robot is out of use, or there is none.
-  void told(Now now, Outbox& out);
+  void close(Now now, Outbox& out);
   [[nodiscard]] std::optional<MonotonicTime> next() const { return open_ ? std::optional(next_) : std::nullopt; }
 
  private:

@@ -11,7 +11,7 @@ namespace trb::scheduler {
 void refuse(const Inbound& from, const Error& error, Step step);
 /// Logs that the own router has signed something else than was asked for, which is asked for again.
 void log_wrong_signature(const Error& error, Step step);
-/// For what only the own node may say.
+/// For what only the own node may send.
 Error not_own(const Inbound& from);
 
 }  // namespace trb::scheduler

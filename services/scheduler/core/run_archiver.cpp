@@ -7,7 +7,7 @@
 namespace trb::scheduler {
 namespace {
 
-/// What comes once more from those that have not heard yet is answered as before.
+/// What comes once more from those that do not know it yet is answered as before.
 constexpr Duration kGrace = std::chrono::seconds(60);
 
 JournalArchive record_of(const Run& run, const Executor& executor, Step step) {
@@ -45,7 +45,7 @@ void RunArchiver::archive(Step step) {
   }
 }
 
-/// Nothing is left to be done or told of it. What is owed of a run that has expired is owed a day longer.
+/// Nothing is left to be done or sent for it. What is owed of a run that has expired is owed a day longer.
 bool RunArchiver::is_over(const Run& run, Step step) const {
   if (executor_.runs(run.id())) return false;
   const bool owes = !run.deliveries().pending().empty();

@@ -1,4 +1,4 @@
-// How runs end: once nothing is left to be done or told of one, it goes to the archive.
+// How runs end: once nothing is left to be done or sent for one, it goes to the archive.
 #pragma once
 
 #include <string>

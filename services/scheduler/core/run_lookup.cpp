@@ -34,7 +34,7 @@ Run* RunLookup::find_or_defer(const std::string& run, const Blob& digest, const 
 
 bool RunLookup::defer_for_decisions(Run& run, std::uint32_t epoch, const Inbound& from, Step step) {
   if (epoch <= run.epochs().current()) return false;
-  // Who has not told of the decision that its message needs is not asked again.
+  // A node that has not sent the decision that its message needs is not asked again.
   const bool can_ask = !handing_out_ && from.reply_to == 0 && from.source != node_;
   if (!can_ask || !deferred_.add(run.id(), from, step.now.mono)) {
     refuse(from,

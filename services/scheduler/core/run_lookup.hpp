@@ -32,7 +32,7 @@ class RunLookup {
   bool defer_for_decisions(Run& run, std::uint32_t epoch, const Inbound& from, Step step);
   /// The run's fate if it is in the archive, and not open.
   [[nodiscard]] std::optional<Over> over(const std::string& run) const;
-  /// Refuses what is about a run that is over; a peer that may not know yet is told that it has FINISHED.
+  /// Refuses what is about a run that is over; a peer that may not know yet gets the record that it has FINISHED.
   void refuse_over(const std::string& run, const Over& over, const Inbound& from, Step step) const;
 
   /// That node was asked for the run's definition.

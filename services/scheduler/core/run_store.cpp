@@ -3,19 +3,9 @@
 #include <algorithm>
 #include <tuple>
 
+#include "services/scheduler/core/named_run.hpp"
+
 namespace trb::scheduler {
-namespace {
-
-const std::string& run_in(const TaskResult& result) {
-  return result.key.run;
-}
-
-template <class Inside>
-const std::string& run_in(const Inside& body) {
-  return body.run;
-}
-
-}  // namespace
 
 template <class Fact>
 Status RunStore::apply_to(const std::string& run, const Fact& fact) {
@@ -31,29 +21,15 @@ Status RunStore::apply_start(const JournalRun& fact) {
   return (known != nullptr ? *known : add(std::move(*run))).apply(fact);
 }
 
-template <class Inside, class Fact>
-Status RunStore::apply_signed(const SignedRecord& record, const Fact& fact) {
-  const auto inside = decode<Inside>(record.payload.bytes);
-  return inside ? apply_to(run_in(*inside), fact) : Status(inside.error());
-}
-
 Status RunStore::apply(const Body& fact) {
-  return visit(Overloaded{
-                   [&](const JournalRun& is) { return apply_start(is); },
-                   [&](const JournalStart& is) { return apply_to(is.key.run, is); },
-                   [&](const JournalResult& is) { return apply_signed<TaskResult>(is.result, is); },
-                   [&](const JournalChoice& is) { return apply_signed<Choice>(is.choice, is); },
-                   [&](const JournalDelivered& is) { return apply_to(is.run, is); },
-                   [&](const JournalAbort& is) { return apply_signed<AbortOrder>(is.order, is); },
-                   [&](const JournalDecision& is) { return apply_signed<Decision>(is.decision, is); },
-                   [&](const JournalPause& is) { return apply_signed<PauseOrder>(is.order, is); },
-                   [&](const JournalEnd& is) { return apply_signed<RunEnd>(is.end, is); },
-                   [](const auto& other) -> Status {
-                     return fail(Errc::bad_value,
-                                 "'" + std::string(subtype_of(Body(other))) + "' is no journal record");
-                   },
-               },
-               fact);
+  if (const auto* start = get_if<JournalRun>(&fact)) return apply_start(*start);
+  const auto run = run_of(fact);
+  if (!run) return run.error();
+  const auto apply_it = [&](const auto& is) -> Status {
+    if constexpr (requires(Run & one) { one.apply(is); }) return apply_to(*run, is);
+    return fail(Errc::bad_value, "'" + std::string(subtype_of(fact)) + "' is no journal record");
+  };
+  return visit(apply_it, fact);
 }
 
 Run& RunStore::add(std::unique_ptr<Run> run) {

@@ -40,9 +40,6 @@ class RunStore {
   Status apply_start(const JournalRun& fact);
   template <class Fact>
   Status apply_to(const std::string& run, const Fact& fact);
-  /// The run is named inside what was signed.
-  template <class Inside, class Fact>
-  Status apply_signed(const SignedRecord& record, const Fact& fact);
 
   std::string self_;
   std::shared_ptr<Certificates> certificates_;

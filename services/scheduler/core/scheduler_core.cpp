@@ -158,7 +158,7 @@ void SchedulerCore::report_lost_journal(Step step) {
   if (settings_.has_robot) {
     lost_.tick(settings_.node, step.now, step.out);
   } else {
-    lost_.told(step.now, step.out);
+    lost_.close(step.now, step.out);
   }
 }
 

@@ -1,4 +1,4 @@
-// The scheduler: executes this node's tasks, passes the baton on, keeps what the fleet says of its runs.
+// The scheduler: executes this node's tasks, passes the baton on, keeps what the fleet has signed about its runs.
 // A pure state machine; README.md has its table of states and events. A message goes to its handler; what follows from
 // the facts and the time is worked out at the end of every step, in advance().
 #pragma once

@@ -42,7 +42,7 @@ TaskState state_by_outcome(TaskOutcome outcome) {
   return TaskState::waiting;
 }
 
-/// What a baton has said of a task.
+/// What a baton has reported on a task.
 struct Known {
   bool is_final = false;
   bool skipped = false;

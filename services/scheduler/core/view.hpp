@@ -7,7 +7,7 @@
 
 namespace trb::scheduler {
 
-/// PAUSED: some task waits for a word, or all is held. What does not follow that task goes on meanwhile.
+/// PAUSED: some task waits for a decision, or all is held. What does not follow that task goes on meanwhile.
 RunState state_of(const Run& run, const Executor& executor, Clock clock);
 
 /// A view is one message: of a very large run the longest words are left out, then what the oldest decisions were on.

@@ -28,7 +28,7 @@ std::string problem_text(const Run& run, TaskIndex task) {
          "': " + why;
 }
 
-/// What does not wait for that word, in the order of the file.
+/// What does not wait for that decision, in the order of the file.
 std::string going_on(const Run& run, const Executor& executor) {
   constexpr std::size_t kNamed = 3;
   std::vector<std::string> names;
@@ -87,7 +87,7 @@ std::string robot_text(const Run& run, const Executor& executor) {
   return {};
 }
 
-/// What a condition waits for, that is evaluated here or by whoever has told.
+/// What a condition waits for: as this node knows, or as the node that evaluates it has reported.
 std::string condition_obstacle(const Run& run) {
   for (const Inquiry& inquiry : run.work().inquiries()) {
     if (!inquiry.obstacle().empty()) return inquiry.obstacle();
@@ -95,7 +95,7 @@ std::string condition_obstacle(const Run& run) {
   return run.reports().first_wait();
 }
 
-/// A task that could begin, and of which nothing is heard: who has to pass it on may be gone as well as who has to do
+/// A task that could begin, and of which nothing is known: who has to pass it on may be gone as well as who has to do
 /// it.
 std::string handover_text(const Run& run, const Executor& executor, MonotonicTime now) {
   constexpr Duration kUsual = std::chrono::seconds(10);

@@ -1,4 +1,4 @@
-// Who wants to be told of runs, and what each has been told last.
+// Who watches the runs, and which version each watcher has received last.
 #pragma once
 
 #include <cstdint>
@@ -31,9 +31,9 @@ class Watchers {
       out.sends.push_back({.target = watcher.source, .reply_to = watcher.id, .body = RunChanged{summary()}});
     }
   }
-  /// The run leaves: told a last time.
+  /// The run leaves: its watchers are notified a last time.
   void leave(const RunSummary& last, Outbox& out);
-  /// What the answer to a watch has told.
+  /// What the answer to a watch has said.
   void note_told(const Inbound& from, const std::string& run, std::uint64_t version);
 
  private:

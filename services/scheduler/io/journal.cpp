@@ -4,6 +4,7 @@
 
 #include "common/base/bytes.hpp"
 #include "common/base/files.hpp"
+#include "services/scheduler/core/named_run.hpp"
 #include "services/scheduler/core/view.hpp"
 
 namespace trb::scheduler {
@@ -20,13 +21,6 @@ constexpr const char* kTables =
     "final BLOB, summary BLOB, record BLOB);"
     "CREATE INDEX IF NOT EXISTS archive_of_until ON archive(until) WHERE record IS NULL;";
 
-template <class Payload>
-Result<std::string> run_in(const SignedRecord& record, std::string (*run)(const Payload&)) {
-  const auto payload = decode<Payload>(record.payload.bytes);
-  if (!payload) return payload.error();
-  return run(*payload);
-}
-
 void bind_text(sqlite3_stmt* statement, int place, std::string_view text) {
   sqlite3_bind_text(statement, place, text.data(), static_cast<int>(text.size()), SQLITE_TRANSIENT);
 }
@@ -42,41 +36,6 @@ std::string column(sqlite3_stmt* statement, int place) {
 }
 
 }  // namespace
-
-Result<std::string> run_of(const Body& record) {
-  using Id = Result<std::string>;
-  return visit(
-      Overloaded{
-          [](const JournalRun& is) -> Id {
-            return run_in<RunStart>(is.start, [](const RunStart& start) { return start.run; });
-          },
-          [](const JournalStart& is) -> Id { return is.key.run; },
-          [](const JournalResult& is) -> Id {
-            return run_in<TaskResult>(is.result, [](const TaskResult& result) { return result.key.run; });
-          },
-          [](const JournalChoice& is) -> Id {
-            return run_in<Choice>(is.choice, [](const Choice& choice) { return choice.run; });
-          },
-          [](const JournalDelivered& is) -> Id { return is.run; },
-          [](const JournalAbort& is) -> Id {
-            return run_in<AbortOrder>(is.order, [](const AbortOrder& order) { return order.run; });
-          },
-          [](const JournalDecision& is) -> Id {
-            return run_in<Decision>(is.decision, [](const Decision& one) { return one.run; });
-          },
-          [](const JournalPause& is) -> Id {
-            return run_in<PauseOrder>(is.order, [](const PauseOrder& order) { return order.run; });
-          },
-          [](const JournalEnd& is) -> Id { return run_in<RunEnd>(is.end, [](const RunEnd& end) { return end.run; }); },
-          [](const JournalArchive& is) -> Id { return is.view.run; },
-          [](const JournalTime&) -> Id { return std::string(); },
-          [](const JournalLost&) -> Id { return std::string(); },
-          [](const auto& other) -> Id {
-            return fail(Errc::bad_value, "'" + std::string(subtype_of(Body(other))) + "' is no journal record");
-          },
-      },
-      record);
-}
 
 Result<std::unique_ptr<JournalFile>> JournalFile::open(const std::string& path, std::int64_t archive_bytes) {
   sqlite3* db = nullptr;

@@ -1,5 +1,5 @@
-// The scheduler's journal: one SQLite file, written before anything is said of what it records. What is over is kept in
-// it, too: its archive.
+// The scheduler's journal: one SQLite file, written before anything is sent about what it records. What is over is kept
+// in it, too: its archive.
 #pragma once
 
 #include <memory>
@@ -84,8 +84,5 @@ class JournalFile final : public Archive {
   Statement insert_{nullptr, nullptr};
   Statement drop_run_{nullptr, nullptr};
 };
-
-/// The run that a journal record belongs to. Errors: bad_value (no journal record), malformed.
-Result<std::string> run_of(const Body& record);
 
 }  // namespace trb::scheduler

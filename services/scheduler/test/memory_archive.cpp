@@ -1,5 +1,6 @@
 #include "services/scheduler/test/memory_archive.hpp"
 
+#include "services/scheduler/core/named_run.hpp"
 #include "services/scheduler/core/view.hpp"
 #include "services/scheduler/io/journal.hpp"
 

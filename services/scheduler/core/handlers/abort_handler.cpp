@@ -9,7 +9,7 @@ namespace {
 
 constexpr auto kAbort = PendingSignatures::Word::abort;
 
-/// A person is told so; a member that still passes an order on is confirmed.
+/// A person gets a refusal; a member that still passes an order on gets a confirmation.
 Status check_not_over(const Run& run, RunState state) {
   if (state != RunState::finished && state != RunState::expired) return Done{};
   const Errc code = state == RunState::finished ? Errc::conflict : Errc::expired;

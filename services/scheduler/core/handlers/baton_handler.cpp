@@ -94,7 +94,7 @@ void BatonHandler::on_refusal(const Nack& nack, const Inbound& from, Step step) 
   if (is_full && run->members().contains(from.source)) run->deliveries().note_refusal(from.source, nack.what);
 }
 
-/// Who refuses a baton may be in a later epoch, and the decider gone that would tell of it.
+/// Who refuses a baton may be in a later epoch, and the decider that would send it may be gone.
 void BatonHandler::request_decisions(Run& run, const Inbound& from, Step step) {
   const std::vector<std::string> owed = run.deliveries().pending().creditors(DeliveryKind::baton);
   if (std::ranges::find(owed, from.source) == owed.end()) return;

@@ -1,4 +1,4 @@
-// The word that a run has FINISHED: its judge signs it, and the others ask for it.
+// The record that a run has FINISHED: its judge signs it, and the others request it.
 #pragma once
 
 #include "common/actor/takes.hpp"
@@ -20,9 +20,9 @@ class EndHandler {
   void handle(const RunOver& body, const Inbound& from, Step step);
   void handle(const NeedEnd& body, const Inbound& from, Step step);
 
-  /// At a step's end: the judge has its word signed; who has nothing left to do asks it now and then.
+  /// At a step's end: the judge has its record signed; who has nothing left to do requests it now and then.
   void seek_end(Run& run, Step step) const;
-  /// Keeps the judge's own word once it is signed, and tells every member; false if the record is none.
+  /// Keeps the judge's own record once it is signed, and sends it to every member; false if it is another one.
   bool keep_signed(Run& run, const SignedRecord& record, Step step);
 
  private:

@@ -22,7 +22,7 @@ class QueryHandler {
   void handle(const RunListRequest& body, const Inbound& from, Step step);
   void handle(const RunWatch& body, const Inbound& from, Step step);
 
-  /// At a step's end: tells the watchers what has changed.
+  /// At a step's end: notifies the watchers of what has changed.
   void notify_watchers(Step step);
 
  private:

@@ -28,7 +28,7 @@ void RefusalHandler::handle(const Nack& body, const Inbound& from, Step step) {
   if (body.code == errc_name(Errc::expired)) give_up_delivery(body, from, step);
 }
 
-/// For a peer the run is over, and it will never journal what it is owed. Its word alone is not believed.
+/// For a peer the run is over, and it will never journal what it is owed. Its claim alone is not believed.
 void RefusalHandler::give_up_delivery(const Nack& nack, const Inbound& from, Step step) const {
   Run* run = runs_.find(nack.about);
   const auto kind = delivery_of(nack.subtype);

@@ -2,23 +2,23 @@
 
 #include <map>
 
-#include "services/scheduler/core/passing.hpp"
+#include "services/scheduler/core/delivery_sender.hpp"
 #include "services/scheduler/core/refusal.hpp"
 
 namespace trb::scheduler {
 namespace {
 
-/// A robot tells these of the attempt that it makes.
+/// A robot reports these on the attempt that it makes.
 bool is_under_way(TaskState state) {
   return state == TaskState::initializing || state == TaskState::running || state == TaskState::paused;
 }
 
-/// A condition's chooser tells that it waits.
+/// The node that evaluates a condition reports that it waits.
 bool tells_of_condition(const Run& run, TaskIndex task, const TaskProgress& body) {
   return body.state == TaskState::waiting && run.definition().is_conditional(task);
 }
 
-/// An earlier attempt's result tells nothing of this one.
+/// An earlier attempt's result says nothing about this one.
 bool is_late(const Run& run, TaskIndex task, const TaskProgress& body) {
   const HeldResult* held = run.results().of(task);
   return held != nullptr && (is_final(held->result.outcome) || held->result.key.attempt >= body.key.attempt);

@@ -1,4 +1,4 @@
-// Signed results and choices of other nodes, and what they tell of tasks that are under way.
+// Signed results and choices of other nodes, and their reports on tasks that are under way.
 #pragma once
 
 #include "common/actor/takes.hpp"

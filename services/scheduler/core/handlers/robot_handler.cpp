@@ -36,7 +36,7 @@ void RobotHandler::handle(const Outcome& body, const Inbound& from, Step step) {
   confirm_old(body, step);
 }
 
-/// Whether its result is held or no run wants it: the mode-adapter need not tell it again.
+/// Whether its result is held or no run wants it: the mode-adapter need not send it again.
 void RobotHandler::confirm_old(const Outcome& body, Step step) {
   const Run* run = runs_.find(body.key.run);
   const auto task = run == nullptr ? std::nullopt : run->index_of(body.key.task);
@@ -48,7 +48,7 @@ void RobotHandler::confirm_old(const Outcome& body, Step step) {
 }
 
 void RobotHandler::handle(const Ack& body, const Inbound& from, Step step) {
-  if (from.source == node_ && body.state == "out_of_use") lost_.told(step.now, step.out);
+  if (from.source == node_ && body.state == "out_of_use") lost_.close(step.now, step.out);
 }
 
 bool RobotHandler::keep_signed(const SignedRecord& record, const Inbound& from, Step step) {

@@ -1,4 +1,4 @@
-// What the own mode-adapter says of the robot and its attempt, and the router's signature of the attempt's result.
+// What the own mode-adapter reports on the robot and its attempt, and the router's signature of the attempt's result.
 #pragma once
 
 #include "common/actor/takes.hpp"
@@ -8,7 +8,7 @@
 
 namespace trb::scheduler {
 
-/// The clouds are told how far the attempt has come.
+/// The clouds are notified of how far the attempt has come.
 void notify_progress(const Run& run, const AttemptKey& key, TaskState state, Step step);
 
 class RobotHandler {

@@ -49,7 +49,7 @@ Status DecisionChecks::check_place(const Decision& decision) const {
   return Done{};
 }
 
-/// A member that comes late is told all of it in one message.
+/// A member that comes late gets all of it in one message.
 Status DecisionChecks::check_size(const SignedRecord& record) const {
   if (epochs_.decisions().size() >= kMaxDecisions) {
     return fail(Errc::too_large, name() + "there are 64 already", "abort the run");

@@ -1,4 +1,4 @@
-// What this node owes to the other members of a run: it follows from the facts, minus what they say to have journaled.
+// What this node owes to the other members of a run: it follows from the facts, minus what they have confirmed.
 #pragma once
 
 #include <map>

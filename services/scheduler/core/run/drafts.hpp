@@ -1,4 +1,4 @@
-// What this node has to say of a run, made from the facts: drafts that the router signs, and the attempt for the robot.
+// What this node states about a run, made from the facts: drafts that the router signs, and the attempt for the robot.
 #pragma once
 
 #include <string>

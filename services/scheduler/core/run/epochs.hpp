@@ -50,7 +50,7 @@ class Epochs {
   [[nodiscard]] bool is_skipped(TaskIndex task) const;
   /// None of these tasks was ruled on in a later epoch than that.
   [[nodiscard]] bool is_of_epoch(const std::vector<TaskIndex>& tasks, std::uint32_t epoch) const;
-  /// The robot has lost a task by a person's word that it stands.
+  /// The robot has lost a task because a person has stated that it stands.
   [[nodiscard]] bool stands(const std::string& robot) const { return standing_.contains(robot); }
 
   /// Where its condition is evaluated.

@@ -49,7 +49,7 @@ class Facts {
   [[nodiscard]] Duration retry_pause(TaskIndex task) const;
   /// There is a start record of the next attempt.
   [[nodiscard]] bool has_begun(TaskIndex task) const;
-  /// A start record without a result: nobody has said yet how it ended.
+  /// A start record without a result: nobody has reported yet how it ended.
   [[nodiscard]] const JournalStart* open_start() const;
 
   [[nodiscard]] bool all_final() const;
@@ -59,9 +59,9 @@ class Facts {
   /// Those before it that this node executes are final.
   [[nodiscard]] bool own_before_final(TaskIndex task) const;
   [[nodiscard]] Fate fate_of(TaskIndex task) const;
-  /// It is due, and the decider's node has said that it has no robot.
+  /// It is due, and the decider's node has reported that it has no robot.
   [[nodiscard]] bool wants_robot(TaskIndex task) const;
-  /// The tasks that wait for a word: failed, retriable, interrupted. What follows them waits, other branches go on.
+  /// The tasks that wait for a decision: failed, retriable, interrupted. What follows them waits, other branches go on.
   [[nodiscard]] std::vector<TaskIndex> problems() const;
   /// The task whose failure ends the run: its robot orders the abort, and the judge, if the robot is gone by then.
   [[nodiscard]] std::optional<TaskIndex> ending_task() const;

@@ -9,7 +9,7 @@ namespace trb::scheduler {
 namespace {
 
 constexpr Duration kLookup = std::chrono::seconds(2);
-constexpr double kRead_s = 5;  // what the sensor has to tell its next value; then it is asked again
+constexpr double kRead_s = 5;  // within this the sensor has to send its next value; then it is asked again
 constexpr Duration kRead = std::chrono::seconds(6);
 
 struct Found {
@@ -17,7 +17,7 @@ struct Found {
   const SensorInfo* sensor = nullptr;
 };
 
-/// Smaller is the better choice: a node that can be reached, a sensor that tells values, the smaller id.
+/// Smaller is the better choice: a node that can be reached, a sensor that sends values, the smaller id.
 auto rank(const Found& found) {
   const bool away = found.route->state == "OFFLINE" || found.route->state == "CONNECTION_BROKEN";
   return std::tuple(away, found.sensor->state != SensorState::ok, std::string_view(found.route->id));
@@ -86,7 +86,7 @@ void Inquiry::on_refusal(const Nack& nack, const std::string& from, Now now) {
   if (phase_ != InquiryPhase::asked || nack.subtype != SensorRead::kSubtype) return;
   const bool undelivered = from == self_ && nack.target == node_;
   if (from != node_ && !undelivered) return;
-  // It may tell a value only now and then: whoever listens for that does not pause for long.
+  // It may send a value only now and then: whoever waits for that does not pause for long.
   if (nack.code == errc_name(Errc::timeout)) back_off_.reset();
   try_again(refusal_text(nack, node_), now);
 }

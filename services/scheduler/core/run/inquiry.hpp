@@ -1,5 +1,5 @@
 // Asks a sensor for the value that conditions wait for, until one comes that can be believed; then has the choice
-// signed. A restart of this service forgets it and asks anew: nothing has been said before the choice is journaled.
+// signed. A restart of this service forgets it and asks anew: nothing has been sent before the choice is journaled.
 #pragma once
 
 #include <string>

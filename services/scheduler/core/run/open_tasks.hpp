@@ -25,7 +25,7 @@ class OpenTasks {
 
   /// This node's tasks that could begin: not begun yet, all predecessors' final results held.
   [[nodiscard]] std::vector<TaskIndex> startable() const { return own_tasks_that(Fate::goes); }
-  /// Tasks of which the decider's node, this one, has to say that a robot is wanted.
+  /// Tasks for which the decider's node, this one, has to report that a robot is wanted.
   [[nodiscard]] std::vector<TaskIndex> to_bind() const { return own_tasks_that(Fate::binds); }
   /// This node's tasks that are to be SKIPPED, and are not yet.
   [[nodiscard]] std::vector<TaskIndex> skippable() const;

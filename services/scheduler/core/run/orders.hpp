@@ -1,4 +1,4 @@
-// What was ordered of a whole run: to hold it, to let it go on, to abort it; and the word that it has FINISHED.
+// What was ordered of a whole run: to hold it, to let it go on, to abort it; and the record that it has FINISHED.
 #pragma once
 
 #include <optional>
@@ -10,7 +10,7 @@
 
 namespace trb::scheduler {
 
-/// Orders that hold a run are numbered up to this; one more lets it go on, whatever was said before.
+/// Orders that hold a run are numbered up to this; one more lets it go on, whatever was ordered before.
 constexpr std::uint32_t kMaxPauses = 1000;
 
 class Orders {
@@ -27,7 +27,7 @@ class Orders {
   [[nodiscard]] bool names_doubles(const PauseOrder& order) const;
   /// An order to let it go on that names not all of them: it does not count, and is outbid.
   void outbid(const PauseOrder& order);
-  /// The judge's hold has to be said anew.
+  /// The judge's hold has to be ordered anew.
   [[nodiscard]] bool is_outbid() const { return is_held_for_doubles() && outbid_ > pause_->number; }
   /// The number of the judge's next order to hold it.
   [[nodiscard]] std::uint32_t next_hold() const;
@@ -45,7 +45,7 @@ class Orders {
   [[nodiscard]] const SignedRecord& abort_record() const { return *abort_; }
   void abort(const SignedRecord& order) { abort_ = order; }
 
-  /// The judge's word that it has FINISHED is known.
+  /// The judge's record that it has FINISHED is known.
   [[nodiscard]] bool has_ended() const { return end_.has_value(); }
   [[nodiscard]] const SignedRecord& end_record() const { return *end_; }
   void end(const SignedRecord& end) { end_ = end; }

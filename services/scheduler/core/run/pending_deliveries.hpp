@@ -1,4 +1,4 @@
-// What this node owes to others until they say that they have journaled it.
+// What this node owes to others until they confirm that they have journaled it.
 #pragma once
 
 #include <optional>

@@ -28,7 +28,7 @@ class RecordChecks {
   [[nodiscard]] Result<AbortOrder> abort(const SignedRecord& record) const;
   /// An order to abort, or else one to hold.
   [[nodiscard]] Status order(const SignedRecord& record) const;
-  /// The judge's word that the run has FINISHED. Errors: as of an order, and bad_value.
+  /// The judge's record that the run has FINISHED. Errors: as of an order, and bad_value.
   [[nodiscard]] Result<RunEnd> end(const SignedRecord& record) const;
 
  private:

@@ -1,4 +1,4 @@
-// What others tell of a run without proof: it is shown, and a restart forgets it.
+// What others report on a run without proof: it is shown, and a restart forgets it.
 #pragma once
 
 #include <map>
@@ -19,7 +19,7 @@ class Reports {
   [[nodiscard]] const std::vector<bool>& final_tasks() const { return final_; }
   [[nodiscard]] const std::vector<bool>& skipped_tasks() const { return skipped_; }
 
-  /// Its robot tells that the attempt is under way.
+  /// Its robot reports that the attempt is under way.
   void note_progress(TaskIndex task, TaskState state);
   [[nodiscard]] std::optional<TaskState> progress_of(TaskIndex task) const;
   [[nodiscard]] bool is_under_way(TaskIndex task) const { return progress_.contains(task); }
@@ -28,7 +28,7 @@ class Reports {
   /// What its condition waits for; empty: for nothing any more.
   void note_wait(TaskIndex task, const std::string& what) { waits_[task] = what; }
   void forget_wait(TaskIndex task) { waits_.erase(task); }
-  /// What the first condition waits for, of which that was told; empty: none.
+  /// What the first condition waits for, of those reported; empty: none.
   [[nodiscard]] std::string first_wait() const;
 
  private:

@@ -35,7 +35,7 @@ class Signature {
 };
 
 /// The signatures of one run that this node waits for, besides those of attempts and choices: results without an
-/// attempt, and an order to abort, an order to hold, the word that it has FINISHED.
+/// attempt, and an order to abort, an order to hold, the record that it has FINISHED.
 class PendingSignatures {
  public:
   enum class Word : std::uint8_t { abort = 0, hold, end };
@@ -54,7 +54,7 @@ class PendingSignatures {
   void drop_result(TaskIndex task) { results_.erase(task); }
   [[nodiscard]] bool wants_results() const { return !results_.empty(); }
 
-  /// Asks for an order or a word, in the place of the one before.
+  /// Requests an order or the end's record, in the place of the one before.
   void want(Word word, Signature signature) { words_[word] = std::move(signature); }
   [[nodiscard]] bool wants(Word word) const { return words_.contains(word); }
   [[nodiscard]] bool asks_for(Word word, const SignedRecord& record) const;
