@@ -181,7 +181,7 @@ PRAGMA user_version=1;)");
   REQUIRE(fleet.robots().size() == 1);
   REQUIRE(fleet.on_joined("pioneer1", at_second(0)));
   CHECK(find_candidates(fleet, {{drive("dock")}, {}}).robots == Ids{"pioneer1"});
-  CHECK(charge_of(*fleet.find("pioneer1")) == Told<double>{50, UtcTime{7}});
+  CHECK(charge_of(*fleet.find("pioneer1")) == Reported<double>{50, UtcTime{7}});
   CHECK(fleet.find("pioneer1")->faults.size() == 1);
   CHECK(fleet.find("pioneer1")->profile.is.frame == FrameInfo{});
   REQUIRE(db->write(fleet, at_second(1)));
