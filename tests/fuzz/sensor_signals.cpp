@@ -84,7 +84,7 @@ class Play {
       step();
       settle();
     }
-    core_.on_news({BusUp{""}}, now_, out_);
+    core_.on_bus_events({BusUp{""}}, now_, out_);
     rules_.clear();
     settle();
     for (int i = 0; i < 200; ++i) pass(std::chrono::seconds(1));
@@ -101,7 +101,7 @@ class Play {
       case 0:
         return hear(in_.byte() % 2 == 0);
       case 1:
-        return core_.on_news({ProgramHeard{name()}}, now_, out_);
+        return core_.on_bus_events({ProgramHeard{name()}}, now_, out_);
       case 2:
         return ask(SensorRead{name(), in_.byte() % 4 == 0 ? "SN" : "", in_.number<double>()});
       case 3:
@@ -125,9 +125,9 @@ class Play {
         return core_.on_sample(sample, now_, out_);
       }
       case 7:
-        if (in_.byte() % 2 == 0) return core_.on_news({BusDown{"gone"}}, now_, out_);
+        if (in_.byte() % 2 == 0) return core_.on_bus_events({BusDown{"gone"}}, now_, out_);
         rules_.clear();
-        return core_.on_news({BusUp{""}}, now_, out_);
+        return core_.on_bus_events({BusUp{""}}, now_, out_);
       default:
         return pass(std::chrono::milliseconds(in_.byte() * 20));
     }
@@ -135,7 +135,7 @@ class Play {
 
   void hear(bool own) {
     const std::string name = this->name();
-    if (auto heard = value(in_)) core_.on_news({SignalHeard{name, own, std::move(*heard)}}, now_, out_);
+    if (auto heard = value(in_)) core_.on_bus_events({SignalHeard{name, own, std::move(*heard)}}, now_, out_);
   }
 
   void ask(Body body) {

@@ -1,6 +1,7 @@
 // Modbus: the words of commands.json, the mode with any answers, and the virtual PLC with any bytes.
 #include <cmath>
 
+#include "common/drivers/modbus/commands.hpp"
 #include "common/drivers/modbus/driver.hpp"
 #include "common/drivers/modbus/syntax.hpp"
 #include "services/virtual-robots/plc/modbus.hpp"
@@ -38,13 +39,21 @@ void read_command(BytesView text) {
   }
 }
 
+DriverSettings settings() {
+  DriverSettings out;
+  out.id = "plc";
+  out.commands.transport = "modbus";
+  out.commands.values = {{"a", "input 0 float32"}, {"b", "input 2 int16"}, {"c", "discrete 0"}};
+  out.commands.commands = {{"stop", "coil 0 = 0"}, {"set", "holding 0 = {data}\ncoil 0 = 1"}};
+  out.commands.requests = {{"a", "a"}, {"b", "b"}, {"c", "c"}};
+  return out;
+}
+
 /// Answers cut out of the input: a length, then so many bytes.
-void answer_mode(BytesView input) {
-  VendorCommands words;
-  words.values = {{"a", "input 0 float32"}, {"b", "input 2 int16"}, {"c", "discrete 0"}};
-  words.commands = {{"stop", "coil 0 = 0"}, {"set", "holding 0 = {data}\ncoil 0 = 1"}};
-  words.requests = {{"a", "a"}, {"b", "b"}, {"c", "c"}};
-  ModbusDriver mode(words, {}, "plc");
+void answer_driver(BytesView input) {
+  const auto made = make_with<ModbusDriver, read_modbus_vendor>(settings());
+  require(made.ok(), "its commands can be read");
+  Driver& mode = **made;
   Outbox out;
   std::vector<EventFrom> events;
   const DriverOut to{&mode, out, events};
@@ -106,7 +115,7 @@ std::vector<Bytes> seeds() {
 void run(BytesView input) {
   read_place(input);
   read_command(input);
-  answer_mode(input);
+  answer_driver(input);
   ask_plc(input);
 }
 

@@ -1,6 +1,7 @@
 // A drone's datagrams: navdata as it comes, with a checksum that is right, and the mode behind it.
 #include <cmath>
 
+#include "common/drivers/udp-at/commands.hpp"
 #include "common/drivers/udp-at/driver.hpp"
 #include "common/drivers/udp-at/values.hpp"
 #include "tests/fuzz/target.hpp"
@@ -33,11 +34,12 @@ Bytes packet(std::uint32_t state, std::uint32_t control, bool demo) {
   return with_checksum(out);
 }
 
-VendorCommands words() {
-  VendorCommands commands;
-  commands.transport = "udp-at";
-  commands.commands = {{"take_off", "REF take_off"}, {"stop", "hover"}, {"name", "CONFIG \"n\" {data}"}};
-  return commands;
+DriverSettings settings() {
+  DriverSettings out;
+  out.id = "drone";
+  out.commands.transport = "udp-at";
+  out.commands.commands = {{"take_off", "REF take_off"}, {"stop", "hover"}, {"name", "CONFIG \"n\" {data}"}};
+  return out;
 }
 
 void check_writes(const Outbox& out) {
@@ -50,7 +52,9 @@ void check_writes(const Outbox& out) {
 
 /// The mode hears it in the middle of a take-off and of a setting; it must go on speaking AT, and forget nobody.
 void hear(BytesView datagram) {
-  AtDriver mode(words(), "drone");
+  const auto made = make_with<AtDriver, read_at_commands>(settings());
+  require(made.ok(), "its commands can be read");
+  Driver& mode = **made;
   Outbox out;
   std::vector<EventFrom> events;
   const DriverOut to{&mode, out, events};
