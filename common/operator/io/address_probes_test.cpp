@@ -6,6 +6,8 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include "common/config/interfaces.hpp"
+#include "common/operator/io/socket_address.hpp"
 #include "common/operator/io/test/played_router.hpp"
 
 using namespace trb;
@@ -92,6 +94,14 @@ TEST_CASE("a port is a router's, another's, closed, or at no address; all are tr
   CHECK((*seen)[4].port == Port::refused);
   CHECK((*seen)[5].port == Port::no_route);
   CHECK(read_clocks().mono - begin < std::chrono::milliseconds(2'800));  // one after the other it would be 3 s
+}
+
+TEST_CASE("an address of IPv6 stands in brackets, as join_host_port() writes it") {
+  const auto at = socket_address(join_host_port("fd00::1", 45000));
+  REQUIRE(at);
+  CHECK(at->family() == AF_INET6);
+  CHECK(socket_address(join_host_port("fe80::1%lo", 45000)));
+  CHECK_FALSE(socket_address("fd00::1:45000"));
 }
 
 TEST_CASE("without an address the call comes at the next turn, and may begin the next") {

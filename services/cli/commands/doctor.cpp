@@ -101,7 +101,7 @@ void try_own_ports(const NodeConfig& config, AddressTests& tests, Observed& seen
   }
   const Network& network = config.network;
   if (!network.address.empty())
-    seen.inbox_open = tests.port(network.address + ":" + std::to_string(network.tcp_port_ext)) == Port::zmtp;
+    seen.inbox_open = tests.port(join_host_port(network.address, network.tcp_port_ext)) == Port::zmtp;
 }
 
 /// Lets the probe add what it has seen.

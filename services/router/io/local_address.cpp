@@ -4,12 +4,6 @@ namespace trb::router {
 namespace {
 
 constexpr Duration kAgain = std::chrono::seconds(2);
-/// While a lease is renewed, an interface has its link-local address alone: nobody moves there for so short a time.
-constexpr Duration kLinkLocalOnly = std::chrono::seconds(3);
-
-bool is_link_local(const std::string& address) {
-  return address.starts_with("fe80:");
-}
 
 }  // namespace
 
@@ -32,7 +26,8 @@ Status LocalAddress::open() {
     log_event(Level::warning, "no_interface_watch", watch.error().text());
   }
   shell_.loop().add_timer([this] { return look_again_; }, [this](Now) { follow_interfaces(); });
-  const Resolved host = resolve_interface(host_int_, interfaces());
+  const std::vector<Interface> there = interfaces();
+  const Resolved host = resolve_interface(host_int_, there);
   wait_text_ = host.what.empty() ? "" : "HOST_INT: " + host.what;
   if (Status bound = bind(host); !bound) {
     // A fresh IPv6 address is of no use until the kernel has asked whether another host has it.
@@ -41,7 +36,7 @@ Status LocalAddress::open() {
     look_again_ = read_clocks().mono + kAgain;
   }
   if (!wait_text_.empty()) log_event(Level::warning, "waiting", wait_text_ + "; " + host.hint);
-  follow_vpn();
+  follow_vpn(there);
   return Done{};
 }
 
@@ -68,7 +63,10 @@ void LocalAddress::open_lane() {
 
 void LocalAddress::follow_interfaces() {
   look_again_.reset();
-  const Resolved host = look_up();
+  const std::vector<Interface> there = interfaces();
+  // Every machine has a loopback: the list could not be read, for want of a descriptor. Nothing is known to have gone.
+  if (there.empty()) return look_again_in(kAgain);
+  const Resolved host = look_up(there);
   if (host.address != host_.address || host.broadcast != host_.broadcast) {
     move_to(host);
   } else if (lanes_.own().port() == 0) {
@@ -76,17 +74,14 @@ void LocalAddress::follow_interfaces() {
   }
   wait_text_ = host_.address.empty() ? "HOST_INT: " + (host.what.empty() ? "cannot be bound yet" : host.what) : "";
   notify();
-  follow_vpn();
+  follow_vpn(there);
 }
 
 /// What HOST_INT is now.
-Resolved LocalAddress::look_up() {
-  const MonotonicTime now = read_clocks().mono;
-  Resolved host = resolve_interface(host_int_, interfaces());
-  const bool fallen_back = is_link_local(host.address) && !is_link_local(host_.address) && host.address != host_int_;
-  if (!fallen_back || (!host_.address.empty() && now >= alone_until_)) return host;
-  if (!host_.address.empty()) alone_until_ = now + kLinkLocalOnly;
-  look_again_ = alone_until_;
+Resolved LocalAddress::look_up(const std::vector<Interface>& there) {
+  Resolved host = resolve_interface(host_int_, there);
+  if (link_local_.takes(host.address, host_.address, host_int_, read_clocks().mono)) return host;
+  look_again_ = link_local_.until();
   return {{}, {}, "the interface '" + host_int_ + "' has a link-local address only", "", {}, true};
 }
 
@@ -121,10 +116,10 @@ std::string LocalAddress::own_lane() const {
 }
 
 /// The VPN's address is a second way in: peers that name it as a seed come in by it.
-void LocalAddress::follow_vpn() {
+void LocalAddress::follow_vpn(const std::vector<Interface>& there) {
   if (vpn_int_.empty() || vpn_int_ == host_int_) return;
   if (!inbox_.is_open()) return;  // there was no descriptor for one: it is tried again
-  const Resolved vpn = resolve_interface(vpn_int_, interfaces());
+  const Resolved vpn = resolve_interface(vpn_int_, there);
   const bool other = !vpn.address.empty() && vpn.address != host_.address;
   lanes_.own().also_at(other ? vpn.address : "");
   const std::string endpoint = other ? "tcp://" + join_host_port(vpn.address, port_) : "";

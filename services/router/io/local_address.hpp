@@ -4,7 +4,9 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
+#include "services/router/core/link_local_wait.hpp"
 #include "services/router/io/beacon_channel.hpp"
 #include "services/router/io/inbox_socket.hpp"
 #include "services/router/io/interface_watch.hpp"
@@ -19,6 +21,7 @@ namespace trb::router {
 /// HOST_INT has a link-local one alone   | nothing for 3 s: its lease may be being renewed
 /// it cannot be bound, nor the lane      | tried again in 2 s
 /// VPN_INT has another address, or none  | the inbox and the lane listen there too, or no more
+/// the interfaces cannot be read         | nothing: looked at again in 2 s
 class LocalAddress {
  public:
   LocalAddress(ShellContext& shell, InboxSocket& inbox, LaneSockets& lanes, BeaconChannel& beacons,
@@ -35,9 +38,9 @@ class LocalAddress {
   Status bind(const Resolved& host);
   void open_lane();
   void follow_interfaces();
-  [[nodiscard]] Resolved look_up();
+  [[nodiscard]] Resolved look_up(const std::vector<Interface>& there);
   void move_to(const Resolved& host);
-  void follow_vpn();
+  void follow_vpn(const std::vector<Interface>& there);
   void move_vpn_to(const std::string& endpoint);
   void look_again_in(Duration wait);
   [[nodiscard]] std::string own_address() const;
@@ -56,7 +59,7 @@ class LocalAddress {
   std::string wait_text_;     ///< why it is nowhere
   std::string vpn_endpoint_;  ///< the inbox's second one, while it is bound
   std::optional<MonotonicTime> look_again_;
-  MonotonicTime alone_until_;  ///< how long a link-local address alone is waited over
+  LinkLocalWait link_local_;
 };
 
 }  // namespace trb::router

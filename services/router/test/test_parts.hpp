@@ -57,7 +57,8 @@ struct Parts {
     peer.link = id;
     peer.met = true;
     seals.open(link);
-    seals.bind(link, keys.certificate, {keys.record, 3, "10.0.0.2:45000", "1", kStartUtc, true, {}, 0, "behind"});
+    seals.bind(link, keys.certificate,
+               {keys.record, 3, "10.0.0.2:45000", "1", kStartUtc, true, {}, 0, "behind", false, {}});
     return link;
   }
   void pass(Duration time) { now = {now.mono + time, now.utc + time}; }
