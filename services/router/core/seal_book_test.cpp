@@ -50,7 +50,7 @@ TEST_CASE("given that the seal before a frame could not leave, then neither has 
 TEST_CASE("given a peer that wants each message sealed, then a seal follows each, and a failure takes both back") {
   Book book;
   book.seals.bind(book.link, book.bee.certificate,
-                  {book.bee.record, 3, "", "1", kStartUtc, true, {}, 0, std::string(kSealBeforeDelivery)});
+                  {book.bee.record, 3, "", "1", kStartUtc, true, {}, 0, std::string(kSealBeforeDelivery), false, {}});
   const Outgoing one = book.send();
   CHECK(Book::sequence_of(book.frame) == 1);
   CHECK(Book::sequence_of(one.behind) == 2);
