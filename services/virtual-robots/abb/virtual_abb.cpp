@@ -3,39 +3,24 @@
 #include "services/virtual-robots/support/text.hpp"
 
 namespace trb::virtual_robots::abb {
-namespace {
-
-constexpr double kIdle = 60;
-
-}  // namespace
 
 VirtualAbb::VirtualAbb(const Settings& settings)
-    : speed_(settings.speed),
+    : clock_(settings.speed),
       controller_(settings.failures),
       program_({settings.address, settings.port}, 1, TcpServer::Extra::Waits),
       service_({settings.address, settings.service_port}, 1, TcpServer::Extra::Waits),
-      control_(settings.control) {}
+      console_(settings.control) {}
 
 void VirtualAbb::run(const Fd& end) {
-  print_line("ready " + std::to_string(program_.port()) + " " + std::to_string(service_.port()));
-  control_.announce();
+  console_.announce(std::to_string(program_.port()) + " " + std::to_string(service_.port()));
   for (;;) {
-    std::vector<pollfd> polled{
-        {end.get(), POLLIN, 0}, {console_.fd(), POLLIN, 0}, {control_.fd(), POLLIN, 0}, {stdout_to_poll(), POLLOUT, 0}};
+    std::vector<pollfd> polled = console_.to_poll(end);
     program_.add_to_poll(polled);
     service_.add_to_poll(polled);
-    const int found = ::poll(polled.data(), polled.size(), poll_timeout(wall_seconds(), next_deadline()));
-    if (polled[0].revents != 0) return;
-    if (found > 0) {
-      if (polled[1].revents != 0) {
-        for (const std::string& line : console_.read()) take_line(line);
-      }
-      if (polled[2].revents != 0) {
-        for (const std::string& line : control_.read()) take_line(line);
-      }
-      program_.serve(polled, [this](TcpServer::Client& client) { serve_program(client); });
-      service_.serve(polled, [this](TcpServer::Client& client) { serve_service(client); });
-    }
+    if (!Console::wait(polled, clock_.deadline(controller_.next_deadline()))) return;
+    for (const std::string& line : console_.read(polled)) take_line(line);
+    program_.serve(polled, [this](TcpServer::Client& client) { serve_program(client); });
+    service_.serve(polled, [this](TcpServer::Client& client) { serve_service(client); });
     flush_lines();
     follow();
   }
@@ -47,13 +32,13 @@ void VirtualAbb::serve_program(TcpServer::Client& client) {
     const auto text = take_string(client.input);
     if (!text) return;
     asker_ = client.id;
-    answer(controller_.program(*text, robot_now()));
+    answer(controller_.program(*text, clock_.now()));
     tell_events();
   }
 }
 
 void VirtualAbb::serve_service(TcpServer::Client& client) {
-  while (const auto text = take_string(client.input)) service_.send(client, controller_.service(*text, robot_now()));
+  while (const auto text = take_string(client.input)) service_.send(client, controller_.service(*text, clock_.now()));
 }
 
 /** A client that has left gets no answer. */
@@ -63,7 +48,7 @@ void VirtualAbb::answer(const std::optional<std::string>& text) {
 }
 
 void VirtualAbb::follow() {
-  const auto ended = controller_.advance(robot_now());
+  const auto ended = controller_.advance(clock_.now());
   answer(ended);
   tell_events();
   TcpServer::Client* client = ended ? program_.find(asker_) : nullptr;
@@ -76,7 +61,7 @@ void VirtualAbb::take_line(const std::string& line) {
   const auto fault = order == "fault" ? parse_fault_order(words) : std::nullopt;
   if (fault) {
     const std::string text = fault->text.empty() ? "fault of " + fault->capability : fault->text;
-    answer(controller_.raise_fault(fault->capability, fault->severity, text, robot_now()));
+    answer(controller_.raise_fault(fault->capability, fault->severity, text, clock_.now()));
   } else if (order == "clear") {
     controller_.clear();
   } else {
@@ -86,11 +71,6 @@ void VirtualAbb::take_line(const std::string& line) {
 
 void VirtualAbb::tell_events() {
   for (const std::string& event : controller_.take_events()) print_line(event);
-}
-
-double VirtualAbb::next_deadline() const {
-  const auto step = controller_.next_deadline();
-  return step ? begin_ + *step / speed_ : wall_seconds() + kIdle;
 }
 
 }  // namespace trb::virtual_robots::abb

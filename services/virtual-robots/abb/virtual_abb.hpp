@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "services/virtual-robots/abb/controller.hpp"
-#include "services/virtual-robots/support/control.hpp"
-#include "services/virtual-robots/support/process.hpp"
+#include "services/virtual-robots/support/console.hpp"
+#include "services/virtual-robots/support/robot_clock.hpp"
 #include "services/virtual-robots/support/tcp_server.hpp"
 
 namespace trb::virtual_robots::abb {
@@ -36,17 +36,13 @@ class VirtualAbb {
   void follow();
   void take_line(const std::string& line);
   void tell_events();
-  double next_deadline() const;
-  double robot_now() const { return (wall_seconds() - begin_) * speed_; }
 
-  double speed_;
-  double begin_ = wall_seconds();
+  RobotClock clock_;
   Controller controller_;
   TcpServer program_;
   TcpServer service_;
   std::uint64_t asker_ = 0;  ///< whose move is carried out
-  StdinLines console_;
-  ControlPort control_;
+  Console console_;
 };
 
 }  // namespace trb::virtual_robots::abb

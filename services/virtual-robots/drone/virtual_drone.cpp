@@ -23,35 +23,24 @@ std::uint16_t navdata_port(const std::optional<std::uint16_t>& port) {
 VirtualDrone::VirtualDrone(const Settings& settings)
     : commands_(bind_datagrams({settings.address, settings.port.value_or(0)})),
       navdata_(bind_datagrams({settings.address, navdata_port(settings.port)})),
-      control_(settings.control),
+      console_(settings.control),
       controller_(settings.speed, wall_seconds()) {
   controller_.set_battery(settings.battery);
 }
 
 void VirtualDrone::run(const Fd& end) {
-  print_line("ready " + std::to_string(port_of(commands_)) + " " + std::to_string(port_of(navdata_)));
-  control_.announce();
+  console_.announce(std::to_string(port_of(commands_)) + " " + std::to_string(port_of(navdata_)));
   for (;;) {
-    std::vector<pollfd> polled{{end.get(), POLLIN, 0},      {commands_.get(), POLLIN, 0},
-                               {navdata_.get(), POLLIN, 0}, {console_.fd(), POLLIN, 0},
-                               {control_.fd(), POLLIN, 0},  {stdout_to_poll(), POLLOUT, 0}};
-    const int found = ::poll(polled.data(), polled.size(), poll_timeout(wall_seconds(), next_navdata_));
-    if (polled[0].revents != 0) return;
-    if (found > 0) serve(polled);
+    std::vector<pollfd> polled = console_.to_poll(end);
+    const std::size_t ports = polled.size();
+    polled.insert(polled.end(), {{commands_.get(), POLLIN, 0}, {navdata_.get(), POLLIN, 0}});
+    if (!Console::wait(polled, next_navdata_)) return;
+    if (polled[ports].revents != 0) read_commands();
+    if (polled[ports + 1].revents != 0) read_wake_ups();
+    for (const std::string& line : console_.read(polled)) take_line(line);
     flush_lines();
     send_navdata();
     tell_events();
-  }
-}
-
-void VirtualDrone::serve(const std::vector<pollfd>& polled) {
-  if (polled[1].revents != 0) read_commands();
-  if (polled[2].revents != 0) read_wake_ups();
-  if (polled[3].revents != 0) {
-    for (const std::string& line : console_.read()) take_line(line);
-  }
-  if (polled[4].revents != 0) {
-    for (const std::string& line : control_.read()) take_line(line);
   }
 }
 

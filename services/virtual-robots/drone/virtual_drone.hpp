@@ -8,8 +8,7 @@
 #include <vector>
 
 #include "services/virtual-robots/drone/controller.hpp"
-#include "services/virtual-robots/support/control.hpp"
-#include "services/virtual-robots/support/process.hpp"
+#include "services/virtual-robots/support/console.hpp"
 
 namespace trb::virtual_robots::drone {
 
@@ -30,7 +29,6 @@ class VirtualDrone {
   void run(const Fd& end);
 
  private:
-  void serve(const std::vector<pollfd>& polled);
   void read_commands();
   void read_wake_ups();
   void take_line(const std::string& line);
@@ -40,8 +38,7 @@ class VirtualDrone {
 
   Fd commands_;
   Fd navdata_;
-  ControlPort control_;
-  StdinLines console_;
+  Console console_;
   Controller controller_;
   std::optional<sockaddr_in> client_;  ///< who wants navdata
   double next_navdata_ = 0;

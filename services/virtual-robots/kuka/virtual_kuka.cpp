@@ -1,43 +1,30 @@
 #include "services/virtual-robots/kuka/virtual_kuka.hpp"
 
-#include <algorithm>
-
 #include "services/virtual-robots/support/text.hpp"
 
 namespace trb::virtual_robots::kuka {
 namespace {
 
 constexpr std::size_t kMostClients = 16;
-constexpr double kIdle = 60;
 
 }  // namespace
 
 VirtualKuka::VirtualKuka(const Settings& settings)
-    : speed_(settings.speed),
+    : clock_(settings.speed),
       program_(settings.failures),
       server_({settings.address, settings.port}, kMostClients),
-      control_(settings.control) {}
+      console_(settings.control) {}
 
 void VirtualKuka::run(const Fd& end) {
-  print_line("ready " + std::to_string(server_.port()));
-  control_.announce();
+  console_.announce(std::to_string(server_.port()));
   for (;;) {
-    std::vector<pollfd> polled{
-        {end.get(), POLLIN, 0}, {console_.fd(), POLLIN, 0}, {control_.fd(), POLLIN, 0}, {stdout_to_poll(), POLLOUT, 0}};
+    std::vector<pollfd> polled = console_.to_poll(end);
     server_.add_to_poll(polled);
-    const int found = ::poll(polled.data(), polled.size(), poll_timeout(wall_seconds(), next_deadline()));
-    if (polled[0].revents != 0) return;
-    if (found > 0) {
-      if (polled[1].revents != 0) {
-        for (const std::string& line : console_.read()) take_line(line);
-      }
-      if (polled[2].revents != 0) {
-        for (const std::string& line : control_.read()) take_line(line);
-      }
-      server_.serve(polled, [this](TcpServer::Client& client) { serve(client); });
-    }
+    if (!Console::wait(polled, clock_.deadline(program_.next_deadline()))) return;
+    for (const std::string& line : console_.read(polled)) take_line(line);
+    server_.serve(polled, [this](TcpServer::Client& client) { serve(client); });
     flush_lines();
-    program_.advance(robot_now());
+    program_.advance(clock_.now());
     tell_events();
   }
 }
@@ -50,7 +37,7 @@ void VirtualKuka::serve(TcpServer::Client& client) {
       return TcpServer::drop(client, "bad_request");
     }
     server_.send(client, answer(*request));
-    program_.advance(robot_now());
+    program_.advance(clock_.now());
     tell_events();
   }
 }
@@ -58,7 +45,7 @@ void VirtualKuka::serve(TcpServer::Client& client) {
 std::string VirtualKuka::answer(const Request& request) {
   Variables& variables = program_.variables();
   if (request.type > 1) return reply(request, "", Code::NotImplemented);
-  program_.advance(robot_now());
+  program_.advance(clock_.now());
   if (request.type == 0) {
     if (request.name == "PING") return reply(request, "PONG", Code::Success);
     const auto value = variables.read(request.name);
@@ -75,11 +62,11 @@ void VirtualKuka::take_line(const std::string& line) {
   const auto fault = order == "fault" ? parse_fault_order(words) : std::nullopt;
   if (fault) {
     const std::string text = fault->text.empty() ? "fault of " + fault->capability : fault->text;
-    program_.raise_fault(fault->capability, fault->severity, text, robot_now());
+    program_.raise_fault(fault->capability, fault->severity, text, clock_.now());
   } else if (order == "clear") {
-    program_.clear(robot_now());
+    program_.clear(clock_.now());
   } else if (line == "program cancel" || line == "program select") {
-    program_.select(line == "program select", robot_now());
+    program_.select(line == "program select", clock_.now());
   } else if (order == "say") {
     const std::string type(take_word(words));
     const std::string subtype(take_word(words));
@@ -92,11 +79,6 @@ void VirtualKuka::take_line(const std::string& line) {
 
 void VirtualKuka::tell_events() {
   for (const std::string& event : program_.take_events()) print_line(event);
-}
-
-double VirtualKuka::next_deadline() const {
-  const auto step = program_.next_deadline();
-  return step ? begin_ + *step / speed_ : wall_seconds() + kIdle;
 }
 
 }  // namespace trb::virtual_robots::kuka

@@ -7,8 +7,8 @@
 
 #include "services/virtual-robots/kuka/codec.hpp"
 #include "services/virtual-robots/kuka/program.hpp"
-#include "services/virtual-robots/support/control.hpp"
-#include "services/virtual-robots/support/process.hpp"
+#include "services/virtual-robots/support/console.hpp"
+#include "services/virtual-robots/support/robot_clock.hpp"
 #include "services/virtual-robots/support/tcp_server.hpp"
 
 namespace trb::virtual_robots::kuka {
@@ -34,15 +34,11 @@ class VirtualKuka {
   std::string answer(const Request& request);
   void take_line(const std::string& line);
   void tell_events();
-  double next_deadline() const;
-  double robot_now() const { return (wall_seconds() - begin_) * speed_; }
 
-  double speed_;
-  double begin_ = wall_seconds();
+  RobotClock clock_;
   Program program_;
   TcpServer server_;
-  StdinLines console_;
-  ControlPort control_;
+  Console console_;
 };
 
 }  // namespace trb::virtual_robots::kuka

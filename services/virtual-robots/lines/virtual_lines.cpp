@@ -16,27 +16,21 @@ constexpr std::size_t kMostHeld = 64;
 
 VirtualLines::VirtualLines(const Settings& settings)
     : settings_(settings),
+      clock_(settings.speed),
       link_(settings.node, settings.source),
       session_(settings.session),
       body_(settings.body),
-      control_(settings.control) {}
+      console_(settings.control) {}
 
 void VirtualLines::run(const Fd& end) {
-  print_line("ready");
-  control_.announce();
+  console_.announce("");
   while (!quit_) {
     link_.dial(wall_seconds());
-    std::array<pollfd, 5> polled{pollfd{end.get(), POLLIN, 0}, pollfd{console_.fd(), POLLIN, 0}, poll_entry(),
-                                 pollfd{stdout_to_poll(), POLLOUT, 0}, pollfd{control_.fd(), POLLIN, 0}};
-    ::poll(polled.data(), polled.size(), poll_timeout(wall_seconds(), next_deadline()));
-    if (polled[0].revents != 0) return;
-    if (polled[2].revents != 0) serve_link(polled[2].revents);
-    if (polled[1].revents != 0) {
-      for (const std::string& line : console_.read()) take_console_line(line);
-    }
-    if (polled[4].revents != 0) {
-      for (const std::string& line : control_.read()) take_console_line(line);
-    }
+    std::vector<pollfd> polled = console_.to_poll(end);
+    polled.push_back(poll_entry());
+    if (!Console::wait(polled, next_deadline())) return;
+    if (polled.back().revents != 0) serve_link(polled.back().revents);
+    for (const std::string& line : console_.read(polled)) take_console_line(line);
     flush_lines();
     step();
   }
@@ -126,7 +120,7 @@ void VirtualLines::say(const Message& message) {
 void VirtualLines::step() {
   session_.advance(wall_seconds());
   take_session_events();
-  body_.advance(robot_now());
+  body_.advance(clock_.now());
   take_body_events();
   take_session_events();
   if (link_.state() == Link::State::Up) write_link();
@@ -135,8 +129,8 @@ void VirtualLines::step() {
 void VirtualLines::take_session_events() {
   for (const SessionEvent& event : session_.take_events()) {
     print_line(line_of(event));
-    if (const auto* received = std::get_if<MessageReceived>(&event)) body_.take(received->message, robot_now());
-    if (std::holds_alternative<StopReceived>(event)) body_.stop(robot_now());
+    if (const auto* received = std::get_if<MessageReceived>(&event)) body_.take(received->message, clock_.now());
+    if (std::holds_alternative<StopReceived>(event)) body_.stop(clock_.now());
     if (std::holds_alternative<ReleaseReceived>(event)) body_.release();
     take_body_events();
   }
@@ -156,9 +150,7 @@ void VirtualLines::write_link() {
 }
 
 double VirtualLines::next_deadline() const {
-  constexpr double kNever = 1e9;
-  double deadline = wall_seconds() + kNever;
-  if (const auto body = body_.next_deadline()) deadline = std::min(deadline, begin_ + *body / settings_.speed);
+  double deadline = clock_.deadline(body_.next_deadline());
   if (link_.state() == Link::State::Waiting) return std::min(deadline, link_.retry_at());
   if (link_.state() == Link::State::Connecting) return deadline;
   if (const auto session = session_.next_deadline(); session && !link_.has_output()) {

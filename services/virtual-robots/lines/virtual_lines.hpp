@@ -11,8 +11,8 @@
 #include "services/virtual-robots/lines/body.hpp"
 #include "services/virtual-robots/lines/link.hpp"
 #include "services/virtual-robots/lines/session.hpp"
-#include "services/virtual-robots/support/control.hpp"
-#include "services/virtual-robots/support/process.hpp"
+#include "services/virtual-robots/support/console.hpp"
+#include "services/virtual-robots/support/robot_clock.hpp"
 
 namespace trb::virtual_robots::lines {
 
@@ -50,15 +50,13 @@ class VirtualLines {
   void write_link();
   double next_deadline() const;
   bool may_read() const { return !session_.hung() && wall_seconds() >= next_read_; }
-  double robot_now() const { return (wall_seconds() - begin_) * settings_.speed; }
 
   Settings settings_;
-  double begin_ = wall_seconds();
+  RobotClock clock_;
   Link link_;
   Session session_;
   Body body_;
-  StdinLines console_;
-  ControlPort control_;
+  Console console_;
   std::deque<Message> held_;
   std::set<std::string> faults_;  ///< the capabilities whose faults were told
   double next_read_ = 0;

@@ -4,7 +4,6 @@
 #include <boost/beast/http/message.hpp>
 #include <boost/beast/http/parser.hpp>
 #include <boost/beast/http/string_body.hpp>
-#include <limits>
 
 #include "services/virtual-robots/support/text.hpp"
 
@@ -24,33 +23,25 @@ struct VirtualMir::Intake {
 };
 
 VirtualMir::VirtualMir(const Settings& settings)
-    : speed_(settings.speed),
+    : clock_(settings.speed),
       robot_(settings.robot),
       rest_(robot_, settings.user.empty() ? "" : authorization_of(settings.user, settings.password)),
       server_(settings.where, 16),
-      control_(settings.control) {}
+      console_(settings.control) {}
 
 VirtualMir::~VirtualMir() = default;
 
 void VirtualMir::run(const Fd& end) {
-  print_line("ready " + std::to_string(server_.port()));
-  control_.announce();
+  console_.announce(std::to_string(server_.port()));
   for (;;) {
-    std::vector<pollfd> polled{
-        {end.get(), POLLIN, 0}, {console_.fd(), POLLIN, 0}, {control_.fd(), POLLIN, 0}, {stdout_to_poll(), POLLOUT, 0}};
+    std::vector<pollfd> polled = console_.to_poll(end);
     server_.add_to_poll(polled);
-    const int found = ::poll(polled.data(), polled.size(), poll_timeout(wall_seconds(), next_deadline()));
-    if (polled[0].revents != 0) return;
-    robot_.advance(robot_now());
-    if (found > 0) {
-      server_.serve(polled, [this](TcpServer::Client& client) { take(client); });
-      std::erase_if(intakes_, [this](const auto& one) { return server_.find(one.first) == nullptr; });
-      for (const std::string& line : polled[1].revents != 0 ? console_.read() : std::vector<std::string>())
-        take_line(line);
-      for (const std::string& line : polled[2].revents != 0 ? control_.read() : std::vector<std::string>())
-        take_line(line);
-      robot_.advance(robot_now());
-    }
+    if (!Console::wait(polled, clock_.deadline(robot_.next_deadline()))) return;
+    robot_.advance(clock_.now());
+    server_.serve(polled, [this](TcpServer::Client& client) { take(client); });
+    std::erase_if(intakes_, [this](const auto& one) { return server_.find(one.first) == nullptr; });
+    for (const std::string& line : console_.read(polled)) take_line(line);
+    robot_.advance(clock_.now());
     for (const std::string& event : robot_.take_events()) print_line(event);
     flush_lines();
   }
@@ -102,11 +93,6 @@ void VirtualMir::take_line(const std::string& line) {
   } else {
     print_line("unknown_line");
   }
-}
-
-double VirtualMir::next_deadline() const {
-  const auto step = robot_.next_deadline();
-  return step ? begin_ + *step / speed_ : std::numeric_limits<double>::infinity();
 }
 
 }  // namespace trb::virtual_robots::mir

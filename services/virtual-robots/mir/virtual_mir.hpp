@@ -7,8 +7,8 @@
 
 #include "services/virtual-robots/mir/rest.hpp"
 #include "services/virtual-robots/mir/robot.hpp"
-#include "services/virtual-robots/support/control.hpp"
-#include "services/virtual-robots/support/process.hpp"
+#include "services/virtual-robots/support/console.hpp"
+#include "services/virtual-robots/support/robot_clock.hpp"
 #include "services/virtual-robots/support/tcp_server.hpp"
 
 namespace trb::virtual_robots::mir {
@@ -35,17 +35,13 @@ class VirtualMir {
   struct Intake;
   void take(TcpServer::Client& client);
   void take_line(const std::string& line);
-  double next_deadline() const;
-  double robot_now() const { return (wall_seconds() - begin_) * speed_; }
 
-  double speed_;
-  double begin_ = wall_seconds();
+  RobotClock clock_;
   Robot robot_;
   Rest rest_;
   TcpServer server_;
   std::map<std::uint64_t, std::unique_ptr<Intake>> intakes_;  ///< by client
-  StdinLines console_;
-  ControlPort control_;
+  Console console_;
 };
 
 }  // namespace trb::virtual_robots::mir

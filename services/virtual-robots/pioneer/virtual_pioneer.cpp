@@ -20,27 +20,20 @@ VirtualPioneer::VirtualPioneer(const Settings& settings)
       sip_period_(std::max(kShortestPeriod, Controller::kSipPeriod / std::max(1.0, settings.speed))),
       controller_(settings.start),
       listener_(listen_on({settings.address, settings.port})),
-      control_(settings.control) {}
+      console_(settings.control) {}
 
 void VirtualPioneer::run(const Fd& end) {
-  print_line("ready " + std::to_string(port_of(listener_)));
-  control_.announce();
+  console_.announce(std::to_string(port_of(listener_)));
   for (;;) {
+    std::vector<pollfd> polled = console_.to_poll(end);
+    const std::size_t ports = polled.size();
     const int client_events = output_.empty() ? POLLIN : POLLIN | POLLOUT;
-    pollfd polled[] = {{end.get(), POLLIN, 0},       {console_.fd(), POLLIN, 0},
-                       {control_.fd(), POLLIN, 0},   {stdout_to_poll(), POLLOUT, 0},
-                       {listener_.get(), POLLIN, 0}, {client_.get(), static_cast<short>(client_events), 0}};
-    ::poll(polled, std::size(polled), poll_timeout(wall_seconds(), next_sip_));
-    if (polled[0].revents != 0) return;
+    polled.insert(polled.end(), {{listener_.get(), POLLIN, 0}, {client_.get(), static_cast<short>(client_events), 0}});
+    if (!Console::wait(polled, next_sip_)) return;
     pass_time();
-    if (polled[1].revents != 0) {
-      for (const std::string& line : console_.read()) take_line(line);
-    }
-    if (polled[2].revents != 0) {
-      for (const std::string& line : control_.read()) take_line(line);
-    }
-    if (polled[5].revents != 0) read_client();
-    if (polled[4].revents != 0) accept_one();
+    for (const std::string& line : console_.read(polled)) take_line(line);
+    if (polled[ports + 1].revents != 0) read_client();
+    if (polled[ports].revents != 0) accept_one();
     send_sip();
     for (const std::string& line : controller_.take_lines()) print_line(line);
     flush_lines();

@@ -7,8 +7,7 @@
 #include <string>
 
 #include "services/virtual-robots/pioneer/controller.hpp"
-#include "services/virtual-robots/support/control.hpp"
-#include "services/virtual-robots/support/process.hpp"
+#include "services/virtual-robots/support/console.hpp"
 #include "services/virtual-robots/support/socket.hpp"
 
 namespace trb::virtual_robots::pioneer {
@@ -47,8 +46,7 @@ class VirtualPioneer {
   Fd listener_;
   Fd client_;
   std::string output_;
-  StdinLines console_;
-  ControlPort control_;
+  Console console_;
 };
 
 }  // namespace trb::virtual_robots::pioneer

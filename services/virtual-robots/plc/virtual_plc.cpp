@@ -1,7 +1,5 @@
 #include "services/virtual-robots/plc/virtual_plc.hpp"
 
-#include <limits>
-
 #include "services/virtual-robots/support/text.hpp"
 
 namespace trb::virtual_robots::plc {
@@ -17,29 +15,19 @@ FaultCode code_of(const std::string& severity) {
 }  // namespace
 
 VirtualPlc::VirtualPlc(const Settings& settings)
-    : speed_(settings.speed), conveyor_(settings.conveyor), server_(settings.where), control_(settings.control) {}
+    : clock_(settings.speed), conveyor_(settings.conveyor), server_(settings.where), console_(settings.control) {}
 
 void VirtualPlc::run(const Fd& end) {
-  print_line("ready " + std::to_string(server_.port()));
-  control_.announce();
+  console_.announce(std::to_string(server_.port()));
   for (;;) {
-    std::vector<pollfd> polled{
-        {end.get(), POLLIN, 0}, {console_.fd(), POLLIN, 0}, {control_.fd(), POLLIN, 0}, {stdout_to_poll(), POLLOUT, 0}};
+    std::vector<pollfd> polled = console_.to_poll(end);
     server_.add_to_poll(polled);
-    const int found = ::poll(polled.data(), polled.size(), poll_timeout(wall_seconds(), next_deadline()));
-    if (polled[0].revents != 0) return;
+    if (!Console::wait(polled, clock_.deadline(conveyor_.next_deadline()))) return;
     // The scan: first what time has done, then what is asked.
-    conveyor_.advance(robot_now());
-    registers_.set_time(robot_now());
-    if (found > 0) {
-      server_.serve(polled, registers_);
-      if (polled[1].revents != 0) {
-        for (const std::string& line : console_.read()) take_line(line);
-      }
-      if (polled[2].revents != 0) {
-        for (const std::string& line : control_.read()) take_line(line);
-      }
-    }
+    conveyor_.advance(clock_.now());
+    registers_.set_time(clock_.now());
+    server_.serve(polled, registers_);
+    for (const std::string& line : console_.read(polled)) take_line(line);
     tell_events();
     flush_lines();
   }
@@ -50,17 +38,17 @@ void VirtualPlc::take_line(const std::string& line) {
   const std::string_view order = take_word(words);
   const auto fault = order == "fault" ? parse_fault_order(words) : std::nullopt;
   if (fault) {
-    conveyor_.fault(code_of(fault->severity), robot_now());
+    conveyor_.fault(code_of(fault->severity), clock_.now());
   } else if (line == "overload") {
-    conveyor_.fault(FaultCode::MotorOverload, robot_now());
+    conveyor_.fault(FaultCode::MotorOverload, clock_.now());
   } else if (line == "estop") {
-    conveyor_.fault(FaultCode::EmergencyStop, robot_now());
+    conveyor_.fault(FaultCode::EmergencyStop, clock_.now());
   } else if (line == "clear") {
-    conveyor_.clear(robot_now());
+    conveyor_.clear(clock_.now());
   } else if (line == "box") {
-    conveyor_.place_box(robot_now());
+    conveyor_.place_box(clock_.now());
   } else if (line == "take") {
-    conveyor_.take_box(robot_now());
+    conveyor_.take_box(clock_.now());
   } else {
     print_line("unknown_line");
   }
@@ -68,11 +56,6 @@ void VirtualPlc::take_line(const std::string& line) {
 
 void VirtualPlc::tell_events() {
   for (const std::string& event : conveyor_.take_events()) print_line(event);
-}
-
-double VirtualPlc::next_deadline() const {
-  const auto step = conveyor_.next_deadline();
-  return step ? begin_ + *step / speed_ : std::numeric_limits<double>::infinity();
 }
 
 }  // namespace trb::virtual_robots::plc

@@ -5,8 +5,8 @@
 
 #include "services/virtual-robots/plc/registers.hpp"
 #include "services/virtual-robots/plc/server.hpp"
-#include "services/virtual-robots/support/control.hpp"
-#include "services/virtual-robots/support/process.hpp"
+#include "services/virtual-robots/support/console.hpp"
+#include "services/virtual-robots/support/robot_clock.hpp"
 
 namespace trb::virtual_robots::plc {
 
@@ -28,16 +28,12 @@ class VirtualPlc {
  private:
   void take_line(const std::string& line);
   void tell_events();
-  double next_deadline() const;
-  double robot_now() const { return (wall_seconds() - begin_) * speed_; }
 
-  double speed_;
-  double begin_ = wall_seconds();
+  RobotClock clock_;
   Conveyor conveyor_;
   Registers registers_{conveyor_};
   Server server_;
-  StdinLines console_;
-  ControlPort control_;
+  Console console_;
 };
 
 }  // namespace trb::virtual_robots::plc

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "services/virtual-robots/support/control.hpp"
-#include "services/virtual-robots/support/process.hpp"
+#include "services/virtual-robots/support/console.hpp"
+#include "services/virtual-robots/support/robot_clock.hpp"
 #include "services/virtual-robots/ur/controller.hpp"
 #include "services/virtual-robots/ur/dashboard.hpp"
 #include "services/virtual-robots/ur/server.hpp"
@@ -36,17 +36,14 @@ class VirtualUr {
   void send_state();
   void tell_events();
   double next_deadline() const;
-  double robot_now() const { return (wall_seconds() - begin_) * speed_; }
-  std::uint64_t time_us() const { return static_cast<std::uint64_t>(robot_now() * 1e6); }
+  std::uint64_t time_us() const { return static_cast<std::uint64_t>(clock_.now() * 1e6); }
 
-  double speed_;
-  double begin_ = wall_seconds();
-  double next_state_ = begin_;
+  RobotClock clock_;
+  double next_state_ = clock_.begin();
   Controller controller_;
   Server server_;
   Dashboard dashboard_;
-  StdinLines console_;
-  ControlPort control_;
+  Console console_;
 };
 
 }  // namespace trb::virtual_robots::ur
