@@ -27,9 +27,9 @@
   X(SignRequest) X(SignedRecord) X(RouteListRequest) X(RouteTable) X(ServiceListRequest) X(ServiceTable)           \
   X(RouterCountersRequest) X(AdapterCountersRequest) X(Counters)                                                   \
   X(Certificate) X(CertificateRequest) X(Beacon) X(NodeProfile) X(Hello) X(KeepAlive) X(Goodbye) X(PeerJoined)     \
-  X(RevocationList) X(Seal) X(SealedRange) X(FleetNews) X(Neighbours) X(Relayed) X(RelayedFrame)                   \
+  X(RevocationList) X(Seal) X(SealedRange) X(TrustUpdate) X(ReachablePeerList) X(Relayed) X(RelayedFrame)                   \
   X(RelayAlive) X(RelayRefused)                                                                                    \
-  X(LinkTroublesRequest) X(LinkTroubles) X(EchoRequest) X(Echo)                                                    \
+  X(LinkErrorTableRequest) X(LinkErrorTable) X(EchoRequest) X(Echo)                                                    \
   X(PeerExpired) X(Execute) X(CancelExecution) X(ExecutionQuery) X(ExecutionState) X(Outcome) X(OutcomeJournaled)  \
   X(AdapterState) X(AdapterStateRequest) X(RobotFault) X(TakeOutOfUse) X(TakeIntoUse) X(RobotConnection) X(RobotState) X(InjectFault)             \
   X(NodeSensors) X(SensorRead) X(SensorReading) X(SensorWatch) X(SensorSnapshot) X(SensorImage)                    \

@@ -60,7 +60,7 @@ struct FaultSaid {
   std::string text;
   std::string cause{};  ///< what of the robot says that it is over, as FaultOver names it; empty: nothing does
   bool lasts = true;    ///< the robot says so for as long as it is so; false: it has said it once
-  bool is_news = true;  ///< false: the fleet has been told of it under another cause, or by an earlier process
+  bool is_new = true;   ///< false: the fleet has been told of it under another cause, or by an earlier process
 };
 struct FaultOver {  ///< told with every state in which it is; most often nothing had stood
   std::string cause;

@@ -56,7 +56,7 @@ Result<Certificate> adopt_certificate(Authority& authority, const std::string& d
 /// certificates, a newer list, so that nothing revoked comes back and no number is used twice. Of two lists of one
 /// number the next one says what either says. Returns whether there was anything. Errors: those of adopt_certificate
 /// and open_revocations, io_error.
-Result<bool> catch_up(Authority& authority, const std::string& dir, const FleetNews& known);
+Result<bool> catch_up(Authority& authority, const std::string& dir, const TrustUpdate& known);
 
 /// A new certificate for the same node and keys, with the next serial; by_role, a right to relay that it has stays.
 /// Errors: io_error.

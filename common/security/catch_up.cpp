@@ -22,7 +22,7 @@ Result<bool> adopt_unknown(Authority& authority, const std::string& dir, const s
 
 }  // namespace
 
-Result<bool> catch_up(Authority& authority, const std::string& dir, const FleetNews& known) {
+Result<bool> catch_up(Authority& authority, const std::string& dir, const TrustUpdate& known) {
   auto learned = adopt_unknown(authority, dir, known.certificates);
   if (!learned || known.revocations.kind.empty() || known.revocations == authority.revocations) return learned;
   auto list = open_revocations(known.revocations, authority.fleet);

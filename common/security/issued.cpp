@@ -16,7 +16,7 @@ namespace {
 // A node whose clock is a little behind must not find its new certificate "not yet valid".
 constexpr Duration kClockLeeway = std::chrono::minutes(5);
 constexpr std::size_t kMaxIssuedFile = 64U << 20U;
-constexpr std::size_t kMaxList = 400'000;  // a FleetNews must fit into one message
+constexpr std::size_t kMaxList = 400'000;  // a TrustUpdate must fit into one message
 constexpr std::size_t kMaxRenewed = 256;
 
 std::string issued_path(const std::string& dir) {
@@ -258,7 +258,7 @@ Status revoke_certificates(Authority& authority, const std::string& dir, const s
 Status publish_trust_updates(const Authority& authority, const std::string& dir,
                              const std::vector<SignedRecord>& renewed, UtcTime now) {
   const std::string path = dir + "/news.json";
-  FleetNews news{authority.revocations, {}};
+  TrustUpdate update{authority.revocations, {}};
   std::vector<SignedRecord> all = renewed;
   if (auto old = read_trust_updates(path)) all.insert(all.end(), old->certificates.begin(), old->certificates.end());
   for (const SignedRecord& record : all) {
@@ -266,14 +266,15 @@ Status publish_trust_updates(const Authority& authority, const std::string& dir,
     if (!certificate) continue;
     const Certificate* living = find_living(authority, certificate->id, now);
     const bool counts = living != nullptr && living->serial == certificate->serial;
-    const bool there = std::find(news.certificates.begin(), news.certificates.end(), record) != news.certificates.end();
-    if (counts && !there) news.certificates.push_back(record);
+    const bool there =
+        std::find(update.certificates.begin(), update.certificates.end(), record) != update.certificates.end();
+    if (counts && !there) update.certificates.push_back(record);
   }
   if (renewed.size() > kMaxRenewed) {
     return fail(Errc::too_large, "over 256 renewals at once", "renew them in several parts, and hand each on");
   }
-  news.certificates.resize(std::min(news.certificates.size(), kMaxRenewed));
-  return write_trust_updates(path, news);
+  update.certificates.resize(std::min(update.certificates.size(), kMaxRenewed));
+  return write_trust_updates(path, update);
 }
 
 }  // namespace trb

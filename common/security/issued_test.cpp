@@ -152,7 +152,7 @@ TEST_CASE("a folder put back from an older copy takes over what the fleet knows:
   const auto renewed = renew_certificate(hall.authority, hall.dir, hall.living("cloud"), kNow, kYear);
   REQUIRE(renewed.ok());
   REQUIRE(hall.revoke("ur3").ok());
-  const FleetNews known{hall.authority.revocations, {*renewed}};
+  const TrustUpdate known{hall.authority.revocations, {*renewed}};
 
   Authority copy = *open_authority(hall.root + "/copy", kPassphrase);
   CHECK(find_living(copy, "ur3", kNow) != nullptr);

@@ -57,10 +57,10 @@ Status make_keys(const std::string& dir) {
 
 /// A node whose certificate ended while it was off is started with the renewal that a person has put beside it.
 void take_renewal(const std::string& dir, CertificateFile& file, Certificate& own) {
-  const auto news =
-      file_exists(dir + "/news.json") ? read_trust_updates(dir + "/news.json") : Result<FleetNews>(Error{});
-  if (!news) return;  // the router tells what is wrong with it
-  for (const SignedRecord& record : news->certificates) {
+  const auto update =
+      file_exists(dir + "/news.json") ? read_trust_updates(dir + "/news.json") : Result<TrustUpdate>(Error{});
+  if (!update) return;  // the router tells what is wrong with it
+  for (const SignedRecord& record : update->certificates) {
     auto fresh = open_certificate_any_time(record, file.authority);
     if (!fresh || fresh->id != own.id || fresh->serial <= own.serial) continue;
     if (fresh->identity_key != own.identity_key || fresh->link_key != own.link_key) continue;

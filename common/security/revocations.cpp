@@ -35,17 +35,17 @@ Result<BeaconKey> open_listed_beacon_key(const RevocationList& list, std::string
               "have it signed again: trb fleet sign");
 }
 
-Result<FleetNews> read_trust_updates(const std::string& path) {
+Result<TrustUpdate> read_trust_updates(const std::string& path) {
   auto text = read_file(path);
   if (!text) return text.error();
-  auto news = from_json<FleetNews>(*text);
-  if (!news)
-    return fail(news.error().code, path + ": " + news.error().what, "copy it again from the authority's folder");
-  return news;
+  auto update = from_json<TrustUpdate>(*text);
+  if (!update)
+    return fail(update.error().code, path + ": " + update.error().what, "copy it again from the authority's folder");
+  return update;
 }
 
-Status write_trust_updates(const std::string& path, const FleetNews& news) {
-  return write_file(path, to_json(news) + "\n");
+Status write_trust_updates(const std::string& path, const TrustUpdate& update) {
+  return write_file(path, to_json(update) + "\n");
 }
 
 }  // namespace trb

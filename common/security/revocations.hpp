@@ -19,7 +19,7 @@ Result<BeaconKey> open_listed_beacon_key(const RevocationList& list, std::string
 
 /// A revocation list or a renewed certificate, as files and programs hand them on: FLEET_DIR/news.json,
 /// NODE_DIR/keys/news.json. Errors: missing, malformed, too_large; each names the path.
-Result<FleetNews> read_trust_updates(const std::string& path);
-Status write_trust_updates(const std::string& path, const FleetNews& news);
+Result<TrustUpdate> read_trust_updates(const std::string& path);
+Status write_trust_updates(const std::string& path, const TrustUpdate& update);
 
 }  // namespace trb

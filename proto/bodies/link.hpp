@@ -159,12 +159,12 @@ struct Seal {
 
 /// What the authority has said since: the newest revocation list, renewed certificates. Any member may bring it, for
 /// the authority has signed it; whoever learns something new from it hands that on.
-struct FleetNews {
+struct TrustUpdate {
   static constexpr std::string_view kSubtype = "fleet_news";
   static constexpr Travel kTravel = between_routers(CostPhase::upkeep, {kProbe});
   SignedRecord revocations;  ///< a RevocationList; an empty kind for none
   std::vector<SignedRecord> certificates;
-  template <class T = FleetNews>
+  template <class T = TrustUpdate>
   static FieldTable fields() {
     return FieldTable{field("revocations", &T::revocations), field("certificates", &T::certificates, 256)};
   }
@@ -172,12 +172,12 @@ struct FleetNews {
 
 /// A relay tells whom it reaches: all of them when a link comes up (in several messages if need be), then each change.
 /// A hint: whether they are there, where, and what they are, they say themselves (RelayAlive, NodeProfile).
-struct Neighbours {
+struct ReachablePeerList {
   static constexpr std::string_view kSubtype = "neighbours";
   static constexpr Travel kTravel = between_routers(CostPhase::identification);
   std::vector<SignedRecord> reached;  ///< their certificates
   std::vector<std::string> gone;      ///< ids
-  template <class T = Neighbours>
+  template <class T = ReachablePeerList>
   static FieldTable fields() {
     return FieldTable{field("reached", &T::reached, 64), field("gone", &T::gone, 1024)};
   }
@@ -236,7 +236,7 @@ struct Relayed {
 };
 
 /// Asks a router what has gone wrong with its links: for `trb doctor`.
-struct LinkTroublesRequest {
+struct LinkErrorTableRequest {
   static constexpr std::string_view kSubtype = "link_troubles";
   static constexpr Travel kTravel = between_nodes(CostPhase::upkeep);
   template <class = void>
@@ -245,14 +245,14 @@ struct LinkTroublesRequest {
   }
 };
 
-struct LinkTrouble {
+struct LinkErrorRow {
   std::string peer;     ///< id, if known
   std::string address;  ///< dialled; empty if it came from outside
   std::string code;     ///< an errc_name() or the name of a link's end, as "refused_key"
   std::string text;
   std::uint64_t count = 0;  ///< how often, one after the other
   double last_s = 0;        ///< how long ago the last was
-  template <class T = LinkTrouble>
+  template <class T = LinkErrorRow>
   static FieldTable fields() {
     return FieldTable{field("peer", &T::peer, 64),  field("address", &T::address, 80), field("code", &T::code, 64),
                       field("text", &T::text, 512), field("count", &T::count),         field("last_s", &T::last_s)};
@@ -260,14 +260,14 @@ struct LinkTrouble {
 };
 
 /// Bounded: the newest of each (peer, address, code).
-struct LinkTroubles {
+struct LinkErrorTable {
   static constexpr std::string_view kSubtype = "link_trouble_table";
   static constexpr Travel kTravel = between_nodes(CostPhase::upkeep);
   std::string node;
-  std::vector<LinkTrouble> troubles;
-  template <class T = LinkTroubles>
+  std::vector<LinkErrorRow> errors;
+  template <class T = LinkErrorTable>
   static FieldTable fields() {
-    return FieldTable{field("node", &T::node, 64), field("troubles", &T::troubles, 256)};
+    return FieldTable{field("node", &T::node, 64), field("troubles", &T::errors, 256)};
   }
 };
 

@@ -60,14 +60,14 @@ struct SensorRead {
 };
 
 /// To a node's sensor-bus (request): values now and then. Answered by Ack "accepted", then by a SensorReading for each
-/// value, on the lossy lane, until the lease has run out or the asker is gone. The same asker's SensorWatch of the same
-/// sensor and `watch` renews the lease, or, with a lease of 0, ends it.
+/// value, on the lossy lane, until the lease has run out or the requester is gone. The same requester's SensorWatch of
+/// the same sensor and `watch` renews the lease, or, with a lease of 0, ends it.
 struct SensorWatch {
   static constexpr std::string_view kSubtype = "sensor_watch";
   static constexpr Travel kTravel = between_nodes(CostPhase::sensor);
   std::string sensor;
   std::string identity;     ///< wins over `sensor`
-  std::uint64_t watch = 0;  ///< the asker's number for it
+  std::uint64_t watch = 0;  ///< the requester's number for it
   double every_s = 1;       ///< 0.01 at least; more often than it is told there is nothing
   double lease_s = 10;      ///< 60 at most
   template <class T = SensorWatch>

@@ -45,7 +45,7 @@ const std::map<std::string, std::string> kBounded = {
     {"alert_table", "resilience AlertBook::table: fit"},
     {"baton", "scheduler run_facts.cpp: kMostPassed; passing.cpp: pack_results"},
     {"definition", "scheduler Run::check_decision"},
-    {"fleet_news", "router RouterCore::send_news: kMaxNews"},
+    {"fleet_news", "router TrustUpdates: kMaxUpdate"},
     {"hello", "router RouterCore::send_hello: kMaxHelloSize"},
     {"neighbours", "router RouterCore::tell_neighbours: 64 certificates, each signed by the authority"},
     {"node_profile", "router RouterCore::make_fit, on_robot_profile, take_profile: kMaxProfileSize"},
@@ -89,9 +89,9 @@ TEST_CASE("what a reader would refuse is not packed: a list or blob over its bou
   execute.timeout_s = 1.0 / 0.0;
   CHECK(pack(execute).error().text() == "bad_value: timeout_s: not a finite number");
 
-  FleetNews news;
-  news.certificates.assign(3, SignedRecord{"x", "y", {std::string(1U << 19U, 'x')}, {}});
-  CHECK(pack(news).error().code == Errc::too_large);
+  TrustUpdate update;
+  update.certificates.assign(3, SignedRecord{"x", "y", {std::string(1U << 19U, 'x')}, {}});
+  CHECK(pack(update).error().code == Errc::too_large);
   CHECK(pack_body(Opaque{"word", std::string(kMaxDataSize, 'x')}).ok());
   CHECK(pack_body(Opaque{"word", std::string(kMaxDataSize + 1, 'x')}).error().code == Errc::too_large);
 }

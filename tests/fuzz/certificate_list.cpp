@@ -23,14 +23,14 @@ void as_it_comes(BytesView input) {
     if (const auto list = open_revocations(*record, fleet))
       require(list->fleet.bytes == fleet.id(), "only this fleet's list is opened");
   }
-  if (const auto news = decode<FleetNews>(input)) {
+  if (const auto update = decode<TrustUpdate>(input)) {
     RouterCore core = make_router();
     Effects effects;
-    (void)core.updates().on_update(*news, 0, kNow, effects);
+    (void)core.updates().on_update(*update, 0, kNow, effects);
     check_table(core);
   }
-  if (const auto news = from_json<FleetNews>(input)) {
-    require(from_json<FleetNews>(to_json(*news)).ok(), "the JSON of news can be read again");
+  if (const auto update = from_json<TrustUpdate>(input)) {
+    require(from_json<TrustUpdate>(to_json(*update)).ok(), "the JSON of news can be read again");
   }
   (void)certificate_file_from_json(input);
 }
@@ -68,14 +68,14 @@ std::vector<Bytes> seeds() {
   renewed.serial = 5;
   Certificate own = keys.ant.certificate;
   own.serial = 6;
-  const FleetNews news{keys.sign_as_authority(kSignedRevocations, encode(bee_is_out)), {keys.cat.record}};
+  const TrustUpdate update{keys.sign_as_authority(kSignedRevocations, encode(bee_is_out)), {keys.cat.record}};
   const CertificateFile file = make_certificate_file(keys.bee.record, keys.authority.fleet, {1, Bytes(32, 'k')},
                                                      keys.bee.certificate.link_key.bytes);
   return {encode(keys.bee.record), encode(keys.bee.certificate),
           encode(renewed),         encode(own),
           encode(empty),           encode(bee_is_out),
-          encode(ant_is_out),      encode(news),
-          to_json(news),           certificate_file_to_json(file)};
+          encode(ant_is_out),      encode(update),
+          to_json(update),         certificate_file_to_json(file)};
 }
 
 void run(BytesView input) {

@@ -116,9 +116,9 @@ std::vector<Bytes> seeds() {
           frame_of(profile, 2),
           frame_of(RouteListRequest{}, 2, MessageType::request),
           frame_of(EchoRequest{{"pad"}}, 2, MessageType::request),
-          frame_of(FleetNews{{}, {keys.cat.record}}, 2),
+          frame_of(TrustUpdate{{}, {keys.cat.record}}, 2),
           frame_of(Seal{sign_seal(first_range(), "bee", keys.authority.fleet.id(), keys.bee.identity)}, 2),
-          frame_of(Neighbours{{keys.cat.record}, {"dog"}}, 2),
+          frame_of(ReachablePeerList{{keys.cat.record}, {"dog"}}, 2),
           frame_of(move, 2),
           encode(first_range())};
 }

@@ -54,7 +54,7 @@ Hall::Hall(std::uint64_t seed) : dice_(seed), fleet_(seed), decider_(fleet_, pol
 }
 
 void Hall::tell(const std::string& what) {
-  if (troubles.size() < kMostTold) troubles.push_back(to_iso8601(fleet_.now().utc) + " " + what);
+  if (errors.size() < kMostTold) errors.push_back(to_iso8601(fleet_.now().utc) + " " + what);
 }
 
 void Hall::plan(Duration after, std::function<void()> what) {

@@ -45,7 +45,7 @@ class Hall {
   void finish();
 
   Figures figures;
-  std::vector<std::string> troubles;  ///< in words, the first ones
+  std::vector<std::string> errors;  ///< in words, the first ones
 
  private:
   struct Known {

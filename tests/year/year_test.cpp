@@ -50,7 +50,7 @@ TEST_CASE("20 robots do 100,000 runs a month: nothing is lost, nothing done twic
                       << " decisions, " << is.words << " by a person's word");
   MESSAGE("at most " << is.most_open << " runs open, " << is.most_journal << " records in a journal, " << is.most_alerts
                      << " alerts kept; " << most_memory_mb() << " MB, " << took_s << " s");
-  for (const std::string& trouble : hall.troubles) MESSAGE(trouble);
+  for (const std::string& row : hall.errors) MESSAGE(row);
   CHECK(is.lost == 0);
   CHECK(is.twice == 0);
   CHECK(is.nameless == 0);

@@ -45,10 +45,10 @@ void C3Faults::restart() {
   text_.clear();
 }
 
-void C3Faults::report(const std::string& text, const char* cause, bool is_news, Now now, const DriverOut& out) {
-  if (is_news) told_ = now.mono;
+void C3Faults::report(const std::string& text, const char* cause, bool is_new, Now now, const DriverOut& out) {
+  if (is_new) told_ = now.mono;
   FaultSaid fault = read_fault_text(text, capabilities_, cause);
-  fault.is_news = is_news;
+  fault.is_new = is_new;
   out.emit(std::move(fault));
 }
 

@@ -25,7 +25,7 @@ class C3Faults {
   void restart();
 
  private:
-  void report(const std::string& text, const char* cause, bool is_news, Now now, const DriverOut& out);
+  void report(const std::string& text, const char* cause, bool is_new, Now now, const DriverOut& out);
 
   std::vector<std::string> capabilities_;
   bool stopped_ = false;

@@ -17,7 +17,7 @@ struct C3Ask {
   C3Purpose purpose{};
   std::string variable;
   std::optional<std::string> value;  ///< written; none: read
-  std::uint64_t about = 0;           ///< the asker's own mark
+  std::uint64_t about = 0;           ///< the requester's own mark
 };
 
 /// event          | what follows

@@ -33,7 +33,7 @@ class C3Values {
   void on_request(const C3Link::Answer& answer, const DriverOut& out);
   /// A new connection: what is wrong with a value is told again.
   void restart() { told_bad_.clear(); }
-  /// The connection is lost. The askers are told by LinkDown.
+  /// The connection is lost. The requesters are told by LinkDown.
   void drop_asked() { asked_.clear(); }
 
  private:

@@ -220,11 +220,11 @@ void HttpJsonDriver::on_answer(const HttpAnswer& answer, Now now, const DriverOu
 }
 
 void HttpJsonDriver::on_poll(const HttpAnswer& answer, Now now, const DriverOut& out) {
-  const HttpPoll::News news = poll_.on_answer(answer, now);
-  for (const Error& problem : news.problems) {
+  const HttpPoll::Changes changes = poll_.on_answer(answer, now);
+  for (const Error& problem : changes.problems) {
     out.emit(FaultSaid{"", Severity::warning, problem.what + "; " + problem.hint});
   }
-  if (news.values) out.emit(ValuesHeard{});
+  if (changes.values) out.emit(ValuesHeard{});
 }
 
 void HttpJsonDriver::on_step(const HttpAnswer& answer, const DriverOut& out) {
@@ -264,7 +264,7 @@ void HttpJsonDriver::on_refused(const Job& job, Error error, const DriverOut& ou
   if (job.purpose != Purpose::release) say_would_not_stop(error, out);
 }
 
-/// Its asker is told at its deadline that nothing was confirmed; everybody else must know at once.
+/// Its requester is told at its deadline that nothing was confirmed; everybody else must know at once.
 void HttpJsonDriver::say_would_not_stop(const Error& error, const DriverOut& out) {
   out.emit(FaultSaid{"", Severity::critical, "the robot refused to stop: " + error.what, kWouldNotStop, false});
 }

@@ -47,19 +47,19 @@ std::optional<std::string> HttpPoll::next(const Remembered& remembered, Now now)
   return std::nullopt;
 }
 
-HttpPoll::News HttpPoll::on_answer(const HttpAnswer& answer, Now now) {
-  News news;
+HttpPoll::Changes HttpPoll::on_answer(const HttpAnswer& answer, Now now) {
+  Changes changes;
   const Group& group = groups_[at_];
   const std::string what = "GET " + group.path.text();
   const auto json = answer.good() ? parse_json(answer.body) : Result<Value>(http_refusal(what, answer));
-  for (const auto& [name, parts] : group.values) take(name, parts, json, now, news);
+  for (const auto& [name, parts] : group.values) take(name, parts, json, now, changes);
   advance(now);
-  return news;
+  return changes;
 }
 
 void HttpPoll::take(const std::string& name, const std::vector<HttpQuestion::Part>& parts, const Result<Value>& json,
-                    Now now, News& news) {
-  if (!json) return lose(name, fail(Errc::robot_error, name + ": " + json.error().what, json.error().hint), news);
+                    Now now, Changes& changes) {
+  if (!json) return lose(name, fail(Errc::robot_error, name + ": " + json.error().what, json.error().hint), changes);
   RobotValue value{{}, "", now.mono};
   Value::List all;
   for (const HttpQuestion::Part& part : parts) {
@@ -68,7 +68,7 @@ void HttpPoll::take(const std::string& name, const std::vector<HttpQuestion::Par
       return lose(
           name,
           fail(Errc::robot_error, name + ": the answer has no " + part.pointer, "correct the pointer in commands.json"),
-          news);
+          changes);
     }
     if (const auto number = number_of(*at, part)) value.numbers.push_back(*number);
     all.push_back(*at);
@@ -77,14 +77,14 @@ void HttpPoll::take(const std::string& name, const std::vector<HttpQuestion::Par
   if (value.numbers.size() != parts.size()) value.numbers.clear();
   value.json = dump_json(parts.size() == 1 ? all.front() : Value{std::move(all)});
   known_[name] = {std::move(value), {}};
-  news.values = true;
+  changes.values = true;
 }
 
-void HttpPoll::lose(const std::string& name, const Error& problem, News& news) {
+void HttpPoll::lose(const std::string& name, const Error& problem, Changes& changes) {
   Known& known = known_[name];
   const bool is_new = !known.problem || known.problem->what != problem.what;
   known = {{}, problem};
-  if (is_new) news.problems.push_back(problem);
+  if (is_new) changes.problems.push_back(problem);
 }
 
 void HttpPoll::forget(std::string_view name) {

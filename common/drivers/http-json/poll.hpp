@@ -18,7 +18,7 @@ class HttpPoll {
     std::optional<RobotValue> value;
     std::optional<Error> problem;  ///< why it is not told
   };
-  struct News {
+  struct Changes {
     bool values = false;
     std::vector<Error> problems;  ///< each is told once, until the value is heard again
   };
@@ -32,7 +32,7 @@ class HttpPoll {
   /// The next path of the round; none: nothing of the round can be asked for yet, and it is over.
   std::optional<std::string> next(const Remembered& remembered, Now now);
   /// The answer to next().
-  News on_answer(const HttpAnswer& answer, Now now);
+  Changes on_answer(const HttpAnswer& answer, Now now);
   /// What depends on that name is not known any more: it is another one's from now on.
   void forget(std::string_view name);
   /// None: it is not asked for, or not told yet.
@@ -44,8 +44,8 @@ class HttpPoll {
     std::map<std::string, std::vector<HttpQuestion::Part>> values;  ///< by name
   };
   void take(const std::string& name, const std::vector<HttpQuestion::Part>& parts, const Result<Value>& json, Now now,
-            News& news);
-  void lose(const std::string& name, const Error& problem, News& news);
+            Changes& changes);
+  void lose(const std::string& name, const Error& problem, Changes& changes);
   void advance(Now now);
 
   Duration period_;

@@ -183,11 +183,11 @@ void ModbusDriver::on_bytes(Channel channel, BytesView bytes, Now now, const Dri
 }
 
 void ModbusDriver::on_poll(const ModbusAnswer& answer, Now now, const DriverOut& out) {
-  const ModbusPoll::News news = poll_.on_answer(answer, now);
-  for (const Error& problem : news.problems) {
+  const ModbusPoll::Changes changes = poll_.on_answer(answer, now);
+  for (const Error& problem : changes.problems) {
     out.emit(FaultSaid{"", Severity::warning, problem.what + "; " + problem.hint});
   }
-  if (news.values) out.emit(ValuesHeard{});
+  if (changes.values) out.emit(ValuesHeard{});
 }
 
 void ModbusDriver::on_write(const ModbusAnswer& answer, const DriverOut& out) {
@@ -215,7 +215,7 @@ void ModbusDriver::on_exception(const Job& job, std::uint8_t exception, const Dr
   if (job.done > 0) error.what += "; the " + std::to_string(job.done) + " writes before it were done";
   if (job.purpose == Purpose::command) return out.emit(Refused{job.token, error});
   out.refuse("robot_error", error.text());
-  // Its asker is told at its deadline that nothing was confirmed; everybody else must know at once.
+  // Its requester is told at its deadline that nothing was confirmed; everybody else must know at once.
   if (job.purpose != Purpose::release) {
     out.emit(FaultSaid{"", Severity::critical, "the device refused to stop: " + error.what, kWouldNotStop, false});
   }

@@ -51,16 +51,16 @@ ModbusCall ModbusPoll::call() const {
   return {false, first.kind, first.address, block.count, {}};
 }
 
-ModbusPoll::News ModbusPoll::on_answer(const ModbusAnswer& answer, Now now) {
-  News news;
+ModbusPoll::Changes ModbusPoll::on_answer(const ModbusAnswer& answer, Now now) {
+  Changes changes;
   const Block& block = blocks_[at_];
   if (answer.exception != 0 && block.items.size() > 1) {
     split(block);  // one of them is at fault: each is asked for alone from now on
-    return news;
+    return changes;
   }
-  if (!probes_) take(block, answer, now, news);
+  if (!probes_) take(block, answer, now, changes);
   advance(now);
-  return news;
+  return changes;
 }
 
 void ModbusPoll::split(Block block) {
@@ -70,12 +70,12 @@ void ModbusPoll::split(Block block) {
   blocks_.insert(blocks_.begin() + static_cast<std::ptrdiff_t>(at_), singles.begin(), singles.end());
 }
 
-void ModbusPoll::take(const Block& block, const ModbusAnswer& answer, Now now, News& news) {
+void ModbusPoll::take(const Block& block, const ModbusAnswer& answer, Now now, Changes& changes) {
   const std::uint16_t first = block.items.front().place.address;
   for (const Item& item : block.items) {
     const std::string meant = item.name + " (" + to_text(item.place) + ")";
     if (answer.exception != 0) {
-      lose(item, modbus_exception(answer.exception, meant), news);
+      lose(item, modbus_exception(answer.exception, meant), changes);
       continue;
     }
     const auto begin = static_cast<std::size_t>(item.place.address - first);
@@ -85,19 +85,19 @@ void ModbusPoll::take(const Block& block, const ModbusAnswer& answer, Now now, N
     }
     const auto number = modbus_number(item.place, words);
     if (!number) {
-      lose(item, fail(Errc::robot_error, item.name + ": " + number.error().what, number.error().hint), news);
+      lose(item, fail(Errc::robot_error, item.name + ": " + number.error().what, number.error().hint), changes);
       continue;
     }
     known_[item.name] = {RobotValue{{*number}, json_of(item.place, *number), now.mono}, {}};
-    news.values = true;
+    changes.values = true;
   }
 }
 
-void ModbusPoll::lose(const Item& item, const Error& problem, News& news) {
+void ModbusPoll::lose(const Item& item, const Error& problem, Changes& changes) {
   Known& known = known_[item.name];
   const bool is_new = !known.problem || known.problem->what != problem.what;
   known = {{}, problem};
-  if (is_new) news.problems.push_back(problem);
+  if (is_new) changes.problems.push_back(problem);
 }
 
 void ModbusPoll::advance(Now now) {

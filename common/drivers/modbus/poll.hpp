@@ -18,7 +18,7 @@ class ModbusPoll {
     std::optional<RobotValue> value;
     std::optional<Error> problem;  ///< why it is not told
   };
-  struct News {
+  struct Changes {
     bool values = false;
     std::vector<Error> problems;  ///< each is told once, until the value is heard again
   };
@@ -33,7 +33,7 @@ class ModbusPoll {
   /// The next one of the round.
   [[nodiscard]] ModbusCall call() const;
   /// The answer to call().
-  News on_answer(const ModbusAnswer& answer, Now now);
+  Changes on_answer(const ModbusAnswer& answer, Now now);
 
   /// None: it is not asked for, or not told yet.
   [[nodiscard]] const Known* find(std::string_view name) const;
@@ -51,8 +51,8 @@ class ModbusPoll {
 
   static bool continues(const Block& block, const ModbusPlace& place);
   void split(Block block);
-  void take(const Block& block, const ModbusAnswer& answer, Now now, News& news);
-  void lose(const Item& item, const Error& problem, News& news);
+  void take(const Block& block, const ModbusAnswer& answer, Now now, Changes& changes);
+  void lose(const Item& item, const Error& problem, Changes& changes);
   void advance(Now now);
 
   Duration period_;

@@ -238,7 +238,7 @@ void RapidDriver::on_down(Channel channel, const std::string& reason, Now, const
     turn_.reset();
   }
   lost_by_.reset();
-  asked_.clear();  // their askers are told at LinkDown
+  asked_.clear();  // their requesters are told at LinkDown
   drop_all(fail(Errc::robot_offline, "the connection to the robot's RAPID server was lost: " + reason,
                 "look at the robot's power and network"),
            out);

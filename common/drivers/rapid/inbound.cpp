@@ -111,7 +111,7 @@ void RapidDriver::end_job(bool well, const std::string& text, Now now, const Dri
 
 void RapidDriver::on_turn(const RapidPort::Answer& answer, Now now, const DriverOut& out) {
   if (!turn_ || turn_->ticket != answer.ask.about) return;
-  // What the robot does not confirm stays open: its asker is told so at the deadline.
+  // What the robot does not confirm stays open: its requester is told so at the deadline.
   if (!answer.answer.ok)
     return out.refuse("robot_error", "the robot refuses to stop or go on: " + reason_of(answer.answer));
   if (--turn_->unanswered == 0) confirm_turn(true, now, out);
@@ -144,13 +144,13 @@ void RapidDriver::on_state(const RapidAnswer& answer, Now now, const DriverOut& 
   const bool motors = answer.numbers[2] != 0;
   const std::string text = behind(answer.text, kStateNumbers);
   const std::string error = answer.numbers[3] == 0 ? std::string() : text.empty() ? behind(answer.text, 3) : text;
-  const bool news = error != error_;
+  const bool is_new = error != error_;
   const bool went_off = motors_ && !motors;
   motors_ = motors;
   error_ = error;
   if (error.empty()) out.emit(FaultOver{kError});
   if (motors) out.emit(FaultOver{kMotors});
-  if (news && !error.empty()) out.emit(read_fault_text(error, capabilities_, kError));
+  if (is_new && !error.empty()) out.emit(read_fault_text(error, capabilities_, kError));
   if (went_off && error.empty()) out.emit(FaultSaid{"", Severity::critical, "the robot's motors went off", kMotors});
   // A person may switch them on again: what has not ended by itself must not go on then.
   if (went_off && current_) lost_by_ = now.mono + kLossTime;

@@ -15,7 +15,7 @@ struct RapidAsk {
   RapidPurpose purpose{};
   int code = 0;
   std::string text;
-  std::uint64_t about = 0;  ///< the asker's own mark
+  std::uint64_t about = 0;  ///< the requester's own mark
   MonotonicTime sent_at;
 };
 

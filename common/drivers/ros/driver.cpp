@@ -219,7 +219,7 @@ void RosDriver::on_failed(std::uint64_t key, const Pending& pending, const Bridg
     return out.emit(Refused{pending.token, error});
   }
   if (pending.purpose == Purpose::watch) requests_.find(pending.subtype)->second.watch = 0;
-  // A stop or release that nobody took stays unanswered: its asker is told so at its deadline.
+  // A stop or release that nobody took stays unanswered: its requester is told so at its deadline.
   out.refuse("bridge", pending.subtype + ": " + error.text());
 }
 

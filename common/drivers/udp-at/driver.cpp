@@ -76,9 +76,9 @@ Status AtDriver::check_state(const std::vector<AtOrder>& orders) const {
   for (const AtOrder& order : orders) {
     const bool flies = order.action == AtAction::hover || order.action == AtAction::move;
     if ((flies || order.action == AtAction::take_off) && drone_.has(kArEmergency)) {
-      const std::string troubles = ar_troubles(drone_.state);
+      const std::string problems = ar_problems(drone_.state);
       return fail(
-          Errc::robot_error, "the drone's motors are cut" + (troubles.empty() ? "" : " (" + troubles + ")"),
+          Errc::robot_error, "the drone's motors are cut" + (problems.empty() ? "" : " (" + problems + ")"),
           "look at the drone, then trb send " + own_id_ + " command " + (recover_.empty() ? "recover" : recover_));
     }
     if (flies && !drone_.airborne()) {
@@ -240,14 +240,14 @@ void AtDriver::tell_faults(const ArNavdata& drone, const DriverOut& out) {
   const std::uint32_t risen = drone.state & ~known_faults_;
   known_faults_ = drone.state;
   const bool cut = (risen & kArEmergency) != 0;
-  const std::string troubles = ar_troubles(drone.state);
+  const std::string problems = ar_problems(drone.state);
   for (const ArFault& fault : ar_faults()) {
     if ((drone.state & fault.bit) == 0) out.emit(FaultOver{std::string(fault.name)});
   }
   for (const ArFault& fault : ar_faults()) {
     if ((risen & fault.bit) == 0) continue;
     std::string text(fault.text);
-    if (fault.bit == kArEmergency && !troubles.empty()) text += " (" + troubles + ")";
+    if (fault.bit == kArEmergency && !problems.empty()) text += " (" + problems + ")";
     if (fault.bit == kArBatteryLow) text += ": " + std::to_string(drone.demo->battery) + " %";
     out.emit(FaultSaid{"", fault.severity, std::move(text), std::string(fault.name)});
     if (cut) return;  // its causes are in its text

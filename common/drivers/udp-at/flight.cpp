@@ -18,9 +18,9 @@ constexpr double kDefaultMotion_s = 1;
 constexpr double kStanding_m_s = 0.1;
 
 std::string why(const std::string& what, const ArNavdata& drone) {
-  const std::string troubles = ar_troubles(drone.state);
+  const std::string problems = ar_problems(drone.state);
   const std::string battery = drone.demo ? " (battery " + std::to_string(drone.demo->battery) + " %)" : "";
-  return what + battery + (troubles.empty() ? "" : ": " + troubles);
+  return what + battery + (problems.empty() ? "" : ": " + problems);
 }
 
 }  // namespace

@@ -115,7 +115,7 @@ const std::vector<ArFault>& ar_faults() {
   return faults;
 }
 
-std::string ar_troubles(std::uint32_t state) {
+std::string ar_problems(std::uint32_t state) {
   std::string out;
   for (const ArFault& fault : ar_faults()) {
     if ((state & fault.bit) == 0 || fault.bit == kArEmergency) continue;

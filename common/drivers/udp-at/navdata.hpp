@@ -74,6 +74,6 @@ struct ArFault {
 const std::vector<ArFault>& ar_faults();
 
 /// What is wrong with the drone, for a person: "cutout, battery low"; the emergency itself is not named. May be empty.
-std::string ar_troubles(std::uint32_t state);
+std::string ar_problems(std::uint32_t state);
 
 }  // namespace trb::drivers

@@ -144,10 +144,10 @@ class Doctor {
 
   /// The router is asked, too: that this node is revoked stands in no file of its folder.
   void own_membership(const std::string& id) {
-    for (const LinkTrouble& trouble : seen_.troubles.troubles) {
-      const bool own = trouble.peer == id && trouble.code.starts_with("own.");
-      const Cause* cause = own ? cause_of(trouble.code.substr(4)) : nullptr;
-      if (cause != nullptr) problem(cause->cause, id, trouble.text, std::string(cause->hint));
+    for (const LinkErrorRow& row : seen_.errors.errors) {
+      const bool own = row.peer == id && row.code.starts_with("own.");
+      const Cause* cause = own ? cause_of(row.code.substr(4)) : nullptr;
+      if (cause != nullptr) problem(cause->cause, id, row.text, std::string(cause->hint));
     }
   }
 
@@ -164,7 +164,7 @@ class Doctor {
       return;
     }
     if (!is_asked(route.id, route.address)) return;
-    troubles_of(route.id, route.address, route.state == "ONLINE");
+    errors_of(route.id, route.address, route.state == "ONLINE");
     if (self != nullptr && !route.version.empty() && route.version != self->version) {
       note("versions_apart", route.id, "it runs " + route.version + ", this node " + self->version,
            "install the same release on both");
@@ -205,50 +205,49 @@ class Doctor {
   }
 
   /// What the router wrote down; true if that names a cause.
-  bool troubles_of(const std::string& id, const std::string& address, bool online) {
+  bool errors_of(const std::string& id, const std::string& address, bool online) {
     bool named = false;
-    for (const LinkTrouble& trouble : seen_.troubles.troubles) {
-      const bool of_it = (!id.empty() && trouble.peer == id) || (!address.empty() && trouble.address == address);
-      if (!of_it || (online && trouble.code != "clock_off" && trouble.last_s > kRecent)) continue;
-      named = tell(trouble, id.empty() ? address : id, online) || named;
+    for (const LinkErrorRow& row : seen_.errors.errors) {
+      const bool of_it = (!id.empty() && row.peer == id) || (!address.empty() && row.address == address);
+      if (!of_it || (online && row.code != "clock_off" && row.last_s > kRecent)) continue;
+      named = tell(row, id.empty() ? address : id, online) || named;
     }
     if (named) named_.insert(id.empty() ? address : id);
     return named;
   }
 
-  bool tell(const LinkTrouble& trouble, const std::string& subject, bool online) {
-    if (trouble.code == "refused_us") {
-      const Cause* cause = cause_of(trouble.text);
+  bool tell(const LinkErrorRow& row, const std::string& subject, bool online) {
+    if (row.code == "refused_us") {
+      const Cause* cause = cause_of(row.text);
       if (cause == nullptr) {
-        problem("refused", subject, "it refuses this node: " + trouble.text, "see the log of its router");
+        problem("refused", subject, "it refuses this node: " + row.text, "see the log of its router");
       } else {
         problem(cause->cause, subject, "it refuses this node: by its view " + std::string(cause->what),
                 "seen from there: " + std::string(cause->hint));
       }
       return true;
     }
-    if (trouble.code == "refused_key") {
+    if (row.code == "refused_key") {
       problem("refused", subject, "its router does not let this node's key in (revoked, or refused a moment ago)",
               "see trb service counters router there: refused.*");
       return true;
     }
-    const Cause* cause = cause_of(trouble.code);
+    const Cause* cause = cause_of(row.code);
     if (cause == nullptr) return false;
     add(online ? Weight::note : Weight::problem, cause->cause, subject,
-        cause->what.empty() ? trouble.text : std::string(cause->what) + " (" + trouble.text + ")",
-        std::string(cause->hint));
+        cause->what.empty() ? row.text : std::string(cause->what) + " (" + row.text + ")", std::string(cause->hint));
     return true;
   }
 
   /// Whether a dial came as far as a machine that speaks ZMTP and ended there.
   bool fails_at_handshake(const std::string& id, const std::string& address) const {
-    return std::any_of(seen_.troubles.troubles.begin(), seen_.troubles.troubles.end(), [&](const LinkTrouble& t) {
+    return std::any_of(seen_.errors.errors.begin(), seen_.errors.errors.end(), [&](const LinkErrorRow& t) {
       const bool of_it = (!id.empty() && t.peer == id) || t.address == address;
       return of_it && (t.code == "failed" || t.code == "wrong_server_key" || t.code == "disconnected");
     });
   }
   bool says_no_hello(const std::string& id, const std::string& address) const {
-    return std::any_of(seen_.troubles.troubles.begin(), seen_.troubles.troubles.end(), [&](const LinkTrouble& t) {
+    return std::any_of(seen_.errors.errors.begin(), seen_.errors.errors.end(), [&](const LinkErrorRow& t) {
       return ((!id.empty() && t.peer == id) || t.address == address) && t.code == "no_hello";
     });
   }
@@ -308,15 +307,15 @@ class Doctor {
                                      [&](const Route& route) { return route.address == probe.address; });
       if (!probe.seed || known || !is_asked(probe.address, probe.address)) continue;
       if (linked_by_seed(probe.address)) continue;
-      troubles_of("", probe.address, false);
+      errors_of("", probe.address, false);
       unreached("", probe.address);
     }
   }
 
   /// A seed may name a node by another address than the node tells: then no trouble is left once it is linked.
   bool linked_by_seed(const std::string& address) const {
-    return std::none_of(seen_.troubles.troubles.begin(), seen_.troubles.troubles.end(),
-                        [&](const LinkTrouble& trouble) { return trouble.address == address; });
+    return std::none_of(seen_.errors.errors.begin(), seen_.errors.errors.end(),
+                        [&](const LinkErrorRow& row) { return row.address == address; });
   }
 
   void asked() {
@@ -325,7 +324,7 @@ class Doctor {
       return route.id == seen_.asked || route.address == seen_.asked;
     });
     if (known) return;
-    if (troubles_of(seen_.asked, "", false)) return;  // one that is revoked has no row in the table
+    if (errors_of(seen_.asked, "", false)) return;  // one that is revoked has no row in the table
     const AddressProbe* probe = probe_of(seen_.asked);
     if (probe == nullptr) {
       return problem("never_heard", seen_.asked, "no node of that id was ever heard of here",
@@ -343,18 +342,18 @@ class Doctor {
 
   void strangers() {
     if (!seen_.asked.empty()) return;
-    for (const LinkTrouble& trouble : seen_.troubles.troubles) {
-      if (trouble.last_s > kRecent || !trouble.address.empty() || find(trouble.peer) != nullptr) continue;
-      const bool beacon = trouble.code.starts_with("beacon.");
-      const std::string code = beacon ? trouble.code.substr(7) : trouble.code;
-      const std::string subject = trouble.peer.empty() ? beacon ? "a beacon" : "a stranger" : trouble.peer;
+    for (const LinkErrorRow& row : seen_.errors.errors) {
+      if (row.last_s > kRecent || !row.address.empty() || find(row.peer) != nullptr) continue;
+      const bool beacon = row.code.starts_with("beacon.");
+      const std::string code = beacon ? row.code.substr(7) : row.code;
+      const std::string subject = row.peer.empty() ? beacon ? "a beacon" : "a stranger" : row.peer;
       if (beacon && code == "wrong_key") {
         note("old_beacon_key", subject, "made with another beacon key: a node that was off when the key was changed",
              "it learns the new key by any link; name a seed in its node.json, or sign it again");
       } else if (const Cause* cause = cause_of(code)) {
         // A named node that is kept out is a problem for somebody; an unnamed one may be no business of this fleet.
-        add(trouble.peer.empty() ? Weight::note : Weight::problem, cause->cause, subject,
-            std::string(cause->what) + " (" + trouble.text + ")", std::string(cause->hint));
+        add(row.peer.empty() ? Weight::note : Weight::problem, cause->cause, subject,
+            std::string(cause->what) + " (" + row.text + ")", std::string(cause->hint));
       }
     }
   }

@@ -65,7 +65,7 @@ struct Observed {
   RouteTable routes;
   RunTable runs;  ///< how many the scheduler has and takes; open_max 0: it has not said
   ServiceTable services;
-  LinkTroubles troubles;
+  LinkErrorTable errors;
   std::vector<AddressProbe> addresses;
   std::vector<EchoProbe> echoes;
   RobotProbe robot;

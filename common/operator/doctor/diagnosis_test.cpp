@@ -46,8 +46,8 @@ struct Ant {
     seen.echoes.clear();
     way().port = port;
   }
-  void trouble(const std::string& peer, const std::string& code, const std::string& text, const std::string& at = "") {
-    seen.troubles.troubles.push_back({peer, at, code, text, 3, 1.0});
+  void row(const std::string& peer, const std::string& code, const std::string& text, const std::string& at = "") {
+    seen.errors.errors.push_back({peer, at, code, text, 3, 1.0});
   }
   void add_seed(const std::string& address, Port port, bool own_subnet = true) {
     seen.addresses.push_back({address, true, own_subnet, port, LargeDatagram::not_known});
@@ -83,7 +83,7 @@ TEST_CASE("a node that is well has nothing to tell") {
 TEST_CASE("a wrong key in a seed looks like a router that answers and a handshake that fails") {
   Ant ant;
   ant.add_seed("10.0.0.9:45000", Port::zmtp);
-  ant.trouble("", "failed", "", "10.0.0.9:45000");
+  ant.row("", "failed", "", "10.0.0.9:45000");
   check_only(ant.seen, "wrong_key", "10.0.0.9:45000");
 }
 
@@ -99,27 +99,27 @@ TEST_CASE("certificates: ended, ending soon, revoked, of another fleet") {
   for (const std::string code : {"cert_expired", "cert_revoked", "foreign_fleet", "bad_signature"}) {
     Ant theirs;
     theirs.lose_bee(Port::zmtp);
-    theirs.trouble("bee", code, "text");
+    theirs.row("bee", code, "text");
     check_only(theirs.seen, code, "bee");
     Ant ours;
     ours.lose_bee(Port::zmtp);
-    ours.trouble("bee", "refused_us", code);
+    ours.row("bee", "refused_us", code);
     check_only(ours.seen, code, "bee");
   }
 }
 
 TEST_CASE("a revoked certificate is named: this node's by its router, another's though it has no row any more") {
   Ant own;
-  own.trouble("ant", "own.cert_revoked", "this node's certificate is revoked: stolen");
+  own.row("ant", "own.cert_revoked", "this node's certificate is revoked: stolen");
   check_only(own.seen, "cert_revoked", "ant");
   CHECK(diagnose(own.seen)[0].what == "this node's certificate is revoked: stolen");
   Ant other;
-  other.trouble("cat", "cert_revoked", "by list 1: stolen");
+  other.row("cat", "cert_revoked", "by list 1: stolen");
   check_only(other.seen, "cert_revoked", "cat");
   other.seen.asked = "cat";
   check_only(other.seen, "cert_revoked", "cat");
   Ant lied_to;  // a stranger may say Hello by any name
-  lied_to.trouble("ant", "cert_revoked", "certificate of 'ant' (serial 1) is revoked by list 1");
+  lied_to.row("ant", "cert_revoked", "certificate of 'ant' (serial 1) is revoked by list 1");
   CHECK(diagnose(lied_to.seen).empty());
 }
 
@@ -128,7 +128,7 @@ TEST_CASE("a clock that is off is named, this node's own and another's") {
   own.seen.now = {kNow - 30 * kDay};
   check_only(own.seen, "clock_off", "ant");
   Ant other;
-  other.trouble("bee", "clock_off", "its clock is 3600 s away");
+  other.row("bee", "clock_off", "its clock is 3600 s away");
   const auto findings = diagnose(other.seen);
   REQUIRE(find(findings, "clock_off", "bee") != nullptr);
   CHECK(find(findings, "clock_off", "bee")->what == "its clock is 3600 s away");
@@ -141,7 +141,7 @@ TEST_CASE("versions apart: a note while a link is up, a problem when none can be
   CHECK(diagnose(linked.seen)[0].cause == "versions_apart");
   Ant apart;
   apart.lose_bee(Port::zmtp);
-  apart.trouble("bee", "version_mismatch", "version 2");
+  apart.row("bee", "version_mismatch", "version 2");
   check_only(apart.seen, "versions_apart", "bee");
 }
 
@@ -175,7 +175,7 @@ TEST_CASE("another subnet without a seed: asked for by address, without a route,
 TEST_CASE("a one-way link is told apart from silence") {
   Ant ant;
   ant.lose_bee(Port::no_answer);
-  ant.trouble("bee", "one_way", "not heard by the other side for a lease");
+  ant.row("bee", "one_way", "not heard by the other side for a lease");
   check_only(ant.seen, "one_way", "bee");
 }
 
@@ -188,7 +188,7 @@ TEST_CASE("large messages that are lost mean the MTU: by datagrams, by echoes, b
   check_only(echoes.seen, "mtu", "bee");
   Ant hello;
   hello.lose_bee(Port::zmtp);
-  hello.trouble("bee", "no_hello", "no Hello in time");
+  hello.row("bee", "no_hello", "no Hello in time");
   check_only(hello.seen, "mtu", "bee");
 }
 
@@ -241,16 +241,16 @@ TEST_CASE("asked for one peer, the doctor leaves the others alone") {
 
 TEST_CASE("strangers: a named one that is kept out is a problem, a foreign beacon a note, an old event nothing") {
   Ant ant;
-  ant.trouble("dog", "foreign_fleet", "certificate of 'dog' is of another fleet");
-  ant.trouble("", "beacon.foreign_fleet", "beacon of another fleet");
-  ant.trouble("", "beacon.wrong_key", "beacon under another key number");
+  ant.row("dog", "foreign_fleet", "certificate of 'dog' is of another fleet");
+  ant.row("", "beacon.foreign_fleet", "beacon of another fleet");
+  ant.row("", "beacon.wrong_key", "beacon under another key number");
   const auto findings = diagnose(ant.seen);
   REQUIRE(findings.size() == 3);
   CHECK(findings[0].subject == "dog");
   CHECK(findings[0].weight == Weight::problem);
   CHECK(find(findings, "foreign_fleet", "a beacon")->weight == Weight::note);
   CHECK(find(findings, "old_beacon_key", "a beacon") != nullptr);
-  for (LinkTrouble& trouble : ant.seen.troubles.troubles) trouble.last_s = 1000;
+  for (LinkErrorRow& row : ant.seen.errors.errors) row.last_s = 1000;
   CHECK(diagnose(ant.seen).empty());
 }
 
@@ -259,14 +259,14 @@ TEST_CASE("a seed that is a host's name: a name server that is silent is named, 
   ant.add_seed("hub.example:45000", Port::not_tried);
   CHECK(diagnose(ant.seen).empty());  // linked: nothing is wrong with it
   SUBCASE("silent") {
-    ant.trouble("", "no_name", "the name server has not answered for hub.example yet: look", "hub.example:45000");
+    ant.row("", "no_name", "the name server has not answered for hub.example yet: look", "hub.example:45000");
     const auto findings = diagnose(ant.seen);
     const Finding* finding = find(findings, "no_name", "hub.example:45000");
     REQUIRE(finding != nullptr);
     CHECK(finding->what == "the name server has not answered for hub.example yet: look");
   }
   SUBCASE("found, but nobody there") {
-    ant.trouble("", "failed", "the dial ended before a Hello was heard", "hub.example:45000");
+    ant.row("", "failed", "the dial ended before a Hello was heard", "hub.example:45000");
     CHECK(find(diagnose(ant.seen), "no_answer", "hub.example:45000") != nullptr);
   }
 }

@@ -88,7 +88,7 @@ void observe_router(Session& session, Observed seen, const ObservedNext& next) {
   request_routes(session, RouterQuestions::into(all, &Observed::routes));
   session.ask_node<ServiceTable>(ServiceListRequest{}, RouterQuestions::into(all, &Observed::services));
   session.ask_node<RunTable>(RunListRequest{}, RouterQuestions::into(all, &Observed::runs));
-  session.ask_node<LinkTroubles>(LinkTroublesRequest{}, RouterQuestions::into(all, &Observed::troubles));
+  session.ask_node<LinkErrorTable>(LinkErrorTableRequest{}, RouterQuestions::into(all, &Observed::errors));
 }
 
 void observe_links(Session& session, Observed seen, const ObservedNext& next) {

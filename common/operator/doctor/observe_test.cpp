@@ -53,14 +53,14 @@ TEST_CASE("the router is asked for four tables; what it does not tell stays empt
   doctor.node.answer(ServiceTable{});
   doctor.node.take<RunListRequest>();
   doctor.node.refuse(Errc::robot_offline, "no scheduler");
-  doctor.node.take<LinkTroublesRequest>();
+  doctor.node.take<LinkErrorTableRequest>();
   CHECK_FALSE(doctor.seen);
   doctor.node.pass(kAnswerWait);
   REQUIRE(doctor.seen);
   CHECK(doctor.seen->answers);
   CHECK(doctor.seen->node == "ant");
   CHECK(doctor.seen->routes.routes.size() == 1);
-  CHECK(doctor.seen->troubles.troubles.empty());
+  CHECK(doctor.seen->errors.errors.empty());
 }
 
 TEST_CASE("each linked peer echoes small, then large; one that echoes nothing is asked for no more") {

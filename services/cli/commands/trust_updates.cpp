@@ -89,8 +89,8 @@ Result<bool> learn_from(Authority& authority, const std::string& dir, const std:
   if (via.empty()) return false;
   constexpr std::size_t kMost = 1U << 20U;
   auto bytes = read_file(via + "/state/news", kMost);
-  auto stored = bytes ? decode<FleetNews>(*bytes) : Result<FleetNews>(bytes.error());
-  FleetNews known = stored ? std::move(*stored) : FleetNews{};  // a damaged file is told anew by its peers
+  auto stored = bytes ? decode<TrustUpdate>(*bytes) : Result<TrustUpdate>(bytes.error());
+  TrustUpdate known = stored ? std::move(*stored) : TrustUpdate{};  // a damaged file is told anew by its peers
   if (auto own = read_certificate_file(via + "/keys/certificate.json")) known.certificates.push_back(own->certificate);
   auto learned = catch_up(authority, dir, known);
   if (learned && *learned) print_line("note: " + dir + " was older than what " + via + " knows; taken over from there");

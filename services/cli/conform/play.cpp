@@ -9,7 +9,7 @@
 namespace trb::cli::conform {
 namespace {
 
-constexpr const char* kAsker = "conform";
+constexpr const char* kRequester = "conform";
 constexpr std::array<const char*, 4> kHead = {"type", "subtype", "source", "size"};
 
 std::string short_seconds(Duration duration) {
@@ -53,8 +53,8 @@ bool same_numbers(const std::string& a, const std::string& b) {
   return left.eof() && !(right >> y) && right.eof();
 }
 
-std::string asker_of(const FieldChannel& channel, const std::string& own_id) {
-  if (channel.encoding == Encoding::text) return kAsker;
+std::string requester_of(const FieldChannel& channel, const std::string& own_id) {
+  if (channel.encoding == Encoding::text) return kRequester;
   for (const auto& [id, ignored] : channel.id_codes) {
     if (id != own_id) return id;
   }
@@ -67,7 +67,7 @@ Play::Play(RobotEnd& end, const Settings& settings)
     : end_(end),
       settings_(settings),
       words_(settings_.channel, settings_.own_id),
-      asker_(asker_of(settings_.channel, settings_.own_id)),
+      requester_(requester_of(settings_.channel, settings_.own_id)),
       cutter_(settings_.channel),
       collector_(words_, settings_.channel.framing == Framing::delay) {}
 
@@ -109,7 +109,7 @@ std::vector<std::string> Play::fields(const std::string& type, const std::string
     return {};
   }
   std::vector<std::string> out;
-  for (const std::string& field : {*words_.type(type), *word, *words_.id(asker_), std::to_string(data.size())}) {
+  for (const std::string& field : {*words_.type(type), *word, *words_.id(requester_), std::to_string(data.size())}) {
     out.push_back(framed(field, settings_.channel));
   }
   const bool unseen = delayed() && data.empty();
@@ -237,7 +237,7 @@ void Play::expect_order(Heard::Kind wanted, const std::string& word) {
 }
 
 void Play::expect_answer(const std::string& subtype, const std::string& data) {
-  const std::string to = asker_ == settings_.own_id ? "" : asker_;
+  const std::string to = requester_ == settings_.own_id ? "" : requester_;
   const std::string expected = name_of(Said{"information", subtype, to, data});
   while (going()) {
     const Heard heard = next(settings_.patience);
@@ -301,7 +301,7 @@ void Play::learn_how_it_answers() {
 
 void Play::expect_answers() {
   if (answers_ == Answers::not_asked) learn_how_it_answers();
-  if (answers_ == Answers::none) wrong("information " + settings_.echo + " to " + asker_, no_answer_);
+  if (answers_ == Answers::none) wrong("information " + settings_.echo + " to " + requester_, no_answer_);
   still_understands();
 }
 

@@ -101,7 +101,7 @@ class Play {
   RobotEnd& end_;
   Settings settings_;
   Words words_;
-  std::string asker_;  ///< whose messages they are
+  std::string requester_;  ///< whose messages they are
   Cutter cutter_;
   std::deque<Field> fields_;  ///< cut and not looked at yet
   Collector collector_;

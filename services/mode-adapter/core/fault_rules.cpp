@@ -54,55 +54,55 @@ FaultRules::FaultRules(const std::vector<FaultRule>& rules) {
   for (const FaultRule& rule : rules) watched_.push_back({&rule, false, {}, {}, {}, {}});
 }
 
-void FaultRules::on_value(std::string_view name, const RobotValue& value, Now now, FaultNews& news) {
+void FaultRules::on_value(std::string_view name, const RobotValue& value, Now now, FaultChanges& changes) {
   for (Watched& watched : watched_) {
     const FaultRule& rule = *watched.rule;
     if (rule.value != name) continue;
     if (rule.when == FaultWhen::changes) {
-      on_change(watched, value, now, news);
+      on_change(watched, value, now, changes);
       continue;
     }
     const Condition condition = rule.when == FaultWhen::equals
                                     ? (equals(rule.wanted, value) ? Condition::met : Condition::over)
                                     : judge_limit(rule, value.numbers);
     if (condition == Condition::met) watched.stands = said(rule, value);
-    if (condition == Condition::met && !watched.begun) begin(watched, value, now, news);
+    if (condition == Condition::met && !watched.begun) begin(watched, value, now, changes);
     if (condition == Condition::over) {
       watched.stands.reset();
       watched.begun = false;
       watched.waits.reset();
-      news.over.push_back({cause_of(rule)});
+      changes.over.push_back({cause_of(rule)});
     }
   }
 }
 
-void FaultRules::on_change(Watched& watched, const RobotValue& value, Now now, FaultNews& news) {
+void FaultRules::on_change(Watched& watched, const RobotValue& value, Now now, FaultChanges& changes) {
   const bool first = !watched.last;
   const bool changed = !first && *watched.last != value.json;
   watched.last = value.json;
   watched.stands.reset();
   if (is_nothing(value.json)) {
     watched.waits.reset();
-    return news.over.push_back({cause_of(*watched.rule)});
+    return changes.over.push_back({cause_of(*watched.rule)});
   }
   watched.stands = said(*watched.rule, value);
-  if (changed) return begin(watched, value, now, news);
+  if (changed) return begin(watched, value, now, changes);
   if (!first) return;
-  news.said.push_back(*watched.stands);
-  news.said.back().is_news = false;
+  changes.said.push_back(*watched.stands);
+  changes.said.back().is_new = false;
 }
 
-void FaultRules::begin(Watched& watched, const RobotValue& value, Now now, FaultNews& news) {
+void FaultRules::begin(Watched& watched, const RobotValue& value, Now now, FaultChanges& changes) {
   watched.begun = true;
   watched.waits = said(*watched.rule, value);
   if (!watched.quiet_until || now.mono >= *watched.quiet_until) watched.quiet_until = now.mono;
-  tick(now, news);
+  tick(now, changes);
 }
 
-void FaultRules::tick(Now now, FaultNews& news) {
+void FaultRules::tick(Now now, FaultChanges& changes) {
   for (Watched& watched : watched_) {
     if (!watched.waits || now.mono < *watched.quiet_until) continue;
-    news.said.push_back(std::move(*watched.waits));
+    changes.said.push_back(std::move(*watched.waits));
     watched.waits.reset();
     watched.quiet_until = now.mono + kQuiet;
   }

@@ -7,7 +7,7 @@
 namespace trb::adapter {
 
 /// What the values of one moment lead to.
-struct FaultNews {
+struct FaultChanges {
   std::vector<FaultSaid> said;
   std::vector<FaultOver> over;
 };
@@ -26,9 +26,9 @@ class FaultRules {
   /// The rules must outlive it.
   explicit FaultRules(const std::vector<FaultRule>& rules);
 
-  /// A value was heard; what it leads to is added to `news`.
-  void on_value(std::string_view name, const RobotValue& value, Now now, FaultNews& news);
-  void tick(Now now, FaultNews& news);
+  /// A value was heard; what it leads to is added to `changes`.
+  void on_value(std::string_view name, const RobotValue& value, Now now, FaultChanges& changes);
+  void tick(Now now, FaultChanges& changes);
   [[nodiscard]] std::optional<MonotonicTime> next_deadline() const;
   /// The fault that takes the capability (empty: any) now, told or not: CRITICAL or FATAL, by the value that was heard
   /// last.
@@ -48,8 +48,8 @@ class FaultRules {
     std::optional<MonotonicTime> quiet_until;
   };
 
-  void begin(Watched& watched, const RobotValue& value, Now now, FaultNews& news);
-  void on_change(Watched& watched, const RobotValue& value, Now now, FaultNews& news);
+  void begin(Watched& watched, const RobotValue& value, Now now, FaultChanges& changes);
+  void on_change(Watched& watched, const RobotValue& value, Now now, FaultChanges& changes);
 
   std::vector<Watched> watched_;
 };

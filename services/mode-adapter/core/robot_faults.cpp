@@ -25,28 +25,28 @@ RobotFaults::RobotFaults(RobotSide& robot, SkillDesk& desk, PersistOutOfUse keep
       book_(robot.settings.out_of_use, std::move(keep)) {}
 
 void RobotFaults::on_values(const Driver& mode, Now now, Outbox& out) {
-  FaultNews news;
+  FaultChanges changes;
   for (const FaultRule& rule : robot_.settings.description.faults) {
-    if (const RobotValue* value = mode.value(rule.value)) rules_.on_value(rule.value, *value, now, news);
+    if (const RobotValue* value = mode.value(rule.value)) rules_.on_value(rule.value, *value, now, changes);
   }
-  tell(news, now, out);
+  tell(changes, now, out);
 }
 
 void RobotFaults::on_value(std::string_view name, const RobotValue& value, Now now, Outbox& out) {
-  FaultNews news;
-  rules_.on_value(name, value, now, news);
-  tell(news, now, out);
+  FaultChanges changes;
+  rules_.on_value(name, value, now, changes);
+  tell(changes, now, out);
 }
 
 void RobotFaults::tick(Now now, Outbox& out) {
-  FaultNews news;
-  rules_.tick(now, news);
-  tell(news, now, out);
+  FaultChanges changes;
+  rules_.tick(now, changes);
+  tell(changes, now, out);
 }
 
-void RobotFaults::tell(const FaultNews& news, Now now, Outbox& out) {
-  for (const FaultOver& over : news.over) on_over(over, now, out);
-  for (const FaultSaid& fault : news.said) on_fault(fault, now, out);
+void RobotFaults::tell(const FaultChanges& changes, Now now, Outbox& out) {
+  for (const FaultOver& over : changes.over) on_over(over, now, out);
+  for (const FaultSaid& fault : changes.said) on_fault(fault, now, out);
 }
 
 std::optional<MonotonicTime> RobotFaults::next_deadline() const {
@@ -56,7 +56,7 @@ std::optional<MonotonicTime> RobotFaults::next_deadline() const {
 void RobotFaults::on_fault(const FaultSaid& fault, Now now, Outbox& out) {
   const std::string text = cut_utf8(fault.text, kMaxText);
   keep(fault, now, out);
-  if (!fault.is_news) return;
+  if (!fault.is_new) return;
   out.count("from_robot.robot_fault");
   out.log(LogLevel::warning, "robot_fault",
           fault.capability + " " + std::string(name_of(fault.severity)) + " " + fault.text);

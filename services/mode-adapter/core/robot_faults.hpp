@@ -42,7 +42,7 @@ class RobotFaults {
 
  private:
   void keep(const FaultSaid& fault, Now now, Outbox& out);
-  void tell(const FaultNews& news, Now now, Outbox& out);
+  void tell(const FaultChanges& changes, Now now, Outbox& out);
   void tell_end(const OutOfUse& ended, const std::string& text, Outbox& out);
   [[nodiscard]] Status may_take_out(const Inbound& message, const OutOfUse& what) const;
   Status returned(const TakeIntoUse& order, Outbox& out);

@@ -22,7 +22,7 @@ Result<std::optional<StreamOrder>> read_stream_order(BytesView data);
 
 class Streams {
  public:
-  /// One for each asker and subtype: asked for again, it is renewed. Errors: queue_full.
+  /// One for each requester and subtype: asked for again, it is renewed. Errors: queue_full.
   Status add(std::string_view subtype, std::string_view source, Driver& mode, const StreamOrder& order, Now now);
 
   /// Tells what that mode has heard since each was told last.

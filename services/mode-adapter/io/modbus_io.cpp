@@ -162,10 +162,10 @@ void ModbusIo::on_packet(BytesView packet) {
   }
   connection_ = 0;
   const std::string reason(rest);
-  const bool is_news = answered_ || reason != last_failure_;
+  const bool is_new = answered_ || reason != last_failure_;
   last_failure_ = reason;
   service_.step([&](Now at, Outbox& out) {
-    if (is_news) out.log(LogLevel::warning, answered_ ? "robot_lost" : "robot_not_reached", "modbus: " + reason);
+    if (is_new) out.log(LogLevel::warning, answered_ ? "robot_lost" : "robot_not_reached", "modbus: " + reason);
     core_.on_channel_down(Channel::command, reason, at, out);
   });
   answered_ = false;

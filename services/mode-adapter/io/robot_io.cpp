@@ -146,20 +146,20 @@ void RobotIo::hear(RobotConnection& connection, std::size_t size) {
 }
 
 /// A connection of datagrams is up as soon as it is dialled, and goes down again if nobody is there.
-bool RobotIo::is_news(const RobotConnection& connection, const std::string& reason) {
+bool RobotIo::is_new_reason(const RobotConnection& connection, const std::string& reason) {
   return connection.last_failure != reason || (connection.state == State::up && !connection.datagrams);
 }
 
 void RobotIo::go_down(RobotConnection& connection, const std::string& reason) {
   const bool was_up = connection.state == State::up;
-  const bool news = is_news(connection, reason);
+  const bool is_new = is_new_reason(connection, reason);
   close(connection);
   retry_later(connection);
-  if (!was_up && !news) return;
+  if (!was_up && !is_new) return;
   connection.last_failure = reason;
   service_.step([&](Now at, Outbox& out) {
     const char* const event = was_up ? "robot_lost" : "robot_not_reached";
-    if (news) out.log(LogLevel::warning, event, std::string(name_of(connection.channel)) + ": " + reason);
+    if (is_new) out.log(LogLevel::warning, event, std::string(name_of(connection.channel)) + ": " + reason);
     core_.on_channel_down(connection.channel, reason, at, out);
   });
 }
@@ -234,7 +234,7 @@ bool RobotIo::flush(RobotConnection& connection) {
 }
 
 void RobotIo::notice_loss(RobotConnection& connection, const std::string& reason) {
-  losses_.push_back({connection.channel, reason, is_news(connection, reason)});
+  losses_.push_back({connection.channel, reason, is_new_reason(connection, reason)});
   connection.last_failure = reason;
   close(connection);
   retry_later(connection);
@@ -244,7 +244,8 @@ void RobotIo::tell_losses() {
   const std::vector<Notice> losses = std::exchange(losses_, {});
   for (const Notice& loss : losses) {
     service_.step([&](Now at, Outbox& out) {
-      if (loss.news) out.log(LogLevel::warning, "robot_lost", std::string(name_of(loss.channel)) + ": " + loss.reason);
+      if (loss.is_new)
+        out.log(LogLevel::warning, "robot_lost", std::string(name_of(loss.channel)) + ": " + loss.reason);
       core_.on_channel_down(loss.channel, loss.reason, at, out);
     });
   }

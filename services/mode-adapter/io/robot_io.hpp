@@ -54,7 +54,7 @@ class RobotIo {
   struct Notice {
     Channel channel{};
     std::string reason;
-    bool news = true;  ///< worth a line of the log
+    bool is_new = true;  ///< worth a line of the log
   };
 
   RobotIo(const RobotIoSettings& settings, Service& service, ModeAdapterCore& core, Descriptor listener);
@@ -70,7 +70,7 @@ class RobotIo {
   void read(RobotConnection& connection);
   void read_datagram(RobotConnection& connection);
   void hear(RobotConnection& connection, std::size_t size);
-  static bool is_news(const RobotConnection& connection, const std::string& reason);
+  static bool is_new_reason(const RobotConnection& connection, const std::string& reason);
   void go_down(RobotConnection& connection, const std::string& reason);
   void close(RobotConnection& connection);
   void retry_later(RobotConnection& connection);

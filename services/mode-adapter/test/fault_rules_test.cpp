@@ -37,22 +37,22 @@ struct Watch {
 
   /// The texts that this value leads to.
   std::vector<std::string> hear(std::vector<double> numbers, const std::string& json) {
-    FaultNews news;
-    watch.on_value(rules[0].value, {std::move(numbers), json, now.mono}, now, news);
-    over += static_cast<int>(news.over.size());
-    return texts(news.said);
+    FaultChanges changes;
+    watch.on_value(rules[0].value, {std::move(numbers), json, now.mono}, now, changes);
+    over += static_cast<int>(changes.over.size());
+    return texts(changes.said);
   }
   std::vector<std::string> hear(double number) { return hear({number}, std::to_string(int(number))); }
   std::vector<std::string> wait(double time_s) {
-    FaultNews news;
+    FaultChanges changes;
     now.mono = now.mono + seconds(time_s);
-    watch.tick(now, news);
-    return texts(news.said);
+    watch.tick(now, changes);
+    return texts(changes.said);
   }
   static std::vector<std::string> texts(const std::vector<FaultSaid>& told) {
     std::vector<std::string> out;
     for (const FaultSaid& fault : told) {
-      if (fault.is_news) out.push_back(fault.text);
+      if (fault.is_new) out.push_back(fault.text);
     }
     return out;
   }

@@ -65,7 +65,7 @@ TEST_CASE("what the robot refuses is refused to the sender, once") {
   CHECK(bench.answer(7).empty());
 }
 
-TEST_CASE("a request is answered with the next that the robot says of it to its asker; the rest is information") {
+TEST_CASE("a request is answered with the next that the robot says of it to its requester; the rest is information") {
   UserMessagesBench bench;
   bench.send(MessageType::request, "position", 7);
   const Said said{MessageType::information, "position", "operator", "[1,2]"};

@@ -27,7 +27,7 @@ Result<Body> Answers::to_request(const Message& message, Now now) const {
     }
     if (message.subtype == ServiceListRequest::kSubtype) return Body{service_table(now)};
     if (message.subtype == RouterCountersRequest::kSubtype) return Body{counters_.table(node_.id())};
-    if (message.subtype == LinkTroublesRequest::kSubtype) return Body{errors_.table(node_.id(), now.mono)};
+    if (message.subtype == LinkErrorTableRequest::kSubtype) return Body{errors_.table(node_.id(), now.mono)};
     if (message.subtype == EchoRequest::kSubtype) {
       auto request = decode<EchoRequest>(message.data);
       if (!request) return request.error();

@@ -185,7 +185,7 @@ TEST_CASE("a Hello may tell any time: nothing overflows, and it is told as a clo
     REQUIRE(ant.link_to("bee") == 9);
     // A node without the time takes a relay's: of that one, too, it makes a time.
     Effects words;
-    const Neighbours told{{fleet.keys("cat").record}, {}};
+    const ReachablePeerList told{{fleet.keys("cat").record}, {}};
     ant.core->inbox().on_message(9, bee.link.public_key, make_message(MessageType::information, "bee", "ant", told), 2,
                                  fleet.now, words);
     for (int i = 1; i < 5; ++i) ant.core->tick({fleet.now.mono + Seconds(i), {0}}, words);

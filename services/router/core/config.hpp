@@ -50,7 +50,7 @@ struct RouterConfig {
   std::vector<std::string> services;  ///< that may claim subtypes
   bool beacon = true;
   bool relay = false;                 ///< relays, if its certificate has the right
-  FleetNews updates;                  ///< what the authority has signed before this start, the list first of all
+  TrustUpdate updates;                ///< what the authority has signed before this start, the list first of all
   UtcTime utc_bound;                  ///< a time that has certainly passed; of an earlier start
   bool seal_before_delivery = false;  ///< deliver what comes by a link only once its seal was checked
   Timing timing;
@@ -63,7 +63,7 @@ struct RouterConfig {
 /// From when on a person is told that a certificate ends.
 constexpr Duration kWarnBefore = std::chrono::hours(24 * 30);
 constexpr Duration kWarnEvery = std::chrono::hours(24);
-constexpr std::size_t kMaxUpdate = 516U * 1024U;  ///< of a FleetNews: the largest signed list, and what is around it
+constexpr std::size_t kMaxUpdate = 516U * 1024U;  ///< of a TrustUpdate: the largest signed list, and what is around it
 constexpr std::size_t kMaxCandidates = 32;
 constexpr std::size_t kMaxHelloSize = 4096;
 constexpr std::size_t kMaxPeers = 1024;

@@ -60,7 +60,7 @@ struct RefuseCandidate {
 /// What the authority said, to be on disk before what follows in the list is done; the beacon key of the list, if this
 /// node has a box in it, is used from then on. TrustUpdates::on_stored follows, for this and the next two.
 struct StoreUpdate {
-  FleetNews news;
+  TrustUpdate update;
   std::uint32_t beacon_number = 0;
   Bytes beacon_box;
 };

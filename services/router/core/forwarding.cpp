@@ -97,7 +97,7 @@ void Forwarding::on_bus_message(ConnectionId from, const Message& message, Now n
     at_.bus.answer(from, message, ServiceAliveSeen{at_.node.config().instance}, out);
   } else if (const auto* request = get_if<SignRequest>(&*body)) {
     at_.bus.sign_for(from, message, *request, out);
-  } else if (const auto* update = get_if<FleetNews>(&*body)) {
+  } else if (const auto* update = get_if<TrustUpdate>(&*body)) {
     at_.updates.on_bus_request(from, message, *update, now, out);
   } else if (const auto* profile = get_if<NodeProfile>(&*body)) {
     if (service == "mode-adapter") at_.profile.on_robot(*profile, now, out);

@@ -56,14 +56,14 @@ void LinkErrors::note_up(const Link& link, const Hello& hello, Now now) {
        now);
 }
 
-LinkTroubles LinkErrors::table(const std::string& node, MonotonicTime now) const {
-  LinkTroubles out{node, {}};
+LinkErrorTable LinkErrors::table(const std::string& node, MonotonicTime now) const {
+  LinkErrorTable out{node, {}};
   for (const auto& [key, row] : rows_) {
     const auto& [peer, address, code] = key;
-    out.troubles.push_back({peer, address, code, row.text, row.count, to_seconds(now - row.last)});
+    out.errors.push_back({peer, address, code, row.text, row.count, to_seconds(now - row.last)});
   }
-  std::stable_sort(out.troubles.begin(), out.troubles.end(),
-                   [](const LinkTrouble& a, const LinkTrouble& b) { return a.last_s < b.last_s; });
+  std::stable_sort(out.errors.begin(), out.errors.end(),
+                   [](const LinkErrorRow& a, const LinkErrorRow& b) { return a.last_s < b.last_s; });
   return out;
 }
 

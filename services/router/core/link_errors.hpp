@@ -28,7 +28,7 @@ class LinkErrors {
   /// A link is up. Clocks that are a minute apart make certificates and schedules fail before anybody sees why.
   void note_up(const Link& link, const Hello& hello, Now now);
   /// The newest first.
-  [[nodiscard]] LinkTroubles table(const std::string& node, MonotonicTime now) const;
+  [[nodiscard]] LinkErrorTable table(const std::string& node, MonotonicTime now) const;
 
  private:
   struct Row {

@@ -11,22 +11,22 @@ using Seconds = std::chrono::seconds;
 namespace {
 
 /// Asks as `trb doctor` does.
-LinkTroubles ask(TestFleet& fleet, TestNode& node) {
+LinkErrorTable ask(TestFleet& fleet, TestNode& node) {
   Effects effects;
   node.core->bus().on_hello(7, {"cli", {}, 1, 1, "1"}, kProbe, fleet.now, effects);
-  Message question = make_message(MessageType::request, node.id, node.id, LinkTroublesRequest{});
+  Message question = make_message(MessageType::request, node.id, node.id, LinkErrorTableRequest{});
   node.core->forwarding().on_bus_message(7, question, fleet.now, effects);
   for (const Effect& effect : effects.list) {
     const auto* send = std::get_if<BusSend>(&effect);
-    if (send == nullptr || send->message.subtype != LinkTroubles::kSubtype) continue;
-    return *decode<LinkTroubles>(send->message.data);
+    if (send == nullptr || send->message.subtype != LinkErrorTable::kSubtype) continue;
+    return *decode<LinkErrorTable>(send->message.data);
   }
   return {};
 }
 
-bool has(const LinkTroubles& table, const std::string& peer, const std::string& code) {
-  return std::any_of(table.troubles.begin(), table.troubles.end(),
-                     [&](const LinkTrouble& row) { return row.peer == peer && row.code == code; });
+bool has(const LinkErrorTable& table, const std::string& peer, const std::string& code) {
+  return std::any_of(table.errors.begin(), table.errors.end(),
+                     [&](const LinkErrorRow& row) { return row.peer == peer && row.code == code; });
 }
 
 }  // namespace
@@ -35,17 +35,17 @@ TEST_CASE("a peer that cannot be dialled is told of until a link to it is up") {
   TestFleet fleet;
   TestNode& ant = fleet.start("ant", {.beacon = false, .seeds = {"bee"}});
   fleet.run(Seconds(5));
-  const LinkTroubles down = ask(fleet, ant);
-  REQUIRE(down.troubles.size() == 1);
+  const LinkErrorTable down = ask(fleet, ant);
+  REQUIRE(down.errors.size() == 1);
   CHECK(down.node == "ant");
-  CHECK(down.troubles[0].code == "failed");
-  CHECK(down.troubles[0].count > 1);
-  CHECK(down.troubles[0].last_s < 3);
-  CHECK_FALSE(down.troubles[0].address.empty());
+  CHECK(down.errors[0].code == "failed");
+  CHECK(down.errors[0].count > 1);
+  CHECK(down.errors[0].last_s < 3);
+  CHECK_FALSE(down.errors[0].address.empty());
   fleet.start("bee", {.beacon = false});
   fleet.run(Seconds(5));
   REQUIRE(ant.link_to("bee") != 0);
-  CHECK(ask(fleet, ant).troubles.empty());
+  CHECK(ask(fleet, ant).errors.empty());
 }
 
 TEST_CASE("a one-way cut is told apart from silence") {
@@ -75,48 +75,48 @@ TEST_CASE("a cut both ways is silence on both sides") {
   fleet.heal();
   fleet.run(Seconds(5));
   REQUIRE(ant.link_to("bee") != 0);
-  CHECK(ask(fleet, ant).troubles.empty());
-  CHECK(ask(fleet, bee).troubles.empty());
+  CHECK(ask(fleet, ant).errors.empty());
+  CHECK(ask(fleet, bee).errors.empty());
 }
 
 TEST_CASE("what a link that comes up ends is its peer's and its address's trouble, and nobody else's") {
   const PeerTable none{RouterConfig{}};
-  LinkErrors troubles{none};
+  LinkErrors errors{none};
   const Now now{{1'000'000'000}, {}};
   const auto codes = [&] {
     std::string out;
-    for (const LinkTrouble& row : troubles.table("ant", now.mono).troubles) out += row.code;
+    for (const LinkErrorRow& row : errors.table("ant", now.mono).errors) out += row.code;
     return out;
   };
-  troubles.note("", "", "a", "", now);
-  troubles.note("", "host:1", "b", "", now);
-  troubles.note("bee", "", "c", "", now);
-  troubles.note("cat", "host:2", "d", "", now);
+  errors.note("", "", "a", "", now);
+  errors.note("", "host:1", "b", "", now);
+  errors.note("bee", "", "c", "", now);
+  errors.note("cat", "host:2", "d", "", now);
   CHECK(codes() == "abcd");  // of the same moment in the order of their names
-  troubles.recovered("", "");
+  errors.recovered("", "");
   CHECK(codes() == "abcd");
-  troubles.recovered("", "host:1");
+  errors.recovered("", "host:1");
   CHECK(codes() == "acd");
-  troubles.recovered("bee", "");
+  errors.recovered("bee", "");
   CHECK(codes() == "ad");
-  troubles.recovered("dog", "host:2");
+  errors.recovered("dog", "host:2");
   CHECK(codes() == "a");
 }
 
 TEST_CASE("a trouble that comes again is no new row and pushes none out; of the same age the first by name goes") {
   const PeerTable none{RouterConfig{}};
-  LinkErrors troubles{none};
-  for (std::size_t i = 0; i < kMaxLinkErrors; ++i) troubles.note("", std::to_string(100 + i), "x", "", Now{{5}, {}});
-  troubles.note("", "120", "x", "again", Now{{6}, {}});
-  REQUIRE(troubles.table("ant", MonotonicTime{9}).troubles.size() == kMaxLinkErrors);
-  CHECK(troubles.table("ant", MonotonicTime{9}).troubles.front().count == 2);
+  LinkErrors errors{none};
+  for (std::size_t i = 0; i < kMaxLinkErrors; ++i) errors.note("", std::to_string(100 + i), "x", "", Now{{5}, {}});
+  errors.note("", "120", "x", "again", Now{{6}, {}});
+  REQUIRE(errors.table("ant", MonotonicTime{9}).errors.size() == kMaxLinkErrors);
+  CHECK(errors.table("ant", MonotonicTime{9}).errors.front().count == 2);
   const auto there = [&](const std::string& address) {
-    const LinkTroubles table = troubles.table("ant", MonotonicTime{9});
-    return std::any_of(table.troubles.begin(), table.troubles.end(),
-                       [&](const LinkTrouble& row) { return row.address == address; });
+    const LinkErrorTable table = errors.table("ant", MonotonicTime{9});
+    return std::any_of(table.errors.begin(), table.errors.end(),
+                       [&](const LinkErrorRow& row) { return row.address == address; });
   };
   CHECK(there("100"));
-  troubles.note("", "new", "x", "", Now{{7}, {}});
+  errors.note("", "new", "x", "", Now{{7}, {}});
   CHECK_FALSE(there("100"));
   CHECK(there("355"));
 }
@@ -130,7 +130,7 @@ TEST_CASE("a trouble is written down under whom its link belongs to") {
   fleet.run(milliseconds(100));
   REQUIRE(ant.link_to("bee") != 0);
   const auto row = [&](const std::string& code) {
-    for (const LinkTrouble& one : ask(fleet, ant).troubles) {
+    for (const LinkErrorRow& one : ask(fleet, ant).errors) {
       if (one.code == code) return one.peer + "@" + one.address;
     }
     return std::string("none");
@@ -201,7 +201,7 @@ TEST_CASE("a stranger's certificate and a beacon that does not open leave a row 
                                fleet.now, effects);
   ant.core->beacons().refuse("foreign_fleet", "beacon of another fleet", fleet.now, effects);
   fleet.carry_out(ant, effects);
-  const LinkTroubles table = ask(fleet, ant);
+  const LinkErrorTable table = ask(fleet, ant);
   CHECK(has(table, "", "foreign_fleet"));
   CHECK(has(table, "", "beacon.foreign_fleet"));
 }
@@ -212,10 +212,10 @@ TEST_CASE("a node that was dialled and shows a certificate that does not hold le
   fleet.start("bee", {.beacon = false});
   TestNode& ant = fleet.start("ant", {.beacon = false, .seeds = {"bee"}});
   fleet.run(Seconds(1));
-  const LinkTroubles table = ask(fleet, ant);
-  REQUIRE(table.troubles.size() == 1);
-  CHECK(table.troubles[0].code == "bad_signature");
-  CHECK(table.troubles[0].address == fleet.address("bee"));
+  const LinkErrorTable table = ask(fleet, ant);
+  REQUIRE(table.errors.size() == 1);
+  CHECK(table.errors[0].code == "bad_signature");
+  CHECK(table.errors[0].address == fleet.address("bee"));
 }
 
 TEST_CASE("a node that is refused where it dials writes down that it was, and with which word") {
@@ -224,10 +224,10 @@ TEST_CASE("a node that is refused where it dials writes down that it was, and wi
   fleet.start("bee", {.beacon = false});
   TestNode& ant = fleet.start("ant", {.beacon = false, .seeds = {"bee"}});
   fleet.run(std::chrono::milliseconds(500));
-  const LinkTroubles table = ask(fleet, ant);
-  REQUIRE_FALSE(table.troubles.empty());
-  CHECK(table.troubles.back().code == "refused_us");
-  CHECK(table.troubles.back().text == "bad_signature");
+  const LinkErrorTable table = ask(fleet, ant);
+  REQUIRE_FALSE(table.errors.empty());
+  CHECK(table.errors.back().code == "refused_us");
+  CHECK(table.errors.back().text == "bad_signature");
 }
 
 TEST_CASE("a node of another version leaves a row, by its name once that is proven") {
@@ -243,12 +243,12 @@ TEST_CASE("a node of another version leaves a row, by its name once that is prov
 
 TEST_CASE("troubles are bounded, and the oldest gives way") {
   const PeerTable none{RouterConfig{}};
-  LinkErrors troubles{none};
-  for (int i = 0; i < 300; ++i) troubles.note("", "host:" + std::to_string(i), "failed", "", Now{{i + 1}, {}});
-  const LinkTroubles table = troubles.table("ant", MonotonicTime{1000});
-  REQUIRE(table.troubles.size() == kMaxLinkErrors);
-  CHECK(table.troubles.front().address == "host:299");
-  CHECK(table.troubles.back().address == "host:44");
+  LinkErrors errors{none};
+  for (int i = 0; i < 300; ++i) errors.note("", "host:" + std::to_string(i), "failed", "", Now{{i + 1}, {}});
+  const LinkErrorTable table = errors.table("ant", MonotonicTime{1000});
+  REQUIRE(table.errors.size() == kMaxLinkErrors);
+  CHECK(table.errors.front().address == "host:299");
+  CHECK(table.errors.back().address == "host:44");
 }
 
 TEST_CASE("a router sends back what it is asked to echo") {

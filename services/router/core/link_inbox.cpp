@@ -51,7 +51,7 @@ void LinkInbox::on_early_message(LinkId id, BytesView key, const Message& messag
 /// Dialled, and answered by something else than Hello: the other side refuses.
 void LinkInbox::on_dialled_message(const Link& link, const Message& message, Now now, Effects& out) {
   // What it says before its Goodbye may be what this node has to know: its own renewed certificate.
-  if (message.subtype == FleetNews::kSubtype) return at_.updates.on_link_message(link, message, now, out);
+  if (message.subtype == TrustUpdate::kSubtype) return at_.updates.on_link_message(link, message, now, out);
   const auto goodbye = decode<Goodbye>(message.data);
   const bool said = message.subtype == Goodbye::kSubtype && goodbye;
   out.count("dial.refused");
@@ -61,7 +61,7 @@ void LinkInbox::on_dialled_message(const Link& link, const Message& message, Now
 }
 
 void LinkInbox::on_peer_message(Link& link, const Message& message, Now now, Effects& out) {
-  if (message.subtype == FleetNews::kSubtype) return at_.updates.on_link_message(link, message, now, out);
+  if (message.subtype == TrustUpdate::kSubtype) return at_.updates.on_link_message(link, message, now, out);
   if (message.subtype == NodeProfile::kSubtype) return on_profile(*at_.table.find(link.peer), message.data, now, out);
   const auto body = decode_body(message.subtype, message.data);
   if (!body) return deny(link, message, body.error(), out);
@@ -74,7 +74,7 @@ void LinkInbox::on_body(Link& link, const Message& message, const Body& body, No
     if (fault != SealFault::none) at_.links.break_seal(link.id, link.peer, fault, now, out);
   } else if (const auto* alive = get_if<KeepAlive>(&body)) {
     Links::on_keep_alive(link, *alive, now);
-  } else if (const auto* reached = get_if<Neighbours>(&body)) {
+  } else if (const auto* reached = get_if<ReachablePeerList>(&body)) {
     at_.relays.on_reachable(link, *reached, now, out);
   } else if (const auto* relayed = get_if<Relayed>(&body)) {
     on_relayed(link, message, *relayed, now, out);

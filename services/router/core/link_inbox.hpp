@@ -37,7 +37,7 @@ struct LinkParts {
 /// Hello                | any connection            | Handshake
 /// another (invalid)    | a stranger                | refused: its first message must be Hello
 /// another              | a member, link just closed | dropped.closed_link
-/// FleetNews            | a link that is dialled    | a trust update: it may be what this node needs to come back
+/// TrustUpdate            | a link that is dialled    | a trust update: it may be what this node needs to come back
 /// Goodbye              | a link that is dialled    | refused by the other side; dialled again
 class LinkInbox {
  public:

@@ -58,5 +58,5 @@ TEST_CASE("given a robot's profile that no peer would take, then the one before 
   own.profile.on_robot(large, own.now, own.out);
   CHECK(own.profile.profile().skills.empty());
   CHECK(own.counted("refused.profile_too_large") == 1);
-  CHECK(own.errors.table("ant", own.now.mono).troubles.size() == 1);
+  CHECK(own.errors.table("ant", own.now.mono).errors.size() == 1);
 }

@@ -82,13 +82,13 @@ struct Ant {
     return good;
   }
   /// What `trb doctor` reads of a peer's trouble.
-  std::string trouble(const std::string& peer, const std::string& code) {
+  std::string row(const std::string& peer, const std::string& code) {
     Effects effects;
     ant.core->bus().on_hello(7, {"cli", {}, 1, 1, "1"}, kProbe, fleet.now, effects);
-    ant.core->forwarding().on_bus_message(7, make_message(MessageType::request, "ant", "ant", LinkTroublesRequest{}),
+    ant.core->forwarding().on_bus_message(7, make_message(MessageType::request, "ant", "ant", LinkErrorTableRequest{}),
                                           fleet.now, effects);
-    const auto table = decode<LinkTroubles>(std::get<BusSend>(effects.list.back()).message.data);
-    for (const LinkTrouble& row : table->troubles) {
+    const auto table = decode<LinkErrorTable>(std::get<BusSend>(effects.list.back()).message.data);
+    for (const LinkErrorRow& row : table->errors) {
       if (row.peer == peer && row.code == code) return row.text;
     }
     return "none";
@@ -112,11 +112,11 @@ TEST_CASE("a revoked node that was never met is known by its key from its first 
   one.revoke(1, {"dog"});
   one.greet(9, dog);
   CHECK(one.ant.count("refused.cert_revoked") == 1);
-  CHECK(one.trouble("dog", "cert_revoked").find("is revoked by list 1: stolen") != std::string::npos);
+  CHECK(one.row("dog", "cert_revoked").find("is revoked by list 1: stolen") != std::string::npos);
   one.ant.refused.clear();
   CHECK_FALSE(one.admit(dog));
   CHECK(one.ant.count("refused.cert_revoked") == 2);
-  CHECK(one.trouble("dog", "cert_revoked") == "its key has knocked since: stolen");
+  CHECK(one.row("dog", "cert_revoked") == "its key has knocked since: stolen");
   one.say(10, dog, make_message(MessageType::information, "dog", "", KeepAlive{1}));
   CHECK(one.ant.count("refused.cert_revoked") == 3);
   CHECK(one.told("revoked_key the revoked key of 'dog' knocked") == 2);
@@ -179,7 +179,7 @@ TEST_CASE("who is revoked while it is dialled is dialled no more, and whoever el
   CHECK(one.ant.link_to("bee") == 9);
   // It was never there, so no service hears that it is gone.
   CHECK(one.ant.count("peer_expired") == 0);
-  CHECK(one.trouble("cat", "cert_revoked") == "by list 1: stolen");
+  CHECK(one.row("cat", "cert_revoked") == "by list 1: stolen");
   one.tick(Seconds(3));
   one.tick(Seconds(6));
   CHECK(one.dials_to("cat") == 1);
@@ -213,12 +213,12 @@ TEST_CASE("the renewal of a node that is then revoked is told to nobody") {
   Effects effects;
   REQUIRE(one.ant.core->updates().on_update({{}, {one.sign_certificate(renewed)}}, 0, one.fleet.now, effects).ok());
   one.fleet.carry_out(one.ant, effects);
-  REQUIRE(one.ant.stored_updates.back().news.certificates.size() == 1);
+  REQUIRE(one.ant.stored_updates.back().update.certificates.size() == 1);
   one.revoke(1, {"dog"}, 3);
-  CHECK(one.ant.stored_updates.back().news.certificates.size() == 1);
+  CHECK(one.ant.stored_updates.back().update.certificates.size() == 1);
   one.revoke(2, {"dog"}, 4);
   one.revoke(3, {"dog"}, 5);  // what is stored is what is known
-  CHECK(one.ant.stored_updates.back().news.certificates.empty());
+  CHECK(one.ant.stored_updates.back().update.certificates.empty());
 }
 
 TEST_CASE("the end of a certificate is told from thirty days before it on, to the moment") {
@@ -261,7 +261,7 @@ TEST_CASE(
     };
     CHECK(goodbye(one.tick(Seconds(1), kDay * 301)));
     CHECK(one.ant.link_to("bee") == 0);
-    CHECK(one.trouble("ant", "own.cert_expired") != "none");
+    CHECK(one.row("ant", "own.cert_expired") != "none");
     CHECK(one.ant.core->next_deadline() <= one.start + Seconds(3));
     one.ant.beacons.clear();
     const std::size_t to_bee = one.dials_to("bee");
@@ -273,7 +273,7 @@ TEST_CASE(
     CHECK(one.dials_to("bee") == to_bee + 1);
     CHECK(one.dials_to("dog") == to_dog + 1);
     CHECK(one.ant.beacons.size() == (beacon ? 1 : 0));
-    CHECK(one.trouble("ant", "own.cert_expired") == "none");
+    CHECK(one.row("ant", "own.cert_expired") == "none");
   }
 }
 
@@ -328,6 +328,6 @@ TEST_CASE("a renewal that has ended is forgotten when somebody joins, once the c
     one.tick(minutes(minute));
     one.greet(static_cast<LinkId>(minute), one.fleet.keys("bee"));
     one.revoke(static_cast<std::uint64_t>(minute), {"eel"});
-    CHECK(one.ant.stored_updates.back().news.certificates.size() == (minute == 5 ? 1 : 0));
+    CHECK(one.ant.stored_updates.back().update.certificates.size() == (minute == 5 ? 1 : 0));
   }
 }

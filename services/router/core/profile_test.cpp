@@ -39,12 +39,12 @@ struct Pair {
     fleet.say("bee", "ant", std::string(NodeProfile::kSubtype), profile);
     fleet.run(2 * kStep);
   }
-  LinkTroubles troubles() {
-    Message asked = make_message(MessageType::request, "ant", "ant", LinkTroublesRequest{});
+  LinkErrorTable errors() {
+    Message asked = make_message(MessageType::request, "ant", "ant", LinkErrorTableRequest{});
     serve("scheduler", 9);
     Effects effects;
     ant.core->forwarding().on_bus_message(9, asked, fleet.now, effects);
-    return *decode<LinkTroubles>(std::get<BusSend>(effects.list.at(0)).message.data);
+    return *decode<LinkErrorTable>(std::get<BusSend>(effects.list.at(0)).message.data);
   }
   void serve(const std::string& service, ConnectionId from) {
     Effects effects;
@@ -79,10 +79,10 @@ TEST_CASE("a peer's profile over 64 KiB is refused: the one before stands, and s
   CHECK(pair.ant.count("refused.profile_too_large") == 1);
   CHECK(pair.ant.peer("bee")->profile == before);
   CHECK(pair.ant.link_to("bee") == link);
-  const LinkTroubles troubles = pair.troubles();
-  REQUIRE(troubles.troubles.size() == 1);
-  CHECK(troubles.troubles[0].peer == "bee");
-  CHECK(troubles.troubles[0].code == "profile_too_large");
+  const LinkErrorTable errors = pair.errors();
+  REQUIRE(errors.errors.size() == 1);
+  CHECK(errors.errors[0].peer == "bee");
+  CHECK(errors.errors[0].code == "profile_too_large");
 }
 
 TEST_CASE("a profile that is small on the wire and grows as it is read is measured as it is kept") {
@@ -111,9 +111,9 @@ TEST_CASE("the node's own profile that no peer would take is not told, and docto
   CHECK(pair.ant.count("refused.profile_too_large") == 1);
   CHECK(pair.bee.peer("ant")->profile == profile);
   CHECK(pair.bee.count("refused.profile_too_large") == 0);
-  const LinkTroubles troubles = pair.troubles();
-  REQUIRE(troubles.troubles.size() == 1);
-  CHECK(troubles.troubles[0].peer == "ant");
+  const LinkErrorTable errors = pair.errors();
+  REQUIRE(errors.errors.size() == 1);
+  CHECK(errors.errors[0].peer == "ant");
 }
 
 TEST_CASE("what is out of use is told whole, and where there is no room for the words, without them") {

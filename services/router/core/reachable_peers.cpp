@@ -17,7 +17,7 @@ void ReachablePeers::on_change(const std::string& peer, Now now) {
 }
 
 void ReachablePeers::notify(const Link& to, const std::set<std::string>& about, Effects& out) {
-  Neighbours part;
+  ReachablePeerList part;
   const auto send = [&] {
     if (!part.reached.empty() || !part.gone.empty()) messages_.send(to, part, out);
     part = {};

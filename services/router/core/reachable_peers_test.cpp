@@ -45,7 +45,7 @@ TEST_CASE("given a peer that is linked, then the others are told of it a tenth o
   const auto sent = relay.all<LinkSend>();
   REQUIRE(sent.size() == 2);
   CHECK(sent[0].link == 7);
-  CHECK(decode<Neighbours>(sent[0].message.data)->reached == std::vector<SignedRecord>{relay.cat.record});
+  CHECK(decode<ReachablePeerList>(sent[0].message.data)->reached == std::vector<SignedRecord>{relay.cat.record});
   CHECK_FALSE(relay.reachable.next_deadline());
 }
 

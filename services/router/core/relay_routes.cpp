@@ -96,7 +96,7 @@ std::vector<std::string> RelayRoutes::relayed_peers() const {
   return out;
 }
 
-void RelayRoutes::on_reachable(const Link& relay, const Neighbours& told, Now now, Effects& out) {
+void RelayRoutes::on_reachable(const Link& relay, const ReachablePeerList& told, Now now, Effects& out) {
   if (!relay.relay) {
     out.count("refused.not_permitted");
     return out.log(LogLevel::warning, "not_permitted", relay.peer + " tells of neighbours and may not relay");

@@ -60,7 +60,7 @@ class RelayRoutes {
   // ---- relays come and go
 
   /// A relay's word about whom it reaches. A hint: what a member is it says itself, once it was spoken to.
-  void on_reachable(const Link& relay, const Neighbours& told, Now now, Effects& out);
+  void on_reachable(const Link& relay, const ReachablePeerList& told, Now now, Effects& out);
   /// The link that carried the peer's messages is gone: is there another way? And those that it relayed are cut off.
   void on_link_lost(Peer& peer, const Link& gone, Now now, Effects& out);
 

@@ -93,7 +93,7 @@ TEST_CASE("of two relays one may go: the other carries on, and no lease runs") {
 TEST_CASE("what a relay tells of a node is taken only with a certificate that a Hello could show") {
   Triangle three;
   const auto tell = [&](const TestKeys& keys) {
-    const Neighbours told{{keys.record}, {}};
+    const ReachablePeerList told{{keys.record}, {}};
     three.put(three.cloud, "ant", make_message(MessageType::information, "cloud", "ant", told));
   };
   tell(three.fleet.authority.sign_node("eel"));
@@ -145,7 +145,7 @@ TEST_CASE("a relay that says it reaches a node makes it known, and nothing else"
   fleet.run(Seconds(2));
   for (int i = 0; i < 30; ++i) {
     Effects effects;
-    const Neighbours lie{{fleet.keys("bee").record}, {}};
+    const ReachablePeerList lie{{fleet.keys("bee").record}, {}};
     effects.add(LinkSend{cloud.link_to("ant"), make_message(MessageType::information, "cloud", "ant", lie)});
     fleet.carry_out(cloud, effects);
     fleet.run(Seconds(1));
@@ -173,7 +173,7 @@ TEST_CASE("a member without the right is no relay, whatever its Hello says") {
   };
   say(1, Hello{thief.record, 3, "10.0.0.9:45000", "1", kStartUtc, true, {}, 0, "behind", true, ""});
   REQUIRE(ant.link_to("thief") == 4711);
-  say(2, Neighbours{{fleet.keys("bee").record}, {}});
+  say(2, ReachablePeerList{{fleet.keys("bee").record}, {}});
   CHECK(ant.count("refused.not_permitted") == 1);
   CHECK(Triangle::route(ant, "bee", fleet) == nullptr);
   const RelayedFrame frame{"ant", 1, 1, 1, kStartUtc * 2, {"x"}};
@@ -197,9 +197,10 @@ TEST_CASE("a relay tells of many in several messages, of who has gone too, and n
   for (std::uint64_t i = 0; i < 65; ++i) come(i);
   fleet.run(milliseconds(300));
   TestNode& ant = fleet.start("ant", {.beacon = false, .seeds = {"cloud"}});
-  std::vector<Neighbours> told;
+  std::vector<ReachablePeerList> told;
   fleet.meddle = [&](const std::string& from, LinkId, std::uint64_t&, Message& message) {
-    if (from == "cloud" && message.subtype == Neighbours::kSubtype) told.push_back(*decode<Neighbours>(message.data));
+    if (from == "cloud" && message.subtype == ReachablePeerList::kSubtype)
+      told.push_back(*decode<ReachablePeerList>(message.data));
     return true;
   };
   fleet.run(Seconds(1));
@@ -229,7 +230,7 @@ TEST_CASE("a relay tells of many in several messages, of who has gone too, and n
 
 TEST_CASE("what a relay says of nodes that nobody knows, or of this one itself, changes nothing") {
   Triangle three;
-  const auto tell = [&](const Neighbours& told) {
+  const auto tell = [&](const ReachablePeerList& told) {
     three.put(three.cloud, "ant", make_message(MessageType::information, "cloud", "ant", told));
   };
   const std::size_t peers = three.ant->core->table().peers().size();
@@ -249,9 +250,9 @@ TEST_CASE("a relay that tells of ever new nodes is listened to for so many signa
   fleet.run(Seconds(2));
   const auto tell = [&](const SignedRecord& record) {
     Effects effects;
-    ant.core->inbox().on_message(ant.link_to("cloud"), cloud.keys.link.public_key,
-                                 make_message(MessageType::information, "cloud", "ant", Neighbours{{record}, {}}), 1,
-                                 fleet.now, effects);
+    ant.core->inbox().on_message(
+        ant.link_to("cloud"), cloud.keys.link.public_key,
+        make_message(MessageType::information, "cloud", "ant", ReachablePeerList{{record}, {}}), 1, fleet.now, effects);
     for (const std::string& name : effects.counts) ++ant.counts[name];
   };
   for (std::size_t i = 0; i + 1 < kMaxPeers; ++i) tell(fleet.authority.sign_node("n" + std::to_string(i)).record);

@@ -127,7 +127,7 @@ TEST_CASE("a relay passes on what its own peer signed, one hop and no more, and 
   for_cat.target = "cat";
   three.hand_to_bee(three.signed_by_ant(for_cat));
   CHECK(three.bee->count("refused.relayed_no_relay") == 1);
-  Message told = make_message(MessageType::information, "bee", "cloud", Neighbours{});
+  Message told = make_message(MessageType::information, "bee", "cloud", ReachablePeerList{});
   three.put(*three.bee, "cloud", told);
   CHECK(three.cloud.count("refused.not_permitted") == 1);
 }
@@ -138,7 +138,7 @@ TEST_CASE("the same name on another computer counts anew; the old computer's wor
   CHECK(three.delivered() == 1);
   const SignedRecord kept = three.signed_by_ant(three.frame(501, three.numbered("kept")));
   const TestKeys anew = three.fleet.authority.sign_node("ant", Role::robot, 2);
-  const Neighbours told{{anew.record}, {}};
+  const ReachablePeerList told{{anew.record}, {}};
   three.put(three.cloud, "bee", make_message(MessageType::information, "cloud", "bee", told));
   three.hand_to_bee(kept);
   CHECK(three.bee->count("refused.relayed_bad_signature") == 1);

@@ -10,12 +10,12 @@ namespace {
 // Sorted: the router itself takes these.
 constexpr std::string_view kOwnSubtypes[] = {
     EchoRequest::kSubtype,
-    FleetNews::kSubtype,
+    TrustUpdate::kSubtype,
     Goodbye::kSubtype,
     Hello::kSubtype,
     KeepAlive::kSubtype,
-    LinkTroublesRequest::kSubtype,
-    Neighbours::kSubtype,
+    LinkErrorTableRequest::kSubtype,
+    ReachablePeerList::kSubtype,
     NodeProfile::kSubtype,
     NodeSensors::kSubtype,
     RelayRefused::kSubtype,

@@ -24,7 +24,7 @@ TEST_CASE("the router's own messages are numbered; one that nobody would take be
   const auto second = parts.messages.make("bee", 0, KeepAlive{2}, parts.out);
   REQUIRE((first && second));
   CHECK(second->id == first->id + 1);
-  const Neighbours large{{}, std::vector<std::string>(2000, "cat")};
+  const ReachablePeerList large{{}, std::vector<std::string>(2000, "cat")};
   CHECK_FALSE(parts.messages.make("bee", 0, large, parts.out));
   const auto answer = parts.messages.make("bee", 9, large, parts.out);
   REQUIRE(answer);

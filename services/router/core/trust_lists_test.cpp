@@ -75,7 +75,7 @@ TEST_CASE("a revoked node that this one never met is refused at its Hello and ha
   TestNode& dog = fleet.start("dog", {.beacon = false, .seeds = {"ant"}});
   fleet.run(Seconds(1));
   CHECK(ant.count("refused.cert_revoked") >= 1);
-  CHECK(ant.refused.front().message.subtype == FleetNews::kSubtype);
+  CHECK(ant.refused.front().message.subtype == TrustUpdate::kSubtype);
   CHECK(logged(dog, "own_certificate_over"));
   const std::size_t dials = dog.dials.size();
   fleet.run(Seconds(10));
@@ -108,7 +108,7 @@ TEST_CASE("a member that brings a forged list is counted and stays linked") {
   const LinkId link = three.ant.link_to("bee");
   const std::uint64_t next = three.ant.core->table().link(link)->heard + 1;
   three.fleet.arrive(three.ant, link, next,
-                     make_message(MessageType::information, "bee", "ant", FleetNews{forged, {}}));
+                     make_message(MessageType::information, "bee", "ant", TrustUpdate{forged, {}}));
   CHECK(three.ant.count("refused.bad_signature") == 1);
   CHECK(three.ant.link_to("bee") == link);
 }

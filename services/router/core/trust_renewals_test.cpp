@@ -76,7 +76,7 @@ TEST_CASE("a certificate with other keys is remembered for the node that will co
   REQUIRE(three.tell(three.ant, {{}, {three.sign_certificate(anew)}}).ok());
   CHECK(three.ant.peer("cat")->certificate.serial == 1);
   CHECK(three.ant.link_to("cat") == link);
-  CHECK(three.ant.stored_updates.back().news.certificates.size() == 1);
+  CHECK(three.ant.stored_updates.back().update.certificates.size() == 1);
   // For this node itself there are no other keys than those it has.
   Certificate own = three.renewed("ant", 9);
   own.identity_key = anew.identity_key;
@@ -101,7 +101,7 @@ TEST_CASE("of others 1024 renewals are kept and 256 told on; one more finds no r
   std::size_t taken = 0;
   for (std::size_t i = 0; i < kMaxPeers; ++i) taken += tell("n" + std::to_string(i), 2) == Errc::ok ? 1 : 0;
   CHECK(taken == kMaxPeers);
-  CHECK(ant.stored_updates.back().news.certificates.size() == 256);
+  CHECK(ant.stored_updates.back().update.certificates.size() == 256);
   CHECK(tell("one-more", 2) == Errc::queue_full);
   CHECK(tell("n7", 3) == Errc::ok);
 }
@@ -112,7 +112,7 @@ TEST_CASE("who links again is told what it does not know, and no renewal that it
   three.fleet.stop("bee");
   const SignedRecord renewed = three.sign_certificate(three.renewed("cat", 5));
   REQUIRE(three.tell(three.ant, {list_of(three.fleet.authority, 1, {"dog"}, {"ant", "bee", "cat"}), {renewed}}).ok());
-  CHECK(three.ant.stored_updates.back().news.certificates.size() == 1);
+  CHECK(three.ant.stored_updates.back().update.certificates.size() == 1);
   TestNode& bee = three.fleet.start("bee", {.boot = 2});
   three.fleet.run(Seconds(4));
   CHECK(bee.count("news.lists") == 1);
@@ -124,7 +124,7 @@ TEST_CASE("who links again is told what it does not know, and no renewal that it
   // All know all by now.
   std::size_t told = 0;
   three.fleet.meddle = [&](const std::string&, LinkId, std::uint64_t&, Message& message) {
-    told += message.subtype == FleetNews::kSubtype ? 1 : 0;
+    told += message.subtype == TrustUpdate::kSubtype ? 1 : 0;
     return true;
   };
   for (const std::string other : {"bee", "cat"}) {
@@ -151,7 +151,7 @@ TEST_CASE("a refused node is handed what it does not know, and nothing else") {
                                  three.fleet.now, effects);
     three.fleet.carry_out(ant, effects);
     return std::any_of(ant.refused.begin(), ant.refused.end(),
-                       [](const RefuseCandidate& one) { return one.message.subtype == FleetNews::kSubtype; });
+                       [](const RefuseCandidate& one) { return one.message.subtype == TrustUpdate::kSubtype; });
   };
   SUBCASE("the list, unless it says that it has it") {
     REQUIRE(three.tell(ant, {list_of(three.fleet.authority, 2, {"dog", "eel"}), {}}).ok());
@@ -166,7 +166,7 @@ TEST_CASE("a refused node is handed what it does not know, and nothing else") {
     old.record = three.sign_certificate(old.certificate);
     CHECK(hello(old, 0));
     REQUIRE_FALSE(ant.refused.empty());
-    CHECK(decode<FleetNews>(ant.refused.front().message.data)->certificates == std::vector{cat.record});
+    CHECK(decode<TrustUpdate>(ant.refused.front().message.data)->certificates == std::vector{cat.record});
   }
   SUBCASE("nothing, if its certificate is the newest and has ended") {
     three.fleet.stop("cat");

@@ -7,7 +7,7 @@
 
 namespace trb::router {
 
-TakenUpdate TrustStore::take(const FleetNews& update, Budget* checks, Now now, Effects& out) {
+TakenUpdate TrustStore::take(const TrustUpdate& update, Budget* checks, Now now, Effects& out) {
   TakenUpdate taken;
   const bool lists = !update.revocations.kind.empty() && update.revocations != record_;
   taken.known = !update.revocations.kind.empty() && !lists;
@@ -24,7 +24,8 @@ TakenUpdate TrustStore::take(const FleetNews& update, Budget* checks, Now now, E
   return taken;
 }
 
-void TrustStore::take_certificates(const FleetNews& update, Budget* checks, Now now, TakenUpdate& taken, Effects& out) {
+void TrustStore::take_certificates(const TrustUpdate& update, Budget* checks, Now now, TakenUpdate& taken,
+                                   Effects& out) {
   for (const SignedRecord& record : update.certificates) {
     if (is_known(record)) {
       taken.known = true;
@@ -185,8 +186,8 @@ void TrustStore::drop_revoked() {
   });
 }
 
-FleetNews TrustStore::all() const {
-  FleetNews update{record_, {}};
+TrustUpdate TrustStore::all() const {
+  TrustUpdate update{record_, {}};
   for (const auto& [id, record] : renewed_) {
     constexpr std::size_t kMost = 256;
     if (update.certificates.size() < kMost) update.certificates.push_back(record);
@@ -207,26 +208,26 @@ StoreUpdate TrustStore::to_store(Effects& out) const {
   return store;
 }
 
-FleetNews TrustStore::for_peer(std::uint64_t known_list, Now now) const {
-  FleetNews update = all();
+TrustUpdate TrustStore::for_peer(std::uint64_t known_list, Now now) const {
+  TrustUpdate update = all();
   std::erase_if(update.certificates, [&](const SignedRecord& record) { return has_ended(record, now); });
   if (list_.number <= known_list) update.revocations = {};
   return update;
 }
 
-std::optional<FleetNews> TrustStore::for_refused(const Error& refusal, const Hello& hello) const {
+std::optional<TrustUpdate> TrustStore::for_refused(const Error& refusal, const Hello& hello) const {
   if (refusal.code == Errc::cert_revoked) {
     // It may not know yet. One that says it does is not told again.
-    return hello.revocations < list_.number ? std::optional(FleetNews{record_, {}}) : std::nullopt;
+    return hello.revocations < list_.number ? std::optional(TrustUpdate{record_, {}}) : std::nullopt;
   }
   if (refusal.code != Errc::downgraded && refusal.code != Errc::cert_expired) return std::nullopt;
   const auto shown = decode<Certificate>(hello.certificate.payload.bytes);
   if (!shown) return std::nullopt;
   const auto peer = table_.peers().find(shown->id);
   const auto renewed = renewed_.find(shown->id);
-  if (renewed != renewed_.end()) return FleetNews{{}, {renewed->second}};
+  if (renewed != renewed_.end()) return TrustUpdate{{}, {renewed->second}};
   if (peer != table_.peers().end() && peer->second.certificate.serial > shown->serial)
-    return FleetNews{{}, {peer->second.certificate_record}};
+    return TrustUpdate{{}, {peer->second.certificate_record}};
   return std::nullopt;
 }
 

@@ -15,7 +15,7 @@ namespace trb::router {
 
 /// What of a trust update was new, and why something of it was refused.
 struct TakenUpdate {
-  FleetNews fresh;
+  TrustUpdate fresh;
   bool known = false;            ///< something of it was held already
   bool own_renewed = false;      ///< this node has another certificate now
   bool list_refused = false;     ///< what else is known or new must not hide that
@@ -39,7 +39,7 @@ class TrustStore {
   TrustStore(LocalNode& node, PeerTable& table, LinkErrors& errors) : node_(node), table_(table), errors_(errors) {}
 
   /// Takes what is new. `checks`: how many signatures whoever brought it may have checked; nullptr: any number.
-  TakenUpdate take(const FleetNews& update, Budget* checks, Now now, Effects& out);
+  TakenUpdate take(const TrustUpdate& update, Budget* checks, Now now, Effects& out);
 
   /// The certificate in this record, if its holder is a member now. Errors: of the signature, cert_revoked,
   /// cert_not_yet_valid, cert_expired.
@@ -64,19 +64,19 @@ class TrustStore {
   void drop_revoked();
 
   /// All that is to be on disk.
-  [[nodiscard]] FleetNews all() const;
+  [[nodiscard]] TrustUpdate all() const;
   [[nodiscard]] StoreUpdate to_store(Effects& out) const;
   /// What a peer whose list has this number has to know; may be empty.
-  [[nodiscard]] FleetNews for_peer(std::uint64_t known_list, Now now) const;
+  [[nodiscard]] TrustUpdate for_peer(std::uint64_t known_list, Now now) const;
   /// What a refused node has to know to come back: its renewed certificate, or the list that it is on.
-  [[nodiscard]] std::optional<FleetNews> for_refused(const Error& refusal, const Hello& hello) const;
+  [[nodiscard]] std::optional<TrustUpdate> for_refused(const Error& refusal, const Hello& hello) const;
   /// Its owner has shown this one itself.
   void forget_shown(const Certificate& certificate);
   void forget_ended(Now now);
 
  private:
   [[nodiscard]] Result<Certificate> open_known(const SignedRecord& record) const;
-  void take_certificates(const FleetNews& update, Budget* checks, Now now, TakenUpdate& taken, Effects& out);
+  void take_certificates(const TrustUpdate& update, Budget* checks, Now now, TakenUpdate& taken, Effects& out);
   Status take_list(const SignedRecord& record, Now now, Effects& out);
   Status take_certificate(const SignedRecord& record, Now now, Effects& out);
   [[nodiscard]] Status check_own(const Certificate& certificate) const;

@@ -4,7 +4,7 @@
 
 namespace trb::router {
 
-Result<std::string> TrustUpdates::on_update(const FleetNews& update, LinkId from, Now now, Effects& out) {
+Result<std::string> TrustUpdates::on_update(const TrustUpdate& update, LinkId from, Now now, Effects& out) {
   const Link* link = table_.link(from);
   Peer* teller = link == nullptr ? nullptr : table_.find(link->peer);
   TakenUpdate taken = trust_.take(update, teller == nullptr ? nullptr : &teller->update_checks, now, out);
@@ -27,7 +27,7 @@ Result<std::string> TrustUpdates::on_update(const FleetNews& update, LinkId from
          " nodes";
 }
 
-void TrustUpdates::on_file(const FleetNews& update, Now now, Effects& out) {
+void TrustUpdates::on_file(const TrustUpdate& update, Now now, Effects& out) {
   auto taken = on_update(update, 0, now, out);
   // An old file that was left there is no attack.
   if (taken || taken.error().code == Errc::downgraded) return;
@@ -35,7 +35,7 @@ void TrustUpdates::on_file(const FleetNews& update, Now now, Effects& out) {
   out.log(LogLevel::warning, "news_refused", "of a file: " + taken.error().text());
 }
 
-void TrustUpdates::on_bus_request(ConnectionId from, const Message& message, const FleetNews& update, Now now,
+void TrustUpdates::on_bus_request(ConnectionId from, const Message& message, const TrustUpdate& update, Now now,
                                   Effects& out) {
   auto taken = on_update(update, 0, now, out);
   if (!taken) return bus_.deny(from, message, taken.error(), out);
@@ -78,7 +78,7 @@ void TrustUpdates::tick(Now now, Effects& out) {
   }
 }
 
-std::size_t TrustUpdates::pass_on(const FleetNews& fresh, LinkId from, Effects& out) {
+std::size_t TrustUpdates::pass_on(const TrustUpdate& fresh, LinkId from, Effects& out) {
   std::size_t told = 0;
   for (const LinkId id : table_.up_links()) {
     if (id == from) continue;
@@ -89,15 +89,15 @@ std::size_t TrustUpdates::pass_on(const FleetNews& fresh, LinkId from, Effects& 
 }
 
 void TrustUpdates::send_known(const Link& link, std::uint64_t known_list, Now now, Effects& out) {
-  const FleetNews update = trust_.for_peer(known_list, now);
+  const TrustUpdate update = trust_.for_peer(known_list, now);
   if (!update.revocations.kind.empty() || !update.certificates.empty()) send(link, update, out);
 }
 
 /// In messages that their hearer takes: the list first, certificates apart from it if need be.
-void TrustUpdates::send(const Link& link, const FleetNews& update, Effects& out) {
+void TrustUpdates::send(const Link& link, const TrustUpdate& update, Effects& out) {
   if (encode(update).size() <= kMaxUpdate) return messages_.send(link, update, out);
-  if (!update.revocations.kind.empty()) messages_.send(link, FleetNews{update.revocations, {}}, out);
-  FleetNews part;
+  if (!update.revocations.kind.empty()) messages_.send(link, TrustUpdate{update.revocations, {}}, out);
+  TrustUpdate part;
   std::size_t size = 0;
   for (const SignedRecord& record : update.certificates) {
     const std::size_t more = encode(record).size();
@@ -112,8 +112,8 @@ void TrustUpdates::send(const Link& link, const FleetNews& update, Effects& out)
 }
 
 void TrustUpdates::on_link_message(const Link& link, const Message& message, Now now, Effects& out) {
-  auto update = message.data.size() > kMaxUpdate ? Result<FleetNews>(fail(Errc::too_large, "FleetNews over 512 kB"))
-                                                 : decode<FleetNews>(message.data);
+  auto update = message.data.size() > kMaxUpdate ? Result<TrustUpdate>(fail(Errc::too_large, "TrustUpdate over 512 kB"))
+                                                 : decode<TrustUpdate>(message.data);
   if (Peer* peer = table_.find(link.peer); peer != nullptr && !peer->updates.take(now.mono))
     return out.count("refused.too_much_news");
   // It may be gone before the refusal is written down: the list may say so.

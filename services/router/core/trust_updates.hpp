@@ -28,11 +28,11 @@ class TrustUpdates {
 
   /// From anywhere: a link, the bus, a file (0). Returns what was done, in words. Errors: bad_signature, foreign_fleet,
   /// downgraded, conflict, malformed, cert_revoked, cert_expired, cert_not_yet_valid.
-  Result<std::string> on_update(const FleetNews& update, LinkId from, Now now, Effects& out);
+  Result<std::string> on_update(const TrustUpdate& update, LinkId from, Now now, Effects& out);
   void on_link_message(const Link& link, const Message& message, Now now, Effects& out);
-  void on_bus_request(ConnectionId from, const Message& message, const FleetNews& update, Now now, Effects& out);
+  void on_bus_request(ConnectionId from, const Message& message, const TrustUpdate& update, Now now, Effects& out);
   /// Refusals are counted and logged.
-  void on_file(const FleetNews& update, Now now, Effects& out);
+  void on_file(const TrustUpdate& update, Now now, Effects& out);
 
   /// The link is up: what the other side does not know. `known_list`: the number of its list.
   void send_known(const Link& link, std::uint64_t known_list, Now now, Effects& out);
@@ -53,8 +53,8 @@ class TrustUpdates {
     std::string text;
   };
   void store(Effects& out);
-  std::size_t pass_on(const FleetNews& fresh, LinkId from, Effects& out);
-  void send(const Link& link, const FleetNews& update, Effects& out);
+  std::size_t pass_on(const TrustUpdate& fresh, LinkId from, Effects& out);
+  void send(const Link& link, const TrustUpdate& update, Effects& out);
 
   const LocalNode& node_;
   PeerTable& table_;

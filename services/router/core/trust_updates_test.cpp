@@ -12,11 +12,11 @@ TEST_CASE("256 copies of one certificate cost one check, and a member's news no 
   Certificate fresh = three.renewed("cat", 2);
   const SignedRecord record =
       sign(kSignedCertificate, "", three.fleet.authority.fleet.id(), encode(fresh), three.fleet.authority.key);
-  FleetNews copies;
+  TrustUpdate copies;
   copies.certificates.assign(256, record);
-  const auto tell = [&](const FleetNews& news) {
+  const auto tell = [&](const TrustUpdate& update) {
     Effects effects;
-    effects.add(LinkSend{three.bee.link_to("ant"), make_message(MessageType::information, "bee", "ant", news)});
+    effects.add(LinkSend{three.bee.link_to("ant"), make_message(MessageType::information, "bee", "ant", update)});
     three.fleet.carry_out(three.bee, effects);
     three.fleet.run(2 * kStep);
   };
@@ -27,7 +27,7 @@ TEST_CASE("256 copies of one certificate cost one check, and a member's news no 
   CHECK(three.ant.core->table().peers().at("bee").update_checks.left() == kUpdatesChecked - 1);
 
   // Each of them the authority's, and none of them new.
-  FleetNews old;
+  TrustUpdate old;
   for (std::uint64_t i = 0; i < 256; ++i) {
     const TestKeys keys = three.fleet.authority.sign_node("cat", Role::robot, 1);
     old.certificates.push_back(keys.record);
@@ -40,9 +40,9 @@ TEST_CASE("256 copies of one certificate cost one check, and a member's news no 
 
 TEST_CASE("over sixteen news of one member in a second are not even read; another's are") {
   Three three;
-  const auto tell = [&](TestNode& from, const FleetNews& news) {
+  const auto tell = [&](TestNode& from, const TrustUpdate& update) {
     Effects effects;
-    effects.add(LinkSend{from.link_to("ant"), make_message(MessageType::information, from.id, "ant", news)});
+    effects.add(LinkSend{from.link_to("ant"), make_message(MessageType::information, from.id, "ant", update)});
     three.fleet.carry_out(from, effects);
   };
   for (int i = 0; i < 40; ++i) tell(three.bee, {});
@@ -84,11 +84,11 @@ SignedRecord sign_long(const TestAuthority& authority, const Certificate& certif
 
 /// All that was said of news from one node to another since this began to listen.
 struct Heard {
-  std::vector<FleetNews> news;
+  std::vector<TrustUpdate> updates;
   Heard(TestFleet& fleet, const std::string& from, TestNode& node, const std::string& to) {
     fleet.meddle = [this, from, &node, to](const std::string& by, LinkId link, std::uint64_t&, Message& message) {
-      if (by == from && link == node.link_to(to) && message.subtype == FleetNews::kSubtype)
-        news.push_back(*decode<FleetNews>(message.data));
+      if (by == from && link == node.link_to(to) && message.subtype == TrustUpdate::kSubtype)
+        updates.push_back(*decode<TrustUpdate>(message.data));
       return true;
     };
   }
@@ -100,13 +100,13 @@ TEST_CASE("who brings news is not told them again, the others are, and who asked
   Three three;
   Heard back(three.fleet, "ant", three.ant, "bee");
   Effects effects;
-  const FleetNews news{list_of(three.fleet.authority, 1, {"dog"}, {"ant", "bee", "cat"}), {}};
-  const auto taken = three.ant.core->updates().on_update(news, three.ant.link_to("bee"), three.fleet.now, effects);
+  const TrustUpdate update{list_of(three.fleet.authority, 1, {"dog"}, {"ant", "bee", "cat"}), {}};
+  const auto taken = three.ant.core->updates().on_update(update, three.ant.link_to("bee"), three.fleet.now, effects);
   three.fleet.carry_out(three.ant, effects);
   three.fleet.run(2 * kStep);
   REQUIRE(taken.ok());
   CHECK(*taken == "list 1, 0 renewed certificates, told to 1 nodes");
-  CHECK(back.news.empty());
+  CHECK(back.updates.empty());
   CHECK(three.cat.count("news.lists") == 1);
   CHECK(three.ant.stored_utc.empty());  // its clock is right
 }
@@ -132,7 +132,7 @@ TEST_CASE("what a node knows already costs no signature, whoever's it is") {
   const std::uint64_t taken = three.ant.count("news.certificates");
   const std::uint32_t left = three.ant.peer("bee")->update_checks.left();
   Effects effects;
-  const FleetNews known{{}, {three.ant.keys.record, three.cat.keys.record, away}};
+  const TrustUpdate known{{}, {three.ant.keys.record, three.cat.keys.record, away}};
   const auto told = three.ant.core->updates().on_update(known, three.ant.link_to("bee"), three.fleet.now, effects);
   CHECK(*told == "nothing new");
   CHECK(effects.list.empty());
@@ -142,11 +142,11 @@ TEST_CASE("what a node knows already costs no signature, whoever's it is") {
 
 TEST_CASE("a member whose signatures of this second are spent brings not even a list") {
   Three three;
-  FleetNews noise;
+  TrustUpdate noise;
   for (std::uint64_t i = 0; i < 256; ++i) noise.certificates.push_back(three.sign_certificate(three.renewed("cat", 0)));
-  const auto bring = [&](const FleetNews& news) {
+  const auto bring = [&](const TrustUpdate& update) {
     Effects effects;
-    const auto taken = three.ant.core->updates().on_update(news, three.ant.link_to("bee"), three.fleet.now, effects);
+    const auto taken = three.ant.core->updates().on_update(update, three.ant.link_to("bee"), three.fleet.now, effects);
     three.fleet.carry_out(three.ant, effects);
     return taken ? Errc::ok : taken.error().code;
   };
@@ -180,7 +180,7 @@ TEST_CASE("an old file that was left on the node is no attack; one that the auth
 
 TEST_CASE("news that are too much for one message go in several: the list first, then the certificates") {
   Three three;
-  FleetNews all{list_of(three.fleet.authority, 1, {"dog"}, {"ant", "bee", "cat"}), {}};
+  TrustUpdate all{list_of(three.fleet.authority, 1, {"dog"}, {"ant", "bee", "cat"}), {}};
   for (std::size_t i = 0; i < 200; ++i) {
     const Certificate one = of_another(three.fleet, "n" + std::to_string(i), 2);
     all.certificates.push_back(sign_long(three.fleet.authority, one, 3000));
@@ -194,17 +194,17 @@ TEST_CASE("news that are too much for one message go in several: the list first,
   REQUIRE(three.tell(three.ant, all).ok());
   three.fleet.run(2 * kStep);
   const std::size_t lists = all.revocations.kind.empty() ? 0 : 1;
-  REQUIRE(heard.news.size() == lists + 3);
+  REQUIRE(heard.updates.size() == lists + 3);
   if (lists == 1) {
-    CHECK(heard.news[0].revocations == all.revocations);
-    CHECK(heard.news[0].certificates.empty());
+    CHECK(heard.updates[0].revocations == all.revocations);
+    CHECK(heard.updates[0].certificates.empty());
   }
   std::vector<SignedRecord> certificates;
-  for (std::size_t i = lists; i < heard.news.size(); ++i) {
-    CHECK(heard.news[i].revocations.kind.empty());
-    CHECK_FALSE(heard.news[i].certificates.empty());
-    CHECK(encode(heard.news[i]).size() <= kMaxUpdate);
-    certificates.insert(certificates.end(), heard.news[i].certificates.begin(), heard.news[i].certificates.end());
+  for (std::size_t i = lists; i < heard.updates.size(); ++i) {
+    CHECK(heard.updates[i].revocations.kind.empty());
+    CHECK_FALSE(heard.updates[i].certificates.empty());
+    CHECK(encode(heard.updates[i]).size() <= kMaxUpdate);
+    certificates.insert(certificates.end(), heard.updates[i].certificates.begin(), heard.updates[i].certificates.end());
   }
   CHECK(certificates == all.certificates);
   CHECK(three.bee.count("news.certificates") == 200);
@@ -214,7 +214,7 @@ TEST_CASE("news over their size are not read; the log names who brought what was
   Three three;
   const auto bring = [&](std::size_t size) {
     const LinkId link = three.ant.link_to("bee");
-    Message message = make_message(MessageType::information, "bee", "ant", FleetNews{});
+    Message message = make_message(MessageType::information, "bee", "ant", TrustUpdate{});
     message.data = Bytes(size, '\xc1');
     three.fleet.arrive(three.ant, link, three.ant.core->table().link(link)->heard + 1, message);
   };
@@ -234,7 +234,8 @@ TEST_CASE("who was dialled and has not said Hello may bring news, and is named a
   REQUIRE_FALSE(ant.dials.empty());
   SignedRecord forged = list_of(fleet.authority, 1, {"dog"});
   forged.signature.bytes[5] ^= 1;
-  fleet.arrive(ant, ant.dials.back().link, 1, make_message(MessageType::information, "bee", "", FleetNews{forged, {}}));
+  fleet.arrive(ant, ant.dials.back().link, 1,
+               make_message(MessageType::information, "bee", "", TrustUpdate{forged, {}}));
   CHECK(ant.count("refused.bad_signature") == 1);
   CHECK(logged(ant, "news_refused of the node that was dialled: "));
 }

@@ -35,9 +35,9 @@ struct Two {
     ant.bus.clear();
   }
   /// What `trb fleet revoke --via` does.
-  void ask(const FleetNews& news) {
+  void ask(const TrustUpdate& update) {
     Effects effects;
-    ant.core->forwarding().on_bus_message(7, make_message(MessageType::command, "ant", "ant", news), fleet.now,
+    ant.core->forwarding().on_bus_message(7, make_message(MessageType::command, "ant", "ant", update), fleet.now,
                                           effects);
     fleet.carry_out(ant, effects);
   }

@@ -151,12 +151,12 @@ void BusSockets::free_dead_holder(const ServiceHello& hello, Effects& effects) {
   if (holder && is_gone(*holder)) forget_connection(*holder, effects);
 }
 
-void BusSockets::free_dead_probes(Server& server, ConnectionId asker, Effects& effects) {
+void BusSockets::free_dead_probes(Server& server, ConnectionId requester, Effects& effects) {
   std::vector<ConnectionId> known;
   for (const auto& [routing_id, connection] : server.connections) known.push_back(connection);
   for (const ConnectionId connection : known) {
     const auto at = connections_.find(connection);
-    const bool other = at != connections_.end() && at->second.name == kProbe && connection != asker;
+    const bool other = at != connections_.end() && at->second.name == kProbe && connection != requester;
     if (other && is_gone(connection)) forget_connection(connection, effects);
   }
 }

@@ -53,7 +53,7 @@ class BusSockets {
                       const Frame& frame);
   void on_hello(Server& server, ConnectionId from, const std::string& name, const HeaderView& header);
   void free_dead_holder(const ServiceHello& hello, Effects& effects);
-  void free_dead_probes(Server& server, ConnectionId asker, Effects& effects);
+  void free_dead_probes(Server& server, ConnectionId requester, Effects& effects);
   bool is_gone(ConnectionId connection);
   void request_hello(Server& server, BytesView routing_id);
   void forget_unknown();

@@ -24,7 +24,7 @@ bool DialledLinks::dial(const Dial& dial, const std::string& scope) {
     return dial_numbers({dial.link, found.address, dial.server_key}, scope, dial.address);
   }
   Effects effects;
-  shell_.core().links().on_name_unknown(dial.link, found.trouble, now, effects);
+  shell_.core().links().on_name_unknown(dial.link, found.row, now, effects);
   shell_.carry_out(effects);
   return true;
 }

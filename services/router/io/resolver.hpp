@@ -37,7 +37,7 @@ class Resolver {
 
   struct Found {
     std::string address;  ///< HOST:PORT in numbers; empty while it is not known
-    std::string trouble;  ///< why not, for people; empty while the answer may be on its way
+    std::string row;      ///< why not, for people; empty while the answer may be on its way
   };
   /// Of HOST:PORT with a name. Never waits; asks if nothing is known, or what is known is old.
   Found find(const std::string& address, MonotonicTime now);

@@ -71,7 +71,7 @@ bool is_known(const Resolver::Found& found) {
   return !found.address.empty();
 }
 bool is_trouble(const Resolver::Found& found) {
-  return !found.trouble.empty();
+  return !found.row.empty();
 }
 
 }  // namespace
@@ -79,12 +79,12 @@ bool is_trouble(const Resolver::Found& found) {
 TEST_CASE("a name server that never answers holds nobody up, and is told of after a second") {
   Server server;
   Resolver resolver(server.lookup());
-  CHECK(resolver.find("hub.example:45000", {0}).trouble.empty());
+  CHECK(resolver.find("hub.example:45000", {0}).row.empty());
   server.wait_asked(1);
   const auto found = resolver.find("hub.example:45000", {1'500'000'000});
   CHECK(found.address.empty());
-  CHECK(found.trouble.starts_with("the name server has not answered for hub.example yet"));
-  CHECK(found.trouble.find("/etc/resolv.conf") != std::string::npos);
+  CHECK(found.row.starts_with("the name server has not answered for hub.example yet"));
+  CHECK(found.row.find("/etc/resolv.conf") != std::string::npos);
   for (int i = 0; i < 100; ++i) resolver.find("hub.example:45000", {i * 1'000'000'000LL});
   CHECK(server.state->asked == 1);
 }
@@ -130,7 +130,7 @@ TEST_CASE("a name that is not there is told of and asked for again; a server tha
   Server server;
   Resolver resolver(server.lookup());
   server.say(fail(Errc::missing, "there is no host hub", "look"));
-  CHECK(find_until(resolver, "hub:1", {0}, is_trouble).trouble == "there is no host hub: look");
+  CHECK(find_until(resolver, "hub:1", {0}, is_trouble).row == "there is no host hub: look");
   server.say(Hosts{"10.0.0.1"});
   find_until(resolver, "hub:1", {1}, is_known);
   resolver.ended("hub:1", {2});
@@ -144,8 +144,8 @@ TEST_CASE("a name that is not there is told of and asked for again; a server tha
 TEST_CASE("names are bounded") {
   Server server;
   Resolver resolver(server.lookup());
-  for (std::size_t i = 0; i < kMaxNames; ++i) CHECK(resolver.find("h" + std::to_string(i) + ":1", {0}).trouble.empty());
-  CHECK(resolver.find("one-more:1", {0}).trouble.starts_with("over 256 host names"));
+  for (std::size_t i = 0; i < kMaxNames; ++i) CHECK(resolver.find("h" + std::to_string(i) + ":1", {0}).row.empty());
+  CHECK(resolver.find("one-more:1", {0}).row.starts_with("over 256 host names"));
 }
 
 TEST_CASE("what stands in /etc/hosts is found") {

@@ -61,10 +61,10 @@ std::vector<SeedAddress> read_known() {
 }
 
 /// What the authority had said before this start; nothing if there is none, and a damaged file is told anew by a peer.
-FleetNews stored_update() {
+TrustUpdate stored_update() {
   auto bytes = read_file("state/news");
-  auto news = bytes ? decode<FleetNews>(*bytes) : Result<FleetNews>(bytes.error());
-  return news ? std::move(*news) : FleetNews{};
+  auto update = bytes ? decode<TrustUpdate>(*bytes) : Result<TrustUpdate>(bytes.error());
+  return update ? std::move(*update) : TrustUpdate{};
 }
 
 RouterConfig make_config(const NodeConfig& node, const NodeKeys& keys, std::uint64_t boot) {

@@ -18,8 +18,8 @@ Status in_full(const Status& done, const std::string& path) {
               "make room for " + whole + " (df -h " + whole + "), or let it be written to");
 }
 
-Status store_update_file(const FleetNews& news) {
-  const Bytes bytes = encode(news);
+Status store_update_file(const TrustUpdate& update) {
+  const Bytes bytes = encode(update);
   // At each start it is taken from there, and is there.
   if (const auto there = read_file("state/news"); there && *there == bytes) return Done{};
   return write_file("state/news", bytes);
@@ -48,7 +48,7 @@ TrustFiles::TrustFiles(ShellContext& shell, BeaconChannel& beacons, LinkKey own)
     : shell_(shell), beacons_(beacons), own_(std::move(own)) {}
 
 void TrustFiles::store(const StoreUpdate& store) {
-  stored(Kept::update, in_full(store_update_file(store.news), "state"));
+  stored(Kept::update, in_full(store_update_file(store.update), "state"));
   if (!store.beacon_box.empty() && store.beacon_number > beacons_.key_number()) take_beacon_key(store);
 }
 
@@ -98,7 +98,7 @@ void TrustFiles::read_keys() {
   shell_.log(Level::warning, "news_refused", update.error().text());
 }
 
-void TrustFiles::take(const FleetNews& update) {
+void TrustFiles::take(const TrustUpdate& update) {
   Effects effects;
   shell_.core().updates().on_file(update, read_clocks(), effects);
   shell_.carry_out(effects);

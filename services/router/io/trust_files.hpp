@@ -37,7 +37,7 @@ class TrustFiles {
   void stored(Kept what, const Status& done);
   void take_beacon_key(const StoreUpdate& store);
   void read_keys();
-  void take(const FleetNews& update);
+  void take(const TrustUpdate& update);
 
   ShellContext& shell_;
   BeaconChannel& beacons_;

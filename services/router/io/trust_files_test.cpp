@@ -21,7 +21,7 @@ TEST_CASE("boot, time and peers are written as the next start reads them") {
 
 TEST_CASE("a trust update is written whole, and again only if it is another one") {
   ShellParts parts;
-  const FleetNews update{list_of(parts.ant.authority, 1, {"bee"}), {}};
+  const TrustUpdate update{list_of(parts.ant.authority, 1, {"bee"}), {}};
   parts.files.store(StoreUpdate{update, 0, ""});
   CHECK(*read_file("state/news") == encode(update));
   const auto written = std::filesystem::last_write_time("state/news");

@@ -43,14 +43,14 @@ struct Three {
     }
     return true;
   }
-  Result<std::string> tell(TestNode& node, const FleetNews& news) {
+  Result<std::string> tell(TestNode& node, const TrustUpdate& update) {
     Effects effects;
-    auto taken = node.core->updates().on_update(news, 0, fleet.now, effects);
+    auto taken = node.core->updates().on_update(update, 0, fleet.now, effects);
     fleet.carry_out(node, effects);
     return taken;
   }
-  Errc code(TestNode& node, const FleetNews& news) {
-    const auto taken = tell(node, news);
+  Errc code(TestNode& node, const TrustUpdate& update) {
+    const auto taken = tell(node, update);
     return taken ? Errc::ok : taken.error().code;
   }
   Certificate renewed(const std::string& id, std::uint64_t serial) {

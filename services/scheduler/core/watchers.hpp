@@ -17,7 +17,7 @@ class Watchers {
   static constexpr std::size_t kMax = 8;
   static constexpr double kLongest_s = 60;
 
-  /// A new watch, or (of the same asker and service) one in the place of the older. Error: queue_full, bad_value.
+  /// A new watch, or (of the same requester and service) one in the place of the older. Error: queue_full, bad_value.
   Status add(const Inbound& from, double lease_s, Now now);
   void forget(MonotonicTime now);
   [[nodiscard]] bool empty() const { return watchers_.empty(); }

@@ -78,7 +78,7 @@ void SensorBusCore::begin_picture(const Inbound& asked, const SensorSnapshot& bo
     return out.nack(asked, fail(Errc::bad_value, *name + " tells no pictures", "ask for a sensor_read"));
   if (pictures_.size() >= kMaxPictures)
     return out.nack(asked, fail(Errc::queue_full, "16 wait for a picture already", "wait"));
-  const bool asked_already = std::ranges::any_of(pictures_, [&](const Asker& one) { return one.name == *name; });
+  const bool asked_already = std::ranges::any_of(pictures_, [&](const Requester& one) { return one.name == *name; });
   const Duration patience = std::min<Duration>(kPicturePatience, milliseconds(asked.remaining_ms));
   pictures_.push_back({asked, *name, patience, now.mono + patience});
   if (!asked_already) order(TakePicture{sensor->key});
@@ -102,7 +102,7 @@ void SensorBusCore::on_picture(const Picture& picture, Now now, Outbox& out) {
 }
 
 void SensorBusCore::refuse_pictures(const std::string& name, const Error& error, Outbox& out) {
-  std::erase_if(pictures_, [&](const Asker& one) {
+  std::erase_if(pictures_, [&](const Requester& one) {
     if (one.name != name) return false;
     out.nack(one.asked, fail(Errc::robot_error, error.what, error.hint));
     return true;
@@ -110,7 +110,7 @@ void SensorBusCore::refuse_pictures(const std::string& name, const Error& error,
 }
 
 void SensorBusCore::send_picture(const SensorImage& image, Outbox& out) {
-  std::erase_if(pictures_, [&](const Asker& one) {
+  std::erase_if(pictures_, [&](const Requester& one) {
     if (one.name != image.sensor) return false;
     out.sends.push_back({.type = MessageType::information,
                          .target = one.asked.source,
@@ -148,7 +148,7 @@ void SensorBusCore::read_failed(const Sensor& sensor, const Error& error, Now no
   out.count(state == SensorState::silent ? "sensor.silent" : "sensor.failed");
   if (changed) out.log(LogLevel::warning, "sensor_failed", name + ": " + error.text());
   sensors_.failed(name, error.what, state);
-  const auto is_over = [&](const Asker& one) {
+  const auto is_over = [&](const Requester& one) {
     if (one.name != name) return false;
     out.nack(one.asked, fail(Errc::robot_error, name + ": " + error.what, error.hint));
     return true;
@@ -186,7 +186,7 @@ SensorReading SensorBusCore::reading_of(const std::string& name, const BusValue&
 }
 
 void SensorBusCore::deliver(const std::string& name, const SensorReading& reading, Now now, Outbox& out) {
-  const auto is_over = [&](const Asker& one) {
+  const auto is_over = [&](const Requester& one) {
     if (one.name != name) return false;
     if (const auto* word = get_if<Opaque>(&one.asked.body)) {
       out.reply(one.asked, Opaque{word->subtype, reading.is_text ? reading.text : plain_text(reading.number)});
@@ -206,7 +206,7 @@ void SensorBusCore::expire(Now now, Outbox& out) {
   const Sensors::Late late = sensors_.check(now.mono);
   for (const std::string& name : late.silent) send_last_value(name, now, out);
   for (const std::string& name : late.gone) gone(name, "is fed by no program any more", out);
-  const auto is_over = [&](const Asker& one) {
+  const auto is_over = [&](const Requester& one) {
     if (one.deadline > now.mono) return false;
     time_out(one, out);
     return true;
@@ -215,21 +215,21 @@ void SensorBusCore::expire(Now now, Outbox& out) {
   std::erase_if(pictures_, is_over);
 }
 
-void SensorBusCore::time_out(const Asker& asker, Outbox& out) const {
-  const Sensor* sensor = sensors_.find(asker.name);
-  const std::string nothing = asker.name + " told nothing in " + seconds_text(asker.patience);
+void SensorBusCore::time_out(const Requester& requester, Outbox& out) const {
+  const Sensor* sensor = sensors_.find(requester.name);
+  const std::string nothing = requester.name + " told nothing in " + seconds_text(requester.patience);
   if (!bus_up_) {
-    return out.nack(asker.asked, fail(Errc::timeout, nothing + ": the D-Bus is not there: " + bus_fault_,
-                                      "start it, or name another in node.json: \"dbus\""));
+    return out.nack(requester.asked, fail(Errc::timeout, nothing + ": the D-Bus is not there: " + bus_fault_,
+                                          "start it, or name another in node.json: \"dbus\""));
   }
   if (sensor == nullptr) {
-    return out.nack(asker.asked, fail(Errc::unknown_target,
-                                      "'" + asker.name + "' is no sensor, and no program told of it in " +
-                                          seconds_text(asker.patience),
-                                      "there are: " + sensors_.names()));
+    return out.nack(requester.asked, fail(Errc::unknown_target,
+                                          "'" + requester.name + "' is no sensor, and no program told of it in " +
+                                              seconds_text(requester.patience),
+                                          "there are: " + sensors_.names()));
   }
   const std::string why = sensor->info.detail.empty() ? "" : ": " + sensor->info.detail;
-  out.nack(asker.asked, fail(Errc::timeout, nothing + why, "see trb sensor list; give it more time: --timeout"));
+  out.nack(requester.asked, fail(Errc::timeout, nothing + why, "see trb sensor list; give it more time: --timeout"));
 }
 
 }  // namespace trb::sensor

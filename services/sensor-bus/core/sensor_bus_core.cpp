@@ -54,7 +54,7 @@ void SensorBusCore::refuse(const Inbound& message, Outbox& out) {
 }
 
 void SensorBusCore::forget_node(const std::string& id) {
-  const auto of_it = [&](const Asker& one) { return one.asked.source == id; };
+  const auto of_it = [&](const Requester& one) { return one.asked.source == id; };
   watches_.forget_node(id);
   asked_changed_ = std::erase_if(reads_, of_it) != 0 || asked_changed_;
   std::erase_if(pictures_, of_it);
@@ -90,7 +90,7 @@ void SensorBusCore::gone(const std::string& name, const std::string& why, Outbox
   order(Withdraw{name});
   const Error error = fail(Errc::unknown_target, name + " " + why, "there are: " + sensors_.names());
   watches_.end_of(name, error, out);
-  const auto is_over = [&](const Asker& one) {
+  const auto is_over = [&](const Requester& one) {
     if (one.name != name) return false;
     out.nack(one.asked, error);
     return true;
@@ -113,8 +113,8 @@ void SensorBusCore::tick(Now now, Outbox& out) {
 std::optional<MonotonicTime> SensorBusCore::next_deadline() const {
   auto next = earlier(sensors_.next_check(), watches_.next_deadline());
   if (welcomed_) next = earlier(next, tell_at_);
-  for (const Asker& asker : reads_) next = earlier(next, asker.deadline);
-  for (const Asker& asker : pictures_) next = earlier(next, asker.deadline);
+  for (const Requester& requester : reads_) next = earlier(next, requester.deadline);
+  for (const Requester& requester : pictures_) next = earlier(next, requester.deadline);
   return next;
 }
 
@@ -135,7 +135,7 @@ void SensorBusCore::settle(Now now, Outbox& out) {
 void SensorBusCore::settle_rules() {
   if (!(watches_.take_changed() || std::exchange(asked_changed_, false)) || !bus_up_) return;
   std::set<std::string> wanted = watches_.names();
-  for (const Asker& read : reads_) wanted.insert(read.name);
+  for (const Requester& read : reads_) wanted.insert(read.name);
   for (const std::string& name : rules_) {
     if (wanted.count(name) == 0) effects_.emplace_back(Unsubscribe{name});
   }

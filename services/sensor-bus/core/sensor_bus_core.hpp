@@ -42,7 +42,7 @@ class SensorBusCore : public Core {
 
  private:
   /// Who waits for a sensor's next value, or its picture.
-  struct Asker {
+  struct Requester {
     Inbound asked;
     std::string name;
     Duration patience{};
@@ -73,7 +73,7 @@ class SensorBusCore : public Core {
   void send_last_value(const std::string& name, Now now, Outbox& out);
   void gone(const std::string& name, const std::string& why, Outbox& out);
   void expire(Now now, Outbox& out);
-  void time_out(const Asker& asker, Outbox& out) const;
+  void time_out(const Requester& requester, Outbox& out) const;
 
   void order(Effect effect);
   /// The end of every step: rules as they are needed, the fleet told of what has changed.
@@ -84,8 +84,8 @@ class SensorBusCore : public Core {
   std::string node_;
   Sensors sensors_;
   Watches watches_;
-  std::vector<Asker> reads_;
-  std::vector<Asker> pictures_;
+  std::vector<Requester> reads_;
+  std::vector<Requester> pictures_;
   std::vector<UnknownDevice> unknown_;
   std::vector<Effect> effects_;
   std::set<std::string> rules_;  ///< the names subscribed to

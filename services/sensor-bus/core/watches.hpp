@@ -15,7 +15,7 @@ namespace trb::sensor {
 
 class Watches {
  public:
-  /// Begins, renews (lease > 0) or ends (lease 0) the asker's watch of the sensor `name`. Errors: bad_value,
+  /// Begins, renews (lease > 0) or ends (lease 0) the requester's watch of the sensor `name`. Errors: bad_value,
   /// queue_full.
   Status order(const Inbound& asked, const SensorWatch& body, const std::string& name, Now now);
 
@@ -36,7 +36,7 @@ class Watches {
   bool take_changed() { return std::exchange(changed_, false); }
 
  private:
-  /// Sensor, node, its connection there, the asker's number.
+  /// Sensor, node, its connection there, the requester's number.
   using Key = std::tuple<std::string, std::string, std::uint64_t, std::uint64_t>;
   struct Watch {
     std::uint64_t request = 0;  ///< the newest SensorWatch

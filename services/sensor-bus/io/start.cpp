@@ -5,7 +5,7 @@
 #include "common/log/log.hpp"
 #include "services/sensor-bus/io/bus_thread.hpp"
 #include "services/sensor-bus/io/devices/devices.hpp"
-#include "services/sensor-bus/io/steps.hpp"
+#include "services/sensor-bus/io/sensor_bus_shell.hpp"
 
 namespace trb::sensor {
 namespace {
@@ -24,16 +24,16 @@ Result<int> start(NodeConfig config) {
   if (!service) return service.error();
   ConfigFaults faults;  // told by the check above
   SensorBusCore core(config.id, requests_of(config));
-  Steps steps(**service, core);
+  SensorBusShell shell(**service, core);
   auto bus = BusThread::open(config.dbus, **service,
-                             [&](const std::vector<BusEvent>& events) { steps.on_bus_events(events); });
+                             [&](const std::vector<BusEvent>& events) { shell.on_bus_events(events); });
   if (!bus) return bus.error();
-  steps.to_bus([&](std::vector<Effect> effects) { (*bus)->carry_out(std::move(effects)); });
-  const auto devices = Devices::open(**service, steps, read_sensor_files(config.dir, faults));
+  shell.to_bus([&](std::vector<Effect> effects) { (*bus)->carry_out(std::move(effects)); });
+  const auto devices = Devices::open(**service, shell, read_sensor_files(config.dir, faults));
   // Without them it still hears the sensors that programs feed.
   if (!devices) log_event(Level::error, "no_devices", devices.error().text());
-  if (devices) steps.to_devices(**devices);
-  return (*service)->run(steps);
+  if (devices) shell.to_devices(**devices);
+  return (*service)->run(shell);
 }
 
 }  // namespace trb::sensor

@@ -122,7 +122,8 @@ struct Fixture {
     return ask(SensorWatch{sensor, "", number, every_s, lease_s}, source);
   }
 
-  /// Everything said to `id`'s asker as its answer, a line each: "reading temperature 21.5 good", "nack timeout: …".
+  /// Everything said to `id`'s requester as its answer, a line each: "reading temperature 21.5 good", "nack timeout:
+  /// …".
   std::string answer(std::uint64_t id) {
     std::string text;
     for (const Send& send : out.sends) {

@@ -96,7 +96,7 @@ TEST_CASE("a name that nobody tells of is unknown after 3 s, with the names ther
   CHECK(fixture.answer(fixture.read("no such-name")) == "nack unknown_target: 'no such-name' is no sensor");
 }
 
-TEST_CASE("the wait is three periods, 3 s at least, or as long as the asker says and waits itself") {
+TEST_CASE("the wait is three periods, 3 s at least, or as long as the requester says and waits itself") {
   Fixture fixture;
   fixture.plug("usb1#t", "slow", "", "temperature", 5);
   const auto patient = fixture.read("slow");
@@ -125,7 +125,7 @@ TEST_CASE("a reader that errs answers in its own words, and marks the sensor unt
   CHECK(fixture.info("temperature").detail.empty());
 }
 
-TEST_CASE("a value that is no number is its reader's fault, not the asker's") {
+TEST_CASE("a value that is no number is its reader's fault, not the requester's") {
   Fixture fixture;
   fixture.plug("usb1#t", "temperature");
   const auto asked = fixture.read("temperature");

@@ -133,7 +133,7 @@ TEST_CASE("silent after three of its periods, ok with the next value; a flapping
 }
 
 TEST_CASE(
-    "a reader of tags tells when there is a tag: it is never silent, and is waited for as long as the asker says") {
+    "a reader of tags tells when there is a tag: it is never silent, and is waited for as long as the requester says") {
   Fixture fixture;
   fixture.plug("usb1#r", "tag", "", "tag", 0);
   fixture.device_sends("usb1#r", 1);

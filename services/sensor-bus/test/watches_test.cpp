@@ -60,7 +60,7 @@ TEST_CASE("without renewal it ends with its lease, and its rule with it") {
   CHECK(counts(fixture).empty());
 }
 
-TEST_CASE("a lease of 0 ends it at once; that of another asker goes on with the one rule") {
+TEST_CASE("a lease of 0 ends it at once; that of another requester goes on with the one rule") {
   Fixture fixture;
   fixture.plug("usb1#t", "temperature");
   fixture.watch("temperature");

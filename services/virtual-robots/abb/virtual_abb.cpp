@@ -31,7 +31,7 @@ void VirtualAbb::serve_program(TcpServer::Client& client) {
   while (!controller_.blocked()) {
     const auto text = take_string(client.input);
     if (!text) return;
-    asker_ = client.id;
+    requester_ = client.id;
     answer(controller_.program(*text, clock_.now()));
     tell_events();
   }
@@ -43,7 +43,7 @@ void VirtualAbb::serve_service(TcpServer::Client& client) {
 
 /** A client that has left gets no answer. */
 void VirtualAbb::answer(const std::optional<std::string>& text) {
-  TcpServer::Client* client = text ? program_.find(asker_) : nullptr;
+  TcpServer::Client* client = text ? program_.find(requester_) : nullptr;
   if (client != nullptr) program_.send(*client, *text);
 }
 
@@ -51,7 +51,7 @@ void VirtualAbb::follow() {
   const auto ended = controller_.advance(clock_.now());
   answer(ended);
   tell_events();
-  TcpServer::Client* client = ended ? program_.find(asker_) : nullptr;
+  TcpServer::Client* client = ended ? program_.find(requester_) : nullptr;
   if (client != nullptr) serve_program(*client);
 }
 

@@ -48,10 +48,10 @@ TEST_CASE("a text that was told within the second before is the stop's reason, a
   bench.later(std::chrono::milliseconds(500));
   bench.faults.on_stop_message(true, "$STOPMESS", bench.out);
   bench.faults.report_stop("air is low", bench.now, bench.out);
-  CHECK_FALSE(bench.told<FaultSaid>().at(0).is_news);
+  CHECK_FALSE(bench.told<FaultSaid>().at(0).is_new);
   bench.later(std::chrono::seconds(1));
   bench.faults.report_stop("air is low", bench.now, bench.out);
-  CHECK(bench.told<FaultSaid>().at(0).is_news);
+  CHECK(bench.told<FaultSaid>().at(0).is_new);
 }
 
 TEST_CASE("after a lost connection everything is told again") {

@@ -244,7 +244,7 @@ TEST_CASE("with no robot on TCP_PORT a command is refused, information is droppe
   CHECK(fixture.counted("refused.no_field_channel") == 2);
 }
 
-TEST_CASE("a request is answered by the robot's information of that name to the asker") {
+TEST_CASE("a request is answered by the robot's information of that name to the requester") {
   FieldBench fixture;
   const auto id = fixture.send(MessageType::request, "position", "");
   CHECK(fixture.take_fields() == "request\nposition\noperator\n0\n\n");

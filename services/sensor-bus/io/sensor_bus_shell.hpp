@@ -11,9 +11,9 @@
 
 namespace trb::sensor {
 
-class Steps final : public Core, public DeviceListener {
+class SensorBusShell final : public Core, public DeviceListener {
  public:
-  Steps(Service& service, SensorBusCore& core) : service_(service), core_(core) {}
+  SensorBusShell(Service& service, SensorBusCore& core) : service_(service), core_(core) {}
 
   /// Who carries out what the core wants. Until then it is dropped.
   void to_bus(std::function<void(std::vector<Effect>)> carry_out) { bus_ = std::move(carry_out); }

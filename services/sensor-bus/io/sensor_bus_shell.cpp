@@ -1,52 +1,52 @@
-#include "services/sensor-bus/io/steps.hpp"
+#include "services/sensor-bus/io/sensor_bus_shell.hpp"
 
 namespace trb::sensor {
 
-void Steps::on_welcome(const NodeIdentity& node, Now now, Outbox& out) {
+void SensorBusShell::on_welcome(const NodeIdentity& node, Now now, Outbox& out) {
   core_.on_welcome(node, now, out);
   carry_out();
 }
 
-void Steps::on(const Inbound& message, Now now, Outbox& out) {
+void SensorBusShell::on(const Inbound& message, Now now, Outbox& out) {
   core_.on(message, now, out);
   carry_out();
 }
 
-void Steps::tick(Now now, Outbox& out) {
+void SensorBusShell::tick(Now now, Outbox& out) {
   core_.tick(now, out);
   carry_out();
 }
 
-void Steps::step(const std::function<void(Now, Outbox&)>& effect) {
+void SensorBusShell::step(const std::function<void(Now, Outbox&)>& effect) {
   service_.step(effect);
   carry_out();
 }
 
-void Steps::on_plugged(const PluggedSensor& sensor) {
+void SensorBusShell::on_plugged(const PluggedSensor& sensor) {
   step([&](Now now, Outbox& out) { core_.on_plugged(sensor, now, out); });
 }
 
-void Steps::on_unplugged(const std::string& key) {
+void SensorBusShell::on_unplugged(const std::string& key) {
   step([&](Now now, Outbox& out) { core_.on_unplugged(key, now, out); });
 }
 
-void Steps::on_sample(const Sample& sample) {
+void SensorBusShell::on_sample(const Sample& sample) {
   step([&](Now now, Outbox& out) { core_.on_sample(sample, now, out); });
 }
 
-void Steps::on_picture(const Picture& picture) {
+void SensorBusShell::on_picture(const Picture& picture) {
   step([&](Now now, Outbox& out) { core_.on_picture(picture, now, out); });
 }
 
-void Steps::on_unknown(const std::vector<UnknownDevice>& devices) {
+void SensorBusShell::on_unknown(const std::vector<UnknownDevice>& devices) {
   step([&](Now, Outbox&) { core_.on_unknown(devices); });
 }
 
-void Steps::on_bus_events(const std::vector<BusEvent>& events) {
+void SensorBusShell::on_bus_events(const std::vector<BusEvent>& events) {
   step([&](Now now, Outbox& out) { core_.on_bus_events(events, now, out); });
 }
 
-void Steps::carry_out() {
+void SensorBusShell::carry_out() {
   std::vector<Effect> to_bus;
   for (Effect& effect : core_.take_effects()) {
     if (const auto* read = std::get_if<ReadNow>(&effect)) {
