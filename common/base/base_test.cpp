@@ -12,6 +12,7 @@
 #include "common/base/ids.hpp"
 #include "common/base/printable.hpp"
 #include "common/base/saturate.hpp"
+#include "common/base/test/temporary_folder.hpp"
 #include "common/base/time.hpp"
 
 using namespace trb;
@@ -109,16 +110,7 @@ TEST_CASE("sums of what others have chosen stay in their range") {
 
 namespace {
 
-struct Folder {
-  std::string path = [] {
-    char name[] = "/tmp/trb-base-XXXXXX";
-    return std::string(::mkdtemp(name));
-  }();
-  Folder() = default;
-  Folder(const Folder&) = delete;
-  Folder& operator=(const Folder&) = delete;
-  ~Folder() { std::filesystem::remove_all(path); }
-};
+using Folder = TemporaryFolder;
 
 unsigned mode_of(const std::string& path) {
   struct stat facts {};

@@ -1,4 +1,5 @@
 #include "common/log/log.hpp"
+#include "common/base/test/temporary_folder.hpp"
 
 #include <doctest/doctest.h>
 #include <stdlib.h>
@@ -41,19 +42,17 @@ TEST_CASE("events of ever new names do not grow the table without end") {
 }
 
 TEST_CASE("one event stays one line, whatever its text holds") {
-  char name[] = "/tmp/trb-log-XXXXXX";
-  const std::string folder = ::mkdtemp(name);
-  open_log("tester", folder + "/tester.log");
+  const TemporaryFolder folder;
+  open_log("tester", folder.path + "/tester.log");
   log_event(Level::info, "hostile",
             std::string("a\nb\r\x1b[31m\tc\x7f") + std::string(1, '\0') +
                 "d\xc2\x9b"
                 "31m");
-  const auto text = read_file(folder + "/tester.log");
+  const auto text = read_file(folder.path + "/tester.log");
   REQUIRE(text.ok());
   CHECK(std::count(text->begin(), text->end(), '\n') == 1);
   CHECK(text->find("info tester hostile a b  [31m c  d\\u009b31m") != std::string::npos);
   open_log("tester", "");
-  std::filesystem::remove_all(folder);
 }
 
 TEST_CASE("a log that cannot be written to stops nobody") {

@@ -1,5 +1,6 @@
 // Keys of a bus over TCP: made once, never over what is there, and what is wrong with one is told.
 #include "common/security/bus_keys.hpp"
+#include "common/base/test/temporary_folder.hpp"
 
 #include <doctest/doctest.h>
 #include <stdlib.h>
@@ -16,14 +17,8 @@ namespace {
 
 const std::vector<std::string> kNames = {"router", "scheduler", "probe"};
 
-struct Folder {
-  std::string path;
-  Folder() {
-    init_crypto();
-    char name[] = "/tmp/trb-bus-keys-XXXXXX";
-    path = ::mkdtemp(name);
-  }
-  ~Folder() { std::filesystem::remove_all(path); }
+struct Folder : TemporaryFolder {
+  Folder() { init_crypto(); }
   [[nodiscard]] std::string at(const std::string& name) const { return path + "/keys/bus/" + name; }
   [[nodiscard]] ConfigFaults faults() const {
     ConfigFaults out;

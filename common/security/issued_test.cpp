@@ -5,6 +5,7 @@
 #include <filesystem>
 
 #include "common/base/files.hpp"
+#include "common/base/test/temporary_folder.hpp"
 #include "common/security/authority.hpp"
 #include "common/security/node_keys.hpp"
 #include "common/security/revocations.hpp"
@@ -20,17 +21,13 @@ const std::string kPassphrase = "correct horse battery";
 
 /// An authority and nodes that ask it.
 struct Hall {
-  std::string root = [] {
-    init_crypto();
-    char name[] = "/tmp/trb-issued-XXXXXX";
-    return std::string(::mkdtemp(name));
-  }();
+  TemporaryFolder temporary;
+  std::string root = temporary.path;
   std::string dir = root + "/fleet";
-  Authority authority = *make_authority(dir, "hall", kPassphrase);
-  Hall() = default;
-  Hall(const Hall&) = delete;
-  Hall& operator=(const Hall&) = delete;
-  ~Hall() { std::filesystem::remove_all(root); }
+  Authority authority = [this] {
+    init_crypto();
+    return *make_authority(dir, "hall", kPassphrase);
+  }();
 
   Result<CertificateFile> ask(const std::string& folder, const std::string& id) {
     REQUIRE(make_request(root + "/" + folder, id, Role::robot).ok());

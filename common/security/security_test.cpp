@@ -6,6 +6,7 @@
 #include <filesystem>
 
 #include "common/base/files.hpp"
+#include "common/base/test/temporary_folder.hpp"
 #include "common/security/authority.hpp"
 #include "common/security/node_keys.hpp"
 #include "common/security/rights.hpp"
@@ -19,16 +20,8 @@ constexpr UtcTime kNow{1'772'366'400'000'000'000};
 constexpr Duration kYear = std::chrono::hours(24 * 365);
 const std::string kPassphrase = "correct horse battery";
 
-struct Folder {
-  std::string path = [] {
-    init_crypto();
-    char name[] = "/tmp/trb-security-XXXXXX";
-    return std::string(::mkdtemp(name));
-  }();
-  Folder() = default;
-  Folder(const Folder&) = delete;
-  Folder& operator=(const Folder&) = delete;
-  ~Folder() { std::filesystem::remove_all(path); }
+struct Folder : TemporaryFolder {
+  Folder() { init_crypto(); }
   std::string operator/(const std::string& name) const { return path + "/" + name; }
 };
 

@@ -8,6 +8,7 @@
 #include <filesystem>
 
 #include "common/base/files.hpp"
+#include "common/base/test/temporary_folder.hpp"
 #include "common/security/issued.hpp"
 #include "common/security/node_keys.hpp"
 #include "common/security/revocations.hpp"
@@ -19,24 +20,19 @@ constexpr UtcTime kNow{1'772'366'400'000'000'000};
 constexpr Duration kYear = std::chrono::hours(24 * 365);
 
 struct Hall {
-  std::string root = [] {
-    init_crypto();
-    char name[] = "/tmp/trb-hall-XXXXXX";
-    return std::string(::mkdtemp(name));
-  }();
+  TemporaryFolder temporary;
+  std::string root = temporary.path;
   std::string dir = root + "/fleet";
   Authority authority;
 
   Hall() {
+    init_crypto();
     authority.key = make_signing_key();
     authority.fleet = {"hall", authority.key.public_key};
     authority.beacon = {1, random_bytes(32)};
     REQUIRE(make_dir(dir, 0700).ok());
     REQUIRE(write_fleet(dir, authority).ok());
   }
-  Hall(const Hall&) = delete;
-  Hall& operator=(const Hall&) = delete;
-  ~Hall() { std::filesystem::remove_all(root); }
 
   [[nodiscard]] std::string keys_of(const std::string& node) const { return root + "/" + node + "/keys"; }
   [[nodiscard]] Result<Authority> read() const { return read_authority(dir); }

@@ -9,6 +9,7 @@
 #include <limits>
 #include <set>
 
+#include "common/base/test/temporary_folder.hpp"
 #include "common/security/keys.hpp"
 #include "common/service/bus_link.hpp"
 #include "common/service/service.hpp"
@@ -19,18 +20,12 @@ using namespace trb;
 namespace {
 
 /// A folder of the test's own, which becomes the working directory: sockets are bus/NAME.ipc.
-struct Folder {
-  std::string path;
+struct Folder : TemporaryFolder {
   Folder() {
-    char name[] = "/tmp/trb-bus-XXXXXX";
-    path = ::mkdtemp(name);
     std::filesystem::create_directory(path + "/bus");
-    REQUIRE(::chdir(path.c_str()) == 0);
+    std::filesystem::current_path(path);
   }
-  ~Folder() {
-    std::filesystem::current_path("/");
-    std::filesystem::remove_all(path);
-  }
+  ~Folder() { std::filesystem::current_path("/"); }
 };
 
 /// The router's end of one service's socket.

@@ -1,5 +1,6 @@
 // A supervisor with real processes: shell scripts that note each of their starts.
 #include "common/supervisor/supervisor.hpp"
+#include "common/base/test/temporary_folder.hpp"
 
 #include <doctest/doctest.h>
 #include <sys/wait.h>
@@ -23,16 +24,12 @@ namespace fs = std::filesystem;
 
 /// A node's folder, and programs in it.
 struct Node {
-  std::string dir;
+  TemporaryFolder temporary;
+  std::string dir = temporary.path;
   std::vector<std::string> notes;
   MonotonicTime end = read_clocks().mono + std::chrono::seconds(20);
 
-  Node() {
-    char name[] = "/tmp/trb-up-XXXXXX";
-    dir = ::mkdtemp(name);
-    supervisor::block_signals();
-  }
-  ~Node() { fs::remove_all(dir); }
+  Node() { supervisor::block_signals(); }
 
   /// A program that writes its pid, a line each start, and then does this.
   ServiceProgram program(const std::string& name, const std::string& then) const {

@@ -38,9 +38,6 @@ std::string node_json(const std::string& framework) {
 }  // namespace
 
 NodeFolder::NodeFolder(const std::string& framework) {
-  std::string pattern = (std::filesystem::temp_directory_path() / "trb-node-XXXXXX").string();
-  REQUIRE(::mkdtemp(pattern.data()) != nullptr);
-  path_ = pattern;
   write("node.json", node_json(framework));
   write("network.json", kNetwork);
   if (framework == "cloud") return;
@@ -52,23 +49,18 @@ NodeFolder::NodeFolder(const std::string& framework) {
   if (framework == "ros") change("robots/r.json", R"("acknowledgement")", R"("time", "duration_s": 2)");
 }
 
-NodeFolder::~NodeFolder() {
-  std::error_code ignored;
-  std::filesystem::remove_all(path_, ignored);
-}
-
 void NodeFolder::write(const std::string& name, const std::string& text) const {
-  const std::string file = path_ + "/" + name;
+  const std::string file = folder_.path + "/" + name;
   REQUIRE(make_dir(std::filesystem::path(file).parent_path().string()).ok());
   REQUIRE(write_file(file, text).ok());
 }
 
 void NodeFolder::remove(const std::string& name) const {
-  std::filesystem::remove(path_ + "/" + name);
+  std::filesystem::remove(folder_.path + "/" + name);
 }
 
 void NodeFolder::change(const std::string& name, const std::string& from, const std::string& to) const {
-  auto text = read_file(path_ + "/" + name);
+  auto text = read_file(folder_.path + "/" + name);
   REQUIRE(text.ok());
   const std::size_t at = text->find(from);
   REQUIRE_MESSAGE(at != std::string::npos, from);
@@ -77,17 +69,17 @@ void NodeFolder::change(const std::string& name, const std::string& from, const 
 
 void NodeFolder::sign(const std::string& id, Role role) const {
   init_crypto();
-  REQUIRE(make_request(path_, id, role).ok());
-  const auto text = read_file(path_ + "/keys/request.json");
+  REQUIRE(make_request(folder_.path, id, role).ok());
+  const auto text = read_file(folder_.path + "/keys/request.json");
   REQUIRE(text.ok());
   const auto request = from_json<SignedRecord>(*text);
   REQUIRE(request.ok());
-  auto authority = make_authority(path_ + "/authority", "test", "a long passphrase");
+  auto authority = make_authority(folder_.path + "/authority", "test", "a long passphrase");
   REQUIRE(authority.ok());
   const UtcTime today{1'800'000'000'000'000'000};
-  const auto file = sign_request(*authority, path_ + "/authority", *request, today, seconds(3600.0 * 24 * 3650));
+  const auto file = sign_request(*authority, folder_.path + "/authority", *request, today, seconds(3600.0 * 24 * 3650));
   REQUIRE(file.ok());
-  REQUIRE(write_file(path_ + "/keys/certificate.json", certificate_file_to_json(*file)).ok());
+  REQUIRE(write_file(folder_.path + "/keys/certificate.json", certificate_file_to_json(*file)).ok());
 }
 
 ConfigFaults without_keys(const ConfigFaults& faults) {

@@ -3,6 +3,7 @@
 
 #include <string>
 
+#include "common/base/test/temporary_folder.hpp"
 #include "common/config/node_config.hpp"
 #include "common/drivers/registry.hpp"
 
@@ -12,9 +13,6 @@ class NodeFolder {
  public:
   /// The files of a robot's node: framework "lines" (interpreter) or "ur" (direct), or "cloud" for the cloud's.
   explicit NodeFolder(const std::string& framework = "lines");
-  NodeFolder(const NodeFolder&) = delete;
-  NodeFolder& operator=(const NodeFolder&) = delete;
-  ~NodeFolder();
 
   void write(const std::string& name, const std::string& text) const;
   void remove(const std::string& name) const;
@@ -24,12 +22,12 @@ class NodeFolder {
   void sign(const std::string& id, Role role) const;
 
   [[nodiscard]] NodeCheck check(bool running = true) const {
-    return check_node_dir(path_, running, drivers::robot_transports());
+    return check_node_dir(folder_.path, running, drivers::robot_transports());
   }
-  [[nodiscard]] const std::string& path() const { return path_; }
+  [[nodiscard]] const std::string& path() const { return folder_.path; }
 
  private:
-  std::string path_;
+  TemporaryFolder folder_;
 };
 
 /// The faults, without those of the keys.

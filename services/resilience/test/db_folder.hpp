@@ -8,22 +8,14 @@
 #include <memory>
 #include <string>
 
+#include "common/base/test/temporary_folder.hpp"
 #include "services/resilience/io/capability_db.hpp"
 #include "services/resilience/test/fleet_fixture.hpp"
 
 namespace trb::resilience::test {
 
-struct Folder {
-  Folder() {
-    std::string name = (std::filesystem::temp_directory_path() / "trb-capability-XXXXXX").string();
-    REQUIRE(::mkdtemp(name.data()) != nullptr);
-    path = name;
-  }
-  ~Folder() { std::filesystem::remove_all(path); }
-  Folder(const Folder&) = delete;
-  Folder& operator=(const Folder&) = delete;
+struct Folder : TemporaryFolder {
   [[nodiscard]] std::string file() const { return path + "/capability.db"; }
-  std::string path;
 };
 
 inline std::unique_ptr<CapabilityDb> opened(const Folder& folder) {

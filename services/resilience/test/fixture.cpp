@@ -10,9 +10,6 @@ namespace trb::resilience::test {
 Fixture::Fixture(ResilienceSettings resilience, Role role)
     : settings{"cloud", role, resilience, {{"dock", {0, 0}}, {"table1", {4, 0}}}} {
   init_crypto();
-  std::string name = (std::filesystem::temp_directory_path() / "trb-resilience-XXXXXX").string();
-  REQUIRE(::mkdtemp(name.data()) != nullptr);
-  folder_ = name;
   authority_key_ = make_signing_key();
   authority_ = {"test", authority_key_.public_key};
   key_ = make_signing_key();
@@ -23,11 +20,10 @@ Fixture::~Fixture() {
   steps_.reset();
   core_.reset();
   db_.reset();
-  std::filesystem::remove_all(folder_);
 }
 
 void Fixture::open() {
-  auto db = CapabilityDb::open(folder_ + "/capability.db");
+  auto db = CapabilityDb::open(folder_.path + "/capability.db");
   REQUIRE_MESSAGE(db.ok(), (db ? "" : db.error().text()));
   db_ = std::move(*db);
   core_ = std::make_unique<ResilienceCore>(settings, db_.get());

@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "common/base/test/temporary_folder.hpp"
 #include "common/security/keys.hpp"
 #include "services/resilience/io/recording_core.hpp"
 #include "services/resilience/io/store.hpp"
@@ -113,7 +114,7 @@ class Fixture {
   [[nodiscard]] SignedRecord certificate(const std::string& id, Role role) const;
   void open();
 
-  std::string folder_;
+  TemporaryFolder folder_;
   FleetAuthority authority_;
   SigningKey authority_key_;
   SigningKey key_;

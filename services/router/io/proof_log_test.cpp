@@ -1,5 +1,6 @@
 // log/proof on a disk: readable, bounded, for its owner alone, and never in the way.
 #include "services/router/io/proof_log.hpp"
+#include "common/base/test/temporary_folder.hpp"
 
 #include <doctest/doctest.h>
 #include <sys/stat.h>
@@ -21,11 +22,7 @@ namespace {
 constexpr UtcTime kUtc{1'772'366'400'000'000'000};
 constexpr std::uint64_t kMegabyte = 1U << 20U;
 
-struct TempDir {
-  std::string path = (std::filesystem::temp_directory_path() / "trb-proof-XXXXXX").string();
-  TempDir() { REQUIRE(::mkdtemp(path.data()) != nullptr); }
-  ~TempDir() { std::filesystem::remove_all(path); }
-};
+using TempDir = TemporaryFolder;
 
 /// One fleet for all who speak in a test.
 const SigningKey& shared_authority() {

@@ -7,6 +7,7 @@
 
 #include <filesystem>
 
+#include "common/base/test/temporary_folder.hpp"
 #include "services/router/io/frame_forwarder.hpp"
 #include "services/router/io/trust_files.hpp"
 #include "services/router/test/test_parts.hpp"
@@ -17,20 +18,16 @@ namespace trb::router {
 class NodeFolder {
  public:
   NodeFolder() {
-    REQUIRE(::mkdtemp(path_.data()) != nullptr);
-    std::filesystem::current_path(path_);
+    std::filesystem::current_path(folder_.path);
     for (const char* name : {"state", "keys", "log"}) std::filesystem::create_directory(name);
   }
-  ~NodeFolder() {
-    std::filesystem::current_path(before_);
-    std::filesystem::remove_all(path_);
-  }
+  ~NodeFolder() { std::filesystem::current_path(before_); }
   NodeFolder(const NodeFolder&) = delete;
   NodeFolder& operator=(const NodeFolder&) = delete;
 
  private:
   std::filesystem::path before_ = std::filesystem::current_path();
-  std::string path_ = (std::filesystem::temp_directory_path() / "trb-router-XXXXXX").string();
+  TemporaryFolder folder_;
 };
 
 struct ShellParts {

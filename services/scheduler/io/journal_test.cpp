@@ -1,4 +1,5 @@
 #include "services/scheduler/io/journal.hpp"
+#include "common/base/test/temporary_folder.hpp"
 
 #include <doctest/doctest.h>
 #include <sqlite3.h>
@@ -14,17 +15,8 @@ using namespace trb::scheduler;
 
 namespace {
 
-struct Folder {
-  Folder() {
-    std::string name = (std::filesystem::temp_directory_path() / "trb-journal-XXXXXX").string();
-    REQUIRE(::mkdtemp(name.data()) != nullptr);
-    path = name;
-  }
-  ~Folder() { std::filesystem::remove_all(path); }
-  Folder(const Folder&) = delete;
-  Folder& operator=(const Folder&) = delete;
+struct Folder : TemporaryFolder {
   [[nodiscard]] std::string file() const { return path + "/journal.db"; }
-  std::string path;
 };
 
 JournalStart start_of(const std::string& run, const std::string& task) {

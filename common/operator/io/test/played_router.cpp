@@ -11,17 +11,14 @@ namespace trb::op {
 
 PlayedRouter::PlayedRouter() {
   init_crypto();
-  char name[] = "/tmp/trb-session-XXXXXX";
-  path_ = ::mkdtemp(name);
-  std::filesystem::create_directory(path_ + "/bus");
-  REQUIRE(::chdir(path_.c_str()) == 0);
+  std::filesystem::create_directory(folder_.path + "/bus");
+  std::filesystem::current_path(folder_.path);
   std::ofstream("node.json") << R"({"id":"ant"})";
   socket_ = std::make_unique<Socket>(*Socket::bus_server(context_, "ipc://bus/probe.ipc"));
 }
 
 PlayedRouter::~PlayedRouter() {
   std::filesystem::current_path("/");
-  std::filesystem::remove_all(path_);
 }
 
 std::optional<Message> PlayedRouter::receive() {

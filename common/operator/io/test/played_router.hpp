@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 
+#include "common/base/test/temporary_folder.hpp"
 #include "common/operator/io/bus_session.hpp"
 
 namespace trb::op {
@@ -35,7 +36,7 @@ class PlayedRouter {
   Context& context() { return context_; }
 
  private:
-  std::string path_;
+  TemporaryFolder folder_;
   Context context_;
   std::unique_ptr<Socket> socket_;
   Bytes peer_;
