@@ -130,8 +130,7 @@ TEST_CASE("modbus numbers: what a register cannot hold is refused with the range
   CHECK(hint("coil 3", 0.5).hint == "give true, false, 1 or 0");
   CHECK(hint("holding 0 float32", 1e300).code == Errc::bad_value);
   CHECK(hint("holding 0 int32", std::nan("")).code == Errc::bad_value);
-  CHECK(modbus_words(place("holding 0 * 0.001"), 0.2504).value() == Registers{250});  // to the nearest one that can be
-                                                                                      // written
+  CHECK(modbus_words(place("holding 0 * 0.001"), 0.2504).value() == Registers{250});  // to the nearest possible one
 }
 
 TEST_CASE("modbus words: a command is assignments, each to a name or a place") {

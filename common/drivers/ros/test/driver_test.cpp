@@ -195,7 +195,7 @@ TEST_CASE("a skill whose capability a fault has taken is not begun, until the ro
     const Execute go_to{{"run", "t1", 1, ++attempt}, 1, kInstance, "go_to", R"({"place":"dock"})", 0};
     return fixture.nack_of(fixture.deliver(MessageType::command, go_to, "ridgeback"));
   };
-  // The first value counts, too: the node may have started after the fault, which would otherwise go unreported.
+  // Also at the first value, but without a RobotFault: the node may have started after the fault.
   fixture.tell(error, BridgeResult::value, "\"a wheel is blocked\"");
   CHECK(fixture.told<RobotFault>().empty());
   CHECK(fixture.one<NodeProfile>().out_of_use.at(0).text == "a wheel is blocked");
