@@ -6,7 +6,7 @@
 namespace trb {
 namespace {
 
-/// What a body is copied, moved and destroyed with. A table: five switches over each body took the compiler ten
+/// How a body is copied, moved and destroyed. A table, because five switches over every body took the compiler ten
 /// seconds.
 struct Handling {
   void (*make)(void* at);
@@ -64,7 +64,7 @@ static_assert(std::adjacent_find(kTyped.begin(), kTyped.end(),
                                  [](const Named& a, const Named& b) { return a.subtype == b.subtype; }) == kTyped.end(),
               "two bodies share a subtype");
 
-/// Opaque if there is none of that subtype.
+/// Opaque if no body has that subtype.
 BodyKind kind_of(std::string_view subtype) {
   const auto at = std::lower_bound(kTyped.begin(), kTyped.end(), Named{subtype, BodyKind::Opaque}, comes_first);
   return at != kTyped.end() && at->subtype == subtype ? at->kind : BodyKind::Opaque;

@@ -20,7 +20,7 @@
 #include "proto/bodies/sensor.hpp"
 #include "proto/bodies/signed.hpp"
 
-// One line a body; the order means nothing on the wire.
+// One line for each body; their order does not matter on the wire.
 // clang-format off
 #define TRB_BODIES(X)                                                                                              \
   X(ServiceHello) X(ServiceWelcome) X(ServiceAlive) X(ServiceAliveSeen) X(HelloWanted) X(Nack) X(Ack)              \
@@ -47,7 +47,7 @@
 
 namespace trb {
 
-/// The data of a subtype that no body is defined for: a user's own words, handed through as they are.
+/// The data of a subtype without a defined body: a user's own message, passed on unchanged.
 struct Opaque {
   std::string subtype;
   Bytes data;
@@ -72,14 +72,14 @@ struct BodyKindOf<Opaque> : std::integral_constant<BodyKind, BodyKind::Opaque> {
 TRB_BODIES(TRB_KIND_OF)
 #undef TRB_KIND_OF
 
-/// Opaque, or one of the list.
+/// True for Opaque and every body of the list.
 template <class T>
 concept IsBody = requires {
   BodyKindOf<T>::value;
 };
 
-/// Any body. Used as std::variant is (get_if, get, holds_alternative, visit); not one, because each of its symbols
-/// would name the whole list: ten seconds and fifty megabytes for every file that copies one.
+/// Any body. Used like std::variant (get_if, get, holds_alternative, visit), but not one: each of a variant's symbols
+/// would name the whole list, at ten seconds and fifty megabytes for every file that copies one.
 class Body {
  public:
   Body() : Body(Opaque{}) {}
@@ -93,12 +93,12 @@ class Body {
   Body& operator=(Body&& other) noexcept;
   ~Body();
 
-  /// The body of that kind with every field at its default.
+  /// A body of that kind with every field at its default.
   static Body of(BodyKind kind) { return Body(kind); }
 
   [[nodiscard]] BodyKind kind() const { return kind_; }
 
-  /// The body's struct, for who goes by its shape (shape.hpp).
+  /// The body's struct, for code that walks it by its shape (shape.hpp).
   [[nodiscard]] const void* data() const { return storage_; }
   [[nodiscard]] void* data() { return storage_; }
 
@@ -133,7 +133,7 @@ bool holds_alternative(const Body& body) {
   return body.kind() == BodyKindOf<T>::value;
 }
 
-/// Throws std::bad_variant_access if it is another.
+/// Throws std::bad_variant_access if it is of another type.
 template <IsBody T>
 const T& get(const Body& body) {
   if (!holds_alternative<T>(body)) throw std::bad_variant_access();
@@ -144,7 +144,7 @@ T& get(Body& body) {
   return const_cast<T&>(get<T>(static_cast<const Body&>(body)));
 }
 
-/// Calls the visitor with the body that it is.
+/// Calls the visitor with the struct that the body holds.
 template <class Visitor>
 decltype(auto) visit(Visitor&& visitor, const Body& body) {
   switch (body.kind()) {
@@ -165,8 +165,8 @@ struct DecodeLimits {
   std::size_t items = 100'000;
 };
 
-/// The codecs, without the body's type: `value` is the struct that the shape tells of. The error's code is `ok` if
-/// there is none; else the value is filled in part.
+/// The codecs, without the body's type: `value` is the struct that the shape describes. The error's code is `ok` if
+/// there was none; otherwise the value is only partly filled in.
 const Shape& shape_of(BodyKind kind);
 Bytes pack(const Shape& shape, const void* value);
 Result<Bytes> pack_readable(const Shape& shape, const void* value);
@@ -174,14 +174,14 @@ Error unpack(const Shape& shape, BytesView bytes, void* value);
 std::string write_json(const Shape& shape, const void* value);
 Error read_json(const Shape& shape, std::string_view json, void* value);
 
-/// msgpack: an array in declared order. Encoding cuts a text that is over its bound. Decoding ignores an unknown tail
+/// msgpack: an array in declared order. Encoding cuts a text that exceeds its bound. Decoding ignores an unknown tail
 /// and fills a missing one with defaults. Errors: malformed, too_large, bad_value; the text names the field by its path
 /// ("tasks[3].id").
 template <class T>
 Bytes encode(const T& body) {
   return pack(shape_of(BodyKindOf<T>::value), &body);
 }
-/// The same, for whatever goes to another process: refused if its reader would refuse it. Errors: too_large (a list or
+/// The same, for data that goes to another process: fails if its reader would refuse it. Errors: too_large (a list or
 /// blob over its bound, or the whole over 1 MiB), bad_value (a number that is not finite); the text names the field.
 template <class T>
 Result<Bytes> pack(const T& body) {
@@ -195,7 +195,7 @@ Result<T> decode(BytesView bytes) {
   return out;
 }
 
-/// JSON: an object by field names. Decoding refuses a key that is no field; a missing key is its default.
+/// JSON: an object with the fields' names as keys. Decoding refuses an unknown key; a missing key takes its default.
 template <class T>
 std::string to_json(const T& body) {
   return write_json(shape_of(BodyKindOf<T>::value), &body);
@@ -213,7 +213,7 @@ bool is_typed(std::string_view subtype);
 
 std::string_view subtype_of(const Body& body);
 Bytes encode_body(const Body& body);
-/// pack() of what it is; the error names the subtype, too.
+/// pack() of the body's struct; the error names the subtype, too.
 Result<Bytes> pack_body(const Body& body);
 
 /// Opaque for a subtype that is not typed.

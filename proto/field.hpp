@@ -1,4 +1,4 @@
-// How a body names its fields, once: both codecs (msgpack, JSON) are made from the list.
+// How a body lists its fields, once: both codecs (msgpack, JSON) are made from this list.
 #pragma once
 
 #include <array>
@@ -12,7 +12,7 @@
 
 namespace trb {
 
-/// Bytes that are no text: msgpack bin, hexadecimal in JSON.
+/// Bytes that are not text: msgpack bin, hexadecimal in JSON.
 struct Blob {
   std::string bytes;
   bool operator==(const Blob&) const = default;
@@ -22,35 +22,35 @@ constexpr std::uint32_t kDefaultMaxSize = 255;
 
 struct Shape;  // shape.hpp
 
-/// The only shape of a type that a field may have. Its templates are in make_shape.hpp: only the codec pays for them.
+/// The only shape of a field's type. Its templates are in make_shape.hpp, so that only the codec pays for them.
 template <class T>
 const Shape& make_shape();
 
 /// One field of a body. `max` bounds a text or blob in bytes and a list in items; numbers ignore it.
 struct FieldEntry {
   std::string_view name;
-  std::ptrdiff_t offset = 0;  ///< in its struct, bytes
+  std::ptrdiff_t offset = 0;  ///< in the struct, bytes
   const Shape* shape = nullptr;
   std::uint32_t max = kDefaultMaxSize;
 };
 
-/// The fields of a struct, in the order in which msgpack has them.
+/// The fields of a struct, in msgpack's order.
 using FieldTable = std::vector<FieldEntry>;
 
 template <class Owner, class Member>
 FieldEntry field(std::string_view name, Member Owner::*member, std::uint32_t max = kDefaultMaxSize) {
   static_assert(std::is_standard_layout_v<Owner>, "only such a struct's fields have a place of their own in it");
-  // A pointer to a data member is its offset: so says the Itanium ABI, which GCC and clang follow.
+  // A pointer to a data member holds its offset: the Itanium ABI, which GCC and clang follow, defines it so.
   return {name, std::bit_cast<std::ptrdiff_t>(member), &make_shape<Member>(), max};
 }
 
-/// A struct with a field list; it may be a body or a part of one.
+/// A struct with a field list: a body or a part of one.
 template <class T>
 concept Fielded = requires {
   T::fields();
 };
 
-/// An enum whose names are listed by `enum_names(E)`, in order of its values from 0.
+/// An enum whose names `enum_names(E)` lists, in the order of its values from 0.
 template <class E>
 concept NamedEnum = std::is_enum_v<E> && requires(E e) {
   enum_names(e);

@@ -23,7 +23,7 @@ Value text_of(std::string_view text) {
 }
 
 Value put_unsigned(std::uint64_t value) {
-  // Beyond 2^53 a JSON reader may round: such numbers are identifiers, and go as text.
+  // A JSON reader may round beyond 2^53: such numbers are identifiers and go as text.
   return value > (1ULL << 53U) ? Value{std::to_string(value)} : Value{static_cast<std::int64_t>(value)};
 }
 
@@ -73,7 +73,7 @@ Value put(const Shape& shape, const void* value) {
   return put_fields(shape.fields, value);
 }
 
-// ---- reading: returns false after having set `error`
+// ---- reading: returns false and sets `error`
 
 struct Reader {
   std::string path;
@@ -223,7 +223,7 @@ Error read(const Shape& shape, const Value& from, void* out) {
   return std::move(reader.error);
 }
 
-/// The message as JSON reads it; `size` is checked against the data.
+/// The message in its JSON form; `size` is checked against the data.
 struct MessageForm {
   MessageType type = MessageType::none;
   std::string subtype;
@@ -284,7 +284,7 @@ std::string message_to_json(const Message& message) {
 
 namespace {
 
-/// Takes the member of that key out of an object.
+/// Removes the member with that key from an object and returns it.
 std::optional<Value> take_member(Value& from, std::string_view key) {
   auto* members = std::get_if<Value::Object>(&from.is);
   if (members == nullptr) return std::nullopt;
@@ -295,7 +295,7 @@ std::optional<Value> take_member(Value& from, std::string_view key) {
   return out;
 }
 
-/// Data as text, as hexadecimal or as a typed body: one of them.
+/// The data, given as text, as hexadecimal or as a typed body; at most one of them.
 Result<Bytes> data_of(MessageForm& form, const std::optional<Value>& body, bool sized) {
   if (body) {
     if (!form.data.empty() || !form.data_hex.bytes.empty()) {
@@ -303,7 +303,7 @@ Result<Bytes> data_of(MessageForm& form, const std::optional<Value>& body, bool 
     }
     auto bytes = body_from_json(form.subtype, dump_json(*body));
     if (!bytes) return fail(bytes.error().code, "body: " + bytes.error().what, bytes.error().hint);
-    return bytes;  // its size is msgpack's, which a writer of JSON need not know
+    return bytes;  // its size is that of the msgpack, which the JSON's author need not know
   }
   if (!form.data.empty() && !form.data_hex.bytes.empty()) {
     return fail(Errc::bad_value, "data_hex: comes with data", "keep one");

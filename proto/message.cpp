@@ -31,7 +31,7 @@ std::uint8_t get<std::uint8_t>(const char* at) {
   return static_cast<std::uint8_t>(*at);
 }
 
-/// Takes exactly one array of three texts and three numbers; anything else stops the parser.
+/// Accepts exactly one array of three texts and three numbers; anything else stops the parser.
 class HeaderVisitor : public msgpack::null_visitor {
  public:
   explicit HeaderVisitor(HeaderView& out) : out_(out) {}
@@ -96,12 +96,12 @@ class HeaderVisitor : public msgpack::null_visitor {
   std::uint64_t size_ = 0;
 };
 
-/// The header in its usual form, an array of six, without the memory that msgpack's parser takes for each message.
+/// The header in its usual form, an array of six, without what msgpack's parser allocates for each message.
 class PlainHeader {
  public:
   PlainHeader(BytesView frame, std::size_t offset) : frame_(frame), at_(offset) {}
 
-  /// False: of another form, or none; ask the parser.
+  /// False if it has another form or is malformed; then use the parser.
   bool read(HeaderView& out) {
     return byte() == kArrayOfSix && text(out.subtype) && text(out.source) && text(out.target) && number(out.id) &&
            number(out.reply_to) && number(size_);

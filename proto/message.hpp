@@ -20,7 +20,7 @@ constexpr auto enum_names(MessageType) {
   return std::array<std::string_view, 4>{"none", "command", "request", "information"};
 }
 
-constexpr std::uint8_t kWireVersion = 2;  ///< 2: relayed frames are locked, certificates say who may relay
+constexpr std::uint8_t kWireVersion = 2;  ///< 2: relayed frames are encrypted, certificates say who may relay
 constexpr std::size_t kPrefixSize = 24;
 constexpr std::size_t kMaxDataSize = 1U << 20U;  ///< 1 MiB
 constexpr std::size_t kMaxFrameSize = kMaxDataSize + 1024;
@@ -29,12 +29,12 @@ constexpr std::string_view kEveryNode = "*";  ///< as target: every linked node 
 
 /// Bits of Header::flags.
 enum MessageFlags : std::uint16_t {
-  kFlagNoAnswer = 1,     ///< the sender wants no answer to this command, a Nack apart
-  kFlagTakeControl = 2,  ///< this command takes the robot's control lease over from whoever has it
-  kFlagLossy = 4,        ///< information that may be lost: goes by the lane, where nothing that recovery needs goes
+  kFlagNoAnswer = 1,     ///< the sender wants no answer to this command except a Nack
+  kFlagTakeControl = 2,  ///< this command takes the control lease of the robot from its holder
+  kFlagLossy = 4,        ///< information that may be lost: goes by the lane; never what recovery needs
 };
 
-/// What a router reads. The texts point into the frame.
+/// The parts of a message that a router reads. The texts point into the frame.
 struct HeaderView {
   MessageType type = MessageType::none;
   std::uint16_t flags = 0;
@@ -45,7 +45,7 @@ struct HeaderView {
   std::string_view source;
   std::string_view target;
   std::uint64_t id = 0;        ///< unique at its source; the upper 16 bits are the service's slot
-  std::uint64_t reply_to = 0;  ///< id of the command or request that this answers, or 0
+  std::uint64_t reply_to = 0;  ///< id of the command or request that this message answers, or 0
   std::string_view data;
 };
 
@@ -64,21 +64,21 @@ struct Message {
   bool operator==(const Message&) const = default;
 };
 
-/// The frame of a message, link and sequence 0.
+/// The frame of a message, with link and sequence 0.
 Bytes encode_frame(const Message& message);
 
 /// Reads a frame. Errors: too_large, version_mismatch, malformed (naming the field), bad_value.
 /// The view is valid as long as the frame.
 Result<HeaderView> decode_frame(BytesView frame);
 
-/// The version that a frame bears; 0 for an empty one.
+/// The version in a frame; 0 for an empty frame.
 std::uint8_t wire_version(BytesView frame);
-/// The same of a frame of whatever version: prefix and header are alike in all of them, so that a node of another one
-/// can be refused by name, and told why in its own.
+/// The same for a frame of any version: prefix and header are alike in all of them, so that a node of another version
+/// can be refused by name, with a reason in its own version.
 Result<HeaderView> decode_frame_of_any_version(BytesView frame);
 void stamp_version(char* frame, std::uint8_t version);
 
-/// A message of its own from a view.
+/// Copies a view into a message with its own storage.
 Message to_message(const HeaderView& view);
 
 /// The remaining time of a frame that decode_frame accepted.
@@ -87,7 +87,7 @@ std::uint32_t decode_remaining(BytesView frame);
 /// Rewrites link, sequence and remaining time in a frame that decode_frame accepted.
 void stamp_link(char* frame, std::uint64_t link, std::uint64_t sequence, std::uint32_t remaining_ms);
 
-/// {"type":"command","subtype":…,"source":…,"target":…,"id":…,"reply_to":…,"size":…,"data":…}; data that is no UTF-8
+/// {"type":"command","subtype":…,"source":…,"target":…,"id":…,"reply_to":…,"size":…,"data":…}; data that is not UTF-8
 /// goes as "data_hex", the data of a typed subtype as "body".
 std::string message_to_json(const Message& message);
 

@@ -21,7 +21,7 @@ class Packer : public msgpack::packer<StringBuffer> {
  public:
   explicit Packer(StringBuffer& buffer) : packer(buffer), out_(buffer.out) {}
 
-  /// Always as float 64: the library packs 1.0 as the integer 1 and loses the sign of -0.0, and digests rest on the
+  /// Always as float 64: the library packs 1.0 as the integer 1 and loses the sign of -0.0, and digests depend on the
   /// bytes.
   void put_double(double value) {
     if (!std::isfinite(value)) refuse(Errc::bad_value, "not a finite number");
@@ -32,7 +32,7 @@ class Packer : public msgpack::packer<StringBuffer> {
 
   /// The field that is being packed, for refuse().
   void enter(std::string_view field) { field_ = field; }
-  /// A reader will not take this.
+  /// The reader would not accept this.
   void refuse(Errc code, std::string_view what) {
     if (error_.code == Errc::ok) error_ = fail(code, std::string(field_) + ": " + std::string(what));
   }
@@ -46,7 +46,7 @@ class Packer : public msgpack::packer<StringBuffer> {
 
 // ---- packing
 
-/// What is sent can be read: a text over its bound (a robot's long error) is cut, and bytes that are no UTF-8 replaced.
+/// What is sent must be readable: a text over its bound is cut, and bytes that are not UTF-8 are replaced.
 void put_text(Packer& packer, const std::string& value, std::uint32_t max) {
   if (value.size() > max || !is_utf8(value)) return put_text(packer, cut_utf8(value, max), max);
   packer.pack_str(static_cast<std::uint32_t>(value.size()));

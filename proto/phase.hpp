@@ -1,4 +1,4 @@
-// Which phase of Equation 12 a message belongs to, by its subtype.
+// The phase of Equation 12 that a message belongs to, by its subtype.
 #pragma once
 
 #include <array>
@@ -19,7 +19,7 @@ constexpr auto enum_names(CostPhase) {
 /// True for every typed subtype that is sent (Travel::phase).
 bool has_phase(std::string_view subtype);
 
-/// The phase of a message by its subtype; a word of the user's own counts as `task`.
+/// The phase of a message by its subtype; a user's own subtype counts as `task`.
 CostPhase phase_of(std::string_view subtype);
 
 }  // namespace trb

@@ -1,4 +1,4 @@
-// What a body is made of, as data: one codec walks it, instead of one being compiled for each body.
+// The structure of a body as data: one codec walks it, so that none has to be compiled for each body.
 #pragma once
 
 #include <cstddef>
@@ -24,13 +24,13 @@ enum class FieldKind : std::uint8_t {
   record  ///< a struct with fields
 };
 
-/// How a std::vector is handled by who does not know its items' type.
+/// How code that does not know a std::vector's item type handles it.
 struct ListShape {
   const Shape* item = nullptr;
   std::ptrdiff_t stride = 0;  ///< sizeof an item
   std::size_t (*size)(const void* list) = nullptr;
   const void* (*data)(const void* list) = nullptr;
-  void* (*renew)(void* list, std::size_t size) = nullptr;  ///< makes it that many fresh items; returns the first
+  void* (*renew)(void* list, std::size_t size) = nullptr;  ///< resizes it to that many new items; returns the first
 };
 
 /// Made once for each type, and never changed.
@@ -41,7 +41,7 @@ struct Shape {
   std::span<const FieldEntry> fields{};       ///< of a record
 };
 
-/// A value whose type its shape tells.
+/// A value, with the shape that gives its type.
 template <class T>
 const T& as(const void* value) {
   return *static_cast<const T*>(value);
@@ -58,7 +58,7 @@ inline std::uint64_t unsigned_of(FieldKind kind, const void* value) {
   return kind == FieldKind::uint32 ? as<std::uint32_t>(value) : as<std::uint64_t>(value);
 }
 
-/// Where a field is, by its offset, or a list's item.
+/// The address of a field at its offset, or of a list's item.
 inline const void* behind(const void* at, std::ptrdiff_t bytes) {
   return static_cast<const char*>(at) + bytes;
 }

@@ -1,5 +1,5 @@
-// How far a body may go, and who sends it: said once, beside its subtype. The rights of nodes and services, their
-// pages, and the counts of Equation 12 are made from it.
+// How far a body may go, and who sends it: declared once, beside its subtype. The rights of nodes and services, the
+// tables in the documents, and the counts of Equation 12 are made from it.
 #pragma once
 
 #include <array>
@@ -16,14 +16,14 @@ enum class Scope : unsigned char {
   fleet = 0,  ///< from node to node
   link,       ///< between the routers of a link
   bus,        ///< on one node's own bus
-  record,     ///< never a message: inside a signed record, a file or a datagram
+  record,     ///< never sent as a message: inside a signed record, a file or a datagram
 };
 
 inline constexpr std::string_view kProbe = "probe";  ///< the command line, on a bus
 inline constexpr std::string_view kAnyService = "*";
 
-/// Services that may send a body on their node's bus. None: any service, if it goes from node to node; else the router
-/// alone.
+/// Services that may send a body on their node's bus. Empty: any service, if it goes from node to node; otherwise only
+/// the router.
 using Senders = std::array<std::string_view, 4>;
 
 struct Travel {
@@ -37,7 +37,7 @@ struct Travel {
 constexpr Travel between_nodes(CostPhase phase, Senders senders = {}) {
   return {Scope::fleet, true, true, phase, senders};
 }
-/// What only a robot can know.
+/// What only a robot's node can know.
 constexpr Travel from_robots(CostPhase phase, Senders senders = {}) {
   return {Scope::fleet, true, false, phase, senders};
 }
@@ -59,13 +59,13 @@ struct TravelRow {
   Travel travel;
 };
 
-/// A row for every typed subtype, sorted by it.
+/// A row for every typed subtype, sorted by subtype.
 std::span<const TravelRow> travel_rows();
 
 /// The subtypes of each phase, as Markdown.
 std::string phases_text();
 
-/// Of a typed subtype, or nullptr.
+/// For a typed subtype; otherwise nullptr.
 const Travel* find_travel(std::string_view subtype);
 
 }  // namespace trb

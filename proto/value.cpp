@@ -59,7 +59,7 @@ class Builder : public nlohmann::json_sax<json> {
   struct Level {
     Value value;
     std::string key;
-    std::set<std::string> keys;  ///< a large object is checked for repeated keys in a moment
+    std::set<std::string> keys;  ///< so that repeated keys in a large object are found quickly
   };
 
   bool refuse(Error error) {

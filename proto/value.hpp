@@ -1,4 +1,4 @@
-// A JSON document as plain values: configuration files and the data of messages, without a JSON library in any header.
+// A JSON document as plain values: for configuration files and messages' data, without a JSON library in any header.
 #pragma once
 
 #include <cstdint>
@@ -35,14 +35,14 @@ struct Value {
   [[nodiscard]] bool boolean() const { return std::get<bool>(is); }
   [[nodiscard]] double number() const;
 
-  /// The member of that key, or nullptr; also nullptr if this is no object.
+  /// The member with that key; nullptr if there is none or if this is not an object.
   [[nodiscard]] const Value* find(std::string_view key) const;
 
   /// "text", "number", "list" … for error messages.
   [[nodiscard]] std::string_view kind() const;
 };
 
-// Completes the ring of Value, Object and its pairs from here: clang cannot when it first meets a bare Object.
+// Completes the cycle of Value, Object and its pairs here: clang cannot do so when it first meets a bare Object.
 static_assert(noexcept(Value{}));
 
 struct ParseLimits {
@@ -55,13 +55,13 @@ struct ParseLimits {
 /// `duplicate`. Errors: malformed (with line and column), too_large, duplicate.
 Result<Value> parse_json(std::string_view text, const ParseLimits& limits = {});
 
-/// Compact JSON; text that is no UTF-8 has its bad bytes replaced.
+/// Compact JSON; bytes that are not UTF-8 are replaced.
 std::string dump_json(const Value& value);
 
 /// True for well-formed UTF-8 without surrogates or overlong forms.
 bool is_utf8(std::string_view text);
 
-/// The beginning of a text, at most so many bytes, without cutting a character; bytes that are no UTF-8 become '?'.
+/// The beginning of a text, at most that many bytes, without cutting a character; bytes that are not UTF-8 become '?'.
 std::string cut_utf8(std::string_view text, std::size_t most);
 
 }  // namespace trb

@@ -11,7 +11,7 @@
 
 namespace trb {
 
-/// What the router says of the node when it takes the service in.
+/// What the router reports about the node when it accepts the service.
 struct NodeIdentity {
   std::string id;
   Role role{};
@@ -26,7 +26,7 @@ class Core {
   Core& operator=(const Core&) = delete;
   virtual ~Core() = default;
 
-  /// The router has taken the service in, or has taken it in again after a restart of either.
+  /// The router has accepted the service, or has accepted it again after either of them restarted.
   virtual void on_welcome(const NodeIdentity& node, Now now, Outbox& out) = 0;
   virtual void on(const Inbound& message, Now now, Outbox& out) = 0;
   /// The deadline has come. May be called early; then it does nothing.

@@ -9,7 +9,7 @@
 
 namespace trb {
 
-/// A decoded message. `source` has been proven by the link (or is the own node's id on the own bus).
+/// A decoded message. The link has proven `source` (on the own bus it is the own node's id).
 struct Inbound {
   MessageType type = MessageType::none;
   std::string source;

@@ -22,7 +22,7 @@ void Outbox::reply(const Inbound& to, Body body) {
 }
 
 void Outbox::nack(const Inbound& to, const Error& error, std::string about) {
-  // Of information only a user's own words are Nacked: nobody waits for the middleware's.
+  // Of information only a user's own is Nacked: no sender waits for an answer to the middleware's.
   const bool silent = to.type == MessageType::information && !holds_alternative<Opaque>(to.body);
   if (silent || to.reply_to != 0 || to.id == 0) return;
   Nack nack{std::string(errc_name(error.code)), std::string(subtype_of(to.body)), to.target,

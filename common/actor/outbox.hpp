@@ -12,7 +12,7 @@
 
 namespace trb {
 
-/// A message to send; the shell adds source and id. `target` is a node's id (the own one for the own bus) or "*".
+/// A message to send; the shell adds source and id. `target` is a node's id (the own id for the own bus) or "*".
 struct Send {
   MessageType type = MessageType::information;
   std::string target;
@@ -22,12 +22,12 @@ struct Send {
   Body body;
 };
 
-/// A record that must be on disk before any Send of the same step leaves.
+/// A record that must be on disk before any Send of the same step is sent.
 struct Journal {
   Body record;
 };
 
-/// A byte road to the robot. `field`: the robot dialled TCP_PORT; `command` and `monitor`: the node dials the robot.
+/// A byte stream to the robot. `field`: the robot dialled TCP_PORT; `command` and `monitor`: the node dials the robot.
 enum class Channel : std::uint8_t { field = 0, command, monitor };
 constexpr auto enum_names(Channel) {
   return std::array<std::string_view, 3>{"field", "command", "monitor"};
@@ -52,15 +52,15 @@ class Outbox {
   std::vector<RobotWrite> writes;
   std::vector<RobotClose> closes;
   std::vector<Log> logs;
-  std::vector<std::string> counts;  ///< counter names, each to be raised by one
+  std::vector<std::string> counts;  ///< names of counters, each to be increased by one
 
   void command(std::string target, Body body, std::uint16_t flags = kFlagNoAnswer);
   void request(std::string target, Body body);
   void information(std::string target, Body body);
-  /// The answer to `to`, if that wants one.
+  /// The answer to `to`, if its sender wants one.
   void reply(const Inbound& to, Body body);
-  /// The negative answer to a command or request, even if that wanted no positive one, and to a user's information that
-  /// could not be delivered; never answers an answer. `about`: Nack::about.
+  /// The negative answer to a command or request, even if it asked for no positive one, and to a user's information
+  /// that could not be delivered; never to an answer. `about`: Nack::about.
   void nack(const Inbound& to, const Error& error, std::string about = {});
   void record(Body body) { journal.push_back({std::move(body)}); }
   void write(Channel channel, Bytes bytes) { writes.push_back({channel, std::move(bytes)}); }

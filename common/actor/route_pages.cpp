@@ -6,7 +6,7 @@
 namespace trb {
 namespace {
 
-constexpr std::size_t kMostRows = 4096;  ///< no router has so many
+constexpr std::size_t kMostRows = 4096;  ///< more than any router has
 
 }  // namespace
 

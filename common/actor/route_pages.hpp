@@ -1,4 +1,4 @@
-// A router's table, which comes in pages, put together again.
+// Puts a router's table together again from its pages.
 #pragma once
 
 #include <optional>
@@ -11,18 +11,18 @@ namespace trb {
 
 class RoutePages {
  public:
-  /// What a page has brought: the whole table, or what to ask for next. Neither: a page of an older asking.
+  /// What a page completes: the whole table, or the next request. Neither: the page answers an older request.
   struct Taken {
     std::optional<RouteTable> whole;
     std::optional<RouteListRequest> next;
   };
 
-  /// The first page begins anew, so that whoever got no answer just asks again with RouteListRequest{}.
+  /// The first page starts anew, so after a lost answer one simply asks again with RouteListRequest{}.
   Taken take(RouteTable page);
 
  private:
   RouteTable table_;
-  std::string after_;  ///< with what the next page was asked for; empty: none was
+  std::string after_;  ///< the `after` of the request for the next page; empty: none was sent
 };
 
 }  // namespace trb

@@ -1,4 +1,4 @@
-// What a core takes, in one list: its subtypes are made from it, and each must have a handler.
+// What a core takes, in one list: the list of subtypes is made from it, and each must have a handler.
 #pragma once
 
 #include <string>
@@ -13,7 +13,8 @@ struct Takes {
   /// For Service::open.
   static std::vector<std::string> subtypes() { return {std::string(Bodies::kSubtype)...}; }
 
-  /// Calls the handler with the body that it is; false: it is none of these. A body without a handler does not compile.
+  /// Calls the handler with the body's struct; false: the body is none of these. A body without a handler does not
+  /// compile.
   template <class Handler>
   static bool dispatch(const Body& body, Handler&& handler) {
     const auto try_one = [&](const auto* one) {

@@ -15,7 +15,7 @@ bool is_port(std::string_view digits) {
   return parse_number<std::uint16_t>(digits).value_or(0) != 0;
 }
 
-/// The name of an interface as Linux lets it be, and nothing that would end a line or a word.
+/// An interface name that Linux allows, without characters that would end a line or a word.
 bool is_scope(std::string_view name) {
   constexpr std::size_t kMost = 15;  // IFNAMSIZ
   return !name.empty() && name.size() <= kMost && std::all_of(name.begin(), name.end(), [](char c) {
@@ -26,7 +26,7 @@ bool is_scope(std::string_view name) {
 
 bool is_address(int family, std::string_view text) {
   in6_addr room{};
-  // A zero inside would end the text for inet_pton alone.
+  // inet_pton stops at a zero byte inside the text.
   return text.find('\0') == std::string_view::npos && inet_pton(family, std::string(text).c_str(), &room) == 1;
 }
 

@@ -11,7 +11,7 @@ class BackOff {
  public:
   constexpr BackOff(Duration first, Duration most) : first_(first), most_(most), wait_(first) {}
 
-  /// How long to wait now.
+  /// How long to wait before the next try.
   Duration next() {
     const Duration out = wait_;
     wait_ = std::min(wait_ * 2, most_);

@@ -9,7 +9,7 @@ namespace trb {
 using Bytes = std::string;
 using BytesView = std::string_view;
 
-/// Lets one lambda a type visit a std::variant.
+/// Lets a std::variant be visited with one lambda for each type.
 template <class... F>
 struct Overloaded : F... {
   using F::operator()...;

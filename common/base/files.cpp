@@ -34,7 +34,7 @@ bool write_all(int fd, BytesView bytes) {
   return true;
 }
 
-/// False: the new name may be gone after a power cut. A file system that knows no such thing is not asked for it.
+/// False: the new name may be lost after a power cut. A file system without support for this counts as synced.
 bool sync_folder(const std::string& path) {
   const std::string folder = std::filesystem::path(path).parent_path().string();
   const Descriptor dir{::open(folder.empty() ? "." : folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)};
@@ -43,7 +43,7 @@ bool sync_folder(const std::string& path) {
 
 void close_to_others(const std::filesystem::directory_entry& entry) {
   namespace fs = std::filesystem;
-  std::error_code ignored;  // another user's, or gone again: the folder itself is closed
+  std::error_code ignored;  // another user's, or gone meanwhile: only the folder itself is closed to others
   const fs::file_status is = entry.symlink_status(ignored);
   if (is.type() == fs::file_type::symlink || (is.permissions() & fs::perms(077)) == fs::perms::none) return;
   fs::permissions(entry.path(), fs::perms(077), fs::perm_options::remove | fs::perm_options::nofollow, ignored);

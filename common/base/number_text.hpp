@@ -7,7 +7,7 @@
 
 namespace trb {
 
-/// The number that the text is, digits and nothing besides (no space, no '+'); nothing if it is none, or out of T's
+/// The number in a text that consists of digits only (no space, no '+'); nothing if it is not a number or out of T's
 /// range.
 template <class T>
 std::optional<T> parse_number(std::string_view text) {
@@ -17,7 +17,7 @@ std::optional<T> parse_number(std::string_view text) {
   return out;
 }
 
-/// Likewise of a whole number's hexadecimal digits, without "0x".
+/// The same for hexadecimal digits, without "0x".
 template <class T>
 std::optional<T> parse_hex_number(std::string_view digits) {
   T out{};

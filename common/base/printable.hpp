@@ -1,4 +1,4 @@
-// Text of others on a person's terminal: what would command the terminal is shown, not obeyed.
+// Foreign text on a person's terminal: control characters are shown, not executed.
 #pragma once
 
 #include <string>
@@ -6,8 +6,8 @@
 
 namespace trb {
 
-/// Each control character (C0 but for the newline and the tab, DEL, and C1 as UTF-8 has it) as \u00XX, which in JSON
-/// is the same text.
+/// Replaces each control character (C0 except newline and tab, DEL, and C1 in UTF-8) by \u00XX, which in JSON is the
+/// same text.
 std::string printable(std::string_view text);
 
 }  // namespace trb

@@ -6,7 +6,7 @@
 
 namespace trb {
 
-/// When to send something again until it is answered: at once, then after the waits of a back-off.
+/// When to send something again until it is answered: at once, then at the intervals of a back-off.
 class ResendTimer {
  public:
   constexpr ResendTimer(Duration first, Duration most) : back_off_(first, most) {}
@@ -16,13 +16,13 @@ class ResendTimer {
     next_ = now + back_off_.next();
     ++times_;
   }
-  /// Nothing: it has not been sent yet, and is due.
+  /// Empty: it has not been sent yet, and is due.
   [[nodiscard]] std::optional<MonotonicTime> next() const { return next_; }
-  /// When it is due; the clock's beginning if it has not been sent.
+  /// When it is due; the clock's origin if it has not been sent.
   [[nodiscard]] MonotonicTime due_at() const { return next_.value_or(MonotonicTime{}); }
   /// How often it has been sent.
   [[nodiscard]] unsigned times() const { return times_; }
-  /// It is due again, as at the beginning.
+  /// Makes it due at once, as at the beginning.
   void restart() {
     next_.reset();
     times_ = 0;

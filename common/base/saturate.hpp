@@ -1,4 +1,4 @@
-// Sums of numbers that somebody else has chosen: at the end of their range they stay there.
+// Sums of numbers from outside: they saturate at the end of their range.
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,4 @@
-// UTC for what must not jump: times to live, tombstones.
+// UTC that does not jump: for times to live and tombstones.
 #pragma once
 
 #include <optional>
@@ -7,9 +7,10 @@
 
 namespace trb {
 
-/// Runs with the monotonic clock. The machine's UTC is taken over once it has kept pace with the monotonic clock for
-/// kSteady: a clock that is wrong for seconds, or set while the service runs, moves nothing. What was known before a
-/// restart is gone on with in the same way, so time without power counts as soon as the clock can be believed.
+/// Runs with the monotonic clock. The machine's UTC is adopted once it has kept pace with the monotonic clock for
+/// kSteady: a clock that is wrong for seconds, or set while the service runs, changes nothing. After a restart it goes
+/// on
+/// from the last kept time in the same way, so time without power counts as soon as the clock can be trusted.
 ///
 /// | the machine's UTC is | first moment ever | moment after a restart | later |
 /// |---|---|---|---|
@@ -22,11 +23,11 @@ class SteadyTime {
   static constexpr Duration kSlack = std::chrono::seconds(2);
   static constexpr Duration kShortStop = std::chrono::minutes(20);
 
-  /// Before the first at(): the last steady time that was kept.
+  /// Before the first at(): the last steady time that was stored.
   void restore(UtcTime last) { restored_ = last; }
-  /// The time now. Moments must not go back.
+  /// The time now. Calls must not go back in time.
   UtcTime at(Now now);
-  /// When a step of the clock will be taken over, if it holds; nothing: there is none.
+  /// When a step of the clock will be adopted if it lasts; empty: there is none.
   [[nodiscard]] std::optional<MonotonicTime> next() const;
 
  private:

@@ -12,7 +12,7 @@ namespace trb {
 
 using Duration = std::chrono::nanoseconds;
 
-/// A point of this machine's monotonic clock (since boot); never travels.
+/// A point of this machine's monotonic clock (since boot); never sent to another machine.
 struct MonotonicTime {
   std::int64_t ns = 0;
   auto operator<=>(const MonotonicTime&) const = default;
@@ -29,7 +29,7 @@ struct UtcTime {
   UtcTime operator-(Duration d) const { return {ns - d.count()}; }
 };
 
-/// The moment at which a core is called: both clocks, read once by the shell.
+/// The moment of a call to a core: both clocks, read once by the shell.
 struct Now {
   MonotonicTime mono;
   UtcTime utc;

@@ -1,4 +1,4 @@
-// The golden set of bad files: what is wrong, in which file, at which key, and that a hint is given.
+// The golden set of bad files: for each the file, the key and the fault, and that there is a hint.
 #include <arpa/inet.h>
 #include <doctest/doctest.h>
 #include <sys/socket.h>
@@ -18,7 +18,7 @@ void check_cures(const ConfigFaults& faults) {
   }
 }
 
-/// The folder's only fault, besides the missing keys.
+/// The folder's only fault, apart from the missing keys.
 ConfigFault only_fault(const NodeFolder& folder, bool running = true) {
   const ConfigFaults faults = without_keys(folder.check(running).faults);
   REQUIRE_MESSAGE(faults.size() == 1, to_text(faults));
@@ -30,7 +30,7 @@ struct Change {
   std::string file, from, to, key, what;
 };
 
-/// Each change of a good folder makes this one fault.
+/// Each change of a valid folder causes exactly this fault.
 void check_changes(const std::string& framework, const std::vector<Change>& changes) {
   for (const Change& one : changes) {
     CAPTURE(one.to);
@@ -190,7 +190,7 @@ TEST_CASE(
     "node.json: a service of an operator's own is one of the node's, and its program is there before the node starts") {
   const NodeFolder folder;
   folder.change("node.json", R"("seeds": [])", R"("seeds": [], "own_services": {"fault-tally": "bin/fault-tally"})");
-  const NodeCheck elsewhere = folder.check(true);  // in a container the others' programs are not there
+  const NodeCheck elsewhere = folder.check(true);  // a container does not have the other services' programs
   CHECK(to_text(without_keys(elsewhere.faults)) == "");
   CHECK(elsewhere.config.has_service("fault-tally"));
   CHECK(elsewhere.config.own_services.at("fault-tally") == folder.path() + "/bin/fault-tally");
@@ -303,7 +303,7 @@ TEST_CASE("a port in use") {
 
 TEST_CASE("the robot's port is tried only where a mode-adapter will bind it") {
   const Listener listener;
-  const Listener free_once;  // its number stays free of others as long as it lives
+  const Listener free_once;  // reserves its number while it exists
   const NodeFolder folder;
   folder.change("node.json", R"(, "interface": "lo")", "");
   folder.change("network.json", "40000", listener.port());

@@ -9,7 +9,7 @@ using namespace trb;
 
 namespace {
 
-/// A robot's folder with this for its bus.
+/// A robot's folder with this text as its bus.
 struct Node {
   NodeFolder folder;
   explicit Node(const std::string& bus) {
@@ -50,7 +50,7 @@ TEST_CASE("what is no such bus is refused with its cure") {
 
 TEST_CASE("a bus at an address that is not here yet is told, and may be waited for") {
   const Node away(R"("tcp://192.0.2.1:46000")");
-  CHECK(away.fault().empty());  // of a node that is up, no port is tried
+  CHECK(away.fault().empty());  // if the node is up, no port is tried
   const ConfigFaults faults = without_keys(away.folder.check(false).faults);
   REQUIRE(faults.size() == 1);
   CHECK(faults[0].key == "bus");

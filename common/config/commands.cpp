@@ -57,7 +57,7 @@ Words read_words(ObjectReader& vendor, std::string_view key) {
   return words;
 }
 
-/// One of the names, or `preset`; without transports any text.
+/// One of the names, or `preset`; without transports any text is accepted.
 std::string read_name(ObjectReader& reader, std::string_view key, Need need, const Transports& known,
                       const std::vector<std::string>& names, const std::string& preset = "") {
   if (known.empty()) return reader.text(key, need).value_or(preset);
@@ -65,7 +65,7 @@ std::string read_name(ObjectReader& reader, std::string_view key, Need need, con
   return index ? names[*index] : preset;
 }
 
-/// The keys of the transport's own. Where none is named it may be the first one of any mode.
+/// The transport's own keys. If no transport is named, it may be the first one of any mode.
 void read_own_keys(ObjectReader& reader, const Transports& known, VendorCommands& vendor) {
   for (const std::string& name : known.names()) {
     const Transport& row = *known.find(name);

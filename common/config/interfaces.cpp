@@ -61,7 +61,7 @@ std::string list_of(const std::vector<Interface>& known) {
   return "use one of: " + join(words);
 }
 
-/// The words that Windows shows are no names of interfaces, not even there.
+/// The display names that Windows shows are not names of interfaces, not even there.
 bool is_windows_name(std::string_view name) {
   return name.starts_with("Wi-Fi") || name.starts_with("Ethernet") || name.starts_with("Local Area");
 }
@@ -107,7 +107,7 @@ std::vector<Interface> interfaces() {
     const Interface one = interface_of(*entry);
     if (!one.address.empty()) out.push_back(one);
   }
-  // An interface comes once for each family, also without an address: told only if it has none at all.
+  // An interface is listed once for each family, also without an address: reported only if it has none at all.
   for (const ifaddrs* entry = list; entry != nullptr; entry = entry->ifa_next) {
     const Interface one = interface_of(*entry);
     if (!has_name(out, one.name)) out.push_back(one);

@@ -9,8 +9,8 @@
 
 namespace trb {
 
-/// Nothing if it cannot be read or parsed, which is then told. `hint` is for a file that is not there; an empty one
-/// means that it need not be.
+/// Empty if the file cannot be read or parsed; the fault is reported. `hint` is for a missing file; an empty hint means
+/// that the file is optional.
 std::optional<Value> load_json(const std::string& path, const std::string& hint, const FileFaults& faults);
 
 }  // namespace trb

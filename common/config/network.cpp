@@ -50,7 +50,7 @@ void resolve_host(NodeConfig& config, const std::vector<Interface>& known, Confi
   const FileFaults file("network.json", faults);
   const Resolved host = resolve(network.host_int, file, "HOST_INT", known);
   if (host.may_come) {
-    // An interface may come late (VPN, USB) or get its address late (DHCP); an address that is wrong stays wrong.
+    // An interface may come late (VPN, USB) or get its address late (DHCP); a wrong address stays wrong.
     faults.back().may_wait = true;
     network.waits_for = "HOST_INT: " + host.what;
   }

@@ -123,7 +123,7 @@ bool check_own_name(const std::string& name, const std::string& path, const File
   return named.ok() && !reserved;
 }
 
-/// The operator's services: under a key of their own, so that a slip in "services" is told.
+/// The operator's services: under a key of their own, so that a typo in "services" is reported.
 void read_own_services(ObjectReader& reader, NodeConfig& config) {
   const auto* members = reader.object("own_services", Need::optional, kMaxServices);
   if (members == nullptr) return;
@@ -163,7 +163,7 @@ void read_seals(ObjectReader& reader, NodeConfig& config) {
   }
 }
 
-/// Without what a D-Bus address writes as %20.
+/// The size without the %20 escapes of a D-Bus address.
 std::size_t unescaped_size(std::string_view path) {
   const auto escapes = static_cast<std::size_t>(std::count(path.begin(), path.end(), '%'));
   return path.size() - std::min(2 * escapes, path.size());

@@ -23,7 +23,7 @@ UtcTime utc_now() {
   return {std::chrono::duration_cast<std::chrono::nanoseconds>(since).count()};
 }
 
-/// Reads a node's folder file by file; each member function is one file, and none stops at a fault.
+/// Reads a node's folder file by file; each member function reads one file, and none stops at a fault.
 class Checker {
  public:
   Checker(const std::string& dir, const Transports& known) : known_(known) { out_.config.dir = absolute(dir); }
@@ -58,7 +58,7 @@ class Checker {
 
   FileFaults sink(const std::string& file) { return {file, out_.faults}; }
 
-  /// `hint` is for a file that is not there; an empty one means that it need not be.
+  /// `hint` is for a missing file; an empty one means that the file is optional.
   std::optional<Value> load(const std::string& name, const std::string& hint) {
     return load_json((std::filesystem::path(out_.config.dir) / name).string(), hint, sink(name));
   }

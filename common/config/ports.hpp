@@ -8,9 +8,8 @@
 
 namespace trb {
 
-/// Errors: conflict (in use), not_permitted (below 1024 without the right), missing
-/// (the address is not here, or not yet), io_error. A port that only waits for its
-/// last connections to die (TIME_WAIT) counts as free.
+/// Errors: conflict (in use), not_permitted (below 1024 without the right), missing (the address is not on this
+/// machine, or not yet), io_error. A port whose last connections are only in TIME_WAIT counts as free.
 Status check_tcp_port(const std::string& address, std::uint16_t port);
 
 }  // namespace trb

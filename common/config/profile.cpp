@@ -18,7 +18,7 @@ Profile read_profile(const Value& json, const FileFaults& faults) {
       faults.add(framework, in_quotes(framework) + " is no name of a framework",
                  "use a letter, then letters and digits");
     }
-    constexpr std::size_t kBeforeInterpreter = 1;  // "none" is no mode that a file may choose
+    constexpr std::size_t kBeforeInterpreter = 1;  // a file may not choose "none"
     const auto mode = reader.choice(framework, Need::required, {"interpreter", "direct", "ros"});
     profile[framework] = mode ? static_cast<Mode>(*mode + kBeforeInterpreter) : Mode::none;
   }

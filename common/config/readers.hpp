@@ -13,7 +13,7 @@ namespace trb {
 using Profile = std::map<std::string, Mode>;                ///< framework -> mode
 using AllCommands = std::map<std::string, VendorCommands>;  ///< framework -> its part of commands.json
 
-/// network.json; interfaces are not looked at.
+/// network.json; interfaces are not checked.
 Network read_network(const Value& json, const FileFaults& faults);
 
 /// Fills address, broadcast and robot_address from the interfaces of this machine.
@@ -25,14 +25,14 @@ Profile read_profile(const Value& json, const FileFaults& faults);
 /// commands.json: the shape of every vendor's part.
 AllCommands read_commands(const Value& json, const Transports& known, const FileFaults& faults);
 
-/// What the description watches (faults, sensors) is told by the robot; `file`: the description's.
+/// Checks that the robot reports every value that the description watches (faults, sensors); `file`: the description's.
 void check_value_names(const NodeConfig& config, const Transports& known, const std::string& file,
                        ConfigFaults& faults);
 
-/// "bus" of node.json: nothing or "ipc", or "tcp://ADDRESS:PORT". Empty, or ADDRESS:PORT.
+/// "bus" of node.json: absent or "ipc", or "tcp://ADDRESS:PORT". Returns "" or ADDRESS:PORT.
 std::string read_bus_key(ObjectReader& reader);
 
-/// What node.json says; paths of own services are relative to `config.dir`.
+/// The content of node.json; paths of own services are relative to `config.dir`.
 struct NodeFile {
   std::string description;  ///< path, relative to the node's folder or absolute
   bool usable = false;      ///< the id could be read

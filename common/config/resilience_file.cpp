@@ -21,7 +21,7 @@ constexpr const char* kSaatysScale = R"(write ["battery", "distance", 3]: batter
 
 using Criteria = std::vector<ReplacementCriterion>;
 
-/// The paper's three, counting nothing.
+/// The paper's three, with weight 0.
 Criteria paper_criteria() {
   return {{"battery", CriterionSource::charge, 0, "", "%", 100, 0},
           {"distance", CriterionSource::distance, 0, "", "m", 0, 100},
@@ -72,7 +72,7 @@ void read_judgments(const Value::List& list, const std::vector<std::string>& nam
   set_weights(names, weighed->weights, out);
 }
 
-/// Where its value comes from: of the operator's own criteria.
+/// The source of its value: of the operator's own criteria.
 void read_source(ObjectReader& reader, ReplacementCriterion& out) {
   constexpr CriterionSource kSources[] = {CriterionSource::robot, CriterionSource::description,
                                           CriterionSource::sensor};
@@ -81,7 +81,7 @@ void read_source(ObjectReader& reader, ReplacementCriterion& out) {
   out.unit = reader.text("unit", Need::optional, 16).value_or("");
 }
 
-/// What is best, and what is worst.
+/// Its best and its worst value.
 void read_scale(ObjectReader& reader, Need need, ReplacementCriterion& out) {
   out.best = reader.number("best", need, kMeasured).value_or(out.best);
   out.worst = reader.number("worst", need, kMeasured).value_or(out.worst);
@@ -125,7 +125,7 @@ std::optional<ReplacementCriterion> read_criterion(const Value& json, Replacemen
   return found.size() == before ? std::optional(std::move(out)) : std::nullopt;
 }
 
-/// The names that are listed; empty: something is wrong with them.
+/// The listed names; empty: they are faulty.
 std::vector<std::string> read_listed(const Value& json, bool judged, const FileFaults& faults,
                                      const ConfigFaults& found, Criteria& out) {
   std::vector<std::string> names;
@@ -160,7 +160,7 @@ void read_weights(const FileFaults& faults, Criteria& out) {
   for (ReplacementCriterion& one : out) one.weight /= sum;
 }
 
-/// What counts: by weights, or by judgments about what is listed.
+/// The criteria: with weights, or with judgments about the listed names.
 void read_criteria(const Value* criteria, const Value::List* judgments, const FileFaults& faults,
                    const ConfigFaults& found, ResilienceSettings& out) {
   Criteria read = paper_criteria();

@@ -84,7 +84,7 @@ class Checker {
     commands_path_ = path_;
   }
 
-  /// What a node of that framework would be told of its words.
+  /// The faults that a node of that framework would report about its commands.
   ConfigFaults faults_of(const std::string& framework, Mode mode, VendorCommands& words) {
     ConfigFaults faults;
     if (words.transport.empty()) words.transport = known_.default_of(mode);
@@ -126,7 +126,8 @@ class Checker {
     return names;
   }
 
-  /// Words of the maker's own fit if they serve every skill and want for nothing; fields fit who is said to speak them.
+  /// A maker's own commands fit if they serve every skill and nothing is missing; fields fit a framework whose robots
+  /// use them.
   bool fits(const std::string& framework, Mode mode, VendorCommands& words) {
     const bool well = faults_of(framework, mode, words).empty();
     const Transport* transport = known_.find(words.transport);

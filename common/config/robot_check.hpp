@@ -1,4 +1,4 @@
-// One robot's description and what it is spoken to with, checked without a node: for `trb robot check`.
+// Checks one robot's description and its commands without a node: for `trb robot check`.
 #pragma once
 
 #include <string>
@@ -9,17 +9,17 @@
 
 namespace trb {
 
-/// Which files. One that is not named is looked for beside the description, then in the folder above; without any, what
-/// it would have told is not checked.
+/// Which files. One that is not named is looked for beside the description, then in the folder above; if there is none,
+/// what depends on it is not checked.
 struct RobotFiles {
   std::string description;
   std::string profile;
   std::string commands;
   std::string places;
-  std::string framework;  ///< whose words are meant; empty: any that fit
+  std::string framework;  ///< whose commands are used; empty: any that fit
 };
 
-/// A framework whose words fit the description.
+/// A framework whose commands fit the description.
 struct SpokenTo {
   std::string framework;
   Mode mode{};

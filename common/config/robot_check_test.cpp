@@ -1,4 +1,4 @@
-// A description checked by itself: which files are looked at, which words fit, and one fault of each kind.
+// A description checked by itself: which files are read, which commands fit, and one fault of each kind.
 #include <doctest/doctest.h>
 
 #include "common/config/robot_check.hpp"

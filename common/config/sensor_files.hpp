@@ -8,7 +8,8 @@
 
 namespace trb {
 
-/// In the order of the files' names, each with all of its faults. A node needs none: without the folder there are none.
+/// In the order of the files' names, each with all of its faults. The folder is optional: without it there are no
+/// rules.
 std::vector<SensorRule> read_sensor_files(const std::string& node_dir, ConfigFaults& faults);
 
 }  // namespace trb

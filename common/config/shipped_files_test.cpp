@@ -1,4 +1,4 @@
-// The files under config/ are read by what reads a user's.
+// The files below config/ are read by the same code as a user's.
 #include <doctest/doctest.h>
 
 #include <filesystem>
@@ -13,7 +13,7 @@ using namespace trb;
 namespace {
 
 const std::string kConfig = test::source_dir() + "/config/";
-/// Robots that speak in fields, as the end-to-end tests have them.
+/// Robots with a field channel, as the end-to-end tests use them.
 const std::string kFieldRobots = "../tests/support/robots/";
 
 std::string text_of(const std::string& name) {
@@ -117,7 +117,7 @@ TEST_CASE("the scenario that takes values from results can be done by shipped ro
   ConfigFaults faults;
   const Scenario scenario = read_scenario(json_of("scenarios/find-and-fetch.json"), "find-and-fetch.json", faults);
   CHECK(scenario.tasks.size() == 8);
-  // Nobody is online here: somebody who can do it is enough for the check.
+  // No robot is online here: for the check it is enough that one is able.
   for (auto& [id, profile] : profiles) profile.robot = "OFFLINE";
   check_scenario(scenario, profiles, "find-and-fetch.json", faults);
   CHECK_MESSAGE(faults.empty(), to_text(faults));

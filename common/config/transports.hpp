@@ -1,5 +1,5 @@
-// What the transports ask of commands.json. Each is told by its driver (common/drivers); a service that speaks to no
-// robot knows none, and takes the file as it is.
+// What the transports require of commands.json. Each driver declares it (common/drivers); a service that talks to no
+// robot knows none, and does not check the file.
 #pragma once
 
 #include <span>
@@ -14,16 +14,17 @@ namespace trb {
 
 struct Transport {
   std::string_view name;
-  Mode mode{};  ///< the first transport of a mode is the one that is meant where commands.json names none
-  /// That the words of the node's own vendor can be read, and its skills have words and ends that are seen.
+  Mode mode{};  ///< the first transport of a mode is the default where commands.json names none
+  /// Checks that the texts of the node's own vendor are valid, and that its skills have commands and ends that can be
+  /// detected.
   void (*check)(const NodeConfig&, const FileFaults&) = nullptr;
-  /// Reads the keys that no other transport has; may be null.
+  /// Reads the keys that only this transport has; may be null.
   void (*read)(ObjectReader& vendor, VendorCommands& into) = nullptr;
-  std::vector<std::string_view> monitors{};     ///< protocols of a monitor connection
-  std::vector<std::string_view> languages{};    ///< how its commands may be written, beside "plain"
-  std::vector<std::string_view> wraps{};        ///< what its commands may be put into
-  std::vector<std::string> monitored_values{};  ///< that the monitor tells without being asked
-  bool names_values = true;                     ///< false: the robot names what it tells as it goes
+  std::vector<std::string_view> monitors{};     ///< protocols of its monitor connection
+  std::vector<std::string_view> languages{};    ///< other notations for its commands, besides "plain"
+  std::vector<std::string_view> wraps{};        ///< values of "wrap"
+  std::vector<std::string> monitored_values{};  ///< that the monitor reports without a request
+  bool names_values = true;                     ///< false: the robot names its values when it sends them
 };
 
 class Transports {
@@ -33,22 +34,21 @@ class Transports {
 
   [[nodiscard]] bool empty() const { return rows_.empty(); }
   [[nodiscard]] const Transport* find(std::string_view name) const;
-  /// What a vendor without "transport" means in that mode; empty if there is none.
+  /// The transport of a vendor without "transport" in that mode; empty if there is none.
   [[nodiscard]] std::string default_of(Mode mode) const;
   [[nodiscard]] std::vector<std::string> names() const;
   [[nodiscard]] std::string names_of(Mode mode) const;  ///< "tcp-text, modbus"
-  /// "plain" or "", and what the transports add to it.
+  /// "plain" or "", and what the transports add.
   [[nodiscard]] std::vector<std::string> all_of(std::vector<std::string_view> Transport::*list,
                                                 std::vector<std::string> first) const;
-  /// That the node's own vendor has what its transport needs, and that the transport is of the node's mode.
+  /// Checks that the node's own vendor has what its transport needs, and that the transport belongs to the node's mode.
   void check(const NodeConfig& config, const FileFaults& faults) const;
 
  private:
   std::vector<const Transport*> rows_;
 };
 
-// Parts that several of them need.
-/// "stop" is there, and no command but "release" is empty.
+// Checks that several transports share. "stop" exists, and no command except "release" is empty.
 void check_words(const VendorCommands& vendor, const std::string& name, const FileFaults& faults);
 void require_port(const NodeConfig& config, const FileFaults& faults, const std::string& example);
 

@@ -1,4 +1,4 @@
-// That the values which a description watches are told by the robot.
+// Checks that the robot reports the values that a description watches.
 #include <algorithm>
 
 #include "common/config/readers.hpp"
@@ -22,7 +22,7 @@ std::vector<std::string> values_of(const VendorCommands& vendor, const Transport
 void check_value_names(const NodeConfig& config, const Transports& known, const std::string& file,
                        ConfigFaults& faults) {
   const Transport* transport = known.find(config.commands.transport);
-  // Without the vendor's words that alone is the fault.
+  // Without the vendor's commands, only their absence is reported.
   if (transport == nullptr || !transport->names_values || config.commands.commands.empty()) return;
   if (config.description.has_field_channel) return;
   const std::vector<std::string> names = values_of(config.commands, *transport);

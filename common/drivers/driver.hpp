@@ -1,5 +1,5 @@
-// A mode: how messages become the robot's language. The core knows a robot only through this interface; a mode answers
-// with events, never by calling back.
+// A mode: how messages are translated into the robot's language. The core knows a robot only through this interface; a
+// mode answers with events, never by calling back.
 #pragma once
 
 #include <optional>
@@ -16,10 +16,10 @@
 
 namespace trb::drivers {
 
-/// Names one message on its way to the robot, or one stop or release told to it; never reused by a process.
+/// Names one message on its way to the robot, or one stop or release sent to it; never reused by a process.
 using Token = std::uint64_t;
 
-/// A message for the robot. The texts are copied by a mode that keeps them.
+/// A message for the robot. A mode that keeps the texts copies them.
 struct Handover {
   Token token = 0;
   MessageType type = MessageType::none;
@@ -32,17 +32,17 @@ struct Handover {
 /// How far a message has come when hand_over() returns.
 enum class Progress : std::uint8_t { queued, handed_over };
 
-// What a mode tells of the robot.
+// What a mode reports about the robot.
 struct HandedOver {
   Token token = 0;
 };
-struct Started {  ///< the robot says that it carries the command out
+struct Started {  ///< the robot reports that it carries the command out
   Token token = 0;
 };
 struct Ended {  ///< a command with a skill's name is over
   Token token = 0;
   bool well = false;
-  std::string text;  ///< the result, or why not
+  std::string text;  ///< the result, or the reason of the failure
 };
 struct Refused {  ///< the message does not reach the robot, or the robot refuses it
   Token token = 0;
@@ -55,20 +55,21 @@ struct Said {  ///< a message of the robot's own
   Bytes data;
 };
 struct FaultSaid {
-  std::string capability;  ///< empty: of every capability
+  std::string capability;  ///< empty: the whole robot
   Severity severity{};
   std::string text;
-  std::string cause{};  ///< what of the robot says that it is over, as FaultOver names it; empty: nothing does
-  bool lasts = true;    ///< the robot says so for as long as it is so; false: it has said it once
-  bool is_new = true;   ///< false: the fleet has been told of it under another cause, or by an earlier process
+  std::string cause{};  ///< what the robot's end of it refers to, as FaultOver names it; empty: the robot reports no
+                        ///< end
+  bool lasts = true;    ///< the robot reports it as long as it lasts; false: it reported it once
+  bool is_new = true;   ///< false: the fleet knows of it under another cause, or from an earlier process
 };
-struct FaultOver {  ///< told with every state in which it is; most often nothing had stood
+struct FaultOver {  ///< reported with every state in which it is over; usually there was no fault
   std::string cause;
 };
-struct ValuesHeard {};  ///< value() has news
+struct ValuesHeard {};  ///< value() has changed
 struct Stopped {        ///< every stop up to this ticket is confirmed
   Token ticket = 0;
-  bool by_robot = true;  ///< false: nothing can tell, the robot was merely told
+  bool by_robot = true;  ///< false: the robot cannot confirm, it was only sent the order
 };
 struct Released {
   Token ticket = 0;
@@ -86,7 +87,7 @@ struct EventFrom {
   DriverEvent event;
 };
 
-/// Where a mode puts what it wants done and what it has heard.
+/// Collects what a mode wants done and what it reports.
 struct DriverOut {
   Driver* mode;
   Outbox& out;
@@ -100,7 +101,7 @@ struct DriverOut {
   }
 };
 
-/// What the robot last said of itself under a name.
+/// The robot's last value of a name.
 struct RobotValue {
   std::vector<double> numbers;
   std::string json;
@@ -115,33 +116,33 @@ class Driver {
   virtual ~Driver() = default;
 
   [[nodiscard]] virtual bool online() const = 0;
-  /// True if the mode has words for that subtype.
+  /// True if the mode can translate that subtype.
   [[nodiscard]] virtual bool knows(MessageType type, std::string_view subtype) const = 0;
-  /// True if the robot tells when a command of that subtype is over.
+  /// True if the robot reports when a command of that subtype is over.
   [[nodiscard]] virtual bool tells_end(std::string_view subtype) const = 0;
   [[nodiscard]] virtual const RobotValue* value(std::string_view name) const = 0;
-  /// True if requests are answered from value(), without asking the robot.
+  /// True if requests are answered from value(), without a request to the robot.
   [[nodiscard]] virtual bool answers_from_values() const { return false; }
-  /// For a mode that hears a request's values only if it listens: from now on value() has them, until unwatch().
+  /// For a mode that receives a request's values only after subscribing: from now on value() has them, until unwatch().
   virtual void watch(std::string_view /*subtype*/, const DriverOut&) {}
   virtual void unwatch(std::string_view /*subtype*/, const DriverOut&) {}
-  /// Why value() has none, if the robot has said so.
+  /// Why value() has none, if the robot has reported a reason.
   [[nodiscard]] virtual std::optional<Error> problem(std::string_view) const { return std::nullopt; }
 
   /// Errors: no_field_channel, robot_offline, queue_full, unknown_subtype, bad_value, not_escapable.
   virtual Result<Progress> hand_over(const Handover& message, Now now, const DriverOut& out) = 0;
-  /// True while a command handed over, as far as the robot tells, waits or is carried out.
+  /// True while a command handed over waits or is carried out, as far as the robot reports.
   [[nodiscard]] virtual bool runs(Token) const { return false; }
-  /// Nobody waits for the message any more: it is dropped unless it is on its way already.
+  /// No service waits for the message any more: it is dropped unless it is on its way already.
   virtual void forget(Token token, Now now, const DriverOut& out) = 0;
   /// Ends the motion of one command, without a fence.
   virtual void halt(Token token, Now now, const DriverOut& out) = 0;
 
-  /// Drops everything that waits and tells the robot to stop. The ticket comes back in Stopped; without a connection
+  /// Drops everything that waits and orders the robot to stop. The ticket comes back in Stopped; without a connection
   /// there is none.
   virtual Result<Token> stop(Now now, const DriverOut& out) = 0;
   virtual Result<Token> release(Now now, const DriverOut& out) = 0;
-  /// True while the robot may still be in the stop that it was told of.
+  /// True while the robot may still be in the stop that was ordered.
   [[nodiscard]] virtual bool told_to_stop() const = 0;
 
   virtual void on_up(Channel channel, Now now, const DriverOut& out) = 0;
@@ -149,7 +150,7 @@ class Driver {
   virtual void on_bytes(Channel channel, BytesView bytes, Now now, const DriverOut& out) = 0;
   virtual void on_bridge(const BridgeEvent&, Now, const DriverOut&) {}
   virtual void on_bridge(const BridgeState&, Now, const DriverOut&) {}
-  /// The process ends: the last words to the robot.
+  /// The process ends: sends the robot its last messages.
   virtual void leave(Now, const DriverOut&) {}
   virtual void tick(Now now, const DriverOut& out) = 0;
   [[nodiscard]] virtual std::optional<MonotonicTime> next_deadline() const = 0;

@@ -1,4 +1,4 @@
-// What a driver is told once, at its start.
+// What a driver gets once, at its start.
 #pragma once
 
 #include <string>
@@ -9,12 +9,12 @@
 namespace trb::drivers {
 
 struct DriverSettings {
-  std::string id;  ///< the node's
+  std::string id;  ///< the node's id
   Description description;
   VendorCommands commands;
-  std::uint64_t instance = 0;   ///< this process's, from the service
+  std::uint64_t instance = 0;   ///< this process's instance, from the service
   std::string host{};           ///< of the robot
-  std::string authorization{};  ///< how the node signs in at the robot (keys/robot.auth); secret, never logged
+  std::string authorization{};  ///< how the node authenticates to the robot (keys/robot.auth); secret, never logged
 };
 
 }  // namespace trb::drivers

@@ -1,4 +1,4 @@
-// What commands.json must have for a driver that asks for the robot's values in a round, whatever its own syntax is.
+// What commands.json must have for a driver that polls the robot's values, whatever its own notation is.
 #pragma once
 
 #include <string>
@@ -9,12 +9,12 @@ namespace trb::drivers {
 
 class PolledCheck {
  public:
-  /// How such a transport is spoken of in errors.
+  /// Examples of such a transport's notation, for error texts.
   struct Examples {
     std::string transport;  ///< "modbus"
-    std::string has;        ///< what its commands are made of: "numbers only"
+    std::string has;        ///< what its commands consist of: "numbers only"
     std::string value;      ///< of a value; NAME stands for its name: "GET /status /NAME"
-    std::string command;    ///< what is to be added for a skill: "its assignments, for example \"running = 1\""
+    std::string command;    ///< what has to be added for a skill: "its assignments, for example \"running = 1\""
   };
   PolledCheck(const NodeConfig& config, const FileFaults& faults, Examples examples)
       : config_(config), faults_(faults), examples_(std::move(examples)) {}
@@ -23,9 +23,9 @@ class PolledCheck {
   void add(const std::string& key, std::string what, std::string hint) const {
     faults_.add(config_.framework + "." + key, std::move(what), std::move(hint));
   }
-  /// It has no monitor and no language.
+  /// Checks that it has no monitor and no language.
   void check_foreign_keys() const;
-  /// That requests name values, and that skills have commands, and values by which their ends are seen.
+  /// Checks that requests name values, and that skills have commands, and values that show their ends.
   void check_names() const;
 
  private:

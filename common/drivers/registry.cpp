@@ -2,8 +2,7 @@
 
 #include <stdexcept>
 
-// One line a driver: the function of its row. The first of a mode is the one that is meant where commands.json names
-// none.
+// One line a driver: the function of its row. The first of a mode is the default where commands.json names none.
 #define TRB_DRIVERS(ROW) \
   ROW(tcp_text_row)      \
   ROW(udp_at_row)        \

@@ -1,4 +1,4 @@
-// The commands for a robot that is asked one thing at a time, and whose answer is awaited.
+// The commands for a robot that accepts one request at a time and answers each.
 #pragma once
 
 #include <algorithm>
@@ -14,7 +14,7 @@ namespace trb::drivers {
 
 enum class Purpose : std::uint8_t { command, halt, stop, release };
 
-/// Whose answer is awaited. A job that was dropped meanwhile leaves `nobody`: its answer is heard and forgotten.
+/// Whose answer is awaited. A job that was dropped meanwhile leaves `nobody`: its answer is received and ignored.
 enum class Awaits : std::uint8_t { nothing = 0, poll, job, nobody };
 
 /// A command is one or more steps, each with its answer. A stop goes before all that waits and behind what is under
@@ -32,10 +32,10 @@ class RequestQueue {
 
   struct Job {
     Purpose purpose{};
-    Token token = 0;  ///< the message's, or the ticket
+    Token token = 0;  ///< of the message, or the stop's ticket
     bool skill = false;
     std::vector<Step> steps;
-    std::size_t done = 0;  ///< steps that are answered well
+    std::size_t done = 0;  ///< steps that were answered successfully
     std::size_t lost = 0;  ///< connections that ended before an answer to it
   };
   using Jobs = std::deque<Job>;
@@ -43,11 +43,11 @@ class RequestQueue {
   [[nodiscard]] bool full() const { return jobs_.size() >= kMost; }
   [[nodiscard]] Awaits awaits() const { return awaits_; }
 
-  /// What is to be sent now: `nothing`, a `poll` or the first `job`'s next step.
+  /// What to send now: `nothing`, a `poll` or the first `job`'s next step.
   [[nodiscard]] Awaits next(bool poll_is_due) const {
     if (awaits_ != Awaits::nothing) return Awaits::nothing;
     const bool urgent = !jobs_.empty() && jobs_.front().purpose != Purpose::command;
-    // Commands that never cease must not keep the values from being told, nor the other way round.
+    // A steady stream of commands must not block the polling, nor the other way round.
     if (poll_is_due && (jobs_.empty() || (!urgent && !polled_last_))) return Awaits::poll;
     return jobs_.empty() ? Awaits::nothing : Awaits::job;
   }
@@ -57,7 +57,7 @@ class RequestQueue {
   }
   Awaits answered() { return std::exchange(awaits_, Awaits::nothing); }
 
-  /// The one whose step is, or is to be, under way. There is one.
+  /// The job whose step is sent now or next. There must be one.
   [[nodiscard]] Job& front() { return jobs_.front(); }
   Job pop() {
     Job job = std::move(jobs_.front());
@@ -71,7 +71,7 @@ class RequestQueue {
     while (at != jobs_.end() && at->purpose == Purpose::stop) ++at;
     jobs_.insert(at, std::move(job));
   }
-  /// A stop that waits is the same stop: it has this ticket now. False: none waits.
+  /// A second stop joins the one that waits, which now has this ticket. False: none waits.
   bool join_stop(Token ticket) {
     const auto at = std::find_if(waiting(), jobs_.end(), [](const Job& job) { return job.purpose == Purpose::stop; });
     if (at != jobs_.end()) at->token = ticket;
@@ -83,7 +83,7 @@ class RequestQueue {
     const auto at = std::find_if(waiting(), jobs_.end(), is_command(token));
     if (at != jobs_.end() && at->done == 0) jobs_.erase(at);
   }
-  /// False: nothing of it was sent, there is no motion to end.
+  /// False: nothing of it was sent, so there is no motion to end.
   bool halt(Token token) {
     const auto at = std::ranges::find_if(jobs_, is_command(token));
     if (at == jobs_.end()) return true;
@@ -93,7 +93,7 @@ class RequestQueue {
     jobs_.erase(at);
     return begun;
   }
-  /// The commands that are dropped.
+  /// Returns the dropped commands.
   Jobs drop_for_stop() {
     if (awaits_ == Awaits::job && jobs_.front().purpose != Purpose::stop) awaits_ = Awaits::nobody;
     Jobs dropped;
@@ -103,7 +103,7 @@ class RequestQueue {
     std::erase_if(jobs_, [](const Job& job) { return job.purpose != Purpose::stop; });
     return dropped;
   }
-  /// All of them; nothing is awaited any more.
+  /// Returns all jobs; no answer is awaited any more.
   Jobs clear() {
     awaits_ = Awaits::nothing;
     polled_last_ = false;

@@ -1,4 +1,4 @@
-// A vendor's part of commands.json is read by one function of its driver: `trb check` keeps its faults, the driver its
+// One function of a driver reads its vendor's part of commands.json: `trb check` uses its faults, the driver its
 // commands.
 #pragma once
 
@@ -12,7 +12,7 @@
 
 namespace trb::drivers {
 
-/// Where the faults of one vendor's part go; keys are told below its name: "commands.stop".
+/// Collects the faults of one vendor's part; keys are relative to its name: "commands.stop".
 class VendorFaults {
  public:
   VendorFaults(std::string vendor, FileFaults faults) : vendor_(std::move(vendor)), faults_(std::move(faults)) {}
@@ -27,7 +27,7 @@ class VendorFaults {
   FileFaults faults_;
 };
 
-/// A driver with its commands, as `read` makes them of commands.json: none is ever made of words that cannot be read.
+/// Makes a driver with its commands, as `read` parses them from commands.json: never from texts that cannot be parsed.
 /// Errors: bad_value (the first fault).
 template <class DriverType, auto read>
 Result<std::unique_ptr<Driver>> make_with(const DriverSettings& settings) {

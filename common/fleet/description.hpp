@@ -41,12 +41,12 @@ constexpr auto enum_names(EndKind) {
 struct SkillEnd {
   EndKind kind{};
   std::string
-      state;  ///< kind state: a name that the monitor reports; kind position: too, empty: "position" or "joints"
+      state;  ///< kind state: a name that the monitor reports; kind position: likewise, empty: "position" or "joints"
   double equals = 0;                              ///< kind state: the value to wait for
   double tolerance = 0.01;                        ///< kind position: how near to the target, in the monitor's unit
   std::string target;                             ///< kind position: the parameter that holds the target
   double duration_s = 0;                          ///< kind time
-  std::optional<double> fails_at = std::nullopt;  ///< kind state: the value that says that the skill has failed
+  std::optional<double> fails_at = std::nullopt;  ///< kind state: the value that means that the skill has failed
 };
 
 /// An action already implemented on the robot. It is sent as a command of `subtype` whose data is `data` with its
@@ -98,24 +98,24 @@ struct Description {
   std::vector<Skill> skills;
   RobotFrame frame;
   std::map<std::string, Value>
-      places;  ///< the robot's own words for a place (joints, a station's number); wins over the pose
+      places;  ///< the robot's own terms for a place (joints, a station's number); take precedence over the pose
   std::vector<FaultRule> faults;
-  std::vector<NamedNumber> numbers;  ///< what a person or a ranking may want to know: its payload, its reach
-  std::vector<std::string> sensors;  ///< values that the fleet is told when they change (RobotState)
+  std::vector<NamedNumber> numbers;  ///< what a person or a ranking may want to know, such as payload and reach
+  std::vector<std::string> sensors;  ///< values that are sent to the fleet when they change (RobotState)
   FieldChannel field_channel;
-  bool has_field_channel = false;  ///< the file has that key: the robot can talk in fields, whatever its mode
+  bool has_field_channel = false;  ///< the file has that key: the robot can use the field channel, whatever its mode
 
   [[nodiscard]] const Skill* find_skill(std::string_view name) const;
 };
 
-/// Reads a description; every fault is added to `faults` and the rest read on. Skills without an end, of an unknown
-/// capability, with placeholders that name no parameter, or twice the same name are faults.
+/// Reads a description; every fault is added to `faults`, and reading continues. Skills without an end, of an unknown
+/// capability, with placeholders that name no parameter, or with the same name twice are faults.
 Description read_description(const Value& json, const std::string& file, ConfigFaults& faults);
 
-/// The part of a description that the fleet is told.
+/// The part of a description that is sent to the fleet.
 std::vector<SkillInfo> skill_infos(const Description& description);
 
-/// The places that the robot can be sent to: the hall's and those it has words of its own for, sorted
+/// The places that the robot can be sent to: the hall's and those that its description defines, sorted
 /// (NodeProfile::places).
 std::vector<std::string> place_names(const Description& description, const Places& places);
 

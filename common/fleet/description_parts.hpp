@@ -9,7 +9,7 @@
 
 namespace trb {
 
-// Bounds of NodeProfile, in which a description travels.
+// Bounds of NodeProfile, which carries a description.
 constexpr std::size_t kMaxCapabilities = 64;
 constexpr std::size_t kMaxSkills = 128;
 constexpr std::size_t kMaxParameters = 32;
@@ -28,7 +28,7 @@ std::vector<std::string> read_sensors(ObjectReader& reader);
 
 FieldChannel read_field_channel(const Value& json, const FileFaults& faults);
 
-/// What the numeric encoding asks of the skills: a code for every word that travels, and data of numbers.
+/// What the numeric encoding requires of the skills: a code for every name that is sent, and numbers as data.
 void check_numeric(const Description& description, const FileFaults& faults);
 
 }  // namespace trb

@@ -37,7 +37,7 @@ std::size_t edits(std::string_view a, std::string_view b) {
 
 std::string nearest(std::string_view word, const std::vector<std::string>& candidates) {
   std::string best;
-  // Two edits make any two-letter word of any other: a guess must leave half of the word.
+  // Two edits turn any two-letter word into any other: a guess must keep half of the word.
   std::size_t fewest = std::min(kMostEdits, word.size() / 2) + 1;
   if (word.size() > kLongestWord) return best;
   for (const std::string& candidate : candidates) {
@@ -70,7 +70,7 @@ std::string join(const std::vector<std::string>& words) {
 std::string in_quotes(std::string_view text) {
   if (text.size() <= kLongestWord) return "'" + std::string(text) + "'";
   std::size_t end = kLongestWord;
-  while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xC0U) == 0x80U) --end;  // cut no character in two
+  while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xC0U) == 0x80U) --end;  // never cut a character
   return "'" + std::string(text.substr(0, end)) + "…'";
 }
 

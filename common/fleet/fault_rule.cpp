@@ -11,7 +11,7 @@ namespace {
 constexpr std::size_t kMaxFaults = 32;
 constexpr std::size_t kMaxSensors = 32;
 constexpr std::size_t kMaxFaultText = 255;
-/// How far, in parts of the limit, a value must come back if the file does not say.
+/// How far, as a fraction of the limit, a value must come back by default.
 constexpr double kReturn = 0.05;
 constexpr const char* kConditions = R"(give one of "below", "above", "equals" and "changes")";
 
@@ -50,7 +50,7 @@ void read_condition(ObjectReader& reader, FaultRule& rule) {
     if (holds(reader, when)) given.push_back(when);
   }
   if (given.size() != 1) {
-    reader.value("rearm", Need::optional);  // whatever is with it: one mistake, one fault
+    reader.value("rearm", Need::optional);  // whatever else is wrong with it: one mistake, one fault
     return reader.faults().add("faults." + rule.name,
                                given.empty() ? "has no condition" : "has more than one condition", kConditions);
   }

@@ -1,4 +1,4 @@
-// A fault that a robot's value tells of: one entry of a description's "faults".
+// A fault that shows in a robot's value: one entry of a description's "faults".
 #pragma once
 
 #include <string>
@@ -18,10 +18,10 @@ struct FaultRule {
   std::string value;  ///< as the robot's mode knows it
   FaultWhen when{};
   double limit = 0;  ///< below, above
-  double rearm = 0;  ///< below, above: what the value must have come back to before the fault can be told again
+  double rearm = 0;  ///< below, above: the value at which the fault can be reported again
   Value wanted;      ///< equals: a number, a text, true or false
   Severity severity{};
-  std::string capability;  ///< empty: every one
+  std::string capability;  ///< empty: every capability
   std::string text;        ///< for a person; empty: the rule's name
 };
 

@@ -5,8 +5,8 @@
 
 namespace trb {
 
-/// True if the whole text is as the pattern says: '*' is any bytes or none, '?' is one byte, all else itself. The time
-/// is at most the product of the two sizes.
+/// True if the whole text matches the pattern: '*' is any number of bytes, '?' is one byte, everything else itself. The
+/// time is at most the product of the two sizes.
 bool glob_matches(std::string_view pattern, std::string_view text);
 
 }  // namespace trb

@@ -9,7 +9,7 @@ namespace {
 constexpr std::size_t kMaxPattern = 128;
 constexpr std::size_t kMaxRepeats = 64;
 
-/// {2,8} writes its part eight times: how often, all of them multiplied.
+/// {2,8} repeats its part eight times: the product of all such counts.
 std::size_t repeats(std::string_view text) {
   std::size_t product = 1;
   bool inside = false;
@@ -37,7 +37,7 @@ Result<LinePattern> LinePattern::make(const std::string& text) {
                 "keep the numbers in {} to " + std::to_string(kMaxRepeats) + " when multiplied, or use + or *");
   }
   try {
-    // Breadth first: no line makes it slow, and its depth is the pattern's.
+    // Breadth first: no line makes it slow, and its depth is limited by the pattern.
     std::regex regex(text, std::regex::ECMAScript | std::regex_constants::__polynomial);
     if (regex.mark_count() > 1) return fail(Errc::bad_value, "has more than one group", "write (?:…) for the others");
     return LinePattern(std::move(regex));

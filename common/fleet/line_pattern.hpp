@@ -10,7 +10,7 @@
 
 namespace trb {
 
-/// Bounded, so that no line, however hostile, makes it slow or deep: the time is polynomial, and no way back is kept.
+/// Bounded, so that no line, however hostile, makes it slow or deep: polynomial time, no backtracking.
 class LinePattern {
  public:
   /// ECMAScript without back references; one group at most. Errors: bad_value, with a hint.

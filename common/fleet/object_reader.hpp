@@ -21,7 +21,7 @@ class FileFaults {
   void add(std::string key, std::string what, std::string hint) const {
     if (!full()) faults_->push_back({file_, std::move(key), std::move(what), std::move(hint), false});
   }
-  /// So many that nobody reads more; a file of a megabyte must not make as many guesses as it has words.
+  /// A person reads no more than this; a file of a megabyte must not cost a suggestion for each of its words.
   [[nodiscard]] bool full() const { return faults_->size() >= kMost; }
   [[nodiscard]] const std::string& file() const { return file_; }
 
@@ -33,7 +33,7 @@ class FileFaults {
 
 enum class Need : std::uint8_t { optional, required };
 
-/// The numbers allowed; `above` shuts the lower border out.
+/// The numbers allowed; `above` excludes the lower bound.
 struct Range {
   double from = -std::numeric_limits<double>::max();
   double to = std::numeric_limits<double>::max();
@@ -43,13 +43,13 @@ struct Range {
   [[nodiscard]] std::string text() const;
 };
 
-/// A time-out or a duration: more than nothing, at most a week.
+/// A time-out or a duration: more than 0, at most a week.
 constexpr Range kSeconds{0, 7.0 * 24 * 3600, true};
 
-/// Every getter reports a missing required key, a wrong type and a value out of bounds, and returns nothing then.
+/// Every getter reports a missing required key, a wrong type and a value out of bounds, and then returns nothing.
 class ObjectReader {
  public:
-  /// A value that is no object is reported here and then read as an empty one.
+  /// A value that is not an object is reported here and then read as an empty one.
   ObjectReader(const Value& json, std::string path, FileFaults faults);
 
   const Value* value(std::string_view key, Need need);
@@ -74,10 +74,10 @@ class ObjectReader {
   /// The index of the text among the names.
   std::optional<std::size_t> choice(std::string_view key, Need need, const std::vector<std::string>& names);
 
-  /// Reports the keys that nobody has asked for.
+  /// Reports the keys that no getter has read.
   void refuse_unknown_keys();
 
-  /// "" for the document itself: then the key alone, else "path.key".
+  /// "" for the document itself, whose keys stand alone; else "path.key".
   [[nodiscard]] std::string path(std::string_view key) const;
   [[nodiscard]] bool is_object() const { return json_->is_object(); }
   [[nodiscard]] const FileFaults& faults() const { return faults_; }
@@ -92,7 +92,7 @@ class ObjectReader {
   bool unusable_ = false;
 };
 
-/// Turns "at most so many" into a fault; true if the count is within.
+/// Reports a count that exceeds the limit; true if it is within.
 bool check_count(const FileFaults& faults, const std::string& key, std::size_t count, std::size_t max);
 
 }  // namespace trb

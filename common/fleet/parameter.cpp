@@ -72,7 +72,7 @@ bool fits(const Parameter& parameter, const Value& value) {
   return false;
 }
 
-/// A parameter with a default need not be given, unless "required" says otherwise; then the default is a mistake.
+/// A parameter with a default is optional, unless "required" says otherwise; then the default is a mistake.
 void read_preset(ObjectReader& reader, Parameter& parameter) {
   const Value* preset = reader.value("default", Need::optional);
   parameter.required = reader.boolean("required", Need::optional).value_or(preset == nullptr);

@@ -18,7 +18,7 @@ struct Template {
   bool well_formed = true;
 };
 
-/// A '{' without its '}' or with something else than a name in it makes the template not well-formed.
+/// A template is not well-formed if a '{' has no '}', or if it holds something other than a name.
 Template parse_template(std::string_view text);
 
 }  // namespace trb

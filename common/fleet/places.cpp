@@ -7,7 +7,7 @@ namespace trb {
 namespace {
 
 constexpr std::size_t kMaxPlaces = 1000;
-constexpr double kFarthest = 1e6;  // metres: more is a slip of units
+constexpr double kFarthest = 1e6;  // metres: more is a wrong unit
 
 }  // namespace
 

@@ -7,12 +7,12 @@
 
 namespace trb {
 
-/// What is so of every device that is read by one kind of reader.
+/// Properties of every device that one kind of reader reads.
 struct ReaderKind {
-  bool device_file = true;  ///< it is read by its file below /dev, and is no sensor without one
+  bool device_file = true;  ///< it is read through its file below /dev, and without one it is not a sensor
   bool one_sensor = false;  ///< it is one sensor
-  bool period = true;  ///< it has a period: without one it tells when there is something, or when it is asked, and a
-                       ///< rule gives its sensors neither "every_s" nor "scale" and "offset"
+  bool period = true;  ///< it has a period: without one it sends a value when there is one, or on request, and a rule
+                       ///< gives its sensors neither "every_s" nor "scale" and "offset"
 };
 
 // One line a kind: its word, and what of ReaderKind is not as above. services/sensor-bus/readers has the reader of it,

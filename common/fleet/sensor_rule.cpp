@@ -21,13 +21,13 @@ bool is_alpha(char c) {
   return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_';
 }
 
-/// As D-Bus takes it in an interface's name.
+/// As D-Bus allows it in an interface's name.
 bool is_sensor_name(std::string_view name) {
   const auto good = [](char c) { return is_alpha(c) || (c >= '0' && c <= '9'); };
   return !name.empty() && is_alpha(name.front()) && std::all_of(name.begin(), name.end(), good);
 }
 
-/// A file in the device's own folder, and no way out of it.
+/// A file in the device's own folder; the path cannot leave it.
 bool is_attribute(std::string_view name) {
   return !name.empty() && name.front() != '/' && name.find("..") == std::string_view::npos &&
          name.find('\0') == std::string_view::npos;
@@ -143,7 +143,7 @@ bool is_text(ReadBy by, const SensorChannel& channel) {
   return channel.is_text || (by == ReadBy::nmea && channel.nmea == NmeaValue::position);
 }
 
-/// Who tells only when there is something has no period.
+/// A sensor that sends only when there is something has no period.
 bool has_no_period(ReadBy by, const SensorChannel& channel) {
   return !kind_of(by).period || (by == ReadBy::line && channel.is_text);
 }
@@ -240,7 +240,7 @@ SensorRule read_sensor_rule(const Value& json, const std::string& file, ConfigFa
   if (rule.by == ReadBy::nmea || rule.by == ReadBy::line) read_serial(reader, rule);
   if (rule.by == ReadBy::camera) read_camera(reader, rule);
   rule.identity = read_identity(reader);
-  // Without knowing how it is read, its sensors cannot be judged.
+  // Its sensors can be checked only if it is known how it is read.
   if (by || reader.value("read", Need::optional) == nullptr) read_channels(reader, rule);
   if (by) reader.refuse_unknown_keys();
   return rule;

@@ -1,4 +1,4 @@
-// A rule of sensors/*.json: which devices it knows, which sensors they are and how each is read.
+// A rule of sensors/*.json: which devices it matches, which sensors they have and how each is read.
 #pragma once
 
 #include <cstdint>
@@ -14,7 +14,7 @@
 
 namespace trb {
 
-/// What an NMEA receiver tells. position: "LATITUDE,LONGITUDE" as text; speed in m/s, altitude in m, the rest in
+/// The values of an NMEA receiver. position: "LATITUDE,LONGITUDE" as text; speed in m/s, altitude in m, the rest in
 /// degrees.
 enum class NmeaValue : std::uint8_t { position = 0, latitude, longitude, altitude, speed, course, satellites };
 constexpr auto enum_names(NmeaValue) {
@@ -22,13 +22,13 @@ constexpr auto enum_names(NmeaValue) {
                                          "speed",    "course",   "satellites"};
 }
 
-/// A property or attribute and what it may be: any of the patterns, each with '*' and '?'.
+/// A property or attribute and its allowed values: any of the patterns, each with '*' and '?'.
 struct TextMatch {
   std::string name;
   std::vector<std::string> any_of;
 };
 
-/// All of it must hold; an empty text holds always.
+/// All of it must match; an empty text always matches.
 struct DeviceMatch {
   std::string subsystem;
   std::string devtype;
@@ -36,7 +36,7 @@ struct DeviceMatch {
   std::vector<TextMatch> properties;
   std::vector<TextMatch> attributes;
 
-  /// How much it asks for: of several rules that know a device, the one that asks for most is taken.
+  /// How specific it is: of several rules that match a device, the most specific is taken.
   [[nodiscard]] std::size_t conditions() const;
 };
 
@@ -45,10 +45,10 @@ struct SensorChannel {
   std::string name;
   std::string kind;
   std::string unit;
-  double every_s = 1;  ///< 0: it tells when it has something to tell, as a reader of tags does
-  double scale = 1;    ///< the value is what was read * scale + offset
+  double every_s = 1;  ///< 0: it sends a value when there is one, as a tag reader does
+  double scale = 1;    ///< the value is the reading * scale + offset
   double offset = 0;
-  std::string attribute;  ///< attributes: a file; with '*' a sensor for each that is there
+  std::string attribute;  ///< attributes: a file; with '*' a sensor for each existing one
   std::string channel;    ///< attributes: "in_temp": in_temp_input, else (in_temp_raw + in_temp_offset) * in_temp_scale
   NmeaValue nmea{};       ///< nmea
   std::optional<LinePattern> pattern;  ///< line
@@ -56,17 +56,17 @@ struct SensorChannel {
   bool is_text = false;                ///< line: the value is a text
 };
 
-/// Where the serial number is. None of it there: the sensor has no identity.
+/// Where the serial number is read from. If none of these exists, the sensor has no identity.
 struct IdentitySource {
   bool is_property = false;
   std::string name;
 };
 
 struct SensorRule {
-  std::string file;                  ///< where it stands: "sensors/gps.json"
+  std::string file;                  ///< the rule's file: "sensors/gps.json"
   std::vector<DeviceMatch> matches;  ///< any of them
   ReadBy by{};
-  double timeout_s = 0;       ///< a reading that takes longer fails
+  double timeout_s = 0;       ///< a reading that takes longer has failed
   std::uint32_t baud = 9600;  ///< nmea, line
   char separator = ',';       ///< line: between its fields
   std::uint32_t width = 640;  ///< camera
@@ -75,7 +75,7 @@ struct SensorRule {
   std::vector<SensorChannel> channels;
 };
 
-/// A rule's file. Every fault is told; what is returned is of use only if there is none.
+/// A rule's file. Every fault is reported; the result is usable only if there is none.
 SensorRule read_sensor_rule(const Value& json, const std::string& file, ConfigFaults& faults);
 
 /// The baud rates that a rule may name.

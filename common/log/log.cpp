@@ -45,7 +45,7 @@ void open_log(const std::string& service, const std::string& path) {
   auto console = std::make_shared<spdlog::sinks::stderr_sink_st>();
   std::string problem;
   if (!path.empty()) {
-    // A service whose log cannot be written does its work all the same.
+    // A service whose log cannot be written works nevertheless.
     try {
       sinks.push_back(std::make_shared<spdlog::sinks::rotating_file_sink_st>(path, kFileSize, kFiles - 1));
       console->set_level(spdlog::level::warn);

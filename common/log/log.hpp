@@ -12,14 +12,14 @@ namespace trb {
 
 enum class Level : std::uint8_t { debug = 0, info, warning, error };
 
-/// Logs to `path` (and warnings to standard error as well); an empty path, or one that cannot be written
-/// to: to standard error alone.
+/// Logs to `path` (and warnings to standard error as well); if the path is empty or cannot be written to, only to
+/// standard error.
 void open_log(const std::string& service, const std::string& path);
 
-/// `event` is a word in snake_case; `text` the facts. Control characters in it are replaced: one event stays one line.
+/// `event` is a name in snake_case; `text` the facts. Control characters in it are replaced: one event stays one line.
 void log_event(Level level, std::string_view event, std::string_view text);
 
-/// Lets at most `burst` lines of one event through in a window; the next window tells how many were held back.
+/// Lets at most `burst` lines of one event through in a window; the next window reports how many were held back.
 class RateLimit {
  public:
   explicit RateLimit(unsigned burst = 5, Duration window = std::chrono::seconds(10)) : burst_(burst), window_(window) {}

@@ -12,8 +12,8 @@ struct AbortWish {
   Duration wait = std::chrono::seconds(5);
 };
 
-/// Ends a run for good, and looks at it until every member has confirmed or `wait` is over: then the view's state is
-/// not `aborted`, and it says what it waits for. Errors: unknown_run, those of Session::request.
+/// Ends a run for good, and reads it until every member has confirmed or `wait` is over: then the view's state is not
+/// `aborted`, and it shows what the run waits for. Errors: unknown_run, those of Session::request.
 void abort_run(Session& session, AbortWish wish, Callback<RunView> done);
 
 }  // namespace trb::op

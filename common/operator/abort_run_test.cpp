@@ -1,4 +1,4 @@
-// Orders to a run: abort, pause, resume. Each is signed by the node, then given to its scheduler.
+// Orders to a run: abort, pause, resume. Each is signed by the node, then sent to its scheduler.
 #include "common/operator/abort_run.hpp"
 
 #include "common/operator/pause_run.hpp"
@@ -16,7 +16,7 @@ RunView view(RunState state) {
   return out;
 }
 
-/// The node signs what it is asked to sign, and says what that was.
+/// The node signs the record that it is asked to sign; returns that record.
 template <class Order>
 Order sign(FakeNode& node, std::string_view kind) {
   const auto question = node.take<SignRequest>();

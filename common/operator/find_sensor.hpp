@@ -20,16 +20,16 @@ struct FoundSensor {
 /// Every plugged sensor of the fleet, node by node.
 std::vector<FoundSensor> all_sensors(const RouteTable& table);
 
-/// What a person has given: a name or kind, a node, an identity; each but the first may be empty.
+/// What a person has given: a name or kind, a node, an identity; all but the first may be empty.
 struct SensorWish {
   std::string name;
   std::string node;
   std::string identity;
 };
 
-/// The one that is meant; of several one that tells its values, then the own node's. With a node named and no such
-/// sensor in its profile, the node is asked all the same: a program may be about to feed it. Errors: unknown_target
-/// (with the names there are), bad_value (a kind of which a node has several).
+/// The sensor that is meant; of several preferably one that sends values, then the own node's. If a node is named that
+/// has no such sensor in its profile, it is asked nevertheless: a program may be about to provide it. Errors:
+/// unknown_target (with the existing names), bad_value (a kind of which a node has several).
 Result<FoundSensor> find_sensor(const RouteTable& table, const SensorWish& wish);
 
 }  // namespace trb::op

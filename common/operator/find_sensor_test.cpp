@@ -35,7 +35,7 @@ std::string found(const RouteTable& table, const SensorWish& wish) {
 
 TEST_CASE("a sensor is found by name, by kind, by identity, wherever it is") {
   const RouteTable table = fleet();
-  CHECK(found(table, {"temperature", "", ""}) == "temperature of hall");  // the name wins over the kind
+  CHECK(found(table, {"temperature", "", ""}) == "temperature of hall");  // the name takes precedence over the kind
   CHECK(found(table, {"contact", "", ""}) == "window of office");
   CHECK(found(table, {"", "", "SN2"}) == "oven of hall");
   CHECK(found(table, {"temperature", "", "SN2"}) == "oven of hall");

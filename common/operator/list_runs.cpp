@@ -8,7 +8,7 @@ namespace {
 
 constexpr std::uint32_t kPage = 100;
 
-/// Reads the archive page by page behind the open runs.
+/// Reads the archive page by page after the open runs.
 class RunList : public std::enable_shared_from_this<RunList> {
  public:
   RunList(Session& session, Callback<RunTable> done) : session_(session), done_(std::move(done)) {}
@@ -27,11 +27,11 @@ class RunList : public std::enable_shared_from_this<RunList> {
   }
 
   void take(RunTable page) {
-    // A scheduler that gives the same page again must not be asked for ever.
+    // A scheduler that sends the same page again must not be asked for ever.
     const bool more = page.more && !page.runs.empty() && page.runs.back().run != after_;
     if (!page.runs.empty()) after_ = page.runs.back().run;
     for (RunSummary& run : page.runs) {
-      // One may have come to its end in the meantime.
+      // A run may have ended meanwhile, and be in both lists.
       if (known_.insert(run.run).second) table_.runs.push_back(std::move(run));
     }
     more ? read_page() : finish();

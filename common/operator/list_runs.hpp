@@ -4,7 +4,7 @@
 
 namespace trb::op {
 
-/// At most so many runs are listed; RunTable::more says that there are others.
+/// At most this many runs are listed; RunTable::more shows that there are others.
 constexpr std::size_t kMostRunsListed = 10'000;
 
 /// The runs that are not over on this node; with `all`, then those of its archive, newest first.

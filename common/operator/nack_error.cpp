@@ -3,7 +3,7 @@
 namespace trb::op {
 namespace {
 
-/// What to look at, in the words of `trb`.
+/// What to check, as a command of `trb`.
 std::string usual_cure(Errc code) {
   switch (code) {
     case Errc::unknown_run:

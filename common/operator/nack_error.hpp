@@ -5,8 +5,8 @@
 
 namespace trb::op {
 
-/// The error that a Nack carries: its code and text; if it names no hint, the usual one for that code. A code of a
-/// newer version is bad_value, and stands in the text.
+/// The error in a Nack: its code and text; without a hint, the usual one for that code. An unknown code of a newer
+/// version becomes bad_value, and is put into the text.
 Error nack_error(const Nack& nack);
 
 }  // namespace trb::op

@@ -1,4 +1,4 @@
-// The way to a node, as an operation needs it: a link to its bus in a program, a fake in a test.
+// The connection to a node, as an operation needs it: a link to its bus in a program, a fake in a test.
 #pragma once
 
 #include <cstddef>
@@ -19,8 +19,8 @@ class NodeLink {
 
   /// The id of the node.
   [[nodiscard]] virtual const std::string& node() const = 0;
-  /// Sends one message; its id, or 0 if the router takes none now. Errors: too_large, bad_value, malformed: nobody
-  /// could read it, so it has not left.
+  /// Sends one message; returns its id, or 0 if the router accepts none now. Errors: too_large, bad_value, malformed:
+  /// no receiver could read it, so it was not sent.
   virtual Result<std::uint64_t> send(const Send& send) = 0;
   [[nodiscard]] virtual Now now() const = 0;
   virtual Bytes random_bytes(std::size_t size) = 0;

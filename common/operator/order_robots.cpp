@@ -39,7 +39,7 @@ class Orders : public std::enable_shared_from_this<Orders> {
   }
 
   void gather(Session& session) {
-    // Of robots that nothing was sent to none answers.
+    // If nothing could be sent, there will be no answer.
     if (open_ == 0) session.after(Duration::zero(), [self = shared_from_this()] { self->end(); });
   }
 

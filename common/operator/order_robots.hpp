@@ -12,12 +12,12 @@ namespace trb::op {
 /// What became of an order to one robot.
 struct RobotOrder {
   std::string robot;
-  std::string state;  ///< "confirmed"; "sent": it was reached, but nothing is confirmed; "unreachable"
+  std::string state;  ///< "confirmed"; "sent": it was reached, but has not confirmed; "unreachable"
   std::string text;   ///< why it is not confirmed
 };
 
-/// Sends the body (Stop, Release) to all robots, then gathers their answers until `wait` is over: a silent robot delays
-/// no other's stop. `done` gets a row for each, in the same order.
+/// Sends the body (Stop, Release) to all robots, then collects their answers until `wait` is over: a silent robot
+/// delays no other's stop. `done` gets a row for each, in the same order.
 void order_robots(Session& session, const std::vector<std::string>& robots, const Body& body, Duration wait,
                   std::function<void(std::vector<RobotOrder>)> done);
 

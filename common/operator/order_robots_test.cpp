@@ -22,7 +22,7 @@ struct Stopping {
 
 TEST_CASE("all robots are told to stop at once, and a silent one delays no other's row") {
   Stopping hall({"ur3", "belt", "drone", "ant4"});
-  // Every order has left before an answer comes.
+  // Every order is sent before an answer arrives.
   std::vector<std::uint64_t> ids;
   for (const char* robot : {"ur3", "belt", "drone", "ant4"}) {
     CHECK(hall.node.take<Stop>(robot).reason == "test");

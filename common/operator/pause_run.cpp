@@ -7,7 +7,7 @@ namespace {
 
 PauseOrder order_of(const RunView& view, bool paused, const std::string& node, const std::string& reason, UtcTime now) {
   PauseOrder order{view.run, view.pause_number + 1, paused, node, reason, now.ns, {}};
-  // Who lets it go on has seen what was done twice.
+  // The person who lets it continue has seen which tasks were done twice.
   for (const TaskView& task : view.tasks) {
     if (!paused && task.twice) order.doubles.push_back(task.id);
   }

@@ -6,8 +6,8 @@
 
 namespace trb::op {
 
-/// Holds a run (what runs is finished, nothing is begun), or lets it go on. `run` is its id, or a unique beginning of
-/// it; `reason` is for the record. `done` gets the run as it is then. Errors: unknown_run, those of Session::request.
+/// Holds a run (running tasks finish, none begins), or lets it continue. `run` is its id, or a unique beginning of it;
+/// `reason` is for the record. `done` gets the resulting run. Errors: unknown_run, those of Session::request.
 void pause_run(Session& session, const std::string& run, const std::string& reason, const Callback<RunView>& done);
 void resume_run(Session& session, const std::string& run, const std::string& reason, const Callback<RunView>& done);
 

@@ -1,4 +1,4 @@
-// A run before it is submitted: the scenario, checked against the fleet, and who holds each task at the start.
+// A run before it is submitted: the scenario, checked against the fleet, and who has each task at the start.
 #pragma once
 
 #include <string>
@@ -12,10 +12,10 @@ namespace trb::op {
 
 struct RunPlan {
   Scenario scenario;
-  RouteTable table;  ///< the fleet as it was looked at
+  RouteTable table;  ///< the fleet at the time of planning
   Binder binder;
-  std::vector<std::string> robots;  ///< for each task; empty if a fault stops the run
-  ConfigFaults faults;              ///< also what may wait, as a sensor that is plugged in later
+  std::vector<std::string> robots;  ///< for each task; empty if a fault prevents the run
+  ConfigFaults faults;              ///< also warnings, such as a sensor that may be plugged in later
 };
 
 /// A task that names no robot.
@@ -25,8 +25,8 @@ struct BoundTask {
   bool later = false;  ///< chosen when it is due
 };
 
-/// Looks at the fleet and plans the run of a scenario that was read without a fault; `file` is its name in faults.
-/// Errors: those of Session::request.
+/// Reads the fleet's state and plans the run of a scenario without faults; `file` is its name in faults. Errors: those
+/// of Session::request.
 void plan_run(Session& session, Scenario scenario, std::string file, Callback<RunPlan> done);
 
 std::vector<BoundTask> bound_tasks(const RunPlan& plan);

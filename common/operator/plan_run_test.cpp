@@ -1,4 +1,4 @@
-// From a scenario to a run that is accepted: who chooses robots, who holds the tasks, what is submitted.
+// From a scenario to an accepted run: who chooses robots, who has the tasks, what is submitted.
 #include "common/operator/plan_run.hpp"
 
 #include "common/operator/submit_run.hpp"

@@ -7,8 +7,8 @@
 
 namespace trb::op {
 
-/// Ranks the alternatives of a problem in JSON (config/rank/README.md); needs no node. `name` is what errors call the
-/// text. Errors: those of parse_json, read_ranking and rank.
+/// Ranks the alternatives of a problem in JSON (config/rank/README.md); needs no node. `name` stands for the text in
+/// errors. Errors: those of parse_json, read_ranking and rank.
 Result<RankingAnswer> rank_text(BytesView text, const std::string& name);
 
 }  // namespace trb::op

@@ -8,15 +8,15 @@
 
 namespace trb::op {
 
-/// The sensor that is meant, in the routing table as it is now. Errors: those of find_sensor and Session::request.
+/// Finds the sensor that is meant in the present routing table. Errors: those of find_sensor and Session::request.
 void look_up_sensor(Session& session, SensorWish wish, const Callback<FoundSensor>& done);
 
-/// The next value that the sensor tells. With `limit_s` its node waits so long for it, else three of its periods; the
-/// answer is waited for `wait` and a second more. Errors: those of Session::request.
+/// The sensor's next value. With `limit_s` its node waits that long for it, else three of its periods; the answer is
+/// awaited for `wait` plus a second. Errors: those of Session::request.
 void read_sensor(Session& session, const FoundSensor& sensor, std::optional<double> limit_s, Duration wait,
                  const Callback<SensorReading>& done);
 
-/// A picture. It may get lost on its way: it is asked for three times, a third of `wait` each. Errors: those of
+/// A picture. It may be lost on the way: it is requested up to three times, a third of `wait` each. Errors: those of
 /// Session::request.
 void take_picture(Session& session, const FoundSensor& sensor, Duration wait, const Callback<SensorImage>& done);
 

@@ -1,4 +1,4 @@
-// What is told without asking anybody: runs as JSON, what a tap shows, ranked alternatives, sums by phase.
+// Output without a request to a node: runs as JSON, what a tap shows, ranked alternatives, sums by phase.
 #include <doctest/doctest.h>
 
 #include "common/operator/phases.hpp"

@@ -5,8 +5,8 @@
 
 namespace trb::op {
 
-/// The node's whole routing table, page after page: robots, sensors, addresses, what each node says of itself. `wait`
-/// is for each page. Errors: those of Session::request; conflict (another page came than was asked for).
+/// The node's whole routing table, page by page: robots, sensors, addresses, each node's profile. `wait` is for each
+/// page. Errors: those of Session::request; conflict (not the requested page).
 void request_routes(Session& session, Callback<RouteTable> done, Duration wait = kAnswerWait);
 
 /// The ids of the fleet's robots.

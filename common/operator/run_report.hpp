@@ -6,8 +6,8 @@
 
 namespace trb::op {
 
-/// A run as JSON: its view; for each task the mode and transport of its robot, which the routing table knows; and the
-/// blocks of Equation 8 ("blocks_k", "blocks_sum_m").
+/// A run as JSON: its view; for each task the mode and transport of its robot, from the routing table; and the blocks
+/// of Equation 8 ("blocks_k", "blocks_sum_m").
 Value run_report(const RunView& view, const RouteTable& table);
 
 }  // namespace trb::op

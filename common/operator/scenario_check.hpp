@@ -1,4 +1,4 @@
-// A scenario before it runs: its faults, who does its tasks, and what nobody else could do.
+// A scenario before it runs: its faults, who does its tasks, and which tasks no other robot could do.
 #pragma once
 
 #include <string>
@@ -9,10 +9,10 @@
 
 namespace trb::op {
 
-/// The text of a scenario file. What is wrong with it is added to `faults`, under the name `file`.
+/// Reads the text of a scenario file. Its faults are added to `faults`, under the name `file`.
 Scenario parse_scenario(const std::string& text, const std::string& file, ConfigFaults& faults);
 
-/// What the nodes tell of themselves; of a node that is not reached, its link's state is its robot's.
+/// The nodes' profiles; if a node is not reached, its link's state replaces its robot's.
 Profiles profiles_of(const RouteTable& table);
 
 struct ScenarioCheck {
@@ -20,7 +20,7 @@ struct ScenarioCheck {
   std::vector<NoSpare> without_spare;  ///< if no fault stops the scenario
 };
 
-/// Checks the scenario against what the node knows of the fleet. Errors: those of Session::request.
+/// Checks the scenario against what the node knows about the fleet. Errors: those of Session::request.
 void check_with_fleet(Session& session, Scenario scenario, std::string file, const Callback<ScenarioCheck>& done);
 
 }  // namespace trb::op

@@ -1,4 +1,4 @@
-// Orders that outlive their message: signed by the node's router, then given to the node's scheduler.
+// Orders that stay valid after their message: signed by the node's router, then sent to the node's scheduler.
 #pragma once
 
 #include <string_view>

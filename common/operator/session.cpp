@@ -53,7 +53,7 @@ bool Session::receive(const Message& message) {
 
 void Session::tick() {
   const MonotonicTime now = this->now().mono;
-  // What they begin is due in a later call.
+  // Timers that they start are due in a later call.
   std::vector<std::function<void()>> due;
   const auto end = timers_.upper_bound(now);
   for (auto at = timers_.begin(); at != end; ++at) due.push_back(std::move(at->second));

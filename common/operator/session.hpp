@@ -1,4 +1,4 @@
-// A conversation with one node: the requests that have no answer yet, and what is due later.
+// Exchanges messages with one node: the requests without an answer so far, and what is due later.
 #pragma once
 
 #include <cstdint>
@@ -14,12 +14,12 @@
 
 namespace trb::op {
 
-/// How long an operation waits for an answer if it says nothing else.
+/// How long an operation waits for an answer by default.
 constexpr Duration kAnswerWait = std::chrono::seconds(5);
 
-/// What operations run on. Its owner gives it the messages that come (receive) and the time (tick, at next_deadline());
-/// nothing here waits. All of it happens on one thread. Callbacks that were not made when it ends are dropped.
-/// A callback must not destroy it.
+/// What operations run on. Its owner passes it incoming messages (receive) and the time (tick, at next_deadline());
+/// nothing here waits. All of it happens on one thread. Its destruction drops callbacks that were not called. A
+/// callback must not destroy it.
 class Session {
  public:
   explicit Session(NodeLink& link) : link_(link) {}
@@ -30,13 +30,13 @@ class Session {
   [[nodiscard]] Now now() const { return link_.now(); }
   Bytes random_bytes(std::size_t size) { return link_.random_bytes(size); }
 
-  /// The answer, also a negative one (Nack), or null if none came in time.
+  /// The answer, possibly a negative one (Nack), or null if none came in time.
   using Answered = std::function<void(const Message*)>;
-  /// Sends, and calls `answered` once within `wait`. Errors: queue_full (the router takes no message now), too_large,
-  /// bad_value, malformed; then it has not left, and `answered` is never called.
+  /// Sends, and calls `answered` once within `wait`. Errors: queue_full (the router accepts no message now), too_large,
+  /// bad_value, malformed; then it was not sent, and `answered` is never called.
   Status send(const Send& send, Duration wait, Answered answered);
 
-  /// Sends, and gives the answer of the node that it was for. Errors: those of send(), timeout, and a Nack's.
+  /// Sends, and returns the answer of the addressed node. Errors: those of send(), timeout, and a Nack's.
   void request(const Send& send, Callback<Message> done, Duration wait = kAnswerWait);
   /// The same, as a command to a node.
   void command(const std::string& target, Body body, Callback<Message> done);
@@ -46,7 +46,7 @@ class Session {
     request(Send{.type = MessageType::request, .target = node(), .body = std::move(question)},
             on_success<Message>(done, [done](const Message& answer) { done(decode<Answer>(answer.data)); }), wait);
   }
-  /// Calls `then` once, that much later.
+  /// Calls `then` once, after that time.
   void after(Duration wait, std::function<void()> then);
 
   /// True if it was the answer to a request of this session.

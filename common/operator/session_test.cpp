@@ -1,4 +1,4 @@
-// Requests and what becomes of them; the Nacks' errors; the routing table in pages.
+// Requests and their outcomes; the Nacks' errors; the routing table in pages.
 #include "common/operator/session.hpp"
 
 #include "common/operator/nack_error.hpp"
@@ -13,13 +13,13 @@ TEST_CASE("a request is answered by the node that it was for") {
   Ending<Message> ending;
   node.session().command("ur3", Stop{"x"}, ending);
   CHECK(node.take<Stop>("ur3").reason == "x");
-  // An answer of another node, or to another message, is none.
+  // An answer from another node, or to another message, does not count.
   CHECK_FALSE(node.answer(node.taken(), "belt", Ack{"stopped", ""}));
   CHECK_FALSE(node.answer(node.taken() + 1, "ur3", Ack{"stopped", ""}));
   CHECK_FALSE(ending.has_come());
   CHECK(node.answer(Ack{"stopped", ""}));
   CHECK(ending.value().source == "ur3");
-  // A second one is none, either.
+  // A second answer does not count, either.
   CHECK_FALSE(node.answer(Ack{"stopped", ""}));
   CHECK_FALSE(node.session().next_deadline());
 }

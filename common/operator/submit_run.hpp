@@ -8,12 +8,12 @@
 namespace trb::op {
 
 struct RunTerms {
-  double expires_h = 24;       ///< nothing of it starts later than so many hours from now
-  std::uint32_t priority = 0;  ///< of two runs that want a robot the higher one begins: 0 to 9
+  double expires_h = 24;       ///< no task of it starts later than this many hours from now
+  std::uint32_t priority = 0;  ///< of two runs that want the same robot, the higher one begins: 0 to 9
 };
 
 /// Builds the start of a planned run, has it signed, and submits it to the node's scheduler. `done` gets the run's id;
-/// from then on the run goes on without this session. Errors: unknown_target (a node that was never heard), those of
+/// from then on the run does not need this session. Errors: unknown_target (a node that was never seen), those of
 /// Session::request.
 void submit_run(Session& session, RunPlan plan, const RunTerms& terms, const Callback<std::string>& done);
 

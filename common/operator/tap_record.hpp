@@ -1,4 +1,4 @@
-// A message that has passed a node's router, as its tap tells it.
+// A message that has passed a node's router, as its tap reports it.
 #pragma once
 
 #include <optional>
@@ -12,18 +12,18 @@ namespace trb::op {
 struct TapRecord {
   char direction = '=';  ///< '<' in, '>' out, '=' within the node
   UtcTime time;          ///< when the tap was read
-  HeaderView header;     ///< of the frame, which must outlive it
+  HeaderView header;     ///< points into the frame, which must outlive it
 };
 
 struct TapFilter {
-  std::optional<std::string> subtype{};  ///< this one alone
-  bool all = false;                      ///< else without keep-alives, lists, proofs of delivery
+  std::optional<std::string> subtype{};  ///< only this one
+  bool all = false;                      ///< false: without keep-alives, lists, proofs of delivery
 };
 
-/// Of the tap's two frames: the direction and the message. Nothing if it is none, or none that the filter lets through.
+/// From the tap's two frames: the direction and the message. Empty if malformed, or if the filter excludes it.
 std::optional<TapRecord> read_tap(BytesView direction, BytesView frame, const TapFilter& filter, UtcTime now);
 
-/// The message as JSON, and first which way it passed and when.
+/// The message as JSON, preceded by its direction and time.
 std::string to_json(const TapRecord& record);
 
 }  // namespace trb::op

@@ -37,7 +37,7 @@ void WatchedSensor::order_first(const FoundSensor& found, const Callback<Done>& 
   const SensorInfo& info = sensor_.info;
   if (info.kind == "image")
     return begun(fail(Errc::bad_value, info.name + " tells pictures", "use trb sensor read --save FILE"));
-  // From now on it is this very device, wherever it is plugged in; by another name, maybe.
+  // From now on it is this very device, wherever it is plugged in, possibly under another name.
   if (!info.identity.empty() && wish_.node.empty()) wish_ = {info.kind, "", info.identity};
   const auto answered = [this, begun](const Message&) {
     here_ = true;

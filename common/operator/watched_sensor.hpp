@@ -9,38 +9,38 @@
 
 namespace trb::op {
 
-/// A sensor's values as they come. The watch is renewed every 3 s with its node; when that node says that the sensor is
-/// gone, or is not reached, it is looked for every 0.5 s, and one with a serial number is found wherever it is plugged
-/// in next.
+/// A sensor's values as they arrive. The watch is renewed every 3 s at its node; if that node reports that the sensor
+/// is gone, or is not reached, the sensor is looked up every 0.5 s; one with a serial number is found wherever it is
+/// plugged in next.
 class WatchedSensor {
  public:
   struct Events {
     std::function<void(const std::string& node, const SensorReading&)> value;
     std::function<void(const std::string& text)> note;  ///< it was lost, or found elsewhere
   };
-  /// `every_s`: values come at most so often.
+  /// `every_s`: the shortest time between values.
   WatchedSensor(Session& session, SensorWish wish, double every_s, Events events);
   WatchedSensor(const WatchedSensor&) = delete;
   WatchedSensor& operator=(const WatchedSensor&) = delete;
 
   /// Looks the sensor up and asks its node for values. Errors: those of find_sensor and Session::request; bad_value (it
-  /// tells pictures).
+  /// sends pictures).
   void begin(const Callback<Done>& begun);
-  /// For every message that answers no request.
+  /// To be called with every message that answers no request.
   void receive(const Message& message);
-  /// Asks for no more values; the object may go then.
+  /// Ends the stream of values; the object may then be destroyed.
   void end();
 
  private:
   void order_first(const FoundSensor& found, const Callback<Done>& begun);
-  /// One that is lost is sent again with the next renewal.
+  /// A lost one is sent again with the next renewal.
   void order(double lease_s);
   [[nodiscard]] Send order_of(double lease_s) const;
   void renew_in(Duration wait);
   void renew();
   void look();
   void lose(const std::string& why);
-  /// Calls what is given, unless the watch has ended by then.
+  /// Calls the given function, unless the watch has ended by then.
   template <class Call>
   auto while_alive(Call call);
 
@@ -48,11 +48,12 @@ class WatchedSensor {
   SensorWish wish_;
   double every_s_;
   Events events_;
-  std::uint64_t number_ = 0;  ///< of this watch, in what its values bear
+  std::uint64_t number_ = 0;  ///< of this watch; its values carry it
   FoundSensor sensor_;
   bool here_ = false;                                     ///< the sensor's node was asked for values
-  std::uint64_t renewals_ = 0;                            ///< the last that was set counts
-  std::shared_ptr<int> alive_ = std::make_shared<int>();  ///< gone with the watch
+  std::uint64_t renewals_ = 0;                            ///< only the newest timer counts
+  std::shared_ptr<int> alive_ = std::make_shared<int>();  ///< destroyed with the watch: a weak pointer to it shows
+                                                          ///< whether it still exists
 };
 
 }  // namespace trb::op

@@ -33,7 +33,7 @@ struct Watch {
     node.take<RouteListRequest>();
     node.answer(table);
   }
-  /// The sensor's node is asked for values for so long.
+  /// The next order to the sensor's node, which must have this lease.
   SensorWatch order(const std::string& from, double lease_s = 10) {
     const auto order = node.take<SensorWatch>(from);
     CHECK(order.lease_s == lease_s);
@@ -115,7 +115,7 @@ TEST_CASE("a device with a serial number is found where it is plugged in next") 
   Watch watch(plugged_into("hall"));
   watch.order("hall");
   watch.node.answer(Ack{"watching", ""});
-  // Its node says that it is gone.
+  // Its node reports that it is gone.
   Message gone;
   gone.subtype = Nack::kSubtype;
   gone.data = encode(Nack{"no_sensor", "", "hall", "oven is unplugged", ""});

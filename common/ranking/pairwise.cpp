@@ -67,7 +67,7 @@ Status check_number(const std::string& node, const Judgment& judgment) {
                  "use 1 (alike) to 9 (extremely more), or 1/2 to 1/9 the other way round");
 }
 
-/// Nothing, if the pair is new to this person; else the judgment may only be the other direction of what was told.
+/// Done, if the pair is new to this person; else the judgment may only be the other direction of an earlier one.
 Status check_repeated(const std::string& node, const Judgment& judgment, const Table& own, std::size_t i, std::size_t j,
                       const std::vector<bool>& told) {
   if (told[i * own.size() + j]) {
@@ -204,7 +204,7 @@ std::vector<double> scaled_matrix(const Table& table, const std::vector<double>&
 
 /// Power iteration. For any positive v the principal eigenvalue lies between the least and the greatest (Av)i / vi
 /// (Collatz and Wielandt): it ends when these meet. Half of v is kept each time, or a circle of judgments would make it
-/// swing.
+/// oscillate.
 Principal principal(const Table& table, const std::vector<double>& guess) {
   constexpr int kMostRounds = 20'000;
   constexpr double kMet = 1e-13;
@@ -257,7 +257,7 @@ Consistency consistency_of(std::size_t size, double lambda) {
   return out;
 }
 
-/// The one furthest from the weights. Between three things all are equally far: then the boldest is named.
+/// The one furthest from the weights. Among three items all are equally far: then the most extreme one is named.
 void find_worst(const Table& table, const std::vector<std::string>& items, const std::vector<double>& logs,
                 Priorities& out) {
   constexpr double kAlike = 1e-6;

@@ -1,4 +1,4 @@
-// Weights out of pairwise judgments (Saaty's analytic hierarchy process), and how far the judgments agree.
+// Weights from pairwise judgments (Saaty's analytic hierarchy process), and how well the judgments agree.
 #pragma once
 
 #include <optional>
@@ -16,9 +16,9 @@ constexpr auto enum_names(WeightMethod) {
   return std::to_array<std::string_view>({"eigenvector", "geometric_mean"});
 }
 
-/// So many things can be judged in pairs: Saaty's random indices end there.
+/// The most items that can be judged in pairs: Saaty's random indices end there.
 constexpr std::size_t kMostJudged = 15;
-/// A judgment is at most so much, and at least 1 by it: beyond, sums of them are no numbers any more.
+/// The greatest judgment; its reciprocal is the least: beyond that, sums overflow.
 constexpr double kGreatestJudgment = 1e9;
 
 /// `a` counts `times` as much as `b`, a positive number; Saaty's scale has 1 (alike), 3, 5, 7 and 9 (extremely more).
@@ -28,7 +28,7 @@ struct Judgment {
   double times = 1;
 };
 
-/// What one person judged, and how much that person counts: from 1e-6 to 1e6.
+/// What one person judged, and how much that person's judgments count: from 1e-6 to 1e6.
 struct Opinion {
   double weight = 1;
   std::span<const Judgment> judgments;
@@ -46,18 +46,18 @@ struct Consistency {
 struct Priorities {
   std::vector<double> weights;  ///< of the items in their order; sum 1
   Consistency consistency;
-  std::optional<Judgment> worst;  ///< the judgment furthest from the weights, if any is
-  double fits = 1;                ///< what `worst` would be if it agreed with the weights
+  std::optional<Judgment> worst;  ///< the judgment furthest from the weights, if there is any
+  double fits = 1;                ///< the value of `worst` that would agree with the weights
 };
 
-/// The weights of `items` by what all people judged: combined by the weighted geometric mean (Aczel and Saaty 1983), of
-/// a pair by those who judged it. A reciprocal is implied, or may be told as well (within 1 %: people round).
-/// Missing judgments are filled by what the weights say: Harker's method (1987) for the eigenvector, logarithmic least
-/// squares for the geometric mean. lambda_max is that of Harker's matrix with either method; a filled judgment agrees
-/// with the weights, so fewer judgments give a lower ratio.
-/// Errors, each names `node`: too_large (more than kMostJudged items), bad_value (not positive, too large, of a thing
-/// with itself, both directions that do not fit), unknown_key (no such item), duplicate, missing (no chain of judgments
-/// links some items: the groups are named), conflict (too contradictory for any weights).
+/// The weights of `items` from all people's judgments: combined by the weighted geometric mean (Aczel and Saaty 1983),
+/// for each pair over those who judged it. A reciprocal is implied, or may be given as well (within 1 %: people round).
+/// Missing judgments are filled in from the weights: Harker's method (1987) for the eigenvector, logarithmic least
+/// squares for the geometric mean. lambda_max is that of Harker's matrix with either method; a filled-in judgment
+/// agrees with the weights, so fewer judgments give a lower ratio. Errors, each names `node`: too_large (more than
+/// kMostJudged items), bad_value (not positive, too large, of an item with itself, both directions that do not fit),
+/// unknown_key (no such item), duplicate, missing (no chain of judgments links some items: the groups are named),
+/// conflict (too contradictory for any weights).
 Result<Priorities> weigh(const std::string& node, const std::vector<std::string>& items,
                          const std::vector<Opinion>& opinions, WeightMethod method);
 

@@ -14,7 +14,7 @@ Result<Priorities> weigh_one(const std::vector<std::string>& items, const std::v
   return weigh("it", items, {{1, list}}, method);
 }
 
-/// Refused with this code; the text names the node and these words, and there is a hint.
+/// Refused with this code; the text names the node and contains these words, and there is a hint.
 void check_refused(const std::vector<std::string>& items, const std::vector<Judgment>& list, Errc code,
                    const std::string& words) {
   const auto found = weigh_one(items, list);
@@ -122,7 +122,7 @@ TEST_CASE("several people: the geometric mean of what they say, by how much they
   const auto uneven = weigh("it", {"a", "b"}, {{3, low}, {1, high}}, WeightMethod::eigenvector);
   REQUIRE(uneven.ok());
   CHECK(uneven->weights[0] / uneven->weights[1] == doctest::Approx(std::pow(2, 0.75) * std::pow(8, 0.25)));
-  // Who says nothing of a pair does not count there.
+  // A person who did not judge a pair does not count for it.
   const std::vector<Judgment> other{{"b", "c", 5}};
   const auto apart = weigh("it", kThree, {{1, low}, {7, other}}, WeightMethod::eigenvector);
   REQUIRE(apart.ok());

@@ -35,7 +35,7 @@ class Ranker {
     return node.criterion == nullptr ? problem_.goal : node.criterion->name;
   }
 
-  /// What the people judged of a node; nothing if nobody has a list for it.
+  /// What the people judged about a node; empty if nobody did.
   [[nodiscard]] std::vector<Opinion> opinions_of(const std::string& node, Lists lists) const {
     std::vector<Opinion> out;
     for (const Person& person : problem_.people) {
@@ -59,7 +59,7 @@ class Ranker {
   [[nodiscard]] Error contradiction(const std::string& node, const Priorities& found) const {
     const Judgment worst = found.worst.value_or(Judgment{});
     const std::string pair = "'" + worst.a + "' to '" + worst.b + "'";
-    // Rounded up: the ratio as it is printed is one that accepts.
+    // Rounded up, so that the printed ratio is one that accepts the judgments.
     const double accepts = std::ceil(found.consistency.cr * 100) / 100;
     return fail(Errc::conflict,
                 "judgments of '" + node + "': the consistency ratio " + short_number(found.consistency.cr) +

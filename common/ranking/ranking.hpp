@@ -25,11 +25,12 @@ constexpr std::size_t kLongestName = 128;
 struct Criterion {
   std::string name;  ///< the tree's and the goal's names differ
   std::vector<Criterion> children = {};
-  std::optional<double> weight = {};  ///< given instead of judged: in relation to its siblings, which all have one then
+  std::optional<double> weight = {};  ///< given instead of judged: relative to its siblings, which must all have one
+                                      ///< then
   // Of a leaf with measured values:
   Direction direction = Direction::benefit;
   std::string unit = {};
-  std::vector<double> values = {};  ///< one for each alternative, in their order; NaN: there is none
+  std::vector<double> values = {};  ///< one for each alternative, in their order; NaN: missing
 };
 
 /// The judgments of one node: of the goal or a criterion between its children, of a leaf between the alternatives.
@@ -48,8 +49,8 @@ struct Person {
 
 struct RankingOptions {
   WeightMethod method = WeightMethod::eigenvector;
-  double max_ratio = 0.10;  ///< a consistency ratio above it is refused (Saaty's tenth)
-  std::size_t top = 0;      ///< so many of the best are told; 0: all
+  double max_ratio = 0.10;  ///< a higher consistency ratio is refused (Saaty's tenth)
+  std::size_t top = 0;      ///< how many of the best are returned; 0: all
   bool sensitivity = true;
 };
 
@@ -57,7 +58,7 @@ struct RankingProblem {
   std::string goal;
   std::vector<Criterion> criteria;
   std::vector<std::string> alternatives;  ///< their ids
-  std::vector<Person> people = {};        ///< none, if no node is judged
+  std::vector<Person> people = {};        ///< empty if no node is judged
   RankingOptions options = {};
 };
 
@@ -75,11 +76,12 @@ struct NodeConsistency {
 
 struct RankedAlternative {
   std::string id;
-  double score = 0;                        ///< all alternatives' sum to 1
-  std::vector<double> contributions = {};  ///< of each leaf, as RankingAnswer::leaves; they sum to the score
+  double score = 0;                        ///< the sum over all alternatives is 1
+  std::vector<double> contributions = {};  ///< of each leaf, in the order of RankingAnswer::leaves; their sum is the
+                                           ///< score
 };
 
-/// Beyond this local weight of a criterion, as seen from its present one, another alternative wins.
+/// Another alternative wins if a criterion's local weight passes this value, coming from its present one.
 struct WinnerChange {
   double weight = 0;
   std::string winner;
@@ -97,13 +99,14 @@ struct RankingAnswer {
   std::vector<CriterionWeight> criteria;     ///< parents before children, as given
   std::vector<std::string> leaves;           ///< as given
   std::vector<NodeConsistency> consistency;  ///< of each judged node
-  std::vector<RankedAlternative> ranking;    ///< best first, of equal ones by id
+  std::vector<RankedAlternative> ranking;    ///< best first, equal ones by id
   std::vector<Sensitivity> sensitivity;      ///< of each criterion
 };
 
 /// Errors: those of weigh(); missing (no goal, criterion, alternative, value, weight), duplicate (a name, an id, a
-/// person's node), too_large, unknown_key (judgments of no node), bad_value (values and judgments, a negative value or
-/// weight), conflict (a consistency ratio above max_ratio: with the judgment that hurts most, and what would fit).
+/// person's node), too_large, unknown_key (judgments of an unknown node), bad_value (values as well as judgments, a
+/// negative value or weight), conflict (a consistency ratio above max_ratio: with the worst judgment, and the value
+/// that would fit).
 Result<RankingAnswer> rank(const RankingProblem& problem);
 
 /// One sentence: how far the winner is from losing.

@@ -30,7 +30,7 @@ std::optional<double> fraction(std::string_view text) {
   return *over / *under;
 }
 
-/// Reads the document key by key; the first error stays, and what is read after it is of no use.
+/// Reads the document key by key; the first error is kept, and what is read after it is not used.
 class Reader {
  public:
   Result<RankingProblem> read(const Value& json) {
@@ -62,7 +62,7 @@ class Reader {
            "write " + wanted + " there");
   }
 
-  /// nullptr if it is none, or has another key.
+  /// nullptr if it is not an object, or has another key.
   const Value::Object* object(const Value& value, const std::string& path, const Keys& keys) {
     if (!value.is_object()) {
       wrong_kind(value, path, "an object, { \"KEY\": VALUE, … },");
@@ -76,7 +76,7 @@ class Reader {
     return &value.object();
   }
 
-  /// An empty list if it is none, or too long.
+  /// An empty list if it is not a list, or too long.
   const Value::List& list(const Value& value, const std::string& path, std::size_t most) {
     static const Value::List kEmpty;
     if (!value.is_list()) {

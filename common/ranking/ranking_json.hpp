@@ -6,10 +6,10 @@
 
 namespace trb {
 
-/// What a file of a ranking may hold: 20,000 alternatives with ten values each.
+/// The most that a file of a ranking may hold: 20,000 alternatives with ten values each.
 constexpr ParseLimits kRankingLimits{.bytes = 16U << 20U, .depth = 32, .values = 500'000};
 
-/// Errors name the key: bad_value, missing, unknown_key, duplicate, too_large. What rank() checks is left to it.
+/// Errors name the key: bad_value, missing, unknown_key, duplicate, too_large. What rank() checks is not checked here.
 Result<RankingProblem> read_ranking(const Value& json);
 
 /// {"criteria", "consistency", "ranking", "sensitivity"}

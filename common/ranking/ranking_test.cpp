@@ -161,7 +161,7 @@ TEST_CASE("values of 0: without a battery nothing, no way at all takes everythin
       for (const RankedAlternative& one : ranked(problem).ranking) CHECK(one.score == doctest::Approx(1.0 / 3));
     }
   }
-  // Of equal ones the id decides.
+  // Equal ones are ordered by id.
   CHECK(ranked(problem).ranking[0].id == "pioneer1");
   // Neither the reciprocals nor the sum overflow.
   problem.criteria = {{.name = "any", .direction = Direction::cost, .values = {1e-320, 1, 1e300}}};
@@ -317,7 +317,7 @@ TEST_CASE("any problem: beyond each weight that is told its winner wins, and bet
     const auto answer = ranked(problem);
     for (const Sensitivity& one : answer.sensitivity) {
       if (one.changes.empty() && one.weight == 1) continue;  // an only child
-      // The winner of each stretch from 0 to 1.
+      // The winner on each interval from 0 to 1.
       double from = 0;
       for (std::size_t i = 0; i <= one.changes.size(); ++i) {
         const double to = i < one.changes.size() ? one.changes[i].weight : 1;

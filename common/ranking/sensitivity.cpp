@@ -16,7 +16,7 @@ struct Lines {
   std::vector<double> slope;
 };
 
-/// What its siblings give without the criterion, scaled to a weight of 1.
+/// What its siblings contribute without the criterion, scaled to a weight of 1.
 std::vector<double> rest_of(const Tree& tree, std::size_t index) {
   const TreeNode& parent = tree[tree[index].parent];
   double weight = 0;
@@ -67,7 +67,7 @@ Step next_step(const Lines& lines, const std::vector<std::string>& ids, Step fro
   return best;
 }
 
-/// Until 0 or 1. Who wins in one point only is passed over.
+/// Up to 0 or 1. An alternative that wins at a single point is skipped.
 std::vector<WinnerChange> walk(const Lines& lines, const std::vector<std::string>& ids, Step from, double sign) {
   constexpr double kPoint = 1e-9;
   const double end = sign > 0 ? 1 - kPoint : kPoint;

@@ -7,7 +7,7 @@
 namespace trb {
 namespace {
 
-constexpr double kGreatest = 1e300;  // the sum of all values stays a number
+constexpr double kGreatest = 1e300;  // keeps the sum of all values finite
 
 constexpr double kStep = 1e-12;
 

@@ -20,14 +20,14 @@ constexpr auto enum_names(Direction) {
   return std::to_array<std::string_view>({"benefit", "cost"});
 }
 
-/// The index of the first value that can have no share: negative, over 1e300, or no number.
+/// The index of the first value that can have no share: negative, over 1e300, or not a number.
 std::optional<std::size_t> find_unusable(std::span<const double> values);
 
 /// Adds weight x share to each score; the shares sum to 1. The values are usable, and as many as the scores.
 void add_shares(std::span<const double> values, Direction direction, double weight, std::span<double> scores);
 
-/// The indexes of the `count` best, best first; fewer if there are fewer. Scores are from 0 to 1; those that are alike
-/// to 1e-12 are ordered by name, so that the answer is everywhere the same.
+/// The indexes of the `count` best, best first; fewer if there are fewer. Scores are from 0 to 1; those within 1e-12 of
+/// each other are ordered by name, so that the answer is the same on every machine.
 std::vector<std::size_t> best_of(std::span<const double> scores, std::span<const std::string> names, std::size_t count);
 
 }  // namespace trb

@@ -1,4 +1,4 @@
-// What the tests of common/ranking share: judgments as matrices, and numbers that do not differ between machines.
+// Shared by the tests of common/ranking: judgments as matrices, and numbers that are the same on every machine.
 #pragma once
 
 #include <doctest/doctest.h>
@@ -21,7 +21,7 @@ inline std::vector<Judgment> upper(const std::vector<std::string>& names, const 
   return out;
 }
 
-/// Is it the printed number to the digits that are printed?
+/// True if it equals the printed number to the printed digits.
 inline bool prints(double value, double printed, int digits) {
   return std::abs(value - printed) <= 0.5 * std::pow(10, -digits) + 1e-12;
 }

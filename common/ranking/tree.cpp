@@ -91,7 +91,7 @@ Status check_alternatives(const RankingProblem& problem) {
   return fail(Errc::duplicate, "alternatives: the id '" + std::string(*twice) + "' occurs twice", "keep one of them");
 }
 
-/// Each list is of a node of its own, and of one that has something to judge.
+/// Each list must be for a different node, and for one that has something to judge.
 Status check_lists(const std::vector<NodeJudgments>& lists, const std::string& key,
                    const std::vector<std::string>& allowed, const std::string& hint) {
   std::set<std::string> seen;

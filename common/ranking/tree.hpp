@@ -15,7 +15,7 @@ struct TreeNode {
   std::vector<std::size_t> children = {};
   double local = 1;
   double global = 1;
-  std::vector<double> shares = {};  ///< what each alternative gets below this node; sum 1
+  std::vector<double> shares = {};  ///< each alternative's share below this node; sum 1
 
   [[nodiscard]] bool is_leaf() const { return criterion != nullptr && children.empty(); }
 };

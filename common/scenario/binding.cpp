@@ -1,4 +1,4 @@
-// Who holds a task that names no robot: the decider, or a robot at once.
+// Who gets a task that names no robot: the decider, or a robot at once.
 #include <algorithm>
 #include <set>
 
@@ -11,7 +11,7 @@
 namespace trb {
 namespace {
 
-/// How many tasks at least are done one after the other before each.
+/// The least number of tasks that are done one after the other before each.
 std::vector<std::size_t> depths_of(const Scenario& scenario) {
   const auto successors = successors_of(scenario);
   std::vector<std::size_t> open(scenario.tasks.size());
@@ -30,7 +30,7 @@ std::vector<std::size_t> depths_of(const Scenario& scenario) {
   return depths;
 }
 
-/// What the decider chooses: see bind_tasks.
+/// The tasks that the decider binds: see bind_tasks.
 std::vector<std::size_t> left_to_decider(const Scenario& scenario, CandidateIndex& candidates) {
   std::vector<std::size_t> out;
   for (std::size_t i = 0; i < scenario.tasks.size(); ++i) {
@@ -81,7 +81,7 @@ std::vector<std::string> bind_tasks(const Scenario& scenario, CandidateIndex& ca
     if (const std::string* robot = least_loaded(candidates.everybody(task), load)) {
       out[i] = *robot;
       ++load[*robot];
-    } else if (told.insert(first_id(task.id)).second) {  // the same of a later round is not told again
+    } else if (told.insert(first_id(task.id)).second) {  // a task of a later round is not reported again
       sink.add("tasks[" + std::to_string(i) + "].requires",
                "task " + in_quotes(task.id) + ": nobody can do it now: " + candidates.able(task).reasons(),
                "bring such a robot online, or name one; see: trb robot list");

@@ -17,7 +17,7 @@ bool contains(const std::vector<std::string>& words, const std::string& word) {
   return std::find(words.begin(), words.end(), word) != words.end();
 }
 
-/// It has the capabilities and the skill. The same as no obstacles, without putting them into words.
+/// It has the capabilities and the skill. The same as no obstacles, without making texts of them.
 bool suits(const TaskNeed& need, const NodeProfile& profile) {
   const auto has = [&](const std::string& capability) { return contains(profile.capabilities, capability); };
   return std::ranges::all_of(need.capabilities, has) && takes_task(need, profile);
@@ -42,7 +42,7 @@ void add_parameters(const TaskNeed& need, const SkillInfo& skill, const std::str
   }
 }
 
-/// Everything that a task asks of whoever does it.
+/// Everything that a task requires of a robot.
 std::string key_of(const Task& task) {
   std::string out = task.skill + '\n' + task.data;
   for (const std::string& capability : task.requires_) out += '\n' + capability;

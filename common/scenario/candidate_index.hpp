@@ -1,4 +1,4 @@
-// Who of the fleet can do a scenario's tasks: for its check, for its preflight, and to bind what is bound late.
+// Which robots of the fleet can do a scenario's tasks: for its check, for its preflight, and to bind tasks late.
 #pragma once
 
 #include <map>
@@ -16,50 +16,52 @@ namespace trb {
 
 using Profiles = std::map<std::string, NodeProfile>;
 
-/// What keeps a robot from a task, as a fault of the scenario's file.
+/// What prevents a robot from doing a task, as a fault of the scenario's file.
 struct Obstacle {
   std::string key;  ///< within the task: "skill", "data.place"
   std::string what;
   std::string hint;
 };
 
-/// Everything that keeps the robot from the task, except what it is doing now: capabilities, skill, parameters, places.
+/// Everything that prevents the robot from doing the task, except what it is doing now: capabilities, skill,
+/// parameters, places.
 std::vector<Obstacle> obstacles(const TaskNeed& need, const std::string& robot, const NodeProfile& profile);
 
-/// Why the robot cannot be given a task now, whatever task: "is OFFLINE", "is stopped until it is released", "is
-/// retired by ann: new wheels"; or "".
+/// Why the robot cannot be given any task now: "is OFFLINE", "is stopped until it is released", "is retired by ann: new
+/// wheels"; or "".
 std::string why_not_ready(const NodeProfile& profile);
 /// The same, and whether what the task needs is out of use: "cannot use 'carry': the gripper is jammed".
 std::string why_not_ready(const Task& task, const NodeProfile& profile);
 
-/// What may wait, and should be known before the run begins: robots that the tasks name and that cannot begin now.
+/// Warnings for robots that the tasks name and that cannot begin now: they may become ready, but a person should know.
 void warn_of_robots(const Scenario& scenario, const Profiles& profiles, const std::string& file, ConfigFaults& faults);
 
-/// Why a robot is not taken for a task.
+/// Why a robot is not chosen for a task.
 struct Reason {
   std::string robot;
   std::string text;  ///< with the robot's name
 };
 
-/// Who can do a task, by id. It is not looked further than to two that are ready: one who does it, and a spare.
+/// The robots that can do a task, by id. The search ends at two that are ready: one to do it, and a spare.
 struct Able {
   std::vector<std::string> ready;
-  std::vector<Reason> waiting;  ///< would be able, but "'pioneer2' is OFFLINE"; kMaxTold at most
-  std::vector<Reason> unable;   ///< have the skill, but "'drone' has no capability 'carry'"; kMaxTold at most
+  std::vector<Reason> waiting;  ///< would be able, but for example "'pioneer2' is OFFLINE"; kMaxTold at most
+  std::vector<Reason> unable;   ///< have the skill, but for example "'drone' has no capability 'carry'"; kMaxTold at
+                                ///< most
 
   static constexpr std::size_t kMaxTold = 4;
-  /// The reasons, the nearest first, without those of `except`; "" if nobody else comes near.
+  /// The reasons, the closest candidates first, without those of `except`; "" if no other robot comes close.
   [[nodiscard]] std::string reasons(const std::string& except = {}) const;
 };
 
-/// The fleet's robots by what they can do. Keeps the profiles by reference, and answers that were given already: tasks
-/// that ask the same are looked for once.
+/// The fleet's robots by what they can do. Keeps the profiles by reference and caches answers: tasks with the same
+/// needs are searched for once.
 class CandidateIndex {
  public:
   explicit CandidateIndex(const Profiles& profiles);
 
   const Able& able(const Task& task);
-  /// Everybody who is ready and able, by id.
+  /// All robots that are ready and able, by id.
   const std::vector<std::string>& everybody(const Task& task);
   /// All skills and capabilities that robots of the fleet have.
   [[nodiscard]] std::vector<std::string> skills() const;
@@ -76,21 +78,21 @@ class CandidateIndex {
   std::map<std::string, std::vector<std::string>> everybody_;
 };
 
-/// Of one run's tasks at most so many are bound when they are due: each takes a decision, and a run has 64.
+/// At most this many of a run's tasks are bound when they are due: each takes a decision, and a run may have 64.
 constexpr std::size_t kMaxBoundWhenDue = 32;
 
-/// Who holds each task at the start: the robot that it names; else `decider`, the cloud node that will choose one when
-/// the task is due; else, if there is no decider, or it has kMaxBoundWhenDue already, of those that are ready and able
-/// the one with the fewest tasks of this run, then the first by id. The decider is left what gains most by it: what
-/// nobody can do now, then what several could do, what begins last before what begins first. What is left without
-/// anybody is a fault.
+/// Which node each task is assigned to at the start: the robot that it names; else `decider`, the cloud node that will
+/// choose a robot when the task is due. Without a decider, or once it has kMaxBoundWhenDue tasks: of the robots that
+/// are ready and able the one with the fewest tasks of this run, then the first by id. The decider gets the tasks that
+/// gain most by waiting: first those that no robot can do now, then those that several could do, late ones before early
+/// ones. A task that nobody can be found for is a fault.
 std::vector<std::string> bind_tasks(const Scenario& scenario, CandidateIndex& candidates, const std::string& decider,
                                     const std::string& file, ConfigFaults& faults);
 
-/// A task that nobody else could take over now.
+/// A task that no other robot could take over now.
 struct NoSpare {
   std::string task;
-  std::string robot;  ///< who does it; empty: bound late, and nobody can now
+  std::string robot;  ///< who does it; empty: bound late, and no robot can do it now
   std::string why;
 };
 

@@ -160,10 +160,10 @@ TEST_CASE("where somebody decides, who does it is left until it is due: of so ma
   Scenario scenario{"n", "", {named("pioneer2"), late({"fly"}), late({"mobile"})}};
   using Robots = std::vector<std::string>;
   CHECK(bind_tasks(scenario, candidates, "cloud", "s.json", faults) == Robots{"pioneer2", "cloud", "cloud"});
-  CHECK(faults.empty());  // somebody who flies may come
+  CHECK(faults.empty());  // a robot that flies may come
   scenario.tasks = repeat_tasks({late({"mobile"})}, kMaxBoundWhenDue + 1);
   const Robots robots = bind_tasks(scenario, candidates, "cloud", "s.json", faults);
-  CHECK(robots[0] == "pioneer1");  // of equals, what begins last is left
+  CHECK(robots[0] == "pioneer1");  // among equals, the task that begins last is left to the decider
   CHECK(std::ranges::count(robots, "cloud") == kMaxBoundWhenDue);
   CHECK(faults.empty());
   scenario.tasks = repeat_tasks({late({"fly"})}, kMaxBoundWhenDue + 5);
@@ -286,7 +286,7 @@ Profiles large_hall() {
   return out;
 }
 
-/// The least of five, in milliseconds of this process: others may have the machine meanwhile.
+/// The least of five, in milliseconds of this process: other processes may use the machine meanwhile.
 template <class Work>
 double cpu_ms(Work work) {
   double least = 1e9;
@@ -304,7 +304,7 @@ TEST_CASE("a thousand robots: check, preflight and binding of a hundred tasks ta
   const Profiles profiles = large_hall();
   Scenario scenario{"n", "", {}};
   for (int i = 0; i < 100; ++i) {
-    // Every second task asks for something that nobody has, which has to be found out from each robot.
+    // Every second task requires something that no robot has, which takes a look at each robot.
     const std::string place = i % 2 == 0 ? "place" + std::to_string(i % 60) : "nowhere" + std::to_string(i);
     Task task = late({"mobile"}, "go_to", R"({"place":")" + place + "\"}");
     task.id = "t" + std::to_string(i);
@@ -320,7 +320,7 @@ TEST_CASE("a thousand robots: check, preflight and binding of a hundred tasks ta
   });
   MESSAGE("check, preflight, binding: " << ms << " ms");
 #ifdef __SANITIZE_ADDRESS__
-  CHECK(ms < 500);  // instrumented code takes 8 times as long: only what grows out of bounds shows
+  CHECK(ms < 500);  // instrumented code takes 8 times as long: only growth out of bounds shows
 #else
   CHECK(ms < 50);
 #endif

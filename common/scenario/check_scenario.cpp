@@ -14,7 +14,7 @@ bool contains(const std::vector<std::string>& words, const std::string& word) {
   return std::find(words.begin(), words.end(), word) != words.end();
 }
 
-/// Checks one task; `path_` is where it stands in the file.
+/// Checks one task; `path_` is its place in the file.
 class TaskCheck {
  public:
   TaskCheck(const Task& task, std::string path, const Profiles& profiles, CandidateIndex& candidates, FileFaults faults)
@@ -46,7 +46,7 @@ class TaskCheck {
                      : did_you_mean(task_.robot, ids, "start its node, or use one of")});
   }
 
-  /// Somebody of the fleet must be able; whether now is not asked before the run begins.
+  /// Some robot of the fleet must be able; whether it is ready is checked only when the run begins.
   void bound_late() const {
     const auto data = parameters_of(task_);
     if (!data) return add({"data", data.error().what, data.error().hint});

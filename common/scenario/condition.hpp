@@ -1,4 +1,4 @@
-// Conditions of tasks: told in words, and compared with what a sensor says.
+// Conditions of tasks: described as text, and evaluated on a sensor's reading.
 #pragma once
 
 #include <string>
@@ -13,20 +13,20 @@ namespace trb {
 /// Checks what can be checked without a fleet. Errors: bad_value.
 Status check_condition(const Condition& condition);
 
-/// What conditions have in common that can be evaluated over one reading.
+/// What all conditions that can be evaluated on one reading have in common.
 inline auto source_of(const Condition& condition) {
   return std::tie(condition.sensor, condition.of, condition.identity, condition.is_text, condition.unit);
 }
 
-/// The one of a node's sensors that the condition speaks of, or nullptr: by its serial number, else by its name, else
-/// by its kind (of several the first by name, those that are ok before the others).
+/// The sensor of a node that the condition refers to, or nullptr: by its serial number, else by its name, else by its
+/// kind (of several the first by name, those that are ok first).
 const SensorInfo* find_sensor(const std::vector<SensorInfo>& plugged, const Condition& condition);
 
-/// May the condition be evaluated over this reading? Error, in a person's words: bad_value (a text for a number,
-/// another unit, a value that is stale or doubted).
+/// May the condition be evaluated on this reading? Error, readable for a person: bad_value (a text instead of a number,
+/// another unit, a value that is stale or bad).
 Status believe(const Condition& condition, const SensorReading& reading);
 
-/// The condition over a reading that is believed.
+/// Evaluates the condition on a reading that believe() accepts.
 bool holds(const Condition& condition, const SensorReading& reading);
 
 /// "temperature of conveyor", "temperature of any node", "temperature with serial number 28-01".

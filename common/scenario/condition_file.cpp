@@ -30,7 +30,7 @@ void read_value(ObjectReader& reader, Condition& out) {
   }
 }
 
-/// A number without its unit would be believed in any.
+/// A number without its unit would match a value in any unit.
 void read_unit(ObjectReader& reader, Condition& out) {
   const auto unit = reader.text("unit", Need::optional, 16);
   if (!unit && !out.is_text && reader.is_object() && reader.value("unit", Need::optional) == nullptr) {
@@ -89,7 +89,7 @@ void check_condition(const Condition& condition, const std::map<std::string, Nod
   for (const auto& [id, profile] : profiles) {
     const SensorInfo* info = bound && id != condition.of ? nullptr : find_sensor(profile.plugged, condition);
     if (info == nullptr) continue;
-    // A sensor that a program feeds has a unit only once it has been read.
+    // A sensor that a program feeds has a unit only after its first reading.
     if (condition.is_text || info->unit.empty() || info->unit == condition.unit) return;
     found = true;
     other_unit = info->unit;

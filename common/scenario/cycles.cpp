@@ -57,7 +57,7 @@ class Search {
       cycle.push_back(at->task);
       if (at->task == first) break;
     }
-    // Begin with the task that stands first in the file, whatever the search began with.
+    // Begin with the task that comes first in the file, wherever the search began.
     std::rotate(cycle.begin(), std::min_element(cycle.begin(), cycle.end()), cycle.end());
     cycles_.push_back(std::move(cycle));
   }

@@ -7,8 +7,8 @@
 
 namespace trb {
 
-/// Some cycles of the graph, 8 at most, none if and only if it has none. Each is the indexes of its tasks in the order
-/// in which they would run, the first not repeated at the end. Every predecessor must be the index of a task.
+/// Some cycles of the graph, 8 at most; empty exactly if it has none. Each is the indexes of its tasks in the order in
+/// which they would run, without repeating the first at the end. Every predecessor must be the index of a task.
 std::vector<std::vector<std::size_t>> find_cycles(const Scenario& scenario);
 
 }  // namespace trb

@@ -1,4 +1,4 @@
-// Who decides on a run. Whoever has to know asks this rule; when an election takes its place, only this file changes.
+// Who decides on a run. All code asks this rule; if an election replaces it, only this file changes.
 #pragma once
 
 #include <string>
@@ -8,10 +8,10 @@
 
 namespace trb {
 
-/// The role that a member's certificate names. Whoever relies on it opens the certificate with the authority's key.
+/// Whether a member's certificate names the cloud role. To rely on it, open the certificate with the authority's key.
 bool says_cloud(const Member& member);
 
-/// The first cloud node among the members, by what their certificates say; empty: there is none.
+/// The first cloud node among the members, according to their certificates; empty: there is none.
 std::string first_cloud_of(const std::vector<Member>& members);
 
 /// The rule of one run, made from its start.
@@ -20,10 +20,10 @@ class DecisionRule {
   DecisionRule() = default;
   explicit DecisionRule(const RunStart& start);
 
-  /// The only node that may make the run's next epoch: the first cloud node of the start; empty: nobody may.
+  /// The only node that may make the run's next epoch: the first cloud node of the start; empty: no node may.
   [[nodiscard]] const std::string& decider() const { return decider_; }
   [[nodiscard]] bool may_decide(const std::string& node) const { return !decider_.empty() && node == decider_; }
-  /// Who holds every result in the end, and says that the run has FINISHED: the decider, or without one the submitter.
+  /// Who has every result in the end and states that the run has FINISHED: the decider, or without one the submitter.
   [[nodiscard]] const std::string& judge() const { return judge_; }
 
  private:

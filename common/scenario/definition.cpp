@@ -29,13 +29,13 @@ std::string path_of(std::size_t index) {
   return "tasks[" + std::to_string(index) + "]";
 }
 
-/// A task with the names of its predecessors, which may stand further down in the file.
+/// A task with the names of its predecessors, which may come later in the file.
 struct ReadTask {
   Task task;
   std::vector<std::string> after;
 };
 
-/// A text that must be a name, if it is there.
+/// An optional text that must be a valid name.
 std::string read_word(ObjectReader& reader, std::string_view key, Need need) {
   const auto id = reader.text(key, need);
   if (!id) return {};
@@ -54,7 +54,7 @@ std::string read_skill(ObjectReader& reader) {
   return *skill;
 }
 
-/// By name, or bound late: to whoever has the capabilities.
+/// By name, or bound late: to a robot with the capabilities.
 void read_robot(ObjectReader& reader, Task& task) {
   const Value* late = reader.value("requires", Need::optional);
   task.requires_ = reader.texts("requires", Need::optional, kMaxRequires);
@@ -113,7 +113,7 @@ Index index_tasks(const std::vector<ReadTask>& tasks, const FileFaults& faults) 
   return index;
 }
 
-/// A value can come only from a task that is done before, and whose result is brought along.
+/// A value can come only from a predecessor, whose result comes with the baton.
 void check_sources(const ReadTask& read, std::size_t at, const std::vector<std::string>& ids,
                    const FileFaults& faults) {
   for (const ValueFrom& value : read.task.values) {
@@ -191,7 +191,7 @@ std::uint32_t read_repeat(ObjectReader& reader, const std::vector<ReadTask>& tas
   return rounds;
 }
 
-/// A run's start is one message, which its members' certificates share.
+/// A run's start is one message, which also carries its members' certificates.
 void check_size(const Scenario& scenario, const FileFaults& faults) {
   const std::size_t size = encode(scenario).size();
   if (size <= kMaxScenario) return;

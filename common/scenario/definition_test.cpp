@@ -42,7 +42,7 @@ std::map<std::string, NodeProfile> fleet() {
   return {{"r1", robot}, {"cloud", {}}};
 }
 
-/// What check_scenario says of one task.
+/// The faults that check_scenario reports for one task.
 ConfigFaults check(const std::string& robot, const std::string& skill, const std::string& data) {
   Scenario scenario;
   scenario.tasks = {{"t", robot, {}, skill, data, {}, 0, false, {}}};

@@ -72,7 +72,7 @@ Status check_task(const Scenario& scenario, std::size_t index, std::set<std::str
   return check_values(scenario, task);
 }
 
-/// Kahn's algorithm: what cannot be taken away is on a cycle or behind one.
+/// Kahn's algorithm: a task that cannot be removed is on a cycle or behind one.
 Status check_acyclic(const Scenario& scenario) {
   const auto successors = successors_of(scenario);
   std::vector<std::size_t> open(scenario.tasks.size());

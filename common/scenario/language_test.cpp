@@ -1,4 +1,4 @@
-// What a scenario file says of failures, of results, of rounds, and of robots that are chosen late.
+// What a scenario file may define: failures, results, rounds, and robots that are chosen late.
 #include <doctest/doctest.h>
 
 #include "common/scenario/definition.hpp"

@@ -9,21 +9,21 @@
 
 namespace trb {
 
-/// What is wrong with a value. Told in words only when somebody asks: a thousand robots may be looked through.
+/// What is wrong with a value. Made into text only on request: a thousand robots may be searched.
 enum class Misfit : std::uint8_t { none = 0, type, range, count, place, word };
 
-/// `places` are those that the robot knows. A type that this build does not know is taken as it is: the robot's node
-/// checks it.
+/// `places` are those that the robot knows. A type that this build does not know is accepted: the robot's node checks
+/// it.
 Misfit misfit_of(const ParameterInfo& info, const Value& value, const std::vector<std::string>& places);
 
-/// "3 is over 1 m/s", "'dok' is no place that 'r1' knows"; `robot` is who was to take it.
+/// "3 is over 1 m/s", "'dok' is no place that 'r1' knows"; `robot` is the intended robot.
 std::string misfit_text(Misfit misfit, const ParameterInfo& info, const Value& value, const std::string& robot);
 
 /// What to do about it.
 std::string misfit_cure(Misfit misfit, const ParameterInfo& info, const Value& value,
                         const std::vector<std::string>& places);
 
-/// "\"speed\": a number from 0 to 1 m/s": what is to be written.
+/// The expected value: "\"speed\": a number from 0 to 1 m/s".
 std::string wanted_text(const ParameterInfo& info);
 
 }  // namespace trb

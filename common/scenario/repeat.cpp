@@ -15,7 +15,7 @@ bool is_round(std::string_view text) {
          std::all_of(text.begin(), text.end(), is_digit);
 }
 
-/// The tasks that nobody waits for.
+/// The tasks without a successor.
 std::vector<std::uint16_t> last_tasks(const std::vector<Task>& tasks) {
   std::vector<bool> awaited(tasks.size(), false);
   for (const Task& task : tasks) {

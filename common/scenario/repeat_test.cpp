@@ -1,4 +1,4 @@
-// Random graphs, repeated: what must hold of every one of them.
+// Random graphs, repeated: what must hold for every one of them.
 #include "common/scenario/repeat.hpp"
 
 #include <doctest/doctest.h>
@@ -50,7 +50,7 @@ std::vector<TaskIndex> ready_tasks(const Scenario& scenario, const std::vector<b
   return out;
 }
 
-/// The number of each task in an order in which they may run; nothing is ever done before what it waits for.
+/// A number for each task in an order in which they may run; no task comes before one that it waits for.
 std::vector<std::size_t> places_in(const Scenario& scenario) {
   std::vector<std::size_t> out(scenario.tasks.size(), 0);
   std::vector<bool> done(scenario.tasks.size(), false);
@@ -66,7 +66,7 @@ std::vector<std::size_t> places_in(const Scenario& scenario) {
   return out;
 }
 
-/// What a round's task says, with the round taken off.
+/// A round's task with the round removed.
 Task without_round(Task task, std::size_t shift) {
   const auto bare = [](const std::string& id) { return id.substr(0, id.find('#')); };
   task.id = bare(task.id);

@@ -12,7 +12,7 @@ namespace {
 constexpr std::size_t kMaxValues = 32;  ///< as Task::values
 constexpr std::size_t kMaxName = 64;
 
-/// No parameter's type is an object: this can be nothing else, even with one of its keys misspelt.
+/// No parameter's type is an object: so this must be a reference, even with one of its keys misspelt.
 bool is_reference(const Value& value) {
   return value.find("from") != nullptr || value.find("value") != nullptr;
 }

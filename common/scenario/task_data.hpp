@@ -10,7 +10,7 @@
 namespace trb {
 
 /// Reads `data` of a task: each parameter's value, or {"from": "TASK", "value": "NAME"}, which becomes one of `values`
-/// and is left out of the data. Whether TASK comes before is for the caller, who knows the other tasks.
+/// and is left out of the data. The caller, who knows the other tasks, checks that TASK comes before.
 void read_data(ObjectReader& reader, Task& task);
 
 }  // namespace trb

@@ -76,7 +76,7 @@ const SkillInfo* find_skill(const NodeProfile& profile, std::string_view name) {
 bool takes_task(const TaskNeed& need, const NodeProfile& profile) {
   if (need.skill.empty()) return true;
   const SkillInfo* skill = find_skill(profile, need.skill);
-  // Without a list of the faults: a thousand robots may be looked through.
+  // Without making a list of the faults: a thousand robots may be searched.
   return skill != nullptr && unknown_parameters(need, *skill).empty() &&
          std::ranges::none_of(skill->parameters, [&](const ParameterInfo& info) {
            return fault_of(need, info, profile.places).has_value();

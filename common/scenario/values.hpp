@@ -1,4 +1,4 @@
-// Parameters of a task whose values earlier results give.
+// Parameters of a task whose values come from earlier results.
 #pragma once
 
 #include <functional>
@@ -12,11 +12,11 @@ namespace trb {
 /// The bytes of a task's data, at most: Task::data and Execute::data.
 constexpr std::size_t kMaxTaskData = 65536;
 
-/// The task's data with its `values` put in, behind what the file gives and in their order: what the robot's node is
-/// told. The same results give the same bytes. `results` has the FINISHED result of a task, or nullptr.
-/// Errors, which name task and parameter: missing (no result, none of a task that finished, or it has no such value),
-/// malformed (data or result is no JSON), bad_value (the result is no object), duplicate (data has the parameter
-/// already), too_large (over kMaxTaskData).
+/// The task's data with its `values` added, after the file's parameters and in their order: this is sent to the robot's
+/// node. The same results give the same bytes. `results` returns the FINISHED result of a task, or nullptr. Errors,
+/// which name task and parameter: missing (no result, no FINISHED one, or it has no such value), malformed (data or
+/// result is not JSON), bad_value (the result is not an object), duplicate (data has the parameter already), too_large
+/// (over kMaxTaskData).
 Result<std::string> fill_values(const Task& task,
                                 const std::function<const TaskResult*(const std::string& task)>& results);
 

@@ -143,7 +143,7 @@ Result<Authority> open_authority(const std::string& dir, const std::string& pass
   auto authority = read_authority(dir);
   if (!authority) return authority;
   authority->key = {secret->substr(32, 32), secret->substr(0, 64)};
-  // A list brought a new one, made from the authority's key; the first is its own.
+  // A list brought a new one, derived from the authority's key; the first one is stored.
   authority->beacon.secret = authority->revocations.kind.empty()
                                  ? secret->substr(64)
                                  : derive_beacon_key(authority->key.secret_key, authority->beacon.number).secret;

@@ -1,5 +1,5 @@
-// The fleet authority's folder (`trb fleet init`): the signing key, encrypted with a passphrase, and the beacon key. It
-// is on no node.
+// The fleet authority's folder (`trb fleet init`): the signing key, encrypted with a passphrase, and the beacon key. No
+// node has this folder.
 #pragma once
 
 #include <string>
@@ -15,9 +15,9 @@ struct Authority {
   SigningKey key;
   BeaconKey beacon;
   std::uint64_t next_serial = 1;
-  std::vector<Certificate> issued;  ///< every one that is kept in issued.json, oldest first
+  std::vector<Certificate> issued;  ///< every certificate in issued.json, oldest first
   SignedRecord revocations;         ///< the newest list; an empty kind for none
-  RevocationList list;              ///< what it says
+  RevocationList list;              ///< its content
 };
 
 constexpr std::size_t kMinPassphrase = 12;
@@ -35,41 +35,41 @@ Result<Authority> open_authority(const std::string& dir, const std::string& pass
 /// The public half, no passphrase needed.
 Result<FleetAuthority> read_fleet(const std::string& dir);
 
-/// What the folder tells without the passphrase: who is signed, what is revoked; the keys stay empty.
-/// Errors: missing, malformed.
+/// The part of the folder that needs no passphrase: issued certificates, revocations; the keys stay empty. Errors:
+/// missing, malformed.
 Result<Authority> read_authority(const std::string& dir);
 
 /// Checks a request's proof of possession and signs a certificate; takes and stores the next serial number, and keeps
-/// the certificate in issued.json. Errors: malformed, bad_signature, bad_value, conflict (a living certificate of that
+/// the certificate in issued.json. Errors: malformed, bad_signature, bad_value, conflict (a current certificate of that
 /// id has other keys), cert_revoked (these keys were revoked), io_error.
 Result<CertificateFile> sign_request(Authority& authority, const std::string& dir, const SignedRecord& request,
                                      UtcTime now, Duration validity, RelayRight relay = RelayRight::by_role);
 
-/// The newest certificate of that id that is neither over nor revoked, or nullptr.
+/// The newest certificate of that id that is neither expired nor revoked, or nullptr.
 const Certificate* find_living(const Authority& authority, std::string_view id, UtcTime now);
 
-/// Keeps a certificate that a folder of an earlier version has signed and not kept. Errors: those of
+/// Adds a certificate that a folder of an earlier version signed but did not keep. Errors: those of
 /// open_certificate_any_time, io_error.
 Result<Certificate> adopt_certificate(Authority& authority, const std::string& dir, const SignedRecord& record);
 
-/// Takes over what the fleet has from this authority and this folder, put back from an older copy, does not know:
-/// certificates, a newer list, so that nothing revoked comes back and no number is used twice. Of two lists of one
-/// number the next one says what either says. Returns whether there was anything. Errors: those of adopt_certificate
-/// and open_revocations, io_error.
+/// Takes over what the fleet has from this authority and this folder, restored from an older copy, lacks: certificates,
+/// a newer list, so that nothing revoked becomes valid again and no number is used twice. Two lists with the same
+/// number are merged into the next one. Returns whether there was anything. Errors: those of adopt_certificate and
+/// open_revocations, io_error.
 Result<bool> catch_up(Authority& authority, const std::string& dir, const TrustUpdate& known);
 
-/// A new certificate for the same node and keys, with the next serial; by_role, a right to relay that it has stays.
-/// Errors: io_error.
+/// A new certificate for the same node and keys, with the next serial; with by_role it keeps an existing right to
+/// relay. Errors: io_error.
 Result<SignedRecord> renew_certificate(Authority& authority, const std::string& dir, const Certificate& old,
                                        UtcTime now, Duration validity, RelayRight relay = RelayRight::by_role);
 
-/// The next list: these certificates are over too, and every node that stays has a new beacon key. What it says is in
-/// force for the authority once this returns. Errors: too_large (over 400 kB, or 2000 names of either kind), io_error.
+/// The next list: it adds these certificates, and brings every node that stays a new beacon key. It is in force for the
+/// authority once this returns. Errors: too_large (over 400 kB, or 2000 names of either kind), io_error.
 Status revoke_certificates(Authority& authority, const std::string& dir, const std::vector<Certificate>& over,
                            const std::string& reason, UtcTime now);
 
-/// Writes FLEET_DIR/news.json: the newest list, and these renewed certificates beside those of the file that still
-/// count. Errors: too_large (over 256 renewals), io_error.
+/// Writes FLEET_DIR/news.json: the newest list, these renewed certificates, and those in the file that are still valid.
+/// Errors: too_large (over 256 renewals), io_error.
 Status publish_trust_updates(const Authority& authority, const std::string& dir,
                              const std::vector<SignedRecord>& renewed, UtcTime now);
 

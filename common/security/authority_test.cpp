@@ -1,4 +1,5 @@
-// The authority's folder when something is wrong with it: each file is told by its name, never taken for another.
+// The authority's folder with something wrong in it: each faulty file is reported by name and never mistaken for
+// another.
 #include "common/security/authority.hpp"
 
 #include "common/base/hex.hpp"
@@ -20,7 +21,7 @@ TEST_CASE("a passphrase of twelve characters will do, one of eleven will not") {
   CHECK(code_of(make_authority(dir, "hall", kTwelve.substr(1))) == Errc::bad_value);
   CHECK_FALSE(file_exists(dir));
   REQUIRE(make_authority(dir, "hall", kTwelve).ok());
-  // Nobody who copies both files reads the keys out of them.
+  // A copy of both files does not reveal the keys.
   const auto made = open_authority(dir, kTwelve);
   REQUIRE(made.ok());
   CHECK(read_file(dir + "/authority.key")->find(to_hex(made->beacon.secret)) == std::string::npos);

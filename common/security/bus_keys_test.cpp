@@ -1,4 +1,4 @@
-// Keys of a bus over TCP: made once, never over what is there, and what is wrong with one is told.
+// Keys of a bus over TCP: made once, never overwritten, and a faulty one is reported.
 #include "common/security/bus_keys.hpp"
 #include "common/base/test/temporary_folder.hpp"
 

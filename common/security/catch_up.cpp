@@ -1,4 +1,4 @@
-// The authority's folder put back from a copy: what the fleet has received since then is still in force.
+// The authority's folder restored from a copy: what the fleet has received since then stays in force.
 #include <algorithm>
 #include <utility>
 
@@ -9,7 +9,7 @@
 namespace trb {
 namespace {
 
-/// Certificates first: a list is read against what was signed.
+/// Certificates first: a list is checked against what was signed.
 Result<bool> adopt_unknown(Authority& authority, const std::string& dir, const std::vector<SignedRecord>& records) {
   bool learned = false;
   for (const SignedRecord& record : records) {
@@ -29,7 +29,7 @@ Result<bool> catch_up(Authority& authority, const std::string& dir, const TrustU
   if (!list) return list.error();
   if (list->number < authority.list.number) return learned;
   if (list->number == authority.list.number) {
-    // Both were signed, and one of them is in force: the next one says what either says.
+    // Both were signed, and one of them is in force: the next list merges both.
     const std::vector<Revocation> own = std::exchange(authority.list, *list).revoked;
     for (const Revocation& entry : own) {
       const auto covers = [&](const Revocation& row) { return row.id == entry.id && row.serial >= entry.serial; };

@@ -1,4 +1,4 @@
-// A folder put back from a copy hears what the fleet knows.
+// A folder restored from a copy learns what the fleet knows.
 #include "common/security/test_hall.hpp"
 
 using namespace trb;
@@ -6,7 +6,7 @@ using namespace trb::test;
 
 namespace {
 
-/// The same authority twice: as it went on, and as a copy of the folder from before knows it.
+/// The same authority twice: as it went on, and as restored from an earlier copy of the folder.
 struct Restored : Hall {
   std::string copy_dir = root + "/copy";
   Authority copy;

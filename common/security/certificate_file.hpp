@@ -1,5 +1,5 @@
-// keys/certificate.json: what `trb fleet sign` gives back to a node. No secret in it is readable without the node's
-// link key, so the file may travel by any road.
+// keys/certificate.json: what `trb fleet sign` gives back to a node. Its secret is readable only with the node's link
+// key, so the file may be copied over any medium.
 #pragma once
 
 #include <string>
@@ -13,8 +13,8 @@ struct CertificateFile {
   SignedRecord certificate;
   FleetAuthority authority;
   std::uint32_t beacon_number = 0;
-  Bytes sealed_beacon;       ///< the beacon key in a sealed box to the node's link key
-  SignedRecord revocations;  ///< the fleet's list when this was signed; an empty kind for none
+  Bytes sealed_beacon;       ///< the beacon key in a sealed box for the node's link key
+  SignedRecord revocations;  ///< the fleet's list at the time of signing; an empty kind for none
 };
 
 CertificateFile make_certificate_file(const SignedRecord& certificate, const FleetAuthority& authority,
@@ -24,7 +24,7 @@ std::string certificate_file_to_json(const CertificateFile& file);
 /// Errors: missing, malformed; each names the key.
 Result<CertificateFile> certificate_file_from_json(std::string_view text);
 
-/// The same of a file; each names the path.
+/// The same for a file; each error names the path.
 Result<CertificateFile> read_certificate_file(const std::string& path);
 
 /// Errors: wrong_key if the box was made for another link key.

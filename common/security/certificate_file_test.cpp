@@ -1,4 +1,4 @@
-// certificate.json: what it carries to its node, and what is told of one that was damaged on its way.
+// certificate.json: what it brings to its node, and which error a damaged one gives.
 #include "common/security/certificate_file.hpp"
 
 #include "common/base/hex.hpp"
@@ -89,7 +89,7 @@ TEST_CASE("a beacon key opens with the link key that it was sealed for, and whol
   CHECK(code_of(open_sealed_beacon_key(7, box, make_link_key())) == Errc::wrong_key);
   CHECK(code_of(open_sealed_beacon_key(7, box.substr(1), own)) == Errc::wrong_key);
   CHECK(code_of(open_sealed_beacon_key(7, "", own)) == Errc::wrong_key);
-  // One of another length would leave bytes of the key to chance, or write behind it.
+  // A key of another length would leave bytes uninitialized, or write past the end.
   CHECK(code_of(open_sealed_beacon_key(7, seal_beacon_key({7, Bytes(31, 'k')}, own.public_key), own)) ==
         Errc::wrong_key);
 }

@@ -13,7 +13,7 @@
 namespace trb {
 namespace {
 
-// A node whose clock is a little behind must not find its new certificate "not yet valid".
+// A node whose clock is slightly behind must not find its new certificate "not yet valid".
 constexpr Duration kClockLeeway = std::chrono::minutes(5);
 constexpr std::size_t kMaxIssuedFile = 64U << 20U;
 constexpr std::size_t kMaxList = 400'000;  // a TrustUpdate must fit into one message
@@ -46,7 +46,7 @@ std::map<std::string, const Certificate*> members(const Authority& authority, Ut
   return out;
 }
 
-/// True while some certificate that the entry covers would otherwise be taken.
+/// True while some certificate that the entry covers would be valid without it.
 bool still_needed(const Authority& authority, const Revocation& entry, UtcTime now) {
   return std::any_of(authority.issued.begin(), authority.issued.end(), [&](const Certificate& certificate) {
     return certificate.id == entry.id && certificate.serial <= entry.serial && certificate.not_after > now.ns;
@@ -202,15 +202,15 @@ Result<Certificate> adopt_certificate(Authority& authority, const std::string& d
 Result<SignedRecord> renew_certificate(Authority& authority, const std::string& dir, const Certificate& old,
                                        UtcTime now, Duration validity, RelayRight relay) {
   Certificate next = old;
-  if (old.role == Role::cloud) next.relay = true;  // one of an earlier version names no right
+  if (old.role == Role::cloud) next.relay = true;  // a certificate of an earlier version has no such field
   if (relay != RelayRight::by_role) next.relay = relay == RelayRight::yes;
   return issue(authority, dir, std::move(next), now, validity);
 }
 
 namespace {
 
-/// The authority's list with those certificates in it, and without what nobody needs any more. It says which beacon key
-/// comes, and does not have it yet.
+/// The authority's list with those certificates added, and without entries that are no longer needed. It has the number
+/// of the next beacon key, not yet the key.
 RevocationList next_list(const Authority& authority, const std::vector<Certificate>& over, const std::string& reason,
                          UtcTime now) {
   RevocationList next = authority.list;
@@ -250,7 +250,7 @@ Status revoke_certificates(Authority& authority, const std::string& dir, const s
   }
   authority.revocations = *record;
   authority.beacon = fresh;
-  // The list is what counts, and is on disk: what fleet.json says of its beacon key is a copy.
+  // The list counts, and is on disk: fleet.json's beacon key is only a copy.
   (void)write_fleet(dir, authority);
   return Done{};
 }

@@ -1,5 +1,4 @@
-// What the authority's folder keeps of its work: fleet.json's numbers, issued.json, revocations.json. For
-// authority.cpp.
+// The records of the authority's folder: fleet.json's numbers, issued.json, revocations.json. For authority.cpp.
 #pragma once
 
 #include <string>
@@ -10,14 +9,14 @@ namespace trb {
 
 Status write_fleet(const std::string& dir, const Authority& authority);
 
-/// A folder of an earlier version has none of these files: nothing is known then. Errors: malformed, too_large, and
+/// A folder of an earlier version has none of these files: then nothing is read. Errors: malformed, too_large, and
 /// those of open_revocations.
 Status read_issued(Authority& authority, const std::string& dir);
 Status read_revocations(Authority& authority, const std::string& dir);
 
 Status write_revocations(const std::string& dir, const SignedRecord& record);
 
-/// Takes the next serial and signs; both are stored before this returns. Errors: io_error.
+/// Takes the next serial and signs; serial and certificate are stored before this returns. Errors: io_error.
 Result<SignedRecord> issue(Authority& authority, const std::string& dir, Certificate certificate, UtcTime now,
                            Duration validity);
 

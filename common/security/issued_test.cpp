@@ -1,4 +1,4 @@
-// What the authority keeps of its work: renewals, revocations, the beacon key of each list.
+// The authority's records: renewals, revocations, the beacon key of each list.
 #include <doctest/doctest.h>
 #include <stdlib.h>
 
@@ -92,7 +92,7 @@ TEST_CASE("a revocation covers the older certificates of the same node, and not 
   REQUIRE(hall.revoke("ur3").ok());
   CHECK(find_revocation(hall.authority.list, first) != nullptr);
   CHECK(find_living(hall.authority, "ur3", kNow) == nullptr);
-  CHECK(code_of(hall.ask("ur3", "ur3")) == Errc::cert_revoked);  // its keys are out for ever
+  CHECK(code_of(hall.ask("ur3", "ur3")) == Errc::cert_revoked);  // its keys are revoked for ever
   auto successor = hall.ask("new-pc", "ur3");
   REQUIRE(successor.ok());
   CHECK(find_revocation(hall.authority.list, hall.living("ur3")) == nullptr);
@@ -193,7 +193,7 @@ TEST_CASE("a list that cannot be stored is none: nothing of it is on disk, and i
   hall.join("ur3");
   hall.join("ur5");
   const Authority before = hall.authority;
-  // A folder stands where the file would go: its replacement fails, as on a full disk.
+  // A folder with the file's name: replacing the file fails, as on a full disk.
   std::filesystem::create_directories(hall.dir + "/revocations.json/in-the-way");
   CHECK(hall.revoke("ur3").error().code == Errc::io_error);
   CHECK(hall.authority.list.number == 0);

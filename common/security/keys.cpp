@@ -17,7 +17,7 @@ unsigned char* raw(Bytes& bytes) {
   return reinterpret_cast<unsigned char*>(bytes.data());
 }
 
-/// What is really signed: every part has its end, so that none can be shifted into another.
+/// What is really signed: every part is delimited, so that none can be shifted into another.
 Bytes signed_bytes(std::string_view purpose, BytesView fleet, BytesView payload) {
   Bytes out = "talkrobots";
   out += '\0';

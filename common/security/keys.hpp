@@ -37,14 +37,14 @@ Bytes digest(BytesView bytes);
 /// The fleet's id: the first 16 bytes of the digest of the authority's public key.
 Bytes fleet_id(BytesView authority_key);
 
-/// Signs payload for a purpose (a kSigned… word) within a fleet (16-byte id).
+/// Signs payload for a purpose (one of kSigned…) within a fleet (16-byte id).
 SignedRecord sign(std::string_view purpose, std::string_view signer, BytesView fleet, Bytes payload,
                   const SigningKey& key);
 
-/// True if the record is of that purpose and fleet and was made with that public key.
+/// True if the record has that purpose and fleet and was made with that key pair.
 bool verify(const SignedRecord& record, std::string_view purpose, BytesView fleet, BytesView public_key);
 
-/// The public half of the fleet: what every node knows of its authority.
+/// The public half of the fleet: what every node knows about its authority.
 struct FleetAuthority {
   std::string name;
   Bytes public_key;  ///< Ed25519
@@ -58,7 +58,7 @@ Result<Certificate> open_certificate(const SignedRecord& record, const FleetAuth
 /// Errors: cert_not_yet_valid, cert_expired.
 Status check_dates(const Certificate& certificate, UtcTime now);
 
-/// The same without looking at the clock.
+/// The same without checking the dates.
 Result<Certificate> open_certificate_any_time(const SignedRecord& record, const FleetAuthority& authority);
 
 /// Opens a signed record of a member: its certificate's id must be record.signer. Errors: bad_signature, malformed.

@@ -55,11 +55,11 @@ Status make_keys(const std::string& dir) {
   return Done{};
 }
 
-/// A node whose certificate ended while it was off is started with the renewal that a person has put beside it.
+/// A node whose certificate expired while it was off starts with the renewal that a person has put beside it.
 void take_renewal(const std::string& dir, CertificateFile& file, Certificate& own) {
   const auto update =
       file_exists(dir + "/news.json") ? read_trust_updates(dir + "/news.json") : Result<TrustUpdate>(Error{});
-  if (!update) return;  // the router tells what is wrong with it
+  if (!update) return;  // the router reports what is wrong with it
   for (const SignedRecord& record : update->certificates) {
     auto fresh = open_certificate_any_time(record, file.authority);
     if (!fresh || fresh->id != own.id || fresh->serial <= own.serial) continue;

@@ -19,8 +19,8 @@ struct NodeKeys {
   SignedRecord revocations;  ///< the list that came with the certificate; an empty kind for none
 };
 
-/// Makes identity and link key in NODE_DIR/keys, if not there, and writes keys/request.json for `trb fleet sign`.
-/// Errors: bad_value (id), io_error.
+/// Makes identity and link key in NODE_DIR/keys, if missing, and writes keys/request.json for `trb fleet sign`. Errors:
+/// bad_value (id), io_error.
 Status make_request(const std::string& node_dir, const std::string& id, Role role);
 
 /// A secret X25519 key as hexadecimal text, with its public half. Errors: missing, not_permitted (mode is not 0600),
@@ -31,7 +31,7 @@ Result<LinkKey> read_link_key(const std::string& path);
 /// other keys), and those of open_certificate_any_time.
 Result<NodeKeys> load_node_keys(const std::string& node_dir);
 
-/// The same as faults of a `trb check`: also an id that differs from node.json's, and an expired certificate.
+/// The same as faults for `trb check`; also an id that differs from node.json's, and an expired certificate.
 void check_node_keys(const std::string& node_dir, const std::string& id, UtcTime now, ConfigFaults& faults);
 
 }  // namespace trb

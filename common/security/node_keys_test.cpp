@@ -1,4 +1,4 @@
-// A node's keys folder: what is taken from it, and what is told of one that is not whole.
+// A node's keys folder: what is read from it, and the errors of an incomplete one.
 #include "common/security/node_keys.hpp"
 
 #include <sys/stat.h>
@@ -63,7 +63,7 @@ TEST_CASE("a renewal of another node, of another fleet, of other keys, or none t
                                     encode(changed([](Certificate&) {})), stranger.authority.key);
   hall.put({foreign});
   CHECK(hall.serial() == 1);
-  // What is good is taken all the same.
+  // The valid parts are taken nevertheless.
   hall.put({foreign, hall.sign_certificate(another_link), hall.renew("ur3")});
   CHECK(hall.serial() == 4);
 }
@@ -90,13 +90,13 @@ TEST_CASE("each file that is missing, damaged or not the node's is told") {
     CHECK(code_of(hall.keys("ur3")) == Errc::malformed);
     REQUIRE(write_file(path, std::string(5000, '0')).ok());
     CHECK_FALSE(hall.keys("ur3").ok());
-    // One key of two is another computer's.
+    // One key of two belongs to another computer.
     REQUIRE(write_file(path, *read_file(hall.keys_of("ur5") + file)).ok());
     CHECK(code_of(hall.keys("ur3")) == Errc::wrong_key);
     REQUIRE(write_file(path, good).ok());
     CHECK(hall.keys("ur3").ok());
   }
-  // A hand that edits a key may leave the end of the line away.
+  // A person who edits a key may remove the newline at the end.
   const std::string path = hall.keys_of("ur3") + "/link.key";
   const std::string good = *read_file(path);
   for (const std::string& text : {good.substr(0, 64), good + "\n"}) {
@@ -125,7 +125,7 @@ TEST_CASE("keys that cannot be made, or are there and damaged, end a request") {
   Late hall;
   REQUIRE(write_file(hall.keys_of("ur3") + "/link.key", "no key", 0600).ok());
   CHECK(code_of(make_request(hall.root + "/ur3", "ur3", Role::robot)) == Errc::malformed);
-  CHECK(*read_file(hall.keys_of("ur3") + "/link.key") == "no key");  // never over what is there
+  CHECK(*read_file(hall.keys_of("ur3") + "/link.key") == "no key");  // an existing key is never overwritten
   REQUIRE(write_file(hall.keys_of("ur5") + "/identity.key", "no key", 0600).ok());
   CHECK(code_of(make_request(hall.root + "/ur5", "ur5", Role::robot)) == Errc::malformed);
   REQUIRE(write_file(hall.root + "/file", "").ok());

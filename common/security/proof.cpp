@@ -18,7 +18,7 @@ constexpr std::size_t kHashSize = 32;
 constexpr std::size_t kMaxPayload = kMaxFrameSize + 64;
 enum Kind : std::uint8_t { kLink = 1, kFrame = 2, kEnd = 3 };
 
-/// SipHash-2-4: it finds what a disk or a careless hand has changed, and where. Against intent there are the seals.
+/// SipHash-2-4: it finds what a disk or a careless edit has changed, and where. Against tampering there are the seals.
 std::uint64_t check_of(BytesView bytes) {
   static constexpr std::string_view kKey = "talkrobots proof";
   static_assert(kKey.size() == crypto_shorthash_KEYBYTES && crypto_shorthash_BYTES == 8);
@@ -240,7 +240,7 @@ void ProofChecker::take_seal(const Place& at, OpenLink& link, const HeaderView& 
   if (bad != SealFault::none) {
     mark(messages, ProofState::broken, {});
     fault(at, what + " does not hold: " + std::string(name_of(bad)));
-    // What comes behind it may still be proven.
+    // What follows may still be proven.
     if (range) link.reader = SealReader(header.sequence + 1, digest(seal->range.payload.bytes));
     return;
   }

@@ -1,4 +1,4 @@
-// The proof log: what a third party tells from it, and that no byte of it can be changed unnoticed.
+// The proof log: what a third party can verify from it, and that no byte of it can be changed unnoticed.
 #include "common/security/proof.hpp"
 
 #include <doctest/doctest.h>
@@ -29,7 +29,7 @@ struct Node {
   }
 };
 
-/// bee keeps what ant, who dialled, says on link 5.
+/// bee keeps what ant, the dialler, sends on link 5.
 struct Log {
   SigningKey key = make_signing_key();
   FleetAuthority fleet{"hall", key.public_key};
@@ -63,7 +63,7 @@ struct Log {
     append_proof_frame(file, 5, kUtc, frame("seal", encode(Seal{record})));
     writer.sealed(record.payload.bytes);
   }
-  /// A record as a later version, or somebody else, might write it.
+  /// A record as a later version, or an attacker, might write it.
   void add_record(char kind, const Bytes& payload) {
     for (const unsigned shift : {24U, 16U, 8U, 0U}) file += static_cast<char>(payload.size() >> shift);
     file += kind + Bytes(11, '\0') + payload;
@@ -115,7 +115,7 @@ TEST_CASE("one byte changed anywhere in the log is found") {
   log.say("one");
   log.say("two");
   log.seal();
-  log.seal();  // over nothing: not to be taken
+  log.seal();  // covers nothing: must not be accepted
   REQUIRE_FALSE(log.read().faults.empty());
   Log good;
   good.say("one");
@@ -147,7 +147,7 @@ TEST_CASE("the damaged record is named") {
   CHECK(report.faults[0].record == 3);
   CHECK(report.faults[0].offset == second);
   CHECK(report.faults[1].what.find("records 2 to 3") != std::string::npos);
-  // What the next seal covers is proven all the same.
+  // What the next seal covers is still proven.
   CHECK(report.proven.at("ant") == 1);
 }
 

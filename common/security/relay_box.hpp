@@ -1,4 +1,4 @@
-// What goes by a relay is locked for its target: the relay sees from whom, to whom, when and how much.
+// A message through a relay is encrypted for its target: the relay sees only sender, target, time and size.
 #pragma once
 
 #include "common/base/bytes.hpp"
@@ -8,15 +8,15 @@
 namespace trb {
 
 /// The key that two nodes share: X25519 of one's secret link key and the other's public one. 32 bytes; empty if `other`
-/// is no key. Both sides come to the same.
+/// is not a key. Both sides get the same.
 Bytes relay_key(const LinkKey& own, BytesView other);
 
 /// A random nonce (24 bytes) and an XSalsa20-Poly1305 box.
 Bytes lock_relayed(BytesView key, BytesView plain);
-/// Errors: malformed (too short to be one), wrong_key (it does not open with this key, or was changed).
+/// Errors: malformed (too short for a box), wrong_key (it does not open with this key, or was changed).
 Result<Bytes> unlock_relayed(BytesView key, BytesView box);
 
-/// What a box is larger than what is in it.
+/// How much larger a box is than its content.
 constexpr std::size_t kRelayBoxOverhead = 24 + 16;
 
 }  // namespace trb

@@ -42,6 +42,6 @@ TEST_CASE("a key that is none shares nothing") {
   init_crypto();
   const LinkKey ant = make_link_key();
   CHECK(relay_key(ant, "short").empty());
-  CHECK(relay_key(ant, Bytes(32, '\0')).empty());  // the point that makes every secret the same
+  CHECK(relay_key(ant, Bytes(32, '\0')).empty());  // the low-order point, which gives every secret the same result
   CHECK(relay_key({}, ant.public_key).empty());
 }

@@ -1,4 +1,4 @@
-// Whom the authority certifies, and with which rights; and what its folder keeps of it.
+// Whom the authority certifies, and with which rights; and what its folder records.
 #include "common/security/test_hall.hpp"
 
 using namespace trb;
@@ -6,7 +6,7 @@ using namespace trb::test;
 
 namespace {
 
-/// What a node with these keys asks for.
+/// The certificate request of a node with these keys.
 SignedRecord ask_with(const SigningKey& identity, const Bytes& link_key, const std::string& id) {
   const CertificateRequest request{id, Role::robot, {identity.public_key}, {link_key}};
   return sign(kSignedRequest, id, {}, encode(request), identity);
@@ -81,7 +81,7 @@ TEST_CASE("a node relays if it is a cloud's, or if the authority says so, and st
   CHECK_FALSE(renewed(hall.living("carrier"), RelayRight::no));
   CHECK_FALSE(renewed(hall.living("cloud"), RelayRight::no));
   Certificate earlier = hall.living("cloud-2");
-  earlier.relay = false;  // its version knew no such right
+  earlier.relay = false;  // its version had no such right
   CHECK(renewed(earlier, RelayRight::by_role));
 }
 
@@ -91,7 +91,7 @@ TEST_CASE("a certificate is living up to its last moment, and not in it") {
   const Certificate own = hall.living("ur3");
   CHECK(find_living(hall.authority, "ur3", {own.not_after - 1}) != nullptr);
   CHECK(find_living(hall.authority, "ur3", {own.not_after}) == nullptr);
-  // A clock that is a little behind finds it valid.
+  // A clock that is slightly behind finds it valid.
   CHECK(own.not_before == (kNow - std::chrono::minutes(5)).ns);
   hall.join("ur3");
   CHECK(hall.living("ur3").serial == 2);

@@ -1,4 +1,4 @@
-// The fleet's revocation list: opening it, and what it says of a certificate. See proto/bodies/signed.hpp.
+// The fleet's revocation list: opening it, and looking a certificate up in it. See proto/bodies/signed.hpp.
 #pragma once
 
 #include "common/security/beacon_key.hpp"
@@ -10,14 +10,14 @@ namespace trb {
 /// Opens a list: of this fleet and signed by its authority. Errors: malformed, foreign_fleet, bad_signature.
 Result<RevocationList> open_revocations(const SignedRecord& record, const FleetAuthority& authority);
 
-/// The entry by which this certificate is over, or nullptr. An entry covers every certificate of its id up to its
-/// serial: an older one of the same node, that nobody kept, must not be of use to a thief.
+/// The entry that revokes this certificate, or nullptr. An entry covers every certificate of its id up to its serial:
+/// an older, forgotten certificate of the same node must be of no use to a thief.
 const Revocation* find_revocation(const RevocationList& list, const Certificate& certificate);
 
 /// The beacon key that the list brings to this node. Errors: missing (no box for it), wrong_key.
 Result<BeaconKey> open_listed_beacon_key(const RevocationList& list, std::string_view id, const LinkKey& link);
 
-/// A revocation list or a renewed certificate, as files and programs hand them on: FLEET_DIR/news.json,
+/// A revocation list or renewed certificates, as files and programs pass them on: FLEET_DIR/news.json,
 /// NODE_DIR/keys/news.json. Errors: missing, malformed, too_large; each names the path.
 Result<TrustUpdate> read_trust_updates(const std::string& path);
 Status write_trust_updates(const std::string& path, const TrustUpdate& update);

@@ -1,4 +1,5 @@
-// Revocation lists: what stands in one, for how long, and how large it may grow; and the news that carry it.
+// Revocation lists: their entries, how long these stay, and how large a list may grow; and the news.json that carries
+// it.
 #include "common/security/test_hall.hpp"
 
 using namespace trb;
@@ -26,7 +27,7 @@ TEST_CASE("an entry stays as long as a certificate that it covers would be taken
   REQUIRE(hall.revoke("ur3").ok());
   REQUIRE(revoke_certificates(hall.authority, hall.dir, {}, "", {first.not_after - 1}).ok());
   CHECK(hall.authority.list.revoked.size() == 1);
-  // Its successor lives on under the same name: that is no reason.
+  // Its successor has the same name: that is no reason to keep it.
   REQUIRE(sign_request(hall.authority, hall.dir, hall.request("new-pc", "ur3"), kNow, 2 * kYear).ok());
   REQUIRE(revoke_certificates(hall.authority, hall.dir, {}, "", {first.not_after}).ok());
   CHECK(hall.authority.list.revoked.empty());
@@ -72,7 +73,7 @@ TEST_CASE("a list of another fleet, changed, or of other bytes, opens for nobody
 
 namespace {
 
-/// Fills the authority's list with what one long revoked certificate allows.
+/// Fills the authority's list with the largest entries that a certificate allows, revoked long ago.
 struct LongList : Hall {
   std::vector<Revocation>& rows = authority.list.revoked;
 
@@ -85,7 +86,7 @@ struct LongList : Hall {
   }
   Status next() { return revoke_certificates(authority, dir, {}, "", kNow); }
   [[nodiscard]] std::size_t size() const { return encode(authority.list).size(); }
-  /// Another list is refused, and the one before is in force as it was.
+  /// Another list is refused, and the previous one stays in force.
   void is_refused() {
     const Authority before = authority;
     REQUIRE(code_of(next()) == Errc::too_large);

@@ -16,7 +16,7 @@ struct SigningRight {
   std::array<std::string_view, 4> makers;  ///< services that may ask for it; "probe": the command line
 };
 
-// Where nobody may ask, the router signs for itself, the node's own `trb fleet request`, or the authority.
+// Where no service may ask, only the router signs for itself, the node's own `trb fleet request`, or the authority.
 constexpr SigningRight kSignatures[] = {
     {kSignedBeacon, true, true, {}},
     {kSignedSeal, true, true, {}},
@@ -85,7 +85,7 @@ bool may_send_out(Role role, std::string_view subtype) {
   return may_cross(role, subtype) && (travel == nullptr || travel->scope == Scope::fleet);
 }
 
-// Nobody on the bus but those can command the robot past the control lease, tell of an outcome that the robot has not
+// Only these services on the bus can command the robot past the control lease, report an outcome that the robot has not
 // had, or take a task from it.
 bool may_send_on_bus(std::string_view service, bool probe, std::string_view subtype) {
   const Travel* travel = find_travel(subtype);

@@ -1,5 +1,5 @@
-// Who may what, by role, subtype (Travel, beside it) and signature. What is not named is denied. proto/README.md prints
-// it, `trb help rights` too.
+// Who may do what, by role, subtype (Travel, beside it) and signature. What is not named is denied. proto/README.md and
+// `trb help rights` print it.
 #pragma once
 
 #include <string>
@@ -11,20 +11,21 @@
 
 namespace trb {
 
-/// May what comes over a link, from a node of that role, bear this subtype? A user's own words may, from both roles.
+/// May a message that comes over a link, from a node of that role, have this subtype? A user's own subtypes may, from
+/// both roles.
 bool may_cross(Role role, std::string_view subtype);
 
-/// May a service send it to another node? No service sends what routers send to each other.
+/// May a service send it to another node? No service may send what belongs to routers.
 bool may_send_out(Role role, std::string_view subtype);
 
-/// May this service (or a probe) of a node's own bus send it to another one there, or to the router?
+/// May this service (or a probe) of a node's own bus send it to another service there, or to the router?
 bool may_send_on_bus(std::string_view service, bool probe, std::string_view subtype);
 
-/// May this service take what bears the subtype? One of an operator's takes users' own words; the middleware's words it
-/// may only listen to, so that it never stands in the way of who takes them.
+/// May this service take messages of the subtype? An operator's service takes users' own subtypes; of the middleware's
+/// it may only receive copies, so that it never displaces the service that takes them.
 bool may_take(std::string_view service, std::string_view subtype);
 
-/// May this role sign records of that purpose (a kSigned… word)?
+/// May this role sign records of that purpose (one of kSigned…)?
 bool may_sign(Role role, std::string_view purpose);
 
 /// May this service (or a probe) have its router sign records of that purpose?

@@ -43,7 +43,7 @@ TEST_CASE("a decision is the cloud's, a result the robot's, a certificate no nod
 
 TEST_CASE("a record is signed for the service that makes its kind alone") {
   CHECK(may_have_signed("scheduler", false, kSignedResult));
-  CHECK_FALSE(may_have_signed("scheduler", true, kSignedResult));  // a probe that calls itself so
+  CHECK_FALSE(may_have_signed("scheduler", true, kSignedResult));  // a probe that uses that name
   CHECK(may_have_signed("cli", true, kSignedRunStart));
   CHECK_FALSE(may_have_signed("mode-adapter", false, kSignedRunStart));
   CHECK(may_have_signed("resilience", false, kSignedDecision));
@@ -64,10 +64,10 @@ TEST_CASE("on the bus a service says what it is for, and nobody says what the ro
   CHECK(may_send_on_bus("cli", true, "a_word_of_a_user"));
   for (const std::string_view subtype : {"execute", "outcome", "adapter_state", "node_profile", "peer_expired",
                                          "signed_record", "hello", "certificate", "journal_abort"}) {
-    CHECK_FALSE(may_send_on_bus("scheduler", true, subtype));  // a probe, whatever it calls itself
+    CHECK_FALSE(may_send_on_bus("scheduler", true, subtype));  // a probe, whatever its name
     CHECK_FALSE(may_send_on_bus("resilience", false, subtype));
   }
-  // From node to node any service may speak, but for what takes a task from a robot.
+  // From node to node any service may send, except what takes a task from a robot.
   CHECK(may_send_on_bus("resilience", false, "release_tasks"));
   CHECK(may_send_on_bus("scheduler", false, "run_decision"));
   for (const std::string_view subtype : {"release_tasks", "run_decision"}) {

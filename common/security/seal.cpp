@@ -97,7 +97,7 @@ SealFault SealReader::close(const SealScope& scope, const SealedRange& range, st
 }
 
 bool SealReader::keep_alive(std::uint64_t sequence) {
-  // A keep-alive that is sealed lies before first_.
+  // A sealed keep-alive lies before first_.
   const bool late = first_ <= last_keep_alive_;
   last_keep_alive_ = sequence;
   return !late;

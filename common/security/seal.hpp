@@ -1,4 +1,4 @@
-// Seals: what a node's identity key says of the messages that it has sent on a link. Pure; the grammar is in
+// Seals: what a node's identity key attests about the messages that it has sent on a link. Pure; the grammar is in
 // proto/README.md, "Seals".
 #pragma once
 
@@ -13,12 +13,12 @@
 
 namespace trb {
 
-/// A seal covers at most so many messages: the one after them must be a seal.
+/// A seal covers at most this many messages: the next one must be a seal.
 constexpr std::size_t kMaxUnsealed = 64;
 /// A sender seals its first unsealed message within this time.
 constexpr Duration kSealWithin = std::chrono::milliseconds(20);
 
-/// Which direction of which link: what both ends know and a seal repeats, so that it fits nowhere else.
+/// Which direction of which link: both ends know it and a seal repeats it, so that it fits nowhere else.
 struct SealScope {
   std::uint64_t link = 0;
   std::uint64_t serial = 0;       ///< of the sender's certificate, as it was when the link came up
@@ -26,23 +26,23 @@ struct SealScope {
   bool dialled = false;           ///< the sender is the side that dialled
 };
 
-/// Why a seal, or the want of one, ends a link.
+/// Why a bad or missing seal ends a link.
 enum class SealFault : std::uint8_t {
   none,
-  malformed,        ///< no SealedRange
-  wrong_link,       ///< of another link, direction or pair of certificates
-  wrong_range,      ///< not the messages since the last seal: repeated, out of order, or one is left out
-  wrong_hash,       ///< other messages than those that came
+  malformed,        ///< not a SealedRange
+  wrong_link,       ///< for another link, direction or pair of certificates
+  wrong_range,      ///< not the messages since the last seal: repeated, out of order, or one was left out
+  wrong_hash,       ///< over other messages than those received
   wrong_signature,  ///< not made by the peer's identity key
   missing,          ///< more than kMaxUnsealed messages without one
-  late,             ///< what came before the last keep-alive but one is not sealed
+  late,             ///< something from before the last keep-alive but one is not sealed
 };
 constexpr auto enum_names(SealFault) {
   return std::array<std::string_view, 8>{"none",       "malformed",       "wrong_link", "wrong_range",
                                          "wrong_hash", "wrong_signature", "missing",    "late"};
 }
 
-/// BLAKE2b-256 over the seal before and, for each frame, its size (u32, big-endian) and its bytes. A copy is a
+/// BLAKE2b-256 over the previous seal and, for each frame, its size (u32, big-endian) and its bytes. A copy is a
 /// snapshot.
 class RangeHash {
  public:
@@ -51,10 +51,10 @@ class RangeHash {
   [[nodiscard]] Bytes value() const;
 
  private:
-  alignas(64) std::array<unsigned char, 384> state_{};  ///< libsodium's, which is not to be seen here
+  alignas(64) std::array<unsigned char, 384> state_{};  ///< libsodium's state, whose type this header hides
 };
 
-/// What `previous` is before the first seal of a link and direction.
+/// The value of `previous` before the first seal of a link and direction.
 Bytes first_previous();
 
 /// The sender's side of one direction: numbers the frames and keeps the running hash.
@@ -63,13 +63,13 @@ class SealWriter {
   /// The sequence of the next frame, also if that is a seal.
   [[nodiscard]] std::uint64_t next() const { return first_ + unsealed_; }
   [[nodiscard]] std::size_t unsealed() const { return unsealed_; }
-  /// A frame leaves, stamped with next().
+  /// A frame is sent, stamped with next().
   void add(BytesView frame);
-  /// The last frame given to add() did not leave.
+  /// The last frame given to add() was not sent.
   void take_back();
-  /// The seal over what is unsealed (at least one message).
+  /// The seal over the unsealed messages (at least one).
   [[nodiscard]] SealedRange range(const SealScope& scope, UtcTime utc) const;
-  /// A seal with this payload has left, with next() as its sequence.
+  /// A seal with this payload was sent, with next() as its sequence.
   void sealed(BytesView payload);
 
  private:
@@ -84,15 +84,15 @@ class SealWriter {
 class SealReader {
  public:
   SealReader() = default;
-  /// Goes on behind a seal that was checked elsewhere: for a log that begins in the middle of a link.
+  /// Continues after a seal that was checked elsewhere: for a log that begins in the middle of a link.
   SealReader(std::uint64_t first, Bytes previous);
 
-  /// A frame came that is no seal. False: it is one too many without a seal.
+  /// A frame that is not a seal was received. False: it is one too many without a seal.
   [[nodiscard]] bool add(BytesView frame);
-  /// A seal came with this sequence: all is compared but the signature, and the next range begins.
+  /// A seal with this sequence was received: everything except the signature is compared, and the next range begins.
   SealFault close(const SealScope& scope, const SealedRange& range, std::uint64_t sequence, BytesView payload);
-  /// A keep-alive came with this sequence. False if something from before the last one is still not sealed. No clock:
-  /// a process that was stopped, or a slow network, delays both.
+  /// A keep-alive with this sequence was received. False if something from before the last one is still not sealed. No
+  /// clock: a process that was paused, or a slow network, delays both.
   [[nodiscard]] bool keep_alive(std::uint64_t sequence);
 
   [[nodiscard]] std::size_t unsealed() const { return unsealed_; }
@@ -107,7 +107,7 @@ class SealReader {
   std::uint64_t last_keep_alive_ = 0;
 };
 
-/// The record of a range.
+/// The signed record of a range.
 SignedRecord sign_seal(const SealedRange& range, std::string_view signer, BytesView fleet, const SigningKey& key);
 
 /// Is the record a seal of that node, made with its identity key?

@@ -1,4 +1,4 @@
-// Seals: what a range proves, and everything that ends it.
+// Seals: what a range proves, and every fault that ends it.
 #include "common/security/seal.hpp"
 
 #include <doctest/doctest.h>
@@ -17,7 +17,7 @@ struct Direction {
   SealWriter writer;
   SealReader reader;
 
-  /// A frame that arrives; false: one too many without a seal.
+  /// A frame arrives; false: one too many without a seal.
   bool say(const Bytes& frame) {
     writer.add(frame);
     return reader.add(frame);

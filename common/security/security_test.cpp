@@ -135,8 +135,8 @@ TEST_CASE("who may sign what is a table, and what it does not name is denied") {
     CHECK(may_sign(role, kSignedBeacon));
     CHECK(may_sign(role, kSignedRunStart));
     CHECK(may_sign(role, kSignedRunAbort));
-    CHECK(may_sign(role, kSignedResult));  // a cloud node's says that its decision skips the task, and no more
-    CHECK(may_sign(role, kSignedChoice));  // a cloud node's is on a condition behind such a task
+    CHECK(may_sign(role, kSignedResult));  // a cloud node's result only ever says that its decision skips the task
+    CHECK(may_sign(role, kSignedChoice));  // a cloud node's choice is on a condition that follows such a task
     CHECK(may_sign(role, kSignedDecision) == (role == Role::cloud));
     for (const std::string_view other :
          {kSignedCertificate, kSignedRequest, std::string_view(""), std::string_view("Result")}) {

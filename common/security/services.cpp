@@ -7,7 +7,8 @@
 namespace trb {
 namespace {
 
-// An operator's service of today must not get the rights of one that is still to come: such a one runs nowhere yet.
+// A name is reserved so that an operator's service of today never gets the rights of a future one, which runs nowhere
+// yet.
 constexpr ServiceRow kServices[] = {
     {"router", Runs::always, Runs::always},         {"mode-adapter", Runs::always, Runs::never},
     {"scheduler", Runs::always, Runs::always},      {"ros-bridge", Runs::if_named, Runs::never},

@@ -27,11 +27,11 @@ std::span<const ServiceRow> service_rows();
 /// What a node of that role may run.
 std::vector<std::string> services_of(Role role);
 
-/// What it runs if nothing else is said.
+/// What it runs if node.json names nothing else.
 std::vector<std::string> default_services_of(Role role);
 
-/// A name of the middleware's own services, of those that are still to come, or of what else stands on a bus ("probe",
-/// "tap"): no operator's service bears it.
+/// A name of the middleware's own services, of its future ones, or of other members of a bus ("probe", "tap"): an
+/// operator's service must not have it.
 bool is_reserved_service(std::string_view name);
 
 }  // namespace trb

@@ -1,5 +1,5 @@
-// A fleet authority's folder and the folders of its nodes, for tests; without a passphrase, which takes long to
-// stretch.
+// A fleet authority's folder and the folders of its nodes, for tests; without a passphrase, whose key derivation is
+// slow.
 #pragma once
 
 #include <doctest/doctest.h>
@@ -39,7 +39,7 @@ struct Hall {
   [[nodiscard]] Certificate living(const std::string& id) const { return *find_living(authority, id, kNow); }
   [[nodiscard]] Result<NodeKeys> keys(const std::string& node) const { return load_node_keys(root + "/" + node); }
 
-  /// What the node in this folder asks for, under this id.
+  /// The certificate request of the node in this folder, under this id.
   SignedRecord request(const std::string& node, const std::string& id, Role role = Role::robot) const {
     REQUIRE(make_request(root + "/" + node, id, role).ok());
     return *from_json<SignedRecord>(*read_file(keys_of(node) + "/request.json"));

@@ -17,8 +17,8 @@ struct BusAddress {
 /// The socket bus/NAME.ipc of the working directory.
 BusAddress ipc_bus(const std::string& name);
 
-/// For a service of this name, or "probe", of the node whose folder is the working directory. Errors: those of
-/// read_bus, load_bus_key and load_bus_public.
+/// For a service of this name, or "probe", of the node whose folder is the working directory. Errors: as for read_bus,
+/// load_bus_key and load_bus_public.
 Result<BusAddress> bus_address(const std::string& name);
 /// The tap of that node, for "probe".
 Result<BusAddress> tap_address();

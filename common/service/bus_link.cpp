@@ -5,7 +5,7 @@
 namespace trb {
 namespace {
 
-constexpr std::size_t kBytes = 8U << 20U;  ///< that may wait for a router which stands still
+constexpr std::size_t kBytes = 8U << 20U;  ///< that may wait for a router that does not read
 constexpr Duration kHelloInterval = std::chrono::milliseconds(100);
 constexpr Duration kAliveInterval = std::chrono::seconds(1);
 constexpr Duration kRouterLease = std::chrono::seconds(3);
@@ -18,7 +18,7 @@ BusLink::BusLink(Context& context, const BusAddress& bus, ServiceHello hello)
       budget_(std::make_shared<ByteBudget>(kBytes)),
       hello_(std::move(hello)) {
   if (bus.curve) {
-    // Watched before it is dialled: a key is refused once.
+    // Watched before it is dialled: a key is refused only once.
     key_watch_.emplace(context, socket_);
     if (Status dialled = socket_.dial(bus.endpoint); !dialled) throw std::runtime_error(dialled.error().text());
   }
@@ -106,10 +106,10 @@ void BusLink::tick(Now now) {
   if (!next_ || now.mono < *next_) return;
   if (welcome_ && now.mono - last_seen_ > kRouterLease) welcome_.reset();
   if (!welcome_) {
-    // What is under way to a router that was only slow is not lost: it has a lease more to answer the hello.
+    // Messages on their way to a router that was only slow are not lost: it has one more lease to answer the hello.
     if (!redial_) redial_ = now.mono + kRouterLease;
     if (*redial_ <= now.mono) {
-      // One that fails is tried again when this lease has ended.
+      // A failed dial is tried again when this lease has ended.
       if (const Status dialled = socket_.dial_again(endpoint_); !dialled) dial_problem_ = dialled.error().text();
       redial_ = now.mono + kRouterLease;
     }

@@ -1,5 +1,5 @@
-// A service's (or a probe's) one link to its node's router: hello, keep-alive, ids, and frames to and from messages.
-// No policy of the service is here, and no loop: the owner reads and calls tick().
+// The one link of a service (or a probe) to its node's router: hello, keep-alive, ids, and conversion of frames and
+// messages. It has no policy of the service and no loop: the owner reads and calls tick().
 #pragma once
 
 #include <functional>
@@ -21,15 +21,15 @@ class BusLink {
  public:
   BusLink(Context& context, const BusAddress& bus, ServiceHello hello);
 
-  /// Takes one message if there is one: the link's own are dealt with, the others returned.
+  /// Takes one message if there is one: the link handles its own messages and returns the others.
   std::optional<Message> receive(Now now);
   /// For Loop::add_socket.
   [[nodiscard]] void* handle() { return socket_.handle(); }
-  /// True while there may be more to receive that the handle does not tell of.
+  /// True while there may be more to receive although the handle does not signal it.
   [[nodiscard]] bool* unseen() { return socket_.unseen(); }
 
-  /// Sends; the id given is returned, or 0 if the link is not up or full (the message is lost, as on any road). Errors:
-  /// too_large, bad_value, malformed: whoever hears it would have to refuse it, so it has not left.
+  /// Sends; returns the given id, or 0 if the link is down or full (the message is lost). Errors: too_large, bad_value,
+  /// malformed: its receiver would have to refuse it, so it was not sent.
   Result<std::uint64_t> send(const Send& send);
   Result<std::uint64_t> send(Message message);
 
@@ -40,9 +40,9 @@ class BusLink {
   [[nodiscard]] const std::optional<ServiceWelcome>& welcome() const { return welcome_; }
   /// Why the router refused this service, if it did.
   [[nodiscard]] const std::string& refusal() const { return refusal_; }
-  /// Why the router could not be dialled again, once for each time; empty: nothing to tell.
+  /// Why the router could not be dialled again, once for each time; empty: nothing to report.
   std::string take_dial_problem() { return std::exchange(dial_problem_, {}); }
-  /// It refused the key, so nothing was said.
+  /// The router refused the key, so nothing was sent.
   [[nodiscard]] bool key_refused() const { return key_refused_; }
   /// Set at each welcome, cleared by the caller.
   bool newly_welcomed = false;
@@ -54,7 +54,7 @@ class BusLink {
 
   std::string endpoint_;
   Socket socket_;
-  std::shared_ptr<ByteBudget> budget_;     ///< of what the router has not read
+  std::shared_ptr<ByteBudget> budget_;     ///< for what the router has not read yet
   std::optional<RefusalWatch> key_watch_;  ///< over TCP
   ServiceHello hello_;
   std::optional<ServiceWelcome> welcome_;
@@ -63,7 +63,7 @@ class BusLink {
   bool key_refused_ = false;
   MessageIds ids_;
   MonotonicTime last_seen_;
-  std::optional<MonotonicTime> redial_;  ///< when the connection is taken for dead, if its router says nothing
+  std::optional<MonotonicTime> redial_;  ///< when the connection is considered dead, if its router sends nothing
   std::optional<MonotonicTime> next_;
 };
 

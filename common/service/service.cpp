@@ -19,10 +19,10 @@ namespace {
 
 constexpr int kAgain = 75;        ///< EX_TEMPFAIL: the supervisor starts the service again at once
 constexpr int kJournalLost = 74;  ///< EX_IOERR
-constexpr int kRefused = 73;      ///< EX_CANTCREAT: another process is this service
+constexpr int kRefused = 73;      ///< EX_CANTCREAT: another process runs this service already
 constexpr int kBatch = 256;
 constexpr std::size_t kMostRefused = 64;
-constexpr std::uint64_t kRefusedHere = 1;  ///< a Nack answers something; ids are not told to cores
+constexpr std::uint64_t kRefusedHere = 1;  ///< a Nack answers something; cores do not learn ids
 constexpr Duration kIdleCheck = std::chrono::milliseconds(200);
 
 Level to_level(LogLevel level) {
@@ -191,7 +191,8 @@ class ServiceShell final : public Service {
     }
   }
 
-  /// Nobody could read it. Who waits for it as an answer is told so; of anything else the core itself.
+  /// No receiver could read it. If another node waits for it as an answer, that node gets the Nack; else the core
+  /// itself does.
   void not_sent(const Send& send, const Error& why) {
     const std::string subtype(subtype_of(send.body));
     count("dropped." + std::string(errc_name(why.code)));
@@ -205,7 +206,7 @@ class ServiceShell final : public Service {
     }
   }
 
-  /// In a turn of their own: a core that sends the same again at once must not keep the loop.
+  /// In a turn of their own: a core that sends the same again at once must not block the loop.
   void tell_refused() {
     for (Nack& nack : std::exchange(refused_, {})) {
       const Inbound inbound{MessageType::information, node_,          node_, 0, kRefusedHere, 0,
@@ -241,7 +242,7 @@ class ServiceShell final : public Service {
   std::function<bool()> idle_;
   std::optional<MonotonicTime> reload_check_;
   std::map<std::string, std::uint64_t> counts_;
-  std::vector<Nack> refused_;  ///< what the core has said and nobody could read
+  std::vector<Nack> refused_;  ///< sent by the core, but unreadable for any receiver
   RateLimit limit_{20, std::chrono::seconds(10)};
   int exit_ = 0;
 };

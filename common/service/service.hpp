@@ -1,5 +1,5 @@
-// The public library for services: a service's link to its node's router and its one loop. A core is run by it; an
-// operator's own Layer 2 service uses nothing else.
+// The public library for services: a service's link to its node's router and its one loop. It runs a core; an
+// operator's own Layer 2 service needs nothing else.
 #pragma once
 
 #include <functional>
@@ -16,8 +16,8 @@ namespace trb {
 struct ServiceOptions {
   std::string node_dir;               ///< the node's folder; becomes the working directory
   std::string name;                   ///< as in node.json, for example "scheduler"
-  std::vector<std::string> subtypes;  ///< what it takes
-  std::vector<std::string> hears{};   ///< information that it wants a copy of, whoever takes it
+  std::vector<std::string> subtypes;  ///< the subtypes that it takes
+  std::vector<std::string> hears{};   ///< information that it wants a copy of, even if another service takes it
   bool own_log = true;                ///< log to NODE_DIR/log/NAME.log; false: to standard error
 };
 
@@ -26,7 +26,7 @@ class Service {
  public:
   using Effect = std::function<void(Now, Outbox&)>;
 
-  /// Connects to the node's router (which may come later). Errors: io_error, bad_value.
+  /// Connects to the node's router (which may start later). Errors: io_error, bad_value.
   static Result<std::unique_ptr<Service>> open(ServiceOptions options);
 
   Service() = default;
@@ -37,33 +37,35 @@ class Service {
   /// This process's instance: random, new at each start.
   [[nodiscard]] virtual std::uint64_t instance() const = 0;
 
-  /// Commits the records of one step; a failure ends the process, because nothing may be sent on an unwritten record.
+  /// Commits the records of one step; a failure ends the process, because nothing may be sent that rests on an
+  /// unwritten record.
   virtual void on_journal(std::function<Status(const std::vector<Journal>&)> commit) = 0;
-  /// Carries out the RobotWrites and RobotCloses of a step, after its sends. Several may: each takes its own channels.
+  /// Carries out the RobotWrites and RobotCloses of a step, after its sends. There may be several: each handles its own
+  /// channels.
   virtual void on_robot(std::function<void(const Outbox&)> output) = 0;
 
   /// Calls `ready` in the loop when the descriptor has any of the poll(2) events. One watch a descriptor; calling again
   /// with other events replaces it.
   virtual void watch(int fd, short events, std::function<void(short revents)> ready) = 0;
   virtual void unwatch(int fd) = 0;
-  /// A deadline besides the core's: the loop wakes at next() and calls tick().
+  /// A deadline in addition to the core's: the loop wakes at next() and calls tick().
   virtual void timer(std::function<std::optional<MonotonicTime>()> next, std::function<void(Now)> tick) = 0;
 
-  /// Runs an effect on the core as one step of the loop: journal, sends, robot. For io that has heard something.
+  /// Runs an effect on the core as one step of the loop: journal, sends, robot. For io that has received something.
   virtual void step(const Effect& effect) = 0;
 
   /// Runs until SIGTERM or SIGINT, or until SIGHUP finds `idle` true (0 = orderly, 75 = asked to start again).
   virtual int run(Core& core, std::function<bool()> idle = {}) = 0;
 
-  /// The same for a program that has an event loop of its own: start(); then, until handle_ready() is false, watch
-  /// descriptor() for reading, and call handle_ready() when it can be read or when next_deadline() has come.
+  /// The same for a program with an event loop of its own: start(); then, until handle_ready() is false, watch
+  /// descriptor() for reading, and call handle_ready() when it is readable or when next_deadline() has come.
   virtual void start(Core& core, std::function<bool()> idle = {}) = 0;
   [[nodiscard]] virtual int descriptor() const = 0;
-  /// Ask before each wait; it may be over already. Empty: only the descriptor can tell.
+  /// Ask before each wait; the deadline may have passed already. Empty: only the descriptor wakes it.
   [[nodiscard]] virtual std::optional<MonotonicTime> next_deadline() = 0;
-  /// Handles what is ready and what is due, and never waits. False once the service is to end: see exit_status().
+  /// Handles what is ready and what is due, and never waits. False once the service has to end: see exit_status().
   virtual bool handle_ready() = 0;
-  /// What run() would have returned.
+  /// What run() would return.
   [[nodiscard]] virtual int exit_status() const = 0;
 };
 

@@ -16,14 +16,14 @@ std::string usage_of(const ServiceProgram& program) {
          "\nUsually started by `trb up NODE_DIR`. Example: " + name + " " + std::string(program.example) + "\n";
 }
 
-/// The faults of the node's folder that keep it from starting, or nothing.
+/// The faults of the node's folder that prevent the start, or nothing.
 std::string why_not(const NodeCheck& check, const ServiceProgram& program) {
   const bool lacks_interface = program.needs_robot_address && check.config.network.robot_address.empty();
   if (faults_that_stop(check.faults).empty() && !lacks_interface) return {};
   return "nothing started\n" + to_text(check.faults);
 }
 
-/// Why it has not run, or its exit status.
+/// Why it did not run, or its exit status.
 std::variant<std::string, int> run(const std::string& node_dir, const ServiceProgram& program) {
   init_crypto();
   static const Transports kNone;

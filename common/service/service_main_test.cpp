@@ -1,4 +1,4 @@
-// The main of a service: what it takes, and what keeps it from starting.
+// The main of a service: which arguments it accepts, and what prevents a start.
 #include "common/service/service_main.hpp"
 
 #include <doctest/doctest.h>

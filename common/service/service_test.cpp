@@ -1,4 +1,4 @@
-// The bus link against a router's end that the test plays: hello, welcome, restarts, refusals.
+// The bus link against a router's end played by the test: hello, welcome, restarts, refusals.
 #include <doctest/doctest.h>
 #include <poll.h>
 #include <unistd.h>
@@ -19,7 +19,7 @@ using namespace trb;
 
 namespace {
 
-/// A folder of the test's own, which becomes the working directory: sockets are bus/NAME.ipc.
+/// A temporary folder, which becomes the working directory: sockets are bus/NAME.ipc.
 struct Folder : TemporaryFolder {
   Folder() {
     std::filesystem::create_directory(path + "/bus");
@@ -55,7 +55,7 @@ struct Router {
   }
 };
 
-/// Lets time pass on the link, in steps of 20 ms that do not wait, until the router's end has heard the subtype.
+/// Advances time on the link, in steps of 20 ms without waiting, until the router's end has received the subtype.
 std::optional<Message> hear(BusLink& link, Router& router, std::string_view subtype) {
   const MonotonicTime end = read_clocks().mono + std::chrono::seconds(3);
   for (Now now = read_clocks(); now.mono < end; now = read_clocks()) {
@@ -87,7 +87,7 @@ ServiceHello hello() {
 
 namespace {
 
-/// Acknowledges what it is sent, and counts its deadlines.
+/// Acknowledges messages, and counts its deadlines.
 class WavingCore final : public Core {
  public:
   void on_welcome(const NodeIdentity& node, Now now, Outbox&) override {
@@ -111,10 +111,10 @@ class WavingCore final : public Core {
   int ticks_ = 0;
 };
 
-/// An event loop that is not ours: poll(2) on the service's one descriptor, no longer than to its deadline.
+/// A foreign event loop: poll(2) on the service's one descriptor, at most until its deadline.
 bool poll_once(Service& service) {
   const auto next = service.next_deadline();
-  REQUIRE(next);  // a link always waits for something
+  REQUIRE(next);  // a link always has a deadline
   const Duration left = std::max(Duration::zero(), *next - now().mono);
   pollfd item{service.descriptor(), POLLIN, 0};
   ::poll(&item, 1, static_cast<int>(std::chrono::ceil<std::chrono::milliseconds>(left).count()));
@@ -141,12 +141,12 @@ TEST_CASE("a service runs in the event loop of a program that has one of its own
     }
     return message;
   };
-  // It says hello, and is welcomed; its core is told so.
+  // It sends its hello and is welcomed; its core is notified.
   REQUIRE(poll_until(ServiceHello::kSubtype));
   router.say(ServiceWelcome{"ant", "robot", 1, 1, 1});
   while (core.node().empty() && now().mono < end) REQUIRE(poll_once(**service));
   CHECK(core.node() == "ant");
-  // It answers what it is sent, and its deadlines come.
+  // It answers messages, and its deadlines come.
   Message wave;
   wave.type = MessageType::command;
   wave.subtype = "wave";
@@ -203,7 +203,7 @@ TEST_CASE("of large messages for a router that stands still a few megabytes wait
   picture.data = Bytes(1'000'000, 'p');
   int sent = 0;
   while (sent < 2 * kHighWaterMark && link.send(picture).value() != 0) ++sent;
-  // Besides, the router's own end has taken some.
+  // The router's own end has received some as well.
   CHECK(sent < kReceiveHighWaterMark + 16);
   CHECK(link.send(Send{.type = MessageType::command, .target = "bee", .body = Stop{"x"}}).value() != 0);
 }
@@ -232,7 +232,7 @@ TEST_CASE("what its hearer would have to refuse does not leave, and the maker is
   reading.number = std::numeric_limits<double>::quiet_NaN();
   CHECK(refused(reading).code == Errc::bad_value);
   CHECK(refused(Stop{}, std::string(65, 'b')).code == Errc::malformed);
-  // The largest that may leave arrives.
+  // The largest message that may be sent arrives.
   REQUIRE(link.send(Send{.target = "bee", .body = Opaque{"picture", std::string(kMaxDataSize, 'x')}}).value() != 0);
   const auto heard = hear(link, router, "picture");
   REQUIRE(heard);
@@ -289,7 +289,7 @@ TEST_CASE("a link by which something far too large came is made again") {
   REQUIRE(link_until(link, [&] { return link.up(); }));
   const Bytes first = router.peer;
   REQUIRE(router.socket->send_to(router.peer, to_frame(Bytes(2U << 20U, 'x'))) == SendResult::sent);
-  // Its libzmq closes the connection, and never opens it again by itself: the service sees it when its lease ends.
+  // Its libzmq closes the connection and never reopens it: the service notices when its lease ends.
   const MonotonicTime end = read_clocks().mono + std::chrono::seconds(20);
   while (router.peer == first && read_clocks().mono < end) {
     link.tick(read_clocks());

@@ -22,7 +22,7 @@ pid_t pid_in(const std::string& text) {
   return parse_number<pid_t>(text.substr(0, text.find('\n'))).value_or(0);
 }
 
-/// On a disk that cannot be written to, a lock file that is there can be locked as well.
+/// On a disk that cannot be written to, an existing lock file can still be locked.
 int open_lock(const std::string& node_dir) {
   const int fd = ::open(lock_path(node_dir).c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600);
   if (fd >= 0 || errno != EROFS) return fd;
@@ -41,7 +41,8 @@ Result<NodeLock> NodeLock::take(const std::string& node_dir) {
     return fail(Errc::conflict, node_dir + " is up already (pid " + (pid ? std::to_string(pid_in(*pid)) : "?") + ")",
                 "stop that one first, or use trb reload " + node_dir);
   }
-  // As long each time: a full disk has room for it where the last one stood. The lock itself is no byte on it.
+  // The same length each time: on a full disk the new text fits into the place of the old one. The lock itself takes no
+  // byte.
   std::string text = std::to_string(::getpid());
   text = std::string(kPidDigits - std::min(text.size(), kPidDigits), '0') + text + "\n";
   const bool written = ::pwrite(fd, text.data(), text.size(), 0) == static_cast<ssize_t>(text.size());
@@ -58,7 +59,7 @@ Result<pid_t> NodeLock::holder(const std::string& node_dir) {
   auto text = read_file(lock_path(node_dir), 64);
   if (is_free || !text) return none;
   const pid_t pid = pid_in(*text);
-  // What a disk that cannot be written to holds is of an earlier start, and may be anybody's by now.
+  // On a disk that cannot be written to, the pid is from an earlier start, and may belong to another process by now.
   const auto program = read_file("/proc/" + std::to_string(pid) + "/comm");
   if (pid > 0 && program && *program == "trb\n") return pid;
   return fail(Errc::io_error,

@@ -8,12 +8,12 @@
 
 namespace trb::supervisor {
 
-/// Only one supervisor a node: holds state/up.lock, which also carries its pid, for as long as it lives.
+/// Only one supervisor a node: while this object exists it holds state/up.lock, which also has its pid.
 class NodeLock {
  public:
-  /// Errors: conflict naming the pid of the one that holds it; io_error.
+  /// Errors: conflict naming the pid of the holder; io_error.
   static Result<NodeLock> take(const std::string& node_dir);
-  /// The pid of the running supervisor. Errors: missing if none runs; io_error if one does, and its pid is not on disk.
+  /// The pid of the running supervisor. Errors: missing if none runs; io_error if one runs but its pid is not on disk.
   static Result<pid_t> holder(const std::string& node_dir);
 
   NodeLock(NodeLock&& other) noexcept : fd_(other.fd_) { other.fd_ = -1; }

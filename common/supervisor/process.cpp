@@ -15,7 +15,7 @@ std::string program_dir() {
 void die_with_parent() {
   const pid_t parent = ::getppid();
   ::prctl(PR_SET_PDEATHSIG, SIGTERM);
-  // It may have ended before the kernel was asked.
+  // The parent may have ended before this request.
   if (::getppid() != parent || parent == 1) ::raise(SIGTERM);
 }
 

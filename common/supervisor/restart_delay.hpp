@@ -4,8 +4,8 @@
 
 namespace trb::supervisor {
 
-/// How long after its end a program is started again: at once if it asked for that or has been up for 10 s, and the
-/// first time; else after 0.1 s, doubled up to 2 s.
+/// How long after its end a program is started again: at once if it asked for that, has been up for 10 s, or ended for
+/// the first time; else after 0.1 s, doubled up to 2 s.
 class RestartDelay {
  public:
   Duration after_end(bool asked, Duration was_up) {

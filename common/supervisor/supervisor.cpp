@@ -14,11 +14,11 @@
 namespace trb::supervisor {
 namespace {
 
-constexpr Duration kForkAgain = std::chrono::seconds(2);  ///< when no process could be made
+constexpr Duration kForkAgain = std::chrono::seconds(2);  ///< when a process could not be created
 constexpr Duration kGrace = std::chrono::seconds(3);
 constexpr Duration kReadyCheck = std::chrono::milliseconds(100);
 constexpr Duration kLongestWait = std::chrono::seconds(10);
-constexpr int kAgain = 75;  ///< EX_TEMPFAIL: it asks to be started again
+constexpr int kAgain = 75;  ///< EX_TEMPFAIL: the service asks to be started again
 
 /// Waits for one of the blocked signals; 0 if none came in time.
 int wait_signal(Duration wait) {

@@ -13,13 +13,13 @@
 
 namespace trb::supervisor {
 
-/// What is started as `PROGRAM NODE_DIR`.
+/// A program that is started as `PROGRAM NODE_DIR`.
 struct ServiceProgram {
   std::string service;
   std::string program;
 };
 
-/// Blocks the signals that Supervisor::run() waits for; before the process has threads.
+/// Blocks the signals that Supervisor::run() waits for; call it before the process has threads.
 void block_signals();
 
 class Supervisor {
@@ -28,13 +28,13 @@ class Supervisor {
   Supervisor(std::string node_dir, std::vector<ServiceProgram> services,
              std::function<void(const std::string&)> notify);
 
-  /// What is to run from now on; nothing: as it was.
+  /// The services that shall run from now on; empty: no change.
   using Reload = std::function<std::optional<std::vector<ServiceProgram>>()>;
 
-  /// Starts all and keeps them running until SIGTERM or SIGINT. `reload` is asked at SIGHUP; if it agrees, every
-  /// service is asked to start again once it is idle, a new one is started, and one that is there no more ends.
-  /// `is_ready` is asked every 0.1 s until it is true. block_signals() must have been called before. Ends all services,
-  /// those that do not end within 3 s by force, and returns 0.
+  /// Starts all services and keeps them running until SIGTERM or SIGINT. `reload` is called at SIGHUP; if it returns
+  /// services, every service is asked to restart once it is idle, new ones are started, and removed ones end.
+  /// `is_ready` is called every 0.1 s until it is true. block_signals() must have been called before. Ends all
+  /// services, by force after 3 s, and returns 0.
   int run(const Reload& reload, const std::function<bool()>& is_ready);
 
  private:
@@ -45,7 +45,7 @@ class Supervisor {
     MonotonicTime started;
     MonotonicTime start_at;
     RestartDelay delay;
-    bool wanted = true;  ///< false: taken out, and ends
+    bool wanted = true;  ///< false: removed, to be ended
   };
   void add(ServiceProgram service);
   /// True if one is new.

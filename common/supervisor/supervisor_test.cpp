@@ -1,4 +1,4 @@
-// A supervisor with real processes: shell scripts that note each of their starts.
+// A supervisor with real processes: shell scripts that record each of their starts.
 #include "common/supervisor/supervisor.hpp"
 #include "common/base/test/temporary_folder.hpp"
 
@@ -113,7 +113,7 @@ TEST_CASE("at SIGHUP a new service is started and one that was taken out ends, i
     if (note == "ready") send_self(good ? SIGTERM : SIGHUP);
   });
   const auto reload = [&]() -> std::optional<std::vector<ServiceProgram>> {
-    // The first time the files have a fault: all stays as it is.
+    // At the first reload the files have a fault: everything stays as it is.
     if (++reloads == 1) send_self(SIGHUP);
     if (reloads == 1) return std::nullopt;
     good = true;
@@ -157,7 +157,7 @@ TEST_CASE("a node has one supervisor, and its lock goes with it") {
     const auto second = NodeLock::take(node.dir);
     CHECK(second.error().code == Errc::conflict);
     CHECK(second.error().what == node.dir + " is up already (pid " + std::to_string(::getpid()) + ")");
-    // The pid on the disk may be anybody's by now: this process is no `trb`.
+    // The pid on disk may belong to another process by now: this process is not `trb`.
     CHECK(NodeLock::holder(node.dir).error().code == Errc::io_error);
   }
   CHECK(NodeLock::holder(node.dir).error().code == Errc::missing);

@@ -25,7 +25,7 @@ bool ByteBudget::has_room(std::size_t bytes) const {
 }
 
 bool ByteBudget::take(std::size_t bytes) {
-  // Nobody else takes: what is used can only become less meanwhile.
+  // No other thread takes bytes: meanwhile the use can only fall.
   if (!has_room(bytes)) return false;
   used_.fetch_add(bytes, std::memory_order_relaxed);
   if (whole_) whole_->used_.fetch_add(bytes, std::memory_order_relaxed);
@@ -42,7 +42,7 @@ Frame count_frame(const std::shared_ptr<ByteBudget>& budget, Frame&& frame) {
   void* data = counted->frame.data();
   const std::size_t size = counted->frame.size();
   Frame out(data, size, let_go, counted.get());
-  (void)counted.release();  // libzmq's from here on: `out` calls let_go()
+  (void)counted.release();  // from here on it is libzmq's: `out` calls let_go()
   return out;
 }
 

@@ -1,4 +1,4 @@
-// How many bytes may wait in queues: libzmq's are bounded in messages alone, and a message may have 1 MiB.
+// How many bytes may wait in queues: libzmq limits only the number of messages, and a message may have 1 MiB.
 #pragma once
 
 #include <atomic>
@@ -9,8 +9,8 @@
 
 namespace trb {
 
-/// Of one destination, or of all together (`whole` of each). What does not fit is refused, as a full queue refuses.
-/// Bytes are taken by one thread and given back by any.
+/// For one destination, or for all together (the `whole` of each). What does not fit is refused, as by a full queue.
+/// One thread takes bytes; any thread may give them back.
 class ByteBudget {
  public:
   /// `most` bytes may be taken at a time.
@@ -18,10 +18,10 @@ class ByteBudget {
   ByteBudget(const ByteBudget&) = delete;
   ByteBudget& operator=(const ByteBudget&) = delete;
 
-  /// False, and nothing is taken: this one would have more than its own, or more than is left for all. So those who
-  /// take all that they can leave to whoever has taken nothing as much as each of them has.
+  /// False, and nothing is taken, if this budget would exceed its own limit or take more than is left for all. Heavy
+  /// users together leave a newcomer as much as each of them has.
   [[nodiscard]] bool take(std::size_t bytes);
-  /// What take() would say: before work is spent on what would be refused.
+  /// Whether take() would succeed: asked before work is spent on a message that would be refused.
   [[nodiscard]] bool has_room(std::size_t bytes) const;
   void give_back(std::size_t bytes);
   [[nodiscard]] std::size_t used() const { return used_.load(std::memory_order_relaxed); }
@@ -32,16 +32,16 @@ class ByteBudget {
   std::atomic<std::size_t> used_{0};
 };
 
-/// Frames below this are not counted: the number that may wait (kHighWaterMark) bounds them, to 1 MiB a destination. So
-/// a word of control still finds its way where pictures have used the budget up, and costs nothing more.
+/// Smaller frames are not counted: the limit on their number (kHighWaterMark) bounds them to 1 MiB a destination. So a
+/// control message still passes when pictures have used up the budget, and costs nothing extra.
 constexpr std::size_t kCountedFrame = 1024;
 
-/// The same frame, of the same bytes, which gives them back when the last that holds it has let it go, in whatever
-/// thread: it has been written to its connection, or the connection's queue is gone. They must have been taken.
+/// The same frame with the same bytes; they are given back when its last holder releases it, in any thread: it has been
+/// written to its connection, or the connection's queue is gone. They must have been taken before.
 Frame count_frame(const std::shared_ptr<ByteBudget>& budget, Frame&& frame);
 
-/// Sends by `put`, a call with the frame, what the budget has room for; `full` if it has none. What was not sent is in
-/// `frame`, at the same address, and counts until the frame is gone.
+/// Sends with `put`, called with the frame, if the budget has room; otherwise `full`. An unsent frame stays in `frame`,
+/// at the same address, and counts until the frame is gone.
 template <class Put>
 SendResult send_within(const std::shared_ptr<ByteBudget>& budget, Frame& frame, const Put& put) {
   if (frame.size() >= kCountedFrame) {

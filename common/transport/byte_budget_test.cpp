@@ -1,5 +1,5 @@
-// Bytes that wait: counted until they have left, refused when there is no room, shared fairly, and given back whatever
-// happened to the connection.
+// Bytes that wait: counted until they are sent, refused when there is no room, shared fairly, and given back whatever
+// happens to the connection.
 #include "common/transport/byte_budget.hpp"
 
 #include <doctest/doctest.h>
@@ -39,7 +39,7 @@ struct Pair {
         server(*Socket::bus_server(context, endpoint)),
         client(Socket::bus_client(context, endpoint)) {}
 
-  /// The client's routing id, once it has said something.
+  /// The client's routing id, once it has sent something.
   Bytes hello() {
     Frame id;
     Frame word;
@@ -80,7 +80,7 @@ TEST_CASE("many greedy destinations leave room for one that has taken nothing") 
   CHECK(whole->used() <= 64 * kMega);
   const auto quiet = budget(8 * kMega, whole);
   CHECK(quiet->take(kMega));
-  // Those who came later got as much as those who came first.
+  // Latecomers got as much as the first ones.
   CHECK(greedy.front()->used() <= greedy.back()->used() + 64 * kKilo);
 }
 
@@ -104,7 +104,7 @@ TEST_CASE("a counted frame has the same bytes at the same place, and gives them 
   CHECK(counted.data() == data);
   CHECK(counted.size() == 5000);
   Frame copy;
-  copy.copy(counted);  // as a publisher's listeners share one
+  copy.copy(counted);  // as a publisher's subscribers share one
   counted.rebuild();
   CHECK(one->used() == 5000);
   copy.rebuild();
@@ -125,10 +125,10 @@ TEST_CASE("who does not read gets as many bytes as its budget has, small words s
     result = pair.send(id, within, frame);
   }
   CHECK(result == SendResult::full);
-  // Besides, its own queue has taken some, and the kernel.
+  // Its own queue and the kernel have taken some as well.
   CHECK(sent < kReceiveHighWaterMark + 16);
   CHECK(within->used() <= 4 * kMega);
-  // What was refused can still be read: its sender is told.
+  // A refused message can still be read: its sender gets a Nack.
   CHECK(view_of(frame) == picture);
   frame = to_frame("stop");
   CHECK(pair.send(id, within, frame) == SendResult::sent);

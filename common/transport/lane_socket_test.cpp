@@ -1,4 +1,4 @@
-// The lossy lane's sockets: nobody hears what it was not let hear, and who does not read is in nobody's way.
+// The lossy lane's sockets: a subscriber receives only what it was allowed, and one that does not read delays no other.
 #include <doctest/doctest.h>
 
 #include <thread>
@@ -28,7 +28,7 @@ struct Lane {
   Lane() {
     REQUIRE(server.bind("tcp://127.0.0.1:*").ok());
     endpoint = server.last_endpoint();
-    // The tests ask the sockets themselves: the loop looks again every few milliseconds.
+    // The tests read the sockets directly: the loop looks again every few milliseconds.
     loop.add_timer([] { return std::optional(read_clocks().mono + std::chrono::milliseconds(2)); }, [](Now) {});
   }
 
@@ -46,7 +46,7 @@ struct Lane {
     REQUIRE(client.dial(endpoint).ok());
     return client;
   }
-  /// The next subscription's word.
+  /// The next subscription frame.
   Bytes asked() {
     Frame frame;
     if (!soon([&] { return server.receive(frame); })) return "nothing";
@@ -60,7 +60,7 @@ struct Lane {
   }
 };
 
-/// The second frame of what has come.
+/// The second frame of what was received.
 Bytes heard(Lane& lane, Socket& client) {
   Frame frame;
   if (!lane.soon([&] { return client.receive(frame); })) return "nothing";
@@ -77,7 +77,7 @@ TEST_CASE("a subscription is asked for, and hears only what is let") {
   REQUIRE(lane.asked() == Bytes("\1ant\0", 5));
   lane.server.let_listen(Bytes("ant\0", 4));
   Socket all = lane.listener("");
-  REQUIRE(lane.asked() == "\1");  // not let
+  REQUIRE(lane.asked() == "\1");  // not allowed
   CHECK(lane.say(Bytes("bee\0", 4), "for bee") == SendResult::sent);
   CHECK(lane.say(Bytes("ant\0", 4), "for ant") == SendResult::sent);
   CHECK(heard(lane, ant) == "for ant");

@@ -20,7 +20,7 @@ std::int64_t read_clock(clockid_t clock) {
   return static_cast<std::int64_t>(time.tv_sec) * 1'000'000'000 + time.tv_nsec;
 }
 
-/// No deadline: look again after this long; costs nothing and guards against a clock that jumps.
+/// Without a deadline: wake after this long; costs nothing and guards against a clock that jumps.
 constexpr std::chrono::milliseconds kLongest{10'000};
 
 bool can_be_read(void* socket) {
@@ -166,7 +166,7 @@ void Loop::call_ready() {
       continue;
     }
     const short revents = std::exchange(seen.revents, short{0});
-    // A handler called before this one may have removed it, and freed what it watched.
+    // A handler called before this one may have removed it and freed what it watched.
     if (seen.removed || (revents == 0 && (seen.socket == nullptr || !*seen.unseen))) continue;
     const std::shared_ptr<Entry> entry = entries_[i];  // it may remove itself
     call(*entry, revents);
@@ -174,7 +174,7 @@ void Loop::call_ready() {
   if (background) call_background();
 }
 
-/// Of one that has to wait, what the kernel told is told again: its descriptor stays as it is until it is used.
+/// For one that has to wait the kernel repeats its signal: its descriptor stays as it is until it is used.
 void Loop::call_background() {
   std::shared_ptr<Entry> first;
   for (std::size_t i = 0; i < entries_.size(); ++i) {

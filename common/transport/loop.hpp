@@ -25,13 +25,13 @@ class Loop {
   Loop& operator=(const Loop&) = delete;
 
   /// `ready` is called when there may be something to read; it takes at most a bounded batch and returns. A ZeroMQ
-  /// descriptor tells of a message only until the socket is used for anything: `unseen` is true while one may wait
-  /// untold (see Socket::unseen). Without it only `ready` may use the socket.
+  /// descriptor signals a message only until the socket is used for anything: `unseen` is true while one may wait
+  /// without a signal (see Socket::unseen). If `unseen` is not given, only `ready` may use the socket.
   void add_socket(void* socket, Ready ready, bool* unseen = nullptr);
-  /// The same for what may wait: of all that are ready one is called a turn, after everything else, each in its turn.
+  /// The same at low priority: of all these that are ready, one is called a turn, after everything else, round robin.
   void add_background_socket(void* socket, Ready ready, bool* unseen);
   void remove_socket(void* socket);
-  /// poll(2) events; again with the same descriptor replaces them.
+  /// poll(2) events; a second call with the same descriptor replaces them.
   void add_fd(int fd, short events, ReadyEvents ready);
   void remove_fd(int fd);
   void add_timer(std::function<std::optional<MonotonicTime>()> next, std::function<void(Now)> tick);
@@ -44,11 +44,11 @@ class Loop {
   }
   void stop() { stopped_ = true; }
 
-  /// For a program that has an event loop of its own, in place of turn(): it watches this descriptor for reading, and
-  /// calls handle_ready() when it can be read or when next_deadline() has come.
+  /// For a program with an event loop of its own, instead of turn(): it watches this descriptor for reading, and calls
+  /// handle_ready() when it is readable or when next_deadline() has come.
   [[nodiscard]] int descriptor() const { return epoll_; }
-  /// Ask before each wait: a deadline that is over means that something is ready of which the descriptor does not tell.
-  /// Empty: only the descriptor can tell.
+  /// Ask before each wait: a deadline in the past means that something is ready that the descriptor does not signal.
+  /// Empty: only the descriptor wakes it.
   [[nodiscard]] std::optional<MonotonicTime> next_deadline();
   /// Calls what is ready and what is due, and never waits. False after stop().
   bool handle_ready();
@@ -74,7 +74,7 @@ class Loop {
   void watch(Entry& entry);
   void unwatch(Entry& entry);
   void rebuild();
-  /// True if a socket has something to read of which its descriptor does not tell.
+  /// True if a socket has something to read that its descriptor does not signal.
   bool look_at_entries();
   bool look_at_unseen();
   bool serve(std::chrono::milliseconds longest);
@@ -90,7 +90,7 @@ class Loop {
   std::map<int, std::shared_ptr<Entry>> fds_;
   std::vector<Timer> timers_;
   std::vector<std::shared_ptr<Entry>> entries_;
-  std::size_t background_turn_ = 0;  ///< in entries_, who comes first
+  std::size_t background_turn_ = 0;  ///< index in entries_ of the one that comes first
   int epoll_;
   bool changed_ = true;
   bool stopped_ = false;

@@ -34,7 +34,7 @@ struct Bus {
   }
 };
 
-/// What the socket's descriptor says, without asking the socket.
+/// What the socket's descriptor signals, without touching the socket.
 bool can_be_read(Socket& socket) {
   int fd = -1;
   std::size_t size = sizeof fd;
@@ -72,7 +72,7 @@ TEST_CASE("a message is heard whose signal a send has swallowed") {
   loop.add_socket(bus.client.handle(), drain, bus.client.unseen());
   turn_at_once(loop);
   CHECK(bus.server.send_to(bus.client_id, to_frame("message")) == SendResult::sent);
-  // A send looks into the socket's mailbox only now and then, and then the descriptor is silent.
+  // A send processes the socket's mailbox only now and then, and then the descriptor is silent.
   REQUIRE(can_be_read(bus.client));
   while (can_be_read(bus.client)) bus.client.send(to_frame("something else"));
   CHECK(soon(loop, [&] { return heard == 1; }));
@@ -153,11 +153,11 @@ TEST_CASE("a program with an event loop of its own drives this one by a descript
   loop.add_socket(bus.client.handle(), take_one, bus.client.unseen());
   const MonotonicTime due = read_clocks().mono + std::chrono::milliseconds(30);
   loop.add_timer([&] { return ticked ? std::nullopt : std::optional(due); }, [&](Now) { ticked = true; });
-  // Given nothing is ready, then the timer's deadline is all there is to wait for, and nothing is called before it.
+  // If nothing is ready, the timer's deadline is all there is to wait for, and nothing is called before it.
   CHECK(loop.handle_ready());
   CHECK(loop.next_deadline() == due);
   CHECK(heard == 0);
-  // When messages come, the descriptor tells of them; of what is left after one, the deadline does.
+  // When messages arrive, the descriptor signals them; for those left after the first, the deadline does.
   for (int i = 0; i < 3; ++i) bus.server.send_to(bus.client_id, to_frame("message"));
   const MonotonicTime end = read_clocks().mono + kPatience;
   while ((heard < 3 || !ticked) && read_clocks().mono < end) {

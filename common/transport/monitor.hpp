@@ -1,4 +1,4 @@
-// What libzmq tells of a socket's connections.
+// What libzmq reports about a socket's connections.
 #pragma once
 
 #include <functional>
@@ -14,13 +14,13 @@ enum class LinkEvent {
   connected,  ///< the handshake is done: both sides hold their keys
   failed,     ///< no TCP connection, or it broke before the handshake
   disconnected,
-  refused_key,       ///< the other side's ZAP said no
+  refused_key,       ///< the other side's ZAP refused it
   no_curve,          ///< the other side does not speak CURVE
   wrong_server_key,  ///< the handshake's cryptography failed
-  protocol_error,    ///< anything else that is no ZMTP
+  protocol_error,    ///< anything else that is not ZMTP
   listening,         ///< an endpoint is bound
-  accepted,          ///< a TCP connection came; it has proven nothing
-  accept_failed,     ///< one could not be taken: no descriptor was left
+  accepted,          ///< a TCP connection was accepted; nothing is proven yet
+  accept_failed,     ///< one could not be accepted: no descriptor was left
 };
 
 /// For a socket without a loop of its own: has the other side refused its key?
@@ -30,7 +30,7 @@ class RefusalWatch {
   ~RefusalWatch();
   RefusalWatch(const RefusalWatch&) = delete;
   RefusalWatch& operator=(const RefusalWatch&) = delete;
-  /// True if it did since the last look.
+  /// True if it has refused since the last call.
   bool refused();
 
  private:
@@ -38,7 +38,7 @@ class RefusalWatch {
   Socket pair_;
 };
 
-/// Watches one socket; the events come on the loop's thread, later than what they tell of. `fd` is the descriptor of
+/// Watches one socket; the events arrive on the loop's thread, later than they happened. `fd` is the descriptor of
 /// listening, accepted, connected and disconnected, else -1; it may have been closed since.
 class SocketMonitor {
  public:
@@ -47,7 +47,7 @@ class SocketMonitor {
   static Result<std::unique_ptr<SocketMonitor>> watch(Context& context, Loop& loop, Socket& socket, OnEvent on_event);
   ~SocketMonitor();
   SocketMonitor(const SocketMonitor&) = delete;
-  /// Tells at once what has happened up to now: a frame may be read before the loop comes to its connection's events.
+  /// Reports at once what has happened so far: a frame may be read before the loop reaches its connection's events.
   void catch_up();
   SocketMonitor& operator=(const SocketMonitor&) = delete;
 
@@ -59,7 +59,8 @@ class SocketMonitor {
   Socket& socket_;
   Socket pair_;
   OnEvent on_event_;
-  std::shared_ptr<int> here_ = std::make_shared<int>();  ///< gone with this object
+  std::shared_ptr<int> here_ = std::make_shared<int>();  ///< destroyed with this object: a weak pointer to it shows
+                                                         ///< whether it still exists
 };
 
 }  // namespace trb

@@ -7,7 +7,8 @@
 
 namespace trb {
 
-/// Blocks SIGTERM, SIGINT, SIGHUP and SIGPIPE for this thread and all it will start. Call before a Context is made.
+/// Blocks SIGTERM, SIGINT, SIGHUP and SIGPIPE for this thread and all that it will start. Call before a Context is
+/// made.
 void block_signals();
 
 /// Delivers SIGTERM, SIGINT and SIGHUP to the loop.

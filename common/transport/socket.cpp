@@ -12,7 +12,7 @@ namespace {
 constexpr std::uint64_t kFirstIoThread = 1;  // masks: a bit for each
 constexpr std::uint64_t kLaneIoThread = 2;
 constexpr int kEnforceDomain = 93;    // ZMQ_ZAP_ENFORCE_DOMAIN, a draft name in Debian's header
-constexpr int kZeroCopyReceive = 10;  // ZMQ_ZERO_COPY_RECV, another one
+constexpr int kZeroCopyReceive = 10;  // ZMQ_ZERO_COPY_RECV, another draft name
 constexpr std::int64_t kMaxMessage = (1 << 20) + 1024;
 
 zmq::socket_t make(Context& context, zmq::socket_type type) {
@@ -25,7 +25,7 @@ zmq::socket_t make(Context& context, zmq::socket_type type) {
   return socket;
 }
 
-/// A connection whose other end lost its power, or moved, holds a descriptor until the kernel has asked in vain.
+/// A connection whose other end lost power, or moved, holds a descriptor until the kernel's keep-alives have failed.
 void watch_connections(zmq::socket_t& socket) {
   socket.set(zmq::sockopt::tcp_keepalive, 1);
   socket.set(zmq::sockopt::tcp_keepalive_idle, 15);
@@ -33,7 +33,7 @@ void watch_connections(zmq::socket_t& socket) {
   socket.set(zmq::sockopt::tcp_keepalive_cnt, 3);
 }
 
-/// A lane holds little, and shares nothing with the links: what waits in it must not be in their way.
+/// A lane holds little, and shares nothing with the links: what waits in it must not delay them.
 void be_lane(zmq::socket_t& socket) {
   socket.set(zmq::sockopt::affinity, kLaneIoThread);
   socket.set(zmq::sockopt::sndhwm, kLaneHighWaterMark);
@@ -59,7 +59,7 @@ void be_curve_client(zmq::socket_t& socket, const CurveClient& curve) {
   socket.set(zmq::sockopt::curve_serverkey, curve.server_key);
 }
 
-/// On a bus over TCP a container that was cut off must not hold its place: its connection ends after 6 s of silence.
+/// On a bus over TCP a container that was cut off must not keep its place: its connection ends after 6 s of silence.
 void watch_bus(zmq::socket_t& socket) {
   socket.set(zmq::sockopt::heartbeat_ivl, 2000);
   socket.set(zmq::sockopt::heartbeat_timeout, 6000);
@@ -79,7 +79,7 @@ Error failed(const std::string& what, const zmq::error_t& problem) {
   return fail(Errc::io_error, what + ": " + problem.what(), hint_for(problem));
 }
 
-/// While a program starts, what cannot be made ends it.
+/// At startup a failure to create something ends the program.
 template <class Make>
 auto at_start(const std::string& what, const Make& make) {
   try {
@@ -91,10 +91,10 @@ auto at_start(const std::string& what, const Make& make) {
 
 zmq::context_t make_context(int io_threads) {
   zmq::context_t context(io_threads);
-  // Of a thousand links each takes six: its own and its lane's, and two to watch each.
+  // Each of a thousand links takes six: its own and its lane's, and two monitors for each.
   context.set(zmq::ctxopt::max_sockets, 8192);
   context.set(zmq::ctxopt::ipv6, 1);
-  // Else a small message that waits keeps the buffer of 18 kB alive that it was read into.
+  // Otherwise a small message that waits keeps the 18 kB buffer alive that it was read into.
   if (zmq_ctx_set(context.handle(), kZeroCopyReceive, 0) != 0) throw zmq::error_t();
   return context;
 }
@@ -121,7 +121,7 @@ zmq::socket_t make_dialler(Context& context, const CurveKeys& keys, BytesView se
   socket.set(zmq::sockopt::connect_timeout, 1000);
   watch_connections(socket);
   socket.set(zmq::sockopt::handshake_ivl, 2000);
-  // The last words before a close, a Goodbye or why the other side is refused, still leave.
+  // The last messages before a close, a Goodbye or the reason of a refusal, are still sent.
   socket.set(zmq::sockopt::linger, 200);
   be_curve_client(socket, {keys, Bytes(server_key)});
   return socket;
@@ -138,7 +138,7 @@ zmq::socket_t make_tap_client(Context& context, const std::string& endpoint, con
 zmq::socket_t make_lane_server(Context& context, const CurveKeys& keys) {
   zmq::socket_t socket = make(context, zmq::socket_type::xpub);
   be_lane(socket);
-  // What comes up is the handshake and a subscription.
+  // Only the handshake and a subscription arrive here.
   socket.set(zmq::sockopt::maxmsgsize, std::int64_t{1024});
   const int on = 1;
   if (zmq_setsockopt(socket.handle(), ZMQ_XPUB_MANUAL, &on, sizeof on) != 0) throw zmq::error_t();
@@ -217,7 +217,7 @@ Status Socket::bind(const std::string& endpoint) {
 
 void Socket::unbind(const std::string& endpoint) {
   *unseen_ = true;
-  // Only what zmq itself has resolved counts as its name; an interface that went away may have taken it along.
+  // Only the name that zmq itself resolved counts; an interface that disappeared may have taken it along.
   zmq_unbind(socket_.handle(), endpoint.c_str());
 }
 
@@ -232,7 +232,7 @@ Status Socket::dial(const std::string& endpoint) {
 }
 
 Status Socket::dial_again(const std::string& endpoint) {
-  zmq_disconnect(socket_.handle(), endpoint.c_str());  // of one that it has given up it may know nothing any more
+  zmq_disconnect(socket_.handle(), endpoint.c_str());  // libzmq may no longer know an endpoint that it has given up
   return dial(endpoint);
 }
 
@@ -288,7 +288,7 @@ Result<Socket> Socket::pair_client(Context& context, const std::string& endpoint
 
 bool Socket::receive(Frame& frame) {
   const bool received = zmq_msg_recv(frame.handle(), socket_.handle(), ZMQ_DONTWAIT) >= 0;
-  // EAGAIN: there is none. After any other error one may still wait.
+  // EAGAIN: there is none. After any other error a message may still wait.
   *unseen_ = received || zmq_errno() != EAGAIN;
   return received;
 }
@@ -302,10 +302,10 @@ void Socket::skip_rest(const Frame& last) {
 SendResult Socket::send(Frame&& frame, bool more) {
   const int flags = more ? ZMQ_DONTWAIT | ZMQ_SNDMORE : ZMQ_DONTWAIT;
   *unseen_ = true;
-  // What was refused is still in `frame`.
+  // A refused message is still in `frame`.
   if (zmq_msg_send(frame.handle(), socket_.handle(), flags) >= 0) return SendResult::sent;
   if (zmq_errno() == EHOSTUNREACH) return SendResult::unroutable;
-  // A socket looks only now and then whether its peer has made room. Asked for its events it looks at once.
+  // A socket checks only now and then whether its peer has made room. When asked for its events it checks at once.
   int events = 0;
   std::size_t size = sizeof events;
   zmq_getsockopt(socket_.handle(), ZMQ_EVENTS, &events, &size);

@@ -11,7 +11,7 @@
 namespace trb {
 namespace {
 
-constexpr std::size_t kPrefixBytes = 8;  ///< of IPv6: what one customer gets at least
+constexpr std::size_t kPrefixBytes = 8;  ///< of IPv6: the least that one customer gets
 
 std::string text_of(int family, const void* bytes) {
   char out[INET6_ADDRSTRLEN] = {};
@@ -41,7 +41,7 @@ using Program = std::vector<sock_filter>;
 constexpr sock_filter statement(int code, std::uint32_t k) {
   return {static_cast<std::uint16_t>(code), 0, 0, k};
 }
-/// The next instruction if A is k, else the one `past` further on.
+/// Continues with the next instruction if A is k, else `past` instructions further on.
 constexpr sock_filter unless_equal(std::uint32_t k, std::uint8_t past) {
   return {BPF_JMP | BPF_JEQ | BPF_K, 0, past, k};
 }
@@ -52,7 +52,7 @@ constexpr std::uint32_t kV4Source = 12;  // in the IP header
 constexpr std::uint32_t kV6Source = 8;
 constexpr std::uint32_t kKeep = 0xffffffff;
 
-/// What is done with a new connection of each source, and of all others.
+/// What happens to a new connection from each source, and from all others.
 struct Verdicts {
   std::vector<std::pair<std::string, std::uint32_t>> of;
   std::uint32_t others = kKeep;

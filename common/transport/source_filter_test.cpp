@@ -48,7 +48,7 @@ struct Door {
     REQUIRE(::getsockname(listener.get(), reinterpret_cast<sockaddr*>(&name), &size) == 0);
   }
 
-  /// Has the connection come about within the time? A dropped packet is only sent again after a second.
+  /// Was the connection made in time? A dropped packet is sent again only after a second.
   [[nodiscard]] bool lets_in(const char* from = nullptr) const { return connect(from, 300).first; }
 
   [[nodiscard]] std::pair<bool, Fd> connect(const char* from, int wait_ms) const {
@@ -84,7 +84,7 @@ TEST_CASE("the kernel drops what a blocked source sends to a listening socket, a
   CHECK(!door.lets_in("127.0.130.66"));
   CHECK(!door.lets_in("127.0.130.65"));
   CHECK(door.lets_in("127.0.130.67"));
-  // The connection that was there before goes on.
+  // The earlier connection still works.
   REQUIRE(::send(before.get(), "x", 1, MSG_NOSIGNAL) == 1);
   pollfd item{accepted.get(), POLLIN, 0};
   CHECK(::poll(&item, 1, 1000) == 1);

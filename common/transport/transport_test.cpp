@@ -28,7 +28,7 @@ CurveKeys make_keys() {
 template <class Condition>
 bool turn_until(Loop& loop, Condition condition) {
   const MonotonicTime end = read_clocks().mono + std::chrono::seconds(2);
-  // The sockets that a condition reads are not the loop's: it looks again every 10 ms.
+  // The sockets that a condition reads are not in the loop: it looks again every 10 ms.
   loop.add_timer([] { return std::optional(read_clocks().mono + std::chrono::milliseconds(10)); }, [](Now) {});
   while (read_clocks().mono < end) {
     if (condition()) return true;
@@ -133,7 +133,7 @@ TEST_CASE("a dialled link is never made again behind the core's back") {
   again.members.insert(keys.public_key);
   again.server = server;
   again.inbox = *Socket::inbox(again.context, endpoint, server);
-  // The dead connection's queue goes a moment after the event; nothing in it reaches the successor.
+  // The dead connection's queue goes a moment after the event; the successor gets nothing from it.
   CHECK(turn_until(again.loop, [&] { return dialler.send(to_frame("stale")) == SendResult::full; }));
   Frame frame;
   CHECK_FALSE(again.inbox.receive(frame));

@@ -34,7 +34,7 @@ void ZapServer::serve() {
   try {
     answer_one();
   } catch (const zmq::error_t&) {
-    // Nobody was let in: libzmq ends that handshake after 2 s.
+    // No key was admitted: libzmq ends that handshake after 2 s.
   }
 }
 

@@ -1,4 +1,5 @@
-// The ZAP handler (RFC 27): who may connect by CURVE. It must be bound before any inbox, or libzmq lets every key in.
+// The ZAP handler (RFC 27): which keys may connect by CURVE. It must be bound before any inbox, or libzmq admits every
+// key.
 #pragma once
 
 #include <functional>
@@ -10,8 +11,8 @@ namespace trb {
 
 class ZapServer {
  public:
-  /// `domain` is the door's (kInboxDomain, kBusDomain), `key` the client's 32-byte public key; an admitted connection's
-  /// frames carry it as User-Id (hexadecimal).
+  /// `domain` is the socket's (kInboxDomain, kBusDomain), `key` the client's 32-byte public key; frames of an admitted
+  /// connection carry it as User-Id (hexadecimal).
   using Admit = std::function<bool(BytesView domain, BytesView key)>;
   ZapServer(Context& context, Loop& loop, Admit admit);
   ~ZapServer();

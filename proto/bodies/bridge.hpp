@@ -1,4 +1,4 @@
-// Bodies between a mode-adapter and the process that speaks a foreign middleware for it: trb-MODE-bridge. Both are
+// Bodies between a mode-adapter and the process that speaks a foreign middleware for it (trb-MODE-bridge). Both are
 // services of one node.
 #pragma once
 
@@ -8,27 +8,27 @@
 namespace trb {
 
 enum class BridgeAction : std::uint8_t {
-  publish = 0,  ///< say `data` under `name` once; `done` when somebody was there to be given it
-  ask,          ///< the next that is said under `name`: one `value`
-  watch,        ///< from now on what is said under `name`, at most ten times a second: a `value` each
-  unwatch,      ///< ends the watch of that token
+  publish = 0,  ///< send `data` under `name` once; `done` when there was a receiver for it
+  ask,          ///< wait for the next message under `name`: one `value`
+  watch,        ///< from now on a `value` for each message under `name`, at most ten a second
+  unwatch,      ///< ends the watch with that token
 };
 constexpr auto enum_names(BridgeAction) {
   return std::array<std::string_view, 4>{"publish", "ask", "watch", "unwatch"};
 }
 
-/// Mode-adapter -> bridge (command). Its end is a BridgeEvent with the same token; a watch ends with the bridge or with
-/// `unwatch`. What goes to the robot is counted by the mode-adapter, so all three are upkeep here.
+/// Mode-adapter -> bridge (command). It ends with a BridgeEvent of the same token; a watch ends with the bridge or with
+/// `unwatch`. The mode-adapter counts what goes to the robot, so all three bodies are upkeep here.
 struct BridgeCommand {
   static constexpr std::string_view kSubtype = "bridge_command";
   static constexpr Travel kTravel = on_bus(CostPhase::upkeep, {"mode-adapter"});
-  std::uint64_t instance = 0;  ///< of the mode-adapter: another one's commands and watches are over with its first
+  std::uint64_t instance = 0;  ///< of the mode-adapter: a new instance ends the commands and watches of the old one
   std::uint64_t token = 0;
   BridgeAction action{};
   std::string name;                ///< a ROS topic
-  std::string type;                ///< the topic's type; empty: the one that is in use
+  std::string type;                ///< the topic's type; empty: the type in use
   std::string data;                ///< JSON
-  std::vector<std::string> paths;  ///< of a value: the list of these alone, as "pose.position.x"; empty: all of it
+  std::vector<std::string> paths;  ///< of a value: only these fields, such as "pose.position.x"; empty: all
   double timeout_s = 5;
   template <class T = BridgeCommand>
   static FieldTable fields() {
@@ -66,7 +66,7 @@ struct BridgeEvent {
 struct BridgeState {
   static constexpr std::string_view kSubtype = "bridge_state";
   static constexpr Travel kTravel = on_bus(CostPhase::upkeep, {"ros-bridge"});
-  std::uint64_t connection = 0;  ///< another number: what was under way or watched before is forgotten
+  std::uint64_t connection = 0;  ///< a new number: whatever was running or watched before is forgotten
   bool up = false;
   std::string detail;  ///< why not
   template <class T = BridgeState>

@@ -6,7 +6,7 @@
 
 namespace trb {
 
-/// A service's first message: what it takes. Answered by ServiceWelcome or a Nack (already_claimed).
+/// A service's first message: which subtypes it takes. Answered by ServiceWelcome or a Nack (already_claimed).
 struct ServiceHello {
   static constexpr std::string_view kSubtype = "service_hello";
   static constexpr Travel kTravel = on_bus(CostPhase::boot, {kAnyService});
@@ -15,7 +15,7 @@ struct ServiceHello {
   std::uint64_t instance = 0;  ///< random, new at each start of the process
   std::uint32_t pid = 0;
   std::string version;
-  std::vector<std::string> hears{};  ///< information that it wants a copy of; as many services as like may hear one
+  std::vector<std::string> hears{};  ///< information that it wants a copy of; any number of services may receive one
   template <class T = ServiceHello>
   static FieldTable fields() {
     return FieldTable{field("service", &T::service, 64), field("subtypes", &T::subtypes, 64),
@@ -39,7 +39,7 @@ struct ServiceWelcome {
   }
 };
 
-/// Sent by a service once a second; the answer shows the service that its router still knows it.
+/// Sent by a service once a second; the answer shows that its router still knows it.
 struct ServiceAlive {
   static constexpr std::string_view kSubtype = "service_alive";
   static constexpr Travel kTravel = on_bus(CostPhase::upkeep, {kAnyService});
@@ -60,7 +60,7 @@ struct ServiceAliveSeen {
   }
 };
 
-/// The router does not know this connection (it was restarted): say ServiceHello again.
+/// The router does not know this connection (the router was restarted): send ServiceHello again.
 struct HelloWanted {
   static constexpr std::string_view kSubtype = "hello_wanted";
   static constexpr Travel kTravel = on_bus(CostPhase::upkeep);
@@ -79,7 +79,7 @@ struct Nack {
   std::string target;   ///< of the message that failed
   std::string what;
   std::string hint;
-  std::string about{};  ///< what the message that failed is about: a run's id; empty if nothing rests on it
+  std::string about{};  ///< what the failed message is about: a run's id; empty if nothing depends on it
   template <class T = Nack>
   static FieldTable fields() {
     return FieldTable{field("code", &T::code, 64),   field("subtype", &T::subtype, 64), field("target", &T::target, 64),
@@ -91,7 +91,7 @@ struct Nack {
 struct Ack {
   static constexpr std::string_view kSubtype = "ack";
   static constexpr Travel kTravel = between_nodes(CostPhase::upkeep);
-  std::string state;  ///< how far it has come: "handed_over", "started", "stopped", "released", "accepted"
+  std::string state;  ///< how far the command has come: "handed_over", "started", "stopped", "released", "accepted"
   std::string text;
   template <class T = Ack>
   static FieldTable fields() {
@@ -99,7 +99,7 @@ struct Ack {
   }
 };
 
-/// Asks the router to sign a record of its kind; only the one service that may make that kind is served.
+/// Asks the router to sign a record of this kind; only the one service that may make this kind is served.
 struct SignRequest {
   static constexpr std::string_view kSubtype = "sign_request";
   static constexpr Travel kTravel = on_bus(CostPhase::upkeep, {kAnyService});
@@ -115,7 +115,7 @@ struct SignRequest {
 struct RouteListRequest {
   static constexpr std::string_view kSubtype = "route_list";
   static constexpr Travel kTravel = between_nodes(CostPhase::upkeep);
-  std::string after{};  ///< the last row's id of the page before; empty: the first page
+  std::string after{};  ///< the last row's id of the previous page; empty: the first page
   template <class T = RouteListRequest>
   static FieldTable fields() {
     return FieldTable{field("after", &T::after, 64)};
@@ -133,14 +133,14 @@ struct ServiceListRequest {
 
 struct ServiceEntry {
   std::string service;
-  std::string state;  ///< "up", "silent" (3 s without a word), "down"
+  std::string state;  ///< "up", "silent" (no message for 3 s), "down"
   std::uint32_t pid = 0;
   std::uint64_t instance = 0;
   std::string version;
   double up_s = 0;
   double last_heard_s = 0;
   std::vector<std::string> subtypes;
-  std::string note;  ///< what a person should know of it, as a certificate that ends soon
+  std::string note;  ///< what a person should know about it, such as a certificate that ends soon
   template <class T = ServiceEntry>
   static FieldTable fields() {
     return FieldTable{

@@ -1,4 +1,4 @@
-// Conditions of tasks, and the signed record of what one came to.
+// Conditions of tasks, and the signed record of how they were evaluated.
 #pragma once
 
 #include "proto/bodies/sensor.hpp"
@@ -12,17 +12,17 @@ constexpr auto enum_names(Comparison) {
   return std::array<std::string_view, 6>{"<", "<=", ">", ">=", "==", "!="};
 }
 
-/// A task's `when`: it is SKIPPED unless the sensor's value compares so. Other kinds of condition come as fields of
-/// their own; this one has a `sensor`.
+/// A task's `when`: the task is SKIPPED unless the comparison with the sensor's value holds. Other kinds of condition
+/// come as fields of their own; this one has a `sensor`.
 struct Condition {
-  std::string sensor;    ///< its name, else its kind: as in SensorRead
+  std::string sensor;    ///< its name, or else its kind, as in SensorRead
   std::string of;        ///< the node that has it; empty: any
-  std::string identity;  ///< its serial number; wins over `of`
+  std::string identity;  ///< its serial number; takes precedence over `of`
   Comparison op{};
   bool is_text = false;  ///< compared with `text`, else with `number`
   double number = 0;
   std::string text;
-  std::string unit;  ///< a number's: a value in another unit is not taken
+  std::string unit;  ///< of a number: a value in another unit is not accepted
   bool operator==(const Condition&) const = default;
   template <class T = Condition>
   static FieldTable fields() {
@@ -33,11 +33,11 @@ struct Condition {
   }
 };
 
-/// What the choice is for one task.
+/// What was chosen for one task.
 struct ChosenTask {
   std::string task;
   std::uint32_t iteration = 1;
-  bool holds = false;  ///< the condition: else the task is SKIPPED
+  bool holds = false;  ///< whether the condition holds; if not, the task is SKIPPED
   bool operator==(const ChosenTask&) const = default;
   template <class T = ChosenTask>
   static FieldTable fields() {
@@ -45,8 +45,8 @@ struct ChosenTask {
   }
 };
 
-/// Conditions evaluated once, over one reading, signed by the node that evaluated them (purpose "choice"): the actor of
-/// the tasks' lowest-numbered predecessor, or a task's own if it has none. Everybody else goes by it.
+/// Conditions evaluated once, from one reading, signed by the node that evaluated them (purpose "choice"): the actor of
+/// the tasks' lowest-numbered predecessor, or a task's own actor if it has none. All other nodes follow it.
 struct Choice {
   static constexpr std::string_view kSubtype = "choice";
   static constexpr Travel kTravel = in_record();
@@ -55,9 +55,9 @@ struct Choice {
   std::uint32_t epoch = 1;
   std::string by;
   std::vector<ChosenTask> tasks;
-  std::string node;       ///< that told the value
+  std::string node;       ///< that sent the value
   SensorReading reading;  ///< the value
-  std::int64_t time = 0;  ///< of the choice: UTC ns
+  std::int64_t time = 0;  ///< when the choice was made: UTC ns
   bool operator==(const Choice&) const = default;
   template <class T = Choice>
   static FieldTable fields() {

@@ -1,4 +1,4 @@
-// Decisions on a run: signed by its decider, each the next epoch; and what goes with them between schedulers.
+// Decisions on a run, signed by its decider, each beginning the next epoch; and what schedulers exchange about them.
 #pragma once
 
 #include "proto/bodies/signed.hpp"
@@ -18,16 +18,16 @@ struct Member {
   }
 };
 
-/// What a decision makes of one task. `move`: another robot does it. `retry`: the same robot does it again. `skip`: the
-/// decider's node becomes its actor, and says that it is SKIPPED.
+/// What a decision does with one task. `move`: another robot does it. `retry`: the same robot does it again. `skip`:
+/// the decider's node becomes its actor and reports it as SKIPPED.
 enum class Ruling : std::uint8_t { move = 0, retry, skip };
 constexpr auto enum_names(Ruling) {
   return std::array<std::string_view, 3>{"move", "retry", "skip"};
 }
 
-/// Why the task may leave its robot, or be done again. `result`: the robot's own signed result says that the attempt
-/// has ended or was never begun. `word`: a person has said that the robot stands; or the task is one that its scenario
-/// skips if it does not begin in time.
+/// Why the task may leave its robot, or be done again. `result`: the robot's own signed result shows that the attempt
+/// has ended or never began. `word`: a person has confirmed that the robot stands still; or the scenario skips the task
+/// if it does not begin in time.
 enum class Evidence : std::uint8_t { result = 0, word };
 constexpr auto enum_names(Evidence) {
   return std::array<std::string_view, 2>{"result", "word"};
@@ -36,8 +36,8 @@ constexpr auto enum_names(Evidence) {
 struct TaskRuling {
   std::string task;
   Ruling ruling{};
-  std::string robot;          ///< whose the task is from this epoch on
-  std::uint32_t attempt = 1;  ///< the next attempt: earlier ones are void, unless they FINISHED
+  std::string robot;          ///< the robot that has the task from this epoch on
+  std::uint32_t attempt = 1;  ///< the next attempt: earlier ones are void unless they FINISHED
   Evidence evidence{};
   bool operator==(const TaskRuling&) const = default;
   template <class T = TaskRuling>
@@ -47,18 +47,18 @@ struct TaskRuling {
   }
 };
 
-/// Epoch k+1 of a run, signed by its decider (purpose "decision"): the first cloud node among the start's members. What
-/// it does not name stays as it was.
+/// Epoch k+1 of a run, signed by its decider (purpose "decision"): the first cloud node among the start's members.
+/// Whatever it does not name stays as it was.
 struct Decision {
   static constexpr std::string_view kSubtype = "decision";
   static constexpr Travel kTravel = in_record();
   std::string run;
   Blob digest;
   std::uint32_t epoch = 2;
-  Blob previous;  ///< BLAKE2b-256 of the payload of the decision before; empty in epoch 2
+  Blob previous;  ///< BLAKE2b-256 of the previous decision's payload; empty in epoch 2
   std::string by;
   std::vector<TaskRuling> tasks;
-  std::vector<Member> members;  ///< those that were none yet
+  std::vector<Member> members;  ///< those that were not members before
   std::string alert;            ///< the alert that it answers
   std::string person;           ///< who decided; empty: the policy
   std::string reason;
@@ -86,7 +86,7 @@ struct RunDecision {
   }
 };
 
-/// The member holds every decision up to that epoch on disk.
+/// The member has every decision up to that epoch on disk.
 struct DecisionJournaled {
   static constexpr std::string_view kSubtype = "decision_journaled";
   static constexpr Travel kTravel = between_nodes(CostPhase::upkeep);
@@ -98,16 +98,16 @@ struct DecisionJournaled {
   }
 };
 
-/// The decider asks a robot's node to give tasks back (command). What has not begun is answered by its signed result,
-/// `released`; what has ended stays as it is, and what runs, too, unless it is to stop. Answered by Ack "accepted" or a
-/// Nack; the results go their way.
+/// The decider asks a robot's node to give tasks back (command). A task that has not begun is answered by its signed
+/// result, `released`; one that has ended stays as it is, and so does a running one unless it is to stop. Answered by
+/// Ack "accepted" or a Nack; the results come as usual.
 struct ReleaseTasks {
   static constexpr std::string_view kSubtype = "release_tasks";
   static constexpr Travel kTravel = from_cloud(CostPhase::fail, {"resilience"});
   std::string run;
   std::uint32_t epoch = 1;
   std::vector<std::uint16_t> tasks;
-  bool stop{};  ///< what runs is stopped and ends as `retriable`: a person has said that the robot stands
+  bool stop{};  ///< running tasks end as `retriable`: a person has confirmed that the robot stands still
   template <class T = ReleaseTasks>
   static FieldTable fields() {
     return FieldTable{field("run", &T::run, 64), field("epoch", &T::epoch), field("tasks", &T::tasks, 1000),
@@ -115,8 +115,8 @@ struct ReleaseTasks {
   }
 };
 
-/// The order to hold a run, or to let it go on, signed (purpose "run_pause"). Of several the highest number counts; of
-/// two with one number the one that holds it.
+/// The order to hold a run, or to let it continue, signed (purpose "run_pause"). The highest number counts; of two
+/// orders with the same number, the one that holds the run.
 struct PauseOrder {
   static constexpr std::string_view kSubtype = "pause_order";
   static constexpr Travel kTravel = in_record();
@@ -125,9 +125,8 @@ struct PauseOrder {
   bool paused = true;
   std::string by;
   std::string reason;
-  std::int64_t time = 0;  ///< UTC ns
-  std::vector<std::string>
-      doubles{};  ///< tasks that were done twice, as far as it was known: they hold the run no more
+  std::int64_t time = 0;               ///< UTC ns
+  std::vector<std::string> doubles{};  ///< tasks known to have been done twice: they no longer hold the run
   template <class T = PauseOrder>
   static FieldTable fields() {
     return FieldTable{field("run", &T::run, 64),          field("number", &T::number),

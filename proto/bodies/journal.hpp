@@ -1,11 +1,11 @@
-// Records of the scheduler's journal. Never sent; the field rules (append only) hold for them too.
+// Records of the scheduler's journal. They are never sent; the rules for fields (append only) hold for them, too.
 #pragma once
 
 #include "proto/bodies/run.hpp"
 
 namespace trb {
 
-/// The run is known here: the signed RunStart.
+/// The run is known on this node: the signed RunStart.
 struct JournalRun {
   static constexpr std::string_view kSubtype = "journal_run";
   static constexpr Travel kTravel = in_record();
@@ -54,7 +54,7 @@ struct JournalChoice {
   }
 };
 
-/// Another node has journaled what this one owed it.
+/// Another node has journaled what this node owed it.
 struct JournalDelivered {
   static constexpr std::string_view kSubtype = "journal_delivered";
   static constexpr Travel kTravel = in_record();
@@ -117,17 +117,17 @@ struct JournalEnd {
   }
 };
 
-/// The run is over: its records are dropped, and this is kept in their place, in the archive; anything that still comes
-/// for it is refused until `until`.
+/// The run is over: its records are dropped, and this one is kept in the archive instead; until `until`, any message
+/// that still arrives for the run is refused.
 struct JournalArchive {
   static constexpr std::string_view kSubtype = "journal_archive";
   static constexpr Travel kTravel = in_record();
   RunView view;
-  std::vector<SignedRecord> results;  ///< that count, one a task
+  std::vector<SignedRecord> results;  ///< the results that count, one a task
   std::vector<SignedRecord> choices;
   std::vector<SignedRecord> decisions;
   std::vector<SignedRecord> orders;
-  SignedRecord end;        ///< the RunEnd; without a kind: there is none
+  SignedRecord end;        ///< the RunEnd; an empty kind: there is none
   std::int64_t until = 0;  ///< by the node's steady time, UTC ns
   template <class T = JournalArchive>
   static FieldTable fields() {
@@ -141,7 +141,7 @@ struct JournalArchive {
   }
 };
 
-/// The node's steady time (common/base/steady_time.hpp), now and then. The newest one counts.
+/// The node's steady time (common/base/steady_time.hpp), written now and then. The newest record counts.
 struct JournalTime {
   static constexpr std::string_view kSubtype = "journal_time";
   static constexpr Travel kTravel = in_record();
@@ -152,8 +152,8 @@ struct JournalTime {
   }
 };
 
-/// This journal is new though the node is not: what an older one held is lost, and nothing is begun before a person has
-/// looked at the robot. `over`: somebody has.
+/// This journal is new although the node is not: the content of the older one is lost, and no task begins before a
+/// person has looked at the robot. `over`: a person has.
 struct JournalLost {
   static constexpr std::string_view kSubtype = "journal_lost";
   static constexpr Travel kTravel = in_record();
@@ -165,8 +165,8 @@ struct JournalLost {
   }
 };
 
-/// Of an earlier version. The run is over; its records are dropped, and anything that still comes for it is refused
-/// until `until`.
+/// Written by an earlier version. The run is over; its records are dropped, and until `until` any message that still
+/// arrives for it is refused.
 struct JournalTombstone {
   static constexpr std::string_view kSubtype = "journal_tombstone";
   static constexpr Travel kTravel = in_record();

@@ -1,4 +1,4 @@
-// Bodies between routers, and what a router knows of the fleet.
+// Bodies between routers, and what a router knows about the fleet.
 #pragma once
 
 #include "proto/bodies/robot.hpp"
@@ -14,9 +14,9 @@ struct ParameterInfo {
   std::string type;  ///< "number", "integer", "text", "bool", "place", "numbers"
   bool required = true;
   std::string unit;  ///< SI; empty for none
-  /// Of a number, the lowest and the highest; an open end is the largest double. Empty: any.
+  /// Of a number: the lowest and the highest; an open end is the largest double. Empty: any.
   std::vector<double> range{};
-  std::vector<std::string> one_of{};  ///< the words that a text or a place may be; empty: any
+  std::vector<std::string> one_of{};  ///< the values that a text or a place may have; empty: any
   std::uint32_t count = 0;            ///< of "numbers", how many; 0: any
   bool operator==(const ParameterInfo&) const = default;
   template <class T = ParameterInfo>
@@ -31,7 +31,7 @@ struct SkillInfo {
   std::string name;
   std::string capability;
   std::vector<ParameterInfo> parameters;
-  bool repeatable = false;  ///< may be done again if nobody knows whether it was done
+  bool repeatable = false;  ///< may be done again if it is unknown whether it was done
   double timeout_s = 0;
   bool operator==(const SkillInfo&) const = default;
   template <class T = SkillInfo>
@@ -42,12 +42,12 @@ struct SkillInfo {
   }
 };
 
-/// How the values that the robot tells relate to the hall's frame.
+/// How the values that the robot sends relate to the hall's frame.
 struct FrameInfo {
-  double length = 0;  ///< the robot's units a metre; 0: not told
+  double length = 0;  ///< the robot's units in a metre; 0: unknown
   double x = 0;       ///< where the robot's origin is in the hall, m
   double y = 0;
-  double yaw = 0;  ///< and how it is turned, rad
+  double yaw = 0;  ///< and its rotation, rad
   bool operator==(const FrameInfo&) const = default;
   template <class T = FrameInfo>
   static FieldTable fields() {
@@ -55,7 +55,7 @@ struct FrameInfo {
   }
 };
 
-/// A number that the robot's description tells of it, as its payload in kg.
+/// A number from the robot's description, such as its payload in kg.
 struct NamedNumber {
   std::string name;
   double value = 0;
@@ -67,11 +67,11 @@ struct NamedNumber {
   }
 };
 
-/// Encoded. The largest robot of config/robots takes 0.4 kB, a plugged sensor 125 bytes: 255 of them, the most, half of
-/// this. Its node refuses more, and so does every peer: so each table of many can be told.
+/// Encoded. The largest robot of config/robots takes 0.4 kB, a plugged sensor 125 bytes; 255 of them, the maximum, take
+/// half of this. The robot's node refuses more, and so does every peer: so every table of many profiles can be sent.
 constexpr std::size_t kMaxProfileSize = 64U << 10U;
 
-/// What a node tells of its robot: mode-adapter -> router -> every peer, in Hello and again at each change.
+/// What a node publishes about its robot: mode-adapter -> router -> every peer, in Hello and again at each change.
 struct NodeProfile {
   static constexpr std::string_view kSubtype = "node_profile";
   static constexpr Travel kTravel = between_routers(CostPhase::devices, {"mode-adapter"});
@@ -87,11 +87,11 @@ struct NodeProfile {
   std::string robot;    ///< connection: "ONLINE", "OFFLINE", "CONNECTION_BROKEN", "" for a node without a robot
   std::string detail;   ///< why, when not ONLINE
   bool fenced = false;  ///< stopped until `release`
-  std::string control;  ///< who commands it: a node's id, or "run ID"; empty: whoever comes first
+  std::string control;  ///< who commands it: a node's id, or "run ID"; empty: the first that sends a command
   std::vector<SensorInfo> plugged;     ///< sensors of the node's PC; each adds its kind to `capabilities`
-  FrameInfo frame{};                   ///< of the robot's own `position`
-  std::vector<OutOfUse> out_of_use{};  ///< what stands: faults, and that it is retired
-  std::vector<NamedNumber> numbers{};  ///< of the description
+  FrameInfo frame{};                   ///< the frame of the robot's own `position`
+  std::vector<OutOfUse> out_of_use{};  ///< current faults, and whether it is retired
+  std::vector<NamedNumber> numbers{};  ///< from the description
   bool operator==(const NodeProfile&) const = default;
   template <class T = NodeProfile>
   static FieldTable fields() {
@@ -115,7 +115,7 @@ struct NodeProfile {
   }
 };
 
-/// The first message each way on a link.
+/// The first message in each direction of a link.
 struct Hello {
   static constexpr std::string_view kSubtype = "hello";
   static constexpr Travel kTravel = between_routers(CostPhase::identification);
@@ -146,7 +146,7 @@ struct Hello {
   }
 };
 
-/// The sender's seal over what it sent on this link since its last one.
+/// The sender's seal over everything that it sent on this link since its last seal.
 struct Seal {
   static constexpr std::string_view kSubtype = "seal";
   static constexpr Travel kTravel = between_routers(CostPhase::upkeep);
@@ -157,8 +157,8 @@ struct Seal {
   }
 };
 
-/// What the authority has said since: the newest revocation list, renewed certificates. Any member may bring it, for
-/// the authority has signed it; whoever learns something new from it hands that on.
+/// News from the authority: the newest revocation list, renewed certificates. Any member may send it, for the authority
+/// has signed it; a node that learns something new from it passes that on.
 struct TrustUpdate {
   static constexpr std::string_view kSubtype = "fleet_news";
   static constexpr Travel kTravel = between_routers(CostPhase::upkeep, {kProbe});
@@ -170,8 +170,8 @@ struct TrustUpdate {
   }
 };
 
-/// A relay tells whom it reaches: all of them when a link comes up (in several messages if need be), then each change.
-/// A hint: whether they are there, where, and what they are, they say themselves (RelayAlive, NodeProfile).
+/// A relay lists the nodes that it reaches: all when a link comes up (in several messages if need be), then each
+/// change. A hint: that they are there, where, and what they are, they report themselves (RelayAlive, NodeProfile).
 struct ReachablePeerList {
   static constexpr std::string_view kSubtype = "neighbours";
   static constexpr Travel kTravel = between_routers(CostPhase::identification);
@@ -183,16 +183,16 @@ struct ReachablePeerList {
   }
 };
 
-/// What two nodes that only a relay links say to each other through it, four times in a lease: it proves that the other
-/// one is there now, and what of the messages that way has come. Inside a `relayed` alone.
+/// What two nodes that only a relay connects send each other through it, four times in a lease: it proves that the
+/// other node is there now, and which of its messages have arrived. Only ever inside a `relayed`.
 struct RelayAlive {
   static constexpr std::string_view kSubtype = "relay_alive";
   static constexpr Travel kTravel = in_record(CostPhase::upkeep);
-  std::uint64_t nonce = 0;       ///< made up anew each time; the other side repeats it
-  std::uint64_t echo = 0;        ///< the newest of the other side's boot that is proven; 0: none is
-  std::uint64_t echo_other = 0;  ///< the newest of a boot that is not proven; 0: none was heard
-  std::uint64_t heard_boot = 0;  ///< the other side's boot that is proven; 0: none is
-  std::uint64_t heard = 0;       ///< the highest count taken of it
+  std::uint64_t nonce = 0;       ///< new and random each time; the other side repeats it
+  std::uint64_t echo = 0;        ///< the newest nonce of the other side's proven boot; 0: no boot is proven
+  std::uint64_t echo_other = 0;  ///< the newest nonce of an unproven boot; 0: none was received
+  std::uint64_t heard_boot = 0;  ///< the other side's proven boot; 0: none
+  std::uint64_t heard = 0;       ///< the highest count taken from that boot
   std::uint64_t mask = 0;        ///< bit i: count heard - i was taken
   std::string address;           ///< where the sender's inbox can be dialled
   std::string version;
@@ -211,7 +211,7 @@ struct RelayAlive {
   }
 };
 
-/// A relay could not pass this one on; to its signer.
+/// Sent by a relay that could not pass a message on, to the message's signer.
 struct RelayRefused {
   static constexpr std::string_view kSubtype = "relay_refused";
   static constexpr Travel kTravel = between_routers(CostPhase::upkeep);
@@ -224,7 +224,7 @@ struct RelayRefused {
   }
 };
 
-/// A message by way of a relay.
+/// A message sent through a relay.
 struct Relayed {
   static constexpr std::string_view kSubtype = "relayed";
   static constexpr Travel kTravel = between_routers(CostPhase::upkeep);
@@ -235,7 +235,7 @@ struct Relayed {
   }
 };
 
-/// Asks a router what has gone wrong with its links: for `trb doctor`.
+/// Asks a router for the errors on its links: for `trb doctor`.
 struct LinkErrorTableRequest {
   static constexpr std::string_view kSubtype = "link_troubles";
   static constexpr Travel kTravel = between_nodes(CostPhase::upkeep);
@@ -247,11 +247,11 @@ struct LinkErrorTableRequest {
 
 struct LinkErrorRow {
   std::string peer;     ///< id, if known
-  std::string address;  ///< dialled; empty if it came from outside
-  std::string code;     ///< an errc_name() or the name of a link's end, as "refused_key"
+  std::string address;  ///< the dialled address; empty if the other side dialled
+  std::string code;     ///< an errc_name() or the name of a link's end, such as "refused_key"
   std::string text;
-  std::uint64_t count = 0;  ///< how often, one after the other
-  double last_s = 0;        ///< how long ago the last was
+  std::uint64_t count = 0;  ///< how often in a row
+  double last_s = 0;        ///< seconds since the last one
   template <class T = LinkErrorRow>
   static FieldTable fields() {
     return FieldTable{field("peer", &T::peer, 64),  field("address", &T::address, 80), field("code", &T::code, 64),
@@ -271,7 +271,7 @@ struct LinkErrorTable {
   }
 };
 
-/// Answered by a router with what it got: does a message of this size pass both ways?
+/// Answered by a router with the same data: does a message of this size pass both ways?
 struct EchoRequest {
   static constexpr std::string_view kSubtype = "echo_request";
   static constexpr Travel kTravel = between_nodes(CostPhase::upkeep);
@@ -292,7 +292,7 @@ struct Echo {
   }
 };
 
-/// Four in a lease. `heard` is the sequence last received, so that a one-way cut ends the lease on both sides.
+/// Four in a lease. `heard` is the last sequence received, so that a one-way cut ends the lease on both sides.
 struct KeepAlive {
   static constexpr std::string_view kSubtype = "keep_alive";
   static constexpr Travel kTravel = between_routers(CostPhase::upkeep);
@@ -350,7 +350,7 @@ struct Route {
   std::string clock;  ///< "verified" or "unverified"
   SignedRecord certificate;
   NodeProfile profile;
-  std::string via;  ///< the relay by which it is reached; empty for a link of one's own
+  std::string via;  ///< the relay through which it is reached; empty for a direct link
   template <class T = Route>
   static FieldTable fields() {
     return FieldTable{field("id", &T::id, 64),
@@ -374,8 +374,8 @@ struct RouteTable {
   static constexpr Travel kTravel = between_nodes(CostPhase::upkeep);
   std::string node;
   std::vector<Route> routes;
-  bool more = false;    ///< there are rows behind the last of these: ask on
-  std::string after{};  ///< what this page was asked with
+  bool more = false;    ///< more rows follow the last of these: ask for the next page
+  std::string after{};  ///< the `after` of this page's request
   template <class T = RouteTable>
   static FieldTable fields() {
     return FieldTable{field("node", &T::node, 64), field("routes", &T::routes, 2000), field("more", &T::more),

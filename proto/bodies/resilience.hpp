@@ -1,4 +1,4 @@
-// Bodies of trb-resilience: alerts, the ranked ways out of them, and what a person decides.
+// Bodies of trb-resilience: alerts, the ranked ways to resolve them, and what a person decides.
 #pragma once
 
 #include "proto/bodies/robot.hpp"
@@ -7,14 +7,14 @@
 
 namespace trb {
 
-/// One criterion's part in a candidate's score.
+/// How much one criterion contributes to a candidate's score.
 struct CriterionPart {
   std::string criterion;
   double value = 0;  ///< as measured
   std::string unit;
-  double weight = 0;        ///< of the criterion, among all
-  double contribution = 0;  ///< to the score; they add up to it
-  std::string robot{};      ///< whose part it is
+  double weight = 0;        ///< the criterion's weight among all
+  double contribution = 0;  ///< to the score; the contributions add up to it
+  std::string robot{};      ///< the robot that this part is about
   bool operator==(const CriterionPart&) const = default;
   template <class T = CriterionPart>
   static FieldTable fields() {
@@ -37,14 +37,14 @@ struct TaskForRobot {
   }
 };
 
-/// One way out: who takes over which tasks. The best has the highest score.
+/// One way to resolve an alert: who takes over which tasks. The best has the highest score.
 struct Proposal {
-  std::string robot;  ///< that takes over all of them; empty: several between them
+  std::string robot;  ///< that takes over all of them; empty: several robots share them
   std::vector<TaskForRobot> tasks;
-  double score = 0;                  ///< the scores of an alert's proposals add up to 1; of several robots, their mean
+  double score = 0;                  ///< the scores of an alert's proposals add up to 1; of several robots: the mean
   std::vector<CriterionPart> parts;  ///< of `robot`, or of the tasks' robots in their order
-  std::string note;                  ///< what a person should know, as a value that is old
-  double merit = 0;                  ///< 0 to 1: against the best that is possible, not against the others
+  std::string note;                  ///< what a person should know, such as that a value is old
+  double merit = 0;                  ///< 0 to 1: compared with the best possible, not with the other proposals
   bool operator==(const Proposal&) const = default;
   template <class T = Proposal>
   static FieldTable fields() {
@@ -53,7 +53,7 @@ struct Proposal {
   }
 };
 
-/// A robot that was looked at and cannot do it.
+/// A robot that was considered and cannot do it.
 struct Unfit {
   std::string robot;
   std::string why;
@@ -64,46 +64,46 @@ struct Unfit {
   }
 };
 
-/// OPEN: waits for a word. RELEASING: decided; the failed robot is to give its tasks back. DECIDED: the decision is
-/// signed and handed on. EXPIRED: nobody answered in time; it can still be decided, on new proposals. CLOSED: its cause
+/// OPEN: waits for a verdict. RELEASING: decided; the failed robot has to give its tasks back. DECIDED: the decision is
+/// signed and sent on. EXPIRED: nobody answered in time; it can still be decided, with new proposals. CLOSED: its cause
 /// is gone, or its run is over.
 enum class AlertState : std::uint8_t { open = 0, releasing, decided, expired, closed };
 constexpr auto enum_names(AlertState) {
   return std::array<std::string_view, 5>{"OPEN", "RELEASING", "DECIDED", "EXPIRED", "CLOSED"};
 }
 
-/// What a person, or the policy, has said of it.
+/// The verdict of a person or of the policy.
 enum class Verdict : std::uint8_t { none = 0, accept, override_, retry, skip, abort };
 constexpr auto enum_names(Verdict) {
   return std::array<std::string_view, 6>{"none", "accept", "override", "retry", "skip", "abort"};
 }
 
-/// A robot cannot do what a run needs of it.
+/// A robot cannot do what a run needs from it.
 struct Alert {
   static constexpr std::string_view kSubtype = "alert";
   static constexpr Travel kTravel = in_record();
   std::string id;    ///< 16 hexadecimal digits
-  std::string run;   ///< empty: no run needs the robot; told all the same
+  std::string run;   ///< empty: no run needs the robot; reported nevertheless
   std::string name;  ///< the run's
   std::string robot;
-  std::string capability;  ///< that is gone; empty: the whole robot
+  std::string capability;  ///< the capability that is gone; empty: the whole robot
   Severity severity{};
   std::string cause;  ///< "robot_fault", "robot_retired", "robot_connection", "peer_expired", "task_failed",
                       ///< "task_interrupted", "task_overdue", "robot_wanted", "double_execution", "run_ends", "asked"
-  std::string text;   ///< the robot's or the node's own words
-  std::vector<std::string> tasks;  ///< of the run, that cannot go on with this robot
+  std::string text;   ///< the robot's or the node's own text
+  std::vector<std::string> tasks;  ///< tasks of the run that cannot go on with this robot
   std::int64_t time = 0;           ///< UTC ns
-  std::int64_t expires = 0;        ///< of the proposals: UTC ns
+  std::int64_t expires = 0;        ///< when the proposals expire: UTC ns
   AlertState state{};
   std::vector<Proposal> proposals;  ///< best first
   std::vector<Unfit> unfit;
-  std::string policy;       ///< "ask", or "automatic" and, if it asks all the same, why
-  bool needs_word = false;  ///< the robot is silent, or nobody knows what it does: a person must say that it stands
+  std::string policy;       ///< "ask", or "automatic" and, if a person is asked nevertheless, why
+  bool needs_word = false;  ///< the robot's state is unknown: a person must confirm that it stands still
   Verdict verdict{};
   std::string person;
   std::string reason;
-  std::uint32_t epoch = 0;  ///< of the decision; 0: none yet
-  std::string waits_for;    ///< in words
+  std::uint32_t epoch = 0;  ///< the epoch that the decision begins; 0: no decision yet
+  std::string waits_for;    ///< as text
   bool operator==(const Alert&) const = default;
   template <class T = Alert>
   static FieldTable fields() {
@@ -134,7 +134,7 @@ struct Alert {
 struct AlertListRequest {
   static constexpr std::string_view kSubtype = "alert_list";
   static constexpr Travel kTravel = between_nodes(CostPhase::upkeep);
-  bool all = false;  ///< also those that are DECIDED or CLOSED
+  bool all = false;  ///< also alerts that are DECIDED or CLOSED
   template <class T = AlertListRequest>
   static FieldTable fields() {
     return FieldTable{field("all", &T::all)};
@@ -157,12 +157,12 @@ struct AlertDecide {
   static constexpr Travel kTravel = on_bus(CostPhase::upkeep, {kProbe, "cloud-gateway"});
   std::string alert;  ///< the id, or a unique beginning of it
   Verdict verdict{};
-  std::string robot;  ///< accept: the proposal's robot, empty for the best; override: the robot that takes over
+  std::string robot;  ///< accept: the robot of the proposal, empty for the best; override: the robot that takes over
   std::string person;
   std::string reason;                ///< an override needs one
-  bool stands = false;               ///< the person's word that the failed robot stands
+  bool stands = false;               ///< the person confirms that the failed robot stands still
   std::string run{};                 ///< without an alert: the run (or a unique beginning of its id) ...
-  std::vector<std::string> tasks{};  ///< ... and its tasks; with one: those of its tasks that are meant, empty: all
+  std::vector<std::string> tasks{};  ///< ... and its tasks; with an alert: which of its tasks are meant, empty: all
   template <class T = AlertDecide>
   static FieldTable fields() {
     return FieldTable{field("alert", &T::alert, 64),   field("verdict", &T::verdict),     field("robot", &T::robot, 64),
@@ -171,11 +171,11 @@ struct AlertDecide {
   }
 };
 
-/// Asks a node's trb-resilience what it has seen of its fleet's robots.
+/// Asks a node's trb-resilience for what it has recorded about its fleet's robots.
 struct HistoryListRequest {
   static constexpr std::string_view kSubtype = "history_list";
   static constexpr Travel kTravel = between_nodes(CostPhase::upkeep);
-  std::string robot;         ///< empty: of every one
+  std::string robot;         ///< empty: all robots
   std::uint32_t most = 100;  ///< events: 1 to 500
   template <class T = HistoryListRequest>
   static FieldTable fields() {
@@ -185,7 +185,7 @@ struct HistoryListRequest {
 
 /// Something that happened to a robot.
 struct RobotEvent {
-  std::int64_t time = 0;  ///< UTC ns, as the node that tells it learnt of it
+  std::int64_t time = 0;  ///< UTC ns, when the node that reports it learnt of it
   std::string robot;
   std::string kind;  ///< joined, expired, connection, fenced, released, profile, fault, fault_ended, retired, returned,
                      ///< forgotten

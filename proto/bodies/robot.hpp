@@ -1,4 +1,4 @@
-// Bodies about the robot: between scheduler and mode-adapter of one node, and what is told to the fleet.
+// Bodies about the robot: between scheduler and mode-adapter of one node, and what the fleet is told about it.
 #pragma once
 
 #include "proto/field.hpp"
@@ -11,15 +11,15 @@ constexpr auto enum_names(Severity) {
   return std::array<std::string_view, 4>{"WARNING", "URGENT", "CRITICAL", "FATAL"};
 }
 
-/// How an attempt of a task ended. Only finished and skipped are final; `interrupted`: nobody knows whether it was
-/// done; `released`: it was never begun, and the robot's node has given it back.
+/// How an attempt of a task ended. Only finished and skipped are final; `interrupted`: it is unknown whether it was
+/// done; `released`: it never began, and the robot's node has given it back.
 enum class TaskOutcome : std::uint8_t { none = 0, finished, failed, retriable, interrupted, skipped, released };
 constexpr auto enum_names(TaskOutcome) {
   return std::array<std::string_view, 7>{"none",        "finished", "failed",  "retriable",
                                          "interrupted", "skipped",  "released"};
 }
 
-/// Names one attempt of one task of one run: the key by which everything is de-duplicated.
+/// Names one attempt of one task of one run: the key for de-duplication.
 struct AttemptKey {
   std::string run;
   std::string task;
@@ -40,10 +40,10 @@ struct Execute {
   static constexpr Travel kTravel = on_bus(CostPhase::task, {"scheduler"});
   AttemptKey key;
   std::uint32_t epoch = 1;
-  std::uint64_t instance = 0;  ///< of the mode-adapter that is meant; another one refuses (stale_instance)
+  std::uint64_t instance = 0;  ///< of the addressed mode-adapter; another one refuses (stale_instance)
   std::string skill;
   std::string data;      ///< the skill's parameters, a JSON object
-  double timeout_s = 0;  ///< 0: the description's
+  double timeout_s = 0;  ///< 0: the value of the description
   template <class T = Execute>
   static FieldTable fields() {
     return FieldTable{field("key", &T::key),         field("epoch", &T::epoch),      field("instance", &T::instance),
@@ -63,7 +63,7 @@ struct CancelExecution {
   }
 };
 
-/// Scheduler -> mode-adapter (request): what became of it? Answered by ExecutionState or Outcome.
+/// Scheduler -> mode-adapter (request): what became of the attempt? Answered by ExecutionState or Outcome.
 struct ExecutionQuery {
   static constexpr std::string_view kSubtype = "execution_query";
   static constexpr Travel kTravel = on_bus(CostPhase::upkeep, {"scheduler"});
@@ -74,7 +74,7 @@ struct ExecutionQuery {
   }
 };
 
-/// `state` is "running", or "unknown": this instance was never given it.
+/// `state` is "running", or "unknown": this instance never received it.
 struct ExecutionState {
   static constexpr std::string_view kSubtype = "execution_state";
   static constexpr Travel kTravel = on_bus(CostPhase::upkeep, {"mode-adapter"});
@@ -94,7 +94,7 @@ struct Outcome {
   AttemptKey key;
   std::uint64_t instance = 0;
   TaskOutcome outcome{};
-  std::string reason;  ///< why not finished, for a person
+  std::string reason;  ///< why it did not finish, for a person
   std::string data;    ///< the result, JSON text or empty
   double duration_s = 0;
   template <class T = Outcome>
@@ -116,14 +116,14 @@ struct OutcomeJournaled {
   }
 };
 
-/// What keeps a robot, or one capability of it, out of use until its end is told or a person says so.
+/// What keeps a robot, or one capability of it, out of use until its end is reported or a person ends it.
 struct OutOfUse {
   std::string capability;  ///< empty: the whole robot
   Severity severity{};     ///< of the fault
-  std::string text;        ///< the robot's own words, or the person's reason
+  std::string text;        ///< the robot's own text, or the person's reason
   std::int64_t since = 0;  ///< UTC ns
-  bool retired = false;    ///< no fault: a person has taken it out of service (`trb robot retire`)
-  std::string by;          ///< whose word it is: a person, or a service of the node; empty: the robot's
+  bool retired = false;    ///< not a fault: a person has taken it out of service (`trb robot retire`)
+  std::string by;          ///< who reported it: a person, or a service of the node; empty: the robot
   bool operator==(const OutOfUse&) const = default;
   template <class T = OutOfUse>
   static FieldTable fields() {
@@ -136,12 +136,12 @@ struct OutOfUse {
   }
 };
 
-/// One for each capability, one for the whole robot, and one that it is retired.
+/// One for each capability, one for the whole robot, and one for retirement.
 constexpr std::uint32_t kMaxOutOfUse = 66;
 
-/// Takes the robot out of use (command to its mode-adapter; a person's `retired`, or a fault that the node's own
-/// services have found). What runs goes on. Answered by Ack "out_of_use" once it is on disk, or a Nack. Who stands at
-/// its node may send it, and the cloud: no other robot's keys do.
+/// Takes the robot out of use (command to its mode-adapter; `retired` by a person, or a fault found by a service of the
+/// node). Running skills continue. Answered by Ack "out_of_use" once it is on disk, or a Nack. Only the robot's own
+/// node and the cloud may send it: no other robot's keys are accepted.
 struct TakeOutOfUse {
   static constexpr std::string_view kSubtype = "take_out_of_use";
   static constexpr Travel kTravel = from_cloud(CostPhase::fail, {kProbe, "cloud-gateway", "scheduler"});
@@ -152,7 +152,7 @@ struct TakeOutOfUse {
   }
 };
 
-/// A person's word that the robot is repaired, or returns to service (command to its mode-adapter). Answered by Ack
+/// A person reports that the robot is repaired, or returns it to service (command to its mode-adapter). Answered by Ack
 /// "in_use" once it is on disk, or a Nack: conflict, if nothing of that kind kept it out of use.
 struct TakeIntoUse {
   static constexpr std::string_view kSubtype = "take_into_use";
@@ -166,11 +166,11 @@ struct TakeIntoUse {
   }
 };
 
-/// What a scheduler has to know of a skill of its robot.
+/// What a scheduler has to know about a skill of its robot.
 struct SkillUse {
   std::string name;
   std::string capability;   ///< that it needs
-  bool repeatable = false;  ///< may be done again if nobody knows whether it was done
+  bool repeatable = false;  ///< may be done again if it is unknown whether it was done
   bool operator==(const SkillUse&) const = default;
   template <class T = SkillUse>
   static FieldTable fields() {
@@ -179,7 +179,7 @@ struct SkillUse {
   }
 };
 
-/// Mode-adapter -> scheduler: at its start, at each change, and as answer to AdapterStateRequest. The paper's "ready".
+/// Mode-adapter -> scheduler: at its start, at each change, and in answer to AdapterStateRequest. The paper's "ready".
 struct AdapterState {
   static constexpr std::string_view kSubtype = "adapter_state";
   static constexpr Travel kTravel = on_bus(CostPhase::task, {"mode-adapter"});
@@ -208,14 +208,14 @@ struct AdapterStateRequest {
   }
 };
 
-/// Told to every node: the robot reports a fault of one capability.
+/// Sent to every node: the robot reports a fault of one capability.
 struct RobotFault {
   static constexpr std::string_view kSubtype = "robot_fault";
   static constexpr Travel kTravel = from_robots(CostPhase::fail);
   std::string capability;
   Severity severity{};
-  std::string text;    ///< the robot's own words
-  bool ended = false;  ///< the robot says that this fault is over
+  std::string text;    ///< the robot's own text
+  bool ended = false;  ///< the robot reports that this fault is over
   template <class T = RobotFault>
   static FieldTable fields() {
     return FieldTable{field("capability", &T::capability, 64), field("severity", &T::severity),
@@ -223,7 +223,7 @@ struct RobotFault {
   }
 };
 
-/// One value of a robot's: a name of its description's "sensors", and what it last was, as JSON text.
+/// One value of a robot: a name of its description's "sensors", and its last value as JSON text.
 struct RobotValueTold {
   std::string name;
   std::string value;
@@ -233,8 +233,8 @@ struct RobotValueTold {
   }
 };
 
-/// Told to every node: the sensors that the description names, at the first word of them and when one that is no list
-/// has changed, once a second at most.
+/// Sent to every node: the values of the sensors that the description names, when first received and when one that is
+/// not a list has changed, once a second at most.
 struct RobotState {
   static constexpr std::string_view kSubtype = "robot_state";
   static constexpr Travel kTravel = from_robots(CostPhase::sensor);
@@ -245,14 +245,14 @@ struct RobotState {
   }
 };
 
-/// To the node of a virtual robot (command): let it fail, as its maker's robot would. Answered by Ack "handed_over";
-/// what comes of it the robot tells itself, by RobotFault. Refused by a robot that is not virtual (not_permitted).
+/// To the node of a virtual robot (command): make it fail as its maker's robot would. Answered by Ack "handed_over";
+/// the robot itself reports the consequences, by RobotFault. A robot that is not virtual refuses it (not_permitted).
 struct InjectFault {
   static constexpr std::string_view kSubtype = "inject_fault";
   static constexpr Travel kTravel = between_nodes(CostPhase::fail);
-  std::string capability;  ///< empty: everything that was injected is over
+  std::string capability;  ///< empty: every injected fault is over
   Severity severity{};
-  std::string text;  ///< the robot's own words
+  std::string text;  ///< the robot's own text
   template <class T = InjectFault>
   static FieldTable fields() {
     return FieldTable{field("capability", &T::capability, 64), field("severity", &T::severity),
@@ -260,7 +260,7 @@ struct InjectFault {
   }
 };
 
-/// Told to every node: the robot's connection changed.
+/// Sent to every node: the robot's connection changed.
 struct RobotConnection {
   static constexpr std::string_view kSubtype = "robot_connection";
   static constexpr Travel kTravel = from_robots(CostPhase::fail);

@@ -13,10 +13,10 @@ namespace trb {
 constexpr std::uint32_t kMaxTasks = 1000;
 constexpr std::uint32_t kMaxMembers = 1000;
 constexpr std::uint32_t kMaxPriority = 9;
-/// Orders that count for a run: one to hold it or to let it go on, one to abort it.
+/// Orders that count for a run: one to hold it or let it continue, one to abort it.
 constexpr std::uint32_t kMaxOrders = 2;
 
-/// A parameter whose value an earlier task's result gives.
+/// A parameter whose value comes from an earlier task's result.
 struct ValueFrom {
   std::string parameter;
   std::string task;  ///< a direct predecessor
@@ -29,29 +29,29 @@ struct ValueFrom {
 };
 
 /// What follows when a task has failed for good. `resilience`: the run waits, the fleet looks for another robot.
-/// `skip`: it counts as SKIPPED, and so does what follows nothing else. `abort`: the run is aborted. `continue`: it
-/// counts as SKIPPED, and what follows goes on.
+/// `skip`: it counts as SKIPPED, and so do tasks that follow nothing else. `abort`: the run is aborted. `continue`: it
+/// counts as SKIPPED, and the tasks that follow it go on.
 enum class OnFailure : std::uint8_t { resilience = 0, skip, abort, continue_ };
 constexpr auto enum_names(OnFailure) {
   return std::array<std::string_view, 4>{"resilience", "skip", "abort", "continue"};
 }
 
-/// A node of the scenario's graph: a skill with data, given to a robot, or to whoever has the capabilities.
+/// A node of the scenario's graph: a skill with data, assigned to a robot, or to any robot with the capabilities.
 struct Task {
   std::string id;
-  std::string robot;                   ///< empty if bound late by `requires`
+  std::string robot;                   ///< empty if the robot is chosen later, by `requires`
   std::vector<std::string> requires_;  ///< capabilities
   std::string skill;
   std::string data;                  ///< the skill's parameters, a JSON object as text, or empty
   std::vector<std::uint16_t> after;  ///< indexes of the predecessors in Scenario::tasks
-  double timeout_s = 0;              ///< 0: the skill's own
-  bool pinned = false;  ///< cannot be re-assigned: may start while its node hears no majority (not while it is stopped)
-  std::vector<Condition> when;  ///< none, or one: more are a later version's
-  std::uint32_t retries = 0;    ///< how often the same robot tries again after the robot's own `failed`
-  double retry_after_s = 1;     ///< before the first of them; doubled each time, 60 s at most
+  double timeout_s = 0;              ///< 0: the skill's default
+  bool pinned = false;  ///< cannot be re-assigned: may start without a majority (but not while the node is stopped)
+  std::vector<Condition> when;  ///< none or one; more are reserved for a later version
+  std::uint32_t retries = 0;    ///< how often the same robot tries again after it reported `failed`
+  double retry_after_s = 1;     ///< before the first retry; doubled each time, 60 s at most
   OnFailure on_failure{};
   std::vector<ValueFrom> values{};
-  double start_within_s = 0;  ///< once it is due; not begun by then it has failed. 0: it waits
+  double start_within_s = 0;  ///< after it is due; if it has not begun by then, it has failed. 0: it waits
   bool operator==(const Task&) const = default;
   template <class T = Task>
   static FieldTable fields() {
@@ -109,7 +109,7 @@ struct RunStart {
   std::string submitter;
   std::int64_t created = 0;    ///< UTC ns
   std::int64_t expires = 0;    ///< UTC ns
-  std::uint32_t priority = 0;  ///< 0 to kMaxPriority: of two runs that want a robot the higher one begins
+  std::uint32_t priority = 0;  ///< 0 to kMaxPriority: of two runs that want the same robot, the higher one begins
   template <class T = RunStart>
   static FieldTable fields() {
     return FieldTable{field("run", &T::run, 64),
@@ -125,7 +125,7 @@ struct RunStart {
   }
 };
 
-/// What an actor says of an attempt, signed by its node (purpose "result").
+/// What an actor reports about an attempt, signed by its node (purpose "result").
 struct TaskResult {
   static constexpr std::string_view kSubtype = "result";
   static constexpr Travel kTravel = in_record();
@@ -139,7 +139,7 @@ struct TaskResult {
   std::int64_t started = 0;  ///< UTC ns
   std::int64_t ended = 0;    ///< UTC ns
   double duration_s = 0;     ///< by the robot's monotonic clock
-  bool goes_on = false;      ///< SKIPPED, and what follows goes on all the same
+  bool goes_on = false;      ///< SKIPPED, and what follows goes on nevertheless
   template <class T = TaskResult>
   static FieldTable fields() {
     return FieldTable{field("key", &T::key),          field("digest", &T::digest, 32),
@@ -151,7 +151,7 @@ struct TaskResult {
   }
 };
 
-/// The order to end a run, signed (purpose "run_abort"). Absorbing.
+/// The order to end a run, signed (purpose "run_abort"). Final: no later order changes it.
 struct AbortOrder {
   static constexpr std::string_view kSubtype = "abort_order";
   static constexpr Travel kTravel = in_record();
@@ -171,8 +171,8 @@ constexpr auto enum_names(RunState) {
   return std::array<std::string_view, 6>{"RUNNING", "PAUSED", "ABORTING", "FINISHED", "ABORTED", "EXPIRED"};
 }
 
-/// That a run has FINISHED, signed (purpose "run_end") by who holds every result: the run's decider, or, without one,
-/// its submitter's node. Nothing is owed of it any more.
+/// States that a run has FINISHED, signed (purpose "run_end") by the node that has every result: the run's decider, or,
+/// without one, its submitter's node. From then on no node owes anything for it.
 struct RunEnd {
   static constexpr std::string_view kSubtype = "run_end";
   static constexpr Travel kTravel = in_record();
@@ -188,7 +188,7 @@ struct RunEnd {
   }
 };
 
-/// Carries a RunEnd to a member (information): told once, and again to whoever asks.
+/// Carries a RunEnd to a member (information): sent once, and again to every node that asks.
 struct RunOver {
   static constexpr std::string_view kSubtype = "run_over";
   static constexpr Travel kTravel = between_nodes(CostPhase::upkeep, {"scheduler"});
@@ -199,7 +199,7 @@ struct RunOver {
   }
 };
 
-/// A member that has nothing left to do of a run asks who signs its end (request). Answered by RunOver, or Ack
+/// A member with nothing left to do in a run asks the node that signs its end (request). Answered by RunOver, or Ack
 /// "not_over".
 struct NeedEnd {
   static constexpr std::string_view kSubtype = "need_end";
@@ -241,10 +241,10 @@ struct Baton {
   std::uint32_t epoch = 1;
   Blob final_tasks;                    ///< bitmap, task i is bit i%8 of byte i/8
   std::vector<SignedRecord> results;   ///< of the direct predecessors
-  std::vector<std::uint16_t> tasks;    ///< the receiver's tasks, to execute or to choose on, that this baton is for
-  std::vector<SignedRecord> choices;   ///< on those tasks
+  std::vector<std::uint16_t> tasks;    ///< the receiver's tasks that this baton is for, to execute or to choose on
+  std::vector<SignedRecord> choices;   ///< for those tasks
   Blob skipped_tasks;                  ///< those of `final_tasks` that are known to be SKIPPED
-  std::vector<SignedRecord> orders{};  ///< that the giver knows: they count before any of the tasks begins
+  std::vector<SignedRecord> orders{};  ///< that the giver knows: they apply before any of the tasks begins
   template <class T = Baton>
   static FieldTable fields() {
     return FieldTable{field("run", &T::run, 64),
@@ -259,13 +259,13 @@ struct Baton {
   }
 };
 
-/// The receiver holds definition and results of that baton on disk.
+/// The receiver has the definition and the results of that baton on disk.
 struct BatonJournaled {
   static constexpr std::string_view kSubtype = "baton_journaled";
   static constexpr Travel kTravel = between_nodes(CostPhase::upkeep);
   std::string run;
   std::uint32_t epoch = 1;
-  std::vector<std::uint16_t> tasks;  ///< those of the baton
+  std::vector<std::uint16_t> tasks;  ///< the tasks of the baton
   template <class T = BatonJournaled>
   static FieldTable fields() {
     return FieldTable{field("run", &T::run, 64), field("epoch", &T::epoch), field("tasks", &T::tasks, kMaxTasks)};
@@ -287,8 +287,8 @@ struct Definition {
   static constexpr std::string_view kSubtype = "definition";
   static constexpr Travel kTravel = between_nodes(CostPhase::forward);
   SignedRecord start;
-  std::vector<SignedRecord> decisions{};  ///< every one that the giver holds, from epoch 2 on
-  std::vector<SignedRecord> orders{};     ///< that it knows, as in Baton
+  std::vector<SignedRecord> decisions{};  ///< every decision that the giver has, from epoch 2 on
+  std::vector<SignedRecord> orders{};     ///< that the giver knows, as in Baton
   template <class T = Definition>
   static FieldTable fields() {
     return FieldTable{field("start", &T::start), field("decisions", &T::decisions, 64),
@@ -296,7 +296,7 @@ struct Definition {
   }
 };
 
-/// Asks for the results of tasks that the other side knows to be final.
+/// Asks for the results of tasks that the other node knows to be final.
 struct NeedResults {
   static constexpr std::string_view kSubtype = "need_results";
   static constexpr Travel kTravel = between_nodes(CostPhase::forward);
@@ -314,7 +314,7 @@ struct Results {
   static constexpr Travel kTravel = between_nodes(CostPhase::task);
   std::string run;
   std::vector<SignedRecord> results;
-  std::vector<SignedRecord> choices;  ///< on the tasks of these results
+  std::vector<SignedRecord> choices;  ///< for the tasks of these results
   template <class T = Results>
   static FieldTable fields() {
     return FieldTable{field("run", &T::run, 64), field("results", &T::results, kMaxTasks),
@@ -353,9 +353,9 @@ struct TaskProgress {
   static constexpr std::string_view kSubtype = "task_progress";
   static constexpr Travel kTravel = between_nodes(CostPhase::upkeep);
   AttemptKey key;
-  std::string robot;  ///< the task's, or, WAITING, who chooses on it
+  std::string robot;  ///< the task's robot, or, if WAITING, the one that chooses on it
   TaskState state{};
-  std::string detail;  ///< of WAITING: what its condition waits for, in words
+  std::string detail;  ///< if WAITING: what its condition waits for, as text
   template <class T = TaskProgress>
   static FieldTable fields() {
     return FieldTable{field("key", &T::key), field("robot", &T::robot, 64), field("state", &T::state),
@@ -374,7 +374,7 @@ struct RunAbort {
   }
 };
 
-/// The member has journaled the abort and runs nothing of the run any more.
+/// The member has journaled the abort and no longer executes anything of the run.
 struct AbortConfirmed {
   static constexpr std::string_view kSubtype = "abort_confirmed";
   static constexpr Travel kTravel = between_nodes(CostPhase::upkeep);
@@ -397,13 +397,13 @@ struct TaskView {
   std::int64_t ended = 0;
   double duration_s = 0;
   std::vector<std::uint16_t> after;
-  std::string condition;                 ///< in words, with the value that decided if that is known; empty: it has none
+  std::string condition;                 ///< as text, with the value that decided if it is known; empty: it has none
   std::string moved_from;                ///< the robot that had it before; empty: it was never moved
-  std::vector<std::string> failed_by{};  ///< robots that have tried it and not done it
+  std::vector<std::string> failed_by{};  ///< robots that tried it and failed
   bool twice = false;                    ///< two different FINISHED results: double_execution
-  bool due = false;                      ///< nothing stands before it any more, and it has not begun
-  std::string waits_for{};               ///< when due: what for, in words, if this node knows
-  std::string data{};                    ///< its result's first 1024 bytes
+  bool due = false;                      ///< no predecessor holds it up any more, and it has not begun
+  std::string waits_for{};               ///< when due: what for, as text, if this node knows
+  std::string data{};                    ///< the first 1024 bytes of its result
   template <class T = TaskView>
   static FieldTable fields() {
     return FieldTable{field("id", &T::id, 64),
@@ -427,7 +427,7 @@ struct TaskView {
   }
 };
 
-/// A decision, without what proves it.
+/// A decision, without its proof.
 struct DecisionView {
   std::uint32_t epoch = 2;
   std::string by;
@@ -445,24 +445,24 @@ struct DecisionView {
   }
 };
 
-/// A run as one scheduler knows it; the cloud node's knows every acknowledged result.
+/// A run as one scheduler knows it; the cloud node's scheduler knows every acknowledged result.
 struct RunView {
   static constexpr std::string_view kSubtype = "run_view";
   static constexpr Travel kTravel = between_nodes(CostPhase::upkeep);
   std::string run;
   std::string name;
   RunState state{};
-  std::string waits_for;  ///< when PAUSED or ABORTING: what for, in words
+  std::string waits_for;  ///< when PAUSED or ABORTING: what for, as text
   std::uint32_t epoch = 1;
   std::string submitter;
   std::int64_t created = 0;
   std::int64_t expires = 0;
   std::vector<TaskView> tasks;
   std::vector<DecisionView> decisions;
-  std::uint32_t pause_number = 0;  ///< of the pause order that counts; 0: there was none
+  std::uint32_t pause_number = 0;  ///< of the pause order in force; 0: there was none
   std::string paused_by;           ///< empty: it is not held
   std::uint32_t priority = 0;
-  double left_s = 0;      ///< of its time to live
+  double left_s = 0;      ///< s left of its time to live
   std::int64_t over = 0;  ///< when this node put it into its archive, UTC ns; 0: it is not over here
   template <class T = RunView>
   static FieldTable fields() {
@@ -494,13 +494,13 @@ struct RunQuery {
   }
 };
 
-/// Answered by a RunTable of the runs that are not over here, or, with `all`, by a page of those that are, newest
+/// Answered by a RunTable of the runs that are not over here, or, with `all`, by a page of those that are over, newest
 /// first.
 struct RunListRequest {
   static constexpr std::string_view kSubtype = "run_list";
   static constexpr Travel kTravel = between_nodes(CostPhase::upkeep);
   bool all = false;
-  std::string after;         ///< the last run of the page before; empty: the first page
+  std::string after;         ///< the last run of the previous page; empty: the first page
   std::uint32_t most = 100;  ///< 1 to 500
   template <class T = RunListRequest>
   static FieldTable fields() {
@@ -519,7 +519,7 @@ struct RunSummary {
   std::uint32_t epoch = 1;
   std::uint64_t version = 0;  ///< rises with every change that this scheduler has seen since its start
   std::uint32_t priority = 0;
-  double left_s = 0;      ///< of its time to live
+  double left_s = 0;      ///< s left of its time to live
   std::int64_t over = 0;  ///< as in RunView
   template <class T = RunSummary>
   static FieldTable fields() {
@@ -538,7 +538,7 @@ struct RunSummary {
   }
 };
 
-/// Asks a scheduler to tell of its runs (request): answered by RunTable at once, then, for `lease_s`, by RunChanged
+/// Asks a scheduler to report on its runs (request): answered by RunTable at once, then, for `lease_s`, by RunChanged
 /// with the same `reply_to` at each change.
 struct RunWatch {
   static constexpr std::string_view kSubtype = "run_watch";
@@ -550,7 +550,7 @@ struct RunWatch {
   }
 };
 
-/// A run has changed since the last word of it (information, may be lost: the next RunTable has it).
+/// A run has changed since the last message about it (information, may be lost: the next RunTable has it).
 struct RunChanged {
   static constexpr std::string_view kSubtype = "run_changed";
   static constexpr Travel kTravel = between_nodes(CostPhase::upkeep);
@@ -565,9 +565,9 @@ struct RunTable {
   static constexpr std::string_view kSubtype = "run_table";
   static constexpr Travel kTravel = between_nodes(CostPhase::upkeep);
   std::vector<RunSummary> runs;
-  bool more = false;           ///< of a page: there are older ones
+  bool more = false;           ///< of a page: older runs follow
   std::uint32_t open = 0;      ///< runs that are not over on this node
-  std::uint32_t open_max = 0;  ///< so many it takes
+  std::uint32_t open_max = 0;  ///< how many it accepts
   template <class T = RunTable>
   static FieldTable fields() {
     return FieldTable{field("runs", &T::runs, 1000), field("more", &T::more), field("open", &T::open),

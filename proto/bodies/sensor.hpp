@@ -1,4 +1,4 @@
-// Bodies about sensors that are plugged into a node's PC: told to the fleet, asked for, streamed.
+// Bodies about sensors that are plugged into a node's PC: published, requested, streamed.
 #pragma once
 
 #include "proto/field.hpp"
@@ -6,8 +6,8 @@
 
 namespace trb {
 
-/// ok: it tells its values. silent: none for three of its periods. failed: its reader errs or hangs. unread: it is
-/// there, but nothing has been read from it yet.
+/// ok: it sends values. silent: none for three of its periods. failed: its reader fails or hangs. unread: it is
+/// present, but nothing has been read from it yet.
 enum class SensorState : std::uint8_t { unread = 0, ok, silent, failed };
 constexpr auto enum_names(SensorState) {
   return std::array<std::string_view, 4>{"unread", "ok", "silent", "failed"};
@@ -19,7 +19,7 @@ struct SensorInfo {
   std::string kind;      ///< "temperature", "humidity", "position", "tag", "image" …: the capability that it adds
   std::string unit;      ///< "degC", "percent", "V", "m" …; empty for none
   std::string identity;  ///< its serial number, the same wherever it is plugged in; empty: it has none
-  std::string device;    ///< maker and model, or the program that tells it, for people
+  std::string device;    ///< maker and model, or the program that provides it, for people
   SensorState state{};
   std::string detail;  ///< why, when not ok
   bool operator==(const SensorInfo&) const = default;
@@ -32,8 +32,8 @@ struct SensorInfo {
   }
 };
 
-/// Sensor-bus -> router: every sensor of the node, at its start and at each change. The router tells it in the node's
-/// profile, and gives the sensor-bus requests whose subtype is the name of a sensor.
+/// Sensor-bus -> router: every sensor of the node, at its start and at each change. The router publishes it in the
+/// node's profile, and forwards requests whose subtype is a sensor's name to the sensor-bus.
 struct NodeSensors {
   static constexpr std::string_view kSubtype = "node_sensors";
   static constexpr Travel kTravel = on_bus(CostPhase::devices, {"sensor-bus"});
@@ -44,13 +44,13 @@ struct NodeSensors {
   }
 };
 
-/// To a node's sensor-bus (request): one value, the next that the sensor tells. Answered by SensorReading or a Nack
-/// (unknown_target: no such sensor; timeout; robot_error: its reader's own words).
+/// To a node's sensor-bus (request): the sensor's next value. Answered by SensorReading or a Nack (unknown_target: no
+/// such sensor; timeout; robot_error: the text of its reader).
 struct SensorRead {
   static constexpr std::string_view kSubtype = "sensor_read";
   static constexpr Travel kTravel = between_nodes(CostPhase::sensor);
-  std::string sensor;    ///< a sensor's name; else a kind, if one sensor of the node is of it
-  std::string identity;  ///< wins over `sensor`
+  std::string sensor;    ///< a sensor's name; or else a kind, if exactly one sensor of the node has it
+  std::string identity;  ///< takes precedence over `sensor`
   double timeout_s = 0;  ///< 0: three of its periods, 3 s at least
   template <class T = SensorRead>
   static FieldTable fields() {
@@ -59,16 +59,16 @@ struct SensorRead {
   }
 };
 
-/// To a node's sensor-bus (request): values now and then. Answered by Ack "accepted", then by a SensorReading for each
-/// value, on the lossy lane, until the lease has run out or the requester is gone. The same requester's SensorWatch of
-/// the same sensor and `watch` renews the lease, or, with a lease of 0, ends it.
+/// To a node's sensor-bus (request): a stream of values. Answered by Ack "accepted", then by a SensorReading for each
+/// value, on the lossy lane, until the lease has expired or the requester is gone. A SensorWatch by the same requester,
+/// with the same sensor and `watch`, renews the lease, or, with a lease of 0, ends it.
 struct SensorWatch {
   static constexpr std::string_view kSubtype = "sensor_watch";
   static constexpr Travel kTravel = between_nodes(CostPhase::sensor);
   std::string sensor;
-  std::string identity;     ///< wins over `sensor`
+  std::string identity;     ///< takes precedence over `sensor`
   std::uint64_t watch = 0;  ///< the requester's number for it
-  double every_s = 1;       ///< 0.01 at least; more often than it is told there is nothing
+  double every_s = 1;       ///< 0.01 at least; never more often than the sensor sends values
   double lease_s = 10;      ///< 60 at most
   template <class T = SensorWatch>
   static FieldTable fields() {
@@ -88,10 +88,10 @@ struct SensorReading {
   double number = 0;
   std::string text;
   std::int64_t time = 0;    ///< of the measurement: UTC, ns
-  double age_s = 0;         ///< of the value when it was sent, by the monotonic clock
+  double age_s = 0;         ///< age of the value when it was sent, by the monotonic clock
   std::string quality;      ///< "good", "stale" (older than three periods), "bad" (its source doubts it)
-  std::uint64_t watch = 0;  ///< as in SensorWatch; 0: answers a SensorRead
-  std::uint64_t count = 0;  ///< of the watch: 1, 2, 3 …; a gap is what the lane lost
+  std::uint64_t watch = 0;  ///< as in SensorWatch; 0: the answer to a SensorRead
+  std::uint64_t count = 0;  ///< within the watch: 1, 2, 3 …; a gap shows what the lane lost
   bool operator==(const SensorReading&) const = default;
   template <class T = SensorReading>
   static FieldTable fields() {
@@ -105,12 +105,12 @@ struct SensorReading {
 };
 
 /// To a node's sensor-bus (request): one picture of a sensor of kind image. Answered by SensorImage on the lossy lane,
-/// or a Nack: whoever hears nothing asks again.
+/// or a Nack: a requester that receives neither asks again.
 struct SensorSnapshot {
   static constexpr std::string_view kSubtype = "sensor_snapshot";
   static constexpr Travel kTravel = between_nodes(CostPhase::sensor);
   std::string sensor;
-  std::string identity;  ///< wins over `sensor`
+  std::string identity;  ///< takes precedence over `sensor`
   template <class T = SensorSnapshot>
   static FieldTable fields() {
     return FieldTable{field("sensor", &T::sensor, 64), field("identity", &T::identity, 128)};
@@ -133,18 +133,18 @@ struct SensorImage {
   }
 };
 
-/// Asks a node's sensor-bus for its sensors and for the devices that no rule knows.
+/// Asks a node's sensor-bus for its sensors and for the devices that match no rule.
 struct SensorListRequest {
   static constexpr std::string_view kSubtype = "sensor_list";
   static constexpr Travel kTravel = between_nodes(CostPhase::upkeep);
-  bool unknown = false;  ///< the devices that no rule knows, too
+  bool unknown = false;  ///< also the devices that match no rule
   template <class T = SensorListRequest>
   static FieldTable fields() {
     return FieldTable{field("unknown", &T::unknown)};
   }
 };
 
-/// A device that no rule knows, and a rule for it to edit.
+/// A device that matches no rule, and a draft of a rule to edit.
 struct UnknownDevice {
   std::string device;      ///< its path below /sys
   std::string properties;  ///< lines NAME=VALUE, for people
@@ -162,7 +162,7 @@ struct SensorTable {
   std::string node;
   std::vector<SensorInfo> sensors;
   std::vector<UnknownDevice> unknown;
-  std::string bus;  ///< the D-Bus: empty if it is there, else what is wrong with it
+  std::string bus;  ///< the D-Bus: empty if it is available, else the problem
   template <class T = SensorTable>
   static FieldTable fields() {
     return FieldTable{field("node", &T::node, 64), field("sensors", &T::sensors, 255),

@@ -1,4 +1,4 @@
-// Records that prove who made them, also long after the link on which they came is gone.
+// Records that prove who made them, even long after the link on which they came is closed.
 #pragma once
 
 #include "proto/field.hpp"
@@ -6,7 +6,7 @@
 
 namespace trb {
 
-// Purposes: part of what is signed, so that one kind never passes for another.
+// Purposes: part of what is signed, so that a record of one kind never passes for another.
 constexpr std::string_view kSignedCertificate = "certificate";
 constexpr std::string_view kSignedRequest = "certificate_request";
 constexpr std::string_view kSignedBeacon = "beacon";
@@ -42,7 +42,7 @@ constexpr auto enum_names(Role) {
   return std::array<std::string_view, 2>{"robot", "cloud"};
 }
 
-/// What the fleet authority says of a node. Signed with purpose "certificate".
+/// What the fleet authority certifies about a node. Signed with purpose "certificate".
 struct Certificate {
   static constexpr std::string_view kSubtype = "certificate";
   static constexpr Travel kTravel = in_record();
@@ -90,10 +90,10 @@ struct Beacon {
   static constexpr std::string_view kSubtype = "beacon";
   static constexpr Travel kTravel = in_record(CostPhase::identification);
   SignedRecord certificate;
-  std::string address;  ///< HOST:PORT of the inbox; the datagram's own sender address is not believed
+  std::string address;  ///< HOST:PORT of the inbox; the datagram's own sender address is not trusted
   std::uint64_t boot = 0;
   std::int64_t sent = 0;    ///< UTC ns
-  std::uint64_t count = 0;  ///< rises within a boot: an older one is a replay
+  std::uint64_t count = 0;  ///< rises within a boot: a lower one is a replay
   template <class T = Beacon>
   static FieldTable fields() {
     return FieldTable{field("certificate", &T::certificate), field("address", &T::address, 80), field("boot", &T::boot),
@@ -101,7 +101,7 @@ struct Beacon {
   }
 };
 
-/// One certificate that must not be taken any more.
+/// A certificate that must no longer be accepted.
 struct Revocation {
   std::uint64_t serial = 0;
   std::string id;
@@ -126,8 +126,8 @@ struct SealedKey {
   }
 };
 
-/// What the authority says is over, numbered from 1: the newest list is the whole truth. Each revocation brings a new
-/// beacon key, sealed for every node that stays. Signed with purpose "revocation_list".
+/// What the authority has revoked, numbered from 1: only the newest list counts. Each revocation brings a new beacon
+/// key, sealed for every node that stays. Signed with purpose "revocation_list".
 struct RevocationList {
   static constexpr std::string_view kSubtype = "revocation_list";
   static constexpr Travel kTravel = in_record();
@@ -149,8 +149,8 @@ struct RevocationList {
   }
 };
 
-/// What a seal states: these messages, in this order, went this way on this link. Signed with purpose "seal" by the
-/// sender.
+/// What a seal states: these messages, in this order, were sent in this direction of this link. Signed with purpose
+/// "seal" by the sender.
 struct SealedRange {
   static constexpr std::string_view kSubtype = "sealed_range";
   static constexpr Travel kTravel = in_record();
@@ -158,9 +158,9 @@ struct SealedRange {
   std::uint64_t serial = 0;       ///< of the sender's certificate
   std::uint64_t peer_serial = 0;  ///< of the receiver's
   bool dialled = false;           ///< the sender is the side that dialled the link
-  std::uint64_t first = 0;        ///< sequences; the seal's own is last + 1, and covered by its signature alone
+  std::uint64_t first = 0;        ///< sequences; the seal's own is last + 1, and only its signature covers it
   std::uint64_t last = 0;
-  Blob previous;  ///< BLAKE2b-256 of the payload of this direction's seal before, 32 zeros for the first
+  Blob previous;  ///< BLAKE2b-256 of the payload of this direction's previous seal, 32 zeros for the first
   Blob hash;      ///< BLAKE2b-256 of `previous` and, for each frame as sent, its size (u32, big-endian) and its bytes
   std::int64_t utc = 0;
   bool operator==(const SealedRange&) const = default;
@@ -178,17 +178,17 @@ struct SealedRange {
   }
 };
 
-/// A message that goes by a third member, because its two ends cannot reach each other. Signed by the source with
+/// A message that goes through a third member, because its two ends cannot reach each other. Signed by the source with
 /// purpose "relayed".
 struct RelayedFrame {
   static constexpr std::string_view kSubtype = "relayed_frame";
   static constexpr Travel kTravel = in_record();
   std::string target;
-  std::uint64_t target_boot = 0;  ///< meant for this start of the target's router alone; 0 in a relay_alive: not known
+  std::uint64_t target_boot = 0;  ///< for this start of the target's router only; 0 in a relay_alive: not known
   std::uint64_t source_boot = 0;
-  std::uint64_t count = 0;   ///< rises within a boot of the source, for each target: an older one is a replay
+  std::uint64_t count = 0;   ///< rises within a boot of the source, for each target: a lower one is a replay
   std::int64_t expires = 0;  ///< UTC ns
-  Blob box;                  ///< the message as on any link, link and sequence 0, which the target alone can open
+  Blob box;                  ///< the message as on any link, with link and sequence 0; only the target can open it
   bool operator==(const RelayedFrame&) const = default;
   template <class T = RelayedFrame>
   static FieldTable fields() {

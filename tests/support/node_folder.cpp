@@ -45,7 +45,7 @@ NodeFolder::NodeFolder(const std::string& framework) {
   write("commands.json", kCommands);
   write("places.json", kPlaces);
   write("robots/r.json", kRobot);
-  // ROS acknowledges nothing.
+  // ROS has no acknowledgements.
   if (framework == "ros") change("robots/r.json", R"("acknowledgement")", R"("time", "duration_s": 2)");
 }
 

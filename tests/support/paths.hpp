@@ -1,4 +1,4 @@
-// Where a test finds the repository and the programs that were built with it.
+// Where a test finds the repository and its built programs.
 #pragma once
 
 #include <string>

@@ -52,7 +52,7 @@ class SensorNode:
         return fleet
 
     def read(self, sensor):
-        """One value, as anybody in the fleet asks for it; with its unit, time and quality."""
+        """One value, requested like from any node of the fleet; with its unit, time and quality."""
         return self.fleet.json("request", NODE, "sensor_read", json.dumps({"sensor": sensor}), node=NODE)["body"]
 
     def start(self):
@@ -76,11 +76,11 @@ class SensorNode:
         return self.fleet.json("request", NODE, "sensor_list", asked, node=NODE)["body"]
 
     def sensors(self, state=None):
-        """name: what is told of it."""
+        """name: what the node reports about it."""
         return {each["name"]: each for each in self.table()["sensors"] if state in (None, each["state"])}
 
     def wait(self, what, holds, timeout=10):
-        """Waits until the table of sensors is so; returns how long it took."""
+        """Waits until the table of sensors is as given; returns how long it took."""
         last = {}
 
         def look():
@@ -108,5 +108,5 @@ class SensorNode:
 
 
 def skip_reason():
-    """Why there can be no hall here; empty: there can."""
+    """Why no hall is possible here; empty: it is."""
     return udev_hall.why_not()

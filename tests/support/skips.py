@@ -13,7 +13,7 @@ CODE = 77  # SKIP_RETURN_CODE in CMake
 
 
 def leave(reason):
-    """Ends a program of which nothing can be tried here."""
+    """Ends a program that cannot test anything here."""
     print(f"skipped: {reason}", flush=True)
     sys.exit(CODE)
 

@@ -1,4 +1,4 @@
-// That commands.json has what a robot that speaks ARCOS needs.
+// Checks that commands.json has what a robot with ARCOS needs.
 #include "common/config/transports.hpp"
 #include "common/drivers/arcos/commands.hpp"
 #include "common/fleet/did_you_mean.hpp"

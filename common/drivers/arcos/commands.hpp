@@ -1,4 +1,4 @@
-// What commands.json says for a Pioneer, read.
+// The parsed content of commands.json for a Pioneer.
 #pragma once
 
 #include <map>
@@ -13,7 +13,7 @@ struct ArcosCommands {
   std::map<std::string, std::vector<ArcosField>, std::less<>> values;   ///< by name
 };
 
-/// A stop stops. What cannot be read is left out.
+/// Checks that a stop command stops the robot. What cannot be parsed is left out.
 ArcosCommands read_arcos_commands(const VendorCommands& vendor, const Description& description,
                                   const VendorFaults& faults);
 

@@ -9,11 +9,11 @@ namespace {
 
 constexpr std::uint8_t kClose = 2;
 constexpr std::uint8_t kStop = 29;
-/// A packet that is read this long after a command was written is certainly younger than the command.
+/// A packet read this long after a command was written is certainly newer than the command.
 constexpr Duration kSipPeriod = std::chrono::milliseconds(100);
 /// How far from 0 (mm) a robot must have been before its odometry began again, for that to matter.
 constexpr double kMoved = 500;
-/// What motors may take to come on.
+/// How long motors may take to switch on.
 constexpr Duration kEnabling = std::chrono::seconds(1);
 
 Error offline() {
@@ -57,7 +57,7 @@ Result<Progress> ArcosDriver::hand_over(const Handover& message, Now now, const 
   out.out.count("to_robot." + std::string(message.subtype));
   send(*order, now, out);
   if (!order->goal) return Progress::handed_over;
-  // What it was told before would go on beside the turn.
+  // An earlier command would continue during the turn.
   link_.send(arcos_command(kStop), now, out);
   journey_.emplace(Journey{message.token, !message.skill.empty(), ArcosJourney(*order->goal)});
   out.emit(Started{message.token});
@@ -88,7 +88,7 @@ void ArcosDriver::send(const ArcosOrder& order, Now now, const DriverOut& out) {
 void ArcosDriver::end_journey(const std::string& failure, const DriverOut& out) {
   if (!journey_) return;
   const Journey ended = *std::exchange(journey_, std::nullopt);
-  // Whoever is no scheduler was answered when it began, so that the log alone tells the end.
+  // A sender other than the scheduler was answered at its begin, so only the log shows the end.
   if (ended.is_skill) return out.emit(Ended{ended.token, failure.empty(), failure});
   if (!failure.empty()) out.refuse("not_arrived", failure);
 }
@@ -155,7 +155,7 @@ void ArcosDriver::on_down(Channel channel, const std::string& reason, Now, const
   stop_waits_.reset();
   release_waits_.reset();
   if (!was_online) return;
-  // A skill's end is the desk's word: nobody knows whether the robot arrives.
+  // The mode-adapter's skill desk reports a skill's end: it is unknown whether the robot arrives.
   journey_.reset();
   out.emit(LinkDown{reason});
 }
@@ -230,7 +230,7 @@ void ArcosDriver::give_up(const std::string& reason, Now now, const DriverOut& o
   out.out.close(Channel::command, reason);
   const bool was_online = online();
   on_down(Channel::command, reason, now, out);
-  // A robot that never answered is told of, too.
+  // A robot that never answered is reported, too.
   if (!was_online) out.emit(LinkDown{reason});
 }
 

@@ -1,5 +1,5 @@
 // The interpreter mode over arcos: the node dials a MobileRobots Pioneer and sends it the commands that commands.json
-// names; the robot's packets tell where it is and how it is. "goto" is driven from here, step by step.
+// names; the robot's packets report its position and state. "goto" is driven by this class, step by step.
 #pragma once
 
 #include <map>
@@ -62,7 +62,7 @@ class ArcosDriver : public Driver {
   std::map<std::string, std::string, std::less<>> requests_;            ///< subtype -> value
 
   ArcosLink link_;
-  std::optional<ArcosSip> sip_;  ///< the last one of this connection
+  std::optional<ArcosSip> sip_;  ///< the latest one of this connection
   ArcosOdometry odometry_;
   ArcosFaults faults_;
   std::map<std::string, RobotValue, std::less<>> values_;

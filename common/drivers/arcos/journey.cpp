@@ -11,14 +11,14 @@ namespace {
 
 constexpr std::uint8_t kMove = 8;
 constexpr std::uint8_t kHead = 12;
-constexpr double kLongestMove = 5000;  ///< mm, as ARCOS takes it
-constexpr double kWorthATurn = 2;      ///< degrees: less is made good by the next leg
-constexpr double kTowards = 5;         ///< degrees: more is no direction to drive in
+constexpr double kLongestMove = 5000;  ///< mm, ARCOS's limit
+constexpr double kWorthATurn = 2;      ///< degrees: less is corrected by the next leg
+constexpr double kTowards = 5;         ///< degrees: with a greater error it does not drive yet
 constexpr int kCorrections = 8;
 constexpr double kSomeWay = 10;  ///< mm
 constexpr double kSomeTurn = 1;  ///< degrees
 constexpr Duration kNoProgress = std::chrono::seconds(3);
-/// A robot that stands so long after it was told to go has heard of it and has ended.
+/// A robot that stands for this long after an order to move has received it and has ended.
 constexpr Duration kSettled = std::chrono::milliseconds(300);
 
 double way(const ArcosPose& a, const ArcosPose& b) {

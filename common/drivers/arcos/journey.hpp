@@ -1,5 +1,5 @@
-// Going somewhere with a robot that by itself only turns to a heading (HEAD) and drives straight on (MOVE): turn
-// towards the goal, drive, look where that has led to, again if it is not near enough; in the end turn to the heading.
+// Drives to a place with a robot that can only turn to a heading (HEAD) and drive straight on (MOVE): turn towards the
+// goal, drive, check where it is, repeat if it is not near enough; finally turn to the heading.
 #pragma once
 
 #include <optional>
@@ -40,7 +40,7 @@ class ArcosJourney {
   struct Next {
     Bytes packet;  ///< to the robot; may be empty
     bool over = false;
-    std::string failure;  ///< over: why not arrived; empty: arrived
+    std::string failure;  ///< if over: why it has not arrived; empty: arrived
   };
   /// After each of the robot's packets.
   Next on_pose(const ArcosPose& pose, bool stands, MonotonicTime now);
@@ -61,7 +61,7 @@ class ArcosJourney {
   int legs_left_ = 0;
   ArcosPose began_;  ///< where the leg began
   MonotonicTime leg_began_;
-  ArcosPose progress_;  ///< where the robot last was that was elsewhere
+  ArcosPose progress_;  ///< the last position that counted as progress
   MonotonicTime progressed_;
 };
 

@@ -90,7 +90,7 @@ void ArcosLink::open(const ArcosPacket& answer, Now now, const DriverOut& out) {
   stage_ = Stage::open;
   last_sip_ = now.mono;
   out.out.log(LogLevel::info, "robot_named", identity_of(answer.contents));
-  // A robot whose last client has vanished goes on with what that had told it, once it hears a packet: STOP forbids it.
+  // A robot whose last client has vanished goes on with its last order once it receives a packet: STOP prevents that.
   send(arcos_command(kOpen, 1) + arcos_command(kStop) + arcos_command(kArcosEnable, 1), now, out);
 }
 

@@ -1,4 +1,4 @@
-// The connection to an ARCOS robot: it is synchronised, opened, kept awake, and given up when the robot falls silent.
+// The connection to an ARCOS robot: synchronised, opened, kept alive, and given up when the robot falls silent.
 #pragma once
 
 #include <optional>
@@ -19,7 +19,7 @@ namespace trb::drivers {
 /// open  | a SIP                      | the robot is there
 /// open  | no SIP for 3 s             | given up
 ///
-/// PULSE goes out when nothing else has for a second: a robot that hears nothing for 2 s stops by itself.
+/// PULSE is sent when nothing else was for a second: a robot that receives nothing for 2 s stops by itself.
 class ArcosLink {
  public:
   enum class Stage : std::uint8_t { down, sync, open };
@@ -32,7 +32,7 @@ class ArcosLink {
 
   /// The robot's packets once it is open; valid until the next call.
   const std::vector<ArcosPacket>& hear(BytesView bytes, Now now, const DriverOut& out);
-  /// Why the connection is given up, if so.
+  /// Why the connection is given up, if it is.
   std::optional<std::string> tick(Now now, const DriverOut& out);
   [[nodiscard]] std::optional<MonotonicTime> next_deadline() const;
 
@@ -43,7 +43,7 @@ class ArcosLink {
 
   Stage stage_ = Stage::down;
   std::uint8_t expected_ = 0;  ///< the SYNC whose echo is waited for
-  bool closing_ = false;       ///< an earlier connection was told to close
+  bool closing_ = false;       ///< an earlier connection was sent CLOSE
   int attempts_ = 0;           ///< how often SYNC0 was sent
   MonotonicTime due_;          ///< sync: of the next attempt
   MonotonicTime last_sent_;

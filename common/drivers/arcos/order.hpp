@@ -1,4 +1,4 @@
-// A command's words (commands.json) with its data, as packets for the robot.
+// Fills a command of commands.json with its data, as packets for the robot.
 #pragma once
 
 #include <optional>

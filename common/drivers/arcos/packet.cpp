@@ -87,7 +87,7 @@ bool ArcosReader::take_one(std::vector<ArcosPacket>& out) {
   const BytesView body = BytesView(buffer_).substr(kBeforeType, count - kChecksum);
   const std::size_t end = kBeforeType + body.size();
   if (arcos_checksum(body) != (byte_at(buffer_, end) << 8U) + byte_at(buffer_, end + 1)) {
-    // The header may have been garbage, and a good packet begin within.
+    // The header may have been garbage, with a good packet inside.
     ++losses_.wrong;
     drop(kHeader.size());
     return true;

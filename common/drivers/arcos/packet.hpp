@@ -13,19 +13,18 @@ struct ArcosPacket {
   Bytes contents;
 };
 
-/// The sum of the big-endian pairs of what stands between count and checksum, modulo 2^16; an odd last byte is xor-ed
-/// into it.
+/// The sum of the big-endian pairs between count and checksum, modulo 2^16; an odd last byte is xor-ed into it.
 std::uint16_t arcos_checksum(BytesView bytes);
 
 Bytes arcos_command(std::uint8_t number);
 /// -32767 to 65535: the sign is in the argument's type.
 Bytes arcos_command(std::uint8_t number, int argument);
-/// At most 200 bytes; its length goes before it, so that it may hold anything.
+/// At most 200 bytes; its length precedes it, so that it may contain any byte.
 Bytes arcos_command(std::uint8_t number, BytesView text);
 
 constexpr std::size_t kMaxArcosText = 200;
 
-/// Cuts a stream into packets. After bytes that are no packet it goes on at the next FA FB.
+/// Cuts a stream into packets. After invalid bytes it continues at the next FA FB.
 class ArcosReader {
  public:
   void add(BytesView bytes, std::vector<ArcosPacket>& out);
@@ -39,8 +38,8 @@ class ArcosReader {
   Losses take_losses();
 
  private:
-  /// True if the buffer may hold another packet.
-  /// Drops what stands before the next header. False: the header has not come, or nothing behind it.
+  /// Drops what precedes the next header. True if the buffer may hold another packet; false: no header yet, or nothing
+  /// after it.
   bool begins_with_header();
   bool take_one(std::vector<ArcosPacket>& out);
   void drop(std::size_t size);

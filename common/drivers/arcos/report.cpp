@@ -19,7 +19,7 @@ constexpr std::uint32_t kStopButton = 1U << 17U;
 using Sip = const ArcosSip&;
 using Place = const ArcosOdometry&;
 
-/// What tells each field, in the order of ArcosField.
+/// The function for each field, in the order of ArcosField.
 constexpr std::array<double (*)(Sip, Place), 17> kTellers = {
     [](Sip, Place place) -> double { return place.x(); },
     [](Sip, Place place) -> double { return place.y(); },

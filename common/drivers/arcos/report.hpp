@@ -1,4 +1,4 @@
-// What a Pioneer's packets mean to others: values by name, and faults.
+// Reports from a Pioneer's packets: values by name, and faults.
 #pragma once
 
 #include <optional>
@@ -10,24 +10,24 @@
 
 namespace trb::drivers {
 
-/// One field as it is, several as a list.
+/// A single field as a value, several as a list.
 RobotValue arcos_value(const std::vector<ArcosField>& fields, const ArcosSip& sip, const ArcosOdometry& place, Now now);
 
-/// The cause of a fault that takes the robot: it is over with the motors on and the STOP button up.
+/// The cause of a fault of the whole robot: it ends with the motors on and the STOP button up.
 constexpr const char* kArcosHalted = "halted";
 
 /// Stalls and bumpers (URGENT), motors that went off by themselves (CRITICAL), the STOP button (FATAL).
 class ArcosFaults {
  public:
-  /// A fault, if something is wrong that was not before. `motors_wanted`: they should be on by now.
+  /// A fault, if there is a new one. `motors_wanted`: they should be on by now.
   std::optional<FaultSaid> hear(const ArcosSip& sip, bool motors_wanted);
   void begin_again() { known_ = 0; }
 
  private:
-  std::uint32_t known_ = 0;  ///< bits of what is wrong
+  std::uint32_t known_ = 0;  ///< bits of the current faults
 };
 
-/// Why the robot moves no more: "the STOP button is pressed"; empty if it does.
+/// Why the robot cannot move: "the STOP button is pressed"; empty if it can.
 std::string arcos_hindrance(const ArcosSip& sip);
 
 }  // namespace trb::drivers

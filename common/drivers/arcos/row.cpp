@@ -1,4 +1,4 @@
-// A Pioneer, by ARCOS.
+// A Pioneer, with ARCOS.
 #include "common/drivers/arcos/driver.hpp"
 #include "common/drivers/registry.hpp"
 

@@ -7,7 +7,7 @@ namespace trb::drivers {
 namespace {
 
 constexpr double kDegreesPerUnit = 360.0 / 4096;
-constexpr int kStandingSpeed = 2;  ///< mm/s: what an encoder may still show of a robot that stands
+constexpr int kStandingSpeed = 2;  ///< mm/s: what encoders may still show while the robot stands
 constexpr int kNearOrigin = 200;   ///< mm
 
 /// Little-endian numbers, one after the other; after the end all are 0 and ok() is false.
@@ -61,7 +61,7 @@ int way(std::uint16_t from, std::uint16_t to) {
   return turn < 0x4000U ? static_cast<int>(turn) : static_cast<int>(turn) - 0x8000;
 }
 
-/// What the word may mean that is nearest to `last`.
+/// Of the values that the word may stand for, the one nearest to `last`.
 double nearest_to(double last, std::uint16_t word) {
   constexpr double kTurn = 65536;
   return signed_of(word) + kTurn * std::round((last - signed_of(word)) / kTurn);
@@ -113,7 +113,7 @@ void ArcosOdometry::hear(const ArcosSip& sip) {
 }
 
 void ArcosOdometry::set(const ArcosSip& sip) {
-  // A robot far out is where it was when the last connection ended; one at its origin has been switched on, or told so.
+  // A robot far out is where it was when the last connection ended; one at its origin was switched on again, or reset.
   const bool origin = near_origin(sip);
   jump_ = origin && !known_ ? std::hypot(x_ - signed_of(sip.x), y_ - signed_of(sip.y)) : 0;
   x_ = origin ? signed_of(sip.x) : nearest_to(x_, sip.x);

@@ -1,4 +1,4 @@
-// What a Pioneer's standard server information packet (SIP) tells, ten times a second.
+// The content of a Pioneer's standard server information packet (SIP), sent ten times a second.
 #pragma once
 
 #include <cstdint>
@@ -11,7 +11,7 @@ namespace trb::drivers {
 constexpr std::uint8_t kArcosStopped = 0x32;  ///< a SIP's type while the robot stands, and
 constexpr std::uint8_t kArcosMoving = 0x33;
 
-/// A SIP as it came, without its sonar readings. Older robots end it after them.
+/// A SIP as received, without its sonar readings. Older robots end it after those.
 struct ArcosSip {
   bool moving = false;
   std::uint16_t x = 0;  ///< mm, wraps
@@ -34,17 +34,17 @@ struct ArcosSip {
   [[nodiscard]] bool stands() const;
 };
 
-/// Nothing if the packet is no SIP, or is cut off before its end.
+/// Empty if the packet is not a SIP, or is incomplete.
 std::optional<ArcosSip> read_arcos_sip(const ArcosPacket& packet);
 
-/// Where the robot says that it is. The packets' 16 bits wrap after 32 m (on old robots 15 bits), so that what counts
-/// is the way since the last packet.
+/// The robot's own position. The packets' 16 bits wrap after 32 m (on old robots 15 bits), so the distance since the
+/// last packet is added up.
 class ArcosOdometry {
  public:
   void hear(const ArcosSip& sip);
   /// A connection begins: the robot may have been switched on again since.
   void begin_again() { known_ = false; }
-  /// With this connection the robot has begun at its origin, so far (mm) from where it was at the end of the last one.
+  /// On this connection the robot began at its origin, this far (mm) from where it was at the end of the last one.
   [[nodiscard]] double jump() const { return jump_; }
   /// SETO was sent: the robot's next position near 0, 0 is the new one.
   void expect_origin() { origin_comes_ = true; }

@@ -111,7 +111,7 @@ Result<ArcosStep> read_named(const Command& command, std::string_view rest) {
 Result<ArcosStep> read_numbered(std::string_view rest) {
   const std::string_view word = take_word(rest);
   const auto number = whole_number<int>(word);
-  // 0 to 2 are the connection's own: PULSE, OPEN and CLOSE.
+  // 0 to 2 belong to the connection: PULSE, OPEN and CLOSE.
   if (!number || *number < 3 || *number > 255) {
     return bad(in_quotes(word) + " is no number of a command", "write it as command 92 1, with a number from 3 to 255");
   }

@@ -1,4 +1,4 @@
-// What commands.json says for a robot that speaks ARCOS, the language of MobileRobots' Pioneers.
+// The notation of commands.json for a robot with ARCOS, the protocol of MobileRobots' Pioneers.
 #pragma once
 
 #include <optional>
@@ -17,7 +17,7 @@ enum class ArcosEffect : std::uint8_t { none, moves, stops };
 struct ArcosTravel {
   std::string x;  ///< a number, or {0}, {1} …
   std::string y;
-  std::string heading;    ///< empty: whatever it is
+  std::string heading;    ///< empty: any
   double tolerance = 50;  ///< how near, in millimetres
   double angle = 3;       ///< how near in heading, in degrees
 };
@@ -43,7 +43,7 @@ constexpr std::uint8_t kArcosEnable = 4;
 /// Errors: bad_value.
 Result<std::vector<ArcosStep>> read_arcos_steps(std::string_view text);
 
-/// What the robot's information packets tell, by the name that "values" uses.
+/// The fields of the robot's information packets, by the names that "values" uses.
 enum class ArcosField : std::uint8_t {
   x = 0,     ///< mm
   y,         ///< mm

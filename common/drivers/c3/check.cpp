@@ -1,4 +1,4 @@
-// That commands.json and the description say all that a KUKA over C3 needs.
+// Checks that commands.json and the description have all that a KUKA over C3 needs.
 #include <algorithm>
 
 #include "common/config/transports.hpp"

@@ -1,4 +1,4 @@
-// What commands.json says for a KUKA, read.
+// The parsed content of commands.json for a KUKA.
 #pragma once
 
 #include "common/drivers/c3/syntax.hpp"
@@ -12,7 +12,7 @@ struct C3Commands {
   std::map<std::string, C3Question, std::less<>> values;                   ///< by name, without those of the hand-shake
 };
 
-/// What is a fault is left out.
+/// Faulty entries are left out.
 C3Commands read_c3_commands(const VendorCommands& vendor, const Description& description, const VendorFaults& faults);
 
 }  // namespace trb::drivers

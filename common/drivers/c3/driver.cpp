@@ -110,7 +110,7 @@ void C3Driver::on_up(Channel channel, Now now, const DriverOut& out) {
   messages_.restart();
   values_.restart();
   polls_.restart(now);
-  // What the last process has offered and nobody has taken is told to have failed: it must not begin now.
+  // A message that the last process offered and the program did not take was reported as failed: it must not begin now.
   jobs_.clear_offer(now, out);
   poll(now, out);
 }
@@ -164,7 +164,7 @@ void C3Driver::poll(Now now, const DriverOut& out) {
     probe(Probe::error, names_.error, now, out);
     values_.poll(now, out);
   }
-  // A robot of which nothing is read is asked for its speed override, to hear that it is there.
+  // If nothing else is read from a robot, its speed override is, to see that it is there.
   if (link_.idle()) link_.ask({C3Purpose::note, "$OV_PRO", std::nullopt, 0}, now, out);
 }
 
@@ -238,14 +238,14 @@ void C3Driver::on_probe(Probe what, const C3Reply& reply, Now now, const DriverO
 
 void C3Driver::on_stop_message(bool raised, Now now, const DriverOut& out) {
   if (!faults_.on_stop_message(raised, names_.stop_message, out)) return;
-  // Its text may be younger than the flag: it is read now.
+  // Its text may be newer than the flag: it is read now.
   if (!names_.error.empty()) return probe(Probe::error_of_stop, names_.error, now, out);
   faults_.report_stop(std::nullopt, now, out);
   on_program_stopped(now, out);
 }
 
-/// The controller has stopped its program in the middle of whatever it did. A person may start it again: what is told
-/// to have failed must not go on then, so the robot is told to stop that motion.
+/// The controller has stopped its program in the middle of its work. A person may start it again: a motion that was
+/// reported as failed must not go on then, so the robot is ordered to stop it.
 void C3Driver::on_program_stopped(Now now, const DriverOut& out) {
   const C3Jobs::Broken broken = jobs_.fail_all(faults_.why_stopped(), out);
   if (broken.moved) end_motion(now, out);

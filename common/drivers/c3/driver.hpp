@@ -1,5 +1,5 @@
-// The interpreter mode over C3: a message is written field by field into a KUKA's variables, or as the words of
-// commands.json; flags tell when the robot's program has taken it and when it is over.
+// The interpreter mode over C3: a message is written into a KUKA's variables, field by field or by the assignments of
+// commands.json; flags show when the robot's program has taken it and when it is over.
 #pragma once
 
 #include <set>
@@ -12,7 +12,7 @@
 
 namespace trb::drivers {
 
-/// It reads the flags in turn, and gives each answer to the part that has asked.
+/// Reads the flags in turn, and passes each answer to the part that asked.
 class C3Driver : public Driver {
  public:
   C3Driver(const DriverSettings& settings, C3Commands commands);
@@ -51,7 +51,7 @@ class C3Driver : public Driver {
   void warn_unknown(const C3Link::Answer& answer, const DriverOut& out);
 
   std::string own_id_;
-  bool fields_;  ///< the robot's program takes messages field by field
+  bool fields_;  ///< the robot's program accepts messages field by field
   C3Names names_;
 
   C3Reader reader_;

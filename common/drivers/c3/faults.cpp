@@ -7,7 +7,7 @@ namespace {
 
 constexpr const char* kStop = "stop message";
 constexpr const char* kError = "error";
-/// A text that was told so shortly before the program was stopped is why.
+/// A text reported this shortly before the program was stopped is the reason.
 constexpr Duration kSameFault = std::chrono::seconds(1);
 
 }  // namespace

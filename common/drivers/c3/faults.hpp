@@ -1,11 +1,11 @@
-// What a KUKA tells of its faults: the controller's stop of the program, and the program's own text.
+// A KUKA's faults: the controller's stop of the program, and the program's own text.
 #pragma once
 
 #include "common/drivers/driver.hpp"
 
 namespace trb::drivers {
 
-/// The same text is a fault of its own as "error", and the reason of a stop; it is news once.
+/// The same text may be a fault of its own as "error", and the reason of a stop; it is reported once.
 class C3Faults {
  public:
   explicit C3Faults(std::vector<std::string> capabilities) : capabilities_(std::move(capabilities)) {}
@@ -16,12 +16,12 @@ class C3Faults {
 
   /// The error text was read; empty: there is none.
   void on_text(const std::string& text, Now now, const DriverOut& out);
-  /// The controller's stop message was read. True: it has come up now, report_stop() is to follow.
+  /// The controller's stop message was read. True: it is new, and report_stop() has to follow.
   bool on_stop_message(bool raised, const std::string& variable, const DriverOut& out);
-  /// `text`: the error text, read after the stop; none: the robot has no such variable.
+  /// `text`: the error text, read after the stop; empty: the robot has no such variable.
   void report_stop(const std::optional<std::string>& text, Now now, const DriverOut& out);
 
-  /// The connection is lost: whoever comes back tells again what is wrong.
+  /// The connection is lost: after a new one every fault is reported again.
   void restart();
 
  private:

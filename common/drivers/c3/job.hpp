@@ -1,4 +1,4 @@
-// One message on its way into a KUKA's variables, and what its end is known by.
+// One message on its way into a KUKA's variables, and how its end is detected.
 #pragma once
 
 #include "common/drivers/c3/syntax.hpp"
@@ -10,7 +10,7 @@ namespace trb::drivers {
 struct C3Step {
   std::string variable;
   std::string value;
-  bool awaits_clear = false;  ///< the next step waits until the robot's program has set it FALSE
+  bool awaits_clear = false;  ///< the next step waits until the robot's program has cleared it
 };
 
 /// phase    | the robot's program
@@ -25,25 +25,25 @@ struct C3Job {
   MessageType type{};
   std::string subtype;
   std::string source;
-  bool tracked = false;    ///< somebody waits for its end
-  bool forgotten = false;  ///< nobody waits for its answer any more
+  bool tracked = false;    ///< a service waits for its end
+  bool forgotten = false;  ///< no service waits for its answer any more
   std::vector<C3Step> steps;
-  std::size_t next = 0;  ///< the step that is not yet done
-  bool offers = false;   ///< the last step raises the command flag, which the program clears when it takes it
-  bool ends = false;     ///< the program tells its end
+  std::size_t next = 0;  ///< the first step that is not done yet
+  bool offers = false;   ///< the last step sets the command flag, which the program clears when it takes the message
+  bool ends = false;     ///< the program reports its end
   std::int64_t number = 0;
   Phase phase = Phase::writing;
   bool told_started = false;
-  std::optional<MonotonicTime> waits_since;  ///< for the program to take it, or a chunk of it
+  std::optional<MonotonicTime> waits_since;  ///< since when it waits for the program to take it, or a chunk of it
 };
 
-/// The vendor's words for a subtype.
+/// The vendor's assignments for a subtype.
 class C3Words {
  public:
   explicit C3Words(const std::vector<C3Assignment>& assignments);
-  /// Errors: bad_value, not_escapable. With data, a list must have just the items that the words take.
+  /// Errors: bad_value, not_escapable. A list must have exactly the items that the assignments use.
   [[nodiscard]] Result<std::vector<C3Step>> fill(BytesView data) const;
-  /// Every value with its placeholders empty; for words that take no data.
+  /// Every value with its placeholders empty; for assignments without data.
   [[nodiscard]] std::vector<C3Step> steps() const;
 
  private:
@@ -55,7 +55,7 @@ class C3Words {
   std::size_t items_ = 0;
 };
 
-/// The steps that hand a message over field by field.
+/// The steps that send a message field by field.
 std::vector<C3Step> c3_field_steps(const C3Names& names, const Handover& message, std::int64_t number,
                                    std::size_t chunk_bytes);
 

@@ -11,12 +11,12 @@ constexpr std::size_t kMaxJobs = 64;
 constexpr std::size_t kPresetChunk = 80;
 constexpr std::int64_t kNumbers = 1'000'000;
 
-/// A restarted node must not take the end of an old message for that of a new one.
+/// A restarted node must not mistake the end of an old message for that of a new one.
 std::int64_t first_number(std::uint64_t instance) {
   return static_cast<std::int64_t>(instance % 2000) * kNumbers;
 }
 
-/// What its end tells, whether it was answered before or not.
+/// Reports its end, whether it was answered before or not.
 void tell_end(const C3Job& job, bool well, const std::string& text, const DriverOut& out) {
   if (job.forgotten) {
     out.out.log(LogLevel::info, "late_report", job.subtype + ": " + text.substr(0, 200));
@@ -76,7 +76,7 @@ Result<C3Job> C3Jobs::make_job(const Handover& message) {
   job.number = ++last_number_;
   job.ends = !names_.done.empty();
   job.offers = program_.fields;
-  // What the robot's program said of an earlier command is not about this one.
+  // The program's text about an earlier command does not concern this one.
   if (!program_.fields && job.ends) job.steps.push_back({names_.done, "FALSE"});
   if (const Status words = add_words(message, job); !words) return words.error();
   if (!program_.fields) return job;
@@ -136,7 +136,7 @@ bool C3Jobs::halt(Token token, Now now, const DriverOut& out) {
   return moves;
 }
 
-/// The program is not to take it any more. If it has done so in this moment, its end is heard as a late one.
+/// The program must not take it any more. If it has just done so, its end counts as a late one.
 void C3Jobs::withdraw(Now now, const DriverOut& out) {
   link_.drop_waiting(C3Purpose::step);
   clear_offer(now, out);

@@ -23,16 +23,16 @@ namespace trb::drivers {
 /// any             | the connection is lost   | Refused, unless it has been answered
 class C3Jobs {
  public:
-  static constexpr std::uint64_t kMark = 0;  ///< C3Ask::about of the done flag's asks
+  static constexpr std::uint64_t kMark = 0;  ///< C3Ask::about of the done flag's requests
 
   using Commands = std::map<std::string, C3Words, std::less<>>;
   struct Program {
-    bool fields = false;  ///< it takes messages field by field
+    bool fields = false;  ///< it accepts messages field by field
     std::size_t chunk_bytes = 0;
     Duration patience{};
     std::uint64_t instance = 0;
   };
-  /// What of the driver it works with, which outlives it. While a turn is open no message begins.
+  /// Other parts of the driver that it uses, which outlive it. While a turn is open no message begins.
   struct Parts {
     const C3Names& names;
     C3Link& link;
@@ -46,24 +46,24 @@ class C3Jobs {
   Status add(const Handover& message, Now now, const DriverOut& out);
   [[nodiscard]] bool runs(Token token) const;
   void forget(Token token, Now now, const DriverOut& out);
-  /// True: it was carried out, its motion is to be ended.
+  /// True: it was being carried out, and its motion has to be ended.
   bool halt(Token token, Now now, const DriverOut& out);
-  /// Begins what waits first, unless something is under way.
+  /// Begins the first waiting message, unless one is in progress.
   void begin_next(Now now, const DriverOut& out);
 
-  /// All of them. A message that is carried out has been answered: whoever waits for its end hears of the stop or the
-  /// loss itself. True: the program may still take one, clear_offer() is to follow.
+  /// Drops all messages. One that is being carried out was answered already: a service that waits for its end is
+  /// notified of the stop or the loss itself. True: the program may still take one, so clear_offer() has to follow.
   bool drop(const Error& why, const DriverOut& out);
   struct Broken {
-    bool moved = false;    ///< one was carried out
-    bool offered = false;  ///< as drop()
+    bool moved = false;    ///< one was being carried out
+    bool offered = false;  ///< as returned by drop()
   };
-  /// As drop(), and the skill under way has failed: the robot has stopped it.
+  /// Like drop(), and the running skill has failed: the robot has stopped it.
   Broken fail_all(const Error& why, const DriverOut& out);
   void clear_offer(Now now, const DriverOut& out);
   void restart() { done_.restart(); }
 
-  // What is to be read of the robot now.
+  // What has to be read from the robot now.
   [[nodiscard]] bool under_way() const { return current_.has_value(); }
   [[nodiscard]] bool waits_for_chunk() const { return waits_in(C3Job::Phase::writing); }
   [[nodiscard]] bool waits_to_be_taken() const { return waits_in(C3Job::Phase::offered); }

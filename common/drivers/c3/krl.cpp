@@ -39,7 +39,7 @@ std::string_view unquoted(std::string_view text) {
   return quoted ? text.substr(1, text.size() - 2) : text;
 }
 
-/// The byte of an escape behind its backslash, and how many characters it takes there; 0: none is known.
+/// The byte for an escape, given what follows the backslash, and how many characters it takes; 0: unknown.
 std::pair<char, std::size_t> unescaped(std::string_view rest) {
   if (rest.empty()) return {'\0', 0};
   if (rest.front() == '\\') return {'\\', 1};
@@ -78,7 +78,7 @@ struct Component {
   Simple value;
 };
 
-/// "{TYPE: NAME VALUE, NAME VALUE}"; the type may be left out. Structures in structures are no values here.
+/// "{TYPE: NAME VALUE, NAME VALUE}"; the type is optional. Nested structures are not supported.
 Result<std::vector<Component>> read_structure(std::string_view text) {
   const Error broken = fail(Errc::malformed, "the robot told no KRL structure: " + std::string(text.substr(0, 80)));
   text = text.substr(1, text.size() - 2);

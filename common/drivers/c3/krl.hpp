@@ -1,4 +1,5 @@
-// Data into KRL and back. A KRL text has no escape for its own quote: words refuse one, fields write it as `\q`.
+// Converts data into KRL and back. KRL text has no escape for its own quote: assignments refuse one, fields write it as
+// `\q`.
 #pragma once
 
 #include <cstdint>
@@ -15,19 +16,19 @@ namespace trb::drivers {
 /// control character or a byte outside ASCII).
 Result<std::string> krl_literal(const Value& value);
 
-/// A field's text in quotes: `\\`, `\n`, `\r`, `\q` for a quote, `\xHH` for any other byte that is no printable ASCII.
+/// A field's text in quotes: `\\`, `\n`, `\r`, `\q` for a quote, `\xHH` for any other byte that is not printable ASCII.
 std::string krl_field(std::string_view text);
 
-/// Data as fields of at most so many characters between their quotes; an escape is never cut. At least one.
+/// Data as fields of at most that many characters between their quotes; an escape is never cut. At least one field.
 std::vector<std::string> krl_chunks(std::string_view data, std::size_t most);
 
-/// Undoes krl_field. Text without quotes is taken as it stands; an unknown escape, too.
+/// Undoes krl_field. Text without quotes is taken unchanged; an unknown escape, too.
 std::string krl_text(std::string_view field);
 
-/// What a variable holds.
+/// The content of a variable.
 struct KrlValue {
-  std::vector<double> numbers;  ///< TRUE is 1; of a structure: those of its components, in their order
-  std::string json;             ///< a structure is an object; with components asked for: a list of them
+  std::vector<double> numbers;  ///< TRUE is 1; of a structure: of its components, in their order
+  std::string json;             ///< a structure is an object; if components were requested: a list of them
 };
 
 /// Errors: malformed, missing (a component).

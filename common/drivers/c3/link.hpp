@@ -1,4 +1,4 @@
-// The conversation with a C3 server: one question at a time, answers told apart by their tags.
+// The exchange with a C3 server: one request at a time, answers matched by their tags.
 #pragma once
 
 #include <deque>
@@ -30,17 +30,17 @@ class C3Link {
  public:
   static constexpr std::size_t kMost = 256;
 
-  /// False: so many wait that nothing more is taken.
+  /// False: the queue is full.
   bool ask(C3Ask ask, Now now, const DriverOut& out);
   void urge(C3Ask ask, Now now, const DriverOut& out);
-  /// Those of that purpose that have not been sent are dropped.
+  /// Drops the requests of that purpose that have not been sent.
   void drop_waiting(C3Purpose purpose);
 
   struct Answer {
     C3Ask ask;
     C3Reply reply;
   };
-  /// What an answer answers; the next ask is sent.
+  /// The request that the reply answers; the next request is sent.
   std::optional<Answer> take(C3Reply reply, Now now, const DriverOut& out);
 
   void clear();
@@ -61,7 +61,7 @@ class C3Link {
   std::uint16_t last_tag_ = 0;
 };
 
-/// The robot has not done what was asked of it; the text names the variable and the value.
+/// The robot has refused a request; the text names the variable and the value.
 Error refused_by_robot(const C3Link::Answer& answer);
 
 }  // namespace trb::drivers

@@ -8,13 +8,13 @@ namespace trb::drivers {
 class C3PollTimes {
  public:
   void restart(Now now) { next_ = next_values_ = now.mono; }
-  /// Something was told to the robot, and its flag is to be read at once.
+  /// Something was sent to the robot, and its flag has to be read at once.
   void soon(Now now) { next_ = now.mono; }
 
   [[nodiscard]] bool due(Now now) const { return now.mono >= next_; }
-  /// The flags are read now; `busy`: something is under way.
+  /// The flags are being read; `busy`: a message is in progress.
   void polled(Now now, bool busy) { next_ = now.mono + (busy ? kBusy : kIdle); }
-  /// True if the values are to be read with the flags. They count as read then.
+  /// True if the values have to be read with the flags. They count as read then.
   bool take_values(Now now) {
     if (now.mono < next_values_) return false;
     next_values_ = now.mono + kValues;

@@ -1,4 +1,4 @@
-// A KUKA, by KUKAVARPROXY.
+// A KUKA, with KUKAVARPROXY.
 #include "common/drivers/c3/driver.hpp"
 #include "common/drivers/registry.hpp"
 

@@ -94,7 +94,7 @@ Error no_variable(std::string_view text) {
               "write a name of at most 24 letters, digits and _, such as TRB_STOP, TRB_TEXT[], $POS_ACT.X");
 }
 
-/// The end of the placeholder that begins here; npos: none does.
+/// The end of the placeholder that begins here; npos: there is none.
 std::size_t placeholder_end(std::string_view text) {
   const std::size_t end = text.starts_with('{') ? text.find('}') : std::string_view::npos;
   if (end == std::string_view::npos) return end;

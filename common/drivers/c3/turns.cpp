@@ -30,7 +30,7 @@ Token C3Turns::begin(bool stop, bool own, Now now, const DriverOut& out) {
 
 bool C3Turns::on_written(const C3Link::Answer& answer, Now now, const DriverOut& out) {
   if (!open_ || open_->ticket != answer.ask.about) return false;
-  // What the robot does not take is not confirmed: its requester is told so at the deadline.
+  // What the robot refuses is not confirmed: its requester is notified at the deadline.
   if (!answer.reply.ok) {
     out.refuse("robot_error", refused_by_robot(answer).text());
     return false;

@@ -1,4 +1,4 @@
-// The stop or release that a KUKA is told of, until it has confirmed it.
+// The stop or release that was sent to a KUKA, until it has confirmed it.
 #pragma once
 
 #include "common/drivers/c3/job.hpp"
@@ -23,19 +23,18 @@ class C3Turns {
   };
   C3Turns(C3Link& link, C3PollTimes& polls, Words words) : link_(link), polls_(polls), words_(std::move(words)) {}
 
-  /// The ticket of the stop or release. A turn that is open gives way to it.
+  /// Returns the ticket of the stop or release. An open turn gives way to it.
   Token stop(Now now, const DriverOut& out);
   Token release(Now now, const DriverOut& out);
-  /// Ends the motion under way, without a fence.
+  /// Ends the running motion, without a fence.
   void end_motion(Now now, const DriverOut& out);
 
   [[nodiscard]] bool open() const { return open_.has_value(); }
   [[nodiscard]] bool told_to_stop() const { return told_to_stop_; }
-  /// The connection is lost: nothing confirms it any more.
+  /// The connection is lost: there will be no confirmation.
   void drop() { open_.reset(); }
 
-  // Both: true if commands go on now.
-  /// The answer to a write of a stop or release.
+  // Both return true if commands go on now. The answer to a write of a stop or release.
   bool on_written(const C3Link::Answer& answer, Now now, const DriverOut& out);
   /// The stopped variable was read.
   bool on_stopped(bool stopped, Now now, const DriverOut& out);
@@ -43,9 +42,9 @@ class C3Turns {
  private:
   struct Turn {
     bool stop = false;
-    bool own = false;  ///< a motion is ended
+    bool own = false;  ///< only to end a motion
     Token ticket = 0;
-    std::size_t unanswered = 0;  ///< its writes
+    std::size_t unanswered = 0;  ///< of its writes
   };
   Token begin(bool stop, bool own, Now now, const DriverOut& out);
   bool confirm(bool by_robot, Now now, const DriverOut& out);

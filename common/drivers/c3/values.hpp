@@ -1,4 +1,4 @@
-// What a KUKA's variables hold: those that are read again and again, and those that a request asks for.
+// The content of a KUKA's variables: those that are polled, and those that a request asks for.
 #pragma once
 
 #include <map>
@@ -15,7 +15,7 @@ class C3Values {
     std::string name;
     C3Question words;
   };
-  using Requests = std::map<std::string, std::string, std::less<>>;  ///< subtype -> a question's name
+  using Requests = std::map<std::string, std::string, std::less<>>;  ///< subtype -> a value's name
 
   C3Values(C3Link& link, std::vector<Question> questions, Requests requests)
       : link_(link), questions_(std::move(questions)), requests_(std::move(requests)) {}
@@ -23,17 +23,17 @@ class C3Values {
   [[nodiscard]] bool answers(std::string_view subtype) const { return requests_.contains(subtype); }
   [[nodiscard]] const RobotValue* find(std::string_view name) const;
 
-  /// A request that commands.json maps to a value: the robot is asked. Errors: unknown_subtype, queue_full.
+  /// A request that commands.json maps to a value: it is read from the robot. Errors: unknown_subtype, queue_full.
   Status ask(const Handover& request, Now now, const DriverOut& out);
   void forget(Token token) { asked_.erase(token); }
-  /// Every value is asked for.
+  /// Requests every value.
   void poll(Now now, const DriverOut& out);
 
   void on_value(const C3Link::Answer& answer, Now now, const DriverOut& out);
   void on_request(const C3Link::Answer& answer, const DriverOut& out);
-  /// A new connection: what is wrong with a value is told again.
+  /// A new connection: errors of values are reported again.
   void restart() { told_bad_.clear(); }
-  /// The connection is lost. The requesters are told by LinkDown.
+  /// The connection is lost. LinkDown notifies the requesters.
   void drop_asked() { asked_.clear(); }
 
  private:

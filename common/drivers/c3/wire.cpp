@@ -26,7 +26,7 @@ void put_text(Bytes& out, std::string_view text) {
   out += text;
 }
 
-/// What follows the header. A command that the server does not know is answered without a value.
+/// The part after the header. A command that the server does not know is answered without a value.
 Result<C3Reply> read_body(std::uint16_t tag, BytesView body) {
   C3Reply reply;
   reply.tag = tag;

@@ -26,7 +26,7 @@ Bytes c3_request(std::uint16_t tag, std::string_view variable, const std::option
 
 class C3Reader {
  public:
-  /// Takes bytes as they come. Error: malformed (the stream's borders are lost).
+  /// Takes bytes as they arrive. Error: malformed (message borders are lost).
   Status add(BytesView bytes, std::vector<C3Reply>& replies);
   void clear() { buffer_.clear(); }
   [[nodiscard]] std::size_t held() const { return buffer_.size(); }

@@ -1,4 +1,4 @@
-// What the transport http-json asks of commands.json.
+// What the transport http-json requires of commands.json.
 #include "common/config/transports.hpp"
 #include "common/drivers/http-json/commands.hpp"
 #include "common/drivers/polled_check.hpp"

@@ -44,7 +44,7 @@ class Reader {
     out_.values.emplace(name, std::move(*read));
   }
 
-  /// What a path needs must be told by some command's answer.
+  /// Some command's answer must provide what a path needs.
   void check_names(const std::string& key, const HttpPath& path) const {
     for (const std::string& name : path.names()) {
       if (remembered_.contains(name)) continue;

@@ -1,4 +1,4 @@
-// What commands.json says for a robot with a REST interface, read.
+// The parsed content of commands.json for a robot with a REST interface.
 #pragma once
 
 #include "common/drivers/http-json/syntax.hpp"
@@ -11,8 +11,8 @@ struct HttpCommands {
   std::map<std::string, HttpQuestion, std::less<>> values;              ///< by name
 };
 
-/// Stop and release need no data, and what a path needs is told by some command's answer. What cannot be read is left
-/// out.
+/// Checks that stop and release need no data, and that some command's answer provides what a path needs. What cannot be
+/// parsed is left out.
 HttpCommands read_http_commands(const VendorCommands& vendor, const Description& description,
                                 const VendorFaults& faults);
 

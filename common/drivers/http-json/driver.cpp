@@ -5,7 +5,7 @@
 namespace trb::drivers {
 namespace {
 
-/// A stop whose connection is lost this often in turn is one that the robot does not take.
+/// A stop whose connection is lost this often in a row counts as refused by the robot.
 constexpr std::size_t kStopsLost = 3;
 constexpr const char* kWouldNotStop = "stop refused";
 constexpr std::string_view kPosition = "position";
@@ -28,7 +28,7 @@ std::map<std::string, HttpQuestion> questions_of(const HttpCommands& commands, c
   return out;
 }
 
-/// The way that every such robot surely has: where its stop goes.
+/// A path that every such robot has: that of its stop.
 HttpPath probe_of(const HttpCommands& commands) {
   const auto stop = commands.commands.find("stop");
   return stop == commands.commands.end() || stop->second.empty() ? *HttpPath::read("/") : stop->second.front().path;
@@ -131,7 +131,7 @@ Result<Token> HttpJsonDriver::stop(Now now, const DriverOut& out) {
   return ticket;
 }
 
-/// What is under way is on its way; nobody hears its answer any more.
+/// The request in progress cannot be recalled; its answer is ignored.
 void HttpJsonDriver::drop_for_stop(const DriverOut& out) {
   for (const Job& job : queue_.drop_for_stop()) {
     const std::string answered = std::to_string(job.done) + " of its " + std::to_string(job.steps.size()) + " requests";
@@ -264,7 +264,7 @@ void HttpJsonDriver::on_refused(const Job& job, Error error, const DriverOut& ou
   if (job.purpose != Purpose::release) say_would_not_stop(error, out);
 }
 
-/// Its requester is told at its deadline that nothing was confirmed; everybody else must know at once.
+/// Its requester is notified at its deadline that nothing was confirmed; all others must know at once.
 void HttpJsonDriver::say_would_not_stop(const Error& error, const DriverOut& out) {
   out.emit(FaultSaid{"", Severity::critical, "the robot refused to stop: " + error.what, kWouldNotStop, false});
 }
@@ -287,7 +287,7 @@ void HttpJsonDriver::on_lost_job(const std::string& reason, const DriverOut& out
                               ", and nobody knows whether it was taken: " + reason,
                           "look at the robot before you send it again");
   if (job.purpose == Purpose::command || job.purpose == Purpose::release) return on_refused(queue_.pop(), lost, out);
-  // A stop does no harm twice: it stays, and is the first thing that is sent on the next connection.
+  // Stopping twice does no harm: it stays, and is sent first on the next connection.
   out.out.count("to_robot.stop_again");
   if (++job.lost == kStopsLost) say_would_not_stop(lost, out);
 }

@@ -1,5 +1,5 @@
-// The direct mode over HTTP: a command is one or more requests with JSON, values are asked for in a round. One request
-// is under way at a time, so that a stop waits for one answer at most.
+// The direct mode over HTTP: a command is one or more requests with JSON, values are polled in rounds. Only one request
+// is in progress at a time, so that a stop waits for one answer at most.
 #pragma once
 
 #include <map>
@@ -27,10 +27,11 @@ class HttpJsonDriver : public Driver {
  public:
   HttpJsonDriver(const DriverSettings& settings, HttpCommands commands);
 
-  /// Connections come and go with HTTP: it is there if it has answered, until one cannot be made for long.
+  /// Connections come and go with HTTP: the robot is online if it has answered, until no connection can be made for
+  /// long.
   [[nodiscard]] bool online() const override { return heard_; }
   [[nodiscard]] bool knows(MessageType type, std::string_view subtype) const override;
-  /// A command is over for the robot once it has answered every request.
+  /// A command counts as over once the robot has answered every request.
   [[nodiscard]] bool tells_end(std::string_view subtype) const override { return commands_.contains(subtype); }
   [[nodiscard]] const RobotValue* value(std::string_view name) const override;
   [[nodiscard]] bool answers_from_values() const override { return true; }
@@ -53,7 +54,7 @@ class HttpJsonDriver : public Driver {
  private:
   struct Step {
     HttpWords words;
-    std::string body;  ///< filled
+    std::string body;  ///< with its placeholders filled
   };
   using Queue = RequestQueue<Step>;
   using Job = Queue::Job;

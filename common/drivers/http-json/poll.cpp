@@ -73,7 +73,7 @@ void HttpPoll::take(const std::string& name, const std::vector<HttpQuestion::Par
     if (const auto number = number_of(*at, part)) value.numbers.push_back(*number);
     all.push_back(*at);
   }
-  // A text without a number among numbers would move those behind it to another place.
+  // A text without a number would shift the numbers after it to another index.
   if (value.numbers.size() != parts.size()) value.numbers.clear();
   value.json = dump_json(parts.size() == 1 ? all.front() : Value{std::move(all)});
   known_[name] = {std::move(value), {}};

@@ -1,4 +1,4 @@
-// The values that a robot is asked for again and again, one path at a time, and what it last told of each.
+// The values that are polled from a robot, one path at a time, and the last result of each.
 #pragma once
 
 #include <map>
@@ -16,26 +16,26 @@ class HttpPoll {
  public:
   struct Known {
     std::optional<RobotValue> value;
-    std::optional<Error> problem;  ///< why it is not told
+    std::optional<Error> problem;  ///< why there is no value
   };
   struct Changes {
     bool values = false;
-    std::vector<Error> problems;  ///< each is told once, until the value is heard again
+    std::vector<Error> problems;  ///< each is reported once, until the value is received again
   };
 
-  /// Without questions `probe` is asked for, so that a robot that has gone is noticed; any answer to it is good.
+  /// Without questions `probe` is requested, so that a lost robot is noticed; any answer to it is good.
   HttpPoll(std::map<std::string, HttpQuestion> questions, HttpPath probe, Duration period);
 
-  /// All are asked for at once.
+  /// All are requested at once.
   void restart(Now now) { due_ = now.mono; }
   [[nodiscard]] MonotonicTime due() const { return due_; }
-  /// The next path of the round; none: nothing of the round can be asked for yet, and it is over.
+  /// The next path of the round; empty: nothing more of the round can be requested yet, and it is over.
   std::optional<std::string> next(const Remembered& remembered, Now now);
   /// The answer to next().
   Changes on_answer(const HttpAnswer& answer, Now now);
-  /// What depends on that name is not known any more: it is another one's from now on.
+  /// Values that depend on that name become unknown: it refers to something else from now on.
   void forget(std::string_view name);
-  /// None: it is not asked for, or not told yet.
+  /// Empty: it is not polled, or not received yet.
   [[nodiscard]] const Known* find(std::string_view name) const;
 
  private:
@@ -51,11 +51,11 @@ class HttpPoll {
   Duration period_;
   std::vector<Group> groups_;
   std::size_t at_ = 0;
-  MonotonicTime due_;  ///< when a round is, or was, to begin
+  MonotonicTime due_;  ///< when the current or next round begins
   std::map<std::string, Known, std::less<>> known_;
 };
 
-/// Why an answer is none, in words. Errors: never none.
+/// The reason why an answer is an error, as text.
 Error http_refusal(const std::string& what, const HttpAnswer& answer);
 
 }  // namespace trb::drivers

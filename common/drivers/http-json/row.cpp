@@ -1,4 +1,4 @@
-// A robot that is spoken to by HTTP with JSON.
+// A robot with HTTP and JSON.
 #include "common/drivers/http-json/driver.hpp"
 #include "common/drivers/registry.hpp"
 

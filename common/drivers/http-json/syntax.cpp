@@ -27,7 +27,7 @@ bool is_pointer(std::string_view text) {
   return text.size() <= kMaxPointer && (text.empty() || text.front() == '/');
 }
 
-/// The next word, taken off the text together with the blanks around it.
+/// The next word, removed from the text together with the blanks around it.
 std::string_view take_word(std::string_view& text) {
   const std::size_t begin = std::min(text.find_first_not_of(' '), text.size());
   const std::size_t end = std::min(text.find(' ', begin), text.size());
@@ -51,11 +51,11 @@ std::string escaped(std::string_view text) {
   return out;
 }
 
-/// Takes "-> NAME POINTER" off the end of the line.
+/// Removes "-> NAME POINTER" from the end of the line.
 Status take_memory(std::string_view& line, HttpWords& words) {
   constexpr std::string_view kArrow = " -> ";
   const std::size_t at = line.rfind(kArrow);
-  // Not one within a text of the body.
+  // Not an arrow inside a text of the body.
   if (at == std::string_view::npos || line.find_first_of("\"}", at) != std::string_view::npos) return Done{};
   std::string_view rest = line.substr(at + kArrow.size());
   words.remembers = take_word(rest);
@@ -68,7 +68,7 @@ Status take_memory(std::string_view& line, HttpWords& words) {
   return Done{};
 }
 
-/// A body that is JSON whatever fills it.
+/// A body that is valid JSON whatever is filled in.
 Status check_body(const VendorTemplate& body) {
   std::string zeros = "[0";
   for (std::size_t i = 1; i < std::max<std::size_t>(body.items(), 1); ++i) zeros += ",0";
@@ -95,7 +95,7 @@ Result<HttpWords> read_line(std::string_view line) {
   return words;
 }
 
-/// "TEXT=NUMBER", of the pointer before it.
+/// "TEXT=NUMBER", for the pointer before it.
 Status read_number_of_text(std::string_view word, std::vector<HttpQuestion::Part>& parts) {
   const std::size_t equals = word.find('=');
   double number = 0;

@@ -1,4 +1,4 @@
-// What commands.json says for a robot that is spoken to by HTTP with JSON.
+// The notation of commands.json for a robot with HTTP and JSON.
 #pragma once
 
 #include <map>
@@ -14,20 +14,21 @@
 
 namespace trb::drivers {
 
-/// Texts that earlier answers have told, by name: a path may need one.
+/// Texts from earlier answers, by name: a path may need one.
 using Remembered = std::map<std::string, std::string, std::less<>>;
 
 /// "/api/v2.0.0/mission_queue/<mission>".
 class HttpPath {
  public:
   HttpPath() = default;
-  /// Errors: bad_value (no path, or a character that must be written as %XX).
+  /// Errors: bad_value (not a path, or a character that must be written as %XX).
   static Result<HttpPath> read(std::string_view text);
 
   [[nodiscard]] const std::string& text() const { return text_; }
   /// The names between < and >.
   [[nodiscard]] std::vector<std::string> names() const;
-  /// Each name filled, with what is no letter or digit as %XX. Errors: missing (no answer has told it yet).
+  /// With each name filled in, everything except letters and digits as %XX. Errors: missing (no answer has provided it
+  /// yet).
   [[nodiscard]] Result<std::string> fill(const Remembered& known) const;
 
  private:
@@ -41,7 +42,7 @@ struct HttpWords {
   std::string method;  ///< GET, POST, PUT, PATCH or DELETE
   HttpPath path;
   std::optional<VendorTemplate> body;  ///< JSON with {data} or {0}, {1} …
-  std::string remembers;               ///< under which name what the answer says there is kept; empty: nothing
+  std::string remembers;               ///< the name under which that part of the answer is kept; empty: nothing is
   std::string pointer;                 ///< where (RFC 6901)
 };
 
@@ -62,13 +63,13 @@ struct HttpQuestion {
 /// Errors: bad_value.
 Result<HttpQuestion> read_http_question(std::string_view text);
 
-/// What a JSON pointer points at (RFC 6901), or nullptr.
+/// The target of a JSON pointer (RFC 6901), or nullptr.
 const Value* find_by_pointer(const Value& json, std::string_view pointer);
 
-/// How often the values are asked for, and how long an answer may take.
+/// How often values are polled, and how long an answer may take.
 struct HttpTiming {
   double poll_s = 0.5;
-  double timeout_s = 1;  ///< a stop waits so long at most for the answer that is under way
+  double timeout_s = 1;  ///< a stop waits at most this long for the answer in progress
 };
 HttpTiming http_timing(const VendorCommands& vendor);
 

@@ -22,12 +22,12 @@ Bytes encode(const HttpRequest& request, const std::string& host, const std::str
 struct HttpAnswer {
   unsigned status = 0;
   std::string body;
-  bool closes = false;  ///< the robot closes the connection behind it
+  bool closes = false;  ///< the robot closes the connection after it
 
   [[nodiscard]] bool good() const { return status >= 200 && status < 300; }
 };
 
-/// Answers in a stream, however it is cut; by Boost.Beast, whose parser needs no socket.
+/// Answers from a stream, however it is cut; by Boost.Beast, whose parser needs no socket.
 class HttpReader {
  public:
   static constexpr std::size_t kMaxBody = 1U << 20U;
@@ -38,7 +38,7 @@ class HttpReader {
   HttpReader(const HttpReader&) = delete;
   HttpReader& operator=(const HttpReader&) = delete;
 
-  /// Errors: malformed, too_large: the connection is of no use any more.
+  /// Errors: malformed, too_large: the connection can no longer be used.
   Result<std::vector<HttpAnswer>> add(BytesView bytes);
   /// The connection has ended: an answer without a length ends with it.
   std::vector<HttpAnswer> end();
@@ -49,7 +49,7 @@ class HttpReader {
   void take(std::vector<HttpAnswer>& out);
 
   std::unique_ptr<Parser> parser_;
-  Bytes rest_;  ///< what the parser has not taken: a header that is not whole yet
+  Bytes rest_;  ///< not parsed yet: an incomplete header
 };
 
 }  // namespace trb::drivers

@@ -18,7 +18,7 @@ std::string_view take_word(std::string_view& text) {
   return word;
 }
 
-/// In the place of a severity: the fault that was told is over.
+/// In place of a severity: the reported fault is over.
 bool says_over(std::string_view field, bool numeric) {
   return field == (numeric ? "0" : "OVER");
 }
@@ -67,7 +67,7 @@ void LinesDriver::forget(Token token, Now, const DriverOut&) {
 void LinesDriver::halt(Token token, Now now, const DriverOut& out) {
   if (tracked_ && tracked_->token == token) tracked_.reset();
   if (sender_.remove(token) || !up_) return;
-  // The robot throws away the part of a message that it holds, whosever it is.
+  // The robot discards its incomplete message, whoever sent it.
   sender_.drop_current(fail(Errc::conflict, "the robot was stopped while it took this message", "send it again"), out);
   told_to_stop_ = true;
   sender_.urgent(Urgent::stop, ++last_ticket_, now, out);
@@ -115,7 +115,7 @@ void LinesDriver::on_down(Channel channel, const std::string& reason, Now, const
 
 void LinesDriver::on_bytes(Channel channel, BytesView bytes, Now now, const DriverOut& out) {
   if (channel != Channel::field || !up_) return;
-  // With `delay` what lies there for long enough is a field of its own: it is not glued to what comes now.
+  // With `delay`, bytes that have waited long enough are a field of their own, separate from what arrives now.
   read_fields(now, out);
   if (!up_) return;
   reader_.add(bytes, now.mono);
@@ -164,7 +164,7 @@ void LinesDriver::take_report(const FieldMessage& message, const DriverOut& out)
   std::string_view rest = message.data;
   const std::string_view field = take_word(rest);
   const std::string word = words_.numeric() ? words_.subtype_of(field).value_or("") : std::string(field);
-  // A report that comes before the robot has the whole command is about an earlier one.
+  // A report that arrives before the robot has the whole command is about an earlier one.
   const bool ours =
       tracked_ && !sender_.holds(tracked_->token) && (word == tracked_->subtype || word == tracked_->skill);
   if (!ours) {
@@ -189,7 +189,7 @@ void LinesDriver::take_fault(const FieldMessage& message, const DriverOut& out) 
   if (!capability || capability->empty() || !severity) {
     return out.refuse("bad_fault", "the robot's fault is not CAPABILITY SEVERITY TEXT: " + message.data.substr(0, 200));
   }
-  // Said once, and for a robot that never says the end a person does.
+  // Reported once; for a robot that never reports the end, a person ends it.
   out.emit(FaultSaid{*capability, *severity, std::string(rest), cause, false});
 }
 

@@ -1,4 +1,5 @@
-// The interpreter mode: the robot dials in and takes messages field by field (section 3.2.4, proto/FIELD_CHANNEL.md).
+// The interpreter mode: the robot dials in and receives messages field by field (section 3.2.4,
+// proto/FIELD_CHANNEL.md).
 #pragma once
 
 #include "common/drivers/driver.hpp"
@@ -31,7 +32,7 @@ class LinesDriver : public Driver {
   [[nodiscard]] std::optional<MonotonicTime> next_deadline() const override;
 
  private:
-  /// The command whose `done` or `failed` is waited for; it is known to the robot by its subtype.
+  /// The command whose `done` or `failed` is awaited; the robot refers to it by its subtype.
   struct Tracked {
     Token token = 0;
     std::string subtype;

@@ -1,4 +1,4 @@
-// The words of the field channel, as text or as numbers: proto/FIELD_CHANNEL.md, "Grammar".
+// The fields of the channel, as text or as numbers: proto/FIELD_CHANNEL.md, "Grammar".
 #pragma once
 
 #include <array>
@@ -23,15 +23,15 @@ class FieldWords {
 
   [[nodiscard]] bool numeric() const { return numeric_; }
 
-  /// The data, with a lone number that would read as an order written so that it does not: -1 as -1.0.
+  /// The data; a lone number that would read as an order is written differently: -1 as -1.0.
   [[nodiscard]] Bytes unlike_orders(BytesView data) const;
 
-  /// Errors: unknown_subtype (no code for the subtype or the source), bad_value (data that is no numbers).
+  /// Errors: unknown_subtype (no code for the subtype or the source), bad_value (data that is not numbers).
   [[nodiscard]] Result<FieldHead> head(MessageType type, std::string_view subtype, std::string_view source,
                                        BytesView data) const;
 
   [[nodiscard]] std::optional<MessageType> type_of(std::string_view field) const;
-  /// The word behind a field; nothing for a code that the description does not name, or for no word at all.
+  /// The subtype in a field; empty for a code that the description does not have, or for an invalid one.
   [[nodiscard]] std::optional<std::string> subtype_of(std::string_view field) const;
   [[nodiscard]] std::optional<std::string> target_of(std::string_view field) const;
 
@@ -45,13 +45,13 @@ class FieldWords {
 
   bool numeric_;
   std::string own_id_;
-  std::map<std::string, std::string, std::less<>> subtype_codes_, id_codes_;  ///< word -> code
-  std::map<std::string, std::string, std::less<>> subtypes_, ids_;            ///< code -> word
+  std::map<std::string, std::string, std::less<>> subtype_codes_, id_codes_;  ///< name -> code
+  std::map<std::string, std::string, std::less<>> subtypes_, ids_;            ///< code -> name
 };
 
-/// Decimal numbers with one space between two; none is fine.
+/// Decimal numbers separated by single spaces; an empty list is fine.
 bool is_number_list(std::string_view text);
-/// The numbers of such a list; commas and brackets are taken too. Nothing if there is anything else.
+/// The numbers of such a list; commas and brackets are accepted, too. Empty if there is anything else.
 std::optional<std::vector<double>> read_numbers(std::string_view text);
 
 }  // namespace trb::drivers

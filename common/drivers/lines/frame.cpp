@@ -10,7 +10,7 @@ namespace {
 constexpr std::size_t kPrefix = 4;
 /// A whole message's data, every byte of it escaped.
 constexpr std::size_t kMaxField = 2 * kMaxDataSize + 16;
-/// A pause counts as a border after half of it, so that a late sender costs none.
+/// Half a pause counts as a border, so that a late sender costs none.
 constexpr double kBorderShare = 0.5;
 
 bool needs_escape(char c) {

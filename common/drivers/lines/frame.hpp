@@ -20,7 +20,7 @@ class FieldReader {
   /// The next whole field, unescaped; valid until the next call of add() or next().
   std::optional<std::string_view> next(MonotonicTime now);
 
-  /// A field was longer than any message may be; the reader gives out no more.
+  /// A field was longer than any message may be; the reader returns no more.
   [[nodiscard]] bool overflowed() const { return overflowed_; }
   /// With `delay`: when the bytes held become a field.
   [[nodiscard]] std::optional<MonotonicTime> next_deadline() const;

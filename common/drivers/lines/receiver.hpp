@@ -10,17 +10,17 @@ struct FieldMessage {
   std::string subtype;
   std::string target;
   Bytes data;
-  std::string refused;  ///< why it goes nowhere: "bad_subtype", "bad_target"; empty if it may
+  std::string refused;  ///< why it is not delivered: "bad_subtype", "bad_target"; empty if it is
 };
 
 class FieldReceiver {
  public:
   explicit FieldReceiver(const FieldWords& words) : words_(words) {}
 
-  /// True if the next field begins a message, so that it may as well be an `ok` or a confirmation.
+  /// True if the next field begins a message, so that it may also be an `ok` or a confirmation.
   [[nodiscard]] bool between_messages() const { return field_ == 0; }
 
-  /// A message once its last field is in. Errors (the stream is of no use any more): bad_value, too_large.
+  /// A message once its last field has arrived. Errors (the stream can no longer be used): bad_value, too_large.
   Result<std::optional<FieldMessage>> take(std::string_view field, bool delayed);
   void restart();
 

@@ -1,4 +1,4 @@
-// A robot that is programmed to speak fields.
+// A robot that is programmed to use the field channel.
 #include "common/drivers/lines/driver.hpp"
 #include "common/drivers/registry.hpp"
 

@@ -61,7 +61,7 @@ void FieldSender::begin_next() {
 }
 
 void FieldSender::urgent(Urgent urgent, Token ticket, Now now, const DriverOut& out) {
-  // The last one's answer confirms the earlier ones, so a storm of stops needs no more lines than this.
+  // The answer to the last one confirms the earlier ones, so a storm of stops needs no more lines than this.
   if (urgents_.size() >= kMaxUrgents && urgents_.back().urgent == urgent) {
     urgents_.back().ticket = ticket;
     return;
@@ -108,7 +108,7 @@ bool FieldSender::may_begin(Now now) const {
 
 bool FieldSender::whole() const {
   const Outgoing& message = queue_.front();
-  // A pause after nothing is no field: with `delay` empty data ends with its size.
+  // A pause after nothing is not a field: with `delay` empty data ends with its size.
   const std::size_t least = delayed() && message.data.empty() ? kHeadFields : kHeadFields + 1;
   return field_ >= least && offset_ == message.data.size();
 }
@@ -162,7 +162,7 @@ bool FieldSender::tick(Now now, const DriverOut& out) {
   if (waits_for_ok_ && urgents_.empty() && now.mono >= ok_deadline_) return false;
   while (!urgents_.empty() && urgents_.front().written && now.mono >= urgents_.front().deadline) {
     if (acknowledged()) return false;
-    urgents_.pop_front();  // a robot that cannot acknowledge may not confirm either
+    urgents_.pop_front();  // a robot that cannot acknowledge may be unable to confirm, too
   }
   pump(now, out);
   return true;

@@ -1,4 +1,5 @@
-// Messages on their way to a robot on the field channel: a bounded queue, one field at a time, stop before all.
+// Messages on their way to a robot on the field channel: a bounded queue, one field at a time, a stop before all
+// others.
 #pragma once
 
 #include <deque>
@@ -29,22 +30,22 @@ class FieldSender {
   /// True while the message is not wholly handed over.
   [[nodiscard]] bool holds(Token token) const;
   [[nodiscard]] bool urgent_pending() const { return !urgents_.empty(); }
-  /// Drops a message of which no field is out yet.
+  /// Drops a message of which no field has been sent.
   bool remove(Token token);
-  /// Everything that waits is Refused; what the robot holds of a message is void.
+  /// Everything that waits is Refused; the robot must discard an incomplete message.
   void drop_all(const Error& why, const DriverOut& out);
-  /// The message whose fields are under way is Refused.
+  /// The message whose fields are being sent is Refused.
   void drop_current(const Error& why, const DriverOut& out);
 
   void urgent(Urgent urgent, Token ticket, Now now, const DriverOut& out);
   void on_ok(Now now, const DriverOut& out);
   void on_urgent_done(Urgent urgent, Now now, const DriverOut& out);
 
-  /// Writes what is due. False: the robot has not acknowledged in time, the connection is of no use any more.
+  /// Writes what is due. False: the robot has not acknowledged in time, the connection can no longer be used.
   [[nodiscard]] bool tick(Now now, const DriverOut& out);
   [[nodiscard]] std::optional<MonotonicTime> next_deadline() const;
 
-  /// A new connection: nothing is under way.
+  /// A new connection: nothing is in progress.
   void restart();
 
  private:
@@ -69,13 +70,13 @@ class FieldSender {
 
   FieldChannel settings_;
   const FieldWords& words_;
-  std::deque<Outgoing> queue_;  ///< the first one is under way once field_ > 0
+  std::deque<Outgoing> queue_;  ///< the first one is being sent once field_ > 0
   std::size_t queued_bytes_ = 0;
   std::size_t field_ = 0;   ///< fields of the first message written
   std::size_t offset_ = 0;  ///< bytes of its data written
   bool waits_for_ok_ = false;
   MonotonicTime ok_deadline_;
-  MonotonicTime slot_;  ///< with `delay`: when the next field may leave
+  MonotonicTime slot_;  ///< with `delay`: when the next field may be sent
   std::deque<UrgentOrder> urgents_;
 };
 

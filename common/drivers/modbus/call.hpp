@@ -1,4 +1,4 @@
-// What the modbus mode and the shell that has the connection say to each other: one call at a time, one answer each.
+// What the modbus mode and the shell with its connection exchange: one call at a time, one answer each.
 #pragma once
 
 #include <cstdint>
@@ -22,7 +22,7 @@ struct ModbusCall {
   std::vector<std::uint16_t> words;
 };
 
-/// What the device answered; no answer at all is told as the connection's loss.
+/// The device's answer; a missing answer is reported as the loss of the connection.
 struct ModbusAnswer {
   std::uint8_t exception = 0;        ///< Modbus' exception code; 0: done
   std::vector<std::uint16_t> words;  ///< what was read
@@ -30,7 +30,7 @@ struct ModbusAnswer {
 
 Bytes encode(const ModbusCall& call);
 Bytes encode(const ModbusAnswer& answer);
-/// None for bytes that encode() never makes.
+/// Empty for bytes that encode() never makes.
 std::optional<ModbusCall> decode_modbus_call(BytesView bytes);
 std::optional<ModbusAnswer> decode_modbus_answer(BytesView bytes);
 

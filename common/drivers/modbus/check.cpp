@@ -1,4 +1,4 @@
-// What the transport modbus asks of commands.json.
+// What the transport modbus requires of commands.json.
 #include "common/config/transports.hpp"
 #include "common/drivers/modbus/commands.hpp"
 #include "common/drivers/polled_check.hpp"
@@ -13,7 +13,7 @@ constexpr Range kTimeout{0.05, 2, false};
 }  // namespace
 
 void read_modbus_keys(ObjectReader& vendor, VendorCommands& into) {
-  // 255 is what devices without a serial line behind them are often addressed by.
+  // Devices without a serial line behind them often have the address 255.
   const auto unit = vendor.integer("unit", Need::optional, 0, 255);
   if (unit && *unit > kMostUnits && *unit != 255) {
     vendor.faults().add(vendor.path("unit"), std::to_string(*unit) + " is no unit", "use 0 to 247, or 255");

@@ -1,4 +1,4 @@
-// What commands.json says for a Modbus device, read.
+// The parsed content of commands.json for a Modbus device.
 #pragma once
 
 #include "common/drivers/modbus/syntax.hpp"
@@ -11,10 +11,10 @@ struct ModbusCommands {
   std::map<std::string, std::vector<ModbusAssignment>, std::less<>> commands;  ///< by subtype
 };
 
-/// A place that cannot be read counts as given: one mistake, one fault.
+/// An invalid place counts as given: one mistake, one fault.
 ModbusPlaces read_modbus_values(const VendorCommands& vendor, const VendorFaults& faults);
 
-/// Stop and release need no data. What cannot be read is left out.
+/// Checks that stop and release need no data. What cannot be parsed is left out.
 ModbusCommands read_modbus_commands(const VendorCommands& vendor, ModbusPlaces values, const VendorFaults& faults);
 
 /// Both.

@@ -1,4 +1,4 @@
-// A message's data into a Modbus device: numbers only, so there is nothing that a text could become.
+// Puts a message's data into a Modbus device: numbers only, so no text can be misinterpreted.
 #pragma once
 
 #include "common/base/bytes.hpp"

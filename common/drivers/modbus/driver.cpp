@@ -28,7 +28,7 @@ ModbusPlaces polled_of(const ModbusPlaces& places, const VendorCommands& words, 
   return polled;
 }
 
-/// Where the stop writes: the one place that every device surely has.
+/// The stop's target: the one place that every device surely has.
 ModbusPlace probe_of(const ModbusCommands& commands) {
   const auto stop = commands.commands.find("stop");
   return stop == commands.commands.end() || stop->second.empty() ? ModbusPlace{} : stop->second.front().place;
@@ -127,7 +127,7 @@ Result<Token> ModbusDriver::stop(Now now, const DriverOut& out) {
   return ticket;
 }
 
-/// What is under way is on its way; nobody hears its answer any more.
+/// The call in progress cannot be recalled; its answer is ignored.
 void ModbusDriver::drop_for_stop(const DriverOut& out) {
   for (const Job& job : queue_.drop_for_stop()) {
     const std::string written = std::to_string(job.done) + " of its " + std::to_string(job.steps.size()) + " writes";
@@ -215,7 +215,7 @@ void ModbusDriver::on_exception(const Job& job, std::uint8_t exception, const Dr
   if (job.done > 0) error.what += "; the " + std::to_string(job.done) + " writes before it were done";
   if (job.purpose == Purpose::command) return out.emit(Refused{job.token, error});
   out.refuse("robot_error", error.text());
-  // Its requester is told at its deadline that nothing was confirmed; everybody else must know at once.
+  // Its requester is notified at its deadline that nothing was confirmed; all others must know at once.
   if (job.purpose != Purpose::release) {
     out.emit(FaultSaid{"", Severity::critical, "the device refused to stop: " + error.what, kWouldNotStop, false});
   }

@@ -1,4 +1,4 @@
-// The direct mode over Modbus: a command writes coils and registers, the device's values are asked for in a round. The
+// The direct mode over Modbus: a command writes coils and registers, the device's values are polled in rounds. The
 // shell makes one call at a time, so that a stop waits for one answer at most.
 #pragma once
 
@@ -15,13 +15,13 @@ namespace trb::drivers {
 
 class ModbusDriver : public Driver {
  public:
-  /// Asks for the values that requests and the description's faults, sensors and ends of skills need.
+  /// Polls the values that requests and the description's faults, sensors and ends of skills need.
   ModbusDriver(const DriverSettings& settings, ModbusCommands commands);
 
-  /// A connection alone is none: a hung device still accepts it.
+  /// A connection alone is not enough: a hung device still accepts it.
   [[nodiscard]] bool online() const override { return up_ && heard_; }
   [[nodiscard]] bool knows(MessageType type, std::string_view subtype) const override;
-  /// A command is over for the device once it has acknowledged every write.
+  /// A command counts as over once the device has acknowledged every write.
   [[nodiscard]] bool tells_end(std::string_view subtype) const override { return commands_.contains(subtype); }
   [[nodiscard]] const RobotValue* value(std::string_view name) const override;
   [[nodiscard]] bool answers_from_values() const override { return true; }
@@ -67,7 +67,7 @@ class ModbusDriver : public Driver {
   ModbusPoll poll_;
 
   bool up_ = false;
-  bool heard_ = false;  ///< an answer on this connection
+  bool heard_ = false;  ///< an answer was received on this connection
   bool told_to_stop_ = false;
   Token last_ticket_ = 0;
   Queue queue_;

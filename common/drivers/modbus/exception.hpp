@@ -1,4 +1,4 @@
-// What a Modbus device answers instead of doing what it was asked.
+// A Modbus device's negative answers.
 #pragma once
 
 #include <cstdint>
@@ -8,7 +8,7 @@
 
 namespace trb::drivers {
 
-/// `meant`: what was asked, for example "speed (holding 0)". The error is robot_error, with the exception's name.
+/// `meant`: what was requested, for example "speed (holding 0)". The error is robot_error, with the exception's name.
 Error modbus_exception(std::uint8_t code, const std::string& meant);
 
 }  // namespace trb::drivers

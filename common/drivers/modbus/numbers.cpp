@@ -1,4 +1,4 @@
-// Numbers as a Modbus device keeps them, and back.
+// Converts numbers to a Modbus device's registers and back.
 #include <array>
 #include <bit>
 #include <charconv>
@@ -49,7 +49,7 @@ std::string range_text(const ModbusPlace& place) {
   return text_of(from) + " to " + text_of(to);
 }
 
-/// The number as the registers hold it: unscaled, and whole unless it is a float.
+/// The number as in the registers: unscaled, and whole unless it is a float.
 Result<double> raw_of(const ModbusPlace& place, double number) {
   const std::string type(name_of(place.type));
   double raw = (number - place.offset) / place.factor;

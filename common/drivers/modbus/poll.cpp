@@ -31,7 +31,7 @@ ModbusPoll::ModbusPoll(const ModbusPlaces& polled, const ModbusPlace& probe, Dur
   }
 }
 
-/// Only what lies side by side or overlaps: the registers between may be ones that the device does not have.
+/// Only adjacent or overlapping values: the device may not have the registers between others.
 bool ModbusPoll::continues(const Block& block, const ModbusPlace& place) {
   const ModbusPlace& first = block.items.front().place;
   const int begin = place.address - first.address;
@@ -39,7 +39,7 @@ bool ModbusPoll::continues(const Block& block, const ModbusPlace& place) {
 }
 
 void ModbusPoll::restart(Now now) {
-  // A problem that is still there after a connection's loss is not told again.
+  // A problem that persists after a reconnection is not reported again.
   for (auto& [name, known] : known_) known.value.reset();
   at_ = 0;
   due_ = now.mono;
@@ -55,7 +55,7 @@ ModbusPoll::Changes ModbusPoll::on_answer(const ModbusAnswer& answer, Now now) {
   Changes changes;
   const Block& block = blocks_[at_];
   if (answer.exception != 0 && block.items.size() > 1) {
-    split(block);  // one of them is at fault: each is asked for alone from now on
+    split(block);  // one of them is faulty: each is read alone from now on
     return changes;
   }
   if (!probes_) take(block, answer, now, changes);

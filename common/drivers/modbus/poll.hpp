@@ -1,4 +1,4 @@
-// The values that a Modbus device is asked for again and again, and what it last told of each.
+// The values that are polled from a Modbus device, and the last result of each.
 #pragma once
 
 #include <map>
@@ -16,17 +16,17 @@ class ModbusPoll {
  public:
   struct Known {
     std::optional<RobotValue> value;
-    std::optional<Error> problem;  ///< why it is not told
+    std::optional<Error> problem;  ///< why there is no value
   };
   struct Changes {
     bool values = false;
-    std::vector<Error> problems;  ///< each is told once, until the value is heard again
+    std::vector<Error> problems;  ///< each is reported once, until the value is received again
   };
 
-  /// `probe` is asked for if nothing else is, so that a device that has gone is noticed; any answer to it is good.
+  /// `probe` is polled if nothing else is, so that a lost device is noticed; any answer to it is good.
   ModbusPoll(const ModbusPlaces& polled, const ModbusPlace& probe, Duration period);
 
-  /// A new connection: no value is known, all are asked for at once.
+  /// A new connection: no value is known, all are requested at once.
   void restart(Now now);
   /// When call() is to be made.
   [[nodiscard]] MonotonicTime due() const { return due_; }
@@ -35,7 +35,7 @@ class ModbusPoll {
   /// The answer to call().
   Changes on_answer(const ModbusAnswer& answer, Now now);
 
-  /// None: it is not asked for, or not told yet.
+  /// Empty: it is not polled, or not received yet.
   [[nodiscard]] const Known* find(std::string_view name) const;
 
  private:
@@ -43,7 +43,7 @@ class ModbusPoll {
     std::string name;
     ModbusPlace place;
   };
-  /// Values beside each other, read in one call.
+  /// Adjacent values, read in one call.
   struct Block {
     std::uint16_t count = 0;
     std::vector<Item> items;
@@ -59,7 +59,7 @@ class ModbusPoll {
   std::vector<Block> blocks_;
   bool probes_ = false;  ///< the only block is the probe
   std::size_t at_ = 0;
-  MonotonicTime due_;  ///< when a round is, or was, to begin
+  MonotonicTime due_;  ///< when the current or next round begins
   std::map<std::string, Known, std::less<>> known_;
 };
 

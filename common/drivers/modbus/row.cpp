@@ -1,4 +1,4 @@
-// A device that speaks Modbus.
+// A device with Modbus.
 #include "common/drivers/modbus/driver.hpp"
 #include "common/drivers/registry.hpp"
 

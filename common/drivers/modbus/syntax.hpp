@@ -1,4 +1,4 @@
-// What commands.json says for a robot that speaks Modbus: where a value is, and what a command writes.
+// The notation of commands.json for a robot with Modbus: where a value is, and what a command writes.
 #pragma once
 
 #include <cstdint>
@@ -13,10 +13,10 @@
 
 namespace trb::drivers {
 
-/// How a Modbus device is asked.
+/// How a Modbus device is polled.
 struct ModbusSettings {
   int unit = 1;            ///< the device behind the address: 0 to 247, or 255
-  double poll_s = 0.1;     ///< how often its values are asked for
+  double poll_s = 0.1;     ///< how often its values are polled
   double timeout_s = 0.5;  ///< how long an answer may take before the connection is given up
 };
 ModbusSettings modbus_settings(const VendorCommands& vendor);
@@ -32,10 +32,10 @@ constexpr auto enum_names(ModbusType) {
   return std::array<std::string_view, 6>{"bool", "int16", "uint16", "int32", "uint32", "float32"};
 }
 
-/// Where a value is and how it is written there: what is meant = what is in the registers * factor + offset.
+/// Where a value is and how it is encoded: value = register * factor + offset.
 struct ModbusPlace {
   ModbusKind kind{};
-  std::uint16_t address = 0;  ///< as it travels, counted from 0
+  std::uint16_t address = 0;  ///< as sent on the wire, counted from 0
   ModbusType type{};
   bool low_word_first = false;  ///< of two registers, the first holds the lower half
   double factor = 1;
@@ -58,7 +58,7 @@ struct ModbusAssignment {
   static constexpr int kLiteral = -2;
   static constexpr int kWhole = -1;
 
-  std::string name;  ///< as it is written in commands.json
+  std::string name;  ///< as written in commands.json
   ModbusPlace place;
   int item = kLiteral;  ///< the item of the data that is written, kWhole for {data}, or kLiteral
   double literal = 0;
@@ -68,13 +68,13 @@ struct ModbusAssignment {
 /// Errors: bad_value, missing (no such value).
 Result<std::vector<ModbusAssignment>> read_modbus_assignments(std::string_view text, const ModbusPlaces& values);
 
-/// "coil 0", as a person finds it in the device's list.
+/// "coil 0", as a person finds it in the device's documentation.
 std::string to_text(const ModbusPlace& place);
 
-/// What is to be written so that the place tells that number. Errors: bad_value (the type does not hold it).
+/// The words to write for that value. Errors: bad_value (the type cannot hold it).
 Result<std::vector<std::uint16_t>> modbus_words(const ModbusPlace& place, double number);
 
-/// What size() words tell; as a person would write it. Errors: bad_value (a float32 that is no number).
+/// The value of size() words. Errors: bad_value (a float32 that is not a number).
 Result<double> modbus_number(const ModbusPlace& place, const std::vector<std::uint16_t>& words);
 
 }  // namespace trb::drivers

@@ -1,4 +1,4 @@
-// That commands.json and the description say all that an ABB with a RAPID server needs.
+// Checks that commands.json and the description have all that an ABB with a RAPID server needs.
 #include <algorithm>
 
 #include "common/config/transports.hpp"

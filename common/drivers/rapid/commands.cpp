@@ -5,7 +5,7 @@
 namespace trb::drivers {
 namespace {
 
-/// The program would answer a stop after its move, and the service task moves nothing.
+/// The program would answer a stop only after its move, and the service task moves nothing.
 Status check_task(const std::string& subtype, const std::vector<RapidRequest>& requests) {
   const bool urgent = subtype == "stop" || subtype == "release";
   if (std::ranges::all_of(requests, [&](const RapidRequest& one) { return one.service == urgent; })) return Done{};

@@ -1,4 +1,4 @@
-// What commands.json says for an ABB, read.
+// The parsed content of commands.json for an ABB.
 #pragma once
 
 #include <map>
@@ -13,7 +13,7 @@ struct RapidCommands {
   std::map<std::string, RapidQuestion, std::less<>> values;                ///< by name
 };
 
-/// Only stop and release go to the service task. What is a fault is left out.
+/// Checks that only stop and release go to the service task. Faulty entries are left out.
 RapidCommands read_rapid_commands(const VendorCommands& vendor, const Description& description,
                                   const VendorFaults& faults);
 

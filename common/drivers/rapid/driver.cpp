@@ -9,10 +9,10 @@ constexpr std::size_t kMaxJobs = 64;
 constexpr std::size_t kMaxRequests = 64;
 constexpr int kStateCode = 90;
 constexpr Duration kPoll = std::chrono::milliseconds(200);
-/// The program's own values are asked for while it has nothing else to do.
+/// The program's own values are read while it has nothing else to do.
 constexpr Duration kPollProgram = std::chrono::milliseconds(500);
 constexpr Duration kServiceTime = std::chrono::seconds(2);
-/// What is not refused within so long is carried out.
+/// A request that is not refused within this time is being carried out.
 constexpr Duration kRefusalTime = std::chrono::milliseconds(300);
 constexpr Duration kAnswerTime = std::chrono::seconds(5);
 
@@ -112,7 +112,7 @@ Result<Progress> RapidDriver::ask_value(const Handover& message, const std::stri
   if (!online()) return offline();
   const std::string subtype(message.subtype);
   const auto question = std::ranges::find(questions_, name, &Question::name);
-  if (question == questions_.end()) {  // the service task tells it by itself
+  if (question == questions_.end()) {  // the service task reports it by itself
     const RobotValue* known = value(name);
     if (known == nullptr) return fail(Errc::timeout, "the robot has not told '" + name + "' yet", "ask again");
     out.emit(Said{MessageType::information, subtype, std::string(message.source), known->json});
@@ -162,7 +162,7 @@ void RapidDriver::halt(Token token, Now now, const DriverOut& out) {
   if (current_ && current_->token == token) end_motion(now, out);
 }
 
-/// The service task ends the motion; the program answers the request that has begun it.
+/// The service task ends the motion; the program then answers the request that began it.
 void RapidDriver::end_motion(Now now, const DriverOut& out) {
   current_.reset();
   answer_by_ = now.mono + kAnswerTime;
@@ -199,7 +199,7 @@ Token RapidDriver::begin_turn(bool stop, bool own, Now now, const DriverOut& out
   return ticket;
 }
 
-/// Whoever waits for the end of what is carried out hears of the stop or the loss itself.
+/// A service that waits for the end of a running command is notified of the stop or the loss itself.
 void RapidDriver::drop_all(const Error& why, const DriverOut& out) {
   if (current_ && !current_->told_started && !current_->forgotten) out.emit(Refused{current_->token, why});
   for (const Job& job : jobs_) out.emit(Refused{job.token, why});
@@ -220,7 +220,7 @@ void RapidDriver::on_up(Channel channel, Now now, const DriverOut& out) {
     next_poll_ = next_values_ = now.mono;
   }
   if (program_up_ && service_up_) poll(now, out);
-  // The service task may have told its state before the program was there.
+  // The service task may have reported its state before the program was connected.
   if (!before && online()) out.emit(LinkUp{});
 }
 
@@ -233,12 +233,12 @@ void RapidDriver::on_down(Channel channel, const std::string& reason, Now, const
     answer_by_.reset();
   } else {
     service_up_ = heard_ = false;
-    error_.clear();  // whoever comes back tells again what is wrong
+    error_.clear();  // after a reconnection every fault is reported again
     service_.clear();
     turn_.reset();
   }
   lost_by_.reset();
-  asked_.clear();  // their requesters are told at LinkDown
+  asked_.clear();  // LinkDown notifies their requesters
   drop_all(fail(Errc::robot_offline, "the connection to the robot's RAPID server was lost: " + reason,
                 "look at the robot's power and network"),
            out);

@@ -1,5 +1,5 @@
 // The interpreter mode for an ABB with a RAPID socket server. A move blocks the robot's program until it has ended: its
-// answer is the command's end, and all that cannot wait goes to a service task on another port.
+// answer is the command's end, and whatever cannot wait goes to a service task on another port.
 #pragma once
 
 #include <deque>
@@ -65,7 +65,7 @@ class RapidDriver : public Driver {
     std::uint64_t number = 0;
     MonotonicTime began;
   };
-  /// A stop or release until the service task has confirmed it; `own`: a motion is ended without a fence.
+  /// A stop or release until the service task has confirmed it; `own`: only a motion is ended, without a fence.
   struct Turn {
     bool stop = false;
     bool own = false;
@@ -117,7 +117,7 @@ class RapidDriver : public Driver {
   bool heard_ = false;
   bool told_to_stop_ = false;
   bool motors_ = true;
-  std::string error_;  ///< the number and text of the robot's error, as last told; empty: none
+  std::string error_;  ///< the number and text of the robot's last error; empty: none
   Token last_ticket_ = 0;
   std::uint64_t last_number_ = 0;
   std::optional<Turn> turn_;
@@ -127,8 +127,8 @@ class RapidDriver : public Driver {
   std::map<std::string, RobotValue, std::less<>> values_;
   MonotonicTime next_poll_;
   MonotonicTime next_values_;
-  std::optional<MonotonicTime> answer_by_;  ///< a motion that was ended must be answered until then
-  std::optional<MonotonicTime> lost_by_;    ///< with its motors off, what is under way must be answered until then
+  std::optional<MonotonicTime> answer_by_;  ///< until then a motion that was ended must be answered
+  std::optional<MonotonicTime> lost_by_;    ///< until then, with the motors off, the running command must be answered
 };
 
 }  // namespace trb::drivers

@@ -17,7 +17,7 @@ std::string reason_of(const RapidAnswer& answer) {
   return answer.text.empty() ? "it answered " + std::to_string(answer.code) + " 0" : answer.text;
 }
 
-/// The text behind so many words.
+/// The text after that many words.
 std::string behind(std::string_view text, std::size_t words) {
   for (; words > 0; --words) text.remove_prefix(std::min(text.find(' '), text.size() - 1) + 1);
   return std::string(text);
@@ -111,7 +111,7 @@ void RapidDriver::end_job(bool well, const std::string& text, Now now, const Dri
 
 void RapidDriver::on_turn(const RapidPort::Answer& answer, Now now, const DriverOut& out) {
   if (!turn_ || turn_->ticket != answer.ask.about) return;
-  // What the robot does not confirm stays open: its requester is told so at the deadline.
+  // What the robot does not confirm stays open: its requester is notified at the deadline.
   if (!answer.answer.ok)
     return out.refuse("robot_error", "the robot refuses to stop or go on: " + reason_of(answer.answer));
   if (--turn_->unanswered == 0) confirm_turn(true, now, out);
@@ -152,7 +152,7 @@ void RapidDriver::on_state(const RapidAnswer& answer, Now now, const DriverOut& 
   if (motors) out.emit(FaultOver{kMotors});
   if (is_new && !error.empty()) out.emit(read_fault_text(error, capabilities_, kError));
   if (went_off && error.empty()) out.emit(FaultSaid{"", Severity::critical, "the robot's motors went off", kMotors});
-  // A person may switch them on again: what has not ended by itself must not go on then.
+  // A person may switch them on again: a command that has not ended by itself must not go on then.
   if (went_off && current_) lost_by_ = now.mono + kLossTime;
 }
 

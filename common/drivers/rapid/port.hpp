@@ -1,4 +1,4 @@
-// One connection to a RAPID server: a request waits for the answer of the one before.
+// One connection to a RAPID server: a request waits for the previous one's answer.
 #pragma once
 
 #include <deque>
@@ -25,9 +25,9 @@ class RapidPort {
 
   explicit RapidPort(Channel channel) : channel_(channel) {}
 
-  /// False: so many wait that nothing more is taken.
+  /// False: the queue is full.
   bool ask(RapidAsk ask, Now now, const DriverOut& out);
-  /// Sent at once, whatever is under way.
+  /// Sent at once, even before the previous answer.
   void urge(RapidAsk ask, Now now, const DriverOut& out);
   void drop_waiting(RapidPurpose purpose);
 
@@ -36,8 +36,8 @@ class RapidPort {
     RapidAsk ask;
     RapidAnswer answer;
   };
-  /// The next answer, if there is one; the next request is sent. Errors: malformed (no answer, or of another code: the
-  /// two sides are out of step), too_large.
+  /// The next answer, if there is one; the next request is sent. Errors: malformed (not an answer, or to another code:
+  /// the two sides are out of step), too_large.
   Result<std::optional<Answer>> next(Now now, const DriverOut& out);
 
   void clear();

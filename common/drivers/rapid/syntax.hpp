@@ -1,4 +1,4 @@
-// What commands.json says for an ABB whose RAPID program takes requests as text.
+// The notation of commands.json for an ABB whose RAPID program takes requests as text.
 #pragma once
 
 #include <string>
@@ -9,7 +9,7 @@
 
 namespace trb::drivers {
 
-/// A RAPID string holds so many characters, the request's end included.
+/// The most characters in a RAPID string, the request's end included.
 constexpr std::size_t kRapidString = 80;
 
 /// "[service] CODE PARAMETER ...", for example `2 {0} {1} {2} {3} {4} {5}`, `20 1`, `service 91`.
@@ -19,7 +19,7 @@ struct RapidRequest {
   std::string text;  ///< "CODE PARAMETER ... #", with {data} or {0}, {1} …
 };
 
-/// One a line; each is sent once the one before is answered. Errors: bad_value, too_large.
+/// One a line; each is sent once the previous one is answered. Errors: bad_value, too_large.
 Result<std::vector<RapidRequest>> read_rapid_requests(std::string_view text);
 
 /// "[service] CODE [INDEX ...]": a reading request and which of its numbers; without indices: all of them.
@@ -31,7 +31,7 @@ struct RapidQuestion {
 /// Errors: bad_value.
 Result<RapidQuestion> read_rapid_question(std::string_view text);
 
-/// The values that the service task tells by itself.
+/// The values that the service task reports by itself.
 const std::vector<std::string>& rapid_state_values();
 
 }  // namespace trb::drivers

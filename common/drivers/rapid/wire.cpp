@@ -91,7 +91,7 @@ Result<std::string> rapid_literal(const Value& value) {
 }
 
 std::string rapid_unescaped(std::string_view text) {
-  if (text == "%") return {};  // an empty text; a percent sign alone travels as %25
+  if (text == "%") return {};  // an empty text; a single percent sign is sent as %25
   std::string out;
   while (!text.empty()) {
     unsigned byte = 0;

@@ -15,7 +15,7 @@ namespace trb::drivers {
 struct RapidAnswer {
   int code = 0;
   bool ok = false;
-  std::vector<double> numbers;  ///< of the values, up to the first that is none
+  std::vector<double> numbers;  ///< of the values, up to the first that is not a number
   std::string text;             ///< all of the values, unescaped
 };
 
@@ -27,13 +27,13 @@ Result<RapidAnswer> read_rapid_answer(std::string_view line);
 Result<std::string> rapid_literal(const Value& value);
 std::string rapid_unescaped(std::string_view text);
 
-/// Answers end with `#` or a line end. Servers that send neither are understood after a moment's silence.
+/// Answers end with `#` or a line end. For servers that send neither, a moment's silence ends one.
 class RapidReader {
  public:
   static constexpr std::size_t kMost = 4096;
 
   void add(BytesView bytes, MonotonicTime now);
-  /// The next answer's text. With `silent` what lies there for long enough is one.
+  /// The next answer's text. With `silent` the bytes received so far count as one after a while.
   std::optional<std::string> next(MonotonicTime now);
   [[nodiscard]] bool overflowed() const { return buffer_.size() > kMost; }
   [[nodiscard]] std::optional<MonotonicTime> next_deadline() const;

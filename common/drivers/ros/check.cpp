@@ -1,4 +1,4 @@
-// What the transport ros asks of commands.json.
+// What the transport ros requires of commands.json.
 #include "common/config/transports.hpp"
 #include "common/drivers/ros/commands.hpp"
 

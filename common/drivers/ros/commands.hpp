@@ -1,4 +1,4 @@
-// What commands.json says for a robot that runs ROS, read.
+// The parsed content of commands.json for a robot with ROS.
 #pragma once
 
 #include <map>
@@ -13,7 +13,7 @@ struct RosCommands {
   std::map<std::string, RosQuestion, std::less<>> requests;                  ///< by subtype
 };
 
-/// What is a fault is left out.
+/// Faulty entries are left out.
 RosCommands read_ros_commands(const VendorCommands& vendor, const Description& description, const VendorFaults& faults);
 
 }  // namespace trb::drivers

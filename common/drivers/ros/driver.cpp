@@ -7,7 +7,7 @@
 namespace trb::drivers {
 namespace {
 
-/// The bridge says every second how it is.
+/// The bridge sends its state every second.
 constexpr Duration kSilent = std::chrono::seconds(4);
 constexpr std::ptrdiff_t kMaxPending = 64;
 constexpr std::string_view kPosition = "position";
@@ -28,13 +28,13 @@ std::vector<double> numbers_of(const std::string& json) {
   return numbers;
 }
 
-/// Is what is told under that name the end of this skill?
+/// Is the value of that name the end of this skill?
 bool ends_by(const SkillEnd& end, const std::string& name) {
   if (end.kind == EndKind::position && end.state.empty()) return name == kPosition;
   return (end.kind == EndKind::state || end.kind == EndKind::position) && name == end.state;
 }
 
-/// Does an end, a fault or a sensor need what is told under that name?
+/// Does an end, a fault or a sensor need the value of that name?
 bool is_watched(const Description& description, const std::string& name) {
   return std::ranges::any_of(description.skills, [&](const Skill& skill) { return ends_by(skill.end, name); }) ||
          std::ranges::find(description.faults, name, &FaultRule::value) != description.faults.end() ||
@@ -138,7 +138,7 @@ void RosDriver::halt(Token token, Now now, const DriverOut& out) {
     return out.refuse("no_stop", "commands.json has no \"stop\" for this robot: the motion goes on");
   }
   out.out.count("to_robot.stop");
-  // Nobody waits for this stop: its end is of no ticket.
+  // No requester waits for this stop: it has no ticket.
   send(std::move(*commands), {Purpose::release, 0, "stop", {}, 0}, out);
 }
 
@@ -207,7 +207,7 @@ void RosDriver::on_done(std::uint64_t key, Pending& pending, const DriverOut& ou
   const Pending ended = pending;
   pending_.erase(key);
   if (ended.purpose == Purpose::command) out.emit(HandedOver{ended.token});
-  // ROS tells nobody that a robot stands: it was told, no more.
+  // ROS does not report that a robot stands still: the stop was only sent.
   if (ended.purpose == Purpose::stop) out.emit(Stopped{ended.token, false});
   if (ended.purpose == Purpose::release && ended.token != 0) out.emit(Released{ended.token});
 }
@@ -219,7 +219,7 @@ void RosDriver::on_failed(std::uint64_t key, const Pending& pending, const Bridg
     return out.emit(Refused{pending.token, error});
   }
   if (pending.purpose == Purpose::watch) requests_.find(pending.subtype)->second.watch = 0;
-  // A stop or release that nobody took stays unanswered: its requester is told so at its deadline.
+  // A stop or release that nothing received stays unanswered: its requester is notified at its deadline.
   out.refuse("bridge", pending.subtype + ": " + error.text());
 }
 

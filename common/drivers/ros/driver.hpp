@@ -1,5 +1,5 @@
-// The ros mode: commands.json names a topic for each subtype; trb-ros-bridge, another service of the node, says and
-// hears what is on it. Nothing of ROS is linked here.
+// The ros mode: commands.json names a topic for each subtype; trb-ros-bridge, another service of the node, publishes
+// and subscribes. No ROS library is linked here.
 #pragma once
 
 #include <map>
@@ -48,7 +48,7 @@ class RosDriver : public Driver {
   };
   struct Question {
     RosQuestion words;
-    bool always = false;      ///< watched as long as ROS is there
+    bool always = false;      ///< watched as long as ROS is available
     std::uint64_t watch = 0;  ///< the bridge's token; 0: it is not watched
   };
   enum class Purpose : std::uint8_t { command, request, stop, release, watch };
@@ -56,8 +56,8 @@ class RosDriver : public Driver {
     Purpose purpose{};
     Token token = 0;       ///< the message's or the ticket
     std::string subtype;   ///< of a request or a watch
-    std::string source;    ///< who asked
-    std::size_t left = 0;  ///< publications that are not yet done
+    std::string source;    ///< the requester
+    std::size_t left = 0;  ///< publications that are not done yet
   };
 
   Result<std::vector<BridgeCommand>> fill(std::string_view subtype, BytesView data) const;
@@ -77,7 +77,7 @@ class RosDriver : public Driver {
   bool up_ = false;
   bool told_to_stop_ = false;
   std::uint64_t connection_ = 0;
-  MonotonicTime heard_;  ///< the bridge's last state
+  MonotonicTime heard_;  ///< when the bridge's last state was received
   std::uint64_t last_key_ = 0;
   Token last_ticket_ = 0;
   std::map<std::uint64_t, Pending> pending_;  ///< by the bridge's token

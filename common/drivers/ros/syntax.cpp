@@ -9,7 +9,7 @@ namespace {
 
 constexpr std::size_t kMaxFields = 32;
 
-/// The next word, taken off the text together with the blanks around it.
+/// The next word, removed from the text together with the blanks around it.
 std::string take_word(std::string_view& text) {
   const std::size_t begin = std::min(text.find_first_not_of(' '), text.size());
   const std::size_t end = std::min(text.find(' ', begin), text.size());

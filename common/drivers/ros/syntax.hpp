@@ -1,4 +1,4 @@
-// What commands.json says for a robot that speaks ROS.
+// The notation of commands.json for a robot with ROS.
 #pragma once
 
 #include <string>
@@ -12,11 +12,11 @@ namespace trb::drivers {
 /// "TOPIC [TYPE] [JSON]", for example `/cmd_vel`, `/goal geometry_msgs/PoseStamped {"pose": {"position": {"x": {0}}}}`.
 struct RosPublication {
   std::string topic;
-  std::string type;  ///< empty: as the others on the topic have it
+  std::string type;  ///< empty: the type in use on the topic
   std::string data;  ///< with {data} or {0}, {1} …; without any: {data}
 };
 
-/// One a line. Errors: bad_value (no topic, no type, or no JSON once the placeholders are filled).
+/// One a line. Errors: bad_value (no topic, not a type, or not JSON once the placeholders are filled).
 Result<std::vector<RosPublication>> read_ros_publications(std::string_view text);
 
 /// "TOPIC [FIELD ...]", for example `/odom pose.pose.position.x pose.pose.position.y`.

@@ -1,4 +1,4 @@
-// What the transport tcp-text asks of commands.json.
+// What the transport tcp-text requires of commands.json.
 #include "common/config/transports.hpp"
 #include "common/fleet/did_you_mean.hpp"
 
@@ -19,7 +19,7 @@ void check_monitor(const VendorCommands& vendor, const std::string& name, const 
              R"(add "monitor": {"protocol": "ur-primary", "port": 30001}, or remove the requests)");
 }
 
-/// A skill whose words are missing would wait for fields that this robot does not speak.
+/// A skill without a command would wait for the field channel, which this robot does not use.
 void check_skills(const NodeConfig& config, const FileFaults& faults) {
   std::vector<std::string> subtypes;
   for (const auto& [subtype, ignored] : config.commands.commands) subtypes.push_back(subtype);

@@ -9,20 +9,20 @@ namespace trb::drivers {
 namespace {
 
 constexpr Duration kHung = std::chrono::seconds(3);
-/// A state that is read this long after a command was written is certainly younger than the command.
+/// A state read this long after a command was written is certainly newer than the command.
 constexpr Duration kStatePeriod = std::chrono::milliseconds(100);
-/// An error this long before a stop is taken for its cause.
+/// An error this shortly before a stop counts as its cause.
 constexpr Duration kSameCause = std::chrono::seconds(2);
-/// The same warning is told to the fleet once in this time, and different ones with this pause between two.
+/// The same warning is sent to the fleet once in this time, and different ones with this pause between them.
 constexpr Duration kQuiet = std::chrono::seconds(10);
 constexpr Duration kWarningPause = std::chrono::seconds(1);
 constexpr const char* kSafety = "safety";
-constexpr std::int32_t kWorthALine = 2;  ///< a report's level from which on it is logged: warning
+constexpr std::int32_t kWorthALine = 2;  ///< reports of this level or higher are logged: warning
 
 std::string joints_json(const std::array<double, 6>& joints) {
   std::string out = "[";
   for (const double joint : joints) {
-    std::array<char, 40> text{};  // the monitor takes no joint beyond 1000 rad
+    std::array<char, 40> text{};  // the monitor accepts no joint beyond 1000 rad
     std::snprintf(text.data(), text.size(), "%.4f", joint);
     if (out.size() > 1) out += ",";
     out += text.data();
@@ -166,7 +166,7 @@ void TcpTextDriver::on_down(Channel channel, const std::string& reason, Now, con
   const bool before = online();
   if (channel == Channel::command) command_up_ = false;
   if (channel == Channel::monitor) monitor_up_ = heard_ = false;
-  if (!monitor_up_) safety_ = kUrSafetyNormal;  // whoever comes back tells again what is wrong
+  if (!monitor_up_) safety_ = kUrSafetyNormal;  // after a reconnection every fault is reported again
   if (!before || online()) return;
   track_.drop_all(fail(Errc::robot_offline, "the connection to the robot's controller was lost: " + reason,
                        "look at its power and network"),
@@ -175,7 +175,7 @@ void TcpTextDriver::on_down(Channel channel, const std::string& reason, Now, con
 }
 
 void TcpTextDriver::on_bytes(Channel channel, BytesView bytes, Now now, const DriverOut& out) {
-  // What the command port says is the same state again, in a form that not every vendor shares.
+  // The command port reports the same state again, in a form that differs between vendors.
   if (channel != Channel::monitor || !monitor_up_) return;
   events_.clear();
   const Status read = monitor_.add(bytes, events_);
@@ -207,7 +207,7 @@ void TcpTextDriver::on_error(const UrError& error, Now now, const DriverOut& out
   if (error.level < kWorthALine) return;
   last_error_ = text;
   last_error_at_ = now.mono;
-  // Worse than a warning stops the arm, which its state tells.
+  // Anything worse than a warning stops the arm, which its state shows.
   if (error.level == kWorthALine) warn(text, now, out);
 }
 

@@ -1,5 +1,5 @@
-// The direct mode over tcp-text: the node dials the robot and sends it the vendor's own words (commands.json); a
-// monitor connection, if there is one, tells what becomes of them.
+// The direct mode over tcp-text: the node dials the robot and sends it the vendor's own text (commands.json); a monitor
+// connection, if there is one, reports what becomes of it.
 #pragma once
 
 #include <map>
@@ -52,7 +52,7 @@ class TcpTextDriver : public Driver {
   void warn(const std::string& text, Now now, const DriverOut& out);
   /// Why the arm carries nothing out, if so.
   [[nodiscard]] std::optional<Error> disabled(Now now) const;
-  /// "trb send ID command SUBTYPE" for each of these words, as far as commands.json has them.
+  /// "trb send ID command SUBTYPE" for each of these subtypes that commands.json has.
   [[nodiscard]] std::string how_to(std::initializer_list<std::string_view> words) const;
   [[nodiscard]] std::string with_own_words(std::string text, Now now) const;
   void remember(const std::string& name, std::vector<double> numbers, std::string json, Now now);
@@ -71,16 +71,16 @@ class TcpTextDriver : public Driver {
 
   bool command_up_ = false;
   bool monitor_up_ = false;
-  bool heard_ = false;  ///< a state on this monitor connection
+  bool heard_ = false;  ///< a state was received on this monitor connection
   bool told_to_stop_ = false;
   bool program_running_ = false;
   int safety_ = kUrSafetyNormal;
   int robot_mode_ = kUrModeRunning;
-  std::string last_error_;  ///< what the controller complained of last
+  std::string last_error_;  ///< the controller's last error text
   MonotonicTime last_error_at_;
   std::string last_warning_;
   std::optional<MonotonicTime> warned_at_;
-  MonotonicTime last_heard_;  ///< the last state, or the connection's begin
+  MonotonicTime last_heard_;  ///< when the last state was received or the connection began
   MonotonicTime last_state_;
   MonotonicTime last_write_;
   std::uint64_t programs_ = 0;

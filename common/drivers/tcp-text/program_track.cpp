@@ -6,7 +6,7 @@ namespace trb::drivers {
 namespace {
 
 constexpr std::size_t kMaxWaiting = 64;
-/// Texts and key messages are made by different parts of the controller: the order of the two is not promised.
+/// Texts and key messages come from different parts of the controller: their order is not guaranteed.
 constexpr Duration kGrace = std::chrono::milliseconds(200);
 
 }  // namespace

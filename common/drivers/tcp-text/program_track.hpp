@@ -1,4 +1,4 @@
-// The programs sent to a controller that tells their start and end by name: which waits, which was sent, which runs.
+// The programs of a controller that reports their start and end by name: which waits, which was sent, which runs.
 #pragma once
 
 #include <deque>
@@ -11,8 +11,8 @@ struct Program {
   Token token = 0;
   std::string name;
   std::string text;
-  std::string end_text;  ///< what it says when it comes to its end
-  bool tracked = false;  ///< somebody waits for its end
+  std::string end_text;  ///< the text that it prints at its end
+  bool tracked = false;  ///< a service waits for its end
 };
 
 /// One program at a time is sent and not yet started, because a refusal of the robot's does not name its program.
@@ -27,7 +27,7 @@ struct Program {
 /// dropped   | forgotten                | forgotten
 class ProgramTrack {
  public:
-  /// Errors: queue_full; busy: a program whose end is waited for would be replaced.
+  /// Errors: queue_full; busy: a program whose end is awaited would be replaced.
   Status submit(Program program, const DriverOut& out);
 
   void on_started(std::string_view name, const DriverOut& out);
@@ -35,12 +35,12 @@ class ProgramTrack {
   void on_text(std::string_view text, const DriverOut& out);
   void on_exception(std::string_view text, const std::string& shown, const DriverOut& out);
 
-  /// The robot carries nothing out any more: what runs has ended, what was sent or waits is refused.
+  /// The robot carries nothing out any more: the running program has ended, sent or waiting ones are refused.
   void on_disabled(const Error& why, const DriverOut& out);
 
-  /// True if it has not been sent yet: then there is nothing to stop.
+  /// True if it had not been sent yet: then there is nothing to stop.
   bool drop(Token token, const DriverOut& out);
-  /// Nobody waits for it any more; one that was sent no longer keeps the next one from being sent.
+  /// Waiting programs and the one that was sent are Refused; the running one is forgotten.
   void drop_all(const Error& why, const DriverOut& out);
 
   /// It waits, was sent or runs.
@@ -53,7 +53,7 @@ class ProgramTrack {
   struct Running {
     Program program;
     bool reached_end = false;
-    std::optional<MonotonicTime> cut_short_at;  ///< stopped without its end text: when that is believed
+    std::optional<MonotonicTime> cut_short_at;  ///< stopped without its end text: when it counts as cut short
   };
 
   void send_next(const DriverOut& out);

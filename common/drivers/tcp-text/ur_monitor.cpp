@@ -73,7 +73,7 @@ void read_joints(BytesView part, UrState& state) {
     joint = in.f64();
     in.skip(kJointSize - sizeof(double));
   }
-  // Not a number, or one that no axis can turn: the packet is broken.
+  // Not a number, or an impossible joint angle: the packet is broken.
   const bool are_angles = std::ranges::all_of(joints, [](double joint) { return std::abs(joint) <= kMostTurn; });
   if (in.ok() && are_angles) state.joints = joints;
 }

@@ -18,7 +18,7 @@ constexpr int kUrSafetyNormal = 1;
 constexpr int kUrSafetyProtectiveStop = 3;
 constexpr int kUrSafetyEmergencyStop = 7;
 
-// Robot modes in which nothing is carried out, and the one in which it is.
+// Robot modes in which nothing is carried out, and the one in which programs run.
 constexpr int kUrModePowerOff = 3;
 constexpr int kUrModeIdle = 5;
 constexpr int kUrModeRunning = 7;
@@ -53,8 +53,8 @@ using UrEvent = std::variant<UrState, UrProgramStarted, UrProgramStopped, UrText
 
 class UrMonitor {
  public:
-  /// Takes bytes as they come; packets of unknown or broken content are skipped. An error (malformed, too_large) means
-  /// that the stream's borders are lost.
+  /// Takes bytes as they arrive; packets of unknown or broken content are skipped. An error (malformed, too_large)
+  /// means that the packet borders are lost.
   Status add(BytesView bytes, std::vector<UrEvent>& events);
   void clear() { buffer_.clear(); }
 

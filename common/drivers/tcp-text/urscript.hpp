@@ -1,4 +1,4 @@
-// Data into URScript: the only way in is a literal, so no data can become a statement.
+// Puts data into URScript: only as a literal, so no data can become a statement.
 #pragma once
 
 #include <string>
@@ -13,14 +13,14 @@ namespace trb::drivers {
 /// not_escapable (a quote, backslash, control character or a byte outside ASCII: URScript has no escapes for them).
 Result<std::string> urscript_literal(const Value& value);
 
-/// The lines as a program with a name, so that the robot tells of its start and its end. Its last line says that it was
-/// reached: a program that a person or a protective stop has cut short is told to have stopped, too.
+/// The lines as a program with a name, so that the robot reports its start and its end. Its last line prints a text,
+/// because a program that a person or a protective stop has cut short is reported as stopped, too.
 std::string urscript_program(std::string_view name, std::string_view lines);
 
-/// What the last line says.
+/// The text that the last line prints.
 std::string urscript_end_text(std::string_view name);
 
-/// True for the words that the controller's interface takes besides scripts ("power on"); they are no statements.
+/// True for the controller's interface commands that are not script statements ("power on").
 bool is_interface_command(std::string_view text);
 
 }  // namespace trb::drivers

@@ -1,4 +1,4 @@
-// Drivers are made of words that were read, or not at all.
+// A driver is made only from texts that can be parsed.
 #include "common/drivers/registry.hpp"
 
 #include <doctest/doctest.h>

@@ -47,7 +47,7 @@ TEST_CASE("a stop goes behind what is under way, whose answer is nobody's; a sec
   CHECK(queue.answered() == Awaits::nobody);
   CHECK(queue.front().token == 8);
   queue.sent(Awaits::job);
-  CHECK_FALSE(queue.join_stop(9));  // it is under way: a new one goes behind it
+  CHECK_FALSE(queue.join_stop(9));  // it is in progress: a new one goes behind it
   CHECK(queue.drop_for_stop().empty());
   queue.add_urgent(job(9, Purpose::stop));
   CHECK(queue.answered() == Awaits::job);

@@ -1,4 +1,4 @@
-// A robot's text about a fault, where the program on it can say more than its controller.
+// A robot's text about a fault, where its program can report more than its controller.
 #pragma once
 
 #include <string>
@@ -8,7 +8,7 @@
 
 namespace trb::drivers {
 
-/// "CAPABILITY SEVERITY TEXT"; any other text is a critical fault of all that the robot can do.
+/// "CAPABILITY SEVERITY TEXT"; any other text is a critical fault of the whole robot.
 FaultSaid read_fault_text(std::string_view text, const std::vector<std::string>& capabilities, std::string cause);
 
 }  // namespace trb::drivers

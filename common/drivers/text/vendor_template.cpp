@@ -10,7 +10,7 @@ namespace {
 
 constexpr int kMaxItem = 99;
 
-/// The item's number of a placeholder's inside, -1 for "data", -2 for anything else (which then is plain text).
+/// The number of a placeholder's item, -1 for "data", -2 for anything else (which then is plain text).
 int hole_of(std::string_view inside) {
   if (inside == "data") return -1;
   int item = 0;
@@ -26,7 +26,7 @@ Error item_missing(int item, std::size_t count) {
               "give a JSON list with at least " + std::to_string(item + 1) + " items");
 }
 
-/// Every item of a list as plain text; a list is JSON's, or words with spaces between.
+/// Every item of a list as plain text; a list is JSON, or words with spaces between them.
 std::vector<std::string> plain_items(BytesView data) {
   std::vector<std::string> items;
   if (const auto json = parse_json(data); json && json->is_list()) {

@@ -1,4 +1,4 @@
-// The vendor's words for a subtype (commands.json) with their placeholders: {data} whole, {0} {1} … items of a list.
+// The vendor's text for a subtype (commands.json) with its placeholders: {data} whole, {0} {1} … items of a list.
 #pragma once
 
 #include <string>
@@ -19,15 +19,15 @@ class VendorTemplate {
  public:
   explicit VendorTemplate(std::string_view text);
 
-  /// Every filling is a literal of the language, so that no text can end what stands around it. Errors: bad_value
+  /// Every inserted value is a literal of the language, so that no text can end the text around it. Errors: bad_value
   /// (naming what is expected), not_escapable.
   [[nodiscard]] Result<std::string> fill(BytesView data, Literal literal) const;
-  /// Fillings as they are, on one line. Errors: bad_value, not_escapable.
+  /// Values inserted unchanged, on one line. Errors: bad_value, not_escapable.
   [[nodiscard]] Result<std::string> fill_line(BytesView data) const { return fill_plain(data, false); }
-  /// As they are, for robots whose texts may hold any byte. Errors: bad_value.
+  /// Inserted unchanged, for robots whose texts may contain any byte. Errors: bad_value.
   [[nodiscard]] Result<std::string> fill_bytes(BytesView data) const { return fill_plain(data, true); }
 
-  /// How many items of a list it takes: one more than the highest of its {0}, {1} …
+  /// How many items of a list it uses: one more than the highest of its {0}, {1} …
   [[nodiscard]] std::size_t items() const;
 
  private:

@@ -1,4 +1,4 @@
-// AT commands as they leave: the words of commands.json filled with a message's data.
+// AT commands ready to be sent: the lines of commands.json filled with a message's data.
 #pragma once
 
 #include <string>
@@ -13,12 +13,12 @@ namespace trb::drivers {
 struct AtOrder {
   AtAction action{};
   std::string name;       ///< of `send`
-  std::string arguments;  ///< as they stand behind the sequence number; of `move`: the four numbers
-  double duration_s = 0;  ///< 0: none was said
+  std::string arguments;  ///< as sent after the sequence number; of `move`: the four numbers
+  double duration_s = 0;  ///< 0: none given
 };
 
-/// {0}, {1} … are the items of a JSON list, or words with blanks between; {data} is all of it. Errors: bad_value,
-/// not_escapable; each names the command.
+/// {0}, {1} … are the items of a JSON list, or the parts of a text separated by blanks; {data} is all of it. Errors:
+/// bad_value, not_escapable; each names the command.
 Result<std::vector<AtOrder>> fill_at_lines(const std::vector<AtLine>& lines, BytesView data);
 
 /// `AT*NAME=SEQUENCE,ARGUMENTS\r`

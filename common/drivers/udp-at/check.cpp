@@ -1,4 +1,4 @@
-// What commands.json must say for a drone that takes AT commands over UDP.
+// What the transport udp-at requires of commands.json.
 #include <algorithm>
 
 #include "common/config/transports.hpp"

@@ -1,4 +1,4 @@
-// What commands.json says for a drone, read.
+// The parsed content of commands.json for a drone.
 #pragma once
 
 #include <map>
@@ -10,7 +10,8 @@ namespace trb::drivers {
 
 using AtCommands = std::map<std::string, std::vector<AtLine>, std::less<>>;  ///< by subtype
 
-/// A stop lands the drone or lets it stand in the air, a release does nothing. What cannot be read is left out.
+/// Checks that a stop lands the drone or makes it hover, and that a release does nothing. What cannot be parsed is left
+/// out.
 AtCommands read_at_commands(const VendorCommands& vendor, const Description& description, const VendorFaults& faults);
 
 }  // namespace trb::drivers

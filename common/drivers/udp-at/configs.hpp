@@ -1,4 +1,4 @@
-// CONFIG of an AR.Drone: one at a time, each acknowledged by a bit of navdata, which is then put down with CTRL.
+// CONFIG of an AR.Drone: one at a time, each acknowledged by a bit of navdata, which CTRL then clears.
 #pragma once
 
 #include <deque>
@@ -20,14 +20,14 @@ struct AtCall {
 /// repeated.
 class AtConfigs {
  public:
-  /// `token` 0: nobody waits for it. Errors: queue_full.
+  /// `token` 0: no service waits for it. Errors: queue_full.
   Status add(Token token, std::string arguments);
-  /// Nobody waits for it any more; what was sent was sent.
+  /// No service waits for it any more; if it was sent, it stays sent.
   void forget(Token token);
   void drop_all(const Error& why, const DriverOut& out);
 
   void on_navdata(bool taken, const DriverOut& out);
-  /// What is to be sent now.
+  /// Adds what has to be sent now.
   void run(Now now, const DriverOut& out, std::vector<AtCall>& calls);
   [[nodiscard]] bool empty() const { return waiting_.empty() && !sent_; }
   [[nodiscard]] std::optional<MonotonicTime> next_deadline() const;
@@ -44,7 +44,7 @@ class AtConfigs {
   std::optional<Config> sent_;
   MonotonicTime sent_at_;
   bool bit_up_ = false;
-  bool bit_due_ = false;  ///< to be put down
+  bool bit_due_ = false;  ///< the bit has to be cleared
 };
 
 }  // namespace trb::drivers

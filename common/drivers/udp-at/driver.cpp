@@ -8,9 +8,9 @@
 namespace trb::drivers {
 namespace {
 
-/// The drone asks for a command at least every 50 ms.
+/// The drone needs a command at least every 50 ms.
 constexpr Duration kStatePeriod = std::chrono::milliseconds(30);
-/// After so long without a command the drone counts its link as lost; after so long without navdata we do.
+/// After this long without a command the drone considers its link lost; after this long without navdata the node does.
 constexpr Duration kLost = std::chrono::seconds(2);
 constexpr Duration kWakePeriod = std::chrono::seconds(1);
 constexpr Duration kDemoPeriod = std::chrono::milliseconds(500);
@@ -71,7 +71,7 @@ Result<Progress> AtDriver::hand_over(const Handover& message, Now now, const Dri
   return *waits ? Progress::queued : Progress::handed_over;
 }
 
-/// A drone that is told to move on the ground, or with its motors cut, would silently do nothing.
+/// A drone on the ground, or with its motors cut, would silently ignore an order to move.
 Status AtDriver::check_state(const std::vector<AtOrder>& orders) const {
   for (const AtOrder& order : orders) {
     const bool flies = order.action == AtAction::hover || order.action == AtAction::move;
@@ -88,7 +88,7 @@ Status AtDriver::check_state(const std::vector<AtOrder>& orders) const {
   return Done{};
 }
 
-/// True: the drone will tell that it has taken it.
+/// True: the drone will report that it has accepted it.
 Result<bool> AtDriver::begin(const Handover& message, const std::vector<AtOrder>& orders, Now now,
                              const DriverOut& out) {
   std::size_t size = 0;
@@ -107,7 +107,7 @@ Result<bool> AtDriver::begin(const Handover& message, const std::vector<AtOrder>
     } else if (order.action == AtAction::send) {
       calls_.push_back({order.name, order.arguments});
     } else {
-      // Level ground is where it stands now: the drone wants to be told before each take-off.
+      // Level ground is where it stands now: the drone needs this before each take-off.
       if (order.action == AtAction::take_off && !drone_.has(kArFlying)) calls_.push_back({"FTRIM", ""});
       flight_.begin(message.token, std::string(message.subtype), order, now, out);
       waits = waits || order.action == AtAction::emergency || order.action == AtAction::recover;
@@ -210,7 +210,7 @@ void AtDriver::on_navdata(const ArNavdata& drone, Now now, const DriverOut& out)
 
 void AtDriver::come_up(Now now, const DriverOut& out) {
   online_ = true;
-  // Whoever comes back tells again what is wrong; that its watchdog had to wait for us is no fault of the drone's.
+  // After a reconnection every fault is reported again; that its watchdog waited for this node is not its fault.
   known_faults_ = kLinkFaults;
   flight_.follow(drone_);
   next_state_ = now.mono;
@@ -227,7 +227,7 @@ void AtDriver::go_down(const std::string& reason, const DriverOut& out) {
   if (!std::exchange(online_, false)) return;
   flight_.lose(reason, out);
   stop_waits_.reset();
-  // From now on nothing is sent: the drone's own watchdog lets it stand, then land.
+  // From now on nothing is sent: the drone's own watchdog makes it hover, then land.
   const bool in_air = drone_.has(kArFlying);
   out.emit(FaultSaid{"", in_air ? Severity::critical : Severity::warning,
                      "link lost" + std::string(in_air ? " in the air: the drone hovers, then lands by itself" : "") +
@@ -260,7 +260,7 @@ void AtDriver::remember(const ArNavdata& drone, Now now) {
   }
 }
 
-/// One datagram: what is to be sent once, then the state that is sent again and again.
+/// One datagram: commands that are sent once, then the state that is sent repeatedly.
 void AtDriver::write(Now now, const DriverOut& out) {
   if (!command_up_) return;
   if (std::exchange(watchdog_due_, false)) calls_.insert(calls_.begin(), AtCall{"COMWDG", ""});

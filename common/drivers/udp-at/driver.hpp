@@ -1,4 +1,4 @@
-// The direct mode over udp-at: an AR.Drone 2 is sent AT commands (UDP 5556) and tells of itself in navdata (UDP 5554).
+// The direct mode over udp-at: an AR.Drone 2 receives AT commands (UDP 5556) and sends navdata (UDP 5554).
 #pragma once
 
 #include <map>
@@ -58,10 +58,10 @@ class AtDriver : public Driver {
   bool online_ = false;
   bool told_to_stop_ = false;
   std::uint32_t sequence_ = 0;  ///< of the last AT command
-  ArNavdata drone_;             ///< as it was last told
+  ArNavdata drone_;             ///< as last received
   std::uint32_t known_faults_ = 0;
-  MonotonicTime heard_;  ///< the last good navdata
-  MonotonicTime told_;   ///< the last that told where the drone is
+  MonotonicTime heard_;  ///< when the last good navdata was received
+  MonotonicTime told_;   ///< when a position was last reported
   MonotonicTime next_wake_;
   MonotonicTime next_demo_;
   MonotonicTime next_state_;

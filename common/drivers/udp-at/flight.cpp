@@ -10,7 +10,7 @@ constexpr std::uint32_t kReference = 0x11540000;  // bits 18, 20, 22, 24 and 28 
 constexpr std::uint32_t kTakeOffBit = 1U << 9;
 constexpr std::uint32_t kEmergencyBit = 1U << 8;
 
-/// Navdata that is read this long after a command is certainly younger than it.
+/// Navdata read this long after a command is certainly newer than it.
 constexpr Duration kStatePeriod = std::chrono::milliseconds(100);
 constexpr Duration kLeavesGround = std::chrono::seconds(3);
 constexpr Duration kToggles = std::chrono::milliseconds(1500);
@@ -48,7 +48,7 @@ void AtFlight::begin(Token token, const std::string& subtype, const AtOrder& ord
   if (!lasts) return;
   const double duration_s = order.duration_s == 0 ? kDefaultMotion_s : order.duration_s;
   task_->until = now.mono + seconds(duration_s);
-  // To hover for no time that was said is where every motion ends: nobody is told of it.
+  // Hovering without a duration is how every motion ends: it is not reported.
   if (order.action == AtAction::hover && order.duration_s == 0) task_.reset();
 }
 
@@ -89,7 +89,7 @@ void AtFlight::check_emergency(const ArNavdata& drone, Now now, const DriverOut&
   }
 }
 
-/// A drone that does not take off, or that has come down by itself, is not told to be in the air any longer.
+/// A drone that does not take off, or has come down by itself, is no longer ordered to be in the air.
 void AtFlight::check_ground(const ArNavdata& drone, Now now, const DriverOut& out) {
   const bool down = drone.landed() || drone.control() == ArControl::landing;
   if (!fly_ || !down) return;

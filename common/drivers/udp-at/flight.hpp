@@ -1,4 +1,4 @@
-// What an AR.Drone is told again and again (REF, PCMD), and the command that it carries out.
+// What is sent to an AR.Drone again and again (REF, PCMD), and the command that it carries out.
 #pragma once
 
 #include <optional>
@@ -23,13 +23,13 @@ namespace trb::drivers {
 /// What the drone does by itself (a low battery, its watchdog) is followed: it is never told to take off again.
 class AtFlight {
  public:
-  /// Takes over from what the drone does now: it stays in the air or on the ground.
+  /// Adopts the drone's present state: it stays in the air or on the ground.
   void follow(const ArNavdata& drone);
 
   void begin(Token token, const std::string& subtype, const AtOrder& order, Now now, const DriverOut& out);
-  /// It stands in the air; with `land`, or if it is not yet or no longer in the air, it lands.
+  /// It hovers; with `land`, or if it is not yet or no longer in the air, it lands.
   void stop(const ArNavdata& drone, bool land);
-  /// The link is lost: nobody knows what becomes of the command.
+  /// The link is lost: it is unknown what becomes of the command.
   void lose(const std::string& reason, const DriverOut& out);
 
   void on_navdata(const ArNavdata& drone, Now now, const DriverOut& out);
@@ -61,7 +61,7 @@ class AtFlight {
   std::optional<Task> task_;
 };
 
-/// True if it neither drifts nor climbs, or comes down to land.
+/// True if it neither drifts nor climbs, or is landing.
 bool at_stands(const ArNavdata& drone);
 
 }  // namespace trb::drivers

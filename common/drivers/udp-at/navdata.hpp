@@ -1,4 +1,4 @@
-// Reads what an AR.Drone 2 tells of itself (UDP 5554): little-endian, header 0x55667788, options, checksum.
+// Reads an AR.Drone 2's navdata (UDP 5554): little-endian, header 0x55667788, options, checksum.
 #pragma once
 
 #include <cstdint>
@@ -13,15 +13,15 @@
 
 namespace trb::drivers {
 
-// Bits of the drone's state that decide something.
+// Bits of the drone's state that the driver uses.
 constexpr std::uint32_t kArFlying = 1U << 0;
 constexpr std::uint32_t kArCommandHeard = 1U << 6;  ///< a CONFIG was taken; to be acknowledged
-constexpr std::uint32_t kArBootstrap = 1U << 11;    ///< the drone waits to be told what to tell
+constexpr std::uint32_t kArBootstrap = 1U << 11;    ///< the drone waits for the selection of its navdata
 constexpr std::uint32_t kArBatteryLow = 1U << 15;
 constexpr std::uint32_t kArComWatchdog = 1U << 30;
 constexpr std::uint32_t kArEmergency = 1U << 31;
 
-/// What the drone does, as it numbers it.
+/// The drone's control state, with its own numbers.
 enum class ArControl : std::uint8_t {
   none = 0,
   init,
@@ -55,25 +55,25 @@ struct ArNavdata {
 
   [[nodiscard]] bool has(std::uint32_t bits) const { return (state & bits) != 0; }
   [[nodiscard]] ArControl control() const { return demo ? demo->control : ArControl::none; }
-  /// Stands or flies in the air, take-off over, landing not begun.
+  /// Hovers or flies; take-off over, landing not begun.
   [[nodiscard]] bool airborne() const;
   /// On the ground, neither taking off nor landing.
   [[nodiscard]] bool landed() const;
 };
 
-/// One datagram. Errors: malformed (no navdata), bad_signature (its checksum is wrong).
+/// One datagram. Errors: malformed (not navdata), bad_signature (its checksum is wrong).
 Result<ArNavdata> read_ar_navdata(BytesView datagram);
 
-/// A bit of the state that is a fault when it comes.
+/// A state bit that is a fault when it is set.
 struct ArFault {
   std::uint32_t bit = 0;
-  std::string_view name;  ///< as commands.json calls it
+  std::string_view name;  ///< its name in commands.json
   Severity severity{};
   std::string_view text;
 };
 const std::vector<ArFault>& ar_faults();
 
-/// What is wrong with the drone, for a person: "cutout, battery low"; the emergency itself is not named. May be empty.
+/// The drone's problems, for a person: "cutout, battery low"; the emergency itself is not named. May be empty.
 std::string ar_problems(std::uint32_t state);
 
 }  // namespace trb::drivers

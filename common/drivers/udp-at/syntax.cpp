@@ -60,7 +60,7 @@ Result<std::vector<Word>> split(std::string_view line) {
   }
 }
 
-/// The item's number of "{3}", kWhole of "{data}", kLiteral of anything else.
+/// The item's number of "{3}", kWhole for "{data}", kLiteral for anything else.
 int item_of(std::string_view word) {
   if (word == "{data}") return AtArgument::kWhole;
   if (word.size() < 3 || word.size() > 4 || word.front() != '{' || word.back() != '}') return AtArgument::kLiteral;
@@ -104,7 +104,7 @@ Result<AtLine> read_ref(const std::vector<Word>& words) {
              did_you_mean(words.size() < 2 ? "" : words[1].text, names, "use one of"));
 }
 
-/// Takes "for SECONDS" off the end.
+/// Removes "for SECONDS" from the end.
 Status read_duration(std::vector<Word>& words, AtLine& line) {
   if (words.size() < 2 || words[words.size() - 2].text != "for" || words[words.size() - 2].quoted) return Done{};
   if (line.action == AtAction::send) return bad(line.name + " is sent once and lasts no time", "remove \"for\"");
@@ -161,7 +161,7 @@ Result<std::string> real_literal(const Value& value, double limit) {
   return std::to_string(std::bit_cast<std::int32_t>(static_cast<float>(value.number())));
 }
 
-/// A value of CONFIG is a text whatever it means: numbers and truths are written as one.
+/// A value of CONFIG is always a text: numbers and truth values are written as one.
 Result<std::string> text_literal(const Value& value) {
   if (value.is_list() || value.is_object())
     return bad("is a " + std::string(value.kind()) + ", not a text", "give a text");

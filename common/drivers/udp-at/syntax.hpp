@@ -1,4 +1,4 @@
-// What commands.json says for a drone that takes AT commands over UDP (Parrot AR.Drone 2).
+// The notation of commands.json for a drone that takes AT commands over UDP (Parrot AR.Drone 2).
 #pragma once
 
 #include <string>
@@ -10,8 +10,8 @@
 
 namespace trb::drivers {
 
-/// What a line does. `send` is a command of the maker's that is sent once; all others change the state that is sent
-/// again and again: in the air or on the ground, emergency, motion.
+/// What a line does. `send` is a maker's command that is sent once; all others change the state that is sent
+/// repeatedly: in the air or on the ground, emergency, motion.
 enum class AtAction : std::uint8_t { send = 0, take_off, land, emergency, recover, hover, move };
 
 /// How an argument is written: whole number, float as the int32 of the same bits, the same within -1 … 1, text in
@@ -42,17 +42,17 @@ struct AtLine {
 /// should be.
 Result<std::vector<AtLine>> read_at_lines(std::string_view text);
 
-/// The argument as it stands in the datagram. Errors: bad_value (type, range), not_escapable: the protocol has no
-/// escape for a quote or a line's end within a text.
+/// The argument as sent in the datagram. Errors: bad_value (type, range), not_escapable: the protocol has no escape for
+/// a quote or a line's end within a text.
 Result<std::string> at_literal(AtType type, const Value& value);
 
 /// Seconds of a duration. Errors: bad_value.
 Result<double> at_seconds(const Value& value);
 
-/// True if the drone's mode can tell when that line is over.
+/// True if the drone's mode can detect the end of that line.
 bool at_tells_end(const AtLine& line);
 
-/// The names under which navdata tells something: "battery", "altitude", "emergency" …
+/// The names of navdata's values: "battery", "altitude", "emergency" …
 const std::vector<std::string>& at_value_names();
 
 }  // namespace trb::drivers

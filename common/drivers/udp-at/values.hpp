@@ -1,4 +1,4 @@
-// What navdata tells, by the names that commands.json may use (syntax.hpp).
+// Navdata's values, by the names that commands.json may use (syntax.hpp).
 #pragma once
 
 #include <string>
@@ -14,7 +14,8 @@ struct ArValue {
   std::string json;
 };
 
-/// One for each of at_value_names(). Bits are 0 or 1; `state` is the drone's number of what it does, as JSON its name.
+/// One for each of at_value_names(). Bits are 0 or 1; `state` is the number of the drone's control state, in JSON its
+/// name.
 std::vector<ArValue> ar_values(const ArNavdata& drone);
 
 }  // namespace trb::drivers

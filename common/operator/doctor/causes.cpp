@@ -6,7 +6,7 @@
 namespace trb::op {
 namespace {
 
-// What a router writes down of others, and what it means. A refusal by the other side is "refused_us".
+// The errors that a router records about others, and their meaning. A refusal by the other side is "refused_us".
 constexpr Cause kCauses[] = {
     {"foreign_fleet", "foreign_fleet", "its certificate is of another fleet",
      "have its request signed by this fleet's authority: trb fleet sign"},

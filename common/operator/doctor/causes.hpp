@@ -1,4 +1,4 @@
-// What a router writes down of its links' troubles, in the words of people.
+// The errors that a router records for its links, as texts for people.
 #pragma once
 
 #include <string_view>
@@ -6,13 +6,13 @@
 namespace trb::op {
 
 struct Cause {
-  std::string_view code;   ///< of a trouble
-  std::string_view cause;  ///< what it is called here
+  std::string_view code;   ///< of a link error
+  std::string_view cause;  ///< its name here
   std::string_view what;
   std::string_view hint;
 };
 
-/// Null for a trouble that explains nothing by itself.
+/// Null for an error that explains nothing by itself.
 const Cause* cause_of(std::string_view code);
 
 }  // namespace trb::op

@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::int64_t kDay = 86'400'000'000'000;
 constexpr std::int64_t kWarnDays = 30;
-/// What strangers did longer ago than this explains nothing of now.
+/// Errors of strangers longer ago than this explain nothing of the present state.
 constexpr double kRecent = 120;
 
 std::string days(std::int64_t ns) {
@@ -142,7 +142,7 @@ class Doctor {
     return nullptr;
   }
 
-  /// The router is asked, too: that this node is revoked stands in no file of its folder.
+  /// The router is asked, too: no file in this node's folder shows that it is revoked.
   void own_membership(const std::string& id) {
     for (const LinkErrorRow& row : seen_.errors.errors) {
       const bool own = row.peer == id && row.code.starts_with("own.");
@@ -204,7 +204,7 @@ class Doctor {
                    : "open TCP_PORT_EXT in the firewall of one of them, if messages should go directly");
   }
 
-  /// What the router wrote down; true if that names a cause.
+  /// The errors that the router recorded; true if they name a cause.
   bool errors_of(const std::string& id, const std::string& address, bool online) {
     bool named = false;
     for (const LinkErrorRow& row : seen_.errors.errors) {
@@ -239,7 +239,7 @@ class Doctor {
     return true;
   }
 
-  /// Whether a dial came as far as a machine that speaks ZMTP and ended there.
+  /// Whether a dial reached a machine that speaks ZMTP and ended there.
   bool fails_at_handshake(const std::string& id, const std::string& address) const {
     return std::any_of(seen_.errors.errors.begin(), seen_.errors.errors.end(), [&](const LinkErrorRow& t) {
       const bool of_it = (!id.empty() && t.peer == id) || t.address == address;
@@ -275,7 +275,7 @@ class Doctor {
                        "look at its power and cable; ping it; a firewall that drops says nothing either");
       case Port::zmtp:
         return speaks(id, address, *probe);
-      case Port::not_tried:  // a host's name: only its router asks where that is
+      case Port::not_tried:  // a host name: only its router looks it up
         if (is_numeric_endpoint(address)) return;
         if (fails_at_handshake(id, address) || says_no_hello(id, address))
           problem("no_answer", subject, "its name was found, but no link comes of the dial" + at,
@@ -312,7 +312,7 @@ class Doctor {
     }
   }
 
-  /// A seed may name a node by another address than the node tells: then no trouble is left once it is linked.
+  /// A seed may have another address than the node reports: then no error is left once it is linked.
   bool linked_by_seed(const std::string& address) const {
     return std::none_of(seen_.errors.errors.begin(), seen_.errors.errors.end(),
                         [&](const LinkErrorRow& row) { return row.address == address; });
@@ -324,13 +324,13 @@ class Doctor {
       return route.id == seen_.asked || route.address == seen_.asked;
     });
     if (known) return;
-    if (errors_of(seen_.asked, "", false)) return;  // one that is revoked has no row in the table
+    if (errors_of(seen_.asked, "", false)) return;  // a revoked node has no row in the table
     const AddressProbe* probe = probe_of(seen_.asked);
     if (probe == nullptr) {
       return problem("never_heard", seen_.asked, "no node of that id was ever heard of here",
                      "ask with its address (trb doctor HOST:PORT); is it up, in this subnet, of this fleet?");
     }
-    if (probe->seed) return;  // told with the seeds
+    if (probe->seed) return;  // reported with the seeds
     if (!probe->own_subnet) {
       return problem("other_subnet", seen_.asked,
                      "it is in another subnet, where no beacon arrives, and no seed names it",
@@ -351,7 +351,7 @@ class Doctor {
         note("old_beacon_key", subject, "made with another beacon key: a node that was off when the key was changed",
              "it learns the new key by any link; name a seed in its node.json, or sign it again");
       } else if (const Cause* cause = cause_of(code)) {
-        // A named node that is kept out is a problem for somebody; an unnamed one may be no business of this fleet.
+        // That a known node is refused is a problem; an unknown one may not belong to this fleet.
         add(row.peer.empty() ? Weight::note : Weight::problem, cause->cause, subject,
             std::string(cause->what) + " (" + row.text + ")", std::string(cause->hint));
       }

@@ -1,4 +1,4 @@
-// What `trb doctor` concludes from what it saw: pure, so that every cause has a test.
+// What `trb doctor` concludes from its observations: pure, so that every cause has a test.
 #pragma once
 
 #include <optional>
@@ -17,23 +17,23 @@ namespace trb::op {
 enum class Port : unsigned char {
   not_tried,
   zmtp,       ///< something that speaks ZMTP, as a router does
-  not_zmtp,   ///< something else listens, or says nothing
-  refused,    ///< the machine is there, nothing listens
-  no_answer,  ///< nothing came back in time
-  no_route,   ///< this machine knows no way to it
+  not_zmtp,   ///< something else listens, or sends nothing
+  refused,    ///< the machine is there, but nothing listens
+  no_answer,  ///< no answer in time
+  no_route,   ///< this machine has no route to it
 };
 
 /// What datagrams of the largest size that should pass showed.
 enum class LargeDatagram : unsigned char {
   not_known,  ///< the other side does not answer datagrams at all
   passed,
-  lost,  ///< small ones pass, large ones vanish
+  lost,  ///< small ones pass, large ones are lost
 };
 
-/// An address at which a node should be, and what was tried on it.
+/// An address at which a node should be, and the result of trying it.
 struct AddressProbe {
   std::string address;  ///< HOST:PORT
-  bool seed = false;    ///< it stands in node.json
+  bool seed = false;    ///< from node.json
   bool own_subnet = false;
   Port port = Port::not_tried;
   LargeDatagram large = LargeDatagram::not_known;
@@ -60,23 +60,23 @@ struct Observed {
   UtcTime now;
   std::vector<std::string> missing_sockets;  ///< files of the bus that should be there
   bool bus_key_refused = false;              ///< over TCP: the router does not know the key of trb
-  bool answers = false;                      ///< the router, to a probe
-  bool inbox_open = false;                   ///< its port for other routers takes connections
+  bool answers = false;                      ///< the router answers a probe
+  bool inbox_open = false;                   ///< its port for other routers accepts connections
   RouteTable routes;
-  RunTable runs;  ///< how many the scheduler has and takes; open_max 0: it has not said
+  RunTable runs;  ///< how many the scheduler has and accepts; open_max 0: no answer
   ServiceTable services;
   LinkErrorTable errors;
   std::vector<AddressProbe> addresses;
   std::vector<EchoProbe> echoes;
   RobotProbe robot;
-  std::string asked;  ///< the one peer (id or HOST:PORT) that the person asked for; empty for all
+  std::string asked;  ///< the one peer (id or HOST:PORT) that the person named; empty for all
 };
 
 enum class Weight : unsigned char { note, problem };
 
 struct Finding {
   Weight weight = Weight::problem;
-  std::string cause;    ///< a word for programs: "wrong_key", "port_closed" …
+  std::string cause;    ///< an identifier for programs: "wrong_key", "port_closed" …
   std::string subject;  ///< node, address or file
   std::string what;
   std::string hint;

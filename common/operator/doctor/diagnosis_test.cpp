@@ -23,7 +23,7 @@ Route route(const std::string& id, const std::string& state, const std::string& 
   return out;
 }
 
-/// The node ant, well, linked with bee.
+/// The node ant, healthy, linked with bee.
 struct Ant {
   Observed seen;
   Ant() {
@@ -118,7 +118,7 @@ TEST_CASE("a revoked certificate is named: this node's by its router, another's 
   check_only(other.seen, "cert_revoked", "cat");
   other.seen.asked = "cat";
   check_only(other.seen, "cert_revoked", "cat");
-  Ant lied_to;  // a stranger may say Hello by any name
+  Ant lied_to;  // a stranger may send a Hello under any name
   lied_to.row("ant", "cert_revoked", "certificate of 'ant' (serial 1) is revoked by list 1");
   CHECK(diagnose(lied_to.seen).empty());
 }

@@ -17,7 +17,7 @@ bool is_asked(const Observed& seen, const Route& route) {
   return seen.asked.empty() || route.id == seen.asked || route.address == seen.asked;
 }
 
-/// Four questions; `next` is called when none is open any more.
+/// Four requests; `next` is called when all are answered or timed out.
 struct RouterQuestions {
   Observed seen;
   ObservedNext next;

@@ -1,4 +1,4 @@
-// What the doctor asks a node's router and the routers it is linked with.
+// What the doctor asks a node's router and the routers linked to it.
 #pragma once
 
 #include <functional>
@@ -10,19 +10,19 @@
 
 namespace trb::op {
 
-/// An answer to the doctor's questions: what was seen before, and what they added to it.
+/// Called after the doctor's requests: with the earlier observations and what the answers added.
 using ObservedNext = std::function<void(Observed)>;
 
-/// Asks the own router for its table, its services, its links' troubles, and its scheduler for its runs. What is not
+/// Asks the own router for its table, its services and its link errors, and its scheduler for its runs. What is not
 /// answered stays empty.
 void observe_router(Session& session, Observed seen, const ObservedNext& next);
 
-/// Sends echoes, small and large, over the link to each peer that is ONLINE and was asked for, one peer after the
-/// other. A large one only where large datagrams were not seen to be lost: it would take the link with it.
+/// Sends echoes, small and large, to each peer that is ONLINE and is to be checked, one peer after the other. A large
+/// one only if large datagrams were not seen to be lost: otherwise it would break the link.
 void observe_links(Session& session, Observed seen, const ObservedNext& next);
 
-/// The addresses to try: of the nodes in the routing table that were asked for, of the seeds, and the one that was
-/// asked for. At most 64.
+/// The addresses to try: of the nodes to be checked in the routing table, of the seeds, and the one that the person
+/// named. At most 64.
 std::vector<AddressProbe> addresses_to_try(const Observed& seen, const std::vector<std::string>& seeds,
                                            const std::function<bool(const std::string&)>& in_own_subnet);
 

@@ -59,7 +59,7 @@ class AddressProbes::Batch {
   void finish() {
     for (std::size_t i = 0; i < attempts_.size(); ++i) attempts_[i]->tell(addresses_[i]);
     drop();
-    // What it does may begin the next.
+    // The callback may begin the next call.
     std::exchange(done_, nullptr)(std::move(addresses_));
   }
 
@@ -73,11 +73,11 @@ class AddressProbes::Batch {
   Loop& loop_;
   std::vector<AddressProbe> addresses_;
   std::vector<std::unique_ptr<Attempt>> attempts_;  ///< by the addresses' places
-  Done done_;                                       ///< none: nothing is under way
+  Done done_;                                       ///< empty: no call is in progress
 };
 
 AddressProbes::AddressProbes(Loop& loop) : batch_(std::make_shared<Batch>(loop)) {
-  // A loop's timer stays there for good.
+  // A loop's timer cannot be removed.
   loop.add_timer(
       [weak = std::weak_ptr(batch_)] {
         const auto batch = weak.lock();

@@ -15,7 +15,7 @@ using namespace trb::op;
 
 namespace {
 
-/// A port of this machine that takes connections, and says `greeting` on the first.
+/// A port of this machine that accepts connections, and sends `greeting` on the first.
 class Listener {
  public:
   explicit Listener(std::string greeting = {}) : greeting_(std::move(greeting)) {

@@ -13,18 +13,18 @@ namespace trb::op {
 
 class BusSession final : private NodeLink {
  public:
-  /// Links with the router of the node whose folder is the working directory; is_up() once it has welcomed the link,
-  /// and nothing can be sent before. `name` is what the router knows it as. Errors: those of bus_address().
+  /// Connects to the router of the node whose folder is the working directory; is_up() once the router has welcomed it;
+  /// before that nothing can be sent. `name` is its name for the router. Errors: those of bus_address().
   static Result<std::unique_ptr<BusSession>> open(const std::string& name);
 
   [[nodiscard]] Session& session() { return session_; }
   [[nodiscard]] bool is_up() const { return link_.up(); }
-  /// Over TCP: the router does not know the key of this bus.
+  /// Over TCP: the router does not know this session's key.
   [[nodiscard]] bool key_refused() const { return link_.key_refused(); }
-  /// Why the router does not take this link; empty if it does, or has said nothing.
+  /// Why the router refuses this link; empty if it does not, or has not answered.
   [[nodiscard]] const std::string& refusal() const { return link_.refusal(); }
 
-  /// Whom messages go to that answer no request of the session.
+  /// Receives the messages that answer no request of the session.
   void on_message(std::function<void(const Message&)> receiver) { receiver_ = std::move(receiver); }
 
   /// Drives it: turn() waits for the next event; a program with an event loop of its own uses descriptor(),

@@ -1,4 +1,4 @@
-// A session and a tap over real sockets, against a router's end that the test plays.
+// A session and a tap over real sockets, against a router's end played by the test.
 #include "common/operator/io/bus_session.hpp"
 
 #include "common/operator/io/tap.hpp"

@@ -16,7 +16,7 @@ namespace {
 constexpr Duration kConnect = std::chrono::milliseconds(1500);
 constexpr Duration kDatagram = std::chrono::milliseconds(250);
 constexpr int kTries = 2;
-constexpr std::uint16_t kUnusedPort = 33437;  // traceroute's range: nobody listens there
+constexpr std::uint16_t kUnusedPort = 33437;  // traceroute's range: nothing listens there
 constexpr std::size_t kSmall = 32;
 constexpr int kIpv4Headers = 28;
 constexpr int kIpv6Headers = 48;
@@ -85,7 +85,7 @@ class Datagrams final : public Attempt {
     if (to) open(::socket(to->family(), SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
     if (fd() < 0) return end();
     v6_ = to->family() == AF_INET6;
-    // "Probe": do not fragment, and do not believe what is remembered of the path.
+    // "Probe": do not fragment, and ignore the cached path MTU.
     static_assert(static_cast<int>(IP_PMTUDISC_PROBE) == static_cast<int>(IPV6_PMTUDISC_PROBE));
     const int whole = IP_PMTUDISC_PROBE;
     ::setsockopt(fd(), level(), v6_ ? IPV6_MTU_DISCOVER : IP_MTU_DISCOVER, &whole, sizeof whole);
@@ -96,7 +96,7 @@ class Datagrams final : public Attempt {
   void send(MonotonicTime now) {
     if (tries_++ == kTries) return end();
     const std::string data(size_, '\0');
-    // The last one's answer: that nobody listens there.
+    // The answer to the last one: that nothing listens there.
     if (::send(fd(), data.data(), data.size(), 0) < 0 && errno == ECONNREFUSED) return arrived(now);
     wait_for(POLLIN, now + kDatagram);
   }

@@ -1,4 +1,4 @@
-// What the doctor tries on one address: a connection, or datagrams. Each ends by what comes, or by its deadline.
+// One attempt of the doctor on an address: a connection, or datagrams. Each ends with a result or at its deadline.
 #pragma once
 
 #include <memory>
@@ -15,7 +15,7 @@ class Attempt {
   Attempt(const Attempt&) = delete;
   Attempt& operator=(const Attempt&) = delete;
 
-  /// What it waits for, and until when; of no meaning once it is done.
+  /// The descriptor it waits for, and until when; meaningless once it is done.
   [[nodiscard]] int fd() const { return fd_; }
   [[nodiscard]] short events() const { return events_; }
   [[nodiscard]] MonotonicTime deadline() const { return deadline_; }
@@ -23,7 +23,7 @@ class Attempt {
 
   virtual void on_ready(MonotonicTime now) = 0;
   virtual void on_late(MonotonicTime now) = 0;
-  /// Puts what was seen into `probe`.
+  /// Writes the result into `probe`.
   virtual void tell(AddressProbe& probe) const = 0;
 
  protected:

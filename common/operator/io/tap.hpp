@@ -8,7 +8,8 @@
 
 namespace trb::op {
 
-/// Listens to what passes a node's router. A listener that is too slow loses messages; the node never waits for it.
+/// Receives a copy of what passes a node's router. A tap that reads too slowly loses messages; the node never waits for
+/// it.
 class Tap {
  public:
   /// False: it wants no more of this batch.

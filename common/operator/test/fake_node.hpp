@@ -1,4 +1,4 @@
-// A node that the test plays: it takes what operations send one by one, answers it, and lets time pass.
+// A node played by the test: it takes the operations' messages one by one, answers them, and advances time.
 #pragma once
 
 #include <doctest/doctest.h>
@@ -20,7 +20,7 @@ class FakeNode final : public NodeLink {
   Bytes random_bytes(std::size_t size) override { return Bytes(size, '\x11'); }
   Result<std::uint64_t> send(const Send& send) override;
 
-  /// What was sent next, which must be of this body and for this node. answer() and refuse() are about it.
+  /// The next message sent, which must have this body and be for this node. answer() and refuse() refer to it.
   template <class Body>
   Body take(const std::string& target = "ant") {
     const Send next = take_send(target);
@@ -29,19 +29,19 @@ class FakeNode final : public NodeLink {
     return *body;
   }
   Send take_send(const std::string& target);
-  /// The id of what was taken last.
+  /// The id of the message taken last.
   [[nodiscard]] std::uint64_t taken() const { return taken_; }
-  /// Nothing was sent that was not taken.
+  /// Every sent message was taken.
   [[nodiscard]] bool is_quiet() const { return sent_.empty(); }
 
-  /// The answer of the node that it was for. True if a request waited for it.
+  /// Answers as the addressed node. True if a request waited for it.
   bool answer(const Body& body) { return answer(taken_, target_, body); }
   bool answer(std::uint64_t id, const std::string& source, const Body& body);
   bool refuse(Errc code, const std::string& what, const std::string& hint = {});
 
-  /// Lets time pass, and what is due happen in its order.
+  /// Advances time, and does what is due in its order.
   void pass(Duration time);
-  /// From now on the router takes nothing.
+  /// From now on the router accepts nothing.
   void close() { closed_ = true; }
 
  private:
@@ -54,12 +54,12 @@ class FakeNode final : public NodeLink {
   std::deque<Sent> sent_;
   std::uint64_t last_id_ = 0;
   std::uint64_t taken_ = 0;
-  std::string target_;  ///< of what was taken last
+  std::string target_;  ///< of the message taken last
   bool closed_ = false;
   Session session_{*this};
 };
 
-/// The end of an operation, as the test sees it.
+/// The result of an operation, as the test sees it.
 template <class T>
 class Ending {
  public:

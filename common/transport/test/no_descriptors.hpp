@@ -1,4 +1,4 @@
-// A process whose descriptors have run out, for the tests of what is made while it runs.
+// A process without free descriptors, for tests of what is created at run time.
 #pragma once
 
 #include <doctest/doctest.h>
@@ -9,13 +9,13 @@
 
 namespace trb {
 
-/// While it is there, nothing in this process gets a new descriptor; what is open stays. The context's threads must
+/// While this object exists, nothing in this process gets a new descriptor; open ones stay. The context's threads must
 /// have been started before, by a socket.
 class NoDescriptors {
  public:
   NoDescriptors() {
-    // UBSan looks at the first object of a class through a pipe, and takes it for none if there is no descriptor for
-    // one.
+    // UBSan checks the first object of a class through a pipe, and reports it as invalid if there is no descriptor for
+    // the pipe.
     REQUIRE(zmq::error_t(EMFILE).what() != nullptr);
     REQUIRE(::getrlimit(RLIMIT_NOFILE, &before_) == 0);
     const rlimit none{3, before_.rlim_max};

@@ -1,4 +1,4 @@
-// What a Pioneer says: its packets, however they are cut, and the state machine that hears them.
+// A Pioneer's input: its packets, however they are cut, and the state machine that receives them.
 #include <cmath>
 
 #include "common/drivers/arcos/state.hpp"
@@ -73,7 +73,7 @@ void cut(BytesView input) {
   require(size <= input.size(), "no byte is read twice");
 }
 
-/// The input is what the robot says: from the connection on, and while a command is carried out.
+/// The input is what the robot sends: from the connection on, and while a command is carried out.
 void converse(const Bytes& before, BytesView input) {
   ModeAdapterCore core(
       pioneer(), [](bool) { return Done{}; }, [](const std::vector<Kept>&) { return Status(Done{}); });

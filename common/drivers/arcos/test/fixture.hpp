@@ -1,4 +1,4 @@
-// A Pioneer's packets, summed up once more, and a robot that does at once what it is told.
+// A Pioneer's packets with a checksum of their own, and a robot that obeys at once.
 #pragma once
 
 #include <cmath>
@@ -34,7 +34,7 @@ inline Settings pioneer3() {
   return settings;
 }
 
-/// What the robot's next packet says.
+/// The content of the robot's next packet.
 struct Picture {
   double x = 0;
   double y = 0;
@@ -50,7 +50,7 @@ inline void put_word(Bytes& out, int value) {
   out += static_cast<char>(value >> 8 & 0xff);
 }
 
-/// Summed up here once more, so that a mistake in arcos_checksum would be seen.
+/// Computes the checksum independently, so that a mistake in arcos_checksum would show.
 inline Bytes packet(const Bytes& body) {
   unsigned sum = 0;
   for (std::size_t i = 0; i < body.size(); i += 2) {
@@ -84,7 +84,7 @@ inline std::string hex(const Bytes& bytes) {
   return to_hex(bytes);
 }
 
-/// A robot that is there, and does at once what it is told.
+/// A robot that is connected and obeys at once.
 class PioneerFixture : public Fixture {
  public:
   PioneerFixture() : Fixture(pioneer3()) { welcome(); }

@@ -1,4 +1,4 @@
-// A Pioneer on its way: goto, its ends, and stops.
+// A Pioneer's journeys: goto, its ends, and stops.
 #include "common/drivers/arcos/test/fixture.hpp"
 
 using namespace trb;

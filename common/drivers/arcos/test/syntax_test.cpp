@@ -1,4 +1,4 @@
-// The words of a robot that speaks ARCOS, alone and as trb check tells of them.
+// The notation of a robot with ARCOS, by itself and as trb check reports its faults.
 #include "common/drivers/arcos/syntax.hpp"
 
 #include <doctest/doctest.h>
@@ -19,7 +19,7 @@ std::string what_of(std::string_view words) {
   return steps.error().what;
 }
 
-/// The node of a Pioneer with the shipped words.
+/// The node of a Pioneer with the shipped commands.
 class PioneerFolder : public NodeFolder {
  public:
   PioneerFolder() : NodeFolder("pioneer") {

@@ -29,7 +29,7 @@ Settings settings() {
   return out;
 }
 
-/// The robot answers whatever it likes, while a command is under way.
+/// The robot answers with the input, while a command is running.
 void converse(BytesView input) {
   ModeAdapterCore core(
       settings(), [](bool) { return Status(Done{}); }, [](const std::vector<Kept>&) { return Status(Done{}); });
@@ -44,7 +44,7 @@ void converse(BytesView input) {
     now.mono = now.mono + std::chrono::milliseconds(60);
     core.tick(now, out);
   }
-  // Whatever was said: a command has one answer, at its deadline at the latest.
+  // Whatever was sent: a command has one answer, at its deadline at the latest.
   now.mono = now.mono + std::chrono::seconds(20);
   core.tick(now, out);
   long answers = 0;

@@ -1,4 +1,4 @@
-// The interpreter mode over C3: what a KUKA's variables are told, and what they tell.
+// The interpreter mode over C3: what is written into a KUKA's variables, and what is read from them.
 #include "common/drivers/c3/krl.hpp"
 #include "common/drivers/c3/test/fixture.hpp"
 #include "common/drivers/c3/wire.hpp"
@@ -9,7 +9,7 @@ using namespace std::string_literals;
 
 namespace {
 
-/// A robot with a program of its integrator's own, which knows nothing of messages.
+/// A robot with its integrator's own program, which knows nothing of messages.
 Settings own_program() {
   Settings settings = kuka();
   settings.description.has_field_channel = false;
@@ -323,7 +323,7 @@ TEST_CASE("a robot that answers nothing for 2 s is dialled again; what was under
   moving.take();
   moving.wait(2.1);
   CHECK(moving.one<Outcome>().outcome == TaskOutcome::interrupted);
-  // It accepts connections, but nobody speaks: it counts as gone until it does.
+  // It accepts connections, but sends nothing: it counts as gone until it does.
   fixture.up(Channel::command);
   CHECK(fixture.answer(fixture.command("wave", "1")) == "nack robot_offline");
   fixture.serve();

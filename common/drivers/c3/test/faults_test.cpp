@@ -1,4 +1,4 @@
-// Faults of a KUKA: the controller's stop, the program's text, and which of them is news.
+// Faults of a KUKA: the controller's stop, the program's text, and which of them are new.
 #include "common/drivers/c3/faults.hpp"
 
 #include "common/drivers/c3/test/parts.hpp"

@@ -1,4 +1,4 @@
-// A KUKA for the tests of the C3 mode: variables behind a C3 server, and a program that does what the test says.
+// A KUKA for the tests of the C3 mode: variables behind a C3 server, and a program controlled by the test.
 #pragma once
 
 #include <map>
@@ -49,19 +49,19 @@ class C3Fixture : public Fixture {
     serve();
   }
 
-  /// The robot answers everything that is asked, until nothing is.
+  /// The robot answers every request until there is none left.
   void serve() {
     while (serve_one()) {
     }
   }
-  /// Time passes, and the robot answers at once.
+  /// Advances time; the robot answers at once.
   void live(double time_s) {
     for (double t = 0; t < time_s - 1e-9; t += 0.05) {
       wait(0.05);
       serve();
     }
   }
-  /// The program takes the message that is offered.
+  /// The program takes the offered message.
   void take() {
     live(0.1);
     CHECK(robot["TRB_COMMAND"] == "TRUE");

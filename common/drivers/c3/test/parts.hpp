@@ -1,4 +1,4 @@
-// A part of the C3 driver by itself: a link whose questions the test sees and answers, and what the part tells.
+// A single part of the C3 driver: a link whose requests the test sees and answers, and the part's events.
 #pragma once
 
 #include <doctest/doctest.h>
@@ -18,7 +18,7 @@ struct C3Bench {
   C3Link link;
   C3PollTimes polls;
 
-  /// What has left since the last look: "VARIABLE" for a read, "VARIABLE=VALUE" for a write, each with a space behind.
+  /// Sent since the last call: "VARIABLE" for a read, "VARIABLE=VALUE" for a write, each followed by a space.
   std::string sent() {
     std::string all;
     for (const RobotWrite& write : std::exchange(outbox.writes, {})) {
@@ -30,7 +30,7 @@ struct C3Bench {
     }
     return all;
   }
-  /// The robot answers the oldest question.
+  /// The robot answers the oldest request.
   C3Link::Answer answer(const std::string& value, bool ok = true) {
     sent();
     REQUIRE_FALSE(tags_.empty());

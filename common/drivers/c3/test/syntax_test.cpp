@@ -1,4 +1,4 @@
-// The words of a KUKA over C3: what can be read, and what trb check says about the rest.
+// The notation of a KUKA over C3: what can be parsed, and the faults that trb check reports for the rest.
 #include "common/drivers/c3/syntax.hpp"
 
 #include <doctest/doctest.h>

@@ -40,7 +40,7 @@ constexpr const char* kStatus = R"({"battery_percentage": 81.5, "position": {"x"
 struct MirBench : Fixture {
   explicit MirBench(Settings settings = mir()) : Fixture(std::move(settings)) {}
 
-  /// "PUT /status {"state_id": 4}": the request since the last look; there is never more than one without an answer.
+  /// "PUT /status {"state_id": 4}": the request since the last look; never more than one is unanswered.
   std::string asked() {
     const std::string bytes = written(Channel::command);
     if (bytes.empty()) return {};
@@ -64,7 +64,7 @@ struct MirBench : Fixture {
     up(Channel::command);
     serve();
   }
-  /// The robot answers what it is asked for until it is asked no more; what was no question.
+  /// The robot answers the polling until there are no more requests; returns the others.
   std::string serve() {
     std::string others;
     for (std::string what = asked(); !what.empty(); what = asked()) {
@@ -126,7 +126,7 @@ TEST_CASE("http: a skill is queued, its number kept, and its end seen under that
   const Outcome done = fixture.one<Outcome>();
   fixture.deliver(MessageType::information, OutcomeJournaled{done.key}, "mir");
   CHECK(done.outcome == TaskOutcome::finished);
-  // The next one is not over because the one before is.
+  // The next mission is not over just because the one before is.
   fixture.deliver(MessageType::command, order("drive", R"({"mission": "home"})", 2), "mir");
   CHECK(fixture.serve() == R"(POST /queue {"mission_id": "home"})");
   fixture.state = "Aborted";

@@ -58,7 +58,7 @@ void check_sending(const FieldChannel& channel, BytesView data) {
   require(whole == data, "data arrive as they were sent");
 }
 
-/// Until one of the two finds fault with what it reads, both read the same messages.
+/// Until one of the two finds a fault in the input, both read the same messages.
 void check_agreement(const FieldChannel& channel, BytesView bytes) {
   const FieldWords words(channel, kOwnId);
   FieldReceiver receiver(words);
@@ -87,7 +87,7 @@ void check_agreement(const FieldChannel& channel, BytesView bytes) {
   }
 }
 
-/// The mode with a command under way and a stop behind it: whatever the robot says, it tells of each once.
+/// The mode with a running command and a stop after it: whatever the robot sends, each is reported once.
 void talk(const FieldChannel& channel, BytesView bytes, std::size_t step) {
   LinesDriver mode(channel, kOwnId);
   Outbox outbox;

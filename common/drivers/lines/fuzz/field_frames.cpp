@@ -54,8 +54,8 @@ void check_receiver(BytesView input, Encoding encoding) {
   }
 }
 
-/// A skill that runs while the robot says this has an outcome in the end, and nothing that the middleware keeps for
-/// itself is said to another node.
+/// A skill that runs while the robot sends this has an outcome in the end, and no message that the middleware keeps for
+/// itself goes to another node.
 void check_mode(BytesView input, Framing framing, Encoding encoding) {
   Settings settings = pioneer();
   settings.description.field_channel = channel(framing, encoding);

@@ -1,4 +1,4 @@
-// The interpreter mode, told as conversations between the fleet, the core and a robot on its field channel.
+// The interpreter mode, as conversations between the fleet, the core and a robot on its field channel.
 #include "services/mode-adapter/test/fixture.hpp"
 
 using namespace trb;
@@ -248,7 +248,7 @@ TEST_CASE("a request is answered by the robot's information of that name to the 
   FieldBench fixture;
   const auto id = fixture.send(MessageType::request, "position", "");
   CHECK(fixture.take_fields() == "request\nposition\noperator\n0\n\n");
-  fixture.say("information\nposition\nur3\n1\n9\n");  // to somebody else: no answer
+  fixture.say("information\nposition\nur3\n1\n9\n");  // to another node: no answer
   CHECK(fixture.answer(id).empty());
   fixture.say("information\nposition\noperator\n3\n1 2\n");
   const auto said = fixture.told<Opaque>();
@@ -259,7 +259,7 @@ TEST_CASE("a request is answered by the robot's information of that name to the 
   CHECK(said[1].reply_to == id);
   CHECK(get<Opaque>(said[1].body) == Opaque{"position", "1 2"});
   fixture.say("information\nposition\noperator\n3\n1 3\n");
-  CHECK(fixture.told<Opaque>()[0].reply_to == 0);  // nobody waits any more
+  CHECK(fixture.told<Opaque>()[0].reply_to == 0);  // no requester waits any more
 }
 
 TEST_CASE("a request that the robot leaves unanswered times out; one that it cannot answer any more is refused") {

@@ -1,4 +1,4 @@
-// Modbus: the words of commands.json, the mode with any answers, and the virtual PLC with any bytes.
+// Modbus: the notation of commands.json, the mode with any answers, and the virtual PLC with any bytes.
 #include <cmath>
 
 #include "common/drivers/modbus/commands.hpp"
@@ -49,7 +49,7 @@ DriverSettings settings() {
   return out;
 }
 
-/// Answers cut out of the input: a length, then so many bytes.
+/// Answers cut from the input: a length, then that many bytes.
 void answer_driver(BytesView input) {
   const auto made = make_with<ModbusDriver, read_modbus_vendor>(settings());
   require(made.ok(), "its commands can be read");

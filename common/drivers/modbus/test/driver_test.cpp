@@ -1,4 +1,4 @@
-// The direct mode over Modbus: what is asked and written, and what the device says to it.
+// The direct mode over Modbus: what is read and written, and what the device answers.
 #include "common/drivers/modbus/test/fixture.hpp"
 
 using namespace trb;
@@ -27,7 +27,7 @@ TEST_CASE("modbus: a connection alone is no robot: it counts once it has answere
   CHECK(online(fixture) == "OFFLINE");
   CHECK(fixture.answer(fixture.command("set_speed", "0.25")) == "nack robot_offline");
   fixture.asked();
-  fixture.answer_call(2);  // even an exception says that somebody is there
+  fixture.answer_call(2);  // even an exception shows that the device is there
   CHECK(online(fixture) == "ONLINE");
 }
 

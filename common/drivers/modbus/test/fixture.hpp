@@ -1,4 +1,4 @@
-// A conveyor behind Modbus for the tests: one call at a time, whose answers the test gives as a device would.
+// A conveyor behind Modbus for the tests: one call at a time, which the test answers like a device.
 #pragma once
 
 #include <map>
@@ -34,7 +34,7 @@ inline Settings conveyor() {
   return settings;
 }
 
-/// What a person would read in a trace: "write holding 0 250" or "read input 0 x3".
+/// As in a trace: "write holding 0 250" or "read input 0 x3".
 inline std::string text_of(const ModbusCall& call) {
   const std::string where = std::string(name_of(call.kind)) + " " + std::to_string(call.address);
   if (!call.write) return "read " + where + " x" + std::to_string(call.count);
@@ -47,7 +47,7 @@ inline std::string text_of(const ModbusCall& call) {
 struct PlcBench : Fixture {
   explicit PlcBench(Settings settings = conveyor()) : Fixture(std::move(settings)) {}
 
-  /// The calls since the last look; there is never more than one without an answer.
+  /// The calls since the last look; never more than one is unanswered.
   std::string asked() {
     std::string text;
     for (const RobotWrite& write : out.writes) {
@@ -67,7 +67,7 @@ struct PlcBench : Fixture {
     for (int i = 0; i < (call.write ? 0 : call.count); ++i) words.push_back(memory[{call.kind, call.address + i}]);
     return words;
   }
-  /// The device answers all that it is asked, until it is asked no more at this time. Returns the writes.
+  /// The device answers every call until there is none left at this time. Returns the writes.
   std::string serve() {
     std::string writes;
     for (std::string call = asked(); !call.empty(); call = asked()) {
@@ -79,7 +79,7 @@ struct PlcBench : Fixture {
     }
     return writes;
   }
-  /// Time, in which the device answers.
+  /// Advances time, while the device answers.
   void live(double time_s) {
     for (double t = 0; t < time_s - 1e-9; t += 0.05) {
       wait(0.05);

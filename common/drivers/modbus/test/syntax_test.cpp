@@ -1,4 +1,4 @@
-// The words of the transport modbus: what can be said, how numbers lie in registers, and every mistake by its hint.
+// The notation of the transport modbus: what it allows, how numbers lie in registers, and every mistake by its hint.
 #include "common/drivers/modbus/syntax.hpp"
 
 #include <doctest/doctest.h>
@@ -130,7 +130,7 @@ TEST_CASE("modbus numbers: what a register cannot hold is refused with the range
   CHECK(hint("coil 3", 0.5).hint == "give true, false, 1 or 0");
   CHECK(hint("holding 0 float32", 1e300).code == Errc::bad_value);
   CHECK(hint("holding 0 int32", std::nan("")).code == Errc::bad_value);
-  CHECK(modbus_words(place("holding 0 * 0.001"), 0.2504).value() == Registers{250});  // to the next that there is
+  CHECK(modbus_words(place("holding 0 * 0.001"), 0.2504).value() == Registers{250});  // to the nearest possible one
 }
 
 TEST_CASE("modbus words: a command is assignments, each to a name or a place") {

@@ -19,7 +19,7 @@ Settings settings() {
   return out;
 }
 
-/// The robot says whatever it likes on that connection, while a move is under way.
+/// The robot sends the input on that connection, while a move is running.
 void converse(Channel channel, BytesView input) {
   ModeAdapterCore core(
       settings(), [](bool) { return Status(Done{}); }, [](const std::vector<Kept>&) { return Status(Done{}); });

@@ -25,7 +25,7 @@ Settings abb() {
   return settings;
 }
 
-/// Both connections are up, the service task has told its state, and nothing is under way.
+/// Both connections are up, the service task has reported its state, and nothing is running.
 class RapidBench : public Fixture {
  public:
   explicit RapidBench(Settings settings = abb()) : Fixture(std::move(settings)) {
@@ -35,7 +35,7 @@ class RapidBench : public Fixture {
   }
   void program(const std::string& text) { hear(Channel::command, text); }
   void service(const std::string& text) { hear(Channel::monitor, text); }
-  /// Time passes; the service task and the values are answered at once, the program's other requests are kept.
+  /// Advances time; the service task and the values are answered at once, the program's other requests are kept.
   void live(double time_s) {
     for (double t = 0; t < time_s - 1e-9; t += 0.05) {
       serve();
@@ -228,7 +228,7 @@ TEST_CASE("a fault: the service task's text, its capability and severity, told o
   CHECK(fault.severity == Severity::urgent);
   CHECK(fault.text == "arm \"hit\"");
   fixture.live(1.2);
-  // The program has not answered: what it was at must not go on when the motors are on again.
+  // The program has not answered: its command must not go on when the motors are on again.
   CHECK(fixture.one<Outcome>().reason == "the robot's motors went off: grab URGENT arm \"hit\"");
   CHECK(fixture.turns == "91 #92 #");
   fixture.flags = kFlagTakeControl;

@@ -1,4 +1,4 @@
-// The words of an ABB with a RAPID server: what can be read, and what trb check says about the rest.
+// The notation of an ABB with a RAPID server: what can be parsed, and the faults that trb check reports for the rest.
 #include "common/drivers/rapid/syntax.hpp"
 
 #include <doctest/doctest.h>

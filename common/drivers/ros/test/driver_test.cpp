@@ -1,4 +1,4 @@
-// The ros mode: what goes to the bridge, and what its answers mean.
+// The ros mode: what is sent to the bridge, and what its answers mean.
 #include "services/mode-adapter/test/fixture.hpp"
 
 using namespace trb;
@@ -195,7 +195,7 @@ TEST_CASE("a skill whose capability a fault has taken is not begun, until the ro
     const Execute go_to{{"run", "t1", 1, ++attempt}, 1, kInstance, "go_to", R"({"place":"dock"})", 0};
     return fixture.nack_of(fixture.deliver(MessageType::command, go_to, "ridgeback"));
   };
-  // Also the first value: the node may have been started after the fault, and then nobody is told of one.
+  // Also at the first value, but without a RobotFault: the node may have started after the fault.
   fixture.tell(error, BridgeResult::value, "\"a wheel is blocked\"");
   CHECK(fixture.told<RobotFault>().empty());
   CHECK(fixture.one<NodeProfile>().out_of_use.at(0).text == "a wheel is blocked");

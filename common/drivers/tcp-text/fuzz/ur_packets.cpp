@@ -11,7 +11,7 @@ namespace {
 
 using namespace trb::adapter;
 
-/// As many events, whether the bytes come at once or one by one; nothing is read twice.
+/// The same number of events, whether the bytes come at once or one by one; nothing is read twice.
 void check_cutting(BytesView input) {
   UrMonitor whole;
   UrMonitor pieces;
@@ -24,7 +24,7 @@ void check_cutting(BytesView input) {
   require(at_once.size() == one_by_one.size(), "what is heard does not depend on how it is cut");
 }
 
-/// A skill that runs while the controller says this: it is answered, and what is told to the fleet is bounded.
+/// A skill that runs while the controller sends this: it is answered, and the reports to the fleet are bounded.
 void check_mode(BytesView input) {
   UrFixture fixture;
   fixture.deliver(MessageType::command, order("reach", R"({"joints": [0,0,0,0,0,0]})"), "ur3");

@@ -1,4 +1,4 @@
-// The direct mode against a UR controller: the vendor's words, and what the monitor tells of them.
+// The direct mode against a UR controller: the vendor's text, and what the monitor reports about it.
 #include "services/mode-adapter/test/fixture.hpp"
 
 using namespace trb;

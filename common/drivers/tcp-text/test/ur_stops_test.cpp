@@ -162,7 +162,7 @@ TEST_CASE("a warning of the controller's is a fault of its severity; whatever it
   const auto fault = get<RobotFault>(fixture.told<RobotFault>().at(0).body);
   CHECK(fault.severity == Severity::warning);
   CHECK(fault.text == "C4A0 \"hot\"\njoint?");
-  for (int i = 0; i < 50; ++i) {  // the controller says it again at each cycle
+  for (int i = 0; i < 50; ++i) {  // the controller repeats it in each cycle
     fixture.live(0.1);
     fixture.monitor(ur_error(4, 2, "\"hot\"\njoint\xff"));
   }

@@ -1,4 +1,4 @@
-// The maker's words and what fills them.
+// The maker's texts and what is filled into them.
 #include <doctest/doctest.h>
 
 #include "common/drivers/text/vendor_template.hpp"

@@ -1,4 +1,4 @@
-// A drone's datagrams: navdata as it comes, with a checksum that is right, and the mode behind it.
+// A drone's datagrams: arbitrary navdata, navdata with a correct checksum, and the mode that receives them.
 #include <cmath>
 
 #include "common/drivers/udp-at/commands.hpp"
@@ -50,7 +50,8 @@ void check_writes(const Outbox& out) {
   }
 }
 
-/// The mode hears it in the middle of a take-off and of a setting; it must go on speaking AT, and forget nobody.
+/// The mode receives it in the middle of a take-off and of a setting; it must keep sending AT, and answer every
+/// command.
 void hear(BytesView datagram) {
   const auto made = make_with<AtDriver, read_at_commands>(settings());
   require(made.ok(), "its commands can be read");

@@ -9,7 +9,7 @@ using namespace trb::adapter;
 
 namespace {
 
-/// The command as it leaves with sequence number 7, or the error's code.
+/// The command as sent with sequence number 7, or the error's code.
 std::string line_of(const std::string& words, const std::string& data) {
   const auto lines = read_at_lines(words);
   REQUIRE_MESSAGE(lines.ok(), words);
@@ -24,8 +24,8 @@ std::string bytes_of(const std::string& hex) {
   return out;
 }
 
-// Hovering, 76 %, theta -1000, phi 2000, psi 90000 thousandths of a degree, 812 mm, 120 and -30 mm/s; made by a program
-// of its own (python3, struct).
+// Hovering, 76 %, theta -1000, phi 2000, psi 90000 thousandths of a degree, 812 mm, 120 and -30 mm/s; made by an
+// independent program (python3, struct).
 const std::string kGolden = bytes_of(
     "8877665511040000e80300000000000000009400000004004c00000000007ac40000fa4400c8af472c0300000000f0420000f0c1" +
     std::string(224, '0') + "ffff0800ea0a0000");

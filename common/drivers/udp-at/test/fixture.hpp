@@ -1,4 +1,4 @@
-// An AR.Drone 2 whose navdata is heard, for tests.
+// An AR.Drone 2 whose navdata is received, for tests.
 #pragma once
 
 #include <numeric>
@@ -17,7 +17,7 @@ inline std::string little_float(float value) {
   return little_endian(std::bit_cast<std::uint32_t>(value), 4);
 }
 
-/// What the drone tells in one navdata.
+/// The content of one navdata datagram.
 struct Sky {
   unsigned control = 2;  ///< landed
   bool flying = false;
@@ -99,7 +99,7 @@ class DroneFixture : public Fixture {
     sky = picture;
     hear(Channel::monitor, navdata(++sequence, sky));
   }
-  /// Navdata 15 times a second, always of the same picture.
+  /// Navdata 15 times a second, always with the same content.
   void live(double time_s, const Sky& picture) {
     for (double t = 0; t < time_s - 1e-9; t += 0.0625) {
       wait(0.0625);

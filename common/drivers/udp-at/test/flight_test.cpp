@@ -32,7 +32,7 @@ TEST_CASE("hover: so long, by the node's clock; land: over on the ground") {
   fixture.deliver(MessageType::command, order("land", "", 2), "drone");
   CHECK(fixture.sent() == Calls{kRefGround, kHoverCall});
   fixture.live(2, kLanding);
-  CHECK(fixture.told<Outcome>().size() == 2);  // hover's, which nobody has journaled
+  CHECK(fixture.told<Outcome>().size() == 2);  // hover's, which was never journaled
   fixture.tell(kOnGround);
   CHECK(fixture.one<Outcome>().outcome == TaskOutcome::finished);
 }
@@ -145,7 +145,7 @@ TEST_CASE("emergency cuts the motors once, recover lifts it once: each ends when
   fixture.wait(0.03);
   CHECK(fixture.last("REF") == kRefGround);
   CHECK(fixture.faults().at(0).text == "emergency: the motors are cut");
-  // Told twice it is no toggle: the drone stays as it is.
+  // Sent twice it must not toggle: the drone stays as it is.
   const auto again = fixture.command("emergency", "");
   fixture.live(0.125, fallen);
   CHECK(fixture.answer(again) == "ack handed_over");

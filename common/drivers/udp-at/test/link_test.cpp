@@ -1,4 +1,4 @@
-// The link to an AR.Drone: waking it, the state that is sent again and again, settings, and what is lost.
+// The link to an AR.Drone: waking it, the repeated state, settings, and losses.
 #include "common/drivers/udp-at/test/fixture.hpp"
 
 using namespace trb;
@@ -181,13 +181,13 @@ TEST_CASE("drone: a setting is taken once the drone says so, one after the other
   fixture.tell(taken);
   CHECK(fixture.answer(first) == "ack handed_over");
   fixture.wait(0.03);
-  CHECK(fixture.last("C") == "CTRL,5,0");  // the bit is put down first
+  CHECK(fixture.last("C") == "CTRL,5,0");  // the bit is cleared first
   fixture.live(0.125, kOnGround);
   CHECK(fixture.last("CONFIG") == "CONFIG,\"general:ardrone_name\",\"wasp\"");
   fixture.live(1.1, kOnGround);
   CHECK(fixture.nack_of(second).code == "timeout");
   CHECK(fixture.nack_of(second).what ==
         "the drone did not acknowledge CONFIG \"general:ardrone_name\",\"wasp\" within 1 s");
-  fixture.tell(taken);  // too late, and of nobody
+  fixture.tell(taken);  // too late, and for no command
   CHECK(fixture.answer(fixture.command("name", "\"a\\\"b\"")) == "nack not_escapable");
 }

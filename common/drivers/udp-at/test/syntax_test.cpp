@@ -1,4 +1,4 @@
-// What commands.json may say for a drone, and what trb check says of the rest.
+// What commands.json may contain for a drone, and the faults that trb check reports for the rest.
 #include "common/drivers/udp-at/syntax.hpp"
 
 #include <doctest/doctest.h>
