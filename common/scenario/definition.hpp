@@ -17,6 +17,9 @@ namespace trb {
 /// other. Without faults the scenario passes check_graph.
 Scenario read_scenario(const Value& json, const std::string& file, ConfigFaults& faults);
 
+/// More warnings tell nothing new.
+constexpr std::size_t kMaxWarnings = 200;
+
 /// Warnings, as what may wait: a task that is skipped when it fails, and what would be SKIPPED with it.
 void warn_of_skips(const Scenario& scenario, const std::string& file, ConfigFaults& faults);
 
