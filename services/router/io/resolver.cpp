@@ -104,11 +104,11 @@ void Resolver::run(const std::shared_ptr<Shared>& shared) {
     lock.unlock();
     auto found = shared->lookup(host);
     lock.lock();
-    take(shared->names[host], host, std::move(found));
+    take(shared->names[host], std::move(found));
   }
 }
 
-void Resolver::take(Name& name, const std::string& host, Result<std::vector<std::string>> found) {
+void Resolver::take(Name& name, Result<std::vector<std::string>> found) {
   name.asked.reset();
   name.failure.clear();
   if (found) {

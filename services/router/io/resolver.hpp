@@ -64,7 +64,7 @@ class Resolver {
     bool started = false;
   };
   static void run(const std::shared_ptr<Shared>& shared);
-  static void take(Name& name, const std::string& host, Result<std::vector<std::string>> found);
+  static void take(Name& name, Result<std::vector<std::string>> found);
   void ask(const std::string& host, Name& name, MonotonicTime now);
 
   std::shared_ptr<Shared> shared_ = std::make_shared<Shared>();
