@@ -1,17 +1,10 @@
 #include "services/resilience/core/inquiry.hpp"
+#include "tests/support/at.hpp"
 
 #include <doctest/doctest.h>
 
 using namespace trb;
 using namespace trb::resilience;
-
-namespace {
-
-Now at(double s) {
-  return {MonotonicTime{} + seconds(s), UtcTime{}};
-}
-
-}  // namespace
 
 TEST_CASE("an inquiry is complete once the last answer that it waits for has come") {
   Inquiry inquiry;

@@ -1,17 +1,10 @@
 #include "services/resilience/core/repair.hpp"
+#include "tests/support/at.hpp"
 
 #include <doctest/doctest.h>
 
 using namespace trb;
 using namespace trb::resilience;
-
-namespace {
-
-Now at(double s) {
-  return {MonotonicTime{} + seconds(s), UtcTime{}};
-}
-
-}  // namespace
 
 TEST_CASE("a node that does not answer is told again, later and later") {
   Repair repair;

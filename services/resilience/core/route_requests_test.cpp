@@ -1,4 +1,5 @@
 #include "services/resilience/core/route_requests.hpp"
+#include "tests/support/at.hpp"
 
 #include <doctest/doctest.h>
 
@@ -6,10 +7,6 @@ using namespace trb;
 using namespace trb::resilience;
 
 namespace {
-
-Now at(double s) {
-  return {MonotonicTime{} + seconds(s), UtcTime{}};
-}
 
 /// How many requests are sent at that moment.
 std::size_t sent(RouteRequests& requests, double s) {

@@ -1,4 +1,5 @@
 #include "services/resilience/core/signing.hpp"
+#include "tests/support/at.hpp"
 
 #include <doctest/doctest.h>
 
@@ -6,10 +7,6 @@ using namespace trb;
 using namespace trb::resilience;
 
 namespace {
-
-Now at(double s) {
-  return {MonotonicTime{} + seconds(s), UtcTime{}};
-}
 
 SignedRecord record_of(const std::string& payload) {
   SignedRecord out;

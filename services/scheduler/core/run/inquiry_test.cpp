@@ -1,4 +1,5 @@
 #include "services/scheduler/core/run/inquiry.hpp"
+#include "tests/support/at.hpp"
 
 #include <doctest/doctest.h>
 
@@ -6,10 +7,6 @@ using namespace trb;
 using namespace trb::scheduler;
 
 namespace {
-
-Now at(double s) {
-  return {MonotonicTime{} + seconds(s), UtcTime{1}};
-}
 
 RouteTable table_with(std::vector<std::pair<std::string, std::string>> nodes_and_states) {
   RouteTable table{"ur3", {}};

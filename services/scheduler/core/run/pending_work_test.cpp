@@ -1,17 +1,10 @@
 #include "services/scheduler/core/run/pending_work.hpp"
+#include "tests/support/at.hpp"
 
 #include <doctest/doctest.h>
 
 using namespace trb;
 using namespace trb::scheduler;
-
-namespace {
-
-Now at(double s) {
-  return {MonotonicTime{0} + seconds(s), UtcTime{1}};
-}
-
-}  // namespace
 
 TEST_CASE("a run that is over leaves after its grace, unless something comes between") {
   PendingWork work;
