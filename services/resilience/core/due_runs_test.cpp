@@ -1,10 +1,11 @@
 #include "services/resilience/core/due_runs.hpp"
-#include "tests/support/at.hpp"
 
 #include <doctest/doctest.h>
 
 #include <string>
 #include <vector>
+
+#include "tests/support/at.hpp"
 
 using namespace trb;
 using namespace trb::resilience;

@@ -1,7 +1,8 @@
 #include "services/resilience/core/inquiry.hpp"
-#include "tests/support/at.hpp"
 
 #include <doctest/doctest.h>
+
+#include "tests/support/at.hpp"
 
 using namespace trb;
 using namespace trb::resilience;

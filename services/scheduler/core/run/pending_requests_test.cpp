@@ -1,7 +1,8 @@
 #include "services/scheduler/core/run/pending_requests.hpp"
-#include "tests/support/at.hpp"
 
 #include <doctest/doctest.h>
+
+#include "tests/support/at.hpp"
 
 using namespace trb;
 using namespace trb::scheduler;

@@ -1,7 +1,10 @@
 #include "services/scheduler/core/run/signature.hpp"
-#include "tests/support/at.hpp"
 
 #include <doctest/doctest.h>
+
+#include <functional>
+
+#include "tests/support/at.hpp"
 
 using namespace trb;
 using namespace trb::scheduler;
