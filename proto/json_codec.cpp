@@ -22,41 +22,41 @@ Value text_of(std::string_view text) {
   return Value{std::string(text)};
 }
 
-Value put_unsigned(std::uint64_t value) {
+Value json_of_unsigned(std::uint64_t value) {
   // A JSON reader may round beyond 2^53: such numbers are identifiers and go as text.
   return value > (1ULL << 53U) ? Value{std::to_string(value)} : Value{static_cast<std::int64_t>(value)};
 }
 
-Value put_enum(std::span<const std::string_view> names, std::uint64_t index) {
+Value json_of_enum(std::span<const std::string_view> names, std::uint64_t index) {
   return text_of(index < names.size() ? names[index] : std::string_view("?"));
 }
 
-Value put(const Shape& shape, const void* value);
+Value json_of(const Shape& shape, const void* value);
 
-Value put_list(const ListShape& shape, const void* value) {
+Value json_of_list(const ListShape& shape, const void* value) {
   Value::List out;
   const std::size_t size = shape.size(value);
   const void* at = shape.data(value);
-  for (std::size_t i = 0; i < size; ++i, at = behind(at, shape.stride)) out.push_back(put(*shape.item, at));
+  for (std::size_t i = 0; i < size; ++i, at = behind(at, shape.stride)) out.push_back(json_of(*shape.item, at));
   return Value{std::move(out)};
 }
 
-Value put_fields(std::span<const FieldEntry> fields, const void* value) {
+Value json_of_fields(std::span<const FieldEntry> fields, const void* value) {
   Value::Object out;
-  for (const FieldEntry& f : fields) out.emplace_back(std::string(f.name), put(*f.shape, behind(value, f.offset)));
+  for (const FieldEntry& f : fields) out.emplace_back(std::string(f.name), json_of(*f.shape, behind(value, f.offset)));
   return Value{std::move(out)};
 }
 
-Value put(const Shape& shape, const void* value) {
+Value json_of(const Shape& shape, const void* value) {
   switch (shape.kind) {
     case FieldKind::boolean:
       return Value{as<bool>(value)};
     case FieldKind::enumeration:
-      return put_enum(shape.names, unsigned_of(shape.kind, value));
+      return json_of_enum(shape.names, unsigned_of(shape.kind, value));
     case FieldKind::uint16:
     case FieldKind::uint32:
     case FieldKind::uint64:
-      return put_unsigned(unsigned_of(shape.kind, value));
+      return json_of_unsigned(unsigned_of(shape.kind, value));
     case FieldKind::int64:
       return Value{as<std::int64_t>(value)};
     case FieldKind::number:
@@ -66,16 +66,16 @@ Value put(const Shape& shape, const void* value) {
     case FieldKind::blob:
       return Value{to_hex(as<Blob>(value).bytes)};
     case FieldKind::list:
-      return put_list(shape.list, value);
+      return json_of_list(shape.list, value);
     case FieldKind::record:
       break;
   }
-  return put_fields(shape.fields, value);
+  return json_of_fields(shape.fields, value);
 }
 
 // ---- reading: returns false and sets `error`
 
-struct Reader {
+struct JsonReader {
   std::string path;
   Error error;
 
@@ -104,7 +104,7 @@ struct Reader {
 };
 
 template <class T>
-bool Reader::take_integer(const Value& from, T& out) {
+bool JsonReader::take_integer(const Value& from, T& out) {
   if (!from.is_integer()) return needs("a whole number", from);
   const std::int64_t raw = from.integer();
   if (!std::in_range<T>(raw)) return refuse(Errc::bad_value, std::to_string(raw) + " is out of range");
@@ -112,7 +112,7 @@ bool Reader::take_integer(const Value& from, T& out) {
   return true;
 }
 
-bool Reader::take_unsigned(const Value& from, std::uint64_t& out) {
+bool JsonReader::take_unsigned(const Value& from, std::uint64_t& out) {
   if (!from.is_text()) return take_integer(from, out);
   const std::string& text = from.text();
   const char* const end = text.data() + text.size();
@@ -121,7 +121,7 @@ bool Reader::take_unsigned(const Value& from, std::uint64_t& out) {
   return problem == std::errc{} || refuse(Errc::bad_value, text + " is out of range");
 }
 
-bool Reader::take_enum(std::span<const std::string_view> names, const Value& from, std::uint8_t& out) {
+bool JsonReader::take_enum(std::span<const std::string_view> names, const Value& from, std::uint8_t& out) {
   for (std::size_t i = 0; from.is_text() && i < names.size(); ++i) {
     if (from.text() != names[i]) continue;
     out = static_cast<std::uint8_t>(i);
@@ -132,26 +132,26 @@ bool Reader::take_enum(std::span<const std::string_view> names, const Value& fro
   return refuse(Errc::bad_value, "is none of " + all);
 }
 
-bool Reader::take_bool(const Value& from, bool& out) {
+bool JsonReader::take_bool(const Value& from, bool& out) {
   if (!from.is_bool()) return needs("true or false", from);
   out = from.boolean();
   return true;
 }
 
-bool Reader::take_double(const Value& from, double& out) {
+bool JsonReader::take_double(const Value& from, double& out) {
   if (!from.is_number()) return needs("a number", from);
   out = from.number();
   return std::isfinite(out) || refuse(Errc::bad_value, "not a finite number");
 }
 
-bool Reader::take_text(const Value& from, std::string& out, std::uint32_t max) {
+bool JsonReader::take_text(const Value& from, std::string& out, std::uint32_t max) {
   if (!from.is_text()) return needs("text", from);
   if (from.text().size() > max) return refuse(Errc::too_large, "text over " + std::to_string(max) + " bytes");
   out = from.text();
   return true;
 }
 
-bool Reader::take_blob(const Value& from, Blob& out, std::uint32_t max) {
+bool JsonReader::take_blob(const Value& from, Blob& out, std::uint32_t max) {
   if (!from.is_text()) return needs("hexadecimal text", from);
   auto bytes = from_hex(from.text());
   if (!bytes) return refuse(Errc::malformed, bytes.error().what);
@@ -160,7 +160,7 @@ bool Reader::take_blob(const Value& from, Blob& out, std::uint32_t max) {
   return true;
 }
 
-bool Reader::take_list(const ListShape& shape, const Value& from, void* out, std::uint32_t max) {
+bool JsonReader::take_list(const ListShape& shape, const Value& from, void* out, std::uint32_t max) {
   if (!from.is_list()) return needs("a list", from);
   if (from.list().size() > max) return refuse(Errc::too_large, "list over " + std::to_string(max) + " items");
   void* at = shape.renew(out, from.list().size());
@@ -175,7 +175,7 @@ bool Reader::take_list(const ListShape& shape, const Value& from, void* out, std
   return true;
 }
 
-bool Reader::take_fields(std::span<const FieldEntry> fields, const Value& from, void* out) {
+bool JsonReader::take_fields(std::span<const FieldEntry> fields, const Value& from, void* out) {
   if (!from.is_object()) return needs("an object", from);
   const std::size_t stem = path.size();
   for (const auto& [key, member] : from.object()) {
@@ -189,7 +189,7 @@ bool Reader::take_fields(std::span<const FieldEntry> fields, const Value& from, 
   return true;
 }
 
-bool Reader::take(const Shape& shape, const Value& from, void* out, std::uint32_t max) {
+bool JsonReader::take(const Shape& shape, const Value& from, void* out, std::uint32_t max) {
   switch (shape.kind) {
     case FieldKind::boolean:
       return take_bool(from, as<bool>(out));
@@ -218,7 +218,7 @@ bool Reader::take(const Shape& shape, const Value& from, void* out, std::uint32_
 }
 
 Error read(const Shape& shape, const Value& from, void* out) {
-  Reader reader;
+  JsonReader reader;
   reader.take(shape, from, out, kDefaultMaxSize);
   return std::move(reader.error);
 }
@@ -251,7 +251,7 @@ struct MessageForm {
 }  // namespace
 
 std::string write_json(const Shape& shape, const void* value) {
-  return dump_json(put(shape, value));
+  return dump_json(json_of(shape, value));
 }
 
 Error read_json(const Shape& shape, std::string_view json, void* value) {
@@ -267,9 +267,9 @@ std::string message_to_json(const Message& message) {
   add("subtype", text_of(message.subtype));
   add("source", text_of(message.source));
   add("target", text_of(message.target));
-  add("id", put_unsigned(message.id));
-  if (message.reply_to != 0) add("reply_to", put_unsigned(message.reply_to));
-  add("size", put_unsigned(message.data.size()));
+  add("id", json_of_unsigned(message.id));
+  if (message.reply_to != 0) add("reply_to", json_of_unsigned(message.reply_to));
+  add("size", json_of_unsigned(message.data.size()));
   const auto body = is_typed(message.subtype) ? body_to_json(message.subtype, message.data)
                                               : Result<std::string>(fail(Errc::bad_value, "opaque"));
   if (body) {

@@ -7,6 +7,7 @@
 #include <msgpack/unpack.hpp>
 
 #include "common/base/ids.hpp"
+#include "proto/string_buffer.hpp"
 #include "proto/value.hpp"
 
 namespace trb {
@@ -15,19 +16,19 @@ namespace {
 constexpr std::uint32_t kHeaderFields = 6;
 
 template <class T>
-void put(char* at, T value) {
+void put_big_endian(char* at, T value) {
   for (std::size_t i = 0; i < sizeof(T); ++i) at[i] = static_cast<char>(value >> (8 * (sizeof(T) - 1 - i)));
 }
 
 template <class T>
-T get(const char* at) {
+T get_big_endian(const char* at) {
   T value = 0;
   for (std::size_t i = 0; i < sizeof(T); ++i) value = static_cast<T>(value << 8U) | static_cast<unsigned char>(at[i]);
   return value;
 }
 
 template <>
-std::uint8_t get<std::uint8_t>(const char* at) {
+std::uint8_t get_big_endian<std::uint8_t>(const char* at) {
   return static_cast<std::uint8_t>(*at);
 }
 
@@ -138,22 +139,16 @@ class PlainHeader {
   std::uint64_t size_ = 0;
 };
 
-/// Appends straight to a std::string, the packer's buffer concept.
-struct StringBuffer {
-  std::string& out;
-  void write(const char* data, std::size_t size) { out.append(data, size); }
-};
-
 Status read_prefix(BytesView frame, HeaderView& view) {
   if (frame.size() > kMaxFrameSize) return fail(Errc::too_large, "frame of " + std::to_string(frame.size()) + " bytes");
   if (frame.size() < kPrefixSize) return fail(Errc::malformed, "frame shorter than its prefix");
-  const auto type = get<std::uint8_t>(frame.data() + 1);
+  const auto type = get_big_endian<std::uint8_t>(frame.data() + 1);
   if (type < 1 || type > 3) return fail(Errc::bad_value, "type " + std::to_string(type));
   view.type = static_cast<MessageType>(type);
-  view.flags = get<std::uint16_t>(frame.data() + 2);
-  view.remaining_ms = get<std::uint32_t>(frame.data() + 4);
-  view.link = get<std::uint64_t>(frame.data() + 8);
-  view.sequence = get<std::uint64_t>(frame.data() + 16);
+  view.flags = get_big_endian<std::uint16_t>(frame.data() + 2);
+  view.remaining_ms = get_big_endian<std::uint32_t>(frame.data() + 4);
+  view.link = get_big_endian<std::uint64_t>(frame.data() + 8);
+  view.sequence = get_big_endian<std::uint64_t>(frame.data() + 16);
   return Done{};
 }
 
@@ -163,9 +158,9 @@ Bytes encode_frame(const Message& message) {
   Bytes frame;
   frame.reserve(kPrefixSize + 64 + message.data.size());
   frame.resize(kPrefixSize);
-  put<std::uint8_t>(frame.data(), kWireVersion);
-  put<std::uint8_t>(frame.data() + 1, static_cast<std::uint8_t>(message.type));
-  put<std::uint16_t>(frame.data() + 2, message.flags);
+  put_big_endian<std::uint8_t>(frame.data(), kWireVersion);
+  put_big_endian<std::uint8_t>(frame.data() + 1, static_cast<std::uint8_t>(message.type));
+  put_big_endian<std::uint16_t>(frame.data() + 2, message.flags);
   stamp_link(frame.data(), 0, 0, message.remaining_ms);
   StringBuffer buffer{frame};
   msgpack::packer<StringBuffer> packer(buffer);
@@ -185,7 +180,7 @@ Bytes encode_frame(const Message& message) {
 }
 
 std::uint8_t wire_version(BytesView frame) {
-  return frame.empty() ? 0 : get<std::uint8_t>(frame.data());
+  return frame.empty() ? 0 : get_big_endian<std::uint8_t>(frame.data());
 }
 
 Result<HeaderView> decode_frame(BytesView frame) {
@@ -234,17 +229,17 @@ Message to_message(const HeaderView& view) {
 }
 
 std::uint32_t decode_remaining(BytesView frame) {
-  return get<std::uint32_t>(frame.data() + 4);
+  return get_big_endian<std::uint32_t>(frame.data() + 4);
 }
 
 void stamp_version(char* frame, std::uint8_t version) {
-  put<std::uint8_t>(frame, version);
+  put_big_endian<std::uint8_t>(frame, version);
 }
 
 void stamp_link(char* frame, std::uint64_t link, std::uint64_t sequence, std::uint32_t remaining_ms) {
-  put<std::uint32_t>(frame + 4, remaining_ms);
-  put<std::uint64_t>(frame + 8, link);
-  put<std::uint64_t>(frame + 16, sequence);
+  put_big_endian<std::uint32_t>(frame + 4, remaining_ms);
+  put_big_endian<std::uint64_t>(frame + 8, link);
+  put_big_endian<std::uint64_t>(frame + 16, sequence);
 }
 
 }  // namespace trb

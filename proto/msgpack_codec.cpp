@@ -8,15 +8,12 @@
 
 #include "proto/body.hpp"
 #include "proto/shape.hpp"
+#include "proto/string_buffer.hpp"
 #include "proto/value.hpp"
 
 namespace trb {
 namespace {
 
-struct StringBuffer {
-  std::string& out;
-  void write(const char* data, std::size_t size) { out.append(data, size); }
-};
 class Packer : public msgpack::packer<StringBuffer> {
  public:
   explicit Packer(StringBuffer& buffer) : packer(buffer), out_(buffer.out) {}
@@ -103,7 +100,7 @@ void put(Packer& packer, const Shape& shape, const void* value, std::uint32_t ma
 
 // ---- unpacking: returns false after having set `error`
 
-struct Reader {
+struct MsgpackReader {
   std::string path;
   Error error;
 
@@ -128,7 +125,7 @@ struct Reader {
 };
 
 template <class T>
-bool Reader::take_integer(const msgpack::object& from, T& out) {
+bool MsgpackReader::take_integer(const msgpack::object& from, T& out) {
   if (from.type == msgpack::type::POSITIVE_INTEGER &&
       from.via.u64 <= static_cast<std::uint64_t>(std::numeric_limits<T>::max())) {
     out = static_cast<T>(from.via.u64);
@@ -143,13 +140,13 @@ bool Reader::take_integer(const msgpack::object& from, T& out) {
   return refuse(Errc::malformed, "no whole number of its range");
 }
 
-bool Reader::take_bool(const msgpack::object& from, bool& out) {
+bool MsgpackReader::take_bool(const msgpack::object& from, bool& out) {
   if (from.type != msgpack::type::BOOLEAN) return refuse(Errc::malformed, "neither true nor false");
   out = from.via.boolean;
   return true;
 }
 
-bool Reader::take_double(const msgpack::object& from, double& out) {
+bool MsgpackReader::take_double(const msgpack::object& from, double& out) {
   // Packers of other languages send 1.0 as the integer 1.
   if (from.type == msgpack::type::POSITIVE_INTEGER) {
     out = static_cast<double>(from.via.u64);
@@ -163,21 +160,21 @@ bool Reader::take_double(const msgpack::object& from, double& out) {
   return std::isfinite(out) || refuse(Errc::bad_value, "not a finite number");
 }
 
-bool Reader::take_text(const msgpack::object& from, std::string& out, std::uint32_t max) {
+bool MsgpackReader::take_text(const msgpack::object& from, std::string& out, std::uint32_t max) {
   if (from.type != msgpack::type::STR) return refuse(Errc::malformed, "no text");
   if (from.via.str.size > max) return refuse(Errc::too_large, "text over " + std::to_string(max) + " bytes");
   out.assign(from.via.str.ptr, from.via.str.size);
   return is_utf8(out) || refuse(Errc::malformed, "text is not UTF-8");
 }
 
-bool Reader::take_blob(const msgpack::object& from, Blob& out, std::uint32_t max) {
+bool MsgpackReader::take_blob(const msgpack::object& from, Blob& out, std::uint32_t max) {
   if (from.type != msgpack::type::BIN) return refuse(Errc::malformed, "no bytes");
   if (from.via.bin.size > max) return refuse(Errc::too_large, "over " + std::to_string(max) + " bytes");
   out.bytes.assign(from.via.bin.ptr, from.via.bin.size);
   return true;
 }
 
-bool Reader::take_enum(std::span<const std::string_view> names, const msgpack::object& from, std::uint8_t& out) {
+bool MsgpackReader::take_enum(std::span<const std::string_view> names, const msgpack::object& from, std::uint8_t& out) {
   std::uint8_t raw = 0;
   if (!take_integer(from, raw)) return false;
   if (raw >= names.size()) return refuse(Errc::bad_value, std::to_string(raw) + " is none of its values");
@@ -185,7 +182,7 @@ bool Reader::take_enum(std::span<const std::string_view> names, const msgpack::o
   return true;
 }
 
-bool Reader::take_list(const ListShape& shape, const msgpack::object& from, void* out, std::uint32_t max) {
+bool MsgpackReader::take_list(const ListShape& shape, const msgpack::object& from, void* out, std::uint32_t max) {
   if (from.type != msgpack::type::ARRAY) return refuse(Errc::malformed, "no list");
   if (from.via.array.size > max) return refuse(Errc::too_large, "list over " + std::to_string(max) + " items");
   void* at = shape.renew(out, from.via.array.size);
@@ -198,7 +195,7 @@ bool Reader::take_list(const ListShape& shape, const msgpack::object& from, void
   return true;
 }
 
-bool Reader::take_fields(std::span<const FieldEntry> fields, const msgpack::object& from, void* out) {
+bool MsgpackReader::take_fields(std::span<const FieldEntry> fields, const msgpack::object& from, void* out) {
   if (from.type != msgpack::type::ARRAY) return refuse(Errc::malformed, "no list of fields");
   const std::size_t stem = path.size();
   const std::size_t told = std::min<std::size_t>(fields.size(), from.via.array.size);
@@ -212,7 +209,7 @@ bool Reader::take_fields(std::span<const FieldEntry> fields, const msgpack::obje
   return true;
 }
 
-bool Reader::take(const Shape& shape, const msgpack::object& from, void* out, std::uint32_t max) {
+bool MsgpackReader::take(const Shape& shape, const msgpack::object& from, void* out, std::uint32_t max) {
   switch (shape.kind) {
     case FieldKind::boolean:
       return take_bool(from, as<bool>(out));
@@ -282,7 +279,7 @@ Result<Bytes> pack_readable(const Shape& shape, const void* value) {
 Error unpack(const Shape& shape, BytesView bytes, void* value) {
   const auto handle = parse(bytes);
   if (!handle) return handle.error();
-  Reader reader;
+  MsgpackReader reader;
   reader.take(shape, handle->get(), value, kDefaultMaxSize);
   return std::move(reader.error);
 }

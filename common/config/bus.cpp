@@ -11,7 +11,7 @@ namespace trb {
 namespace {
 
 constexpr std::string_view kTcp = "tcp://";
-constexpr int kLastPort = 65534;  // the tap takes the next one
+constexpr int kLastBusPort = 65534;  // the tap takes the next one
 
 bool is_everywhere(const std::string& host) {
   return host == "0.0.0.0" || host.find_first_not_of("0:") == std::string::npos;
@@ -41,7 +41,7 @@ std::string read_bus_key(ObjectReader& reader) {
   }
   std::string address = text->substr(kTcp.size());
   const Endpoint at = split_endpoint(address);
-  if (at.host.empty() || at.port > kLastPort) {
+  if (at.host.empty() || at.port > kLastBusPort) {
     reader.faults().add("bus", in_quotes(*text) + " names no address and port below 65535", hint);
   } else if (is_everywhere(at.host)) {
     reader.faults().add("bus", in_quotes(*text) + " tells the services no address to go to", hint);

@@ -24,9 +24,9 @@ UtcTime utc_now() {
 }
 
 /// Reads a node's folder file by file; each member function reads one file, and none stops at a fault.
-class Checker {
+class NodeChecker {
  public:
-  Checker(const std::string& dir, const Transports& known) : known_(known) { out_.config.dir = absolute(dir); }
+  NodeChecker(const std::string& dir, const Transports& known) : known_(known) { out_.config.dir = absolute(dir); }
 
   NodeCheck check(bool running) && {
     std::error_code problem;
@@ -205,7 +205,7 @@ NodeCheck check_node_dir(const std::string& dir, bool running) {
 }
 
 NodeCheck check_node_dir(const std::string& dir, bool running, const Transports& known) {
-  return Checker(dir, known).check(running);
+  return NodeChecker(dir, known).check(running);
 }
 
 }  // namespace trb

@@ -15,9 +15,9 @@ namespace {
 namespace fs = std::filesystem;
 
 /// Each member function is one file or one question; none stops at a fault.
-class Checker {
+class RobotChecker {
  public:
-  Checker(const RobotFiles& files, const Transports& known) : files_(files), known_(known) {}
+  RobotChecker(const RobotFiles& files, const Transports& known) : files_(files), known_(known) {}
 
   RobotCheck check() && {
     const auto json = load(files_.description);
@@ -166,7 +166,7 @@ class Checker {
 }  // namespace
 
 RobotCheck check_robot_files(const RobotFiles& files, const Transports& known) {
-  return Checker(files, known).check();
+  return RobotChecker(files, known).check();
 }
 
 }  // namespace trb

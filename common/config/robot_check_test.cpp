@@ -20,7 +20,7 @@ ConfigFault only_fault(const RobotFiles& files) {
   return faults[0];
 }
 
-struct Change {
+struct RobotChange {
   std::string file, from, to, key, what;
 };
 
@@ -61,7 +61,7 @@ TEST_CASE("files that are not there are not checked, unless they are named") {
 
 TEST_CASE("one fault of each kind, with its file and key") {
   const std::string robot = "robots/r.json";
-  const std::vector<Change> changes = {
+  const std::vector<RobotChange> changes = {
       {robot, R"("maker": "m", )", "", "maker", "is missing"},
       {robot, R"("model": "n")", R"("model": 3)", "model", "whole number"},
       {robot, R"(["mobile"])", R"(["mobile", "mo bile"])", "capabilities", "no capability"},
@@ -80,7 +80,7 @@ TEST_CASE("one fault of each kind, with its file and key") {
       {"profile.json", R"("ur": "direct")", R"("ur": "directly")", "ur", "'directly'"},
       {"places.json", R"("x": 1, )", "", "places.dock.x", "is missing"},
   };
-  for (const Change& one : changes) {
+  for (const RobotChange& one : changes) {
     CAPTURE(one.to);
     const NodeFolder folder("ur");
     folder.change(one.file, one.from, one.to);

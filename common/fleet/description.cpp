@@ -10,7 +10,7 @@
 namespace trb {
 namespace {
 
-constexpr std::size_t kMaxNumbers = 64;
+constexpr std::size_t kMaxOwnNumbers = 64;
 constexpr std::size_t kMaxUnit = 16;
 constexpr double kMillimetres = 1000;
 constexpr double kDegrees = 57.29577951308232;
@@ -46,7 +46,7 @@ void read_own_places(ObjectReader& reader, Description& description) {
 }
 
 void read_numbers(ObjectReader& reader, Description& description) {
-  const auto* members = reader.object("numbers", Need::optional, kMaxNumbers);
+  const auto* members = reader.object("numbers", Need::optional, kMaxOwnNumbers);
   if (members == nullptr) return;
   for (const auto& [name, json] : *members) {
     const std::string path = "numbers." + name;

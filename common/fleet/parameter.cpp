@@ -9,7 +9,7 @@ namespace trb {
 namespace {
 
 constexpr std::size_t kMaxWords = 64;
-constexpr std::int64_t kMaxNumbers = 64;
+constexpr std::int64_t kMaxCount = 64;
 constexpr std::array<std::string_view, 9> kVendorUnits = {"mm",      "cm", "inch",  "deg", "degree",
                                                           "degrees", "°",  "deg/s", "mm/s"};
 
@@ -105,7 +105,7 @@ Parameter read_parameter(const std::string& name, const Value& json, const std::
   }
   if (!type || is_named(*type)) parameter.one_of = reader.texts("one_of", Need::optional, kMaxWords);
   if (!type || *type == ParameterType::numbers) {
-    const auto count = reader.integer("count", Need::optional, 1, kMaxNumbers);
+    const auto count = reader.integer("count", Need::optional, 1, kMaxCount);
     if (count) parameter.count = static_cast<std::size_t>(*count);
   }
   if (type) {

@@ -8,7 +8,7 @@ using namespace trb;
 
 namespace {
 
-SensorRule read(const std::string& text, ConfigFaults& faults) {
+SensorRule read_rule(const std::string& text, ConfigFaults& faults) {
   const auto json = parse_json(text);
   REQUIRE_MESSAGE(json.ok(), text);
   return read_sensor_rule(*json, "sensors/mine.json", faults);
@@ -17,7 +17,7 @@ SensorRule read(const std::string& text, ConfigFaults& faults) {
 /// The only fault of that file: "KEY: WHAT; CURE".
 std::string fault_of(const std::string& text) {
   ConfigFaults faults;
-  read(text, faults);
+  read_rule(text, faults);
   REQUIRE_MESSAGE(faults.size() == 1, to_text(faults));
   return faults[0].key + ": " + faults[0].what + "; " + faults[0].hint;
 }
@@ -43,13 +43,13 @@ TEST_CASE("a glob means the whole text") {
 
 TEST_CASE("a rule says which devices, and how each sensor is read") {
   ConfigFaults faults;
-  const SensorRule rule = read(R"j({
+  const SensorRule rule = read_rule(R"j({
     "match": [{"subsystem": "tty", "properties": {"ID_VENDOR_ID": "10c4", "ID_MODEL": ["a*", "b"]}},
               {"subsystem": "tty", "devtype": "x", "sysname": "ttyACM*", "attributes": {"name": "n"}}],
     "read": "line", "baud": 115200, "separator": ";", "timeout_s": 2, "identity": {"property": "ID_SERIAL_SHORT"},
     "sensors": [{"kind": "temperature", "unit": "degC", "pattern": "T=([0-9.]+)", "every_s": 0.1, "scale": 0.5},
                 {"kind": "tag", "name": "badge", "field": 2, "text": true}]})j",
-                               faults);
+                                    faults);
   REQUIRE_MESSAGE(faults.empty(), to_text(faults));
   REQUIRE(rule.matches.size() == 2);
   CHECK(rule.matches[0].properties[1].any_of == std::vector<std::string>{"a*", "b"});
@@ -69,10 +69,11 @@ TEST_CASE("a rule says which devices, and how each sensor is read") {
 
 TEST_CASE("every fault of a rule is told at once, with its key and a cure") {
   ConfigFaults faults;
-  read(R"({"match": {"subsystm": "tty", "properties": {"A": 1, "B": []}}, "read": "line", "baud": 9601, "timeout_s": 0,
+  read_rule(
+      R"({"match": {"subsystm": "tty", "properties": {"A": 1, "B": []}}, "read": "line", "baud": 9601, "timeout_s": 0,
            "separator": "ab", "identity": {}, "camera": 1,
            "sensors": [{"kind": "room-temperature", "unit": 1}, {"name": "a", "kind": "b"}, {"name": "a", "kind": "c"}]})",
-       faults);
+      faults);
   const std::string text = to_text(faults);
   for (const char* key :
        {"match.subsystem: is missing", "match.subsystm: is no key", "match.properties.A: is a whole number",
@@ -120,7 +121,7 @@ TEST_CASE("a line of any length is searched in time that does not explode") {
 TEST_CASE("a file that is no rule at all has faults, and does no harm") {
   for (const char* text : {"{}", "[]", "1", R"({"match": []})", R"({"match": 1, "read": 1, "sensors": 1})"}) {
     ConfigFaults faults;
-    read(text, faults);
+    read_rule(text, faults);
     CHECK(!faults.empty());
   }
 }

@@ -16,7 +16,7 @@ ConfigFaults faults_of(const std::string& skills) {
 }
 
 /// The one fault of a skill `go` with these keys.
-ConfigFault fault_of(const std::string& keys) {
+ConfigFault skill_fault(const std::string& keys) {
   const ConfigFaults faults = faults_of(R"({"go": {)" + keys + "}}");
   REQUIRE_MESSAGE(faults.size() == 1, (keys + "\n" + to_text(faults)));
   CHECK_FALSE(faults[0].hint.empty());
@@ -34,7 +34,7 @@ std::string with_parameter(const std::string& keys) {
 }  // namespace
 
 TEST_CASE("a skill without an end is refused, and told what an end is") {
-  const ConfigFault fault = fault_of(R"("capability": "mobile")");
+  const ConfigFault fault = skill_fault(R"("capability": "mobile")");
   CHECK(fault.key == "skills.go.end");
   CHECK(fault.what == "the skill has no end");
   for (const char* kind : {"acknowledgement", "state", "position", "time"})
@@ -58,7 +58,7 @@ TEST_CASE("ends: what each kind needs") {
       {R"({"kind": "time", "duration_s": 1, "equals": 1})", "skills.go.end.equals"}};
   for (const auto& [end, key] : cases) {
     CAPTURE(end);
-    CHECK(fault_of(place + R"("end": )" + end).key == key);
+    CHECK(skill_fault(place + R"("end": )" + end).key == key);
   }
   CHECK(faults_of(R"({"go": {"capability": "mobile", "end": "acknowledgement"}})").front().key == "skills.go.end");
   CHECK(
@@ -66,16 +66,17 @@ TEST_CASE("ends: what each kind needs") {
 }
 
 TEST_CASE("skills: names, capabilities, times and keys") {
-  CHECK(fault_of(R"("capability": "mobil", )" + kEnd).hint == "did you mean 'mobile'?");
-  CHECK(fault_of(R"("capability": "fly", )" + kEnd).hint.find("mobile, grab") != std::string::npos);
-  CHECK(fault_of(kEnd).key == "skills.go.capability");
-  CHECK(fault_of(kMobile + kEnd + R"(, "timeout_s": 0)").key == "skills.go.timeout_s");
-  CHECK(fault_of(kMobile + kEnd + R"(, "timeout_s": 1e9)").key == "skills.go.timeout_s");
-  CHECK(fault_of(kMobile + kEnd + R"(, "timeout_s": "60")").key == "skills.go.timeout_s");
-  CHECK(fault_of(kMobile + kEnd + R"(, "repeatable": 1)").key == "skills.go.repeatable");
-  CHECK(fault_of(kMobile + kEnd + R"(, "timeout": 3)").hint == "did you mean 'timeout_s'?");
-  CHECK(fault_of(kMobile + kEnd + R"(, "command": {"subtype": "go to"})").key == "skills.go.command.subtype");
-  CHECK(fault_of(kMobile + kEnd + R"(, "command": {"subtype": "stop"})").what.find("is no skill") != std::string::npos);
+  CHECK(skill_fault(R"("capability": "mobil", )" + kEnd).hint == "did you mean 'mobile'?");
+  CHECK(skill_fault(R"("capability": "fly", )" + kEnd).hint.find("mobile, grab") != std::string::npos);
+  CHECK(skill_fault(kEnd).key == "skills.go.capability");
+  CHECK(skill_fault(kMobile + kEnd + R"(, "timeout_s": 0)").key == "skills.go.timeout_s");
+  CHECK(skill_fault(kMobile + kEnd + R"(, "timeout_s": 1e9)").key == "skills.go.timeout_s");
+  CHECK(skill_fault(kMobile + kEnd + R"(, "timeout_s": "60")").key == "skills.go.timeout_s");
+  CHECK(skill_fault(kMobile + kEnd + R"(, "repeatable": 1)").key == "skills.go.repeatable");
+  CHECK(skill_fault(kMobile + kEnd + R"(, "timeout": 3)").hint == "did you mean 'timeout_s'?");
+  CHECK(skill_fault(kMobile + kEnd + R"(, "command": {"subtype": "go to"})").key == "skills.go.command.subtype");
+  CHECK(skill_fault(kMobile + kEnd + R"(, "command": {"subtype": "stop"})").what.find("is no skill") !=
+        std::string::npos);
   CHECK(faults_of(R"({"go to": {"capability": "mobile", "end": {"kind": "acknowledgement"}}})").size() >= 1);
   CHECK(faults_of(R"({"go": 3})").size() == 1);
 }
@@ -84,10 +85,10 @@ TEST_CASE("data: placeholders name parameters") {
   const std::string start =
       kMobile + kEnd + R"(, "parameters": {"place": {"type": "place"}, "speed": {"type": "number"},
     "note": {"type": "text", "required": false}}, "command": {"data": )";
-  CHECK(fault_of(start + R"("{plase.x}"})").hint == "did you mean 'place'?");
-  CHECK(fault_of(start + R"("{place.w}"})").hint == "use one of: x, y, z, yaw, qz, qw");
-  CHECK(fault_of(start + R"("{speed.x}"})").hint == "use {speed}");
-  CHECK(fault_of(start + R"("{note}"})").hint.find("default") != std::string::npos);
+  CHECK(skill_fault(start + R"("{plase.x}"})").hint == "did you mean 'place'?");
+  CHECK(skill_fault(start + R"("{place.w}"})").hint == "use one of: x, y, z, yaw, qz, qw");
+  CHECK(skill_fault(start + R"("{speed.x}"})").hint == "use {speed}");
+  CHECK(skill_fault(start + R"("{note}"})").hint.find("default") != std::string::npos);
   for (const char* broken : {R"("{place"})", R"("place}"})", R"("{}"})", R"("{place.}"})", R"("{{place}}"})"}) {
     CAPTURE(broken);
     const ConfigFaults faults = faults_of("{\"go\": {" + start + broken + "}}");

@@ -7,7 +7,7 @@
 namespace trb::op {
 namespace {
 
-constexpr Duration kLookAgain = std::chrono::milliseconds(100);
+constexpr Duration kLookForEnd = std::chrono::milliseconds(100);
 
 class Abort : public std::enable_shared_from_this<Abort> {
  public:
@@ -39,7 +39,7 @@ class Abort : public std::enable_shared_from_this<Abort> {
 
   void again(const Result<RunView>& view) {
     if (view && view->state == RunState::aborted) return done_(view);
-    session_.after(kLookAgain, [self = shared_from_this(), view] { self->look(view); });
+    session_.after(kLookForEnd, [self = shared_from_this(), view] { self->look(view); });
   }
 
   Session& session_;

@@ -9,13 +9,6 @@ using namespace trb::op;
 
 namespace {
 
-RunView view(RunState state) {
-  RunView out;
-  out.run = "3f2a0000";
-  out.state = state;
-  return out;
-}
-
 /// The node signs the record that it is asked to sign; returns that record.
 template <class Order>
 Order sign(FakeNode& node, std::string_view kind) {
@@ -36,7 +29,7 @@ TEST_CASE("a run is aborted, and looked at until every member has confirmed") {
   Ending<RunView> ending;
   abort_run(node.session(), {"3f2a", "wrong box"}, ending);
   CHECK(node.take<RunQuery>().run == "3f2a");
-  node.answer(view(RunState::running));
+  node.answer(view_of_run(RunState::running));
   const auto order = sign<AbortOrder>(node, kSignedRunAbort);
   CHECK(order.run == "3f2a0000");
   CHECK(order.by == "ant");
@@ -46,16 +39,16 @@ TEST_CASE("a run is aborted, and looked at until every member has confirmed") {
   node.answer(Ack{"aborting", ""});
   CHECK(node.take<RunQuery>().run == "3f2a0000");
   SUBCASE("they confirm") {
-    node.answer(view(RunState::aborting));
+    node.answer(view_of_run(RunState::aborting));
     CHECK(node.is_quiet());
     node.pass(std::chrono::milliseconds(100));
     node.take<RunQuery>();
-    node.answer(view(RunState::aborted));
+    node.answer(view_of_run(RunState::aborted));
     CHECK(ending.value().state == RunState::aborted);
   }
   SUBCASE("one does not, and the time is over") {
     for (int i = 0; i < 50; ++i) {
-      node.answer(view(RunState::aborting));
+      node.answer(view_of_run(RunState::aborting));
       node.pass(std::chrono::milliseconds(100));
       if (!ending.has_come()) node.take<RunQuery>();
     }
@@ -73,13 +66,13 @@ TEST_CASE("an abort ends with the first thing that fails") {
     CHECK(ending.error().code == Errc::unknown_run);
   }
   SUBCASE("the router does not sign") {
-    node.answer(view(RunState::running));
+    node.answer(view_of_run(RunState::running));
     node.take<SignRequest>();
     node.refuse(Errc::not_permitted, "no");
     CHECK(ending.error().code == Errc::not_permitted);
   }
   SUBCASE("the scheduler says nothing") {
-    node.answer(view(RunState::running));
+    node.answer(view_of_run(RunState::running));
     sign<AbortOrder>(node, kSignedRunAbort);
     node.take<RunAbort>();
     node.pass(std::chrono::seconds(5));
@@ -91,7 +84,7 @@ TEST_CASE("an abort ends with the first thing that fails") {
 TEST_CASE("who lets a run go on has seen what was done twice; who holds it need not") {
   FakeNode node;
   Ending<RunView> ending;
-  RunView run = view(RunState::paused);
+  RunView run = view_of_run(RunState::paused);
   run.pause_number = 4;
   run.tasks.resize(2);
   run.tasks[0].id = "fetch";
@@ -115,6 +108,6 @@ TEST_CASE("who lets a run go on has seen what was done twice; who holds it need 
   node.take<RunPause>();
   node.answer(Ack{"held", ""});
   CHECK(node.take<RunQuery>().run == "3f2a0000");
-  node.answer(view(RunState::running));
+  node.answer(view_of_run(RunState::running));
   CHECK(ending.value().state == RunState::running);
 }

@@ -14,7 +14,7 @@ bool matches(const FoundSensor& one, const SensorWish& wish) {
 }
 
 /// The lower, the better.
-auto rank(const FoundSensor& one, const SensorWish& wish) {
+auto preference(const FoundSensor& one, const SensorWish& wish) {
   const bool tells = one.info.state == SensorState::ok || one.info.state == SensorState::unread;
   return std::tuple(!one.reached(), one.info.name != wish.name, !tells, one.node_state != "self");
 }
@@ -49,7 +49,7 @@ Result<FoundSensor> find_sensor(const RouteTable& table, const SensorWish& wish)
   const std::vector<FoundSensor> all = all_sensors(table);
   std::vector<FoundSensor> found;
   std::ranges::copy_if(all, std::back_inserter(found), [&](const FoundSensor& one) { return matches(one, wish); });
-  std::ranges::stable_sort(found, {}, [&](const FoundSensor& one) { return rank(one, wish); });
+  std::ranges::stable_sort(found, {}, [&](const FoundSensor& one) { return preference(one, wish); });
   if (found.empty()) {
     if (!wish.node.empty()) return FoundSensor{wish.node, "", {wish.name, "", "", wish.identity, "", {}, ""}};
     return fail(Errc::unknown_target, "no node has a sensor " + text_of(wish),

@@ -12,7 +12,7 @@ SensorInfo info(const std::string& name, const std::string& kind, const std::str
   return {name, kind, "", identity, "", state, ""};
 }
 
-RouteTable fleet() {
+RouteTable sensor_table() {
   RouteTable table;
   for (const char* id : {"ur3", "hall", "office"}) {
     Route route;
@@ -34,7 +34,7 @@ std::string found(const RouteTable& table, const SensorWish& wish) {
 }  // namespace
 
 TEST_CASE("a sensor is found by name, by kind, by identity, wherever it is") {
-  const RouteTable table = fleet();
+  const RouteTable table = sensor_table();
   CHECK(found(table, {"temperature", "", ""}) == "temperature of hall");  // the name takes precedence over the kind
   CHECK(found(table, {"contact", "", ""}) == "window of office");
   CHECK(found(table, {"", "", "SN2"}) == "oven of hall");
@@ -47,7 +47,7 @@ TEST_CASE("a sensor is found by name, by kind, by identity, wherever it is") {
 }
 
 TEST_CASE("of several nodes one is asked that tells its values, the own one first") {
-  RouteTable table = fleet();
+  RouteTable table = sensor_table();
   table.routes[1].profile.plugged.push_back(info("humidity", "humidity", ""));
   CHECK(found(table, {"humidity", "", ""}) == "humidity of hall");
   CHECK(found(table, {"humidity", "office", ""}) == "humidity of office");
@@ -61,7 +61,7 @@ TEST_CASE("of several nodes one is asked that tells its values, the own one firs
 }
 
 TEST_CASE("a kind of which a node has several is no name; a node that is named is asked whatever it has") {
-  RouteTable table = fleet();
+  RouteTable table = sensor_table();
   table.routes[1].profile.plugged[0].name = "fridge";
   CHECK(found(table, {"temperature", "", ""}) == "bad_value");
   CHECK(found(table, {"pressure", "hall", ""}) == "pressure of hall");

@@ -5,7 +5,7 @@
 namespace trb::op {
 namespace {
 
-constexpr Duration kLookAgain = std::chrono::milliseconds(150);
+constexpr Duration kLookAtRun = std::chrono::milliseconds(150);
 
 class Follow : public std::enable_shared_from_this<Follow> {
  public:
@@ -32,7 +32,7 @@ class Follow : public std::enable_shared_from_this<Follow> {
       followed_ = true;
       if (!goes_on || late || ends()) return done_(std::move(last_));
     }
-    session_.after(kLookAgain, [self = shared_from_this()] { self->look(); });
+    session_.after(kLookAtRun, [self = shared_from_this()] { self->look(); });
   }
 
   [[nodiscard]] bool ends() const {

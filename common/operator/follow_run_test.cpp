@@ -9,13 +9,6 @@ namespace {
 
 constexpr Duration kLook = std::chrono::milliseconds(150);
 
-RunView view(RunState state) {
-  RunView out;
-  out.run = "3f2a0000";
-  out.state = state;
-  return out;
-}
-
 struct Follower {
   FakeNode node;
   Ending<RunView> ending;
@@ -33,7 +26,7 @@ struct Follower {
   }
   void show(RunState state) {
     node.take<RunQuery>();
-    node.answer(view(state));
+    node.answer(view_of_run(state));
   }
 };
 

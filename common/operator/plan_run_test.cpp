@@ -19,15 +19,6 @@ Task go(const std::string& id, const std::string& robot) {
   return out;
 }
 
-Route cart(const std::string& id, const std::string& state = "ONLINE") {
-  Route out = route_to(id, Role::robot, state);
-  out.profile.robot = "ONLINE";
-  out.profile.capabilities = {"mobile"};
-  out.profile.places = {"dock"};
-  out.profile.skills = {{"go_to", "mobile", {{"place", "place", true, ""}}, true, 60}};
-  return out;
-}
-
 /// ant asks; two carts and the cloud.
 RouteTable hall() {
   return {"ant", {route_to("ant", Role::robot, "self"), cart("cart1"), cart("cart2"), route_to("cloud", Role::cloud)}};

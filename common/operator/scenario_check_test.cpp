@@ -10,15 +10,6 @@ namespace {
 constexpr const char* kScenario = R"({"name":"n","tasks":[
   {"id":"t1","robot":"cart1","skill":"go_to","data":{"place":"dock"}}]})";
 
-Route cart(const std::string& id, const std::string& state = "ONLINE") {
-  Route out = route_to(id, Role::robot, state);
-  out.profile.robot = "ONLINE";
-  out.profile.capabilities = {"mobile"};
-  out.profile.places = {"dock"};
-  out.profile.skills = {{"go_to", "mobile", {{"place", "place", true, ""}}, true, 60}};
-  return out;
-}
-
 }  // namespace
 
 TEST_CASE("a scenario's text is read with every fault, also if it is no JSON") {

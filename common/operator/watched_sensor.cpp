@@ -9,7 +9,7 @@ namespace {
 
 constexpr double kLease_s = 10;
 constexpr Duration kRenew = std::chrono::seconds(3);
-constexpr Duration kLookAgain = std::chrono::milliseconds(500);
+constexpr Duration kLookForSensor = std::chrono::milliseconds(500);
 constexpr Duration kFirstLook = std::chrono::milliseconds(100);  ///< after it was lost
 
 }  // namespace
@@ -90,7 +90,7 @@ void WatchedSensor::renew() {
 
 void WatchedSensor::look() {
   const auto found = [this](const Result<FoundSensor>& sensor) {
-    if (!sensor || !sensor->reached()) return renew_in(kLookAgain);
+    if (!sensor || !sensor->reached()) return renew_in(kLookForSensor);
     sensor_ = *sensor;
     here_ = true;
     order(kLease_s);

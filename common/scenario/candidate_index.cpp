@@ -3,19 +3,16 @@
 #include <algorithm>
 #include <set>
 
+#include "common/base/words.hpp"
 #include "common/fleet/did_you_mean.hpp"
 #include "common/fleet/object_reader.hpp"
+#include "common/scenario/definition.hpp"
 #include "common/scenario/repeat.hpp"
 
 namespace trb {
 namespace {
 
 constexpr std::size_t kWanted = 2;
-constexpr std::size_t kMaxWarnings = 200;
-
-bool contains(const std::vector<std::string>& words, const std::string& word) {
-  return std::find(words.begin(), words.end(), word) != words.end();
-}
 
 /// It has the capabilities and the skill. The same as no obstacles, without making texts of them.
 bool suits(const TaskNeed& need, const NodeProfile& profile) {

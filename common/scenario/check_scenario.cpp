@@ -1,5 +1,4 @@
-#include <algorithm>
-
+#include "common/base/words.hpp"
 #include "common/fleet/did_you_mean.hpp"
 #include "common/fleet/object_reader.hpp"
 #include "common/scenario/candidate_index.hpp"
@@ -9,10 +8,6 @@
 
 namespace trb {
 namespace {
-
-bool contains(const std::vector<std::string>& words, const std::string& word) {
-  return std::find(words.begin(), words.end(), word) != words.end();
-}
 
 /// Checks one task; `path_` is its place in the file.
 class TaskCheck {

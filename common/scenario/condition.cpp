@@ -12,7 +12,7 @@ bool is_order(Comparison op) {
 }
 
 /// The shortest text that is read back as the same number.
-std::string number_text(double number) {
+std::string exact_text(double number) {
   char out[32];
   const auto end = std::to_chars(out, out + sizeof out, number).ptr;
   return {out, static_cast<std::size_t>(end - out)};
@@ -23,7 +23,7 @@ std::string with_unit(const std::string& value, const std::string& unit) {
 }
 
 std::string wanted_text(const Condition& condition) {
-  return condition.is_text ? "'" + condition.text + "'" : number_text(condition.number);
+  return condition.is_text ? "'" + condition.text + "'" : exact_text(condition.number);
 }
 
 template <class Value>
@@ -103,7 +103,7 @@ std::string condition_text(const Condition& condition) {
 }
 
 std::string verdict_text(const Condition& condition, const std::string& node, const SensorReading& reading) {
-  const std::string value = reading.is_text ? "'" + reading.text + "'" : number_text(reading.number);
+  const std::string value = reading.is_text ? "'" + reading.text + "'" : exact_text(reading.number);
   return reading.sensor + " of " + node + " was " + with_unit(value, reading.unit) +
          (holds(condition, reading) ? ", " : ", not ") + std::string(name_of(condition.op)) + " " +
          wanted_text(condition);

@@ -1,9 +1,9 @@
 #include "common/scenario/definition.hpp"
 
-#include <algorithm>
 #include <utility>
 
 #include "common/base/ids.hpp"
+#include "common/base/words.hpp"
 #include "common/fleet/did_you_mean.hpp"
 #include "common/fleet/object_reader.hpp"
 #include "common/scenario/condition_file.hpp"
@@ -17,13 +17,8 @@ namespace trb {
 namespace {
 
 constexpr std::size_t kMaxScenario = DecodeLimits{}.bytes / 2;
-constexpr std::size_t kMaxWarnings = 200;
 constexpr std::size_t kMaxRequires = 32;  ///< as Task::requires_
 constexpr std::string_view kWordCure = "use a letter, then letters, digits, '_' or '-', 64 at most";
-
-bool contains(const std::vector<std::string>& words, const std::string& word) {
-  return std::find(words.begin(), words.end(), word) != words.end();
-}
 
 std::string path_of(std::size_t index) {
   return "tasks[" + std::to_string(index) + "]";

@@ -17,6 +17,9 @@ namespace trb {
 /// scenario without faults passes check_graph.
 Scenario read_scenario(const Value& json, const std::string& file, ConfigFaults& faults);
 
+/// No more warnings are kept: they would tell nothing new.
+constexpr std::size_t kMaxWarnings = 200;
+
 /// Warnings: each task that is skipped when it fails, and what would be SKIPPED with it.
 void warn_of_skips(const Scenario& scenario, const std::string& file, ConfigFaults& faults);
 

@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <limits>
 
+#include "common/base/words.hpp"
 #include "common/fleet/did_you_mean.hpp"
 
 namespace trb {
@@ -12,11 +13,7 @@ namespace {
 
 constexpr double kOpen = std::numeric_limits<double>::max();
 
-bool contains(const std::vector<std::string>& words, const std::string& word) {
-  return std::find(words.begin(), words.end(), word) != words.end();
-}
-
-std::string number_text(double number) {
+std::string short_text(double number) {
   char out[32];
   std::snprintf(out, sizeof out, "%.6g", number);
   return out;
@@ -40,9 +37,9 @@ std::string range_text(const ParameterInfo& info) {
   if (info.range.size() != 2) return {};
   const bool low = info.range[0] > -kOpen;
   const bool high = info.range[1] < kOpen;
-  if (low && high) return " from " + number_text(info.range[0]) + " to " + number_text(info.range[1]);
-  if (low) return " from " + number_text(info.range[0]) + " on";
-  return high ? " up to " + number_text(info.range[1]) : "";
+  if (low && high) return " from " + short_text(info.range[0]) + " to " + short_text(info.range[1]);
+  if (low) return " from " + short_text(info.range[0]) + " on";
+  return high ? " up to " + short_text(info.range[1]) : "";
 }
 
 /// The first number that is out of range.
@@ -56,8 +53,7 @@ std::string outside_text(const ParameterInfo& info, double number) {
   if (!std::isfinite(number)) return "is no finite number";
   const bool is_under = number < info.range[0];
   const std::string unit = info.unit.empty() ? "" : " " + info.unit;
-  return number_text(number) + (is_under ? " is under " : " is over ") + number_text(info.range[is_under ? 0 : 1]) +
-         unit;
+  return short_text(number) + (is_under ? " is under " : " is over ") + short_text(info.range[is_under ? 0 : 1]) + unit;
 }
 
 std::string type_text(const std::string& type) {

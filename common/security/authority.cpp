@@ -7,20 +7,14 @@
 #include "common/base/hex.hpp"
 #include "common/base/ids.hpp"
 #include "common/security/issued.hpp"
+#include "common/security/raw.hpp"
 #include "proto/body.hpp"
 #include "proto/value.hpp"
 
 namespace trb {
 namespace {
 
-constexpr std::size_t kSecretSize = 64 + 32;  // signing key, beacon key
-
-const unsigned char* raw(BytesView bytes) {
-  return reinterpret_cast<const unsigned char*>(bytes.data());
-}
-unsigned char* raw(Bytes& bytes) {
-  return reinterpret_cast<unsigned char*>(bytes.data());
-}
+constexpr std::size_t kSecretsSize = 64 + 32;  // signing key, beacon key
 
 std::string key_path(const std::string& dir) {
   return dir + "/authority.key";
@@ -39,7 +33,7 @@ Result<Bytes> stretch(const std::string& passphrase, BytesView salt) {
   return key;
 }
 
-Status write_secret(const std::string& dir, const Authority& authority, const std::string& passphrase) {
+Status lock_secrets(const std::string& dir, const Authority& authority, const std::string& passphrase) {
   const Bytes salt = random_bytes(crypto_pwhash_SALTBYTES);
   auto key = stretch(passphrase, salt);
   if (!key) return key.error();
@@ -51,7 +45,7 @@ Status write_secret(const std::string& dir, const Authority& authority, const st
   return write_file(key_path(dir), to_hex(salt + nonce + box) + "\n", 0600);
 }
 
-Result<Bytes> read_secret(const std::string& dir, const std::string& passphrase) {
+Result<Bytes> unlock_secrets(const std::string& dir, const std::string& passphrase) {
   struct stat facts {};
   const std::string path = key_path(dir);
   if (::stat(path.c_str(), &facts) != 0)
@@ -62,11 +56,11 @@ Result<Bytes> read_secret(const std::string& dir, const std::string& passphrase)
   if (!text) return text.error();
   auto bytes = from_hex(std::string_view(*text).substr(0, text->find('\n')));
   constexpr std::size_t kHead = crypto_pwhash_SALTBYTES + crypto_secretbox_NONCEBYTES;
-  if (!bytes || bytes->size() != kHead + kSecretSize + crypto_secretbox_MACBYTES)
+  if (!bytes || bytes->size() != kHead + kSecretsSize + crypto_secretbox_MACBYTES)
     return fail(Errc::malformed, path + ": damaged");
   auto key = stretch(passphrase, BytesView(*bytes).substr(0, crypto_pwhash_SALTBYTES));
   if (!key) return key.error();
-  Bytes plain(kSecretSize, '\0');
+  Bytes plain(kSecretsSize, '\0');
   if (crypto_secretbox_open_easy(raw(plain), raw(BytesView(*bytes).substr(kHead)), bytes->size() - kHead,
                                  raw(BytesView(*bytes).substr(crypto_pwhash_SALTBYTES)), raw(*key)) != 0) {
     return fail(Errc::not_permitted, path + ": the passphrase is wrong",
@@ -99,7 +93,7 @@ Result<Authority> make_authority(const std::string& dir, const std::string& name
   authority.key = make_signing_key();
   authority.fleet = {name, authority.key.public_key};
   authority.beacon = {1, random_bytes(32)};
-  if (Status s = write_secret(dir, authority, passphrase); !s) return s.error();
+  if (Status s = lock_secrets(dir, authority, passphrase); !s) return s.error();
   if (Status s = write_fleet(dir, authority); !s) return s.error();
   return authority;
 }
@@ -138,7 +132,7 @@ Result<Authority> read_authority(const std::string& dir) {
 Result<Authority> open_authority(const std::string& dir, const std::string& passphrase) {
   auto fleet = read_fleet(dir);
   if (!fleet) return fleet.error();
-  auto secret = read_secret(dir, passphrase);
+  auto secret = unlock_secrets(dir, passphrase);
   if (!secret) return secret.error();
   auto authority = read_authority(dir);
   if (!authority) return authority;

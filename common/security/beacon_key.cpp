@@ -3,6 +3,7 @@
 #include <sodium.h>
 
 #include "common/security/keys.hpp"
+#include "common/security/raw.hpp"
 
 namespace trb {
 namespace {
@@ -12,13 +13,6 @@ constexpr std::size_t kHintSize = 4;
 constexpr std::size_t kHeaderSize = 4 + 4 + kHintSize;
 constexpr std::size_t kSecretSize = 32;
 constexpr std::size_t kNonceSize = crypto_secretbox_NONCEBYTES;
-
-const unsigned char* raw(BytesView bytes) {
-  return reinterpret_cast<const unsigned char*>(bytes.data());
-}
-unsigned char* raw(Bytes& bytes) {
-  return reinterpret_cast<unsigned char*>(bytes.data());
-}
 
 Bytes number_bytes(std::uint32_t number) {
   Bytes out;

@@ -4,18 +4,12 @@
 
 #include <stdexcept>
 
+#include "common/security/raw.hpp"
 #include "common/security/rights.hpp"
 #include "proto/body.hpp"
 
 namespace trb {
 namespace {
-
-const unsigned char* raw(BytesView bytes) {
-  return reinterpret_cast<const unsigned char*>(bytes.data());
-}
-unsigned char* raw(Bytes& bytes) {
-  return reinterpret_cast<unsigned char*>(bytes.data());
-}
 
 /// What is really signed: every part is delimited, so that none can be shifted into another.
 Bytes signed_bytes(std::string_view purpose, BytesView fleet, BytesView payload) {

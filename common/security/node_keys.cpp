@@ -21,7 +21,7 @@ std::string keys_dir(const std::string& node_dir) {
 }
 
 /// A secret key: raw bytes, as hexadecimal text, in a file that only its owner may read.
-Result<Bytes> read_secret(const std::string& path, std::size_t size) {
+Result<Bytes> read_secret_key(const std::string& path, std::size_t size) {
   struct stat facts {};
   if (::stat(path.c_str(), &facts) != 0)
     return fail(Errc::missing, path + ": no such file", "run trb fleet request NODE_DIR");
@@ -39,7 +39,7 @@ Result<Bytes> read_secret(const std::string& path, std::size_t size) {
 }
 
 Result<SigningKey> read_identity(const std::string& dir) {
-  auto secret = read_secret(dir + "/identity.key", kIdentitySize);
+  auto secret = read_secret_key(dir + "/identity.key", kIdentitySize);
   if (!secret) return secret.error();
   return SigningKey{secret->substr(32), *secret};
 }
@@ -72,7 +72,7 @@ void take_renewal(const std::string& dir, CertificateFile& file, Certificate& ow
 }  // namespace
 
 Result<LinkKey> read_link_key(const std::string& path) {
-  auto secret = read_secret(path, kLinkSize);
+  auto secret = read_secret_key(path, kLinkSize);
   if (!secret) return secret.error();
   LinkKey key{Bytes(kLinkSize, '\0'), *secret};
   crypto_scalarmult_base(reinterpret_cast<unsigned char*>(key.public_key.data()),

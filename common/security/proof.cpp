@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "common/security/seal.hpp"
 #include "proto/body.hpp"
 
 namespace trb {
@@ -14,7 +15,6 @@ namespace {
 // record = size kind guard check payload
 constexpr std::string_view kHead{"TRBPROOF\x01", 9};
 constexpr std::size_t kRecordHead = 16;
-constexpr std::size_t kHashSize = 32;
 constexpr std::size_t kMaxPayload = kMaxFrameSize + 64;
 enum Kind : std::uint8_t { kLink = 1, kFrame = 2, kEnd = 3 };
 
@@ -61,7 +61,7 @@ Bytes proof_head() {
 void append_proof_link(Bytes& out, const ProofLink& link) {
   const Bytes own = encode(link.own);
   const Bytes peer = encode(link.peer);
-  put_head(out, kLink, 8 + 1 + 8 + kHashSize + 4 + own.size() + peer.size());
+  put_head(out, kLink, 8 + 1 + 8 + kRangeHashSize + 4 + own.size() + peer.size());
   put(out, link.link, 8);
   put(out, link.dialled ? 1 : 0, 1);
   put(out, link.first, 8);
@@ -157,13 +157,13 @@ void ProofChecker::open_link(const Place& at, BytesView payload) {
   const std::uint64_t id = take(payload, 8);
   const bool dialled = take(payload, 1) != 0;
   const std::uint64_t first = take(payload, 8);
-  const Bytes previous(payload.substr(0, kHashSize));
+  const Bytes previous(payload.substr(0, kRangeHashSize));
   payload.remove_prefix(previous.size());
   const auto own_size = static_cast<std::size_t>(take(payload, 4));
   auto own = decode<SignedRecord>(payload.substr(0, own_size));
   auto peer = decode<SignedRecord>(payload.substr(std::min(own_size, payload.size())));
   links_.erase(id);
-  if (!own || !peer || previous.size() != kHashSize) return fault(at, "malformed: no link with two certificates");
+  if (!own || !peer || previous.size() != kRangeHashSize) return fault(at, "malformed: no link with two certificates");
   auto own_certificate = open_certificate_any_time(*own, authority_);
   auto peer_certificate = open_certificate_any_time(*peer, authority_);
   for (const auto* certificate : {&own_certificate, &peer_certificate}) {

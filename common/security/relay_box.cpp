@@ -2,17 +2,12 @@
 
 #include <sodium.h>
 
+#include "common/security/raw.hpp"
+
 namespace trb {
 namespace {
 
 static_assert(kRelayBoxOverhead == crypto_box_NONCEBYTES + crypto_box_MACBYTES);
-
-const unsigned char* raw(BytesView bytes) {
-  return reinterpret_cast<const unsigned char*>(bytes.data());
-}
-unsigned char* raw(Bytes& bytes) {
-  return reinterpret_cast<unsigned char*>(bytes.data());
-}
 
 }  // namespace
 

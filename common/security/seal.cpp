@@ -8,8 +8,6 @@
 namespace trb {
 namespace {
 
-constexpr std::size_t kHashSize = 32;
-
 static_assert(sizeof(crypto_generichash_state) <= 384 && alignof(crypto_generichash_state) <= 64);
 
 crypto_generichash_state* state_of(std::array<unsigned char, 384>& bytes) {
@@ -23,7 +21,7 @@ void update(std::array<unsigned char, 384>& state, BytesView bytes) {
 }  // namespace
 
 RangeHash::RangeHash(BytesView previous) {
-  crypto_generichash_init(state_of(state_), nullptr, 0, kHashSize);
+  crypto_generichash_init(state_of(state_), nullptr, 0, kRangeHashSize);
   update(state_, previous);
 }
 
@@ -37,13 +35,13 @@ void RangeHash::add(BytesView frame) {
 
 Bytes RangeHash::value() const {
   RangeHash copy = *this;
-  Bytes out(kHashSize, '\0');
+  Bytes out(kRangeHashSize, '\0');
   crypto_generichash_final(state_of(copy.state_), reinterpret_cast<unsigned char*>(out.data()), out.size());
   return out;
 }
 
 Bytes first_previous() {
-  return Bytes(kHashSize, '\0');
+  return Bytes(kRangeHashSize, '\0');
 }
 
 void SealWriter::add(BytesView frame) {

@@ -15,6 +15,8 @@ namespace trb {
 
 /// A seal covers at most this many messages: the next one must be a seal.
 constexpr std::size_t kMaxUnsealed = 64;
+/// Bytes of a RangeHash.
+constexpr std::size_t kRangeHashSize = 32;
 /// A sender seals its first unsealed message within this time.
 constexpr Duration kSealWithin = std::chrono::milliseconds(20);
 

@@ -62,7 +62,8 @@ constexpr int kReceiveHighWaterMark = 128;
 constexpr int kLinkReceiveHighWaterMark = 256;
 constexpr int kLaneHighWaterMark = 256;  ///< of the lossy lane, for each subscriber
 constexpr int kLaneReceiveHighWaterMark = 64;
-/// The bytes that a loop takes from one socket before the others have their turn.
+/// The messages and the bytes that a loop takes from one socket before the others have their turn.
+constexpr int kTurnMessages = 256;
 constexpr std::size_t kTurnBytes = 1U << 20U;
 
 class Socket {

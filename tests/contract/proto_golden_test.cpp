@@ -15,7 +15,7 @@ namespace {
 const SignedRecord kRecord{"result", "ur3", {"p"}, {"s"}};
 constexpr const char* kRecordHex = "94a6726573756c74a3757233c40170c40173";
 
-Message example() {
+Message golden_example() {
   return {.type = MessageType::request,
           .flags = kFlagNoAnswer,
           .remaining_ms = 500,
@@ -30,7 +30,7 @@ Message example() {
 }  // namespace
 
 TEST_CASE("the frame of a message: 24 bytes of prefix, six header fields, the data") {
-  Bytes frame = encode_frame(example());
+  Bytes frame = encode_frame(golden_example());
   CHECK(to_hex(frame) ==
         "02020001000001f400000000000000000000000000000000"  // version type flags remaining link sequence
         "96a46d6f7665a3757233a770696f6e656572cf00020000000000070103"
@@ -38,11 +38,11 @@ TEST_CASE("the frame of a message: 24 bytes of prefix, six header fields, the da
   stamp_link(frame.data(), 0x0102030405060708, 9, 499);
   CHECK(to_hex(frame.substr(0, kPrefixSize)) == "02020001000001f301020304050607080000000000000009");
   CHECK(decode_frame(frame)->sequence == 9);
-  CHECK(to_message(*decode_frame(encode_frame(example()))) == example());
+  CHECK(to_message(*decode_frame(encode_frame(golden_example()))) == golden_example());
 }
 
 TEST_CASE("the datagram of Figure 3: 32 bytes of header, the data") {
-  Message message = example();
+  Message message = golden_example();
   message.flags = 0;
   CHECK(to_hex(*to_figure3(message)) ==
         "00000002"
@@ -232,7 +232,7 @@ TEST_CASE("bodies of link and bus") {
 }
 
 TEST_CASE("the JSON of a message, with text, with bytes, with a body") {
-  Message message = example();
+  Message message = golden_example();
   CHECK(
       message_to_json(message) ==
       R"({"type":"request","subtype":"move","source":"ur3","target":"pioneer","id":562949953421319,"reply_to":1,"size":3,"data":"1 2"})");

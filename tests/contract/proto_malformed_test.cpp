@@ -34,13 +34,13 @@ void cut_everywhere(const Bytes& good, Read read) {
   for (std::size_t size = 0; size < good.size(); ++size) read(good.substr(0, size));
 }
 
-Message example() {
+Message move_command() {
   return {
       .type = MessageType::command, .subtype = "move", .source = "ur3", .target = "pioneer", .id = 1, .data = "1 2"};
 }
 
 Bytes frame_with(const Bytes& header_and_data) {
-  return encode_frame(example()).substr(0, kPrefixSize) + header_and_data;
+  return encode_frame(move_command()).substr(0, kPrefixSize) + header_and_data;
 }
 
 }  // namespace
@@ -136,7 +136,7 @@ TEST_CASE("a large object of many keys is read without delay, and one value too 
 }
 
 TEST_CASE("a frame that is cut, changed or lies about itself is refused") {
-  const Bytes good = encode_frame(example());
+  const Bytes good = encode_frame(move_command());
   REQUIRE(decode_frame(good).ok());
   cut_everywhere(good, [](const Bytes& bad) { CHECK_FALSE(decode_frame(bad).ok()); });
   flip_each_bit(good, [](const Bytes& bad) {
@@ -151,10 +151,10 @@ TEST_CASE("a frame that is cut, changed or lies about itself is refused") {
   bad[1] = 4;
   check_refused(decode_frame(bad), Errc::bad_value);
   check_refused(decode_frame(Bytes(kMaxFrameSize + 1, static_cast<char>(kWireVersion))), Errc::too_large);
-  Message message = example();
+  Message message = move_command();
   message.subtype = "no word";
   check_refused(decode_frame(encode_frame(message)), Errc::bad_value);
-  message = example();
+  message = move_command();
   message.target = "\xff";
   check_refused(decode_frame(encode_frame(message)), Errc::malformed);
   message.target = std::string(65, 'a');
@@ -162,13 +162,13 @@ TEST_CASE("a frame that is cut, changed or lies about itself is refused") {
   check_refused(decode_frame(frame_with("\x91\xa4move")), Errc::malformed);
   check_refused(decode_frame(frame_with(Bytes(300'000, '\x91'))), Errc::malformed);
   check_refused(decode_frame(frame_with("\xdd\xff\xff\xff\xff")), Errc::malformed);
-  message = example();
+  message = move_command();
   message.data.assign(kMaxDataSize + 1, 'x');
   check_refused(decode_frame(encode_frame(message)), Errc::too_large);
 }
 
 TEST_CASE("a message's JSON that lacks, doubles or contradicts something is refused") {
-  const std::string good = message_to_json(example());
+  const std::string good = message_to_json(move_command());
   cut_everywhere(good, [](const Bytes& bad) { CHECK_FALSE(message_from_json(bad).ok()); });
   flip_each_bit(good, [](const Bytes& bad) { (void)message_from_json(bad).ok(); });
   check_refused(message_from_json(R"({"subtype":"move"})"), Errc::missing);
@@ -186,7 +186,7 @@ TEST_CASE("a message's JSON that lacks, doubles or contradicts something is refu
 }
 
 TEST_CASE("a datagram of Figure 3 that is cut, changed or lies about itself is refused") {
-  const Bytes good = *to_figure3(example());
+  const Bytes good = *to_figure3(move_command());
   cut_everywhere(good, [](const Bytes& bad) { check_refused(from_figure3(bad), Errc::malformed); });
   flip_each_bit(good, [](const Bytes& bad) { (void)from_figure3(bad).ok(); });
   check_refused(from_figure3(good + "x"), Errc::malformed);
@@ -197,7 +197,7 @@ TEST_CASE("a datagram of Figure 3 that is cut, changed or lies about itself is r
   bad[10] = 'x';
   check_refused(from_figure3(bad), Errc::malformed);
   check_refused(from_figure3(good + Bytes(kMaxDataSize, 'x')), Errc::too_large);
-  Message message = example();
+  Message message = move_command();
   message.target = "too-long-a-name";
   check_refused(to_figure3(message), Errc::does_not_fit_figure_3);
 }

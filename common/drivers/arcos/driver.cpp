@@ -7,8 +7,6 @@
 namespace trb::drivers {
 namespace {
 
-constexpr std::uint8_t kClose = 2;
-constexpr std::uint8_t kStop = 29;
 /// A packet read this long after a command was written is certainly newer than the command.
 constexpr Duration kSipPeriod = std::chrono::milliseconds(100);
 /// How far from 0 (mm) a robot must have been before its odometry began again, for that to matter.
@@ -58,7 +56,7 @@ Result<Progress> ArcosDriver::hand_over(const Handover& message, Now now, const 
   send(*order, now, out);
   if (!order->goal) return Progress::handed_over;
   // An earlier command would continue during the turn.
-  link_.send(arcos_command(kStop), now, out);
+  link_.send(arcos_command(kArcosStop), now, out);
   journey_.emplace(Journey{message.token, !message.skill.empty(), ArcosJourney(*order->goal)});
   out.emit(Started{message.token});
   return Progress::queued;
@@ -206,7 +204,7 @@ void ArcosDriver::go_on(Now now, const DriverOut& out) {
     if (!next.over) return;
     failure = std::move(next.failure);
   }
-  if (!failure.empty()) link_.send(arcos_command(kStop), now, out);
+  if (!failure.empty()) link_.send(arcos_command(kArcosStop), now, out);
   end_journey(failure, out);
 }
 
@@ -217,7 +215,8 @@ void ArcosDriver::confirm(Now now, const DriverOut& out) {
 }
 
 void ArcosDriver::leave(Now now, const DriverOut& out) {
-  if (link_.stage() == ArcosLink::Stage::open) link_.send(arcos_command(kStop) + arcos_command(kClose), now, out);
+  if (link_.stage() == ArcosLink::Stage::open)
+    link_.send(arcos_command(kArcosStop) + arcos_command(kArcosClose), now, out);
 }
 
 void ArcosDriver::tick(Now now, const DriverOut& out) {

@@ -21,7 +21,7 @@ constexpr Duration kNoProgress = std::chrono::seconds(3);
 /// A robot that stands for this long after an order to move has received it and has ended.
 constexpr Duration kSettled = std::chrono::milliseconds(300);
 
-double way(const ArcosPose& a, const ArcosPose& b) {
+double way_between(const ArcosPose& a, const ArcosPose& b) {
   return std::hypot(b.x - a.x, b.y - a.y);
 }
 
@@ -78,13 +78,13 @@ void ArcosJourney::start(Leg leg, const ArcosPose& pose, MonotonicTime now) {
 }
 
 bool ArcosJourney::done(const ArcosPose& pose) const {
-  if (leg_ == Leg::drive) return way(began_, pose) >= kSomeWay;
+  if (leg_ == Leg::drive) return way_between(began_, pose) >= kSomeWay;
   return std::abs(turn_between(pose.heading, towards_)) <= (leg_ == Leg::face ? goal_.angle : kTowards);
 }
 
 void ArcosJourney::note_progress(const ArcosPose& pose, MonotonicTime now) {
   const bool moved =
-      way(progress_, pose) >= kSomeWay || std::abs(turn_between(progress_.heading, pose.heading)) >= kSomeTurn;
+      way_between(progress_, pose) >= kSomeWay || std::abs(turn_between(progress_.heading, pose.heading)) >= kSomeTurn;
   if (!moved) return;
   progress_ = pose;
   progressed_ = now;

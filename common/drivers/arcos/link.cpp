@@ -10,8 +10,6 @@ namespace {
 
 constexpr std::uint8_t kPulse = 0;
 constexpr std::uint8_t kOpen = 1;
-constexpr std::uint8_t kClose = 2;
-constexpr std::uint8_t kStop = 29;
 constexpr std::uint8_t kLastSync = 2;
 constexpr int kAttempts = 4;
 constexpr std::size_t kMaxName = 60;
@@ -78,7 +76,7 @@ void ArcosLink::on_sync(const ArcosPacket& packet, Now now, const DriverOut& out
   if (is_sip(packet)) {
     closing_ = true;
     due_ = now.mono + kClosing;
-    return send(arcos_command(kClose), now, out);
+    return send(arcos_command(kArcosClose), now, out);
   }
   if (packet.type != expected_) return;
   if (expected_ == kLastSync) return open(packet, now, out);
@@ -91,7 +89,7 @@ void ArcosLink::open(const ArcosPacket& answer, Now now, const DriverOut& out) {
   last_sip_ = now.mono;
   out.out.log(LogLevel::info, "robot_named", identity_of(answer.contents));
   // A robot whose last client has vanished goes on with its last order once it receives a packet: STOP prevents that.
-  send(arcos_command(kOpen, 1) + arcos_command(kStop) + arcos_command(kArcosEnable, 1), now, out);
+  send(arcos_command(kOpen, 1) + arcos_command(kArcosStop) + arcos_command(kArcosEnable, 1), now, out);
 }
 
 std::optional<std::string> ArcosLink::tick(Now now, const DriverOut& out) {

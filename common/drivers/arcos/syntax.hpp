@@ -38,7 +38,9 @@ struct ArcosStep {
   std::optional<ArcosTravel> travel;  ///< a goto; then `command` means nothing
 };
 
+constexpr std::uint8_t kArcosClose = 2;
 constexpr std::uint8_t kArcosEnable = 4;
+constexpr std::uint8_t kArcosStop = 29;
 
 /// Errors: bad_value.
 Result<std::vector<ArcosStep>> read_arcos_steps(std::string_view text);

@@ -11,7 +11,7 @@ namespace {
 constexpr std::size_t kMaxName = 24;  ///< of a KRL name
 constexpr std::size_t kMaxVariable = 128;
 constexpr std::size_t kMaxAssignments = 32;
-constexpr std::size_t kMaxComponents = 32;
+constexpr std::size_t kMaxAsked = 32;
 constexpr std::string_view kPrefix = "trb_";
 
 struct Role {
@@ -44,7 +44,7 @@ constexpr std::array<Role, 21> kRoles{{
     {"trb_error", &C3Names::error, "TRB_ERROR[]"},
 }};
 
-std::string_view trimmed(std::string_view text) {
+std::string_view trimmed_line(std::string_view text) {
   const std::size_t begin = std::min(text.find_first_not_of(" \t\r"), text.size());
   text.remove_prefix(begin);
   return text.substr(0, text.find_last_not_of(" \t\r") + 1);
@@ -141,7 +141,7 @@ bool is_krl_value(std::string_view text) {
 
 Result<C3Assignment> read_assignment(std::string_view line) {
   std::string_view rest = line;
-  C3Assignment out{std::string(trimmed(take(rest, '='))), std::string(trimmed(rest))};
+  C3Assignment out{std::string(trimmed_line(take(rest, '='))), std::string(trimmed_line(rest))};
   if (!is_variable(out.variable)) return no_variable(out.variable);
   const auto value = filled(out.value);
   if (!value) return fail(Errc::bad_value, out.variable + ": " + value.error().what, value.error().hint);
@@ -156,7 +156,7 @@ Result<C3Assignment> read_assignment(std::string_view line) {
 Result<std::vector<C3Assignment>> read_c3_assignments(std::string_view text) {
   std::vector<C3Assignment> out;
   while (!text.empty()) {
-    const std::string_view line = trimmed(take(text, '\n'));
+    const std::string_view line = trimmed_line(take(text, '\n'));
     if (line.empty()) continue;
     auto assignment = read_assignment(line);
     if (!assignment) return assignment.error();
@@ -167,10 +167,10 @@ Result<std::vector<C3Assignment>> read_c3_assignments(std::string_view text) {
 }
 
 Result<C3Question> read_c3_question(std::string_view text) {
-  text = trimmed(text);
+  text = trimmed_line(text);
   C3Question out{std::string(take(text, ' ')), {}};
   if (!is_variable(out.variable)) return no_variable(out.variable);
-  while (!(text = trimmed(text)).empty()) {
+  while (!(text = trimmed_line(text)).empty()) {
     const std::string_view component = take(text, ' ');
     if (!is_name(component)) {
       return fail(Errc::bad_value, in_quotes(component) + " is no component of a structure",
@@ -178,7 +178,7 @@ Result<C3Question> read_c3_question(std::string_view text) {
     }
     out.components.emplace_back(component);
   }
-  if (out.components.size() > kMaxComponents) return fail(Errc::bad_value, "more than 32 components", "ask for fewer");
+  if (out.components.size() > kMaxAsked) return fail(Errc::bad_value, "more than 32 components", "ask for fewer");
   return out;
 }
 

@@ -6,7 +6,7 @@ namespace trb::drivers {
 namespace {
 
 constexpr std::size_t kMaxJobs = 64;
-constexpr std::size_t kMaxRequests = 64;
+constexpr std::size_t kMaxPending = 64;
 constexpr int kStateCode = 90;
 constexpr Duration kPoll = std::chrono::milliseconds(200);
 /// The program's own values are read while it has nothing else to do.
@@ -125,7 +125,7 @@ Result<Progress> RapidDriver::ask_value(const Handover& message, const std::stri
   }
   RapidPort& port = request.service ? service_ : program_;
   const RapidAsk ask{RapidPurpose::request, request.code, request.text, message.token, {}};
-  if (asked_.size() >= kMaxRequests || !port.ask(ask, now, out)) {
+  if (asked_.size() >= kMaxPending || !port.ask(ask, now, out)) {
     return fail(Errc::queue_full, "too many requests wait for the robot", "ask less often");
   }
   out.out.count("to_robot." + subtype);

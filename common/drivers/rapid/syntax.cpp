@@ -41,7 +41,7 @@ bool is_placeholder(std::string_view word) {
 }
 
 /// Letters, digits and signs, none of which ends a parameter or a request.
-bool is_plain(std::string_view word) {
+bool is_plain_word(std::string_view word) {
   return std::ranges::all_of(word, [](char c) {
     return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
            std::string_view("+-._").find(c) != std::string_view::npos;
@@ -65,7 +65,7 @@ Result<RapidRequest> read_request(std::string_view line) {
   auto request = read_head(words, line);
   if (!request) return request;
   for (const std::string_view word : words) {
-    if (!is_placeholder(word) && !is_plain(word)) {
+    if (!is_placeholder(word) && !is_plain_word(word)) {
       return fail(Errc::bad_value, in_quotes(word) + " is no parameter: a number, a word or a placeholder", kExample);
     }
     request->text.append(" ").append(word);

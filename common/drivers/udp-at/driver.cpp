@@ -9,7 +9,7 @@ namespace trb::drivers {
 namespace {
 
 /// The drone needs a command at least every 50 ms.
-constexpr Duration kStatePeriod = std::chrono::milliseconds(30);
+constexpr Duration kCommandPeriod = std::chrono::milliseconds(30);
 /// After this long without a command the drone considers its link lost; after this long without navdata the node does.
 constexpr Duration kLost = std::chrono::seconds(2);
 constexpr Duration kWakePeriod = std::chrono::seconds(1);
@@ -268,7 +268,7 @@ void AtDriver::write(Now now, const DriverOut& out) {
   if (online_) {
     calls_.push_back({"REF", flight_.reference()});
     calls_.push_back({"PCMD", flight_.motion()});
-    next_state_ = std::max(next_state_ + kStatePeriod, now.mono + kStatePeriod / 2);
+    next_state_ = std::max(next_state_ + kCommandPeriod, now.mono + kCommandPeriod / 2);
   }
   Bytes datagram;
   for (const AtCall& call : std::exchange(calls_, {})) {

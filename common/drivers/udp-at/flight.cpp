@@ -11,7 +11,7 @@ constexpr std::uint32_t kTakeOffBit = 1U << 9;
 constexpr std::uint32_t kEmergencyBit = 1U << 8;
 
 /// Navdata read this long after a command is certainly newer than it.
-constexpr Duration kStatePeriod = std::chrono::milliseconds(100);
+constexpr Duration kNavdataPeriod = std::chrono::milliseconds(100);
 constexpr Duration kLeavesGround = std::chrono::seconds(3);
 constexpr Duration kToggles = std::chrono::milliseconds(1500);
 constexpr double kDefaultMotion_s = 1;
@@ -65,7 +65,7 @@ void AtFlight::lose(const std::string& reason, const DriverOut& out) {
 
 void AtFlight::on_navdata(const ArNavdata& drone, Now now, const DriverOut& out) {
   check_emergency(drone, now, out);
-  if (task_ && now.mono - task_->began < kStatePeriod) return;
+  if (task_ && now.mono - task_->began < kNavdataPeriod) return;
   if (does(AtAction::take_off) && drone.airborne()) return end_well(out);
   if (does(AtAction::land) && drone.landed()) return end_well(out);
   check_ground(drone, now, out);
@@ -74,7 +74,7 @@ void AtFlight::on_navdata(const ArNavdata& drone, Now now, const DriverOut& out)
 void AtFlight::check_emergency(const ArNavdata& drone, Now now, const DriverOut& out) {
   const bool cut = drone.has(kArEmergency);
   if (toggles()) {
-    const bool young = now.mono - task_->began < kStatePeriod;
+    const bool young = now.mono - task_->began < kNavdataPeriod;
     if (!young && cut == does(AtAction::emergency)) {
       out.emit(HandedOver{task_->token});
       end_well(out);

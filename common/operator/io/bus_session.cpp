@@ -4,11 +4,11 @@
 
 #include "common/security/keys.hpp"
 #include "common/service/version.hpp"
+#include "common/transport/socket.hpp"
 
 namespace trb::op {
 namespace {
 
-constexpr int kBatch = 256;
 constexpr const char* kProbe = "probe";  ///< the bus's place for such members
 
 }  // namespace
@@ -39,7 +39,7 @@ Bytes BusSession::random_bytes(std::size_t size) {
 }
 
 void BusSession::drain() {
-  for (int i = 0; i < kBatch; ++i) {
+  for (int i = 0; i < kTurnMessages; ++i) {
     const auto message = link_.receive(read_clocks());
     if (message) {
       if (!session_.receive(*message) && receiver_) receiver_(*message);

@@ -1,11 +1,8 @@
 #include "common/operator/io/tap.hpp"
 
+#include "common/transport/socket.hpp"
+
 namespace trb::op {
-namespace {
-
-constexpr int kBatch = 256;
-
-}  // namespace
 
 Tap::Tap(Context& context, Loop& loop, const BusAddress& address, TapFilter filter, OnRecord on_record)
     : loop_(loop),
@@ -23,7 +20,7 @@ Tap::~Tap() {
 void Tap::drain() {
   Frame direction;
   Frame frame;
-  for (int i = 0; i < kBatch && socket_.receive(direction); ++i) {
+  for (int i = 0; i < kTurnMessages && socket_.receive(direction); ++i) {
     if (!direction.more() || !socket_.receive(frame)) continue;
     const auto record = read_tap(view_of(direction), view_of(frame), filter_, read_clocks().utc);
     if (record && !on_record_(*record)) return;

@@ -54,4 +54,20 @@ Route route_to(const std::string& id, Role role, const std::string& state) {
   return out;
 }
 
+Route cart(const std::string& id, const std::string& state) {
+  Route out = route_to(id, Role::robot, state);
+  out.profile.robot = "ONLINE";
+  out.profile.capabilities = {"mobile"};
+  out.profile.places = {"dock"};
+  out.profile.skills = {{"go_to", "mobile", {{"place", "place", true, ""}}, true, 60}};
+  return out;
+}
+
+RunView view_of_run(RunState state) {
+  RunView out;
+  out.run = "3f2a0000";
+  out.state = state;
+  return out;
+}
+
 }  // namespace trb::op

@@ -88,5 +88,8 @@ class Ending {
 
 /// A row of the routing table.
 Route route_to(const std::string& id, Role role = Role::robot, const std::string& state = "ONLINE");
+/// A robot that is there, and can drive to the dock.
+Route cart(const std::string& id, const std::string& state = "ONLINE");
+RunView view_of_run(RunState state);
 
 }  // namespace trb::op

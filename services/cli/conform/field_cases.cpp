@@ -4,7 +4,7 @@
 namespace trb::cli::conform {
 namespace {
 
-constexpr Duration kMoment = std::chrono::milliseconds(100);
+constexpr Duration kFieldMoment = std::chrono::milliseconds(100);
 constexpr std::size_t kPieces = 40;  ///< a slow sender's writes a field, at most
 
 bool text_only(Play& play) {
@@ -18,17 +18,17 @@ void acknowledges(Play& play) {
   if (!play.acknowledged()) return play.not_tried("\"acknowledge\" is false");
   const auto fields = play.fields("information", play.settings().echo, play.words().numeric() ? "1" : "x");
   for (std::size_t i = 0; i < fields.size() && play.going(); ++i) {
-    play.expect_quiet(kMoment, "no acknowledgement but one after each field");
+    play.expect_quiet(kFieldMoment, "no acknowledgement but one after each field");
     play.raw(fields[i]);
     play.expect_ok("field " + std::to_string(i + 1) + " of a message");
   }
-  play.expect_quiet(kMoment, "no acknowledgement but one after each field");
+  play.expect_quiet(kFieldMoment, "no acknowledgement but one after each field");
 }
 
 void acknowledges_nothing(Play& play) {
   if (play.acknowledged()) return play.not_tried("\"acknowledge\" is true");
   play.send("information", play.settings().echo, play.words().numeric() ? "1" : "x");
-  play.expect_quiet(2 * kMoment, "no acknowledgement: the description says \"acknowledge\": false");
+  play.expect_quiet(2 * kFieldMoment, "no acknowledgement: the description says \"acknowledge\": false");
 }
 
 void answers(Play& play) {

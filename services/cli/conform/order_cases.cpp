@@ -5,7 +5,7 @@
 namespace trb::cli::conform {
 namespace {
 
-constexpr Duration kMoment = std::chrono::milliseconds(200);
+constexpr Duration kOrderMoment = std::chrono::milliseconds(200);
 
 std::string data_of(const Play& play) {
   return play.words().numeric() ? "9 9 9" : "to be thrown away";
@@ -20,7 +20,7 @@ void stop_and_release(Play& play) {
 
 void stop(Play& play) {
   stop_and_release(play);
-  play.expect_quiet(kMoment, "one answer to each order");
+  play.expect_quiet(kOrderMoment, "one answer to each order");
   play.still_understands();
 }
 
@@ -48,7 +48,7 @@ void stop_crosses_ok(Play& play) {
   if (fields.empty()) return;
   play.raw(fields[0]);
   stop_and_release(play);
-  play.expect_quiet(kMoment, "no acknowledgement after the confirmation of a stop");
+  play.expect_quiet(kOrderMoment, "no acknowledgement after the confirmation of a stop");
   play.still_understands();
 }
 
@@ -90,7 +90,7 @@ void done(Play& play) {
 }
 
 void no_done(Play& play, const std::string& when) {
-  const Duration patience = play.skill_took == Duration{} ? 5 * kMoment : play.skill_took + kMoment;
+  const Duration patience = play.skill_took == Duration{} ? 5 * kOrderMoment : play.skill_took + kOrderMoment;
   const std::string report = play.report(patience);
   if (report.rfind("done", 0) == 0) play.wrong("no 'done' of " + play.settings().skill + " " + when, report);
 }

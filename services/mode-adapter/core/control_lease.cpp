@@ -5,7 +5,7 @@
 namespace trb::adapter {
 namespace {
 
-constexpr std::size_t kMaxText = 64;
+constexpr std::size_t kMaxHolder = 64;
 
 std::string whole_seconds(Duration time) {
   return std::to_string(std::chrono::duration_cast<std::chrono::seconds>(time).count()) + " s";
@@ -14,7 +14,7 @@ std::string whole_seconds(Duration time) {
 }  // namespace
 
 std::string Holder::text() const {
-  return cut_utf8(kind == Kind::run ? "run " + name : name, kMaxText);
+  return cut_utf8(kind == Kind::run ? "run " + name : name, kMaxHolder);
 }
 
 std::optional<Error> ControlLease::refusal(const Holder& by, const std::string& robot, Now now) const {

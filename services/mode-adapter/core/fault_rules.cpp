@@ -1,16 +1,16 @@
 #include "services/mode-adapter/core/fault_rules.hpp"
 
 #include <algorithm>
-#include <cmath>
+
+#include "services/mode-adapter/core/same_number.hpp"
 
 namespace trb::adapter {
 namespace {
 
 constexpr Duration kQuiet = std::chrono::seconds(10);
 constexpr std::size_t kMaxOwnText = 600;
-constexpr double kSame = 1e-9;
 
-enum class Condition : std::uint8_t { met, neither, over };
+enum class Judgment : std::uint8_t { met, neither, over };
 
 /// What the robot says in words; nothing for a number, a list and the like.
 std::optional<std::string> words_of(const RobotValue& value) {
@@ -20,19 +20,18 @@ std::optional<std::string> words_of(const RobotValue& value) {
 }
 
 /// Of several numbers one is enough to begin, and all have to come back.
-Condition judge_limit(const FaultRule& rule, const std::vector<double>& numbers) {
+Judgment judge_limit(const FaultRule& rule, const std::vector<double>& numbers) {
   const bool below = rule.when == FaultWhen::below;
   const auto met = [&](double number) { return below ? number < rule.limit : number > rule.limit; };
   const auto back = [&](double number) { return below ? number >= rule.rearm : number <= rule.rearm; };
-  if (std::any_of(numbers.begin(), numbers.end(), met)) return Condition::met;
-  return !numbers.empty() && std::all_of(numbers.begin(), numbers.end(), back) ? Condition::over : Condition::neither;
+  if (std::any_of(numbers.begin(), numbers.end(), met)) return Judgment::met;
+  return !numbers.empty() && std::all_of(numbers.begin(), numbers.end(), back) ? Judgment::over : Judgment::neither;
 }
 
 bool equals(const Value& wanted, const RobotValue& value) {
   if (wanted.is_text()) return words_of(value) == wanted.text();
   const double number = wanted.is_bool() ? double(wanted.boolean()) : wanted.number();
-  return std::any_of(value.numbers.begin(), value.numbers.end(),
-                     [&](double one) { return std::abs(one - number) < kSame; });
+  return std::any_of(value.numbers.begin(), value.numbers.end(), [&](double one) { return same_number(one, number); });
 }
 
 bool is_nothing(const std::string& json) {
@@ -62,12 +61,12 @@ void FaultRules::on_value(std::string_view name, const RobotValue& value, Now no
       on_change(watched, value, now, changes);
       continue;
     }
-    const Condition condition = rule.when == FaultWhen::equals
-                                    ? (equals(rule.wanted, value) ? Condition::met : Condition::over)
-                                    : judge_limit(rule, value.numbers);
-    if (condition == Condition::met) watched.stands = said(rule, value);
-    if (condition == Condition::met && !watched.begun) begin(watched, value, now, changes);
-    if (condition == Condition::over) {
+    const Judgment judgment = rule.when == FaultWhen::equals
+                                  ? (equals(rule.wanted, value) ? Judgment::met : Judgment::over)
+                                  : judge_limit(rule, value.numbers);
+    if (judgment == Judgment::met) watched.stands = said(rule, value);
+    if (judgment == Judgment::met && !watched.begun) begin(watched, value, now, changes);
+    if (judgment == Judgment::over) {
       watched.stands.reset();
       watched.begun = false;
       watched.waits.reset();

@@ -9,7 +9,7 @@ namespace trb::adapter {
 namespace {
 
 constexpr std::size_t kMaxCapability = 64;
-constexpr std::size_t kMaxText = 1024;
+constexpr std::size_t kMaxFaultText = 1024;
 constexpr std::size_t kMaxShortText = 255;
 
 std::string name_of_whole(const std::string& capability) {
@@ -54,7 +54,7 @@ std::optional<MonotonicTime> RobotFaults::next_deadline() const {
 }
 
 void RobotFaults::on_fault(const FaultSaid& fault, Now now, Outbox& out) {
-  const std::string text = cut_utf8(fault.text, kMaxText);
+  const std::string text = cut_utf8(fault.text, kMaxFaultText);
   keep(fault, now, out);
   if (!fault.is_new) return;
   out.count("from_robot.robot_fault");

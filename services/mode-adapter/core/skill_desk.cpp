@@ -4,6 +4,7 @@
 
 #include "common/drivers/lines/field_text.hpp"
 #include "common/drivers/text/number_text.hpp"
+#include "services/mode-adapter/core/same_number.hpp"
 #include "services/mode-adapter/core/skill_call.hpp"
 
 namespace trb::adapter {
@@ -14,7 +15,6 @@ constexpr std::size_t kMaxData = 65536;
 // Under which a robot tells where it is; an arm may tell its joints instead.
 constexpr std::string_view kPosition = "position";
 constexpr std::string_view kJoints = "joints";
-constexpr double kSame = 1e-9;
 /// A monitor's state that is read this long after the command's start is certainly younger than it.
 constexpr Duration kStatePeriod = std::chrono::milliseconds(100);
 
@@ -188,7 +188,7 @@ void SkillDesk::on_information(const Driver* mode, std::string_view subtype, Byt
 void SkillDesk::look_at(std::string_view name, const std::vector<double>& numbers, Now now, Outbox& out) {
   const SkillEnd& wanted = running_->skill->end;
   const auto& bad = wanted.fails_at;
-  if (bad && name == wanted.state && !numbers.empty() && std::abs(numbers.front() - *bad) < kSame) {
+  if (bad && name == wanted.state && !numbers.empty() && same_number(numbers.front(), *bad)) {
     return end(TaskOutcome::failed, "the robot's '" + wanted.state + "' says " + number_text(*bad), {}, now, out);
   }
   if (reached(name, numbers)) end(TaskOutcome::finished, {}, {}, now, out);
@@ -197,7 +197,7 @@ void SkillDesk::look_at(std::string_view name, const std::vector<double>& number
 bool SkillDesk::reached(std::string_view name, const std::vector<double>& numbers) const {
   const SkillEnd& wanted = running_->skill->end;
   if (wanted.kind == EndKind::state) {
-    return name == wanted.state && !numbers.empty() && std::abs(numbers.front() - wanted.equals) < kSame;
+    return name == wanted.state && !numbers.empty() && same_number(numbers.front(), wanted.equals);
   }
   const auto& target = running_->target;
   const bool is_position = wanted.state.empty() ? name == kJoints || name == kPosition : name == wanted.state;

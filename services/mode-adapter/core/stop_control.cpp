@@ -7,7 +7,7 @@ namespace {
 
 constexpr std::size_t kMaxPending = 64;
 constexpr Duration kConfirmation = std::chrono::seconds(2);
-constexpr Duration kSaveAgain = std::chrono::seconds(1);
+constexpr Duration kSaveFenceAgain = std::chrono::seconds(1);
 constexpr const char* kLookAtRobot = "look at the robot, and use its emergency stop if it moves";
 
 }  // namespace
@@ -100,7 +100,7 @@ void StopControl::tick(Now now, Outbox& out) {
 
 void StopControl::save_fence(Now now, Outbox& out) {
   const Status saved = persist_(true);
-  save_at_ = saved ? std::nullopt : std::optional(now.mono + kSaveAgain);
+  save_at_ = saved ? std::nullopt : std::optional(now.mono + kSaveFenceAgain);
   save_error_ = saved ? std::nullopt : std::optional(saved.error());
   if (!saved) out.log(LogLevel::error, "fence_not_saved", saved.error().text());
 }

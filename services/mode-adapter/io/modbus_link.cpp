@@ -12,7 +12,7 @@
 namespace trb::adapter {
 namespace {
 
-constexpr double kConnectTimeout = 2;
+constexpr double kConnectTimeout_s = 2;
 constexpr std::uint8_t kForeignException = 255;
 
 /// libmodbus tells an exception as an errno.
@@ -63,7 +63,7 @@ void ModbusLink::set_timeout(double time_s) {
 
 Status ModbusLink::connect() {
   if (!modbus_) return fail(Errc::io_error, "'" + where_.address + "' is no address");
-  set_timeout(kConnectTimeout);
+  set_timeout(kConnectTimeout_s);
   if (modbus_connect(modbus_.get()) != 0) {
     const int error = errno;
     modbus_close(modbus_.get());

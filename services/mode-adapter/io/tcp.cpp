@@ -44,7 +44,7 @@ Descriptor tcp_socket() {
   return Descriptor(::socket(AF_INET, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
 }
 
-bool not_now() {
+bool would_block() {
   return errno == EAGAIN || errno == EWOULDBLOCK || errno == EINTR;
 }
 
@@ -126,14 +126,14 @@ void watch_over(int fd) {
 Result<Transfer> tcp_read(int fd, char* buffer, std::size_t size) {
   const ssize_t got = ::recv(fd, buffer, size, 0);
   if (got >= 0) return Transfer{static_cast<std::size_t>(got), got == 0};
-  if (not_now()) return Transfer{};
+  if (would_block()) return Transfer{};
   return system_error("", errno);
 }
 
 Result<Transfer> tcp_write(int fd, BytesView bytes) {
   const ssize_t put = ::send(fd, bytes.data(), bytes.size(), MSG_NOSIGNAL);
   if (put >= 0) return Transfer{static_cast<std::size_t>(put), false};
-  if (not_now()) return Transfer{};
+  if (would_block()) return Transfer{};
   return system_error("", errno);
 }
 

@@ -14,7 +14,7 @@ bool not_now() {
   return errno == EAGAIN || errno == EWOULDBLOCK || errno == EINTR || errno == ENOBUFS;
 }
 
-Error system_error() {
+Error last_error() {
   return fail(Errc::io_error, std::strerror(errno));
 }
 
@@ -28,7 +28,7 @@ Result<Descriptor> udp_dial(const std::string& address, std::uint16_t port) {
     return fail(Errc::bad_value, "'" + address + "' is no IPv4 address", "give four numbers, such as 192.168.1.1");
   }
   Descriptor fd(::socket(AF_INET, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
-  if (!fd || ::connect(fd.get(), reinterpret_cast<const sockaddr*>(&at), sizeof at) != 0) return system_error();
+  if (!fd || ::connect(fd.get(), reinterpret_cast<const sockaddr*>(&at), sizeof at) != 0) return last_error();
   return fd;
 }
 
@@ -36,12 +36,12 @@ Result<Datagram> udp_read(int fd, char* buffer, std::size_t size) {
   const ssize_t got = ::recv(fd, buffer, size, 0);
   if (got >= 0) return Datagram{true, static_cast<std::size_t>(got)};
   if (not_now()) return Datagram{};
-  return system_error();
+  return last_error();
 }
 
 Status udp_write(int fd, BytesView bytes) {
   if (::send(fd, bytes.data(), bytes.size(), MSG_NOSIGNAL) >= 0 || not_now()) return Done{};
-  return system_error();
+  return last_error();
 }
 
 }  // namespace trb::adapter

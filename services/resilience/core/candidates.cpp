@@ -3,14 +3,12 @@
 #include <algorithm>
 #include <set>
 
+#include "common/base/words.hpp"
+
 namespace trb::resilience {
 namespace {
 
 constexpr std::size_t kMaxName = 40;  ///< bytes of a parameter's name, which comes from outside
-
-bool contains(const std::vector<std::string>& words, std::string_view word) {
-  return std::find(words.begin(), words.end(), word) != words.end();
-}
 
 void add_words(const TaskNeed& need, std::set<std::string>& words) {
   if (!need.skill.empty()) words.insert(skill_word(need.skill));

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "common/base/words.hpp"
 #include "common/ranking/pairwise.hpp"
 #include "proto/value.hpp"
 #include "services/resilience/core/run_end.hpp"
@@ -11,7 +12,7 @@ namespace {
 
 constexpr Duration kSendAgain = std::chrono::seconds(1);  ///< a trouble for which there was no room
 
-std::vector<std::string> names_of(const WatchedRun& run, const std::vector<std::size_t>& tasks) {
+std::vector<std::string> ids_of(const WatchedRun& run, const std::vector<std::size_t>& tasks) {
   std::vector<std::string> out;
   for (const std::size_t index : tasks) out.push_back(run.view->tasks[index].id);
   return out;
@@ -24,16 +25,10 @@ std::string over_text(const Alert& alert) {
   return "its cause is over: nothing failed, nothing was moved";
 }
 
-std::string joined(const std::vector<std::string>& words) {
-  std::string out;
-  for (const std::string& word : words) out += (out.empty() ? "" : ", ") + word;
-  return out;
-}
-
 /// The alert follows what is known now. What explains more is told; what is over explains the failed task all the same.
 void follow(Alert& alert, const WatchedRun& run, const RunProblem& problem) {
   if (alert.cause == kOverdue) alert.text = cut_utf8(problem.text, kMaxAlertText);
-  alert.tasks = names_of(run, problem.tasks);
+  alert.tasks = ids_of(run, problem.tasks);
   alert.needs_word = problem.needs_confirmation;
   if (strength_of(problem.cause) <= strength_of(alert.cause)) return;
   alert.cause = problem.cause;

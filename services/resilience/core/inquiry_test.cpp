@@ -2,16 +2,10 @@
 
 #include <doctest/doctest.h>
 
+#include "tests/support/at.hpp"
+
 using namespace trb;
 using namespace trb::resilience;
-
-namespace {
-
-Now at(double s) {
-  return {MonotonicTime{} + seconds(s), UtcTime{}};
-}
-
-}  // namespace
 
 TEST_CASE("an inquiry is complete once the last answer that it waits for has come") {
   Inquiry inquiry;

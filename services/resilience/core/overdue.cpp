@@ -9,7 +9,7 @@ bool is_held(const WatchedRun& run) {
   return !run.view->paused_by.empty();
 }
 
-std::string words_of(Duration time) {
+std::string seconds_text(Duration time) {
   return std::to_string(time / std::chrono::seconds(1)) + " s";
 }
 
@@ -67,8 +67,8 @@ std::string Overdue::text_of(const WatchedRun& run, std::size_t index, const Ent
   const TaskView& task = run.view->tasks[index];
   const std::string name = "task '" + task.id + "' ";
   if (entry.phase == Phase::begun)
-    return name + "runs at " + task.robot + " for more than " + words_of(limit) + ", past its time-out";
-  return name + "is due for " + words_of(limit) + " and " + task.robot + " has not begun it" +
+    return name + "runs at " + task.robot + " for more than " + seconds_text(limit) + ", past its time-out";
+  return name + "is due for " + seconds_text(limit) + " and " + task.robot + " has not begun it" +
          (task.waits_for.empty() ? "" : ": it waits for " + task.waits_for);
 }
 

@@ -9,7 +9,7 @@ using namespace trb::resilience;
 
 namespace {
 
-Now at(double s) {
+Now hall_time(double s) {
   return {MonotonicTime{} + seconds(s), at_second(0)};
 }
 
@@ -36,8 +36,8 @@ struct Hall {
   }
   TaskView& t1() { return run.view->tasks[0]; }
   Task& task() { return run.start->scenario.tasks[0]; }
-  void see(double s) { overdue.follow(run, {}, at(s)); }
-  bool late(double s) { return !overdue.late(run, fleet, at(s)).empty(); }
+  void see(double s) { overdue.follow(run, {}, hall_time(s)); }
+  bool late(double s) { return !overdue.late(run, fleet, hall_time(s)).empty(); }
 };
 
 }  // namespace
@@ -48,8 +48,8 @@ TEST_CASE("a task that runs is late past its time-out and half of it, or 10 s") 
   hall.see(0);
   CHECK_FALSE(hall.late(179));
   CHECK(hall.late(180));  // the skill's 120 s
-  CHECK(hall.overdue.next(hall.run, hall.fleet, at(5)) == at(180).mono);
-  CHECK_FALSE(hall.overdue.next(hall.run, hall.fleet, at(180)));
+  CHECK(hall.overdue.next(hall.run, hall.fleet, hall_time(5)) == hall_time(180).mono);
+  CHECK_FALSE(hall.overdue.next(hall.run, hall.fleet, hall_time(180)));
   hall.task().timeout_s = 4;  // its own
   CHECK_FALSE(hall.late(13));
   CHECK(hall.late(14));
@@ -81,7 +81,7 @@ TEST_CASE("a task that is due for 30 s is late; one that is not due, or of a run
   hall.see(1000);
   CHECK_FALSE(hall.late(1029));
   REQUIRE(hall.late(1030));
-  CHECK(hall.overdue.late(hall.run, hall.fleet, at(1030))[0].text ==
+  CHECK(hall.overdue.late(hall.run, hall.fleet, hall_time(1030))[0].text ==
         "task 't1' is due for 30 s and r1 has not begun it: it waits for run 17 to give r1 back");
   hall.run.view->paused_by = "ann";
   hall.see(1031);
@@ -95,10 +95,10 @@ TEST_CASE("a task that is due for 30 s is late; one that is not due, or of a run
 TEST_CASE("what was late before a restart is late after it, as long as it is the first thing that is seen") {
   Hall hall;
   hall.t1().state = TaskState::running;
-  hall.overdue.follow(hall.run, {"t1"}, at(0));
+  hall.overdue.follow(hall.run, {"t1"}, hall_time(0));
   CHECK(hall.late(0));
   hall.t1().attempt = 2;
-  hall.overdue.follow(hall.run, {"t1"}, at(1));
+  hall.overdue.follow(hall.run, {"t1"}, hall_time(1));
   CHECK_FALSE(hall.late(1));
 }
 
@@ -107,15 +107,15 @@ TEST_CASE("a task that did not begin in time is to be skipped once, if its scena
   hall.t1().due = true;
   hall.task().start_within_s = 20;
   hall.see(0);
-  CHECK(hall.overdue.to_skip(hall.run, at(100)).empty());  // on_failure resilience: people decide
+  CHECK(hall.overdue.to_skip(hall.run, hall_time(100)).empty());  // on_failure resilience: people decide
   for (const OnFailure way : {OnFailure::skip, OnFailure::continue_}) {
     hall.task().on_failure = way;
-    CHECK(hall.overdue.to_skip(hall.run, at(24)).empty());
-    CHECK(hall.overdue.to_skip(hall.run, at(25)) == std::vector<std::size_t>{0});
+    CHECK(hall.overdue.to_skip(hall.run, hall_time(24)).empty());
+    CHECK(hall.overdue.to_skip(hall.run, hall_time(25)) == std::vector<std::size_t>{0});
   }
   hall.task().on_failure = OnFailure::abort;
-  CHECK(hall.overdue.to_skip(hall.run, at(25)).empty());
+  CHECK(hall.overdue.to_skip(hall.run, hall_time(25)).empty());
   hall.task().on_failure = OnFailure::skip;
   hall.overdue.ruled(hall.run, 0);
-  CHECK(hall.overdue.to_skip(hall.run, at(100)).empty());
+  CHECK(hall.overdue.to_skip(hall.run, hall_time(100)).empty());
 }

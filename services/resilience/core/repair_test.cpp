@@ -2,16 +2,10 @@
 
 #include <doctest/doctest.h>
 
+#include "tests/support/at.hpp"
+
 using namespace trb;
 using namespace trb::resilience;
-
-namespace {
-
-Now at(double s) {
-  return {MonotonicTime{} + seconds(s), UtcTime{}};
-}
-
-}  // namespace
 
 TEST_CASE("a node that does not answer is told again, later and later") {
   Repair repair;

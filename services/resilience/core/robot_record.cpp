@@ -2,15 +2,12 @@
 
 #include <algorithm>
 
+#include "common/base/words.hpp"
 #include "common/scenario/task_need.hpp"
 #include "services/resilience/core/robot_state.hpp"
 
 namespace trb::resilience {
 namespace {
-
-bool contains(const std::vector<std::string>& words, std::string_view word) {
-  return std::find(words.begin(), words.end(), word) != words.end();
-}
 
 bool tells(const SensorInfo& sensor) {
   return sensor.state == SensorState::ok || sensor.state == SensorState::unread;

@@ -2,14 +2,12 @@
 
 #include <doctest/doctest.h>
 
+#include "tests/support/at.hpp"
+
 using namespace trb;
 using namespace trb::resilience;
 
 namespace {
-
-Now at(double s) {
-  return {MonotonicTime{} + seconds(s), UtcTime{}};
-}
 
 /// How many requests are sent at that moment.
 std::size_t sent(RouteRequests& requests, double s) {

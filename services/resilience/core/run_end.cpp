@@ -5,7 +5,7 @@
 namespace trb::resilience {
 namespace {
 
-std::string words_of(Duration left) {
+std::string time_text(Duration left) {
   const auto s = std::max<std::int64_t>(0, left / std::chrono::seconds(1));
   return s >= 90 ? std::to_string((s + 30) / 60) + " min" : std::to_string(s) + " s";
 }
@@ -29,13 +29,13 @@ std::optional<RunProblem> problem_of_end(const WatchedRun& run, Now now) {
   RunProblem out;
   out.cause = kRunEnds;
   out.severity = Severity::warning;
-  out.text = "run " + run.view->name + " ends in " + words_of(left) + ", at " + to_iso8601(now.utc + left) +
+  out.text = "run " + run.view->name + " ends in " + time_text(left) + ", at " + to_iso8601(now.utc + left) +
              ": what is not done then is not begun any more";
   return out;
 }
 
 std::string wait_for_end(const WatchedRun& run, Now now) {
-  return run.ends_at ? "its end in " + words_of(*run.ends_at - now.mono) : "its end";
+  return run.ends_at ? "its end in " + time_text(*run.ends_at - now.mono) : "its end";
 }
 
 }  // namespace trb::resilience

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "common/base/words.hpp"
+
 namespace trb::resilience {
 namespace {
 
@@ -69,12 +71,6 @@ class Finder {
   const Liveness::Gone* gone_;
   RunProblem out_;
 };
-
-std::string joined(const std::vector<std::string>& words) {
-  std::string out;
-  for (const std::string& word : words) out += (out.empty() ? "" : ", ") + word;
-  return out;
-}
 
 RunProblem robot_wanted(const Task& task, std::size_t index) {
   RunProblem out;

@@ -17,7 +17,7 @@ std::vector<Proposal>::iterator find_proposal(Alert& alert, const std::string& r
   return std::ranges::find(alert.proposals, robot, &Proposal::robot);
 }
 
-std::string names_of(const std::vector<Proposal>& proposals) {
+std::string robots_of(const std::vector<Proposal>& proposals) {
   std::string out;
   for (const Proposal& one : proposals) out += (out.empty() ? "" : ", ") + one.robot;
   return out;
@@ -102,7 +102,7 @@ Status VerdictChecks::take_proposal(Alert& alert, const AlertDecide& body, const
   const auto chosen = find_proposal(alert, body.robot);
   if (chosen == alert.proposals.end()) {
     return fail(Errc::bad_value, "'" + body.robot + "' is not proposed",
-                "use one of " + names_of(alert.proposals) + ", or --override with a reason");
+                "use one of " + robots_of(alert.proposals) + ", or --override with a reason");
   }
   std::rotate(alert.proposals.begin(), chosen, chosen + 1);
   return Done{};

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "common/base/words.hpp"
 #include "proto/value.hpp"
 #include "services/resilience/core/run_problems.hpp"
 
@@ -24,16 +25,12 @@ std::string decided_text(const Alert& alert) {
 
 constexpr const char* kTrbRun = "trb scenario list names the runs, trb scenario watch a run's tasks";
 
-bool has(const std::vector<std::string>& words, const std::string& word) {
-  return std::ranges::find(words, word) != words.end();
-}
-
 /// The robot of all of them.
 Result<std::string> robot_of(const WatchedRun& run, const std::vector<std::string>& tasks) {
   std::string robot;
   for (const std::string& id : tasks) {
     const auto index = run.find_task(id);
-    if (!index) return fail(Errc::bad_value, "tasks: the run has no task '" + cut_utf8(id, 64) + "'", kTrbRun);
+    if (!index) return fail(Errc::bad_value, "tasks: the run contains no task '" + cut_utf8(id, 64) + "'", kTrbRun);
     const TaskView& task = run.view->tasks[*index];
     if (is_final(task)) {
       return fail(Errc::conflict, "task '" + id + "' is " + std::string(name_of(task.state)) + " already", kTrbRun);
@@ -93,7 +90,7 @@ Result<std::string> Verdicts::decide_lone(Alert& alert, const AlertDecide& body,
   return "alert " + alert.id + " " + decided_text(alert) + "; waits for: " + alert.waits_for;
 }
 
-/// The open alert that tells of the fault, which has outlived this one.
+/// The open alert that tells of the fault, which contains outlived this one.
 Alert* Verdicts::alert_of_fault(const Alert& alert) {
   const std::vector<std::string> broken = repairs_.still_broken(alert);
   for (Alert* other : alerts_.open()) {
@@ -119,8 +116,8 @@ Result<std::string> Verdicts::mend_again(Alert& alert, const AlertDecide& body, 
   return fail(Errc::conflict, name + "is closed: alert " + stands->id + " tells of the fault", "decide on that one");
 }
 
-/// It was decided before, or its run has ended: said once more it does no harm, a word may be added, `retry` says that
-/// the robot is mended.
+/// It was decided before, or its run contains ended: said once more it does no harm, a word may be added, `retry` says
+/// that the robot is mended.
 Result<std::string> Verdicts::decide_again(Alert& alert, const AlertDecide& body, Now now, Outbox& out) {
   const std::string name = "alert " + alert.id + " ";
   if (body.verdict == Verdict::retry && !is_open(alert) && !alert.robot.empty())
@@ -129,7 +126,7 @@ Result<std::string> Verdicts::decide_again(Alert& alert, const AlertDecide& body
                     (body.robot.empty() || alert.proposals.empty() || alert.proposals.front().robot == body.robot);
   if (alert.verdict == Verdict::none) return fail(Errc::conflict, name + "is closed: " + alert.waits_for);
   if (!same && decisions_.is_stuck(alert, now)) return decide(alert, body, now, out);
-  if (!same) return fail(Errc::conflict, name + decided_text(alert), "trb alert list --all has it");
+  if (!same) return fail(Errc::conflict, name + decided_text(alert), "trb alert list --all contains it");
   if (alert.state == AlertState::releasing && body.stands && !alert.needs_word) {
     alert.needs_word = true;
     out.record(alert);
@@ -173,7 +170,7 @@ Result<const WatchedRun*> Verdicts::choose_run(const std::string& beginning) con
 Result<Alert*> Verdicts::alert_of_tasks(const WatchedRun& run, const std::vector<std::string>& tasks) {
   for (Alert* alert : alerts_.open()) {
     if (alert->run != run.summary.run || !may_be_ruled(*alert)) continue;
-    const auto told = std::ranges::count_if(tasks, [&](const std::string& id) { return has(alert->tasks, id); });
+    const auto told = std::ranges::count_if(tasks, [&](const std::string& id) { return contains(alert->tasks, id); });
     if (told == 0) continue;
     if (static_cast<std::size_t>(told) == tasks.size()) return alert;
     return fail(Errc::conflict, "tasks: alert " + alert->id + " tells of some of them",
@@ -195,7 +192,7 @@ Result<std::string> Verdicts::decide_tasks(const AlertDecide& body, Now now, Out
   alert.cause = kAsked;
   alert.text = cut_utf8("asked by '" + body.person + "'" + (body.reason.empty() ? "" : ": " + body.reason), 1024);
   for (const std::string& id : body.tasks) {
-    if (!has(alert.tasks, id)) alert.tasks.push_back(id);
+    if (!contains(alert.tasks, id)) alert.tasks.push_back(id);
   }
   return decide_anew(std::move(alert), body, now, out);
 }

@@ -11,13 +11,6 @@ using namespace trb::resilience::test;
 
 namespace {
 
-std::string why_unfit(const Alert& alert, const std::string& robot) {
-  for (const Unfit& one : alert.unfit) {
-    if (one.robot == robot) return one.why;
-  }
-  return {};
-}
-
 ResilienceSettings settings_of(const std::string& criteria, ResilienceSettings base = default_resilience()) {
   const auto json = parse_json(R"({"criteria": )" + criteria + "}");
   REQUIRE(json.ok());

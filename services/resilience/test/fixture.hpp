@@ -21,6 +21,14 @@ namespace trb::resilience::test {
 
 inline const std::string kRun = "0123456789abcdef0123456789abcdef";
 
+/// Why the robot was not proposed, or "".
+inline std::string why_unfit(const Alert& alert, const std::string& robot) {
+  for (const Unfit& one : alert.unfit) {
+    if (one.robot == robot) return one.why;
+  }
+  return {};
+}
+
 class Fixture {
  public:
   explicit Fixture(ResilienceSettings settings = default_resilience(), Role role = Role::cloud);

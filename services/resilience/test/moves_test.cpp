@@ -11,13 +11,6 @@ using namespace trb::resilience::test;
 
 namespace {
 
-std::string why_unfit(const Alert& alert, const std::string& robot) {
-  for (const Unfit& one : alert.unfit) {
-    if (one.robot == robot) return one.why;
-  }
-  return {};
-}
-
 bool is_proposed(const Alert& alert, const std::string& robot) {
   return std::ranges::any_of(alert.proposals, [&](const Proposal& one) { return one.robot == robot; });
 }

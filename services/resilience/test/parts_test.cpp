@@ -1,5 +1,6 @@
 // From a trouble to the signed decision, part by part.
 #include "services/resilience/test/parts.hpp"
+#include "services/resilience/test/fixture.hpp"
 
 using namespace trb;
 using namespace trb::resilience;
@@ -13,14 +14,6 @@ AlertDecide verdict_of(Verdict verdict, const std::string& alert, const std::str
   out.alert = alert;
   out.robot = robot;
   out.person = "ann";
-  return out;
-}
-
-ResilienceSettings automatic() {
-  ResilienceSettings out = default_resilience();
-  out.policy.automatic = true;
-  out.policy.min_score = 0;
-  out.policy.min_lead = 0;
   return out;
 }
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "services/resilience/test/fixture.hpp"
+#include "services/resilience/test/wheels_fail.hpp"
 
 using namespace trb;
 using namespace trb::resilience;
@@ -20,11 +21,6 @@ std::unique_ptr<Fixture> pinned(const Words& ids) {
   fixture->restart();
   fixture->wait(seconds(6));
   return fixture;
-}
-
-void wheels_fail(Fixture& fixture) {
-  fixture.fault("ridgeback", "mobile");
-  fixture.end_task("t4", TaskOutcome::failed, "mobile is broken");
 }
 
 std::string decide_on(Fixture& fixture, const Words& tasks, Verdict verdict, const std::string& robot = "",

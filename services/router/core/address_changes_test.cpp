@@ -2,22 +2,12 @@
 #include <doctest/doctest.h>
 
 #include "services/router/test/test_fleet.hpp"
+#include "services/router/test/test_linked.hpp"
 
 using namespace trb;
 using namespace trb::router;
 using std::chrono::milliseconds;
 using Seconds = std::chrono::seconds;
-
-namespace {
-
-void check_linked(TestFleet& fleet, const std::string& a, const std::string& b) {
-  CAPTURE(a);
-  CAPTURE(b);
-  CHECK(fleet.at(a).link_to(b) != 0);
-  CHECK(fleet.at(a).link_to(b) == fleet.at(b).link_to(a));
-}
-
-}  // namespace
 
 TEST_CASE(
     "a node whose address changes is linked again at once, whichever id it has, with beacons or by its own dial") {

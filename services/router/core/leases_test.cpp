@@ -10,8 +10,6 @@ using Seconds = std::chrono::seconds;
 
 namespace {
 
-constexpr Duration kInstant{1};
-
 struct Clock {
   TestFleet fleet;
   TestNode& node;

@@ -102,7 +102,7 @@ bool says(const Effects& effects, std::string_view subtype) {
 }
 
 template <class T>
-bool has(const Effects& effects) {
+bool contains_a(const Effects& effects) {
   return std::any_of(effects.list.begin(), effects.list.end(),
                      [](const Effect& effect) { return std::holds_alternative<T>(effect); });
 }
@@ -121,18 +121,18 @@ TEST_CASE("a link that is closed here ends with a seal and a Goodbye; one that b
   Effects closed;
   ant.core->links().on_bad_frame(ant.link_to("bee"), fail(Errc::malformed, "header: no array"), fleet.now, closed);
   CHECK(says(closed, Goodbye::kSubtype));
-  CHECK(has<SealDue>(closed));
-  CHECK_FALSE(has<ReturnHeld>(closed));  // what came by it was delivered at once
+  CHECK(contains_a<SealDue>(closed));
+  CHECK_FALSE(contains_a<ReturnHeld>(closed));  // what came by it was delivered at once
   Effects broken;
   ant.core->links().on_ended(ant.link_to("cat"), LinkEnd::disconnected, fleet.now, broken);
-  CHECK(has<CloseLink>(broken));
+  CHECK(contains_a<CloseLink>(broken));
   CHECK_FALSE(says(broken, Goodbye::kSubtype));
-  CHECK_FALSE(has<SealDue>(broken));
+  CHECK_FALSE(contains_a<SealDue>(broken));
   Effects never;
   ant.core->links().on_bad_frame(dial, fail(Errc::malformed, "header: no array"), fleet.now, never);
-  CHECK(has<CloseLink>(never));
+  CHECK(contains_a<CloseLink>(never));
   CHECK_FALSE(says(never, Goodbye::kSubtype));
-  CHECK_FALSE(has<SealDue>(never));
+  CHECK_FALSE(contains_a<SealDue>(never));
 }
 
 TEST_CASE("how a dial ended is counted, unless nobody was there or the connection broke, as happens every day") {

@@ -24,7 +24,7 @@ LinkErrorTable ask(TestFleet& fleet, TestNode& node) {
   return {};
 }
 
-bool has(const LinkErrorTable& table, const std::string& peer, const std::string& code) {
+bool has_error(const LinkErrorTable& table, const std::string& peer, const std::string& code) {
   return std::any_of(table.errors.begin(), table.errors.end(),
                      [&](const LinkErrorRow& row) { return row.peer == peer && row.code == code; });
 }
@@ -56,8 +56,8 @@ TEST_CASE("a one-way cut is told apart from silence") {
   REQUIRE(ant.link_to("bee") != 0);
   fleet.cut("ant", "bee");
   fleet.run(Seconds(14));
-  CHECK(has(ask(fleet, bee), "ant", "not_heard"));
-  CHECK(has(ask(fleet, ant), "bee", "one_way"));
+  CHECK(has_error(ask(fleet, bee), "ant", "not_heard"));
+  CHECK(has_error(ask(fleet, ant), "bee", "one_way"));
 }
 
 TEST_CASE("a cut both ways is silence on both sides") {
@@ -69,9 +69,9 @@ TEST_CASE("a cut both ways is silence on both sides") {
   fleet.cut("ant", "bee");
   fleet.cut("bee", "ant");
   fleet.run(Seconds(14));
-  CHECK(has(ask(fleet, bee), "ant", "not_heard"));
-  CHECK(has(ask(fleet, ant), "bee", "not_heard"));
-  CHECK_FALSE(has(ask(fleet, ant), "bee", "one_way"));
+  CHECK(has_error(ask(fleet, bee), "ant", "not_heard"));
+  CHECK(has_error(ask(fleet, ant), "bee", "not_heard"));
+  CHECK_FALSE(has_error(ask(fleet, ant), "bee", "one_way"));
   fleet.heal();
   fleet.run(Seconds(5));
   REQUIRE(ant.link_to("bee") != 0);
@@ -167,7 +167,7 @@ TEST_CASE("a member whose clock is minutes away is told of, though its link is u
   ant.core->inbox().on_message(9, bee.link.public_key, hello(kStartUtc + 300'000'000'000), 1, fleet.now, effects);
   fleet.carry_out(ant, effects);
   REQUIRE(ant.link_to("bee") == 9);
-  CHECK(has(ask(fleet, ant), "bee", "clock_off"));
+  CHECK(has_error(ask(fleet, ant), "bee", "clock_off"));
 }
 
 TEST_CASE("a clock is told of when it is over a minute away, before or behind") {
@@ -182,7 +182,7 @@ TEST_CASE("a clock is told of when it is over a minute away, before or behind") 
                                  fleet.now, effects);
     fleet.carry_out(ant, effects);
     REQUIRE(ant.link_to("bee") == 9);
-    return has(ask(fleet, ant), "bee", "clock_off");
+    return has_error(ask(fleet, ant), "bee", "clock_off");
   };
   CHECK_FALSE(told(kMinute));
   CHECK(told(kMinute + 1));
@@ -202,8 +202,8 @@ TEST_CASE("a stranger's certificate and a beacon that does not open leave a row 
   ant.core->beacons().refuse("foreign_fleet", "beacon of another fleet", fleet.now, effects);
   fleet.carry_out(ant, effects);
   const LinkErrorTable table = ask(fleet, ant);
-  CHECK(has(table, "", "foreign_fleet"));
-  CHECK(has(table, "", "beacon.foreign_fleet"));
+  CHECK(has_error(table, "", "foreign_fleet"));
+  CHECK(has_error(table, "", "beacon.foreign_fleet"));
 }
 
 TEST_CASE("a node that was dialled and shows a certificate that does not hold leaves a row with its address") {
@@ -238,7 +238,7 @@ TEST_CASE("a node of another version leaves a row, by its name once that is prov
   const Message hello = make_message(MessageType::information, "bee", "", body);
   Effects effects;
   ant.core->handshake().on_other_version(0, bee.link.public_key, 1, header_of(hello, 1), fleet.now, effects);
-  CHECK(has(ask(fleet, ant), "bee", "version_mismatch"));
+  CHECK(has_error(ask(fleet, ant), "bee", "version_mismatch"));
 }
 
 TEST_CASE("troubles are bounded, and the oldest gives way") {
@@ -279,9 +279,9 @@ TEST_CASE(
   REQUIRE(nodes[0]->core->updates().on_update({record, {}}, 0, fleet.now, effects));
   fleet.carry_out(*nodes[0], effects);
   fleet.run(Seconds(1));
-  CHECK(has(ask(fleet, *nodes[0]), "cat", "cert_revoked"));
-  CHECK(has(ask(fleet, *nodes[1]), "cat", "cert_revoked"));
-  CHECK(has(ask(fleet, *nodes[2]), "cat", "own.cert_revoked"));
+  CHECK(has_error(ask(fleet, *nodes[0]), "cat", "cert_revoked"));
+  CHECK(has_error(ask(fleet, *nodes[1]), "cat", "cert_revoked"));
+  CHECK(has_error(ask(fleet, *nodes[2]), "cat", "own.cert_revoked"));
 }
 
 TEST_CASE("a stranger's trouble bears no name that it has not proven") {
@@ -296,9 +296,9 @@ TEST_CASE("a stranger's trouble bears no name that it has not proven") {
     ant.core->inbox().on_message(random_u64(), intruder.link.public_key,
                                  make_message(MessageType::information, name, "", hello), 1, fleet.now, effects);
     fleet.carry_out(ant, effects);
-    CHECK_FALSE(has(ask(fleet, ant), name, "foreign_fleet"));
+    CHECK_FALSE(has_error(ask(fleet, ant), name, "foreign_fleet"));
   }
-  CHECK(has(ask(fleet, ant), "", "foreign_fleet"));
+  CHECK(has_error(ask(fleet, ant), "", "foreign_fleet"));
   // One that is ended is named: its key and its authority's signature prove whose it is.
   TestKeys dog = fleet.authority.sign_node("dog", Role::robot);
   dog.certificate.not_after = kStartUtc - 1;
@@ -307,7 +307,7 @@ TEST_CASE("a stranger's trouble bears no name that it has not proven") {
   Effects effects;
   ant.core->inbox().on_message(random_u64(), dog.link.public_key,
                                make_message(MessageType::information, "dog", "", late), 1, fleet.now, effects);
-  CHECK(has(ask(fleet, ant), "dog", "cert_expired"));
+  CHECK(has_error(ask(fleet, ant), "dog", "cert_expired"));
 }
 
 TEST_CASE("a frame that is none leaves a row of the peer that sent it") {
@@ -317,5 +317,5 @@ TEST_CASE("a frame that is none leaves a row of the peer that sent it") {
   fleet.run(milliseconds(500));
   Effects effects;
   ant.core->links().on_bad_frame(ant.link_to("bee"), fail(Errc::malformed, "header: no array"), fleet.now, effects);
-  CHECK(has(ask(fleet, ant), "bee", "malformed"));
+  CHECK(has_error(ask(fleet, ant), "bee", "malformed"));
 }

@@ -12,7 +12,6 @@ using Seconds = std::chrono::seconds;
 
 namespace {
 
-constexpr Duration kInstant{1};
 constexpr Duration kDay = hours(24);
 
 struct Ant {

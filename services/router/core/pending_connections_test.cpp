@@ -10,7 +10,7 @@ using namespace trb::router;
 
 namespace {
 
-struct Inbox {
+struct BoundedInbox {
   PendingConnections pending_connections{
       PendingConnectionLimits{.open_from_one = 4, .failures_of_one = 8, .open = 12, .sources = 20, .blocked = 3}};
   MonotonicTime now{1'000'000'000};
@@ -55,7 +55,7 @@ TEST_CASE("a pending connection is undecided until it is linked, or refused by a
 }
 
 TEST_CASE("a connection has 4 s to become a link") {
-  Inbox inbox;
+  BoundedInbox inbox;
   const auto silent = inbox.come("a");
   const auto member = inbox.come("b");
   CHECK(inbox.pending_connections.unproven() == 2);
@@ -69,7 +69,7 @@ TEST_CASE("a connection has 4 s to become a link") {
 }
 
 TEST_CASE("a link that is over is cut once its Goodbye may have been read") {
-  Inbox inbox;
+  BoundedInbox inbox;
   const auto member = inbox.come("a");
   inbox.pending_connections.linked(member);
   inbox.pending_connections.leave(member, inbox.now);
@@ -80,7 +80,7 @@ TEST_CASE("a link that is over is cut once its Goodbye may have been read") {
 }
 
 TEST_CASE("too many at a time from one source: they are cut, the source is kept out for 10 s, nobody else is") {
-  Inbox inbox;
+  BoundedInbox inbox;
   const auto good = inbox.come("good");
   for (int i = 0; i < 4; ++i) inbox.come("bad");
   CHECK(!inbox.look().filter_changed);
@@ -98,7 +98,7 @@ TEST_CASE("too many at a time from one source: they are cut, the source is kept 
 }
 
 TEST_CASE("one after the other is noticed too") {
-  Inbox inbox;
+  BoundedInbox inbox;
   for (int i = 0; i < 8; ++i) inbox.pending_connections.gone(inbox.come("bad"), inbox.now);
   CHECK(inbox.look().newly_blocked.empty());
   inbox.pending_connections.gone(inbox.come("bad"), inbox.now);
@@ -106,7 +106,7 @@ TEST_CASE("one after the other is noticed too") {
 }
 
 TEST_CASE("a few failures in every window harm nobody, and links that end are none") {
-  Inbox inbox;
+  BoundedInbox inbox;
   for (int window = 0; window < 5; ++window) {
     for (int i = 0; i < 8; ++i) inbox.pending_connections.gone(inbox.come("clumsy"), inbox.now);
     for (int i = 0; i < 30; ++i) {
@@ -120,7 +120,7 @@ TEST_CASE("a few failures in every window harm nobody, and links that end are no
 }
 
 TEST_CASE("from many sources: the inbox closes until half of them are gone") {
-  Inbox inbox;
+  BoundedInbox inbox;
   std::vector<PendingConnectionId> ids;
   for (int i = 0; i < 12; ++i) ids.push_back(inbox.come("source " + std::to_string(i)));
   CHECK(inbox.look().filter_changed);
@@ -134,7 +134,7 @@ TEST_CASE("from many sources: the inbox closes until half of them are gone") {
 }
 
 TEST_CASE("more sources than can be kept out, or remembered") {
-  Inbox inbox;
+  BoundedInbox inbox;
   for (int source = 0; source < 4; ++source) {
     for (int i = 0; i < 9; ++i)
       inbox.pending_connections.gone(inbox.come("source " + std::to_string(source)), inbox.now);
@@ -149,7 +149,7 @@ TEST_CASE("more sources than can be kept out, or remembered") {
 }
 
 TEST_CASE("only who said nothing in time has expired; who stays all the same is cut again and again") {
-  Inbox inbox;
+  BoundedInbox inbox;
   const auto silent = inbox.come("a");
   const auto refused = inbox.come("b");
   inbox.pending_connections.leave(refused, inbox.now);
@@ -160,7 +160,7 @@ TEST_CASE("only who said nothing in time has expired; who stays all the same is 
 }
 
 TEST_CASE("a second refusal buys no more time, and a number that is nobody's changes nothing") {
-  Inbox inbox;
+  BoundedInbox inbox;
   const auto refused = inbox.come("a");
   inbox.pending_connections.leave(refused, inbox.now);
   CHECK(inbox.wait(0.4).cut.empty());
@@ -176,7 +176,7 @@ TEST_CASE("a second refusal buys no more time, and a number that is nobody's cha
 }
 
 TEST_CASE("a link of a source that is shut out stays") {
-  Inbox inbox;
+  BoundedInbox inbox;
   const auto member = inbox.come("nat");
   inbox.pending_connections.linked(member);
   std::vector<PendingConnectionId> strangers;
@@ -186,7 +186,7 @@ TEST_CASE("a link of a source that is shut out stays") {
 }
 
 TEST_CASE("failures are counted anew when their window ends, to the moment") {
-  Inbox inbox;
+  BoundedInbox inbox;
   inbox.fail("clumsy", 8);
   inbox.now = inbox.now + seconds(10);
   inbox.fail("clumsy", 8);
@@ -196,7 +196,7 @@ TEST_CASE("failures are counted anew when their window ends, to the moment") {
 }
 
 TEST_CASE("the filter is set anew when a source is shut out or let in again, and for nothing else") {
-  Inbox inbox;
+  BoundedInbox inbox;
   inbox.fail("bad", 9);
   inbox.pending_connections.tick(inbox.now);
   CHECK(inbox.look().filter_changed);
@@ -207,7 +207,7 @@ TEST_CASE("the filter is set anew when a source is shut out or let in again, and
 }
 
 TEST_CASE("a source is forgotten when nothing of it is open and its window is over, not before") {
-  Inbox inbox;
+  BoundedInbox inbox;
   SUBCASE("then nothing is due any more") {
     inbox.fail("once", 1);
     inbox.pending_connections.tick(inbox.now + seconds(5));
@@ -232,7 +232,7 @@ TEST_CASE("a source is forgotten when nothing of it is open and its window is ov
 }
 
 TEST_CASE("a source beyond those that can be remembered is not counted, and counts right once there is room") {
-  Inbox inbox;
+  BoundedInbox inbox;
   for (int source = 0; source < 19; ++source) inbox.fail("source " + std::to_string(source), 1);
   for (int i = 0; i < 5; ++i) inbox.come("the twentieth");
   CHECK(inbox.look().newly_blocked == std::vector<std::string>{"the twentieth"});

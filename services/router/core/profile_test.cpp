@@ -29,12 +29,12 @@ NodeProfile large(std::size_t bytes) {
   return profile;
 }
 
-struct Pair {
+struct ProfilePair {
   TestFleet fleet;
   TestNode& ant = fleet.start("ant");
   TestNode& bee = fleet.start("bee");
 
-  Pair() { fleet.run(Seconds(1)); }
+  ProfilePair() { fleet.run(Seconds(1)); }
   void tell(const Bytes& profile) {
     fleet.say("bee", "ant", std::string(NodeProfile::kSubtype), profile);
     fleet.run(2 * kStep);
@@ -66,7 +66,7 @@ struct Pair {
 }  // namespace
 
 TEST_CASE("a peer's profile over 64 KiB is refused: the one before stands, and so does the link") {
-  Pair pair;
+  ProfilePair pair;
   const LinkId link = pair.ant.link_to("bee");
   pair.tell(encode(large(60'000)));
   const NodeProfile before = pair.ant.peer("bee")->profile;
@@ -86,7 +86,7 @@ TEST_CASE("a peer's profile over 64 KiB is refused: the one before stands, and s
 }
 
 TEST_CASE("a profile that is small on the wire and grows as it is read is measured as it is kept") {
-  Pair pair;
+  ProfilePair pair;
   // 128 skills of 32 parameters, each an empty array: a byte as it comes, eight as it is packed again.
   Bytes data("\x9f\xa0\xa0\xa0\xa0\xa0\x90\x90\xdc\x00\x80", 11);
   for (int skill = 0; skill < 128; ++skill) {
@@ -102,7 +102,7 @@ TEST_CASE("a profile that is small on the wire and grows as it is read is measur
 }
 
 TEST_CASE("the node's own profile that no peer would take is not told, and doctor says why") {
-  Pair pair;
+  ProfilePair pair;
   pair.serve("mode-adapter", 1);
   NodeProfile profile = large(20'000);
   pair.own(1, profile);
@@ -117,7 +117,7 @@ TEST_CASE("the node's own profile that no peer would take is not told, and docto
 }
 
 TEST_CASE("what is out of use is told whole, and where there is no room for the words, without them") {
-  Pair pair;
+  ProfilePair pair;
   pair.serve("mode-adapter", 1);
   NodeProfile profile = large(20'000);
   for (int i = 0; i < 60; ++i) {
@@ -136,7 +136,7 @@ TEST_CASE("what is out of use is told whole, and where there is no room for the 
 }
 
 TEST_CASE("of too much that is plugged in the details go first, then the sensors, never the robot") {
-  Pair pair;
+  ProfilePair pair;
   pair.serve("mode-adapter", 1);
   pair.serve("sensor-bus", 2);
   NodeProfile robot = large(30'000);
@@ -169,7 +169,7 @@ TEST_CASE("of too much that is plugged in the details go first, then the sensors
 }
 
 TEST_CASE("a Hello over 4 kB is nobody's, a member's neither: its profile follows when the link is up") {
-  Pair pair;
+  ProfilePair pair;
   TestNode& cat = pair.fleet.start("cat");
   pair.fleet.run(Seconds(2));
   REQUIRE(pair.ant.link_to("cat") != 0);
@@ -213,7 +213,7 @@ TEST_CASE("a table of many large profiles comes in pages, each of which its read
 }
 
 TEST_CASE("what a hearer would have to refuse is not sent; who waits for it is told") {
-  Pair pair;
+  ProfilePair pair;
   RouterConfig config;  // more services than a table has rows
   config.id = "many";
   for (int i = 0; i < 40; ++i) config.services.push_back("s" + std::to_string(i));

@@ -9,10 +9,10 @@ using Seconds = std::chrono::seconds;
 
 namespace {
 
-struct Pair {
+struct PairOfRole {
   TestFleet fleet;
   TestNode* ant = nullptr;
-  explicit Pair(Role bee_role) {
+  explicit PairOfRole(Role bee_role) {
     fleet.keys("bee") = fleet.authority.sign_node("bee", bee_role);
     ant = &fleet.start("ant");
     fleet.start("bee");
@@ -30,9 +30,9 @@ struct Pair {
 }  // namespace
 
 TEST_CASE("what only a robot can know is taken from a robot's node, and not from the cloud's") {
-  Pair robot(Role::robot);
+  PairOfRole robot(Role::robot);
   CHECK(robot.hear(MessageType::information, RobotFault{}) == Errc::no_service);  // allowed; nobody takes it here
-  Pair cloud(Role::cloud);
+  PairOfRole cloud(Role::cloud);
   CHECK(cloud.hear(MessageType::information, RobotFault{}) == Errc::not_permitted);
   CHECK(cloud.ant->count("refused.not_permitted") == 1);
   CHECK(std::find(
@@ -42,7 +42,7 @@ TEST_CASE("what only a robot can know is taken from a robot's node, and not from
 }
 
 TEST_CASE("what belongs to a node's own bus is taken from no link") {
-  Pair pair(Role::cloud);
+  PairOfRole pair(Role::cloud);
   CHECK(pair.hear(MessageType::command, Execute{}) == Errc::not_permitted);
   CHECK(pair.hear(MessageType::information, PeerExpired{"ant", "a lie"}) == Errc::not_permitted);
   CHECK(pair.hear(MessageType::information, ServiceWelcome{}) == Errc::not_permitted);

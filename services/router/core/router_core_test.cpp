@@ -11,7 +11,7 @@ using Seconds = std::chrono::seconds;
 
 namespace {
 
-bool logged(const Effects& effects, const std::string& event) {
+bool logs(const Effects& effects, const std::string& event) {
   return std::any_of(effects.list.begin(), effects.list.end(), [&](const Effect& effect) {
     const auto* line = std::get_if<Log>(&effect);
     return line != nullptr && line->event == event;
@@ -62,7 +62,7 @@ TEST_CASE("what was in force before a start is in force after it, before anythin
   Effects effects;
   again.start(fleet.now, effects);
   CHECK(std::count(effects.counts.begin(), effects.counts.end(), "news.lists") == 1);
-  CHECK(logged(effects, "own_certificate_over"));
+  CHECK(logs(effects, "own_certificate_over"));
 }
 
 TEST_CASE("a node that starts with a certificate that has ended says so at once; a clock that is behind, too") {
@@ -75,10 +75,10 @@ TEST_CASE("a node that starts with a certificate that has ended says so at once;
     return effects;
   };
   const Certificate& own = ant.keys.certificate;
-  CHECK_FALSE(logged(starts({own.not_after - 1}), "own_certificate_over"));
-  CHECK(logged(starts({own.not_after}), "own_certificate_over"));
-  CHECK_FALSE(logged(starts({own.not_before}), "clock_unverified"));
-  CHECK(logged(starts({own.not_before - 1}), "clock_unverified"));
+  CHECK_FALSE(logs(starts({own.not_after - 1}), "own_certificate_over"));
+  CHECK(logs(starts({own.not_after}), "own_certificate_over"));
+  CHECK_FALSE(logs(starts({own.not_before}), "clock_unverified"));
+  CHECK(logs(starts({own.not_before - 1}), "clock_unverified"));
 }
 
 TEST_CASE("the table says of each node whether it is there, since when it is silent, and who dialled") {

@@ -10,18 +10,18 @@ using Seconds = std::chrono::seconds;
 
 namespace {
 
-std::size_t logged(const TestNode& node, std::string_view event) {
+std::size_t times_logged(const TestNode& node, std::string_view event) {
   return static_cast<std::size_t>(std::count_if(node.log.begin(), node.log.end(),
                                                 [&](const std::string& line) { return line.starts_with(event); }));
 }
 
 /// ant and bee, linked; bee's mode-adapter takes what ant's robot says.
-struct Pair {
+struct SealedPair {
   TestFleet fleet;
   TestNode& ant;
   TestNode& bee;
 
-  explicit Pair(bool before_delivery = false)
+  explicit SealedPair(bool before_delivery = false)
       : ant(fleet.start("ant")), bee(fleet.start("bee", {.seal_before_delivery = before_delivery})) {
     Effects effects;
     bee.core->bus().on_hello(1, {"mode-adapter", {}, 5, 100, "1"}, "mode-adapter", fleet.now, effects);
@@ -46,7 +46,7 @@ struct Pair {
     const LinkId before = ant.link_to("bee");
     fleet.run(milliseconds(100));
     CHECK(bee.count("refused.seal_" + reason) == 1);
-    CHECK(logged(bee, "seal_alarm_" + reason + " ") == 1);
+    CHECK(times_logged(bee, "seal_alarm_" + reason + " ") == 1);
     CHECK(bee.link_to("ant") == 0);
     CHECK(ant.link_to("bee") == 0);
     fleet.meddle = nullptr;
@@ -60,7 +60,7 @@ struct Pair {
 }  // namespace
 
 TEST_CASE("what a node says is sealed within 20 ms and checked; an idle link stays up on sealed keep-alives") {
-  Pair pair;
+  SealedPair pair;
   const std::uint64_t sent = pair.ant.count("seals.sent");
   const std::uint64_t checked = pair.bee.count("seals.checked");
   pair.say("one");
@@ -76,7 +76,7 @@ TEST_CASE("what a node says is sealed within 20 ms and checked; an idle link sta
 }
 
 TEST_CASE("a seal leaves 20 ms after the first message that it covers, and no router is awake for nothing") {
-  Pair pair;
+  SealedPair pair;
   pair.fleet.run(milliseconds(100));
   const std::uint64_t sent = pair.ant.count("seals.sent");
   const std::uint64_t messages = pair.bee.count("seals.messages");
@@ -98,7 +98,7 @@ TEST_CASE("a seal leaves 20 ms after the first message that it covers, and no ro
 }
 
 TEST_CASE("the 64th message calls for its seal at once, though nothing is said after it") {
-  Pair pair;
+  SealedPair pair;
   pair.fleet.run(milliseconds(100));
   const std::uint64_t sent = pair.ant.count("seals.sent");
   pair.say("first");
@@ -113,7 +113,7 @@ TEST_CASE("the 64th message calls for its seal at once, though nothing is said a
 }
 
 TEST_CASE("a frame that did not leave is taken back: the next one bears its number, and no seal covers it") {
-  Pair pair;
+  SealedPair pair;
   const LinkId link = pair.ant.link_to("bee");
   Bytes lost = encode_frame(make_message(MessageType::information, "ant", "bee", RobotFault{}));
   REQUIRE(pair.ant.core->seals().send(link, lost.data(), lost.size(), pair.fleet.now).known);
@@ -131,7 +131,7 @@ TEST_CASE("a frame that did not leave is taken back: the next one bears its numb
 }
 
 TEST_CASE("of a link that is not there nothing is sealed, numbered or heard") {
-  Pair pair;
+  SealedPair pair;
   RouterCore& core = *pair.ant.core;
   const LinkId none = 4711;
   Bytes frame = encode_frame(make_message(MessageType::information, "ant", "bee", RobotFault{}));
@@ -178,7 +178,7 @@ TEST_CASE("before the peer's Hello nobody knows for whom to seal") {
 }
 
 TEST_CASE("a signature that is found wrong when its link has ended raises the alarm all the same, and ends no other") {
-  Pair pair;
+  SealedPair pair;
   const LinkId link = pair.bee.link_to("ant");
   CheckSeal late;
   late.link = 4711;
@@ -187,19 +187,19 @@ TEST_CASE("a signature that is found wrong when its link has ended raises the al
   pair.bee.core->forwarding().on_seal_checked(late, false, pair.fleet.now, effects);
   pair.fleet.carry_out(pair.bee, effects);
   CHECK(pair.bee.count("refused.seal_wrong_signature") == 1);
-  CHECK(logged(pair.bee, "seal_alarm_wrong_signature link 4711 of ant, which has ended: wrong_signature") == 1);
+  CHECK(times_logged(pair.bee, "seal_alarm_wrong_signature link 4711 of ant, which has ended: wrong_signature") == 1);
   CHECK(pair.bee.link_to("ant") == link);
   late.link = link;
   const std::uint64_t heard = pair.bee.core->table().link(link)->heard;
   pair.bee.core->forwarding().on_seal_checked(late, false, pair.fleet.now, effects);
   pair.fleet.carry_out(pair.bee, effects);
-  CHECK(logged(pair.bee, "seal_alarm_wrong_signature link " + std::to_string(link) + " of ant, after sequence " +
-                             std::to_string(heard) + ": wrong_signature") == 1);
+  CHECK(times_logged(pair.bee, "seal_alarm_wrong_signature link " + std::to_string(link) + " of ant, after sequence " +
+                                   std::to_string(heard) + ": wrong_signature") == 1);
   CHECK(pair.bee.link_to("ant") == 0);
 }
 
 TEST_CASE("a burst is sealed by the 64") {
-  Pair pair;
+  SealedPair pair;
   const std::uint64_t sent = pair.ant.count("seals.sent");
   for (int i = 0; i < 1000; ++i) pair.say("burst");
   pair.fleet.run(milliseconds(100));
@@ -209,7 +209,7 @@ TEST_CASE("a burst is sealed by the 64") {
 }
 
 TEST_CASE("a seal that is wrong ends the link with an alarm, and the member dials again") {
-  Pair pair;
+  SealedPair pair;
   pair.say("one");
   SUBCASE("signed with another key") {
     pair.change_seals([](SealedRange&) {}, false);
@@ -230,7 +230,7 @@ TEST_CASE("a seal that is wrong ends the link with an alarm, and the member dial
 }
 
 TEST_CASE("a message that was changed behind the link's encryption is found by its seal") {
-  Pair pair;
+  SealedPair pair;
   pair.say("one");
   pair.fleet.meddle = [](const std::string&, LinkId, std::uint64_t&, Message& message) {
     if (message.subtype == "note") message.data = "two";
@@ -240,7 +240,7 @@ TEST_CASE("a message that was changed behind the link's encryption is found by i
 }
 
 TEST_CASE("seals that stay away are missed at the 65th message, or at the second keep-alive") {
-  Pair pair;
+  SealedPair pair;
   std::map<LinkId, std::uint64_t> lost;
   pair.fleet.meddle = [&](const std::string& from, LinkId link, std::uint64_t& sequence, Message& message) {
     if (from != "ant") return true;
@@ -262,7 +262,7 @@ TEST_CASE("seals that stay away are missed at the 65th message, or at the second
 }
 
 TEST_CASE("before_delivery: a message waits for its seal, and the sender seals each at once") {
-  Pair pair(true);
+  SealedPair pair(true);
   CHECK(pair.bee.core->seals().holds(pair.bee.link_to("ant")));
   const std::uint64_t sent = pair.ant.count("seals.sent");
   for (const char* data : {"one", "two", "three"}) pair.say(data);
@@ -290,7 +290,7 @@ std::size_t nacks(const TestNode& node, std::string_view code) {
 }  // namespace
 
 TEST_CASE("before_delivery: what waits for a seal when the link ends is counted, told its sender, and not delivered") {
-  Pair pair(true);
+  SealedPair pair(true);
   Effects effects;
   pair.ant.core->bus().on_hello(1, {"mode-adapter", {}, 5, 100, "1"}, "mode-adapter", pair.fleet.now, effects);
   pair.fleet.carry_out(pair.ant, effects);
@@ -320,7 +320,7 @@ TEST_CASE("before_delivery: what waits for a seal when the link ends is counted,
 }
 
 TEST_CASE("before_delivery: so many bytes wait for a seal and no more") {
-  Pair pair(true);
+  SealedPair pair(true);
   std::map<LinkId, std::uint64_t> lost;
   pair.fleet.meddle = [&](const std::string& from, LinkId link, std::uint64_t& sequence, Message& message) {
     if (from != "ant") return true;
@@ -364,7 +364,7 @@ TEST_CASE("a Hello that wants not to be sealed, or in a way unknown here, is ref
 }
 
 TEST_CASE("what was said last before a link ends without a word stays unproven, and is counted so") {
-  Pair pair;
+  SealedPair pair;
   pair.say("last words");
   pair.fleet.meddle = [](const std::string&, LinkId, std::uint64_t&, Message& message) {
     return message.subtype != Seal::kSubtype;
@@ -373,5 +373,5 @@ TEST_CASE("what was said last before a link ends without a word stays unproven, 
   pair.fleet.stop("ant");
   pair.fleet.run(Seconds(11));
   CHECK(pair.bee.count("seals.open_ends") == 1);
-  CHECK(logged(pair.bee, "open_end ") == 1);
+  CHECK(times_logged(pair.bee, "open_end ") == 1);
 }

@@ -13,7 +13,7 @@
 namespace trb::router {
 namespace {
 
-constexpr int kBatch = 64;
+constexpr int kBeaconBatch = 64;
 constexpr std::size_t kMaxDatagram = 4096;
 
 struct Address {
@@ -99,7 +99,7 @@ void BeaconSocket::send(BytesView datagram) {
 
 void BeaconSocket::drain() {
   std::array<char, kMaxDatagram> buffer{};
-  for (int i = 0; i < kBatch; ++i) {
+  for (int i = 0; i < kBeaconBatch; ++i) {
     const ssize_t size = ::recv(in_, buffer.data(), buffer.size(), 0);
     if (size < 0) return;
     on_datagram_({buffer.data(), static_cast<std::size_t>(size)});

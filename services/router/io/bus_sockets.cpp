@@ -1,12 +1,12 @@
 #include "services/router/io/bus_sockets.hpp"
 
 #include "common/base/files.hpp"
+#include "common/transport/socket.hpp"
 #include "services/router/io/frame_forwarder.hpp"
 
 namespace trb::router {
 namespace {
 
-constexpr int kBatch = 256;
 constexpr int kLossyCounts = 32;  ///< for so many: a flood of what may be lost leaves the turn to others after eight
 
 }  // namespace
@@ -55,7 +55,7 @@ void BusSockets::drain(Server& server) {
   Frame routing_id;
   Frame frame;
   std::size_t bytes = 0;
-  for (int i = 0; i < kBatch && bytes < kTurnBytes; ++i) {
+  for (int i = 0; i < kTurnMessages && bytes < kTurnBytes; ++i) {
     if (!server.socket.receive(routing_id)) return;
     if (!routing_id.more() || !server.socket.receive(frame)) continue;
     bytes += frame.size();

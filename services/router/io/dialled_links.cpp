@@ -2,16 +2,11 @@
 
 #include "common/base/address.hpp"
 #include "common/config/interfaces.hpp"
+#include "common/transport/socket.hpp"
 #include "services/router/io/frame_forwarder.hpp"
 #include "services/router/io/link_event_end.hpp"
 
 namespace trb::router {
-namespace {
-
-constexpr int kBatch = 256;
-
-}  // namespace
-
 DialledLinks::DialledLinks(ShellContext& shell, FrameForwarder& forwarder, CurveKeys keys)
     : shell_(shell), forwarder_(forwarder), keys_(std::move(keys)) {}
 
@@ -96,7 +91,7 @@ std::optional<SendResult> DialledLinks::send(LinkId link, Frame&& frame) {
 void DialledLinks::drain(LinkId link) {
   Frame frame;
   std::size_t bytes = 0;
-  for (int i = 0; i < kBatch && bytes < kTurnBytes; ++i) {
+  for (int i = 0; i < kTurnMessages && bytes < kTurnBytes; ++i) {
     const auto at = dialled_.find(link);
     if (at == dialled_.end() || !at->second.socket->receive(frame)) return;
     bytes += frame.size();

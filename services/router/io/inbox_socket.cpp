@@ -3,14 +3,13 @@
 #include <algorithm>
 
 #include "common/base/hex.hpp"
+#include "common/transport/socket.hpp"
 #include "services/router/io/frame_forwarder.hpp"
 #include "services/router/io/own_frame.hpp"
 #include "services/router/io/peer_sources.hpp"
 
 namespace trb::router {
 namespace {
-
-constexpr int kBatch = 256;
 
 /// The key that the frame's connection has proven. Nothing: none of 32 bytes.
 std::optional<Bytes> key_of(const Frame& frame) {
@@ -107,7 +106,7 @@ void InboxSocket::drain() {
   Frame routing_id;
   Frame frame;
   std::size_t bytes = 0;
-  for (int i = 0; i < kBatch && bytes < kTurnBytes; ++i) {
+  for (int i = 0; i < kTurnMessages && bytes < kTurnBytes; ++i) {
     if (!socket_->receive(routing_id)) return;
     if (!routing_id.more() || !socket_->receive(frame)) continue;
     bytes += frame.size();

@@ -8,7 +8,7 @@
 namespace trb::router {
 namespace {
 
-constexpr int kBatch = 64;
+constexpr int kSubscriptionBatch = 64;
 constexpr std::size_t kBytes = 4U << 20U;  ///< that may wait for one who listens
 constexpr char kListen = 1;                ///< a subscription's first byte; the rest is its topic
 constexpr char kListenNoMore = 0;
@@ -110,7 +110,7 @@ void LaneServer::link_closed(LinkId link) {
 
 void LaneServer::drain() {
   Frame frame;
-  for (int i = 0; i < kBatch; ++i) {
+  for (int i = 0; i < kSubscriptionBatch; ++i) {
     if (!socket_->receive(frame)) {
       mixed_up_ = false;
       return;

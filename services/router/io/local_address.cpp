@@ -3,7 +3,7 @@
 namespace trb::router {
 namespace {
 
-constexpr Duration kAgain = std::chrono::seconds(2);
+constexpr Duration kLookAgain = std::chrono::seconds(2);
 
 }  // namespace
 
@@ -33,7 +33,7 @@ Status LocalAddress::open() {
     // A fresh IPv6 address is of no use until the kernel has asked whether another host has it.
     if (!is_ipv6(host.address)) return bound;
     wait_text_ = bound.error().text();
-    look_again_ = read_clocks().mono + kAgain;
+    look_again_ = read_clocks().mono + kLookAgain;
   }
   if (!wait_text_.empty()) log_event(Level::warning, "waiting", wait_text_ + "; " + host.hint);
   follow_vpn(there);
@@ -58,14 +58,14 @@ void LocalAddress::open_lane() {
   const Status opened = lanes_.own().open(host_.address, lane_port_);
   if (opened) return;
   shell_.log(Level::warning, "no_lane", opened.error().text());
-  look_again_in(kAgain);
+  look_again_in(kLookAgain);
 }
 
 void LocalAddress::follow_interfaces() {
   look_again_.reset();
   const std::vector<Interface> there = interfaces();
   // Every machine has a loopback: the list could not be read, for want of a descriptor. Nothing is known to have gone.
-  if (there.empty()) return look_again_in(kAgain);
+  if (there.empty()) return look_again_in(kLookAgain);
   const Resolved host = look_up(there);
   if (host.address != host_.address || host.broadcast != host_.broadcast) {
     move_to(host);
@@ -95,7 +95,7 @@ void LocalAddress::move_to(const Resolved& host) {
   shell_.carry_out(effects);
   if (Status bound = bind(host); !bound) {
     log_event(Level::warning, "cannot_bind", bound.error().text());
-    look_again_ = read_clocks().mono + kAgain;
+    look_again_ = read_clocks().mono + kLookAgain;
   }
 }
 
@@ -135,7 +135,7 @@ void LocalAddress::move_vpn_to(const std::string& endpoint) {
   if (endpoint.empty()) return;
   if (Status bound = inbox_.bind(endpoint); !bound) {
     log_event(Level::warning, "cannot_bind", bound.error().text());
-    return look_again_in(kAgain);
+    return look_again_in(kLookAgain);
   }
   vpn_endpoint_ = endpoint;
   log_event(Level::info, "vpn_here", endpoint);

@@ -31,7 +31,7 @@ constexpr std::uint64_t kLeastSegment = 64U << 10U;
 /// A router that starts again and again leaves small ones: each counts as at least so much of a whole one, so that
 /// their number is bounded too.
 constexpr std::uint64_t kLeastPart = 8;
-constexpr std::size_t kMaxQueued = 16U << 20U;
+constexpr std::size_t kMaxQueuedBytes = 16U << 20U;
 constexpr std::size_t kWriteAtOnce = 1U << 20U;
 constexpr std::size_t kMaxMended = 80U << 20U;  ///< the largest segment, and a range
 constexpr auto kGather = std::chrono::milliseconds(100);
@@ -64,7 +64,7 @@ bool ProofWriter::put(ProofBatch&& batch) {
     const std::lock_guard lock(mutex_);
     const std::size_t size = batch.records.size();
     std::size_t& of_peer = queued_of_[batch.peer];
-    if (of_peer + size > kMaxQueued - queued_) return false;
+    if (of_peer + size > kMaxQueuedBytes - queued_) return false;
     const std::size_t before = queued_;
     of_peer += size;
     queued_ += size;

@@ -9,7 +9,7 @@
 namespace trb::router {
 namespace {
 
-constexpr int kAgain = 75;  ///< the supervisor starts the router again at once
+constexpr int kStartAgain = 75;  ///< the supervisor starts the router again at once
 
 }  // namespace
 
@@ -56,7 +56,7 @@ int RouterShell::run() {
   Loop& loop = shell_.loop();
   int status = 0;
   Signals signals(loop, [&](int signal) {
-    status = signal == SIGHUP ? kAgain : 0;
+    status = signal == SIGHUP ? kStartAgain : 0;
     log_event(Level::info, "stopping", "signal " + std::to_string(signal));
     loop.stop();
   });

@@ -13,7 +13,7 @@
 namespace trb::router {
 namespace {
 
-constexpr std::size_t kMaxQueued = 64;
+constexpr std::size_t kMaxQueuedRanges = 64;
 /// Below the threads that carry messages, where they share a core.
 constexpr int kNice = 5;
 
@@ -37,7 +37,7 @@ SealChecker::~SealChecker() {
 bool SealChecker::put(CheckSeal&& seal) {
   {
     const std::lock_guard lock(mutex_);
-    if (queue_.size() >= kMaxQueued) return false;
+    if (queue_.size() >= kMaxQueuedRanges) return false;
     queue_.push_back(std::move(seal));
   }
   wake_.notify_one();

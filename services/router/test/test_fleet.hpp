@@ -17,6 +17,7 @@ namespace trb::router {
 
 constexpr std::int64_t kStartUtc = 1'772'366'400'000'000'000;
 constexpr Duration kStep = std::chrono::milliseconds(10);
+constexpr Duration kInstant{1};
 
 /// What a fleet authority would have given a node.
 struct TestKeys {

@@ -5,13 +5,13 @@
 #include "common/base/errc.hpp"
 #include "proto/body.hpp"
 #include "proto/value.hpp"
+#include "services/scheduler/core/run/signature.hpp"
 
 namespace trb::scheduler {
 namespace {
 
 constexpr Duration kQuestion = std::chrono::seconds(1);
 constexpr Duration kRunningQuestion = std::chrono::seconds(5);  // only finds a restart whose message was lost
-constexpr Duration kSign = std::chrono::seconds(2);
 
 /// Refusals that pass: the attempt was not begun, and may be commanded again later.
 constexpr Errc kPassing[] = {
@@ -197,7 +197,7 @@ void Executor::end(TaskOutcome outcome, const std::string& reason, Now now, Outb
 }
 
 void Executor::sign(Now now, Outbox& out) {
-  attempt_->next = now.mono + kSign;
+  attempt_->next = now.mono + kSignAgain;
   out.request(node_, SignRequest{std::string(kSignedResult), {attempt_->payload}});
 }
 

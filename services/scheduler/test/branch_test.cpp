@@ -9,7 +9,8 @@ using namespace trb::scheduler::test;
 
 namespace {
 
-Task task(const char* id, const char* robot, std::vector<TaskIndex> after, OnFailure then = OnFailure::resilience) {
+Task named_task(const char* id, const char* robot, std::vector<TaskIndex> after,
+                OnFailure then = OnFailure::resilience) {
   Task out;
   out.id = id;
   out.robot = robot;
@@ -19,9 +20,9 @@ Task task(const char* id, const char* robot, std::vector<TaskIndex> after, OnFai
   return out;
 }
 
-struct Story {
-  explicit Story(std::vector<Task> tasks) : Story() { submit(std::move(tasks)); }
-  Story() { add_demonstration(fleet); }
+struct BranchStory {
+  explicit BranchStory(std::vector<Task> tasks) : BranchStory() { submit(std::move(tasks)); }
+  BranchStory() { add_demonstration(fleet); }
   void submit(std::vector<Task> tasks, std::uint32_t priority = 0, const std::string& run = kStoryRun) {
     Scenario scenario{"branches", "", std::move(tasks)};
     const UtcTime now = fleet.now().utc;
@@ -46,8 +47,9 @@ struct Story {
 }  // namespace
 
 TEST_CASE("what does not follow the task that failed goes on, and the run says so") {
-  Story story({task("fetch", "ridgeback", {}), task("grip", "ur3", {0}), task("pack", "ur3", {1}),
-               task("fly", "drone", {0}), task("film", "drone", {3}), task("land", "drone", {4})});
+  BranchStory story({named_task("fetch", "ridgeback", {}), named_task("grip", "ur3", {0}),
+                     named_task("pack", "ur3", {1}), named_task("fly", "drone", {0}), named_task("film", "drone", {3}),
+                     named_task("land", "drone", {4})});
   story.adapter("ur3").ending = TaskOutcome::failed;
   story.adapter("drone").skill_time = seconds(5);
   REQUIRE(story.ends(RunState::paused));
@@ -62,9 +64,9 @@ TEST_CASE("what does not follow the task that failed goes on, and the run says s
 
 TEST_CASE("a drone that could not film lands all the same, if the film is nothing to wait for") {
   for (const bool goes_on : {true, false}) {
-    Story story({task("take_off", "drone", {}),
-                 task("film", "drone", {0}, goes_on ? OnFailure::continue_ : OnFailure::skip),
-                 task("land", "drone", {1})});
+    BranchStory story({named_task("take_off", "drone", {}),
+                       named_task("film", "drone", {0}, goes_on ? OnFailure::continue_ : OnFailure::skip),
+                       named_task("land", "drone", {1})});
     story.adapter("drone").endings["film"] = TaskOutcome::failed;
     REQUIRE(story.ends(RunState::finished));
     CHECK(story.view().tasks[1].state == TaskState::skipped);
@@ -74,7 +76,7 @@ TEST_CASE("a drone that could not film lands all the same, if the film is nothin
 }
 
 TEST_CASE("a person who skips such a task lets what follows go on; a condition that does not hold does not") {
-  Story story({task("film", "ur3", {}, OnFailure::continue_), task("land", "drone", {0})});
+  BranchStory story({named_task("film", "ur3", {}, OnFailure::continue_), named_task("land", "drone", {0})});
   story.fleet["ur3"].cut = true;
   story.fleet.pass(seconds(5));
   REQUIRE(story.decide({{"film", Ruling::skip, "cloud", 2, Evidence::word}}).empty());
@@ -83,7 +85,7 @@ TEST_CASE("a person who skips such a task lets what follows go on; a condition t
 }
 
 TEST_CASE("nobody says of another task, or of one that was done, that what follows goes on") {
-  Story story({task("film", "ur3", {}, OnFailure::skip), task("land", "drone", {0})});
+  BranchStory story({named_task("film", "ur3", {}, OnFailure::skip), named_task("land", "drone", {0})});
   story.fleet.pass(seconds(0.1));
   const auto tell = [&](TaskOutcome outcome) {
     TaskResult lie;
@@ -101,12 +103,12 @@ TEST_CASE("nobody says of another task, or of one that was done, that what follo
 }
 
 TEST_CASE("what has not begun in its time has failed: what is nice to have holds up nobody") {
-  Story story;
+  BranchStory story;
   story.adapter("drone").set(false, false);
-  Task film = task("film", "drone", {0}, OnFailure::continue_);
+  Task film = named_task("film", "drone", {0}, OnFailure::continue_);
   film.start_within_s = 20;
   film.retries = 3;
-  story.submit({task("fetch", "ridgeback", {}), film, task("grip", "ur3", {1})});
+  story.submit({named_task("fetch", "ridgeback", {}), film, named_task("grip", "ur3", {1})});
   story.fleet.pass(seconds(18));
   CHECK(story.view().tasks[1].state == TaskState::waiting);
   CHECK(story.fleet.view("drone", kStoryRun).tasks[1].due);
@@ -120,10 +122,11 @@ TEST_CASE("what has not begun in its time has failed: what is nice to have holds
 TEST_CASE("a task that has begun waits for nobody, on no node, however long it takes") {
   for (const std::uint64_t seed : {1U, 2U, 3U, 4U, 5U, 6U}) {
     CAPTURE(seed);
-    Story story;
+    BranchStory story;
     story.fleet.weather = {0, 300, 0, seconds(0.001 * static_cast<double>(seed))};
     story.adapter("ur3").skill_time = seconds(60);
-    story.submit({task("fetch", "ridgeback", {}), task("grip", "ur3", {0}), task("pack", "drone", {1})});
+    story.submit(
+        {named_task("fetch", "ridgeback", {}), named_task("grip", "ur3", {0}), named_task("pack", "drone", {1})});
     REQUIRE(story.fleet.until([&] { return story.view().tasks[1].state == TaskState::running; }));
     story.adapter("ur3").set(true, false);  // a word of its mode-adapter that changes nothing
     story.fleet.pass(seconds(20));
@@ -136,8 +139,8 @@ TEST_CASE("a task that has begun waits for nobody, on no node, however long it t
 }
 
 TEST_CASE("the time to begin runs on when the robot refuses, and does not while a person holds the run") {
-  Story story;
-  Task grip = task("grip", "ur3", {});
+  BranchStory story;
+  Task grip = named_task("grip", "ur3", {});
   grip.start_within_s = 20;
   story.adapter("ur3").set_control("ann");
   story.submit({grip});
@@ -170,15 +173,15 @@ TEST_CASE("what was interrupted is tried again only if that does no harm; else i
                         {false, OnFailure::resilience, RunState::paused, TaskState::retriable}};
   for (const Case& one : cases) {
     CAPTURE(name_of(one.state));
-    Story story;
+    BranchStory story;
     story.adapter("ur3").skills = {{"grip", "hands", one.repeatable}};
     story.adapter("ur3").skill_time = seconds(10);
     story.adapter("drone").skill_time = seconds(3);
-    Task grip = task("grip", "ur3", {}, one.then);
+    Task grip = named_task("grip", "ur3", {}, one.then);
     grip.retries = 1;
     std::vector<Task> tasks{grip};
     for (TaskIndex i = 0; i < 7; ++i) {
-      tasks.push_back(task(("fly-" + std::to_string(i)).c_str(), "drone", {}));
+      tasks.push_back(named_task(("fly-" + std::to_string(i)).c_str(), "drone", {}));
       if (i > 0) tasks.back().after = {i};
     }
     story.submit(tasks);
@@ -191,7 +194,7 @@ TEST_CASE("what was interrupted is tried again only if that does no harm; else i
 }
 
 TEST_CASE("a failure that ends the run does so though its robot is gone with it") {
-  Story story({task("grip", "ur3", {}, OnFailure::abort), task("fly", "drone", {})});
+  BranchStory story({named_task("grip", "ur3", {}, OnFailure::abort), named_task("fly", "drone", {})});
   story.adapter("ur3").ending = TaskOutcome::failed;
   story.adapter("drone").skill_time = seconds(30);
   REQUIRE(story.fleet.until([&] { return story.view().tasks[0].outcome == TaskOutcome::failed; }));
@@ -202,7 +205,7 @@ TEST_CASE("a failure that ends the run does so though its robot is gone with it"
 }
 
 TEST_CASE("a task that its robot has refused is given back when it is asked for") {
-  Story story({task("grip", "ur3", {})});
+  BranchStory story({named_task("grip", "ur3", {})});
   REQUIRE(story.fleet.until([&] { return story.fleet["ur3"].commits > 0; }));
   story.adapter("ur3").set(false, false);
   story.fleet.pass(seconds(3));
@@ -219,9 +222,9 @@ TEST_CASE("a task that its robot has refused is given back when it is asked for"
 TEST_CASE("a robot of which somebody says that it stands is stopped before another begins its task") {
   for (const OnFailure on_failure : {OnFailure::resilience, OnFailure::skip, OnFailure::abort}) {
     CAPTURE(name_of(on_failure));
-    Task grip = task("grip", "ur3", {});
+    Task grip = named_task("grip", "ur3", {});
     grip.on_failure = on_failure;
-    Story story({grip, task("fly", "drone", {0})});
+    BranchStory story({grip, named_task("fly", "drone", {0})});
     story.adapter("ur3").skill_time = seconds(60);  // it moves, whatever was seen
     REQUIRE(story.fleet.until([&] { return story.view().tasks[0].state == TaskState::running; }));
     story.fleet.hear("ur3", "cloud", MessageType::command, ReleaseTasks{kStoryRun, 1, {0}, true});
@@ -235,7 +238,7 @@ TEST_CASE("a robot of which somebody says that it stands is stopped before anoth
 }
 
 TEST_CASE("a robot that has finished before it hears that it is to stop has done its task") {
-  Story story({task("grip", "ur3", {}), task("fly", "drone", {0})});
+  BranchStory story({named_task("grip", "ur3", {}), named_task("fly", "drone", {0})});
   story.adapter("ur3").skill_time = seconds(2);
   REQUIRE(story.fleet.until([&] { return story.view().tasks[0].state == TaskState::running; }));
   story.fleet.pass(seconds(2));
@@ -245,7 +248,7 @@ TEST_CASE("a robot that has finished before it hears that it is to stop has done
 }
 
 TEST_CASE("where every attempt is used up the task can still be skipped, and nothing else") {
-  Story story({task("grip", "ur3", {}), task("fly", "drone", {0})});
+  BranchStory story({named_task("grip", "ur3", {}), named_task("fly", "drone", {0})});
   story.adapter("ur3").ending = story.adapter("pioneer").ending = TaskOutcome::failed;
   REQUIRE(story.ends(RunState::paused));
   REQUIRE(story.decide({{"grip", Ruling::move, "pioneer", 64, Evidence::result}}).empty());
@@ -258,11 +261,12 @@ TEST_CASE("where every attempt is used up the task can still be skipped, and not
 }
 
 TEST_CASE("a robot begins the run of the higher priority first, and of two alike the one that it served longest ago") {
-  Story story;
+  BranchStory story;
   const std::string second(32, 'b');
   const std::string urgent(32, 'c');
   const auto three = [] {
-    return std::vector<Task>{task("one", "ur3", {}), task("two", "ur3", {}), task("three", "ur3", {})};
+    return std::vector<Task>{named_task("one", "ur3", {}), named_task("two", "ur3", {}),
+                             named_task("three", "ur3", {})};
   };
   story.submit(three());
   story.submit(three(), 0, second);
@@ -282,7 +286,7 @@ TEST_CASE("a robot begins the run of the higher priority first, and of two alike
 }
 
 TEST_CASE("after its journal is lost a robot begins nothing before somebody has looked at it") {
-  Story story({task("grip", "ur3", {}), task("pack", "ur3", {0})});
+  BranchStory story({named_task("grip", "ur3", {}), named_task("pack", "ur3", {0})});
   story.adapter("ur3").skill_time = seconds(10);
   REQUIRE(story.fleet.until([&] { return story.adapter("ur3").begun.size() == 1; }));
   story.fleet.stop("ur3");
@@ -310,11 +314,11 @@ TEST_CASE("after its journal is lost a robot begins nothing before somebody has 
 }
 
 TEST_CASE("a robot begins nothing that needs what is out of use, and the rest goes on") {
-  Story story;
+  BranchStory story;
   story.adapter("ur3").skills = {{"grip", "hands", false}, {"look", "eyes", false}};
   OutOfUse broken{"hands", Severity::critical, "gripper overheated", 0, false, ""};
   story.adapter("ur3").out_of_use = {broken};
-  story.submit({task("grip", "ur3", {}), task("look", "ur3", {})});
+  story.submit({named_task("grip", "ur3", {}), named_task("look", "ur3", {})});
   story.fleet.pass(seconds(20));
   const RunView view = story.fleet.view("ur3", kStoryRun);
   CHECK(view.tasks[0].state == TaskState::waiting);

@@ -13,8 +13,6 @@
 
 namespace trb::scheduler::test {
 
-inline const std::string kRun(32, 'a');
-
 inline Task task(const char* id, const char* robot, std::vector<TaskIndex> after) {
   Task out;
   out.id = id;

@@ -10,8 +10,8 @@ using namespace trb::scheduler::test;
 namespace {
 
 /// The ridgeback fails at task 4, "approach"; the pioneer, which is no member of the run, takes over tasks 4 and 7.
-struct Story {
-  explicit Story(std::uint64_t seed = 1) : fleet(seed) {
+struct DecidedStory {
+  explicit DecidedStory(std::uint64_t seed = 1) : fleet(seed) {
     add_demonstration(fleet);
     fleet["ridgeback"].adapter.endings = {{"approach", TaskOutcome::failed}};
   }
@@ -64,7 +64,7 @@ struct Story {
 }  // namespace
 
 TEST_CASE("who has taken a task over is seen at work on it") {
-  Story story;
+  DecidedStory story;
   story.pause();
   const auto seen = [&] {
     story.decider.step();
@@ -80,7 +80,7 @@ TEST_CASE("who has taken a task over is seen at work on it") {
 }
 
 TEST_CASE("the failed robot's tasks go to another one, and it goes on with what it can still do") {
-  Story story;
+  DecidedStory story;
   story.pause();
   const RunView paused = story.fleet.view("cloud", kStoryRun);
   CHECK(paused.tasks[3].state == TaskState::failed);
@@ -107,7 +107,7 @@ TEST_CASE("the failed robot's tasks go to another one, and it goes on with what 
 TEST_CASE("in any weather a task is moved once, and done once by whom it was moved to") {
   for (std::uint64_t seed = 1; seed <= 12; ++seed) {
     CAPTURE(seed);
-    Story story(seed);
+    DecidedStory story(seed);
     story.fleet.weather = {300, 200, 150, seconds(0.8)};
     story.submit();
     REQUIRE(story.run());
@@ -117,7 +117,7 @@ TEST_CASE("in any weather a task is moved once, and done once by whom it was mov
 
 TEST_CASE("any scheduler may die after any of its records while a robot is replaced") {
   die_at_every_record({"cloud", "ridgeback", "pioneer", "ur3", "drone"}, 120, [](const auto& victim, const Doom& doom) {
-    Story story;
+    DecidedStory story;
     doom(story.fleet);
     story.submit();
     if (story.fleet.answers.empty()) story.fleet.until([&] { return story.fleet["cloud"].up; });
@@ -129,7 +129,7 @@ TEST_CASE("any scheduler may die after any of its records while a robot is repla
 }
 
 TEST_CASE("a robot that comes back after it was replaced is told the epoch, and stands down") {
-  Story story;
+  DecidedStory story;
   story.fleet["ridgeback"].adapter.endings.clear();
   story.fleet["ridgeback"].adapter.skill_time = seconds(20);
   story.submit();
@@ -151,7 +151,7 @@ TEST_CASE("a robot that comes back after it was replaced is told the epoch, and 
 }
 
 TEST_CASE("what a replaced robot tried on its own while it was cut off says nothing of the one that has the task now") {
-  Story story;
+  DecidedStory story;
   Scenario scenario = ridgeback_does_it();
   scenario.tasks[3].retries = 1;
   story.fleet["pioneer"].adapter.skill_time = seconds(60);
@@ -174,7 +174,7 @@ TEST_CASE("what a replaced robot tried on its own while it was cut off says noth
 
 TEST_CASE(
     "a robot that had finished after all is found out: the run is PAUSED, for the task may have been done twice") {
-  Story story;
+  DecidedStory story;
   story.fleet["ridgeback"].adapter.endings.clear();
   story.submit();
   REQUIRE(story.fleet.until([&] { return story.fleet.view("cloud", kStoryRun).tasks[3].state == TaskState::running; }));
@@ -190,7 +190,7 @@ TEST_CASE(
 }
 
 TEST_CASE("the same robot tries again when that is decided") {
-  Story story;
+  DecidedStory story;
   story.pause();
   story.fleet["ridgeback"].adapter.endings.clear();
   story.fleet.ask("cloud", MessageType::command,
@@ -201,7 +201,7 @@ TEST_CASE("the same robot tries again when that is decided") {
 }
 
 TEST_CASE("a task that is skipped is so said by the decider's node, and the run goes on behind it") {
-  Story story;
+  DecidedStory story;
   story.pause();
   story.fleet.ask("cloud", MessageType::command,
                   RunDecision{story.decider.decision({{"approach", Ruling::skip, "cloud", 2}})});
@@ -215,7 +215,7 @@ TEST_CASE("a task that is skipped is so said by the decider's node, and the run 
 }
 
 TEST_CASE("a condition behind a skipped task is evaluated by the decider's node, whose the task is now") {
-  Story story;
+  DecidedStory story;
   Scenario scenario;
   scenario.name = "behind";
   scenario.tasks = chain({"ridgeback", "pioneer", "ur3"}).tasks;
@@ -233,7 +233,7 @@ TEST_CASE("a condition behind a skipped task is evaluated by the decider's node,
 }
 
 TEST_CASE("a decision that is not the decider's, not the next, or not possible is refused and leaves no trace") {
-  Story story;
+  DecidedStory story;
   story.pause();
   const TaskRuling move{"approach", Ruling::move, "pioneer", 2, Evidence::result};
   const auto decide = [&](const TaskRuling& ruling, const std::function<void(Decision&)>& change = {}) {
@@ -271,7 +271,7 @@ TEST_CASE("a decision that is not the decider's, not the next, or not possible i
 }
 
 TEST_CASE("a decision that comes again is confirmed again; another one of its epoch is refused") {
-  Story story;
+  DecidedStory story;
   story.pause();
   const TaskRuling move{"approach", Ruling::move, "pioneer", 2, Evidence::result};
   const SignedRecord first = story.decider.decision({move}, {"pioneer"});
@@ -298,7 +298,7 @@ TEST_CASE("a pinned task stays where it is") {
 }
 
 TEST_CASE("a task is given back only to the decider, in this epoch, and only if it has not begun") {
-  Story story;
+  DecidedStory story;
   story.pause();
   const auto ask = [&](const std::string& source, std::uint32_t epoch, std::vector<std::uint16_t> tasks) {
     const Outbox out =
@@ -316,7 +316,7 @@ TEST_CASE("a task is given back only to the decider, in this epoch, and only if 
 }
 
 TEST_CASE("whoever watches is told of every change until its lease ends") {
-  Story story;
+  DecidedStory story;
   story.fleet.ask("cloud", MessageType::request, RunWatch{60});
   REQUIRE(story.fleet.answers.size() == 1);
   CHECK(get<RunTable>(story.fleet.answers[0]).runs.empty());

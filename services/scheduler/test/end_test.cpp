@@ -10,9 +10,7 @@ using namespace trb::scheduler::test;
 
 namespace {
 
-const std::string kRun(32, 'a');
-
-void submit(Fleet& fleet, const std::string& node, Duration life = seconds(3600)) {
+void submit_nine(Fleet& fleet, const std::string& node, Duration life = seconds(3600)) {
   fleet.ask(node, MessageType::command, RunSubmit{fleet.make_start(nine_tasks(), node, life, kRun)});
 }
 
@@ -45,7 +43,7 @@ std::optional<RunState> archived(Fleet& fleet, const std::string& node) {
 TEST_CASE("an abort stops what runs, starts nothing more and is done when every member has confirmed") {
   Fleet fleet;
   add_demonstration(fleet);
-  submit(fleet, "cloud");
+  submit_nine(fleet, "cloud");
   REQUIRE(fleet.until([&] { return has_begun(fleet, "ur3"); }));
   fleet["drone"].cut = true;  // has never heard of the run
   abort(fleet, "cloud");
@@ -67,7 +65,7 @@ TEST_CASE("a robot that learns of a run only to abort it starts nothing of it") 
   Fleet fleet;
   add_demonstration(fleet);
   fleet["ridgeback"].cut = true;
-  submit(fleet, "cloud");
+  submit_nine(fleet, "cloud");
   fleet.pass(seconds(1));
   abort(fleet, "cloud");
   fleet["ridgeback"].cut = false;
@@ -82,7 +80,7 @@ TEST_CASE("an abort survives the death of whoever ordered it, in bad weather") {
     Fleet fleet(seed);
     add_demonstration(fleet);
     fleet.weather = {300, 200, 100, seconds(0.8)};
-    submit(fleet, "ridgeback");
+    submit_nine(fleet, "ridgeback");
     REQUIRE(fleet.until([&] { return has_begun(fleet, "conveyor"); }));
     fleet["ridgeback"].crash_at = fleet["ridgeback"].commits + seed % 4 + 1;
     abort(fleet, "ridgeback");
@@ -96,7 +94,7 @@ TEST_CASE("an abort survives the death of whoever ordered it, in bad weather") {
 TEST_CASE("an abort while the mode-adapter starts anew is confirmed, and the task is interrupted") {
   Fleet fleet;
   add_demonstration(fleet);
-  submit(fleet, "cloud");
+  submit_nine(fleet, "cloud");
   REQUIRE(fleet.until([&] { return has_begun(fleet, "ridgeback"); }));
   fleet["ridgeback"].adapter.restart();
   abort(fleet, "cloud");
@@ -108,7 +106,7 @@ TEST_CASE("an attempt that was commanded in vain is not commanded again after an
   Fleet fleet;
   add_demonstration(fleet);
   fleet["ridgeback"].crash_at = 1;  // definition and start record are one step; the command is lost with it
-  submit(fleet, "cloud");
+  submit_nine(fleet, "cloud");
   REQUIRE(fleet.until([&] { return !fleet["ridgeback"].up; }));
   fleet.weather.local_loss = 1000;  // the questions to the mode-adapter come after the abort
   abort(fleet, "cloud");
@@ -125,7 +123,7 @@ TEST_CASE("only a known, unfinished run can be aborted, and only by a member's o
   add_demonstration(fleet);
   abort(fleet, "cloud");
   CHECK(last_nack(fleet) == "unknown_run");
-  submit(fleet, "cloud");
+  submit_nine(fleet, "cloud");
   const SignedRecord wrong_run = fleet.sign_order("cloud", std::string(32, 'c'));
   SignedRecord wrong_signer = fleet.sign_order("ur3", kRun);
   wrong_signer.signer = "cloud";
@@ -141,12 +139,12 @@ TEST_CASE("only a known, unfinished run can be aborted, and only by a member's o
 TEST_CASE("an expired run ends what runs, starts nothing more, and is kept with all its results") {
   Fleet fleet;
   add_demonstration(fleet);
-  submit(fleet, "cloud", seconds(2.5));
+  submit_nine(fleet, "cloud", seconds(2.5));
   fleet.pass(seconds(10));
   CHECK(last_nack(fleet).empty());
   CHECK_FALSE(has_begun(fleet, "pioneer"));
   for (const char* node : {"cloud", "conveyor", "ridgeback", "ur3"}) CHECK(archived(fleet, node) == RunState::expired);
-  submit(fleet, "cloud", seconds(3600));
+  submit_nine(fleet, "cloud", seconds(3600));
   CHECK(last_nack(fleet) == "expired");
   fleet.ask("cloud", MessageType::request, RunQuery{kRun});
   const auto& view = get<RunView>(fleet.answers.back());
@@ -164,7 +162,7 @@ TEST_CASE("an expired run ends what runs, starts nothing more, and is kept with 
 TEST_CASE("what is owed of an expired run is owed a day longer, then given up") {
   Fleet fleet;
   add_demonstration(fleet);
-  submit(fleet, "ridgeback", seconds(20));
+  submit_nine(fleet, "ridgeback", seconds(20));
   fleet["cloud"].cut = true;
   fleet.pass(seconds(3600));
   CHECK_FALSE(archived(fleet, "ur3"));
@@ -187,7 +185,7 @@ TEST_CASE("a clock that is 25 h ahead for 3 s ends no run, on no node") {
   Fleet fleet;
   add_demonstration(fleet);
   fleet["ur3"].adapter.ending = TaskOutcome::failed;
-  submit(fleet, "cloud", seconds(24 * 3600));
+  submit_nine(fleet, "cloud", seconds(24 * 3600));
   REQUIRE(fleet.until([&] { return fleet.view("cloud", kRun).state == RunState::paused; }));
   for (const char* node : {"cloud", "ridgeback"}) {
     fleet[node].ahead = seconds(25 * 3600);
@@ -211,7 +209,7 @@ TEST_CASE("a run that waits for a word when its time is over is kept with its re
   Fleet fleet;
   add_demonstration(fleet);
   fleet["ur3"].adapter.ending = TaskOutcome::failed;
-  submit(fleet, "cloud", seconds(24 * 3600));
+  submit_nine(fleet, "cloud", seconds(24 * 3600));
   REQUIRE(fleet.until([&] { return fleet.view("cloud", kRun).state == RunState::paused; }));
   fleet.pass(seconds(24 * 3600));
   CHECK(archived(fleet, "cloud") == RunState::expired);
@@ -226,7 +224,7 @@ TEST_CASE("a run that waits for a word when its time is over is kept with its re
 TEST_CASE("a run that has FINISHED goes to every member's archive within minutes, whoever was away") {
   Fleet fleet(3);
   add_demonstration(fleet);
-  submit(fleet, "cloud");
+  submit_nine(fleet, "cloud");
   REQUIRE(fleet.until([&] { return fleet.view("cloud", kRun).tasks[7].state == TaskState::finished; }));
   fleet["conveyor"].cut = true;
   fleet.stop("pioneer");
@@ -249,7 +247,7 @@ TEST_CASE("a run that has FINISHED goes to every member's archive within minutes
 TEST_CASE("only the judge's word ends a run, and none that is forged, of another run, or that says otherwise") {
   Fleet fleet;
   add_demonstration(fleet);
-  submit(fleet, "cloud");
+  submit_nine(fleet, "cloud");
   REQUIRE(fleet.until([&] { return has_begun(fleet, "ridgeback"); }));
   const auto start = decode<RunStart>(get<JournalRun>(fleet["ridgeback"].journal[0]).start.payload.bytes);
   const auto told = [&](const std::string& by, const std::function<void(RunEnd&)>& change, bool forge = false) {
@@ -311,7 +309,7 @@ TEST_CASE("a member that has no place for a run is named, and gets it when there
     std::snprintf(id, sizeof id, "%032x", static_cast<unsigned>(i));
     fleet.ask("cloud", MessageType::command, RunSubmit{fleet.make_start(chain({"ur3"}), "cloud", seconds(100), id)});
   }
-  submit(fleet, "ridgeback");
+  submit_nine(fleet, "ridgeback");
   fleet.pass(seconds(60));
   CHECK(fleet.view("ridgeback", kRun).waits_for.starts_with("'cloud' to take the run: no place for run"));
   fleet.pass(seconds(60));

@@ -19,6 +19,12 @@
 
 namespace trb::scheduler::test {
 
+/// The code of the first Nack, or "".
+inline std::string nack_of(const Outbox& out) {
+  const auto nacks = sent<Nack>(out);
+  return nacks.empty() ? "" : nacks.front().code;
+}
+
 struct Node {
   std::string id;
   Role role{};

@@ -12,8 +12,6 @@ using namespace trb::scheduler::test;
 
 namespace {
 
-const std::string kRun(32, 'a');
-
 /// The run of a world, as its robots had it.
 class Played {
  public:

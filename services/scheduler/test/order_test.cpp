@@ -10,8 +10,8 @@ using namespace trb::scheduler::test;
 
 namespace {
 
-struct Story {
-  explicit Story(const Scenario& scenario, const std::set<std::string>& left_out = {}) {
+struct HeldStory {
+  explicit HeldStory(const Scenario& scenario, const std::set<std::string>& left_out = {}) {
     add_demonstration(fleet);
     fleet.ask("cloud", MessageType::command, RunSubmit{start_without(fleet, scenario, left_out)});
   }
@@ -32,7 +32,7 @@ struct Story {
 }  // namespace
 
 TEST_CASE("a task that its robot has refused does not begin in a run that is held") {
-  Story story(chain({"ur3", "drone"}));
+  HeldStory story(chain({"ur3", "drone"}));
   story.fleet["ur3"].adapter.set_control("ann");
   story.fleet["ur3"].crash_at = 0;
   // The robot was ready when it was commanded, and is not when the command comes.
@@ -51,7 +51,7 @@ TEST_CASE("a task that its robot has refused does not begin in a run that is hel
 }
 
 TEST_CASE("who becomes a member while the run is held hears of that first") {
-  Story story(chain({"ur3", "drone"}), {"pioneer"});
+  HeldStory story(chain({"ur3", "drone"}), {"pioneer"});
   story.fleet["ur3"].adapter.ending = TaskOutcome::failed;
   REQUIRE(story.until([&] { return story.task(0).state == TaskState::failed; }));
   story.hold(1, true);
@@ -69,7 +69,7 @@ TEST_CASE("who becomes a member while the run is held hears of that first") {
 }
 
 TEST_CASE("an order is told on by whoever knows it, when the node that gave it is dead") {
-  Story story(chain({"ur3", "ridgeback", "ridgeback", "drone", "drone"}));
+  HeldStory story(chain({"ur3", "ridgeback", "ridgeback", "drone", "drone"}));
   story.fleet["ridgeback"].adapter.skill_time = seconds(5);
   REQUIRE(story.until([&] { return story.begun("ridgeback") == 1; }));
   story.fleet["ridgeback"].cut = true;
@@ -90,7 +90,7 @@ TEST_CASE("an order is told on by whoever knows it, when the node that gave it i
 }
 
 TEST_CASE("ABORTED is said once all have confirmed, by every node alike") {
-  Story story(chain({"ur3", "drone"}));
+  HeldStory story(chain({"ur3", "drone"}));
   story.fleet["drone"].cut = true;
   REQUIRE(story.until([&] { return story.begun("ur3") == 1; }));
   story.abort("ur3");
@@ -111,7 +111,7 @@ TEST_CASE("ABORTED is said once all have confirmed, by every node alike") {
 }
 
 TEST_CASE("a task done twice holds the run on every node, until a person has looked and lets it go on") {
-  Story story(chain({"ridgeback", "ur3", "drone", "drone"}));
+  HeldStory story(chain({"ridgeback", "ur3", "drone", "drone"}));
   story.fleet["ur3"].adapter.skill_time = seconds(30);
   REQUIRE(story.until([&] { return story.begun("ur3") == 1; }));
   TaskResult second;
@@ -150,7 +150,7 @@ TEST_CASE("a task done twice holds the run on every node, until a person has loo
 }
 
 TEST_CASE("who lets a run go on without having heard that a task was done twice is held with the others") {
-  Story story(chain({"ridgeback", "ur3", "drone", "drone"}));
+  HeldStory story(chain({"ridgeback", "ur3", "drone", "drone"}));
   story.fleet["ur3"].adapter.skill_time = seconds(30);
   REQUIRE(story.until([&] { return story.begun("ur3") == 1; }));
   story.hold(1, true);

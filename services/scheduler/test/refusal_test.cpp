@@ -10,13 +10,6 @@ using namespace trb::scheduler::test;
 
 namespace {
 
-const std::string kRun(32, 'a');
-
-std::string nack_of(const Outbox& out) {
-  const auto nacks = sent<Nack>(out);
-  return nacks.empty() ? "" : nacks.front().code;
-}
-
 /// A fleet in which ur3 and the cloud know a run of two tasks: ridgeback's, then ur3's.
 struct Known {
   Known() {

@@ -8,8 +8,8 @@ using namespace trb::scheduler::test;
 
 namespace {
 
-struct Story {
-  explicit Story(const std::vector<std::string>& robots, const std::function<void(Scenario&)>& change = {}) {
+struct ReplacedStory {
+  explicit ReplacedStory(const std::vector<std::string>& robots, const std::function<void(Scenario&)>& change = {}) {
     add_demonstration(fleet);
     Scenario scenario = chain(robots);
     if (change) change(scenario);
@@ -46,7 +46,7 @@ TaskRuling move(const std::string& task, const std::string& robot, std::uint32_t
 }  // namespace
 
 TEST_CASE("a replaced robot that had tried again unheard stands down all the same") {
-  Story story({"ur3", "drone"}, [](Scenario& scenario) { scenario.tasks[0].retries = 4; });
+  ReplacedStory story({"ur3", "drone"}, [](Scenario& scenario) { scenario.tasks[0].retries = 4; });
   story.fleet["ur3"].adapter.endings = {{"task-0", TaskOutcome::failed}};
   REQUIRE(story.fleet.until([&] { return story.begun("ur3", "task-0") == 1; }));
   story.fleet["ur3"].cut = true;
@@ -71,7 +71,7 @@ TEST_CASE("a replaced robot that had tried again unheard stands down all the sam
 }
 
 TEST_CASE("a robot that is told to stop what was moved does not skip it for everybody") {
-  Story story({"ur3", "drone"}, [](Scenario& scenario) { scenario.tasks[0].on_failure = OnFailure::skip; });
+  ReplacedStory story({"ur3", "drone"}, [](Scenario& scenario) { scenario.tasks[0].on_failure = OnFailure::skip; });
   story.fleet["ur3"].adapter.skill_time = seconds(20);
   REQUIRE(story.fleet.until([&] { return story.task(0).state == TaskState::running; }));
   REQUIRE(story.decide({move("task-0", "pioneer", 2)}) == "accepted");
@@ -82,7 +82,7 @@ TEST_CASE("a robot that is told to stop what was moved does not skip it for ever
 }
 
 TEST_CASE("what is FINISHED already is not moved: the decider's scheduler says so") {
-  Story story({"ur3", "drone"});
+  ReplacedStory story({"ur3", "drone"});
   story.fleet["drone"].adapter.skill_time = seconds(60);
   REQUIRE(story.fleet.until([&] { return story.task(0).state == TaskState::finished; }));
   CHECK(story.decide({move("task-0", "pioneer", 2)}) == "conflict");
@@ -92,7 +92,7 @@ TEST_CASE("what is FINISHED already is not moved: the decider's scheduler says s
 }
 
 TEST_CASE("without a person's word nothing leaves a robot that has not said that it stands") {
-  Story story({"ur3", "drone"});
+  ReplacedStory story({"ur3", "drone"});
   story.fleet["ur3"].adapter.skill_time = seconds(20);
   REQUIRE(story.fleet.until([&] { return story.task(0).state == TaskState::running; }));
   CHECK(story.decide({move("task-0", "pioneer", 2, Evidence::result)}) == "conflict");
@@ -101,7 +101,7 @@ TEST_CASE("without a person's word nothing leaves a robot that has not said that
 }
 
 TEST_CASE("a robot that the run has not reached yet gives its tasks back all the same") {
-  Story story({"ur3", "drone"});
+  ReplacedStory story({"ur3", "drone"});
   story.fleet["ur3"].adapter.skill_time = seconds(60);
   REQUIRE(story.fleet.until([&] { return story.task(0).state == TaskState::running; }));
   CHECK(story.fleet.view("drone", kStoryRun).run.empty());
@@ -123,7 +123,7 @@ TEST_CASE("a robot that the run has not reached yet gives its tasks back all the
 }
 
 TEST_CASE("who replaces a robot that had finished after all is told before it begins") {
-  Story story({"ur3", "drone"});
+  ReplacedStory story({"ur3", "drone"});
   REQUIRE(story.fleet.until([&] { return story.task(0).state == TaskState::running; }));
   story.fleet["ur3"].cut = true;
   story.fleet["pioneer"].adapter.set(true, true);  // stopped until somebody releases it
@@ -141,7 +141,7 @@ TEST_CASE("who replaces a robot that had finished after all is told before it be
 }
 
 TEST_CASE("a robot dies between its result and the baton: whoever takes over its other tasks does not wait for it") {
-  Story story({"ur3", "drone", "ur3"});
+  ReplacedStory story({"ur3", "drone", "ur3"});
   story.fleet["drone"].cut = true;  // the baton does not arrive
   REQUIRE(story.fleet.until([&] { return story.task(0).state == TaskState::finished; }));
   story.fleet["ur3"].cut = true;
@@ -151,7 +151,7 @@ TEST_CASE("a robot dies between its result and the baton: whoever takes over its
 }
 
 TEST_CASE("a task that goes away and comes back is begun anew by its first robot") {
-  Story story({"ur3", "drone"});
+  ReplacedStory story({"ur3", "drone"});
   story.fleet["ur3"].adapter.skill_time = seconds(20);
   REQUIRE(story.fleet.until([&] { return story.task(0).state == TaskState::running; }));
   story.fleet["ur3"].cut = true;
@@ -167,7 +167,7 @@ TEST_CASE("a task that goes away and comes back is begun anew by its first robot
 }
 
 TEST_CASE("a robot dies for good between its result and the baton: the run names it, then the decider passes on") {
-  Story story({"ur3", "drone"});
+  ReplacedStory story({"ur3", "drone"});
   story.fleet["drone"].cut = true;
   REQUIRE(story.fleet.until([&] { return story.task(0).state == TaskState::finished; }));
   story.fleet["ur3"].cut = true;
@@ -185,7 +185,7 @@ TEST_CASE("a robot dies for good between its result and the baton: the run names
 }
 
 TEST_CASE("what was passed on and has not begun for long costs no second baton") {
-  Story story({"ur3", "drone"});
+  ReplacedStory story({"ur3", "drone"});
   story.fleet["drone"].adapter.set(true, true);  // stopped: it takes the baton, and begins nothing
   REQUIRE(story.fleet.until([&] { return story.task(0).state == TaskState::finished; }));
   story.fleet.pass(seconds(20));
@@ -197,7 +197,7 @@ TEST_CASE("what was passed on and has not begun for long costs no second baton")
 }
 
 TEST_CASE("the decider is gone before everybody has its decision: who is behind asks whoever refuses its baton") {
-  Story story({"ur3", "drone", "ur3"});
+  ReplacedStory story({"ur3", "drone", "ur3"});
   story.fleet["ur3"].adapter.skill_time = seconds(10);
   REQUIRE(story.fleet.until([&] { return story.task(0).state == TaskState::running; }));
   story.fleet["ur3"].cut = true;
@@ -212,7 +212,7 @@ TEST_CASE("the decider is gone before everybody has its decision: who is behind 
 }
 
 TEST_CASE("decisions stay so small together that a member which comes late can be told of all") {
-  Story story(std::vector<std::string>(1000, "ur3"));
+  ReplacedStory story(std::vector<std::string>(1000, "ur3"));
   story.fleet["ur3"].cut = true;
   std::string said;
   std::uint32_t attempt = 1;
@@ -232,7 +232,7 @@ TEST_CASE("decisions stay so small together that a member which comes late can b
 }
 
 TEST_CASE("a member for which the run is over is not told of its decisions and pauses for another day") {
-  Story story({"drone", "ur3"});
+  ReplacedStory story({"drone", "ur3"});
   story.fleet["ur3"].adapter.skill_time = seconds(20);
   REQUIRE(story.fleet.until([&] { return story.task(1).state == TaskState::running; }));
   story.fleet["drone"].cut = true;

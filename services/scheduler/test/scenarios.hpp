@@ -8,6 +8,9 @@
 
 namespace trb::scheduler::test {
 
+/// A test's run, where it has one.
+inline const std::string kRun(32, 'a');
+
 /// The paper's scenario of section 6.1 after its re-assignment: nine tasks, a fork and a join for five robots.
 Scenario nine_tasks();
 /// A chain of tasks "task-0", "task-1" …

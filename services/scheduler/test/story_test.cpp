@@ -10,8 +10,6 @@ using namespace trb::scheduler::test;
 
 namespace {
 
-const std::string kRun(32, 'a');
-
 void submit(Fleet& fleet, const Scenario& scenario, const std::string& node = "cloud", Duration life = seconds(3600)) {
   fleet.ask(node, MessageType::command, RunSubmit{fleet.make_start(scenario, node, life, kRun)});
 }

@@ -9,17 +9,6 @@
 using namespace trb;
 using namespace trb::scheduler::test;
 
-namespace {
-
-const std::string kRun(32, 'a');
-
-std::string nack_of(const Outbox& out) {
-  const auto nacks = sent<Nack>(out);
-  return nacks.empty() ? "" : nacks.front().code;
-}
-
-}  // namespace
-
 TEST_CASE("a baton for an unknown run waits for its definition, a short while and not too many of them") {
   Fleet fleet;
   add_demonstration(fleet);

@@ -9,13 +9,12 @@ namespace trb::sensor {
 namespace {
 
 using std::chrono::milliseconds;
-using std::chrono::seconds;
 
 constexpr std::size_t kMaxReads = 64;
 constexpr std::size_t kMaxPictures = 16;
 constexpr std::size_t kMaxPicture = 1'000'000;  // SensorImage's bound
-constexpr Duration kPicturePatience = seconds(10);
-constexpr Duration kLeastPatience = seconds(3);
+constexpr Duration kPicturePatience = std::chrono::seconds(10);
+constexpr Duration kLeastReadPatience = std::chrono::seconds(3);
 constexpr double kMostTimeout_s = 60;
 constexpr std::string_view kImage = "image";
 
@@ -33,10 +32,10 @@ std::string seconds_text(Duration time) {
 }  // namespace
 
 Duration SensorBusCore::patience_of(const std::string& name, double timeout_s) const {
-  if (timeout_s > 0) return trb::seconds(std::min(timeout_s, kMostTimeout_s));
+  if (timeout_s > 0) return seconds(std::min(timeout_s, kMostTimeout_s));
   const Sensor* sensor = sensors_.find(name);
   const Duration periods = sensor == nullptr ? Duration{} : 3 * sensor->period;
-  return std::clamp<Duration>(periods, kLeastPatience, trb::seconds(kMostTimeout_s));
+  return std::clamp<Duration>(periods, kLeastReadPatience, seconds(kMostTimeout_s));
 }
 
 void SensorBusCore::begin_read(const Inbound& asked, const SensorRead& body, Now now, Outbox& out) {

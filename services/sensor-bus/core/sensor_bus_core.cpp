@@ -8,12 +8,11 @@ namespace trb::sensor {
 namespace {
 
 using std::chrono::milliseconds;
-using std::chrono::seconds;
 
 /// Changes told together: a hub with many devices is plugged in all at once.
 constexpr Duration kGather = milliseconds(50);
 /// A sensor whose state flaps does not keep the fleet busy.
-constexpr Duration kGatherStates = seconds(1);
+constexpr Duration kGatherStates = std::chrono::seconds(1);
 
 }  // namespace
 

@@ -2,29 +2,22 @@
 
 #include <algorithm>
 
+#include "common/base/words.hpp"
 #include "proto/body.hpp"
 #include "proto/value.hpp"
 
 namespace trb::sensor {
 namespace {
 
-using std::chrono::seconds;
-
 constexpr std::size_t kMaxSensors = 255;  // SensorTable's and NodeSensors' bound
 constexpr std::size_t kMaxFed = 64;
 constexpr std::size_t kMaxRemembered = 1024;
 constexpr std::size_t kMaxSerial = 120;
-constexpr Duration kLeastPatience = seconds(1);
-constexpr Duration kFedGone = seconds(60);
+constexpr Duration kLeastPatience = std::chrono::seconds(1);
+constexpr Duration kFedGone = std::chrono::seconds(60);
 
 std::string_view device_of(std::string_view key) {
   return key.substr(0, key.rfind('#'));
-}
-
-std::string joined(const std::vector<std::string>& words) {
-  std::string out;
-  for (const std::string& word : words) out += (out.empty() ? "" : ", ") + word;
-  return out;
 }
 
 }  // namespace
@@ -46,7 +39,7 @@ Result<const Sensor*> Sensors::plug(const PluggedSensor& plugged, MonotonicTime 
   sensor.key = plugged.key;
   sensor.serial = cut_utf8(plugged.info.identity, kMaxSerial);
   sensor.why = plugged.info.detail;
-  if (plugged.every_s > 0) sensor.period = trb::seconds(std::clamp(plugged.every_s, 0.001, 86'400.0));
+  if (plugged.every_s > 0) sensor.period = seconds(std::clamp(plugged.every_s, 0.001, 86'400.0));
   Sensor& added = add(std::move(sensor), now);
   by_key_[added.key] = added.info.name;
   settle_identities(added.serial);

@@ -1,47 +1,23 @@
 #include "services/sensor-bus/io/bus_thread.hpp"
 
 #include <poll.h>
-#include <sys/eventfd.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <condition_variable>
 #include <mutex>
 
+#include "services/sensor-bus/io/bell.hpp"
 #include "services/sensor-bus/io/bus_connection.hpp"
 
 namespace trb::sensor {
 namespace {
 
 using std::chrono::milliseconds;
-using std::chrono::seconds;
 
 constexpr Duration kFirstWait = milliseconds(100);
-constexpr Duration kLongestWait = seconds(2);
-constexpr Duration kPingEvery = seconds(5);
+constexpr Duration kLongestWait = std::chrono::seconds(2);
+constexpr Duration kPingEvery = std::chrono::seconds(5);
 constexpr std::size_t kMostEvents = 4096;
-
-/// Wakes whoever polls it.
-class Bell {
- public:
-  Bell() : fd_(::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)) {}
-  Bell(const Bell&) = delete;
-  Bell& operator=(const Bell&) = delete;
-  ~Bell() {
-    if (fd_ >= 0) ::close(fd_);
-  }
-  [[nodiscard]] int fd() const { return fd_; }
-  void ring() const {
-    if (::eventfd_write(fd_, 1) != 0) return;  // full: it rings already
-  }
-  void silence() const {
-    eventfd_t count = 0;
-    if (::eventfd_read(fd_, &count) != 0) return;  // it did not ring
-  }
-
- private:
-  int fd_;
-};
 
 int to_ms(Duration time) {
   return static_cast<int>(std::chrono::ceil<milliseconds>(std::max(time, Duration{})).count());
@@ -115,7 +91,7 @@ BusThread::~BusThread() {
   std::unique_lock lock(shared_->mutex);
   shared_->stop = true;
   shared_->for_thread.ring();
-  const bool ended = shared_->ended_changed.wait_for(lock, seconds(1), [this] { return shared_->ended; });
+  const bool ended = shared_->ended_changed.wait_for(lock, std::chrono::seconds(1), [this] { return shared_->ended; });
   lock.unlock();
   if (ended) {
     thread_.join();

@@ -12,7 +12,7 @@ std::string mode_name(RobotMode mode) {
   return mode == RobotMode::Idle ? "IDLE" : "RUNNING";
 }
 
-std::string safety_name(SafetyMode mode) {
+std::string safety_answer(SafetyMode mode) {
   if (mode == SafetyMode::Normal) return "NORMAL";
   return mode == SafetyMode::ProtectiveStop ? "PROTECTIVE_STOP" : "ROBOT_EMERGENCY_STOP";
 }
@@ -39,7 +39,7 @@ std::string dashboard_answer(std::string_view line, Controller& controller, doub
   if (line == "running") return state.program_running ? "Program running: true" : "Program running: false";
   if (line == "programState") return (state.program_running ? "PLAYING " : "STOPPED ") + controller.program_name();
   if (line == "robotmode") return "Robotmode: " + mode_name(state.mode);
-  if (line == "safetymode") return "Safetymode: " + safety_name(state.safety);
+  if (line == "safetymode") return "Safetymode: " + safety_answer(state.safety);
   if (line == "quit") return "Disconnected";
   for (const Order& order : kOrders) {
     if (line != order.line) continue;

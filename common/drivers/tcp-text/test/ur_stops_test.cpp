@@ -6,7 +6,7 @@ using namespace trb::adapter;
 
 namespace {
 
-constexpr const char* kJoints = "[0, -1.5708, 0, -1.5708, 0, 0]";
+constexpr const char* kWhere = "[0, -1.5708, 0, -1.5708, 0, 0]";
 
 Settings with_power() {
   Settings settings = ur3();
@@ -116,7 +116,7 @@ TEST_CASE("while the arm carries nothing out, a command is refused with the way 
     CAPTURE(one.what);
     UrFixture fixture(with_power());
     fixture.state(one.picture);
-    const auto id = fixture.command("move", kJoints);
+    const auto id = fixture.command("move", kWhere);
     CHECK(fixture.nack_of(id).code == "robot_error");
     CHECK(fixture.nack_of(id).what.find(one.what) != std::string::npos);
     CHECK(fixture.nack_of(id).hint.find(one.hint) != std::string::npos);
@@ -124,20 +124,20 @@ TEST_CASE("while the arm carries nothing out, a command is refused with the way 
     CHECK(fixture.answer(fixture.command("power_on", "")) == "ack handed_over");
     CHECK(fixture.sent() == "power on\n");
     fixture.state();
-    CHECK(fixture.answer(fixture.command("move", kJoints)).empty());
+    CHECK(fixture.answer(fixture.command("move", kWhere)).empty());
   }
 }
 
 TEST_CASE("an arm without words for its power is sent to its pendant") {
   UrFixture fixture;
   fixture.state({.mode = 5});
-  CHECK(fixture.nack_of(fixture.command("move", kJoints)).hint == "use the robot's pendant");
+  CHECK(fixture.nack_of(fixture.command("move", kWhere)).hint == "use the robot's pendant");
 }
 
 TEST_CASE("a program that was sent and one that waits are refused when the arm stops") {
   UrFixture fixture(with_power());
-  const auto sent = fixture.command("move", kJoints);
-  const auto waits = fixture.command("move", kJoints);
+  const auto sent = fixture.command("move", kWhere);
+  const auto waits = fixture.command("move", kWhere);
   fixture.state({.protective = true});
   CHECK(fixture.answer(sent) == "nack robot_error");
   CHECK(fixture.answer(waits) == "nack robot_error");

@@ -24,7 +24,7 @@ TaskResult own_result(const Run& run, TaskIndex task, TaskOutcome outcome, UtcTi
   return out;
 }
 
-std::string decision_text(const Decision& by) {
+std::string decider_text(const Decision& by) {
   return "by decision of " + (by.person.empty() ? "the policy" : "'" + by.person + "'") +
          (by.reason.empty() ? "" : ": " + by.reason);
 }
@@ -36,7 +36,7 @@ TaskResult skipped_result(const Run& run, TaskIndex task, UtcTime now) {
   const HeldChoice* held = run.facts().choice_on(task);
   if (run.epochs().is_skipped(task)) {
     out.goes_on = run.tasks()[task].on_failure == OnFailure::continue_;
-    out.reason = cut_utf8(decision_text(run.epochs().last_decision_on(task)), kLongestReason);
+    out.reason = cut_utf8(decider_text(run.epochs().last_decision_on(task)), kLongestReason);
   } else if (run.facts().all_before_skipped(task) || held == nullptr) {
     out.reason = "every task before it was skipped";
   } else {

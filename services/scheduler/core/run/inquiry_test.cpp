@@ -2,14 +2,12 @@
 
 #include <doctest/doctest.h>
 
+#include "tests/support/at.hpp"
+
 using namespace trb;
 using namespace trb::scheduler;
 
 namespace {
-
-Now at(double s) {
-  return {MonotonicTime{} + seconds(s), UtcTime{1}};
-}
 
 RouteTable table_with(std::vector<std::pair<std::string, std::string>> nodes_and_states) {
   RouteTable table{"ur3", {}};

@@ -2,29 +2,23 @@
 
 #include <doctest/doctest.h>
 
+#include "tests/support/at.hpp"
+
 using namespace trb;
 using namespace trb::scheduler;
-
-namespace {
-
-MonotonicTime at(double s) {
-  return MonotonicTime{0} + seconds(s);
-}
-
-}  // namespace
 
 TEST_CASE("results are asked of whoever was first said to hold them, with back-off") {
   PendingRequests requests;
   requests.need_result(1, "drone");
   requests.need_result(1, "pioneer");
   requests.need_result(2, "pioneer");
-  const auto first = requests.take_due_results(at(0));
+  const auto first = requests.take_due_results(at(0).mono);
   CHECK(first.at("drone") == std::vector<TaskIndex>{1});
   CHECK(first.at("pioneer") == std::vector<TaskIndex>{2});
-  CHECK(requests.take_due_results(at(0.1)).empty());
-  CHECK(requests.take_due_results(at(0.2)).size() == 2);
+  CHECK(requests.take_due_results(at(0.1).mono).empty());
+  CHECK(requests.take_due_results(at(0.2).mono).size() == 2);
   requests.drop_results_of("pioneer");
-  CHECK(requests.take_due_results(at(10)).size() == 1);
+  CHECK(requests.take_due_results(at(10).mono).size() == 1);
   requests.drop_result(1);
   CHECK_FALSE(requests.needs_results());
 }
@@ -39,12 +33,12 @@ TEST_CASE("decisions are taken only from whom they were asked, once") {
 
 TEST_CASE("the judge is asked for the end after 30 s, then more rarely, and anew when there was something to do") {
   PendingRequests requests;
-  CHECK_FALSE(requests.end_is_due(at(0)));
-  CHECK(requests.next() == at(30));
-  CHECK(requests.end_is_due(at(30)));
-  CHECK_FALSE(requests.end_is_due(at(60)));
-  CHECK(requests.end_is_due(at(90)));
+  CHECK_FALSE(requests.end_is_due(at(0).mono));
+  CHECK(requests.next() == at(30).mono);
+  CHECK(requests.end_is_due(at(30).mono));
+  CHECK_FALSE(requests.end_is_due(at(60).mono));
+  CHECK(requests.end_is_due(at(90).mono));
   requests.drop_end();
-  CHECK_FALSE(requests.end_is_due(at(100)));
-  CHECK(requests.end_is_due(at(130)));
+  CHECK_FALSE(requests.end_is_due(at(100).mono));
+  CHECK(requests.end_is_due(at(130).mono));
 }

@@ -2,16 +2,10 @@
 
 #include <doctest/doctest.h>
 
+#include "tests/support/at.hpp"
+
 using namespace trb;
 using namespace trb::scheduler;
-
-namespace {
-
-Now at(double s) {
-  return {MonotonicTime{0} + seconds(s), UtcTime{1}};
-}
-
-}  // namespace
 
 TEST_CASE("a run that is over leaves after its grace, unless something comes between") {
   PendingWork work;

@@ -13,14 +13,14 @@ int weight(TaskOutcome outcome) {
   return outcome == TaskOutcome::skipped ? 1 : 2;
 }
 
-auto rank(const HeldResult& held) {
+auto preference(const HeldResult& held) {
   const TaskResult& is = held.result;
   return std::tuple(is.key.iteration, is.key.attempt, weight(is.outcome), ~is.epoch,
                     std::string_view(held.record.payload.bytes));
 }
 
 bool before(const HeldResult& a, const HeldResult& b) {
-  return rank(a) < rank(b);
+  return preference(a) < preference(b);
 }
 
 }  // namespace
@@ -32,7 +32,7 @@ bool is_final(TaskOutcome outcome) {
 bool ResultSet::add(TaskIndex task, HeldResult result) {
   auto& list = by_task_[task];
   const auto place = std::lower_bound(list.begin(), list.end(), result, before);
-  if (place != list.end() && rank(*place) == rank(result)) return false;
+  if (place != list.end() && preference(*place) == preference(result)) return false;
   const auto same = [key = result.result.key](const HeldResult& held) { return held.result.key == key; };
   const auto first = std::find_if(list.begin(), list.end(), same);
   const auto index = place - first;
@@ -123,7 +123,7 @@ std::vector<TaskIndex> ResultSet::tasks() const {
 }
 
 bool ResultSet::operator==(const ResultSet& other) const {
-  const auto same = [](const HeldResult& a, const HeldResult& b) { return rank(a) == rank(b); };
+  const auto same = [](const HeldResult& a, const HeldResult& b) { return preference(a) == preference(b); };
   return std::equal(by_task_.begin(), by_task_.end(), other.by_task_.begin(), other.by_task_.end(),
                     [&](const auto& a, const auto& b) {
                       return a.first == b.first &&

@@ -3,15 +3,10 @@
 #include <algorithm>
 
 namespace trb::scheduler {
-namespace {
-
-constexpr Duration kSign = std::chrono::seconds(2);
-
-}  // namespace
 
 void Signature::tick(const std::string& node, Now now, Outbox& out) {
   if (next_ > now.mono) return;
-  next_ = now.mono + kSign;
+  next_ = now.mono + kSignAgain;
   out.request(node, SignRequest{kind_, {payload_}});
 }
 

@@ -12,7 +12,10 @@
 
 namespace trb::scheduler {
 
-/// Asks the router to sign, again every 2 s, until it does.
+/// A request to sign may be lost.
+constexpr Duration kSignAgain = std::chrono::seconds(2);
+
+/// Asks the router to sign, again after kSignAgain, until it does.
 class Signature {
  public:
   Signature() = default;

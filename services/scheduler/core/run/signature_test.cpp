@@ -2,6 +2,10 @@
 
 #include <doctest/doctest.h>
 
+#include <functional>
+
+#include "tests/support/at.hpp"
+
 using namespace trb;
 using namespace trb::scheduler;
 
@@ -9,17 +13,13 @@ namespace {
 
 using Word = PendingSignatures::Word;
 
-Now at(double s) {
-  return {MonotonicTime{0} + seconds(s), UtcTime{1}};
-}
-
 std::size_t requests(const std::function<void(Outbox&)>& step) {
   Outbox out;
   step(out);
   return sent<SignRequest>(out).size();
 }
 
-SignedRecord record(std::string_view kind, const Bytes& payload) {
+SignedRecord record_of(std::string_view kind, const Bytes& payload) {
   return {std::string(kind), "ur3", {payload}, {"signature"}};
 }
 
@@ -32,9 +32,9 @@ TEST_CASE("the router is asked to sign at once, and again every 2 s") {
   CHECK(requests([&](Outbox& out) { signature.tick("ur3", at(2), out); }) == 1);
   signature.restart(at(3));
   CHECK(requests([&](Outbox& out) { signature.tick("ur3", at(3), out); }) == 1);
-  CHECK(signature.asks_for(record("run_end", "it is over")));
-  CHECK_FALSE(signature.asks_for(record("run_end", "it is not")));
-  CHECK_FALSE(signature.asks_for(record("result", "it is over")));
+  CHECK(signature.asks_for(record_of("run_end", "it is over")));
+  CHECK_FALSE(signature.asks_for(record_of("run_end", "it is not")));
+  CHECK_FALSE(signature.asks_for(record_of("result", "it is over")));
 }
 
 TEST_CASE("a task's result is drafted once, whatever time goes by, until it is wanted no more") {
@@ -54,8 +54,8 @@ TEST_CASE("a task's result is drafted once, whatever time goes by, until it is w
   CHECK(want(2) == 1);
   CHECK(drafts == 1);
   drafts = 0;
-  CHECK(pending.result_for(record(kSignedResult, encode(draft()))) == TaskIndex{4});
-  CHECK_FALSE(pending.result_for(record(kSignedResult, "another")).has_value());
+  CHECK(pending.result_for(record_of(kSignedResult, encode(draft()))) == TaskIndex{4});
+  CHECK_FALSE(pending.result_for(record_of(kSignedResult, "another")).has_value());
   pending.keep_results({4});
   CHECK(pending.wants_results());
   pending.keep_results({5});
@@ -68,8 +68,8 @@ TEST_CASE("an order waits for its signature beside the others") {
   pending.want(Word::abort, {"run_abort", "stop", at(1)});
   CHECK(pending.wants(Word::abort));
   CHECK_FALSE(pending.wants(Word::hold));
-  CHECK(pending.asks_for(Word::abort, record("run_abort", "stop")));
-  CHECK_FALSE(pending.asks_for(Word::end, record("run_abort", "stop")));
+  CHECK(pending.asks_for(Word::abort, record_of("run_abort", "stop")));
+  CHECK_FALSE(pending.asks_for(Word::end, record_of("run_abort", "stop")));
   CHECK(pending.next() == at(1).mono);
   CHECK(requests([&](Outbox& out) { pending.tick(Word::abort, "ur3", at(1), out); }) == 1);
   CHECK(requests([&](Outbox& out) { pending.tick(Word::hold, "ur3", at(1), out); }) == 0);
