@@ -158,7 +158,27 @@ TEST_CASE("a choice keeps the reading that decided") {
         "a462656c74"
         "9ba174a137a464656743c2cb4039800000000000a005cb0000000000000000a4676f6f640000"
         "06");
-  CHECK(to_hex(encode(JournalChoice{kRecord})) == std::string("91") + kRecordHex);
+}
+
+TEST_CASE("the records of a scheduler's journal") {
+  const std::string one = kRecordHex;
+  CHECK(to_hex(encode(JournalRun{kRecord, true})) == "92" + one + "c3");
+  CHECK(to_hex(encode(JournalStart{{"r", "t", 1, 2}, 3, 300, -6})) == "9494a172a174010203cd012cfa");
+  CHECK(to_hex(encode(JournalResult{kRecord})) == "91" + one);
+  CHECK(to_hex(encode(JournalChoice{kRecord})) == "91" + one);
+  CHECK(to_hex(encode(JournalDelivered{"r", "ur3", "baton", {1, 2}, 3})) == "95a172a3757233a56261746f6e92010203");
+  CHECK(to_hex(encode(JournalAbort{kRecord, false})) == "92" + one + "c2");
+  CHECK(to_hex(encode(JournalDecision{kRecord, true})) == "92" + one + "c3");
+  CHECK(to_hex(encode(JournalPause{kRecord, true})) == "92" + one + "c3");
+  CHECK(to_hex(encode(JournalEnd{kRecord})) == "91" + one);
+  JournalArchive over{{}, {kRecord}, {kRecord}, {}, {}, kRecord, 7};
+  over.view.run = "r";
+  over.view.state = RunState::finished;
+  CHECK(to_hex(encode(over)) ==
+        "979fa172a003a001a00000909000a000cb0000000000000000" + ("0091" + one) + "91" + one + "9090" + one + "07");
+  CHECK(to_hex(encode(JournalTime{5})) == "9105");
+  CHECK(to_hex(encode(JournalLost{5, true})) == "9205c3");
+  CHECK(to_hex(encode(JournalTombstone{"r", RunState::aborted, 7})) == "93a1720407");
 }
 
 TEST_CASE("a decision says what becomes of each task, and by what right") {
@@ -176,7 +196,6 @@ TEST_CASE("a decision says what becomes of each task, and by what right") {
   CHECK(to_hex(encode(PauseOrder{"r", 2, true, "cloud", "why", 7, {"go"}})) ==
         "97a17202c3a5636c6f7564a37768790791a2676f");
   CHECK(to_hex(encode(RunEnd{"r", {"d"}, "cloud", RunState::finished, 7})) == "95a172c40164a5636c6f75640307");
-  CHECK(to_hex(encode(JournalDecision{kRecord, true})) == std::string("92") + kRecordHex + "c3");
 }
 
 TEST_CASE("alerts and what is decided on them") {
