@@ -59,13 +59,19 @@ struct TravelRow {
   Travel travel;
 };
 
-/// A row for every typed subtype, sorted by it.
+/// A row for every reserved subtype, sorted by it.
 std::span<const TravelRow> travel_rows();
 
 /// The subtypes of each phase, as Markdown.
 std::string phases_text();
 
-/// Of a typed subtype, or nullptr.
+/// Of a reserved subtype, or nullptr.
 const Travel* find_travel(std::string_view subtype);
+
+/// True of the middleware's own words: those with a body, and the kinds of records that a service keeps to itself. None
+/// of them is a user's, nor reaches a robot as fields.
+inline bool is_reserved(std::string_view subtype) {
+  return find_travel(subtype) != nullptr;
+}
 
 }  // namespace trb

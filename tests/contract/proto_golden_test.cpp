@@ -160,27 +160,6 @@ TEST_CASE("a choice keeps the reading that decided") {
         "06");
 }
 
-TEST_CASE("the records of a scheduler's journal") {
-  const std::string one = kRecordHex;
-  CHECK(to_hex(encode(JournalRun{kRecord, true})) == "92" + one + "c3");
-  CHECK(to_hex(encode(JournalStart{{"r", "t", 1, 2}, 3, 300, -6})) == "9494a172a174010203cd012cfa");
-  CHECK(to_hex(encode(JournalResult{kRecord})) == "91" + one);
-  CHECK(to_hex(encode(JournalChoice{kRecord})) == "91" + one);
-  CHECK(to_hex(encode(JournalDelivered{"r", "ur3", "baton", {1, 2}, 3})) == "95a172a3757233a56261746f6e92010203");
-  CHECK(to_hex(encode(JournalAbort{kRecord, false})) == "92" + one + "c2");
-  CHECK(to_hex(encode(JournalDecision{kRecord, true})) == "92" + one + "c3");
-  CHECK(to_hex(encode(JournalPause{kRecord, true})) == "92" + one + "c3");
-  CHECK(to_hex(encode(JournalEnd{kRecord})) == "91" + one);
-  JournalArchive over{{}, {kRecord}, {kRecord}, {}, {}, kRecord, 7};
-  over.view.run = "r";
-  over.view.state = RunState::finished;
-  CHECK(to_hex(encode(over)) ==
-        "979fa172a003a001a00000909000a000cb0000000000000000" + ("0091" + one) + "91" + one + "9090" + one + "07");
-  CHECK(to_hex(encode(JournalTime{5})) == "9105");
-  CHECK(to_hex(encode(JournalLost{5, true})) == "9205c3");
-  CHECK(to_hex(encode(JournalTombstone{"r", RunState::aborted, 7})) == "93a1720407");
-}
-
 TEST_CASE("a decision says what becomes of each task, and by what right") {
   const Decision decision{
       "r", {"d"}, 2,     {"p"}, "cloud", {{"go", Ruling::move, "p1", 2, Evidence::word}}, {{"p1", kRecord}},
