@@ -12,7 +12,6 @@
 #include "common/base/result.hpp"
 #include "proto/bodies/bridge.hpp"
 #include "proto/bodies/bus.hpp"
-#include "proto/bodies/journal.hpp"
 #include "proto/bodies/link.hpp"
 #include "proto/bodies/resilience.hpp"
 #include "proto/bodies/robot.hpp"
@@ -38,8 +37,6 @@
   X(Scenario) X(RunStart) X(TaskResult) X(AbortOrder) X(RunSubmit) X(RunAccepted) X(Baton) X(BatonJournaled)       \
   X(NeedDefinition) X(Definition) X(NeedResults) X(Results) X(ResultsJournaled) X(TaskProgress) X(RunAbort)        \
   X(AbortConfirmed) X(RunEnd) X(RunOver) X(NeedEnd) X(RunQuery) X(RunView) X(RunListRequest) X(RunTable) X(Choice)                                 \
-  X(JournalRun) X(JournalStart) X(JournalResult) X(JournalDelivered) X(JournalAbort) X(JournalTombstone)           \
-  X(JournalChoice) X(JournalDecision) X(JournalPause) X(JournalEnd) X(JournalArchive) X(JournalTime) X(JournalLost)                                                              \
   X(Decision) X(RunDecision) X(DecisionJournaled) X(ReleaseTasks) X(PauseOrder) X(RunPause) X(PauseJournaled)      \
   X(RunWatch) X(RunChanged) X(Alert) X(AlertListRequest) X(AlertTable) X(AlertDecide)                        \
   X(HistoryListRequest) X(HistoryTable)
@@ -208,7 +205,7 @@ Result<T> from_json(std::string_view json) {
   return out;
 }
 
-/// True if a body is defined for the subtype: it belongs to the middleware and never reaches a robot as fields.
+/// True if a body is defined for the subtype. Whether it belongs to the middleware: is_reserved() (travel.hpp).
 bool is_typed(std::string_view subtype);
 
 std::string_view subtype_of(const Body& body);

@@ -59,13 +59,19 @@ struct TravelRow {
   Travel travel;
 };
 
-/// A row for every typed subtype, sorted by subtype.
+/// A row for every reserved subtype, sorted by subtype.
 std::span<const TravelRow> travel_rows();
 
 /// The subtypes of each phase, as Markdown.
 std::string phases_text();
 
-/// For a typed subtype; otherwise nullptr.
+/// For a reserved subtype; otherwise nullptr.
 const Travel* find_travel(std::string_view subtype);
+
+/// True for the subtypes of the middleware: those with a body, and the kinds of records that a service keeps. A user may
+/// send none of them, and none reaches a robot as fields.
+inline bool is_reserved(std::string_view subtype) {
+  return find_travel(subtype) != nullptr;
+}
 
 }  // namespace trb

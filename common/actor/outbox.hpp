@@ -1,6 +1,7 @@
 // What a core wants done, as values: the shell commits the journal records, then sends, then writes to the robot.
 #pragma once
 
+#include <any>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -22,9 +23,10 @@ struct Send {
   Body body;
 };
 
-/// A record that must be on disk before any Send of the same step is sent.
+/// A record that must be on disk before any Send of the same step is sent: of a type of the service's own, which its io
+/// knows.
 struct Journal {
-  Body record;
+  std::any record;
 };
 
 /// A byte stream to the robot. `field`: the robot dialled TCP_PORT; `command` and `monitor`: the node dials the robot.
@@ -62,7 +64,7 @@ class Outbox {
   /// The negative answer to a command or request, even if it asked for no positive one, and to a user's information
   /// that could not be delivered; never to an answer. `about`: Nack::about.
   void nack(const Inbound& to, const Error& error, std::string about = {});
-  void record(Body body) { journal.push_back({std::move(body)}); }
+  void record(std::any fact) { journal.push_back({std::move(fact)}); }
   void write(Channel channel, Bytes bytes) { writes.push_back({channel, std::move(bytes)}); }
   void close(Channel channel, std::string reason) { closes.push_back({channel, std::move(reason)}); }
   void log(LogLevel level, std::string event, std::string text) {

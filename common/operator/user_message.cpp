@@ -14,7 +14,7 @@ Result<Body> user_body(const std::string& subtype, const std::string& data) {
   if (!is_valid_word(subtype))
     return fail(Errc::bad_value, "SUBTYPE: '" + subtype + "' is no word", "letters, digits, '_' and '-'");
   if (data.size() > kMaxDataSize) return fail(Errc::too_large, "DATA: over 1 MiB", "send it in parts");
-  if (!is_typed(subtype)) return Body{Opaque{subtype, data}};
+  if (!is_reserved(subtype)) return Body{Opaque{subtype, data}};
   auto bytes = body_from_json(subtype, data.empty() ? "{}" : data);
   if (!bytes) {
     auto like = body_to_json(subtype, "\x90");  // an empty array: every field at its default

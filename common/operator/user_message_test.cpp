@@ -17,6 +17,7 @@ TEST_CASE("a typed subtype takes JSON, any other word its data as it is") {
 
 TEST_CASE("what cannot be a body is named, with what would be") {
   CHECK(user_body("no word", "").error().code == Errc::bad_value);
+  CHECK(user_body("journal_run", "{}").error().code == Errc::unknown_subtype);  // reserved, and never a message
   CHECK(user_body("greeting", std::string(kMaxDataSize + 1, 'x')).error().code == Errc::too_large);
   const auto bad = user_body("stop", "{");
   CHECK(bad.error().what.starts_with("DATA of stop: "));

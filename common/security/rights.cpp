@@ -98,7 +98,7 @@ bool may_send_on_bus(std::string_view service, bool probe, std::string_view subt
 }
 
 bool may_take(std::string_view service, std::string_view subtype) {
-  return is_reserved_service(service) || !is_typed(subtype);
+  return is_reserved_service(service) || !is_reserved(subtype);
 }
 
 bool may_sign(Role role, std::string_view purpose) {

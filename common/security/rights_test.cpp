@@ -79,7 +79,7 @@ TEST_CASE("on the bus a service says what it is for, and nobody says what the ro
 TEST_CASE("a service of an operator's takes users' words, and nothing of the middleware's") {
   CHECK(may_take("scheduler", "baton"));
   CHECK(may_take("fault-tally", "fault_tally"));
-  for (const std::string_view subtype : {"baton", "execute", "robot_fault", "stop", "outcome"}) {
+  for (const std::string_view subtype : {"baton", "execute", "robot_fault", "stop", "outcome", "journal_run"}) {
     CHECK_FALSE(may_take("fault-tally", subtype));
   }
   for (const std::string_view name : {"router", "cloud-gateway", "probe", "tap"}) CHECK(is_reserved_service(name));

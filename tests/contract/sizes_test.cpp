@@ -57,7 +57,6 @@ const std::map<std::string, std::string> kBounded = {
     {"alert", "alert_table; the database"},
     {"decision", "SignRequest::payload"},
     {"run_start", "SignRequest::payload"},
-    {"journal_archive", "the journal: a run's facts, each of which came in a message"},
     {"scenario", "SignRequest::payload, as part of run_start"},
 };
 

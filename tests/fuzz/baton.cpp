@@ -17,7 +17,7 @@ constexpr std::uint64_t kInstance = 100;
 class Node {
  public:
   explicit Node(bool knows) : core_({"a", Keys::get().authority, true}, archive_) {
-    if (knows) journal_.push_back(JournalRun{Keys::get().start, false});
+    if (knows) journal_.push_back(scheduler::JournalRun{Keys::get().start, false});
     require(core_.restore(journal_.records()).ok(), "a journal is taken in");
     Outbox out;
     core_.on_welcome({"a", Role::robot, 1}, now_, out);
@@ -64,8 +64,10 @@ class Node {
   }
   void take(const Outbox& out) {
     for (const Journal& one : out.journal) {
-      journal_.commit(one.record, archive_);
-      proof_.take(one.record);
+      const auto record = scheduler::to_journal_record(one.record);
+      require(record.ok(), "only facts are journaled");
+      journal_.commit(*record, archive_);
+      proof_.take(*record);
     }
     bool refused = false;
     for (const Send& send : out.sends) {

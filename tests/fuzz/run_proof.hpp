@@ -13,6 +13,7 @@
 #include "common/scenario/run_start.hpp"
 #include "common/security/keys.hpp"
 #include "proto/body.hpp"
+#include "services/scheduler/core/journal_records.hpp"
 #include "tests/fuzz/target.hpp"
 
 namespace trb::fuzz {
@@ -89,15 +90,19 @@ struct Keys {
 /// What the journal proves.
 class Proof {
  public:
-  void take(const Body& record) {
-    visit(Overloaded{[&](const JournalRun& is) { open(is.start); }, [&](const JournalResult& is) { result(is.result); },
-                     [&](const JournalChoice& is) { choice(is.choice); },
-                     [&](const JournalDecision& is) { decision(is.decision); },
-                     [&](const JournalStart& is) { start(is); }, [&](const JournalPause& is) { pause(is.order); },
-                     [&](const JournalAbort& is) { abort(is.order); }, [](const JournalDelivered&) {},
-                     [&](const JournalEnd& is) { end(is.end); }, [](const JournalArchive&) {},
-                     [](const JournalTime&) {}, [](const auto&) { require(false, "only facts are journaled"); }},
-          record);
+  void take(const scheduler::JournalRecord& record) {
+    std::visit(
+        Overloaded{[&](const scheduler::JournalRun& is) { open(is.start); },
+                   [&](const scheduler::JournalResult& is) { result(is.result); },
+                   [&](const scheduler::JournalChoice& is) { choice(is.choice); },
+                   [&](const scheduler::JournalDecision& is) { decision(is.decision); },
+                   [&](const scheduler::JournalStart& is) { start(is); },
+                   [&](const scheduler::JournalPause& is) { pause(is.order); },
+                   [&](const scheduler::JournalAbort& is) { abort(is.order); },
+                   [](const scheduler::JournalDelivered&) {}, [&](const scheduler::JournalEnd& is) { end(is.end); },
+                   [](const scheduler::JournalArchive&) {}, [](const scheduler::JournalTime&) {},
+                   [](const auto&) { require(false, "only facts are journaled"); }},
+        record);
   }
   void command(const Execute& execute) const {
     require(started_.contains(execute.key), "a start record comes before the command");
@@ -198,7 +203,7 @@ class Proof {
     return std::any_of(results_.begin(), results_.end(), retriable) ||
            std::any_of(decisions_.begin(), decisions_.end(), ruled);
   }
-  void start(const JournalStart& is) {
+  void start(const scheduler::JournalStart& is) {
     const std::size_t index = index_of(is.key.task);
     const Task& of = tasks_[index];
     require(is.key.run == kRun && robot_in(index, epoch()) == "a", "it starts what is its own");

@@ -23,12 +23,12 @@ void Decider::start() {
 void Decider::keep(const Outbox& out) {
   bool is_one_over = false;
   for (const Journal& one : out.journal) {
-    if (const auto* alert = get_if<Alert>(&one.record)) {
+    if (const auto* alert = std::any_cast<Alert>(&one.record)) {
       alerts_[alert->id] = *alert;
       if (resilience::is_open(*alert)) continue;
       decisions_.erase(alert->id);
       is_one_over = true;
-    } else if (const auto* decision = get_if<RunDecision>(&one.record)) {
+    } else if (const auto* decision = std::any_cast<RunDecision>(&one.record)) {
       decisions_[decode<Decision>(decision->decision.payload.bytes)->alert] = {decision->decision, false};
     }
   }

@@ -45,7 +45,7 @@ void C3Messages::send(const std::vector<std::string>& parts, bool whole, Bytes d
     return out.refuse("bad_message", "the robot said " + parts[0] + " " + subtype + " to " + target +
                                          ": no message, or not of the size it told");
   }
-  if (is_typed(subtype)) {
+  if (is_reserved(subtype)) {
     return out.refuse("typed_subtype", "the robot said " + subtype + ", a word of the middleware's own");
   }
   out.out.count("from_robot." + subtype);

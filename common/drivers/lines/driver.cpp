@@ -154,7 +154,7 @@ void LinesDriver::take_message(FieldMessage message, const DriverOut& out) {
   const bool report = message.type == MessageType::information && message.target == own_id_;
   if (report && (message.subtype == "done" || message.subtype == "failed")) return take_report(message, out);
   if (report && message.subtype == "fault") return take_fault(message, out);
-  if (is_typed(message.subtype)) {
+  if (is_reserved(message.subtype)) {
     return out.refuse("typed_subtype", "the robot said " + message.subtype + ", a word of the middleware's own");
   }
   out.emit(Said{message.type, std::move(message.subtype), std::move(message.target), std::move(message.data)});

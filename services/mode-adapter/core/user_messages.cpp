@@ -107,7 +107,7 @@ void UserMessages::inform(std::string_view subtype, std::string_view source, Byt
 
 void UserMessages::on_nack(const Inbound& message, const Nack& nack, Now now, Outbox& out) {
   // What the adapter itself has sent in vain is counted, only the robot's own words come back to the robot.
-  if (is_typed(nack.subtype)) return out.count("refused.nack_" + nack.subtype);
+  if (is_reserved(nack.subtype)) return out.count("refused.nack_" + nack.subtype);
   inform(Nack::kSubtype, message.source, nack.code + " " + nack.what, now, out);
 }
 

@@ -75,24 +75,18 @@ void Alerts::close(Alert& alert, const std::string& why, Outbox& out) {
   if (situation_.runs().find(alert.run) != nullptr) situation_.due_runs().notify(alert.run);
   alert.waits_for = cut_utf8(why, 512);
   reset_work(alert.id);
-  record_handed(alert, "decision_dropped", out);
+  record_end(alert, DecisionEnd::dropped, out);
   out.record(alert);
   out.log(LogLevel::info, "alert_closed", alert.id + ": " + why);
 }
 
 /// What has become of the alert's decision, if one was signed.
-void Alerts::record_handed(const Alert& alert, const std::string& what, Outbox& out) const {
-  if (alert.epoch == 0) return;
-  JournalDelivered fact;
-  fact.run = alert.run;
-  fact.to = situation_.node();
-  fact.what = what;
-  fact.epoch = alert.epoch;
-  out.record(fact);
+void Alerts::record_end(const Alert& alert, DecisionEnd end, Outbox& out) {
+  if (alert.epoch != 0) out.record(DecisionOver{alert.run, alert.epoch, end});
 }
 
 void Alerts::finish(Alert& alert, Outbox& out) {
-  record_handed(alert, "decision", out);
+  record_end(alert, DecisionEnd::handed, out);
   alert.state = AlertState::decided;
   situation_.due_runs().notify(alert.run);
   alert.waits_for.clear();
@@ -103,7 +97,7 @@ void Alerts::finish(Alert& alert, Outbox& out) {
 }
 
 void Alerts::reopen(Alert& alert, const std::string& why, Outbox& out) {
-  record_handed(alert, "decision_dropped", out);
+  record_end(alert, DecisionEnd::dropped, out);
   out.log(LogLevel::warning, "alert_reopened", alert.id + ": " + why);
   AlertWork& is = work(alert.id);
   const bool refused = is.signing.record().has_value();

@@ -32,6 +32,18 @@ struct StoredDecision {
   bool delivered = false;  ///< the scheduler has it
 };
 
+enum class DecisionEnd : std::uint8_t {
+  handed = 0,  ///< the scheduler has it
+  dropped      ///< it never will: forget it
+};
+
+/// A record: what has become of a signed decision.
+struct DecisionOver {
+  std::string run;
+  std::uint32_t epoch = 1;
+  DecisionEnd end{};
+};
+
 /// Of a run and a robot, without what may change: the cause, and what follows from it.
 [[nodiscard]] Alert alert_of(const WatchedRun& run, const std::string& robot, Now now);
 
@@ -65,7 +77,7 @@ class Alerts {
   void reopen(Alert& alert, const std::string& why, Outbox& out);
 
  private:
-  void record_handed(const Alert& alert, const std::string& what, Outbox& out) const;
+  static void record_end(const Alert& alert, DecisionEnd end, Outbox& out);
 
   Situation& situation_;
   AlertBook book_;

@@ -14,8 +14,7 @@
 
 namespace trb::resilience {
 
-// Its journal, as bodies: Alert (anew or instead of the one of that id), RunDecision (signed, not yet handed on),
-// JournalDelivered with `what` "decision" (the scheduler has it) or "decision_dropped" (it never will: forget it).
+// Its records: Alert (anew or instead of the one of that id), RunDecision (signed, not yet handed on), DecisionOver.
 class ResilienceCore final : public Core {
  public:
   /// `history`: outlives the core; nullptr: there is none to be asked for.

@@ -22,14 +22,16 @@ Status put(CapabilityDb& db, const RunDecision& signed_one) {
   return db.put_decision({decision->run, decision->epoch, encode(signed_one.decision), false});
 }
 
-Status put(CapabilityDb& db, const JournalDelivered& fact) {
-  if (fact.what == "decision_dropped") return db.drop_decision(fact.run, fact.epoch);
-  return db.set_delivered(fact.run, fact.epoch);
+Status put(CapabilityDb& db, const DecisionOver& is) {
+  if (is.end == DecisionEnd::dropped) return db.drop_decision(is.run, is.epoch);
+  return db.set_delivered(is.run, is.epoch);
 }
 
-template <class Other>
-Status put(CapabilityDb&, const Other& body) {
-  return fail(Errc::bad_value, "no record of this journal: " + std::string(subtype_of(Body(body))));
+Status put(CapabilityDb& db, const Journal& one) {
+  if (const auto* alert = std::any_cast<Alert>(&one.record)) return put(db, *alert);
+  if (const auto* decision = std::any_cast<RunDecision>(&one.record)) return put(db, *decision);
+  if (const auto* over = std::any_cast<DecisionOver>(&one.record)) return put(db, *over);
+  return fail(Errc::bad_value, "what was recorded is no record of this journal");
 }
 
 Error damaged(const std::string& what) {
@@ -54,8 +56,7 @@ Result<std::vector<Alert>> read_alerts(CapabilityDb& db) {
 Status commit(CapabilityDb& db, const std::vector<Journal>& records) {
   return db.transact([&]() -> Status {
     for (const Journal& record : records) {
-      const Status done = visit([&](const auto& body) { return put(db, body); }, record.record);
-      if (!done) return done;
+      if (Status done = put(db, record); !done) return done;
     }
     return Done{};
   });

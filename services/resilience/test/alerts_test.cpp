@@ -19,10 +19,11 @@ Alert& decided(Parts& parts) {
   return alert;
 }
 
-std::vector<std::string> facts(const Outbox& out) {
-  std::vector<std::string> found;
+/// How each decision that the step let go of ended.
+std::vector<DecisionEnd> ends(const Outbox& out) {
+  std::vector<DecisionEnd> found;
   for (const Journal& one : out.journal) {
-    if (const auto* fact = get_if<JournalDelivered>(&one.record)) found.push_back(fact->what);
+    if (const auto* over = std::any_cast<DecisionOver>(&one.record)) found.push_back(over->end);
   }
   return found;
 }
@@ -36,7 +37,7 @@ TEST_CASE("an alert that is closed is over, its decision is dropped, and its run
   CHECK(alert.state == AlertState::closed);
   CHECK(alert.waits_for == "the fault is over");
   CHECK(parts.alerts.open().empty());
-  CHECK(facts(parts.out) == std::vector<std::string>{"decision_dropped"});
+  CHECK(ends(parts.out) == std::vector{DecisionEnd::dropped});
   CHECK(parts.situation.due_runs().has_notified());
 }
 
@@ -45,7 +46,7 @@ TEST_CASE("an alert whose decision the scheduler has is decided") {
   Alert& alert = decided(parts);
   parts.alerts.finish(alert, parts.out);
   CHECK(alert.state == AlertState::decided);
-  CHECK(facts(parts.out) == std::vector<std::string>{"decision"});
+  CHECK(ends(parts.out) == std::vector{DecisionEnd::handed});
   CHECK(parts.alerts.find_work(alert.id) == nullptr);
 }
 

@@ -7,7 +7,7 @@ namespace trb::router {
 
 bool deserves_nack(const HeaderView& header) {
   if (header.reply_to != 0 || header.id == 0 || is_lossy(header)) return false;
-  return header.type != MessageType::information || !is_typed(header.subtype);
+  return header.type != MessageType::information || !is_reserved(header.subtype);
 }
 
 bool deserves_nack_elsewhere(const HeaderView& header) {

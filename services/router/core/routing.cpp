@@ -168,7 +168,7 @@ Routing MessageRouting::to_router_or_service(const HeaderView& header) const {
   if (contains(kOwnSubtypes, header.subtype)) return {.to = Routing::To::router};
   const Services& services = bus_.services();
   if (const auto claimed = services.by_subtype(header.subtype)) return to_service(claimed);
-  if (is_typed(header.subtype)) return drop(Errc::no_service);
+  if (is_reserved(header.subtype)) return drop(Errc::no_service);
   // Who asks for a plugged sensor by its name means its value; commands of that name are the robot's.
   const bool value = header.type == MessageType::request && profile_.is_plugged(header.subtype);
   return to_service(services.holder(value ? kSensorBus : "mode-adapter"));

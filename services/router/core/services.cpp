@@ -36,7 +36,7 @@ Status Services::may_come(const ServiceHello& hello, bool probe) const {
   if (holder(hello.service)) return fail(Errc::already_claimed, "service '" + hello.service + "' is running already");
   if (Status may = may_take_subtypes(hello); !may) return may;
   for (const std::string& subtype : hello.hears) {
-    if (!is_typed(subtype)) return fail(Errc::bad_value, "hears: '" + subtype + "' is no word of the middleware");
+    if (!is_reserved(subtype)) return fail(Errc::bad_value, "hears: '" + subtype + "' is no word of the middleware");
   }
   return Done{};
 }

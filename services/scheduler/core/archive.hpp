@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "proto/bodies/journal.hpp"
+#include "services/scheduler/core/journal_records.hpp"
 
 namespace trb::scheduler {
 

@@ -86,7 +86,7 @@ TEST_CASE("a run that is over goes to the archive after a minute, with all that 
   Outbox out;
   archiver.archive(known.step(out));
   REQUIRE(out.journal.size() == 1);
-  const auto record = get<JournalArchive>(out.journal[0].record);
+  const auto record = std::any_cast<JournalArchive>(out.journal[0].record);
   CHECK(record.results.size() == 1);
   CHECK(record.end.kind == kSignedRunEnd);
   CHECK(known.runs.runs().empty());

@@ -4,6 +4,7 @@
 
 #include "common/actor/outbox.hpp"
 #include "common/base/time.hpp"
+#include "services/scheduler/core/journal_records.hpp"
 
 namespace trb::scheduler {
 

@@ -11,7 +11,7 @@ template <class Fact>
 Status RunStore::apply_to(const std::string& run, const Fact& fact) {
   Run* known = find(run);
   if (known != nullptr) return known->apply(fact);
-  return fail(Errc::conflict, "a " + std::string(Fact::kSubtype) + " of run '" + run + "', which has no journal_run");
+  return fail(Errc::conflict, "a " + std::string(Fact::kKind) + " of run '" + run + "', which has no journal_run");
 }
 
 Status RunStore::apply_start(const JournalRun& fact) {
@@ -21,15 +21,15 @@ Status RunStore::apply_start(const JournalRun& fact) {
   return (known != nullptr ? *known : add(std::move(*run))).apply(fact);
 }
 
-Status RunStore::apply(const Body& fact) {
-  if (const auto* start = get_if<JournalRun>(&fact)) return apply_start(*start);
+Status RunStore::apply(const JournalRecord& fact) {
+  if (const auto* start = std::get_if<JournalRun>(&fact)) return apply_start(*start);
   const auto run = run_of(fact);
   if (!run) return run.error();
   const auto apply_it = [&](const auto& is) -> Status {
     if constexpr (requires(Run & one) { one.apply(is); }) return apply_to(*run, is);
-    return fail(Errc::bad_value, "'" + std::string(subtype_of(fact)) + "' is no journal record");
+    return fail(Errc::bad_value, "'" + std::string(kind_of(fact)) + "' is no journal record");
   };
-  return visit(apply_it, fact);
+  return std::visit(apply_it, fact);
 }
 
 Run& RunStore::add(std::unique_ptr<Run> run) {

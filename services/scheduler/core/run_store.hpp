@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "proto/body.hpp"
+#include "services/scheduler/core/journal_records.hpp"
 #include "services/scheduler/core/run/run.hpp"
 
 namespace trb::scheduler {
@@ -22,7 +22,7 @@ class RunStore {
 
   /// Takes a journaled fact in, in order. Errors: bad_value, conflict, those of Run::open: the journal is not this
   /// node's.
-  Status apply(const Body& fact);
+  Status apply(const JournalRecord& fact);
 
   [[nodiscard]] Result<std::unique_ptr<Run>> open(const SignedRecord& start) const {
     return Run::open(start, certificates_, self_);

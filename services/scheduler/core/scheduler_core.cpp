@@ -47,11 +47,11 @@ SchedulerCore::SchedulerCore(SchedulerSettings settings, const Archive& archive)
       unattempted_(settings_.node, journal_),
       archiver_(settings_.has_robot, runs_, executor_, watchers_) {}
 
-Status SchedulerCore::restore(std::span<const Body> records) {
-  for (const Body& record : records) {
-    if (const auto* time = get_if<JournalTime>(&record)) {
+Status SchedulerCore::restore(std::span<const JournalRecord> records) {
+  for (const JournalRecord& record : records) {
+    if (const auto* time = std::get_if<JournalTime>(&record)) {
       steady_.restore({time->steady});
-    } else if (const auto* lost = get_if<JournalLost>(&record)) {
+    } else if (const auto* lost = std::get_if<JournalLost>(&record)) {
       lost_.restore(*lost);
     } else if (auto applied = runs_.apply(record); !applied) {
       return applied;

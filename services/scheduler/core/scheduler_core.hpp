@@ -56,7 +56,7 @@ class SchedulerCore : public Core {
                                    scheduler::EndHandler, scheduler::QueryHandler, scheduler::RobotHandler>;
 
   /// Takes in what the journal held, in order, before on_welcome. Errors: those of scheduler::RunStore::apply.
-  Status restore(std::span<const Body> records);
+  Status restore(std::span<const scheduler::JournalRecord> records);
 
   void on_welcome(const NodeIdentity& node, Now now, Outbox& out) override;
   void on(const Inbound& message, Now now, Outbox& out) override;

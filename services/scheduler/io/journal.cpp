@@ -105,8 +105,8 @@ Status JournalFile::note_lost() {
   auto statement = compile(kInsert);
   if (!statement) return statement.error();
   bind_text(statement->get(), 1, "");
-  bind_text(statement->get(), 2, JournalLost::kSubtype);
-  bind_bytes(statement->get(), 3, encode(JournalLost{}));
+  bind_text(statement->get(), 2, JournalLost::kKind);
+  bind_bytes(statement->get(), 3, encode_record(JournalLost{}));
   return finish(statement->get());
 }
 
@@ -119,7 +119,7 @@ Status JournalFile::move_tombstones() {
   while (sqlite3_step(read->get()) == SQLITE_ROW) {
     const auto record = read_record(read->get());
     if (!record) return record.error();
-    const auto& is = get<JournalTombstone>(*record);
+    const auto& is = std::get<JournalTombstone>(*record);
     bind_text(write->get(), 1, is.run);
     sqlite3_bind_int64(write->get(), 2, static_cast<std::int64_t>(is.state));
     sqlite3_bind_int64(write->get(), 3, is.until);
@@ -155,10 +155,10 @@ Status JournalFile::finish(sqlite3_stmt* statement) {
   return status;
 }
 
-Status JournalFile::insert(const std::string& run, const Body& record) {
+Status JournalFile::insert(const std::string& run, const JournalRecord& record) {
   bind_text(insert_.get(), 1, run);
-  bind_text(insert_.get(), 2, subtype_of(record));
-  bind_bytes(insert_.get(), 3, encode_body(record));
+  bind_text(insert_.get(), 2, kind_of(record));
+  bind_bytes(insert_.get(), 3, encode_record(record));
   return finish(insert_.get());
 }
 
@@ -167,21 +167,21 @@ Status JournalFile::drop_records(const std::string& run) {
   return finish(drop_run_.get());
 }
 
-Status JournalFile::put_into_archive(const JournalArchive& is) {
+Status JournalFile::put_into_archive(const JournalRecord& record, const JournalArchive& is) {
   auto put =
       compile("INSERT OR REPLACE INTO archive(run, state, until, final, summary, record) VALUES(?, ?, ?, ?, ?, ?)");
   if (!put) return put.error();
   const Bytes end = is.end.kind.empty() ? Bytes() : encode(is.end);
   const Bytes summary = encode(RunChanged{summary_of(is.view)});
-  const Bytes record = encode(is);
+  const Bytes whole = encode_record(record);
   bind_text(put->get(), 1, is.view.run);
   sqlite3_bind_int64(put->get(), 2, static_cast<std::int64_t>(is.view.state));
   sqlite3_bind_int64(put->get(), 3, is.until);
   bind_bytes(put->get(), 4, end);
   bind_bytes(put->get(), 5, summary);
-  bind_bytes(put->get(), 6, record);
+  bind_bytes(put->get(), 6, whole);
   if (auto written = finish(put->get()); !written) return written;
-  archived_ += static_cast<std::int64_t>(record.size());
+  archived_ += static_cast<std::int64_t>(whole.size());
   return make_room();
 }
 
@@ -203,21 +203,23 @@ Status JournalFile::make_room() {
 
 Status JournalFile::write_all(const std::vector<Journal>& records) {
   for (const Journal& journal : records) {
-    const auto run_id = run_of(journal.record);
+    const auto record = to_journal_record(journal.record);
+    if (!record) return record.error();
+    const auto run_id = run_of(*record);
     if (!run_id) return run_id.error();
-    if (const auto* over = get_if<JournalArchive>(&journal.record)) {
+    if (const auto* over = std::get_if<JournalArchive>(&*record)) {
       if (auto dropped = drop_records(*run_id); !dropped) return dropped;
-      if (auto put = put_into_archive(*over); !put) return put;
+      if (auto put = put_into_archive(*record, *over); !put) return put;
       continue;
     }
-    if (const auto* time = get_if<JournalTime>(&journal.record)) {
+    if (const auto* time = std::get_if<JournalTime>(&*record)) {
       if (auto dropped = run("DELETE FROM records WHERE kind = 'journal_time'"); !dropped) return dropped;
       if (auto pruned = prune({time->steady}); !pruned) return pruned;
     }
-    if (holds_alternative<JournalLost>(journal.record)) {
+    if (std::holds_alternative<JournalLost>(*record)) {
       if (auto dropped = run("DELETE FROM records WHERE kind = 'journal_lost'"); !dropped) return dropped;
     }
-    if (auto written = insert(*run_id, journal.record); !written) return written;
+    if (auto written = insert(*run_id, *record); !written) return written;
   }
   return run("COMMIT");
 }
@@ -233,21 +235,21 @@ Status JournalFile::commit(const std::vector<Journal>& records) {
   return written;
 }
 
-Result<Body> JournalFile::read_record(sqlite3_stmt* statement) const {
+Result<JournalRecord> JournalFile::read_record(sqlite3_stmt* statement) const {
   const std::string name = "record " + std::to_string(sqlite3_column_int64(statement, 0)) + ": ";
-  auto record = decode_body(column(statement, 1), column(statement, 2));
+  auto record = decode_record(column(statement, 1), column(statement, 2));
   if (!record) return damaged(name + record.error().what);
-  const bool is_old = holds_alternative<JournalTombstone>(*record);
+  const bool is_old = std::holds_alternative<JournalTombstone>(*record);
   if (auto run_id = is_old ? Result<std::string>(std::string()) : run_of(*record); !run_id) {
     return damaged(name + run_id.error().what);
   }
   return record;
 }
 
-Result<std::vector<Body>> JournalFile::load() {
+Result<std::vector<JournalRecord>> JournalFile::load() {
   auto statement = compile("SELECT seq, kind, body FROM records ORDER BY seq");
   if (!statement) return statement.error();
-  std::vector<Body> out;
+  std::vector<JournalRecord> out;
   int code = SQLITE_OK;
   while ((code = sqlite3_step(statement->get())) == SQLITE_ROW) {
     auto record = read_record(statement->get());
@@ -282,8 +284,8 @@ std::optional<RunView> JournalFile::view(const std::string& run) const {
   if (!statement) return std::nullopt;
   bind_text(statement->get(), 1, run);
   if (sqlite3_step(statement->get()) != SQLITE_ROW) return std::nullopt;
-  auto record = decode<JournalArchive>(column(statement->get(), 0));
-  return record ? std::optional(std::move(record->view)) : std::nullopt;
+  auto record = decode_record(JournalArchive::kKind, column(statement->get(), 0));
+  return record ? std::optional(std::move(std::get<JournalArchive>(*record).view)) : std::nullopt;
 }
 
 std::vector<std::string> JournalFile::ids(const std::string& beginning, std::size_t most) const {

@@ -41,7 +41,7 @@ class JournalFile final : public Archive {
   Status commit(const std::vector<Journal>& records);
 
   /// Every record in the order of writing, without the archive. Errors: malformed, io_error.
-  Result<std::vector<Body>> load();
+  Result<std::vector<JournalRecord>> load();
 
   /// Forgets runs of the archive without a record for which nothing can come any more; done with each JournalTime.
   /// Error: io_error.
@@ -65,14 +65,14 @@ class JournalFile final : public Archive {
   Result<std::int64_t> number(const char* sql);
   Status run(const char* sql);
   Result<Statement> compile(const char* sql) const;
-  Status insert(const std::string& run, const Body& record);
+  Status insert(const std::string& run, const JournalRecord& record);
   Status drop_records(const std::string& run);
-  Status put_into_archive(const JournalArchive& record);
+  Status put_into_archive(const JournalRecord& record, const JournalArchive& is);
   Status make_room();
   Status finish(sqlite3_stmt* statement);
   Status write_all(const std::vector<Journal>& records);
   Status note_known();
-  Result<Body> read_record(sqlite3_stmt* statement) const;
+  Result<JournalRecord> read_record(sqlite3_stmt* statement) const;
   [[nodiscard]] Error problem(const std::string& what) const;
   [[nodiscard]] Error damaged(const std::string& what) const;
 

@@ -23,19 +23,19 @@ JournalStart start_of(const std::string& run, const std::string& task) {
   return {{run, task, 1, 1}, 1, 7, 9};
 }
 
-Body result_of(const std::string& run) {
+JournalResult result_of(const std::string& run) {
   TaskResult result;
   result.key.run = run;
-  return JournalResult{{"result", "ur3", {encode(result)}, {"s"}}};
+  return {{"result", "ur3", {encode(result)}, {"s"}}};
 }
 
-Body choice_of(const std::string& run) {
+JournalChoice choice_of(const std::string& run) {
   Choice choice;
   choice.run = run;
-  return JournalChoice{{"choice", "ur3", {encode(choice)}, {"s"}}};
+  return {{"choice", "ur3", {encode(choice)}, {"s"}}};
 }
 
-Body over_of(const std::string& run, RunState state, std::int64_t until) {
+JournalArchive over_of(const std::string& run, RunState state, std::int64_t until) {
   JournalArchive out;
   out.view.run = run;
   out.view.state = state;
@@ -73,11 +73,11 @@ TEST_CASE("records come back in the order of writing, also after the file is ope
   const auto records = opened(folder)->load();
   REQUIRE(records.ok());
   REQUIRE(records->size() == 4);
-  CHECK(get<JournalStart>((*records)[0]).key == AttemptKey{"b", "one", 1, 1});
-  CHECK(get<JournalStart>((*records)[0]).instance == 7);
-  CHECK(holds_alternative<JournalResult>((*records)[1]));
-  CHECK(get<JournalStart>((*records)[2]).key.run == "a");
-  CHECK(holds_alternative<JournalChoice>((*records)[3]));
+  CHECK(std::get<JournalStart>((*records)[0]).key == AttemptKey{"b", "one", 1, 1});
+  CHECK(std::get<JournalStart>((*records)[0]).instance == 7);
+  CHECK(std::holds_alternative<JournalResult>((*records)[1]));
+  CHECK(std::get<JournalStart>((*records)[2]).key.run == "a");
+  CHECK(std::holds_alternative<JournalChoice>((*records)[3]));
 }
 
 TEST_CASE(
@@ -92,7 +92,7 @@ TEST_CASE(
   const auto journal = opened(folder);
   const auto records = journal->load();
   REQUIRE(records->size() == 1);
-  CHECK(get<JournalStart>((*records)[0]).key.run == "b1");
+  CHECK(std::get<JournalStart>((*records)[0]).key.run == "b1");
   CHECK(journal->over("a1")->state == RunState::finished);
   CHECK(journal->over("a1")->end.kind == "run_end");
   CHECK(journal->over("a2")->end.kind.empty());
@@ -147,8 +147,8 @@ TEST_CASE("of the time the newest is kept, and so of the word that a journal was
   REQUIRE(journal->commit({{JournalTime{3}}, {JournalLost{4, true}}}).ok());
   const auto records = journal->load();
   REQUIRE(records->size() == 2);
-  CHECK(get<JournalTime>((*records)[0]).steady == 3);
-  CHECK(get<JournalLost>((*records)[1]).over);
+  CHECK(std::get<JournalTime>((*records)[0]).steady == 3);
+  CHECK(std::get<JournalLost>((*records)[1]).over);
 }
 
 TEST_CASE("a journal that is gone is told from one that never was") {
@@ -160,7 +160,7 @@ TEST_CASE("a journal that is gone is told from one that never was") {
     const auto journal = opened(folder);
     CHECK(journal->was_lost());
     REQUIRE(journal->load()->size() == 1);
-    CHECK_FALSE(get<JournalLost>(journal->load()->front()).over);
+    CHECK_FALSE(std::get<JournalLost>(journal->load()->front()).over);
   }
   CHECK_FALSE(opened(folder)->was_lost());
   CHECK(opened(folder)->load()->size() == 1);
@@ -169,7 +169,7 @@ TEST_CASE("a journal that is gone is told from one that never was") {
 TEST_CASE("a file of the version before is brought up to date: its tombstones are over") {
   const Folder folder;
   REQUIRE(opened(folder)->commit({{start_of("b", "one")}}).ok());
-  const std::string tombstone = to_hex(encode(JournalTombstone{"a", RunState::aborted, 100}));
+  const std::string tombstone = to_hex(encode_record(JournalTombstone{"a", RunState::aborted, 100}));
   sql(folder, "DROP TABLE archive; INSERT INTO records(run, kind, body) VALUES('a', 'journal_tombstone', x'" +
                   tombstone + "'); PRAGMA user_version = 1");
   const auto journal = opened(folder);
@@ -178,6 +178,28 @@ TEST_CASE("a file of the version before is brought up to date: its tombstones ar
   CHECK_FALSE(journal->view("a"));
   REQUIRE(journal->commit({{JournalTime{100}}}).ok());
   CHECK_FALSE(journal->over("a"));
+}
+
+TEST_CASE("a file that an earlier build has written is read: its rows as they stand on disk") {
+  const Folder folder;
+  REQUIRE(opened(folder)->load()->empty());
+  sql(folder,
+      "INSERT INTO records(run, kind, body) VALUES"
+      "('r', 'journal_start', x'9494a172a174010203cd012cfa'),"
+      "('r', 'journal_delivered', x'95a172a3757233a56261746f6e92010203'),"
+      "('', 'journal_time', x'9105'), ('', 'journal_lost', x'9205c3');"
+      "INSERT INTO archive(run, state, until, final, summary, record) VALUES('r', 3, 7, x'', x'',"
+      "x'979fa172a003a001a00000909000a000cb0000000000000000009090909094a0a0c400c40007')");
+  const auto journal = opened(folder);
+  const auto records = journal->load();
+  REQUIRE(records.ok());
+  REQUIRE(records->size() == 4);
+  CHECK(std::get<JournalStart>((*records)[0]).key == AttemptKey{"r", "t", 1, 2});
+  CHECK(std::get<JournalDelivered>((*records)[1]).what == "baton");
+  CHECK(std::get<JournalTime>((*records)[2]).steady == 5);
+  CHECK(std::get<JournalLost>((*records)[3]).over);
+  REQUIRE(journal->view("r"));
+  CHECK(journal->view("r")->state == RunState::finished);
 }
 
 TEST_CASE("a step is written whole or not at all") {

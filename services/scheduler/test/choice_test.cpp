@@ -3,6 +3,7 @@
 #include "services/scheduler/test/crashes.hpp"
 
 using namespace trb;
+using namespace trb::scheduler;
 using namespace trb::scheduler::test;
 
 namespace {
@@ -131,8 +132,8 @@ TEST_CASE("a choice is journaled before anything follows from it, and its repeti
   const Outbox out = story.pass({story.signed_by("ridgeback")});
   CHECK(sent<BatonJournaled>(out).size() == 1);
   REQUIRE(out.journal.size() == 2);
-  CHECK(holds_alternative<JournalChoice>(out.journal[0].record));
-  CHECK(holds_alternative<JournalStart>(out.journal[1].record));
+  CHECK(std::any_cast<JournalChoice>(&out.journal[0].record) != nullptr);
+  CHECK(std::any_cast<JournalStart>(&out.journal[1].record) != nullptr);
   REQUIRE(sent<Execute>(out).size() == 1);
   CHECK(sent<Execute>(out)[0].key.task == "right");
   REQUIRE(sent<SignRequest>(out).size() == 1);
@@ -146,7 +147,7 @@ TEST_CASE("a choice is journaled before anything follows from it, and its repeti
   const SignedRecord record = story.fleet.sign("ur3", kSignedResult, skip);
   const Outbox kept = story.fleet.tell("ur3", "ur3", MessageType::information, record);
   REQUIRE(kept.journal.size() == 1);
-  CHECK(holds_alternative<JournalResult>(kept.journal[0].record));
+  CHECK(std::any_cast<JournalResult>(&kept.journal[0].record) != nullptr);
   CHECK(story.seen("left", "ur3").state == TaskState::skipped);
   const Execute right = sent<Execute>(out)[0];
   const Outbox ended = story.fleet.tell("ur3", "ur3", MessageType::information,

@@ -73,7 +73,7 @@ struct Story {
   void check_one_verdict_each() {
     std::map<std::string, std::set<bool>> verdicts;
     for (const char* node : {"cloud", "conveyor", "drone", "pioneer", "ridgeback", "ur3"}) {
-      for (const Body& record : fleet[node].journal) {
+      for (const JournalRecord& record : fleet[node].journal) {
         const auto* kept = get_if<JournalChoice>(&record);
         if (kept == nullptr) continue;
         const auto choice = decode<Choice>(kept->choice.payload.bytes);

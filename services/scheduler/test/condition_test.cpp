@@ -2,6 +2,7 @@
 #include "services/scheduler/test/condition_story.hpp"
 
 using namespace trb;
+using namespace trb::scheduler;
 using namespace trb::scheduler::test;
 
 TEST_CASE("by 20 degC the UR picks left or right, and the reading that decided is kept") {
@@ -45,7 +46,7 @@ TEST_CASE("the skipped result carries the reading") {
   story.fleet["conveyor"].sensors.plug("temperature", {25.1});
   story.submit(left_or_right());
   REQUIRE(story.finishes());
-  for (const Body& record : story.fleet["cloud"].journal) {
+  for (const JournalRecord& record : story.fleet["cloud"].journal) {
     const auto* kept = get_if<JournalResult>(&record);
     if (kept == nullptr) continue;
     const auto result = decode<TaskResult>(kept->result.payload.bytes);
@@ -188,7 +189,7 @@ TEST_CASE("a join's condition is read when all before it is final, by the actor 
   const auto chose = [&](const char* node) {
     const auto& journal = story.fleet[node].journal;
     return std::any_of(journal.begin(), journal.end(),
-                       [](const Body& record) { return holds_alternative<JournalChoice>(record); });
+                       [](const JournalRecord& record) { return holds_alternative<JournalChoice>(record); });
   };
   CHECK(chose("drone"));
   CHECK(chose("pioneer"));

@@ -6,6 +6,7 @@
 #include "services/scheduler/test/fleet.hpp"
 
 using namespace trb;
+using namespace trb::scheduler;
 using namespace trb::scheduler::test;
 
 namespace {
@@ -240,7 +241,8 @@ TEST_CASE("a run that has FINISHED goes to every member's archive within minutes
       seconds(1300)));
   for (const Member& member : fleet.members()) {
     const auto& journal = fleet[member.id].journal;
-    CHECK(std::ranges::none_of(journal, [](const Body& record) { return holds_alternative<JournalResult>(record); }));
+    CHECK(std::ranges::none_of(journal,
+                               [](const JournalRecord& record) { return holds_alternative<JournalResult>(record); }));
   }
 }
 

@@ -65,7 +65,7 @@ Outbox Fleet::tell(const std::string& node, const std::string& source, MessageTy
   Node& to = nodes_.at(node);
   to.core->on({type, source, node, time_.next_number(), reply_to, 0, kDefaultRemainingMs, std::move(body)}, now_at(to),
               out);
-  for (const Journal& record : out.journal) to.journal.commit(record.record, *to.archive);
+  for (const Journal& record : out.journal) to.journal.commit(read_back(record), *to.archive);
   touch(to);
   return out;
 }
@@ -119,9 +119,7 @@ void Fleet::run_core(Node& node, const std::function<void(SchedulerCore&, Outbox
 bool Fleet::commit(Node& node, const Outbox& out) {
   for (const std::string& name : out.counts) ++counted[name];
   if (out.journal.empty()) return true;
-  for (const Journal& record : out.journal) {
-    node.journal.commit(carried_over(record.record), *node.archive);
-  }
+  for (const Journal& record : out.journal) node.journal.commit(read_back(record), *node.archive);
   return ++node.commits != node.crash_at;
 }
 
@@ -138,6 +136,15 @@ void Fleet::carry_out(Node& node, const Outbox& out) {
 Body Fleet::carried_over(const Body& body) {
   if (++bodies_ % coded_every != 0) return body;
   auto coded = decode_body(subtype_of(body), encode_body(body));
+  REQUIRE_MESSAGE(coded.ok(), (coded ? "" : coded.error().text()));
+  return std::move(*coded);
+}
+
+JournalRecord Fleet::read_back(const Journal& journal) {
+  auto record = to_journal_record(journal.record);
+  REQUIRE_MESSAGE(record.ok(), (record ? "" : record.error().text()));
+  if (++bodies_ % coded_every != 0) return std::move(*record);
+  auto coded = decode_record(kind_of(*record), encode_record(*record));
   REQUIRE_MESSAGE(coded.ok(), (coded ? "" : coded.error().text()));
   return std::move(*coded);
 }

@@ -117,8 +117,10 @@ class Fleet {
 
   void carry_out(Node& node, const Outbox& out);
   bool commit(Node& node, const Outbox& out);
-  /// A body as it arrives, or comes back from a journal.
+  /// A body as it arrives.
   Body carried_over(const Body& body);
+  /// A record as it comes back from a journal.
+  JournalRecord read_back(const Journal& journal);
   void send(Node& node, const Send& send);
   void send_local(Node& node, const Inbound& message);
   void send_away(Node& node, const Inbound& message);

@@ -58,11 +58,11 @@ ArchivePage MemoryArchive::page(const std::string& after, std::size_t limit) con
   return out;
 }
 
-MemoryJournal::MemoryJournal(std::initializer_list<Body> records) {
-  for (const Body& record : records) push_back(record);
+MemoryJournal::MemoryJournal(std::initializer_list<JournalRecord> records) {
+  for (const JournalRecord& record : records) push_back(record);
 }
 
-void MemoryJournal::push_back(Body record) {
+void MemoryJournal::push_back(JournalRecord record) {
   runs_.push_back(*run_of(record));
   records_.push_back(std::move(record));
 }
@@ -82,13 +82,13 @@ void MemoryJournal::drop(const Match& match) {
   runs_.resize(kept);
 }
 
-void MemoryJournal::commit(Body record, MemoryArchive& archive) {
-  if (const auto* over = get_if<JournalArchive>(&record)) {
+void MemoryJournal::commit(JournalRecord record, MemoryArchive& archive) {
+  if (const auto* over = std::get_if<JournalArchive>(&record)) {
     drop([&](std::size_t i) { return runs_[i] == over->view.run; });
     return archive.put(*over);
   }
-  if (const auto* time = get_if<JournalTime>(&record)) {
-    drop([&](std::size_t i) { return holds_alternative<JournalTime>(records_[i]); });
+  if (const auto* time = std::get_if<JournalTime>(&record)) {
+    drop([&](std::size_t i) { return std::holds_alternative<JournalTime>(records_[i]); });
     archive.prune(time->steady);
   }
   push_back(std::move(record));

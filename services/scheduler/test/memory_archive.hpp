@@ -4,7 +4,6 @@
 #include <map>
 #include <vector>
 
-#include "proto/body.hpp"
 #include "services/scheduler/core/archive.hpp"
 
 namespace trb::scheduler::test {
@@ -42,22 +41,22 @@ class MemoryArchive final : public Archive {
 class MemoryJournal {
  public:
   MemoryJournal() = default;
-  MemoryJournal(std::initializer_list<Body> records);
+  MemoryJournal(std::initializer_list<JournalRecord> records);
   /// Takes a committed record in: a run that is over leaves its records, of the time the newest is kept.
-  void commit(Body record, MemoryArchive& archive);
-  void push_back(Body record);
-  [[nodiscard]] const Body& operator[](std::size_t index) const { return records_[index]; }
-  [[nodiscard]] const Body& back() const { return records_.back(); }
+  void commit(JournalRecord record, MemoryArchive& archive);
+  void push_back(JournalRecord record);
+  [[nodiscard]] const JournalRecord& operator[](std::size_t index) const { return records_[index]; }
+  [[nodiscard]] const JournalRecord& back() const { return records_.back(); }
   [[nodiscard]] std::size_t size() const { return records_.size(); }
   [[nodiscard]] bool empty() const { return records_.empty(); }
   [[nodiscard]] auto begin() const { return records_.begin(); }
   [[nodiscard]] auto end() const { return records_.end(); }
-  [[nodiscard]] const std::vector<Body>& records() const { return records_; }
+  [[nodiscard]] const std::vector<JournalRecord>& records() const { return records_; }
 
  private:
   template <class Match>
   void drop(const Match& match);
-  std::vector<Body> records_;
+  std::vector<JournalRecord> records_;
   std::vector<std::string> runs_;
 };
 

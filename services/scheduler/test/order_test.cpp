@@ -6,6 +6,7 @@
 #include "services/scheduler/test/decision_story.hpp"
 
 using namespace trb;
+using namespace trb::scheduler;
 using namespace trb::scheduler::test;
 
 namespace {

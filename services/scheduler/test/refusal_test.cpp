@@ -6,6 +6,7 @@
 #include "services/scheduler/test/fleet.hpp"
 
 using namespace trb;
+using namespace trb::scheduler;
 using namespace trb::scheduler::test;
 
 namespace {
@@ -66,8 +67,8 @@ TEST_CASE("a baton with a good result is journaled, acknowledged, and starts the
   REQUIRE(sent<BatonJournaled>(out).size() == 1);
   CHECK(sent<BatonJournaled>(out)[0].tasks == std::vector<std::uint16_t>{1});
   REQUIRE(out.journal.size() == 2);
-  CHECK(holds_alternative<JournalResult>(out.journal[0].record));
-  CHECK(holds_alternative<JournalStart>(out.journal[1].record));
+  CHECK(std::any_cast<JournalResult>(&out.journal[0].record) != nullptr);
+  CHECK(std::any_cast<JournalStart>(&out.journal[1].record) != nullptr);
   REQUIRE(sent<Execute>(out).size() == 1);
   CHECK(sent<Execute>(out)[0].instance == 100);
   // Repeated: acknowledged again, and nothing else.

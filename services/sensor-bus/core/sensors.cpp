@@ -77,7 +77,7 @@ std::string Sensors::free_name(const std::string& wish) const {
 
 /// A word of the middleware's own would never reach the sensor as a request; one of the robot's is the robot's.
 bool Sensors::is_taken_word(const std::string& name) const {
-  return is_typed(name) || robots_.contains(name);
+  return is_reserved(name) || robots_.contains(name);
 }
 
 std::optional<std::string> Sensors::unplug(const std::string& key) {
@@ -116,10 +116,10 @@ void Sensors::settle_identities(const std::string& serial) {
 
 Result<const Sensor*> Sensors::add_fed(const std::string& name, MonotonicTime now) {
   if (is_taken_word(name)) {
-    return fail(
-        Errc::not_permitted,
-        "a program feeds trbots." + name + ", a word of the " + (is_typed(name) ? "middleware's" : "robot's") + " own",
-        "give it another name");
+    return fail(Errc::not_permitted,
+                "a program feeds trbots." + name + ", a word of the " +
+                    (is_reserved(name) ? "middleware's" : "robot's") + " own",
+                "give it another name");
   }
   const auto fed = std::ranges::count_if(sensors_, [](const auto& one) { return one.second.fed(); });
   if (static_cast<std::size_t>(fed) >= kMaxFed || sensors_.size() >= kMaxSensors)

@@ -66,7 +66,7 @@ void check_mode(BytesView input, Framing framing, Encoding encoding) {
   fixture.say(input);
   for (const Send& send : fixture.out.sends) {
     const auto* opaque = get_if<Opaque>(&send.body);
-    require(opaque == nullptr || !is_typed(opaque->subtype), "a robot says no word of the middleware's");
+    require(opaque == nullptr || !is_reserved(opaque->subtype), "a robot says no word of the middleware's");
   }
   fixture.wait(30);
   require(fixture.told<Outcome>().size() >= 1, "the skill has an outcome");

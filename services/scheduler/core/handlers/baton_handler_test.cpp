@@ -37,7 +37,7 @@ TEST_CASE("a baton's results are journaled before it is confirmed") {
   baton.results = {passing.known.result("task-0", "drone", TaskOutcome::finished)};
   const Outbox out = passing.known.send(passing.handler, "drone", baton);
   REQUIRE(out.journal.size() == 1);
-  CHECK(holds_alternative<JournalResult>(out.journal[0].record));
+  CHECK(std::any_cast<JournalResult>(&out.journal[0].record) != nullptr);
   CHECK(targets<BatonJournaled>(out) == Names{"drone"});
   CHECK(passing.known.run().open_tasks().startable() == std::vector<TaskIndex>{1});
   CHECK_FALSE(passing.known.run().work().requests().needs_results());

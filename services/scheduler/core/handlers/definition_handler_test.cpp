@@ -32,7 +32,7 @@ TEST_CASE("a run that is submitted on its own node is journaled and accepted, an
   Intake intake;
   const Outbox first = intake.known.send(intake.handler, "ur3", RunSubmit{intake.new_start()});
   REQUIRE(first.journal.size() == 1);
-  CHECK(get<JournalRun>(first.journal[0].record).submitted_here);
+  CHECK(std::any_cast<JournalRun>(first.journal[0].record).submitted_here);
   CHECK(nacks(first).empty());
   const SignedRecord same = intake.known.runs.find(kNewRun)->definition().record();
   const Outbox again = intake.known.send(intake.handler, "ur3", RunSubmit{same});

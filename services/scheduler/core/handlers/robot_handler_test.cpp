@@ -69,7 +69,7 @@ TEST_CASE("a task begins with its start record, once the robot is ready") {
   working.tell_online();
   const Outbox out = working.at_end_of_step();
   REQUIRE(out.journal.size() == 1);
-  CHECK(get<JournalStart>(out.journal[0].record).instance == 5);
+  CHECK(std::any_cast<JournalStart>(out.journal[0].record).instance == 5);
   CHECK(sent<Execute>(out).size() == 1);
   CHECK(targets<TaskProgress>(out) == Names{"cloud", "cloud2"});
   CHECK(sent<Execute>(working.at_end_of_step()).empty());

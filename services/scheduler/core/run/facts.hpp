@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "common/base/time.hpp"
-#include "proto/bodies/journal.hpp"
+#include "services/scheduler/core/journal_records.hpp"
 #include "services/scheduler/core/run/epochs.hpp"
 #include "services/scheduler/core/run/results.hpp"
 

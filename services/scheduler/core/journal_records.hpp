@@ -1,14 +1,17 @@
-// Records of the scheduler's journal. They are never sent; the rules for fields (append only) hold for them, too.
+// Records of the scheduler's journal. They are never sent; the rules for fields (append only) hold for them, too. Their
+// kinds are reserved (proto/travel.cpp): no user's subtype is taken for one.
 #pragma once
 
-#include "proto/bodies/run.hpp"
+#include <any>
+#include <variant>
 
-namespace trb {
+#include "proto/body.hpp"
+
+namespace trb::scheduler {
 
 /// The run is known on this node: the signed RunStart.
 struct JournalRun {
-  static constexpr std::string_view kSubtype = "journal_run";
-  static constexpr Travel kTravel = in_record();
+  static constexpr std::string_view kKind = "journal_run";
   SignedRecord start;
   bool submitted_here = false;  ///< this scheduler owes the batons to the first actors
   template <class T = JournalRun>
@@ -19,8 +22,7 @@ struct JournalRun {
 
 /// Written before the robot is commanded.
 struct JournalStart {
-  static constexpr std::string_view kSubtype = "journal_start";
-  static constexpr Travel kTravel = in_record();
+  static constexpr std::string_view kKind = "journal_start";
   AttemptKey key;
   std::uint32_t epoch = 1;
   std::uint64_t instance = 0;  ///< of the mode-adapter that is to execute it
@@ -34,8 +36,7 @@ struct JournalStart {
 
 /// A signed result: this node's own, or another's.
 struct JournalResult {
-  static constexpr std::string_view kSubtype = "journal_result";
-  static constexpr Travel kTravel = in_record();
+  static constexpr std::string_view kKind = "journal_result";
   SignedRecord result;
   template <class T = JournalResult>
   static FieldTable fields() {
@@ -45,8 +46,7 @@ struct JournalResult {
 
 /// A signed choice on tasks' conditions: this node's own, or another's.
 struct JournalChoice {
-  static constexpr std::string_view kSubtype = "journal_choice";
-  static constexpr Travel kTravel = in_record();
+  static constexpr std::string_view kKind = "journal_choice";
   SignedRecord choice;
   template <class T = JournalChoice>
   static FieldTable fields() {
@@ -56,8 +56,7 @@ struct JournalChoice {
 
 /// Another node has journaled what this node owed it.
 struct JournalDelivered {
-  static constexpr std::string_view kSubtype = "journal_delivered";
-  static constexpr Travel kTravel = in_record();
+  static constexpr std::string_view kKind = "journal_delivered";
   std::string run;
   std::string to;
   std::string what;  ///< "baton", "results", "abort", "decision", "pause"
@@ -72,8 +71,7 @@ struct JournalDelivered {
 
 /// The run was aborted: the signed AbortOrder.
 struct JournalAbort {
-  static constexpr std::string_view kSubtype = "journal_abort";
-  static constexpr Travel kTravel = in_record();
+  static constexpr std::string_view kKind = "journal_abort";
   SignedRecord order;
   bool ordered_here = false;  ///< this scheduler owes the order to the members
   template <class T = JournalAbort>
@@ -84,8 +82,7 @@ struct JournalAbort {
 
 /// The run's next epoch: the signed Decision.
 struct JournalDecision {
-  static constexpr std::string_view kSubtype = "journal_decision";
-  static constexpr Travel kTravel = in_record();
+  static constexpr std::string_view kKind = "journal_decision";
   SignedRecord decision;
   bool decided_here = false;  ///< this scheduler owes it to the members
   template <class T = JournalDecision>
@@ -96,8 +93,7 @@ struct JournalDecision {
 
 /// The run is held or goes on: the signed PauseOrder.
 struct JournalPause {
-  static constexpr std::string_view kSubtype = "journal_pause";
-  static constexpr Travel kTravel = in_record();
+  static constexpr std::string_view kKind = "journal_pause";
   SignedRecord order;
   bool ordered_here = false;  ///< this scheduler owes the order to the members
   template <class T = JournalPause>
@@ -108,8 +104,7 @@ struct JournalPause {
 
 /// The run has FINISHED: the signed RunEnd.
 struct JournalEnd {
-  static constexpr std::string_view kSubtype = "journal_end";
-  static constexpr Travel kTravel = in_record();
+  static constexpr std::string_view kKind = "journal_end";
   SignedRecord end;
   template <class T = JournalEnd>
   static FieldTable fields() {
@@ -120,8 +115,7 @@ struct JournalEnd {
 /// The run is over: its records are dropped, and this one is kept in the archive instead; until `until`, any message
 /// that still arrives for the run is refused.
 struct JournalArchive {
-  static constexpr std::string_view kSubtype = "journal_archive";
-  static constexpr Travel kTravel = in_record();
+  static constexpr std::string_view kKind = "journal_archive";
   RunView view;
   std::vector<SignedRecord> results;  ///< the results that count, one a task
   std::vector<SignedRecord> choices;
@@ -143,8 +137,7 @@ struct JournalArchive {
 
 /// The node's steady time (common/base/steady_time.hpp), written now and then. The newest record counts.
 struct JournalTime {
-  static constexpr std::string_view kSubtype = "journal_time";
-  static constexpr Travel kTravel = in_record();
+  static constexpr std::string_view kKind = "journal_time";
   std::int64_t steady = 0;  ///< UTC ns
   template <class T = JournalTime>
   static FieldTable fields() {
@@ -155,8 +148,7 @@ struct JournalTime {
 /// This journal is new although the node is not: the content of the older one is lost, and no task begins before a
 /// person has looked at the robot. `over`: a person has.
 struct JournalLost {
-  static constexpr std::string_view kSubtype = "journal_lost";
-  static constexpr Travel kTravel = in_record();
+  static constexpr std::string_view kKind = "journal_lost";
   std::int64_t time = 0;  ///< UTC ns
   bool over = false;
   template <class T = JournalLost>
@@ -168,8 +160,7 @@ struct JournalLost {
 /// Written by an earlier version. The run is over; its records are dropped, and until `until` any message that still
 /// arrives for it is refused.
 struct JournalTombstone {
-  static constexpr std::string_view kSubtype = "journal_tombstone";
-  static constexpr Travel kTravel = in_record();
+  static constexpr std::string_view kKind = "journal_tombstone";
   std::string run;
   RunState state{};
   std::int64_t until = 0;  ///< UTC ns
@@ -179,4 +170,18 @@ struct JournalTombstone {
   }
 };
 
-}  // namespace trb
+/// Every kind; the order means nothing on disk.
+using JournalRecord =
+    std::variant<JournalRun, JournalStart, JournalResult, JournalChoice, JournalDelivered, JournalAbort,
+                 JournalDecision, JournalPause, JournalEnd, JournalArchive, JournalTime, JournalLost, JournalTombstone>;
+
+std::string_view kind_of(const JournalRecord& record);
+
+/// As encode() and decode() of a body (proto/body.hpp). Errors: bad_value (no such kind), those of decode().
+Bytes encode_record(const JournalRecord& record);
+Result<JournalRecord> decode_record(std::string_view kind, BytesView bytes);
+
+/// What a core has recorded (Journal::record). Error: bad_value, it is another service's.
+Result<JournalRecord> to_journal_record(const std::any& recorded);
+
+}  // namespace trb::scheduler
