@@ -11,7 +11,7 @@ Now at(double s) {
   return {MonotonicTime{} + seconds(s), UtcTime{}};
 }
 
-/// How many requests are sent at that moment.
+/// How many requests are sent at this time.
 std::size_t sent(RouteRequests& requests, double s) {
   Outbox out;
   requests.tick("cloud", RouteRequests::kIdle, at(s), out);
