@@ -179,7 +179,7 @@ TEST_CASE("a connection that is broken for less than the grace is no alert") {
 
 TEST_CASE("a robot that is back before the grace is over is no alert, though nobody heard it say so") {
   auto fixture = paper();
-  fixture->routes["ridgeback"].profile.robot = "";  // its router has restarted, and has no profile from the mode-adapter yet
+  fixture->routes["ridgeback"].profile.robot = "";  // its router has restarted and has no profile yet
   fixture->say("cloud", PeerJoined{"ridgeback", 2});
   fixture->wait(seconds(2));
   fixture->routes["ridgeback"].profile.robot = "ONLINE";
