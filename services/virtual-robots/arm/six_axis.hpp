@@ -74,7 +74,7 @@ class SixAxis {
   double fraction(double now) const;
 
   std::vector<Step> steps_;
-  std::size_t next_ = 0;  ///< the step that is carried out
+  std::size_t next_ = 0;  ///< the step under way
   Joints from_;
   Joints to_;
   std::optional<Pose> pose_from_;

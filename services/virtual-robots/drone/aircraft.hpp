@@ -20,7 +20,7 @@ struct Stick {
 /** The body of a quadrocopter: a velocity that follows the stick, a battery that drains. Axes forward, right, up. */
 class Aircraft {
  public:
-  static constexpr double kLowBattery = 20;   ///< percent: it takes off no more
+  static constexpr double kLowBattery = 20;   ///< percent: it no longer takes off
   static constexpr double kEmptyBattery = 4;  ///< it lands by itself
   static constexpr double kHoverHeight_m = 0.8;
 
@@ -59,7 +59,7 @@ class Aircraft {
   void fly(double seconds);
   void drain(double seconds);
 
-  Phase phase_ = Phase::Landed;  ///< never Hovering: that is Flying without a stick
+  Phase phase_ = Phase::Landed;  ///< never Hovering: that is Flying without a stick command
   Stick stick_;
   double ceiling_ = 3;
   double battery_ = 100;

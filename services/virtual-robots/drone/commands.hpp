@@ -20,7 +20,7 @@ constexpr std::size_t kLongestDatagram = 1024;
 
 struct Datagram {
   std::vector<Command> commands;
-  std::vector<std::string> rejected;  ///< lines that are no command
+  std::vector<std::string> rejected;  ///< lines that are not commands
 };
 
 /** The commands of one datagram, each ended by a carriage return. */

@@ -25,7 +25,7 @@ class Controller {
   void wake(bool other_client);
   void advance(double now);
 
-  // What happens outside of the protocol.
+  // Events outside of the protocol.
   void fail_emergency();
   void raise(std::uint32_t bit) { injected_ |= bit; }
   void clear_faults();

@@ -1,4 +1,4 @@
-// The virtual drone by hand: bytes in, bytes out, no socket and no clock.
+// The virtual drone, driven by hand: bytes in, bytes out, no socket and no clock.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -144,9 +144,9 @@ TEST_CASE("without a command for 2 s it hovers and says so, then it lands; COMWD
   CHECK(pilot.aircraft().phase() == Phase::Landing);
   pilot.pass(3);
   CHECK(pilot.aircraft().phase() == Phase::Landed);
-  pilot.sequence_ = 7;  // lower ones are taken again
+  pilot.sequence_ = 7;  // lower ones are accepted again
   pilot.send("REF", kAir);
-  CHECK(pilot.aircraft().phase() == Phase::Landed);  // its watchdog still bites
+  CHECK(pilot.aircraft().phase() == Phase::Landed);  // its watchdog still acts
   pilot.send("COMWDG");
   CHECK((pilot.state() & bits::kComWatchdog) == 0);
   pilot.send("REF", kAir);

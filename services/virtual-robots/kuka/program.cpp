@@ -12,9 +12,9 @@ namespace {
 constexpr std::size_t kRoom = 64;       ///< of the short texts
 constexpr std::size_t kDataRoom = 128;  ///< of the data
 constexpr std::size_t kMostSayings = 64;
-// What its camera sees.
+// The result of its camera.
 constexpr const char* kSeen = R"({"place":"table1"})";
-// What a message came to: TRB_RESULT.
+// The result of a message: TRB_RESULT.
 constexpr int kWell = 0;
 constexpr int kStopped = 2;
 constexpr int kInjected = 3;
@@ -55,7 +55,7 @@ void Program::declare_variables() {
   v.declare("TRB_POS", Type::Pos, "");
   v.declare("$OV_PRO", Type::Int, "100");
   v.declare("$STOPMESS", Type::Bool, "FALSE");
-  v.declare("$ALARM_STOP", Type::Bool, "TRUE");  // like the controller's output: FALSE while the emergency stop is hit
+  v.declare("$ALARM_STOP", Type::Bool, "TRUE");  // as on the controller: FALSE while the emergency stop is pressed
   v.declare_live("$MODE_OP", [] { return std::string("#EX"); });
   v.declare_live("$PRO_STATE1", [this] { return std::string(running_ ? "#P_ACTIVE" : "#P_RESET"); });
   v.declare_live("$AXIS_ACT", [this] { return axis_text(); });
@@ -115,7 +115,7 @@ void Program::take_message(double now) {
   number_ = variables_.number("TRB_NUMBER");
   emit("message " + type + " " + escape_line(subtype) + " " + variables_.text("TRB_SOURCE") + " " +
        variables_.text("TRB_SIZE") + " " + escape_line(data));
-  // Refused: the end is told before it is taken, so that its sender is answered with it.
+  // Refused: the end is signalled before the message is taken, so that its sender gets it as the answer.
   if (type == "request") {
     answer(subtype);
   } else {

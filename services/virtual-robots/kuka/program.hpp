@@ -45,8 +45,8 @@ class Program {
 
  private:
   struct Saying {
-    std::string type, subtype, target, data;  ///< the data escaped, as far as it is not yet told
-    std::size_t size = 0;                     ///< of all of it, before escaping
+    std::string type, subtype, target, data;  ///< the data escaped, the part that is not yet sent
+    std::size_t size = 0;                     ///< of all the data, before escaping
   };
   void declare_variables();
   void follow_stop(double now);
@@ -64,13 +64,13 @@ class Program {
   Variables variables_;
   arm::SixAxis arm_;
   std::vector<Failure> failures_;
-  std::vector<int> calls_;  ///< of each failure's skill
+  std::vector<int> calls_;  ///< number of calls, for each failure's skill
   double now_ = 0;
   bool running_ = true;
-  std::string held_;  ///< the chunks so far, as they came
+  std::string held_;  ///< the chunks so far, as received
   std::optional<std::string> skill_;
   bool closed_ = false;
-  long long number_ = 0;  ///< of the message that is carried out
+  long long number_ = 0;  ///< of the message under way
   std::deque<Saying> sayings_;
   std::vector<std::string> events_;
 };

@@ -27,7 +27,7 @@ class Variables {
   /** False: no such variable, of another type, read-only, or too long. */
   bool write(std::string_view name, std::string_view value);
 
-  // For the program on the robot, which knows its own variables.
+  // For the program on the robot, which uses its own variables.
   bool flag(const std::string& name) const { return text(name) == "TRUE"; }
   long long number(const std::string& name) const;
   /** A stored value; a text without its quotes. */

@@ -58,7 +58,7 @@ class VirtualLines {
   Body body_;
   Console console_;
   std::deque<Message> held_;
-  std::set<std::string> faults_;  ///< the capabilities whose faults were told
+  std::set<std::string> faults_;  ///< the capabilities whose faults were reported
   double next_read_ = 0;
   bool quit_ = false;
 };

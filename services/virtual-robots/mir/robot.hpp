@@ -92,7 +92,7 @@ class Robot {
   RobotSettings settings_;
   std::vector<Mission> missions_;
   std::map<std::int64_t, QueueEntry> entries_;
-  std::deque<std::int64_t> waiting_;  ///< the first one is carried out
+  std::deque<std::int64_t> waiting_;  ///< the first one is under way
   std::int64_t last_id_ = 0;
   Position at_;
   double battery_;

@@ -15,7 +15,7 @@ enum class Fault : std::uint8_t { None, Stall, MotorsOff, StopButton };
 
 struct Start {
   std::string name = "Pioneer";
-  Position place;       ///< in the hall, metres and radians: where the odometry is 0, 0, 0
+  Position place;       ///< in the hall, metres and radians: the odometry's origin
   double charge = 100;  ///< percent
 };
 

@@ -57,8 +57,8 @@ class Drive {
   double turn_ = 0;
   double wanted_speed_ = 0;
   double wanted_turn_ = 0;           ///< radians/s
-  std::optional<double> way_left_;   ///< mm; wins over the wanted speed
-  std::optional<double> turn_goal_;  ///< radians; wins over the wanted turn
+  std::optional<double> way_left_;   ///< mm; has priority over the wanted speed
+  std::optional<double> turn_goal_;  ///< radians; has priority over the wanted turn
   bool held_ = false;
   bool hard_ = false;
 };

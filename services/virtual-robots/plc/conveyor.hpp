@@ -32,14 +32,14 @@ class Conveyor {
 
   explicit Conveyor(const ConveyorSettings& settings) : settings_(settings) {}
 
-  // The controller's side.
+  // For the controller.
   bool may_run() const { return !stops_belt(fault_); }
   void run(bool on, double now);
   void set_speed(std::uint16_t mm_per_s, double now);
   /** Acknowledges a motor overload; not what still lasts. */
   void reset(double now);
 
-  // What happens to it.
+  // Events from outside.
   void place_box(double now);
   void take_box(double now);
   void fault(FaultCode code, double now);

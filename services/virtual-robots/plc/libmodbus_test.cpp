@@ -1,4 +1,4 @@
-// libmodbus' own client against trb-virtual-plc: a party that knows nothing of this project.
+// libmodbus' own client against trb-virtual-plc: independent of this project's code.
 #include <doctest/doctest.h>
 #include <modbus.h>
 #include <poll.h>

@@ -23,7 +23,7 @@ void VirtualPlc::run(const Fd& end) {
     std::vector<pollfd> polled = console_.to_poll(end);
     server_.add_to_poll(polled);
     if (!Console::wait(polled, clock_.deadline(conveyor_.next_deadline()))) return;
-    // The scan: first what time has done, then what is asked.
+    // The scan: first the passage of time, then the requests.
     conveyor_.advance(clock_.now());
     registers_.set_time(clock_.now());
     server_.serve(polled, registers_);

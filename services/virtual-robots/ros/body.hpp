@@ -62,7 +62,7 @@ class Body {
  private:
   struct Leg {
     double seconds = 0;
-    std::optional<Pose> goal;  // none: it stands and its arm works
+    std::optional<Pose> goal;  // none: it stands while its arm works
   };
   void begin_task(std::vector<Leg> legs, double now);
   [[nodiscard]] bool can_do(const std::vector<Leg>& legs) const;

@@ -117,7 +117,7 @@ class VirtualRos {
   }
 
   void take_line(const std::string& line) {
-    tell_task();  // what a task has just begun, and a fault ends at once, is told as both
+    tell_task();  // a task that a fault ends as soon as it begins is reported as begun and as failed
     std::string_view words = line;
     const std::string_view order = take_word(words);
     if (order == "quit") {

@@ -21,8 +21,8 @@ class TcpServer {
 
   struct Client {
     Fd socket;
-    std::uint64_t id = 0;  ///< never used again
-    std::string input;     ///< what has come; the owner takes from its front
+    std::uint64_t id = 0;  ///< never reused
+    std::string input;     ///< received bytes; the owner removes them from its front
     std::string output;
     bool gone = false;
   };
@@ -56,7 +56,7 @@ class TcpServer {
   Fd listener_;
   std::size_t most_clients_;
   Extra extra_;
-  std::list<Client> clients_;  ///< in a list, so that a client stays where it is
+  std::list<Client> clients_;  ///< a list, so that a client keeps its address
   std::uint64_t last_id_ = 0;
   std::size_t poll_begin_ = 0;
 };

@@ -72,7 +72,7 @@ void Controller::raise_error(ErrorLevel level, std::string text, double now) {
 }
 
 void Controller::start(Program program, double now) {
-  // A real controller stops the running program before it takes the next one, and says so.
+  // A real controller stops the running program before it takes the next one, and reports that.
   stop_program(now);
   emit(ProgramStarted{program.name});
   program_ = std::move(program);
@@ -82,7 +82,7 @@ void Controller::start(Program program, double now) {
 }
 
 void Controller::run_secondary(const Program& program) {
-  // The compiler lets no step that takes time into a secondary program, so the running one is not disturbed.
+  // The compiler allows no step that takes time in a secondary program, so the running one is not disturbed.
   emit(SecondaryRun{program.name});
   for (const Step& step : program.steps) run_step(step);
 }

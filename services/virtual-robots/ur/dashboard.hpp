@@ -36,7 +36,7 @@ class Dashboard {
     Fd socket;
     std::string input;
     std::string output;
-    bool leaves = false;  ///< once its output is out
+    bool leaves = false;  ///< once its output is sent
     bool gone = false;
   };
 

@@ -22,7 +22,7 @@ struct RobotState {
   JointState joints;
 };
 
-// Each function returns one whole packet, big-endian, its length in front. `time_us` is in microseconds.
+// Each function returns one complete packet, big-endian, its length first. `time_us` is in microseconds.
 
 std::string version_packet();
 std::string robot_state_packet(const RobotState& state, std::uint64_t time_us);

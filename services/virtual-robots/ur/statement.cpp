@@ -24,7 +24,7 @@ std::vector<double> parse_list(Cursor& cursor, const Variables& variables) {
   cursor.expect_symbol('[');
   if (cursor.take_symbol(']')) return numbers;
   do {
-    // A list in a list is refused here already: it would let a long line recurse deeply.
+    // A list in a list is refused here: it would let a long line recurse deeply.
     if (cursor.peek().text == "[") cursor.fail();
     const int column = cursor.peek().column;
     const Value value = parse_value(cursor, variables);
