@@ -54,7 +54,7 @@ void VirtualDrone::read_commands() {
   }
 }
 
-/** Whoever says anything here is told navdata from now on; one at a time, the last that has asked. */
+/** A client that sends anything here gets navdata from now on; one at a time, the last one. */
 void VirtualDrone::read_wake_ups() {
   std::array<char, 64> buffer;
   for (int i = 0; i < kMostDatagrams; ++i) {
@@ -93,7 +93,7 @@ void VirtualDrone::take_line(const std::string& line) {
   }
 }
 
-/** The drone has bits and no texts: a warning is the wind, what is urgent a tilt too far, all else cuts the motors. */
+/** The drone has bits and no texts: WARNING is wind, URGENT a tilt too far, all else cuts the motors. */
 void VirtualDrone::take_fault(const FaultOrder& order) {
   print_line("fault " + order.severity + " " + escape_line(order.text));
   if (order.severity == "WARNING") return controller_.raise(bits::kTooMuchWind);

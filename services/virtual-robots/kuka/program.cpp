@@ -88,7 +88,7 @@ void Program::advance(double now) {
   if (!skill_ && variables_.flag("TRB_COMMAND") && !variables_.flag("TRB_DONE")) take_message(now);
 }
 
-/** The interrupt of trb.src: brakes, throws away what it holds, and says so. */
+/** The interrupt of trb.src: brakes, drops the message under way, and reports that. */
 void Program::follow_stop(double now) {
   const bool stop = variables_.flag("TRB_STOP");
   if (stop == variables_.flag("TRB_STOPPED")) return;
@@ -181,7 +181,7 @@ void Program::say(std::string type, std::string subtype, std::string target, std
   sayings_.push_back({std::move(type), std::move(subtype), std::move(target), escape_field(data), size});
 }
 
-/** One chunk, once the node has read the last one. */
+/** Sends one chunk, once the node has read the last one. */
 void Program::tell_next() {
   if (sayings_.empty() || variables_.flag("TRB_OUT")) return;
   Saying& saying = sayings_.front();

@@ -7,7 +7,7 @@
 namespace trb::virtual_robots::lines {
 namespace {
 
-/** The places of the fields of a message; everything behind the size is data. */
+/** The positions of a message's fields; all fields behind the size are data. */
 enum Place : std::size_t { kType, kSubtype, kSource, kSize };
 
 }  // namespace

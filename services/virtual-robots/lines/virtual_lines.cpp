@@ -9,7 +9,7 @@
 namespace trb::virtual_robots::lines {
 namespace {
 
-/** Messages kept while there is no connection; the oldest go first. */
+/** Messages kept while there is no connection; the oldest are dropped first. */
 constexpr std::size_t kMostHeld = 64;
 
 }  // namespace

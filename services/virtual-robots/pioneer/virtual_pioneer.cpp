@@ -96,7 +96,7 @@ void VirtualPioneer::take_line(const std::string& line) {
   controller_.set_charge(std::clamp(*percent, 0.0, 100.0));
 }
 
-/** Each severity fails as a Pioneer can. */
+/** Each severity is one of a Pioneer's own faults. */
 void VirtualPioneer::fault(std::string_view words) {
   const auto order = parse_fault_order(words);
   if (!order) return print_line("unknown_line");

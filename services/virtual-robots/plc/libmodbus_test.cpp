@@ -43,7 +43,7 @@ class Plc {
     ::close(stdout_);
   }
 
-  /** Waits for a line that begins so, 10 s at most. */
+  /** Waits for a line that begins with this, 10 s at most. */
   std::string line_with(const std::string& begin) {
     for (;;) {
       const std::size_t end = text_.find('\n');

@@ -5,7 +5,7 @@
 namespace trb::virtual_robots::plc {
 namespace {
 
-/** A motor and a belt know no capabilities: how bad it is says what has happened. */
+/** Motor and belt have no capabilities: the severity selects the fault. */
 FaultCode code_of(const std::string& severity) {
   if (severity == "WARNING") return FaultCode::MotorHot;
   if (severity == "URGENT") return FaultCode::BeltSlips;

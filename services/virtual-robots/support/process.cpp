@@ -58,7 +58,7 @@ class LineWriter {
   bool broken_ = false;
 };
 
-/** One for the process, as there is one stdout. */
+/** The process's only one, as there is only one stdout. */
 LineWriter& stdout_lines() {
   static LineWriter writer;
   return writer;

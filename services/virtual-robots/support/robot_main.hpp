@@ -16,11 +16,11 @@ struct RobotProgram {
   std::string name;             ///< "trb-virtual-ur"
   std::string what;             ///< its description, for --help
   std::vector<Option> options;  ///< its own; --die-with-parent is added
-  /** Runs until `end` is readable. An OptionError: what the options say together makes no sense. */
+  /** Runs until `end` is readable. Throws OptionError if the options do not fit together. */
   std::function<void(const Fd& end)> run;
 };
 
-/** The exit status: 0, or 2 after a line on stderr, or 1 if the parent has gone already. */
+/** Returns the exit status: 0, or 2 after a line on stderr, or 1 if the parent has already ended. */
 int robot_main(int argc, char** argv, RobotProgram program);
 
 // Options that most robots have.

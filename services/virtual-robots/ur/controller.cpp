@@ -10,7 +10,7 @@ namespace {
 
 /** The code of "the robot is not in operation", which is sent with the refusal of a program. */
 constexpr int kNotRunningCode = 100;
-/** Of a fault that is brought about by word; no code of the maker's. */
+/** The code of an injected fault; not one of the maker's. */
 constexpr int kInjectedCode = 999;
 
 }  // namespace
@@ -97,7 +97,7 @@ void Controller::advance(double now) {
   }
 }
 
-/** Begins a step where the last one ended, so that lateness does not add up over a program. */
+/** Begins a step where the last one ended, so that delays do not add up over a program. */
 void Controller::run_step(const Step& step) {
   if (const auto* move = std::get_if<MoveStep>(&step)) {
     emit(MoveStarted{*move});

@@ -14,7 +14,7 @@ enum class SafetyMode : std::uint8_t { Normal = 1, ProtectiveStop = 3, Emergency
 
 enum class ErrorLevel : std::uint8_t { Warning = 2, Violation = 3, Fault = 4 };
 
-/** What a RobotState packet tells. */
+/** The contents of a RobotState packet. */
 struct RobotState {
   RobotMode mode = RobotMode::Running;
   SafetyMode safety = SafetyMode::Normal;

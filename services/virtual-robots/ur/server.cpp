@@ -17,7 +17,7 @@ struct Offset {
 
 constexpr Offset kOffsets[] = {{1, true, false}, {2, false, false}, {11, true, true}, {12, false, true}};
 
-/** A port the system holds free at the moment, so that its neighbours probably are free as well. */
+/** A port that is free at the moment, so that its neighbours probably are free as well. */
 std::uint16_t probable_base(const std::string& address) {
   const std::uint16_t port = port_of(listen_on({address, 0}));
   return static_cast<std::uint16_t>(std::min<int>(port, 65500) - 1);

@@ -68,7 +68,7 @@ Value parse_value(Cursor& cursor, const Variables& variables) {
   }
 }
 
-/** `key=value` or a value; a key is only known as one by the `=` behind it, so the cursor may have to go back. */
+/** `key=value` or a value; only the `=` behind it marks a key, so the cursor may have to go back. */
 Argument parse_argument(Cursor& cursor, const Variables& variables) {
   Argument argument;
   argument.column = cursor.peek().column;

@@ -61,7 +61,7 @@ void VirtualUr::take_console_line(const std::string& line) {
   }
 }
 
-/** An arm's controller knows no capabilities: whatever fails stops the whole arm, or is a mere warning. */
+/** An arm's controller has no capabilities: a fault stops the whole arm, or is only a warning. */
 void VirtualUr::take_fault(const FaultOrder& order) {
   const bool warning = order.severity == "WARNING";
   const bool fatal = order.severity == "FATAL";
