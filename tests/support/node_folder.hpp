@@ -1,4 +1,4 @@
-// A node's folder for tests: good files in a temporary place, each of which a test may replace.
+// A node's folder for tests: valid files in a temporary place, each of which a test may replace.
 #pragma once
 
 #include <string>
