@@ -9,7 +9,7 @@ using namespace trb::router;
 
 const BeaconKey kKey{1, Bytes(32, 'k')};
 
-/// Receives two beacons of one kind, with a tick after them.
+/// Receives the beacon twice, with a tick after it.
 void hear(BytesView plain) {
   RouterCore core = make_router();
   Effects effects;

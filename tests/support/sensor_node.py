@@ -26,7 +26,7 @@ class HallFleet(support.RouterFleet):
 
 
 class SensorNode:
-    """One node: its router as everywhere, its sensor-bus in the hall. `case` is the test class or case that it ends with."""
+    """One node: its router as usual, its sensor-bus in the hall. `case` is the test class or case that it ends with."""
 
     def __init__(self, case, block, udp_port):
         add_cleanup = case.addClassCleanup if isinstance(case, type) else case.addCleanup
@@ -52,7 +52,7 @@ class SensorNode:
         return fleet
 
     def read(self, sensor):
-        """One value, as anybody in the fleet asks for it; with its unit, time and quality."""
+        """One value, as any node of the fleet requests it; with its unit, time and quality."""
         return self.fleet.json("request", NODE, "sensor_read", json.dumps({"sensor": sensor}), node=NODE)["body"]
 
     def start(self):
@@ -76,11 +76,11 @@ class SensorNode:
         return self.fleet.json("request", NODE, "sensor_list", asked, node=NODE)["body"]
 
     def sensors(self, state=None):
-        """name: what is told of it."""
+        """name: its row."""
         return {each["name"]: each for each in self.table()["sensors"] if state in (None, each["state"])}
 
     def wait(self, what, holds, timeout=10):
-        """Waits until the table of sensors is so; returns how long it took."""
+        """Waits until the table of sensors meets the condition; returns how long it took."""
         last = {}
 
         def look():
@@ -98,7 +98,7 @@ class SensorNode:
     # ---- the process
 
     def pid(self):
-        """Of the sensor-bus itself: nsenter has become it."""
+        """The pid of the sensor-bus itself: nsenter has executed it."""
         return self.bus.child.pid
 
     def figures(self):
