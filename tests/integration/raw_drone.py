@@ -1,4 +1,4 @@
-"""An AR.Drone 2's two sides in Python, written from the protocol alone: a client, and a drone under the test's control."""
+"""An AR.Drone 2's two sides in Python, written from the protocol alone: a client, and a drone that a test controls."""
 import select
 import socket
 import struct
