@@ -68,8 +68,8 @@ std::string phases_text();
 /// For a reserved subtype; otherwise nullptr.
 const Travel* find_travel(std::string_view subtype);
 
-/// True for the subtypes of the middleware: those with a body, and the kinds of records that a service keeps. A user may
-/// send none of them, and none reaches a robot as fields.
+/// True for the subtypes of the middleware: those with a body, and the kinds of records that a service keeps. A user
+/// may send none of them, and none reaches a robot as fields.
 inline bool is_reserved(std::string_view subtype) {
   return find_travel(subtype) != nullptr;
 }

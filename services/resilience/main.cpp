@@ -1,4 +1,4 @@
-// trb-resilience NODE_DIR: alerts, and who takes over from a robot that has failed. See README.md.
+// trb-resilience NODE_DIR: alerts, and which robot takes over from one that has failed. See README.md.
 #include "common/service/service_main.hpp"
 #include "services/resilience/io/start.hpp"
 

@@ -1,4 +1,4 @@
-// Fills any body by its shape with values that are not the defaults, and compares two of them.
+// Fills any body with values that are not the defaults, and compares two of them.
 #pragma once
 
 #include <span>
@@ -8,7 +8,7 @@
 
 namespace trb::contract {
 
-/// A body of the list and its codecs, without its type: what is tested of each is compiled once, not a hundred times.
+/// A body of the list and its codecs, without its type: the tests of all bodies are compiled once, not a hundred times.
 struct AnyBody {
   std::string_view subtype;
   BodyKind kind;
@@ -21,10 +21,10 @@ struct AnyBody {
 /// Every body.
 std::span<const AnyBody> every_body();
 
-/// Every field has another value than by default, every list two items.
+/// Every field has a value other than the default, every list two items.
 Body filled(BodyKind kind);
 
-/// Of the same kind, and equal field by field.
+/// Are they of the same kind, and equal field by field?
 bool same(const Body& a, const Body& b);
 
 }  // namespace trb::contract

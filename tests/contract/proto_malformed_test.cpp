@@ -1,4 +1,4 @@
-// Input of strangers: every decoder refuses what is wrong, names the error, and never crashes.
+// Untrusted input: every decoder refuses what is wrong, names the error, and never crashes.
 #include <doctest/doctest.h>
 
 #include "proto/figure3.hpp"
@@ -18,7 +18,7 @@ void check_refused(const Result<T>& result, Errc code) {
   CHECK_FALSE(result.error().what.empty());
 }
 
-/// Calls read with each single bit of the bytes changed.
+/// Calls read once for each single flipped bit of the bytes.
 template <class Read>
 void flip_each_bit(const Bytes& good, Read read) {
   for (std::size_t bit = 0; bit < good.size() * 8; ++bit) {
@@ -28,7 +28,7 @@ void flip_each_bit(const Bytes& good, Read read) {
   }
 }
 
-/// Calls read with every true beginning of the bytes.
+/// Calls read with every proper prefix of the bytes.
 template <class Read>
 void cut_everywhere(const Bytes& good, Read read) {
   for (std::size_t size = 0; size < good.size(); ++size) read(good.substr(0, size));

@@ -1,4 +1,4 @@
-// Every body goes to msgpack and JSON and back unchanged; nodes of neighbouring versions understand each other.
+// Every body is converted to msgpack and JSON and back unchanged; nodes of neighbouring versions understand each other.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -86,7 +86,7 @@ TEST_CASE("an integer is taken for a double, and a double keeps its fraction and
 }
 
 TEST_CASE("every typed subtype says how it travels: what is sent has a phase, a record needs none") {
-  // Kept in files and inside signed records, never the subtype of a message.
+  // Stored in files and inside signed records, never the subtype of a message.
   const std::vector<std::string_view> kept = {
       "certificate", "certificate_request", "scenario", "run_start", "revocation_list", "sealed_range", "relayed_frame",
       "result",      "abort_order",         "choice",   "decision",  "pause_order",     "alert",        "run_end"};

@@ -1,5 +1,4 @@
-// The largest that each body may become by the bounds of its fields: what passes a message's 1 MiB has a place that
-// bounds it.
+// The largest size of each body by the bounds of its fields: if it exceeds a message's 1 MiB, another place bounds it.
 #include <doctest/doctest.h>
 
 #include <map>
@@ -39,7 +38,7 @@ std::uint64_t largest(const Shape& shape, std::uint32_t max) {
   return sum;
 }
 
-/// What passes a message by its fields' bounds, and what keeps it within one.
+/// Bodies that exceed a message by their fields' bounds, and what keeps them within one.
 const std::map<std::string, std::string> kBounded = {
     // Between nodes and services.
     {"alert_table", "resilience AlertBook::table: fit"},
@@ -53,7 +52,7 @@ const std::map<std::string, std::string> kBounded = {
     {"route_table", "router RouterCore::route_table: pages"},
     {"run_table", "scheduler Book::kMaxRuns, 512 of 1.4 kB; pages of 500"},
     {"run_view", "scheduler view.cpp: fit"},
-    // Never a message of their own: they are what a SignedRecord signs, 512 kB at most, or rows of a database.
+    // Never messages of their own: they are contents of a SignedRecord, 512 kB at most, or rows of a database.
     {"alert", "alert_table; the database"},
     {"decision", "SignRequest::payload"},
     {"run_start", "SignRequest::payload"},

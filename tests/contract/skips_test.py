@@ -1,4 +1,4 @@
-"""What a test program of ours says of what cannot be tried here: to ctest by its exit code, to a person by its reason."""
+"""How a test program reports what cannot be tried here: to ctest by its exit code, to a person by its reason."""
 import pathlib
 import subprocess
 import sys

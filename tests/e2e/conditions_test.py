@@ -60,7 +60,7 @@ class Conditions(support.FleetTest):
         cls.addClassCleanup(cls.fleet.bus.stop)
         cls.values = cls.root / "values"
         cls.values.write_text("15")
-        # Whoever emits trbots.* is a sensor: its values come in turn, none while the file is empty.
+        # Any program that emits trbots.* is a sensor: its values come in turn, none while the file is empty.
         emit = f"dbus-send --bus={cls.fleet.bus.address} --type=signal /trbots/temperature trbots.temperature.value"
         line = f'while :; do for v in $(cat {cls.values}); do {emit} double:$v string:degC; sleep 0.1; done; sleep 0.02; done'
         cls.feeder = subprocess.Popen(["sh", "-c", line], preexec_fn=trb_fleet.end_with_parent)
@@ -98,7 +98,7 @@ class Conditions(support.FleetTest):
         return view
 
     def assert_one_branch(self, run, mark):
-        """The robots' own words: one of the two was commanded, once; and the view says so."""
+        """By the robots' own output: one of the two was commanded, once; and the view shows it."""
         view = self.finished(run)
         done = {robot: self.commanded(mark, robot) for robot in ROBOTS}
         self.assertEqual((done["ridgeback"], done["conveyor"]), (["load_out"], ["run"]))
@@ -133,7 +133,7 @@ class Conditions(support.FleetTest):
                 self.wait_robot(mark, "ridgeback", "done load_out")
 
     def test_the_evaluating_scheduler_dies_before_it_has_chosen(self):
-        """No value comes: it asks and waits. Killed, it asks anew; then the values jump over the limit at each reading."""
+        """No value comes: it waits. Killed, it requests again; then the values cross the limit each time."""
         self.feed()
         mark = self.mark()
         run = self.submit(TWO_ROBOTS)
@@ -148,7 +148,7 @@ class Conditions(support.FleetTest):
         self.assert_one_branch(run, mark)
 
     def test_the_evaluating_scheduler_dies_while_it_asks(self):
-        """Killed right after its task is done: while it asks, has signed, or just after it has passed on."""
+        """Killed right after its task is done: during the request, after signing, or just after passing on."""
         self.feed("19.9", "20.1")
         for looks in (0, 2, 4, 7):
             with self.subTest(looks=looks):
@@ -162,7 +162,7 @@ class Conditions(support.FleetTest):
                 self.wait_back("ridgeback", "scheduler", old)
 
     def test_the_evaluating_scheduler_dies_after_it_has_chosen(self):
-        """The actors' schedulers are stopped, so that its choice reaches nobody before it is killed."""
+        """The actors' schedulers are stopped, so that its choice reaches no other node before it is killed."""
         self.feed("19.9", "20.1")
         mark = self.mark()
         run = self.submit(TWO_ROBOTS)
@@ -201,7 +201,7 @@ class Conditions(support.FleetTest):
         self.assertEqual(self.task(view, "right")["condition"], "temperature of conveyor was 25 degC, > 20")
 
     def test_a_sensor_that_is_not_plugged_in(self):
-        """The check says so and starts nothing less; the run waits for it; an abort ends the waiting."""
+        """The check warns of it and the run starts all the same; the run waits for it; an abort ends the waiting."""
         scenario = json.loads(json.dumps(TWO_ROBOTS).replace('"temperature"', '"humidity"').replace("degC", "percent"))
         status, answer = self.ask("scenario", "check", self.scenario_file(scenario))
         self.assertEqual(status, 0)

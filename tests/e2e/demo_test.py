@@ -1,5 +1,5 @@
-"""scripts/demo_fleet.py: the nine tasks, one of them chosen by a thermometer that is plugged in, the counts beside Equation 12,
-and that nothing of it stays behind."""
+"""scripts/demo_fleet.py: the nine tasks, one of them chosen by a thermometer that is plugged in, the counts beside
+Equation 12, and that it leaves nothing behind."""
 import json
 import os
 import signal
@@ -20,7 +20,7 @@ TASKS = [
     ("land", "drone", "land", "direct", "udp-at"),
     ("load_out", "ridgeback", "load_out", "ros", "ros"),
 ]
-# One thermometer, asked for once, from a remote node.
+# One thermometer, requested once, from a remote node.
 EQUATION_12 = {"boot": 28, "identification": 45, "devices": 2, "task": 36, "forward": 7, "sensor": 4, "fail": 0,
                "total": 122}
 
@@ -70,7 +70,7 @@ class Demo(support.Demonstration, unittest.TestCase):
             if phase != "total":
                 self.assertGreaterEqual(observed[phase], least, f"{phase}: {messages}")
         self.assertEqual(observed["fail"], 0)
-        self.assertLessEqual(observed["sensor"], 20)  # the arm tells its mode and safety, too
+        self.assertLessEqual(observed["sensor"], 20)  # the arm reports its mode and safety, too
 
     def test_ctrl_c_leaves_nothing_behind(self):
         child = self.start("--speed", "4")

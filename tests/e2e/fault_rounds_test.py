@@ -1,4 +1,4 @@
-"""scripts/test-faults: a few rounds of it, and that its rules see what they are there for."""
+"""scripts/test-faults: a few rounds of it, and that its rules find what they must."""
 import json
 import pathlib
 import sqlite3
@@ -11,7 +11,7 @@ import fault_rules as rules  # from scripts/, which support has made known
 from trb_fleet import CLOUD
 
 SEED = 4
-BUSY = "^(ridgeback|conveyor|ur3|drone|cloud) "  # who has a task, and who decides
+BUSY = "^(ridgeback|conveyor|ur3|drone|cloud) "  # the nodes with a task, and the decider
 BLOCK = support.take_block(90)
 SCENARIO = {"tasks": [{"id": "go", "robot": "ridgeback", "skill": "go_to", "data": {"place": "dock"}},
                       {"id": "pick", "robot": "ur3", "skill": "pick", "data": {"side": "left"}}]}
@@ -27,7 +27,7 @@ def view_of(*tasks, state="PAUSED", waits_for="a person", decisions=()):
 
 
 class FakeFleet:
-    """As much of a fleet as the rules look at."""
+    """As much of a fleet as the rules need."""
 
     node_names = ["ridgeback", "ur3", CLOUD]
     robots = {"ridgeback": None, "ur3": None}
@@ -77,7 +77,7 @@ class Rules(unittest.TestCase):
         self.assertEqual(len(self.too_often()), 1)
         self.fleet.told = {"ridgeback": ["go_to table1"]}
         self.assertEqual(len(self.too_often()), 1)
-        self.fleet.told = {"ur3": ["program"]}  # begun by nobody
+        self.fleet.told = {"ur3": ["program"]}  # commanded without a start record
         self.assertEqual(len(self.too_often()), 1)
 
     def test_an_attempt_that_no_decision_allows(self):
@@ -106,7 +106,7 @@ class Rules(unittest.TestCase):
         self.fleet.views["ur3"] = moved
         self.assertEqual(len(rules.disagreements(self.fleet, "f00d", moved)), 0)
         self.fleet.views["ur3"] = self.begun
-        self.assertEqual(len(rules.disagreements(self.fleet, "f00d", moved)), 2)  # its epoch, and whose the task is
+        self.assertEqual(len(rules.disagreements(self.fleet, "f00d", moved)), 2)  # its epoch, and the task's robot
 
     def test_ends_that_explain_nothing(self):
         alert = {"run": "f00d"}

@@ -1,5 +1,5 @@
-"""scripts/demo_fleet.py --fault: section 6.1 whole. The Ridgeback's base fails in task 4, another robot takes over tasks 4 and
-7, by the policy or by the command that is printed for people; what went over the wire for it, beside Equation 11."""
+"""scripts/demo_fleet.py --fault: section 6.1. The Ridgeback's base fails in task 4, another robot takes over tasks 4
+and 7, by the policy or by the command that is printed for people; the messages for it, compared with Equation 11."""
 import json
 import math
 import os
@@ -39,7 +39,7 @@ class Fault(support.Demonstration, unittest.TestCase):
         self.check(result, fault["proposals"][0]["robot"])
         self.assertIn("availability 100 (0.", said)  # each one's contributions
         times = fault["times"]
-        self.assertGreater(times["alert_to_decision_s"], 1.9)  # the policy waits for what fails of the same cause
+        self.assertGreater(times["alert_to_decision_s"], 1.9)  # the policy waits for failures of the same cause
         self.assertLess(times["alert_to_decision_s"], 10)
         support.tell(f"demo --fault: {result['wall_s']} s; fault to alert {times['fault_to_alert_s']} s, alert to decision "
                      f"{times['alert_to_decision_s']} s, decision to command {times['decision_to_commanded_s']} s; "
@@ -109,7 +109,7 @@ class Fault(support.Demonstration, unittest.TestCase):
                 self.assertGreater(value, -0.01, fault["times"])
 
     def check_messages(self, messages, taker):
-        """Equation 11: two messages a fault; what is more is named."""
+        """Equation 11: two messages per fault; additional ones are named."""
         self.assertEqual(messages["equation12"]["fail"], 2)
         wire = messages["fault_on_the_wire"]
         self.assertEqual((wire["equation11"], wire["two"], wire["to"]), (2, {"robot_fault": 1, "run_decision": 1}, taker))
@@ -122,7 +122,7 @@ class Fault(support.Demonstration, unittest.TestCase):
         self.assertEqual(messages["observed"]["fail"], sent)
 
     def check_journals(self, taker):
-        """The virtual robots' own words: nothing was commanded twice, and nobody else drove."""
+        """By the virtual robots' output: nothing was commanded twice, and no other robot drove."""
         for word in ("goal", "fetch", "load_out"):
             self.assertEqual(len(self.lines("ridgeback", word)), 1, word)
         stands = {robot: self.places(robot) for robot in TAKERS}
@@ -134,7 +134,7 @@ class Fault(support.Demonstration, unittest.TestCase):
         return [line for line in text.splitlines() if line.split(" ")[0] == word]
 
     def places(self, robot):
-        """Where it was sent, or came to a stand after a drive, in order."""
+        """Where it was sent, or came to a standstill after a drive, in order."""
         out = []
         for line in self.lines(robot, "goal" if robot == "turtlebot" else "at"):
             x, y = map(float, line.split()[1:3])

@@ -12,7 +12,7 @@ ROBOTS = {
     "ur3": ("ur", "ur3", []),
     "conveyor": ("lines", "conveyor", ["--skill", "run=4"]),
 }
-# Each robot hands on to another: a box is fetched, conveyed, picked up and loaded out.
+# Each robot passes a box on to another: it is fetched, conveyed, picked up and loaded out.
 SCENARIO = {
     "name": "kills",
     "tasks": [
@@ -26,7 +26,7 @@ COMMANDED_ONCE = {"ridgeback": ["fetch", "load_out"], "conveyor": ["run"], "ur3"
 
 
 class IdleFleet(support.FleetTest):
-    """Of a whole fleet of eight nodes one process dies; then its node, and the cloud, find everything as before."""
+    """In a fleet of eight nodes one process dies; then its node and the cloud see everything as before."""
 
     BLOCK = 66
 
@@ -34,7 +34,7 @@ class IdleFleet(support.FleetTest):
         return set(support.processes_of(self.root, self.block))
 
     def heal(self, what, kill, is_back, robot):
-        """Kills; the rest stays; then the table is whole and a message goes to `robot` and back."""
+        """Kills; the other processes stay; then the table is complete and a message goes to `robot` and back."""
         before = self.all_pids()
         others = [r for r in ("pioneer2", "turtlebot", "drone") if r != robot]
         began = time.monotonic()
@@ -56,11 +56,11 @@ class IdleFleet(support.FleetTest):
                 with self.subTest(node=node, service=service):
                     self.heal(f"{service} of {node}", lambda n=node, s=service: self.kill_service(n, s),
                               lambda old, n=node, s=service: self.is_back(n, s, old), None if node == CLOUD else node)
-        # What the schedulers do with each other goes on, too.
+        # The schedulers' exchange goes on, too.
         self.assertEqual(self.fleet.trb("scenario", "list", node="ridgeback").returncode, 0)
 
     def test_virtual_robots(self):
-        """Nobody starts a robot's own program again but the one who switches it on: here at once."""
+        """A robot's own program restarts only when a person switches it on: here at once."""
         for robot in self.fleet.robots:
             def kill_and_restart(name=robot):
                 pid = self.fleet.virtual[name].child.pid
@@ -86,7 +86,7 @@ class IdleFleet(support.FleetTest):
 
 
 class RunFleet(support.FleetTest):
-    """One process dies while a run goes on. The virtual robots' own words tell how often they were commanded."""
+    """One process dies while a run goes on. The virtual robots' output shows how often they were commanded."""
 
     BLOCK = 68
     ROBOTS = ROBOTS
@@ -121,7 +121,7 @@ class RunFleet(support.FleetTest):
 
     def test_scheduler_before_the_command(self):
         """The mode-adapter is stopped before the task becomes ready: the start is on record and the command on its way,
-        but not read, when the scheduler dies. The new one asks; both words are then read in their order."""
+        but not read, when the scheduler dies. The new one queries; both messages are then read in their order."""
         run, mark = self.started()
         self.wait_robot(mark, "ridgeback", "start fetch")
         adapter = self.pause_service("conveyor", "mode-adapter")
@@ -139,7 +139,7 @@ class RunFleet(support.FleetTest):
         self.assert_finished_once(run, mark)
 
     def test_scheduler_when_the_outcome_came(self):
-        """Stopped while the robot moves, killed once the robot is done: the outcome waits unread and is told again."""
+        """Stopped while the robot moves, killed once the robot is done: the outcome waits unread and is sent again."""
         run, mark = self.started()
         self.wait_convey_starts(mark)
         self.pause_service("conveyor", "scheduler")
@@ -192,7 +192,7 @@ class RunFleet(support.FleetTest):
         self.assertEqual((outcome["state"], outcome["outcome"]), ("RETRIABLE", "interrupted"))
 
     def wait_still(self, mark, robot):
-        """Nobody stops the robot when its node has forgotten the task; it ends by itself."""
+        """The robot is not stopped when its node has forgotten the task; it ends by itself."""
         ends = ("done", "failed") if robot != "ur3" else ("text trb",)
         self.fleet.wait("the robot stands",
                         lambda: any(line.startswith(ends) for line in self.lines_since(mark, robot)), support.LONG_S)
@@ -216,7 +216,7 @@ class RunFleet(support.FleetTest):
         self.kill_service(CLOUD, "router")
         self.assert_finished_once(run, mark)
 
-    # ---- who submitted
+    # ---- the submitter
 
     def test_the_cloud_node_while_the_first_robot_works(self):
         """The run has left the cloud: the robots finish it without the node that it came from."""
@@ -231,7 +231,7 @@ class RunFleet(support.FleetTest):
         self.fleet.wait_formed(support.LONG_S)
 
     def test_the_cloud_node_right_after_submitting(self):
-        """Accepted is on record, no more: whether the run had left is left to chance. It is finished, once, either way."""
+        """Only the acceptance is journaled: whether the run had left is chance. It is finished once either way."""
         run, mark = self.started()
         self.kill_node(CLOUD)
         self.start_node(CLOUD)

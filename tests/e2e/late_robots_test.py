@@ -1,4 +1,4 @@
-"""Robots and nodes that come late, hang, leave and come back: the run waits for them and says so."""
+"""Robots and nodes that come late, hang, leave and come back: the run waits for them and shows it."""
 import os
 import signal
 
@@ -46,7 +46,7 @@ class Late(support.FleetTest):
     # ---- robots
 
     def test_a_robot_that_connects_late(self):
-        """Its task is ready long before it; its node says what is waited for, and the command comes once."""
+        """Its task is ready long before it; its node shows what it waits for, and the command comes once."""
         for robot, task in (("conveyor", "convey"), ("ur3", "pick")):
             with self.subTest(robot=robot):
                 self.kill_robot(robot)
@@ -65,7 +65,7 @@ class Late(support.FleetTest):
                 self.assert_finished_once(run, mark)
 
     def test_a_robot_that_hangs_while_it_moves(self):
-        """It takes longer than it should, and that is all: nobody else is told to do its work."""
+        """It only takes longer than it should: no other robot gets its task."""
         run, mark = self.started()
         self.wait_robot(mark, "conveyor", "start run")
         pid = self.pause_robot("conveyor")
@@ -75,7 +75,7 @@ class Late(support.FleetTest):
         self.assert_finished_once(run, mark)
 
     def test_a_robot_that_hangs_before_its_command(self):
-        """It does not acknowledge the fields. Whether it has understood them nobody knows: a person has to decide."""
+        """It does not acknowledge the fields. Whether it has read them is not known: a person has to decide."""
         run, mark = self.started()
         self.wait_robot(mark, "ridgeback", "start fetch")
         pid = self.pause_robot("conveyor")
@@ -90,13 +90,13 @@ class Late(support.FleetTest):
         self.stand("conveyor")
 
     def stand(self, robot):
-        """Ends whatever the robot does still."""
+        """Ends whatever the robot is still doing."""
         for word in ("stop", "release"):
             status, answer = self.ask(word, robot)
             self.assertEqual(status, 0, answer)
 
     def test_an_arm_that_hangs_while_it_moves(self):
-        """Its controller says nothing for 3 s: the connection counts as lost, and the task as interrupted."""
+        """Its controller is silent for 3 s: the connection counts as lost, and the task as interrupted."""
         run, mark = self.started()
         self.wait_robot(mark, "ur3", "started")
         pid = self.pause_robot("ur3")
@@ -132,7 +132,7 @@ class Late(support.FleetTest):
         self.assertEqual(view["state"], "PAUSED")
         self.assertIn("'convey' was interrupted on 'conveyor'", view["waits_for"])
         self.wait_robot_state("conveyor", "ONLINE")
-        self.wait_robot(mark, "conveyor", "done run")  # it has not been stopped; what it says now comes too late
+        self.wait_robot(mark, "conveyor", "done run")  # it has not been stopped; its report comes too late now
         self.assertTrue(self.works("conveyor"))
         self.assertEqual(self.view(run)["state"], "PAUSED")
         self.assertEqual(self.commanded(mark, "conveyor"), ["run"])
@@ -142,7 +142,7 @@ class Late(support.FleetTest):
     # ---- nodes
 
     def test_a_node_restarted_while_a_run_waits_for_it(self):
-        """Once as its owner does it, once as a failing power supply does."""
+        """Once by command, once as if its power failed."""
         ways = {"ended": lambda: self.fleet.nodes.pop("ur3").stop(), "killed": lambda: self.kill_node("ur3")}
         for how, end in ways.items():
             with self.subTest(how=how):
@@ -168,7 +168,7 @@ class Late(support.FleetTest):
 
 
 class Join(support.FleetTest):
-    """A fleet that runs already takes in a node that was made since, whose robot is switched on last."""
+    """A running fleet admits a node that was made later, whose robot is switched on last."""
 
     BLOCK = 72
     ROBOTS = {"ridgeback": ROBOTS["ridgeback"]}

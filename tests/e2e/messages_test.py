@@ -7,7 +7,7 @@ import trb_fleet
 from support import CLOUD, QUICK_S
 
 TARGET = [0.5, -1.2, 1.0, -1.4, -1.57, 0]
-TRIES = 3  # a machine that is busy otherwise may delay one try, not the fastest of three
+TRIES = 3  # other load may delay one try, but not the fastest of three
 
 
 class Messages(support.FleetTest):
@@ -15,7 +15,7 @@ class Messages(support.FleetTest):
     ROBOTS = {name: trb_fleet.ROBOTS[name] for name in ("ur3", "pioneer1", "pioneer2", "turtlebot")}
 
     def quick(self, what, action):
-        """Every try must work, and the fastest within the limit. Returns what the last one gave."""
+        """Every try must work, and the fastest within the limit. Returns the last one's result."""
         best = None
         for _ in range(TRIES):
             began = time.monotonic()
@@ -33,7 +33,7 @@ class Messages(support.FleetTest):
         return json.loads(answer["data"])
 
     def start_tap(self, node):
-        """A tap that surely listens: it has shown something."""
+        """A tap that surely listens: it has shown a message."""
         tap = trb_fleet.Process([support.PROGRAMS / "trb", "tap", "--all", "--json", "--node", self.fleet.dir(node)],
                                 self.root / "tap.log")
         self.addCleanup(tap.stop)
@@ -100,7 +100,7 @@ class Messages(support.FleetTest):
                                   "field 5 hello you"])
 
     def test_robots_speak_to_each_other(self):
-        """The answer to a robot's request comes back to it, though nobody but its own node knows where it is."""
+        """The answer to a robot's request comes back to it, though only its own node knows how to reach it."""
         def say():
             mark = self.mark()
             self.fleet.virtual["pioneer1"].say("say command wave pioneer2 hello")
@@ -147,14 +147,14 @@ class Messages(support.FleetTest):
         self.assertEqual(status, 0, answer)
         self.wait_control("turtlebot", "ur3")
         self.assertEqual(self.refusal(*wave)["code"], "control_held")
-        # Whoever holds it, anyone may ask, stop and release.
+        # Whoever holds it, anyone may request, stop and release.
         self.assertEqual(self.ask("request", "turtlebot", "battery")[0], 0)
         for order in ("stop", "release"):
             self.assertEqual(self.ask(order, "turtlebot")[0], 0, order)
         self.run_waits_for_the_holder("turtlebot", "ur3")
 
     def test_a_holder_that_died_keeps_nothing(self):
-        """The lease outlives its holder by ten seconds at most, and nobody has to take it over."""
+        """The lease outlives its holder by ten seconds at most; no takeover is needed."""
         wave = ("send", "turtlebot", "command", "wave", "hello")
         self.assertEqual(self.ask(*wave, "--take", node="pioneer1")[0], 0)
         taken = time.monotonic()
@@ -179,7 +179,7 @@ class Messages(support.FleetTest):
         self.assertEqual((error["code"], f"'run {run}" in error["what"]), ("control_held", True))
 
     def wait_control(self, robot, holder):
-        """Every node is told who commands the robot."""
+        """Every node is notified who commands the robot."""
         def told(node):
             routes = self.fleet.json("route", "list", node=node)["routes"]
             return next(r["profile"]["control"] for r in routes if r["id"] == robot) == holder
@@ -192,7 +192,7 @@ class Messages(support.FleetTest):
             error = self.quick(f"{words[0]} nobody {words[2]}", lambda w=words: self.refusal(*w))
             self.assertEqual(error["code"], "unknown_target")
             self.assertIn("'nobody'", error["what"])
-        # The robot is told as well; its node's word comes back to it.
+        # The robot is notified as well; its node's message comes back to it.
         mark = self.mark()
         self.fleet.virtual["pioneer1"].say("say command wave nobody hello")
         self.wait_robot(mark, "pioneer1", "message information nack")

@@ -1,4 +1,4 @@
-"""`trb stop` while a scenario runs: each robot stands, fenced until it is released, and the run says what it awaits."""
+"""`trb stop` while a scenario runs: each robot stands, fenced until it is released, and the run shows its wait."""
 import json
 import time
 
@@ -111,7 +111,7 @@ class Stop(support.FleetTest):
         self.wait_robot(mark, "ridgeback", "failed fetch stopped")
         self.assert_paused(run)
         self.assert_fenced("turtlebot")
-        # What hung finds the stop when it wakes.
+        # A hung process finds the stop when it wakes.
         for robot, pid in (("turtlebot", hung), ("ur3", hung_arm)):
             support.send_signal(pid, support.signal.SIGCONT)
             self.wait_robot(mark, robot, "stopped")

@@ -1,4 +1,4 @@
-"""What the end-to-end tests share: a fleet of their own, taken down whole, and how to kill its parts."""
+"""What the end-to-end tests share: a fleet of their own, taken down completely, and how to kill its parts."""
 import atexit
 import fcntl
 import json
@@ -22,7 +22,7 @@ CLOUD = trb_fleet.CLOUD
 PAPER = REPO / "config" / "scenarios" / "paper-nine-tasks.json"
 QUICK_S = float(os.environ.get("TRB_QUICK_S", "1.0"))  # what a person waits for a message's effect
 HEAL_S = 5.0  # what a fleet may take to heal from the death of one process
-LONG_S = 40.0  # for what has no figure: a deadline, not a measure
+LONG_S = 40.0  # where no figure applies: a deadline, not a measurement
 
 
 def take_block(wanted):
@@ -98,7 +98,7 @@ class FleetTest(unittest.TestCase):
     @classmethod
     def take_down(cls):
         for pid in processes_of(cls.root, cls.block):
-            send_signal(pid, signal.SIGCONT)  # what a failed test has left stopped could not be ended
+            send_signal(pid, signal.SIGCONT)  # a process that a failed test left stopped could not be ended
         cls.fleet.stop()
         left = processes_of(cls.root, cls.block)
         for pid in left:
@@ -107,7 +107,7 @@ class FleetTest(unittest.TestCase):
             raise AssertionError(f"processes were left: {left}")
 
     def setUp(self):
-        """Mends what a failed test has left, so that one failure is not the next one's."""
+        """Repairs what a failed test has left, so that it does not fail the next one."""
         robots = [robot for robot in self.fleet.robots if robot not in self.fleet.virtual]
         nodes = [node for node in self.fleet.node_names if node not in self.fleet.nodes]
         for robot in robots:
@@ -125,7 +125,7 @@ class FleetTest(unittest.TestCase):
         return out
 
     def show_logs(self):
-        """What the services wrote last: all there is to find out why a test failed."""
+        """The services' last lines: the only source to find out why a test failed."""
         logs = [*self.root.glob("fleet/nodes/*/log/*.log"), *self.root.glob("fleet/up-*.log")]
         for path in sorted(logs):
             lines = path.read_text(errors="replace").splitlines()[-8:]
@@ -135,7 +135,7 @@ class FleetTest(unittest.TestCase):
         for node, up in self.fleet.nodes.items():
             print(f"-- trb up {node}: {up.lines[-8:]}", file=sys.stderr)
 
-    # ---- asking
+    # ---- requests
 
     def ask(self, *arguments, node=CLOUD):
         """(exit status, the JSON that was printed)"""
@@ -145,7 +145,7 @@ class FleetTest(unittest.TestCase):
         return done.returncode, json.loads(done.stdout.splitlines()[-1])
 
     def refusal(self, *arguments, node=CLOUD):
-        """The error of a command that must fail; every one has a cure."""
+        """The error of a command that must fail; each has a cure."""
         status, answer = self.ask(*arguments, node=node)
         self.assertEqual(status, 1, answer)
         self.assertIn("error", answer)
@@ -199,15 +199,15 @@ class FleetTest(unittest.TestCase):
         routes = self.fleet.json("route", "list", node=node)["routes"]
         return next(r["profile"]["fenced"] for r in routes if r["id"] == robot)
 
-    # ---- the virtual robots' own word
+    # ---- the virtual robots' output
 
     def mark(self):
-        """Where every virtual robot's output is now."""
+        """The present end of every virtual robot's output."""
         self.fleet.pump()
         return {node: (robot, len(robot.lines)) for node, robot in self.fleet.virtual.items()}
 
     def lines_since(self, mark, node):
-        """What a virtual robot has said since; all of it if it was started since."""
+        """A virtual robot's output since the mark; all of it if it was started since."""
         self.fleet.pump()
         robot, at = mark[node]
         return self.fleet.virtual[node].lines[at if robot is self.fleet.virtual[node] else 0:]
@@ -218,7 +218,7 @@ class FleetTest(unittest.TestCase):
         now.wait_line(wanted, timeout, at if robot is now else 0)
 
     def commanded(self, mark, node):
-        """The skills (or a UR's programs) that a robot was told to begin since."""
+        """The skills (or a UR's programs) that a robot was ordered to begin since."""
         out = []
         for line in self.lines_since(mark, node):
             words = line.split()
@@ -250,7 +250,7 @@ class FleetTest(unittest.TestCase):
         self.fleet.wait(f"{service} of {node} is back", lambda: self.is_back(node, service, old), LONG_S)
 
     def kill_node(self, node):
-        """kill -9 of a whole node, as if its power failed. The supervisor is stopped first: it must start nothing."""
+        """kill -9 of a whole node, as if its power failed. The supervisor is stopped first: no restart."""
         up = self.fleet.nodes.pop(node)
         os.kill(up.child.pid, signal.SIGSTOP)
         services = ("scheduler", "mode-adapter", "router")
@@ -258,7 +258,7 @@ class FleetTest(unittest.TestCase):
         for pid in pids:
             os.kill(pid, signal.SIGKILL)
         up.stop(signal.SIGKILL)
-        # Only then are its ports free, for whoever starts it again at once.
+        # Only then are its ports free for an immediate restart.
         wait_until(f"the processes of {node} end", lambda: not any(map(is_alive, pids)))
 
     def start_node(self, node, timeout=20):
@@ -282,7 +282,7 @@ class FleetTest(unittest.TestCase):
 
 
 class Demonstration:
-    """For a test case: scripts/demo_fleet.py in a folder and an address block of the test's own, ended whole."""
+    """For a test case: scripts/demo_fleet.py in a folder and an address block of the test's own; ended completely."""
 
     def make_demonstration(self, block, *options):
         self.block, self.options = block, options
@@ -307,7 +307,7 @@ class Demonstration:
         return child
 
     def read_until(self, child, wanted):
-        """The script's words up to a line; ctest's time limit is the deadline."""
+        """The script's output up to a line; ctest's time limit is the deadline."""
         seen = []
         for line in child.stdout:
             seen.append(line)
@@ -324,7 +324,7 @@ def send_signal(pid, number):
 
 
 def is_alive(pid):
-    """A zombie that nobody has fetched holds nothing any more, once all its threads have ended."""
+    """A zombie that was not reaped holds nothing any more, once all its threads have ended."""
     def state(path):
         try:
             return path.read_text().rsplit(")", 1)[1].split()[0]

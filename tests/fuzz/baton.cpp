@@ -1,6 +1,6 @@
-// What members, liars among them, tell a scheduler of a run: batons, results, choices, decisions; as they come, and as
-// if whoever is named had signed. It never commands a task without a valid chain, journals only what proves itself,
-// counts what it refuses, and takes its journal in again.
+// What members, liars among them, send a scheduler about a run: batons, results, choices, decisions; as they come, and
+// as if the named node had signed them. The scheduler never commands a task without a valid chain, journals only what
+// is proven, counts what it refuses, and can read its journal again.
 #include <algorithm>
 #include <optional>
 
@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::uint64_t kInstance = 100;
 
-/// A scheduler of "a", that knows the run or has yet to hear of it, its robot ready.
+/// The scheduler of "a", which knows the run or not yet; its robot is ready.
 class Node {
  public:
   explicit Node(bool knows) : core_({"a", Keys::get().authority, true}, archive_) {
@@ -41,7 +41,7 @@ class Node {
     core_.tick(now_, out);
     take(out);
   }
-  /// The router and the robot do what they were asked for last.
+  /// The router and the robot do what they were last ordered to do.
   void serve(bool well, TaskOutcome outcome) {
     if (sign_) {
       SignedRecord record = Keys::get().sign("a", sign_->kind, sign_->payload.bytes);
@@ -93,7 +93,7 @@ class Node {
   std::optional<Execute> execute_;
 };
 
-/// Takes the input apart byte by byte; 0 when it is used up.
+/// Reads the input byte by byte; 0 when it is used up.
 class Bits {
  public:
   explicit Bits(BytesView input) : input_(input) {}
@@ -111,7 +111,7 @@ class Bits {
   BytesView input_;
 };
 
-/// Words that are mostly right: bytes that were mutated rarely are.
+/// Messages that are mostly valid: mutated bytes rarely are.
 class Script {
  public:
   Script(Node& node, BytesView input) : node_(node), bits_(input) {}
@@ -230,14 +230,14 @@ class Script {
     if (bits_.mostly()) return {};
     return {bits_.mostly() ? pause(from) : abort(from)};
   }
-  /// That all is done, mostly before it is.
+  /// Claims that all is done, mostly too early.
   void end(const std::string& from) {
     const RunEnd end{kRun, Keys::get().digest, bits_.mostly() ? "cloud" : from,
                      bits_.mostly() ? RunState::finished : RunState::running, 0};
     node_.hear(from, RunOver{sign(bits_.mostly() ? "cloud" : from, kSignedRunEnd, encode(end))});
   }
 
-  /// Of more runs than anybody has.
+  /// More runs than the bound allows.
   void flood() {
     std::size_t asked = 0;
     for (int i = 0; i < 100; ++i) {
@@ -306,7 +306,7 @@ void as_it_comes(BytesView input) {
   node.end();
 }
 
-/// As if whoever it names had signed it.
+/// As if the node that it names had signed it.
 template <class T, class Wrap>
 void as_signed(BytesView input, std::string_view purpose, const std::string& (*signer)(const T&), const Wrap& wrap) {
   const auto claimed = decode<T>(input);

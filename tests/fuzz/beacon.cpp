@@ -1,4 +1,4 @@
-// Datagrams on the beacons' port: as they come, as if somebody had the fleet's beacon key, as if a member had signed.
+// Datagrams on the beacons' port: as they come, as if the sender had the fleet's beacon key, as if a member had signed.
 #include "common/security/beacon_key.hpp"
 #include "tests/fuzz/router_under_test.hpp"
 
@@ -9,7 +9,7 @@ using namespace trb::router;
 
 const BeaconKey kKey{1, Bytes(32, 'k')};
 
-/// Two beacons of one kind, and what time makes of them.
+/// Receives the beacon twice, with a tick after it.
 void hear(BytesView plain) {
   RouterCore core = make_router();
   Effects effects;

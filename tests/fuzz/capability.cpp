@@ -1,4 +1,4 @@
-// What nodes and robots tell of themselves, up to the candidates: profiles, values, faults, a scenario's task.
+// What nodes and robots report about themselves, up to the candidates: profiles, values, faults, a scenario's task.
 #include <algorithm>
 #include <cmath>
 

@@ -35,7 +35,7 @@ void as_it_comes(BytesView input) {
   (void)certificate_file_from_json(input);
 }
 
-/// The authority signs anything: what it may have said by mistake must not bring a node down.
+/// The authority may sign anything: a mistake of it must not crash a node.
 void as_if_signed(BytesView input) {
   const Keys& keys = Keys::get();
   const Bytes payload(input);

@@ -1,4 +1,4 @@
-// Frames from a link and from a stranger, up to a Hello with a certificate that holds.
+// Frames from a link and from a stranger, up to a Hello with a valid certificate.
 #include "tests/fuzz/router_under_test.hpp"
 
 namespace trb::fuzz {
@@ -19,7 +19,7 @@ Bytes frame_of(const T& body, std::uint64_t sequence, MessageType type = Message
   return frame_of(make_message(type, "bee", "ant", body), sequence);
 }
 
-/// The road that the shell takes with a frame of an up link.
+/// The shell's handling of a frame from a link that is up.
 void from_member(RouterCore& core, BytesView frame) {
   const auto header = decode_frame(frame);
   if (!header) return;
@@ -39,7 +39,7 @@ void come_up(RouterCore& core) {
   core.forwarding().from_stranger(keys.bee.link.public_key, *decode_frame(frame), frame, kNow, effects);
 }
 
-/// What bee's first seal says: its Hello and one message.
+/// The contents of bee's first seal: its Hello and one message.
 SealedRange first_range() {
   const Keys& keys = Keys::get();
   SealWriter writer;
@@ -48,7 +48,7 @@ SealedRange first_range() {
   return writer.range({kLink, keys.bee.certificate.serial, keys.ant.certificate.serial, true}, kNow.utc);
 }
 
-/// A member's signature on any range: only the one that is due lets the link go on.
+/// A member's signature on any range: only with the range that is due the link goes on.
 void seal_that_is_signed(BytesView input) {
   const auto range = decode<SealedRange>(input);
   if (!range) return;
@@ -74,7 +74,7 @@ void from_stranger(RouterCore& core, BytesView frame, BytesView key) {
   core.inbox().on_message(header->link, key, to_message(*header), header->sequence, kNow, effects);
 }
 
-/// A Hello whose certificate the authority would have signed as it is.
+/// A Hello with any certificate, as if the authority had signed it.
 void hello_that_holds(BytesView input) {
   auto hello = decode<Hello>(input);
   if (!hello) return;

@@ -1,4 +1,4 @@
-// What comes by a peer's lossy lane, and what is said to this node's own.
+// What comes by a peer's lossy lane, and what is sent to this node's own.
 #include "services/router/core/lane.hpp"
 #include "tests/fuzz/router_under_test.hpp"
 
@@ -20,7 +20,7 @@ struct LinkedRouter {
     core.inbox().on_message(kLink, keys.bee.link.public_key,
                             make_message(MessageType::information, "bee", "ant", make_hello(keys.bee, "bee")), 1, kNow,
                             effects);
-    // The seed's answer is to this: the slot is the router's first.
+    // The request that the seed answers: the slot is the router's first.
     const Message asked = make_message(MessageType::request, "ant", "bee", SensorWatch{});
     HeaderView header = header_of(asked);
     header.id = 2ULL << 48U | 3U;

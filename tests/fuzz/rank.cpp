@@ -1,4 +1,4 @@
-// A ranking as a file has it, and what is made of it: any bytes give an answer with finite scores, or an error.
+// A ranking as in a file, and its answer: any bytes give an answer with finite scores, or an error.
 #include <cmath>
 
 #include "common/ranking/ranking_json.hpp"
@@ -41,7 +41,7 @@ void check_answer(const RankingProblem& problem, const RankingAnswer& answer) {
   require(!sensitivity_text(answer).empty(), "the answer has its sentence");
 }
 
-/// Takes the input apart byte by byte; 0 when it is used up.
+/// Reads the input byte by byte; 0 when it is used up.
 class Bits {
  public:
   explicit Bits(BytesView input) : input_(input) {}
@@ -72,7 +72,7 @@ std::vector<Judgment> judgments_of(Bits& bits, const std::vector<std::string>& n
   return out;
 }
 
-/// A problem that is mostly right: JSON that was mutated rarely is.
+/// A problem that is mostly valid: mutated JSON rarely is.
 RankingProblem problem_of(BytesView input) {
   Bits bits(input);
   RankingProblem out;

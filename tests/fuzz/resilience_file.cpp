@@ -1,4 +1,4 @@
-// resilience.json as a person writes it: any bytes give faults with a hint, or settings that can be used.
+// resilience.json as a person writes it: any bytes give faults with a hint, or usable settings.
 #include <cmath>
 
 #include "common/config/resilience_file.hpp"

@@ -1,4 +1,4 @@
-// What a ROS peer can say: a definition in a connection's header, and a message of it; to JSON and back.
+// What a ROS peer can send: a definition in a connection's header, and a message of it; converted to JSON and back.
 #include <algorithm>
 
 #include "services/ros-bridge/core/message_codec.hpp"

@@ -1,4 +1,4 @@
-// A router core with keys that the fuzzers know: what a signature would stop, they sign.
+// A router core with keys that the fuzzers know: they sign what a signature check would stop.
 #pragma once
 
 #include "services/router/test/test_fleet.hpp"
@@ -18,7 +18,7 @@ struct Keys {
     static const Keys keys;
     return keys;
   }
-  /// The authority's signature on what may be nonsense.
+  /// The authority's signature on any payload.
   [[nodiscard]] SignedRecord sign_as_authority(std::string_view kind, const Bytes& payload) const {
     return sign(kind, "", authority.fleet.id(), payload, authority.key);
   }
@@ -40,7 +40,7 @@ inline router::RouterCore make_router() {
   return router::RouterCore(std::move(config));
 }
 
-/// Whatever came in: nobody is in the table whom the authority has not signed, and its rows are bounded.
+/// After any input: the table has only nodes that the authority has signed, and its rows are bounded.
 inline void check_table(const router::RouterCore& core) {
   require(core.table().peers().size() <= router::kMaxPeers, "the table is bounded");
   for (const auto& [id, peer] : core.table().peers()) {

@@ -1,5 +1,5 @@
-// A run that the fuzzer knows whole, with everybody's keys; and what a scheduler's journal proves of it, by the plain
-// rules of a run: an implementation of its own.
+// A run that the fuzzer knows completely, with all keys; and what a scheduler's journal proves of it, by an independent
+// implementation of the rules of a run.
 #pragma once
 
 #include <algorithm>
@@ -45,7 +45,7 @@ inline Scenario scenario() {
   return out;
 }
 
-/// The keys of everybody, made once. "d" is of the fleet and no member of the run; the stranger is of another fleet.
+/// All keys, made once. "d" is of the fleet but no member of the run; the stranger is of another fleet.
 struct Keys {
   SigningKey authority_key = make_signing_key();
   FleetAuthority authority{"hall", authority_key.public_key};
@@ -158,7 +158,7 @@ class Proof {
     for (const ChosenTask& chosen : is.tasks) {
       const Task& of = tasks_[index_of(chosen.task)];
       require(!of.when.empty() && holds(of.when[0], is.reading) == chosen.holds, "a verdict is its reading's");
-      verdicts_.try_emplace(chosen.task, chosen.holds);  // the first one holds
+      verdicts_.try_emplace(chosen.task, chosen.holds);  // the first one counts
     }
   }
   void decision(const SignedRecord& record) {
@@ -187,7 +187,7 @@ class Proof {
              (said.result.outcome == TaskOutcome::finished || said.result.outcome == TaskOutcome::skipped);
     });
   }
-  /// The attempt before may be followed by another one: its robot says so, or a decision.
+  /// May another attempt follow the previous one: by its robot's result, or a decision?
   [[nodiscard]] bool may_follow(std::size_t index, std::uint32_t attempt) const {
     if (attempt == 1) return true;
     const auto retriable = [&](const Said& said) {

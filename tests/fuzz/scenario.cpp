@@ -1,5 +1,5 @@
-// A scenario's file: any bytes give faults with a hint, or a scenario that may run: its graph passes the check that
-// every scheduler makes, it stays the same on the wire, and values of results make data that a node takes, or an error.
+// A scenario's file: any bytes give faults with a hint, or a valid scenario: its graph passes every scheduler's check,
+// it stays the same on the wire, and values of results give data that a node accepts, or an error.
 #include <algorithm>
 
 #include "common/scenario/candidate_index.hpp"
@@ -72,7 +72,7 @@ void take(const Value& json, const std::string& result) {
   }
 }
 
-/// Takes the input apart byte by byte; 0 when it is used up.
+/// Reads the input byte by byte; 0 when it is used up.
 class Bits {
  public:
   explicit Bits(BytesView input) : input_(input) {}
@@ -92,7 +92,7 @@ class Bits {
   BytesView input_;
 };
 
-/// A task that is mostly right: JSON that was mutated rarely is.
+/// A task that is mostly valid: mutated JSON rarely is.
 std::string task_of(Bits& bits, std::size_t number) {
   std::string out =
       R"({"id":"t)" + std::to_string(number) + R"(","skill":")" + bits.one_of({"go_to", "pose", "x"}) + "\"";

@@ -1,4 +1,4 @@
-// What sensors write: NMEA, lines of a protocol, 1-Wire thermometers, keys of a reader of tags.
+// What sensors send: NMEA, lines of a protocol, 1-Wire thermometers, keys of a tag reader.
 #include <cstring>
 
 #include "services/sensor-bus/readers/attributes/w1_slave.hpp"
@@ -53,7 +53,7 @@ void read_lines(BytesView input) {
   }
 }
 
-/// The sentence with a right checksum, so that what is behind it is reached.
+/// The sentence with a correct checksum, so that the code behind the check is reached.
 void read_sentence(BytesView input) {
   unsigned sum = 0;
   for (const char c : input) sum ^= static_cast<unsigned char>(c);

@@ -1,4 +1,4 @@
-// Rules for sensors, and the devices that they are applied to: both hold any bytes.
+// Rules for sensors, and the devices to which they are applied: both contain any bytes.
 #include <cstdio>
 
 #include "services/sensor-bus/core/recognition.hpp"
@@ -22,7 +22,7 @@ SensorRule read_rule(BytesView text, ConfigFaults& faults) {
   return read_sensor_rule(*json, "sensors/any.json", faults);
 }
 
-/// The input in its names and values.
+/// The device's names and values, from the input.
 Device device_of(BytesView input, const char* subsystem) {
   Device device;
   device.syspath = "/sys/" + Bytes(input.substr(0, 100));

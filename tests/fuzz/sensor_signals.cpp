@@ -1,4 +1,4 @@
-// What programs say on D-Bus, and who asks for it: the arguments of a signal, and the sensor-bus behind them.
+// What programs send on D-Bus, and requests for it: the arguments of a signal, and the sensor-bus behind them.
 #include <cmath>
 #include <cstring>
 #include <set>
@@ -12,7 +12,7 @@ namespace {
 
 using namespace trb::sensor;
 
-/// Takes the input apart.
+/// Reads the input piece by piece.
 class Cursor {
  public:
   explicit Cursor(BytesView rest) : rest_(rest) {}
@@ -47,7 +47,7 @@ BusArgument argument(Cursor& in) {
     case 3:
       return in.number<double>();
     case 4: {
-      // Long ones, too, of few bytes.
+      // Also long ones, from few bytes.
       const std::size_t times = in.byte() % 4 == 0 ? 300 : 1;
       const BytesView text = in.bytes(in.byte() % 32);
       std::string out;
@@ -71,7 +71,7 @@ std::optional<BusValue> value(Cursor& in) {
   return *read;
 }
 
-/// The sensor-bus in the midst of anything; whoever asks is answered once, and no rule outlives who wants it.
+/// The sensor-bus with any events; each request gets one answer, and no rule outlives its requester.
 class Play {
  public:
   explicit Play(Cursor in) : in_(in) {
@@ -162,7 +162,7 @@ class Play {
       if (const auto* reading = get_if<SensorReading>(&send.body);
           reading != nullptr && reading->watch + reading->count > 0)
         continue;
-      // A watch that has ended says so by a second answer: the sensor is gone.
+      // A watch that ends reports that by a second answer: the sensor is gone.
       const bool end_of_watch = holds_alternative<Nack>(send.body) && watched_.count(send.reply_to) != 0;
       if (holds_alternative<Ack>(send.body)) watched_.insert(send.reply_to);
       if (send.reply_to != 0) require(open_.erase(send.reply_to) == 1 || end_of_watch, "one answer each");

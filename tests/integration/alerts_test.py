@@ -1,4 +1,4 @@
-"""A node's resilience: faults become alerts, which outlive kill -9, and end with a word. Addresses 127.0.196.x and 127.0.197.x."""
+"""A node's resilience: alerts outlive kill -9, and end with a verdict. Addresses 127.0.196.x and 127.0.197.x."""
 import json
 import os
 import signal
@@ -49,7 +49,7 @@ class Alerts(unittest.TestCase):
         self.assertEqual((code, told["error"]["code"]), (1, "unknown_target"))
         code, told = self.decide(alert["id"][:6], "--retry", "--person", "ann")
         self.assertEqual((code, told["state"]), (0, "accepted"))
-        self.wait_open(0)  # the robot's node has taken it into use, and its profile says so
+        self.wait_open(0)  # the robot's node has taken it into use, and its profile shows it
         closed, = self.alerts("--all")
         self.assertEqual((closed["state"], closed["person"]), ("CLOSED", "ann"))
         self.check_history()
@@ -73,7 +73,7 @@ class Alerts(unittest.TestCase):
         # Refused, once the resilience knows the run: it has not failed.
         self.fleet.wait("the run is known", lambda: self.decide("--run", run[:8], "--task", "drive", "--retry")[1][
             "error"]["code"] == "conflict", 10)
-        # Nor does it know a robot before the router has told its table.
+        # Nor does it know a robot before the router has sent its table.
         self.fleet.wait("the word is taken", lambda: self.decide(
             "--run", run[:8], "--task", "drive", "--override", "pioneer1", "--reason", "it is nearer")[0] == 0, 10)
         self.fleet.wait("the end", lambda: self.view(run)["state"] == "FINISHED", 60)
@@ -85,7 +85,7 @@ class Alerts(unittest.TestCase):
         return self.fleet.json("scenario", "watch", run, "--once", node=CLOUD, check=False)
 
     def check_history(self):
-        """What was told before the kill and after it, newest first."""
+        """What was reported before and after the kill, newest first."""
         events = self.fleet.json("robot", "history", "ridgeback", node=CLOUD)["events"]
         ended, began = [event for event in events if event["kind"] in ("fault", "fault_ended")]
         self.assertEqual((began["kind"], began["text"]), ("fault", "CRITICAL mobile: wheel is off"))

@@ -1,4 +1,4 @@
-"""One member's keys are stolen, and used: it answers in another's place, and tells a profile that fills a whole message.
+"""One member's keys are stolen, and used: it answers in another's place, and sends a profile that fills a message.
 The thief is this file's own client (sealer.py, wire.py and libzmq). Addresses 127.0.170.x and 127.0.171.x.
 """
 import json
@@ -19,11 +19,11 @@ from trb_fleet import CLOUD
 BLOCK = 170
 THIEF = "pioneer1"
 ROBOTS = {name: trb_fleet.ROBOTS[name] for name in ("ur3", THIEF)}
-MOST = 1_048_426  # of the profile: with what is around it the frame is just taken
+MOST = 1_048_426  # bytes of the profile: the frame around it is just accepted
 
 
 def large_profile():
-    """Every field within its own bound, the whole just within a message."""
+    """Every field is within its own bound, the whole just within a message."""
     parameter = ["p", "text", False, "", [], ["x" * 250] * 64, 0]
     skills = [["s%03d" % i, "mobile", [parameter], False, 1.0] for i in range(64)]
     places = ["y" * 100] * 20
@@ -87,7 +87,7 @@ class StolenKeys(unittest.TestCase):
         return robot["state"]
 
     def test_a_member_that_acknowledges_in_anothers_place_confirms_no_stop(self):
-        """It even knows the id, which nobody tells it: from what the cloud's own tap shows."""
+        """It even knows the id, which no node sends it: from the cloud's own tap."""
         tap = support.Tap(self.fleet, CLOUD)
         self.addCleanup(tap.child.stop)
         adapter = self.fleet.pid("ur3", "mode-adapter")
@@ -127,7 +127,7 @@ class StolenKeys(unittest.TestCase):
         self.thief.seal()
         self.watch.wait_counted("refused.profile_too_large")
         self.watch.wait_logged(f"profile_too_large {THIEF}: it told a profile of {MOST} bytes")
-        # Long enough for what a relay tells its peers, and for several keep-alives.
+        # Long enough for a relay's lists, and for several keep-alives.
         end = time.monotonic() + 4
         while time.monotonic() < end:
             self.thief.say("keep_alive", wire.keep_alive(self.thief.heard))

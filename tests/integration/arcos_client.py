@@ -1,4 +1,4 @@
-"""A client of a Pioneer, written from the maker's description of ARCOS: it shares no code with what it tests."""
+"""A client of a Pioneer, written from the maker's description of ARCOS: it shares no code with the tested programs."""
 import socket
 import struct
 import time
@@ -83,7 +83,7 @@ class Client:
                 return Sip(data)
 
     def wait(self, what, condition, timeout=10, awake=True):
-        """The first packet of which that is true."""
+        """The first packet for which the condition is true."""
         end = time.monotonic() + timeout
         while True:
             sip = self.sip()

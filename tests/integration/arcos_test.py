@@ -1,5 +1,5 @@
-"""The virtual Pioneer, seen by a client written from the maker's description; and Pioneers in a fleet, through router,
-mode-adapter and virtual robot. Addresses 127.0.146.x and 127.0.147.x.
+"""The virtual Pioneer, tested by a client written from the maker's description; and Pioneers in a fleet, through
+router, mode-adapter and virtual robot. Addresses 127.0.146.x and 127.0.147.x.
 """
 import json
 import math
@@ -158,7 +158,7 @@ class PioneerFleet(trb_fleet.Fleet):
                                  for name in PLACES})
 
     def send(self, *words):
-        """By word, because what a run began holds the control for 10 s."""
+        """With --take, because a run holds the control for 10 s after its end."""
         return self.trb("send", "pioneer1", "command", *words, "--take", node="pioneer1", check=False)
 
     def ask(self, name, node="pioneer1"):
@@ -195,7 +195,7 @@ class InAFleet(unittest.TestCase):
         return len(self.robot.lines)
 
     def wait_at(self, mark, x, y, yaw=None):
-        """Waits until the robot stands there, in the hall, by its own word."""
+        """Waits until the robot reports that it stands there, in the hall."""
         def there():
             self.fleet.pump()
             places = [line.split()[1:] for line in self.robot.lines[mark:] if line.startswith("at ")]

@@ -14,7 +14,7 @@ PROGRAM = {"kuka": "trb-virtual-kuka", "abb": "trb-virtual-abb"}
 
 
 class ArmFleet(trb_fleet.Fleet):
-    """The robot is named as its framework; its commands.json may be changed before the node starts."""
+    """The robot is named after its framework; its commands.json may be changed before the node starts."""
 
     def __init__(self, root, programs, framework, block, **more):
         super().__init__(root, programs, block=block, udp_port=50000 + block, name="arms",
@@ -37,7 +37,7 @@ class ArmFleet(trb_fleet.Fleet):
 
 
 class ArmTest:
-    """A mixin of what both arms' tests do; FRAMEWORK and BLOCK say which."""
+    """A mixin with what both arms' tests share; FRAMEWORK and BLOCK select the arm."""
 
     @classmethod
     def setUpClass(cls):
@@ -46,7 +46,7 @@ class ArmTest:
         cls.fleet.wait_formed(30)
 
     def setUp(self):
-        """Finds the robot there, free and at home, whatever the last test has left."""
+        """Brings the robot back: there, free and at home, whatever the last test has left."""
         if self.fleet.arm not in self.fleet.virtual:
             self.fleet.restart_robot()
         self.fleet.robot.child.send_signal(signal.SIGCONT)
@@ -60,7 +60,7 @@ class ArmTest:
         return self.fleet.arm
 
     def said(self, wanted, timeout=25):
-        """A line that the virtual robot prints in this test. A run may wait 10 s for the last commander's lease."""
+        """A line that the virtual robot prints in this test. A run may wait 10 s for the last holder's lease."""
         line, _ = self.fleet.robot.wait_line(wanted, timeout, self.start)
         return line
 
@@ -70,7 +70,7 @@ class ArmTest:
         return json.loads(done.stdout.splitlines()[-1])
 
     def send(self, subtype, data="", *options):
-        """What a command is answered: its state, or (code, what, cure)."""
+        """The answer to a command: its state, or (code, what, cure)."""
         answer = self.ask("send", self.arm, "command", subtype, *([data] if data else []), "--take", *options)
         return answer["error"] if "error" in answer else answer["body"]["state"]
 

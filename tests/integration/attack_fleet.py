@@ -1,4 +1,4 @@
-"""A small fleet under attack: two honest nodes that ask each other all the time, their links, memory and descriptors
+"""A small fleet under attack: two honest nodes exchange requests all the time, their links, memory and descriptors
 watched; the attackers are members with valid keys, played by this folder's own client (wire.py, sealer.py).
 """
 import itertools
@@ -19,7 +19,7 @@ TARGET, FRIEND = "ant", "bee"
 ATTACKERS = ("cat", "dog", "elk", "fox", "gnu", "hen", "ibis", "jay", "kite", "lark")
 SANITIZED = any(name in (support.PROGRAMS / "trb-router").read_bytes() for name in (b"__asan_init", b"__tsan_init"))
 SLOWEST_S = 6 if SANITIZED else 1.5  # an honest answer, on a machine that others use too
-MEMORY_MIB = 96  # what an attack may add while it lasts: see "Memory" in services/router/README.md
+MEMORY_MIB = 96  # what an attack may use while it lasts: see "Memory" in services/router/README.md
 DESCRIPTORS = 64
 RELAY_SERIAL = itertools.count(1000)
 
@@ -35,7 +35,7 @@ def descriptors(pid):
 
 
 class Service:
-    """A DEALER on a node's bus: honest or not, as what it says shows."""
+    """A DEALER on a node's bus: honest or not, depending on its messages."""
 
     def __init__(self, context, endpoint, name="cli", subtypes=(), server_key=None, keys=None, welcome=True, hears=()):
         self.socket = context.socket(zmq.DEALER)
@@ -79,7 +79,7 @@ class Service:
 
 
 class Honest(threading.Thread):
-    """Asks from one honest node to another, without a pause longer than 20 ms, and keeps how long each answer took."""
+    """Sends requests from one honest node to another, pauses 20 ms at most, keeps each answer's time."""
 
     def __init__(self, fleet, at=FRIEND, other=TARGET):
         super().__init__(daemon=True)
@@ -88,7 +88,7 @@ class Honest(threading.Thread):
         self.times, self.fault = [], None
 
     def wait_answers(self, count):
-        """So many more; what keeps it from them is told by `fault`."""
+        """Waits for this many more answers; `fault` holds the reason if they do not come."""
         count, end = count + len(self.times), time.monotonic() + 15
         while len(self.times) < count and self.is_alive() and time.monotonic() < end:
             self.ended.wait(0.01)
@@ -116,7 +116,7 @@ class Honest(threading.Thread):
 
 
 class Attacker(sealer.Sealer):
-    """A member's link, sealed as it should be, whatever else it says."""
+    """A member's link, correctly sealed, whatever else it sends."""
 
     def __init__(self, case, name, target=TARGET, certificate=None):
         member = sealer.Signer(case.fleet, name)
@@ -128,7 +128,7 @@ class Attacker(sealer.Sealer):
         self.hello_tail = {}
 
     def join(self, **changes):
-        """`changes` by the names of Hello's fields."""
+        """`changes`: by the names of Hello's fields."""
         body = dict(certificate=self.member.certificate, boot=next(sealer.Client.boots), address="127.0.180.99:45000",
                     version="independent", utc=time.time_ns(), clock_verified=True,
                     profile=["", "", "", "", "", [], [], [], [], "", "", False, ""], revocations=0, seal="behind",
@@ -204,7 +204,7 @@ class Case(unittest.TestCase):
 
 
 class Attempt:
-    """While it lasts the honest go on; at its end nobody else is harmed, and each refusal that is named was counted."""
+    """While it lasts the honest nodes go on; at its end no other node is harmed, and each named refusal was counted."""
 
     def __init__(self, case, counted, prefixes):
         self.case, self.counted, self.prefixes = case, counted, prefixes

@@ -1,5 +1,5 @@
-"""A program on a node's own bus is hostile: a service that was broken into, or whoever has trb's key. It may harm its own
-node's robot; what other nodes are to each other, and what is signed in another's name, it may not.
+"""A program on a node's own bus is hostile: a compromised service, or a holder of trb's key. It may harm its own
+node's robot, but not other nodes' links, nor may it have records signed in another's name.
 """
 import pathlib
 import secrets
@@ -48,7 +48,7 @@ class Bus(Case):
         return out
 
     def test_it_claims_another_service_s_name(self):
-        """Of services that this node does not have; of one that it has: bus_test.py `test_impersonation`."""
+        """The names of services that this node does not have; for one that it has: bus_test.py `test_impersonation`."""
         with self.attempt("refused.not_permitted"):
             for name in ("scheduler", "mode-adapter", "router", "resilience"):
                 self.service.hello(name, ["stop", "execute", "baton"])
@@ -138,7 +138,7 @@ class Bus(Case):
             self.codes()
 
     def test_it_stops_every_node_at_once(self):
-        """A command for all does not exist: each is named."""
+        """There is no command for all: each node is named."""
         with self.attempt("dropped.bad_value"):
             self.service.say(TARGET, "*", "stop", wire.pack([""]))
             self.assertEqual(self.codes(), ["bad_value"])
@@ -151,7 +151,7 @@ class Bus(Case):
             self.codes()
 
     def test_sensors_that_command_terminals(self):
-        """255 sensors, their names and units full of escapes, a hundred times: told on or refused, shown harmlessly."""
+        """255 sensors, their names and units full of escapes, a hundred times: passed on or refused, harmless."""
         with self.attempt():
             for number in range(50):
                 rows = [[(f"{number}_{row}" + ESCAPES)[:64], ESCAPES, ESCAPES[:16], ESCAPES, ESCAPES, 0, ESCAPES]

@@ -1,4 +1,4 @@
-"""A member's keys are stolen: what whoever has them may say as fast as they can; and what a member may try that is let
+"""A member's keys are stolen: what a thief may send as fast as possible; and what a member may try that is allowed to
 relay. The other nodes keep their links, answer each other within their time, and their memory and descriptors stay bounded.
 """
 import secrets
@@ -14,7 +14,7 @@ from sealer import Signer
 
 
 class Floods(Case):
-    """What it says as fast as it can, or as often."""
+    """What it sends as fast, or as often, as it can."""
 
     BLOCK, UDP_PORT = 182, 50182
 
@@ -26,7 +26,7 @@ class Floods(Case):
             cat.live()
 
     def test_echoes_of_64_kilobytes(self):
-        """It does not read what it asked for: that is bounded; no answer is longer than its question."""
+        """It does not read the answers: they are bounded; no answer is longer than its request."""
         dog = self.attacker("dog")
         with self.attempt():
             try:
@@ -37,9 +37,9 @@ class Floods(Case):
                 pass
 
     def test_tables_without_end(self):
-        """A question of a hundred bytes, an answer of thousands: 4 MiB in a second, the rest is refused by name."""
+        """A request of a hundred bytes, an answer of thousands: 4 MiB in a second, the rest is refused by name."""
         elk = self.attacker("elk")
-        for name in ("fox", "gnu", "hen"):  # so that a table has something in it
+        for name in ("fox", "gnu", "hen"):  # so that the tables are not empty
             self.attacker(name, profile=profile()).put("node_profile", wire.pack(profile("x" * 60, 255)))
         with self.attempt("refused.queue_full"):
             codes = []
@@ -54,7 +54,7 @@ class Floods(Case):
         self.assertEqual(set(codes), {"queue_full"})
 
     def test_its_link_is_cut_and_made_again_without_a_pause(self):
-        # Each with a fresh socket, as fast as it goes.
+        # Each with a fresh socket, as fast as possible.
         with self.attempt("refused.too_many_hellos"):
             for _ in range(100):
                 one = Attacker(self, "lark")
@@ -100,7 +100,7 @@ class Floods(Case):
             ibis.seal()
 
     def test_a_listener_of_the_lane_that_wants_everything(self):
-        """Another's topic, every topic, one of 2 kB; what is no subscription: lane_test.py."""
+        """Another's topic, every topic, one of 2 kB; messages that are not subscriptions: lane_test.py."""
         jay = self.attacker("jay")
         lane = f"tcp://{self.fleet.address(TARGET)}:45001"
         with self.attempt("refused.lane_topic"):
@@ -117,7 +117,7 @@ class Floods(Case):
 
 
 class Relays(Case):
-    """A member that may relay: it may lose and delay what it carries, nothing else."""
+    """A member that may relay: it can only lose and delay what it carries."""
 
     BLOCK, UDP_PORT = 184, 50184
 
@@ -141,7 +141,7 @@ class Relays(Case):
         self.assertEqual(self.row(FRIEND)["state"], "ONLINE")
 
     def test_it_reaches_the_honest_node_that_is_linked(self):
-        """What is linked stays linked: a relay never takes the road from a link."""
+        """Linked nodes stay linked: a relay never replaces a link."""
         elk = self.relay("elk")
         with self.attempt():
             for _ in range(20):
@@ -160,7 +160,7 @@ class Relays(Case):
             fox.live()
 
     def test_it_answers_for_one_that_is_off(self):
-        """With words that it signs itself."""
+        """With messages that it signs itself."""
         gnu = self.relay("gnu")
         with self.attempt():
             gnu.put("neighbours", wire.pack([[Signer(self.fleet, "hen").certificate], []]))
@@ -182,7 +182,7 @@ class Relays(Case):
             ibis.live()
 
     def test_it_asks_to_pass_a_megabyte_on_and_on(self):
-        """To who is linked with the target; the target's budget for its links holds."""
+        """To a node linked with the target; the target's budget for its links holds."""
         jay = self.relay("jay")
         with self.attempt():
             try:

@@ -1,4 +1,4 @@
-"""A member's keys are stolen: what whoever has them may try, each attempt under its name. Whatever it is, the other nodes
+"""A member's keys are stolen: what a thief may try, each attempt under its name. In each case the other nodes
 keep their links, answer each other within their time, and their memory and descriptors stay bounded.
 """
 import secrets
@@ -22,14 +22,14 @@ def cut(text, size):
 
 
 def profile(text="", words=0, detail=""):
-    """Of a node whose robot says these words."""
+    """The profile of a node whose robot has these words."""
     many = [cut(f"{number}{text}", 64) for number in range(words)]
     return ["lines", cut(text, 16), cut(text, 16), cut(text, 64), cut(text, 64), many[:64], many, [], many, "ONLINE",
             cut(detail, 255), False, cut(text, 64)]
 
 
 class Words(Case):
-    """What it says, once or now and then."""
+    """What it sends, once or now and then."""
 
     def test_a_robot_claims_the_words_of_the_cloud(self):
         key = authority.Authority(self.fleet.authority_dir(), self.fleet.passphrase())
@@ -60,7 +60,7 @@ class Words(Case):
                 elk.seal()
 
     def test_answers_and_nacks_for_another_s_questions(self):
-        """Of a connection whose slot it knows, and that has asked somebody else; and of all the others."""
+        """For a connection whose slot it knows, and which sent its request to another node; and for all others."""
         fox = self.attacker("fox")
         asker = Service(self.context, f"ipc://{self.fleet.dir(TARGET)}/bus/probe.ipc")
         self.addCleanup(asker.close)
@@ -122,7 +122,7 @@ class Words(Case):
         self.assert_nothing_commands_a_terminal()
 
     def test_a_thousand_words_that_nobody_knows(self):
-        """The table of counters does not grow by them."""
+        """They do not make the table of counters grow."""
         elk = self.attacker("elk")
         before = len(support.Watch(self.fleet, TARGET).counters())
         with self.attempt("dropped.no_service"):
@@ -153,17 +153,17 @@ class Words(Case):
             fox.nacks()
 
     def test_a_profile_that_commands_terminals(self):
-        """Every text at its bound and full of escapes: trb and the logs show them, no terminal obeys."""
+        """Every text at its bound and full of escapes: trb and the logs show them harmlessly."""
         gnu = self.attacker("gnu")
         with self.attempt():
             gnu.put("node_profile", wire.pack(profile(ESCAPES, 255, ESCAPES * 9)))
             gnu.seal()
             self.fleet.wait("it is told", lambda: "owned" in self.row("gnu").get("profile", {}).get("maker", ""), 5)
             self.assert_nothing_commands_a_terminal()
-        self.assertEqual(self.row("gnu")["profile"]["maker"], ESCAPES)  # for a program it is what was said
+        self.assertEqual(self.row("gnu")["profile"]["maker"], ESCAPES)  # for a program the text is unchanged
 
     def assert_nothing_commands_a_terminal(self):
-        """What trb prints and the routers log: no control character but the newline."""
+        """In what trb prints and the routers log there is no control character but the newline."""
         said = [self.fleet.trb(*words, node=TARGET, check=False)
                 for words in (("route", "list"), ("robot", "list"), ("doctor",), ("doctor", "gnu"), ("robot", "list", "--json"))]
         text = "".join(done.stdout + done.stderr for done in said)
@@ -183,7 +183,7 @@ class Words(Case):
     # ---- Hello
 
     def test_a_hello_of_the_last_boot(self):
-        """While it is linked its owner is told so, and comes in once it is gone (a thief that is silent: after a lease)."""
+        """While it is linked its owner is refused by name; once it is gone (silent: after a lease) not."""
         thief = self.attacker("jay", boot=FOR_EVER)
         with self.attempt("refused.conflict"):
             late = Attacker(self, "jay")
@@ -205,7 +205,7 @@ class Words(Case):
             one.close()
 
     def test_addresses_that_lead_nowhere_or_to_the_victim(self):
-        """It is dialled with patience when it is gone, and the victim does not talk to itself."""
+        """It is dialled with back-off when it is gone, and the victim does not dial itself."""
         own = f"{self.fleet.address(TARGET)}:45000"
         nowhere = ("", "255.255.255.255:1", f"{self.fleet.address(TARGET)}:0", own, "0.0.0.0:45000")
         with self.attempt() as seen:

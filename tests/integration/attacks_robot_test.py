@@ -1,5 +1,5 @@
-"""Hostile robots: what answers at the robot's address is no robot. Each of the makers' protocols is sent lines without an
-end, lengths of gigabytes, answers to nothing and one byte at a time; the adapter stays the same process, small, and its
+"""Hostile robots: the peer at the robot's address is no robot. Each of the makers' protocols gets lines without an end,
+lengths of gigabytes, unrequested answers and one byte at a time; the adapter stays the same process, small, and its
 node answers the others.
 """
 import os
@@ -18,7 +18,7 @@ BLOCK = 186
 ROUND_S = 1.5
 LONGEST_S = 20
 MEMORY_MIB = 32
-# framework: (description, ports, what announces far more than will come)
+# framework: (description, ports, bytes that announce far more than follows)
 ROBOTS = {
     "ur": ("ur3", (29999, 30001, 30002), struct.pack(">IB", 0x7FFFFFFF, 16) + struct.pack(">IB", 0xFFFFFFF0, 0)),
     "kuka": ("kuka", (7000,), struct.pack(">HHBH", 1, 0xFFFF, 0, 0xFFFF)),
@@ -31,7 +31,7 @@ ROBOTS = {
 
 
 class HostileFleet(trb_fleet.Fleet):
-    """A router and a mode-adapter for each protocol; nobody plays the robots but this file."""
+    """A router and a mode-adapter for each protocol; this file plays the robots."""
 
     def __init__(self, root, programs, **more):
         robots = {framework: (framework, description, []) for framework, (description, *_) in ROBOTS.items()}
@@ -44,7 +44,7 @@ class HostileFleet(trb_fleet.Fleet):
 
 
 class Robot(threading.Thread):
-    """Takes whoever dials, and says what the round says. `dials`: it is the robot that dials the node."""
+    """Accepts any connection, and sends the round's bytes. `dials`: the robot dials the node."""
 
     def __init__(self, fleet, framework):
         super().__init__(daemon=True)
@@ -144,7 +144,7 @@ class Robots(unittest.TestCase):
         return {row["id"]: row["link"] for row in rows if row["state"] == "ONLINE"}
 
     def unheard(self, what):
-        """Those that could not say it yet: an adapter that was told rubbish dials again ever less often."""
+        """Those that could not send it yet: an adapter that got garbage dials less and less often."""
         return [framework for framework, robot in self.robots.items() if what not in robot.said]
 
     def test_hostile_robots(self):

@@ -26,7 +26,7 @@ def sign_with(secret, purpose, signer, fleet, payload):
 
 
 def box(own_secret, other_public, plain):
-    """What only the other side opens: a nonce and a box, made with raw link keys of 32 bytes."""
+    """What only the other side can open: a nonce and a box, made with raw link keys of 32 bytes."""
     nonce = secrets.token_bytes(24)
     out = ctypes.create_string_buffer(len(plain) + MAC)
     if SODIUM.crypto_box_easy(out, plain, ctypes.c_ulonglong(len(plain)), nonce, other_public, own_secret):

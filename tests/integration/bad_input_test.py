@@ -19,7 +19,7 @@ NO_JSON = '{\n  "a": 1\n  "b": 2\n}'
 
 
 def run(*arguments, **env):
-    """One command; returns the finished process. No node is known but by --node."""
+    """Runs one command; returns the finished process. A node is known only by --node."""
     environment = {key: value for key, value in os.environ.items() if not key.startswith("TRB_")}
     return subprocess.run([str(support.PROGRAMS / "trb"), *map(str, arguments)], capture_output=True, text=True, timeout=30,
                           env=dict(environment, **env), stdin=subprocess.DEVNULL, cwd="/")
@@ -45,7 +45,7 @@ class Case(unittest.TestCase):
         return pathlib.Path(folder.name)
 
     def error_of(self, *arguments, code, what, cure, status=1, **env):
-        """Refused with that code; `what` and `cure` are parts of the texts, for a person and for a program."""
+        """Refused with that code; `what` and `cure` are parts of the texts, in text and JSON output."""
         done = run(*arguments, **env)
         text = f"{' '.join(map(str, arguments))}: {done.stdout}{done.stderr}"
         self.assertEqual(done.returncode, status, text)
@@ -60,7 +60,7 @@ class Case(unittest.TestCase):
             self.assertIn(part, text)
 
     def faults_of(self, *arguments, **env):
-        """Refused with faults, each with a file and a cure; the text for a person says the same."""
+        """Refused with faults, each with a file and a cure; the text output has the same."""
         done = run(*arguments, **env)
         self.assertEqual(done.returncode, 1, f"{arguments}: {done.stdout}{done.stderr}")
         self.assertEqual(done.stdout, "")

@@ -1,5 +1,5 @@
-"""A node whose bus is TCP: the key proves who comes. A whole small node runs over it; strangers with no key, with a wrong one
-and with another service's are refused, counted under names of their own, and disturb nobody.
+"""A node whose bus is TCP: the key proves the service. A whole small node runs over it; strangers with no or a wrong
+key and with another service's are refused, counted under names of their own, and disturb no service.
 """
 import json
 import os
@@ -81,7 +81,7 @@ class Bus(unittest.TestCase):
         self.before = self.fleet.services("cloud")["scheduler"]
 
     def tearDown(self):
-        """Whatever was tried: the service is the same, and a command goes from the cloud to the robot's node."""
+        """After any attempt: the service is the same, and a command goes from the cloud to the robot's node."""
         after = self.fleet.services("cloud")["scheduler"]
         self.assertEqual((after["state"], after["instance"]), ("up", self.before["instance"]))
         self.fleet.trb("robot", "list", node="cloud")
@@ -119,7 +119,7 @@ class Bus(unittest.TestCase):
             self.assertEqual(stat.S_IMODE((self.keys / f"{name}.key").stat().st_mode), 0o600)
         self.assertEqual(stat.S_IMODE(self.keys.stat().st_mode), 0o700)
 
-    # ---- who does not get in
+    # ---- refused connections
 
     def test_without_a_key(self):
         self.assert_unheard(self.service())
@@ -159,10 +159,10 @@ class Bus(unittest.TestCase):
         self.assertFalse(tap.poll(1000), "a stranger heard the tap")
         self.watch.wait_counted("refused.bus_key")
 
-    # ---- who gets in and says that it is another
+    # ---- accepted connections that claim another name
 
     def test_another_service_s_key(self):
-        """trb's key makes no service of it; a service's key makes it that service and no other."""
+        """With trb's key it is no service; with a service's key it is that service and no other."""
         asked = self.service(self.server_key, self.pair("probe"))
         asked.hello("scheduler", ["baton"])
         welcome = asked.receive()
@@ -206,7 +206,7 @@ class Bus(unittest.TestCase):
         self.assertTrue(events.poll(WAIT * 1000), "the silent connection was not cut")
 
     def test_a_flood(self):
-        """Many connections that say nothing: what runs on the bus goes on, and descriptors stay bounded."""
+        """Many silent connections: the bus's services go on, and descriptors stay bounded."""
         router = f"/proc/{self.fleet.pid('cloud', 'router')}/fd"
         before = len(os.listdir(router))
         held = []

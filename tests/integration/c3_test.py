@@ -199,7 +199,7 @@ class Node(arm_fleet.ArmTest, unittest.TestCase):
         self.assertEqual(outcome, "failed")
         self.assertIn("gripper lost air", reason)
         self.assertIn("panel", self.refusal("go_home")["cure"])
-        # The person's restart does not let the failed motion go on.
+        # After the person's restart the failed motion does not go on.
         self.fleet.robot.say("clear")
         self.said("failed")
         self.said("released")
@@ -228,7 +228,7 @@ class Node(arm_fleet.ArmTest, unittest.TestCase):
         outcome, reason = self.end_of(run)
         self.assertEqual(outcome, "failed")
         self.assertIn("timed out after 1 s", reason)
-        self.said("failed")  # it was told to end the motion
+        self.said("failed")  # it was ordered to end the motion
         self.said("released")
         self.assertEqual(self.send("go_home"), "started")
 

@@ -1,5 +1,5 @@
-"""The life of a certificate, on real nodes: renewed and revoked while the fleet is up, and refused when it does not hold.
-No process is started again in between.
+"""The life of a certificate, on real nodes: renewed and revoked while the fleet is up, and refused when not valid.
+No process restarts in between.
 """
 import collections
 import fcntl
@@ -26,11 +26,11 @@ UDP_PORT = 50110
 WAIT = 6
 TARGET = "ant"
 NODES = ("ant", "bee", "cat")
-SPARE = ("dog", "elk")  # have keys and certificates, and are not up: the test plays them
+SPARE = ("dog", "elk")  # have keys and certificates, but do not run: the test plays them
 
 
 def setUpModule():
-    """One at a time on a machine: fleets of two checkouts on the same addresses would hear each other's beacons."""
+    """One at a time on a machine: fleets of two checkouts on the same addresses would receive each other's beacons."""
     lock = open(pathlib.Path(tempfile.gettempdir()) / f"trb-certificates-{os.getuid()}.lock", "w")
     unittest.addModuleCleanup(lock.close)
     fcntl.flock(lock, fcntl.LOCK_EX)
@@ -93,7 +93,7 @@ class Life(unittest.TestCase):
 
 class Revoked(Life):
     def test_revoked_while_connected(self):
-        """In force on every node within two seconds, told by one of them; nobody is started again."""
+        """In force on every node within two seconds, sent by one of them; no process restarts."""
         links = {node: self.routes(node)[other]["link"] for node, other in (("ant", "bee"), ("bee", "ant"))}
         start = time.monotonic()
         said = self.fleet.trb("fleet", "revoke", self.fleet.authority_dir(), "cat", "--reason", "stolen", "--via",
@@ -126,7 +126,7 @@ class Revoked(Life):
         self.watch.wait_logged("revoked_key the revoked key of 'cat' knocked")
 
     def test_a_revoked_node_that_was_never_met(self):
-        """It is refused at its Hello, and handed the list that says so."""
+        """It is refused at its Hello, and gets the list that revokes it."""
         self.fleet.trb("fleet", "revoke", self.fleet.authority_dir(), "dog", "--via", self.fleet.dir("ant"))
         dog = Member(self.fleet, "dog")
         client = self.client(dog)
@@ -137,7 +137,7 @@ class Revoked(Life):
         self.watch.wait_logged("candidate_refused cert_revoked: certificate of 'dog' (serial 4) is revoked by list 1")
 
     def test_the_beacon_key_is_another_one(self):
-        """What the revoked node shouts under the old key is ignored; a node that is signed now joins by beacon."""
+        """The revoked node's beacons under the old key are ignored; a node that is signed now joins by beacon."""
         listener = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
         self.addCleanup(listener.close)
         listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
@@ -178,7 +178,7 @@ class Revoked(Life):
         self.assertEqual(client.wait_goodbye(), "cert_revoked")
 
     def test_a_folder_put_back_from_an_older_copy(self):
-        """It takes over what the fleet knows: a renewal lets nothing in again that was revoked since the copy."""
+        """It learns what the fleet knows: a renewal admits nothing again that was revoked since the copy."""
         folder, via = self.fleet.authority_dir(), self.fleet.dir("ant")
         copy = folder.with_name("copy")
         shutil.copytree(folder, copy)
@@ -195,7 +195,7 @@ class Revoked(Life):
         self.assertEqual(self.online("bee"), {"ant"})
 
     def test_lists_that_do_not_hold(self):
-        """Forged, foreign, older, of the same number: each refused, counted, told apart; the links stay."""
+        """Forged, foreign, older, of the same number: each refused and counted by name; the links stay."""
         dog = Member(self.fleet, "dog")
         client = self.linked(dog)
         key = self.authority()
@@ -237,13 +237,13 @@ class Dates(Life):
     block = BLOCK + 2
 
     def of_another_fleet(self, member):
-        """By the same authority's key, so that its fleet alone is wrong."""
+        """Signed with the same authority's key, so that only its fleet is wrong."""
         body, _ = wire.unpack(self.authority().certificate(member.certificate)[2])
         body[0] = bytes(16)
         return self.authority().sign("certificate", wire.pack(body), fleet=body[0])
 
     def test_certificates_that_do_not_hold(self):
-        """Expired, not yet valid, of another fleet: refused, counted, told apart."""
+        """Expired, not yet valid, of another fleet: refused and counted by name."""
         key, dog = self.authority(), Member(self.fleet, "dog")
         day = authority.DAY
         cases = [
@@ -265,7 +265,7 @@ class Dates(Life):
                 self.watch.wait_logged(logged)
 
     def test_an_older_certificate(self):
-        """Refused as downgraded, and handed the newer one, so that a node that was away while it was renewed can join."""
+        """Refused as downgraded, and given the newer one, so that a node that was away during its renewal can join."""
         key, dog = self.authority(), Member(self.fleet, "dog")
         newer = key.certificate(dog.certificate, serial=90)
         client = self.client(dog)
@@ -282,7 +282,7 @@ class Dates(Life):
         self.assert_alive(client, dog)
 
     def test_renewals_that_do_not_hold(self):
-        """What a member hands on is believed for the authority's signature alone; the link that brought it stays."""
+        """What a member passes on is accepted only for the authority's signature; the link that brought it stays."""
         key, dog = self.authority(), Member(self.fleet, "dog")
         client = self.linked(dog)
         bee = Member(self.fleet, "bee").certificate
@@ -307,7 +307,7 @@ class Dates(Life):
         self.assertEqual(self.online(), {"bee", "cat", "dog"})
 
     def test_a_weaker_mechanism(self):
-        """PLAIN against CURVE, NULL in strangers_test: the router speaks CURVE alone."""
+        """PLAIN against CURVE, NULL in strangers_test: the router allows only CURVE."""
         plain = self.context.socket(zmq.DEALER)
         self.addCleanup(plain.close, 0)
         plain.plain_username, plain.plain_password = b"dog", b"dog"
@@ -316,7 +316,7 @@ class Dates(Life):
         self.assertLessEqual(set(self.watch.rise()), {"refused.no_curve", "refused.no_zmtp"})
 
     def test_an_older_protocol(self):
-        """ZMTP 1.0 and 2.0 have no CURVE: the connection ends before a word of it is heard."""
+        """ZMTP 1.0 and 2.0 have no CURVE: the connection ends before its first message."""
         hello = wire.Frame("hello", "dog", TARGET, link=7, sequence=1).encode()
         greetings = {"1.0": b"\x01\x00", "2.0": b"\xff" + bytes(7) + b"\x01\x7f" + b"\x01" + b"\x05" + bytes(2)}
         for count, (version, greeting) in enumerate(greetings.items(), 1):
@@ -378,7 +378,7 @@ class Renewed(Life):
         self.assertEqual(self.watch.rise(), {})
 
     def test_a_node_that_was_off_while_it_was_renewed(self):
-        """It comes with its old certificate, is refused, handed the new one, and joins with it."""
+        """It comes with its old certificate, is refused, gets the new one, and joins with it."""
         self.fleet.nodes["cat"].stop()
         self.fleet.trb("fleet", "renew", self.fleet.authority_dir(), "cat", "--via", self.fleet.dir("ant"))
         self.fleet.bring_up("cat")
@@ -389,12 +389,12 @@ class Renewed(Life):
         self.fleet.trb("fleet", "renew", self.fleet.authority_dir(), node, "--days", days, "--via", self.fleet.dir(node))
 
     def ends_soon(self, node):
-        """What trb doctor says of it."""
+        """What trb doctor shows of it."""
         report = json.loads(self.fleet.trb("doctor", "--json", node=node, check=False).stdout)
         return [row for row in report["findings"] if row["cause"] == "cert_ends_soon"]
 
     def test_a_certificate_that_ends_soon(self):
-        """Warned of from 30 days before: in the log, by trb service list, by trb doctor; silent again once renewed."""
+        """Warnings from 30 days before: in the log, in trb service list, in trb doctor; none once renewed."""
         self.renew(TARGET, 31)
         self.watch.wait_logged("certificate_renewed serial 6")
         self.assertEqual(self.ends_soon(TARGET), [])
@@ -458,7 +458,7 @@ class Rights(Life):
             watch.wait_logged(f"of a robot node may not have a '{purpose}' signed")
 
     def test_a_probe_that_calls_itself_the_scheduler(self):
-        """It cannot command a skill past the control lease, nor play what is the router's."""
+        """It cannot command a skill past the control lease, nor send the router's own subtypes."""
         watch, ask = self.robot_node()
         for count, subtype in enumerate(("execute", "cancel_execution", "adapter_state_request", "peer_expired", "hello"), 1):
             self.assert_not_permitted(ask(subtype, [], wire.COMMAND))
@@ -467,7 +467,7 @@ class Rights(Life):
         self.assertEqual(ask("route_list", [], wire.REQUEST).subtype, "route_table")
 
     def test_a_role_without_the_right(self):
-        """robot_fault is a robot's; the same member may send it once its certificate says that it is one."""
+        """robot_fault is a robot's; the same member may send it once its certificate has that role."""
         key, dog = self.authority(), Member(self.fleet, "dog")
         client = self.linked(dog)
         self.send(client, "robot_fault", "dog", data=wire.pack([]))

@@ -18,7 +18,7 @@ EXAMPLE = CONFIG / "robots" / "field-example.json"
 CODES = {"done": 1, "failed": 2, "wave": 3, "echo": 4, "conform_unknown": 5}
 NUMERIC = {"encoding": "numeric", "codes": {"subtypes": CODES, "ids": {"cloud": 7}}}
 NODE = "127.0.156.1"
-# A wrong robot is found out by what it does not say: how long to wait for that.
+# A wrong robot shows by what it does not send: how long to wait for that.
 SHORT = ["--timeout", "0.6", "--wait", "1"]
 
 
@@ -84,7 +84,7 @@ class Conform(unittest.TestCase):
         self.assert_conforms(self.description(acknowledge=False), 40006, {"acknowledge", "numbers", "chunks"}, "--run",
                              "wave")
     def test_the_virtual_robot_passes_where_only_a_pause_ends_a_field(self):
-        # A few cases with long pauses: on a machine with other work a pause is missed, which is what is wrong with it.
+        # A few cases with long pauses: on a busy machine a pause is missed, which is that channel's weakness.
         self.virtual(40007, "--framing", "delay", "--delay-s", "0.2", "--no-ack")
         description = self.description(framing="delay", delay_s=0.2, acknowledge=False)
         for case in ("empty", "utf8", "stop"):

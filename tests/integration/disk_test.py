@@ -1,5 +1,5 @@
-"""A full disk: nothing is acknowledged that is not on it, and a node that starts on it can still be asked, and stopped.
-Also: of a node's folder nothing but its configuration can be read by others.
+"""A full disk: nothing is acknowledged that is not on it, and a node that starts on it can still be queried, and
+stopped. Also: of a node's folder nothing but its configuration can be read by others.
 """
 import json
 import os
@@ -47,7 +47,7 @@ class Revocation(unittest.TestCase):
         self.assertIn("io_error: in force until this router ends, but not on disk", done.stderr)
         self.assertIn("No space left on device", done.stderr)
         self.assertIn(f"df -h {self.fleet.dir('ant')}/state", done.stderr)
-        # It is in force, and told to the others.
+        # It is in force, and sent to the others.
         for node in "ant", "bee":
             self.fleet.wait(f"cat is out at {node}", lambda: "cat" not in self.states(node), 5)
         self.assertIn("not on disk, and lost in a restart", self.note())
@@ -55,11 +55,11 @@ class Revocation(unittest.TestCase):
         self.assertIn("not on disk, and lost in a restart", doctor.stdout)
         told = self.fleet.trb("fleet", "tell", authority, "--via", self.fleet.dir("ant"), check=False)
         self.assertNotEqual(told.returncode, 0, told.stdout)
-        # Room is made: it is stored by itself, and then acknowledged.
+        # Once there is room it is stored without another request, and then acknowledged.
         self.disk.room()
         self.fleet.wait("it is stored", lambda: "not on disk" not in self.note(), 15)
         self.fleet.trb("fleet", "tell", authority, "--via", self.fleet.dir("ant"))
-        # Alone, so that nobody tells it anew; cat has forgotten that it is out.
+        # Alone, so that no node sends it again; cat has forgotten that it is revoked.
         for node in "bee", "cat":
             self.fleet.nodes.pop(node).stop()
         self.restart("ant")
@@ -89,7 +89,7 @@ class Revocation(unittest.TestCase):
         self.fleet.wait("cat is out", lambda: "cat" not in self.states("bee"), 5)
 
     def test_news_that_could_not_be_written_is_told_later(self):
-        """The list was stored, news.json was not: trb fleet tell does not hand on an older one."""
+        """The list was stored, news.json was not: trb fleet tell does not pass on an older one."""
         authority = self.fleet.authority_dir()
         way = authority / "news.json"
         (way / "in-the-way").mkdir(parents=True)
@@ -137,7 +137,7 @@ class Robot(unittest.TestCase):
         self.fleet.wait("the robot is fenced", self.is_fenced, 5)
         fence = self.fleet.dir("drone") / "state" / "fence"
         if done.returncode == 0:
-            self.assertTrue(fence.exists())  # acknowledged: then it outlives a restart
+            self.assertTrue(fence.exists())  # acknowledged, so it outlives a restart
         else:
             self.assertIn("the fence is not on disk", done.stderr)
         return done

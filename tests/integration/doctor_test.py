@@ -1,4 +1,4 @@
-"""trb doctor on real nodes: each cause is made, named, and gone from the report once it is mended."""
+"""trb doctor on real nodes: each cause is made, named, and gone from the report once it is repaired."""
 import json
 import pathlib
 import tempfile
@@ -55,7 +55,7 @@ class Doctor(unittest.TestCase):
         return report["findings"]
 
     def find(self, cause, subject, *peer, severity="problem", timeout=12, **more):
-        """Asks until the doctor names it; the cure is never empty."""
+        """Runs the doctor until it names it; the cure is never empty."""
         seen = []
 
         def named():
@@ -135,7 +135,7 @@ class OfPeers(Doctor):
         self.set_node("ant", seeds=[self.seed("bee", key="ab" * 32)])
         self.addCleanup(self.set_node, "ant", seeds=[self.seed("bee")])
         self.fleet.nodes.pop("ant").stop()
-        (self.fleet.dir("ant") / "state" / "peers").unlink(missing_ok=True)  # else it would know bee without its seed
+        (self.fleet.dir("ant") / "state" / "peers").unlink(missing_ok=True)  # else it would know bee without a seed
         self.fleet.bring_up("ant")
         row = self.find("wrong_key", address)
         self.assertIn("trb fleet show", row["cure"])
@@ -171,7 +171,7 @@ class OfPeers(Doctor):
         self.find("cert_expired", "short", "short", timeout=25)
 
     def test_a_revoked_node(self):
-        """Named by those that stay, asked for it or not, and by itself."""
+        """Named by those that stay, with or without its name, and by itself."""
         self.set_node("last", beacon=False, seeds=[self.seed("ant")])
         self.fleet.bring_up("last")
         self.addCleanup(lambda: self.fleet.nodes.pop("last").stop())

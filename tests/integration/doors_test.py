@@ -1,5 +1,5 @@
-"""A router's door under pressure: crowds, floods, slow and silent clients. The fleet's own messages go on meanwhile, memory
-and descriptors stay bounded, no link drops, and afterwards everything is as before.
+"""A router's door under pressure: crowds, floods, slow and silent clients. The fleet's own messages go on meanwhile,
+memory and descriptors stay bounded, no link drops, and afterwards everything is as before.
 """
 import itertools
 import os
@@ -22,21 +22,21 @@ BLOCK = 130
 UDP_PORT = 50130
 TARGET = "cloud"
 PORT = 45000
-HOME = "127.0.40.99"  # where strangers_test.Client says that it is
+HOME = "127.0.40.99"  # the address in the Hello of strangers_test.Client
 MOST_UNPROVEN = 1024  # VisitorLimits::open
-BACKLOG = 200  # what the kernel may have queued when the door closes, and some
+BACKLOG = 200  # connections the kernel may have queued when the door closes, with a reserve
 MOST_GROWTH_MB = 128
-DEADLINE_S = 2  # of a question and its answer; the demo's own messages have 10
+DEADLINE_S = 2  # for a request and its answer; the demo's own messages have 10
 MOST_RATIO = 60  # an alarm, not a measure: two cores are shared by the flood, the router, and whatever else runs
 
 
 def sources(count, block=BLOCK + 9):
-    """Addresses of this machine to come from: strangers are told apart by them."""
+    """Source addresses of this machine: strangers are distinguished by them."""
     return [f"127.0.{block}.{number}" for number in range(1, count + 1)]
 
 
 class Talk:
-    """A probe on arm's bus that asks the target over the link of the two, again and again."""
+    """A probe on arm's bus that sends the target requests over their link, again and again."""
 
     def __init__(self, context, fleet):
         self.bus = context.socket(zmq.DEALER)
@@ -53,7 +53,7 @@ class Talk:
         return wire.decode(self.bus.recv())
 
     def ask(self):
-        """One question to the target and its answer; in seconds."""
+        """One request to the target and its answer; in seconds."""
         ident = self.slot << 48 | next(self.ids)
         began = time.monotonic()
         self.bus.send(wire.Frame("service_list", "arm", TARGET, type=wire.REQUEST, id=ident, data=wire.pack([])).encode())
@@ -65,7 +65,7 @@ class Talk:
                 return time.monotonic() - began
 
     def times(self, until, least=50):
-        """Asks until that is true."""
+        """Sends requests until the condition is true."""
         out = []
         while len(out) < least or not until():
             out.append(self.ask())
@@ -84,7 +84,7 @@ class Flood(threading.Thread):
     def run(self):
         try:
             self.work(self.stopped)
-        except Exception as problem:  # told in the test's own thread
+        except Exception as problem:  # reported in the test's own thread
             self.error = problem
 
 
@@ -141,7 +141,7 @@ class Pressure(unittest.TestCase):
 
     @classmethod
     def lanes(cls):
-        """How many of the two routers hear the other's lane: connections to port 45001 of their addresses."""
+        """How many of the two routers receive the other's lane: connections to port 45001 of their addresses."""
         ends = tuple(f"{number:02X}{BLOCK:02X}007F:AFC9" for number in (1, 2))
         rows = [row.split() for row in pathlib.Path("/proc/net/tcp6").read_text().splitlines()]
         return sum(row[1].endswith(ends) and row[3] == "01" for row in rows)
@@ -149,7 +149,7 @@ class Pressure(unittest.TestCase):
     def setUp(self):
         self.fleet.wait("arm is linked", lambda: self.route("arm")["state"] == "ONLINE", 10)
         self.fleet.wait("the lanes are up", lambda: self.lanes() == 2, 10)
-        # What the test before has left: its connections have 4 s.
+        # The previous test's connections have 4 s.
         self.fleet.wait("the door is quiet", lambda: self.descriptors() < 60, 15)
         self.link = self.route("arm")["link"]
         self.fds, self.memory = self.descriptors(), self.resident_mb()
@@ -158,7 +158,7 @@ class Pressure(unittest.TestCase):
     def tearDown(self):
         """Everything is as before: the same process, the same link, no descriptor kept, a good node comes in."""
         self.assertEqual(self.route("arm")["link"], self.link, "the good link was dropped")
-        # A node that the test has started may be linked still: its link, and what hears and serves its lane.
+        # A node that the test has started may still be linked: its link, and its lane's connections.
         self.fleet.wait("the descriptors are free", lambda: self.descriptors() <= self.fds + 10, 15)
         self.assertNotIn("router ended", "\n".join(self.fleet.nodes[TARGET].lines))
         self.fleet.wait("a good node comes in", lambda: self.comes_in(self.crane), 14)  # 10 s if its key was refused
@@ -186,7 +186,7 @@ class Pressure(unittest.TestCase):
         return int((self.router / "statm").read_text().split()[1]) * os.sysconf("SC_PAGE_SIZE") / 2**20
 
     def processor_s(self):
-        """What the router has used of the processor."""
+        """The router's processor time."""
         fields = (self.router / "stat").read_text().rsplit(")", 1)[1].split()
         return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
 
@@ -205,8 +205,8 @@ class Pressure(unittest.TestCase):
         return one
 
     def under(self, what, work, seconds=None, enough=lambda: True):
-        """The fleet's own messages while `work` goes on, and the bounds of the router's memory and descriptors. It goes on
-        until it ends, or for so many seconds and until it was `enough`."""
+        """The fleet's own messages while `work` goes on, and the bounds of the router's memory and descriptors. It goes
+        on until it ends, or for so many seconds and until it was `enough`."""
         talk = Talk(self.context, self.fleet)
         self.addCleanup(talk.bus.close)
         idle = talk.times(lambda: True, least=200)
@@ -279,7 +279,7 @@ class Doors(Pressure):
         self.assertEqual(self.rows(), known)
 
     def test_candidates_of_one_source(self):
-        """More at a time than one source may have: it is kept out, whoever comes from elsewhere is not."""
+        """More at a time than one source may have: it is kept out, other sources are not."""
         crowd = [self.plain("127.0.138.1") for _ in range(300)]
         self.watch.wait_counted("refused.source_blocked")
         self.watch.wait_logged("source_blocked 127.0.138.1 has too many connections that prove nothing")
@@ -308,7 +308,7 @@ class Doors(Pressure):
 
     def test_a_node_that_was_linked_comes_back_through_the_crowd(self):
         """The door is closed to everybody else by then."""
-        self.assertTrue(self.comes_in(self.belt))  # its Hello says where it is: at HOME
+        self.assertTrue(self.comes_in(self.belt))  # its Hello has its address, HOME
 
         def hold(stopped):
             held = []
@@ -373,7 +373,7 @@ class Doors(Pressure):
     # ---- slow and silent ones
 
     def test_silent_after_the_handshake(self):
-        """A stranger and a member: neither may keep a connection that is no link."""
+        """A stranger and a member: neither may keep a connection that is not a link."""
         self.assertTrue(self.comes_in(self.belt))
         clients = [self.client(server_key=self.server_key, keys=keys) for keys in (None, (self.belt.public, self.belt.secret))]
         for client in clients:

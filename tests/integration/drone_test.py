@@ -1,5 +1,5 @@
-"""The drone over its maker's protocol, a party at a time: a raw client against the virtual drone, a raw drone against the
-mode-adapter, and both together in a fleet. Addresses 127.0.144.x and 127.0.145.x."""
+"""The drone over its maker's protocol, one side at a time: a raw client against the virtual drone, a raw drone against
+the mode-adapter, and both together in a fleet. Addresses 127.0.144.x and 127.0.145.x."""
 import json
 import os
 import signal
@@ -52,7 +52,7 @@ class DroneFleet(trb_fleet.Fleet):
 
 
 class RawClient(unittest.TestCase):
-    """The virtual drone answers a client that knows nothing of this repository."""
+    """The virtual drone against a client that is independent of this repository."""
 
     def setUp(self):
         self.drone = trb_fleet.Process([VIRTUAL, "--address", "127.0.145.9", "--port", "auto", "--die-with-parent"],
@@ -135,7 +135,7 @@ class RawClient(unittest.TestCase):
 
 
 class RawDrone(unittest.TestCase):
-    """The mode-adapter flies a drone that knows nothing of this repository."""
+    """The mode-adapter flies a drone that is independent of this repository."""
 
     @classmethod
     def setUpClass(cls):
@@ -187,7 +187,7 @@ class RawDrone(unittest.TestCase):
         mark = self.drone.mark()
         self.assertEqual(self.fleet.send("move", "[0, -0.8, 0, 0.25, 0.5]").returncode, 0)
         self.wait_call(mark, "PCMD", f"1,0,{bits_of(-0.8)},0,{bits_of(0.25)}")
-        self.wait_call(mark, "PCMD", "0,0,0,0,0")  # no longer than was said
+        self.wait_call(mark, "PCMD", "0,0,0,0,0")  # no longer than ordered
 
     def test_a_wrong_checksum_and_an_old_number_are_counted(self):
         before = self.fleet.counters()
@@ -218,7 +218,7 @@ class RawDrone(unittest.TestCase):
         self.assertEqual(self.fleet.profile()["detail"], "no navdata for 2 s")
         mark, woken = self.drone.mark(), self.drone.woken
         self.fleet.wait("it is woken", lambda: self.drone.woken > woken, 3)
-        self.assertEqual(self.drone.since(mark, "REF"), [])  # nothing is sent to who is not heard
+        self.assertEqual(self.drone.since(mark, "REF"), [])  # nothing is sent to a silent drone
         self.assertIn("robot_offline", self.fleet.send("land").stderr)
         self.drone.answers = True
         self.fleet.wait_robot("ONLINE", 5)
@@ -261,7 +261,7 @@ class OtherMaker(unittest.TestCase):
 
 
 class EndToEnd(unittest.TestCase):
-    """The whole road: trb, router, mode-adapter, and a drone in its maker's protocol on its own ports."""
+    """The whole way: trb, router, mode-adapter, and a drone in its maker's protocol on its own ports."""
 
     @classmethod
     def setUpClass(cls):
@@ -398,7 +398,7 @@ class EndToEnd(unittest.TestCase):
     def test_a_node_that_dies_in_the_air(self):
         self.take_off()
         os.kill(self.fleet.pid("drone", "mode-adapter"), signal.SIGKILL)
-        # Another one is there at once, counts from 1 again, and leaves the drone where it is.
+        # The new one is there at once, counts from 1 again, and leaves the drone where it is.
         self.fleet.wait("a new adapter", lambda: self.fleet.ask("state").returncode == 0, 10)
         self.assertIn("hovering", self.fleet.ask("state").stdout)
         self.assertNotIn("state landing", self.drone.lines)

@@ -1,4 +1,4 @@
-"""config/robots/README.md, "Your robot in 15 minutes": its commands are run as they stand, but for the addresses.
+"""config/robots/README.md, "Your robot in 15 minutes": its commands are run as written, except for the addresses.
 
 Addresses 127.0.157.x.
 """
@@ -33,7 +33,7 @@ class FifteenMinutes(unittest.TestCase):
                         PATH=f"{support.PROGRAMS}:/usr/bin:/bin")
 
     def shell(self, script):
-        """What a person types; programs in the background end with the test."""
+        """Runs what a person types; programs in the background end with the test."""
         with open(self.root / "said", "a") as said:
             child = subprocess.Popen(["/bin/bash", "-e", "-c", script], cwd=self.root, env=self.env, stdout=said,
                                      stdin=subprocess.DEVNULL, stderr=said, start_new_session=True)
@@ -47,7 +47,7 @@ class FifteenMinutes(unittest.TestCase):
             pass
 
     def follow(self, heading, host):
-        """Runs a section; returns what was said after the node was up."""
+        """Runs a section; returns the output after the node was up."""
         # A robot on this machine that binds no address is seen as 127.0.0.1, whomever it dials.
         script = re.sub(r'(?<!"host": ")127\.0\.0\.1', f"127.0.157.{host}1", commands_of(heading))
         script = script.replace("127.0.0.2", f"127.0.157.{host}2")

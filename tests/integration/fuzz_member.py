@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
-"""A member with a valid, sealed link that says anything: mutated headers and bodies of every subtype, seals, relayed messages,
-news. The sequences stay valid, so that each mutation is read; a link that is closed is made again. Afterwards, and every five
-seconds: the honest nodes are the same processes, linked, small, and answer each other within a second.
+"""A member with a valid, sealed link that says anything: mutated headers and bodies of every subtype, seals, relayed
+messages, news. The sequences stay valid, so that each mutation is read; a link that is closed is made again.
+Afterwards, and every five seconds: the honest nodes are the same processes, linked, small, and answer each other within
+a second.
 
     fuzz_member.py [SECONDS] [--seed N] [--programs FOLDER]      by scripts/fuzz --member
 """
@@ -61,7 +62,7 @@ ANSWER_S = 5.0 if SANITIZED else 1.0
 
 
 def subtypes():
-    """Every word of the rights table in proto/README.md."""
+    """Every subtype of the rights table in proto/README.md."""
     text = (REPO / "proto" / "README.md").read_text().split("<!-- rights -->")[1]
     rows = re.findall(r"^\| (?:from node|between|on one node|never)[^|]*\|[^|]*\|[^|]*\| ([^|]*) \|", text, re.M)
     return sorted({word for row in rows if "," not in row for word in row.split()}) + ["greeting", "move"]
@@ -89,7 +90,7 @@ class Mutator:
         return self.random.choice(self.certificates)
 
     def seed(self, word, speaker):
-        """A body that holds, or nearly, for those that the router itself reads."""
+        """A valid body, or nearly, for the subtypes that the router itself reads."""
         r, some = self.random, self.random.choice
         certificate = some(self.certificates)
         bodies = {
@@ -115,7 +116,7 @@ class Mutator:
         return self.bytes(data) if self.random.random() < 0.6 else data
 
     def bytes(self, data):
-        """Bits turned, cut, doubled, lengths made huge."""
+        """Flipped bits, cuts, doubled pieces, huge lengths."""
         data = bytearray(data)
         for _ in range(self.random.choice((1, 1, 1, 2, 5))):
             at = self.random.randrange(len(data) + 1)
@@ -135,7 +136,7 @@ class Mutator:
         return bytes(data)
 
     def frame(self, speaker):
-        """(its word, the next frame of the link). One in two has a wrong header, one in 200 wrong bytes of it."""
+        """(its subtype, the next frame of the link). One in two has a wrong header, one in 200 wrong bytes of it."""
         r = self.random
         word = r.choice(self.words)
         if word == "goodbye" and r.random() < 0.95:
@@ -179,7 +180,7 @@ class Fuzz:
         self.speakers = dict.fromkeys(MEMBERS)
         self.next_link = dict.fromkeys(MEMBERS, 0.0)
 
-    def addCleanup(self, what, *arguments):  # noqa: N802, as unittest has it
+    def addCleanup(self, what, *arguments):  # noqa: N802, unittest's name
         self.cleanups.append((what, arguments))
 
     def close(self):
@@ -196,10 +197,10 @@ class Fuzz:
         row = next((row for row in rows if row["id"] == FRIEND), {"state": "unknown", "link": 0})
         return row["state"], row["link"]
 
-    # ---- saying
+    # ---- sending
 
     def speaker(self, name):
-        """Its link, made anew if it was closed; nothing while that is too soon."""
+        """Its link, made again if it was closed; nothing while it is too soon for that."""
         one, now = self.speakers[name], time.monotonic()
         if one is None and now >= self.next_link[name]:
             self.next_link[name] = now + 1 / RELINKS_S
@@ -223,7 +224,7 @@ class Fuzz:
 
     @staticmethod
     def has_ended(one):
-        """Reads what there is, a Goodbye perhaps: what is said after it nobody reads."""
+        """Reads what there is, perhaps a Goodbye: messages after it are not read."""
         while one.socket.poll(1):
             frame = wire.decode(one.socket.recv())
             one.heard = frame.sequence
@@ -232,7 +233,7 @@ class Fuzz:
         return False
 
     def talk(self, name):
-        """Fifty frames, sealed as they should be or, now and then, not."""
+        """Fifty frames, correctly sealed or, now and then, not."""
         one = self.speaker(name)
         if one is None:
             return
@@ -259,10 +260,10 @@ class Fuzz:
         except (zmq.ZMQError, wire.WireError):
             self.hang_up(name)
 
-    # ---- looking
+    # ---- checks
 
     def harm(self):
-        """What has befallen the honest; empty: nothing."""
+        """The harm to the honest nodes; empty: none."""
         out = []
         for node, pid in self.pids.items():
             if self.fleet.nodes[node].child.poll() is not None:

@@ -64,7 +64,7 @@ class Chaos:
                 device.hang_up()
 
     def say(self, device, data):
-        """As a device does: into the line, whether anybody reads it or not."""
+        """Writes to the line as a device does, whether or not it is read."""
         if device.master is None:
             return
         try:
@@ -73,7 +73,7 @@ class Chaos:
             pass  # its line is full, or gone
 
     def say_long_line(self):
-        """10 MB without an end, to one that listens."""
+        """10 MB without a line end, to a listening reader."""
         device = self.hall.plug_serial(serial="LONG")
         self.node.wait("the long line's reader", lambda there: any("LONG" in s["identity"] for s in there.values()))
         for _ in range(160):
@@ -96,11 +96,11 @@ class Chaos:
                 device.event(self.random.choice(["add", "change", "bind", "unbind"]))
 
     def expected(self):
-        """How many sensors those that are plugged in are."""
+        """The number of sensors of the plugged devices."""
         return sum({0: 1, 1: 2, 2: 1, 3: 5, 4: 1, 5: 2}[device.kind] for device in self.plugged)
 
     def repair(self, device):
-        """A file that has vanished takes its sensor with it as soon as udev says anything of the device: back with it."""
+        """Restores a vanished file: without it the sensor ends at udev's next event of the device."""
         files = {0: {"temp1_input": "20000\n"}, 2: {"w1_slave": "x : crc=57 YES\nx t=1\n"},
                  1: {"in_temp_raw": "100\n", "in_temp_scale": "10\n", "in_pressure_input": "1\n"}}.get(device.kind, {})
         for name, content in files.items():
@@ -142,7 +142,7 @@ def run(node, rounds, seed):
             figures.append(node.figures())
             print(f"after {chaos.plugs} plugged in, {chaos.unplugs} out: {figures[-1][0]} kB, {figures[-1][1]} threads, {figures[-1][2]} descriptors", flush=True)
     chaos.unplug_all()
-    # One more, a good one: what was done to the others has done nothing to it.
+    # One more, a good one: the faults of the others do not affect it.
     device = node.hall.plug_temperature(20)
     node.wait_state("temperature", "ok")
     device.unplug()
@@ -157,13 +157,13 @@ def run(node, rounds, seed):
 
 
 def quarantine_kb():
-    """What ASan keeps of freed memory, which is no growth of the program's."""
+    """Freed memory that ASan keeps, which is no growth of the program."""
     words = re.search(r"quarantine_size_mb=(\d+)", os.environ.get("ASAN_OPTIONS", ""))
     return 1024 * int(words[1]) if words else 0
 
 
 class Case:
-    """What a SensorNode ends with."""
+    """The case that ends a SensorNode."""
 
     def __init__(self):
         self.cleanups = []

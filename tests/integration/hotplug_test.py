@@ -1,4 +1,4 @@
-"""Devices that are plugged into a node: the real systemd-udevd, libudev and trb-sensor-bus, and kernel events told by hand."""
+"""Devices plugged into a node: the real systemd-udevd, libudev and trb-sensor-bus; kernel events sent by hand."""
 import json
 import pathlib
 import sys
@@ -111,7 +111,7 @@ class Hotplug(unittest.TestCase):
         self.node.wait_state("temperature", "ok")
         for action in ("add", "change", "bind", "add", "change"):
             device.event(action)
-        self.plug(self.hall.plug_temperature(20))  # heard of after them
+        self.plug(self.hall.plug_temperature(20))  # its event comes after theirs
         self.node.wait("both", lambda there: len(there) == 2)
         self.assertEqual(len(self.node.logged("device_plugged")) - before, 2)
 
@@ -176,7 +176,7 @@ class Hotplug(unittest.TestCase):
         before = len(self.node.logged("no_udevd")), self.heard_udevd()
         self.node.start()
         self.node.fleet.wait("it says so", lambda: len(self.node.logged("no_udevd")) > before[0], 5)
-        self.plug(self.hall.plug_temperature(20))  # nobody says that
+        self.plug(self.hall.plug_temperature(20))  # without an event
         self.hall.start_udevd()
         took = self.node.wait("what was not said is found", lambda there: set(there) == {"temperature"})
         self.plug(self.hall.plug_temperature(21))
@@ -190,7 +190,7 @@ class Hotplug(unittest.TestCase):
         self.node.wait_state("temperature", "ok")
         before = self.heard_udevd()
         self.hall.stop_udevd()
-        self.plug(self.hall.plug_temperature(21))  # nobody says that
+        self.plug(self.hall.plug_temperature(21))  # without an event
         self.hall.start_udevd()
         self.plug(self.hall.plug_temperature(22))
         self.node.wait("all three are there", lambda there: len(there) == 3)

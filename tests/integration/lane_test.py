@@ -1,5 +1,6 @@
-"""The lossy lane between real routers: streams go beside the links and never in their way, and who listens hears only what
-is meant for it. The strangers and the listeners are this file's own (wire.py and libzmq), not the middleware's code.
+"""The lossy lane between real routers: streams go beside the links and never in their way, and a listener receives only
+what is meant for it. The strangers and the listeners are this file's own (wire.py and libzmq), not the middleware's
+code.
 """
 import itertools
 import os
@@ -29,7 +30,7 @@ MOST_RATIO = 20  # an alarm, not a measure: two cores are shared by both routers
 
 
 class Probe:
-    """A program on a node's bus: asks, streams, hears answers. Or a service of it that takes these subtypes."""
+    """A program on a node's bus: sends requests and streams, gets answers. Or a service that takes these subtypes."""
 
     def __init__(self, context, fleet, node, service="probe", subtypes=()):
         self.node = node
@@ -51,7 +52,7 @@ class Probe:
         raise TimeoutError(f"nothing heard in {timeout} s")
 
     def live(self):
-        """Once a second: a probe that says nothing to its own router for 10 s is forgotten."""
+        """Once a second: a probe that is silent for 10 s is dropped by its router."""
         if time.monotonic() < self.next_alive:
             return
         self.next_alive = time.monotonic() + 1
@@ -62,7 +63,7 @@ class Probe:
         return not self.bus.poll(int(timeout * 1000))
 
     def value(self, to, data=b"21.5", reply_to=0):
-        """One value of a stream: information that may be lost, in answer to what that node's probe once asked."""
+        """One value of a stream: information that may be lost, in answer to an earlier request of that node's probe."""
         return wire.Frame("temperature", self.node, to, flags=LOSSY, id=self.slot << 48 | next(self.ids),
                           reply_to=reply_to, data=data).encode()
 
@@ -76,7 +77,7 @@ class Probe:
         return ident
 
     def asks(self, target):
-        """One question to that node's router, which is answered: the id, to which that node may answer more."""
+        """Sends that node's router a request, gets an answer; returns the id, to which more answers may come."""
         self.live()
         ident = self.send_request(target, "echo_request", [b"x" * 48])
         while True:
@@ -141,7 +142,7 @@ class Listener:
 
 
 class Lane(unittest.TestCase):
-    """Two routers and their link; belt is a member that this file plays, crane one that is never linked."""
+    """Two routers and their link; belt is a member that this file plays, crane a member that is never linked."""
 
     @classmethod
     def setUpClass(cls):
@@ -182,7 +183,7 @@ class Lane(unittest.TestCase):
         return probe
 
     def lane_is_there(self):
-        """What goes out is counted as sent by the lane."""
+        """Messages are counted as sent by the lane."""
         before = (self.sent(self.watch), self.sent(self.watch_arm))
         self.cloud.stream("arm", reply_to=self.arm_asked)
         self.arm.stream(TARGET, reply_to=self.cloud_asked)
@@ -227,7 +228,7 @@ class Lane(unittest.TestCase):
     def test_a_stream_goes_beside_the_link(self):
         before = self.sent(self.watch_arm)
         values = []
-        for _ in range(5):  # libzmq hears of room by halves of its bound of 256: all 200 at once might not fit
+        for _ in range(5):  # libzmq learns of room in halves of its bound of 256: all 200 at once might not fit
             self.arm.stream(TARGET, 40, reply_to=self.cloud_asked)
             values += [self.cloud.receive() for _ in range(40)]
         self.assertEqual({(value.subtype, value.source, value.flags, value.data) for value in values},
@@ -286,7 +287,7 @@ class Lane(unittest.TestCase):
         stranger = self.listener(b"", server_key=self.server_key)
         stranger.wait_event(zmq.EVENT_HANDSHAKE_FAILED_AUTH)
         self.watch.wait_counted("refused.lane_key")
-        # libzmq's own client may hang up first, and the router would not know why: see strangers_test.
+        # libzmq's own client may disconnect first, and the router would not know why: see strangers_test.
         bare = socket.create_connection((self.address, LANE_PORT))
         self.addCleanup(bare.close)
         bare.sendall(PLAIN_GREETING)
@@ -351,7 +352,7 @@ class Lane(unittest.TestCase):
         self.fleet.wait("arm's lane is there", lambda: self.lane_is_there(), 5)
 
     def test_a_peer_that_stops_reading(self):
-        """Control of others, their streams, and control of its own go on; what it does not take is dropped and counted."""
+        """Others' messages and streams go on, its own control too; what it does not take is dropped and counted."""
         client = self.linked(self.belt)
         stuck = self.of_belt(b"belt\0")
         self.hears_own(stuck)
@@ -404,7 +405,7 @@ class Lane(unittest.TestCase):
         before = self.sent(self.watch_arm)
         other.send_request("arm", "sensor_read", ["temperature", "", 1.0])
         asked = self.sensors.receive()
-        self.arm.stream("arm", 5, reply_to=asked.id)  # of one that was not asked
+        self.arm.stream("arm", 5, reply_to=asked.id)  # from a node that was not asked
         self.watch_arm.wait_counted("refused.not_asked", 5)
         self.sensors.stream("arm", 50, reply_to=asked.id)
         self.assertEqual([other.receive().data for _ in range(50)], [b"21.5"] * 50)
@@ -414,7 +415,7 @@ class Lane(unittest.TestCase):
         self.assertEqual(self.sent(self.watch_arm), before)
 
     def test_z_a_revoked_member_hears_no_more(self):
-        """The last: belt is out of the fleet from here on."""
+        """The last test: belt is revoked from here on."""
         self.linked(self.belt)
         listener = self.of_belt(b"belt\0")
         self.hears_own(listener)

@@ -1,5 +1,5 @@
-"""What a router may cost at most: descriptors, processor, rows. The strangers here have more than others: the fleet's own
-key for beacons, as a node that was put out of it has, or a limit of open files that is set too low.
+"""What a router may cost at most: descriptors, processor, rows. The strangers here have more means than others: the
+fleet's own key for beacons, as a node that was put out of it has, or a limit of open files that is set too low.
 """
 import ctypes
 import ctypes.util
@@ -50,7 +50,7 @@ CHECKS_TYPES = b"__ubsan_handle_dynamic_type_cache_miss" in (support.PROGRAMS / 
 
 class Limits(Pressure):
     def test_10_000_beacons_of_made_up_nodes(self):
-        """They open with the fleet's key; their certificates nobody has signed."""
+        """The fleet's key opens them; their certificates are not signed by the authority."""
         key = BeaconKey(self.fleet, "belt")
         kind, signer, payload, _ = self.belt.certificate
         fleet_id = wire.unpack(payload)[0][0]
@@ -78,7 +78,7 @@ class Limits(Pressure):
         self.assertEqual(self.rows(), known)
 
     def test_what_is_kept_out_costs_nothing(self):
-        """The kernel drops what a blocked source sends, before the router hears of it."""
+        """The kernel drops what a blocked source sends, before the router notices."""
         def knock(seconds):
             end = time.monotonic() + seconds
             held = []
@@ -100,7 +100,7 @@ class Limits(Pressure):
     # ---- a limit of open files that is set too low
 
     def start_router(self, node, most):
-        """The router of a node, alone, with at most so many open files."""
+        """The router of a node, alone, with a limit of open files."""
         def few():
             trb_fleet.end_with_parent()
             resource.setrlimit(resource.RLIMIT_NOFILE, (most, most))
@@ -160,7 +160,7 @@ class Limits(Pressure):
 
     @unittest.skipIf(CHECKS_TYPES, "UBSan's check of an exception's type needs a pipe, and here no descriptor is left for it")
     def test_more_seeds_than_descriptors(self):
-        """Each is a port that takes the connection and says nothing."""
+        """Each is a port that accepts the connection and stays silent."""
         deaf = socket.create_server(("0.0.0.0", 0), backlog=500)
         self.addCleanup(deaf.close)
         port = deaf.getsockname()[1]

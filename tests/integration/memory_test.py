@@ -1,5 +1,5 @@
-"""What waits in a router's queues, in bytes: who sends much to somebody who does not read gets a Nack, everybody else goes
-on, and the memory comes back.
+"""What waits in a router's queues, in bytes: a sender of much to a receiver that does not read gets a Nack, all others
+go on, and the memory comes back.
 """
 import os
 import signal
@@ -19,7 +19,7 @@ TARGET = "ant"
 SLOW = [f"slow{number}" for number in range(12)]
 MEGABYTE = 1 << 20
 PICTURE = MEGABYTE - 256  # with its header below 1 MiB
-DESTINATION = 8  # MiB that may wait for one; see shell_context.cpp
+DESTINATION = 8  # MiB that may wait for one receiver; see shell_context.cpp
 NODE = 64
 RECEIVED = 128  # of one connection of the bus; see socket.hpp
 REST = 32  # the log of proof's queue, a message of each link that is being encrypted, the heaps
@@ -34,7 +34,7 @@ def resident(pid):
 
 
 class Narrow:
-    """A context whose sockets hold two messages: what their program does not read stays at the router."""
+    """A context whose sockets hold two messages: further ones stay at the router until they are read."""
 
     def __init__(self, context):
         self.context = context
@@ -71,7 +71,7 @@ class Member(Sealer):
 
 
 class Service:
-    """A service of the target's, played: everything that it is told, and whatever it wants to say."""
+    """A played service of the target: keeps everything that it receives, and can send anything."""
 
     def __init__(self, case, name, subtypes):
         self.socket = case.context.socket(zmq.DEALER)
@@ -134,7 +134,7 @@ class Memory(unittest.TestCase):
 
     def assert_bounded(self, mebibytes):
         print(f"{self.begin:.0f} MiB, at most {self.most:.0f}, bound {self.begin + mebibytes:.0f}", end=" ")
-        if not SANITIZED:  # it keeps what was freed
+        if not SANITIZED:  # it keeps freed memory
             self.assertLess(self.most, self.begin + mebibytes)
 
     def assert_given_back(self):
@@ -165,7 +165,7 @@ class Memory(unittest.TestCase):
             self.look()
         self.assertGreater(sent, 5 * DESTINATION)
         self.assert_bounded(DESTINATION + REST)
-        # All but what its budget holds, the kernel and its own queue has were refused, by name.
+        # All were refused by name, except what its budget, the kernel and its own queue hold.
         cat.seal()
         self.fleet.wait("Nacks", lambda: cat.hear() or sum(cat.nacks.values()) >= sent // 3, 10)
         self.assertEqual(set(cat.nacks), {"queue_full"})
@@ -173,7 +173,7 @@ class Memory(unittest.TestCase):
                         self.watch.rise(("dropped.",))["dropped.queue_full"], 10)
         print(f"{sent} sent, {sum(cat.nacks.values())} refused; another service heard within {slowest * 1000:.0f} ms", end=" ")
         self.assertLess(slowest, 2)
-        # A word of control is small: it takes its place behind what waits, and nobody is told that it does not.
+        # A control message is small: it is queued behind what waits, and not refused.
         cat.say("run_list", wire.pack([]), type=wire.REQUEST)
         ident = cat.say("route_list", wire.pack([]), type=wire.REQUEST)
         cat.seal()
@@ -183,11 +183,11 @@ class Memory(unittest.TestCase):
         self.assert_given_back()
 
     def flood(self, names, bound):
-        """The service says a picture to each of these, which do not read, as fast as it can; dog reads."""
+        """The service sends a picture to each of these, which do not read, as fast as it can; dog reads."""
         slow = {name: self.joined(name, narrow=True) for name in names}
         dog = self.joined("dog")
         data = os.urandom(PICTURE)
-        # Less than a lease: who does not read does not confirm that it hears.
+        # Less than a lease: a receiver that does not read sends no confirmation.
         nacks, heard, end = 0, 0, time.monotonic() + 3
         while time.monotonic() < end:
             for name in names:
@@ -201,7 +201,7 @@ class Memory(unittest.TestCase):
         self.assertGreater(nacks, 0)
         self.assertGreater(heard, 3)
         self.assert_bounded(bound + RECEIVED + REST)
-        # Small words still leave for one whose budget is used up.
+        # Small messages still leave for a receiver whose budget is used up.
         self.service.say(names[0], "note", b"stop")
         slow[names[0]].receive_alive(lambda frame: frame.subtype == "note", 30)
         for one in slow.values():
@@ -219,7 +219,7 @@ class Memory(unittest.TestCase):
         self.flood(SLOW[:1], DESTINATION)
 
     def test_a_service_that_floods_many_links(self):
-        """Together they have what the node has, and leave some of it to the one that reads."""
+        """Together they use the node's budget, and leave some of it to the one that reads."""
         self.flood(SLOW, NODE)
 
     def test_a_tap_that_stands_still(self):
@@ -237,7 +237,7 @@ class Memory(unittest.TestCase):
             cat.put("sensor_list", data, type=wire.REQUEST)
             cat.hear()
             self.look()
-        # The tap's, and those of the service that has what it shows.
+        # The tap's messages, and those of the service that they were for.
         self.assert_bounded(2 * DESTINATION + RECEIVED + REST)
         self.assertGreater(self.watch.rise(("dropped.",)).get("dropped.tap_full", 0), 0)
         tap.close()

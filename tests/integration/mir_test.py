@@ -1,5 +1,5 @@
-"""The direct mode over HTTP with JSON: a node and a virtual MiR, whose REST interface Python's own client asks too.
-Addresses 127.0.178.x to 127.0.181.x."""
+"""The direct mode over HTTP with JSON: a node and a virtual MiR, whose REST interface is also tested with Python's own
+client. Addresses 127.0.178.x to 127.0.181.x."""
 import base64
 import hashlib
 import http.client
@@ -17,7 +17,7 @@ API = "/api/v2.0.0"
 
 
 class Client:
-    """As the maker has it: basic sign-in with the password's hash."""
+    """As with the maker's robot: basic sign-in with the password's hash."""
 
     def __init__(self, address, port, password=PASSWORD):
         self.peer = http.client.HTTPConnection(address, port, timeout=5)
@@ -125,7 +125,7 @@ class Mir(unittest.TestCase):
 
 
 class Alone(unittest.TestCase):
-    """A robot that is killed and started again is found again, at its old port."""
+    """A killed and restarted robot is found again, at its old port."""
 
     def test_it_is_offline_and_comes_back(self):
         fleet = support.make_fleet(self, lambda root, programs: MirFleet(root, programs, block=180))

@@ -29,7 +29,7 @@ def read_adu(peer):
 
 
 class Client:
-    """Sends what it is told to, byte for byte."""
+    """Sends given bytes unchanged."""
 
     def __init__(self, address, port):
         self.peer = socket.create_connection((address, port), 5)
@@ -53,10 +53,10 @@ class Client:
 
 
 class Device:
-    """A device with a memory. `mishap`, if set, is what happens once instead of the answer to the next write."""
+    """A device with a memory. `mishap`, if set, happens once instead of the answer to the next write."""
 
     def __init__(self, address, memory):
-        self.memory = dict(memory)  # (kind, address) -> value; what is not in it is an illegal address
+        self.memory = dict(memory)  # (kind, address) -> value; others are illegal addresses
         self.writes = []
         self.mishap = None
         self.connections = 0

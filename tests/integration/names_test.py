@@ -1,5 +1,5 @@
-"""A name server that never answers holds nobody up: not the start of a node with a host's name as seed, not its bus.
-A name that comes from the network is never asked for."""
+"""A name server that never answers delays nothing: not the start of a node with a host's name as seed, not its bus.
+A name that comes from the network is never resolved."""
 import json
 import pathlib
 import socket
@@ -22,7 +22,7 @@ NAME = "hub.example"
 
 
 class NameServer:
-    """Counts what it is asked, and says nothing until it is told an address."""
+    """Counts its queries, and does not answer until it is given an address."""
 
     def __init__(self):
         self.socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
@@ -79,7 +79,7 @@ class Names(unittest.TestCase):
                                         services={"ant": ["router"], "bee": ["router"], "cat": ["router"]})
 
     def seed(self, node, *seeds):
-        """Seeds alone, no beacons; each (address, whose)."""
+        """Only seeds, no beacons; each (address, owner)."""
         path = self.fleet.dir(node) / "node.json"
         rows = [{"address": address, "key": self.key(whose)} for address, whose in seeds]
         path.write_text(json.dumps(dict(json.loads(path.read_text()), beacon=False, seeds=rows)))
@@ -92,7 +92,7 @@ class Names(unittest.TestCase):
         return {row["id"]: row["state"] for row in rows}.get(other)
 
     def slowest_answer(self, node, seconds):
-        """Of the router on its bus, s."""
+        """Of the router on its bus, in seconds."""
         slowest, end = 0, time.monotonic() + seconds
         while time.monotonic() < end:
             start = time.monotonic()
@@ -142,7 +142,7 @@ class Names(unittest.TestCase):
         watch = support.Watch(self.fleet, "ant")
         context = zmq.Context()
         self.addCleanup(context.destroy, 0)
-        # One of each: a node that is refused stays out for a while.
+        # One of each: a refused node stays out for a while.
         for node, hello in ("bee", lambda cert: wire.hello(cert, int(time.time()), f"{NAME}:45000")), (
                 "cat", lambda cert: wire.pack([cert, int(time.time()), "", "independent", time.time_ns(), True,
                                                [], 0, "behind", False, f"{NAME}:45001"])):
@@ -155,7 +155,7 @@ class Names(unittest.TestCase):
         watch.wait_logged(f"address of 'bee' is no IPv4 or IPv6 address with a port: '{NAME}:45000'")
         watch.wait_logged(f"lane of 'cat' is no IPv4 or IPv6 address with a port: '{NAME}:45001'")
         self.assertLess(self.slowest_answer("ant", 3), 2)
-        # Not even those of an earlier release that are stored.
+        # Not even names that an earlier release stored.
         self.fleet.nodes.pop("ant").stop()
         with open(self.fleet.dir("ant") / "state" / "peers", "a") as file:
             file.write(f"{NAME}:45000 {self.key('bee')}\n")

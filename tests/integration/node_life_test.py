@@ -76,7 +76,7 @@ class NodeLife(unittest.TestCase):
                 try:
                     table = fleet.services("cloud")
                 except RuntimeError:
-                    return False  # its router starts again
+                    return False  # its router restarts
                 states = {name: one["state"] for name, one in table.items() if name != "router"}
                 return states == {name: "up" for name in services if name != "router"}
             fleet.wait(f"{services} are up", as_wanted, 20)

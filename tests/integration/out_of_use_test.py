@@ -1,4 +1,4 @@
-"""What keeps a robot out of use, by the command line and over kills: a fault stands until its end is told.
+"""What keeps a robot out of use, by the command line and over kills: a fault stands until its end is reported.
 
 Addresses 127.0.246.x, 127.0.247.x.
 """
@@ -76,7 +76,7 @@ class OutOfUse(unittest.TestCase):
         self.assertEqual((self.out_of_use()[0]["by"], self.out_of_use()[0]["text"]), ("ann", "new wheels"))
         found = self.fleet.json("doctor", node=CLOUD, check=False)["findings"]
         self.assertIn(("robot_retired", ROBOT), [(one["cause"], one["subject"]) for one in found])
-        self.fleet.trb("robot", "return", ROBOT, node=ROBOT)  # who stands at the robot may say so, too
+        self.fleet.trb("robot", "return", ROBOT, node=ROBOT)  # a person at the robot may report it, too
         self.wait_out_of_use()
 
     def test_another_robots_keys_take_nothing_out_of_use(self):

@@ -1,4 +1,4 @@
-"""A mount and a network namespace of the test's own: disks of any size, name servers that say what they are told."""
+"""A mount and a network namespace of the test's own: disks of any size, name servers with given answers."""
 import ctypes
 import fcntl
 import os
@@ -8,7 +8,7 @@ import struct
 import subprocess
 import sys
 
-import support  # noqa: F401: where the next is found
+import support  # noqa: F401: sets the path for the next import
 import skips
 
 INSIDE = "TRB_OWN_WORLD"
@@ -24,7 +24,7 @@ def enter():
     why = ""
     for user in ([] if os.geteuid() == 0 else ["--map-root-user"]), ["--map-root-user"]:
         command = ["unshare", *user, "--mount", "--net", "--propagation", "private"]
-        # A mount, too: there are places where a namespace may be made and nothing mounted in it.
+        # A mount is tried, too: some machines allow a namespace, but no mount in it.
         tried = subprocess.run([*command, "mount", "-t", "tmpfs", "none", "/mnt"], capture_output=True, text=True)
         if tried.returncode == 0:
             os.execvpe(command[0], [*command, sys.executable, *sys.argv], dict(os.environ, **{INSIDE: "1"}))
@@ -50,14 +50,14 @@ def unmount(target):
 
 
 def put_over(path, text, folder):
-    """This file has another text, here alone."""
+    """Gives this file another text, visible only here."""
     other = pathlib.Path(folder) / pathlib.Path(path).name
     other.write_text(text)
     mount(other, path, "", MS_BIND)
 
 
 class SmallDisk:
-    """A folder moves onto a disk of its own, which can be filled to the last byte."""
+    """Moves a folder onto a disk of its own, which can be filled to the last byte."""
 
     def __init__(self, folder, size="4m"):
         self.folder = pathlib.Path(folder)

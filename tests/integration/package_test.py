@@ -1,6 +1,6 @@
-"""What is installed: nodes and a virtual robot run from there, and the example of common/service/README.md is built against
-the package outside the tree, started by `trb up`, hears a robot's fault and answers for it, by a bus of sockets and by one
-over TCP with CURVE. Addresses 127.0.197.x and 127.0.198.x.
+"""What is installed: nodes and a virtual robot run from there, and the example of common/service/README.md is built
+against the package outside the tree, started by `trb up`, hears a robot's fault and answers for it, by a bus of sockets
+and by one over TCP with CURVE. Addresses 127.0.197.x and 127.0.198.x.
 """
 import json
 import os
@@ -59,7 +59,7 @@ class Package(unittest.TestCase):
 
     @classmethod
     def install(cls):
-        """Where it was installed first, there is nothing any more."""
+        """The place where it was first installed is empty then."""
         first = cls.root / "first"
         for component in ("sdk", "node", "virtual-robots"):
             run("cmake", "--install", BUILD, "--component", component, "--prefix", first)

@@ -1,5 +1,5 @@
-"""The direct mode over Modbus TCP: the virtual PLC against raw sockets, a node against the virtual PLC, and a node against
-a device that goes wrong. Addresses 127.0.142.x and 127.0.143.x."""
+"""The direct mode over Modbus TCP: the virtual PLC against raw sockets, a node against the virtual PLC, and a node
+against a device that goes wrong. Addresses 127.0.142.x and 127.0.143.x."""
 import json
 import os
 import signal
@@ -187,7 +187,7 @@ class PlcFleet(trb_fleet.Fleet):
         return self.task(run)
 
     def wait_idle(self, timeout=15):
-        """The last command's lease is over when the robot may be commanded by anybody."""
+        """Waits until the last command's lease is over and any node may command the robot."""
         self.wait("nobody holds the robot", lambda: not self.profile().get("control"), timeout)
 
 
@@ -329,7 +329,7 @@ class Conveyor(unittest.TestCase):
         self.fleet.trb("scenario", "abort", run, node="conveyor", check=False)
 
 
-# A vendor that is in no file of the repository: all of it is JSON.
+# A vendor that no file of the repository names: it is described by JSON alone.
 LIFT = {
     "transport": "modbus", "port": 502, "unit": 17, "poll_s": 0.05,
     "values": {"goal": "holding 10 float32 low_word_first", "height": "input 20 int32 low_word_first * 0.001 - 1",
@@ -411,11 +411,11 @@ class Vendor(unittest.TestCase):
         self.assertIn("manual, counted from 0, and correct commands.json", done.stderr)
         self.assertIn("secret (holding 999): the device answered 'illegal data address'", self.fleet.ask("secret"))
         log = (self.fleet.dir("conveyor") / "log" / "mode-adapter.log").read_text()
-        self.assertEqual(log.count("WARNING secret (holding 999)"), 1)  # told once, though it is asked for on and on
+        self.assertEqual(log.count("WARNING secret (holding 999)"), 1)  # reported once, though it is polled on and on
         self.assertIn("1.234", self.fleet.ask("position"))
 
     def expect_lost(self, mishap, reason):
-        """One write goes wrong: it is told, not repeated, and the next command works."""
+        """One write fails: it is reported, not repeated, and the next command works."""
         before = len(self.device.writes)
         connections = self.device.connections
         self.device.mishap = mishap

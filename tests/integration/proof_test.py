@@ -1,4 +1,4 @@
-"""The log of proof that a node keeps, read by somebody who was not there and has the fleet's public key alone."""
+"""A node's log of proof, read by a third party that has only the fleet's public key."""
 import json
 import secrets
 import shutil
@@ -9,10 +9,10 @@ from sealer import TARGET, WAIT, Case
 
 
 class Log(Case):
-    """What the target kept of cat's words, shown to a third party: a folder with the log, and fleet.json."""
+    """The target's record of cat's messages, shown to a third party: a folder with the log, and fleet.json."""
 
     def kept(self):
-        """cat says 10 messages and seals them, says 3 more, and is gone without a word."""
+        """cat sends 10 messages and seals them, sends 3 more, and is gone without a Goodbye."""
         client = self.joined()
         for number in range(9):
             client.say("greeting", f"promise {number}".encode())

@@ -1,4 +1,4 @@
-"""An AR.Drone 2's two sides in Python, written from the protocol alone: a client, and a drone that does what a test says."""
+"""An AR.Drone 2's two sides in Python, written from the protocol alone: a client, and a drone that a test controls."""
 import select
 import socket
 import struct
@@ -75,7 +75,7 @@ class Client:
         self.state = [f"REF,{reference}", f"PCMD,{motion}"]
 
     def wait(self, what, condition, timeout=10):
-        """Until a navdata is as wanted; the state is sent meanwhile."""
+        """Waits for a matching navdata; the state is sent meanwhile."""
         end, next_state = time.monotonic() + timeout, 0
         while time.monotonic() < end:
             if self.state and time.monotonic() >= next_state:
@@ -92,7 +92,7 @@ class Client:
 
 
 class Drone(threading.Thread):
-    """Tells what the test wants to be told, 15 times a second, and keeps what it is sent."""
+    """Sends the test's values 15 times a second, and keeps what it receives."""
 
     def __init__(self, host, answers=True):
         super().__init__(daemon=True)

@@ -1,4 +1,4 @@
-"""Messages by way of a third member: what it carries counts only as far as the source's own signature goes. The relay,
+"""Messages by way of a third member: only what the source itself has signed counts. The relay,
 the source and the thief are this file's own client (wire.py, libzmq, libsodium), not the middleware's code.
 """
 import itertools
@@ -16,7 +16,7 @@ from strangers_test import Client, Member
 
 BLOCK = 120
 UDP_PORT = 50120
-TARGET = "cloud"  # which is a relay too, as every cloud is
+TARGET = "cloud"  # also a relay, like every cloud
 
 
 class Relays(unittest.TestCase):
@@ -44,7 +44,7 @@ class Relays(unittest.TestCase):
         return int(self.row(node, node)["boot"])
 
     def linked(self, name, relay=False):
-        """A link of this member; `relay`: its Hello says that it relays, and its certificate lets it."""
+        """A link of this member; `relay`: its Hello says that it relays, and its certificate allows it."""
         member = self.members[name]
         certificate = member.certificate
         if relay:
@@ -62,11 +62,11 @@ class Relays(unittest.TestCase):
         return bytes.fromhex((self.fleet.dir(node) / "keys" / f"{name}.key").read_text().strip())
 
     def link_key(self, node):
-        """Its public one."""
+        """The public key."""
         return wire.unpack(self.members[node].certificate[2])[0][5]
 
     def relay_to_crane(self):
-        """belt's link, by which cloud has heard of crane, and crane has shown that it is there."""
+        """belt's link, by which cloud has learned of crane, and crane has proven that it is there."""
         belt = self.linked("belt", relay=True)
         belt.send("neighbours", "belt", data=wire.pack([[self.members["crane"].certificate], []]))
         self.crane_answers(belt, times=2)
@@ -74,7 +74,7 @@ class Relays(unittest.TestCase):
         return belt
 
     def crane_answers(self, belt, times=1):
-        """What crane's router says to cloud's words: it repeats their nonce."""
+        """The answer of crane's router to cloud's messages: it repeats their nonce."""
         for _ in range(times):
             _, word = self.answer(belt, TARGET, "relay_alive")
             said = word.body()
@@ -98,13 +98,13 @@ class Relays(unittest.TestCase):
         client.send("relayed", source, data=wire.pack([record]))
 
     def answer(self, client, signer, subtype="route_table"):
-        """The frame that came back by the relay, signed by the signer and locked for crane or belt."""
+        """The frame that came back by the relay, signed by the signer and encrypted for crane or belt."""
         end = time.monotonic() + 10
         while time.monotonic() < end:
             frame = client.receive_until(lambda one: one.subtype == "relayed")
             record = frame.body()[0]
             if record[:2] != ["relayed", signer]:
-                continue  # the other router speaks to belt through cloud, too
+                continue  # the other router sends to belt through cloud, too
             inner, _ = wire.unpack(record[2])
             answered = wire.decode(authority.unbox(self.key(inner[0], "link"), self.link_key(signer), inner[5]))
             if answered.subtype == subtype:
@@ -139,7 +139,7 @@ class Relays(unittest.TestCase):
             self.hand(belt, self.signed("crane", count=501, own_boot=2))
             self.assert_refused("replayed")
 
-    # Four tests: a link on which nobody tells what it has heard ends after a lease, and each refusal takes a while.
+    # Four tests: a link without echoes ends after a lease, and each refusal takes a while.
 
     def test_what_a_relay_may_not_hand_over_for_its_signature(self):
         belt = self.relay_to_crane()
@@ -205,7 +205,7 @@ class Relays(unittest.TestCase):
         alive(word.body()[0], 0)
         self.fleet.wait("arm knows belt by cloud", lambda: self.row("belt", "arm").get("via") == TARGET, 5)
         record = self.signed("belt", target="arm")
-        for _ in range(2):  # the second is a replay: the relay need not know, arm does
+        for _ in range(2):  # the second is a replay: the relay need not detect it, arm does
             self.hand(belt, record)
         inner, answered = self.answer(belt, "arm")
         self.assertEqual((inner[0], answered.subtype, answered.source), ("belt", "route_table", "arm"))
@@ -218,7 +218,7 @@ class Relays(unittest.TestCase):
             self.assertEqual(refused, ["crane", 77, "unknown_target"])
 
     def test_who_is_no_relay(self):
-        """Without the right in its certificate nobody is, whatever its Hello says."""
+        """Without the right in its certificate a node is no relay, whatever its Hello says."""
         crane = self.linked("crane")
         crane.send("neighbours", "crane", data=wire.pack([[self.members["belt"].certificate], []]))
         self.watch.wait_counted("refused.not_permitted")
@@ -236,7 +236,7 @@ class Relays(unittest.TestCase):
         self.assertEqual(self.row("crane"), {})
 
     def test_a_relay_that_says_a_dead_node_is_there(self):
-        """For longer than a lease, with what crane has said before, played again and again."""
+        """For longer than a lease, with crane's old messages, replayed again and again."""
         belt = self.relay_to_crane()
         kept = self.signed("crane", boot=0, frame=wire.Frame(
             "relay_alive", "crane", TARGET, id=5000,

@@ -1,4 +1,4 @@
-"""A robot as rospy sees it: prints every Twist on cmd_vel as JSON, says its odometry ten times a second.
+"""A robot in rospy: prints every Twist on cmd_vel as JSON, publishes its odometry ten times a second.
 Run with Debian's interpreter, ROS_MASTER_URI and ROS_IP set."""
 import json
 import sys

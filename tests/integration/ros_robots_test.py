@@ -1,5 +1,5 @@
-"""Two robots on one ROS master: the virtual Ridgeback with its arm and the TurtleBot, by skills, faults, and rostopic as the
-other side. Addresses 127.0.158.x and 127.0.159.x."""
+"""Two robots on one ROS master: the virtual Ridgeback with its arm and the TurtleBot, by skills, faults, and rostopic
+as the other side. Addresses 127.0.158.x and 127.0.159.x."""
 import importlib.util
 import json
 import os
@@ -93,7 +93,7 @@ class RosRobots(unittest.TestCase):
         self.assertEqual(tasks["late"]["state"], "FAILED")
         self.assertIn("timed out after 1 s", tasks["late"]["reason"])
         robot.wait_line("cancelled", 5, start)
-        robot.wait_line("task 2", 5, start)  # nobody waits for it any more
+        robot.wait_line("task 2", 5, start)  # no task waits for it any more
         self.run_tasks({"id": "next", "robot": "ridgeback", "skill": "go_to", "data": {"place": "loading_area"}})
 
     def test_a_command_beside_a_skill_is_refused_and_the_skill_goes_on(self):

@@ -1,4 +1,4 @@
-"""The sums of every message type that Debian ships, ours beside those of genmsg, ROS's own generator."""
+"""The sums of every message type that Debian ships, ours compared with those of genmsg, ROS's own generator."""
 import os
 import subprocess
 import sys

@@ -1,4 +1,4 @@
-"""Runs that are over: listed page by page, and shown whole, by the command line.
+"""Runs that are over: listed page by page, and shown completely, by the command line.
 
 Addresses 127.0.248.x, 127.0.249.x.
 """

@@ -68,7 +68,7 @@ class ScenarioLanguage(unittest.TestCase):
         alone = [{"task": task, "robot": "pioneer1", "why": why} for task in ("move", "any")]
         self.assertEqual(self.fleet.json("scenario", "check", path, node="cloud")["no_spare"], [alone[0], pinned, alone[1]])
         self.assertIn(f"no spare: move (pioneer1): {why}\n", self.fleet.trb("scenario", "check", path, node="cloud").stdout)
-        # Nobody's node is asked: nobody's word is given.
+        # No node is asked, so no node's statement is shown.
         self.assertEqual(self.fleet.json("scenario", "check", path), {"faults": []})
 
     def view(self, run, node="cloud"):
@@ -85,7 +85,7 @@ class ScenarioLanguage(unittest.TestCase):
         return {"id": robot, "robot": robot, "skill": "go_to", "data": {"place": place}}
 
     def test_the_nearest_is_chosen_when_the_task_is_due(self):
-        """Who is near is known only once the two have driven: at the start the other one may have been the nearer."""
+        """Which one is near is known only once the two have driven: at the start it may have been the other one."""
         for near, far in (("pioneer2", "pioneer1"), ("pioneer1", "pioneer2")):
             with self.subTest(near=near):
                 path = self.scenario(self.go(near, "dock"), self.go(far, "ur3_front"), dict(MOVE, after=[near, far]))
@@ -135,7 +135,7 @@ class ScenarioLanguage(unittest.TestCase):
         (key, what), = self.faults("run", MOVE)
         self.assertEqual(key, "tasks[0].requires")
         self.assertIn("nobody can do it now: 'pioneer1' is stopped until it is released; 'pioneer2' is stopped", what)
-        # It is a fault of the moment, not of the scenario.
+        # It is a temporary fault, not one of the scenario.
         self.assertEqual(self.fleet.json("scenario", "check", self.scenario(MOVE), node="cloud")["faults"], [])
 
     def test_nobody_in_the_fleet(self):

@@ -1,5 +1,5 @@
-"""Members that seal for themselves (libsodium's Ed25519, hashlib's BLAKE2b, proto/README.md; nothing of the middleware's),
-and the fleet in which seals_test.py and proof_test.py play them.
+"""Members that make their own seals (libsodium's Ed25519, hashlib's BLAKE2b, proto/README.md; no code of the
+middleware), and the fleet in which seals_test.py and proof_test.py play them.
 """
 import ctypes
 import hashlib
@@ -81,7 +81,7 @@ class Sealer(Client):
         return ident
 
     def join(self, seal=None):
-        """Says Hello, as its router would, and hears the other side's."""
+        """Sends Hello, as its router would, and receives the other side's."""
         body = [self.member.certificate, next(Client.boots), f"127.0.{BLOCK}.99:45000", "independent", time.time_ns(), True]
         if seal is not None:
             profile = ["", "", "", "", "", [], [], [], [], "", "", False, ""]
@@ -90,7 +90,7 @@ class Sealer(Client):
         return self
 
     def range(self, **changes):
-        """What an honest seal states of what is open, but for the changes."""
+        """The contents of an honest seal over the open frames, except for the changes."""
         hashed = self.previous + b"".join(len(frame).to_bytes(4, "big") + frame for frame in self.open)
         honest = dict(link=self.link, serial=self.member.serial, peer_serial=self.peer.serial, dialled=True,
                       first=self.sequence - len(self.open) + 1, last=self.sequence, previous=self.previous,
@@ -140,7 +140,7 @@ class Sealer(Client):
         self.seals_heard += 1
 
     def receive_alive(self, good, timeout):
-        """As receive_until, for what may take longer than a lease: a member that says nothing meanwhile is taken for gone."""
+        """As receive_until, for what may take longer than a lease: a member that is silent meanwhile counts as gone."""
         end = time.monotonic() + timeout
         while time.monotonic() < end:
             self.say("keep_alive", wire.keep_alive(self.heard))
@@ -172,7 +172,7 @@ class Case(unittest.TestCase):
 
     @classmethod
     def listen(cls, *subtypes):
-        """The strict node's sensor-bus, which wants to hear these."""
+        """The strict node's sensor-bus, which wants copies of these."""
         ear = cls.context.socket(zmq.DEALER)
         cls.addClassCleanup(ear.close, 0)
         ear.connect(f"ipc://{cls.fleet.dir(STRICT)}/bus/sensor-bus.ipc")
@@ -187,7 +187,7 @@ class Case(unittest.TestCase):
         self.watch = support.Watch(self.fleet, TARGET)
 
     def tearDown(self):
-        """Whatever a member did: nobody else's link was lost, and the router is the same process."""
+        """After any member's act: no other link was lost, and the router is the same process."""
         self.assertEqual({name: self.routes()[name]["link"] for name in self.links}, self.links)
         self.assertEqual(self.fleet.pid(TARGET, "router"), self.pid)
 
@@ -214,7 +214,7 @@ class Case(unittest.TestCase):
         return client.say("run_list", wire.pack([]), type=wire.REQUEST)
 
     def assert_good(self, client):
-        """It is heard, its seal is taken, and it hears a seal over the answer."""
+        """Its message arrives, its seal is accepted, and it gets a seal over the answer."""
         ident = self.ask_router(client)
         client.seal()
         self.assertEqual(client.answer_to(ident).subtype, "route_table")
@@ -223,7 +223,7 @@ class Case(unittest.TestCase):
         self.assertEqual(client.seals_heard, before + 1)
 
     def assert_alarm(self, client, reason, watch=None):
-        """Refused under its own name and no other, told so to the peer and in the log; and it may come back."""
+        """Refused under its own name and no other, reported to the peer and in the log; and it may come back."""
         watch = watch or self.watch
         self.assertEqual(client.wait_goodbye(), f"seal_broken: {reason}")
         watch.wait_counted(f"refused.seal_{reason}")

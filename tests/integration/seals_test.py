@@ -1,4 +1,4 @@
-"""Seals on real links: what is not sealed as it should be is refused, counted under a name of its own, told apart in the
+"""Seals on real links: a wrong seal is refused, counted under a name of its own, distinguished in the
 log, and ends the link; a member that comes back is welcome.
 """
 import os
@@ -38,7 +38,7 @@ class Seals(Case):
     # ---- missing, late
 
     def test_seals_that_are_missing(self):
-        """The 64th message is taken, the 65th is not."""
+        """The 64th message is accepted, the 65th is not."""
         client = self.joined()
         for _ in range(MOST - 2):
             client.say("greeting", b"hello")
@@ -86,7 +86,7 @@ class Seals(Case):
         self.assert_alarm(client, "wrong_signature")
 
     def test_a_signature_that_was_made_for_something_else(self):
-        """A beacon's signature over the same bytes is no seal."""
+        """A beacon's signature over the same bytes is not a seal."""
         client = self.joined()
         kind, signer, payload, signature = self.cat.sign("beacon", client.range())
         client.put_seal(["seal", signer, payload, signature])
@@ -198,7 +198,7 @@ class BeforeDelivery(Case):
         client = self.joined(target=STRICT)
         client.seal()
         ident = self.ask_scheduler(client)
-        inner = self.ask_router(client)  # what routers say to each other does not wait: behind it, the first would be there
+        inner = self.ask_router(client)  # routers' own messages do not wait: after this one the first would be there
         self.assertEqual(client.answer_to(inner).subtype, "route_table")
         self.assertFalse([frame for frame in client.drain() if frame.reply_to == ident])
         client.seal()
@@ -257,7 +257,7 @@ class BeforeDelivery(Case):
         self.assertEqual(self.strict.rise(), {"refused.seal_wrong_signature": 1})
 
     def test_two_that_want_different_things_agree_on_the_stricter(self):
-        """ant seals behind the delivery, and each message by itself to fox, which asked for it."""
+        """ant seals after the delivery, but each message by itself to fox, which requires it."""
         before = support.Watch(self.fleet, STRICT)
         for _ in range(5):
             self.fleet.trb("request", STRICT, "route_list", node=TARGET, check=False)
@@ -268,7 +268,7 @@ class BeforeDelivery(Case):
 
 class FullBus(Case):
     def test_a_service_that_does_not_read(self):
-        """Whoever asks it is told that the queue is full, over a link and on the bus; the rest of the node goes on."""
+        """A requester gets queue_full, over a link and on the bus; the rest of the node goes on."""
         pid = int(self.fleet.services(TARGET)["scheduler"]["pid"])
         os.kill(pid, signal.SIGSTOP)
         self.addCleanup(os.kill, pid, signal.SIGCONT)
@@ -292,14 +292,15 @@ class FullBus(Case):
         while "run_table" not in answers:
             self.assertLess(time.monotonic(), end, "the scheduler reads again, and nothing reaches it")
             answers.append(self.answer(client))
-        # A Nack for each that was refused; the rest of what was dropped are answers.
+        # A Nack for each refused request; the other dropped messages are answers.
         if "none" in answers:
             self.assertGreater(self.dropped() - dropped, answers.count("nack"), "neither answered nor counted")
         self.assertEqual(self.watch.rise(), {})
 
     def answer(self, client):
-        """What the scheduler, with all that is in its queue, answers next, or the router for it. All its answers together
-        may be more than the link to this client holds: the last of them are dropped and counted, and one asks again."""
+        """The next answer of the scheduler, with all that is in its queue, or of the router for it. All its answers
+        together may be more than the link to this client holds: the last of them are dropped and counted, and the
+        request is repeated."""
         ident = self.ask_scheduler(client)
         client.seal()
         try:

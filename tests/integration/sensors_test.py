@@ -22,11 +22,11 @@ RULE = {"match": {"subsystem": "hwmon", "attributes": {"name": "lm75"}}, "read":
         "identity": {"property": "ID_SERIAL_SHORT"},
         "sensors": [{"name": "temperature", "kind": "temperature", "unit": "degC", "attribute": "temp?_input",
                      "scale": 0.001, "every_s": 0.2}]}
-OBSERVER = "path_namespace='/trbots'"  # the one permanent rule: it discovers what other programs feed
+OBSERVER = "path_namespace='/trbots'"  # the only permanent rule: it discovers what other programs emit
 
 
 class Bus(private_bus.PrivateBus):
-    """A private D-Bus that is asked and fed."""
+    """A private D-Bus with queries and signals."""
 
     def call(self, *arguments, check=True):
         done = subprocess.run(["dbus-send", f"--bus={self.address}", *arguments], capture_output=True, text=True, timeout=10)
@@ -108,7 +108,7 @@ class Sensors(unittest.TestCase):
         for node in NODES:
             cls.wait_bus(node)
 
-    # ---- what is seen
+    # ---- views
 
     @classmethod
     def table(cls, node):
@@ -120,7 +120,7 @@ class Sensors(unittest.TestCase):
         cls.fleet.wait(f"the bus of {node}: {there}", lambda: (cls.table(node)["bus"] == "") == there, 10)
 
     def listed(self, node="office"):
-        """As a node sees the fleet: {(NODE, SENSOR): its row}."""
+        """A node's view of the fleet: {(NODE, SENSOR): its row}."""
         rows = self.fleet.json("sensor", "list", node=node)["sensors"]
         return {(row["node"], row["name"]): row for row in rows}
 
@@ -145,7 +145,7 @@ class Sensors(unittest.TestCase):
         log = self.fleet.dir(node) / "log" / "sensor-bus.log"
         self.fleet.wait(f"{text!r} in {log}", lambda: text in log.read_text(errors="replace"), 5)
 
-    # ---- what is done
+    # ---- actions
 
     def feed(self, name, *more, node="hall"):
         feeder = Feeder(self.buses[node], name, *more)
@@ -157,7 +157,7 @@ class Sensors(unittest.TestCase):
         self.addCleanup(self.unplug, node)
 
     def unplug(self, node):
-        """Of what is not there, nothing."""
+        """Does nothing if it is not there."""
         self.devices[node].unplug("hwmon7")
 
     def watch(self, *arguments, node="office"):
@@ -213,7 +213,7 @@ class Sensors(unittest.TestCase):
         reading = self.read("temperature")
         self.assertEqual((reading["number"], reading["unit"], reading["identity"]), (21.5, "degC", "SN1"))
         self.wait_no_rule()
-        # A program cannot speak for the device.
+        # A program cannot send for the device.
         self.buses["hall"].emit("temperature", "double:99")
         self.wait_logged("a program emits trbots.temperature, which is the name of a device")
         self.assertEqual(self.read("temperature")["number"], 21.5)
@@ -341,7 +341,7 @@ class RobotFleet(trb_fleet.Fleet):
 
 
 class Robots(unittest.TestCase):
-    """A robot asks over its field channel, in the words that it has: a request whose subtype is the sensor's name."""
+    """A robot sends over its field channel a request whose subtype is the sensor's name."""
 
     @classmethod
     def setUpClass(cls):
@@ -358,7 +358,7 @@ class Robots(unittest.TestCase):
         cls.fleet.wait("the fleet forms", lambda: all(cls.fleet.formed(node) for node in robots), 20)
 
     def said(self, subtype):
-        """The messages that robots have said to their adapters."""
+        """The messages from robots to their adapters."""
         total = 0
         for node in self.fleet.node_names:
             rows = self.fleet.json("service", "counters", "mode-adapter", node=node)["values"]
@@ -371,13 +371,13 @@ class Robots(unittest.TestCase):
             command = [PROGRAMS / "trb", "tap", "--all", "--node", self.fleet.dir(node)]
             taps.append(trb_fleet.Process(command, self.fleet.root / f"tap-{node}.log"))
             self.addCleanup(taps[-1].stop)
-            taps[-1].wait_line("service_alive", 15)  # it hears everything from here on
+            taps[-1].wait_line("service_alive", 15)  # it receives everything from here on
         return taps
 
     def link_messages(self, taps, subtype):
-        """What the nodes have said to each other: "> information NAME"."""
+        """The messages between the nodes: "> information NAME"."""
         for tap in taps:
-            tap.wait_line("service_alive", 15, len(tap.lines))  # what was said before has come by then
+            tap.wait_line("service_alive", 15, len(tap.lines))  # earlier messages have come by then
         return sum(f"> {kind} {subtype} " in line for tap in taps for line in tap.lines for kind in ("request", "information"))
 
     def ask(self, target):

@@ -1,5 +1,5 @@
-"""Strangers at a router's door: each is refused, counted under a name of its own, told apart in the log, and keeps no
-good node out. The strangers are this file's own client (wire.py and libzmq), not the middleware's code.
+"""Strangers at a router's door: each is refused, counted under a name of its own, distinguished in the log, and keeps
+no good node out. The strangers are this file's own client (wire.py and libzmq), not the middleware's code.
 """
 import itertools
 import json
@@ -31,7 +31,7 @@ def to_z85(raw):
 
 
 class Member:
-    """A node's keys and certificate, as they lie in its folder."""
+    """A node's keys and certificate, as in its folder."""
 
     def __init__(self, fleet, node):
         self.id = node
@@ -50,7 +50,7 @@ class Client:
         self.socket = context.socket(zmq.DEALER)
         self.socket.setsockopt(zmq.LINGER, 0)
         self.socket.setsockopt(zmq.RECONNECT_IVL, -1)
-        self.socket.setsockopt(zmq.SNDTIMEO, 10_000)  # a link that has ended fails its test; without it, it would hang
+        self.socket.setsockopt(zmq.SNDTIMEO, 10_000)  # without it a test would hang on an ended link
         if routing_id is not None:
             self.socket.setsockopt(zmq.ROUTING_ID, routing_id)
         if server_key is not None:
@@ -135,7 +135,7 @@ class Door(unittest.TestCase):
         self.assertTrue(self.watch.log_path.exists())
 
     def tearDown(self):
-        """Whatever the stranger did: a good node that starts now is linked, and the router is the same process."""
+        """After any stranger: a good node that starts now is linked, and the router is the same process."""
         boot = self.route("arm")["boot"]
         self.fleet.trb("reload", self.fleet.dir("arm"))
         self.fleet.wait("a good node joins again", lambda: self.good_after(boot), 8)
@@ -173,7 +173,7 @@ class Door(unittest.TestCase):
         self.assertEqual(client.answer_to(ident).subtype, "route_table")
 
     def assert_closed_by_the_router(self, plain):
-        """Within the handshake's two seconds; what the router says first is its own greeting."""
+        """Within the handshake's two seconds; the router first sends its own greeting."""
         plain.settimeout(WAIT)
         try:
             while plain.recv(1000):
@@ -182,7 +182,7 @@ class Door(unittest.TestCase):
             pass
 
     def assert_refused(self, counter, logged, count=1, also=()):
-        """That counter rose by so much and no other refusal did; the log says so in words of its own."""
+        """That counter rose by this number and no other refusal did; the log has a line of its own for it."""
         self.watch.wait_counted(counter, count)
         risen = self.watch.rise()
         self.assertEqual(risen.pop(counter), count)
@@ -191,10 +191,10 @@ class Door(unittest.TestCase):
 
 
 class Crowd(Door):
-    """Apart from the others: so many refusals in a moment use up what may be logged in ten seconds."""
+    """Apart from the others: that many refusals use up the log's limit of ten seconds."""
 
     def test_forty_candidates_at_once_and_a_member(self):
-        """A member that the router has met or heard joins at once; one that it never heard of, when the crowd is gone."""
+        """A member that the router knows joins at once; an unknown one when the crowd is gone."""
         self.linked(self.belt)
         crowd = [self.stranger() for _ in range(40)]
         ends = [one.wait_event(zmq.EVENT_HANDSHAKE_SUCCEEDED, zmq.EVENT_HANDSHAKE_FAILED_AUTH) for one in crowd]
@@ -225,7 +225,7 @@ class Strangers(Door):
         self.assert_refused("refused.no_curve", "no_curve a client without CURVE")
 
     def test_libzmq_without_curve(self):
-        """It sees the router's mechanism and hangs up; which side is first decides what the router can know."""
+        """It sees the router's mechanism and disconnects; which side is first decides what the router can know."""
         client = self.client()
         client.wait_event(zmq.EVENT_HANDSHAKE_FAILED_PROTOCOL, zmq.EVENT_HANDSHAKE_FAILED_NO_DETAIL, zmq.EVENT_DISCONNECTED,
                           zmq.EVENT_CLOSED)
@@ -453,7 +453,7 @@ class Strangers(Door):
             self.fleet.wait("the scheduler is back", lambda: self.is_back(first), 8)
 
     def test_a_crowd_of_probes_that_have_ended(self):
-        """More in a few seconds than the bus has room for: each is welcome, for the ones before it are gone."""
+        """More in a few seconds than the bus has room for: each is accepted, because the ones before it are gone."""
         first = self.fleet.services(TARGET)["scheduler"]
         for count in range(80):
             with self.context.socket(zmq.DEALER) as bus:

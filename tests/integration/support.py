@@ -20,7 +20,7 @@ _held = {}  # block: the socket that holds it, until this program ends
 
 
 def hold_blocks(*blocks, seconds=300):
-    """Waits until no other program has these addresses: two tests of one block would take each other's ports."""
+    """Waits until no other program has these addresses: two tests with one block would take each other's ports."""
     for block in blocks:
         deadline = time.monotonic() + seconds
         while block not in _held:
@@ -44,7 +44,7 @@ def make_fleet(case, kind=trb_fleet.Fleet, programs=PROGRAMS, **arguments):
 
 
 class RouterFleet(trb_fleet.Fleet):
-    """Nodes without robots: all are of role cloud, each with the services that are named."""
+    """Nodes without robots: all have the role cloud, each with the named services."""
 
     def __init__(self, root, programs, services, **more):
         super().__init__(root, programs, robots={}, cloud=False, **more)
@@ -93,7 +93,7 @@ class Watch:
 
 
 class Tap:
-    """Everything that the node says and hears from now on: once it has heard a first message, it misses none."""
+    """Everything that the node sends and receives from now on: after its first message it misses none."""
 
     def __init__(self, fleet, node):
         command = [PROGRAMS / "trb", "tap", "--all", "--json", "--node", fleet.dir(node)]

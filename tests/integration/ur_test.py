@@ -21,7 +21,7 @@ UNHARMED = [("a quote", 'say "hi"'), ("a newline", "two\nlines"), ("both", '"\n"
 
 
 class UrFleet(trb_fleet.Fleet):
-    """One arm, its node, a cloud to which it is told, and a virtual controller that takes faults by word."""
+    """One arm, its node, a cloud that gets its reports, and a virtual controller with fault injection."""
 
     def __init__(self, root, programs, block=152):
         super().__init__(root, programs, block=block, udp_port=50000 + block, robots={"ur3": ("ur", "ur3", [])})
@@ -50,7 +50,7 @@ class UrFleet(trb_fleet.Fleet):
         return self.trb(*words, node="ur3", check=check)
 
     def send(self, subtype, data="", check=False):
-        """A command of a person's who takes the arm over from whatever run had it."""
+        """A person's command that takes the arm over from any run."""
         return self.ur("send", "ur3", "command", subtype, data, "--take", check=check)
 
     def profile(self):
@@ -253,7 +253,7 @@ class Vanished(Case):
     def end_of(self, run):
         task = self.wait_end(run)
         self.assertEqual(task["outcome"], "interrupted", task)
-        # Of the controller's two connections either may be seen to end first.
+        # Either of the controller's two connections may end first.
         self.assertRegex(task["reason"], "connection( to the robot's controller)? was lost")
 
     def test_a_controller_that_is_killed_in_the_middle_of_a_program(self):
@@ -304,7 +304,7 @@ class FaultsByWord(Case):
 
 
 class RealFleet(UrFleet):
-    """Nobody says that its arm is a virtual one."""
+    """Its arm is not configured as a virtual one."""
 
     def __init__(self, root, programs):
         super().__init__(root, programs, block=154)

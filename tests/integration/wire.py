@@ -1,4 +1,4 @@
-"""The wire of proto/README.md, written from its grammar alone and on purpose without the C++ code: 24 bytes of prefix, a
+"""The wire of proto/README.md, written from its grammar alone, deliberately without the C++ code: 24 bytes of prefix, a
 msgpack header of six, then the data. Only what the grammar needs of msgpack is here.
 """
 import dataclasses
@@ -10,7 +10,7 @@ PREFIX = struct.Struct(">BBHIQQ")
 
 
 class WireError(ValueError):
-    """Bytes that are not of the grammar."""
+    """Bytes that violate the grammar."""
 
 
 # ---- msgpack
@@ -36,7 +36,7 @@ def pack(value):
 
 
 def _head(size, forms):
-    """The first form that is large enough: in the tag itself, or one, two or four bytes after it."""
+    """The smallest form that fits: in the tag itself, or one, two or four bytes after it."""
     for (tag, most), width in zip(forms, (0, 1, 2, 4)):
         if size <= most:
             return bytes([tag | size]) if width == 0 else bytes([tag]) + size.to_bytes(width, "big")
@@ -148,7 +148,7 @@ def decode(frame):
 # ---- bodies: msgpack arrays in the order of proto/bodies
 
 def signed_record(record):
-    """A SignedRecord as it stands in JSON, as a body."""
+    """A SignedRecord from its JSON, as a body."""
     return [record["kind"], record["signer"], bytes.fromhex(record["payload"]), bytes.fromhex(record["signature"])]
 
 

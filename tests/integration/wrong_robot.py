@@ -1,4 +1,4 @@
-"""Robots that speak the field channel wrongly, one way each: what `trb robot conform` must find.
+"""Robots that violate the field channel, each in one way: what `trb robot conform` must find.
 
     wrong_robot.py NODE PORT FAULT
 """
@@ -15,7 +15,7 @@ FAULTS = {}  # name: (the case that finds it, the channel's class, the robot's c
 
 
 def fault(case, channel=Channel, robot=ExampleRobot):
-    """Names a class a fault: a channel's or a robot's, by what it derives from."""
+    """Registers a class as a fault: of the channel or of the robot, by its base class."""
     def register(kind):
         is_channel = issubclass(kind, Channel)
         FAULTS[kind.__name__] = (case, kind if is_channel else channel, robot if is_channel else kind)
@@ -132,7 +132,7 @@ class CountsCharacters(Channel):
 
 @fault("numbers")
 class Numeric(Channel):
-    """Speaks in numbers; the words are those of the test's description. It answers in whole numbers only."""
+    """Uses the numeric encoding; the words are those of the test's description. It answers only in integers."""
 
     WORDS = {"1": "command", "2": "request", "3": "information"}
     CODES = {"done": 1, "failed": 2, "wave": 3, "echo": 4, "conform_unknown": 5, "unknown": 0}

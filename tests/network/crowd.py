@@ -44,7 +44,7 @@ class Load:
         return self.used() / os.cpu_count()
 
 
-OVER_FLOOR = 8  # to form again; measured 5 to 6.5, see README
+OVER_FLOOR = 8  # times the floor, to form again; measured 5 to 6.5, see README
 
 
 def handshake_ms():
@@ -77,7 +77,7 @@ def all_sent(fleet, nodes):
 
 
 def sent_of(fleet, nodes):
-    """The same, a node."""
+    """The same, per node."""
     return {name: round(count / len(nodes), 1) for name, count in all_sent(fleet, nodes).most_common(8)}
 
 
@@ -100,7 +100,7 @@ def fifty(report, rounds):
             notes["sent_while_forming_a_node"] = sent_of(fleet, names[5::10])
             notes["sent_while_forming_by_the_relay"] = sent_of(fleet, names[:1])
             report.say(f"formed, with making and starting {time.monotonic() - start:.1f} s")
-            fleet.witness.ask_every = 60.0  # what is measured now is the fleet, not who looks at it
+            fleet.witness.ask_every = 60.0  # now the fleet is measured, not the witness
             time.sleep(3)
             load = Load(fleet)
             time.sleep(20)

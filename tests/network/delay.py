@@ -11,7 +11,7 @@ import sys
 import time
 
 TUNSETIFF, IFF_TAP, IFF_NO_PI, CLONE_NEWNET = 0x400454CA, 0x0002, 0x1000, 0x40000000
-MOST_WAITING = 5000  # frames: beyond it they are lost, as in a full queue
+MOST_WAITING = 5000  # frames: further ones are lost, as in a full queue
 
 
 def open_tap(space, name):
@@ -41,7 +41,7 @@ def write_due(tap, waiting):
 
 
 def main():
-    ctypes.CDLL(None).prctl(1, 15)  # ends with whoever started it
+    ctypes.CDLL(None).prctl(1, 15)  # ends with its parent
     space_a, name_a, space_b, name_b, ms = sys.argv[1:6]
     taps = open_tap(space_a, name_a), open_tap(space_b, name_b)
     delay = float(ms) / 1000

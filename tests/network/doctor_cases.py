@@ -8,14 +8,14 @@ from net_fleet import PROGRAMS, wait_until
 
 
 def findings(fleet, node, *peer):
-    """As a person asks who sits at that host."""
+    """The report for a person at that host."""
     command = fleet.lab.inside(node, PROGRAMS / "trb", "doctor", *peer, "--json", "--node", fleet.dir(node))
     done = subprocess.run(command, capture_output=True, text=True, timeout=60)
     return json.loads(done.stdout)["findings"]
 
 
 def expect(report, fleet, node, cause, subject, *peer):
-    """The doctor of `node` comes to name it, as a problem with a cure."""
+    """Waits until the doctor of `node` names it, as a problem with a cure."""
     seen = []
 
     def named():

@@ -20,7 +20,7 @@ def run(*words, check=True):
 
 
 def batch(lines):
-    """Many `ip` commands; those in a row that begin with "-n SPACE" for the same space go to one process."""
+    """Many `ip` commands; consecutive ones for the same "-n SPACE" go to one process."""
     for space, group in itertools.groupby(lines, lambda line: line.split()[1] if line.startswith("-n ") else ""):
         words = "\n".join(line.split(" ", 2)[2] if space else line for line in group) + "\n"
         done = subprocess.run(["ip", *(["-n", space] if space else []), "-batch", "-"], input=words, capture_output=True,
@@ -31,7 +31,7 @@ def batch(lines):
 
 @contextlib.contextmanager
 def neighbours_allowed(count):
-    """All namespaces share one bound on known neighbours (1024 by default); fifty hosts know 2450. Put back at the end."""
+    """All namespaces share one bound on known neighbours (1024 by default); fifty hosts know 2450. Restored later."""
     before = {}
     try:
         for family in ("ipv4", "ipv6"):
@@ -90,7 +90,7 @@ class Lab:
         return f"p-{host}"
 
     def inside(self, host, *words):
-        """The command line that runs a program as on that host."""
+        """The command line that runs a program on that host."""
         return ["ip", "netns", "exec", self.space(host), *map(str, words)]
 
     # ---- building
@@ -191,7 +191,7 @@ class Lab:
             run("ip", "netns", "exec", gate_space, "nft", *words.split())
         return gate
 
-    # ---- what goes wrong, and heals
+    # ---- faults, and their end
 
     def nft(self, words):
         return run("ip", "netns", "exec", self.switch, "nft", *words.split())
@@ -209,7 +209,7 @@ class Lab:
         batch([f"-n {self.switch} link set {self.port(host)} master br0" for host in self.hosts])
 
     def one_way_cut(self, host):
-        """What the host sends goes nowhere; it still hears the others."""
+        """What the host sends is lost; it still receives from the others."""
         self.nft(f"add rule bridge lab between iifname {self.port(host)} drop")
 
     def cut_between(self, one, other):
@@ -221,7 +221,7 @@ class Lab:
             self.nft(f"add rule bridge lab between {side} {self.port(host)} numgen random mod 100 < {percent} drop")
 
     def drop_large(self, host, size):
-        """A path with a smaller MTU that tells nobody: larger packets vanish, both ways."""
+        """A path with a smaller MTU that is not signalled: larger packets vanish, both ways."""
         for side in ("iifname", "oifname"):
             self.nft(f"add rule bridge lab between {side} {self.port(host)} meta length > {size} drop")
 
@@ -229,7 +229,7 @@ class Lab:
         self.nft("flush chain bridge lab between")
 
     def rename(self, host, old, new):
-        """An interface goes, or comes: for who looks for it by its name."""
+        """An interface goes, or comes, by its name."""
         batch([f"-n {self.space(host)} link set {old} down", f"-n {self.space(host)} link set {old} name {new}",
                f"-n {self.space(host)} link set {new} up"])
 

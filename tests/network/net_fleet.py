@@ -18,7 +18,7 @@ from witness import Witness  # noqa: E402
 
 PROGRAMS = pathlib.Path(os.environ.get("TRB_BIN_DIR", REPO / "build" / "dev" / "bin"))
 PORT = 45000
-WITHIN_S = 5.0  # every table is right so soon after the healing
+WITHIN_S = 5.0  # every table is right this long after the healing
 FAKE_TIME = "/usr/lib/x86_64-linux-gnu/faketime/libfaketime.so.1"
 
 
@@ -117,7 +117,7 @@ class NetFleet(trb_fleet.Fleet):
         return [n for n, r in self.routers.items() if r.poll() is not None or r.pid != self.kept_pids[n]]
 
     def boot(self, node):
-        """The number of its last start, as its router has written it down; what it was when it was stopped is not it."""
+        """The boot number of its last start, as its router has stored it; not the number from before it was stopped."""
         path = self.dir(node) / "state" / "boot"
         now = int(path.read_text()) if path.exists() else 0
         return now if now > self.boots_before.get(node, 0) else -1
@@ -125,7 +125,7 @@ class NetFleet(trb_fleet.Fleet):
     # ---- what is right
 
     def faults(self, since, via=None):
-        """What is wrong with the tables that were asked for after `since`; none: each knows each, by one link a pair."""
+        """The faults of the tables that were requested after `since`; none: each knows each, by one link per pair."""
         via = via or {}
         tables = self.witness.tables(since)
         out = [f"{n}: no table" for n in self.node_names if n not in tables]
@@ -157,7 +157,7 @@ class NetFleet(trb_fleet.Fleet):
         return []
 
     def wait_right(self, timeout, via=None, since=None):
-        """Seconds until every table is right and a message went along every pair; None if not in time."""
+        """Seconds until every table is right and a message arrived for every pair; None if not in time."""
         since = time.monotonic() if since is None else since
         pairs = self.witness.pairs
         self.progress = []
@@ -187,7 +187,7 @@ class NetFleet(trb_fleet.Fleet):
         return count
 
     def extra_connections(self, expected):
-        """How many connections there are beyond one a pair: 0 once what is dead was closed."""
+        """The number of connections beyond one per pair: 0 once dead ones are closed."""
         return sum(self.connections(n) - expected[n] for n in self.routers)
 
     def log_lines(self, node, count=12):
@@ -195,7 +195,7 @@ class NetFleet(trb_fleet.Fleet):
         return path.read_text(errors="replace").splitlines()[-count:] if path.exists() else []
 
     def note(self, node):
-        """What the service list says of the router."""
+        """The router's note in the service list."""
         return self.services(node)["router"].get("note", "")
 
     def doors(self, node):

@@ -27,7 +27,7 @@ def run_one(name, rounds, tag):
     try:
         if rounds:
             CASES[name][0](report, rounds)
-    except Exception as problem:  # a case that breaks must not take the others' figures with it
+    except Exception as problem:  # a failing case must not lose the others' figures
         report.fail(f"{type(problem).__name__}: {problem}")
     print("RESULT " + json.dumps(report.result()), flush=True)
     return 1 if report.faults else 0
@@ -43,7 +43,7 @@ class Job:
         self.rest, self.result = b"", None
 
     def pump(self):
-        """Passes the child's lines on; False once it has ended."""
+        """Prints the child's lines; False once it has ended."""
         alive = self.child.poll() is None
         self.rest += self.child.stdout.read() or b""
         *lines, self.rest = self.rest.split(b"\n")
@@ -55,7 +55,7 @@ class Job:
         return alive
 
 
-ALONE = ("fifty",)  # what would disturb the others' times, and they its own
+ALONE = ("fifty",)  # cases that would disturb the others' times, and they theirs
 
 
 def run_all(wanted, jobs):
@@ -99,7 +99,7 @@ def print_table(results):
 
 
 def what_is_missing():
-    """Why hosts cannot be built here, or nothing."""
+    """Why hosts cannot be built here; empty: they can."""
     if os.geteuid() != 0:
         return "needs root, for network namespaces; run it with sudo"
     for program in ("ip", "nft", "unshare"):
@@ -124,7 +124,7 @@ def main():
         for name, (function, rounds, _) in CASES.items():
             print(f"{name:12} {rounds:3} rounds  {(function.__doc__ or '').strip().splitlines()[0] if function.__doc__ else ''}")
         return 0
-    # Ended from outside, a case still takes its hosts down.
+    # A case that is ended from outside still removes its hosts.
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))
     if arguments.one:
         # Two runs on one machine must not meet: the tag is made of this process's number.

@@ -1,4 +1,4 @@
-"""Who sees what the fleet does: a service on each node's own bus that sends numbered messages to every other node and
+"""Observes the fleet: a service on each node's own bus that sends numbered messages to every other node and
 reads the routing table. It is this file's own client (tests/integration/wire.py and libzmq), not the middleware's code.
 
 A bus is a file, so one process sits on the buses of all hosts.
@@ -45,9 +45,10 @@ class Seat:
 
 
 class Witness(threading.Thread):
-    """Sends a numbered message along every ordered pair of `pairs(nodes)` each `every` seconds; asks each table as often.
+    """Sends a numbered message along every ordered pair of `pairs(nodes)` each `every` seconds; requests each table as
+    often.
 
-    duplicates, wrong: messages that came twice, or to a node that they were not for, or not from whom they named.
+    duplicates, wrong: messages that came twice, or to a wrong node, or from another than the named one.
     """
 
     def __init__(self, folders, every=0.25, pairs=None, ask_every=0.2):
@@ -143,10 +144,10 @@ class Witness(threading.Thread):
         sent = self.sent_at.pop((source, target, number), 0.0)
         self.last_sent_at[source, target] = max(sent, self.last_sent_at.get((source, target), 0.0))
 
-    # ---- asking, from another thread
+    # ---- for other threads
 
     def tables(self, since=0.0):
-        """node -> its table, of those that were asked for after `since`."""
+        """node -> its table, of those that were requested after `since`."""
         with self.lock:
             return {n: dict(s.table) for n, s in self.seats.items() if s.table_asked > since}
 

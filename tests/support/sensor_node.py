@@ -26,7 +26,7 @@ class HallFleet(support.RouterFleet):
 
 
 class SensorNode:
-    """One node: its router as everywhere, its sensor-bus in the hall. `case` is the test class or case that it ends with."""
+    """One node: its router as usual, its sensor-bus in the hall. `case` is the test class or case that it ends with."""
 
     def __init__(self, case, block, udp_port):
         add_cleanup = case.addClassCleanup if isinstance(case, type) else case.addCleanup
@@ -98,7 +98,7 @@ class SensorNode:
     # ---- the process
 
     def pid(self):
-        """Of the sensor-bus itself: nsenter has become it."""
+        """The pid of the sensor-bus itself: nsenter has executed it."""
         return self.bus.child.pid
 
     def figures(self):

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""What cannot be tried on this machine is said alike everywhere: a line "skipped: REASON" for each test, and exit code 77 if
-nothing of a program's tests could be tried, which ctest shows as Skipped.
+"""Every test reports what cannot be tried on this machine in the same way: a line "skipped: REASON" for each test, and
+exit code 77 if nothing of a program's tests could be tried, which ctest shows as Skipped.
 
   tests/support/skips.py build/dev ...    what ctest's last run in these folders has skipped, and why
 """
@@ -55,7 +55,7 @@ def skipped_in(folder):
 
 
 def lines(skipped):
-    """One for each test and reason; the stories of one test that share a reason are counted."""
+    """One for each test and reason; test cases of one test that share a reason are counted."""
     stories = {}
     for test, text in skipped:
         reason, _, story = text.partition(" [")

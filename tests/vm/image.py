@@ -1,4 +1,4 @@
-"""What the virtual machine starts from: Debian's kernel, and a file system with udevd, a dbus-daemon and a node."""
+"""What the virtual machine boots: Debian's kernel, and a file system with udevd, a dbus-daemon and a node."""
 import json
 import os
 import re
@@ -10,17 +10,17 @@ import support
 REPO = support.REPO
 STORE = REPO / "build/vm"
 NODE = "cloud"
-# Most of these udevd loads by itself when it meets the device.
+# udevd loads most of these by itself when the device appears.
 MODULES = ["xhci-pci", "usbserial", "ftdi_sio", "usbhid", "hid-generic", "evdev", "i2c-dev", "i2c-stub", "lm75", "vivid"]
 PROGRAMS = ["/lib/systemd/systemd-udevd", "/bin/udevadm", "/usr/bin/dbus-daemon", "/usr/sbin/i2cset"]
 GROUPS = ["root", "tty", "dialout", "kmem", "input", "video", "audio", "render", "sgx", "lp", "disk", "cdrom", "tape", "kvm", "plugdev"]
 BUS = """<busconfig><type>session</type><listen>unix:path=/run/bus</listen><auth>EXTERNAL</auth>
 <policy context="default"><allow send_destination="*"/><allow own="*"/><allow receive_sender="*"/></policy></busconfig>"""
-# QEMU's serial line stands for a converter that tells nothing of what hangs behind it: config/sensors/README.md.
+# QEMU's serial line acts as a converter that reports nothing of the device behind it: config/sensors/README.md.
 UDEV_RULES = """SUBSYSTEM=="tty", ENV{ID_SERIAL_SHORT}=="TH*", ENV{TRB_SENSOR}="line"
 SUBSYSTEM=="tty", ENV{ID_SERIAL_SHORT}=="GPS*", ENV{TRB_SENSOR}="gps"
 """
-# QEMU's USB keyboard plays a reader of tags; the machine's own keyboard (PS/2) is none, and stays one.
+# QEMU's USB keyboard plays a reader of tags; the machine's own keyboard (PS/2) stays a keyboard.
 TAGS = {"match": {"subsystem": "input", "sysname": "event*", "properties": {"ID_INPUT_KEYBOARD": "1", "ID_VENDOR_ID": "0627"}},
         "read": "keyboard", "identity": {"property": "ID_SERIAL_SHORT"}, "sensors": [{"kind": "tag"}]}
 # Orders come on the second serial line, each a number and a command; so do their answers.
@@ -67,7 +67,7 @@ def kernel():
         run("dpkg", "-x", next(half.glob("*.deb")), half / "kernel")
         version = next(half.glob("kernel/boot/vmlinuz-*")).name.removeprefix("vmlinuz-")
         run("/sbin/depmod", "-b", half / "kernel", version)
-        (half / "kernel").rename(STORE / "kernel")  # whole, or not there
+        (half / "kernel").rename(STORE / "kernel")  # complete, or not there
         shutil.rmtree(half)
     vmlinuz = next(STORE.glob("kernel/boot/vmlinuz-*"))
     return vmlinuz, vmlinuz.name.removeprefix("vmlinuz-")
@@ -125,12 +125,12 @@ def add_node(root, case):
 
 
 def make(folder, version, case):
-    """Writes the initramfs into the folder; what it needs meanwhile ends with `case`."""
+    """Writes the initramfs into the folder; its temporary files are removed with `case`."""
     root = Root(folder / "root")
     root.copy("/bin/busybox")
     for program in PROGRAMS:
         root.program(program, program if "systemd" in program else f"/bin/{os.path.basename(program)}")
-    root.program("/bin/kmod", "/sbin/modprobe")  # it is what it is called
+    root.program("/bin/kmod", "/sbin/modprobe")  # its name selects its function
     for name in MODULES:
         root.module(name, version)
     run("/sbin/depmod", "-b", root.path, version)

@@ -77,7 +77,7 @@ class Machine:
             pass
 
     def sh(self, order, timeout=60):
-        """What the order says in the machine's shell, and its exit code."""
+        """The output of the command in the machine's shell, and its exit code."""
         self.count += 1
         self.orders.socket.sendall(f"{self.count} {order}\n".encode())
         end = time.monotonic() + timeout
@@ -99,7 +99,7 @@ class Machine:
         gone = ("DEVICE_DELETED", name)
         self.monitor("device_del", id=name)
         end = time.monotonic() + 20
-        while gone not in self.events:  # only then its name is free
+        while gone not in self.events:  # its name is free only then
             if time.monotonic() > end:
                 raise TimeoutError(f"{name} cannot be unplugged")
             self.monitor("query-status")
@@ -119,7 +119,7 @@ class Machine:
 
 
 class UsbSerial:
-    """A device behind a serial line on USB that says its text again and again, as such devices do."""
+    """A device behind a serial line on USB that sends its text again and again, as such devices do."""
 
     def __init__(self, machine, name, serial, text):
         self.machine, self.name, self.text = machine, name, text
@@ -140,7 +140,7 @@ class UsbSerial:
             try:
                 self.line.send(self.text.encode() + b"\r\n")
             except BlockingIOError:
-                pass  # nobody reads it
+                pass  # not read
             except OSError:
                 return
 

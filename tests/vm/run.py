@@ -49,7 +49,7 @@ def check(holds, what):
 
 
 def identity(serial, sensor):
-    """As the sensor-bus tells it of a device behind QEMU's converter: who made it, and its serial number."""
+    """As the sensor-bus reports it for a device behind QEMU's converter: the maker and the serial number."""
     return f"0403:6001:{serial}/{sensor}"
 
 
@@ -60,17 +60,17 @@ def check_identity(there, serial="TH1"):
 class Story:
     def __init__(self, machine):
         self.machine = machine
-        self.times = []  # from a plug to a value that trb tells, in s
+        self.times = []  # from a plug to a value that trb shows, in s
         self.first = None
 
-    # ---- what the machine's trb says
+    # ---- output of the machine's trb
 
     def trb(self, words):
         said, code = self.machine.sh(f"trb {words} --node /node")
         return said, code
 
     def sensors(self):
-        """name: what is told of it; None: the node is not up yet."""
+        """name: its row; None: the node is not up yet."""
         said, code = self.trb("sensor list --json 2>/dev/null")
         return {each["name"]: each for each in json.loads(said)["sensors"]} if code == 0 else None
 
@@ -84,7 +84,7 @@ class Story:
                 raise TimeoutError(f"{what}: not within {timeout} s; there is {there}")
 
     def wait_ok(self, *names):
-        """Until exactly these sensors are there, and tell their values."""
+        """Waits until exactly these sensors are there, with values."""
         return self.wait(f"{names} are there and ok", lambda there: {n: s["state"] for n, s in there.items()} == dict.fromkeys(names, "ok"))
 
     def wait_gone(self):
@@ -311,7 +311,7 @@ def main():
     keep = "--keep" in sys.argv
     started = time.monotonic()
     for each in (signal.SIGTERM, signal.SIGHUP):
-        signal.signal(each, lambda *_: sys.exit(1))  # so that all is undone
+        signal.signal(each, lambda *_: sys.exit(1))  # so that all is cleaned up
     cleanups = Cleanups()
     folder = pathlib.Path(tempfile.mkdtemp(prefix="trb-vm-"))
     cleanups.addCleanup(*(print, f"left behind: {folder}") if keep else (shutil.rmtree, folder))

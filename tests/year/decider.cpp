@@ -19,7 +19,7 @@ void Decider::start() {
   });
 }
 
-/// As the database does: the newest word of each alert, 200 that are over, a decision until it is delivered.
+/// As the database does: the newest version of each alert, 200 that are over, a decision until it is delivered.
 void Decider::keep(const Outbox& out) {
   bool is_one_over = false;
   for (const Journal& one : out.journal) {

@@ -1,4 +1,4 @@
-// The resilience core of the cloud's node, as a guest of a fleet in memory.
+// The resilience core of the cloud's node, in a fleet in memory.
 #pragma once
 
 #include <map>
@@ -13,20 +13,20 @@ class Decider final : public scheduler::test::Guest {
  public:
   Decider(scheduler::test::Fleet& fleet, ResilienceSettings settings);
 
-  /// The process begins (again), with what its database held.
+  /// The process starts (again), with the contents of its database.
   void start();
-  /// Its own router tells of another node.
+  /// Its own router reports another node.
   void tell(Body word);
   /// The alerts that are open.
   std::vector<Alert> alerts();
-  /// A person's verdict on one; what was answered.
+  /// A person's verdict on an alert; returns the answer.
   Body decide(const AlertDecide& verdict);
 
   void on(const Inbound& message, Now now, Outbox& out) override;
   void tick(Now now, Outbox& out) override;
   [[nodiscard]] std::optional<MonotonicTime> next_deadline() const override;
 
-  std::size_t most_alerts = 0;  ///< that its database held at a time
+  std::size_t most_alerts = 0;  ///< the most that its database held at a time
 
  private:
   void keep(const Outbox& out);

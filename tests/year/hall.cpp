@@ -15,7 +15,7 @@ constexpr double kBetween_s = 26;  ///< 100,000 runs in 30 days
 constexpr double kLife_s = 24 * 3600;
 constexpr std::size_t kMostTold = 20;
 
-/// A policy that decides by itself, with hard minimums; a person does the rest.
+/// A policy that decides by itself, with hard minimums; a person decides the rest.
 ResilienceSettings policy() {
   ResilienceSettings out = default_resilience();
   out.policy.automatic = true;
@@ -107,7 +107,7 @@ Scenario Hall::scenario(const std::vector<std::string>& crew) {
     task.id = "t" + std::to_string(i);
     task.skill = dice_.chance(50) ? "grip" : "drive";
     task.robot = dice_.one_of(crew);
-    if (dice_.chance(3)) {  // whoever can
+    if (dice_.chance(3)) {  // any robot that can
       task.robot.clear();
       task.requires_ = {task.skill == "grip" ? "hands" : "wheels"};
     }
@@ -151,7 +151,7 @@ void Hall::submit() {
   }
 }
 
-/// Its services begin anew, a robot's mode-adapter among them in one case of two: what it did nobody knows then.
+/// A node's services restart, in one case of two a robot's mode-adapter too: then the outcome of its task is unknown.
 void Hall::restart(const std::string& node) {
   ++figures.restarts;
   if (!fleet_[node].up) return;
@@ -190,7 +190,7 @@ std::string Hall::what_differs(const RunView& view, const std::set<std::string>&
   return out;
 }
 
-/// Every five minutes somebody looks at what waits for a person.
+/// Every five minutes a person looks at what waits for one.
 void Hall::look() {
   if (fleet_["cloud"].up) {
     count_ended();
@@ -212,7 +212,7 @@ void Hall::look() {
   plan(seconds(300), [this] { look(); });
 }
 
-/// What makes no step for a quarter of an hour must say what it waits for.
+/// A run without progress for a quarter of an hour must show what it waits for.
 void Hall::look_at(const RunView& view, MonotonicTime now) {
   const bool runs = std::ranges::any_of(view.tasks, [](const TaskView& task) {
     return task.state == TaskState::running || task.state == TaskState::initializing;
@@ -228,8 +228,8 @@ void Hall::look_at(const RunView& view, MonotonicTime now) {
 
 void Hall::decide(const Alert& alert) {
   if (fleet_.now().utc.ns - alert.time < 300'000'000'000 || alert.run.empty()) return;
-  // Of a robot that cannot be reached nobody says that it stands: it may go on with what it has. Nor does anybody who
-  // cannot reach a single one.
+  // For a robot that cannot be reached no person states that it stands: it may go on with its tasks. Nor can a person
+  // who reaches no robot at all.
   if (fleet_["cloud"].cut) return;
   if (!alert.robot.empty() && (fleet_[alert.robot].cut || !fleet_[alert.robot].up)) return;
   const std::string held = fleet_.view("cloud", alert.run).paused_by;
@@ -247,7 +247,7 @@ void Hall::decide(const Alert& alert) {
   decider_.decide(word);
 }
 
-/// What is over leaves; nothing of it may be missing.
+/// Runs that are over are removed; none of their results may be missing.
 void Hall::count_ended() {
   for (auto at = open_.begin(); at != open_.end();) {
     const auto view = fleet_["cloud"].archive->view(at->first);

@@ -1,5 +1,5 @@
-// A hall of 20 robots that works a year, in virtual time: the real cores of schedulers and of the decider, and all that
-// goes wrong in a year.
+// A hall of 20 robots that works for a year, in virtual time: the real cores of schedulers and of the decider, and
+// everything that goes wrong in a year.
 #pragma once
 
 #include <cstdint>
@@ -14,24 +14,24 @@
 
 namespace trb::year {
 
-/// What has happened, for the table at the end.
+/// Counts of what has happened, for the table at the end.
 struct Figures {
   std::uint64_t runs = 0;
   std::uint64_t tasks = 0;
   std::uint64_t finished = 0;
   std::uint64_t aborted = 0;
   std::uint64_t expired = 0;
-  std::uint64_t failures = 0;  ///< attempts that a robot has not done
+  std::uint64_t failures = 0;  ///< attempts that a robot failed
   std::uint64_t faults = 0;    ///< CRITICAL ones
   std::uint64_t restarts = 0;
   std::uint64_t cuts = 0;
   std::uint64_t decisions = 0;
-  std::uint64_t words = 0;  ///< of persons
-  std::uint64_t twice = 0;  ///< tasks that were begun again after they were done, or attempts begun twice
+  std::uint64_t words = 0;  ///< verdicts of persons
+  std::uint64_t twice = 0;  ///< tasks begun again after they were done, or attempts begun twice
   std::uint64_t lost = 0;   ///< runs that ended without a result of every task
   std::uint64_t nameless = 0;
   std::size_t most_open = 0;
-  std::size_t most_journal = 0;  ///< records of one node
+  std::size_t most_journal = 0;  ///< the most records of one node
   std::size_t most_alerts = 0;
 };
 
@@ -41,16 +41,16 @@ class Hall {
 
   /// One more day of work.
   void day();
-  /// Nothing new comes; what is open is waited for.
+  /// Nothing new starts; open runs are waited for.
   void finish();
 
   Figures figures;
-  std::vector<std::string> errors;  ///< in words, the first ones
+  std::vector<std::string> errors;  ///< the first ones, as text
 
  private:
   struct Known {
     std::set<std::string> done;     ///< tasks that some robot has done
-    std::set<std::string> unknown;  ///< of which nobody knew whether they were done: a mode-adapter began anew
+    std::set<std::string> unknown;  ///< not known whether they were done: a mode-adapter restarted
     MonotonicTime submitted;
     std::size_t tasks = 0;
   };
@@ -74,7 +74,7 @@ class Hall {
   std::vector<std::string> robots_;
   std::multimap<std::int64_t, std::function<void()>> plans_;
   std::map<std::string, Known> open_;
-  std::map<std::string, MonotonicTime> silent_;  ///< runs that wait for nothing that is named
+  std::map<std::string, MonotonicTime> silent_;  ///< runs that wait without showing for what
   std::uint64_t count_ = 0;
   bool takes_work_ = true;
 };

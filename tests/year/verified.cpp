@@ -1,5 +1,5 @@
-// A signature is the same on each of the twenty computers of the hall, which are one here: it is made or checked once,
-// and known to the others. The linker puts these before libsodium's own (--wrap).
+// A signature is the same on each of the hall's twenty computers, which are one here: it is made or checked once, and
+// the others reuse that. The linker puts these functions before libsodium's own (--wrap).
 #include <array>
 #include <functional>
 #include <string>
@@ -14,7 +14,7 @@ std::string_view view(const unsigned char* at, std::size_t count) {
   return {reinterpret_cast<const char*>(at), count};
 }
 
-/// The newest good signatures, each with its key and text; what is not good is checked each time.
+/// The newest valid signatures, each with its key and text; invalid ones are checked each time.
 class Known {
  public:
   static Known& all() {
@@ -47,7 +47,7 @@ int __real_crypto_sign_detached(unsigned char* signature, unsigned long long* ma
 int __real_crypto_sign_verify_detached(const unsigned char* signature, const unsigned char* text,
                                        unsigned long long size, const unsigned char* key);
 
-/// libsodium keeps the public key behind the seed, in the secret one.
+/// libsodium stores the public key after the seed, in the secret key.
 int __wrap_crypto_sign_detached(unsigned char* signature, unsigned long long* made, const unsigned char* text,
                                 unsigned long long size, const unsigned char* secret) {
   const int answer = __real_crypto_sign_detached(signature, made, text, size, secret);

@@ -57,6 +57,6 @@ TEST_CASE("20 robots do 100,000 runs a month: nothing is lost, nothing done twic
   CHECK(is.finished + is.aborted + is.expired == is.runs);
   CHECK(is.most_open < 512);
   CHECK(is.most_alerts < 456);
-  // What is kept of runs that are over grows no journal.
+  // What is kept of runs that are over does not make the journal grow.
   if (days >= 10) CHECK(is.most_journal < 2 * journal_of_first_half);
 }

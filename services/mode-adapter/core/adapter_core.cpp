@@ -43,7 +43,7 @@ void ModeAdapterCore::on(const Inbound& message, Now now, Outbox& out) {
   settle(now, out);
 }
 
-/// A user's own word, or an answer.
+/// A user's own message, or an answer.
 void ModeAdapterCore::on_other(const Inbound& message, Now now, Outbox& out) {
   visit(Overloaded{[&](const Opaque& body) { messages_.on_message(message, body, now, out); },
                    [&](const Nack& nack) { messages_.on_nack(message, nack, now, out); }, [&](const Ack&) {},
@@ -61,7 +61,7 @@ void ModeAdapterCore::on_bridge(const Inbound& message, const Heard& heard, Now 
 }
 
 void ModeAdapterCore::tick(Now now, Outbox& out) {
-  // Before the modes: a stop's answer says what was known at its deadline.
+  // Before the modes: a stop's answer shows what was known at its deadline.
   stops_.tick(now, out);
   faults_.save(now, out);
   robot_.for_each([&](Driver& mode) { mode.tick(now, robot_.to(mode, out)); });
@@ -117,7 +117,7 @@ Condition ModeAdapterCore::condition() const {
 }
 
 void ModeAdapterCore::settle(Now now, Outbox& out) {
-  // What an event leads to may add events of its own.
+  // An event may cause further events.
   while (const auto from = robot_.next_event()) on_event(*from->mode, from->event, now, out);
   control_.refresh(desk_.busy(), now);
   status_.publish(condition(), out);

@@ -1,5 +1,4 @@
-// The mode-adapter's core: messages to the robot and back, skills, stop and release. README.md says what it hears and
-// says.
+// The mode-adapter's core: messages to the robot and back, skills, stop and release. README.md lists its messages.
 #pragma once
 
 #include "common/actor/core.hpp"
@@ -27,14 +26,15 @@ class ModeAdapterCore : public Core {
   void tick(Now now, Outbox& out) override;
   [[nodiscard]] std::optional<MonotonicTime> next_deadline() const override;
 
-  // What io hears of the robot. A channel that the core has closed itself is down at once: io does not say so again.
+  // Events of the robot's connections. A channel that the core has closed itself is down at once: io does not report
+  // it.
   void on_channel_up(Channel channel, Now now, Outbox& out);
   void on_channel_down(Channel channel, const std::string& reason, Now now, Outbox& out);
   void on_bytes(Channel channel, BytesView bytes, Now now, Outbox& out);
-  /// The process ends.
+  /// The process is about to end.
   void leave(Now now, Outbox& out);
 
-  /// True while no skill runs, so that the process may be replaced.
+  /// True while no skill runs: the process may be replaced then.
   [[nodiscard]] bool idle() const { return !desk_.busy(); }
 
  private:
@@ -44,7 +44,7 @@ class ModeAdapterCore : public Core {
   void on_bridge(const Inbound& message, const Heard& heard, Now now, Outbox& out);
   [[nodiscard]] Condition condition() const;
 
-  // what the modes tell: to whom it goes
+  // handles the drivers' events
   void settle(Now now, Outbox& out);
   void on_event(Driver& mode, const DriverEvent& event, Now now, Outbox& out);
   void on_progress(Token token, const char* state, Now now, Outbox& out);

@@ -1,4 +1,4 @@
-// The control lease: of all who send commands to a robot, one at a time is listened to.
+// The control lease: of all that send commands to a robot, only one at a time may.
 #pragma once
 
 #include <optional>
@@ -9,12 +9,13 @@
 
 namespace trb::adapter {
 
-/// Who commands: the runs of the robot's own scheduler, or the persons and services (and the robot) of one node.
+/// The commanding party: the runs of the robot's own scheduler, or the persons and services (and the robot) of one
+/// node.
 struct Holder {
   enum class Kind : std::uint8_t { person = 0, run } kind{};
-  std::string name;  ///< person: the node's id, proven by the link; run: the run's id, for the reader alone
+  std::string name;  ///< person: the node's id, proven by the link; run: the run's id, for display only
 
-  /// Two runs of one scheduler are one holder: which goes first is the scheduler's business.
+  /// Two runs of one scheduler are one holder: their order is the scheduler's business.
   [[nodiscard]] bool same(const Holder& other) const {
     return kind == other.kind && (kind == Kind::run || name == other.name);
   }
@@ -25,19 +26,18 @@ struct Holder {
 /// event                | free        | held by the same      | held by another
 /// ---------------------|-------------|-----------------------|---------------------------------------------
 /// command              | held        | held, 10 s from now   | refused: control_held
-/// command with `take`  | held        | held, 10 s from now   | held by the new one; what runs runs on
-/// 10 s without command | -           | free, unless what it has begun still runs
-/// stop, release, requests, information: no matter who holds it, and it changes nothing
+/// command with `take`  | held        | held, 10 s from now   | held by the new one; what runs goes on
+/// 10 s without command | -           | free, unless a command of it still runs
+/// stop, release, requests, information: allowed whoever holds the lease; they do not change it
 class ControlLease {
  public:
   static constexpr Duration kHold = std::chrono::seconds(10);
 
-  /// Why a command of `by` is not taken now, if it is not. Error: control_held, naming the holder, since when, and the
-  /// hint.
+  /// Why a command of `by` is refused now, if it is. Error: control_held, naming the holder, since when, and a hint.
   [[nodiscard]] std::optional<Error> refusal(const Holder& by, const std::string& robot, Now now) const;
-  /// A command of `by` is taken. Returns the one that it was taken over from, if there was one.
+  /// A command of `by` is accepted. Returns the previous holder if the lease was taken over.
   std::optional<Holder> take(Holder by, Now now);
-  /// Whether what the holder has begun still runs; frees the lease when it is over.
+  /// `running`: does a command of the holder still run? Frees the lease when its time is over.
   void refresh(bool running, Now now);
 
   [[nodiscard]] const std::optional<Holder>& holder() const { return holder_; }

@@ -1,4 +1,4 @@
-// The core speaks to its robot by drivers: their words are its own.
+// The core controls its robot through drivers, which know the robot's words.
 #pragma once
 
 #include "common/drivers/driver.hpp"

@@ -7,7 +7,7 @@
 namespace trb::adapter {
 namespace {
 
-/// As a virtual robot reads it: one line.
+/// As a virtual robot reads it: a single line.
 std::string line_of(const InjectFault& order) {
   if (order.capability.empty()) return "clear";
   std::string line = "fault " + order.capability + " " + std::string(name_of(order.severity)) + " ";

@@ -1,4 +1,4 @@
-// Faults by word: a virtual robot is told to fail. A real one never is.
+// Fault injection: orders a virtual robot to fail. A real robot never gets such an order.
 #pragma once
 
 #include <utility>
@@ -11,7 +11,7 @@ namespace trb::adapter {
 
 class FaultInjection {
  public:
-  /// `inject`: hands a line to the virtual robot; empty: there is none.
+  /// `inject`: sends a line to the virtual robot; empty: the robot is real.
   FaultInjection(const Settings& settings, InjectLine inject) : settings_(settings), inject_(std::move(inject)) {}
 
   void on_inject(const Inbound& message, const InjectFault& order, Outbox& out) const;

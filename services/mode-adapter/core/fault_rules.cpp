@@ -12,14 +12,14 @@ constexpr std::size_t kMaxOwnText = 600;
 
 enum class Judgment : std::uint8_t { met, neither, over };
 
-/// What the robot says in words; nothing for a number, a list and the like.
+/// The value as text; nothing for a number, a list and the like.
 std::optional<std::string> words_of(const RobotValue& value) {
   const auto json = parse_json(value.json);
   if (!json || !json->is_text()) return std::nullopt;
   return cut_utf8(json->text(), kMaxOwnText);
 }
 
-/// Of several numbers one is enough to begin, and all have to come back.
+/// Of several numbers one is enough to begin; for the end all have to be back.
 Judgment judge_limit(const FaultRule& rule, const std::vector<double>& numbers) {
   const bool below = rule.when == FaultWhen::below;
   const auto met = [&](double number) { return below ? number < rule.limit : number > rule.limit; };

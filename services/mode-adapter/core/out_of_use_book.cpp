@@ -7,7 +7,7 @@ namespace {
 
 constexpr Duration kSaveAgain = std::chrono::seconds(1);
 
-/// Of several faults of one capability: the worst, with the newest words, since the first.
+/// Merges several faults of one capability: the worst, with the newest words, since the first.
 void join(OutOfUse& shown, const OutOfUse& more) {
   const bool words = more.severity > shown.severity || (more.severity == shown.severity && more.since >= shown.since);
   if (words) {
@@ -36,7 +36,7 @@ Status OutOfUseBook::add(Kept line, Now now, Outbox& out) {
   const bool other_words = kept.what.text != line.what.text || kept.what.by != line.what.by;
   if (!is_new) line.what.since = kept.what.since;
   kept = std::move(line);
-  // A robot that says the same in other words again and again shall not wear out the disk.
+  // A robot that reports the same in changing words must not wear out the disk.
   if (other || (other_words && kept.what.retired)) return save(now, out);
   if (other_words && !save_at_) save_at_ = now.mono + kSaveAgain;
   return Done{};
@@ -47,7 +47,7 @@ std::optional<OutOfUse> OutOfUseBook::end(const std::string& cause, Now now, Out
   if (found == lines_.end()) return std::nullopt;
   OutOfUse ended = std::move(found->second.what);
   lines_.erase(found);
-  (void)save(now, out);  // a line that comes back with a restart is ended again by the robot's first word
+  (void)save(now, out);  // if a restart restores the line, the robot's first report ends it again
   return ended;
 }
 
@@ -105,7 +105,7 @@ Status OutOfUseBook::save(Now now, Outbox& out) {
   return saved;
 }
 
-/// The disk first: what a person has been told to be in use stays so.
+/// The disk first: what a person was told to be in use must stay in use.
 Status OutOfUseBook::save_without(Lines left) {
   std::vector<Kept> lines;
   for (const auto& [cause, line] : left) lines.push_back(line);

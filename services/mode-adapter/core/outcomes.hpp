@@ -1,4 +1,4 @@
-// How attempts have ended: kept until the scheduler has journaled them, remembered after that as long as there is room.
+// The outcomes of attempts: kept until the scheduler has journaled them, then as long as there is room.
 #pragma once
 
 #include <map>
@@ -13,12 +13,12 @@ class Outcomes {
  public:
   [[nodiscard]] const Outcome* find(const AttemptKey& key) const;
 
-  /// Makes room for one more by forgetting the oldest acknowledged one. False: all are still waiting to be journaled.
+  /// Makes room for one more by removing the oldest acknowledged one. False: all still wait to be journaled.
   bool make_room();
   void add(Outcome outcome, Now now);
   void acknowledge(const AttemptKey& key);
 
-  /// Calls `send` for every outcome that has waited a second since it was last told.
+  /// Calls `send` for every outcome that was last sent a second ago or more.
   template <class Send>
   void resend(Now now, Send send) {
     if (!resend_at_ || now.mono < *resend_at_) return;

@@ -1,4 +1,4 @@
-// Who waits for an answer about a message that is on its way to the robot, or at it.
+// Which senders wait for an answer to a message that is on its way to the robot, or at it.
 #pragma once
 
 #include <map>
@@ -24,7 +24,7 @@ class PendingRequests {
   [[nodiscard]] std::size_t size() const { return waiting_.size(); }
   void add(Token token, const Inbound& message, Driver& mode, Now now);
   std::optional<Inbound> take(Token token);
-  /// The oldest request for that subtype from there.
+  /// The oldest request of that subtype from that source.
   std::optional<Inbound> take_answered(std::string_view subtype, std::string_view source);
   std::optional<std::pair<Token, PendingRequest>> take_expired(Now now);
   std::optional<Inbound> take_any_of(const Driver* mode);
@@ -34,7 +34,7 @@ class PendingRequests {
   PendingRequest erase(std::map<Token, PendingRequest>::iterator at);
 
   std::map<Token, PendingRequest> waiting_;
-  std::set<std::pair<MonotonicTime, Token>> deadlines_;  ///< asked for at every turn of the loop
+  std::set<std::pair<MonotonicTime, Token>> deadlines_;  ///< read at every turn of the loop
 };
 
 }  // namespace trb::adapter

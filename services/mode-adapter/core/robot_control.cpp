@@ -10,7 +10,7 @@ std::optional<Error> RobotControl::barred(const Holder& by, bool take, Now now) 
 void RobotControl::take(const Holder& by, Now now, Outbox& out) {
   const auto former = lease_.take(by, now);
   if (!former) return;
-  commanded_ = {};  // what the former one began keeps nobody's lease alive
+  commanded_ = {};  // a command of the former holder keeps no lease alive
   out.count("control.taken_over");
   out.log(LogLevel::warning, "control_taken_over", "by '" + by.text() + "' from '" + former->text() + "'");
 }

@@ -1,4 +1,4 @@
-// Who may command the robot now: nobody while it is fenced, else whoever has the lease or takes it.
+// Who may command the robot now: nobody while it is fenced, else the holder of the lease or whoever takes it over.
 #pragma once
 
 #include "common/actor/outbox.hpp"
@@ -13,13 +13,13 @@ class RobotControl {
   /// `robot`: the node's id, for the hints. `stops` outlives it.
   RobotControl(const StopControl& stops, std::string robot) : stops_(stops), robot_(std::move(robot)) {}
 
-  /// Why a command of `by` is not taken. Errors: fenced; control_held, unless it takes the control over.
+  /// Why a command of `by` is refused. Errors: fenced; control_held, unless it takes the control over.
   [[nodiscard]] std::optional<Error> barred(const Holder& by, bool take, Now now) const;
-  /// A command of `by` is taken. A takeover is counted and logged.
+  /// A command of `by` is accepted. A takeover is counted and logged.
   void take(const Holder& by, Now now, Outbox& out);
-  /// What the last command of a person has begun: its lease lasts while that runs.
+  /// The last command of a person has started something: its lease lasts while that runs.
   void began(const Driver& mode, Token token) { commanded_ = {&mode, token}; }
-  /// Frees the lease when what its holder has begun is over. `skill_runs`: a task of a run's does.
+  /// Frees the lease when its holder's command is over. `skill_runs`: a task of a run is under way.
   void refresh(bool skill_runs, Now now);
 
   [[nodiscard]] const std::optional<Holder>& holder() const { return lease_.holder(); }

@@ -66,7 +66,7 @@ void RobotFaults::on_fault(const FaultSaid& fault, Now now, Outbox& out) {
   }
 }
 
-/// One that names none is of all.
+/// The capabilities concerned; without a name all of them.
 std::vector<std::string> RobotFaults::concerned(const std::string& capability) const {
   return capability.empty() ? robot_.settings.description.capabilities : std::vector{capability};
 }
@@ -74,7 +74,7 @@ std::vector<std::string> RobotFaults::concerned(const std::string& capability) c
 void RobotFaults::keep(const FaultSaid& fault, Now now, Outbox& out) {
   if (!knows_capability(fault.capability)) return;
   if (fault.severity < Severity::critical) {
-    // The same cause, and it has become milder.
+    // The same cause has become milder.
     if (!fault.cause.empty()) on_over(FaultOver{fault.cause}, now, out);
     return;
   }
@@ -170,7 +170,7 @@ std::optional<Error> RobotFaults::refusal(const Execute& order) const {
     return fail(Errc::out_of_use, "the robot is retired by " + kept->by + ": " + kept->text,
                 "trb robot return " + robot_.settings.id);
   }
-  // One that is not told yet, because it began again a moment after its end, counts as well.
+  // A fault that is not reported yet, because it began again soon after its end, counts as well.
   const FaultSaid* standing = skill == nullptr ? nullptr : rules_.standing(capability);
   if (kept == nullptr && standing == nullptr) return std::nullopt;
   return fail(Errc::out_of_use,

@@ -1,4 +1,4 @@
-// The robot's faults, and what keeps it out of use: by its own word and values, by persons, by the node's services.
+// The robot's faults, and what keeps it out of use: as reported by itself, its values, persons and the node's services.
 #pragma once
 
 #include <optional>
@@ -16,27 +16,27 @@ class RobotFaults {
  public:
   RobotFaults(RobotSide& robot, SkillDesk& desk, PersistOutOfUse keep);
 
-  // ---- what the robot says
+  // ---- reports of the robot
   void on_fault(const FaultSaid& fault, Now now, Outbox& out);
   void on_over(const FaultOver& over, Now now, Outbox& out);
-  /// The description's rules, of all values that the driver has.
+  /// Applies the description's rules to all values of the driver.
   void on_values(const Driver& mode, Now now, Outbox& out);
   void on_value(std::string_view name, const RobotValue& value, Now now, Outbox& out);
-  /// The connection is lost: what it says anew counts anew.
+  /// The connection is lost: new values are judged anew.
   void on_link_down() { rules_.forget_standing(); }
 
-  // ---- what persons and services say
+  // ---- orders of persons and services
   void on_take_out(const Inbound& message, const TakeOutOfUse& order, Now now, Outbox& out);
   void on_take_in(const Inbound& message, const TakeIntoUse& order, Outbox& out);
 
-  /// Why the skill cannot be begun; nothing: its capability is in use.
+  /// Why the skill cannot begin; nothing: its capability is in use.
   [[nodiscard]] std::optional<Error> refusal(const Execute& order) const;
-  /// As the profile tells it.
+  /// As in the profile.
   [[nodiscard]] const std::vector<OutOfUse>& shown() const { return book_.shown(); }
 
-  /// Writes what the disk has not taken yet.
+  /// Writes what is not on disk yet.
   void save(Now now, Outbox& out) { book_.tick(now, out); }
-  /// Tells the faults whose time has come.
+  /// Reports the faults whose time has come.
   void tick(Now now, Outbox& out);
   [[nodiscard]] std::optional<MonotonicTime> next_deadline() const;
 

@@ -1,4 +1,4 @@
-// What the fleet is told of the robot's values: RobotState.
+// The robot's values that the fleet receives: RobotState.
 #pragma once
 
 #include "common/actor/outbox.hpp"
@@ -6,8 +6,8 @@
 
 namespace trb::adapter {
 
-/// A change of any named value is told with all the others, once a second at most; a list (joints, a pose) changes with
-/// every motion and is told with the next change of another.
+/// When a named value changes, all are sent, once a second at most; a list (joints, a pose) changes with every motion,
+/// and is only sent with the next change of another value.
 class RobotSensors {
  public:
   explicit RobotSensors(const std::vector<std::string>& names);
@@ -17,7 +17,7 @@ class RobotSensors {
   [[nodiscard]] std::optional<MonotonicTime> next_deadline() const;
 
  private:
-  std::vector<RobotValueTold> values_;  ///< without a value: not heard of yet
+  std::vector<RobotValueTold> values_;  ///< without a value: not received yet
   bool changed_ = false;
   MonotonicTime not_before_;
 };

@@ -1,4 +1,4 @@
-// The core's way to its robot: the modes, which of them takes what, and the tokens that name what is under way.
+// The core's access to its robot: the modes, which of them handles which message, and the tokens of messages under way.
 #pragma once
 
 #include <memory>
@@ -18,18 +18,18 @@ class RobotSide {
 
   const Settings settings;
 
-  /// The mode whose connection is the robot's.
+  /// The mode whose connection counts as the robot's.
   [[nodiscard]] Driver& primary() { return native_ ? *native_ : field_; }
   [[nodiscard]] Driver& field() { return field_; }
-  /// The robot's own mode (direct, ros) if it has words for that, else the interpreter.
+  /// The robot's own mode (direct, ros) if it has words for the message, else the interpreter.
   [[nodiscard]] Driver& mode_for(MessageType type, std::string_view subtype) {
     return native_ && native_->knows(type, subtype) ? *native_ : field_;
   }
-  /// Direct or ros: not by fields.
+  /// Is it direct or ros, and not by fields?
   [[nodiscard]] bool is_native(const Driver& mode) const { return &mode == native_.get(); }
 
   [[nodiscard]] DriverOut to(Driver& mode, Outbox& out) { return {&mode, out, events_}; }
-  /// What the modes have told, in order; none: that was all.
+  /// The next event of the modes, in order; none: there are no more.
   std::optional<EventFrom> next_event() {
     if (taken_ < events_.size()) return std::move(events_[taken_++]);
     events_.clear();

@@ -1,4 +1,4 @@
-// What the node and the fleet are told of the robot: at the welcome and at each change.
+// What the node and the fleet receive about the robot: at the welcome and at each change.
 #pragma once
 
 #include "common/actor/outbox.hpp"
@@ -6,7 +6,7 @@
 
 namespace trb::adapter {
 
-/// What of the robot's state others than its connection make.
+/// The parts of the robot's state that do not come from its connection.
 struct Condition {
   bool fenced = false;
   bool busy = false;
@@ -22,13 +22,13 @@ class RobotStatus {
 
   void on_up();
   void on_down(const std::string& reason);
-  /// Why a first contact does not come about.
+  /// Why the first connection fails.
   void on_no_contact(const std::string& reason);
 
   [[nodiscard]] AdapterState state(const Condition& condition) const;
-  /// Everything, as to somebody who knows nothing yet.
+  /// Sends everything, as at the first start.
   void welcome(const Condition& condition, Outbox& out);
-  /// What has changed since it was last told.
+  /// Sends what has changed since the last call.
   void publish(const Condition& condition, Outbox& out);
 
  private:
@@ -43,8 +43,8 @@ class RobotStatus {
   [[nodiscard]] std::string connection_name() const;
 
   const Settings& settings_;
-  NodeProfile profile_;           ///< what does not change
-  std::vector<SkillUse> skills_;  ///< nor does this
+  NodeProfile profile_;           ///< the constant part
+  std::vector<SkillUse> skills_;  ///< constant, too
   Connection connection_ = Connection::offline;
   std::string detail_ = "no contact yet";
   bool detail_changed_ = false;

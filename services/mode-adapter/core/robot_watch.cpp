@@ -6,7 +6,7 @@
 namespace trb::adapter {
 namespace {
 
-/// What a robot tells in fields is JSON, or words that become a text of it.
+/// A value in fields is JSON, or words, which become a JSON text.
 RobotValue value_in_fields(BytesView data, Now now) {
   const auto json = parse_json(data);
   return {read_numbers(data).value_or(std::vector<double>()),

@@ -1,4 +1,4 @@
-// The robot's values, watched: the faults and the sensors that the description makes of them.
+// Watches the robot's values for the faults and sensors that the description derives from them.
 #pragma once
 
 #include "services/mode-adapter/core/robot_faults.hpp"
@@ -13,7 +13,7 @@ class RobotWatch {
 
   /// The driver has new values.
   void on_values(const Driver& mode, Now now, Outbox& out);
-  /// The robot has told its node a value in fields.
+  /// The robot has sent its node a value in fields.
   void on_field(const Said& said, Now now, Outbox& out);
   void tick(Now now, Outbox& out);
   [[nodiscard]] std::optional<MonotonicTime> next_deadline() const;

@@ -1,4 +1,4 @@
-// What the adapter's core is told once, at its start.
+// The configuration of the adapter's core.
 #pragma once
 
 #include <functional>
@@ -19,11 +19,11 @@ struct Settings : DriverSettings {
   std::vector<Kept> out_of_use{};  ///< as the last process left it
 };
 
-/// Keeps the fence over a restart. A port and no journal record, because a robot must be told to stop even if the disk
-/// is full: the core tells the robot first, then calls this, then answers.
+/// Keeps the fence over a restart. A port and not a journal record, because a robot must be stopped even if the disk is
+/// full: the core stops the robot first, then calls this, then answers.
 using PersistFence = std::function<Status(bool fenced)>;
 
-/// Gives a line to the control port of a virtual robot; none: the robot is real, or nobody has said that it is not.
+/// Sends a line to the control port of a virtual robot; none: the robot is real, or not configured as virtual.
 using InjectLine = std::function<Status(const std::string& line)>;
 
 }  // namespace trb::adapter

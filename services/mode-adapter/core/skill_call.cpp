@@ -9,7 +9,7 @@
 namespace trb::adapter {
 namespace {
 
-/// The hall's pose as the robot sees it: from its origin, in its direction, in its units.
+/// Converts a pose in the hall to the robot's frame: its origin, direction and units.
 Pose in_robot_frame(const Pose& hall, const RobotFrame& frame) {
   const double east = hall.x - frame.origin.x;
   const double north = hall.y - frame.origin.y;
@@ -20,7 +20,7 @@ Pose in_robot_frame(const Pose& hall, const RobotFrame& frame) {
           (hall.z - frame.origin.z) * frame.length, yaw * frame.angle};
 }
 
-/// Vendor units for one SI unit: metres and what is per metre, radians alike; others are the same everywhere.
+/// Vendor units per SI unit: for metres and units per metre, radians alike; other units are the same everywhere.
 double factor_of(const std::string& unit, const RobotFrame& frame) {
   if (unit == "m" || unit.starts_with("m/")) return frame.length;
   if (unit == "rad" || unit.starts_with("rad/")) return frame.angle;
@@ -80,7 +80,7 @@ class Filler {
     return out;
   }
 
-  /// Places are checked even if the data names no coordinate of them: nobody is sent to nowhere.
+  /// Places are checked even if the data uses no coordinate of them: no robot must be sent to an unknown place.
   [[nodiscard]] Status check_places() const {
     for (const Parameter& parameter : skill_.parameters) {
       const auto argument = arguments_.find(parameter.name);

@@ -19,8 +19,8 @@ struct SkillCall {
   std::vector<double> target;  ///< for an end by position: where to, in the robot's frame and units
 };
 
-/// `parameters` is a JSON object, or empty. Parameters are checked, places and SI units turned into the robot's own.
-/// Errors: malformed, missing, unknown_key, bad_value, unknown_place; each names the parameter.
+/// `parameters` is a JSON object, or empty. Parameters are checked; places and SI units are converted to the robot's
+/// own. Errors: malformed, missing, unknown_key, bad_value, unknown_place; each names the parameter.
 Result<SkillCall> render_call(const Skill& skill, std::string_view parameters, const Description& description,
                               const Places& places, CallStyle style);
 

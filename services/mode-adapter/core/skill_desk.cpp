@@ -12,10 +12,10 @@ namespace {
 
 constexpr std::size_t kMaxReason = 1024;
 constexpr std::size_t kMaxData = 65536;
-// Under which a robot tells where it is; an arm may tell its joints instead.
+// The name under which a robot sends its position; an arm may send its joints instead.
 constexpr std::string_view kPosition = "position";
 constexpr std::string_view kJoints = "joints";
-/// A monitor's state that is read this long after the command's start is certainly younger than it.
+/// A monitor's state that is read this long after the command's start certainly belongs to it.
 constexpr Duration kStatePeriod = std::chrono::milliseconds(100);
 
 /// The robot's result as JSON text.
@@ -24,13 +24,13 @@ std::string as_json(const std::string& text) {
   return dump_json(Value{text});
 }
 
-/// Refusals after which the attempt is still to be made; after any other it has failed.
+/// Refusals after which the attempt can still be made; after any other it has failed.
 bool may_be_tried_again(Errc code) {
   return code == Errc::busy || code == Errc::queue_full || code == Errc::robot_offline ||
          code == Errc::no_field_channel;
 }
 
-/// Nobody tells that the robot will not end it: that it does is seen by its place, or its state, alone.
+/// Would no event report that the robot cannot finish? Then only its position or state shows the end.
 bool ends_unseen(const SkillEnd& end) {
   return end.kind != EndKind::acknowledgement && !end.fails_at;
 }
@@ -155,7 +155,7 @@ void SkillDesk::on_under_way(Now now) {
 
 void SkillDesk::on_ended(const Ended& ended, Now now, Outbox& out) {
   if (!ended.well) return end(TaskOutcome::failed, ended.text, {}, now, out);
-  // A robot's `done` is taken as the end only where the description says so: "arrived" may come before the position.
+  // A robot's `done` counts as the end only where the description says so: "arrived" may come before the position.
   if (running_->skill->end.kind == EndKind::acknowledgement) {
     end(TaskOutcome::finished, {}, as_json(ended.text), now, out);
   }

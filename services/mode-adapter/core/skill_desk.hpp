@@ -1,4 +1,4 @@
-// The scheduler's side: one skill at a time is carried out, and every attempt has one outcome.
+// The scheduler's side: carries out one skill at a time; every attempt has one outcome.
 #pragma once
 
 #include "services/mode-adapter/core/outcomes.hpp"
@@ -6,7 +6,7 @@
 
 namespace trb::adapter {
 
-/// asked            | unknown attempt                     | running            | ended
+/// message          | unknown attempt                     | running            | ended
 /// -----------------|-------------------------------------|--------------------|--------
 /// Execute          | begins; Nack; or failed at once     | "running"          | its Outcome
 /// CancelExecution  | failed, so that it never begins     | halted, failed     | its Outcome
@@ -24,15 +24,15 @@ class SkillDesk {
   [[nodiscard]] bool busy() const { return running_.has_value(); }
   [[nodiscard]] bool owns(Token token) const { return running_ && running_->token == token; }
 
-  /// The robot has the command.
+  /// The robot has received the command.
   void on_under_way(Now now);
   void on_ended(const Ended& ended, Now now, Outbox& out);
   void on_refused(const Error& error, Now now, Outbox& out);
   void on_values(const Driver* mode, Now now, Outbox& out);
-  /// Information that the robot has told its own node may be the state or position that ends a skill.
+  /// Information from the robot to its own node may be the state or position that ends a skill.
   void on_information(const Driver* mode, std::string_view subtype, BytesView data, Now now, Outbox& out);
-  /// A fault that takes the running skill's capability: if nobody would tell that the skill has ended of it, it is
-  /// halted and has failed.
+  /// A fault that takes the running skill's capability away: if no other event would end the skill, it is halted and
+  /// has failed.
   void on_fault(std::string_view capability, Severity severity, const std::string& text, Now now, Outbox& out);
   void on_link_down(const Driver* mode, const std::string& reason, Now now, Outbox& out);
   void interrupt(const std::string& reason, Now now, Outbox& out);

@@ -7,7 +7,7 @@
 
 namespace trb::adapter {
 
-/// A stop goes to the robot first, then to the disk, then is answered; a release goes to the disk first.
+/// A stop goes to the robot first, then to the disk, then it is answered; a release goes to the disk first.
 class StopControl {
  public:
   StopControl(RobotSide& robot, PersistFence persist);
@@ -18,7 +18,7 @@ class StopControl {
 
   void on_stopped(const Driver* mode, const Stopped& stopped, Outbox& out);
   void on_released(const Driver* mode, const Released& released, Outbox& out);
-  /// A robot that comes back is told again what it may have missed.
+  /// A robot that reconnects gets again what it may have missed.
   void on_link_up(Driver& mode, Now now, Outbox& out);
 
   void tick(Now now, Outbox& out);
@@ -35,7 +35,7 @@ class StopControl {
     bool release = false;
     MonotonicTime deadline;
     std::vector<Told> told;
-    std::optional<Error> refused;  ///< the robot cannot be told
+    std::optional<Error> refused;  ///< the robot cannot be reached
     bool by_robot = true;
   };
 

@@ -1,4 +1,4 @@
-// Requests that go on: who is told a value of the robot's again and again, as information of the request's subtype.
+// Streams: requesters that get a value of the robot's again and again, as information of the request's subtype.
 #pragma once
 
 #include <functional>
@@ -11,10 +11,10 @@
 
 namespace trb::adapter {
 
-/// What a request's data asks for besides its answer: `{"stream_s": 10, "every_s": 0.5}`.
+/// The stream that a request's data asks for besides its answer: `{"stream_s": 10, "every_s": 0.5}`.
 struct StreamOrder {
-  double for_s = 0;    ///< 0: a stream that goes on is ended
-  double every_s = 0;  ///< at most so often
+  double for_s = 0;    ///< 0: ends a running stream
+  double every_s = 0;  ///< the shortest time between two messages
 };
 
 /// None if the data asks for no stream. Errors: bad_value, naming the key.
@@ -22,13 +22,13 @@ Result<std::optional<StreamOrder>> read_stream_order(BytesView data);
 
 class Streams {
  public:
-  /// One for each requester and subtype: asked for again, it is renewed. Errors: queue_full.
+  /// One for each requester and subtype: a repeated request renews it. Errors: queue_full.
   Status add(std::string_view subtype, std::string_view source, Driver& mode, const StreamOrder& order, Now now);
 
-  /// Tells what that mode has heard since each was told last.
+  /// Sends each stream the values that the mode has received since the stream's last one.
   void on_values(Driver& mode, Now now, Outbox& out);
   void on_link_down(const Driver& mode);
-  /// The subtypes that nobody is told any more since the last call.
+  /// The subtypes whose last stream has ended since the last call.
   std::vector<std::string> take_ended(Now now);
   [[nodiscard]] std::optional<MonotonicTime> next_deadline() const;
 
@@ -40,7 +40,7 @@ class Streams {
     Duration every{};
     MonotonicTime until;
     MonotonicTime next;
-    MonotonicTime told;  ///< when the value that was told last was heard
+    MonotonicTime told;  ///< when the value that was sent last had been received
   };
   void drop(const std::function<bool(const Stream&)>& is_over);
 

@@ -21,13 +21,13 @@ void UserMessages::on_command(const Inbound& message, const Opaque& body, Now no
   const Holder by{Holder::Kind::person, message.source};
   const bool take = (message.flags & kFlagTakeControl) != 0;
   Driver& mode = robot_.mode_for(MessageType::command, body.subtype);
-  // With no robot on the field channel the command goes nowhere, whoever gives it: that is the cause to be told.
+  // Without a robot on the field channel the command cannot be carried out, whoever sends it: report that cause.
   const bool nobody_there = !robot_.is_native(mode) && !mode.online();
   if (const auto error = control_.barred(by, take || nobody_there, now)) {
     out.count("refused." + std::string(errc_name(error->code)));
     return out.nack(message, *error);
   }
-  // By word it is taken over even if the command itself is refused: whoever asks for it wants the former one silent.
+  // An explicit takeover holds even if the command itself is refused: its sender wants the former holder silenced.
   if (take) control_.take(by, now, out);
   const auto token = wait_or_answer(commands_, message, body, mode, now, out);
   if (!token) return;
@@ -45,10 +45,10 @@ void UserMessages::on_request(const Inbound& message, const Opaque& body, Now no
   wait_or_answer(requests_, message, body, mode, now, out);
 }
 
-/// A request that asks for a stream is answered like any other; what comes later is information. False: refused.
+/// A request with a stream is answered like any other; later values are information. False: refused.
 bool UserMessages::begin_stream(const Inbound& message, const Opaque& body, Driver& mode, Now now, Outbox& out) {
   const auto order = read_stream_order(body.data);
-  if (order && *order && !mode.online()) return true;  // its answer says so
+  if (order && *order && !mode.online()) return true;  // its answer reports that
   const Status begun = !order   ? Status(order.error())
                        : *order ? streams_.add(body.subtype, message.source, mode, **order, now)
                                 : Status(Done{});
@@ -106,7 +106,7 @@ void UserMessages::inform(std::string_view subtype, std::string_view source, Byt
 }
 
 void UserMessages::on_nack(const Inbound& message, const Nack& nack, Now now, Outbox& out) {
-  // What the adapter itself has sent in vain is counted, only the robot's own words come back to the robot.
+  // Undelivered messages of the adapter itself are only counted; the robot gets back only its own.
   if (is_reserved(nack.subtype)) return out.count("refused.nack_" + nack.subtype);
   inform(Nack::kSubtype, message.source, nack.code + " " + nack.what, now, out);
 }

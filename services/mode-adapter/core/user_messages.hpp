@@ -1,4 +1,4 @@
-// The users' own messages: to the robot and from it, and who waits for an answer.
+// The users' own messages: to the robot and from it, and which senders wait for an answer.
 #pragma once
 
 #include "services/mode-adapter/core/pending_requests.hpp"
@@ -10,8 +10,8 @@ namespace trb::adapter {
 
 /// message     | its sender is answered
 /// ------------|-----------------------------------------------------------------------------------
-/// command     | once the robot has it or begins it (Ack), refuses it, or has not taken it in time
-/// request     | with what the robot answers, or with the value that its monitor tells
+/// command     | once the robot has it or begins it (Ack), refuses it, or has not accepted it in time
+/// request     | with the robot's answer, or with the value of its monitor
 /// information | never
 class UserMessages {
  public:
@@ -19,10 +19,10 @@ class UserMessages {
   UserMessages(RobotSide& robot, RobotControl& control) : robot_(robot), control_(control) {}
 
   void on_message(const Inbound& message, const Opaque& body, Now now, Outbox& out);
-  /// What the robot has said could not be delivered.
+  /// A message of the robot could not be delivered.
   void on_nack(const Inbound& message, const Nack& nack, Now now, Outbox& out);
 
-  // what the modes tell
+  // events of the modes
   void on_progress(Token token, const char* state, Outbox& out);
   void on_refused(const Refused& refused, Outbox& out);
   void on_said(const Said& said, Outbox& out);
@@ -38,7 +38,7 @@ class UserMessages {
   bool begin_stream(const Inbound& message, const Opaque& body, Driver& mode, Now now, Outbox& out);
   void answer_from_monitor(const Inbound& message, const Opaque& body, Driver& mode, Now now, Outbox& out);
   void inform(std::string_view subtype, std::string_view source, BytesView data, Now now, Outbox& out);
-  /// The message's token; none: refused, and told so.
+  /// The message's token; none: refused, and its sender notified.
   std::optional<Token> wait_or_answer(PendingRequests& pending, const Inbound& message, const Opaque& body,
                                       Driver& mode, Now now, Outbox& out);
   [[nodiscard]] Error explain(const Error& error, std::string_view subtype) const;
@@ -48,7 +48,7 @@ class UserMessages {
   RobotControl& control_;
   PendingRequests commands_;  ///< until the robot has them
   PendingRequests requests_;  ///< until the robot has answered them
-  Streams streams_;           ///< requests that go on
+  Streams streams_;           ///< requests with a stream
 };
 
 }  // namespace trb::adapter

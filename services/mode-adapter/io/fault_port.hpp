@@ -7,7 +7,7 @@
 
 namespace trb::adapter {
 
-/// Sends one line as one datagram to HOST:PORT, the host as four numbers; nothing answers it. Errors: io_error.
+/// Sends one line as one datagram to HOST:PORT, a numeric host; there is no answer. Errors: io_error.
 Status send_control_line(const std::string& where, const std::string& line);
 
 }  // namespace trb::adapter

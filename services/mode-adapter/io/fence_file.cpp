@@ -21,7 +21,7 @@ Status FenceFile::save(bool fenced) const {
   if (::unlink(path_.c_str()) != 0 && errno != ENOENT) {
     return fail(Errc::io_error, path_ + ": " + std::strerror(errno), "remove it by hand");
   }
-  // Were it to come back with a power cut, the node would merely boot fenced.
+  // If the removal is lost in a power cut, the node merely starts fenced.
   const int folder = ::open(folder_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
   if (folder >= 0) {
     ::fsync(folder);
@@ -30,7 +30,7 @@ Status FenceFile::save(bool fenced) const {
   return Done{};
 }
 
-/// That it is there is the fence: a full disk has room for a file without a byte.
+/// The file's existence is the fence: a full disk has room for an empty file.
 Status FenceFile::make_empty() const {
   const int file = ::open(path_.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0600);
   const bool made = file >= 0 && ::fsync(file) == 0;

@@ -1,4 +1,4 @@
-// The fence outlives the process: it is set while the file is there.
+// The fence outlives the process: it is set while the file exists.
 #pragma once
 
 #include <string>

@@ -18,7 +18,7 @@ constexpr std::size_t kMaxPacket = 4096;
 constexpr Duration kFirstBackOff = std::chrono::milliseconds(100);
 constexpr Duration kLongestBackOff = std::chrono::seconds(2);
 
-// A packet: what it is, the number of the connection that it belongs to, and what there is to say.
+// A packet: its kind, the number of its connection, and its contents.
 enum class Kind : char { call = 'c', up = 'u', answer = 'a', down = 'd' };
 constexpr std::size_t kHead = 1 + sizeof(std::uint32_t);
 
@@ -34,7 +34,7 @@ std::uint32_t connection_of(BytesView packet) {
   return connection;
 }
 
-/// The thread: connects, makes one call after the other, and connects again when the connection is lost.
+/// The thread: connects, makes one call after the other, and reconnects when the connection is lost.
 class Worker {
  public:
   Worker(ModbusLink::Where where, Descriptor socket) : link_(std::move(where)), socket_(std::move(socket)) {}
@@ -61,7 +61,7 @@ class Worker {
     }
   }
 
-  /// Waits before the next dialling; calls that come meanwhile were for a connection that is gone.
+  /// Waits before the next dial; calls that come meanwhile belong to a connection that is gone.
   void pause() {
     const MonotonicTime end = now().mono + back_off_.next();
     while (!ended_) {
@@ -71,7 +71,7 @@ class Worker {
     }
   }
 
-  /// None: the time is over, or all is.
+  /// None: the time is over, or the process ends.
   std::optional<ModbusCall> next_call(int wait_ms) {
     while (!ended_) {
       pollfd entry{socket_.get(), POLLIN, 0};

@@ -1,5 +1,5 @@
-// The robot's Modbus connection. libmodbus blocks, so a thread of its own has it; the loop and the thread talk in
-// packets over a pair of sockets and share nothing else.
+// The robot's Modbus connection. libmodbus blocks, so it runs on a thread of its own; the loop and the thread exchange
+// packets over a socket pair and share nothing else.
 #pragma once
 
 #include <memory>
@@ -15,7 +15,7 @@ namespace trb::adapter {
 
 class ModbusIo {
  public:
-  /// Dials, and makes the calls that the core writes to Channel::command, from now on. `service` and `core` must
+  /// From now on it dials, and makes the calls that the core writes to Channel::command. `service` and `core` must
   /// outlive it. Errors: io_error.
   static Result<std::unique_ptr<ModbusIo>> open(ModbusLink::Where where, Service& service, ModeAdapterCore& core);
   ModbusIo(const ModbusIo&) = delete;
@@ -32,8 +32,8 @@ class ModbusIo {
   Service& service_;
   ModeAdapterCore& core_;
   Descriptor ours_;
-  std::uint32_t connection_ = 0;  ///< the one that the core knows of; 0: none
-  bool answered_ = false;         ///< on this connection
+  std::uint32_t connection_ = 0;  ///< the one that the core knows; 0: none
+  bool answered_ = false;         ///< something was answered on this connection
   std::string last_failure_;
   std::thread thread_;
 };

@@ -15,7 +15,7 @@ namespace {
 constexpr double kConnectTimeout_s = 2;
 constexpr std::uint8_t kForeignException = 255;
 
-/// libmodbus tells an exception as an errno.
+/// libmodbus reports an exception as an errno.
 std::optional<std::uint8_t> exception_of(int error) {
   if (error > MODBUS_ENOBASE && error < MODBUS_ENOBASE + MODBUS_EXCEPTION_MAX) {
     return static_cast<std::uint8_t>(error - MODBUS_ENOBASE);
@@ -47,7 +47,7 @@ ModbusLink::ModbusLink(Where where)
     : where_(std::move(where)), modbus_(modbus_new_tcp(where_.address.c_str(), where_.port), modbus_free) {
   if (!modbus_) return;
   modbus_set_slave(modbus_.get(), where_.unit);
-  // Else each byte of an answer may take that long; without it the response time-out is for the whole.
+  // Otherwise each byte of an answer may take that long; without it the response time-out is for the whole answer.
   modbus_set_byte_timeout(modbus_.get(), 0, 0);
 }
 

@@ -31,8 +31,8 @@ class ModbusLink {
   /// Within 2 s. Errors: io_error.
   Status connect();
   void close();
-  /// An exception is an answer. Errors: io_error (no answer in time, one that is none, a lost connection): what the
-  /// device has done is not known, and the connection must be closed, because its answer may still come.
+  /// An exception is an answer. Errors: io_error (no answer in time, an invalid one, a lost connection): then it is not
+  /// known what the device has done, and the connection must be closed, because its answer may still come.
   Result<ModbusAnswer> perform(const ModbusCall& call);
 
  private:

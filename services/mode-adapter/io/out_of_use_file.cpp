@@ -8,7 +8,7 @@
 namespace trb::adapter {
 namespace {
 
-// More than a description's rules, its capabilities and what the modes tell can make.
+// More lines than a description's rules, its capabilities and the modes' reports can cause.
 constexpr std::size_t kMaxLines = 256;
 constexpr std::size_t kMaxCause = 160;
 

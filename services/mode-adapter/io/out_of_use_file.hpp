@@ -1,4 +1,4 @@
-// What keeps the robot out of use outlives the process: NODE_DIR/state/out_of_use.json.
+// Keeps what is out of use over a restart: NODE_DIR/state/out_of_use.json.
 #pragma once
 
 #include <string>
@@ -11,9 +11,9 @@ class OutOfUseFile {
  public:
   explicit OutOfUseFile(const std::string& node_dir);
 
-  /// Nothing if there is no file. One that cannot be read keeps the whole robot out of use until a person has looked.
+  /// Empty if there is no file. A file that cannot be read keeps the whole robot out of use until a person has looked.
   [[nodiscard]] std::vector<Kept> read() const;
-  /// Errors: io_error, naming the file; the one before is there, whole.
+  /// Errors: io_error, naming the file; the previous contents stay intact.
   Status save(const std::vector<Kept>& lines) const;
 
  private:

@@ -16,7 +16,7 @@ std::string base64(const std::string& text) {
   std::string out(sodium_base64_ENCODED_LEN(text.size(), sodium_base64_VARIANT_ORIGINAL), '\0');
   sodium_bin2base64(out.data(), out.size(), reinterpret_cast<const unsigned char*>(text.data()), text.size(),
                     sodium_base64_VARIANT_ORIGINAL);
-  out.resize(out.size() - 1);  // its zero byte
+  out.resize(out.size() - 1);  // the terminating zero byte
   return out;
 }
 

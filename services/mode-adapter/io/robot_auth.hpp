@@ -1,4 +1,4 @@
-// How the node signs in at its robot: keys/robot.auth, one line, mode 0600.
+// The node's credentials for its robot: keys/robot.auth, one line, mode 0600.
 #pragma once
 
 #include <string>

@@ -11,7 +11,7 @@ namespace trb::adapter {
 namespace {
 
 constexpr std::size_t kReadSize = 64U << 10U;
-/// A robot for which this much waits does not read any more. One message always fits, whatever its size.
+/// A robot for which this much waits has stopped reading. One message always fits, whatever its size.
 constexpr std::size_t kMaxWaiting = 1U << 20U;
 constexpr int kAcceptBatch = 16;
 constexpr Duration kConnectTimeout = std::chrono::seconds(2);
@@ -81,7 +81,7 @@ void RobotIo::dial(RobotConnection& connection) {
   service_.watch(connection.fd.get(), POLLOUT, [this, &connection](short) { on_dialled(connection); });
 }
 
-/// Nobody answers to that: the connection is up, and what the robot says tells whether somebody is there.
+/// UDP has no handshake: the connection is up, and only the robot's data shows whether it is there.
 void RobotIo::dial_datagrams(RobotConnection& connection) {
   auto dialled = udp_dial(settings_.robot_host, *connection.port);
   if (!dialled) return go_down(connection, dialled.error().what);
@@ -145,7 +145,7 @@ void RobotIo::hear(RobotConnection& connection, std::size_t size) {
   service_.step([&](Now at, Outbox& out) { core_.on_bytes(connection.channel, bytes, at, out); });
 }
 
-/// A connection of datagrams is up as soon as it is dialled, and goes down again if nobody is there.
+/// A connection of datagrams is up as soon as it is dialled, and goes down again if no robot is there.
 bool RobotIo::is_new_reason(const RobotConnection& connection, const std::string& reason) {
   return connection.last_failure != reason || (connection.state == State::up && !connection.datagrams);
 }
@@ -196,8 +196,8 @@ void RobotIo::write(RobotConnection& connection, BytesView bytes) {
   }
   if (connection.output.size() - connection.written > kMaxWaiting)
     return notice_loss(connection, "the robot does not read");
-  // The first words of a turn go at once, the others together at its end: a system call a message costs more than all
-  // the rest of its way.
+  // The first bytes of a turn are sent at once, the others together at its end: a system call per message would cost
+  // more than all the rest of its way.
   if (!std::exchange(connection.has_written, true) && connection.written == connection.output.size()) {
     const auto put = tcp_write(connection.fd.get(), bytes);
     if (!put) return notice_loss(connection, put.error().what);

@@ -1,5 +1,5 @@
-// The robot's connections: the one that it dials (TCP_PORT) and those that the node dials (commands, monitor), over TCP
-// or, as datagrams, over UDP.
+// The robot's connections: the one that the robot dials (TCP_PORT) and those that the node dials (commands, monitor),
+// over TCP or, as datagrams, over UDP.
 #pragma once
 
 #include <array>
@@ -17,16 +17,16 @@ namespace trb::adapter {
 struct RobotIoSettings {
   std::string listen_address;
   std::uint16_t listen_port = 0;
-  std::string robot_host;  ///< empty: TCP_PORT takes the connection from anywhere
+  std::string robot_host;  ///< empty: TCP_PORT accepts a connection from any host
   std::optional<std::uint16_t> command_port;
   std::optional<std::uint16_t> monitor_port;
-  bool datagrams = false;  ///< what is dialled is UDP: each RobotWrite is one datagram, each datagram one on_bytes
+  bool datagrams = false;  ///< dialled connections are UDP: each RobotWrite is one datagram, each datagram one on_bytes
 };
 
 class RobotIo {
  public:
-  /// Listens, dials and does the core's RobotWrites and RobotCloses from now on. `service` and `core` must outlive it.
-  /// Errors: bad_value, io_error.
+  /// From now on it listens, dials and carries out the core's RobotWrites and RobotCloses. `service` and `core` must
+  /// outlive it. Errors: bad_value, io_error.
   static Result<std::unique_ptr<RobotIo>> open(const RobotIoSettings& settings, Service& service,
                                                ModeAdapterCore& core);
   RobotIo(const RobotIo&) = delete;
@@ -44,9 +44,9 @@ class RobotIo {
     Descriptor fd;
     State state = State::down;
     Bytes output;
-    std::size_t written = 0;  ///< bytes of output that are out
+    std::size_t written = 0;  ///< bytes of output that were written
     bool wants_write = false;
-    bool has_written = false;          ///< in this turn of the loop: more is collected and goes at its end
+    bool has_written = false;          ///< in this turn of the loop: further output is sent at its end
     std::optional<MonotonicTime> due;  ///< down: when to dial; connecting: when to give up
     BackOff back_off{std::chrono::milliseconds(100), std::chrono::seconds(2)};
     std::string last_failure;
@@ -54,7 +54,7 @@ class RobotIo {
   struct Notice {
     Channel channel{};
     std::string reason;
-    bool is_new = true;  ///< worth a line of the log
+    bool is_new = true;  ///< worth a line in the log
   };
 
   RobotIo(const RobotIoSettings& settings, Service& service, ModeAdapterCore& core, Descriptor listener);
@@ -91,7 +91,7 @@ class RobotIo {
   ModeAdapterCore& core_;
   Descriptor listener_;
   std::array<RobotConnection, 3> connections_;
-  std::vector<Notice> losses_;  ///< noticed while the core's output was written, told to it in a step of their own
+  std::vector<Notice> losses_;  ///< found while writing the core's output; reported in a step of their own
   Bytes buffer_;
 };
 

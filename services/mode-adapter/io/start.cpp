@@ -16,7 +16,7 @@ namespace {
 constexpr std::uint16_t kModbusPort = 502;
 
 std::vector<std::string> subtypes() {
-  // Words without a body come to the mode-adapter anyway: it takes what no other service claims.
+  // Subtypes without a body reach the mode-adapter anyway: it gets what no other service claims.
   std::vector<std::string> out = ModeAdapterCore::Taken::subtypes();
   out.emplace_back(AdapterCountersRequest::kSubtype);  // the service answers it
   return out;

@@ -4,7 +4,7 @@
 
 namespace trb::adapter {
 
-/// Opens the service and the robot's connections, and runs until it is told to end; the process's exit status.
+/// Opens the service and the robot's connections, and runs until it is told to end; returns the process's exit status.
 Result<int> start(NodeConfig node);
 
 }  // namespace trb::adapter

@@ -29,26 +29,26 @@ class Descriptor {
   int fd_ = -1;
 };
 
-/// Errors: bad_value (no IPv4 address), io_error.
+/// Errors: bad_value (not an IPv4 address), io_error.
 Result<Descriptor> tcp_listen(const std::string& address, std::uint16_t port);
-/// The port that a listener has got; for tests that bind port 0.
+/// The port that a listener got; for tests that bind port 0.
 std::uint16_t local_port(int fd);
-/// Begins to connect; the descriptor becomes writable once it is known how it ended.
+/// Begins to connect; the descriptor becomes writable once the connect has ended.
 Result<Descriptor> tcp_dial(const std::string& address, std::uint16_t port);
-/// How a connect ended.
+/// The result of a connect.
 Status tcp_connected(int fd);
 
 struct Accepted {
   Descriptor fd;
   std::string peer;
 };
-/// A waiting connection; none: an empty descriptor.
+/// Accepts a waiting connection; none: an empty descriptor.
 Accepted tcp_accept(int listener);
 
-/// No Nagle, and a peer that has vanished is noticed within some 5 s, whether or not something is sent to it.
+/// No Nagle; and a vanished peer is noticed within some 5 s, whether or not anything is sent to it.
 void watch_over(int fd);
 
-/// What could be read or written at once. Errors: io_error, with the system's words.
+/// What could be read or written at once. Errors: io_error, with the system's text.
 struct Transfer {
   std::size_t bytes = 0;
   bool closed = false;  ///< by the peer

@@ -1,4 +1,4 @@
-// The control lease: one commands the robot at a time, and it is taken over by word alone.
+// The control lease: one party commands the robot at a time; only an explicit takeover changes that.
 #include "services/mode-adapter/core/control_lease.hpp"
 
 #include "services/mode-adapter/test/fixture.hpp"
@@ -25,7 +25,7 @@ class ControlBench : public Fixture {
   std::string execute(const std::string& skill = "home", std::uint32_t number = 1) {
     return answer(deliver(MessageType::command, order(skill, "", number), "pioneer"));
   }
-  /// Who the fleet is told commands the robot, since the last look.
+  /// The holder that the fleet was notified of since the last call.
   std::string control() {
     const auto profiles = told<NodeProfile>();
     return profiles.empty() ? "?" : get<NodeProfile>(profiles.back().body).control;
@@ -82,7 +82,7 @@ TEST_CASE("a command that the robot cannot take does not take the lease, unless 
   CHECK(fixture.control().empty());
   CHECK(fixture.move("cloud", kFlagTakeControl) == "nack no_field_channel");
   CHECK(fixture.control() == "cloud");
-  CHECK(fixture.move("ur3") == "nack no_field_channel");  // the cause is told that waiting would not hint
+  CHECK(fixture.move("ur3") == "nack no_field_channel");  // the cause, since waiting would not help
   fixture.up(Channel::field);
   CHECK(fixture.move("ur3") == "nack control_held");
 }
@@ -118,7 +118,7 @@ TEST_CASE("a run holds the lease as long as its skill runs, and 10 s after it") 
   CHECK(fixture.move("cloud") == "nack control_held");
   CHECK(fixture.nack_of(fixture.last_id).what ==
         "'run run-1' has controlled pioneer for 9 s; what it began still runs");
-  fixture.wait(0.1);  // it times out
+  fixture.wait(0.1);  // its time is over
   fixture.say("!stopped\n!released\n");
   fixture.wait(9.9);
   CHECK(fixture.move("cloud") == "nack control_held");
@@ -136,7 +136,7 @@ TEST_CASE("a run waits while another commands the robot; its scheduler is told w
   fixture.wait(10);
   CHECK(fixture.one<AdapterState>().control.empty());
   CHECK(fixture.execute() == "running");
-  CHECK(fixture.one<AdapterState>().control.empty());  // its own lease keeps the scheduler from nothing
+  CHECK(fixture.one<AdapterState>().control.empty());  // the scheduler's own lease does not block it
 }
 
 TEST_CASE("a take-over stops nothing: the skill runs to its end, the next one waits") {
@@ -149,7 +149,7 @@ TEST_CASE("a take-over stops nothing: the skill runs to its end, the next one wa
   fixture.say("information\ndone\n\n4\nhome\n");
   CHECK(fixture.one<Outcome>().outcome == TaskOutcome::finished);
   CHECK(fixture.execute("home", 2) == "nack control_held");
-  CHECK(fixture.execute("home", 1) == "finished");  // what is known is told to whoever may know it
+  CHECK(fixture.execute("home", 1) == "finished");  // an ended attempt's outcome is sent even now
 }
 
 TEST_CASE("two runs of one scheduler are one holder") {

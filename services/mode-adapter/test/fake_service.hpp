@@ -13,7 +13,7 @@ namespace trb::adapter {
 
 inline constexpr const char* kLoopback = "127.0.0.1";
 
-/// As much of a service as the connections need: watches, timers, steps, and turns that the test asks for.
+/// As much of a service as the connections need: watches, timers, steps, and turns that the test requests.
 class FakeService : public Service {
  public:
   [[nodiscard]] std::uint64_t instance() const override { return kInstance; }
@@ -40,7 +40,7 @@ class FakeService : public Service {
   bool handle_ready() override { return false; }
   [[nodiscard]] int exit_status() const override { return 0; }
 
-  /// Turns until it is true, for 5 s at most.
+  /// Runs turns until it is true, for 5 s at most.
   template <class Condition>
   bool until(Condition condition) {
     const MonotonicTime end = trb::now().mono + seconds(5);

@@ -1,4 +1,4 @@
-// A virtual robot is told to fail; what it makes of that comes back like any robot's fault.
+// A virtual robot is ordered to fail; its fault comes back like any robot's.
 #include "services/mode-adapter/test/fixture.hpp"
 
 using namespace trb;
@@ -6,7 +6,7 @@ using namespace trb::adapter;
 
 namespace {
 
-/// The adapter of a virtual robot, and the lines that its control port has got.
+/// The adapter of a virtual robot, and the lines that its control port received.
 struct Virtual {
   std::vector<std::string> lines;
   Status port = Done{};

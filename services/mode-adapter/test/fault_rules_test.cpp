@@ -1,4 +1,4 @@
-// What a robot's values mean: faults, told once when they begin, and the state that the fleet is told.
+// What a robot's values mean: faults, reported once when they begin, and the state that the fleet receives.
 #include "services/mode-adapter/core/fault_rules.hpp"
 
 #include <cmath>
@@ -31,11 +31,11 @@ FaultRule about_text(FaultWhen when, Value wanted = {}) {
   return rule;
 }
 
-/// Rules, the clock of their test, and what they have told.
+/// Rules, the clock of their test, and their reports.
 struct Watch {
   explicit Watch(FaultRule rule) : rules{std::move(rule)} {}
 
-  /// The texts that this value leads to.
+  /// The texts that this value causes.
   std::vector<std::string> hear(std::vector<double> numbers, const std::string& json) {
     FaultChanges changes;
     watch.on_value(rules[0].value, {std::move(numbers), json, now.mono}, now, changes);
@@ -59,7 +59,7 @@ struct Watch {
 
   std::vector<FaultRule> rules;
   FaultRules watch{rules};
-  int over = 0;  ///< how often it was told to be over
+  int over = 0;  ///< how often it was reported as over
   Now now{{seconds(1000).count()}, {}};
 };
 
@@ -74,7 +74,7 @@ TEST_CASE("a limit is told when it is passed, and again only after the value has
   CHECK(watch.hear(19) == Texts{"battery is low: battery is 19"});
   CHECK(watch.hear(18).empty());
   watch.wait(60);
-  CHECK(watch.hear(24).empty());  // above the limit, and not far enough
+  CHECK(watch.hear(24).empty());  // above the limit, but not far enough
   CHECK(watch.hear(19).empty());
   CHECK(watch.hear(25).empty());
   CHECK(watch.hear(10) == Texts{"battery is low: battery is 10"});
@@ -113,7 +113,7 @@ TEST_CASE("a value that flaps over its limits is told once in ten seconds, and n
   CHECK(watch.hear(30).empty());
   CHECK(watch.hear(19).size() == 1);
   CHECK(watch.hear(30).empty());
-  CHECK(watch.hear(19).empty());  // begun anew, and waits
+  CHECK(watch.hear(19).empty());  // begun again, and waiting
   REQUIRE(watch.watch.next_deadline());
   CHECK(watch.hear(30).empty());
   CHECK_FALSE(watch.watch.next_deadline());
@@ -163,11 +163,11 @@ TEST_CASE("what takes a capability now: by the last value, told or not, CRITICAL
   watch.hear(10);
   REQUIRE(watch.watch.standing("mobile") != nullptr);
   CHECK(watch.watch.standing("carry") == nullptr);
-  watch.hear(25);  // not back by far enough
+  watch.hear(25);  // not far enough back
   CHECK(watch.watch.standing("mobile") != nullptr);
   watch.hear(31);
   CHECK(watch.watch.standing("mobile") == nullptr);
-  watch.hear(10);  // not told again so soon, and there all the same
+  watch.hear(10);  // not reported again so soon, but it stands
   CHECK(watch.watch.standing("mobile") != nullptr);
   watch.watch.forget_standing();
   CHECK(watch.watch.standing("mobile") == nullptr);
@@ -239,7 +239,7 @@ TEST_CASE("sensors are told to every node at their first word and when one chang
   fixture.say("information\npose\n\n5\n[1,2]\n");
   fixture.wait(1.1);
   CHECK(told().size() == 1);
-  fixture.say("information\npose\n\n5\n[1,3]\n");  // it merely moves
+  fixture.say("information\npose\n\n5\n[1,3]\n");  // it only moves
   fixture.wait(5);
   CHECK(told().empty());
 }

@@ -1,4 +1,4 @@
-// A core, the clock of its test, and what it has said and written since the last look.
+// A core, the clock of its test, and the messages and bytes since the last look.
 #pragma once
 
 #include <doctest/doctest.h>
@@ -33,7 +33,7 @@ inline Parameter make_parameter(const std::string& name, ParameterType type, con
   return parameter;
 }
 
-/// A mobile robot that speaks in fields.
+/// A mobile robot with the field channel.
 inline Settings pioneer() {
   Settings settings;
   settings.id = "pioneer";
@@ -49,7 +49,7 @@ inline Settings pioneer() {
   return settings;
 }
 
-/// An arm that takes URScript.
+/// An arm that accepts URScript.
 inline Settings ur3() {
   Settings settings;
   settings.id = "ur3";
@@ -121,7 +121,7 @@ class Fixture {
     now.mono = end;
   }
 
-  // what has come out; each look takes it away
+  // what has come out; each call removes it
   std::string written(Channel channel = Channel::field) {
     std::string bytes;
     for (const RobotWrite& write : out.writes) {
@@ -139,14 +139,14 @@ class Fixture {
     std::erase_if(out.sends, [](const Send& send) { return holds_alternative<T>(send.body); });
     return found;
   }
-  /// The one body of that type that was sent.
+  /// The only body of that type that was sent.
   template <class T>
   T one() {
     const auto found = told<T>();
     REQUIRE(found.size() == 1);
     return get<T>(found.front().body);
   }
-  /// The faults that were told to be over: "CAPABILITY: TEXT".
+  /// The faults that were reported as over: "CAPABILITY: TEXT".
   std::vector<std::string> over() {
     std::vector<std::string> texts;
     for (const Send& send : out.sends) {
@@ -159,7 +159,7 @@ class Fixture {
     });
     return texts;
   }
-  /// "ack STATE", "nack CODE" or the data: how the message was answered; empty: not yet.
+  /// "ack STATE", "nack CODE" or the data: the answer to the message; empty: none yet.
   std::string answer(std::uint64_t id) {
     for (const Send& send : out.sends) {
       if (send.reply_to != id) continue;
@@ -218,7 +218,7 @@ inline Execute order(const std::string& skill, const std::string& data, std::uin
   return {attempt(number), 1, kInstance, skill, data, 0};
 }
 
-// Packets of a UR controller, from the measured layout.
+// Packets of a UR controller, in the measured layout.
 inline std::string big_endian(std::uint64_t value, int size) {
   std::string out;
   for (int shift = 8 * (size - 1); shift >= 0; shift -= 8) out += static_cast<char>((value >> shift) & 0xffU);

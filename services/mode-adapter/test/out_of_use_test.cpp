@@ -1,4 +1,4 @@
-// What keeps a robot out of use: it stands until its end is told, over restarts and full disks.
+// What keeps a robot out of use: it stands until its end is reported, over restarts and full disks.
 #include "services/mode-adapter/io/out_of_use_file.hpp"
 
 #include <unistd.h>
@@ -33,7 +33,7 @@ Settings with_rules() {
   return settings;
 }
 
-/// A robot that tells values in fields, and a scheduler that asks it to go home.
+/// A robot that sends values in fields, and a scheduler that orders it to go home.
 struct Robot : Fixture {
   explicit Robot(Settings settings = with_rules()) : Fixture(std::move(settings)) {
     up(Channel::field);
@@ -147,11 +147,11 @@ TEST_CASE("a person's word ends a fault whose end nobody tells, and is refused w
   CHECK(robot.nack_of(refused).code == "conflict");
   CHECK(robot.nack_of(refused).what.find("it still says \"heat: heat is 80\"") != std::string::npos);
   CHECK(robot.kept.size() == 1);
-  robot.down(Channel::field);  // switched off, it says nothing
+  robot.down(Channel::field);  // switched off, it sends nothing
   CHECK(robot.mend() == "ack in_use");
   robot.up(Channel::field);
   robot.wait(20);
-  robot.tell("heat", 80);  // and was not mended
+  robot.tell("heat", 80);  // and was not repaired
   CHECK(robot.kept.size() == 1);
 }
 
@@ -198,7 +198,7 @@ TEST_CASE("only the node's own services tell a fault, a retirement is of the who
   CHECK(take({"", {}, "its journal was lost", 0, false, ""}, "pioneer") == "ack out_of_use");
   CHECK(robot.kept.at(0).what.severity == Severity::critical);
   for (int i = 0; i < 300; ++i) take({"", Severity::fatal, "lost", 0, false, "s" + std::to_string(i)}, "pioneer");
-  CHECK(robot.kept.size() == 1);  // one line a capability, whoever says it
+  CHECK(robot.kept.size() == 1);  // one line per capability, whoever reports it
   CHECK(robot.go_home() == "nack out_of_use");
   CHECK(robot.mend() == "ack in_use");
   CHECK(robot.go_home() == "running");

@@ -46,7 +46,7 @@ struct Peer {
   explicit Peer(std::uint16_t port) : fd(std::move(*tcp_dial(kLoopback, port))) {}
 
   void say(BytesView bytes) const { CHECK(::write(fd.get(), bytes.data(), bytes.size()) == ssize_t(bytes.size())); }
-  /// Everything heard so far.
+  /// Everything received so far.
   const std::string& heard() {
     char buffer[65536];
     while (!closed) {

@@ -1,4 +1,4 @@
-// Roads of datagrams over real loopback sockets: every wait is a poll with a deadline.
+// Connections of datagrams over real loopback sockets: every wait is a poll with a deadline.
 #include <arpa/inet.h>
 #include <netinet/in.h>
 #include <sys/socket.h>
@@ -26,7 +26,7 @@ struct DroneSocket {
     REQUIRE(::bind(fd.get(), reinterpret_cast<sockaddr*>(&where), sizeof where) == 0);
     port = local_port(fd.get());
   }
-  /// True if a datagram has come; it is then the last one.
+  /// True if a datagram has come; `last` holds it then.
   bool heard() {
     char buffer[4096];
     socklen_t length = sizeof peer;
@@ -76,7 +76,7 @@ TEST_CASE("io: a drone is woken, heard and commanded by datagrams; each write is
   DroneNode node(commands.port, monitor.port);
   REQUIRE(node.service.until([&] { return monitor.heard(); }));
   CHECK(monitor.last == std::string("\1\0\0\0", 4));
-  monitor.say("");  // an empty datagram is no end
+  monitor.say("");  // an empty datagram does not end the connection
   monitor.say(navdata(1, kOnGround));
   REQUIRE(node.service.until([&] { return online(node); }));
   REQUIRE(node.service.until([&] { return commands.heard(); }));

@@ -1,4 +1,4 @@
-// Skills: one at a time, each attempt with one outcome, told until it is journaled.
+// Skills: one at a time, each attempt with one outcome, sent until it is journaled.
 #include "services/mode-adapter/test/fixture.hpp"
 
 using namespace trb;
@@ -19,7 +19,7 @@ class SkillBench : public Fixture {
   void journaled(std::uint32_t number = 1) {
     deliver(MessageType::information, OutcomeJournaled{attempt(number)}, "pioneer");
   }
-  /// The robot has taken `home` and says that it has carried it out.
+  /// The robot has accepted `home` and reports that it is done.
   void finish() {
     take_fields();
     say("information\ndone\n\n4\nhome\n");
@@ -112,7 +112,7 @@ TEST_CASE("what can never succeed has failed at once, with the parameter's name"
 TEST_CASE("a robot that says `failed` gives its reason; a `done` that comes late is counted and dropped") {
   SkillBench fixture;
   fixture.execute(order("home", ""));
-  fixture.say("information\ndone\n\n4\nhome\n");  // it has not even heard of it
+  fixture.say("information\ndone\n\n4\nhome\n");  // it has not even received it
   CHECK(fixture.told<Outcome>().empty());
   fixture.take_fields();
   fixture.say("information\nfailed\n\n12\nhome blocked\n");
@@ -219,7 +219,7 @@ TEST_CASE("the end is a position: the robot's frame and units, near enough") {
   CHECK(fixture.take_fields() == "command\ngo_to\npioneer\n6\n0 1000\n");
   fixture.say("information\nposition\n\n5\n0 980\n");
   CHECK(fixture.told<Outcome>().empty());
-  fixture.say("information\ndone\n\n5\ngo_to\n");  // it says so, but it is not there
+  fixture.say("information\ndone\n\n5\ngo_to\n");  // it reports so, but it is not there
   CHECK(fixture.told<Outcome>().empty());
   fixture.say("information\nposition\n\n8\n10 990 0\n");
   CHECK(fixture.one<Outcome>().outcome == TaskOutcome::finished);
@@ -276,7 +276,7 @@ TEST_CASE("a cancelled arm is told the vendor's stop, no fence is set") {
   fixture.monitor(ur_stopped("trb_1"));
   fixture.wait(0.5);
   const auto told = fixture.told<Outcome>();
-  REQUIRE(told.size() == 2);  // the news and the answer
+  REQUIRE(told.size() == 2);  // the notification and the answer
   CHECK(get<Outcome>(told[0].body).outcome == TaskOutcome::failed);
   CHECK(fixture.fence_writes.empty());
 }

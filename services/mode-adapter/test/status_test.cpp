@@ -1,4 +1,4 @@
-// What the node and the fleet are told of the robot.
+// What the node and the fleet receive about the robot.
 #include "services/mode-adapter/test/fixture.hpp"
 
 using namespace trb;
@@ -8,7 +8,7 @@ TEST_CASE("at the welcome: who the robot is, what it can do, and that nobody has
   Fixture fixture(pioneer());
   fixture.up(Channel::field);
   fixture.down(Channel::field);
-  CHECK(fixture.out.sends.empty());  // nobody is told before the router has taken the service in
+  CHECK(fixture.out.sends.empty());  // nothing is sent before the router's welcome
   Fixture fresh(pioneer());
   fresh.welcome();
   const auto profile = fresh.one<NodeProfile>();

@@ -30,7 +30,7 @@ TEST_CASE("a stop overtakes the queue and the rest of a message, and is answered
   fixture.wait(0);
   CHECK(fixture.fence_writes == std::vector<bool>{true});
   CHECK(fixture.answer(stop).empty());
-  fixture.say("ok\n!stopped\n");  // an ok under way counts for nothing
+  fixture.say("ok\n!stopped\n");  // an ok that was under way does not count
   CHECK(fixture.answer(stop) == "ack stopped");
   CHECK(fixture.written().empty());
   CHECK(fixture.counted("to_robot.stop") == 1);

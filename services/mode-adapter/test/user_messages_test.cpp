@@ -13,13 +13,13 @@ class UserMessagesBench {
   explicit UserMessagesBench(bool connected = true) {
     if (connected) robot.field().on_up(Channel::field, now, robot.to(robot.field(), out));
   }
-  /// The token that the robot knows it by.
+  /// The token by which the robot's driver knows it.
   Token send(MessageType type, const std::string& subtype, std::uint64_t id, std::uint32_t remaining_ms = 1000) {
     messages.on_message({type, "operator", "pioneer", id, 0, 0, remaining_ms, Opaque{subtype, "1"}},
                         Opaque{subtype, "1"}, now, out);
     return ++last_;
   }
-  /// What that message was answered since the last look: "ack STATE", "nack CODE" or the data.
+  /// The answer to that message since the last call: "ack STATE", "nack CODE" or the data.
   std::string answer(std::uint64_t id) {
     std::string all;
     for (const Send& sent : out.sends) {

@@ -14,9 +14,9 @@ namespace {
 constexpr std::size_t kIdBytes = 8;
 constexpr std::size_t kMaxNamed = 8;
 
-/// An answer is one message: of very many alerts the lesser proposals are left out, at last the oldest alerts.
+/// An answer is one message: with very many alerts lesser proposals are left out, and finally the oldest alerts.
 void fit(AlertTable& table) {
-  constexpr std::size_t kMost = kMaxDataSize - (384U << 10U);  // lesser faults come behind them
+  constexpr std::size_t kMost = kMaxDataSize - (384U << 10U);  // leaves room for lesser faults
   for (const std::size_t kept : {std::size_t{16}, std::size_t{4}, std::size_t{1}, std::size_t{0}}) {
     if (encode(table).size() <= kMost) return;
     for (Alert& alert : table.alerts) {

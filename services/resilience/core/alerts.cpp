@@ -80,7 +80,7 @@ void Alerts::close(Alert& alert, const std::string& why, Outbox& out) {
   out.log(LogLevel::info, "alert_closed", alert.id + ": " + why);
 }
 
-/// What has become of the alert's decision, if one was signed.
+/// Records what became of the alert's decision, if one was signed.
 void Alerts::record_end(const Alert& alert, DecisionEnd end, Outbox& out) {
   if (alert.epoch != 0) out.record(DecisionOver{alert.run, alert.epoch, end});
 }
@@ -109,10 +109,10 @@ void Alerts::reopen(Alert& alert, const std::string& why, Outbox& out) {
   alert.text = cut_utf8(alert.text + "; " + why, 1024);
   alert.proposals.clear();
   is = {};
-  // The policy is not to try the same again and again.
+  // The policy must not try the same again and again.
   if (refused) is.asks_for = why;
   if (const WatchedRun* run = situation_.runs().find(alert.run); run != nullptr && run->is_known()) {
-    situation_.due_runs().notify(alert.run);  // it is proposed for anew
+    situation_.due_runs().notify(alert.run);  // proposals are made anew
     situation_.runs().refresh(alert.run);
   }
   out.record(alert);

@@ -1,4 +1,4 @@
-// The alerts, and what is under way of each: how an alert is raised, is over, or is open again.
+// The alerts and their work in progress: how an alert is raised, ends, or is opened again.
 #pragma once
 
 #include <map>
@@ -17,16 +17,16 @@ namespace trb::resilience {
 
 constexpr std::size_t kMaxAlertText = 1024;
 
-/// What is under way of an alert; lost at a restart but for a signed record.
+/// An alert's work in progress; lost at a restart, except for a signed record.
 struct AlertWork {
   Inquiry inquiry;
   Repair repair;
   Signing signing;
-  std::optional<MonotonicTime> grown_at;  ///< the alert's tasks, or itself
+  std::optional<MonotonicTime> grown_at;  ///< when the alert was raised, or its tasks grew
   std::string asks_for;                   ///< why the policy leaves it to people
 };
 
-/// A decision as the database has it.
+/// A decision as the database stores it.
 struct StoredDecision {
   SignedRecord record;
   bool delivered = false;  ///< the scheduler has it
@@ -37,14 +37,14 @@ enum class DecisionEnd : std::uint8_t {
   dropped      ///< it never will: forget it
 };
 
-/// A record: what has become of a signed decision.
+/// A record: what became of a signed decision.
 struct DecisionOver {
   std::string run;
   std::uint32_t epoch = 1;
   DecisionEnd end{};
 };
 
-/// Of a run and a robot, without what may change: the cause, and what follows from it.
+/// An alert of a run and a robot, without what may change: the cause, and what follows from it.
 [[nodiscard]] Alert alert_of(const WatchedRun& run, const std::string& robot, Now now);
 
 class Alerts {
@@ -54,26 +54,26 @@ class Alerts {
   void restore(std::vector<Alert> alerts, const std::vector<StoredDecision>& decisions);
 
   AlertBook& book() { return book_; }
-  /// Not over, by time, then id.
+  /// Those that are not over, by time, then id.
   std::vector<Alert*> open() { return book_.open(); }
   AlertWork& work(std::string_view alert);
   [[nodiscard]] const AlertWork* find_work(std::string_view alert) const;
-  /// What was under way is dropped.
+  /// Drops the work in progress.
   void reset_work(std::string_view alert) { works_.erase(std::string(alert)); }
-  /// A robot has answered what alerts ask for.
+  /// A robot has answered a request that was made for alerts.
   void on_answer(const std::string& robot, const std::string& value);
-  /// When something is sent again, or proposals follow what has come.
+  /// When something is sent again, or proposals follow new values.
   [[nodiscard]] std::optional<MonotonicTime> next(Now now) const;
 
   /// nullptr: too many are open.
   Alert* raise(Alert fresh, Now now, Outbox& out);
-  /// It was never recorded.
+  /// Removes an alert that was never recorded.
   void drop(const std::string& alert);
-  /// It is over, and nothing was decided.
+  /// Ends an alert on which nothing was decided.
   void close(Alert& alert, const std::string& why, Outbox& out);
   /// The scheduler has the decision.
   void finish(Alert& alert, Outbox& out);
-  /// What was decided cannot be: the alert is as before the verdict, and says why.
+  /// The decision cannot be carried out: the alert is as before the verdict, and shows why.
   void reopen(Alert& alert, const std::string& why, Outbox& out);
 
  private:

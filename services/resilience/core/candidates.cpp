@@ -23,7 +23,7 @@ std::vector<RobotNumber> ask(const FleetIndex& index, std::set<std::string> word
   return out;
 }
 
-/// Of a robot that has the capabilities and the skill.
+/// For a robot that has the capabilities and the skill.
 bool suits(const RobotRecord& robot, const TaskNeed& need) {
   return !contains(need.tried, robot.id) && takes_task(need, robot.profile.is);
 }
@@ -32,7 +32,7 @@ std::string of_parameter(std::string_view name, const std::string& what) {
   return "parameter '" + cut_utf8(name, kMaxName) + "': " + what;
 }
 
-/// What is wrong with the first of the parameters, for a person: "parameter 'speed': 3 is over 1 m/s"; empty: nothing.
+/// The first parameter that does not fit, for a person: "parameter 'speed': 3 is over 1 m/s"; empty: all fit.
 std::string why_misfit(const RobotRecord& robot, const TaskNeed& need, const SkillInfo& skill) {
   const auto unknown = unknown_parameters(need, skill);
   if (!unknown.empty()) return of_parameter(unknown.front(), "its skill has none of that name");
@@ -51,7 +51,7 @@ std::string lacks_capability(const RobotRecord& robot, const std::string& capabi
   return "'" + capability + "' is broken since " + to_iso8601(fault->since) + ": " + fault->text;
 }
 
-/// Robots that have something of what is needed: their people ask why they were not taken.
+/// Does the robot have part of what is needed? People will ask why it was not taken.
 bool is_near(const RobotRecord& robot, const Needs& needs) {
   return std::ranges::any_of(needs.tasks, [&](const TaskNeed& need) {
     if (!need.skill.empty() && find_skill(robot, need.skill) != nullptr) return true;

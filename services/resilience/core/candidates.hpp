@@ -1,4 +1,4 @@
-// Who can do what another robot was to do: candidates, and why the others are none.
+// Which robots can do another robot's tasks (candidates), and why the others cannot.
 #pragma once
 
 #include <optional>
@@ -13,7 +13,7 @@ namespace trb::resilience {
 
 struct Needs {
   std::vector<TaskNeed> tasks;
-  std::vector<std::string> except;  ///< ids that are out of the question: the faulty robot, who was tried already
+  std::vector<std::string> except;  ///< excluded ids: the faulty robot, and robots that were tried already
 };
 
 struct TaskCandidates {
@@ -30,22 +30,22 @@ constexpr std::size_t kMaxWhy = 400;
 constexpr std::size_t kMaxUnsuitable = 1000;
 
 struct Candidates {
-  std::vector<std::string> robots;  ///< who can do all of the tasks, by id
-  /// If nobody can do all: for each task, in the order of the needs, who can do it. All of them have somebody if the
-  /// tasks can be done by several between them.
+  std::vector<std::string> robots;  ///< robots that can do all of the tasks, by id
+  /// If no robot can do all: for each task, in the order of the needs, the robots that can do it. If none of the lists
+  /// is empty, several robots can do the tasks between them.
   std::vector<TaskCandidates> by_task;
-  /// Robots that have some skill or capability that is needed, and yet fall out; by id, kMaxUnsuitable at most.
+  /// Robots that have some of the skills or capabilities and still cannot do it; by id, kMaxUnsuitable at most.
   std::vector<Unsuitable> unsuitable;
-  std::size_t others = 0;  ///< robots that have nothing of what is needed, or of which there is no room to tell
+  std::size_t others = 0;  ///< robots that have none of them, or for which there is no room
 
-  /// The tasks can be done: by one, or by several between them.
+  /// Can the tasks be done, by one robot or by several between them?
   [[nodiscard]] bool cover() const;
 };
 
 /// Robots that are fit and able to do all of the tasks: each skill, capability, parameter, value and place.
 Candidates find_candidates(const Fleet& fleet, const Needs& needs);
 
-/// Who is fit and able to do all of these, by id.
+/// Robots that are fit and able to do all of these, by id.
 std::vector<std::string> find_able(const Fleet& fleet, const std::vector<TaskNeed>& needs,
                                    const std::vector<std::string>& except);
 

@@ -33,7 +33,7 @@ TEST_CASE("one robot for all of the tasks, by id, without the faulty one") {
   CHECK(found.by_task.empty());
   CHECK(found.cover());
   CHECK(found.unsuitable.empty());
-  CHECK(found.others == 1);  // the arm has nothing of it
+  CHECK(found.others == 1);  // the arm has none of the needed words
 }
 
 TEST_CASE("several between them, where nobody can do all") {
@@ -104,7 +104,7 @@ TEST_CASE("numbers, integers and flags: each as its type asks") {
   CHECK(unable("joints", "[0.5, \"x\"]") != "");
   CHECK(unable("joints", "0.5") != "");
   CHECK(unable("n", "4").empty());
-  for (const char* no_integer : {"4.0", "4.5"}) {  // as the robot's own node says
+  for (const char* no_integer : {"4.0", "4.5"}) {  // as the robot's own node checks it
     CHECK(unable("n", no_integer) == "parameter 'n': is a number, not a whole number");
   }
   CHECK(unable("n", "1e300") != "");

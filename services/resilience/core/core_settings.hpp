@@ -1,4 +1,4 @@
-// What the resilience core is told when it is made.
+// The configuration of the resilience core.
 #pragma once
 
 #include <string>

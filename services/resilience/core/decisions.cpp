@@ -10,14 +10,14 @@
 namespace trb::resilience {
 namespace {
 
-/// So long a robot that can be reached is asked to stop, though a person says that it stands: its result may be on its
-/// way, or it moves.
+/// For this long a reachable robot is asked to stop, even if a person states that it stands: its result may be under
+/// way, or it may move.
 constexpr Duration kAskedFirst = std::chrono::seconds(5);
-constexpr Duration kStuck = std::chrono::seconds(30);  ///< so long whoever is waited for has the first word
+constexpr Duration kStuck = std::chrono::seconds(30);  ///< after this wait another verdict is allowed
 constexpr const char* kStuckHint =
     "; it has been waited for for 30 s: --stands if you have seen that it stands, or another verdict";
 
-/// The next epoch of the run, without its rulings.
+/// The run's next epoch, without its rulings.
 Decision decision_of(const Alert& alert, const WatchedRun& run, const std::string& node, Now now) {
   Decision out;
   out.run = run.summary.run;
@@ -45,7 +45,7 @@ void Decisions::advance(Alert& alert, Now now, Outbox& out) {
   const Signing& signing = alerts_.work(alert.id).signing;
   if (run == nullptr) {
     if (!situation_.runs().has_table()) return;
-    // The order to abort, or a decision, was taken before the run ended.
+    // The order to abort, or a decision, was accepted before the run ended.
     const bool handed = alert.verdict == Verdict::abort || signing.was_handed();
     return handed ? alerts_.finish(alert, out) : alerts_.close(alert, run_over_text(situation_.runs(), alert.run), out);
   }
@@ -80,7 +80,7 @@ void Decisions::advance_abort(Alert& alert, const WatchedRun& run, Now now, Outb
   out.request(situation_.node(), SignRequest{std::string(kSignedRunAbort), {signing.payload()}});
 }
 
-/// Another alert's decision on the same run comes first: each is the next epoch.
+/// The alert whose decision on the same run comes first, if any: each decision is the next epoch.
 std::string Decisions::busy_with(const Alert& alert) {
   for (const Alert* other : alerts_.open()) {
     if (other->run != alert.run || other->id == alert.id) continue;
@@ -111,7 +111,7 @@ void Decisions::advance_decision(Alert& alert, const WatchedRun& run, Now now, O
   }
 }
 
-/// The robots that the decision brings into the run. False: one of them cannot be, for now or at all.
+/// Adds the robots that the decision brings into the run. False: one of them cannot be added, now or at all.
 bool Decisions::add_members(Decision& decision, Alert& alert, const WatchedRun& run, Now now, Outbox& out) {
   for (const TaskRuling& ruling : decision.tasks) {
     if (ruling.ruling != Ruling::move) continue;
@@ -174,7 +174,7 @@ void Decisions::hand_on(Alert& alert, const WatchedRun& run, Now now, Outbox& ou
   if (take_turn(alert.id, now)) out.command(situation_.node(), RunDecision{*signing.record()}, 0);
 }
 
-/// True if it is the alert's turn to hand its record on. One at a time: an answer names no run.
+/// True if this alert may send its record now. One at a time: an answer names no run.
 bool Decisions::take_turn(const std::string& alert, Now now) {
   const AlertWork* other = alerts_.find_work(handed_);
   const bool busy = handed_ != alert && other != nullptr && other->signing.awaits_answer(now);
@@ -191,8 +191,8 @@ void Decisions::on_refused(const Nack& nack, Outbox& out) {
   out.count("nacked." + nack.subtype);
   out.log(LogLevel::warning, "decision_refused", nack.code + ": " + nack.what);
   Alert* alert = alerts_.book().find(handed_);
-  if (alert == nullptr || !is_open(*alert)) return;  // late
-  // What is only not delivered is sent again.
+  if (alert == nullptr || !is_open(*alert)) return;  // too late
+  // A record that was only not delivered is sent again.
   constexpr Errc kNotDelivered[] = {Errc::no_service, Errc::queue_full, Errc::expired, Errc::timeout};
   const auto code = errc_of(nack.code);
   if (!code || std::ranges::find(kNotDelivered, *code) == std::end(kNotDelivered)) {

@@ -1,4 +1,4 @@
-// From a verdict to the decision, or the order to abort, that the own scheduler has.
+// From a verdict to the decision, or the order to abort, that the own scheduler gets.
 #pragma once
 
 #include <string>
@@ -15,14 +15,14 @@ class Decisions {
 
   /// The next step of an alert with a verdict.
   void advance(Alert& alert, Now now, Outbox& out);
-  /// What was decided waits for long, and nothing is signed yet: it may be decided anew.
+  /// The verdict has waited for long, and nothing is signed yet: another verdict is allowed.
   [[nodiscard]] bool is_stuck(const Alert& alert, Now now) const;
 
-  /// The router has signed what it was asked to.
+  /// The router has signed a record.
   void receive(const SignedRecord& record, Outbox& out);
-  /// The scheduler has taken what was handed last; what came of it its view tells.
+  /// The scheduler has accepted the record sent last; its view shows the effect.
   void on_accepted();
-  /// The scheduler refuses what was handed last, or did not get it.
+  /// The scheduler refuses the record sent last, or did not get it.
   void on_refused(const Nack& nack, Outbox& out);
 
  private:

@@ -10,7 +10,7 @@
 namespace trb::resilience {
 namespace {
 
-constexpr Duration kSendAgain = std::chrono::seconds(1);  ///< a trouble for which there was no room
+constexpr Duration kSendAgain = std::chrono::seconds(1);  ///< a problem for which there was no room
 
 std::vector<std::string> ids_of(const WatchedRun& run, const std::vector<std::size_t>& tasks) {
   std::vector<std::string> out;
@@ -25,7 +25,7 @@ std::string over_text(const Alert& alert) {
   return "its cause is over: nothing failed, nothing was moved";
 }
 
-/// The alert follows what is known now. What explains more is told; what is over explains the failed task all the same.
+/// Updates the alert. A cause that explains more replaces the old one; a past cause still explains the failed task.
 void follow(Alert& alert, const WatchedRun& run, const RunProblem& problem) {
   if (alert.cause == kOverdue) alert.text = cut_utf8(problem.text, kMaxAlertText);
   alert.tasks = ids_of(run, problem.tasks);
@@ -37,7 +37,7 @@ void follow(Alert& alert, const WatchedRun& run, const RunProblem& problem) {
   alert.text = cut_utf8(problem.text, kMaxAlertText);
 }
 
-/// One for each robot.
+/// Adds one problem per robot.
 void add_late(std::vector<RunProblem>& out, const WatchedRun& run, Overdue::Late late, const Fleet& fleet) {
   const std::string& robot = run.view->tasks[late.task].robot;
   auto at = std::ranges::find(out, robot, &RunProblem::robot);
@@ -67,8 +67,8 @@ void Detection::look(Now now, Outbox& out) {
   }
 }
 
-/// The scheduler tells every few seconds when a run ends. It is looked at only when that is near, or when a clock that
-/// was put right has brought the end near, or taken it away.
+/// The scheduler reports every few seconds when a run ends. The run is only looked at when that is near, or when a
+/// corrected clock has moved the end near or away.
 void Detection::follow_end(const WatchedRun& run, Now now) {
   const std::string& id = run.summary.run;
   const bool warned = std::ranges::any_of(
@@ -77,7 +77,7 @@ void Detection::follow_end(const WatchedRun& run, Now now) {
   situation_.due_runs().hasten(id, next_moment(run, now));
 }
 
-/// When the run is to be looked at, though nothing is told of it.
+/// When to look at the run even if nothing is reported about it.
 std::optional<MonotonicTime> Detection::next_moment(const WatchedRun& run, Now now) const {
   std::optional<MonotonicTime> out = overdue_.next(run, situation_.fleet(), now);
   if (const auto end = end_warning_at(run); end && *end > now.mono) out = earlier(out, end);
@@ -87,7 +87,7 @@ std::optional<MonotonicTime> Detection::next_moment(const WatchedRun& run, Now n
   return out;
 }
 
-/// Of a verdict on single tasks: that they are given back for it is no failure.
+/// Tasks of verdicts on single tasks: that they are given back is no failure.
 std::set<std::string> Detection::ruled_tasks(const WatchedRun& run) {
   std::set<std::string> out;
   for (const Alert* alert : alerts_.open()) {
@@ -127,7 +127,7 @@ void Detection::close_over(const WatchedRun& run, const std::vector<RunProblem>&
   }
 }
 
-/// The last of them; nullptr: none tells of it.
+/// The last alert of this problem; nullptr: none.
 Alert* Detection::find_alert(const WatchedRun& run, const RunProblem& problem) {
   Alert* out = nullptr;
   for (Alert* one : alerts_.open()) {
@@ -136,11 +136,10 @@ Alert* Detection::find_alert(const WatchedRun& run, const RunProblem& problem) {
   return out;
 }
 
-/// Raises the alert of that robot in that run, or lets the one that is there follow what is known. False: there is no
-/// room for another alert.
+/// Raises the alert of that robot in that run, or updates the existing one. False: there is no room for another alert.
 bool Detection::meet(const WatchedRun& run, const RunProblem& problem, Now now, Outbox& out) {
   Alert* alert = find_alert(run, problem);
-  // A verdict was given: what is new becomes an alert of its own once that is done.
+  // A verdict was given: new problems become an alert of their own once it is carried out.
   if (alert != nullptr && alert->state == AlertState::releasing) return true;
   if (alert == nullptr) alert = alerts_.raise(alert_of(run, problem.robot, now), now, out);
   if (alert == nullptr) return false;
@@ -162,7 +161,7 @@ void Detection::on_grown(Alert& alert, const WatchedRun& run, bool is_new, Now n
               " (run " + alert.run.substr(0, 8) + ", tasks " + joined(alert.tasks) + ")");
 }
 
-/// Of what no other alert covers, one for each robot.
+/// Problems that no other alert covers, one per robot.
 std::vector<RunProblem> Detection::overdue_problems(const WatchedRun& run, Now now) {
   std::set<std::string> covered_otherwise;
   std::set<std::string> covered;
@@ -180,7 +179,7 @@ std::vector<RunProblem> Detection::overdue_problems(const WatchedRun& run, Now n
   return out;
 }
 
-/// Its robot is gone and cannot say that it did not begin in time: the scenario's author has said what follows.
+/// The robot is gone and cannot report that it did not begin in time: the scenario defines what follows.
 void Detection::skip_unbegun(const WatchedRun& run, Now now, Outbox& out) {
   if (run.decider() != situation_.node()) return;
   for (const std::size_t index : overdue_.to_skip(run, now)) {

@@ -1,4 +1,4 @@
-// What a run's robots cannot do any more becomes an alert, and what is over closes it.
+// Raises an alert for what a run's robots cannot do any more, and closes it when that is over.
 #pragma once
 
 #include <set>
@@ -16,7 +16,7 @@ class Detection {
   Detection(Situation& situation, Alerts& alerts, Proposer& proposer, Verdicts& verdicts)
       : situation_(situation), alerts_(alerts), proposer_(proposer), verdicts_(verdicts) {}
 
-  /// Looks at the runs that have changed, and at those of which a moment has come.
+  /// Looks at the runs that have changed, and at those that are due.
   void look(Now now, Outbox& out);
 
  private:

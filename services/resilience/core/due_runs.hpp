@@ -1,4 +1,4 @@
-// Which of the watched runs are to be looked at now.
+// Which of the watched runs have to be looked at now.
 #pragma once
 
 #include <map>
@@ -12,22 +12,22 @@
 
 namespace trb::resilience {
 
-/// A run is due when something that it depends on has changed, or when a moment has come that changes what is known of
-/// it: a task is late, a robot has been away for long, its time ends soon. Every other run is as it was.
+/// A run is due when something that it depends on has changed, or at a time that changes its state: a task is late, a
+/// robot has been away for long, the run ends soon. Every other run is unchanged.
 class DueRuns {
  public:
   /// Something about the run has changed: it is due at once.
   void notify(const std::string& run) { notified_.insert(run); }
-  /// When the run is due though nothing changes; nothing: never. Replaces the moment that it had.
+  /// When the run is due though nothing changes; nothing: never. Replaces the previous time.
   void schedule(const std::string& run, std::optional<MonotonicTime> at);
-  /// The run is due then, or at the moment that it has, whichever comes first.
+  /// The run is due then, or at its previous time, whichever comes first.
   void hasten(const std::string& run, std::optional<MonotonicTime> at);
-  /// The runs that are due, by id. They are due no more, and have no moment.
+  /// The runs that are due, by id. They are no longer due, and have no time.
   std::set<std::string> take(MonotonicTime now);
 
-  /// A run is due because something has changed.
+  /// Is a run due because something has changed?
   [[nodiscard]] bool has_notified() const { return !notified_.empty(); }
-  /// The next moment of any run; nothing: none has one.
+  /// The earliest time of any run; nothing: none has one.
   [[nodiscard]] std::optional<MonotonicTime> next() const;
 
  private:

@@ -22,7 +22,7 @@ bool same_abilities(const NodeProfile& a, const NodeProfile& b) {
          a.plugged == b.plugged && a.out_of_use == b.out_of_use && a.numbers == b.numbers;
 }
 
-/// Numbers that are none would be no equals of themselves, and no value for SQLite.
+/// Removes values that are not numbers: they never equal themselves, and SQLite cannot store them.
 NodeProfile cleaned(NodeProfile profile) {
   const FrameInfo& frame = profile.frame;
   if (!std::isfinite(frame.length + frame.x + frame.y + frame.yaw)) profile.frame = {};
@@ -70,7 +70,7 @@ Result<RobotRecord*> Fleet::insert(std::string_view id) {
 Result<RobotRecord*> Fleet::known(std::string_view id) {
   if (RobotRecord* robot = existing(id)) return robot;
   auto robot = insert(id);
-  // Whole, for it may be on disk as it was before it was forgotten.
+  // All parts, for the disk may still have the robot as it was before it was forgotten.
   if (robot) changed(**robot, Changes::kNode | Changes::kAbilities | Changes::kState | Changes::kFaults);
   return robot;
 }

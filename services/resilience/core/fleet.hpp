@@ -1,4 +1,4 @@
-// The capability database in memory: every robot's record, the index that answers, and what is not on disk yet.
+// The capability database in memory: every robot's record, the index for queries, and what is not on disk yet.
 #pragma once
 
 #include <deque>
@@ -30,10 +30,11 @@ struct Changes {
   enum Part : unsigned { kNode = 1, kAbilities = 2, kState = 4, kFaults = 8, kGone = 16 };
   std::map<std::string, unsigned, std::less<>> robots;  ///< id -> parts
   std::deque<HistoryEntry> history;                     ///< oldest first
-  std::size_t history_dropped = 0;                      ///< the disk took none for so long that the oldest went
+  std::size_t history_dropped = 0;                      ///< lines lost because the disk failed for too long
 
   [[nodiscard]] bool empty() const { return robots.empty() && history.empty(); }
-  /// More than what is told again anyway (values, control): to be on disk before anything is said of it.
+  /// Are there changes besides values and control, which are sent again anyway? They must be on disk before anything
+  /// based on them is sent.
   [[nodiscard]] bool urgent() const;
 };
 
@@ -43,47 +44,48 @@ class Fleet {
   static constexpr std::size_t kMaxPendingHistory = 1000;
 
   Fleet() = default;
-  Fleet(Fleet&&) = default;  ///< a copy's numbers would name the records of the first
+  Fleet(Fleet&&) = default;  ///< a copy's pointers would lead into the original
   Fleet& operator=(Fleet&&) = default;
 
-  /// As it was on disk; nobody is reached before the router says so. Errors: too_large, bad_value (no id), duplicate.
+  /// As it was on disk; no robot is reached before the router reports it. Errors: too_large, bad_value (no id),
+  /// duplicate.
   Status restore(RobotRecord robot);
 
-  /// What the router says: its table (Route::state "self" and "ONLINE": reached). True: something about the robot has
+  /// A row of the router's table (Route::state "self" and "ONLINE": reached). True: something about the robot has
   /// changed. Errors: too_large (kMaxRobots), bad_value (no id); the node is then not known here.
   Result<bool> on_route(const Route& route, UtcTime now);
   Status on_joined(std::string_view id, UtcTime now);
   void on_expired(std::string_view id, const std::string& reason, UtcTime now);
 
-  /// What the robot's node says. False: of a robot that is not known, or over a bound; nothing has changed.
+  /// Sent by the robot's node. False: the robot is not known, or a bound is exceeded; nothing has changed.
   bool on_connection(std::string_view id, const RobotConnection& connection, UtcTime now);
   bool on_state(std::string_view id, const RobotState& state, UtcTime now);
   /// One value: the answer to a request of that subtype.
   bool on_value(std::string_view id, const std::string& name, const std::string& value, UtcTime now);
-  /// Also of a robot that is not known yet, which then is: a fault is told once, and may come before its node's
-  /// profile. One that has ended is over, unless somebody else than the robot has found it.
+  /// Also adds a robot that is not known yet: a fault is sent once, and may come before its node's profile. An ended
+  /// fault is over, unless it was found by something other than the robot.
   bool on_fault(std::string_view id, const RobotFault& fault, UtcTime now);
 
-  /// The faults of that capability (empty: of the whole robot, and no others) are over; `why` is kept in the history.
-  /// It is an operator's word, or what the service infers. False: there was none.
+  /// Ends the faults of that capability (empty: of the whole robot, and no others), by an operator's command or by
+  /// inference; `why` is kept in the history. False: there was none.
   bool end_faults(std::string_view id, std::string_view capability, const std::string& why, UtcTime now);
   bool set_later_tasks(std::string_view id, std::uint32_t tasks);
-  /// It has left the fleet for good.
+  /// The robot has left the fleet for good.
   void forget(std::string_view id, UtcTime now);
 
   [[nodiscard]] const RobotRecord* find(std::string_view id) const;
-  /// Of a number that the index has given.
+  /// `number`: one that the index has returned.
   [[nodiscard]] const RobotRecord& record(RobotNumber number) const { return *by_number_[number]; }
   /// By id.
   [[nodiscard]] const std::map<std::string, RobotRecord, std::less<>>& robots() const { return robots_; }
   [[nodiscard]] const FleetIndex& index() const { return index_; }
 
-  /// A robot is out of service.
+  /// Is any robot out of service?
   [[nodiscard]] bool has_retired() const { return !retired_.empty(); }
-  /// Rises with every change of a robot's faults.
+  /// Increases with every change of a robot's faults.
   [[nodiscard]] std::uint64_t fault_changes() const { return fault_changes_; }
   [[nodiscard]] const Changes& changes() const { return changes_; }
-  /// They are on disk.
+  /// The changes are on disk.
   void written() { changes_ = {}; }
 
  private:

@@ -1,4 +1,4 @@
-// Fleet: faults, as robots report them and as their nodes' profiles have them.
+// Fleet: faults, as robots and their nodes' profiles report them.
 #include <algorithm>
 #include <tuple>
 
@@ -13,7 +13,7 @@ auto rank(const Fault& fault) {
   return std::tie(fault.capability, fault.severity);
 }
 
-/// Room for one more: the oldest of the least severe goes.
+/// Makes room for one more: the oldest of the least severe is removed.
 void make_room(std::vector<Fault>& faults) {
   if (faults.size() < kMaxFaults) return;
   faults.erase(std::min_element(faults.begin(), faults.end(), [](const Fault& a, const Fault& b) {
@@ -21,7 +21,7 @@ void make_room(std::vector<Fault>& faults) {
   }));
 }
 
-/// Told again it keeps the moment at which it began.
+/// A fault that is reported again keeps its first time.
 void add_fault(std::vector<Fault>& faults, Fault fault) {
   const auto by_rank = [](const Fault& a, const Fault& b) { return rank(a) < rank(b); };
   const auto at = std::lower_bound(faults.begin(), faults.end(), fault, by_rank);
@@ -52,7 +52,7 @@ bool Fleet::on_fault(std::string_view id, const RobotFault& told, UtcTime now) {
   if (!place) return false;
   RobotRecord* robot = *place;
   Fault fault{told.capability, told.severity, cut_utf8(told.text, kMaxValueSize), now};
-  // A robot may report it a thousand times a second: the disk need not know.
+  // A robot may report it a thousand times a second: it need not be written again.
   const auto same = [&](const Fault& one) { return rank(one) == rank(fault) && one.text == fault.text; };
   if (std::ranges::any_of(robot->faults, same)) return true;
   note(*robot, "fault", words_of_fault(fault.severity, fault.capability, fault.text), now);
@@ -71,7 +71,7 @@ bool Fleet::end_faults(std::string_view id, std::string_view capability, const s
   return true;
 }
 
-/// What the robot reports ends its own faults, those as bad and lesser ones: not one that somebody else has found.
+/// The robot's report ends its own faults of that severity and below, but not one that was found by something else.
 bool Fleet::on_fault_ended(std::string_view id, const RobotFault& told, UtcTime now) {
   RobotRecord* robot = existing(id);
   if (robot == nullptr) return false;
@@ -87,10 +87,9 @@ bool Fleet::on_fault_ended(std::string_view id, const RobotFault& told, UtcTime 
   return true;
 }
 
-/// The profile is the truth: what has left it is over, what has come stands. A fault of the whole robot is told of each
-/// of its capabilities, too: those end with it. A fault of the whole robot is told of each
-/// of its capabilities, too: those end with it. What it had before and still has may have been ended by the robot a
-/// moment ago.
+/// The profile is authoritative: what it no longer lists is over, what is new in it stands. A fault of the whole robot
+/// is also reported for each of its capabilities: those end with it. A fault that it lists as before may have been
+/// ended by the robot a moment ago.
 bool Fleet::take_out_of_use(RobotRecord& robot, const NodeProfile& before, const NodeProfile& profile, UtcTime now) {
   bool some = false;
   for (const OutOfUse& old : before.out_of_use) {
@@ -117,7 +116,7 @@ bool Fleet::take_out_of_use(RobotRecord& robot, const NodeProfile& before, const
   return some;
 }
 
-/// `retired`, `returned`.
+/// Notes `retired` and `returned` in the history.
 void Fleet::note_service(const RobotRecord& robot, const NodeProfile& before, const NodeProfile& profile, UtcTime now) {
   const auto was = std::ranges::find_if(before.out_of_use, &OutOfUse::retired);
   const auto is = std::ranges::find_if(profile.out_of_use, &OutOfUse::retired);

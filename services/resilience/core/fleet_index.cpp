@@ -9,7 +9,7 @@ namespace trb::resilience {
 namespace {
 
 constexpr std::size_t kBits = 64;
-/// Words that are ANDed at a time: 2 kB of a row, so that the sums stay in the first cache.
+/// Words that are ANDed at a time: 2 kB of a row, so that the results stay in the first cache.
 constexpr std::size_t kBlock = 256;
 
 void push_robots(std::uint64_t bits, std::size_t word, std::vector<RobotNumber>& out) {
@@ -83,7 +83,7 @@ void FleetIndex::clear_bit(RowNumber number, RobotNumber robot) {
   Row& row = rows_[number];
   row.bits[robot / kBits] &= ~(std::uint64_t{1} << (robot % kBits));
   if (--row.robots > 0) return;
-  // A word that is true of nobody any longer gives its room back: words come from outside.
+  // A word that is true of no robot frees its memory: words come from outside.
   words_.erase(row.word);
   row = {};
   free_rows_.push_back(number);

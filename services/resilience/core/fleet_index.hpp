@@ -1,4 +1,4 @@
-// Which robot has what: a bitmap for each word (a capability, a skill, "fit"), so that a question is an AND of bitmaps.
+// Which robot has which word (a capability, a skill, "fit"): a bitmap per word, so that a query is an AND of bitmaps.
 #pragma once
 
 #include <cstdint>
@@ -14,12 +14,12 @@
 
 namespace trb::resilience {
 
-/// A robot's place in the bitmaps; given to another one once the robot is dropped.
+/// A robot's place in the bitmaps; reused after the robot is removed.
 using RobotNumber = std::uint32_t;
 
 constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
-/// What a ranking looks at besides. kUnknown (not a number): nobody knows.
+/// Further input of a ranking. kUnknown (not a number): not known.
 struct Measures {
   double charge = kUnknown;  ///< percent
   double x = kUnknown;       ///< m, in the hall's frame
@@ -35,13 +35,13 @@ class FleetIndex {
   Result<RobotNumber> add(std::string_view id);
   void drop(std::string_view id);
   [[nodiscard]] std::optional<RobotNumber> find(std::string_view id) const;
-  /// Of a number that add() or query() has given.
+  /// `robot`: a number from add() or query().
   [[nodiscard]] const std::string& id_of(RobotNumber robot) const { return robots_[robot].id; }
   [[nodiscard]] std::size_t size() const { return numbers_.size(); }
-  /// Words that are true of somebody: others take no room.
+  /// Words that are true of some robot: others take no memory.
   [[nodiscard]] std::size_t words() const { return words_.size(); }
 
-  /// From now on these words, and no others, are true of the robot. Touches the bits that change.
+  /// From now on exactly these words are true of the robot. Touches only the bits that change.
   void set_words(RobotNumber robot, const std::vector<std::string>& words);
   [[nodiscard]] bool has(RobotNumber robot, std::string_view word) const;
   void set_measures(RobotNumber robot, const Measures& measures) { measures_[robot] = measures; }
@@ -54,7 +54,7 @@ class FleetIndex {
   using RowNumber = std::uint32_t;
   struct Row {
     std::string word;
-    std::vector<std::uint64_t> bits;  ///< as far as the last robot that has it; a bit beyond is 0
+    std::vector<std::uint64_t> bits;  ///< up to the last robot that has it; a bit beyond is 0
     std::size_t robots = 0;
   };
   struct Robot {

@@ -12,7 +12,7 @@ namespace {
 
 using Words = std::vector<std::string>;
 
-/// Small and the same everywhere (xorshift64*).
+/// A small generator with the same numbers everywhere (xorshift64*).
 class Dice {
  public:
   explicit Dice(std::uint64_t seed) : state_(seed) {}

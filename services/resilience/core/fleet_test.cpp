@@ -61,7 +61,7 @@ TEST_CASE("a fault takes one capability: a Ridgeback that cannot move can still 
   CHECK(find_candidates(fleet, {{load()}, {}}).robots == Ids{"ridgeback"});
   fleet.on_fault("ridgeback", {"", Severity::fatal, "emergency stop"}, at_second(2));
   CHECK(find_candidates(fleet, {{load()}, {}}).robots.empty());
-  // The end of the one is not the end of the other.
+  // The end of one fault is not the end of the other.
   fleet.end_faults("ridgeback", "", "released", at_second(3));
   CHECK(find_candidates(fleet, {{load()}, {}}).robots == Ids{"ridgeback"});
   CHECK(who_can_drive(fleet).empty());

@@ -1,4 +1,4 @@
-// What has happened to the fleet, as the database keeps it: the core keeps no past.
+// The fleet's history, as the database keeps it: the core itself keeps none.
 #pragma once
 
 #include <cstdint>

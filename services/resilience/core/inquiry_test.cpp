@@ -15,7 +15,7 @@ TEST_CASE("an inquiry is complete once the last answer that it waits for has com
   inquiry.await("r2", "battery");
   CHECK(inquiry.awaited_robot(seconds(5), at(1)) == "r1");
   CHECK_FALSE(inquiry.on_answer("r1", "battery"));
-  CHECK_FALSE(inquiry.on_answer("r3", "battery"));  // was not asked
+  CHECK_FALSE(inquiry.on_answer("r3", "battery"));  // was not requested
   CHECK_FALSE(inquiry.is_complete());
   CHECK(inquiry.on_answer("r2", "battery"));
   CHECK(inquiry.is_complete());

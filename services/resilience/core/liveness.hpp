@@ -1,5 +1,5 @@
-// Which robots are gone as a whole: their node is not reached, or the robot itself is not there, for longer than a
-// grace.
+// Which robots are gone as a whole: their node is not reached, or the robot itself is not connected, for longer than a
+// grace period.
 #pragma once
 
 #include <map>
@@ -19,16 +19,16 @@ class Liveness {
     std::string text;
   };
 
-  /// The router's table has come: before, nobody is judged.
+  /// The router's table has come: before that no robot is judged.
   void begin() { begun_ = true; }
-  /// Looks at the robot, nullptr: the fleet does not know it. `expired`: the router has just said that its lease has
-  /// run out, which was grace enough.
+  /// Checks the robot; nullptr: the fleet does not know it. `expired`: the router has just reported that its lease has
+  /// run out, which counts as the grace period.
   void look(const std::string& id, const RobotRecord* robot, Now now, bool expired = false);
-  /// nullptr: it is there, or has not been away for long.
+  /// nullptr: it is there, or has not been away for the grace period.
   [[nodiscard]] const Gone* find(std::string_view id, Now now) const;
-  /// When that robot has been away for the grace; nothing: it is there, or is gone already.
+  /// When that robot's grace period ends; nothing: it is there, or is gone already.
   [[nodiscard]] std::optional<MonotonicTime> next(std::string_view id, Now now) const;
-  /// When the next one has been.
+  /// When the next robot's grace period ends.
   [[nodiscard]] std::optional<MonotonicTime> next(Now now) const;
 
  private:

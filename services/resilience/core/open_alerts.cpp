@@ -21,7 +21,7 @@ void OpenAlerts::look(Alert& alert, Now now, Outbox& out) {
   if (alert.state == AlertState::open) policy_.try_decide(alert, now, out);
 }
 
-/// It tells what is; there is nothing to propose.
+/// A notice only informs; there is nothing to propose.
 void OpenAlerts::look_at_notice(Alert& alert, const WatchedRun& run, Now now) {
   const std::string id = run.summary.run.substr(0, 8);
   alert.waits_for = alert.cause == kRunEnds

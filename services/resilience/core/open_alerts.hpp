@@ -1,4 +1,4 @@
-// An open alert of a run, looked at: its proposals, its time, what it waits for, and the policy.
+// Updates an open alert of a run: its proposals, its time, what it waits for, and the policy.
 #pragma once
 
 #include <string>

@@ -1,4 +1,4 @@
-// How many tasks each robot still has, over all runs: the fewer it has, the more it is at hand.
+// How many tasks each robot still has, over all runs: the fewer, the more available it is.
 #pragma once
 
 #include <cstdint>
@@ -16,7 +16,7 @@ class OpenTasks {
   /// Counts the run's tasks that are not final anew; nullptr or without a view: it has none. Returns the robots whose
   /// number may have changed.
   std::set<std::string> count(const std::string& run, const WatchedRun* is);
-  /// Of all runs.
+  /// The number over all runs.
   [[nodiscard]] std::uint32_t of(std::string_view robot) const;
 
  private:

@@ -47,7 +47,7 @@ void Overdue::forget(std::string_view run) {
   if (const auto at = runs_.find(run); at != runs_.end()) runs_.erase(at);
 }
 
-/// So long it may be as it is; nothing: for ever.
+/// How long it may stay in its phase; nothing: for ever.
 std::optional<Duration> Overdue::limit(const WatchedRun& run, std::size_t index, const Entry& entry,
                                        const Fleet& fleet) {
   constexpr double kLongest_s = 1e9;

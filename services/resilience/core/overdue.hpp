@@ -1,4 +1,4 @@
-// Tasks that should have ended or begun by now: how long each has been as it is, since this node first saw it so.
+// Tasks that should have ended or begun by now: how long each has had its state, since this node first saw it.
 #pragma once
 
 #include <map>
@@ -13,7 +13,7 @@ namespace trb::resilience {
 
 class Overdue {
  public:
-  static constexpr Duration kStart = std::chrono::seconds(30);   ///< so long after it was due a task has begun
+  static constexpr Duration kStart = std::chrono::seconds(30);   ///< a task should begin this long after it was due
   static constexpr Duration kMargin = std::chrono::seconds(10);  ///< beyond a time-out, or half of it
   static constexpr Duration kRule = std::chrono::seconds(5);     ///< beyond `start_within_s`
 
@@ -22,17 +22,17 @@ class Overdue {
     std::string text;
   };
 
-  /// Looks at the run's tasks. Those in `told` were overdue before this service was started. The run is_known().
+  /// Looks at the run's tasks. Those in `told` were overdue before this service started. The run is_known().
   void follow(const WatchedRun& run, const std::set<std::string>& told, Now now);
   void forget(std::string_view run);
 
-  /// What is overdue now, by the tasks' order; nothing of a run that is held.
+  /// What is overdue now, in the order of the tasks; nothing of a run that is held.
   [[nodiscard]] std::vector<Late> late(const WatchedRun& run, const Fleet& fleet, Now now) const;
-  /// Due and not begun within its `start_within_s`, and its scenario does without it (on_failure skip or continue).
+  /// Due, not begun within its `start_within_s`, and its scenario allows to skip it (on_failure skip or continue).
   [[nodiscard]] std::vector<std::size_t> to_skip(const WatchedRun& run, Now now) const;
-  /// It was ruled on: not again while it stays as it is.
+  /// It was decided: it is not reported again while it stays as it is.
   void ruled(const WatchedRun& run, std::size_t task);
-  /// When the next one of the run will be.
+  /// When the run's next task will be overdue.
   [[nodiscard]] std::optional<MonotonicTime> next(const WatchedRun& run, const Fleet& fleet, Now now) const;
 
  private:

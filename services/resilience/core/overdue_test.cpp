@@ -53,7 +53,7 @@ TEST_CASE("a task that runs is late past its time-out and half of it, or 10 s") 
   hall.task().timeout_s = 4;  // its own
   CHECK_FALSE(hall.late(13));
   CHECK(hall.late(14));
-  hall.t1().attempt = 2;  // tried again: its time begins anew
+  hall.t1().attempt = 2;  // tried again: its time starts anew
   hall.see(100);
   CHECK_FALSE(hall.late(113));
   CHECK(hall.late(114));
@@ -87,7 +87,7 @@ TEST_CASE("a task that is due for 30 s is late; one that is not due, or of a run
   hall.see(1031);
   CHECK_FALSE(hall.late(1100));
   hall.run.view->paused_by.clear();
-  hall.see(1100);  // what was held is given its time again
+  hall.see(1100);  // a task that was held gets its full time again
   CHECK_FALSE(hall.late(1129));
   CHECK(hall.late(1130));
 }

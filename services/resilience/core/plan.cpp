@@ -16,7 +16,7 @@ std::vector<std::size_t> tasks_of(const Alert& alert, const WatchedRun& run) {
   }
   const auto stopped = [&](std::size_t task) { return run.has_stopped(task); };
   const bool some = std::ranges::any_of(out, stopped);
-  // What runs on needs no second try. What has not failed is skipped only if nothing has.
+  // A running task needs no second try. A task that has not failed is skipped only if none has.
   const bool only_stopped = alert.verdict == Verdict::retry || (alert.verdict == Verdict::skip && some);
   if (only_stopped) std::erase_if(out, [&](std::size_t task) { return !stopped(task); });
   return out;
@@ -65,7 +65,7 @@ Plan plan_of(const Alert& alert, const WatchedRun& run, const Fleet& fleet, cons
     if (ruling.robot.empty()) continue;
     const std::string why = why_confirmation(run, index, fleet, alert.verdict == Verdict::retry);
     const bool open = !run.has_stopped(index);
-    // Who can be asked is asked first: what it has done may be on its way.
+    // A reachable robot is asked first: its result may be under way.
     const bool word_counts = !why.empty() || (open && (asked_long || !is_reached(fleet, task.robot)));
     if (alert.needs_word && word_counts) {
       ruling.evidence = Evidence::word;

@@ -1,4 +1,4 @@
-// What a verdict comes to now: rulings that may be signed, or what is to happen before.
+// What a verdict means now: rulings that may be signed, or what must happen first.
 #pragma once
 
 #include <string>
@@ -10,14 +10,14 @@
 namespace trb::resilience {
 
 struct Plan {
-  std::vector<TaskRuling> rulings;     ///< of use once waits_for is empty; none then: nothing is left to decide
-  std::vector<std::uint16_t> release;  ///< tasks that the robot is to give back
-  std::string waits_for;               ///< in words; empty: it may be signed
+  std::vector<TaskRuling> rulings;     ///< valid once waits_for is empty; none then: nothing is left to decide
+  std::vector<std::uint16_t> release;  ///< tasks that the robot must give back
+  std::string waits_for;               ///< for people; empty: it may be signed
 };
 
-/// Of an alert with a verdict that is no abort: proposals.front() says who takes over; needs_word that a person has
-/// said that the robot stands. `node`: who skips. `asked_long`: a robot that is reached has had its time to answer, and
-/// the word counts without it. The run is_known().
+/// For an alert with a verdict other than abort: proposals.front() names the robots that take over; needs_word means
+/// that a person has stated that the robot stands. `node`: skips the tasks. `asked_long`: a reachable robot has had its
+/// time to answer, and the statement counts without an answer. The run is_known().
 Plan plan_of(const Alert& alert, const WatchedRun& run, const Fleet& fleet, const std::string& node, bool asked_long);
 
 }  // namespace trb::resilience

@@ -7,12 +7,12 @@
 namespace trb::resilience {
 namespace {
 
-/// What fails of one cause comes within seconds: the policy waits for it, people take longer anyway.
+/// Failures of one cause come within seconds: the policy waits for them, people take longer anyway.
 constexpr Duration kGather = std::chrono::seconds(2);
 constexpr const char* kGathers = "other tasks may fail of the same cause";
-constexpr Duration kPatience = std::chrono::seconds(2);  ///< so long a task that names no robot waits for answers
+constexpr Duration kPatience = std::chrono::seconds(2);  ///< how long a task that names no robot waits for answers
 
-/// Who is to answer yet, if it was asked less than `patience` ago; empty: nobody.
+/// A robot whose answer is missing, if it was asked less than `patience` ago; empty: none.
 std::string awaits(const AlertWork& work, Duration patience, Now now) {
   const std::string robot = work.inquiry.awaited_robot(patience, now);
   return robot.empty() ? robot : "what " + robot + " answers";
@@ -20,7 +20,7 @@ std::string awaits(const AlertWork& work, Duration patience, Now now) {
 
 }  // namespace
 
-/// Who is moved again and again fails everywhere.
+/// A task that is moved again and again fails everywhere.
 std::string Policy::why_moved_enough(const Alert& alert) const {
   const WatchedRun* run = situation_.runs().find(alert.run);
   const std::uint32_t most = situation_.settings().resilience.policy.max_moves;
@@ -32,7 +32,7 @@ std::string Policy::why_moved_enough(const Alert& alert) const {
   return {};
 }
 
-/// Why the policy does not decide; empty: it does.
+/// Why the policy leaves the decision to people; empty: it decides.
 std::string Policy::why_ask(const Alert& alert, const AlertWork& work, Now now) const {
   const ReplacementPolicy& policy = situation_.settings().resilience.policy;
   if (!work.asks_for.empty()) return work.asks_for;
@@ -50,8 +50,8 @@ std::string Policy::why_ask(const Alert& alert, const AlertWork& work, Now now) 
   return awaits(work, Inquiry::kAnswers, now);
 }
 
-/// Why nobody is chosen yet for a task that names no robot; empty: the best is. One task after the other: who gets one
-/// is less at hand for the next.
+/// Why no robot is chosen yet for a task that names none; empty: the best one is. One task after the other: a robot
+/// that gets one is less available for the next.
 std::string Policy::why_wait(const Alert& alert, const AlertWork& work, Now now) {
   if (!work.asks_for.empty()) return work.asks_for;
   if (alert.proposals.empty()) return "no robot can do it now";
@@ -81,7 +81,7 @@ void Policy::try_decide(Alert& alert, Now now, Outbox& out) {
   const std::string asks = passes ? "automatic, waits: " : "automatic, but asks: ";
   alert.policy = why.empty() ? "automatic" : cut_utf8(asks + why, 255);
   if (!why.empty()) return;
-  if (binds) proposer_.propose(alert, *run, now);  // somebody may have got a task meanwhile
+  if (binds) proposer_.propose(alert, *run, now);  // a robot may have got a task meanwhile
   if (alert.proposals.empty()) return;
   AlertDecide verdict;
   verdict.verdict = Verdict::accept;

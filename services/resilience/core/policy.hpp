@@ -1,4 +1,4 @@
-// When nobody needs to be asked: the policy decides on an open alert.
+// Decides on an open alert without a person, where the policy allows it.
 #pragma once
 
 #include <string>
@@ -12,7 +12,7 @@ class Policy {
   Policy(Situation& situation, Alerts& alerts, Proposer& proposer, Verdicts& verdicts)
       : situation_(situation), alerts_(alerts), proposer_(proposer), verdicts_(verdicts) {}
 
-  /// Decides if nothing keeps it from that; else the alert says what does.
+  /// Decides if nothing prevents it; else the alert shows what does.
   void try_decide(Alert& alert, Now now, Outbox& out);
 
  private:

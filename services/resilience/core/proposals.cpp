@@ -36,7 +36,7 @@ Result<Needs> needs_of(const WatchedRun& run, const std::vector<std::size_t>& ta
 
 namespace {
 
-/// Those that no bound keeps out; the others are told, and may be asked.
+/// Selects the robots that no bound excludes; the others are listed, and may be asked for newer values.
 class Bounds {
  public:
   Bounds(const Fleet& fleet, const HallPlaces& places, const Criteria& criteria, Ways& out)
@@ -68,7 +68,7 @@ class Bounds {
   Ways& out_;
 };
 
-/// One part a criterion, if there are too many of all robots: they add up to the score all the same.
+/// One part per criterion, if all robots together have too many parts: they still add up to the score.
 std::vector<CriterionPart> summed(const std::vector<CriterionPart>& parts) {
   std::vector<CriterionPart> out;
   for (const CriterionPart& part : parts) {
@@ -83,7 +83,7 @@ std::vector<CriterionPart> summed(const std::vector<CriterionPart>& parts) {
   return out;
 }
 
-/// The best for each of the tasks; nothing: one of them has nobody.
+/// The best robot for each of the tasks; nothing: one task has none.
 std::optional<Proposal> several(const Needs& needs, const std::vector<std::vector<std::string>>& by_task,
                                 const Ranking& ranking) {
   Proposal out;

@@ -1,4 +1,4 @@
-// The ranked ways out of an alert: who could take the tasks over, and why in this order.
+// The ranked ways out of an alert: which robots could take the tasks over, and why in this order.
 #pragma once
 
 #include <map>
@@ -17,16 +17,16 @@ constexpr std::size_t kMaxUnfit = 64;
 struct Ways {
   std::vector<Proposal> proposals;  ///< best first
   std::vector<Unfit> unfit;
-  std::vector<std::string> bounded;  ///< who can do it, and is none of them by a bound: what is known may be old
+  std::vector<std::string> bounded;  ///< robots that only a bound excludes: their values may be old
 };
 
-/// Where the places are: places.json of the node's folder, the hall's frame.
+/// Positions of the places: places.json of the node's folder, in the hall's frame.
 using HallPlaces = std::map<std::string, HallPoint>;
 
-/// What the tasks ask of whoever takes them over. Error: malformed (a task's data).
+/// What the tasks require of the robot that takes them over. Error: malformed (a task's data).
 Result<Needs> needs_of(const WatchedRun& run, const std::vector<std::size_t>& tasks, const std::string& robot);
 
-/// One robot for all of them if there is one; else several between them, as one proposal; else nobody.
+/// One robot for all tasks if there is one; else several between them, as one proposal; else none.
 Ways find_ways(const Fleet& fleet, const Needs& needs, const HallPlaces& places, const Criteria& criteria, UtcTime now);
 
 /// The first place among the parameters that the robot's skills take as places.

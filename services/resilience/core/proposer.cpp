@@ -11,14 +11,15 @@
 namespace trb::resilience {
 namespace {
 
-/// What is older is asked for. An answer changes the proposals so long after that: later, somebody has read them.
+/// Older values are requested again. Answers change the proposals only within kAnswers: later, people may have read
+/// them.
 constexpr Duration kFresh = std::chrono::seconds(10);
 
 void add_unfit(Alert& alert, Unfit one) {
   if (alert.unfit.size() < kMaxUnfit) alert.unfit.push_back(std::move(one));
 }
 
-/// The alert's tasks that may move; of the others it says why they do not.
+/// The alert's tasks that may move; for the others it notes why they may not.
 std::vector<std::size_t> movable(Alert& alert, const WatchedRun& run) {
   std::vector<std::size_t> out;
   for (const std::string& id : alert.tasks) {
@@ -54,7 +55,7 @@ void Proposer::propose(Alert& alert, const WatchedRun& run, Now now) {
 
 void Proposer::refresh(Alert& alert, const WatchedRun& run, Now now, Outbox& out) {
   const Inquiry& inquiry = alerts_.work(alert.id).inquiry;
-  // After a start what counts may be another: everybody is asked and proposed anew.
+  // The criteria may have changed since the last start: all robots are asked and proposed anew.
   const bool wanted = !inquiry.has_begun() || (inquiry.may_rank(now) && (alert.proposals.empty() || is_stale(alert)));
   if (wanted) {
     const std::vector<Proposal> proposals = alert.proposals;
@@ -70,7 +71,7 @@ void Proposer::refresh(Alert& alert, const WatchedRun& run, Now now, Outbox& out
 void Proposer::ask_values(const Alert& alert, Now now, Outbox& out) {
   Inquiry& inquiry = alerts_.work(alert.id).inquiry;
   if (!inquiry.begin(now)) return;
-  if (wants_robot(alert)) {  // no message says that a robot was stopped: the table does
+  if (wants_robot(alert)) {  // no message reports that a robot was stopped, only the table
     situation_.routes().want(now, Duration{0});
     inquiry.await(situation_.node(), std::string(RouteListRequest::kSubtype));
   }
@@ -78,7 +79,7 @@ void Proposer::ask_values(const Alert& alert, Now now, Outbox& out) {
   for (const Proposal& proposal : alert.proposals) {
     for (const TaskForRobot& one : proposal.tasks) robots.insert(one.robot);
   }
-  // A task is often due because somebody has just arrived: what was reported on the way is wrong already.
+  // A task is often due because a robot has just arrived: values that it reported on its way are outdated.
   const Duration fresh = wants_robot(alert) ? Duration{0} : kFresh;
   for (const std::string& id : robots) {
     if (const RobotRecord* robot = situation_.fleet().find(id)) ask_robot(*robot, fresh, inquiry, now, out);
@@ -99,7 +100,7 @@ void Proposer::on_reading_refused(const std::string& robot) {
   }
 }
 
-/// Values of robots that somebody may have asked for.
+/// Does the subtype name a value that may have been requested?
 bool Proposer::is_asked_for(const std::string& subtype) const {
   const auto is_criterion = [&](const ReplacementCriterion& one) {
     return one.from == CriterionSource::robot && one.value == subtype;
@@ -129,8 +130,8 @@ void Proposer::receive(const SensorReading& reading, const std::string& robot, N
   taken ? on_value(now, out) : out.count("dropped.value");
 }
 
-/// Nobody has seen the proposals for long: they follow what comes. Answers come in a crowd, one a robot and value:
-/// they are followed when the last has come, or at the latest after Inquiry::kCrowd.
+/// No person has read the proposals for long: they follow the new values. Answers come almost together, one per robot
+/// and value: they are applied when the last has come, or after Inquiry::kCrowd at the latest.
 void Proposer::on_value(Now now, Outbox& out) {
   for (Alert* alert : alerts_.open()) {
     Inquiry& inquiry = alerts_.work(alert->id).inquiry;

@@ -1,4 +1,4 @@
-// Keeps an open alert's proposals in step with what is known, and asks the robots for what is not.
+// Keeps an open alert's proposals up to date, and requests missing values from the robots.
 #pragma once
 
 #include <string>
@@ -13,19 +13,19 @@ class Proposer {
 
   /// Makes the alert's proposals anew. The run is_known().
   void propose(Alert& alert, const WatchedRun& run, Now now);
-  /// Requests what counts of whoever is proposed, or would be but for a bound, if it is not known or old.
+  /// Requests values that are unknown or old, from robots that are proposed or that only a bound excludes.
   void ask_values(const Alert& alert, Now now, Outbox& out);
-  /// Asks and proposes anew what was not yet since the start, what is stale, and what nobody could do.
+  /// Requests and proposes anew: once after the start, if a proposal is stale, and if no robot could do it.
   void refresh(Alert& alert, const WatchedRun& run, Now now, Outbox& out);
-  /// The proposals follow the values that have come.
+  /// Updates the proposals by the values that have come.
   void follow_answers(Alert& alert, Now now, Outbox& out);
-  /// Somebody who was proposed cannot do it any more.
+  /// Can a proposed robot no longer do it?
   [[nodiscard]] bool is_stale(const Alert& alert) const;
 
-  /// Answers of robots to what they were asked.
+  /// Answers of robots to these requests.
   void receive(const Opaque& value, const std::string& robot, Now now, Outbox& out);
   void receive(const SensorReading& reading, const std::string& robot, Now now, Outbox& out);
-  /// The robot refuses to be read. A Nack names no sensor: none of the robot's is waited for.
+  /// The robot refuses a reading. A Nack names no sensor: none of the robot's sensors is awaited any more.
   void on_reading_refused(const std::string& robot);
 
  private:

@@ -11,12 +11,12 @@ namespace {
 
 constexpr Duration kOld = std::chrono::seconds(30);
 
-/// A criterion's values of the candidates, in their order; what nobody knows is the mean of the others.
+/// The candidates' values of one criterion, in their order; an unknown value is the mean of the others.
 struct Column {
   const ReplacementCriterion* of = nullptr;
   double weight = 0;
   std::vector<double> values{};
-  bool known = true;  ///< of anybody
+  bool known = true;  ///< of at least one candidate
 };
 
 bool is_own(const ReplacementCriterion& criterion) {
@@ -42,7 +42,7 @@ class Ranker {
   }
 
  private:
-  /// Without a place the way counts nothing; if that was all that counts, all count alike.
+  /// Without a place the distance has no weight; if it was the only criterion, all are equal.
   void weigh() {
     double sum = 0;
     for (const Column& column : columns_) sum += column.weight;
@@ -51,7 +51,7 @@ class Ranker {
     }
   }
 
-  /// Only so many are ranked in full.
+  /// Only this many are ranked in full.
   [[nodiscard]] std::vector<std::string> best_of(std::vector<std::string> robots, std::size_t most) const {
     if (robots.size() <= most) return robots;
     const bool own =
@@ -124,7 +124,7 @@ class Ranker {
     }
   }
 
-  /// The paper's criteria are shared out as they are measured; the operator's own, which may be below 0, by their
+  /// The paper's criteria are compared by their measured values; the operator's own, which may be negative, by their
   /// worth.
   [[nodiscard]] RankingProblem problem() const {
     RankingProblem out;
@@ -149,7 +149,7 @@ class Ranker {
   [[nodiscard]] std::vector<Ranked> explain() const {
     std::vector<Ranked> out;
     const auto answer = trb::rank(problem());
-    if (!answer) {  // cannot be: names and values are the own ones
+    if (!answer) {  // impossible: names and values are this service's own
       for (const std::string& robot : robots_) out.push_back({robot, 0, 0, {}, "not ranked: " + answer.error().what});
       return out;
     }

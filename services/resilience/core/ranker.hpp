@@ -1,5 +1,5 @@
-// Candidates in their order, each with its parts: scores against each other (the AHP's), merits against the best that
-// is possible.
+// Ranks candidates, each with its parts: scores relative to each other (the AHP's), merits relative to the best
+// possible.
 #pragma once
 
 #include <string>
@@ -18,7 +18,7 @@ struct Ranked {
   std::string note;
 };
 
-/// What a ranking is made of.
+/// The input of a ranking.
 struct Ranking {
   const Fleet& fleet;
   const HallPlaces& places;

@@ -1,4 +1,4 @@
-// A robot that a person says is repaired: its node is told to take it into use until its profile says that it has.
+// A person reports a robot as repaired: its node gets TakeIntoUse until its profile shows that it did so.
 #pragma once
 
 #include <optional>
@@ -8,28 +8,28 @@
 
 namespace trb::resilience {
 
-/// Of one alert.
+/// The repair of one alert.
 class Repair {
  public:
-  /// Within this time the node's new profile has come by way of the routers.
+  /// Within this time the node's new profile arrives through the routers.
   static constexpr Duration kProfile = std::chrono::seconds(3);
-  /// So long after its answer the node is told again.
+  /// After this time without a new profile the node is notified again.
   static constexpr Duration kSendAgain = std::chrono::seconds(10);
 
-  /// The node is to be told now.
+  /// Must the node be notified now?
   [[nodiscard]] bool is_due(Now now) const;
   void on_sent(Now now);
   /// The node has answered that the robot is in use.
   void on_taken(Now now);
-  /// The node refuses, in these words. It may be late: the profile has the last word.
+  /// The node refuses, with this reason. The refusal may be outdated: the profile decides.
   void on_refused(const std::string& why, Now now);
-  /// The profile says that nothing is broken any more.
+  /// The profile shows no such fault any more.
   void on_done() { done_ = true; }
 
   [[nodiscard]] bool is_done() const { return done_; }
-  /// The node's own words, once its profile has had the time to say otherwise; nothing: it has not refused.
+  /// The node's reason, once its profile has had time to show otherwise; nothing: it has not refused.
   [[nodiscard]] std::optional<std::string> refusal(Now now) const;
-  /// When the node is told again; nothing: it has not been told.
+  /// When the node is notified again; nothing: it was not notified.
   [[nodiscard]] std::optional<MonotonicTime> next() const { return send_.next(); }
 
  private:

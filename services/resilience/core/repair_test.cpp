@@ -21,7 +21,7 @@ TEST_CASE("a node that does not answer is told again, later and later") {
 
 TEST_CASE("a node that has taken its robot into use is told again after ten seconds") {
   Repair repair;
-  repair.on_taken(at(0));  // it was not told yet
+  repair.on_taken(at(0));  // it was not notified yet
   CHECK(repair.is_due(at(0)));
   repair.on_sent(at(0));
   repair.on_taken(at(1));

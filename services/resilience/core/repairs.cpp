@@ -14,7 +14,7 @@ std::string quoted(const std::vector<std::string>& capabilities) {
   return out;
 }
 
-/// The alert's word on a repair speaks of that fault.
+/// Does a repair of the alert's capability concern that fault?
 bool concerns(const Alert& alert, const Fault& fault) {
   return alert.capability.empty() || fault.capability.empty() || fault.capability == alert.capability;
 }
@@ -45,7 +45,7 @@ std::vector<std::string> Repairs::still_broken(const Alert& alert) const {
   return {out.begin(), out.end()};
 }
 
-/// Empty: it has not failed.
+/// Empty: the repair has not failed.
 std::string Repairs::why_failed(const Repair& repair, const std::vector<std::string>& broken, Now now) {
   if (repair.is_done()) return "is broken again: " + quoted(broken);
   const auto refusal = repair.refusal(now);
@@ -73,7 +73,7 @@ bool Repairs::is_awaited(Alert& alert, Now now, Outbox& out) {
 
 void Repairs::command(const Alert& alert, const std::vector<std::string>& broken, Outbox& out) {
   for (const std::string& capability : broken) {
-    if (&capability != &broken.front() && broken.front().empty()) break;  // the whole robot: that is all of them
+    if (&capability != &broken.front() && broken.front().empty()) break;  // the whole robot: includes all others
     out.command(alert.robot, TakeIntoUse{capability, false, cut_utf8(alert.person, 64)}, 0);
   }
 }
@@ -85,7 +85,7 @@ void Repairs::on_taken(const std::string& robot, Now now) {
   situation_.routes().want(now, RouteRequests::kAtOnce);
 }
 
-/// What was not delivered is sent again.
+/// A message that was not delivered is sent again.
 void Repairs::on_refused(const Nack& nack, const std::string& from, Now now, Outbox& out) {
   out.count("nacked." + nack.subtype);
   if (from != nack.target) {

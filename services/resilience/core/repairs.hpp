@@ -1,4 +1,4 @@
-// A person says that a robot is repaired: its node is notified, and decides.
+// A person reports that a robot is repaired: its node is notified, and decides.
 #pragma once
 
 #include <string>
@@ -12,17 +12,18 @@ class Repairs {
  public:
   Repairs(Situation& situation, Alerts& alerts) : situation_(situation), alerts_(alerts) {}
 
-  /// What only this node knows of is over at once; the rest when the robot's node says so. `why`: for the history.
+  /// Ends at once the faults that only this node knows; the others when the robot's node reports it. `why`: for the
+  /// history.
   void begin(const Alert& alert, const std::string& why, Now now);
-  /// Capabilities of which a person has said that they are repaired, and that the robot's node still has as broken.
+  /// Capabilities that a person has reported as repaired, and that the robot's node still reports as broken.
   [[nodiscard]] std::vector<std::string> still_broken(const Alert& alert) const;
-  /// True: the robot's node has not taken it into use yet, and is notified again; or it never will, and the alert is
-  /// open again.
+  /// True: the robot's node has not taken it into use yet, and is notified again; or it refused, and the alert is open
+  /// again.
   [[nodiscard]] bool is_awaited(Alert& alert, Now now, Outbox& out);
 
-  /// The robot's node has taken it into use: its profile is on its way.
+  /// The robot's node has taken it into use: its profile follows.
   void on_taken(const std::string& robot, Now now);
-  /// The robot's node refuses, or does not get, what it was sent.
+  /// The robot's node refuses the message, or did not get it.
   void on_refused(const Nack& nack, const std::string& from, Now now, Outbox& out);
 
  private:

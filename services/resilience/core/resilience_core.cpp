@@ -8,8 +8,8 @@ namespace trb::resilience {
 namespace {
 
 constexpr Duration kLook = std::chrono::seconds(1);
-constexpr Duration kShown = std::chrono::minutes(15);  ///< a lesser fault is shown for so long
-constexpr std::uint32_t kMostEvents = 500;             ///< as many as a HistoryTable holds
+constexpr Duration kShown = std::chrono::minutes(15);  ///< how long a lesser fault is shown
+constexpr std::uint32_t kMostEvents = 500;             ///< the bound of a HistoryTable
 
 }  // namespace
 
@@ -23,7 +23,7 @@ std::vector<std::string> ResilienceCore::hears() {
 }
 
 void ResilienceCore::restore(std::vector<Alert> alerts, const std::vector<StoredDecision>& decisions) {
-  for (const auto& [id, robot] : fleet().robots()) fleet().set_later_tasks(id, 0);  // the runs say it anew
+  for (const auto& [id, robot] : fleet().robots()) fleet().set_later_tasks(id, 0);  // the runs report it anew
   alerts_.restore(std::move(alerts), decisions);
 }
 
@@ -42,7 +42,7 @@ void ResilienceCore::on(const Inbound& message, Now now, Outbox& out) {
   settle(now, out);
 }
 
-// ---- what people ask and decide
+// ---- requests and verdicts of people
 
 void ResilienceCore::on_request(const Inbound& message, Now now, Outbox& out) {
   situation_.note_change();
@@ -55,7 +55,7 @@ void ResilienceCore::on_request(const Inbound& message, Now now, Outbox& out) {
 void ResilienceCore::handle(const AlertListRequest& body, const Inbound& from, Now now, Outbox& out) {
   for (Alert* alert : alerts_.open()) {
     const WatchedRun* run = situation_.runs().find(alert->run);
-    // Nobody holds what was proposed long ago.
+    // The proposals of an expired alert are old.
     const bool is_old = alert->state == AlertState::expired && run != nullptr && run->is_known();
     if (is_old) proposer_.propose(*alert, *run, now);
   }
@@ -89,13 +89,13 @@ void ResilienceCore::handle(const HistoryListRequest& body, const Inbound& from,
   out.reply(from, std::move(table));
 }
 
-// ---- what the fleet, the own router and the own scheduler tell
+// ---- information from the fleet, the own router and the own scheduler
 
 void ResilienceCore::on_information(const Inbound& message, Now now, Outbox& out) {
   if (!on_fleet(message, now, out) && !on_own_node(message, now, out)) on_answer(message, now, out);
 }
 
-/// False: it is something else.
+/// False: it is another subtype.
 bool ResilienceCore::on_fleet(const Inbound& message, Now now, Outbox& out) {
   const std::string& from = message.source;
   return visit(Overloaded{[&](const RobotState& body) { return situation_.receive(body, from, now, out), true; },
@@ -105,7 +105,7 @@ bool ResilienceCore::on_fleet(const Inbound& message, Now now, Outbox& out) {
                message.body);
 }
 
-/// False: it is something else. Of another node it is dropped.
+/// False: it is another subtype. From another node it is dropped.
 bool ResilienceCore::on_own_node(const Inbound& message, Now now, Outbox& out) {
   RunWatcher& runs = situation_.runs();
   const bool own = message.source == situation_.node();
@@ -153,7 +153,7 @@ void ResilienceCore::receive(const Ack& ack, const std::string& from, Now now) {
 void ResilienceCore::receive(const Nack& nack, const std::string& from, Now now, Outbox& out) {
   const bool of_decision = nack.subtype == RunDecision::kSubtype || nack.subtype == RunAbort::kSubtype;
   if (nack.subtype == TakeIntoUse::kSubtype) return repairs_.on_refused(nack, from, now, out);
-  // Nobody refuses in the own scheduler's place.
+  // Only the own scheduler may refuse a decision.
   if (of_decision && from != situation_.node()) return out.count("dropped.foreign");
   alerts_.on_answer(nack.target, nack.subtype);
   if (nack.subtype == SensorRead::kSubtype) proposer_.on_reading_refused(nack.target);
@@ -173,7 +173,7 @@ void ResilienceCore::tick(Now now, Outbox& out) {
   settle(now, out);
 }
 
-/// At what has changed, and once a second at what is open.
+/// Looks at what has changed, and once a second at what is open.
 void ResilienceCore::look(Now now, Outbox& out) {
   const bool due = look_at_ && *look_at_ <= now.mono;
   detection_.look(now, out);
@@ -202,7 +202,7 @@ void ResilienceCore::settle(Now now, Outbox& out) {
   if (judged) look(now, out);
   schedule_look(now);
   want_routes(now);
-  // Without a first table nothing is judged: whatever has kept it away, it is asked for again soon.
+  // Without a first table nothing is judged: it is requested again soon.
   situation_.routes().tick(situation_.node(), judged ? RouteRequests::kIdle : RouteRequests::kAtOnce, now, out);
   situation_.runs().tick(now, out);
 }
@@ -217,10 +217,10 @@ void ResilienceCore::schedule_look(Now now) {
 }
 
 void ResilienceCore::want_routes(Now now) {
-  // Only the table tells of a profile that has changed: that a robot is retired or has returned, say.
+  // Only the table reports a changed profile: for example that a robot was retired or has returned.
   const bool often = !alerts_.open().empty() || fleet().has_retired() || !situation_.runs().runs().empty();
   if (often) situation_.routes().want(now, RouteRequests::kWhileOpen);
-  // Who is not there may be there again, and its word of it have been lost with a link that was just being built.
+  // A robot that was gone may be back, and its report lost with a link that was just coming up.
   if (situation_.liveness().next(now)) situation_.routes().want(now, RouteRequests::kAtOnce);
 }
 

@@ -1,5 +1,5 @@
-// trb-resilience: watches the fleet and the own scheduler's runs, raises alerts, ranks who could take over, and turns a
-// verdict into a signed decision. Here each message goes to the part that it is for, and each step ends.
+// trb-resilience: watches the fleet and the own scheduler's runs, raises alerts, ranks robots that could take over, and
+// turns a verdict into a signed decision. This class hands each message to its part, and ends each step.
 #pragma once
 
 #include <optional>
@@ -14,17 +14,17 @@
 
 namespace trb::resilience {
 
-// Its records: Alert (anew or instead of the one of that id), RunDecision (signed, not yet handed on), DecisionOver.
+// Its records: Alert (new, or replacing the one of that id), RunDecision (signed, not yet sent), DecisionOver.
 class ResilienceCore final : public Core {
  public:
-  /// `history`: outlives the core; nullptr: there is none to be asked for.
+  /// `history`: outlives the core; nullptr: there is none.
   explicit ResilienceCore(CoreSettings settings, HistoryReader* history = nullptr)
       : situation_(std::move(settings)), history_(history) {}
-  ResilienceCore(const ResilienceCore&) = delete;  ///< its parts know each other
+  ResilienceCore(const ResilienceCore&) = delete;  ///< its parts refer to each other
   ResilienceCore& operator=(const ResilienceCore&) = delete;
 
   using Taken = Takes<AlertListRequest, AlertDecide, HistoryListRequest>;
-  /// Information that the service wants a copy of.
+  /// Information of which the service wants a copy.
   static std::vector<std::string> hears();
 
   void restore(std::vector<Alert> alerts, const std::vector<StoredDecision>& decisions);
@@ -34,7 +34,7 @@ class ResilienceCore final : public Core {
   void tick(Now now, Outbox& out) override;
   [[nodiscard]] std::optional<MonotonicTime> next_deadline() const override;
 
-  /// Its changes are written by who runs the core.
+  /// Whoever runs the core writes its changes.
   Fleet& fleet() { return situation_.fleet(); }
 
  private:

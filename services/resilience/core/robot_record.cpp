@@ -13,7 +13,7 @@ bool tells(const SensorInfo& sensor) {
   return sensor.state == SensorState::ok || sensor.state == SensorState::unread;
 }
 
-/// The router adds a plugged sensor's kind to the capabilities: is one of that kind there, but none that works?
+/// The router adds a plugged sensor's kind to the capabilities: is there one of that kind, but none that works?
 bool sensors_fail(const std::vector<SensorInfo>& plugged, std::string_view kind) {
   const auto is_kind = [&](const SensorInfo& sensor) { return sensor.kind == kind; };
   return std::ranges::any_of(plugged, is_kind) &&

@@ -1,4 +1,4 @@
-// What is known of one robot: what its node tells of it, what it tells of itself, and what is broken.
+// What is known about one robot: what its node reports, what it reports itself, and what is broken.
 #pragma once
 
 #include <map>
@@ -17,7 +17,7 @@ constexpr std::size_t kMaxValues = 64;  ///< names of values of one robot
 constexpr std::size_t kMaxValueSize = 1024;
 constexpr std::size_t kMaxFaults = 128;  ///< of one robot: those of its out_of_use, and lesser ones
 
-/// Something with the moment at which it was told, so that a person sees how old it is.
+/// A value with the time at which it was reported, so that a person sees how old it is.
 template <class T>
 struct Reported {
   T is{};
@@ -25,9 +25,9 @@ struct Reported {
   bool operator==(const Reported&) const = default;
 };
 
-/// A fault that the robot has told of and nobody has ended.
+/// A fault that the robot has reported and that has not ended.
 struct Fault {
-  std::string capability;  ///< empty: all of the robot's
+  std::string capability;  ///< empty: the whole robot
   Severity severity{};
   std::string text;
   UtcTime since;
@@ -44,17 +44,17 @@ struct HallPoint {
 struct RobotRecord {
   std::string id;
   Reported<NodeProfile> profile;
-  bool reached = false;  ///< its node's route is alive; never so after a restart, until the router says it again
+  bool reached = false;  ///< its node's route is up; false after a restart until the router reports it again
   std::map<std::string, Reported<std::string>, std::less<>>
-      values;                     ///< by name, as the robot told them: JSON, or words
+      values;                     ///< by name, as the robot sent them: JSON, or words
   std::vector<Fault> faults;      ///< by capability, then severity; one of each
   std::uint32_t later_tasks = 0;  ///< that it still has in any run
 };
 
-/// CRITICAL and FATAL take a capability away; lesser faults are shown.
+/// CRITICAL and FATAL take a capability away; lesser faults are only shown.
 [[nodiscard]] bool takes_away(const Fault& fault);
 
-/// A fault, not a retirement, and no lesser one.
+/// Is it a fault (not a retirement) that takes a capability away?
 [[nodiscard]] bool is_standing(const OutOfUse& one);
 
 /// The worst fault that keeps the robot from that capability; nullptr: none.
@@ -63,18 +63,18 @@ struct RobotRecord {
 /// The worst fault of exactly that capability (empty: of the whole robot) that takes it away; nullptr: none.
 [[nodiscard]] const Fault* worst_fault(const RobotRecord& robot, std::string_view capability);
 
-/// A person has taken the robot out of service; nullptr: nobody has.
+/// A person's order to take the robot out of service; nullptr: none.
 [[nodiscard]] const OutOfUse* retirement_of(const RobotRecord& robot);
 /// "is out of service: new wheels (by ann)"
 [[nodiscard]] std::string retired_text(const OutOfUse& retirement);
-/// The node's profile has that fault as standing: its end is the node's to tell.
+/// Does the node's profile list that fault as standing? Then the node reports its end.
 [[nodiscard]] bool is_reported_broken(const RobotRecord& robot, std::string_view capability);
 
-/// The robot has it, no fault takes it away, and of the plugged sensors that alone give it one tells its values.
+/// Does the robot have it, no fault takes it away, and, if only plugged sensors give it, does one of them work?
 [[nodiscard]] bool is_able(const RobotRecord& robot, std::string_view capability);
 
-/// It may be given a task: reached, ONLINE, not fenced, in service, and no fault of the whole robot takes everything
-/// away.
+/// May it be given a task: reached, ONLINE, not fenced, in service, and without a CRITICAL or FATAL fault of the whole
+/// robot?
 [[nodiscard]] bool is_fit(const RobotRecord& robot);
 /// Why it is not fit, for a person; empty if it is.
 [[nodiscard]] std::string why_unfit(const RobotRecord& robot);

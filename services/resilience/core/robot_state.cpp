@@ -10,9 +10,9 @@
 namespace trb::resilience {
 namespace {
 
-constexpr double kFarthest = 1e6;  ///< m; what is further away is no position in a hall
+constexpr double kFarthest = 1e6;  ///< m; anything beyond is no position in a hall
 
-/// JSON, or what a robot in fields sent as plain words.
+/// JSON, or the plain words of a robot with fields.
 Value value_of(const std::string& told) {
   auto json = parse_json(told);
   return json ? std::move(*json) : Value{told};
@@ -57,16 +57,16 @@ std::optional<double> within(const Reported<std::string>& told, double highest) 
   const Value value = value_of(told.is);
   if (value.is_list() || value.is_object()) return std::nullopt;
   const auto numbers = numbers_of(value);
-  // Written so that not-a-number is out of range.
+  // Written so that NaN counts as out of range.
   if (numbers.size() != 1 || !(numbers[0] >= 0 && numbers[0] <= highest)) return std::nullopt;
   return numbers[0] / highest * 100;
 }
 
-/// What is 100 % in a robot's `battery`; nothing: its unit is not known, or no measure of charge.
+/// What 100 % is in a robot's `battery`; nothing: its unit is not known, or it does not measure charge.
 std::optional<double> full_battery(const NodeProfile& profile) {
   if (profile.mode == "ros") return 1.0;
   if (profile.transport == "udp-at") return 100.0;
-  // A program of the user's own, in fields.
+  // The user's own program, with fields.
   if (profile.mode == "interpreter" && (profile.transport.empty() || profile.transport == "lines")) return 100.0;
   return std::nullopt;
 }
@@ -104,7 +104,7 @@ std::optional<Reported<HallPoint>> position_of(const RobotRecord& robot) {
   const FrameInfo& frame = profile.frame;
   if (!(frame.length > 0) || !is_in_hall(frame.x, frame.y) || !std::isfinite(frame.yaw)) return std::nullopt;
   if (!moves(profile)) {
-    if (frame == FrameInfo{frame.length, 0, 0, 0}) return std::nullopt;  // nobody has said where it stands
+    if (frame == FrameInfo{frame.length, 0, 0, 0}) return std::nullopt;  // its place is not described
     return Reported<HallPoint>{{frame.x, frame.y}, robot.profile.at};
   }
   const auto at = robot.values.find(kPositionRequest);

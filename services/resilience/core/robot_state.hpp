@@ -1,4 +1,4 @@
-// A robot's battery, position and mode out of the values that it sends: the one place that knows their names and units.
+// A robot's battery, position and mode from the values that it sends: only this file knows their names and units.
 #pragma once
 
 #include <optional>
@@ -9,28 +9,27 @@
 
 namespace trb::resilience {
 
-/// State of charge in percent. `state_of_charge` is percent of every robot and wins; `battery` is, by the robot's way:
+/// State of charge in percent. `state_of_charge` is percent for every robot and has priority; `battery` depends on the
+/// transport:
 ///   ros       a fraction, 0 to 1 (sensor_msgs/BatteryState)
 ///   udp-at    percent (navdata)
-///   fields    percent, as config/robots/README.md asks of a robot that one programs
-///   others    in volts (ARCOS), or nobody knows: unknown
-/// Unknown too: a value out of its range, not a number, or of another kind.
+///   fields    percent, as config/robots/README.md requires of user-programmed robots
+///   others    in volts (ARCOS), or not defined: unknown
+/// Also unknown: a value out of its range, not a number, or of another kind.
 [[nodiscard]] std::optional<Reported<double>> charge_of(const RobotRecord& robot);
 
-/// Where the robot is. A robot that drives or flies (capability `mobile` or `fly`) tells it as `position`: [x, y, ...],
+/// Where the robot is. A robot that drives or flies (capability `mobile` or `fly`) sends it as `position`: [x, y, ...],
 /// {"x", "y"} or words "x y ..." in its own frame and unit, which its node's profile relates to the hall. Any other
-/// stands where its description puts its origin; one without an origin, or of a node that does not tell its frame:
-/// unknown.
+/// robot stands at its description's origin. Unknown: no origin, or the node does not report its frame.
 [[nodiscard]] std::optional<Reported<HallPoint>> position_of(const RobotRecord& robot);
 
-/// The operating mode in the robot's own words: the first it sends of operating_mode, robot_mode, mode, state.
+/// The operating mode in the robot's own words: the first that it sends of operating_mode, robot_mode, mode, state.
 [[nodiscard]] std::optional<Reported<std::string>> mode_of(const RobotRecord& robot);
 
-/// A value that the robot sends as a number, {"NAME": number} or plain words. Unknown: it sends none, or something
-/// else.
+/// A value that the robot sends as a number, {"NAME": number} or plain words. Unknown: it sends none, or anything else.
 [[nodiscard]] std::optional<Reported<double>> number_of(const RobotRecord& robot, std::string_view name);
 
-/// Subtypes of the requests that bring charge and position up to date, as commands.json names them for every robot.
+/// Subtypes of the requests that refresh charge and position, as commands.json names them for every robot.
 inline constexpr std::string_view kChargeRequests[] = {"state_of_charge", "battery"};
 inline constexpr std::string_view kPositionRequest = "position";
 /// The one of kChargeRequests whose answer charge_of() can read, as far as the robot's profile shows.

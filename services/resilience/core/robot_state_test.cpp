@@ -47,7 +47,7 @@ TEST_CASE("the charge is percent by what is known of each robot's battery") {
 
 TEST_CASE("what cannot be percent is unknown, not guessed") {
   CHECK_FALSE(charge("interpreter", "arcos", "battery", "12.4"));  // volts
-  CHECK_FALSE(charge("direct", "modbus", "battery", "50"));        // nobody has said in what
+  CHECK_FALSE(charge("direct", "modbus", "battery", "50"));        // its unit is not defined
   for (const char* value : {"87", "-0.1", "null", "true", "[0.5]", "{}", "\"full\"", "nan", "\"nan\"", "inf", ""}) {
     CAPTURE(value);
     CHECK_FALSE(charge("ros", "ros", "battery", value));
@@ -87,7 +87,7 @@ TEST_CASE("a position is told in the robot's frame and unit, and known in the ha
 }
 
 TEST_CASE("a position that nobody can place in the hall is unknown") {
-  CHECK_FALSE(place({0, 0, 0, 0}, "[2, 3]"));  // its node does not tell its frame
+  CHECK_FALSE(place({0, 0, 0, 0}, "[2, 3]"));  // its node does not report its frame
   for (const char* value : {"[2]", "2", "null", R"(["a", "b"])", R"({"x": 1})", "[1e300, 0]", "nan nan", "two three"}) {
     CAPTURE(value);
     CHECK_FALSE(place({1, 0, 0, 0}, value));

@@ -1,4 +1,4 @@
-// When the router is asked for its table: it sends nobody a profile that has changed.
+// When to request the router's table: the router does not notify services of changed profiles.
 #pragma once
 
 #include <optional>
@@ -16,9 +16,9 @@ class RouteRequests {
   static constexpr Duration kWhileOpen = std::chrono::seconds(5);
   static constexpr Duration kIdle = std::chrono::seconds(30);
 
-  /// A table is wanted as soon as `pause` has passed since the last request.
+  /// Requests a table as soon as `pause` has passed since the last request.
   void want(Now now, Duration pause);
-  /// Sends the request that is due; the next one follows after `again`, unless it is wanted before.
+  /// Sends the request that is due; the next follows after `again`, or earlier if want() is called.
   void tick(const std::string& router, Duration again, Now now, Outbox& out);
   /// The whole table once its last page has come; before that the next page is requested.
   std::optional<RouteTable> receive(const RouteTable& page, const std::string& router, Outbox& out);

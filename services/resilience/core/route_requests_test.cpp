@@ -9,7 +9,7 @@ using namespace trb::resilience;
 
 namespace {
 
-/// How many requests are sent at that moment.
+/// How many requests are sent at this time.
 std::size_t sent(RouteRequests& requests, double s) {
   Outbox out;
   requests.tick("cloud", RouteRequests::kIdle, at(s), out);

@@ -1,4 +1,4 @@
-// How an alert tells that its run is over.
+// How an alert shows that its run is over.
 #pragma once
 
 #include <string>

@@ -7,13 +7,13 @@
 namespace trb::resilience {
 namespace {
 
-/// The run waits for somebody because of this task: what its own robot tries again is no trouble yet.
+/// Does the run wait for a decision because of this task? A failure that its robot will retry is no problem yet.
 bool waits_for_help(const WatchedRun& run, std::size_t index) {
   const TaskView& task = run.view->tasks[index];
   if (is_final(task) || !run.has_stopped(index)) return false;
   if (task.outcome == TaskOutcome::released) return true;
   if (run.view->state != RunState::paused) return false;
-  // Held by a person it is PAUSED whether or not the task has tries left.
+  // A run held by a person is PAUSED whether or not the task has tries left.
   return run.view->paused_by.empty() || task.attempt > run.start->scenario.tasks[index].retries;
 }
 
@@ -21,7 +21,7 @@ bool has_not_begun(const TaskView& task) {
   return task.state == TaskState::waiting && task.outcome == TaskOutcome::none;
 }
 
-/// The worst thing known of a robot, as it is found task by task.
+/// Collects the worst problem of a robot, task by task.
 class Finder {
  public:
   Finder(const WatchedRun& run, const Fleet& fleet, const std::string& robot, const Liveness::Gone* gone)
@@ -36,7 +36,7 @@ class Finder {
     const std::string capability = capability_of(run_, index, fleet_);
     const Fault* fault = record_ == nullptr ? nullptr : fault_of(*record_, capability);
     const OutOfUse* retired = record_ == nullptr ? nullptr : retirement_of(*record_);
-    // What runs goes on to its end.
+    // A running task goes on to its end.
     const bool leaves = retired != nullptr && (stopped || has_not_begun(task));
     if (!stopped && !leaves && fault == nullptr && gone_ == nullptr) return;
     out_.tasks.push_back(index);

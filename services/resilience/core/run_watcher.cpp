@@ -67,7 +67,7 @@ void RunWatcher::on(const RunTable& table, Now now) {
     named.insert(summary.run);
     take(summary, now);
   }
-  std::map<std::string, bool> gone;  // and whether its time was over
+  std::map<std::string, bool> gone;  // by run: whether its life was over
   for (const auto& [id, run] : runs_) {
     if (!named.contains(id)) gone[id] = run.ends_at && *run.ends_at <= now.mono;
   }
@@ -98,7 +98,7 @@ void RunWatcher::on(const Definition& definition) {
   std::vector<Decision> decisions;
   for (const SignedRecord& record : definition.decisions) {
     auto decision = decode<Decision>(record.payload.bytes);
-    if (!decision || decision->epoch != decisions.size() + 2) return;  // asked for again
+    if (!decision || decision->epoch != decisions.size() + 2) return;  // requested again
     decisions.push_back(std::move(*decision));
   }
   WatchedRun& run = at->second;

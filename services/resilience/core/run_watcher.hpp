@@ -1,4 +1,4 @@
-// Keeps the own scheduler's runs in sight: the watch is renewed, what has changed is asked for.
+// Watches the own scheduler's runs: renews the watch, and requests what has changed.
 #pragma once
 
 #include <deque>
@@ -23,20 +23,20 @@ class RunWatcher {
   void on(const RunView& view);
   void on(const Definition& definition);
   void on_nack(const Nack& nack, Now now, Outbox& out);
-  /// What is due is asked.
+  /// Sends the requests that are due.
   void tick(Now now, Outbox& out);
   [[nodiscard]] std::optional<MonotonicTime> next_deadline() const;
 
-  /// Not over, by id.
+  /// The runs that are not over, by id.
   [[nodiscard]] const Runs& runs() const { return runs_; }
   [[nodiscard]] const WatchedRun* find(std::string_view run) const;
-  /// How the run has ended, if that was reported lately; nothing: it was not.
+  /// How the run has ended, if that was reported lately; else nothing.
   [[nodiscard]] std::optional<RunState> ended(std::string_view run) const;
-  /// A table has come since the welcome: who is not in runs() is over, or not known to this scheduler.
+  /// Has a table come since the welcome? Then a run that is not in runs() is over, or not known to this scheduler.
   [[nodiscard]] bool has_table() const { return has_table_; }
   /// Requests the run anew: something was sent to the scheduler.
   void refresh(std::string_view run);
-  /// The runs that are new, have changed or are over since the last call.
+  /// The runs that are new, have changed or have ended since the last call.
   std::set<std::string> take_changed() { return std::exchange(changed_, {}); }
   /// The runs whose end the scheduler has reported since the last call.
   std::set<std::string> take_timed() { return std::exchange(timed_, {}); }
@@ -44,7 +44,7 @@ class RunWatcher {
  private:
   struct Asking {
     bool view_wanted = true;
-    bool view_asked = false;  ///< and not yet answered
+    bool view_asked = false;  ///< requested and not yet answered
     ResendTimer view = resend_timer();
     ResendTimer definition = resend_timer();
   };

@@ -8,7 +8,7 @@
 namespace trb::resilience {
 namespace {
 
-constexpr double kNever = 1e300;  ///< m: the way of a robot of which nobody knows where it is
+constexpr double kNever = 1e300;  ///< m: the distance of a robot at an unknown position
 
 double known_or(double value, double otherwise) {
   return std::isnan(value) ? otherwise : value;
@@ -25,7 +25,7 @@ bool better(const Scored& a, const Scored& b) {
 }
 
 std::vector<Scored> best_of(std::span<const RobotNumber> robots, std::span<const double> scores, std::size_t most) {
-  std::vector<Scored> best;  // a heap, the worst of them on top
+  std::vector<Scored> best;  // a heap, the worst on top
   for (std::size_t i = 0; i < robots.size() && most > 0; ++i) {
     const Scored scored{robots[i], scores[i]};
     if (best.size() == most && !better(scored, best.front())) continue;

@@ -1,4 +1,4 @@
-// The best of many robots: the AHP's scores by measured values, without an answer that explains each of them.
+// The best of many robots: the AHP's scores by measured values, without an explanation of each.
 #pragma once
 
 #include <span>
@@ -8,7 +8,8 @@
 
 namespace trb::resilience {
 
-/// Global weights of the paper's criteria, as rank() tells them; 0 leaves one out (a task without a place: distance).
+/// Global weights of the paper's criteria, as rank() computes them; 0 leaves one out (a task without a place:
+/// distance).
 struct Weights {
   double charge = 0;
   double distance = 0;
@@ -21,12 +22,12 @@ struct Scored {
   bool operator==(const Scored&) const = default;
 };
 
-/// What is always paid, m: who stands at the place would otherwise take the distance's whole weight.
+/// Added to every distance, in m: else a robot at the place would take the distance's whole weight.
 constexpr double kWayStart = 1;
 
 /// The best of the robots, best first; of equals the one with the smaller number. Charge and availability are benefits,
-/// the distance to the place (and kWayStart) a cost, their shares those of common/ranking, among all of the robots. Of
-/// what is unknown a robot has no share.
+/// the distance to the place (plus kWayStart) is a cost. Shares are computed as in common/ranking, among all of the
+/// robots; a robot has no share of an unknown value.
 std::vector<Scored> shortlist(const FleetIndex& index, std::span<const RobotNumber> robots, const Weights& weights,
                               HallPoint place, std::size_t most);
 

@@ -1,4 +1,4 @@
-// What an alert's verdict has come to: the robot is asked to give tasks back, the record is signed, the scheduler takes
+// Carries an alert's verdict out: the robot is asked to give tasks back, the record is signed, the scheduler accepts
 // it.
 #pragma once
 
@@ -11,38 +11,38 @@
 
 namespace trb::resilience {
 
-/// Of one alert; lost at a restart but for the signed record.
+/// The work for one alert; lost at a restart, except for the signed record.
 class Signing {
  public:
-  /// The verdict waits from now on, if it does not already.
+  /// The verdict waits from now on, unless it waits already.
   void begin(Now now);
   [[nodiscard]] bool has_waited(Duration time, Now now) const { return since_ && now.mono - *since_ >= time; }
 
-  /// The robot is asked to give its tasks back. False: it was asked a moment ago.
+  /// Asks the robot to give its tasks back. False: it was asked a moment ago.
   bool try_release(Now now) { return take(release_, now); }
 
-  /// What the router is asked to sign: an order to abort, or the decision of that epoch.
+  /// What the router has to sign: an order to abort, or the decision of that epoch.
   void prepare(Bytes payload, std::uint32_t epoch);
   void drop_payload() { payload_.clear(); }
   [[nodiscard]] const Bytes& payload() const { return payload_; }
   bool try_sign(Now now) { return take(sign_, now); }
-  /// False: it is not what was to be signed.
+  /// False: it is not the record that was to be signed.
   bool on_signed(const SignedRecord& record);
   /// It was signed before the restart.
   void restore(SignedRecord record, std::uint32_t epoch);
 
-  /// Signed, or under way to be.
+  /// Is it signed, or being signed?
   [[nodiscard]] bool is_under_way() const { return record_ || !payload_.empty(); }
   [[nodiscard]] const std::optional<SignedRecord>& record() const { return record_; }
   [[nodiscard]] std::uint32_t epoch() const { return epoch_; }  ///< of the decision
 
-  /// The record is sent to the scheduler. False: it was sent a moment ago.
+  /// Sends the record to the scheduler. False: it was sent a moment ago.
   bool try_hand(Now now) { return take(hand_, now); }
   [[nodiscard]] bool was_handed() const { return hand_.next().has_value(); }
-  /// It was sent a moment ago: the answer may be on its way.
+  /// Was it sent a moment ago, so that the answer may still come?
   [[nodiscard]] bool awaits_answer(Now now) const { return record_ && was_handed() && !hand_.is_due(now.mono); }
   void on_refused(const std::string& why) { refusal_ = why; }
-  [[nodiscard]] const std::string& refusal() const { return refusal_; }  ///< the scheduler's
+  [[nodiscard]] const std::string& refusal() const { return refusal_; }  ///< the scheduler's reason
 
   /// When something is sent again.
   [[nodiscard]] std::optional<MonotonicTime> next(Now now) const;

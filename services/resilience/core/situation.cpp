@@ -28,7 +28,7 @@ void Situation::receive(const RobotFault& fault, const std::string& robot, Now n
   const RobotRecord* known = fleet_.find(robot);
   const std::vector<Fault> before = known == nullptr ? std::vector<Fault>{} : known->faults;
   if (!fleet_.on_fault(robot, fault, now.utc)) return out.count("dropped.robot_fault");
-  // Told again in the same words it changes nothing for any run.
+  // A repeated identical report changes nothing for any run.
   known = fleet_.find(robot);
   if (known->faults == before) return;
   routes_.want(now, RouteRequests::kAtOnce);
@@ -43,7 +43,7 @@ void Situation::receive(const RobotConnection& connection, const std::string& ro
 
 void Situation::receive(const PeerJoined& peer, Now now, Outbox& out) {
   routes_.want(now, RouteRequests::kAtOnce);
-  if (fleet_.find(peer.id) == nullptr) return;  // the table says whether it has a robot
+  if (fleet_.find(peer.id) == nullptr) return;  // the table shows whether it has a robot
   if (const Status known = fleet_.on_joined(peer.id, now.utc); !known) out.count("dropped.peer_joined");
   note_robot(peer.id, now);
 }
@@ -65,7 +65,7 @@ void Situation::receive(const RouteTable& table, Now now, Outbox& out) {
       continue;
     }
     certificates_[route.id] = route.certificate;
-    fleet_.set_later_tasks(route.id, open_tasks_.of(route.id));  // it may be new here
+    fleet_.set_later_tasks(route.id, open_tasks_.of(route.id));  // the robot may be new here
     if (*changed && !first) note_robot(route.id, now);
   }
   if (first) judge_all(now);

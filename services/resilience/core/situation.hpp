@@ -1,5 +1,5 @@
-// What this node knows of the fleet and of its own scheduler's runs: what it receives changes it, and says which runs
-// and alerts are to be looked at.
+// What this node knows about the fleet and its own scheduler's runs. Messages change it; it returns which runs and
+// alerts have to be looked at.
 #pragma once
 
 #include <map>
@@ -34,15 +34,15 @@ class Situation {
   [[nodiscard]] const RouteRequests& routes() const { return routes_; }
   DueRuns& due_runs() { return due_runs_; }
   [[nodiscard]] const DueRuns& due_runs() const { return due_runs_; }
-  /// The robot's, as the router's table has it; nullptr: it has none.
+  /// The robot's certificate, from the router's table; nullptr: not known.
   [[nodiscard]] const SignedRecord* certificate_of(std::string_view robot) const;
-  /// The router's first table has come: before, nobody is known to be reached, and nothing is judged.
+  /// Has the router's first table come? Before that no robot counts as reached, and nothing is judged.
   [[nodiscard]] bool is_judged() const { return judged_; }
-  /// This node decides on the run: it is the first cloud node among its members.
+  /// Does this node decide on the run: is it the first cloud node among its members?
   [[nodiscard]] bool decides_on(const WatchedRun* run) const;
 
   void on_welcome(const NodeIdentity& node, Now now);
-  /// What the robots' nodes and the own router tell. `robot` is the sender.
+  /// What the robots' nodes and the own router send. `robot` is the sender.
   void receive(const RobotState& state, const std::string& robot, Now now, Outbox& out);
   void receive(const RobotFault& fault, const std::string& robot, Now now, Outbox& out);
   void receive(const RobotConnection& connection, const std::string& robot, Now now, Outbox& out);
@@ -50,10 +50,10 @@ class Situation {
   void receive(const PeerExpired& peer, Now now);
   void receive(const RouteTable& table, Now now, Outbox& out);
 
-  /// Something about the robot has changed: its runs are looked at. `expired`: the router has just said that its
-  /// lease has run out.
+  /// Something about the robot has changed: its runs are due. `expired`: the router has just reported that its lease
+  /// has run out.
   void note_robot(const std::string& robot, Now now, bool expired = false);
-  /// The runs that have changed, or of which a moment has come, by id.
+  /// The runs that have changed, or are due, by id.
   std::set<std::string> take_due_runs(Now now);
 
   /// Something has changed that alerts may depend on.

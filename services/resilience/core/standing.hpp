@@ -12,7 +12,7 @@ namespace trb::resilience {
 
 class Standing {
  public:
-  /// A run's alert may still come, or come again.
+  /// For this long a run's alert may still come, or come again.
   static constexpr Duration kSettle = std::chrono::seconds(2);
 
   struct Key {
@@ -25,7 +25,7 @@ class Standing {
   void follow(const Fleet& fleet, Now now);
   /// An open alert covers it.
   void cover(const Key& fault, Now now);
-  /// Those that none has covered for kSettle.
+  /// Those that no alert has covered for kSettle.
   [[nodiscard]] std::vector<Key> uncovered(Now now) const;
   [[nodiscard]] std::optional<MonotonicTime> next(Now now) const;
 

@@ -1,4 +1,4 @@
-// Faults that stand and that no run's alert covers: each is an alert without a run.
+// Faults that stand and that no run's alert covers: each becomes an alert without a run.
 #pragma once
 
 #include "services/resilience/core/repairs.hpp"
@@ -11,13 +11,13 @@ class StandingAlerts {
   StandingAlerts(Situation& situation, Alerts& alerts, Repairs& repairs)
       : situation_(situation), alerts_(alerts), repairs_(repairs) {}
 
-  /// Raises the alerts of faults that no alert has covered for long enough.
+  /// Raises the alerts of faults that were uncovered for long enough.
   void tell(Now now, Outbox& out);
-  /// The fault stands. nullptr: too many alerts are open.
+  /// Raises the alert of a standing fault. nullptr: too many alerts are open.
   Alert* raise(const Standing::Key& fault, Now now, Outbox& out);
-  /// The alert is there as long as the fault is, or until a run's alert covers it.
+  /// The alert stays as long as the fault, or until a run's alert covers it.
   void look(Alert& alert, Now now, Outbox& out);
-  /// When the next fault has been untold for long enough.
+  /// When the next fault has been uncovered for long enough.
   [[nodiscard]] std::optional<MonotonicTime> next(Now now);
 
  private:

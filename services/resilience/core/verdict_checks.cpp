@@ -11,7 +11,7 @@ namespace {
 
 constexpr const char* kStands = "say --stands if you have seen that it stands";
 
-/// The proposal that the decision means: one robot's, or the one of several; the best if none is named.
+/// The chosen proposal: of one robot, or of several; the best if none is named.
 std::vector<Proposal>::iterator find_proposal(Alert& alert, const std::string& robot) {
   if (robot.empty()) return alert.proposals.begin();
   return std::ranges::find(alert.proposals, robot, &Proposal::robot);
@@ -50,7 +50,7 @@ Status VerdictChecks::check_decider(const Alert& alert, const WatchedRun* run, c
   return fail(Errc::conflict, "the run's time is over soon: no verdict moves its end", "let it end, or --abort");
 }
 
-/// Of what has not failed there is nothing to try again.
+/// A task that has not failed cannot be tried again.
 Status VerdictChecks::check_retry_of(const Alert& alert, const WatchedRun& run) {
   if (alert.cause != kOverdue && alert.cause != kAsked) return Done{};
   for (const std::string& id : alert.tasks) {
@@ -61,7 +61,7 @@ Status VerdictChecks::check_retry_of(const Alert& alert, const WatchedRun& run) 
               "--robot, --override or --skip");
 }
 
-/// Who does it is there, is told of, and may be given it.
+/// The chosen robot is known, reached, and may be given the tasks.
 Status VerdictChecks::check_override(const Alert& alert, const AlertDecide& body, const WatchedRun& run) const {
   if (body.robot.empty() || body.reason.empty()) {
     return fail(Errc::missing, "an override needs a robot and a reason", "--override ROBOT --reason TEXT");
@@ -140,7 +140,7 @@ Status VerdictChecks::check_retry(const Alert& alert, Now now) const {
   return fail(Errc::conflict, alert.robot + " cannot try again: " + gone->text, "bring it back, or let another one");
 }
 
-/// The run takes another decision.
+/// Can the run take another decision?
 Status VerdictChecks::check_decisions(const Alert& alert, const WatchedRun& run) {
   std::uint32_t decided = run.view->epoch - 1;
   for (const Alert* other : alerts_.open()) {
@@ -154,7 +154,7 @@ Status VerdictChecks::check_decisions(const Alert& alert, const WatchedRun& run)
               "--abort, or let it end");
 }
 
-/// What the scheduler would refuse for good.
+/// Refuses what the scheduler would refuse for good.
 Status VerdictChecks::check_bounds(const Alert& alert, const WatchedRun& run) {
   if (alert.verdict == Verdict::abort) return Done{};
   if (Status good = check_decisions(alert, run); !good) return good;
@@ -169,7 +169,7 @@ Status VerdictChecks::check_bounds(const Alert& alert, const WatchedRun& run) {
   return Done{};
 }
 
-/// Makes of the alert what it is with that verdict.
+/// Applies the verdict to the alert.
 Status VerdictChecks::shape(Alert& alert, const AlertDecide& body, const WatchedRun& run, Now now) {
   Status good = narrow(alert, body, run);
   if (good && body.verdict == Verdict::accept) good = take_proposal(alert, body, run, now);
@@ -181,13 +181,13 @@ Status VerdictChecks::shape(Alert& alert, const AlertDecide& body, const Watched
   alert.verdict = body.verdict;
   alert.person = body.person;
   alert.reason = body.reason;
-  // From here on it records that a person has decided.
+  // From here on needs_word records that a person has stated that the robot stands.
   alert.needs_word = body.stands;
   alert.state = AlertState::releasing;
   return check_bounds(alert, run);
 }
 
-/// To those of its tasks that are meant: those that are named; of a move otherwise those that may move.
+/// Narrows the alert to the named tasks; a move without names means those that may move.
 Status VerdictChecks::narrow(Alert& alert, const AlertDecide& body, const WatchedRun& run) {
   const bool named = !body.tasks.empty();
   if (named && body.verdict == Verdict::abort) {

@@ -1,4 +1,4 @@
-// A verdict that cannot be carried out is refused when it is given.
+// Refuses a verdict that cannot be carried out, when it is given.
 #pragma once
 
 #include "services/resilience/core/proposer.hpp"
@@ -10,11 +10,11 @@ class VerdictChecks {
   VerdictChecks(Situation& situation, Alerts& alerts, Proposer& proposer)
       : situation_(situation), alerts_(alerts), proposer_(proposer) {}
 
-  /// This node decides on the alert's run now, and its cause allows the verdict. Errors: unknown_run, not_permitted,
-  /// missing (no verdict), conflict.
+  /// Does this node decide on the alert's run now, and does its cause allow the verdict? Errors: unknown_run,
+  /// not_permitted, missing (no verdict), conflict.
   [[nodiscard]] Status check_decider(const Alert& alert, const WatchedRun* run, const AlertDecide& body) const;
-  /// Makes of the alert what it is with that verdict. Errors: missing, bad_value, conflict, unknown_target, malformed;
-  /// the alert is then of no use.
+  /// Applies the verdict to the alert. Errors: missing, bad_value, conflict, unknown_target, malformed; the alert must
+  /// not be used then.
   [[nodiscard]] Status shape(Alert& alert, const AlertDecide& body, const WatchedRun& run, Now now);
 
  private:

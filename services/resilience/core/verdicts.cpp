@@ -25,7 +25,7 @@ std::string decided_text(const Alert& alert) {
 
 constexpr const char* kTrbRun = "trb scenario list names the runs, trb scenario watch a run's tasks";
 
-/// The robot of all of them.
+/// The robot that has all of the tasks.
 Result<std::string> robot_of(const WatchedRun& run, const std::vector<std::string>& tasks) {
   std::string robot;
   for (const std::string& id : tasks) {
@@ -67,7 +67,7 @@ Result<std::string> Verdicts::decide_alert(Alert& alert, const AlertDecide& body
   return undecided ? decide(alert, body, now, out) : decide_again(alert, body, now, out);
 }
 
-/// The fault of a robot that no run needs: a person can say that it is over.
+/// The fault of a robot that no run needs: a person can report that it is over.
 Result<std::string> Verdicts::decide_lone(Alert& alert, const AlertDecide& body, Now now, Outbox& out) {
   if (!is_open(alert)) return fail(Errc::conflict, "alert " + alert.id + " is closed: " + alert.waits_for);
   if (body.verdict != Verdict::retry) {
@@ -90,7 +90,7 @@ Result<std::string> Verdicts::decide_lone(Alert& alert, const AlertDecide& body,
   return "alert " + alert.id + " " + decided_text(alert) + "; waits for: " + alert.waits_for;
 }
 
-/// The open alert that tells of the fault, which contains outlived this one.
+/// The open alert of the fault, which has outlived this alert.
 Alert* Verdicts::alert_of_fault(const Alert& alert) {
   const std::vector<std::string> broken = repairs_.still_broken(alert);
   for (Alert* other : alerts_.open()) {
@@ -100,7 +100,7 @@ Alert* Verdicts::alert_of_fault(const Alert& alert) {
   return nullptr;
 }
 
-/// The alert is over: a person says that its robot is repaired.
+/// The alert is over: a person reports that its robot is repaired.
 Result<std::string> Verdicts::mend_again(Alert& alert, const AlertDecide& body, Now now, Outbox& out) {
   const std::string name = "alert " + alert.id + " ";
   repairs_.begin(alert, "said by '" + body.person + "'", now);
@@ -116,8 +116,8 @@ Result<std::string> Verdicts::mend_again(Alert& alert, const AlertDecide& body, 
   return fail(Errc::conflict, name + "is closed: alert " + stands->id + " tells of the fault", "decide on that one");
 }
 
-/// It was decided before, or its run contains ended: said once more it does no harm, a word may be added, `retry` says
-/// that the robot is mended.
+/// The alert was decided before, or its run has ended: repeating the verdict does no harm, --stands may be added, and
+/// `retry` reports that the robot is repaired.
 Result<std::string> Verdicts::decide_again(Alert& alert, const AlertDecide& body, Now now, Outbox& out) {
   const std::string name = "alert " + alert.id + " ";
   if (body.verdict == Verdict::retry && !is_open(alert) && !alert.robot.empty())
@@ -139,7 +139,7 @@ Result<std::string> Verdicts::decide(Alert& alert, const AlertDecide& body, Now 
   const WatchedRun* run = situation_.runs().find(alert.run);
   if (Status may = checks_.check_decider(alert, run, body); !may) return may.error();
   Alert next = alert;
-  if (alert.state == AlertState::releasing) next.proposals.clear();  // decided anew
+  if (alert.state == AlertState::releasing) next.proposals.clear();  // another verdict
   if (Status good = checks_.shape(next, body, *run, now); !good) return good.error();
   alert = std::move(next);
   alerts_.reset_work(alert.id);
@@ -148,12 +148,12 @@ Result<std::string> Verdicts::decide(Alert& alert, const AlertDecide& body, Now 
   out.record(alert);
   out.log(LogLevel::warning, "alert_decided", alert.id + " " + decided_text(alert));
   situation_.note_change();
-  situation_.due_runs().notify(alert.run);  // what the verdict leaves out may be an alert of its own
+  situation_.due_runs().notify(alert.run);  // tasks that the verdict leaves out may become an alert
   decisions_.advance(alert, now, out);
   return "alert " + alert.id + " " + decided_text(alert) + "; waits for: " + alert.waits_for;
 }
 
-/// By a unique beginning of its id.
+/// Finds the run by a unique beginning of its id.
 Result<const WatchedRun*> Verdicts::choose_run(const std::string& beginning) const {
   const WatchedRun* out = nullptr;
   for (const auto& [id, run] : situation_.runs().runs()) {
@@ -166,7 +166,7 @@ Result<const WatchedRun*> Verdicts::choose_run(const std::string& beginning) con
   return fail(Errc::unknown_run, "run '" + beginning + "' is not known by this node's scheduler now", kTrbRun);
 }
 
-/// The open alert that tells of these tasks. Error: it tells of some of them only.
+/// The open alert of these tasks. Error: it covers only some of them.
 Result<Alert*> Verdicts::alert_of_tasks(const WatchedRun& run, const std::vector<std::string>& tasks) {
   for (Alert* alert : alerts_.open()) {
     if (alert->run != run.summary.run || !may_be_ruled(*alert)) continue;

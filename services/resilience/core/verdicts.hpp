@@ -1,4 +1,4 @@
-// What people, or the policy, decide on an alert, or on tasks of which no alert tells.
+// What people, or the policy, decide on an alert, or on tasks without an alert.
 #pragma once
 
 #include <string>
@@ -10,7 +10,7 @@
 
 namespace trb::resilience {
 
-/// What verdicts come to. Each must outlive who uses it.
+/// The objects that verdicts change. Each must outlive its users.
 struct VerdictParts {
   Situation& situation;
   Alerts& alerts;
@@ -20,7 +20,7 @@ struct VerdictParts {
   StandingAlerts& standing;
 };
 
-/// Results say in words what was taken; errors name what keeps the verdict from being carried out.
+/// Results describe for people what was accepted; errors name why the verdict cannot be carried out.
 class Verdicts {
  public:
   explicit Verdicts(VerdictParts parts)
@@ -31,11 +31,11 @@ class Verdicts {
         standing_(parts.standing),
         checks_(parts.situation, parts.alerts, parts.proposer) {}
 
-  /// A person's word, of an alert or of a run's tasks.
+  /// A person's verdict, on an alert or on a run's tasks.
   Result<std::string> receive(const AlertDecide& body, const std::string& source, Now now, Outbox& out);
-  /// On an open alert of a run.
+  /// A verdict on an open alert of a run.
   Result<std::string> decide(Alert& alert, const AlertDecide& body, Now now, Outbox& out);
-  /// An alert that is decided as it is raised, or is none.
+  /// An alert that is decided as soon as it is raised, or else not raised.
   Result<std::string> decide_anew(Alert fresh, const AlertDecide& body, Now now, Outbox& out);
 
  private:

@@ -7,7 +7,7 @@
 
 namespace trb::resilience {
 
-// The own scheduler has checked the certificates before it took the run.
+// The own scheduler checked the certificates before it accepted the run.
 std::string WatchedRun::decider() const {
   return start ? first_cloud_of(start->members) : std::string();
 }
@@ -62,7 +62,7 @@ bool WatchedRun::has_stopped(std::size_t index) const {
   const TaskView& task = view->tasks[index];
   const bool ended = task.outcome == TaskOutcome::failed || task.outcome == TaskOutcome::retriable ||
                      task.outcome == TaskOutcome::interrupted || task.outcome == TaskOutcome::released;
-  // The result of an attempt that a decision has made void is a thing of the past.
+  // The result of an attempt that a decision has replaced does not count.
   return ended && task.attempt >= last_attempt(index);
 }
 

@@ -89,7 +89,7 @@ Result<std::vector<AlertRow>> CapabilityDb::alerts() {
 }
 
 Status CapabilityDb::put_decision(const DecisionRow& decision) {
-  // The same once more changes nothing but that it may be delivered by now.
+  // Writing the same again changes nothing, except that it may be delivered by now.
   const Status done = file_->run(
       "INSERT INTO decisions(run, epoch, record, delivered) VALUES(?,?,?,?) ON CONFLICT(run, epoch) DO UPDATE SET "
       "delivered = max(delivered, excluded.delivered) WHERE record = excluded.record",

@@ -1,9 +1,9 @@
-// capability.db: what the fleet can do, as it is kept over restarts; alerts and decisions beside it.
+// capability.db: the fleet's capabilities, kept over restarts; alerts and decisions beside them.
 //
-// How durable: what write(), put_… and set_… have answered with Done is on disk (WAL, synchronous=FULL). Of a Fleet's
-// changes, those that are `urgent()` (who is there, what it can do, faults, history) are to be written before anything
-// is said of them; values (battery, position) are told again and may be written together every few seconds: a power cut
-// loses that long, and their times say how old they are.
+// Durability: once write(), put_… or set_… returns Done, the data is on disk (WAL, synchronous=FULL). Of a Fleet's
+// changes, those that are `urgent()` (routes, abilities, faults, history) must be written before anything based on them
+// is sent. Values (battery, position) are sent again and may be written together every few seconds: a power cut loses
+// those seconds, and the times show how old the values are.
 #pragma once
 
 #include <functional>
@@ -17,7 +17,7 @@
 
 namespace trb::resilience {
 
-/// An alert as its owner stores it: the body is not looked into here.
+/// An alert as its owner stores it: the body is not read here.
 struct AlertRow {
   std::string id;
   UtcTime time;
@@ -36,24 +36,25 @@ struct DecisionRow {
 
 class CapabilityDb final : public HistoryReader {
  public:
-  static constexpr std::int64_t kMaxHistory = 10'000;                   ///< rows; the oldest go
-  static constexpr Duration kHistoryAge = std::chrono::hours(30 * 24);  ///< and what is older
+  static constexpr std::int64_t kMaxHistory = 10'000;                   ///< rows; the oldest are removed
+  static constexpr Duration kHistoryAge = std::chrono::hours(30 * 24);  ///< older rows are removed
 
-  /// Opens or makes the file, brings it to this build's version. Errors: io_error, malformed (no database, a damaged
-  /// one), version_mismatch (of a newer build); each names the file and the hint.
+  /// Opens or creates the file, and brings it to this build's version. Errors: io_error, malformed (not a database, or
+  /// damaged), version_mismatch (of a newer build); each names the file and a cure.
   static Result<std::unique_ptr<CapabilityDb>> open(const std::string& path);
 
-  /// Fills an empty fleet with what is kept. Errors: malformed, io_error, and those of Fleet::restore.
+  /// Fills an empty fleet from the file. Errors: malformed, io_error, and those of Fleet::restore.
   Status load(Fleet& fleet);
 
-  /// Writes what has changed, in one transaction, and then tells the fleet so. On an error (io_error: the disk is full,
-  /// say) nothing is written, and all of it is still to be.
+  /// Writes the changes in one transaction, and then marks them as written. On an error (io_error, for example a full
+  /// disk) nothing is written, and all changes are kept.
   Status write(Fleet& fleet, UtcTime now);
 
   /// The newest entries, of one robot or (empty) of all; the newest first.
   Result<std::vector<HistoryEntry>> history(const std::string& robot, std::uint32_t most) override;
 
-  Status put_alert(const AlertRow& alert);  /// Of the alerts with one of these two states only the newest stay.
+  Status put_alert(const AlertRow& alert);
+  /// Of the alerts in one of these two states only the `most` newest stay.
   Status keep_newest_alerts(std::int64_t state, std::int64_t other, std::int64_t most);
   Result<std::vector<AlertRow>> alerts();  ///< by time, then id
 
@@ -64,7 +65,8 @@ class CapabilityDb final : public HistoryReader {
   Status drop_decisions(const std::string& run);
   Result<std::vector<DecisionRow>> decisions();  ///< by run, then epoch
 
-  /// What `work` does to this database happens whole or not at all: an alert and its decision, say.
+  /// Everything that `work` does to this database happens completely or not at all: for example an alert and its
+  /// decision.
   Status transact(const std::function<Status()>& work) { return file_->transact(work); }
 
  private:

@@ -1,4 +1,4 @@
-// What the capability database keeps, and gives back after a restart.
+// What the capability database keeps and returns after a restart.
 #include "services/resilience/core/robot_state.hpp"
 #include "services/resilience/test/db_folder.hpp"
 
@@ -41,7 +41,7 @@ TEST_CASE("that a robot is out of service, and a fault that its node has, are kn
   Fleet fleet = loaded(*db);
   CHECK(fleet.find("pioneer1")->profile.is.out_of_use == profile.out_of_use);
   CHECK(fleet.find("pioneer1")->faults.size() == 1);
-  // It was repaired meanwhile: the first profile says so.
+  // It was repaired meanwhile: the first profile shows it.
   profile.out_of_use.pop_back();
   REQUIRE(fleet.on_route(route_of("pioneer1", profile), at_second(10)));
   CHECK(fleet.find("pioneer1")->faults.empty());
@@ -97,7 +97,7 @@ TEST_CASE("what changes takes the place of what was: capabilities, faults that a
   CHECK(again.find("a")->profile.is == mobile_robot());
   CHECK(again.find("a")->faults.empty());
   CHECK(again.find("a")->values.size() == 1);
-  // Forgotten and back before anything was written: nothing of its former life is left.
+  // Forgotten and back before anything was written: nothing of its former record is left.
   fleet.forget("a", at_second(3));
   REQUIRE(fleet.on_joined("a", at_second(4)));
   REQUIRE(db->write(fleet, at_second(5)));

@@ -15,7 +15,7 @@ using namespace trb::resilience::test;
 
 namespace {
 
-/// For as long as it lives no file of this process may grow over so many bytes: a full disk.
+/// While it exists, no file of this process may grow beyond this size: a full disk.
 class FullDisk {
  public:
   explicit FullDisk(rlim_t bytes) {
@@ -73,7 +73,7 @@ TEST_CASE("a full disk: nothing half, nothing lost, and it goes on once there is
   }
   CHECK_FALSE(fleet.changes().empty());
   CHECK(loaded(*db).robots().size() == 1);
-  CHECK(find_candidates(fleet, {{load()}, {}}).robots.size() == 200);  // the index answers all the same
+  CHECK(find_candidates(fleet, {{load()}, {}}).robots.size() == 200);  // the index still answers
   REQUIRE(db->write(fleet, at_second(3)));
   CHECK(loaded(*db).robots().size() == 201);
 }

@@ -6,7 +6,7 @@
 namespace trb::resilience {
 namespace {
 
-/// Reads table after table into the records. The rows' order is that in which they were written.
+/// Reads table after table into the records, in the order in which the rows were written.
 class Reader {
  public:
   explicit Reader(SqliteFile& file) : file_(file) {}
@@ -25,7 +25,7 @@ class Reader {
  private:
   using Record = RobotRecord;
 
-  /// Calls `take` with each row and the record of the robot that its first column names.
+  /// Calls `take` with each row and the record of the robot that the first column names.
   template <class Take>
   Status each(const char* sql, Take take) {
     return file_.rows(sql, [&](const Columns& row) -> Status {

@@ -26,7 +26,7 @@ std::optional<MonotonicTime> RecordingCore::next_deadline() const {
   return earlier(core_.next_deadline(), write_at_);
 }
 
-/// A disk that takes nothing keeps nobody from asking: the changes wait.
+/// A failing disk does not block requests: the changes wait.
 void RecordingCore::keep(Now now, Outbox& out) {
   const Changes& changes = core_.fleet().changes();
   if (changes.empty()) {

@@ -1,4 +1,5 @@
-// Runs the core and writes what the fleet has told: before anything is said of it, or, values, every few seconds.
+// Runs the core and writes the fleet's changes: urgent ones before anything based on them is sent, values every few
+// seconds.
 #pragma once
 
 #include "common/actor/core.hpp"
@@ -16,7 +17,7 @@ class RecordingCore final : public Core {
   void tick(Now now, Outbox& out) override;
   [[nodiscard]] std::optional<MonotonicTime> next_deadline() const override;
 
-  /// Writes all that is not on disk yet: at the end.
+  /// Writes all that is not on disk yet; for the end of the process.
   Status flush(Now now) { return db_.write(core_.fleet(), now.utc); }
 
  private:
@@ -24,7 +25,7 @@ class RecordingCore final : public Core {
 
   ResilienceCore& core_;
   CapabilityDb& db_;
-  std::optional<MonotonicTime> write_at_;  ///< values, or once more what the disk did not take
+  std::optional<MonotonicTime> write_at_;  ///< when values are written, or a failed write is tried again
   bool failed_ = false;
 };
 

@@ -1,4 +1,4 @@
-// A robot's record as rows, and back.
+// Converts a robot's record to rows, and back.
 #pragma once
 
 #include <vector>
@@ -8,7 +8,7 @@
 
 namespace trb::resilience {
 
-/// Writes these parts (Changes::Part) of the record. Within a transaction.
+/// Writes these parts (Changes::Part) of the record. Must run within a transaction.
 Status write_robot(SqliteFile& file, const RobotRecord& robot, unsigned parts);
 Status delete_robot(SqliteFile& file, const std::string& id);
 

@@ -41,7 +41,7 @@ CREATE TABLE faults(
   text TEXT NOT NULL, since INTEGER NOT NULL,
   PRIMARY KEY(robot, capability, severity)) STRICT, WITHOUT ROWID;
 )",
-    // 2: ranges and words of parameters, the robot's frame, availability; history, alerts, decisions.
+    // 2: ranges and allowed words of parameters, the robot's frame, availability; history, alerts, decisions.
     R"(
 ALTER TABLE parameters ADD COLUMN lowest REAL;
 ALTER TABLE parameters ADD COLUMN highest REAL;

@@ -81,7 +81,7 @@ int SqliteFile::changed() const {
 }
 
 void SqliteFile::bind(sqlite3_stmt* statement, int place, std::string_view text) {
-  // A view without bytes may point nowhere, which SQLite would take for NULL.
+  // An empty view may hold a null pointer, which SQLite would bind as NULL.
   sqlite3_bind_text(statement, place, text.empty() ? "" : text.data(), static_cast<int>(text.size()), SQLITE_TRANSIENT);
 }
 

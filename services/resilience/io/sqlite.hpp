@@ -1,4 +1,4 @@
-// A SQLite file: statements that are prepared once, values bound and read by their types, errors with a hint.
+// A SQLite file: prepared statements, values bound and read by type, errors with a hint.
 #pragma once
 
 #include <functional>
@@ -20,7 +20,7 @@ namespace trb::resilience {
 class Columns {
  public:
   explicit Columns(sqlite3_stmt* statement) : statement_(statement) {}
-  [[nodiscard]] std::string text(int column) const;  ///< bytes too
+  [[nodiscard]] std::string text(int column) const;  ///< also of a blob
   [[nodiscard]] std::int64_t integer(int column) const;
   [[nodiscard]] double real(int column) const;
 
@@ -28,15 +28,15 @@ class Columns {
   sqlite3_stmt* statement_;
 };
 
-/// Bytes that are no text.
+/// Bytes that are not text.
 struct BlobView {
   std::string_view bytes;
 };
 
 class SqliteFile {
  public:
-  /// Opens or makes the file: WAL, synchronous=FULL, foreign keys. `hint` is what a person does about a damaged one.
-  /// Errors: io_error, malformed.
+  /// Opens or creates the file: WAL, synchronous=FULL, foreign keys. `hint`: the cure for a damaged one. Errors:
+  /// io_error, malformed.
   static Result<std::unique_ptr<SqliteFile>> open(const std::string& path, std::string hint);
 
   SqliteFile(const SqliteFile&) = delete;
@@ -61,10 +61,10 @@ class SqliteFile {
     return step(*statement, each);
   }
 
-  /// All of what `work` writes, or nothing. Within another one it is part of that.
+  /// Writes everything that `work` writes, or nothing. Within another transaction it is part of that one.
   Status transact(const std::function<Status()>& work);
 
-  /// Rows that the last statement has changed.
+  /// The number of rows that the last statement has changed.
   [[nodiscard]] int changed() const;
   [[nodiscard]] const std::string& path() const { return path_; }
   [[nodiscard]] Error damaged(const std::string& what) const;

@@ -11,7 +11,7 @@ namespace trb::resilience {
 namespace {
 
 CoreSettings settings_of(const NodeConfig& config) {
-  ConfigFaults faults;  // told by the check
+  ConfigFaults faults;  // reported by the check
   CoreSettings out{config.id, config.role, read_resilience_file(config.dir, faults), {}};
   for (const auto& [name, pose] : config.places) out.places[name] = {pose.x, pose.y};
   return out;

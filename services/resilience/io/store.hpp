@@ -1,4 +1,4 @@
-// The core's journal in capability.db, and what it begins from after a restart.
+// The core's journal in capability.db, and the state with which it begins after a restart.
 #pragma once
 
 #include <vector>
@@ -12,7 +12,7 @@ namespace trb::resilience {
 /// Alerts and decisions of one step, in one transaction. Errors: io_error, conflict (a decision is never replaced).
 Status commit(CapabilityDb& db, const std::vector<Journal>& records);
 
-/// The fleet, the alerts and the decisions, into an empty core; decisions that no open alert waits for are forgotten.
+/// Loads the fleet, the alerts and the decisions into an empty core; removes decisions for which no open alert waits.
 /// Errors: malformed (a row that no build has written), io_error.
 Status restore(CapabilityDb& db, ResilienceCore& core);
 

@@ -3,7 +3,7 @@
 namespace trb::resilience {
 namespace {
 
-/// Writes one robot's rows; after the first error nothing more.
+/// Writes one robot's rows; stops at the first error.
 class Writer {
  public:
   Writer(SqliteFile& file, const RobotRecord& robot) : file_(file), robot_(robot) {}

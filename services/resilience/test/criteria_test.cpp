@@ -1,4 +1,4 @@
-// What counts is the operator's: values of the robot, its description and sensors, bounds, and what a score means.
+// The operator's own criteria: values of the robot, its description and sensors, bounds, and what a score means.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -96,7 +96,7 @@ TEST_CASE("a number of the description counts, for tasks whose skills need that 
   }
   fixture = failed(payload + R"(grab"]}})");
   alert = fixture->alert();
-  CHECK(alert.proposals[0].robot == "turtlebot");  // by its battery alone
+  CHECK(alert.proposals[0].robot == "turtlebot");  // its battery alone counts
   CHECK(alert.proposals[0].parts.size() == 3);
 }
 

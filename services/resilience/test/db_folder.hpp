@@ -1,4 +1,4 @@
-// A capability database in a folder of the test's own.
+// A capability database in a folder of its own.
 #pragma once
 
 #include <doctest/doctest.h>

@@ -1,4 +1,4 @@
-// From the verdict to the scheduler: releases, late and repeated words, conflicts.
+// From the verdict to the scheduler: releases, late and repeated messages, conflicts.
 #include <doctest/doctest.h>
 
 #include "services/resilience/test/fixture.hpp"
@@ -16,7 +16,7 @@ std::unique_ptr<Fixture> broken(ResilienceSettings settings = default_resilience
   return fixture;
 }
 
-/// Somebody else's decision: an epoch that this service has not made.
+/// Another node's decision: an epoch that this service has not made.
 void decide_elsewhere(Fixture& fixture) {
   fixture.view.decisions.push_back({2, "cloud", "another", "bob", "", 0, {{"t4", Ruling::move, "turtlebot", 2, {}}}});
   fixture.view.epoch = 2;

@@ -1,5 +1,5 @@
 // A resilience core in virtual time, on a real capability.db: the test plays the router, the robots and a scheduler
-// that takes decisions as the real one must.
+// that accepts decisions as the real one does.
 #pragma once
 
 #include <doctest/doctest.h>
@@ -39,12 +39,12 @@ class Fixture {
   // ---- the fleet
   void add(const std::string& id, const NodeProfile& profile, double charge, double x, double y);
   void say(const std::string& robot, Body information);
-  /// A robot's answer to something that it was asked.
+  /// A robot's answer to a request.
   void answer(const std::string& from, Body body);
   void fault(const std::string& robot, const std::string& capability, Severity severity = Severity::critical);
-  /// Its node keeps it: in the profile, and told.
+  /// Its node keeps the fault: in the profile, and reported.
   void stand(const std::string& robot, const std::string& capability, Severity severity = Severity::critical);
-  /// The robot tells that it is over; its node's profile has it no more.
+  /// The robot reports the end of the fault; its node's profile no longer has it.
   void end_fault(const std::string& robot, const std::string& capability, Severity severity = Severity::critical);
   void retire(const std::string& robot, const std::string& text, const std::string& by);
   void return_to_service(const std::string& robot);
@@ -53,24 +53,24 @@ class Fixture {
   void back(const std::string& robot);
 
   // ---- the run
-  /// The paper's nine tasks as they stand in the middle: t1 to t3 are finished, t4 runs.
+  /// The paper's nine tasks, halfway: t1 to t3 are finished, t4 runs.
   void begin_run();
   TaskView& task(const std::string& id);
-  /// Another cloud node is the first of the run's members, and so its decider.
+  /// Another cloud node is first among the run's members, and so its decider.
   void decided_elsewhere();
-  /// The running attempt ends so; the run is PAUSED by all but FINISHED.
+  /// The running attempt ends with this outcome; the run is PAUSED by all but FINISHED.
   void end_task(const std::string& id, TaskOutcome outcome, const std::string& reason = "");
-  /// Something about the run has changed: watchers are told.
+  /// Something about the run has changed: its watchers are notified.
   void changed();
-  /// The scheduler's own rule for a decision. The error of what it would refuse.
+  /// The scheduler's own check of a decision. Returns its error if it refuses.
   Status take(const SignedRecord& record);
 
   // ---- people
-  /// Asked on the node itself; the answer.
+  /// Sends a request on the node itself; returns the answer.
   Body ask(Body question);
   std::vector<Alert> alerts(bool all = false);
   Alert alert();                    ///< the only one that is open
-  std::vector<Alert> run_alerts();  ///< open ones: a fault that stands is told without a run besides
+  std::vector<Alert> run_alerts();  ///< open ones; a standing fault has another one without a run
   Alert run_alert();                ///< the only one of a run that is open
   Alert any(const std::string& id);
   /// "accepted", or the Nack's code, or "lost" in a crash.
@@ -79,21 +79,21 @@ class Fixture {
                      const std::string& reason = "");
 
   // ---- time
-  void settle();  ///< until nobody has anything to say
+  void settle();  ///< until no message is left
   void wait(Duration time);
   void restart();
 
   Now now{{1'000'000'000'000}, {1'700'000'000'000'000'000}};
   std::map<std::string, Route> routes;
-  std::map<std::string, std::map<std::string, std::string>> values;  ///< of robots, by name: what they answer
+  std::map<std::string, std::map<std::string, std::string>> values;  ///< the robots' answers, by name
   std::map<std::string, SensorReading> readings;                     ///< of robots' sensors
   RunView view;
   RunStart start;
-  std::optional<MonotonicTime> ends_at;  ///< the run's time to live, if the scheduler tells it
+  std::optional<MonotonicTime> ends_at;  ///< the run's end, if the scheduler reports it
   std::vector<SignedRecord> decisions;
   std::vector<Decision> taken;
-  std::vector<ReleaseTasks> releases;  ///< that robots were asked
-  std::map<std::string, int> heard;    ///< by subtype: what the core has said
+  std::vector<ReleaseTasks> releases;  ///< sent to robots
+  std::map<std::string, int> heard;    ///< by subtype: messages of the core
   std::string last_text;               ///< of the last Ack or Nack to a person
   std::size_t commits = 0;
   std::size_t crash_at = 0;  ///< the process ends with this commit, its messages are lost; 0: never
@@ -104,9 +104,9 @@ class Fixture {
   std::string refuses;               ///< the scheduler Nacks decisions with this code
   std::set<std::string> keeps;       ///< robots that do not answer release_tasks
   std::set<std::string> unmended;    ///< robots that Nack take_into_use
-  std::set<std::string> idle;        ///< robots to which take_into_use does not come
-  std::vector<TakeIntoUse> repairs;  ///< that robots were told
-  std::set<std::string> mute;        ///< robots that do not answer what they are asked for
+  std::set<std::string> idle;        ///< robots that take_into_use does not reach
+  std::vector<TakeIntoUse> repairs;  ///< sent to robots
+  std::set<std::string> mute;        ///< robots that do not answer requests
   CoreSettings settings;
 
  private:
@@ -137,15 +137,15 @@ class Fixture {
   bool watched_ = false;
 };
 
-/// A bench with the paper's hall: ridgeback, two Pioneers, a TurtleBot and an arm, and the run under way.
+/// A fixture with the paper's hall: ridgeback, two Pioneers, a TurtleBot and an arm, and the run under way.
 std::unique_ptr<Fixture> paper(ResilienceSettings settings = default_resilience());
 ResilienceSettings automatic(double min_score = 0, double min_lead = 0);
 using Words = std::vector<std::string>;
-/// The robots that it proposes, the best first; "" for a proposal that is shared.
+/// The robots in its proposals, the best first; "" for a proposal of several robots.
 Words robots_of(const Alert& alert);
-/// It carries, and moves nothing else.
+/// It carries, but does not move.
 NodeProfile loader_robot();
-/// "t4>pioneer1 t7>pioneer1": what the decision rules.
+/// "t4>pioneer1 t7>pioneer1": the decision's rulings.
 std::string rulings(const Decision& decision);
 
 }  // namespace trb::resilience::test

@@ -29,7 +29,7 @@ inline NodeProfile mobile_robot() {
   return profile;
 }
 
-/// It moves and it carries.
+/// It moves and carries.
 inline NodeProfile carrier() {
   NodeProfile profile = mobile_robot();
   profile.capabilities = {"mobile", "carry"};
@@ -49,7 +49,7 @@ inline Route route_of(const std::string& id, const NodeProfile& profile, const s
   return route;
 }
 
-/// The table with another profile; whether the robot is reached stays.
+/// A row of the table with another profile; whether the robot is reached stays the same.
 inline Result<bool> tell_profile(Fleet& fleet, const std::string& id, const NodeProfile& profile, UtcTime now) {
   const RobotRecord* robot = fleet.find(id);
   const bool reached = robot != nullptr && robot->reached;

@@ -1,4 +1,4 @@
-// The bench's fleet, its scheduler and the run.
+// The fixture's fleet, its scheduler and the run.
 #include <algorithm>
 
 #include "services/resilience/test/fixture.hpp"
@@ -128,7 +128,7 @@ void Fixture::begin_run() {
     task.robot = row.robot;
     task.skill = row.skill;
     task.data = row.data;
-    task.timeout_s = 7 * 24 * 3600;  // none of the stories is about its lateness, but those that say so
+    task.timeout_s = 7 * 24 * 3600;  // only the tests of lateness set it lower
     TaskView shown;
     shown.id = task.id;
     shown.robot = row.robot;
@@ -212,7 +212,7 @@ void Fixture::back(const std::string& robot) {
   say("cloud", PeerJoined{robot, 2});
 }
 
-// ---- stories' beginnings
+// ---- beginnings of the stories
 
 std::unique_ptr<Fixture> paper(ResilienceSettings settings) {
   auto fixture = std::make_unique<Fixture>(settings);

@@ -1,4 +1,4 @@
-// What others on the network may say to the resilience, and how much of it.
+// What others on the network may send to the service, and how much of it.
 #include <doctest/doctest.h>
 
 #include "proto/message.hpp"

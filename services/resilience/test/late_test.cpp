@@ -1,4 +1,4 @@
-// A task that names no robot is due: the best is chosen, by the ranking of replacements.
+// A task that names no robot is due: the best robot is chosen, by the ranking of replacements.
 #include <doctest/doctest.h>
 
 #include <functional>
@@ -11,7 +11,7 @@ using namespace trb::resilience::test;
 
 namespace {
 
-/// t6 and t7 name no robot: whoever drives.
+/// t6 and t7 name no robot: any robot that drives may do them.
 std::unique_ptr<Fixture> hall(ResilienceSettings settings = default_resilience(),
                               const std::function<void(Scenario&)>& change = {}) {
   auto fixture = paper(settings);
@@ -28,7 +28,7 @@ std::unique_ptr<Fixture> hall(ResilienceSettings settings = default_resilience()
   return fixture;
 }
 
-/// The scheduler says that the tasks are due.
+/// The scheduler reports that the tasks are due.
 void wants_robot(Fixture& fixture, const std::vector<std::string>& ids) {
   for (const std::string& id : ids) {
     fixture.task(id).outcome = TaskOutcome::released;
@@ -80,7 +80,7 @@ TEST_CASE("what the robots said is old: they are asked first, and their answers 
   auto fixture = hall();
   fixture->wait(seconds(60));
   fixture->values["pioneer2"] = {{"battery", "0.9"}, {"position", "[0.1, 0, 0]"}};
-  fixture->values["turtlebot"].clear();  // it answers nothing: that is an answer
+  fixture->values["turtlebot"].clear();  // it answers with nothing: that is an answer
   wants_robot(*fixture, {"t7"});
   REQUIRE(fixture->taken.size() == 1);
   CHECK(rulings(fixture->taken[0]) == "t7>pioneer2");

@@ -1,5 +1,5 @@
-// Nobody has failed, and yet a task does not go on: people are told. Runs that end soon, and tasks whose scenario does
-// without them.
+// Nothing has failed, and yet a task makes no progress: people are notified. Also runs that end soon, and tasks that
+// the scenario may skip.
 #include <doctest/doctest.h>
 
 #include "services/resilience/test/fixture.hpp"
@@ -14,7 +14,7 @@ Task& task_of(Fixture& fixture, const std::string& id) {
   return fixture.start.scenario.tasks[static_cast<std::size_t>(&fixture.task(id) - fixture.view.tasks.data())];
 }
 
-/// As the paper's, but t4 may take so long.
+/// As the paper's, but t4 has this time-out.
 std::unique_ptr<Fixture> timed(double timeout_s, ResilienceSettings settings = default_resilience()) {
   auto fixture = paper(settings);
   task_of(*fixture, "t4").timeout_s = timeout_s;
@@ -29,7 +29,7 @@ void make_due(Fixture& fixture, const std::string& id) {
   fixture.settle();
 }
 
-/// So much of its life is left to the run.
+/// A run with this much of its life left.
 std::unique_ptr<Fixture> ending(double life_s, double left_s) {
   auto fixture = paper();
   fixture->start.created = 1;

@@ -1,4 +1,4 @@
-// A task that fails wherever it goes: who has failed it is tried no more, and after a few moves a person is asked.
+// A task that fails on every robot: none is tried twice, and after a few moves a person is asked.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -15,7 +15,7 @@ bool is_proposed(const Alert& alert, const std::string& robot) {
   return std::ranges::any_of(alert.proposals, [&](const Proposal& one) { return one.robot == robot; });
 }
 
-/// The run has had so many decisions, by people.
+/// Gives the run this many decisions of people.
 void fill_decisions(Fixture& fixture, std::uint32_t count) {
   for (std::uint32_t epoch = 2; epoch < count + 2; ++epoch) {
     Decision decision;

@@ -14,8 +14,8 @@ namespace trb::resilience::test {
 
 class Parts {
  public:
-  /// The cloud node decides on run "run1": t1 of r1, running; t2 of r2, waiting. r1, r2 and r3 are there, and can do
-  /// both.
+  /// The cloud node decides on run "run1": t1 of r1, running; t2 of r2, waiting. r1, r2 and r3 are there, and each can
+  /// do both.
   explicit Parts(Role role = Role::cloud, ResilienceSettings settings = default_resilience())
       : situation({"", role, settings, {{"dock", {0, 0}}}}) {
     situation.on_welcome({"cloud", role, 1}, now);
@@ -25,7 +25,7 @@ class Parts {
     out = {};
   }
 
-  /// The router's table; `gone` is not reached.
+  /// Sends the router's table; `gone` is not reached.
   void tell_routes(const std::string& gone = "") {
     RouteTable table;
     for (const char* id : {"r1", "r2", "r3"}) {
@@ -35,14 +35,14 @@ class Parts {
     situation.receive(table, now, out);
   }
 
-  /// The scheduler's view, as it is now.
+  /// Sends the scheduler's present view.
   void tell_view() { situation.runs().on(view); }
 
   void break_down(const std::string& robot) {
     situation.receive(RobotFault{"mobile", Severity::critical, "a wheel is off"}, robot, now, out);
   }
 
-  /// The task has failed for good, and the run waits for help.
+  /// The task has failed for good, and the run waits for a decision.
   Alert& fail_task(std::size_t task) {
     view.state = RunState::paused;
     view.tasks[task].outcome = TaskOutcome::failed;
@@ -56,7 +56,7 @@ class Parts {
   void wait(Duration time) { now = {now.mono + time, now.utc + time}; }
   [[nodiscard]] const WatchedRun& run() const { return *situation.runs().find("run1"); }
 
-  /// What was sent of that kind since the last call, the oldest first.
+  /// The messages of that kind since the last call, the oldest first.
   template <class T>
   std::vector<T> take_sent() {
     std::vector<T> found;

@@ -1,4 +1,4 @@
-// From a trouble to the signed decision, part by part.
+// From a problem to the signed decision, part by part.
 #include "services/resilience/test/parts.hpp"
 #include "services/resilience/test/fixture.hpp"
 

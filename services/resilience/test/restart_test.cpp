@@ -1,4 +1,4 @@
-// The service ends at any commit, its messages lost, and goes on from capability.db: the same end, one decision.
+// The service ends at any commit, its messages lost, and goes on from capability.db: the same outcome, one decision.
 #include <doctest/doctest.h>
 
 #include "services/resilience/test/fixture.hpp"
@@ -9,7 +9,7 @@ using namespace trb::resilience::test;
 
 namespace {
 
-/// The paper's story with a person who says it again if nobody answers. The number of commits that it took.
+/// The paper's story; its person repeats an unanswered verdict. Returns the number of commits.
 std::size_t story(std::size_t crash_at, Verdict verdict) {
   auto fixture = paper();
   fixture->commits = 0;
@@ -51,7 +51,7 @@ TEST_CASE("killed after any of its commits it comes to the same end") {
 
 namespace {
 
-/// A person wants a task elsewhere, of which no alert tells, and says it again if nobody answers.
+/// A person wants to move a task without an alert, and repeats the request if there is no answer.
 std::size_t asked_story(std::size_t crash_at) {
   auto fixture = paper();
   fixture->commits = 0;
@@ -68,7 +68,7 @@ std::size_t asked_story(std::size_t crash_at) {
   return fixture->commits;
 }
 
-/// A person says that a robot is repaired.
+/// A person reports that a robot is repaired.
 std::size_t repair_story(std::size_t crash_at) {
   auto fixture = paper();
   fixture->stand("pioneer2", "mobile");

@@ -1,5 +1,5 @@
-// A CRITICAL fault stands, visibly, until the robot tells its end or a person confirms the repair; a robot that is
-// retired keeps what runs and gives the rest away.
+// A CRITICAL fault stands, visibly, until the robot reports its end or a person confirms the repair; a retired robot
+// keeps its running tasks and gives the others away.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -95,7 +95,7 @@ TEST_CASE("a fault that the robot has ended is not begun again by a profile that
   fixture->routes["pioneer2"].profile.detail = "something else has changed";
   fixture->wait(seconds(40));
   CHECK(fixture->alerts().empty());
-  fixture->stand("pioneer2", "mobile");  // anew
+  fixture->stand("pioneer2", "mobile");  // again
   fixture->wait(seconds(40));
   CHECK(fixture->alerts().size() == 1);
   CHECK(count_of(kinds(*fixture, "pioneer2"), "fault") == 2);
@@ -115,7 +115,7 @@ TEST_CASE("a fault of the whole robot is told of each capability, too: it is one
   fixture->wait(seconds(6));
   CHECK(fixture->repairs.at(0).capability.empty());
   CHECK(fixture->alerts().empty());
-  fixture->fault("ridgeback", "mobile");  // of which the profile comes late
+  fixture->fault("ridgeback", "mobile");  // its profile comes late
   fixture->wait(seconds(4));
   CHECK(fixture->alert().capability == "mobile");
   fixture->routes["ridgeback"].profile.out_of_use = {{"", Severity::critical, "no power", 2, false, ""}};
@@ -189,7 +189,7 @@ TEST_CASE("the robot's node refuses: the alert is open again and says why, and n
   fixture->stand("pioneer2", "mobile");
   fixture->wait(seconds(3));
   const std::string id = fixture->alert().id;
-  fixture->silence("pioneer2");  // not delivered: told again once it is back
+  fixture->silence("pioneer2");  // not delivered: sent again once it is back
   CHECK(fixture->decide(AlertDecide{id, Verdict::retry, "", "", "", false}) == "accepted");
   fixture->wait(seconds(5));
   fixture->say("turtlebot", Nack{"conflict", "take_into_use", "pioneer2", "not so", ""});
@@ -224,7 +224,7 @@ TEST_CASE("retry in a run: the robot's node takes it into use, then the task is 
 TEST_CASE("what breaks again before the task is tried again opens the alert: the word was on the repair before") {
   auto fixture = paper();
   fixture->end_task("t5", TaskOutcome::failed, "stuck");
-  fixture->refuses = "queue_full";  // another alert's decision on the run is not taken yet
+  fixture->refuses = "queue_full";  // another alert's decision on the run is not accepted yet
   CHECK(fixture->decide(Verdict::skip) == "accepted");
   fixture->stand("ridgeback", "mobile");
   fixture->end_task("t4", TaskOutcome::failed, "mobile is broken");

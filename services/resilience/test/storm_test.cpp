@@ -1,5 +1,5 @@
-// Anything in any order, the service ending at any time: each decision is one that the scheduler can take, and once all
-// is well again nothing stays open.
+// Anything in any order, and restarts at any time: the scheduler can accept every decision, and once all is well again
+// nothing stays open.
 #include <doctest/doctest.h>
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// The paper's section 6.1 and what may happen instead, told from the fault to the decision.
+// The paper's section 6.1 and its variants, from the fault to the decision.
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -62,7 +62,7 @@ TEST_CASE("the paper's story: Ridgeback cannot move any more, a Pioneer takes ta
   CHECK(decided.epoch == 2);
   fixture->wait(seconds(20));
   CHECK(fixture->taken.size() == 1);
-  // No run minds the wheels any more; they are broken all the same.
+  // No run needs the wheels any more; they are still broken.
   CHECK(fixture->alert().run.empty());
   CHECK(fixture->alert().capability == "mobile");
 }
@@ -95,7 +95,7 @@ TEST_CASE("what the robots said is old: they are asked, and the proposals follow
   CHECK(fixture->alert().proposals.front().note.empty());
   CHECK(fixture->heard["position"] == 3);
   CHECK(fixture->heard["battery"] == 3);
-  // Nobody is asked again and again; what a person has seen stays.
+  // No robot is asked again and again; what a person has seen stays.
   fixture->values["pioneer2"]["position"] = "[40, 0, 0]";
   fixture->wait(seconds(20));
   CHECK(fixture->heard["position"] == 3);
@@ -110,7 +110,7 @@ TEST_CASE("nobody decides in time: the run stays paused, and can still be decide
   Alert alert = fixture->alert();
   CHECK(alert.state == AlertState::expired);
   CHECK(fixture->view.state == RunState::paused);
-  // What the robots said is ten minutes old.
+  // The robots' values are ten minutes old.
   CHECK(alert.proposals.front().note.find("battery is 6") != std::string::npos);
   fixture->say("pioneer2", RobotState{{{"position", "[4, 0, 0]"}, {"battery", "0.9"}}});
   CHECK(robots_of(fixture->alert()).front() == "pioneer2");
@@ -127,7 +127,7 @@ TEST_CASE("a robot that falls silent: its tasks move on a person's word alone") 
   CHECK(alert.tasks == Words{"t4", "t7", "t9"});
   CHECK(alert.needs_word);
   CHECK(alert.unfit.size() >= 1);
-  CHECK(alert.proposals.empty());  // nobody else loads
+  CHECK(alert.proposals.empty());  // no other robot loads
   fixture->add("husky", carrier(), 50, 0, 0);
   fixture->wait(seconds(10));
   CHECK(fixture->taken.empty());
@@ -153,7 +153,7 @@ TEST_CASE("a robot that comes back before anything was decided closes its alert;
   const Alert alert = fixture->alert();
   CHECK(alert.tasks == Words{"t4"});
   CHECK(alert.needs_word);
-  // go_to may be done twice: the robot may try again without a word.
+  // go_to may be repeated: the robot may try again without a person's statement.
   CHECK(fixture->decide(Verdict::retry) == "accepted");
   CHECK(rulings(fixture->taken.at(0)) == "t4!ridgeback");
 }
@@ -179,7 +179,7 @@ TEST_CASE("a connection that is broken for less than the grace is no alert") {
 
 TEST_CASE("a robot that is back before the grace is over is no alert, though nobody heard it say so") {
   auto fixture = paper();
-  fixture->routes["ridgeback"].profile.robot = "";  // its router was started anew, before its mode-adapter had told it
+  fixture->routes["ridgeback"].profile.robot = "";  // its router has restarted and has no profile yet
   fixture->say("cloud", PeerJoined{"ridgeback", 2});
   fixture->wait(seconds(2));
   fixture->routes["ridgeback"].profile.robot = "ONLINE";
@@ -293,7 +293,7 @@ TEST_CASE("a fault that no run minds is told, until somebody says that it is men
   auto fixture = paper();
   fixture->fault("pioneer2", "mobile", Severity::urgent);
   fixture->wait(seconds(5));
-  CHECK(fixture->alert().id.empty());  // shown, and no more
+  CHECK(fixture->alert().id.empty());  // only shown
   fixture->fault("pioneer2", "mobile");
   CHECK(fixture->alerts().empty());
   fixture->wait(seconds(3));

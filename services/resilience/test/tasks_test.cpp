@@ -1,4 +1,4 @@
-// Verdicts by task: some of an alert's, or tasks of which no alert tells; what is pinned, done twice, or stuck.
+// Verdicts by task: for some of an alert's, or for tasks without an alert; what is pinned, done twice, or stuck.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -127,7 +127,7 @@ TEST_CASE("any task can be moved or skipped without an alert: one is made and de
   CHECK(fixture->decide(of_run({"t9", "t9"}, Verdict::skip)) == "accepted");
   CHECK(rulings(fixture->taken.at(2)) == "t9/cloud");
   CHECK(fixture->alerts().empty());
-  CHECK(fixture->alerts(true).size() == 3);  // that a task is given back for it is no failure
+  CHECK(fixture->alerts(true).size() == 3);  // a task given back for a verdict is no failure
 }
 
 TEST_CASE("a word on a task that makes no sense is refused, with the cure, and leaves nothing behind") {
@@ -170,7 +170,7 @@ TEST_CASE("what was done twice is told until the run goes on: nothing is moved, 
   fixture->task("t3").twice = true;
   fixture->changed();
   fixture->wait(seconds(2));
-  CHECK(fixture->alerts().empty());  // somebody has let the run go on
+  CHECK(fixture->alerts().empty());  // a person has resumed the run
   fixture->view.paused_by = "cloud";
   fixture->view.state = RunState::paused;
   fixture->changed();
@@ -222,10 +222,10 @@ TEST_CASE("a robot that gives nothing back for 30 s: it is said, and another ver
       continue;
     }
     CHECK(fixture->decide(Verdict::override_, "ridgeback", false, "again") == "bad_value");
-    CHECK(fixture->run_alert().proposals.front().robot == "pioneer1");  // what was decided before still is
+    CHECK(fixture->run_alert().proposals.front().robot == "pioneer1");  // the earlier verdict still holds
     CHECK(fixture->run_alert().state == AlertState::releasing);
     CHECK(fixture->decide(Verdict::accept, "pioneer2") == "accepted");
-    CHECK(fixture->releases.size() == asked + 1);  // asked at once, not when it was to be asked next
+    CHECK(fixture->releases.size() == asked + 1);  // asked at once, before the next resend was due
     fixture->keeps.clear();
     fixture->wait(seconds(2));
     CHECK(rulings(fixture->taken.at(0)) == "t4>pioneer2 t7>pioneer2");

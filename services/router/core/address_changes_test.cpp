@@ -1,4 +1,4 @@
-// Addresses that change, and whom a node lets in and dials without having met them. Time is injected, nothing sleeps.
+// Changing addresses, and whom a node lets in and dials before they have met. Time is injected, nothing sleeps.
 #include <doctest/doctest.h>
 
 #include "services/router/test/test_fleet.hpp"
@@ -58,7 +58,7 @@ TEST_CASE("a beacon about a linked peer at the same address changes nothing") {
   const LinkId link = fleet.at("ant").link_to("bee");
   fleet.run(Seconds(60));
   CHECK(fleet.at("bee").beacons.size() > 10);
-  CHECK(fleet.at("bee").beacons.size() < 20);  // a few at its start, then one in five seconds
+  CHECK(fleet.at("bee").beacons.size() < 20);  // a few at its start, then one every five seconds
   CHECK(fleet.at("bee").count("sent.beacon") == fleet.at("bee").beacons.size());
   CHECK(fleet.at("ant").link_to("bee") == link);
   CHECK(fleet.at("ant").dials.size() == 1);

@@ -11,13 +11,13 @@ constexpr std::size_t kMaxDenied = 8 * kMaxCandidates;
 
 bool Admission::admit(BytesView key, Now now, Effects& out) {
   if (key == node_.config().own.link_key.bytes || trust_.refuse_revoked_key(key, now, out)) return false;
-  // One that is revoked knows that no Hello of its own is taken; one that has only ended may be brought its renewal.
+  // A revoked node knows that its Hello is refused; one whose certificate only ended may be brought its renewal.
   if (trust_.own_revocation() != nullptr) return false;
   if (const auto at = noisy_.find(key); at != noisy_.end() && now.mono < at->second) {
     out.count("refused.noisy_key");
     return false;
   }
-  // Members, and those whom node.json names though they were never met: no crowd of strangers keeps them out.
+  // Members, and peers of node.json that were never met: no crowd of strangers keeps them out.
   if (!table_.is_expected(key)) return admit_stranger(key, now.mono, out);
   if (Peer* peer = table_.by_key(key)) peer->comes_until = now.mono + node_.config().timing.handshake;
   return true;

@@ -1,4 +1,4 @@
-// Which keys may connect to the inbox: members may; of strangers a few at a time, for a short time.
+// Which keys may connect to the inbox: members always; strangers a few at a time, for a short time.
 #pragma once
 
 #include <map>
@@ -9,26 +9,26 @@ namespace trb::router {
 
 /// key       | event                                     | next
 /// ----------|-------------------------------------------|-------------------------------------------------------
-/// unknown   | connects, there is room for a candidate   | candidate for 2 s; connecting again buys no more time
-/// unknown   | connects, there is none                   | unknown, refused
+/// unknown   | connects, there is room for a candidate   | candidate for 2 s; reconnecting gives no more time
+/// unknown   | connects, there is no room                | unknown, refused
 /// candidate | its Hello is accepted                     | member
-/// candidate | its Hello is refused, or something else   | denied for 10 s
+/// candidate | its Hello is refused, or another message  | denied for 10 s
 /// candidate | 2 s (expired)                             | denied for 10 s
 /// member    | connects                                  | member, admitted
-/// member    | says Hello too often                      | noisy: out for 10 s
-/// any       | is revoked                                | refused as long as it is on the list
+/// member    | sends Hello too often                     | noisy: out for 10 s
+/// any       | is revoked                                | refused while it is on the list
 class Admission {
  public:
   Admission(const LocalNode& node, PeerTable& table, TrustStore& trust) : node_(node), table_(table), trust_(trust) {}
 
-  /// ZAP: may this key connect?
+  /// ZAP's question: may this key connect?
   bool admit(BytesView key, Now now, Effects& out);
-  /// It was refused a moment ago.
+  /// Was this key refused a moment ago?
   [[nodiscard]] bool is_denied(BytesView key, MonotonicTime now) const;
-  /// It is no candidate any more.
+  /// The key is no longer a candidate.
   void settle(BytesView key);
   void deny(BytesView key, MonotonicTime now);
-  /// A member's key stays out for a while.
+  /// Keeps a member's key out for a while.
   void silence(BytesView key, MonotonicTime now);
 
   void tick(Now now, Effects& out);

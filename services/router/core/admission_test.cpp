@@ -1,4 +1,4 @@
-// Admission by itself: strangers come a few at a time, members always.
+// Admission by itself: strangers a few at a time, members always.
 #include "services/router/core/admission.hpp"
 
 #include "services/router/test/test_parts.hpp"

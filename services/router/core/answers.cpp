@@ -5,10 +5,10 @@
 namespace trb::router {
 namespace {
 
-constexpr std::size_t kRoutePage = 256U << 10U;  ///< of it a row takes 66 kB at most
+constexpr std::size_t kRoutePage = 256U << 10U;  ///< a row takes 66 kB of it at most
 constexpr std::size_t kRouteWords = 512;         ///< a row's own words and numbers, at most
 
-/// As much of both as a note may be long; no letter is cut in two.
+/// As much of both as fits into a note; no UTF-8 letter is cut in two.
 std::string join_notes(const std::string& first, const std::string& second) {
   std::string out = first + (first.empty() || second.empty() ? "" : "; ") + second;
   auto end = std::min<std::size_t>(out.size(), kDefaultMaxSize);
@@ -37,8 +37,8 @@ Result<Body> Answers::to_request(const Message& message, Now now) const {
   return fail(Errc::bad_value, message.subtype + " is not for a router in this way");
 }
 
-/// A table costs a question of a hundred bytes: who asks without end would have this node work and speak for him alone.
-/// An echo is as long as its question.
+/// A request of a hundred bytes returns a table: a peer that sends them without end would keep this node busy for
+/// itself. An echo is as long as its request.
 Result<Body> Answers::to_peer(Peer& peer, const Message& message, Now now) const {
   const bool table = message.type == MessageType::request && message.subtype != EchoRequest::kSubtype;
   if (table && !peer.answers.has_room(now.mono)) {
@@ -85,7 +85,7 @@ RouteTable Answers::route_table(Now now, const std::string& after) const {
   std::size_t size = 0;
   const auto add = [&](Route&& route) {
     size += kRouteWords + encode(route.certificate).size() + encode(route.profile).size();
-    // The first always has room, and this node's own row is never the last: the cursor runs over peers.
+    // The first row always has room, and this node's own row is never the last: the cursor names a peer.
     table.more = size > kRoutePage && table.routes.size() > 1;
     if (!table.more) table.routes.push_back(std::move(route));
     return !table.more;

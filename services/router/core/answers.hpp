@@ -1,4 +1,4 @@
-// What the router answers itself: its tables, and echoes.
+// What the router itself answers: its tables, and echoes.
 #pragma once
 
 #include <string>
@@ -31,11 +31,11 @@ class Answers {
   void start(Now now) { started_ = now.mono; }
   /// Errors: bad_value (not for a router), malformed.
   [[nodiscard]] Result<Body> to_request(const Message& message, Now now) const;
-  /// The same of a peer, which may ask for so many bytes of tables in a second. Errors: queue_full, too.
+  /// The same for a peer, which gets a bounded number of bytes of tables per second. Errors: queue_full, too.
   Result<Body> to_peer(Peer& peer, const Message& message, Now now) const;
-  /// The peer is sent this answer.
+  /// Counts this answer against the peer's bytes.
   static void charge(Peer& peer, const Message& request, const Message& answer);
-  /// A page of the table: this node first, then the peers whose ids come behind `after`.
+  /// A page of the table: this node first, then the peers whose ids sort after `after`.
   [[nodiscard]] RouteTable route_table(Now now, const std::string& after = {}) const;
 
  private:

@@ -1,4 +1,4 @@
-// What beacons tell of a peer that is known: nothing, or where it is now.
+// What a beacon of a known peer changes: nothing, or its address.
 #include <doctest/doctest.h>
 
 #include "services/router/test/test_inbox.hpp"

@@ -32,8 +32,8 @@ void Beacons::refuse(std::string_view reason, const std::string& text, Now now, 
   out.log(LogLevel::warning, "beacon_refused", std::string(reason) + ": " + text);
 }
 
-/// A node that starts says so several times. What it would change needs no signature checked to be nothing: it is
-/// linked, by that boot and at that address, and a beacon of its own was checked just now.
+/// A starting node sends several beacons. No signature need be checked to see that one changes nothing: the peer is
+/// linked, with that boot and address, and a beacon of it was checked just now.
 bool Beacons::tells_nothing(const std::string& signer, const Beacon& beacon, Now now) const {
   constexpr Duration kFresh = std::chrono::seconds(2);
   const Peer* known = table_.find(signer);
@@ -52,7 +52,7 @@ void Beacons::on_beacon(BytesView plain, Now now, Effects& out) {
   auto beacon = decode<Beacon>(record->payload.bytes);
   if (!beacon) return refuse_for(beacon.error());
   if (tells_nothing(record->signer, *beacon, now)) return;
-  // Whoever has the fleet's key for beacons, a node put out of it for one, could keep this one at signatures alone.
+  // Any holder of the fleet's beacon key, for example a revoked node, could keep this node busy checking signatures.
   if (!budget_.take(now.mono))
     return refuse("too_many", "over " + std::to_string(kBeaconsChecked) + " in a second; links do without", now, out);
   auto certificate = check(*record, *beacon, now, out);
@@ -85,8 +85,8 @@ bool Beacons::is_replayed(const Peer& peer, const Certificate& certificate, cons
          certificate.serial < peer.certificate.serial;
 }
 
-/// Unlinked, or linked to a process that is gone or to where it was: the smaller id dials now, the greater answers with
-/// a beacon of its own.
+/// The peer is unlinked, or the link leads to an ended process or an old address: the smaller id dials now, the greater
+/// answers with a beacon.
 void Beacons::follow(Peer& peer, const Beacon& beacon, Now now, Effects& out) {
   const bool again = beacon.boot > peer.boot;
   links_.set_address(peer, beacon.address, now, out);

@@ -1,4 +1,4 @@
-// Beacons: this node's own, and what others' tell of where they are. A hint, not a proof, but signed.
+// Beacons: this node's own, and what others' say about their addresses. A hint, not a proof, but signed.
 #pragma once
 
 #include <optional>
@@ -12,30 +12,30 @@ namespace trb::router {
 
 /// own    | event                                   | next
 /// -------|-----------------------------------------|------------------------------------------------------------
-/// silent | begin(): it starts, or is a member again | every 5 s; after the start or a move three, 0.3 s apart
-/// any    | stop(): no address, or no member         | silent
+/// silent | begin(): this node starts, or is a member again | every 5 s; after the start or a move three, 0.3 s apart
+/// any    | stop(): no address, or not a member     | silent
 /// sends  | a beacon of a node with a smaller id     | sends; the next within 0.2 s, so that it is dialled
 ///
-/// others'                                            | what follows
-/// ---------------------------------------------------|------------------------------------------------------------
-/// of a new boot, of another address, of who is unlinked | the peer is dialled, or waited for; a link to the old one
-/// ends tells nothing new, checked 2 s ago                 | nothing; its signature is not checked older than one that
-/// was received (repeated)        | refused as replayed forged, over 512 a second, no room (invalid)       | refused,
-/// counted, a link error
+/// others'                                                   | what follows
+/// ----------------------------------------------------------|----------------------------------------------
+/// new boot, new address, or the peer has no link            | dialled, or awaited; a link to the old one ends
+/// nothing new, and one was checked 2 s ago                  | nothing; its signature is not checked
+/// older than one that was received (repeated)               | refused as replayed
+/// forged, over 512 a second, no room in the table (invalid) | refused, counted, a link error
 class Beacons {
  public:
   Beacons(const LocalNode& node, PeerTable& table, TrustStore& trust, Links& links, LinkErrors& errors)
       : node_(node), table_(table), trust_(trust), links_(links), errors_(errors) {}
 
-  /// From now on, if this node shall send any and has an address.
+  /// Sends beacons from now on, if this node should and has an address.
   void begin(Now now);
-  /// So, with a burst: others are to learn the new address soon.
+  /// Begins again with a burst: the others should learn the new address soon.
   void burst(Now now);
   void stop() { next_.reset(); }
 
   /// A datagram on the beacons' port that the fleet's key opened.
   void on_beacon(BytesView plain, Now now, Effects& out);
-  /// One that it did not open.
+  /// A datagram that the fleet's key did not open.
   void refuse(std::string_view reason, const std::string& text, Now now, Effects& out);
 
   void tick(Now now, Effects& out);

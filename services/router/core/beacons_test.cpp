@@ -1,4 +1,4 @@
-// Beacons by themselves: when this node sends its own, and what another's changes.
+// Beacons by themselves: when this node sends its own, and what a peer's changes.
 #include "services/router/core/beacons.hpp"
 
 #include "services/router/test/test_parts.hpp"
@@ -15,7 +15,7 @@ struct Air : Parts {
     const Beacon body{bee.record, address, boot, kStartUtc, count};
     beacons.on_beacon(encode(sign(kSignedBeacon, "bee", authority.fleet.id(), encode(body), bee.identity)), now, out);
   }
-  /// How many it sends in so long.
+  /// How many beacons it sends in this time.
   std::size_t sent(Duration time) {
     out = {};
     for (Duration passed{}; passed < time; passed += kStep) {

@@ -1,4 +1,4 @@
-// So many in a second, whoever asks: for what costs this node more than it costs who makes it do so.
+// A number of operations per second, whoever requests them: for what costs this node more than it costs the requester.
 #pragma once
 
 #include <cstdint>
@@ -11,7 +11,7 @@ class Budget {
  public:
   explicit Budget(std::uint32_t each_second) : each_second_(each_second), left_(each_second) {}
 
-  /// False if this second's are spent.
+  /// False if this second's budget is used up.
   bool take(MonotonicTime now) {
     if (now >= end_) {
       left_ = each_second_;
@@ -21,7 +21,7 @@ class Budget {
     --left_;
     return true;
   }
-  /// Of the second of the last take().
+  /// What is left of the second of the last take().
   [[nodiscard]] std::uint32_t left() const { return left_; }
 
  private:
@@ -30,12 +30,12 @@ class Budget {
   MonotonicTime end_;
 };
 
-/// So many bytes in a second: what is made for one who asks is counted when it is made, so it is over by one at most.
+/// A number of bytes per second. Bytes are counted after they were made, so one answer at most goes over the limit.
 class ByteRate {
  public:
   explicit ByteRate(std::uint64_t each_second) : each_second_(each_second) {}
 
-  /// False if this second's are spent.
+  /// False if this second's bytes are used up.
   bool has_room(MonotonicTime now) {
     if (now >= end_) {
       spent_ = 0;

@@ -1,4 +1,4 @@
-// The node's own bus: claims, probes, and who may have what signed.
+// The node's own bus: claims, probes, and which service may have what signed.
 #include <doctest/doctest.h>
 
 #include "services/router/test/test_fleet.hpp"
@@ -161,7 +161,7 @@ TEST_CASE("each kind of record is signed for its one maker") {
   const std::vector<std::string> services = {"scheduler", "mode-adapter", "resilience", "sensor-bus", "cloud-gateway"};
   ConnectionId id = 0;
   for (const std::string& service : services) REQUIRE(bus.hello(++id, service) == "service_welcome");
-  REQUIRE(bus.hello(++id, "scheduler", {}, true) == "service_welcome");  // a probe, whatever it calls itself
+  REQUIRE(bus.hello(++id, "scheduler", {}, true) == "service_welcome");  // a probe, whatever name it gives
   const auto asks = [&](ConnectionId from, std::string_view kind) {
     return bus.ask(from, SignRequest{std::string(kind), {payload_of(kind, "ant")}});
   };

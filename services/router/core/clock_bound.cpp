@@ -46,7 +46,7 @@ std::optional<UtcTime> ClockBound::to_store(Now now, const std::vector<std::int6
   });
   if (static_cast<std::size_t>(behind) * 2 > peers.size()) return std::nullopt;
   stored_ = now.utc;
-  offset_ = offset_of(now);  // what a time server has corrected little by little is no jump
+  offset_ = offset_of(now);  // small corrections by a time server are no jump
   return now.utc;
 }
 

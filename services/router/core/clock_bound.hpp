@@ -1,5 +1,5 @@
-// A time that has certainly passed: for a start with a clock that is behind. A clock may also be far ahead for a
-// moment, of a GPS receiver or a wrong server; what it said then must not count for ever.
+// A lower bound of the time, for a start with a clock that is behind. A clock may also be far ahead for a moment (a GPS
+// receiver, a wrong server); that must not be stored for ever.
 #pragma once
 
 #include <cstdint>
@@ -18,19 +18,19 @@ constexpr Duration kStoreTime = std::chrono::minutes(10);  ///< a Raspberry Pi's
 
 class ClockBound {
  public:
-  /// `stored`: what an earlier start has left.
+  /// `stored`: what an earlier start stored.
   void start(UtcTime stored, Now now);
   [[nodiscard]] UtcTime bound() const { return bound_; }
 
-  /// By a word of the authority that time has passed.
+  /// The authority has signed something at this time, so it has passed.
   void raise(UtcTime utc);
 
-  /// Each turn: has the clock jumped?
+  /// Each turn: notices a jump of the clock.
   void watch(Now now);
-  /// It has run in step with the monotonic clock for kClockSteady.
+  /// Has the clock run in step with the monotonic clock for kClockSteady?
   [[nodiscard]] bool is_steady(Now now) const;
-  /// The time to be stored now, if it is steady, is not stored yet, and no majority of the peers' clocks says that it
-  /// is ahead. `peers`: by each of their verified clocks, UTC at monotonic 0.
+  /// The time to store now, if the clock is steady, the time is not stored yet, and no majority of the peers' clocks
+  /// says that this clock is ahead. `peers`: UTC at monotonic 0 by each of their verified clocks.
   std::optional<UtcTime> to_store(Now now, const std::vector<std::int64_t>& peers);
 
  private:

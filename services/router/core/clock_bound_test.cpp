@@ -1,4 +1,4 @@
-// The time that has certainly passed: raised by a clock that can be believed alone. Time is injected, nothing sleeps.
+// The lower bound of the time: raised only by a clock that can be trusted. Time is injected, nothing sleeps.
 #include <doctest/doctest.h>
 
 #include <limits>
@@ -33,7 +33,7 @@ struct Bench {
     }
   }
   void jump(Duration by) { now.utc = now.utc + by; }
-  /// A peer's clock is so far from this node's.
+  /// The error of a peer's clock against this node's.
   void peer(Duration off) { peers.push_back((now.utc + off).ns - now.mono.ns); }
 };
 
@@ -183,7 +183,7 @@ TEST_CASE("a Hello may tell any time: nothing overflows, and it is told as a clo
                                  {{-5'000'000'000}, {-5}}, effects);
     fleet.carry_out(ant, effects);
     REQUIRE(ant.link_to("bee") == 9);
-    // A node without the time takes a relay's: of that one, too, it makes a time.
+    // A node without the time takes a relay's: that, too, raises its bound.
     Effects words;
     const ReachablePeerList told{{fleet.keys("cat").record}, {}};
     ant.core->inbox().on_message(9, bee.link.public_key, make_message(MessageType::information, "bee", "ant", told), 2,

@@ -54,13 +54,13 @@ struct RouterConfig {
   UtcTime utc_bound;                  ///< a time that has certainly passed; of an earlier start
   bool seal_before_delivery = false;  ///< deliver what comes by a link only once its seal was checked
   Timing timing;
-  /// Numbers that nobody can guess: ids of links, nonces. The shell gives libsodium's.
+  /// Unpredictable numbers: ids of links, nonces. The shell provides libsodium's.
   std::function<std::uint64_t()> random;
-  /// Has this link room for a frame of so many bytes? Asked before a megabyte is hashed in vain; empty: always.
+  /// Has this link room for a frame of this size? Asked before a megabyte is hashed for nothing; empty: always.
   std::function<bool(std::uint64_t link, std::size_t bytes)> has_room;
 };
 
-/// From when on a person is told that a certificate ends.
+/// From when on people are warned that a certificate ends.
 constexpr Duration kWarnBefore = std::chrono::hours(24 * 30);
 constexpr Duration kWarnEvery = std::chrono::hours(24);
 constexpr std::size_t kMaxUpdate = 516U * 1024U;  ///< of a TrustUpdate: the largest signed list, and what is around it

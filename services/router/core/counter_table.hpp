@@ -15,7 +15,7 @@ class CounterTable {
   static constexpr std::size_t kMost = 1000;  ///< names; more are not counted
 
   void count(std::string_view name, std::uint64_t by = 1);
-  /// What was counted did not happen after all.
+  /// Undoes a count: the event did not happen after all.
   void take_back(std::string_view name);
   [[nodiscard]] std::uint64_t value(std::string_view name) const;
   [[nodiscard]] Counters table(const std::string& node) const;

@@ -1,4 +1,4 @@
-// Who is dialled, and two who dial each other.
+// Which peers are dialled, and two nodes that dial each other.
 #include <doctest/doctest.h>
 
 #include "services/router/test/test_inbox.hpp"
@@ -28,7 +28,7 @@ struct Dialler {
                                   make_message(MessageType::information, "bee", node.id, hello), 1, fleet.now, effects);
     fleet.carry_out(node, effects);
   }
-  /// A second word by this link.
+  /// A second message by this link.
   void speak(LinkId link) {
     Effects effects;
     const Message word = make_message(MessageType::information, "bee", node.id, KeepAlive{});
@@ -70,7 +70,7 @@ TEST_CASE("who is at the door is not dialled: its own dial has its time to say H
   CHECK(inbox.admit(inbox.bee.link.public_key));
   inbox.fleet.run(milliseconds(1900));
   CHECK(ant.dials.empty());
-  inbox.fleet.run(milliseconds(500));  // it said none
+  inbox.fleet.run(milliseconds(500));  // it did not come
   CHECK_FALSE(ant.dials.empty());
 }
 

@@ -1,4 +1,4 @@
-// What the router's core wants its shell to do. Values, so that tests and simulations read them.
+// What the router's core orders its shell to do. Values, so that tests and simulations can read them.
 #pragma once
 
 #include <string>
@@ -19,7 +19,7 @@ struct BusSend {
   ConnectionId to = 0;
   Message message;
 };
-/// The shell has it numbered as it leaves; see SealBook::send.
+/// The shell lets SealBook::send number it when it leaves.
 struct LinkSend {
   LinkId link = 0;
   Message message;
@@ -29,7 +29,7 @@ struct Dial {
   std::string address;  ///< of a seed it may be a host's name; then on_name_found() or on_name_unknown() follows
   Bytes server_key;
 };
-/// The other side's lossy lane, to be heard beside this link and closed with it.
+/// The other side's lossy lane: to be received beside this link and closed with it.
 struct DialLane {
   LinkId link = 0;
   std::string address;
@@ -39,14 +39,14 @@ struct DialLane {
 struct CloseLink {
   LinkId link = 0;
 };
-/// An accepted link: bind this link id to the inbox connection that said Hello.
+/// An accepted link: bind this link id to the inbox connection that sent the Hello.
 struct AcceptLink {
   LinkId link = 0;
 };
 struct SendBeacon {
   Bytes plain;
 };
-/// The peers that were linked, for the next start: lines "ADDRESS KEY" (hexadecimal), newest state, whole.
+/// The peers that were linked, for the next start: lines "ADDRESS KEY" (hexadecimal), the newest state, complete.
 struct StorePeers {
   std::string text;
 };
@@ -57,8 +57,9 @@ struct RefuseCandidate {
   std::uint8_t version = kWireVersion;  ///< of the wire, in which the candidate reads it
 };
 
-/// What the authority said, to be on disk before what follows in the list is done; the beacon key of the list, if this
-/// node has a box in it, is used from then on. TrustUpdates::on_stored follows, for this and the next two.
+/// What the authority has signed. It must be on disk before the next effects in the list are carried out. The list's
+/// beacon key is used from then on, if this node has a box in it. TrustUpdates::on_stored follows this and the next
+/// two.
 struct StoreUpdate {
   TrustUpdate update;
   std::uint32_t beacon_number = 0;
@@ -72,16 +73,16 @@ struct StoreCertificate {
 struct StoreBoot {
   std::uint64_t boot = 0;
 };
-/// A time that has certainly passed, for a start with a clock that is behind.
+/// A lower bound of the time, for a start with a clock that is behind.
 struct StoreUtc {
   UtcTime utc;
 };
 
-/// What is unsealed on this link is to be sealed before anything else leaves by it.
+/// The unsealed frames of this link must be sealed before anything else leaves by it.
 struct SealDue {
   LinkId link = 0;
 };
-/// A seal whose range fits: is it signed by `signer`? The answer goes to Forwarding::on_seal_checked.
+/// A seal whose range fits: was it signed by `signer`? The answer goes to Forwarding::on_seal_checked.
 struct CheckSeal {
   LinkId link = 0;
   std::uint64_t last = 0;    ///< sequence
@@ -89,13 +90,13 @@ struct CheckSeal {
   SignedRecord record;
   Certificate signer;
 };
-/// What was held of this link up to this sequence is proven: deliver it.
+/// What was held of this link up to this sequence number is proven: deliver it.
 struct DeliverHeld {
   LinkId link = 0;
   std::uint64_t last = 0;
 };
 
-/// The link ends: what is held of it is not delivered. With `tell` it can still carry the Nacks; a seal and a Goodbye
+/// The link ends: frames held for it are not delivered. With `tell` it can still carry the Nacks; a seal and a Goodbye
 /// follow.
 struct ReturnHeld {
   LinkId link = 0;
@@ -122,7 +123,7 @@ struct Relaying {
   Message message;
 };
 
-/// Where a message goes; `relay`: wrapped by RelayRoutes::wrap; `lane`: only what may be lost.
+/// Where a message goes. `relay`: wrapped by RelayRoutes::wrap. `lane`: only what may be lost.
 struct Routing {
   enum class To : unsigned char { drop, service, peer, relay, every_peer, router, lane } to = To::drop;
   ConnectionId connection = 0;

@@ -17,13 +17,13 @@ FrameOrders Forwarding::from_bus(ConnectionId from, const HeaderView& header, ch
   orders.way = at_.routing.from_bus(from, header);
   const bool leaves = orders.way.to == To::peer || orders.way.to == To::relay;
   if (leaves && is_lossy(header)) orders.way = at_.routing.lossy(header.target, size, now);
-  // Of what may be lost nobody is told, once its sender may send it.
+  // If a sender may send lossy information, it gets no Nack when that is dropped.
   if (orders.way.to == To::drop && !leaves) at_.bus.nack(from, header, orders.way.reason, out);
   follow(from, header, frame, size, now, orders, out);
   return orders;
 }
 
-/// What its way asks for.
+/// Does what the message's way requires.
 void Forwarding::follow(ConnectionId from, const HeaderView& header, char* frame, std::size_t size, Now now,
                         FrameOrders& orders, Effects& out) {
   switch (orders.way.to) {
@@ -133,7 +133,7 @@ FrameOrders Forwarding::from_link(LinkId id, const HeaderView& header, BytesView
   return orders;
 }
 
-/// Its place in the sequence, and its source, are checked first.
+/// Its sequence number and its source are checked first.
 Routing Forwarding::route(Link& link, const HeaderView& header, Now now, Effects& out) {
   const LinkId id = link.id;
   if (!at_.links.receive(link, header, now, out)) return {.reason = Errc::conflict};
@@ -150,7 +150,7 @@ Routing Forwarding::route(Link& link, const HeaderView& header, Now now, Effects
   return at_.routing.from_link(link, header, out);
 }
 
-/// Into the running hash of its link, and into the log of proof. False: the link has been closed by it.
+/// Adds the frame to the running hash of its link, and to the log of proof. False: the link was closed because of it.
 bool Forwarding::hear(LinkId id, const HeaderView& header, BytesView frame, Now now, FrameOrders& orders,
                       Effects& out) {
   const Link* link = at_.table.link(id);
@@ -172,7 +172,7 @@ void Forwarding::to_router(LinkId id, const HeaderView& header, BytesView frame,
   orders.sealed = header.subtype == Seal::kSubtype && at_.table.link(id) != nullptr;
 }
 
-/// It is the one that was too many: told before the Goodbye.
+/// This frame was one too many: its sender gets the Nack before the Goodbye.
 void Forwarding::unsealed(LinkId id, const HeaderView& header, FrameOrders& orders, Effects& out) {
   auto nack = orders.way.to == To::service ? at_.messages.nack_elsewhere(header, Errc::seal_broken, out) : std::nullopt;
   if (nack) out.list.insert(out.list.begin(), LinkSend{id, std::move(*nack)});
@@ -222,7 +222,7 @@ void Forwarding::on_returned(const ReturnHeld& of, const std::vector<HeaderView>
   std::size_t messages = 0;
   std::uint64_t last = 0;
   for (const HeaderView& header : held) {
-    // Some have copies, for those that want one.
+    // Some have copies, for services that want one.
     if (std::exchange(last, header.sequence) == header.sequence) continue;
     ++messages;
     auto nack = at_.messages.nack_elsewhere(header, Errc::seal_broken, out);

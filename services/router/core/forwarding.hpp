@@ -1,5 +1,5 @@
-// A frame's way through the router: one call says what becomes of it. Nothing is copied here, and of a message that is
-// not for the router nothing but the header is read.
+// A frame's way through the router: one call decides everything about it. Nothing is copied here. Of a message that is
+// not for the router only the header is read.
 #pragma once
 
 #include <vector>
@@ -10,7 +10,7 @@
 
 namespace trb::router {
 
-/// What the shell does with the frame that it handed in: first this, then the effects that came with it, then `each`.
+/// What the shell does with the frame that it handed in: this first, then the effects that came with it, then `each`.
 struct FrameOrders {
   Routing way;                       ///< service, peer, lane: the frame goes there. All else is done already
   Outgoing outgoing;                 ///< peer: the frame is numbered, and these seals go with it
@@ -28,24 +28,24 @@ class Forwarding {
   Forwarding(const LinkParts& parts, CounterTable& counters, LinkInbox& inbox)
       : at_(parts), counters_(counters), inbox_(inbox) {}
 
-  /// A frame of a service or probe. One that leaves by a link is numbered in place; on_unsent() if it did not leave.
+  /// A frame of a service or probe. If it leaves by a link, it is numbered in place; on_unsent() if it did not leave.
   FrameOrders from_bus(ConnectionId from, const HeaderView& header, char* frame, std::size_t size, Now now,
                        Effects& out);
-  /// A frame that arrived on a link; that it did on that link's own connection is proven by the shell (socket, or
-  /// routing id and User-Id). on_undelivered() if its service could not be sent it.
+  /// A frame that arrived on a link. The shell has proven that it came on that link's own connection (by its socket, or
+  /// by routing id and User-Id). on_undelivered() if it could not be sent to its service.
   FrameOrders from_link(LinkId link, const HeaderView& header, BytesView frame, Now now, Effects& out);
-  /// The first frame of a connection at the inbox, which has this key.
+  /// The first frame of a connection at the inbox. `key`: the connection's.
   FrameOrders from_stranger(BytesView key, const HeaderView& header, BytesView frame, Now now, Effects& out);
   /// A frame that arrived by the lane that was dialled for this link.
   Routing from_lane(LinkId link, const HeaderView& header, Effects& out) const;
 
-  /// The bus did not take a frame, or a link did not: who sent it on the own bus, or by the link, gets a Nack.
+  /// The bus or a link did not take a frame: its sender, on the own bus or behind the link, gets a Nack.
   void on_unsent(ConnectionId from, const HeaderView& header, Errc reason, Effects& out);
   void on_undelivered(LinkId link, const HeaderView& header, Errc reason, Effects& out);
-  /// A message of the router's own (LinkSend), or one that it relays, did not leave.
+  /// A message that the router made (LinkSend) or relays did not leave.
   void on_own_unsent(const Message& message, Errc reason, Effects& out);
 
-  /// What waited for a seal of this link, in order: its senders get Nacks, if they can be told.
+  /// The held frames of this link, in order: their senders get Nacks, if they can be reached.
   void on_returned(const ReturnHeld& of, const std::vector<HeaderView>& held, Effects& out);
   /// The signature of a seal was checked.
   void on_seal_checked(const CheckSeal& seal, bool good, Now now, Effects& out);

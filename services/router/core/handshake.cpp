@@ -44,7 +44,7 @@ void Handshake::send_hello(Link& link, Now now, Effects& out) {
 
 Result<Hello> Handshake::read(LinkId id, const Message& message) {
   if (id == 0) return fail(Errc::malformed, "Hello without a link id");
-  // A member's, too: nobody says more, for a profile that does not fit follows.
+  // The same for a member's: no Hello is larger, since a profile that does not fit is sent later.
   if (message.data.size() > kMaxHelloSize) return fail(Errc::too_large, "Hello over 4 kB");
   return decode<Hello>(message.data);
 }
@@ -61,7 +61,7 @@ Result<Certificate> Handshake::check(const Link& link, const Message& message, c
   return certificate;
 }
 
-/// Does it speak for itself, by its own connection, in a way that is known here?
+/// Does the Hello speak for its own sender, on its own connection, in a version that is known here?
 Status Handshake::check_claims(const Link& link, const Message& message, const Hello& hello,
                                const Certificate& certificate) const {
   if (certificate.link_key.bytes != link.key) {
@@ -83,13 +83,13 @@ Status Handshake::check_claims(const Link& link, const Message& message, const H
   return fail(Errc::duplicate, "another node is called '" + node_.id() + "' too", "give each node its own id");
 }
 
-/// Does it fit what is known of that node?
+/// Does the Hello agree with what is known about that node?
 Status Handshake::check_known(const Link& link, const Hello& hello, const Certificate& certificate) const {
   if (!table_.has_room_for(certificate.id))
     return fail(Errc::queue_full, "the routing table is full", std::string(kFullCure));
   if (Status newest = trust_.check_newest(certificate); !newest) return newest;
-  // Only a link that is up keeps an older boot out: who has the keys and says a boot that nothing can follow is rid of
-  // with its link.
+  // Only a link that is up keeps an older boot out: a thief of the keys that sends the highest possible boot is out
+  // once its link is.
   const Peer* known = table_.find(certificate.id);
   const Link* up = known == nullptr ? nullptr : table_.link(known->link);
   if (up == nullptr || up->key != link.key || up->boot <= hello.boot) return Done{};
@@ -105,8 +105,8 @@ bool Handshake::proves_name(const Link& link, const Message& message, const Hell
   return certificate && certificate->link_key.bytes == link.key && certificate->id == message.source;
 }
 
-/// A member makes a link now and then. One that says Hello without end has each signature checked, holds descriptors
-/// and is told all trust updates each time: it stays out for a while, and has three links at most.
+/// A member makes a link only now and then. Each further Hello costs a check of its signature, descriptors, and all
+/// trust updates: a member that sends too many stays out for a while, and has three links at most.
 bool Handshake::may_say_hello(LinkId id, BytesView key, Now now, Effects& out) {
   Peer* peer = table_.by_key(key);
   if (peer == nullptr) return true;
@@ -129,11 +129,11 @@ bool Handshake::may_say_hello(LinkId id, BytesView key, Now now, Effects& out) {
   return true;
 }
 
-/// The name of who speaks another version, if it proves one; else empty.
+/// The name of a node of another version, if it proves one; else empty.
 std::string Handshake::name_of_other(BytesView key, const HeaderView& header) {
   if (const Peer* known = table_.by_key(key)) return known->id;
   if (header.subtype != Hello::kSubtype) return "";
-  // A body only grows at its tail: what an older or newer Hello says of its certificate is read all the same.
+  // A body only grows at its tail: the certificate in an older or newer Hello can be read all the same.
   const auto hello = decode<Hello>(header.data);
   if (!hello) return "";
   const auto certificate = open_certificate_any_time(hello->certificate, node_.config().authority);
@@ -184,7 +184,7 @@ std::optional<Carried> Handshake::on_hello(LinkId id, BytesView key, const Messa
 void Handshake::refuse_dialled(Link& link, const Message& message, const Result<Hello>& hello, const Error& why,
                                Now now, Effects& out) {
   if (const auto update = hello ? trust_.for_refused(why, *hello) : std::nullopt) {
-    // For the other side the link is up: its router takes what names it as the target.
+    // For the other side the link is up: its router takes a message that names it as the target.
     link.peer = message.source;
     messages_.send(link, *update, out);
   }
@@ -196,7 +196,7 @@ void Handshake::refuse_dialled(Link& link, const Message& message, const Result<
 void Handshake::refuse_accepted(const Link& link, const Message& message, const Result<Hello>& hello, const Error& why,
                                 Now now, Effects& out) {
   if (const auto update = hello ? trust_.for_refused(why, *hello) : std::nullopt) say(link.id, *update, out);
-  // A name that is not proven is nobody's: a stranger could fill the table with names, or speak ill of a member.
+  // An unproven name is not recorded: a stranger could fill the table with names, or blame a member.
   const std::string_view name = hello && proves_name(link, message, *hello) ? message.source : std::string_view();
   errors_.note(name, "", errc_name(why.code), why.what, now);
   refuse(link.id, link.key, why, now, out);
@@ -209,7 +209,7 @@ void Handshake::refuse(LinkId id, BytesView key, const Error& error, Now now, Ef
   say(id, Goodbye{std::string(errc_name(error.code))}, out);
 }
 
-/// To the connection whose message is being handled; there is no link yet.
+/// Answers the connection whose message is being handled; there is no link yet.
 void Handshake::say(LinkId id, const Body& body, Effects& out, std::uint8_t version) {
   if (auto message = messages_.make("", 0, body, out)) out.add(RefuseCandidate{id, std::move(*message), version});
 }
@@ -232,7 +232,7 @@ std::optional<Carried> Handshake::link_up(Link& link, const Certificate& certifi
   return std::nullopt;
 }
 
-/// Its dialler may have given it up before this node read its Hello: for another link that is up or being dialled.
+/// The dialler may have given this link up before its Hello was read here: another one is up or being dialled.
 bool Handshake::is_in_doubt(const Link& link, const Peer& peer) const {
   const Link* old = table_.link(peer.link);
   if (old == nullptr) return table_.is_dialling(link.key);

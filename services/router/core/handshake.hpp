@@ -1,4 +1,4 @@
-// Hello each way: proven by certificate and key. Of two links of one pair of nodes one stays.
+// Hello each way, proven by certificate and key. If a pair of nodes has two links, one stays.
 #pragma once
 
 #include <optional>
@@ -23,11 +23,11 @@ struct Carried {
 /// ---------|----------------------------------------------------|-------------------------------------------------
 /// dialled  | connected                                          | dialled; this node's Hello is sent
 /// dialled  | a Hello that proves its sender                     | carries, or loses to a better link
-/// dialled  | one that does not (invalid)                        | -, a link error
+/// dialled  | a Hello that does not (invalid)                    | -, a link error
 /// -        | a member's Hello                                   | accepted: up, this node's Hello is sent
-/// -        | another's (invalid)                                | refused by name, its key is denied
+/// -        | a stranger's, or a wrong one (invalid)              | refused by name, its key is denied
 /// accepted | no other link to its peer is up or being dialled   | carries
-/// accepted | another one is                                     | waits for one more message, then as dialled
+/// accepted | another link is                                    | waits for one more message; the better link stays
 /// any      | a second Hello (repeated)                          | as before, counted
 class Handshake {
  public:
@@ -44,17 +44,17 @@ class Handshake {
         profile_(profile) {}
 
   void on_dial_connected(LinkId link, Now now, Effects& out);
-  /// `key`: the connection's.
+  /// `key`: of the connection.
   std::optional<Carried> on_hello(LinkId link, BytesView key, const Message& message, std::uint64_t sequence, Now now,
                                   Effects& out);
-  /// The link of an accepted Hello carries, unless there is a better one: then it is dropped.
+  /// The link of an accepted Hello carries messages, unless there is a better link: then it is dropped.
   std::optional<Carried> carry(Link& link, const Hello& hello, Now now, Effects& out);
 
-  /// What arrived on a connection, or on this dialled link, is of another version of the wire: its node is refused by
-  /// name, and told why in the version that it reads.
+  /// What arrived on a connection, or on this dialled link, has another version of the wire: its node is refused by
+  /// name, and gets the reason in the version that it reads.
   void on_other_version(LinkId link, BytesView key, std::uint8_t version, const HeaderView& header, Now now,
                         Effects& out);
-  /// The first message of a connection is not what it should be: a Goodbye.
+  /// The first message of a connection is not valid: it is answered by a Goodbye.
   void refuse(LinkId link, BytesView key, const Error& error, Now now, Effects& out);
 
  private:

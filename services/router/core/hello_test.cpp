@@ -1,4 +1,4 @@
-// Strangers at the inbox: candidates, Hellos that do not hold, link ids that are not theirs.
+// Strangers at the inbox: candidates, wrong Hellos, link ids of other connections.
 #include <doctest/doctest.h>
 
 #include "services/router/test/test_inbox.hpp"
@@ -80,10 +80,10 @@ TEST_CASE("a node of another version is refused by name, and told why in the ver
   const std::string why = decode<Goodbye>(inbox.ant.refused[0].message.data)->reason;
   CHECK(why == "version_mismatch: version 2 of the wire here, 1 there: install the same on both nodes");
   CHECK(inbox.ant.log.back().find("version_mismatch 'bee' speaks another") == 0);
-  // Whoever only says that it is bee is not called so.
+  // An unproven name "bee" is not believed.
   come(key_number(1));
   CHECK(inbox.ant.log.back().find("a node that proves no name") != std::string::npos);
-  // Nor who says it in anything but a Hello.
+  // Nor in any message other than Hello.
   header.subtype = "profile";
   come(inbox.bee.link.public_key);
   CHECK(inbox.ant.log.back().find("a node that proves no name") != std::string::npos);
@@ -96,7 +96,7 @@ TEST_CASE("of strangers thirty-two are let in, the next is refused, and a silent
   CHECK_FALSE(inbox.admit(key_number(32)));
   CHECK(inbox.ant.count("refused.too_many_candidates") == 1);
   inbox.fleet.run(milliseconds(1900));
-  CHECK(inbox.admit(key_number(0)));  // again: this buys no time
+  CHECK(inbox.admit(key_number(0)));  // again: this gives no more time
   inbox.fleet.run(milliseconds(200));
   CHECK(inbox.ant.count("refused.no_hello") == 32);
   CHECK_FALSE(inbox.admit(key_number(0)));
@@ -343,7 +343,7 @@ TEST_CASE("a Hello of 4096 bytes goes with its profile and is taken; of one byte
     CHECK(bee.peer("ant")->profile == profile);
     return std::pair(hello.data.size(), follow);
   };
-  // Maker is a word of up to 64 letters, its skills fill the rest.
+  // The maker is a word of up to 64 letters; its skills fill the rest.
   auto [size, follow] = said(std::string(33, 'm'));
   while (size < kMaxHelloSize - 30) {
     profile.skills.back().name += std::string(std::min<std::size_t>(kMaxHelloSize - 30 - size, 30), 'x');

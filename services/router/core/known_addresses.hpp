@@ -1,4 +1,4 @@
-// Where the peers are that were linked: hints for the next start, written down a little after a change.
+// Addresses of the peers that were linked: hints for the next start, stored a little after a change.
 #pragma once
 
 #include <optional>
@@ -9,7 +9,7 @@ namespace trb::router {
 
 /// state   | event                  | next
 /// --------|------------------------|----------------------------------------------
-/// written | an address is another  | changed: changes of 5 s are gathered
+/// written | an address has changed | changed: changes of 5 s are gathered
 /// changed | 5 s (expired)          | written (StorePeers)
 class KnownAddresses {
  public:

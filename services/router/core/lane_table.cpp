@@ -7,7 +7,8 @@
 namespace trb::router {
 namespace {
 
-/// The other side's lane: what was dialled is reached where this node has reached it, whatever it calls itself.
+/// The address of the other side's lane: a node that was dialled is reached at the dialled host, whatever its Hello
+/// names.
 std::string lane_address(const Link& link, const Hello& hello) {
   if (hello.lane.empty() || !link.dialled || !is_numeric_endpoint(link.address)) return hello.lane;
   const auto port = hello.lane.rfind(':');
@@ -75,7 +76,7 @@ void LaneTable::on_ended(LinkId link, LinkEnd how, Now now, Effects& out) {
   Lane* lane = row(link);
   if (lane == nullptr) return;
   out.count("lane." + std::string(name_of(how)));
-  // One that is cut again and again is dialled ever less often.
+  // One that is cut again and again is dialled less and less often.
   if (lane->connected && now.mono - *lane->connected > node_.config().timing.lease) lane->wait = {};
   lane->connected.reset();
   lane->wait = std::clamp(lane->wait * 2, kLaneFirst, kLaneMost);

@@ -1,4 +1,4 @@
-// The lossy lanes of all links: who listens to this node's, where the others' are dialled.
+// The lossy lanes of all links: which peers listen to this node's, and which of theirs are dialled.
 #pragma once
 
 #include <map>
@@ -16,13 +16,13 @@ constexpr Duration kLaneAfter = std::chrono::milliseconds(500);  ///< from the l
 constexpr Duration kLaneFirst = std::chrono::milliseconds(200);  ///< before the lane is dialled again; doubled
 constexpr Duration kLaneMost = std::chrono::seconds(30);
 
-/// What a node knows of the lanes of one link, its own and the other side's.
+/// What a node knows about the lanes of one link: its own and the other side's.
 struct Lane {
-  std::string address;                     ///< where the other side's can be dialled; empty: it has none
-  std::optional<MonotonicTime> dial_at;    ///< nothing while it is dialled or heard
-  std::optional<MonotonicTime> connected;  ///< since when it is heard
+  std::string address;                     ///< where the other side's lane can be dialled; empty: it has none
+  std::optional<MonotonicTime> dial_at;    ///< empty while it is dialled or received
+  std::optional<MonotonicTime> connected;  ///< since when it is received
   Duration wait{};                         ///< before the last dial
-  bool listens = false;                    ///< the other side listens to this node's
+  bool listens = false;                    ///< the other side listens to this node's lane
   bool barred = false;                     ///< it misused this node's lane
 };
 
@@ -30,15 +30,15 @@ struct Lane {
 /// -------------|---------------------------|--------------------------------------------------------------------
 /// -            | the link is up            | waiting: dialled after 0.5 s, if the other side has a lane
 /// waiting      | its time (expired)        | dialled (DialLane)
-/// dialled      | connected                 | heard
-/// any          | ended                     | waiting: 0.2 s to 30 s, doubled; from 0.2 s if it was heard for a lease
+/// dialled      | connected                 | received
+/// any          | ended                     | waiting: 0.2 s to 30 s, doubled; from 0.2 s if it lasted a lease
 /// any          | the link ends             | -
 ///
 /// own lane     | event                     | next
 /// -------------|---------------------------|--------------------------------------------------------------------
 /// silent       | subscribes to its topic   | listens
-/// silent       | to another (invalid)      | silent, refused
-/// any          | says something (invalid)  | barred until its link has ended
+/// silent       | to another topic (invalid)| silent, refused
+/// any          | another message (invalid) | barred until its link has ended
 /// listens      | its connection ends       | silent
 class LaneTable {
  public:
@@ -55,14 +55,14 @@ class LaneTable {
 
   /// ZAP: only peers with a link that is up may listen.
   bool admit(BytesView key, Effects& out);
-  /// A connection of this key subscribes to `topic`. Its link; nothing: refused, and to be cut.
+  /// A connection of this key subscribes to `topic`. Returns its link; nothing if it is refused and has to be cut.
   std::optional<LinkId> on_listen(BytesView key, BytesView topic, Effects& out);
   void on_listener_gone(LinkId link);
-  /// It sent something that is no subscription.
+  /// The connection sent something that is not a subscription.
   void bar(BytesView key, Effects& out);
   [[nodiscard]] bool listens(LinkId link) const;
 
-  /// Of an unknown link an empty one.
+  /// The default for an unknown link.
   [[nodiscard]] Lane of(LinkId link) const;
   void tick(Now now, Effects& out);
   [[nodiscard]] std::optional<MonotonicTime> next_deadline() const;
@@ -74,7 +74,7 @@ class LaneTable {
 
   const LocalNode& node_;
   PeerTable& table_;
-  std::map<LinkId, Lane> rows_;  ///< of links that are in the table; those of others go with the next tick
+  std::map<LinkId, Lane> rows_;  ///< those of links that are gone are removed by the next tick
 };
 
 }  // namespace trb::router

@@ -1,4 +1,4 @@
-// The lane table by itself: who may listen, and when the other side's lane is dialled.
+// The lane table by itself: which peers may listen, and when the other side's lane is dialled.
 #include "services/router/core/lane_table.hpp"
 
 #include "services/router/test/test_parts.hpp"

@@ -1,4 +1,4 @@
-// The lossy lane: who hears it, what is taken from it, and what happens to a stream for whom there is none.
+// The lossy lane: who receives it, what is accepted from it, and what happens to a stream without one.
 #include <doctest/doctest.h>
 
 #include "services/router/test/test_fleet.hpp"
@@ -10,7 +10,7 @@ using To = Routing::To;
 
 namespace {
 
-/// Ant has sensors; bee looks at them, with a service on connection 1.
+/// Ant has sensors; bee watches them, with a service on connection 1.
 struct Stream {
   TestFleet fleet;
   TestNode& ant;
@@ -32,14 +32,14 @@ struct Stream {
     }
     return 0;
   }
-  /// A value that answers what bee's service asked.
+  /// A value that answers the request of bee's service.
   [[nodiscard]] Message value(const std::string& from = "ant") const {
     Message message = make_message(MessageType::information, from, "bee", SensorReading{});
     message.flags = kFlagLossy;
     message.reply_to = asked_id();
     return message;
   }
-  /// What bee makes of a message that came by ant's lane.
+  /// How bee routes a message that came by ant's lane.
   Routing come(const Message& message) {
     Effects effects;
     const Routing taken = bee.core->routing().from_lane(bee.link_to("ant"), header_of(message), effects);

@@ -1,4 +1,4 @@
-// What time does to links, dials, strangers and beacons, to the moment: one node, whose clock is moved by hand.
+// What time does to links, dials, strangers and beacons, to the moment: one node, whose clock the test moves.
 #include <doctest/doctest.h>
 
 #include "services/router/test/test_fleet.hpp"
@@ -28,7 +28,7 @@ struct Clock {
     fleet.carry_out(node, effects);
     return effects;
   }
-  /// The bee dials and says Hello.
+  /// The bee dials and sends Hello.
   void greet(LinkId link, const std::string& address = "10.0.0.2:45000") {
     const TestKeys bee = fleet.keys("bee");
     const Hello hello{bee.record, 3, address, "1", kStartUtc, true, {}, 0, "behind", false, ""};
@@ -43,7 +43,7 @@ struct Clock {
     node.core->links().on_ended(link, LinkEnd::disconnected, at(after), effects);
     fleet.carry_out(node, effects);
   }
-  /// Something comes by the bee's link.
+  /// A message comes by the bee's link.
   void hear(LinkId link, Duration after) {
     Effects effects;
     Message word = make_message(MessageType::information, "bee", node.id, KeepAlive{0});
@@ -65,7 +65,7 @@ struct Clock {
     fleet.carry_out(node, effects);
     return good;
   }
-  /// A stranger says something that is no Hello.
+  /// A stranger sends something other than Hello.
   void speak(const Bytes& key, Duration after) {
     Effects effects;
     node.core->inbox().on_message(4711, key, make_message(MessageType::information, "dog", "", KeepAlive{1}), 1,
@@ -81,7 +81,7 @@ Bytes stranger(int number) {
   return Bytes(30, 'k') + static_cast<char>(number % 100) + static_cast<char>(number / 100);
 }
 
-/// Where in what is to be done this comes first.
+/// The position of the first effect of this kind.
 template <class Is>
 std::optional<std::size_t> place_of(const Effects& effects, const Is& is) {
   const auto at = std::find_if(effects.list.begin(), effects.list.end(), is);

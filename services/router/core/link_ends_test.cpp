@@ -1,4 +1,4 @@
-// How links and dials end, and what is told of it. Time is injected, nothing sleeps.
+// How links and dials end, and what is reported of it. Time is injected, nothing sleeps.
 #include "services/router/test/test_linked.hpp"
 
 using namespace trb;
@@ -39,7 +39,7 @@ TEST_CASE("the end of one dial says nothing of another: each seed is dialled aga
   TestFleet fleet;
   TestNode& ant = fleet.start("ant", {.beacon = false, .seeds = {"bee", "cat"}});
   fleet.start("cat", {.beacon = false});
-  fleet.cut("ant", "cat");  // it does not answer; nobody at all is where bee should be
+  fleet.cut("ant", "cat");  // it does not answer; there is no node at bee's address
   const auto dials = [&](const std::string& to) {
     return std::count_if(ant.dials.begin(), ant.dials.end(),
                          [&](const Dial& dial) { return dial.address == fleet.address(to); });
@@ -122,7 +122,7 @@ TEST_CASE("a link that is closed here ends with a seal and a Goodbye; one that b
   ant.core->links().on_bad_frame(ant.link_to("bee"), fail(Errc::malformed, "header: no array"), fleet.now, closed);
   CHECK(says(closed, Goodbye::kSubtype));
   CHECK(contains_a<SealDue>(closed));
-  CHECK_FALSE(contains_a<ReturnHeld>(closed));  // what came by it was delivered at once
+  CHECK_FALSE(contains_a<ReturnHeld>(closed));  // its messages were delivered at once
   Effects broken;
   ant.core->links().on_ended(ant.link_to("cat"), LinkEnd::disconnected, fleet.now, broken);
   CHECK(contains_a<CloseLink>(broken));

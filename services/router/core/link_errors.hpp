@@ -1,4 +1,4 @@
-// What has gone wrong with links and has not recovered yet: for people, through `trb doctor`.
+// Faults of links that have not recovered yet: for people, through `trb doctor`.
 #pragma once
 
 #include <map>
@@ -12,18 +12,18 @@
 
 namespace trb::router {
 
-constexpr std::size_t kMaxLinkErrors = 256;  ///< the oldest gives way
+constexpr std::size_t kMaxLinkErrors = 256;  ///< the oldest is removed
 
 class LinkErrors {
  public:
   explicit LinkErrors(const PeerTable& table) : table_(table) {}
 
-  /// `peer` or `address` may be empty; `code` is an errc_name() or the name of a link's end. The same again raises the
-  /// count.
+  /// `peer` or `address` may be empty; `code` is an errc_name() or the name of a link's end. Noting the same again
+  /// raises the count.
   void note(std::string_view peer, std::string_view address, std::string_view code, std::string_view text, Now now);
-  /// Of a link: by its peer while it is up, by the address that is dialled before that.
+  /// An error of a link: listed by its peer while it is up, before that by the address that is dialled.
   void note_link(LinkId link, std::string_view code, std::string_view text, Now now);
-  /// A link with this peer came up by this address: what kept it away is over.
+  /// A link with this peer came up by this address: its errors are over.
   void recovered(std::string_view peer, std::string_view address);
   /// A link is up. Clocks that are a minute apart make certificates and schedules fail before anybody sees why.
   void note_up(const Link& link, const Hello& hello, Now now);

@@ -1,4 +1,4 @@
-// What a router remembers of its links' troubles, for `trb doctor`.
+// Which errors of its links a router remembers, for `trb doctor`.
 #include <doctest/doctest.h>
 
 #include "services/router/test/test_fleet.hpp"
@@ -10,7 +10,7 @@ using Seconds = std::chrono::seconds;
 
 namespace {
 
-/// Asks as `trb doctor` does.
+/// The request that `trb doctor` sends.
 LinkErrorTable ask(TestFleet& fleet, TestNode& node) {
   Effects effects;
   node.core->bus().on_hello(7, {"cli", {}, 1, 1, "1"}, kProbe, fleet.now, effects);
@@ -92,7 +92,7 @@ TEST_CASE("what a link that comes up ends is its peer's and its address's troubl
   errors.note("", "host:1", "b", "", now);
   errors.note("bee", "", "c", "", now);
   errors.note("cat", "host:2", "d", "", now);
-  CHECK(codes() == "abcd");  // of the same moment in the order of their names
+  CHECK(codes() == "abcd");  // of the same moment, so sorted by name
   errors.recovered("", "");
   CHECK(codes() == "abcd");
   errors.recovered("", "host:1");
@@ -144,7 +144,7 @@ TEST_CASE("a trouble is written down under whom its link belongs to") {
   REQUIRE(dial != ant.dials.end());
   ant.core->errors().note_link(dial->link, "of_a_seed", "", fleet.now);
   CHECK(row("of_a_seed") == "@" + fleet.address("cat"));
-  // A peer that was linked is dialled for itself.
+  // A peer that was linked is dialled as a peer, not as a seed.
   fleet.cut("ant", "bee");
   fleet.cut("bee", "ant");
   fleet.run(Seconds(12));
@@ -299,7 +299,7 @@ TEST_CASE("a stranger's trouble bears no name that it has not proven") {
     CHECK_FALSE(has_error(ask(fleet, ant), name, "foreign_fleet"));
   }
   CHECK(has_error(ask(fleet, ant), "", "foreign_fleet"));
-  // One that is ended is named: its key and its authority's signature prove whose it is.
+  // A node whose certificate has ended is named: its key and its authority's signature prove the name.
   TestKeys dog = fleet.authority.sign_node("dog", Role::robot);
   dog.certificate.not_after = kStartUtc - 1;
   dog.record = sign(kSignedCertificate, "", fleet.authority.fleet.id(), encode(dog.certificate), fleet.authority.key);

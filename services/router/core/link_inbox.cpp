@@ -25,7 +25,7 @@ void LinkInbox::carry(Link& link, const Hello& hello, Now now, Effects& out) {
   if (const auto carried = at_.handshake.carry(link, hello, now, out)) on_carried(*carried, now, out);
 }
 
-/// Whatever cares for peers that are linked is told of this one.
+/// Notifies every object that handles linked peers.
 void LinkInbox::on_carried(const Carried& carried, Now now, Effects& out) {
   Link& link = *at_.table.link(carried.link);
   const Peer& peer = *at_.table.find(link.peer);
@@ -42,15 +42,15 @@ void LinkInbox::on_carried(const Carried& carried, Now now, Effects& out) {
 
 void LinkInbox::on_early_message(LinkId id, BytesView key, const Message& message, Now now, Effects& out) {
   if (const Link* link = at_.table.link(id)) return on_dialled_message(*link, message, now, out);
-  // A member's may have been under way when its link was closed; a stranger's first word must be Hello.
+  // A member's message may have been under way when its link was closed; a stranger's first message must be Hello.
   if (at_.table.by_key(key) != nullptr) return out.count("dropped.closed_link");
   at_.handshake.refuse(
       id, key, fail(Errc::unknown_peer_key, "a connection without a certificate sent " + message.subtype), now, out);
 }
 
-/// Dialled, and answered by something else than Hello: the other side refuses.
+/// A dialled node sent something else than Hello: it refuses the link.
 void LinkInbox::on_dialled_message(const Link& link, const Message& message, Now now, Effects& out) {
-  // What it says before its Goodbye may be what this node has to know: its own renewed certificate.
+  // A message before its Goodbye may be what this node needs: its own renewed certificate.
   if (message.subtype == TrustUpdate::kSubtype) return at_.updates.on_link_message(link, message, now, out);
   const auto goodbye = decode<Goodbye>(message.data);
   const bool said = message.subtype == Goodbye::kSubtype && goodbye;
@@ -115,7 +115,7 @@ void LinkInbox::deny(const Link& link, const Message& message, const Error& erro
   answer(link, message, Nack{code, message.subtype, message.target, error.what, error.hint}, out);
 }
 
-/// Of a peer's robot and sensors, by its own word. It is told on, row beside row: none takes the others' room.
+/// A peer's robot and sensors, by its own message. It is passed on beside other rows: none takes the others' room.
 void LinkInbox::on_profile(Peer& peer, BytesView data, Now now, Effects& out) {
   if (data.size() <= kMaxProfileSize) {
     auto profile = decode<NodeProfile>(data);

@@ -1,4 +1,4 @@
-// What arrives for this router itself: by a link, by a connection that has none yet, by a relay.
+// Messages for this router itself: from a link, from a connection that has none yet, from a relay.
 #pragma once
 
 #include "services/router/core/answers.hpp"
@@ -10,7 +10,7 @@
 
 namespace trb::router {
 
-/// What the messages of a link are handed to.
+/// The objects that get the messages of a link.
 struct LinkParts {
   const LocalNode& node;
   PeerTable& table;
@@ -37,16 +37,16 @@ struct LinkParts {
 /// Hello                | any connection            | Handshake
 /// another (invalid)    | a stranger                | refused: its first message must be Hello
 /// another              | a member, link just closed | dropped.closed_link
-/// TrustUpdate            | a link that is dialled    | a trust update: it may be what this node needs to come back
+/// TrustUpdate          | a link that is dialled    | a trust update: this node may need it to come back
 /// Goodbye              | a link that is dialled    | refused by the other side; dialled again
 class LinkInbox {
  public:
   explicit LinkInbox(const LinkParts& parts) : at_(parts) {}
 
-  /// A message for the router itself, or the first one (Hello). `key`: the connection's; empty: proven to be the
+  /// A message for the router itself, or the first one (Hello). `key`: of the connection; empty: proven to be the
   /// link's.
   void on_message(LinkId link, BytesView key, const Message& message, std::uint64_t sequence, Now now, Effects& out);
-  /// The Hello that waited for one more message counts.
+  /// The Hello that waited for one more message is accepted.
   void carry(Link& link, const Hello& hello, Now now, Effects& out);
 
  private:

@@ -5,7 +5,7 @@
 namespace trb::router {
 namespace {
 
-/// Where it says that it is, and where it was reached, one after the other: behind a translator only the second is
+/// Alternates between the address that the peer names and the one where it was reached: behind NAT only the second is
 /// good, after a move only the first.
 const std::string& address_to_dial(Peer& peer) {
   if (peer.address.empty()) return peer.good_address;
@@ -85,8 +85,8 @@ void Links::drop(LinkId id, const std::string& why, bool say_goodbye, Now now, E
   if (link->up && seals_.holds(id)) out.add(ReturnHeld{id, link->peer, why, say_goodbye});
   if (say_goodbye && link->up) seals_.last_seal(id, out);
   if (say_goodbye && link->up) messages_.send(*link, Goodbye{why.substr(0, 128)}, out);
-  // A node that is off is dialled for ever: names apart, so that its lines do not use up what may be logged of real
-  // ends.
+  // A node that is off is dialled for ever: the events have two names, so that its lines do not use up the limit of
+  // lines for real ends.
   out.log(LogLevel::info, link->up ? "link_closed" : "dial_ended",
           (link->peer.empty() ? "unproven" : link->peer) + ": " + why);
   out.add(CloseLink{id});
@@ -103,7 +103,7 @@ void Links::lose(Peer& peer, const Link& gone, Now now, Effects& out) {
   peer.lost = std::min(gone.last_heard, gone.confirmed);
   peer.last_heard = gone.last_heard;
   watcher_.on_link_lost(peer, gone, now, out);
-  // Both may dial again; the greater id gives the smaller a head start.
+  // Both may dial again; the greater id waits a little for the smaller.
   redial_later(peer.redial, now, node_.is_smaller_than(peer.id) ? Duration{} : node_.config().timing.yield);
 }
 
@@ -135,11 +135,11 @@ void Links::break_seal(LinkId id, const std::string& peer, SealFault fault, Now 
   const Link* link = table_.link(id);
   const std::string reason(name_of(fault));
   std::string text = "link " + std::to_string(id) + " of " + peer + ", ";
-  // The check of a signature may outlast the link.
+  // The check of a signature may take longer than the link lasts.
   text += link == nullptr ? "which has ended" : "after sequence " + std::to_string(link->heard);
   text += ": " + reason;
   out.count("refused.seal_" + reason);
-  // An event for each reason: many of one kind do not use up what may be logged of another.
+  // One event per reason: many lines of one kind do not use up the limit of another.
   out.log(LogLevel::error, "seal_alarm_" + reason, text + "; what it carried since its last seal is not proven");
   errors_.note_link(id, errc_name(Errc::seal_broken), text, now);
   drop(id, "seal_broken: " + reason, true, now, out);
@@ -227,20 +227,20 @@ std::optional<Links::Lapse> Links::lapse_of(const Link& link, Now now) const {
     return Lapse{link.id, "cert_expired", "its certificate has ended"};
   if (now.mono >= link.last_heard + timing.lease) return Lapse{link.id, "not_heard", std::string(kUnheard)};
   if (now.mono < link.confirmed + timing.lease) return std::nullopt;
-  // Cut both ways, the echo ends a little before the words do; cut one way, TCP soon stalls in the other too, but
-  // beacons go on.
+  // Cut both ways, the echo ends a little before the messages do; cut one way, TCP soon stalls in the other direction
+  // too, but beacons still arrive.
   const bool still_heard = now.mono - std::max(link.last_heard, peer.last_beacon) < timing.lease * 3 / 5;
-  // What is said here tells the other side whether it is a one-way cut.
+  // The Goodbye's text shows the other side whether it was a one-way cut.
   if (still_heard) return Lapse{link.id, "one_way", "not heard by the other side for a lease"};
   return Lapse{link.id, "not_heard", std::string(kUnheard)};
 }
 
 void Links::keep_alive(Link& link, Now now, Effects& out) {
   link.next_keep_alive = now.mono + node_.config().timing.keep_alive;
-  // A keep-alive says: what was before it is sealed.
+  // With a keep-alive everything before it is sealed.
   seals_.seal_now(link.id, out);
   messages_.send(link, KeepAlive{link.heard}, out);
-  // It gets this number or, behind what is on its way out already, a higher one.
+  // It gets this sequence number or, behind frames already on their way out, a higher one.
   link.unconfirmed.push_back(seals_.next_sequence(link.id));
 }
 
@@ -274,10 +274,11 @@ void Links::dial_peer(Peer& peer, bool may_dial, Now now, Effects& out) {
   if (!may_dial) {
     peer.redial.at = now.mono + node_.config().timing.redial_most;
   } else if (now.mono < peer.comes_until || table_.is_dialling(key)) {
-    // After an outage both sides dial: two handshakes for one link, where the second could wait for the first's end.
+    // After an outage both sides dial: two handshakes for one link, where the second could wait for the end of the
+    // first.
     peer.redial.at = now.mono + node_.config().timing.redial_first;
   } else if (const std::string& address = address_to_dial(peer); address.empty()) {
-    peer.redial.at.reset();  // until it tells one: by a beacon, a relay, or a link that it makes
+    peer.redial.at.reset();  // until an address comes: by a beacon, a relay, or its own link
   } else {
     dial(peer.redial, address, key, now, out);
   }
@@ -289,7 +290,7 @@ void Links::dial_seed(Seed& seed, bool may_dial, Now now, Effects& out) {
     seed.redial.at.reset();
   } else if (!may_dial || trust_.is_revoked_key(seed.key) || (peer != nullptr && peer->link != 0) ||
              table_.is_dialling(seed.key)) {
-    // The link is there, or is being dialled by another way; look again later, in case that address is lost.
+    // The link exists, or is being dialled at another address; look again later, in case that address is lost.
     seed.redial.at = now.mono + node_.config().timing.redial_most;
   } else {
     dial(seed.redial, seed.address, seed.key, now, out);

@@ -1,4 +1,4 @@
-// Links: dialled, kept alive, dropped and dialled again; and the peers' leases, which run while they have none.
+// Links: dialled, kept alive, dropped and dialled again; and the leases of peers, which run while they have no link.
 #pragma once
 
 #include <optional>
@@ -15,7 +15,7 @@
 
 namespace trb::router {
 
-/// Who cares for the peers that have lost their link: they may be reached by a relay.
+/// Handles peers that have lost their link: a relay may reach them.
 class LinkWatcher {
  public:
   LinkWatcher() = default;
@@ -23,7 +23,7 @@ class LinkWatcher {
   LinkWatcher& operator=(const LinkWatcher&) = delete;
   /// The link that carried this peer's messages is gone.
   virtual void on_link_lost(Peer& peer, const Link& gone, Now now, Effects& out) = 0;
-  /// A relay reaches it: a link is wanted with less hurry.
+  /// A relay reaches it: a link is less urgent.
   [[nodiscard]] virtual bool is_relayed(const Peer& peer) const = 0;
 
  protected:
@@ -36,7 +36,7 @@ class LinkWatcher {
 /// dialled | 2 s without its Hello (expired), or it ends        | -; dialled again, 0.2 s to 2 s later
 /// dialled | Hello (Handshake)                                  | up
 /// up      | keep-alive is due                                  | up; sealed, then sent
-/// up      | nothing heard, or not confirmed, for a lease       | -; the peer's lease runs from the last sign of it
+/// up      | nothing received, or not confirmed, for a lease    | -; the peer's lease runs from its last sign of life
 /// up      | a gap in the sequence, a wrong seal (invalid)      | -
 /// up      | its certificate ends (expired)                     | -
 ///
@@ -58,42 +58,42 @@ class Links {
 
   /// Seeds are dialled from now on.
   void start(Now now);
-  /// Nothing is reached any more by the address that this node had: every link ends.
+  /// Nothing can be reached by this node's old address any more: every link ends.
   void drop_all(const std::string& why, Now now, Effects& out);
-  /// Everybody is dialled at once, whoever has the smaller id.
+  /// Dials everybody at once, also peers with a smaller id.
   void redial_all(Now now);
-  /// This node is a member again: seeds, and peers without a link.
+  /// This node is a member again: dials seeds, and peers without a link.
   void redial_unlinked(Now now);
 
-  /// The link ends here. With `say_goodbye` the other side is told, if it can be.
+  /// Ends the link here. With `say_goodbye` the other side is notified, if possible.
   void drop(LinkId link, const std::string& why, bool say_goodbye, Now now, Effects& out);
   void on_ended(LinkId link, LinkEnd how, Now now, Effects& out);
-  /// The frame that arrived on this link, or on a connection without one (0), cannot be decoded: the next of the link
-  /// would be missing.
+  /// The frame that arrived on this link, or on a connection without one (0), cannot be decoded: it would be missing in
+  /// the link's sequence.
   void on_bad_frame(LinkId link, const Error& error, Now now, Effects& out);
-  /// A connection that carries this link names another one: one connection is one link. It is over.
+  /// A connection that carries this link names another one. One connection is one link: it ends.
   void on_second_link(LinkId link, Now now, Effects& out);
-  /// A seal of this link, or its absence, proves nothing: an alarm.
+  /// A seal of this link is missing or wrong: an alarm.
   void break_seal(LinkId link, const std::string& peer, SealFault fault, Now now, Effects& out);
 
-  /// A seed's host name was found: what is dialled for this link is this, in numbers.
+  /// A seed's host name was found: this link is dialled at this numeric address.
   void on_name_found(LinkId link, const std::string& address);
-  /// It is not known, or not yet: the dial ends as one that failed. `why` is for people; empty: nothing to tell yet.
+  /// The name is not known, or not yet: the dial ends as failed. `why` is for people; empty: nothing to report yet.
   void on_name_unknown(LinkId link, const std::string& why, Now now, Effects& out);
 
   /// A frame arrived on this link. False: it is out of sequence, and the link is over.
   bool receive(Link& link, const HeaderView& header, Now now, Effects& out);
   static void on_keep_alive(Link& link, const KeepAlive& body, Now now);
 
-  /// The peer is at another address than was known: a dial to the old one ends.
+  /// The peer has a new address: a dial to the old one ends.
   void set_address(Peer& peer, const std::string& address, Now now, Effects& out);
   void redial_later(Redial& redial, Now now, Duration at_least = {});
-  /// It is soon dialled from here, or from there: the smaller id goes first.
+  /// It is dialled soon, by this node or by the peer: the smaller id goes first.
   void redial_soon(Peer& peer, Now now);
-  /// The services are told that the peer is gone.
+  /// Notifies the services that the peer is gone.
   void expire(Peer& peer, const std::string& reason, Effects& out);
 
-  /// With `may_dial` false nothing is dialled: this node is no member.
+  /// With `may_dial` false nothing is dialled: this node is not a member.
   void tick(bool may_dial, Now now, Effects& out);
   [[nodiscard]] std::optional<MonotonicTime> next_deadline() const;
 

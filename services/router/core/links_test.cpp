@@ -114,7 +114,7 @@ TEST_CASE(
   fleet.start("ant", {.boot = 7});
   fleet.start("bee");
   fleet.run(Seconds(1));
-  fleet.cut("ant", "bee");  // bee hears nothing of the end
+  fleet.cut("ant", "bee");  // bee does not learn of the end
   fleet.stop("ant");
   fleet.heal();
   fleet.start("ant", {.boot = 8, .seeds = {"bee"}});
@@ -127,7 +127,7 @@ TEST_CASE(
   fleet.run(Seconds(5));
   check_linked(fleet, "ant", "bee");
   CHECK(fleet.at("bee").peer("ant")->boot == 6);
-  CHECK(fleet.at("bee").count("beacon.replayed") > 0);  // until the link has proven which boot is here now
+  CHECK(fleet.at("bee").count("beacon.replayed") > 0);  // until the link has proven the current boot
 }
 
 TEST_CASE("who has stolen the keys and says the highest boot keeps their owner out while it is linked, no longer") {
@@ -182,7 +182,7 @@ TEST_CASE("a Hello read after its dialler gave it up takes nothing: the link tha
   const LinkId live = bee.link_to("ant");
   REQUIRE(live != 0);
 
-  // ant, whose dial would win, has closed the connection long before bee comes to read what was in it.
+  // ant, whose dial would win, has closed the connection long before bee reads its contents.
   const TestKeys& ant = fleet.keys("ant");
   const Hello stale{ant.record, 1, fleet.address("ant"), "1", kStartUtc, true, {}, 0, "behind", false, ""};
   const LinkId late = 4711;

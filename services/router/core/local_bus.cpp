@@ -8,14 +8,14 @@
 namespace trb::router {
 namespace {
 
-/// Whom a record names as its maker, in this field; empty if it cannot be decoded.
+/// The maker that a record names, in this field; empty if it cannot be decoded.
 template <class Body>
 std::string named_by(const SignRequest& request, std::string Body::*maker) {
   const auto body = decode<Body>(request.payload.bytes);
   return body ? (*body).*maker : std::string();
 }
 
-/// Nothing: records of that kind are not made.
+/// Nothing: records of this kind are not signed.
 std::optional<std::string> maker_of(const SignRequest& request) {
   if (request.kind == kSignedResult) return named_by(request, &TaskResult::robot);
   if (request.kind == kSignedChoice) return named_by(request, &Choice::by);
@@ -64,7 +64,7 @@ void LocalBus::refuse(ConnectionId from, const ServiceHello& hello, const Error&
 }
 
 void LocalBus::forget_silent_probes(Now now, Effects& out) {
-  // Nobody tells when a probe ends. One that lives says hello again; to one that is gone the send fails.
+  // Nothing reports that a probe has ended. A live one sends Hello again; to an ended one the send fails.
   std::vector<ConnectionId> silent;
   for (const auto& [id, connection] : services_.all()) {
     if (connection.probe && now.mono - connection.last_heard > node_.config().timing.lease) silent.push_back(id);

@@ -16,38 +16,38 @@ namespace trb::router {
 /// -----------|-----------------------------------------|----------------------------------------------------------
 /// -          | Hello of a service of node.json         | service: its subtypes are its own
 /// -          | Hello of a probe                        | probe, if there is room
-/// -          | Hello of another's name (invalid)       | -, Nack
+/// -          | Hello by another name (invalid)         | -, Nack
 /// any        | Hello, the same again                   | as before, with the same slot
 /// any        | its connection ends                     | -
-/// probe      | nothing for a lease (expired)           | -, HelloWanted
+/// probe      | silent for a lease (expired)            | -, HelloWanted
 class LocalBus {
  public:
   LocalBus(const LocalNode& node, OwnMessages& messages)
       : node_(node), messages_(messages), services_(node.config().first_slot) {}
 
-  /// `proven` is whom the connection's socket or key proves: a service, or kProbe.
+  /// `proven`: the identity that the connection's socket or key proves: a service, or kProbe.
   void on_hello(ConnectionId from, const ServiceHello& hello, std::string_view proven, Now now, Effects& out);
-  /// The name of the service that is gone with its connection, if it was one.
+  /// Returns the name of the service that ended with this connection, if it was one.
   std::optional<std::string> on_gone(ConnectionId connection, Effects& out);
   void heard(ConnectionId from, Now now) { services_.heard(from, now.mono); }
 
   [[nodiscard]] const Services& services() const { return services_; }
   [[nodiscard]] bool is_full() const { return services_.all().size() >= kMaxConnections; }
   [[nodiscard]] bool knows(ConnectionId connection) const { return services_.find(connection) != nullptr; }
-  /// Those that want a copy of this message, besides the one that takes it.
+  /// The connections that want a copy of this message, besides the one that takes it.
   [[nodiscard]] const std::vector<ConnectionId>& copies_for(const HeaderView& header) const;
 
-  /// To the service that takes it, and to those that want a copy.
+  /// Sends it to the service that takes it, and to those that want a copy.
   void notify(const Body& body, Effects& out);
   void answer(ConnectionId to, const Message& request, const Body& body, Effects& out);
-  /// Counted; a Nack if an answer is due.
+  /// Counts the refusal, and sends a Nack if an answer is due.
   void deny(ConnectionId to, const Message& request, const Error& error, Effects& out);
-  /// The answer to a message that could not be delivered.
+  /// Answers a message that could not be delivered.
   void nack(ConnectionId from, const HeaderView& header, Errc reason, Effects& out);
 
-  /// What leaves on behalf of this connection; `whom`: who may answer it.
+  /// A message of this connection leaves; `whom`: who may answer it.
   void note_request(ConnectionId from, const HeaderView& header, Party whom);
-  /// Who waits for the answer to the message of this number; nullptr: nobody.
+  /// The connection that waits for the answer to the message with this id, or nullptr.
   [[nodiscard]] const Connection* requester_of(std::uint64_t reply_to) const;
 
   /// Signs a record with the node's key, for the one service that may make it.

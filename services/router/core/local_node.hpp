@@ -1,4 +1,4 @@
-// This node: what it was told at its start, its own certificate, its addresses, and what time it is at least.
+// This node: its configuration, its own certificate, its addresses, and a lower bound of the time.
 #pragma once
 
 #include <cstdint>
@@ -19,28 +19,28 @@ class LocalNode {
   [[nodiscard]] const std::string& id() const { return config_.id; }
   /// Of two nodes that could dial each other, the smaller id does.
   [[nodiscard]] bool is_smaller_than(std::string_view other) const { return config_.id < other; }
-  /// It may relay, and shall.
+  /// It may relay, and is configured to.
   [[nodiscard]] bool relays() const { return config_.relay && config_.own.relay; }
-  /// Nobody can guess it.
+  /// An unpredictable number.
   [[nodiscard]] std::uint64_t random() const { return config_.random(); }
 
   /// A newer certificate of this node.
   void renew(const SignedRecord& record, const Certificate& certificate);
 
-  /// The inbox's address is this from now on; empty: none, and `why` says what is waited for. False: it was so already.
+  /// The inbox has this address from now on; empty: none, and `why` says what is awaited. False: nothing changed.
   bool move_to(const std::string& address, const std::string& why);
   /// Why this node has no address; empty if it has one.
   [[nodiscard]] const std::string& waits_for() const { return waits_for_; }
   /// Where the own lossy lane can be dialled; empty: nowhere.
   void set_lane(const std::string& address) { config_.lane = address; }
 
-  /// A clock before a time that has certainly passed is wrong: then that time counts.
+  /// A clock that is behind the lower bound is wrong: then the bound counts.
   [[nodiscard]] UtcTime checked_utc(UtcTime utc) const;
   [[nodiscard]] bool knows_the_time(Now now) const { return checked_utc(now.utc) == now.utc; }
   void start_clock(Now now) { clock_.start(config_.utc_bound, now); }
   /// The authority has signed something at this time, so it has passed; stored if that is new.
   void raise_utc_bound(UtcTime utc, Effects& out);
-  /// Each turn. `peers`: by each of their verified clocks, UTC at monotonic 0.
+  /// Each turn. `peers`: UTC at monotonic 0 by each of their verified clocks.
   void note_time(Now now, const std::vector<std::int64_t>& peers, Effects& out);
   [[nodiscard]] bool clock_is_steady(Now now) const { return clock_.is_steady(now); }
 

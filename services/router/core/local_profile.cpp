@@ -31,7 +31,7 @@ void LocalProfile::on_sensors(const NodeSensors& told, Effects& out) {
 void LocalProfile::on_robot(const NodeProfile& told, Now now, Effects& out) {
   NodeProfile profile = told;
   profile.plugged.clear();
-  // That something is out of use must be known; the words of it can be read on the node.
+  // The fleet must know that something is out of use; the details can be read on the node.
   if (!fits(profile)) {
     for (OutOfUse& one : profile.out_of_use) one.text.clear();
   }
@@ -40,7 +40,7 @@ void LocalProfile::on_robot(const NodeProfile& told, Now now, Effects& out) {
   publish(out);
 }
 
-/// No peer would take it: it is not told, and whoever looks sees why.
+/// No peer would take it: it is not sent, and the log and `trb doctor` show why.
 void LocalProfile::refuse(std::size_t size, Now now, Effects& out) {
   const std::string text = "this node's own profile of " + std::to_string(size) + " bytes is not told, " +
                            std::to_string(kMaxProfileSize) + " are the most";
@@ -50,7 +50,7 @@ void LocalProfile::refuse(std::size_t size, Now now, Effects& out) {
   errors_.note(node_.id(), "", "profile_too_large", text, now);
 }
 
-/// Every peer must be able to take it: what sensors say of themselves goes first, then the sensors, never the robot.
+/// Every peer must be able to take it: the sensors' details are left out first, then the sensors, never the robot.
 bool LocalProfile::make_fit(NodeProfile& profile) const {
   if (fits(profile)) return true;
   for (SensorInfo& sensor : profile.plugged) sensor.detail.clear();
@@ -62,7 +62,7 @@ bool LocalProfile::make_fit(NodeProfile& profile) const {
   return false;
 }
 
-/// What the mode-adapter said and what the sensor-bus said, as one; told to every peer if it is another than before.
+/// Merges the mode-adapter's and the sensor-bus's parts; every peer gets the profile if it has changed.
 void LocalProfile::publish(Effects& out) {
   NodeProfile profile = robot_;
   profile.plugged = plugged_;

@@ -1,5 +1,5 @@
-// What the fleet is told of this node: the robot's profile, as its mode-adapter sent it, and the sensors that are
-// plugged into this PC, as its sensor-bus did.
+// What the fleet is told about this node: the robot's profile, as its mode-adapter sent it, and the sensors that are
+// plugged into this PC, as its sensor-bus sent them.
 #pragma once
 
 #include <optional>
@@ -16,10 +16,10 @@ constexpr std::string_view kSensorBus = "sensor-bus";
 
 /// sensors | event                                                  | next
 /// --------|--------------------------------------------------------|---------------------------------------------
-/// any     | told by the sensor-bus                                 | plugged; every peer is told what has changed
-/// plugged | the sensor-bus's connection ends                       | lost: 3 s to come back
-/// plugged | nothing of the sensor-bus for a lease (expired)        | none; every peer is told
-/// lost    | told anew                                              | plugged
+/// any     | received from the sensor-bus                           | plugged; every peer is told what has changed
+/// plugged | the sensor-bus's connection ends                       | lost: it has 3 s to come back
+/// plugged | the sensor-bus is silent for a lease (expired)         | none; every peer is told
+/// lost    | received anew                                          | plugged
 /// lost    | 3 s are over (expired)                                 | none; every peer is told
 /// any     | a robot's profile that no peer would take (invalid)    | as before; counted, logged, a link error
 class LocalProfile {
@@ -29,17 +29,17 @@ class LocalProfile {
 
   void on_sensors(const NodeSensors& told, Effects& out);
   void on_robot(const NodeProfile& told, Now now, Effects& out);
-  /// One that the supervisor starts again sends its sensors anew before they are missed.
+  /// A sensor-bus that the supervisor restarts sends its sensors again within that time.
   void on_sensor_bus_gone(Now now);
 
   [[nodiscard]] const NodeProfile& profile() const { return whole_; }
-  /// Rises with each change.
+  /// Increases with each change.
   [[nodiscard]] std::uint64_t number() const { return number_; }
   [[nodiscard]] bool is_plugged(std::string_view sensor) const;
-  /// Sends the profile by the link, if the other side was not sent this one yet.
+  /// Sends the profile by the link, if the other side has not got this version yet.
   void send(Link& link, Effects& out);
 
-  /// `last_heard`: of the sensor-bus, if it is there.
+  /// `last_heard`: of the sensor-bus, if it is connected.
   void tick(std::optional<MonotonicTime> last_heard, Now now, Effects& out);
   [[nodiscard]] std::optional<MonotonicTime> next_deadline(std::optional<MonotonicTime> last_heard) const;
 

@@ -1,4 +1,4 @@
-// The local profile by itself: what peers are sent when the robot or a sensor changes.
+// The local profile by itself: what peers receive when the robot or a sensor changes.
 #include "services/router/core/local_profile.hpp"
 
 #include "services/router/test/test_parts.hpp"

@@ -50,7 +50,7 @@ std::string Membership::note(Now now) const {
 
 void Membership::check_own(Now now, Effects& out) {
   const std::string why = why_over(now);
-  // Nothing else may be due while it is mute, and it is its clock alone that may end that.
+  // Nothing else may be due while it is muted, and only its clock may end that.
   if (!why.empty()) next_check_ = now.mono + node_.config().timing.redial_most;
   if (why.empty() == !muted_) return warn_of_end(now, out);
   if (why.empty()) return unmute(now, out);
@@ -80,7 +80,7 @@ void Membership::mute(const std::string& why, Now now, Effects& out) {
 
 void Membership::warn_of_end(Now now, Effects& out) {
   const UtcTime utc = node_.checked_utc(now.utc);
-  // Also if it was said while the clock was far ahead.
+  // Also if the warning came while the clock was far ahead.
   const bool said = warned_ && utc < *warned_ + kWarnEvery && utc > *warned_ - kWarnEvery;
   if (muted_ || said) return;
   const std::string text = note(now);

@@ -1,4 +1,4 @@
-// Who belongs to the fleet now: what a new revocation list does to peers, and whether this node is a member itself.
+// Who belongs to the fleet now: what a new revocation list does to peers, and whether this node itself is a member.
 #pragma once
 
 #include <optional>
@@ -32,15 +32,15 @@ class Membership {
 
   /// A new list is in force.
   void apply_revocations(Now now, Effects& out);
-  /// Is this node a member still, or again? Each turn, and when a trust update came.
+  /// Is this node still a member, or again? Each turn, and when a trust update came.
   void check_own(Now now, Effects& out);
-  /// This node's certificate is another one: whoever was warned of its end is warned anew.
+  /// This node has a new certificate: its end is warned of anew.
   void on_renewed() { warned_.reset(); }
-  /// No other node takes this one.
+  /// No other node accepts this one.
   [[nodiscard]] bool is_muted() const { return muted_; }
   /// For people: why this node has no links, or that its certificate ends soon; may be empty.
   [[nodiscard]] std::string note(Now now) const;
-  /// Each turn: time that has certainly passed is stored now and then.
+  /// Each turn: stores the lower bound of the time now and then.
   void note_time(Now now, Effects& out);
   [[nodiscard]] std::optional<MonotonicTime> next_deadline() const { return next_check_; }
 
@@ -60,7 +60,7 @@ class Membership {
   LinkErrors& errors_;
   bool muted_ = false;
   std::optional<UtcTime> warned_;
-  std::optional<MonotonicTime> next_check_;  ///< while the own certificate does not count
+  std::optional<MonotonicTime> next_check_;  ///< while the own certificate is not valid
 };
 
 }  // namespace trb::router

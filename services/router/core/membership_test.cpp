@@ -1,4 +1,4 @@
-// Who is put out and comes back, and when a node is told that its own certificate ends: one node, driven by hand.
+// Who is revoked and comes back, and when a node is warned that its own certificate ends: one node, driven by hand.
 #include <doctest/doctest.h>
 
 #include "services/router/test/test_fleet.hpp"
@@ -32,7 +32,7 @@ struct Ant {
   SignedRecord sign_certificate(const Certificate& certificate) const {
     return sign(kSignedCertificate, "", fleet.authority.fleet.id(), encode(certificate), fleet.authority.key);
   }
-  /// The clock of UTC may be moved apart from the other one.
+  /// The UTC clock may run apart from the monotonic one.
   Effects tick(Duration mono, Duration utc) {
     fleet.now = {start + mono, UtcTime{kStartUtc} + utc};
     Effects effects;
@@ -80,7 +80,7 @@ struct Ant {
     fleet.carry_out(ant, effects);
     return good;
   }
-  /// What `trb doctor` reads of a peer's trouble.
+  /// What `trb doctor` reads of a peer's errors.
   std::string row(const std::string& peer, const std::string& code) {
     Effects effects;
     ant.core->bus().on_hello(7, {"cli", {}, 1, 1, "1"}, kProbe, fleet.now, effects);
@@ -148,7 +148,7 @@ TEST_CASE("the keys of 1024 revoked nodes are remembered") {
   }
   one.revoke(1, ids);
   for (const TestKeys& keys : out) one.greet(random_u64(), keys);
-  one.tick(Seconds(11));  // nobody is kept out for having been refused any more
+  one.tick(Seconds(11));  // no key is denied for an earlier refusal any more
   const std::uint64_t before = one.ant.count("refused.cert_revoked");
   CHECK_FALSE(one.admit(out[kMaxPeers - 1]));
   CHECK(one.ant.count("refused.cert_revoked") == before + 1);
@@ -176,7 +176,7 @@ TEST_CASE("who is revoked while it is dialled is dialled no more, and whoever el
   CHECK(one.told("dial_ended unproven: cert_revoked: stolen") == 1);
   CHECK(one.ant.core->table().link(dog) != nullptr);
   CHECK(one.ant.link_to("bee") == 9);
-  // It was never there, so no service hears that it is gone.
+  // It was never linked, so no service is notified that it is gone.
   CHECK(one.ant.count("peer_expired") == 0);
   CHECK(one.row("cat", "cert_revoked") == "by list 1: stolen");
   one.tick(Seconds(3));
@@ -216,7 +216,7 @@ TEST_CASE("the renewal of a node that is then revoked is told to nobody") {
   one.revoke(1, {"dog"}, 3);
   CHECK(one.ant.stored_updates.back().update.certificates.size() == 1);
   one.revoke(2, {"dog"}, 4);
-  one.revoke(3, {"dog"}, 5);  // what is stored is what is known
+  one.revoke(3, {"dog"}, 5);  // what is stored follows what is known
   CHECK(one.ant.stored_updates.back().update.certificates.empty());
 }
 

@@ -1,4 +1,4 @@
-// The messages of this router itself: numbered, never longer than who receives them would take.
+// The messages of this router itself: numbered, never larger than their receiver accepts.
 #pragma once
 
 #include <cstdint>
@@ -18,9 +18,9 @@ class OwnMessages {
 
   /// The number of a message of this router.
   std::uint64_t next_id() { return ++last_id_; }
-  /// Information of this router whose data is encoded already.
+  /// Information of this router whose data is already encoded.
   Message plain(std::string_view subtype, const std::string& target, Bytes data);
-  /// Nothing if the receiver would have to refuse it (counted, logged); who waits for it (`reply_to`) gets a Nack
+  /// Nothing if the receiver would have to refuse it (counted, logged); the requester (`reply_to`) then gets a Nack
   /// instead.
   std::optional<Message> make(const std::string& target, std::uint64_t reply_to, const Body& body, Effects& out);
   /// To the other side of a link.
@@ -29,7 +29,7 @@ class OwnMessages {
   void send_bus(ConnectionId to, std::uint64_t reply_to, const Body& body, Effects& out);
   /// The Nack of a message that could not be delivered.
   Message nack(const HeaderView& header, Errc reason);
-  /// The same to another node, if one is due there; counted.
+  /// The same for another node, if a Nack is due there; counted.
   std::optional<Message> nack_elsewhere(const HeaderView& header, Errc reason, Effects& out);
 
  private:

@@ -1,4 +1,4 @@
-// What peers request of this router itself, and how much of it they get.
+// What peers request from this router itself, and how much of it they get.
 #include <doctest/doctest.h>
 
 #include "services/router/test/test_fleet.hpp"
@@ -36,7 +36,7 @@ TEST_CASE("a member that asks for tables without end is told no more than its by
   CHECK(bytes > kAnsweredOfOne);
   CHECK(bytes < kAnsweredOfOne + (2U << 10U) * 10);
   CHECK(ask("bee", RouterCountersRequest{}).subtype == Nack::kSubtype);
-  // An echo is no longer than its question; another member has bytes of its own.
+  // An echo is no longer than its request; another member has a budget of its own.
   CHECK(ask("bee", EchoRequest{}).subtype == Echo::kSubtype);
   CHECK(ask("cat", RouteListRequest{}).subtype == RouteTable::kSubtype);
   fleet.run(Seconds(1));

@@ -1,4 +1,4 @@
-// The routing table of section 3.2.1: the peers, the links to them, and where this node dials.
+// The routing table of section 3.2.1: the peers, the links to them, and the addresses this node dials.
 #pragma once
 
 #include <map>
@@ -13,7 +13,7 @@ namespace trb::router {
 
 class PeerTable {
  public:
-  /// Seeds of node.json, and hints of the run before where no seed has that key.
+  /// The seeds of node.json, and the hints of the previous run whose key no seed has.
   explicit PeerTable(const RouterConfig& config);
 
   using Peers = std::map<std::string, Peer, std::less<>>;
@@ -30,12 +30,12 @@ class PeerTable {
   [[nodiscard]] Peer* find(std::string_view id);
   [[nodiscard]] const Peer* find(std::string_view id) const;
   [[nodiscard]] Peer* by_key(BytesView key);
-  /// A peer or a seed has this key.
+  /// Does a peer or a seed have this key?
   [[nodiscard]] bool is_expected(BytesView key) const;
-  /// There is a row for it, or room for one.
+  /// Is there a row for it, or room for one?
   [[nodiscard]] bool has_room_for(std::string_view id) const;
-  /// The row of that member, new or as this certificate says. One with other keys than before is another computer: it
-  /// gets a number of its own.
+  /// The row of that member, new or updated by this certificate. A member with other keys than before is another
+  /// computer: it gets a number of its own.
   Peer& learn(const Certificate& certificate, const SignedRecord& record);
   void forget(const std::string& id);
 
@@ -43,11 +43,11 @@ class PeerTable {
 
   [[nodiscard]] Link* link(LinkId id);
   [[nodiscard]] const Link* link(LinkId id) const;
-  /// The link that is up with the peer that has this key.
+  /// The link that is up with the peer of this key.
   [[nodiscard]] Link* linked_by_key(BytesView key);
   /// The links that carry messages, by the ids of their peers.
   [[nodiscard]] std::vector<LinkId> up_links() const;
-  /// A link is being dialled to this key: one at a time, for a seed and a beacon may name the same node.
+  /// Is a link being dialled to this key? One at a time: a seed and a beacon may name the same node.
   [[nodiscard]] bool is_dialling(BytesView key) const;
 
  private:

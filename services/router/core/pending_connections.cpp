@@ -39,7 +39,7 @@ PendingConnectionId PendingConnections::accepted(const std::string& source, Mono
   Source* from = source_of(source, now);
   if (from != nullptr) ++from->open;
   if (blocked_.count(source) != 0) {
-    orders_.cut.push_back(id);  // it was in the queue of the listening socket when its source was shut out
+    orders_.cut.push_back(id);  // it waited in the accept queue when its source was blocked
   } else if (from != nullptr && from->open > limits_.open_from_one) {
     block(source, now);
   }
@@ -95,7 +95,7 @@ void PendingConnections::failed(const std::string& name, MonotonicTime now) {
 }
 
 void PendingConnections::block(const std::string& name, MonotonicTime now) {
-  if (blocked_.size() >= limits_.blocked) return;  // what all may have together still bounds it
+  if (blocked_.size() >= limits_.blocked) return;  // the limit of all connections still holds
   blocked_[name] = now + limits_.block;
   orders_.newly_blocked.push_back(name);
   orders_.filter_changed = true;
@@ -114,7 +114,7 @@ void PendingConnections::tick(MonotonicTime now) {
   while (!cuts_.empty() && cuts_.begin()->first <= now) {
     const PendingConnectionId id = cuts_.begin()->second;
     cuts_.erase(cuts_.begin());
-    // It stays in the books until libzmq says that it is gone; if that never comes, it is cut again.
+    // It stays in the table until libzmq reports its end; if that never comes, it is cut again.
     Entry& entry = entries_.at(id);
     if (!entry.leaving) orders_.expired.push_back(id);
     entry.cut_at = now + limits_.window;

@@ -1,4 +1,5 @@
-// Connections at the inbox that have proven nothing yet: bounded in number and time, a source of too many is kept out.
+// Connections at the inbox that have proven nothing yet: bounded in number and time; a source with too many is kept
+// out.
 #pragma once
 
 #include <cstdint>
@@ -12,7 +13,7 @@
 
 namespace trb::router {
 
-/// Numbers a connection for good, unlike its descriptor.
+/// Identifies a connection for good, unlike its descriptor.
 using PendingConnectionId = std::uint64_t;
 
 struct PendingConnectionLimits {
@@ -27,11 +28,11 @@ struct PendingConnectionLimits {
   Duration leave = std::chrono::milliseconds(500);  ///< from the Goodbye to the cut
 };
 
-/// Fewer descriptors do not carry a node's own services and a few links.
+/// With fewer descriptors a node cannot carry its own services and a few links.
 constexpr std::size_t kLeastDescriptors = 256;
 /// Enough for the limits above and for links to a thousand nodes.
 constexpr std::size_t kGoodDescriptors = 12288;
-/// What strangers may hold of so many descriptors (RLIMIT_NOFILE): a quarter, and never what is above.
+/// The limits for this many descriptors (RLIMIT_NOFILE): strangers get a quarter, never more than the limits above.
 PendingConnectionLimits limits_for(std::size_t descriptors);
 
 /// state    | event                        | next
@@ -47,12 +48,12 @@ class PendingConnections {
  public:
   explicit PendingConnections(PendingConnectionLimits limits = {}) : limits_(limits) {}
 
-  /// What has to be done since the last look.
+  /// What has to be done since the last call.
   struct Orders {
     std::vector<PendingConnectionId> cut;
     std::vector<PendingConnectionId> expired;  ///< of these, those whose time to become a link is over
     std::vector<std::string> newly_blocked;
-    bool filter_changed = false;  ///< blocked() or closed() is another than before
+    bool filter_changed = false;  ///< blocked() or closed() has changed
   };
 
   PendingConnectionId accepted(const std::string& source, MonotonicTime now);
@@ -63,10 +64,10 @@ class PendingConnections {
   [[nodiscard]] std::optional<MonotonicTime> next_deadline() const;
   Orders take_orders();
 
-  /// Here, and neither linked nor leaving.
+  /// Is it open, and neither linked nor leaving?
   [[nodiscard]] bool undecided(PendingConnectionId id) const;
   [[nodiscard]] const std::map<std::string, MonotonicTime>& blocked() const { return blocked_; }
-  /// No connection of anybody's is let in for now: there are too many unproven ones.
+  /// Nobody's connection is accepted for now: there are too many unproven ones.
   [[nodiscard]] bool closed() const { return closed_; }
   [[nodiscard]] std::size_t unproven() const { return unproven_; }
 

@@ -1,4 +1,4 @@
-// Connections that prove nothing: how many, how long, and who is kept out.
+// Connections that prove nothing: how many, how long, and which sources are kept out.
 #include "services/router/core/pending_connections.hpp"
 
 #include <doctest/doctest.h>
@@ -89,7 +89,7 @@ TEST_CASE("too many at a time from one source: they are cut, the source is kept 
   CHECK(inbox.orders.filter_changed);
   CHECK(inbox.orders.cut.size() == 5);
   CHECK(std::find(inbox.orders.cut.begin(), inbox.orders.cut.end(), good) == inbox.orders.cut.end());
-  const auto late = inbox.come("bad");  // was in the kernel's queue
+  const auto late = inbox.come("bad");  // waited in the kernel's queue
   CHECK(inbox.look().cut == std::vector<PendingConnectionId>{late});
   CHECK(inbox.orders.newly_blocked.empty());
   CHECK(inbox.pending_connections.blocked().count("bad") == 1);

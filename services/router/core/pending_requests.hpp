@@ -1,4 +1,4 @@
-// What a connection of the bus has requested, and of whom: an answer counts only from there.
+// What a connection of the bus has requested, and from whom: only that party's answer is accepted.
 #pragma once
 
 #include <array>
@@ -8,7 +8,7 @@
 
 namespace trb::router {
 
-/// Who may answer: a peer or a connection of the own bus, by a number that is never used again.
+/// Who may answer: a peer or a connection of the own bus, by a number that is never reused.
 enum class Party : std::uint64_t { nobody = 0 };
 
 constexpr Party party_of_peer(std::uint64_t number) {
@@ -18,8 +18,8 @@ constexpr Party party_of_connection(std::uint64_t number) {
   return static_cast<Party>(number << 1U | 1U);
 }
 
-/// A table of fixed size, by the lower bits of an id: a newer one takes an older one's place. What is in it stays after
-/// the first answer: streams have many. Its memory comes in pages as it is used.
+/// A table of fixed size, indexed by the lower bits of an id: a newer entry replaces an older one. An entry stays after
+/// the first answer: streams have many. Its memory is allocated in pages, on use.
 template <std::size_t kPages>
 class RequestTable {
  public:
@@ -47,14 +47,14 @@ class RequestTable {
   std::array<std::unique_ptr<std::array<Entry, kPageSize>>, kPages> pages_;
 };
 
-/// What is out of one connection.
+/// The requests of one connection.
 class PendingRequests {
  public:
   static constexpr std::size_t kQuestions = 32 * 1024;
   static constexpr std::size_t kWords = 4 * 1024;
 
-  /// A command or request has left, or (`question` false) a user's information: of that only a Nack may come back, and
-  /// a flood of it pushes out no question.
+  /// A command or request has left, or (`question` false) a user's information: to that only a Nack may come back, and
+  /// a flood of it removes no requests.
   void note(std::uint64_t id, bool question, Party whom);
   /// May `from` answer the message `id`?
   [[nodiscard]] bool may_answer(std::uint64_t id, bool nack, Party from) const;

@@ -1,4 +1,4 @@
-// Whom a connection has asked, and for how long that is known.
+// Whom a connection has sent requests, and for how long that is known.
 #include <doctest/doctest.h>
 
 #include "services/router/core/pending_requests.hpp"

@@ -1,4 +1,4 @@
-// A profile is bounded where it is received, so that what is made of many can be sent.
+// A received profile is bounded, so that whatever contains many of them can be sent.
 #include <doctest/doctest.h>
 
 #include "common/actor/route_pages.hpp"
@@ -10,7 +10,7 @@ using Seconds = std::chrono::seconds;
 
 namespace {
 
-/// A profile of about so many bytes.
+/// A profile of about this size.
 NodeProfile large(std::size_t bytes) {
   NodeProfile profile;
   profile.maker = "test";
@@ -87,7 +87,7 @@ TEST_CASE("a peer's profile over 64 KiB is refused: the one before stands, and s
 
 TEST_CASE("a profile that is small on the wire and grows as it is read is measured as it is kept") {
   ProfilePair pair;
-  // 128 skills of 32 parameters, each an empty array: a byte as it comes, eight as it is packed again.
+  // 128 skills of 32 parameters, each an empty array: one byte as received, eight when encoded again.
   Bytes data("\x9f\xa0\xa0\xa0\xa0\xa0\x90\x90\xdc\x00\x80", 11);
   for (int skill = 0; skill < 128; ++skill) {
     data += Bytes("\x93\xa0\xa0\xdc\x00\x20", 6);
@@ -214,7 +214,7 @@ TEST_CASE("a table of many large profiles comes in pages, each of which its read
 
 TEST_CASE("what a hearer would have to refuse is not sent; who waits for it is told") {
   ProfilePair pair;
-  RouterConfig config;  // more services than a table has rows
+  RouterConfig config;  // more services than the table has rows
   config.id = "many";
   for (int i = 0; i < 40; ++i) config.services.push_back("s" + std::to_string(i));
   RouterCore core(config);

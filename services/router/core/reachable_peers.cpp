@@ -51,7 +51,7 @@ void ReachablePeers::tick(Now now, Effects& out) {
   for (const LinkId id : table_.up_links()) notify(*table_.link(id), changed, out);
 }
 
-/// What a link brings to be passed on is its own peer's. What is in it is locked for its target.
+/// A link may bring only its own peer's frames to be passed on. Their contents are encrypted for the target.
 void ReachablePeers::pass_on(const Link& link, const Message& message, const Relayed& body, const RelayedFrame& inner,
                              Effects& out) {
   if (!node_.relays())

@@ -1,4 +1,4 @@
-// A relay's side: it tells each of its links which peers it reaches, and passes on what these send each other.
+// A relay's side: it notifies each of its links which peers it reaches, and passes on what these send each other.
 #pragma once
 
 #include <optional>
@@ -12,24 +12,24 @@ namespace trb::router {
 
 /// peer    | event                          | next
 /// --------|--------------------------------|-----------------------------------------------------------------------
-/// any     | its link is up, or gone        | changed; gathered for 0.1 s, for a fleet forms all at once
-/// changed | 0.1 s (expired)                | told: every other link gets `neighbours`
-/// -       | a new link                     | it is told of all that are reached
+/// any     | its link is up, or gone        | changed; gathered for 0.1 s: a fleet forms all at once
+/// changed | 0.1 s (expired)                | sent: every other link gets `neighbours`
+/// -       | a new link                     | it gets all that are reached
 /// `relayed` for a peer that is linked      | passed on; one hop only
 /// `relayed` signed by another (invalid)    | refused: second_hop
-/// `relayed` for one that is not (invalid)  | `relay_refused` to its sender
+/// `relayed` for a peer that is not linked (invalid)| `relay_refused` to its sender
 class ReachablePeers {
  public:
   ReachablePeers(const LocalNode& node, PeerTable& table, OwnMessages& messages)
       : node_(node), table_(table), messages_(messages) {}
 
-  /// Its link is up, or gone.
+  /// The peer's link is up, or gone.
   void on_change(const std::string& peer, Now now);
-  /// A new link is told of all.
+  /// Notifies a new link of all peers.
   void notify_all(const Link& to, Effects& out);
-  /// What the peer of this link has wrapped for another one.
+  /// Passes on what the peer of this link has wrapped for another one.
   void pass_on(const Link& link, const Message& message, const Relayed& body, const RelayedFrame& inner, Effects& out);
-  /// What was passed on for this peer did not leave: it is told.
+  /// A frame of this peer could not be passed on: the peer is notified.
   void refuse(const Link& to, const RelayedFrame& inner, Errc reason, Effects& out);
 
   void tick(Now now, Effects& out);
@@ -41,11 +41,11 @@ class ReachablePeers {
   const LocalNode& node_;
   PeerTable& table_;
   OwnMessages& messages_;
-  std::set<std::string> changed_;  ///< of which the peers have not been told yet
+  std::set<std::string> changed_;  ///< not sent to the peers yet
   std::optional<MonotonicTime> next_;
 };
 
-/// Counted and logged: a `relayed` that this relay should not have brought.
+/// Counts and logs a `relayed` that this relay should not have brought.
 void refuse_relayed(const Link& relay, std::string_view reason, const std::string& text, Effects& out);
 
 }  // namespace trb::router

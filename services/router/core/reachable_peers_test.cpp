@@ -1,4 +1,4 @@
-// A relay's side by itself: whom it tells of whom, and what it passes on.
+// A relay's side by itself: which peers it reports to which links, and what it passes on.
 #include "services/router/core/reachable_peers.hpp"
 
 #include "services/router/test/test_parts.hpp"

@@ -21,7 +21,7 @@ void RelayConnection::begin(MonotonicTime at) {
 }
 
 void RelayConnection::say_by(MonotonicTime at) {
-  // Whoever makes this node answer pays more than it: one word in so much time at most.
+  // To send one costs more than to answer it; even so, answers are limited to one in this time.
   next_word_ = earlier(next_word_, std::max(at, last_word_ + timing_.acknowledge));
 }
 
@@ -50,10 +50,10 @@ RelayConnection::Heard RelayConnection::hear(const RelayAlive& word, std::uint64
     return (one.value == word.echo || one.value == word.echo_other) && now < one.sent + timing_.lease;
   });
   const bool same_boot = boot == boot_ && boot_ != 0;
-  if (same_boot && !take(boot, count, false, now)) return out;  // repeated
+  if (same_boot && !take(boot, count, false, now)) return out;  // a repeat
   out.fresh = nonce != nonces_.end();
   if (!out.fresh) {
-    // It has not heard this node, or a relay plays an old word again: to answer is cheap, to believe is not.
+    // The other side has not received ours, or a relay replays an old one: answering is cheap, and proves nothing.
     (same_boot ? echo_ : echo_other_) = word.nonce;
     say_by(now);
     return out;
@@ -69,7 +69,7 @@ RelayConnection::Heard RelayConnection::hear(const RelayAlive& word, std::uint64
   return out;
 }
 
-/// The other side was restarted: its counts begin anew, and what the old boot did not confirm is lost.
+/// The other side was restarted: counts begin anew, and what the old boot did not confirm is lost.
 std::vector<Unconfirmed> RelayConnection::restart(std::uint64_t boot, std::uint64_t count) {
   boot_ = boot;
   highest_ = count;
@@ -78,7 +78,7 @@ std::vector<Unconfirmed> RelayConnection::restart(std::uint64_t boot, std::uint6
   return take_all();
 }
 
-/// What the other side has, by its own word, is confirmed; what it has not, though it has later ones, is lost.
+/// Messages that the other side reports as received are confirmed; missing ones, if later ones arrived, are lost.
 void RelayConnection::settle(const RelayAlive& word, std::vector<Unconfirmed>& lost) {
   while (!unconfirmed_.empty() && unconfirmed_.front().count <= word.heard) {
     const std::uint64_t behind = word.heard - unconfirmed_.front().count;

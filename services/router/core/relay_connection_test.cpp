@@ -1,5 +1,5 @@
-// The connection by relays between two nodes, without a relay: what one end says is handed to the other, late, twice or
-// never.
+// The connection by relays between two nodes, without a relay: the test hands each end's messages to the other, late,
+// twice or never.
 #include "services/router/core/relay_connection.hpp"
 
 #include <doctest/doctest.h>
@@ -64,7 +64,7 @@ TEST_CASE("a first word proves nothing; one that repeats a nonce proves who is t
   CHECK(second.new_boot);
   CHECK(two.ant.proven());
   CHECK(two.ant.boot() == kBee);
-  CHECK_FALSE(two.ant.open());  // bee does not know ant's boot yet: it would refuse what comes
+  CHECK_FALSE(two.ant.open());  // bee does not know ant's boot yet: it would refuse messages
 
   CHECK(two.to_bee(two.of_ant()).fresh);
   CHECK(two.bee.open());
@@ -85,7 +85,7 @@ TEST_CASE("who is dead does not stay, whatever a relay plays again") {
   }
   CHECK(two.ant.lapse(two.now));
   CHECK_FALSE(two.ant.proven());
-  CHECK_FALSE(two.ant.lapse(two.now));  // told once
+  CHECK_FALSE(two.ant.lapse(two.now));  // reported once
 }
 
 TEST_CASE("words that were held back prove life at the time of what they repeat, and nothing after a lease") {
@@ -134,12 +134,12 @@ TEST_CASE("an old boot's words that a relay kept disturb nobody who is there") {
   two.greet();
   RelayAlive said;
   said.nonce = 4711;
-  said.echo = said.echo_other = 17;  // which ant has said long ago
+  said.echo = said.echo_other = 17;  // which ant sent long ago
   const Word old{said, kBee - 1, 3};
   for (int i = 0; i < 5; ++i) CHECK_FALSE(two.to_ant(old).fresh);
   CHECK(two.ant.boot() == kBee);
   two.now = two.now + Seconds(1);
-  CHECK(two.to_bee(two.of_ant()).fresh);  // ant still repeats what bee has said
+  CHECK(two.to_bee(two.of_ant()).fresh);  // ant still repeats bee's nonce
   CHECK(two.to_ant(two.of_bee()).fresh);
 }
 

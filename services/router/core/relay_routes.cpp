@@ -10,10 +10,10 @@
 namespace trb::router {
 namespace {
 
-constexpr Duration kLinksFirst = std::chrono::milliseconds(300);  ///< a link of one's own may be coming up just now
+constexpr Duration kLinksFirst = std::chrono::milliseconds(300);  ///< a direct link may be coming up just now
 constexpr std::size_t kMaxRelayedFrame = (1U << 19U) - 1024 - kRelayBoxOverhead;
 
-/// A message without its data, to answer it by.
+/// A message without its data, for a later answer.
 Message header_only(const HeaderView& header) {
   HeaderView view = header;
   view.data = {};
@@ -55,14 +55,14 @@ const RelayRoute& RelayRoutes::route(const Peer& peer) const {
   return at == rows_.end() || at->second.number != peer.number ? kNone : at->second;
 }
 
-/// The link of a relay, if it is up.
+/// The link to a relay, if it is up.
 const Link* RelayRoutes::usable(const std::string& relay) const {
   const Peer* peer = table_.find(relay);
   const Link* link = peer == nullptr ? nullptr : table_.link(peer->link);
   return link != nullptr && link->relay ? link : nullptr;
 }
 
-/// The link of the relay that carries this node's messages to the peer; another one's if that has gone.
+/// The link to the relay that carries this node's messages to the peer; another relay's if that one is gone.
 const Link* RelayRoutes::carrier_of(const RelayRoute& route) const {
   if (route.relays.count(route.carrier) != 0) {
     if (const Link* link = usable(route.carrier)) return link;
@@ -79,7 +79,7 @@ const Link* RelayRoutes::relay_of(const Peer& peer) const {
   return known.open ? carrier_of(known) : nullptr;
 }
 
-/// The next relay that says it reaches the peer, in turn: this one has lost what it was given.
+/// Takes the next relay that reaches the peer, in turn: this one has lost a message.
 void RelayRoutes::change_carrier(RelayRoute& route) const {
   const Link* now = carrier_of(route);
   if (now == nullptr) return;
@@ -126,7 +126,7 @@ void RelayRoutes::learn(const Link& relay, const SignedRecord& told, Now now, Ef
   if (peer.link == 0 && fresh && !route.connection.proven()) route.connection.begin(now.mono + kLinksFirst);
 }
 
-/// That relay does not reach it any more, or is not reached itself.
+/// That relay does not reach the peer any more, or is not reached itself.
 void RelayRoutes::forget_relay(Peer& peer, const std::string& relay, Effects& out) {
   RelayRoute& route = row(peer);
   if (route.relays.erase(relay) == 0 || !route.open || carrier_of(route) != nullptr) return;
@@ -140,7 +140,7 @@ void RelayRoutes::on_link_lost(Peer& peer, const Link& gone, Now now, Effects& o
   for (auto& [id, other] : table_.peers()) forget_relay(other, gone.peer, out);
 }
 
-/// The peer is not reached that way any more: the lease runs from its last sign of life.
+/// The peer cannot be reached that way any more: its lease runs from its last sign of life.
 void RelayRoutes::leave(Peer& peer, const std::string& why, Effects& out) {
   RelayRoute& route = row(peer);
   route.open = false;
@@ -161,14 +161,14 @@ void RelayRoutes::join(Peer& peer, const Link& relay, Now now, Effects& out) {
   out.log(LogLevel::info, "peer_joined", peer.id + " by way of " + relay.peer);
   if (!again) bus_.notify(PeerJoined{peer.id, peer.boot}, out);
   send_profile(peer, now, out);
-  // A link of one's own is better. What keeps it away may be over just now, so the first dials come fast.
+  // A direct link is better. Its obstacle may be gone just now, so the first dials come fast.
   peer.redial.wait = {};
   if (peer.redial.link == 0) links_.redial_soon(peer, now);
 }
 
 // ---- out
 
-/// A node that came up without knowing the time would sign what has run out already: it takes the relay's word for it.
+/// A node that started without the time would sign messages that have already expired: it takes the relay's time.
 UtcTime RelayRoutes::utc_by(const Link& relay, Now now) const {
   const UtcTime own = node_.checked_utc(now.utc);
   return own == now.utc || !relay.utc_at_zero ? own : std::max(own, {saturating_add(*relay.utc_at_zero, now.mono.ns)});
@@ -228,7 +228,7 @@ void RelayRoutes::on_refused(const Link& relay, const RelayRefused& told, Effect
   RelayRoute& route = row(*peer);
   const auto question = route.connection.withdraw(told.count);
   if (!question) return;
-  // Another relay's word about what this one carries is nobody's.
+  // Only the relay that carries the message may report it.
   if (question->relay != relay.peer) {
     route.connection.remember(*question);
     return out.count("refused.not_permitted");
@@ -263,12 +263,12 @@ void RelayRoutes::send_alive(Peer& peer, Now now, Effects& out) {
                                  encode(route.connection.make_word(std::move(own), node_.random(), now.mono)));
   const auto lease = std::chrono::duration_cast<std::chrono::milliseconds>(config.timing.lease).count();
   word.remaining_ms = static_cast<std::uint32_t>(lease);
-  // For whatever boot it has: what proves that it is no replay is the nonce that it repeats.
+  // For any boot of the peer: the nonce that it repeats proves that it is no replay.
   out.add(LinkSend{relay->id, make_relayed(peer, *relay, 0, route.connection.next_count(), encode_frame(word),
                                            word.remaining_ms, now)});
 }
 
-/// At a change, but once a second at most: each costs a signature, and a relay's bandwidth.
+/// At a change, but once a second at most: each costs a signature, and the relay's bandwidth.
 std::optional<MonotonicTime> RelayRoutes::profile_due(const Peer& peer, const RelayRoute& route) const {
   constexpr Duration kPause = std::chrono::seconds(1);
   if (peer.link != 0 || route.told_profile == profile_.number() || relay_of(peer) == nullptr) return std::nullopt;
@@ -315,7 +315,7 @@ std::optional<Unwrapped> RelayRoutes::receive(const Link& relay, const Relayed& 
   return Unwrapped{source->id, std::move(*plain)};
 }
 
-/// From its signer, to this node: the reason if not, as check() gives it.
+/// Is it from its signer, and to this node? If not, the reason, as check() gives it.
 std::optional<std::pair<std::string_view, std::string>> RelayRoutes::check_ends(const Peer& source,
                                                                                 const HeaderView& header) const {
   using Why = std::pair<std::string_view, std::string>;
@@ -325,7 +325,7 @@ std::optional<std::pair<std::string_view, std::string>> RelayRoutes::check_ends(
   return std::nullopt;
 }
 
-/// Nothing that a link proves holds here: each of it is checked on its own, in this order. The reason is the counter's
+/// What a link proves does not hold here: each claim is checked by itself, in this order. The reason is the counter's
 /// name.
 std::optional<std::pair<std::string_view, std::string>> RelayRoutes::check(const Peer& source,
                                                                            const SignedRecord& record,
@@ -376,12 +376,12 @@ void RelayRoutes::tick(Now now, Effects& out) {
       send_alive(peer, now, out);
     }
   }
-  // Every peer has a row by now: one more is of a peer that is none any more.
+  // Every peer has a row by now: an extra row belongs to a peer that is gone.
   if (rows_.size() == table_.peers().size()) return;
   std::erase_if(rows_, [&](const auto& row) { return table_.find(row.first) == nullptr; });
 }
 
-/// It is asked for at every turn of the loop: both tables are in one order, and nothing is looked up.
+/// Called at every turn of the loop: both tables have the same order, so nothing is looked up.
 std::optional<MonotonicTime> RelayRoutes::next_deadline() const {
   std::optional<MonotonicTime> next;
   auto at = rows_.begin();

@@ -1,5 +1,5 @@
-// Everybody's side of relays: which peers are reached by one, and what goes that way end to end: locked and signed
-// here, checked, opened and confirmed there. Between two ends: relay_connection.hpp.
+// Every node's side of relays: which peers a relay reaches, and what goes that way end to end: encrypted and signed
+// here; checked, decrypted and confirmed there. Between two ends: relay_connection.hpp.
 #pragma once
 
 #include <map>
@@ -17,69 +17,70 @@
 
 namespace trb::router {
 
-/// What this node knows of the way to one peer by relays.
+/// What this node knows about the way to one peer by relays.
 struct RelayRoute {
-  std::uint64_t number = 0;      ///< of the peer: another computer under the same name begins anew
+  std::uint64_t number = 0;      ///< of the peer: another computer of the same name begins anew
   std::set<std::string> relays;  ///< members that say they reach it
-  std::string carrier;           ///< which of them is given what is for it
+  std::string carrier;           ///< the one of them that gets messages for it
   bool open = false;             ///< there is no link, but this way is open
   RelayConnection connection;
-  Bytes key;                           ///< locks what goes that way; empty until it is needed
-  std::uint64_t told_profile = 0;      ///< number of this node's profile that the peer was sent last
+  Bytes key;                           ///< encrypts what goes that way; empty until needed
+  std::uint64_t told_profile = 0;      ///< number of this node's profile that was sent to it last
   MonotonicTime profile_told_at{};     ///< when
-  std::map<std::string, Budget> load;  ///< by relay: what it brings of this peer
+  std::map<std::string, Budget> load;  ///< by relay: what it brings from this peer
 };
 
-/// A message that a relay has brought, opened.
+/// A message that a relay has brought, decrypted.
 struct Unwrapped {
   std::string source;
   Bytes frame;
 };
 
-/// route  | event                                               | next
-/// -------|-----------------------------------------------------|-------------------------------------------------
-/// -      | a relay says that it reaches the peer               | asking: `relay_alive` by it, after 0.3 s
-/// asking | the peer's own fresh word that it knows this node   | open: ONLINE by the relay; dialled, for a link is
-/// better open   | the relay's link is gone, or it says it is cut off  | open by another relay; else lost, the lease
-/// runs open   | nothing of the peer for a lease (expired)           | lost open   | something was lost by the carrier
-/// | open; the next relay carries any    | a link with the peer                                | at rest any    | what
-/// is forged, late, repeated, for another (invalid) | refused, counted by its reason
+/// route  | event                                              | next
+/// -------|----------------------------------------------------|--------------------------------------------------
+/// -      | a relay reports that it reaches the peer           | asking: `relay_alive` by it, after 0.3 s
+/// asking | the peer's own fresh word that it knows this node  | open: ONLINE by the relay; dialled: links are better
+/// open   | the relay's link ends, or it lost the peer         | open by another relay; else lost, the lease runs
+/// open   | the peer is silent for a lease (expired)           | lost
+/// open   | the carrier lost a message                         | open; the next relay carries
+/// any    | a link with the peer                               | at rest
+/// any    | forged, late, repeated, for another node (invalid) | refused, counted by its reason
 class RelayRoutes {
  public:
   RelayRoutes(const LocalNode& node, PeerTable& table, TrustStore& trust, OwnMessages& messages, LocalBus& bus,
               LocalProfile& profile, Links& links)
       : node_(node), table_(table), trust_(trust), messages_(messages), bus_(bus), profile_(profile), links_(links) {}
 
-  /// The relay's link by which the peer is reached now, or nullptr.
+  /// The link to the relay by which the peer is reached now, or nullptr.
   [[nodiscard]] const Link* relay_of(const Peer& peer) const;
-  /// Peers that are reached by a relay alone.
+  /// Peers that only a relay reaches.
   [[nodiscard]] std::vector<std::string> relayed_peers() const;
-  /// What is known of the way to that peer; an empty one if nothing is.
+  /// What is known about the way to that peer; empty if nothing is.
   [[nodiscard]] const RelayRoute& route(const Peer& peer) const;
 
   // ---- relays come and go
 
-  /// A relay's word about whom it reaches. A hint: what a member is it says itself, once it was spoken to.
+  /// A relay's list of the peers that it reaches. A hint: each peer itself proves who it is once it is contacted.
   void on_reachable(const Link& relay, const ReachablePeerList& told, Now now, Effects& out);
-  /// The link that carried the peer's messages is gone: is there another way? And those that it relayed are cut off.
+  /// The peer's link is gone: is there another way? The peers that it relayed are cut off.
   void on_link_lost(Peer& peer, const Link& gone, Now now, Effects& out);
 
   // ---- out
 
-  /// A frame of the bus (`from` 0: of the router itself), locked for its target, signed, and addressed to the relay
-  /// that reaches it. If who sent it waits for an answer, it is told when nobody confirms that it came. Errors:
-  /// too_large (over 511 kB), queue_full (256 unconfirmed), peer_unreachable.
+  /// Encrypts a frame of the bus (`from` 0: of the router itself) for its target, signs it, and addresses it to the
+  /// relay that reaches the target. Its sender, if it waits for an answer, is notified if the arrival is not confirmed.
+  /// Errors: too_large (over 511 kB), queue_full (256 unconfirmed), peer_unreachable.
   Result<Relaying> wrap(ConnectionId from, std::string_view target, const HeaderView& header, BytesView frame, Now now);
-  /// The router's own message to a peer that only a relay reaches.
+  /// Sends the router's own message to a peer that only a relay reaches.
   void send(const std::string& to, const Message& message, Now now, Effects& out);
   /// It did not leave by the relay's link.
   void not_sent(std::string_view target, std::uint64_t count, Errc reason, Effects& out);
-  /// The relay says that it could not pass it on.
+  /// The relay reports that it could not pass a frame on.
   void on_refused(const Link& relay, const RelayRefused& told, Effects& out);
 
   // ---- in
 
-  /// What a relay has brought for this node. Nothing: refused, or a word of the two ends.
+  /// What a relay has brought for this node. Nothing: refused, or a message between the two routers themselves.
   std::optional<Unwrapped> receive(const Link& relay, const Relayed& body, const RelayedFrame& inner, Now now,
                                    Effects& out);
 

@@ -1,4 +1,4 @@
-// Relay routes by themselves: two ends that only a relay links, each with the relay's link alone.
+// Relay routes by themselves: two ends that only a relay links, each with only the relay's link.
 #include "services/router/core/relay_routes.hpp"
 
 #include "services/router/test/test_parts.hpp"

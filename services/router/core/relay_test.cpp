@@ -1,4 +1,4 @@
-// Who relays, whom it reaches, and what of that is believed. Time is injected, nothing sleeps.
+// Which nodes relay, whom they reach, and which of their claims are believed. Time is injected, nothing sleeps.
 #include <doctest/doctest.h>
 
 #include "services/router/test/test_relays.hpp"
@@ -153,7 +153,7 @@ TEST_CASE("a relay that says it reaches a node makes it known, and nothing else"
   }
   CHECK(ant.told("peer_joined") == 0);
   CHECK(ant.peer("bee")->profile == NodeProfile{});
-  CHECK(cloud.count("dropped.unknown_target") < 12);  // ever less often
+  CHECK(cloud.count("dropped.unknown_target") < 12);  // less and less often
 
   TestNode& bee = fleet.start("bee", {.seeds = {"ant"}});
   fleet.run(Seconds(4));
@@ -212,7 +212,7 @@ TEST_CASE("a relay tells of many in several messages, of who has gone too, and n
   for (const SignedRecord& one : told[0].reached) CHECK(one != ant.keys.record);
   CHECK(ant.relay_route("n64").relays == std::set<std::string>{"cloud"});
 
-  // All are told at once of those whose connections end at once.
+  // Peers whose connections end at once are reported at once.
   told.clear();
   Effects effects;
   for (std::uint64_t i = 0; i < 65; ++i)

@@ -47,7 +47,7 @@ TEST_CASE("by a relay a router is asked for its tables, hears who listens, and s
             three.wrap(make_message(MessageType::information, "ant", "bee", RobotFault{})).message);
   three.fleet.run(milliseconds(100));
   CHECK(three.bee->told("robot_fault") == 1);
-  CHECK(three.bee->count("dropped.no_service") == 0);  // somebody heard it
+  CHECK(three.bee->count("dropped.no_service") == 0);  // a service took it
 
   const auto ask = [&](const std::string& word, const Bytes& data, MessageType type) {
     Message question = three.command(*three.ant);

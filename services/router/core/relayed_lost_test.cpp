@@ -1,4 +1,4 @@
-// Messages by a relay that did not arrive: who is told, and which relay is taken next. Time is injected.
+// Messages by a relay that did not arrive: who is notified, and which relay is taken next. Time is injected.
 #include "services/router/test/test_relays.hpp"
 
 using namespace trb;
@@ -95,7 +95,7 @@ TEST_CASE("a relay that loses a command in silence: who sent it is told that nob
   };
   three.put(*three.ant, "cloud", three.wrap(three.command(*three.ant)).message);
   three.fleet.run(Seconds(4));
-  CHECK(three.nacks(*three.ant).empty());  // it came, and that was confirmed
+  CHECK(three.nacks(*three.ant).empty());  // it arrived, and that was confirmed
 
   lose = true;
   three.put(*three.ant, "cloud", three.wrap(three.command(*three.ant)).message);
@@ -145,7 +145,7 @@ TEST_CASE("a relay speaks of what it carries, and of nothing else") {
   CHECK(Triangle::nacks(*two.ant).empty());
   two.refuse(two.first, "nobody", count, Errc::peer_unreachable);
   CHECK(two.ant->count("refused.not_permitted") == 2);
-  two.refuse(two.first, "bee", count + 1000, Errc::peer_unreachable);  // is not waited for
+  two.refuse(two.first, "bee", count + 1000, Errc::peer_unreachable);  // not waited for
   CHECK(two.ant->count("refused.not_permitted") == 2);
   CHECK(Triangle::nacks(*two.ant).empty());
   CHECK(two.via() == two.first);

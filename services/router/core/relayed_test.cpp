@@ -1,4 +1,4 @@
-// Messages that go by a relay: taken, refused, lost, answered. Time is injected, nothing sleeps.
+// Messages by a relay: accepted, refused, lost, answered. Time is injected, nothing sleeps.
 #include <doctest/doctest.h>
 
 #include "services/router/test/test_relays.hpp"
@@ -177,7 +177,7 @@ TEST_CASE(
   CHECK(three.ant->count("refused.not_permitted") == 1);  // ant knows no dog either
   CHECK(three.cloud.count("relayed.sent") > 0);
 
-  // What cannot leave is told its signer, if that is there.
+  // A message that cannot be passed on: its signer is notified, if it is there.
   const auto stuck = [&](TestNode& node, const SignedRecord& record) {
     Effects effects;
     node.core->forwarding().on_own_unsent(make_message(MessageType::information, node.id, "bee", Relayed{record}),

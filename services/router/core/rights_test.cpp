@@ -1,4 +1,4 @@
-// Who may what, at the router: by the role in the peer's certificate, and by the own role before it signs.
+// Rights at the router: by the role in the peer's certificate, and by the own role before it signs.
 #include <doctest/doctest.h>
 
 #include "services/router/test/test_fleet.hpp"
@@ -31,7 +31,7 @@ struct PairOfRole {
 
 TEST_CASE("what only a robot can know is taken from a robot's node, and not from the cloud's") {
   PairOfRole robot(Role::robot);
-  CHECK(robot.hear(MessageType::information, RobotFault{}) == Errc::no_service);  // allowed; nobody takes it here
+  CHECK(robot.hear(MessageType::information, RobotFault{}) == Errc::no_service);  // allowed; no service takes it here
   PairOfRole cloud(Role::cloud);
   CHECK(cloud.hear(MessageType::information, RobotFault{}) == Errc::not_permitted);
   CHECK(cloud.ant->count("refused.not_permitted") == 1);

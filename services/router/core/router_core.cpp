@@ -21,7 +21,7 @@ void RouterCore::start(Now now, Effects& out) {
             "the clock says " + to_iso8601(now.utc) + ", but it is " + to_iso8601(node_.checked_utc(now.utc)) +
                 " at least: set it; if it was ahead before, remove state/utc");
   }
-  // What was in force before this start is now, before the first link; each of it is checked anew.
+  // What was in force before this start is in force now, before the first link; each part is checked anew.
   updates_.on_file(own.updates, now, out);
   membership_.check_own(now, out);
   if (!own.boot_stored) updates_.on_stored(Kept::boot, own.boot_stored, now, out);
@@ -31,10 +31,10 @@ void RouterCore::set_address(const std::string& address, const std::string& why,
   if (!node_.move_to(address, why)) return;
   out.count("address_changed");
   beacons_.stop();
-  // Nothing comes or goes by the old one any more, and nobody would tell.
+  // Nothing arrives or leaves by the old address any more, and no event would report that.
   links_.drop_all("this node's address has changed", now, out);
   if (address.empty()) return;
-  // The peers do not know yet where it is now, so both ids dial at once; a beacon tells the others.
+  // The peers do not know the new address yet, so both ids dial at once; a beacon notifies the others.
   links_.redial_all(now);
   beacons_.burst(now);
 }

@@ -1,5 +1,5 @@
-// The router's state machine: it owns the objects that know something each, and hands them what happens. Message or
-// time in, effects out.
+// The router's state machine: it owns the objects that hold the state, and hands them each event. Message or time in,
+// effects out.
 #pragma once
 
 #include <optional>
@@ -27,8 +27,8 @@ class RouterCore final : private LinkWatcher {
   explicit RouterCore(RouterConfig config);
 
   void start(Now now, Effects& out);
-  /// The inbox's address is another one now: what was linked over the old one is dialled again. Empty while the node
-  /// has none; then `why` says what it waits for.
+  /// The inbox has a new address: links of the old one are dialled again. Empty while the node has none; then `why`
+  /// says what is awaited.
   void set_address(const std::string& address, const std::string& why, Now now, Effects& out);
   void set_lane(const std::string& address) { node_.set_lane(address); }
   void tick(Now now, Effects& out);
@@ -38,7 +38,7 @@ class RouterCore final : private LinkWatcher {
   [[nodiscard]] const RouterConfig& config() const { return node_.config(); }
   [[nodiscard]] const PeerTable& table() const { return table_; }
 
-  // ---- to whom the shell brings what happens
+  // ---- the objects to which the shell reports events
 
   [[nodiscard]] Forwarding& forwarding() { return forwarding_; }  ///< frames
   [[nodiscard]] SealBook& seals() { return seals_; }              ///< what leaves by a link

@@ -1,4 +1,4 @@
-// What a router does at its start, and what its table says of each node.
+// What a router does at its start, and what its table shows of each node.
 #include "services/router/core/router_core.hpp"
 
 #include <doctest/doctest.h>
@@ -45,7 +45,7 @@ TEST_CASE("a node whose own address is among its seeds and hints does not dial i
                                     [&](const Dial& dial) { return dial.address == fleet.address("bee"); });
   const auto to_dog = std::count_if(ant.dials.begin(), ant.dials.end(),
                                     [&](const Dial& dial) { return dial.address == fleet.address("dog"); });
-  CHECK(to_bee == to_dog);  // a hint of a seed is no second one
+  CHECK(to_bee == to_dog);  // a hint with a seed's key is not a second seed
 }
 
 TEST_CASE("what was in force before a start is in force after it, before anything is said") {
@@ -100,7 +100,7 @@ TEST_CASE("the table says of each node whether it is there, since when it is sil
   fleet.run(Seconds(10));
   CHECK(row(fleet, ant, "bee").state == "OFFLINE");
   CHECK(row(fleet, ant, "bee").last_heard_s > 8);
-  // Behind a page's last row only.
+  // Only what comes behind a page's last row.
   const RouteTable rest = ant.core->answers().route_table(fleet.now, "ant");
   REQUIRE(rest.routes.size() == 1);
   CHECK(rest.routes[0].id == "bee");

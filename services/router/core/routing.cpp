@@ -62,7 +62,7 @@ Routing MessageRouting::from_bus(ConnectionId from, const HeaderView& header) {
 Routing MessageRouting::from_bus_to_self(ConnectionId from, const Connection& by, const HeaderView& header) {
   if (!may_send_on_bus(by.hello.service, by.probe, header.subtype)) return drop(Errc::not_permitted);
   const Routing own = to_self(header, party_of_connection(from));
-  // What a robot says to its own node and nobody takes must not come back to it as fields.
+  // What a robot sends to its own node and no service takes must not come back to the robot.
   const bool echo = own.to == Routing::To::service && own.connection == from && header.reply_to == 0;
   if (echo) return drop(Errc::no_service);
   if (own.to == Routing::To::service) bus_.note_request(from, header, party_of_connection(own.connection));
@@ -92,7 +92,7 @@ Routing MessageRouting::from_link(const Link& link, const HeaderView& header, Ef
   return from_peer(peer, header, out);
 }
 
-/// The words of a link have no meaning by a relay; what one node keeps to itself stays there by any way.
+/// A link's messages have no meaning by a relay; what one node keeps to itself stays there on any way.
 Routing MessageRouting::from_relay(const Peer& source, const HeaderView& header, Effects& out) const {
   const Role role = source.certificate.role;
   if (!may_send_out(role, header.subtype)) {
@@ -118,7 +118,7 @@ Routing MessageRouting::from_lane(LinkId id, const HeaderView& header, Effects& 
   if (header.source != link->peer) return refuse(Errc::source_mismatch, "source_mismatch");
   if (header.target != node_.id() && header.target != kEveryNode) return refuse(Errc::unknown_target, "wrong_target");
   const Peer& peer = *table_.find(link->peer);
-  // The words of a link have no meaning here, nor what a node keeps to itself.
+  // A link's messages have no meaning here, nor what a node keeps to itself.
   if (!may_send_out(peer.certificate.role, header.subtype)) return refuse(Errc::not_permitted, "not_permitted");
   const Routing own = header.remaining_ms == 0 ? drop(Errc::expired) : from_peer(peer, header, out);
   if (own.to == Routing::To::router) return refuse(Errc::not_permitted, "not_permitted");
@@ -142,7 +142,7 @@ Routing MessageRouting::lossy(std::string_view to, std::size_t size, Now now) {
   return {.to = Routing::To::relay, .link = relay->id};
 }
 
-/// What another node has for this one, by whatever way.
+/// A message from another node for this one, on any way.
 Routing MessageRouting::from_peer(const Peer& peer, const HeaderView& header, Effects& out) const {
   const Routing own = to_self(header, party_of_peer(peer.number));
   if (own.reason == Errc::not_asked) {
@@ -155,7 +155,7 @@ Routing MessageRouting::from_peer(const Peer& peer, const HeaderView& header, Ef
 
 Routing MessageRouting::to_self(const HeaderView& header, Party from) const {
   if (header.reply_to == 0) return to_router_or_service(header);
-  // Only information answers: else a peer could bring a command past the claims, straight to a service of its choice.
+  // Only information can be an answer: else a peer could bring a command to a service that does not claim it.
   if (header.type != MessageType::information) return drop(Errc::bad_value);
   const Connection* requester = bus_.requester_of(header.reply_to);
   if (requester == nullptr) return drop(Errc::no_service);
@@ -169,7 +169,7 @@ Routing MessageRouting::to_router_or_service(const HeaderView& header) const {
   const Services& services = bus_.services();
   if (const auto claimed = services.by_subtype(header.subtype)) return to_service(claimed);
   if (is_reserved(header.subtype)) return drop(Errc::no_service);
-  // Who asks for a plugged sensor by its name means its value; commands of that name are the robot's.
+  // A request by the name of a plugged sensor means its value; commands of that name are the robot's.
   const bool value = header.type == MessageType::request && profile_.is_plugged(header.subtype);
   return to_service(services.holder(value ? kSensorBus : "mode-adapter"));
 }

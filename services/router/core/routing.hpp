@@ -1,4 +1,4 @@
-// Where a message goes: decided on its header alone, nothing is copied.
+// Where a message goes: decided by its header alone; nothing is copied.
 #pragma once
 
 #include <string_view>
@@ -14,30 +14,31 @@ namespace trb::router {
 /// from      | for                                       | goes to
 /// ----------|-------------------------------------------|----------------------------------------------------------
 /// bus       | this node, the router's own subtype       | router
-/// any       | this node, an answer                      | the connection that sent the request, if that was asked
+/// any       | this node, an answer                      | the requesting connection, if the sender was asked
 /// any       | this node, a claimed subtype              | the service that claims it
 /// any       | this node, a plugged sensor's, a request  | the sensor-bus
 /// any       | this node, another subtype of a user      | the mode-adapter
-/// bus       | a peer that is linked                     | its link; what may be lost: its lane, or a little by its
-/// link bus       | a peer that a relay reaches               | that relay bus       | every node, information | every
-/// peer any       | what its sender may not say (invalid)     | dropped: not_permitted any       | whose time is over
-/// (expired)              | dropped: expired
+/// bus       | a peer that is linked                     | its link; what may be lost: its lane, a little by its link
+/// bus       | a peer that a relay reaches               | that relay
+/// bus       | every node, information                   | every peer
+/// any       | what its sender may not send (invalid)    | dropped: not_permitted
+/// any       | a message whose time is over (expired)    | dropped: expired
 class MessageRouting {
  public:
   MessageRouting(const LocalNode& node, PeerTable& table, LocalBus& bus, LocalProfile& profile, RelayRoutes& relays,
                  LaneTable& lanes, CounterTable& counters)
       : node_(node), table_(table), bus_(bus), profile_(profile), relays_(relays), lanes_(lanes), counters_(counters) {}
 
-  /// A message of a service or probe. Refused (drop) with a reason.
+  /// A message of a service or probe. Refused ones are dropped with a reason.
   Routing from_bus(ConnectionId from, const HeaderView& header);
-  /// A message in sequence that arrived on a link that is up.
+  /// A message that arrived in sequence on a link that is up.
   Routing from_link(const Link& link, const HeaderView& header, Effects& out) const;
-  /// A message of this peer that a relay has brought.
+  /// A message from this peer that a relay has brought.
   Routing from_relay(const Peer& source, const HeaderView& header, Effects& out) const;
-  /// What arrived by the lane that was dialled for this link: only to a service, or dropped and counted here.
+  /// A message that arrived by the lane dialled for this link: goes only to a service, or is dropped and counted here.
   Routing from_lane(LinkId link, const HeaderView& header, Effects& out) const;
-  /// How lossy information leaves for a peer: by the lane if it listens there; else as other messages do, while that is
-  /// little; else it is dropped and counted.
+  /// How lossy information leaves for a peer: by the lane if the peer listens there; else as other messages do, while
+  /// that is little; else it is dropped and counted.
   Routing lossy(std::string_view to, std::size_t size, Now now);
 
  private:

@@ -1,4 +1,4 @@
-// Answers: they count from whom was asked, and go to who has asked.
+// Answers: accepted only from the node that was asked, and sent to the connection that asked.
 #include "services/router/test/test_pair.hpp"
 
 using namespace trb;
@@ -45,7 +45,7 @@ TEST_CASE("a member that floods answers to what another was asked is refused, th
   Message answer = pair.remote("ack", MessageType::information);
   answer.reply_to = first | 9U;
   CHECK(pair.come(answer).connection == 1);
-  answer.reply_to = first | 8U;  // asked, but not that
+  answer.reply_to = first | 8U;  // it was asked, but not with that id
   CHECK(pair.come(answer).reason == Errc::not_asked);
 }
 
@@ -91,7 +91,7 @@ TEST_CASE("who comes anew has asked nothing; who says hello again still waits") 
   CHECK(pair.come(answer).connection == 2);
   pair.ant.core->on_connection_gone(2, pair.fleet.now, *std::make_unique<Effects>());
   CHECK(pair.come(answer).reason == Errc::no_service);
-  // Its slot is given again when 65,535 others have been: whoever has it then has asked nothing.
+  // A slot is reused after 65,535 others: its new holder has requested nothing.
   for (int i = 0; i < 65'535; ++i) {
     Effects effects;
     pair.ant.core->bus().on_hello(100, {"cli", {}, static_cast<std::uint64_t>(i) + 10, 100, "1"}, kProbe,

@@ -1,4 +1,4 @@
-// Who is told of a message that was not delivered, and how it is counted.
+// Who is notified that a message was not delivered, and how it is counted.
 #include "services/router/test/test_pair.hpp"
 
 using namespace trb;

@@ -1,4 +1,4 @@
-// Where a message goes, and what is refused with which reason.
+// Where a message goes, and what is refused for which reason.
 #include "services/router/test/test_pair.hpp"
 
 using namespace trb;
@@ -76,7 +76,7 @@ TEST_CASE("who is unknown on the bus says nothing; what a robot says to its own 
   Message from_scheduler = pair.local("ant", "greeting", MessageType::information);
   from_scheduler.id = pair.slot(1) << 48U | 3U;
   CHECK(pair.ant.core->routing().from_bus(2, header_of(from_scheduler)).connection == 1);
-  // An answer to itself is one.
+  // A command of the scheduler goes there too.
   Message question = pair.local("ant", "stop", MessageType::command);
   question.id = pair.slot(1) << 48U | 4U;
   CHECK(pair.ant.core->routing().from_bus(2, header_of(question)).connection == 1);

@@ -40,7 +40,7 @@ Outgoing SealBook::send(LinkId link, char* frame, std::size_t size, Now now) {
   out.known = true;
   if (!kUnsealed && seals->overdue) out.before = seal(*seals, link, now, before_).value_or(Bytes());
   stamp(*seals, link, frame, size);
-  // Signed before the message leaves, the two go together and wake the other side once.
+  // When signed before the message leaves, the two go together and wake the other side once.
   if (!kUnsealed && seals->each) out.behind = seal(*seals, link, now, behind_).value_or(Bytes());
   return out;
 }
@@ -64,7 +64,7 @@ std::optional<Bytes> SealBook::make_seal(LinkId link, Now now) {
 }
 
 std::optional<Bytes> SealBook::seal(LinkSeals& seals, LinkId link, Now now, Undo& undo) {
-  // Before the peer's Hello nobody knows for whom to seal.
+  // Before the peer's Hello the seal's receiver is not known.
   if (seals.signer.id.empty() || seals.writer.unsealed() == 0) return std::nullopt;
   const SealedRange range = seals.writer.range(seals.out, node_.checked_utc(now.utc));
   const SignedRecord record = sign_seal(range, node_.id(), seals.signer.fleet.bytes, node_.config().identity);
@@ -101,7 +101,7 @@ void SealBook::not_sent(LinkId link, Unsent what) {
   if (what == Unsent::behind) return;
   if (what == Unsent::before && before_.link == link) return take_back_seal(*seals, before_);
   seals->writer.take_back();
-  seals->overdue = false;  // a seal was perhaps made over it
+  seals->overdue = false;  // a seal may have been made over it
 }
 
 std::uint64_t SealBook::next_sequence(LinkId link) const {
@@ -159,7 +159,7 @@ void SealBook::tick(Now now, Effects& out) {
 
 SealFault SealBook::receive(LinkId link, const HeaderView& header, BytesView frame) {
   LinkSeals* seals = kUnsealed ? nullptr : row(link);
-  // With a Goodbye the link ends: its sender seals what was before it.
+  // A Goodbye ends the link: its sender seals what came before it.
   if (seals == nullptr || header.subtype == Seal::kSubtype || header.subtype == Goodbye::kSubtype)
     return SealFault::none;
   seals->held += holds(link) ? frame.size() : 0;

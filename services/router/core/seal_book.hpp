@@ -1,5 +1,5 @@
-// The seals of all links: what each direction has sealed, what is due, what is still to be checked (proto/README.md,
-// "Seals"). Made and checked behind the delivery, or before it, if a node wants that.
+// The seals of all links: what each direction has sealed, which seals are due, what is still to be checked
+// (proto/README.md, "Seals"). Made and checked after the delivery, or before it if a node is configured so.
 #pragma once
 
 #include <map>
@@ -19,7 +19,7 @@ struct Outgoing {
   Bytes before;        ///< a seal that leaves before it; empty: none
   Bytes behind;        ///< a seal that leaves right behind it; empty: none
 };
-/// What of an Outgoing, or which seal, did not leave; what was to follow it did not leave either.
+/// Which part of an Outgoing, or which seal, did not leave; the parts behind it did not leave either.
 enum class Unsent : unsigned char { before, frame, behind };
 
 /// out    | event                             | next
@@ -28,8 +28,8 @@ enum class Unsent : unsigned char { before, frame, behind };
 /// open   | the 64th frame                    | overdue: a seal before the next frame, at once by the next tick
 /// open   | 20 ms (expired), or a keep-alive  | SealDue, so a seal, if the peer is known
 /// any    | a seal leaves                     | sealed
-/// any    | a seal that could not leave       | overdue, as before it
-/// any    | a frame that could not leave      | as before it; no seal covers it
+/// any    | a seal that could not leave       | overdue, as before
+/// any    | a frame that could not leave      | as before; no seal covers it
 /// -      | anything of an unknown link       | - (invalid)
 ///
 /// in     | event                             | next
@@ -43,9 +43,9 @@ class SealBook {
   SealBook(const LocalNode& node, OwnMessages& messages, CounterTable& counters)
       : node_(node), messages_(messages), counters_(counters) {}
 
-  /// This node says its Hello on the link.
+  /// This node sends its Hello on the link.
   void open(const Link& link);
-  /// The other side's Hello was accepted: now it is known for whom to seal.
+  /// The other side's Hello was accepted: its certificate is known now.
   void bind(const Link& link, const Certificate& certificate, const Hello& hello);
   /// The link is closed: nothing leaves by it any more.
   void forget(LinkId link) { rows_.erase(link); }
@@ -53,39 +53,39 @@ class SealBook {
 
   // ---- out
 
-  /// Numbers a frame that leaves by the link and makes the seals that go with it. not_sent() if it did not leave.
+  /// Numbers a frame that leaves by the link, and makes the seals that go with it. not_sent() if it did not leave.
   Outgoing send(LinkId link, char* frame, std::size_t size, Now now);
   /// The frame of a seal over what is unsealed, if anything is; it leaves next. not_sent() with `behind` if it did not.
   std::optional<Bytes> make_seal(LinkId link, Now now);
   void not_sent(LinkId link, Unsent what);
-  /// The number of the next frame.
+  /// The sequence number of the next frame.
   [[nodiscard]] std::uint64_t next_sequence(LinkId link) const;
   [[nodiscard]] bool is_overdue(LinkId link) const;
-  /// Each message is sealed by itself, at once.
+  /// Is each message sealed by itself, at once?
   [[nodiscard]] bool seals_each(LinkId link) const;
-  /// What was sent is to be sealed now.
+  /// Orders a seal over what was sent.
   void seal_now(LinkId link, Effects& out) const;
-  /// The last one before a Goodbye, which no seal covers: over what is unsealed by then, for Nacks may leave before it.
+  /// The last seal before a Goodbye, which no seal covers. It is made late: Nacks may still leave before it.
   void last_seal(LinkId link, Effects& out);
 
   // ---- in
 
   /// A frame arrived on a link that is up. A fault ends the link.
   SealFault receive(LinkId link, const HeaderView& header, BytesView frame);
-  /// A seal arrived as the frame with this sequence: a fault, or CheckSeal.
+  /// A seal arrived as the frame with this sequence number: a fault, or CheckSeal.
   SealFault close(LinkId link, const Seal& seal, std::uint64_t sequence, Effects& out);
-  /// Its signature is good: what waited for it is delivered.
+  /// Its signature is good: the frames that waited for it are delivered.
   void proven(const CheckSeal& seal, Effects& out);
-  /// What arrives on this link is delivered only when it is proven (DeliverHeld).
+  /// Are messages of this link delivered only when they are proven (DeliverHeld)?
   [[nodiscard]] bool holds(LinkId link) const;
-  /// The link ends: what is not sealed is authenticated, not provable.
+  /// The link ends: unsealed frames are authenticated, but not provable.
   void note_open_end(LinkId link, const std::string& peer, Effects& out) const;
 
   void tick(Now now, Effects& out);
   [[nodiscard]] std::optional<MonotonicTime> next_deadline() const;
 
  private:
-  /// Of the seal that was made last: its link, and what was unsealed before it.
+  /// About the seal that was made last: its link, and what was unsealed before it.
   struct Undo {
     LinkId link = 0;  ///< 0: none was made
     SealWriter writer;
@@ -100,7 +100,7 @@ class SealBook {
   OwnMessages& messages_;
   CounterTable& counters_;
   std::map<LinkId, LinkSeals> rows_;  ///< until the shell has closed the link: a Goodbye follows its end
-  std::vector<LinkId> fresh_;         ///< have something unsealed for which no time is set yet
+  std::vector<LinkId> fresh_;         ///< have unsealed frames for which no time is set yet
   std::optional<MonotonicTime> next_;
   Undo before_;
   Undo behind_;

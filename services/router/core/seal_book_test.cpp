@@ -1,4 +1,4 @@
-// The seal book by itself: what goes with a frame, and what becomes of it if something does not leave.
+// The seal book by itself: which seals go with a frame, and what happens if something does not leave.
 #include "services/router/core/seal_book.hpp"
 
 #include "services/router/test/test_parts.hpp"

@@ -1,4 +1,4 @@
-// Seals between routers: made, checked, and every way in which one is not what it should be.
+// Seals between routers: made, checked, and every way in which one can be wrong.
 #include <doctest/doctest.h>
 
 #include "services/router/test/test_fleet.hpp"
@@ -15,7 +15,7 @@ std::size_t times_logged(const TestNode& node, std::string_view event) {
                                                 [&](const std::string& line) { return line.starts_with(event); }));
 }
 
-/// ant and bee, linked; bee's mode-adapter takes what ant's robot says.
+/// ant and bee, linked; bee's mode-adapter takes the messages of ant's robot.
 struct SealedPair {
   TestFleet fleet;
   TestNode& ant;
@@ -30,7 +30,7 @@ struct SealedPair {
     REQUIRE(ant.link_to("bee") != 0);
   }
   void say(const Bytes& data) { fleet.say("ant", "bee", "note", data); }
-  /// From now on, whatever seal ant sends is changed.
+  /// Changes every seal that ant sends from now on.
   void change_seals(const std::function<void(SealedRange&)>& change, bool sign_again = true) {
     fleet.meddle = [=, this](const std::string& from, LinkId, std::uint64_t&, Message& message) {
       if (from != "ant" || message.subtype != Seal::kSubtype) return true;
@@ -41,7 +41,7 @@ struct SealedPair {
       return true;
     };
   }
-  /// bee has raised the alarm and ended the link; the two are linked again, for ant is a member.
+  /// Checks that bee raised the alarm and ended the link, and that the two are linked again: ant is still a member.
   void check_alarm(const std::string& reason) {
     const LinkId before = ant.link_to("bee");
     fleet.run(milliseconds(100));
@@ -122,7 +122,7 @@ TEST_CASE("a frame that did not leave is taken back: the next one bears its numb
   pair.fleet.run(milliseconds(100));
   CHECK(pair.bee.delivered.size() == 1);
   CHECK(pair.bee.link_to("ant") == link);
-  // The seal that was made over the last of 64 has not left either: it is no longer urgent.
+  // The seal over the last of 64 frames has not left either: it is no longer urgent.
   for (std::size_t i = 0; i < kMaxUnsealed; ++i)
     REQUIRE(pair.ant.core->seals().send(link, lost.data(), lost.size(), pair.fleet.now).known);
   CHECK(pair.ant.core->seals().is_overdue(link));
@@ -149,7 +149,7 @@ TEST_CASE("of a link that is not there nothing is sealed, numbered or heard") {
   CHECK(core.seals().receive(none, header_of(early, 5), frame) == SealFault::none);
   CHECK(effects.list.empty());
 
-  // One that is closed while something of it is unsealed.
+  // A link that is closed while something on it is unsealed.
   const LinkId link = pair.ant.link_to("bee");
   REQUIRE(core.seals().send(link, frame.data(), frame.size(), pair.fleet.now).known);
   core.seals().forget(link);
@@ -279,7 +279,7 @@ TEST_CASE("before_delivery: a message waits for its seal, and the sender seals e
 
 namespace {
 
-/// Nacks that ant's services were told, for messages of this subtype.
+/// Nacks of this code that ant's services received.
 std::size_t nacks(const TestNode& node, std::string_view code) {
   return static_cast<std::size_t>(std::count_if(node.delivered.begin(), node.delivered.end(), [&](const Message& one) {
     const auto nack = decode<Nack>(one.data);
@@ -335,7 +335,7 @@ TEST_CASE("before_delivery: so many bytes wait for a seal and no more") {
   REQUIRE(pair.bee.core->seals().find(link)->held == 0);
   for (int i = 0; i < 8; ++i) pair.say(large);
   pair.fleet.run(milliseconds(10));
-  // To the byte.
+  // The limit is exact to the byte.
   const std::size_t held = pair.bee.core->seals().find(link)->held;
   const std::size_t around = held / 8 - large.size();
   pair.say(Bytes(kMaxHeldBytes - held - around, 'x'));

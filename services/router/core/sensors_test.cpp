@@ -1,4 +1,4 @@
-// Sensors of a node's PC: told to the fleet beside the robot's own, asked for by their names, gone with their service.
+// Sensors of a node's PC: sent to the fleet beside the robot's own, requested by name, gone with their service.
 #include <doctest/doctest.h>
 
 #include "services/router/test/test_fleet.hpp"
@@ -55,16 +55,16 @@ struct Hall {
     ant.core->on_connection_gone(from, fleet.now, effects);
     fleet.carry_out(ant, effects);
   }
-  /// As bee knows ant.
+  /// ant's profile as bee knows it.
   [[nodiscard]] const NodeProfile& profile() const { return bee.peer("ant")->profile; }
   [[nodiscard]] bool bee_knows_none() const { return profile().plugged.empty() && profile().sensors.empty(); }
-  /// Where a message of bee's goes to at ant.
+  /// Where ant's router sends a message from bee.
   Routing come(const std::string& subtype, MessageType type) {
     const LinkId link = ant.link_to("bee");
     const Message message{.type = type, .subtype = subtype, .source = "bee", .target = "ant", .id = 9, .data = {}};
     return fleet.arrive(ant, link, ant.core->table().link(link)->heard + 1, message);
   }
-  /// Says for so long that the sensor-bus is alive.
+  /// The sensor-bus sends signs of life for this time.
   void live(Duration time) {
     for (const MonotonicTime end = fleet.now.mono + time; fleet.now.mono < end; fleet.run(Seconds(1)))
       say(kSensors, ServiceAlive{100});
@@ -230,7 +230,7 @@ TEST_CASE("a robot that fills its profile is told whole; what is plugged in give
   for (SensorInfo& one : many) one.name = std::string(50, 'n') + one.name;
   hall.plug(many);
   CHECK(hall.profile() == robot);
-  // What a mode-adapter says of plugged sensors is nobody's: it does not make its profile too large.
+  // What a mode-adapter sends about plugged sensors is ignored: it does not make the profile too large.
   robot.model = "UR5";
   NodeProfile forged = robot;
   forged.plugged = many;

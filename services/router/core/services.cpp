@@ -12,7 +12,7 @@ namespace trb::router {
 
 Result<std::uint16_t> Services::welcome(ConnectionId connection, const ServiceHello& hello, bool probe,
                                         MonotonicTime now) {
-  // A hello that is said again, for its answer was slow: what is under way bears the slot that it has.
+  // A Hello sent again, because its answer was slow: requests under way bear the old slot.
   const auto known = connections_.find(connection);
   const bool again = known != connections_.end() && known->second.hello.instance == hello.instance &&
                      known->second.hello.service == hello.service && known->second.probe == probe;
@@ -27,7 +27,7 @@ Result<std::uint16_t> Services::welcome(ConnectionId connection, const ServiceHe
   return slot;
 }
 
-/// Services are bounded by node.json; no crowd of probes keeps one of them out.
+/// node.json bounds the number of services; no crowd of probes keeps one of them out.
 Status Services::may_come(const ServiceHello& hello, bool probe) const {
   if (probe) {
     if (connections_.size() < kMaxConnections) return Done{};

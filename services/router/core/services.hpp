@@ -1,4 +1,4 @@
-// The node's own bus: which connection is which service, and who takes which subtype.
+// The node's own bus: which connection is which service, and which service takes which subtype.
 #pragma once
 
 #include <map>
@@ -18,7 +18,7 @@ struct Connection {
   std::uint16_t slot = 0;
   MonotonicTime since;
   MonotonicTime last_heard;
-  PendingRequests pending{};  ///< goes with the slot: who comes anew has asked nothing
+  PendingRequests pending{};  ///< belongs to the slot: a new connection has requested nothing
 };
 
 class Services {
@@ -26,8 +26,8 @@ class Services {
   explicit Services(std::uint16_t first_slot) : next_slot_(first_slot) {}
 
   /// Takes a connection in. Errors: already_claimed (the holder of the service or of a subtype is still there),
-  /// queue_full, bad_value, not_permitted (an operator's service would take a word of the middleware's). The caller has
-  /// to have freed a holder whose connection is gone.
+  /// queue_full, bad_value, not_permitted (an operator's service claims a subtype of the middleware). The caller must
+  /// first have freed a holder whose connection is gone.
   Result<std::uint16_t> welcome(ConnectionId connection, const ServiceHello& hello, bool probe, MonotonicTime now);
   void forget(ConnectionId connection);
   void heard(ConnectionId connection, MonotonicTime now);
@@ -36,7 +36,7 @@ class Services {
   [[nodiscard]] PendingRequests* pending_of(ConnectionId connection);
   [[nodiscard]] std::optional<ConnectionId> holder(std::string_view service) const;
   [[nodiscard]] std::optional<ConnectionId> by_subtype(std::string_view subtype) const;
-  /// Those that want a copy of information of that subtype.
+  /// The connections that want a copy of information of that subtype.
   [[nodiscard]] const std::vector<ConnectionId>& hearers(std::string_view subtype) const;
   [[nodiscard]] std::optional<ConnectionId> by_slot(std::uint16_t slot) const;
   [[nodiscard]] const std::map<ConnectionId, Connection>& all() const { return connections_; }

@@ -1,4 +1,4 @@
-// Counters, the router's own messages, known addresses, this node: what each promises by itself.
+// Counters, the router's own messages, known addresses, this node: what each guarantees by itself.
 #include "services/router/core/known_addresses.hpp"
 #include "services/router/core/nack.hpp"
 #include "services/router/test/test_parts.hpp"

@@ -21,7 +21,7 @@ TEST_CASE("the end of a certificate is told a month before, once a day, in the l
 TEST_CASE("a node that starts in 1970 joins, unverified, by what the authority has signed since") {
   TestFleet fleet;
   TestNode& ant = fleet.start("ant");
-  // bee was certified an hour after ant, and ant's clock knows nothing of it.
+  // bee was certified an hour after ant, and ant's clock is behind that.
   TestKeys& bee_keys = fleet.keys("bee");
   bee_keys.certificate.not_before = kStartUtc + 3'600'000'000'000;
   bee_keys.certificate.not_after = kStartUtc + 90'000'000'000'000;

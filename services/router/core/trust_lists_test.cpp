@@ -1,4 +1,4 @@
-// Revocation lists: who is out, and what becomes of who is. Time is injected, nothing sleeps.
+// Revocation lists: who is revoked, and what happens to a revoked node. Time is injected, nothing sleeps.
 #include "services/router/test/test_trust.hpp"
 
 using namespace trb;

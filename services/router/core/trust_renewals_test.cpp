@@ -1,4 +1,4 @@
-// Renewed certificates: kept, told on, refused. Time is injected, nothing sleeps.
+// Renewed certificates: kept, passed on, refused. Time is injected, nothing sleeps.
 #include "services/router/test/test_trust.hpp"
 
 using namespace trb;
@@ -77,7 +77,7 @@ TEST_CASE("a certificate with other keys is remembered for the node that will co
   CHECK(three.ant.peer("cat")->certificate.serial == 1);
   CHECK(three.ant.link_to("cat") == link);
   CHECK(three.ant.stored_updates.back().update.certificates.size() == 1);
-  // For this node itself there are no other keys than those it has.
+  // This node itself accepts no certificate with other keys than its own.
   Certificate own = three.renewed("ant", 9);
   own.identity_key = anew.identity_key;
   CHECK(three.code(three.ant, {{}, {three.sign_certificate(own)}}) == Errc::wrong_key);
@@ -121,7 +121,7 @@ TEST_CASE("who links again is told what it does not know, and no renewal that it
   three.fleet.run(Seconds(4));
   REQUIRE(three.ant.link_to("cat") != 0);
   REQUIRE(three.ant.link_to("bee") != 0);
-  // All know all by now.
+  // All nodes have all of them by now.
   std::size_t told = 0;
   three.fleet.meddle = [&](const std::string&, LinkId, std::uint64_t&, Message& message) {
     told += message.subtype == TrustUpdate::kSubtype ? 1 : 0;

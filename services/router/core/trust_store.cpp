@@ -11,7 +11,7 @@ TakenUpdate TrustStore::take(const TrustUpdate& update, Budget* checks, Now now,
   TakenUpdate taken;
   const bool lists = !update.revocations.kind.empty() && update.revocations != record_;
   taken.known = !update.revocations.kind.empty() && !lists;
-  // A signature costs 50 us to check: what one member brings costs this node no more than so many in a second.
+  // Checking a signature takes 50 us: one member may cause only so many checks per second.
   if (lists && (checks == nullptr || checks->take(now.mono))) {
     if (Status good = take_list(update.revocations, now, out); good) {
       taken.fresh.revocations = update.revocations;
@@ -39,12 +39,12 @@ void TrustStore::take_certificates(const TrustUpdate& update, Budget* checks, No
     if (good) taken.fresh.certificates.push_back(record);
     taken.own_renewed = taken.own_renewed || (good && record == node_.config().certificate);
     if (!good && !taken.refusal) taken.refusal = good.error();
-    // Who brings one that is forged brings more: a message of 256 would cost as many checks.
+    // A sender of one forged certificate sends more: a message of 256 would cost as many checks.
     if (taken.refusal && taken.refusal->code == Errc::bad_signature) return;
   }
 }
 
-/// The very record that is held already; its signature was checked.
+/// Is this exactly the record that is held already? Its signature was checked.
 bool TrustStore::is_known(const SignedRecord& record) const {
   if (record == node_.config().certificate) return true;
   const auto shown = decode<Certificate>(record.payload.bytes);
@@ -68,7 +68,7 @@ Status TrustStore::take_list(const SignedRecord& record, Now now, Effects& out) 
     return fail(Errc::conflict, "another revocation list with number " + std::to_string(list->number),
                 "the authority's folder was put back to an older copy: revoke once more, so that the number rises");
   }
-  // A list is taken whatever the clock says: to believe it is to do less.
+  // A list is accepted whatever the clock says: a list can only take rights away.
   if (node_.checked_utc(now.utc) != now.utc) node_.raise_utc_bound({list->issued}, out);
   out.log(LogLevel::warning, "revocations",
           "list " + std::to_string(list->number) + " of " + to_iso8601({list->issued}) + ": " +
@@ -94,7 +94,7 @@ Status TrustStore::take_certificate(const SignedRecord& record, Now now, Effects
   return Done{};
 }
 
-/// Of this node, it must fit what runs here.
+/// A certificate of this node must fit what runs here.
 Status TrustStore::check_own(const Certificate& certificate) const {
   const RouterConfig& config = node_.config();
   if (certificate.identity_key != config.own.identity_key || certificate.link_key != config.own.link_key) {
@@ -113,7 +113,7 @@ Status TrustStore::keep(const SignedRecord& record, const Certificate& certifica
   if (renewed_.size() >= kMaxPeers && renewed_.count(certificate.id) == 0)
     return fail(Errc::queue_full, "no room for another node's renewed certificate", std::string(kFullCure));
   renewed_[certificate.id] = record;
-  // A link stays up through it: the keys are the same, the end is later.
+  // A link stays up through a renewal: the keys are the same, the end is later.
   Peer* peer = table_.find(certificate.id);
   const bool same = peer != nullptr && peer->certificate.identity_key == certificate.identity_key &&
                     peer->certificate.link_key == certificate.link_key;
@@ -125,7 +125,7 @@ Status TrustStore::keep(const SignedRecord& record, const Certificate& certifica
 }
 
 Result<Certificate> TrustStore::open_known(const SignedRecord& record) const {
-  // Every beacon, Hello and relay shows it again: the signature of the very record that a peer is known by was checked.
+  // Every beacon, Hello and relay presents it again: the signature of a peer's own record was already checked.
   const auto shown = decode<Certificate>(record.payload.bytes);
   const Peer* peer = shown ? table_.find(shown->id) : nullptr;
   if (peer != nullptr && peer->certificate_record == record) return peer->certificate;
@@ -142,7 +142,7 @@ Result<Certificate> TrustStore::open_member(const SignedRecord& record, Now now,
                     ") is revoked by list " + std::to_string(list_.number) + ": " + entry->reason,
                 "if it shall be a member again: new keys, trb fleet request and trb fleet sign");
   }
-  // This clock is known to be behind: what the authority has signed tells more of the time than it does.
+  // This clock is known to be behind: what the authority has signed knows the time better.
   const bool verified = node_.checked_utc(now.utc) == now.utc;
   if (!verified) node_.raise_utc_bound({certificate->not_before}, out);
   if (Status dates = check_dates(*certificate, node_.checked_utc(now.utc)); !dates) return dates.error();
@@ -217,7 +217,7 @@ TrustUpdate TrustStore::for_peer(std::uint64_t known_list, Now now) const {
 
 std::optional<TrustUpdate> TrustStore::for_refused(const Error& refusal, const Hello& hello) const {
   if (refusal.code == Errc::cert_revoked) {
-    // It may not know yet. One that says it does is not told again.
+    // The node may not know the list yet. One whose Hello names it does not get it again.
     return hello.revocations < list_.number ? std::optional(TrustUpdate{record_, {}}) : std::nullopt;
   }
   if (refusal.code != Errc::downgraded && refusal.code != Errc::cert_expired) return std::nullopt;
@@ -237,7 +237,7 @@ bool TrustStore::has_ended(const SignedRecord& renewal, Now now) const {
 }
 
 void TrustStore::forget_ended(Now now) {
-  // By a clock that is far ahead for a moment all have ended.
+  // A clock that is far ahead for a moment would show all as ended.
   if (node_.clock_is_steady(now)) std::erase_if(renewed_, [&](const auto& row) { return has_ended(row.second, now); });
 }
 

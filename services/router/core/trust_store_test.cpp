@@ -1,4 +1,4 @@
-// The trust store by itself: what of a trust update is kept, and who is a member by it.
+// The trust store by itself: what it keeps of a trust update, and who is a member then.
 #include "services/router/core/trust_store.hpp"
 
 #include "services/router/test/test_parts.hpp"

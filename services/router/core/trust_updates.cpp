@@ -39,7 +39,7 @@ void TrustUpdates::on_bus_request(ConnectionId from, const Message& message, con
                                   Effects& out) {
   auto taken = on_update(update, 0, now, out);
   if (!taken) return bus_.deny(from, message, taken.error(), out);
-  // It may be known already, and not on disk.
+  // It may be known already, and not be on disk.
   if (!unstored_.waits() && unstored_.update_failure()) store(out);
   if (!unstored_.waits()) return bus_.answer(from, message, Ack{"accepted", *taken}, out);
   if (waiting_.size() >= kMaxWaiting)
@@ -93,7 +93,7 @@ void TrustUpdates::send_known(const Link& link, std::uint64_t known_list, Now no
   if (!update.revocations.kind.empty() || !update.certificates.empty()) send(link, update, out);
 }
 
-/// In messages that their hearer takes: the list first, certificates apart from it if need be.
+/// Splits it into messages that the receiver accepts: the list first, certificates apart from it if necessary.
 void TrustUpdates::send(const Link& link, const TrustUpdate& update, Effects& out) {
   if (encode(update).size() <= kMaxUpdate) return messages_.send(link, update, out);
   if (!update.revocations.kind.empty()) messages_.send(link, TrustUpdate{update.revocations, {}}, out);
@@ -116,7 +116,7 @@ void TrustUpdates::on_link_message(const Link& link, const Message& message, Now
                                                  : decode<TrustUpdate>(message.data);
   if (Peer* peer = table_.find(link.peer); peer != nullptr && !peer->updates.take(now.mono))
     return out.count("refused.too_much_news");
-  // It may be gone before the refusal is written down: the list may say so.
+  // The link may be gone before the refusal is noted: the list itself may end it.
   const std::string who = link.peer.empty() ? "the node that was dialled" : link.peer;
   auto taken = update ? on_update(*update, link.id, now, out) : Result<std::string>(update.error());
   if (taken) return;

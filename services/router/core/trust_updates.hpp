@@ -1,5 +1,5 @@
-// Trust updates (`fleet_news`): what the authority has signed, from a link, the bus or a file. What is new is in force
-// at once, stored, told to every other link, and acknowledged once it is on disk.
+// Trust updates (`fleet_news`): what the authority has signed, from a link, the bus or a file. New parts are in force
+// at once, stored, sent to every other link, and acknowledged once on disk.
 #pragma once
 
 #include <optional>
@@ -14,11 +14,11 @@ namespace trb::router {
 
 /// update   | event                                  | next
 /// ---------|----------------------------------------|-------------------------------------------------------------
-/// -        | arrives, nothing of it is new          | acknowledged (bus), or forgotten
+/// -        | arrives, nothing of it is new          | acknowledged (bus), or ignored
 /// -        | arrives, refused (invalid)             | counted, logged; Nack (bus)
-/// -        | arrives, new                           | stored (StoreUpdate), in force, told to the other links
-/// stored   | it is on disk                          | who brought it is acknowledged
-/// stored   | it could not be                        | who brought it gets io_error; unstored
+/// -        | arrives, new                           | stored (StoreUpdate), in force, sent to the other links
+/// stored   | it is on disk                          | its sender gets an acknowledgement
+/// stored   | it could not be stored                 | its sender gets io_error; unstored
 /// unstored | 10 s (expired)                         | stored: tried again
 class TrustUpdates {
  public:
@@ -26,19 +26,19 @@ class TrustUpdates {
                OwnMessages& messages, LocalBus& bus)
       : node_(node), table_(table), trust_(trust), membership_(membership), messages_(messages), bus_(bus) {}
 
-  /// From anywhere: a link, the bus, a file (0). Returns what was done, in words. Errors: bad_signature, foreign_fleet,
-  /// downgraded, conflict, malformed, cert_revoked, cert_expired, cert_not_yet_valid.
+  /// From anywhere: a link, the bus, a file (0). Returns what was done, for people. Errors: bad_signature,
+  /// foreign_fleet, downgraded, conflict, malformed, cert_revoked, cert_expired, cert_not_yet_valid.
   Result<std::string> on_update(const TrustUpdate& update, LinkId from, Now now, Effects& out);
   void on_link_message(const Link& link, const Message& message, Now now, Effects& out);
   void on_bus_request(ConnectionId from, const Message& message, const TrustUpdate& update, Now now, Effects& out);
   /// Refusals are counted and logged.
   void on_file(const TrustUpdate& update, Now now, Effects& out);
 
-  /// The link is up: what the other side does not know. `known_list`: the number of its list.
+  /// The link is up: sends what the other side does not know. `known_list`: the number of its list.
   void send_known(const Link& link, std::uint64_t known_list, Now now, Effects& out);
 
-  /// The shell has stored what an effect told it to, or could not: then what it is stays in force, is told to people
-  /// and tried again.
+  /// The shell has carried out a Store effect, or could not. Then the contents stay in force, people are notified, and
+  /// it is tried again.
   void on_stored(Kept what, const Status& done, Now now, Effects& out);
   /// For people: what is not on disk; empty if all is.
   [[nodiscard]] std::string note() const { return unstored_.note(); }
@@ -46,7 +46,7 @@ class TrustUpdates {
   [[nodiscard]] std::optional<MonotonicTime> next_deadline() const { return unstored_.next(); }
 
  private:
-  /// Who has brought an update, and what it is told once that is on disk.
+  /// Who has sent an update, and what the answer is once it is on disk.
   struct Waiting {
     ConnectionId from = 0;
     Message request;  ///< without its data

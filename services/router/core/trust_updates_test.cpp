@@ -1,4 +1,5 @@
-// How trust updates travel: what is taken, what costs a signature, who is told. Time is injected, nothing sleeps.
+// How trust updates travel: what is accepted, what costs a signature, who is notified. Time is injected, nothing
+// sleeps.
 #include "services/router/test/test_trust.hpp"
 
 using namespace trb;
@@ -26,7 +27,7 @@ TEST_CASE("256 copies of one certificate cost one check, and a member's news no 
   tell(copies);
   CHECK(three.ant.core->table().peers().at("bee").update_checks.left() == kUpdatesChecked - 1);
 
-  // Each of them the authority's, and none of them new.
+  // All of them signed by the authority, none of them new.
   TrustUpdate old;
   for (std::uint64_t i = 0; i < 256; ++i) {
     const TestKeys keys = three.fleet.authority.sign_node("cat", Role::robot, 1);
@@ -73,7 +74,7 @@ TEST_CASE("of a message with a forged certificate nothing behind it is looked at
 
 namespace {
 
-/// As a later release would write it: with a field behind those that are known here.
+/// As a later release would write it: with a field after those that are known here.
 SignedRecord sign_long(const TestAuthority& authority, const Certificate& certificate, std::size_t more) {
   Bytes payload = encode(certificate);
   payload[0] = static_cast<char>(payload[0] + 1);
@@ -82,7 +83,7 @@ SignedRecord sign_long(const TestAuthority& authority, const Certificate& certif
   return sign(kSignedCertificate, "", authority.fleet.id(), payload, authority.key);
 }
 
-/// All that was said of news from one node to another since this began to listen.
+/// All trust updates from one node to another since this object was made.
 struct Heard {
   std::vector<TrustUpdate> updates;
   Heard(TestFleet& fleet, const std::string& from, TestNode& node, const std::string& to) {

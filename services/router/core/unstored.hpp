@@ -1,4 +1,4 @@
-// What this node must keep over a restart and has not got onto its disk: told to people, tried again, and not
+// What this node must keep over a restart and could not store on its disk: shown to people, tried again, and not
 // acknowledged.
 #pragma once
 
@@ -20,20 +20,20 @@ constexpr Duration kStoreAgain = std::chrono::seconds(10);
 
 class Unstored {
  public:
-  /// The shell was told to store it.
+  /// The shell was ordered to store it.
   void asked(Kept what) { waiting_.insert(what); }
-  /// It has, or could not.
+  /// It has stored it, or could not.
   void answered(Kept what, const Status& done, MonotonicTime now);
 
   /// The shell has not answered yet.
   [[nodiscard]] bool waits() const { return !waiting_.empty(); }
-  /// Why what the authority has said is not on disk, and what to do; nothing if it is, as far as is known.
+  /// Why what the authority has signed is not on disk, and what to do; nothing if it is, as far as known.
   [[nodiscard]] std::optional<Error> update_failure() const;
   /// For people: what is not on disk, and what to do; empty if all is.
   [[nodiscard]] std::string note() const;
 
   [[nodiscard]] std::optional<MonotonicTime> next() const { return again_; }
-  /// What is to be tried again now.
+  /// What must be tried again now.
   std::vector<Kept> take_due(MonotonicTime now);
 
  private:

@@ -1,4 +1,4 @@
-// What is not on disk is not acknowledged. The disk is the test's: it fails when told to.
+// What is not on disk is not acknowledged. The test is the disk: it fails on command.
 #include "services/router/core/unstored.hpp"
 
 #include <doctest/doctest.h>
@@ -21,7 +21,7 @@ SignedRecord revocation(const TestAuthority& authority, const std::string& id) {
   return sign(kSignedRevocations, "", authority.fleet.id(), encode(list), authority.key);
 }
 
-/// ant and bee, linked; trb asks ant by connection 7.
+/// ant and bee, linked; trb is connection 7 of ant.
 struct Two {
   TestFleet fleet;
   TestNode& ant = fleet.start("ant");
@@ -149,7 +149,7 @@ TEST_CASE("a renewed certificate of this node is acknowledged when it is on disk
   CHECK(two.ant.bus.empty());
   stored(Kept::certificate, kFull);
   CHECK(two.ant.told(Nack::kSubtype) == 1);
-  // It is tried again, and whoever asks meanwhile waits for how that ends.
+  // It is tried again, and a request meanwhile waits for the outcome.
   two.fleet.run(Seconds(11));
   CHECK(two.ant.stored_certificates.size() == 2);
   two.ask({{}, {record}});

@@ -1,4 +1,4 @@
-// The beacons: sealed with the fleet's key on their way out, opened on their way in.
+// The beacons: encrypted with the fleet's key when sent, decrypted when received.
 #pragma once
 
 #include <memory>
@@ -14,10 +14,10 @@ class BeaconChannel {
  public:
   BeaconChannel(ShellContext& shell, BeaconKey key, std::uint16_t port);
 
-  /// On this network, if node.json wants beacons and it has a broadcast address. Errors: io_error.
+  /// Opens it on this network, if node.json wants beacons and there is a broadcast address. Errors: io_error.
   Status open(const Resolved& host);
   void close() { socket_.reset(); }
-  /// Nothing leaves while it is closed.
+  /// Nothing is sent while it is closed.
   void send(BytesView plain);
 
   [[nodiscard]] std::uint32_t key_number() const { return key_.number; }

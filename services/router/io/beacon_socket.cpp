@@ -23,7 +23,7 @@ struct Address {
   [[nodiscard]] int family() const { return storage.ss_family; }
 };
 
-/// Of either family, with a scope if it has one; size 0 for what is no address.
+/// Of either family, with a scope if it has one; size 0 if `host` is not an address.
 Address to_address(const std::string& host, std::uint16_t port) {
   Address out;
   addrinfo hints{};
@@ -37,7 +37,7 @@ Address to_address(const std::string& host, std::uint16_t port) {
   return out;
 }
 
-/// IPv6 has no broadcast: the nodes of a cable are a group, which must be joined, and sent to by its interface.
+/// IPv6 has no broadcast: the nodes of a network form a group, which must be joined, and sent to by its interface.
 void join_group(int fd, const sockaddr_in6& group) {
   const ipv6_mreq request{group.sin6_addr, group.sin6_scope_id};
   ::setsockopt(fd, IPPROTO_IPV6, IPV6_JOIN_GROUP, &request, sizeof request);
@@ -47,7 +47,7 @@ int bound_socket(const std::string& host, std::uint16_t port) {
   const Address address = to_address(host, port);
   const int fd = ::socket(address.family(), SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
   const int on = 1;
-  // Several nodes of one machine listen to one broadcast.
+  // Several nodes of one machine listen to one broadcast address.
   ::setsockopt(fd, SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
   ::setsockopt(fd, SOL_SOCKET, SO_BROADCAST, &on, sizeof on);
   if (::bind(fd, address.get(), address.size) == 0) {

@@ -1,4 +1,4 @@
-// The UDP socket of the beacons: broadcast out, anything in.
+// The UDP socket of the beacons: sends broadcasts, receives anything.
 #pragma once
 
 #include <functional>

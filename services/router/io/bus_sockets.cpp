@@ -7,7 +7,7 @@
 namespace trb::router {
 namespace {
 
-constexpr int kLossyCounts = 32;  ///< for so many: a flood of what may be lost leaves the turn to others after eight
+constexpr int kLossyCounts = 32;  ///< the cost of a lossy frame: a flood of them ends the turn after eight
 
 }  // namespace
 
@@ -68,7 +68,7 @@ void BusSockets::drain(Server& server) {
   }
 }
 
-/// How many it counts for in this turn.
+/// Returns for how many frames it counts in this turn.
 int BusSockets::on_frame(Server& server, BytesView routing_id, Frame& frame) {
   const auto header = decode_frame(view_of(frame));
   const std::string name = whom_it_proves(server, frame);
@@ -101,7 +101,7 @@ ConnectionId BusSockets::connection_of(const Server& server, BytesView routing_i
   if (at == server.connections.end()) return 0;
   const ConnectionId connection = at->second;
   if (connections_.at(connection).name == name) return connection;
-  // Of those that are there no two have one routing id: the one that had it has gone.
+  // No two live connections have the same routing id: the previous holder is gone.
   Effects effects;
   forget_connection(connection, effects);
   shell_.carry_out(effects);
@@ -136,7 +136,7 @@ void BusSockets::on_hello(Server& server, ConnectionId from, const std::string& 
 }
 
 void BusSockets::forget_unknown() {
-  // Those that were refused just now, and probes that have been silent for long.
+  // Connections that were refused just now, and probes that have been silent for long.
   std::vector<ConnectionId> unknown;
   for (const auto& [id, connection] : connections_) {
     if (!shell_.core().bus().knows(id)) unknown.push_back(id);

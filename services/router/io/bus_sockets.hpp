@@ -15,8 +15,8 @@ namespace trb::router {
 
 class FrameForwarder;
 
-/// The connections of services and probes: which proves to be whom, and what may wait for it. A connection is known to
-/// the core once its Hello was accepted; what it sends from then on goes to the forwarder.
+/// The connections of services and probes: which service each proves to be, and how much may wait for it. The core
+/// knows a connection once its Hello was accepted; what it sends from then on goes to the forwarder.
 class BusSockets {
  public:
   BusSockets(ShellContext& shell, Tap& tap, FrameForwarder& forwarder, SentCounter& sent, TcpBus tcp);
@@ -25,19 +25,19 @@ class BusSockets {
   Status open();
   /// ZAP's question, for a bus over TCP.
   bool admit(BytesView key) { return guard_ != nullptr && guard_->admit(key); }
-  /// `unroutable`: that connection is gone, and the core was told so.
+  /// `unroutable`: that connection is gone, and the core was notified.
   SendResult send(ConnectionId to, Frame&& frame);
 
  private:
   struct Server {
     Socket socket;
-    std::string name;  ///< whom it proves; empty: the key does
+    std::string name;  ///< the service it proves; empty: the key does
     std::map<Bytes, ConnectionId, std::less<>> connections;
   };
   struct Connection {
     Server* server = nullptr;
     Bytes routing_id;
-    std::string name;  ///< whom it proves
+    std::string name;  ///< the service it proves
     std::shared_ptr<ByteBudget> budget;
   };
 
@@ -67,7 +67,7 @@ class BusSockets {
   std::map<std::string, std::unique_ptr<Server>> servers_;
   std::map<ConnectionId, Connection> connections_;
   ConnectionId next_connection_ = 0;
-  std::unique_ptr<TcpBusGuard> guard_;  ///< of a bus over TCP; goes before the sockets that it watches
+  std::unique_ptr<TcpBusGuard> guard_;  ///< of a bus over TCP; destroyed before the sockets that it watches
 };
 
 }  // namespace trb::router

@@ -1,4 +1,4 @@
-// The node's bus over real sockets: Hello first, and who has gone.
+// The node's bus over real sockets: Hello first, and connections that are gone.
 #include "services/router/io/bus_sockets.hpp"
 
 #include "proto/body.hpp"

@@ -24,7 +24,7 @@ bool DialledLinks::dial(const Dial& dial, const std::string& scope) {
   return true;
 }
 
-/// libzmq asks the name server on the one thread that carries everything: it gets numbers only.
+/// libzmq would ask the name server on the one thread that carries everything: it gets only numeric addresses.
 bool DialledLinks::dial_numbers(const Dial& dial, const std::string& scope, const std::string& name) {
   const Status opened = open(dial, scope, name);
   if (opened) return true;
@@ -111,7 +111,7 @@ void DialledLinks::on_frame(LinkId link, Frame& frame) {
   forwarder_.from_link(link, *header, frame);
 }
 
-/// A frame that cannot be decoded, perhaps for it is of another version of the wire.
+/// A frame that cannot be decoded, perhaps because it has another version of the wire.
 void DialledLinks::on_undecoded(LinkId link, const Frame& frame, const Error& error) {
   const auto other = decode_frame_of_any_version(view_of(frame));
   const Link* known = std::as_const(shell_.core()).table().link(link);

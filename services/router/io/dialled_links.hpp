@@ -15,19 +15,19 @@ namespace trb::router {
 
 class FrameForwarder;
 
-/// One connection is one link; libzmq never makes it again by itself. A seed's name is looked up beside the loop.
+/// One connection is one link; libzmq never reconnects by itself. A seed's name is looked up beside the loop.
 class DialledLinks {
  public:
   DialledLinks(ShellContext& shell, FrameForwarder& forwarder, CurveKeys keys);
 
-  /// A link-local address is reached by the interface `scope`. How it ends is told to the core; false: it could not
-  /// begin, for no descriptor is left, which was counted and logged.
+  /// A link-local address is reached by the interface `scope`. The core is notified when the dial ends. False: no
+  /// descriptor was left to begin with; this was counted and logged.
   bool dial(const Dial& dial, const std::string& scope);
   void close(LinkId link);
   /// Between turns: a monitor must not die inside its own call.
   void free_closed() { closed_.clear(); }
 
-  /// Nothing: no such link was dialled.
+  /// Nothing if no such link was dialled.
   [[nodiscard]] std::optional<bool> has_room(LinkId link, std::size_t bytes) const;
   std::optional<SendResult> send(LinkId link, Frame&& frame);
 

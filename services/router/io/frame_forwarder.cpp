@@ -30,7 +30,7 @@ void FrameForwarder::send(ConnectionId from, const HeaderView& header, const Fra
                           Effects& effects) {
   const Routing& way = orders.way;
   if (way.to == Routing::To::lane) return to_.lanes.publish(way.link, std::move(frame));
-  // A send that failed has left the frame, and the header that points into it, alone.
+  // A failed send has not changed the frame, nor the header that points into it.
   if (way.to == Routing::To::service) {
     const SendResult result = to_.bus.send(way.connection, std::move(frame));
     if (result != SendResult::sent)
@@ -42,7 +42,7 @@ void FrameForwarder::send(ConnectionId from, const HeaderView& header, const Fra
   }
 }
 
-/// Of what goes to every peer.
+/// A copy for one of several peers.
 void FrameForwarder::send_copy(const Routing& way, const Frame& frame) {
   to_.tap.show('>', view_of(frame));
   if (way.to == Routing::To::lane) return to_.lanes.publish(way.link, to_frame(view_of(frame)));
@@ -69,7 +69,7 @@ void FrameForwarder::deliver(LinkId link, const HeaderView& header, Frame& frame
   if (orders.shown > 0) to_.tap.show('<', view_of(frame));
   if (orders.way.to != Routing::To::service) return;
   const SendResult result = deliver_one(link, header.sequence, orders.hold, orders.way.connection, std::move(frame));
-  // A send that failed has left the frame, and the header that points into it, alone.
+  // A failed send has not changed the frame, nor the header that points into it.
   if (result != SendResult::sent)
     shell_.core().forwarding().on_undelivered(link, header, why_undelivered(result), effects);
 }
@@ -101,7 +101,7 @@ void FrameForwarder::from_lane(LinkId link, Frame& frame) {
 }
 
 void FrameForwarder::report_lost_links() {
-  // An accepted link whose connection is gone shows it at the next send.
+  // That an accepted link's connection is gone shows only at the next send.
   while (const auto link = to_.links.take_lost()) {
     Effects effects;
     shell_.core().links().on_ended(*link, LinkEnd::disconnected, read_clocks(), effects);

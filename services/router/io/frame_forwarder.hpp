@@ -1,4 +1,4 @@
-// Carries a frame from the socket by which it came to where the core's orders send it.
+// Carries a frame from the socket on which it arrived to where the core's orders send it.
 #pragma once
 
 #include "services/router/core/forwarding.hpp"
@@ -11,7 +11,7 @@
 
 namespace trb::router {
 
-/// Each call enters the core once; the frame is moved on, its copies alone are copied.
+/// Each call enters the core once. The frame itself is moved; only additional receivers get copies.
 class FrameForwarder {
  public:
   struct To {
@@ -24,15 +24,15 @@ class FrameForwarder {
   };
   FrameForwarder(ShellContext& shell, const To& to) : shell_(shell), to_(to) {}
 
-  /// Of a service or probe that the core knows.
+  /// From a service or probe that the core knows.
   void from_bus(ConnectionId from, const HeaderView& header, Frame& frame);
-  /// By the link's own connection.
+  /// From the link's own connection.
   void from_link(LinkId link, const HeaderView& header, Frame& frame);
-  /// The first one of a connection at the inbox, which has this key; the effects are the caller's to carry out.
+  /// The first frame of a connection at the inbox, which has this key; the caller carries out the effects.
   void from_stranger(BytesView key, const HeaderView& header, const Frame& frame, Effects& effects);
-  /// By the lane that was dialled for this link.
+  /// From the lane that was dialled for this link.
   void from_lane(LinkId link, Frame& frame);
-  /// The core is told of the links that were found gone.
+  /// Reports the links that were found gone to the core.
   void report_lost_links();
 
  private:

@@ -1,4 +1,4 @@
-// A frame of a service, carried on by the core's orders.
+// A frame of a service, forwarded by the core's orders.
 #include "services/router/io/frame_forwarder.hpp"
 
 #include "proto/body.hpp"

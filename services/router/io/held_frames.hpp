@@ -8,16 +8,16 @@
 
 namespace trb::router {
 
-/// Of each link in the order in which they came, kMaxUnsealed frames and kMaxHeldBytes at most: SealBook::receive ends
-/// a link that has more.
+/// Per link, in the order of arrival, kMaxUnsealed frames and kMaxHeldBytes at most: SealBook::receive ends a link that
+/// has more.
 class HeldFrames {
  public:
   HeldFrames(ShellContext& shell, BusSockets& bus) : shell_(shell), bus_(bus) {}
 
   void hold(LinkId link, std::uint64_t sequence, ConnectionId to, Frame&& frame);
-  /// Those that are proven go to their services.
+  /// Sends the proven frames to their services.
   void deliver(const DeliverHeld& proven);
-  /// All of the link are dropped; the core Nacks them if it can.
+  /// Drops all frames of the link; the core Nacks them if it can.
   void give_back(const ReturnHeld& of);
   void close_link(LinkId link) { held_.erase(link); }
 

@@ -28,7 +28,7 @@ void InboxGuard::on_event(LinkEvent event, int fd) {
 }
 
 void InboxGuard::on_accepted(int fd) {
-  // It may be gone already: then its end is the next thing that is told of this descriptor.
+  // The connection may be gone already: then the next event of this descriptor is its end.
   const auto end = remote_end(fd);
   const PendingConnectionId id = pending_connections_.accepted(end ? end->source : "", read_clocks().mono);
   by_fd_[fd] = id;

@@ -1,5 +1,4 @@
-// The inbox's pending connections (core/pending_connections.hpp) on their descriptors: whose they are, and what is done
-// with them.
+// Applies core/pending_connections.hpp to the descriptors of the inbox's pending connections.
 #pragma once
 
 #include <functional>
@@ -15,22 +14,22 @@ namespace trb::router {
 
 class InboxGuard {
  public:
-  /// `on_blocked` is told of each source that is kept out from now on, `on_cut` of each connection whose time is over.
+  /// `on_blocked` gets each source that is kept out from now on, `on_cut` each connection whose time is over.
   InboxGuard(Loop& loop, PendingConnectionLimits limits, std::function<void(const std::string& source)> on_blocked,
              std::function<void(const std::string& address)> on_cut);
 
   /// Every event of the inbox's monitor.
   void on_event(LinkEvent event, int fd);
-  /// The inbox is closed: every connection with it.
+  /// The inbox is closed, and every connection with it.
   void reset();
-  /// A connection is on this descriptor that is neither a link nor refused by a word.
+  /// Is the connection on this descriptor neither a link nor refused by a message?
   [[nodiscard]] bool is_undecided(int fd) const;
   /// The pending connection on this descriptor now; 0: none.
   [[nodiscard]] PendingConnectionId pending(int fd) const;
   void linked(PendingConnectionId pending);
-  /// Its link is over, or was refused: cut, once what was sent to it may have been read.
+  /// Its link has ended, or was refused: cuts it after a delay, so that the last message can be read.
   void leave(PendingConnectionId pending);
-  /// Asked for the sources that are let in while the inbox is closed to everybody else.
+  /// Provides the sources that are let in while the inbox is closed to everybody else.
   void set_friends(std::function<std::vector<std::string>()> friends) { friends_ = std::move(friends); }
 
  private:
@@ -51,7 +50,7 @@ class InboxGuard {
   std::map<PendingConnectionId, Connection> connections_;
 };
 
-/// Takes as many descriptors as the system allows, and returns how many that are.
+/// Raises the limit of descriptors as far as the system allows, and returns it.
 std::size_t raise_descriptor_limit();
 
 }  // namespace trb::router

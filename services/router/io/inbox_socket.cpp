@@ -11,7 +11,7 @@
 namespace trb::router {
 namespace {
 
-/// The key that the frame's connection has proven. Nothing: none of 32 bytes.
+/// The key that the frame's connection has proven; nothing if it is not 32 bytes long.
 std::optional<Bytes> key_of(const Frame& frame) {
   auto key = from_hex(user_id(frame));
   if (!key || key->size() != 32) return std::nullopt;
@@ -52,7 +52,7 @@ Status InboxSocket::open(const std::string& endpoint) {
   close();
   auto made = Socket::inbox(shell_.zmq(), "", keys_);
   if (!made) return made.error();
-  // The monitor is there before the port opens: it must see every connection, and the listening socket itself.
+  // The monitor starts before the port opens: it must see every connection, and the listening socket itself.
   auto& socket = socket_.emplace(std::move(*made));
   auto monitor = SocketMonitor::watch(shell_.zmq(), shell_.loop(), socket,
                                       [this](LinkEvent event, int fd) { on_event(event, fd); });
@@ -120,7 +120,7 @@ void InboxSocket::drain() {
 }
 
 PendingConnectionId InboxSocket::pending_of(const Frame& frame) {
-  monitor_->catch_up();  // the descriptor may have been another connection's a moment ago
+  monitor_->catch_up();  // another connection may have had this descriptor a moment ago
   return guard_.pending(connection_fd(frame));
 }
 
@@ -180,7 +180,7 @@ void InboxSocket::on_unproven(BytesView routing_id, const HeaderView& header, co
   origin_ = {};
 }
 
-/// By a connection that is a link already, or was one.
+/// A connection that is, or was, a link says Hello again.
 void InboxSocket::on_second_word(Effects& effects) {
   const auto own = std::find_if(accepted_.begin(), accepted_.end(),
                                 [&](const auto& row) { return row.second.pending == origin_.pending; });
@@ -195,7 +195,7 @@ void InboxSocket::on_bad_frame(LinkId link, const Error& error) {
 }
 
 void InboxSocket::on_event(LinkEvent event, int fd) {
-  // Of a client of ZMTP 1 or 2, in which there is no CURVE, libzmq tells nothing but its end.
+  // For a client of ZMTP 1 or 2, which have no CURVE, libzmq reports only the end.
   if (event == LinkEvent::disconnected && guard_.is_undecided(fd)) shell_.count("ended.no_link");
   guard_.on_event(event, fd);
   if (event == LinkEvent::failed && fd >= 0) return;  // the listening socket itself was closed

@@ -1,4 +1,4 @@
-// The inbox: the links that other nodes have dialled, and who comes to become one.
+// The inbox: the links that other nodes have dialled, and connections that want to become one.
 #pragma once
 
 #include <map>
@@ -15,31 +15,31 @@ class FrameForwarder;
 
 /// frame of                     | what follows
 /// -----------------------------|---------------------------------------------------------------------------------
-/// an accepted link's connection| forwarder, as the link's
-/// a connection without a link  | forwarder, as a stranger's: accept() or refuse() may follow while it is handled
+/// an accepted link's connection| to the forwarder, as the link's
+/// a connection without a link  | to the forwarder, as a stranger's: accept() or refuse() may follow meanwhile
 /// another link's connection    | refused.link_theft; a second Hello: Links::on_second_link
-/// another version of the wire  | Handshake, if it is a connection's first one; else the link's bad frame
+/// another version of the wire  | to Handshake, if it is the connection's first; else a bad frame of the link
 class InboxSocket {
  public:
   InboxSocket(ShellContext& shell, FrameForwarder& forwarder, CurveKeys keys, const PendingConnectionLimits& limits);
 
-  /// At this endpoint; empty: nowhere yet. Every connection to another is gone. Errors: io_error (naming the address;
-  /// no descriptor is left); without one there is no inbox until the next call.
+  /// Opens it at this endpoint; empty: nowhere yet. Every other connection ends. Errors: io_error (naming the address;
+  /// no descriptor is left); then there is no inbox until the next call.
   Status open(const std::string& endpoint);
   void close();
   [[nodiscard]] bool is_open() const { return socket_.has_value(); }
-  /// A second endpoint, while it is open. Errors: io_error naming it.
+  /// Binds a second endpoint while it is open. Errors: io_error naming it.
   Status bind(const std::string& endpoint) { return socket_->bind(endpoint); }
   void unbind(const std::string& endpoint) { socket_->unbind(endpoint); }
 
   /// The connection whose frame is being handled is this link from now on.
   void accept(LinkId link);
-  /// It gets this Goodbye and is cut; nothing if no connection's frame is being handled.
+  /// Sends this Goodbye and cuts the connection; does nothing while no connection's frame is being handled.
   void refuse(const RefuseCandidate& refuse);
-  /// The link is over: its connection is cut, once what was sent to it may have been read.
+  /// The link has ended: cuts its connection after a delay, so that the last message can be read.
   void close_link(LinkId link);
 
-  /// Nothing: no such link was accepted here.
+  /// Nothing if no such link was accepted here.
   [[nodiscard]] std::optional<bool> has_room(LinkId link, std::size_t bytes) const;
   /// `unroutable`: there is no such link, or its connection is gone.
   SendResult send(LinkId link, Frame&& frame);

@@ -37,7 +37,7 @@ InterfaceWatch::~InterfaceWatch() {
 }
 
 void InterfaceWatch::drain() {
-  // What it says is not read: too many changes overflow the socket (ENOBUFS), and then it would be wrong.
+  // The contents are ignored: too many changes overflow the socket (ENOBUFS), and would then be incomplete.
   constexpr int kBatch = 256;
   std::array<char, 8192> buffer{};
   for (int i = 0; i < kBatch; ++i) {

@@ -1,4 +1,4 @@
-// Tells when an address or an interface of this machine comes, goes or changes (netlink).
+// Notifies when an address or an interface of this machine comes, goes or changes (netlink).
 #pragma once
 
 #include <functional>
@@ -11,7 +11,7 @@ namespace trb::router {
 
 class InterfaceWatch {
  public:
-  /// `on_change` is called once for all the changes that were waiting; it asks for the state itself. Errors: io_error.
+  /// `on_change` is called once for all waiting changes; it reads the state itself. Errors: io_error.
   static Result<std::unique_ptr<InterfaceWatch>> open(Loop& loop, std::function<void()> on_change);
   ~InterfaceWatch();
   InterfaceWatch(const InterfaceWatch&) = delete;

@@ -1,4 +1,4 @@
-// Tells when a file of a folder was written or put there: a person brings news of the authority by hand.
+// Notifies when a file is written into a folder: a person brings trust updates by hand.
 #pragma once
 
 #include <functional>
@@ -10,7 +10,7 @@ namespace trb::router {
 
 class KeysWatch {
  public:
-  /// Without inotify (or the folder) nothing is told; a start reads the folder anyway.
+  /// Without inotify (or the folder) there are no notifications; a start reads the folder anyway.
   KeysWatch(Loop& loop, const std::string& folder, std::function<void()> on_change);
   ~KeysWatch();
   KeysWatch(const KeysWatch&) = delete;

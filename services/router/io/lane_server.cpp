@@ -9,11 +9,11 @@ namespace trb::router {
 namespace {
 
 constexpr int kSubscriptionBatch = 64;
-constexpr std::size_t kBytes = 4U << 20U;  ///< that may wait for one who listens
+constexpr std::size_t kBytes = 4U << 20U;  ///< that may wait for one listener
 constexpr char kListen = 1;                ///< a subscription's first byte; the rest is its topic
 constexpr char kListenNoMore = 0;
 
-/// Only peers have anything to do here, each with one connection: strangers get less room than at the inbox.
+/// Only peers connect here, each with one connection: strangers get less room than at the inbox.
 PendingConnectionLimits limits_of(const PendingConnectionLimits& inbox) {
   PendingConnectionLimits limits = inbox;
   limits.open = std::max<std::size_t>(inbox.open / 4, 32);
@@ -71,7 +71,7 @@ Status LaneServer::bind(const std::string& endpoint) {
   auto made = Socket::lane_server(context_, keys_);
   if (!made) return made.error();
   socket_ = std::make_unique<Socket>(std::move(*made));
-  // The monitor is there before the port opens, as at the inbox.
+  // The monitor starts before the port opens, as at the inbox.
   auto monitor =
       SocketMonitor::watch(context_, loop_, *socket_, [this](LinkEvent event, int fd) { on_event(event, fd); });
   if (!monitor) return monitor.error();
@@ -95,7 +95,7 @@ SendResult LaneServer::publish(LinkId link, BytesView topic, Frame&& frame) {
   const auto at = listeners_.find(link);
   if (at == listeners_.end()) return SendResult::unroutable;
   return send_within(at->second.budget, frame, [&](Frame&& one) {
-    // Whoever has room for the first part has it for the second.
+    // A listener with room for the first part has room for the second.
     if (const SendResult result = socket_->send(to_frame(topic), true); result != SendResult::sent) return result;
     return socket_->send(std::move(one));
   });
@@ -119,19 +119,19 @@ void LaneServer::drain() {
   }
 }
 
-/// The descriptor may have been another connection's a moment ago: first what the monitor has to tell of that one's
+/// Another connection may have had this descriptor a moment ago: first take the monitor's events, which include its
 /// end.
 PendingConnectionId LaneServer::pending_on(int fd) {
   monitor_->catch_up();
   return inbox_guard_.pending(fd);
 }
 
-/// libzmq 4.3.4 says which connection a subscription came by, but lets the *next* one of its queue hear; any other word
-/// in the queue puts the two out of step, and its sender could hear what is for somebody else. So after such a word no
-/// subscription counts until the queue was found empty: who asked meanwhile is cut, and asks again.
+/// libzmq 4.3.4 reports which connection a subscription came from, but subscribes the *next* one of its queue. Any
+/// other message in the queue puts the two out of step, and its sender could receive what is for another. So after such
+/// a message no subscription counts until the queue is empty: a subscriber in between is cut, and subscribes again.
 void LaneServer::on_word(const Frame& frame) {
   const auto key = from_hex(user_id(frame));
-  if (!key || key->size() != 32) return;  // libzmq's own word for a connection that has ended
+  if (!key || key->size() != 32) return;  // libzmq's own message for an ended connection
   const int fd = subscriber_fd(frame);
   const PendingConnectionId pending = pending_on(fd);
   const BytesView word = view_of(frame);
@@ -156,7 +156,7 @@ void LaneServer::listen(LinkId link, PendingConnectionId pending, BytesView topi
   inbox_guard_.linked(pending);
   Listener now{pending, std::make_shared<ByteBudget>(kBytes, whole_)};
   const PendingConnectionId old = std::exchange(listeners_[link], std::move(now)).pending;
-  // A dialler makes a second connection when its first is dead; what waits for that one must not be in its way.
+  // A dialler makes a second connection when its first is dead; frames waiting for that one must not be in its way.
   if (old != 0 && old != pending) inbox_guard_.leave(old);
 }
 
@@ -188,7 +188,7 @@ void LaneServer::on_event(LinkEvent event, int fd) {
     case LinkEvent::protocol_error:
     case LinkEvent::failed:
       return count("refused.lane_no_zmtp", "lane_no_zmtp", "a client that does not speak ZMTP, or left early");
-    default:  // of a refused key admit_to_lane() has told
+    default:  // admit_to_lane() has reported a refused key
       return;
   }
 }

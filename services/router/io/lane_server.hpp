@@ -1,4 +1,4 @@
-// This node's lossy lane: who may listen to it, and what they are told. Its connections are pending until they listen.
+// This node's lossy lane: who may listen, and what they receive. Its connections are pending until they subscribe.
 #pragma once
 
 #include <functional>
@@ -23,23 +23,23 @@ class LaneServer {
     std::function<void(const char* event, const std::string& text)> warn;
     std::function<std::vector<std::string>()> friends;  ///< see InboxGuard::set_friends
   };
-  /// ZAP must be bound before, and the context have two I/O threads. `whole` bounds what waits in all queues of the
-  /// node.
+  /// ZAP must be bound before, and the context must have two I/O threads. `whole` bounds what waits in all queues of
+  /// the node.
   LaneServer(Context& context, Loop& loop, LaneTable& lanes, CounterTable& counters, CurveKeys keys,
              const PendingConnectionLimits& inbox, std::shared_ptr<ByteBudget> whole, Owner owner);
 
-  /// At this address; every connection to another is gone. Port 0: any. Errors: io_error (naming the address; no
-  /// descriptor is left); then it is closed.
+  /// Binds this address; every other connection ends. Port 0: any. Errors: io_error (naming the address; no descriptor
+  /// is left); then it is closed.
   Status open(const std::string& host, std::uint16_t port);
   void close();
-  /// Also there; empty: there no more.
+  /// Binds this address too; empty: unbinds it.
   void also_at(const std::string& host);
-  /// Where it is open; 0: nowhere.
+  /// The port where it is open; 0: nowhere.
   [[nodiscard]] std::uint16_t port() const { return port_; }
 
-  /// To the peer of that link, who listens to `topic`.
+  /// Publishes to the peer of that link, who listens to `topic`.
   SendResult publish(LinkId link, BytesView topic, Frame&& frame);
-  /// The link is closed: what listens because of it is cut.
+  /// The link is closed: its peer's lane connection is cut.
   void link_closed(LinkId link);
 
  private:

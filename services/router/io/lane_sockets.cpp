@@ -9,7 +9,7 @@
 namespace trb::router {
 namespace {
 
-/// Of what may be lost so much is taken a turn, whatever the number of lanes: what may not be lost waits no longer.
+/// Lossy frames taken in one turn, whatever the number of lanes: other messages must not wait for them.
 constexpr int kLaneBatch = 8;
 
 LaneServer::Owner owner_of(ShellContext& shell) {

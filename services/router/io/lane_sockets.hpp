@@ -1,4 +1,4 @@
-// Lossy information: out by the own lane, in by the lanes of the peers, a SUB for each.
+// Lossy information: sent by the own lane, received from the peers' lanes, a SUB for each.
 #pragma once
 
 #include <map>
@@ -14,18 +14,18 @@ namespace trb::router {
 
 class FrameForwarder;
 
-/// The lanes of this node: its own, and of each peer the one that was dialled beside the link.
+/// The lanes of this node: its own, and those of the peers, dialled beside each link.
 class LaneSockets {
  public:
   LaneSockets(ShellContext& shell, FrameForwarder& forwarder, const ShellOptions& options);
 
-  /// Where others listen.
+  /// The lane to which others listen.
   [[nodiscard]] LaneServer& own() { return own_; }
-  /// To the link's peer; counted as sent or as dropped.
+  /// To the link's peer; counted as sent or dropped.
   void publish(LinkId link, Frame&& frame);
-  /// A link-local address is reached by the interface `scope`. How it ends is told to the core.
+  /// A link-local address is reached by the interface `scope`. The core is notified when it ends.
   void dial(const DialLane& dial, const std::string& scope);
-  /// The link is over: in both directions.
+  /// The link is over: ends its lanes in both directions.
   void close_link(LinkId link);
   /// Between turns: a monitor must not die inside its own call.
   void free_closed() { closed_.clear(); }

@@ -8,7 +8,7 @@
 
 namespace trb::router {
 
-/// How a dialled connection has ended, if the event is its end.
+/// How the dialled connection ended, if the event is an end.
 std::optional<LinkEnd> to_end(LinkEvent event);
 
 }  // namespace trb::router

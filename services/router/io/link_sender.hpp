@@ -1,4 +1,4 @@
-// What leaves by the links, accepted and dialled, with its seals.
+// Sends frames by the links, accepted and dialled, with their seals.
 #pragma once
 
 #include <optional>
@@ -11,26 +11,26 @@
 
 namespace trb::router {
 
-/// Sends frames and seals in the order that the seal book wants, and keeps what could not be sent until the shell has
-/// told the core.
+/// Sends frames and seals in the seal book's order, and keeps what could not be sent until the shell has notified the
+/// core.
 class LinkSender {
  public:
   LinkSender(ShellContext& shell, Tap& tap, InboxSocket& inbox, DialledLinks& dialled);
 
-  /// For a frame of so many bytes; small ones always have it.
+  /// Is there room for a frame of this size? For small ones always.
   [[nodiscard]] bool has_room(LinkId link, std::size_t bytes) const;
-  /// A frame that is numbered now.
+  /// Numbers the frame now.
   SendResult send(LinkId link, Frame&& frame);
-  /// A frame that is numbered, with its seals.
+  /// The frame is numbered already; its seals go with it.
   SendResult send(LinkId link, const Outgoing& outgoing, Frame&& frame);
-  /// A message of the router's own; it is in take_unsent() if it did not leave.
+  /// A message that the router made; if it did not leave, take_unsent() returns it.
   void send_own(LinkId link, Message message, BytesView frame);
-  /// What is unsealed on this link is sealed now.
+  /// Seals what is unsealed on this link now.
   void send_seal(LinkId link);
 
-  /// This link's connection is gone: the core is told when the shell takes it.
+  /// This link's connection is gone: the shell takes it later and notifies the core.
   void lose(LinkId link) { lost_.push_back(link); }
-  /// The last one that is lost and was not taken.
+  /// The last lost link that was not taken yet.
   std::optional<LinkId> take_lost();
   std::vector<std::pair<Message, Errc>> take_unsent() { return std::exchange(unsent_, {}); }
 

@@ -9,7 +9,7 @@ using namespace trb::router;
 
 namespace {
 
-/// The inbox lets every key in, and is at a port of its own.
+/// The inbox lets every key in, and has a port of its own.
 struct Open : ShellParts {
   ZapServer zap{shell.zmq(), shell.loop(), [](BytesView, BytesView) { return true; }};
   std::string endpoint = listen();

@@ -30,7 +30,7 @@ Status LocalAddress::open() {
   const Resolved host = resolve_interface(host_int_, there);
   wait_text_ = host.what.empty() ? "" : "HOST_INT: " + host.what;
   if (Status bound = bind(host); !bound) {
-    // A fresh IPv6 address is of no use until the kernel has asked whether another host has it.
+    // A fresh IPv6 address cannot be used until the kernel has checked that no other host has it (DAD).
     if (!is_ipv6(host.address)) return bound;
     wait_text_ = bound.error().text();
     look_again_ = read_clocks().mono + kLookAgain;
@@ -40,7 +40,7 @@ Status LocalAddress::open() {
   return Done{};
 }
 
-/// At this address, which may be none yet; every connection to the old one is gone.
+/// Binds this address, which may be none yet; every connection to the old one ends.
 Status LocalAddress::bind(const Resolved& host) {
   beacons_.close();
   vpn_endpoint_.clear();
@@ -64,7 +64,7 @@ void LocalAddress::open_lane() {
 void LocalAddress::follow_interfaces() {
   look_again_.reset();
   const std::vector<Interface> there = interfaces();
-  // Every machine has a loopback: the list could not be read, for want of a descriptor. Nothing is known to have gone.
+  // Every machine has a loopback: the list could not be read, for lack of a descriptor. No address is known to be gone.
   if (there.empty()) return look_again_in(kLookAgain);
   const Resolved host = look_up(there);
   if (host.address != host_.address || host.broadcast != host_.broadcast) {
@@ -77,7 +77,7 @@ void LocalAddress::follow_interfaces() {
   follow_vpn(there);
 }
 
-/// What HOST_INT is now.
+/// The current address of HOST_INT.
 Resolved LocalAddress::look_up(const std::vector<Interface>& there) {
   Resolved host = resolve_interface(host_int_, there);
   if (link_local_.takes(host.address, host_.address, host_int_, read_clocks().mono)) return host;
@@ -89,7 +89,7 @@ void LocalAddress::move_to(const Resolved& host) {
   log_event(Level::warning, "address_changed",
             "from " + (host_.address.empty() ? "none" : host_.address) + " to " +
                 (host.address.empty() ? "none: " + host.what : host.address));
-  // The links end first: their sockets go with the inbox.
+  // End the links first: their sockets close with the inbox.
   Effects effects;
   shell_.core().set_address("", host.what, read_clocks(), effects);
   shell_.carry_out(effects);
@@ -115,7 +115,7 @@ std::string LocalAddress::own_lane() const {
   return host_.address.empty() || port == 0 ? "" : join_host_port(without_scope(host_.address), port);
 }
 
-/// The VPN's address is a second way in: peers that name it as a seed come in by it.
+/// The VPN's address is a second address of the inbox: peers that name it as a seed connect there.
 void LocalAddress::follow_vpn(const std::vector<Interface>& there) {
   if (vpn_int_.empty() || vpn_int_ == host_int_) return;
   if (!inbox_.is_open()) return;  // there was no descriptor for one: it is tried again

@@ -1,4 +1,4 @@
-// Where this node is: inbox, beacons and lane follow the addresses of HOST_INT and VPN_INT.
+// This node's address: inbox, beacons and lane follow the addresses of HOST_INT and VPN_INT.
 #pragma once
 
 #include <memory>
@@ -17,21 +17,21 @@ namespace trb::router {
 
 /// event                                 | what follows
 /// --------------------------------------|------------------------------------------------------------------------
-/// HOST_INT has another address, or none | the links end, everything is bound there; the core is told
-/// HOST_INT has a link-local one alone   | nothing for 3 s: its lease may be being renewed
-/// it cannot be bound, nor the lane      | tried again in 2 s
-/// VPN_INT has another address, or none  | the inbox and the lane listen there too, or no more
-/// the interfaces cannot be read         | nothing: looked at again in 2 s
+/// HOST_INT has another address, or none | the links end, everything is bound there; the core learns it
+/// HOST_INT has only a link-local one    | nothing for 3 s: its lease may be in renewal
+/// it or the lane cannot be bound        | tried again in 2 s
+/// VPN_INT has another address, or none  | the inbox and the lane listen there too, or no longer
+/// the interfaces cannot be read         | nothing: read again in 2 s
 class LocalAddress {
  public:
   LocalAddress(ShellContext& shell, InboxSocket& inbox, LaneSockets& lanes, BeaconChannel& beacons,
                const ShellOptions& options);
 
-  /// Binds what is there; an interface that is not is waited for. Errors: io_error naming the address.
+  /// Binds what is there; a missing interface is waited for. Errors: io_error naming the address.
   Status open();
-  /// Tells the core where this node is.
+  /// Notifies the core of this node's address.
   void notify();
-  /// The interface by which link-local addresses are reached that another machine has told.
+  /// The interface by which link-local addresses of other machines are reached.
   [[nodiscard]] const std::string& scope() const { return host_.interface; }
 
  private:
@@ -55,7 +55,7 @@ class LocalAddress {
   std::uint16_t port_;
   std::uint16_t lane_port_;
   std::unique_ptr<InterfaceWatch> watch_;
-  Resolved host_;             ///< where the inbox is; without an address while it is nowhere
+  Resolved host_;             ///< where the inbox is; no address while it is nowhere
   std::string wait_text_;     ///< why it is nowhere
   std::string vpn_endpoint_;  ///< the inbox's second one, while it is bound
   std::optional<MonotonicTime> look_again_;

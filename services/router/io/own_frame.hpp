@@ -7,8 +7,8 @@
 
 namespace trb::router {
 
-/// Nothing, an error in the log and a counter, if its receiver would have to refuse it: the core makes none such, and a
-/// link must not end by one.
+/// Nothing (an error in the log and a counter) if its receiver would have to refuse it. The core makes no such message;
+/// if it does, the link must not end by it.
 std::optional<Bytes> encode_own(ShellContext& shell, const Message& message);
 
 }  // namespace trb::router

@@ -1,4 +1,4 @@
-// Where the nodes are that were linked before.
+// The sources of nodes that were linked before.
 #pragma once
 
 #include <string>
@@ -8,7 +8,7 @@
 
 namespace trb::router {
 
-/// As source_of() names them: a crowd of strangers keeps none of them from coming back.
+/// Named as source_of() names them: a crowd of strangers must not keep them from coming back.
 std::vector<std::string> sources_of_peers(const PeerTable& table);
 
 }  // namespace trb::router

@@ -54,7 +54,7 @@ void ProofLog::hand_over(Open& open, bool last) {
                    frames,    open.retell, last};
   open.retell = std::exchange(open.overflow, false) || !writer_->put(std::move(batch));
   if (open.retell) dropped_ += frames;
-  // The next range will be much like this one.
+  // The next range will need about as much.
   open.records.reserve(std::min<std::size_t>(size + size / 8, 64U << 10U));
 }
 

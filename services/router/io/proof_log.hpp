@@ -1,4 +1,4 @@
-// log/proof: what came by the links and the seals over it, for `trb proof`. Here it is gathered, link by link; a thread
+// log/proof: what came by the links and the seals over it, for `trb proof`. It is gathered here, link by link; a thread
 // of its own writes it.
 #pragma once
 
@@ -14,20 +14,20 @@ namespace trb::router {
 
 class ProofLog {
  public:
-  /// Nothing is kept with a bound of 0.
+  /// A bound of 0 keeps nothing.
   ProofLog(const std::string& dir, std::uint64_t max_bytes);
 
   [[nodiscard]] bool on() const { return writer_ != nullptr; }
-  /// A frame came by a link; it stays here until its seal came.
+  /// A frame came by a link; it stays here until its seal comes.
   void heard(const LinkSeals& link, UtcTime now, BytesView frame);
-  /// The seal that came last was taken.
+  /// The latest seal was accepted.
   void sealed(const LinkSeals& link);
-  /// The link is over; what is unsealed is written too.
+  /// The link has ended; what is unsealed is written too.
   void ended(LinkId link, UtcTime now, std::string_view why);
-  /// Frames that are not in the log, since the last call: the disk is slower than the links, or they are more than the
-  /// peer's share.
+  /// Frames not kept in the log since the last call: the disk is slower than the links, or they exceed the peer's
+  /// share.
   std::uint64_t take_dropped() { return std::exchange(dropped_, 0) + (on() ? writer_->take_dropped() : 0); }
-  /// What could not be written since the last call: the reason, or empty.
+  /// Why something could not be written since the last call; empty: nothing failed.
   std::string take_problem() { return on() ? writer_->take_problem() : std::string(); }
 
  private:
@@ -38,8 +38,8 @@ class ProofLog {
     Bytes previous = first_previous();
     Bytes records;
     std::uint64_t frames = 0;  ///< in `records`
-    bool overflow = false;     ///< what comes before the next seal is too much to be kept
-    bool retell = false;       ///< something was dropped
+    bool overflow = false;     ///< the frames before the next seal are too many to keep
+    bool retell = false;       ///< the certificates must be written again: something was dropped
   };
   void hand_over(Open& open, bool last);
 

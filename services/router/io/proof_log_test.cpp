@@ -1,4 +1,4 @@
-// log/proof on a disk: readable, bounded, for its owner alone, and never in the way.
+// log/proof on a disk: readable, bounded, accessible to its owner alone, and never in the way.
 #include "services/router/io/proof_log.hpp"
 #include "common/base/test/temporary_folder.hpp"
 
@@ -24,13 +24,13 @@ constexpr std::uint64_t kMegabyte = 1U << 20U;
 
 using TempDir = TemporaryFolder;
 
-/// One fleet for all who speak in a test.
+/// One fleet for all nodes that send in a test.
 const SigningKey& shared_authority() {
   static const SigningKey key = make_signing_key();
   return key;
 }
 
-/// bee's router, to which ant (or another), who dialled, speaks on a link.
+/// bee's router, and a link on which ant (or another), the dialler, sends.
 struct Speaker {
   SigningKey authority = shared_authority();
   FleetAuthority fleet{"hall", authority.public_key};
@@ -150,7 +150,7 @@ TEST_CASE("the log stays below its bound, the oldest go, and every file can be r
     CHECK(checker.report().faults.empty());
     CHECK(checker.report().proven.at("ant") >= 8);
   }
-  // What the disk was too slow for is counted, and shows as sequences that are not there.
+  // Messages for which the disk was too slow are counted, and show as gaps in the sequence.
   const ProofReport report = read_all(ant, temp.path);
   CHECK(report.faults.empty());
   if (dropped == 0) CHECK(report.gaps.empty());
@@ -211,7 +211,7 @@ TEST_CASE("rubbish of one peer pushes out nothing of another's that has no more 
     for (int i = 0; i < 100; ++i) {
       cat.say(log, Bytes(1'000'000, 'x'));
       cat.seal(log);
-      // At half its share by and by, in the middle of the flood.
+      // At half its share, bit by bit, in the middle of the flood.
       if (i % 20 != 0) continue;
       ant.say(log, Bytes(400'000, 'a'));
       ant.seal(log);
@@ -233,7 +233,7 @@ TEST_CASE("who wants more than its share gives way to itself first, whoever came
   LinkId link = 0;
   for (const char* name : {"ant", "cat", "ant"}) {
     for (int part = 0; part < 4; ++part) {
-      // Little enough for what may wait for the disk; it is there when the log has gone.
+      // Little enough to wait for the disk; it is written when the log is destroyed.
       ProofLog log(temp.path, 8 * kMegabyte);
       Speaker one(++link, name);
       for (int i = 0; i < 100; ++i) {
@@ -257,7 +257,7 @@ TEST_CASE("who has the log to itself writes few files, and loses a small part of
   std::uint64_t least = 64 * kMegabyte;
   for (LinkId link = 1; link <= 12; ++link) {
     {
-      // Little enough for what may wait for the disk; it is there when the log has gone.
+      // Little enough to wait for the disk; it is written when the log is destroyed.
       ProofLog log(temp.path, 64 * kMegabyte);
       Speaker flood(link, "flood");
       for (int i = 0; i < 60; ++i) {
@@ -302,7 +302,7 @@ TEST_CASE("files of an earlier version, all peers in one, are read and go by the
   const TempDir temp;
   {
     Speaker unnamed(4);
-    unnamed.at_bee.signer.id.clear();  // as those were written
+    unnamed.at_bee.signer.id.clear();  // as an earlier version wrote them
     ProofLog log(temp.path, 8 * kMegabyte);
     unnamed.say(log, "long ago");
     unnamed.seal(log);

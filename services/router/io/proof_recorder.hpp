@@ -1,4 +1,4 @@
-// What of the links' frames goes into the log of proof.
+// Decides which frames of the links go into the log of proof.
 #pragma once
 
 #include "services/router/core/forwarding.hpp"
@@ -7,13 +7,13 @@
 
 namespace trb::router {
 
-/// Keeps what the core's orders mark, and tells of what is not kept, by counters and the log.
+/// Keeps what the core's orders mark, and reports what is not kept by counters and the log.
 class ProofRecorder {
  public:
-  /// Of `max_bytes` at most; 0: nothing is kept.
+  /// `max_bytes`: the log's bound; 0: nothing is kept.
   ProofRecorder(ShellContext& shell, std::uint64_t max_bytes) : shell_(shell), log_("log/proof", max_bytes) {}
 
-  /// A frame came. A seal that was refused is written when its link is closed.
+  /// A frame came. A refused seal is written when its link is closed.
   void keep(const FrameOrders& orders, UtcTime now, BytesView frame);
   void close_link(LinkId link) { log_.ended(link, read_clocks().utc, "closed"); }
 

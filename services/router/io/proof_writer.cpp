@@ -22,18 +22,18 @@ namespace {
 
 constexpr std::string_view kPrefix = "proof-";
 constexpr std::string_view kSuffix = ".log";
-/// The least of a segment is small: of 64 MB a thousand peers have one each.
+/// The smallest segment is small: in 64 MB a thousand peers have one each.
 constexpr std::uint64_t kSegments = 1024;
-/// Who has much has large ones: a file is made and removed seldom, and who gives way loses a sixteenth of what it has.
+/// A peer with many bytes has large segments: files are made and removed seldom, and a removal costs it a sixteenth.
 constexpr std::uint64_t kSegmentsOfPeer = 16;
-constexpr std::uint64_t kMostSegment = 64U << 20U;  ///< what reads one has it in memory: the start, trb proof
+constexpr std::uint64_t kMostSegment = 64U << 20U;  ///< a reader has it in memory: the start, trb proof
 constexpr std::uint64_t kLeastSegment = 64U << 10U;
-/// A router that starts again and again leaves small ones: each counts as at least so much of a whole one, so that
-/// their number is bounded too.
+/// A router that starts again and again leaves small segments: each counts as at least this part of a whole one, so
+/// that their number is bounded too.
 constexpr std::uint64_t kLeastPart = 8;
 constexpr std::size_t kMaxQueuedBytes = 16U << 20U;
 constexpr std::size_t kWriteAtOnce = 1U << 20U;
-constexpr std::size_t kMaxMended = 80U << 20U;  ///< the largest segment, and a range
+constexpr std::size_t kMaxMended = 80U << 20U;  ///< the largest segment, plus a range
 constexpr auto kGather = std::chrono::milliseconds(100);
 
 std::string problem_with(const std::string& path, ssize_t put) {
@@ -128,7 +128,7 @@ void ProofWriter::write(ProofBatch& batch) {
   if (unwritten_ >= kWriteAtOnce) flush_all();
 }
 
-/// Makes room for the batch and the `beginning` that it needs. Its own last segment may be what has to go: then it
+/// Makes room for the batch and the `beginning` that it needs. Its peer's own last segment may have to go: then it
 /// needs another beginning.
 bool ProofWriter::find_room(Peers::iterator at, const ProofBatch& batch, Bytes& beginning) {
   const Peer& peer = at->second;
@@ -160,8 +160,8 @@ void ProofWriter::add_records(Peer& peer, const Bytes& beginning, const ProofBat
   unwritten_ += beginning.size() + batch.records.size();
 }
 
-/// What stands before its records, in its peer's last segment or in a new one. Each segment can be read alone: it
-/// begins with the links that it goes on with.
+/// What must precede its records, in its peer's last segment or in a new one. Each segment can be read alone: it begins
+/// with the links that it continues.
 Bytes ProofWriter::beginning_of(const Peer& peer, const ProofBatch& batch) {
   Bytes out = peer.open ? Bytes() : proof_head();
   if (!peer.open || batch.retell || peer.told.count(batch.link->link) == 0) {
@@ -185,7 +185,7 @@ void ProofWriter::resize_last(Peer& peer, std::uint64_t size) {
   cost_ += cost_of(last) - before;
 }
 
-/// False: it does not fit even without anything that the peer has, and the others have less than it would.
+/// False: it does not fit even if all the peer's segments go, and the others have less than it would have.
 bool ProofWriter::make_room(Peers::iterator peer, std::uint64_t bytes) {
   const std::uint64_t needed = bytes + segment_bytes_ / kLeastPart;
   while (cost_ + needed > max_bytes_) {
@@ -241,7 +241,7 @@ void ProofWriter::flush(Peers::iterator at) {
     peer.out.clear();
     return;
   }
-  // What comes next begins with its links again.
+  // The next batch begins with its links again.
   peer.out.clear();
   peer.open = false;
   resize_last(peer, peer.written);
@@ -249,8 +249,8 @@ void ProofWriter::flush(Peers::iterator at) {
   tell(problem);
 }
 
-/// Opened for each write: a thousand peers need no thousand descriptors. Returns what went wrong; then nothing of it is
-/// in the file.
+/// Opened for each write: a thousand peers then need no thousand descriptors. Returns what failed; then nothing of it
+/// is in the file.
 std::string ProofWriter::append(Peers::const_iterator at) {
   const Peer& peer = at->second;
   const std::string path = path_of(at->first, peer.segments.back().number);
@@ -270,7 +270,7 @@ std::string ProofWriter::append(Peers::const_iterator at) {
   return problem;
 }
 
-/// A router of an earlier version wrote the segments of all peers as one: they have no peer in their name.
+/// A router of an earlier version wrote one series of segments for all peers: no peer in the name.
 std::string ProofWriter::path_of(const std::string& peer, std::uint64_t number) const {
   std::array<char, 32> digits{};
   std::snprintf(digits.data(), digits.size(), "%010llu", static_cast<unsigned long long>(number));
@@ -302,7 +302,7 @@ void ProofWriter::find_segments() {
   }
 }
 
-/// A router that was killed while it wrote may have left the half of a record.
+/// A router that was killed while writing may have left half a record.
 void ProofWriter::mend_last(Peers::iterator at) {
   Peer& peer = at->second;
   const std::string path = path_of(at->first, peer.segments.back().number);

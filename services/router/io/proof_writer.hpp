@@ -1,4 +1,4 @@
-// The thread that writes log/proof, so that no disk ever holds a message up.
+// The thread that writes log/proof, so that a disk never delays a message.
 #pragma once
 
 #include <condition_variable>
@@ -15,22 +15,22 @@
 
 namespace trb::router {
 
-/// Records of one link, cut where a seal ends.
+/// Records of one link, ending at a seal.
 struct ProofBatch {
-  std::string peer;                       ///< whose link it is: an id
+  std::string peer;                       ///< the link's peer: an id
   std::shared_ptr<const ProofLink> link;  ///< its two certificates
-  std::uint64_t first = 1;                ///< where the records go on, for a file that begins with them
+  std::uint64_t first = 1;                ///< the first sequence number, for a file that begins with them
   Bytes previous;
   Bytes records;             ///< as append_proof_*() makes them
   std::uint64_t frames = 0;  ///< in `records`
-  bool retell = false;       ///< what was before is not in the log
-  bool last = false;         ///< the link is over
+  bool retell = false;       ///< earlier records are missing in the log
+  bool last = false;         ///< the link has ended
 };
 
 /// Segments proof-0000000001-PEER.log, proof-0000000002-OTHER.log ... in a folder, mode 0600, never more than
-/// `max_bytes` in all. Each peer has segments of its own. When room is needed the oldest segment of the peer that has
-/// most goes, so that a peer with no more than its share of the whole loses nothing, whatever the others say. What
-/// comes within a tenth of a second is one write for each peer.
+/// `max_bytes` in all. Each peer has segments of its own. When room is needed, the oldest segment of the peer with the
+/// most bytes is removed, so a peer within its share of the whole loses nothing, whatever the others send. What comes
+/// within a tenth of a second is one write per peer.
 class ProofWriter {
  public:
   ProofWriter(std::string dir, std::uint64_t max_bytes);
@@ -39,27 +39,27 @@ class ProofWriter {
   ProofWriter(const ProofWriter&) = delete;
   ProofWriter& operator=(const ProofWriter&) = delete;
 
-  /// Never waits for the disk. False: too much is waiting for it already, of this peer or of all; the batch is gone. A
-  /// peer may have as much as it leaves to the others.
+  /// Never waits for the disk. False: too much is waiting already, of this peer or of all; the batch is dropped. A peer
+  /// may have as much waiting as it leaves free for the others.
   bool put(ProofBatch&& batch);
-  /// Frames that were taken and are not on the disk, since the last call.
+  /// Frames that were accepted and are not on the disk, since the last call.
   std::uint64_t take_dropped();
-  /// What could not be written since the last call: the reason, or empty.
+  /// Why something could not be written since the last call; empty: nothing failed.
   std::string take_problem();
 
  private:
   struct Segment {
     std::uint64_t number = 0;
-    std::uint64_t size = 0;  ///< with what is not written yet
+    std::uint64_t size = 0;  ///< including what is not written yet
   };
   struct Peer {
     std::deque<Segment> segments;
-    std::uint64_t cost = 0;           ///< of all of them, see cost_of()
-    std::uint64_t segment_bytes = 0;  ///< the last one takes so much at most
-    bool open = false;                ///< the last one takes more
+    std::uint64_t cost = 0;           ///< of all its segments, see cost_of()
+    std::uint64_t segment_bytes = 0;  ///< the bound of the last one
+    bool open = false;                ///< the last one takes more records
     std::uint64_t written = 0;        ///< of the last one
-    Bytes out;                        ///< for it, not yet written
-    std::set<std::uint64_t> told;     ///< links that it knows
+    Bytes out;                        ///< for the last one, not yet written
+    std::set<std::uint64_t> told;     ///< links whose certificates the last one has
   };
   using Peers = std::map<std::string, Peer, std::less<>>;
 
@@ -88,7 +88,7 @@ class ProofWriter {
 
   std::mutex mutex_;
   std::condition_variable wake_;
-  std::deque<ProofBatch> queue_;  ///< this and the next five under the mutex; all below is the thread's alone
+  std::deque<ProofBatch> queue_;  ///< this and the next five are under the mutex; all below belongs to the thread
   std::size_t queued_ = 0;        ///< bytes
   std::map<std::string, std::size_t, std::less<>> queued_of_;
   std::uint64_t dropped_ = 0;
@@ -96,7 +96,7 @@ class ProofWriter {
   bool ending_ = false;
 
   Peers peers_;
-  std::uint64_t cost_ = 0;  ///< of all
+  std::uint64_t cost_ = 0;  ///< of all segments
   std::uint64_t next_number_ = 1;
   std::size_t unwritten_ = 0;
   std::thread thread_;

@@ -112,13 +112,13 @@ void Resolver::take(Name& name, Result<std::vector<std::string>> found) {
   name.asked.reset();
   name.failure.clear();
   if (found) {
-    // Of the same addresses the one whose turn it is stays.
+    // If the addresses are the same, keep the current one.
     if (name.hosts != *found) name.next = 0;
     name.hosts = std::move(*found);
     return;
   }
   name.failure = found.error().what + ": " + found.error().hint;
-  name.until.reset();  // asked again with the next dial
+  name.until.reset();  // resolved again at the next dial
   if (found.error().code == Errc::missing) name.hosts.clear();
 }
 

@@ -1,5 +1,5 @@
-// Where the hosts are that node.json names as seeds. The question waits on a thread of its own: a name server that is
-// silent holds it for a minute, and nothing else.
+// Resolves the hosts that node.json names as seeds, on a thread of its own: a silent name server blocks that thread for
+// a minute, and nothing else.
 #pragma once
 
 #include <condition_variable>
@@ -18,12 +18,12 @@
 
 namespace trb::router {
 
-constexpr std::size_t kMaxNames = 256;                       ///< hosts, and so questions that wait
-constexpr Duration kNameKept = std::chrono::minutes(1);      ///< then it is asked for again
-constexpr Duration kNamePatience = std::chrono::seconds(1);  ///< before a question without an answer is told of
+constexpr std::size_t kMaxNames = 256;                       ///< hosts, and so waiting requests
+constexpr Duration kNameKept = std::chrono::minutes(1);      ///< then it is resolved again
+constexpr Duration kNamePatience = std::chrono::seconds(1);  ///< before a missing answer is reported
 
-/// The host's addresses in numbers, the best first; asks /etc/hosts and the name server, and takes its time. Errors:
-/// missing, there is no such host; timeout, nobody said.
+/// The host's numeric addresses, the best first; reads /etc/hosts, asks the name server, and blocks meanwhile. Errors:
+/// missing: there is no such host; timeout: no server answered.
 Result<std::vector<std::string>> look_up_host(const std::string& host);
 
 class Resolver {
@@ -31,29 +31,29 @@ class Resolver {
   using Lookup = std::function<Result<std::vector<std::string>>(const std::string& host)>;
 
   explicit Resolver(Lookup lookup = look_up_host);
-  ~Resolver();  ///< a question under way is left behind
+  ~Resolver();  ///< does not wait for a pending request
   Resolver(const Resolver&) = delete;
   Resolver& operator=(const Resolver&) = delete;
 
   struct Found {
     std::string address;  ///< HOST:PORT in numbers; empty while it is not known
-    std::string row;      ///< why not, for people; empty while the answer may be on its way
+    std::string row;      ///< why it is not known, for people; empty while the answer is awaited
   };
-  /// Of HOST:PORT with a name. Never waits; asks if nothing is known, or what is known is old.
+  /// Of HOST:PORT with a name. Never waits; starts a request if nothing is known, or the answer is old.
   Found find(const std::string& address, MonotonicTime now);
-  /// A dial to what was found has ended: its next address is tried, and the name is asked for again. What was found
-  /// before is used until that is answered.
+  /// A dial to this host has ended: the next of its addresses is tried, and the name is resolved again. The old answer
+  /// is used until the new one comes.
   void ended(const std::string& address, MonotonicTime now);
 
  private:
   struct Name {
     std::vector<std::string> hosts;
-    std::size_t next = 0;  ///< of them
+    std::size_t next = 0;  ///< the index of the one to use
     std::string failure;
-    std::optional<MonotonicTime> asked;  ///< while the question waits
-    std::optional<MonotonicTime> until;  ///< then it is asked for again
+    std::optional<MonotonicTime> asked;  ///< when, while the request waits
+    std::optional<MonotonicTime> until;  ///< then it is resolved again
   };
-  /// Outlives this object while a question is under way.
+  /// Outlives this object while a request is pending.
   struct Shared {
     Lookup lookup;
     std::mutex mutex;

@@ -1,4 +1,4 @@
-// Host names of seeds: asked for on a thread of their own, whatever that does.
+// Host names of seeds: resolved on a thread of their own, whatever that does.
 #include "services/router/io/resolver.hpp"
 
 #include <doctest/doctest.h>
@@ -15,7 +15,7 @@ namespace {
 
 using Hosts = std::vector<std::string>;
 
-/// A name server that answers when it is told to.
+/// A name server that answers on command.
 struct Server {
   struct State {
     std::mutex mutex;
@@ -55,7 +55,7 @@ struct Server {
   }
 };
 
-/// Asks until it says what is wanted: what a thread is told by another comes when it comes.
+/// Asks until the wanted answer comes: the other thread needs its time.
 template <class Wanted>
 Resolver::Found find_until(Resolver& resolver, const std::string& address, MonotonicTime now, Wanted wanted) {
   const auto end = std::chrono::steady_clock::now() + Seconds(20);

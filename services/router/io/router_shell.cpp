@@ -102,7 +102,7 @@ void RouterShell::carry_out(LinkSend& send) {
 }
 
 void RouterShell::carry_out(Dial& dial) {
-  // It ends as a dial that failed, and is tried again.
+  // It ends like a dial that failed, and is tried again.
   if (!dialled_.dial(dial, address_.scope())) links_.lose(dial.link);
 }
 

@@ -16,15 +16,15 @@ class RouterShell {
  public:
   RouterShell(RouterConfig config, const ShellOptions& options);
 
-  /// Binds everything that is there; an interface that is not is waited for. Errors: io_error naming the address.
+  /// Binds everything that is there; a missing interface is waited for. Errors: io_error naming the address.
   Status open();
-  /// Runs until SIGTERM or SIGINT (0) or SIGHUP (75: to be started again).
+  /// Runs until SIGTERM or SIGINT (0), or SIGHUP (75: please start again).
   int run();
 
  private:
   [[nodiscard]] RouterConfig with_ports(RouterConfig config) const;
   bool admit(BytesView domain, BytesView key);
-  /// In their order; then what did not leave, and the links that are gone, are reported to the core.
+  /// In their order; then frames that did not leave, and lost links, are reported to the core.
   void carry_out(Effects& effects);
   void carry_out(BusSend& send);
   void carry_out(LinkSend& send);

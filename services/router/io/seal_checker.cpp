@@ -14,7 +14,7 @@ namespace trb::router {
 namespace {
 
 constexpr std::size_t kMaxQueuedRanges = 64;
-/// Below the threads that carry messages, where they share a core.
+/// Lower priority than the threads that carry messages, where they share a core.
 constexpr int kNice = 5;
 
 }  // namespace
@@ -63,7 +63,7 @@ void SealChecker::run() {
     const bool good = verify_seal(seal.record, seal.signer);
     lock.lock();
     checked_.push_back({std::move(seal), good});
-    // One that was told of already is not told of again.
+    // An earlier result was already signalled.
     if (checked_.size() == 1) (void)::eventfd_write(fd_, 1);
   }
 }

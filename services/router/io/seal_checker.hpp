@@ -1,4 +1,4 @@
-// The thread that checks the signatures of seals: one takes some 40 us, as long as half a road.
+// The thread that checks the signatures of seals: one takes some 40 us, half the time of a message's whole way.
 #pragma once
 
 #include <condition_variable>
@@ -23,9 +23,9 @@ class SealChecker {
   SealChecker(const SealChecker&) = delete;
   SealChecker& operator=(const SealChecker&) = delete;
 
-  /// False, and the seal is left alone: as many wait already as may; whoever asks checks it.
+  /// False: as many wait already as may; the seal is unchanged, and the caller checks it.
   bool put(CheckSeal&& seal);
-  /// Readable when something was checked.
+  /// Readable when a check is done.
   [[nodiscard]] int fd() const { return fd_; }
   std::vector<Checked> take();
 
@@ -35,7 +35,7 @@ class SealChecker {
   int fd_;
   std::mutex mutex_;
   std::condition_variable wake_;
-  std::deque<CheckSeal> queue_;  ///< this and the next two under the mutex
+  std::deque<CheckSeal> queue_;  ///< this and the next two are under the mutex
   std::vector<Checked> checked_;
   bool ending_ = false;
   std::thread thread_;

@@ -9,7 +9,7 @@ void SealVerifier::watch() {
 }
 
 void SealVerifier::check(CheckSeal&& seal) {
-  // What waits for its seal is not to wait for another thread too.
+  // A frame that waits for its seal must not wait for another thread too.
   if (!shell_.core().seals().holds(seal.link) && checker_.put(std::move(seal))) return;
   on_checked(seal, verify_seal(seal.record, seal.signer));
 }

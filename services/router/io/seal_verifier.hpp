@@ -1,4 +1,4 @@
-// Checks seals: beside the loop, or at once where something waits for one.
+// Checks seals: on a thread, or at once where frames wait for one.
 #pragma once
 
 #include "services/router/io/seal_checker.hpp"
@@ -6,13 +6,13 @@
 
 namespace trb::router {
 
-/// The core is told of each seal whether it is good: later, or before check() returns if frames of its link are held or
+/// Reports to the core whether each seal is good: later, or before check() returns if frames of its link are held or
 /// the thread has enough to do.
 class SealVerifier {
  public:
   explicit SealVerifier(ShellContext& shell) : shell_(shell) {}
 
-  /// The loop takes what the thread has checked.
+  /// The loop takes the thread's results.
   void watch();
   void check(CheckSeal&& seal);
 

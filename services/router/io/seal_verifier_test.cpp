@@ -1,4 +1,4 @@
-// Seals that are checked beside the loop.
+// Seals that are checked on a thread of their own.
 #include "services/router/io/seal_verifier.hpp"
 
 #include "services/router/io/link_event_end.hpp"

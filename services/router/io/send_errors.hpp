@@ -1,4 +1,4 @@
-// Why a frame was not sent, as its sender is told in a Nack.
+// Why a frame was not sent, as its sender reads it in a Nack.
 #pragma once
 
 #include "common/base/errc.hpp"

@@ -9,7 +9,7 @@
 
 namespace trb::router {
 
-/// Counts what services and the router itself send, by subtype: of 500 subtypes at most, so that nobody fills the table
+/// Counts what services and the router itself send, by subtype: 500 subtypes at most, so that nobody fills the table
 /// with names.
 class SentCounter {
  public:

@@ -3,8 +3,8 @@
 namespace trb::router {
 namespace {
 
-/// What may wait, in bytes, for one who receives (a service, a link, the tap), and in the whole node. One message more
-/// of each is encrypted in libzmq's I/O thread, and the kernel has its buffers.
+/// How many bytes may wait for one receiver (a service, a link, the tap), and in the whole node. One more message of
+/// each is being encrypted in libzmq's I/O thread, and the kernel has its buffers.
 constexpr std::size_t kDestinationBytes = 8U << 20U;
 constexpr std::size_t kNodeBytes = 64U << 20U;
 

@@ -15,20 +15,20 @@ namespace trb::router {
 /// The core, the loop, ZeroMQ's context, the bytes that may wait, the log. It outlives every part.
 class ShellContext {
  public:
-  /// `carry_out` does what the core has ordered.
+  /// `carry_out` carries out what the core has ordered.
   ShellContext(RouterCore& core, std::function<void(Effects&)> carry_out);
 
   [[nodiscard]] RouterCore& core() const { return core_; }
   [[nodiscard]] Context& zmq() { return zmq_; }
   [[nodiscard]] Loop& loop() { return loop_; }
-  /// Of what waits in all queues of the node.
+  /// The budget of all queues of the node.
   [[nodiscard]] const std::shared_ptr<ByteBudget>& whole() const { return whole_; }
-  /// Of one destination: a service, a link, all who listen to the tap.
+  /// The budget of one destination: a service, a link, all listeners of the tap.
   [[nodiscard]] std::shared_ptr<ByteBudget> new_budget() const;
 
   void carry_out(Effects& effects) const { carry_out_(effects); }
   void count(std::string_view name) const { core_.counters().count(name); }
-  /// What a stranger can cause: at most 20 lines of an event in 10 s.
+  /// For events that a stranger can cause: at most 20 lines of each event in 10 s.
   void log(Level level, std::string_view event, std::string_view text);
 
  private:

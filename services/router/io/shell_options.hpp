@@ -1,4 +1,4 @@
-// What the router's shell is told at its start.
+// The configuration of the router's shell.
 #pragma once
 
 #include <functional>
@@ -11,9 +11,9 @@
 
 namespace trb::router {
 
-/// A bus over TCP; without an address it is sockets in the node's folder.
+/// A bus over TCP; without an address the bus is sockets in the node's folder.
 struct TcpBus {
-  std::string endpoint;  ///< of messages, for libzmq
+  std::string endpoint;  ///< for messages, in libzmq's notation
   std::string tap;
   CurveKeys keys;
   std::map<Bytes, std::string, std::less<>> names;  ///< public key -> the service that it proves, or "probe"
@@ -22,13 +22,13 @@ struct TcpBus {
 struct ShellOptions {
   CurveKeys link_keys;
   std::string host_int;  ///< an interface or an address: the inbox and the beacons
-  std::string vpn_int;   ///< a second way in, when it is there; may be empty
+  std::string vpn_int;   ///< a second interface of the inbox, while it exists; may be empty
   std::uint16_t port = 0;
   std::uint16_t lane_port = 0;  ///< 0: any
   std::uint16_t beacon_port = 0;
   BeaconKey beacon_key;
   PendingConnectionLimits pending_connections;
-  std::uint64_t proof_log_bytes = 0;  ///< at most so much in log/proof; 0: no proof log
+  std::uint64_t proof_log_bytes = 0;  ///< the bound of log/proof; 0: no proof log
   TcpBus bus;
 };
 

@@ -30,22 +30,22 @@ std::uint64_t stored_number(const std::string& path) {
   return text ? std::strtoull(text->c_str(), nullptr, 10) : 0;
 }
 
-/// What is no time in nanoseconds is as if it were not there.
+/// A stored time out of the range of nanoseconds is ignored.
 UtcTime stored_time(const std::string& path) {
   const std::uint64_t ns = stored_number(path);
   constexpr std::uint64_t kMost = 1ULL << 62U;
   return {ns < kMost ? static_cast<std::int64_t>(ns) : 0};
 }
 
-/// The boot counter rises at each start and survives all of them: peers tell an old process from a new one by it. It is
-/// the seconds of UTC if the clock can be right, so that it rises also for a node whose state folder was lost, or whose
-/// disk is full: whoever wants to stop the robot must find a router.
+/// The boot counter increases at each start: by it peers tell an old process from a new one. It is the seconds of UTC
+/// if the clock can be right, so that it also increases for a node whose state folder was lost, or whose disk is full:
+/// to stop the robot there must be a router.
 std::uint64_t count_boot(UtcTime now, UtcTime bound) {
   const std::uint64_t boot = stored_number(kBootFile) + 1;
   return now >= bound ? std::max(boot, static_cast<std::uint64_t>(now.ns / 1'000'000'000)) : boot;
 }
 
-/// The peers of the last run, as StorePeers wrote them. Hints: what cannot be read is left out.
+/// The peers of the last run, as StorePeers wrote them. They are hints: a line that cannot be read is skipped.
 std::vector<SeedAddress> read_known() {
   std::vector<SeedAddress> out;
   auto text = read_file("state/peers", kMaxPeers * 256);
@@ -60,7 +60,8 @@ std::vector<SeedAddress> read_known() {
   return out;
 }
 
-/// What the authority had said before this start; nothing if there is none, and a damaged file is told anew by a peer.
+/// What the authority had signed before this start; empty if there is none. If the file is damaged, a peer sends it
+/// again.
 TrustUpdate stored_update() {
   auto bytes = read_file("state/news");
   auto update = bytes ? decode<TrustUpdate>(*bytes) : Result<TrustUpdate>(bytes.error());
@@ -92,7 +93,7 @@ RouterConfig make_config(const NodeConfig& node, const NodeKeys& keys, std::uint
   return config;
 }
 
-/// With what earlier starts have left in state/, and this start's boot number there.
+/// Includes what earlier starts left in state/, and stores this start's boot number there.
 RouterConfig restored_config(const NodeConfig& node, const NodeKeys& keys) {
   const UtcTime bound = stored_time("state/utc");
   const std::uint64_t boot = count_boot(read_clocks().utc, std::max(bound, UtcTime{keys.certificate.not_before}));
@@ -142,7 +143,7 @@ Result<ShellOptions> make_options(const NodeConfig& node, const NodeKeys& keys, 
   return options;
 }
 
-/// As many as the system allows. Errors: io_error, they are too few.
+/// As many descriptors as the system allows. Errors: io_error, too few.
 Result<std::size_t> take_descriptors() {
   const std::size_t descriptors = raise_descriptor_limit();
   if (descriptors >= kLeastDescriptors) return descriptors;
@@ -160,8 +161,8 @@ Status enter_folder(const std::string& dir) {
   return Done{};
 }
 
-/// What a flood took goes back to the system when it is over. Left alone, glibc raises the first bound to the size of
-/// what was freed and keeps messages of that size in its heaps for good.
+/// Memory that a flood used goes back to the system afterwards. By default glibc raises the first bound to the size of
+/// a freed block, and keeps messages of that size in its heaps for good.
 void give_memory_back() {
   ::mallopt(M_MMAP_THRESHOLD, 128 << 10);
   ::mallopt(M_TRIM_THRESHOLD, 128 << 10);

@@ -7,16 +7,16 @@
 
 namespace trb::router {
 
-/// Two frames a message: its direction (`<` in, `>` out, `=` inside) and itself. Nothing is copied while nobody
-/// listens; what does not fit into the queue of a listener is dropped and counted.
+/// Two frames per message: its direction (`<` in, `>` out, `=` inside) and the message. Nothing is copied while nobody
+/// listens; what does not fit into a listener's queue is dropped and counted.
 class Tap {
  public:
   explicit Tap(ShellContext& shell) : shell_(shell), budget_(shell.new_budget()) {}
 
-  /// At this endpoint; empty: nowhere until socket() is bound. `curve`: the keys of a bus over TCP, ZAP must be bound
-  /// before. Errors: io_error naming the endpoint.
+  /// Opens it at this endpoint; empty: nowhere until socket() is bound. `curve`: the keys of a bus over TCP; ZAP must
+  /// be bound before. Errors: io_error naming the endpoint.
   Status open(const std::string& endpoint, const CurveKeys* curve = nullptr);
-  /// Once it is open.
+  /// Only once it is open.
   [[nodiscard]] Socket& socket() { return *socket_; }
   void show(char direction, BytesView frame) {
     if (listeners_ > 0) send(direction, frame);
@@ -27,7 +27,7 @@ class Tap {
   void drain();
 
   ShellContext& shell_;
-  std::shared_ptr<ByteBudget> budget_;  ///< of all who listen: they share each message
+  std::shared_ptr<ByteBudget> budget_;  ///< of all listeners: they share each message
   std::optional<Socket> socket_;
   unsigned listeners_ = 0;
 };

@@ -1,4 +1,4 @@
-// The tap: nothing for nobody, direction and message for who listens.
+// The tap: nothing without a listener; direction and message for a listener.
 #include "services/router/io/tap.hpp"
 
 #include "services/router/test/test_shell.hpp"

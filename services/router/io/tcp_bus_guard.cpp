@@ -5,7 +5,7 @@
 namespace trb::router {
 namespace {
 
-/// A node's services and probes are few, and on one machine they all come from one address.
+/// A node has few services and probes, and on one machine they all come from one address.
 PendingConnectionLimits bus_limits() {
   PendingConnectionLimits limits;
   limits.open = 64;
@@ -36,7 +36,7 @@ Status TcpBusGuard::watch(Socket& bus, Socket& tap) {
   return watch(tap, true);
 }
 
-/// `proves`: on this socket the handshake is all there is to prove.
+/// `proves`: on this socket a connection needs no proof beyond the handshake.
 Status TcpBusGuard::watch(Socket& socket, bool proves) {
   auto monitor = SocketMonitor::watch(shell_.zmq(), shell_.loop(), socket,
                                       [this, proves](LinkEvent event, int fd) { on_event(event, fd, proves); });
@@ -61,10 +61,10 @@ std::string TcpBusGuard::name_of(const Frame& frame) const {
 
 void TcpBusGuard::on_hello(const Frame& frame, bool accepted) {
   const int fd = connection_fd(frame);
-  monitors_.front()->catch_up();  // the descriptor may have been another connection's a moment ago
+  monitors_.front()->catch_up();  // another connection may have had this descriptor a moment ago
   const PendingConnectionId pending = guard_.pending(fd);
   if (accepted) return guard_.linked(pending);
-  guard_.leave(pending);  // refused; it reads why first
+  guard_.leave(pending);  // refused; it reads the reason first
 }
 
 void TcpBusGuard::on_event(LinkEvent event, int fd, bool proves) {
@@ -83,7 +83,7 @@ void TcpBusGuard::on_event(LinkEvent event, int fd, bool proves) {
     case LinkEvent::protocol_error:
     case LinkEvent::failed:
       return refused("bus_no_zmtp", "a client of the bus that does not speak ZMTP, or left during the handshake");
-    default:  // of a refused key admit() has told
+    default:  // admit() has reported a refused key
       return;
   }
 }

@@ -11,18 +11,18 @@
 
 namespace trb::router {
 
-/// A connection of the bus proves by its key which service it is; what has shown no key of this node is pending, as at
-/// the inbox. Refused connections are counted and logged.
+/// A connection of the bus proves by its key which service it is; one that has shown no key of this node is pending, as
+/// at the inbox. Refused connections are counted and logged.
 class TcpBusGuard {
  public:
   TcpBusGuard(ShellContext& shell, std::map<Bytes, std::string, std::less<>> names);
 
-  /// Before the sockets are bound: each connection, and the listening sockets themselves, must be seen. Errors:
+  /// Call it before the sockets are bound: it must see each connection, and the listening sockets themselves. Errors:
   /// io_error (no descriptor is left).
   Status watch(Socket& bus, Socket& tap);
   /// ZAP's question: is this the key of a service of this node, or of trb?
   bool admit(BytesView key);
-  /// The service that the frame's connection proves to be, or "probe"; empty: none.
+  /// The service that the frame's connection has proven to be, or "probe"; empty: none.
   [[nodiscard]] std::string name_of(const Frame& frame) const;
   /// A Hello came on the frame's connection, which was `accepted` or refused.
   void on_hello(const Frame& frame, bool accepted);

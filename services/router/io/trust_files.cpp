@@ -10,7 +10,7 @@
 namespace trb::router {
 namespace {
 
-/// By its whole path, and with what to do.
+/// Adds the whole path, and a cure.
 Status in_full(const Status& done, const std::string& path) {
   if (done) return done;
   const std::string whole = std::filesystem::absolute(path).string();
@@ -20,7 +20,7 @@ Status in_full(const Status& done, const std::string& path) {
 
 Status store_update_file(const TrustUpdate& update) {
   const Bytes bytes = encode(update);
-  // At each start it is taken from there, and is there.
+  // At each start the update is read from this very file.
   if (const auto there = read_file("state/news"); there && *there == bytes) return Done{};
   return write_file("state/news", bytes);
 }
@@ -35,7 +35,7 @@ Status store_certificate_file(const std::string& path, const SignedRecord& recor
 
 }  // namespace
 
-/// The number is as long in every start: a full disk has room for it where it stands.
+/// The number has the same length at every start: it can be written over in place on a full disk.
 Status write_boot(std::uint64_t boot) {
   const std::string digits = std::to_string(boot);
   const std::string text = std::string(20 - digits.size(), '0') + digits + "\n";

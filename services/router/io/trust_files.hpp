@@ -1,4 +1,4 @@
-// What the authority has said, on disk: state/news, state/utc, state/boot, state/peers, keys/certificate.json,
+// What the authority has signed, on disk: state/news, state/utc, state/boot, state/peers, keys/certificate.json,
 // keys/news.json.
 #pragma once
 
@@ -12,25 +12,26 @@
 namespace trb::router {
 
 constexpr const char* kBootFile = "state/boot";
-/// Errors: io_error, with what to do.
+/// Errors: io_error, with a cure.
 Status write_boot(std::uint64_t boot);
 
-/// Writes what the core has stored, in the node's folder, and tells the core whether it is on disk; reads what a person
-/// puts into keys/.
+/// Writes what the core orders into the node's folder, and reports to the core whether it is on disk; reads what a
+/// person puts into keys/.
 class TrustFiles {
  public:
-  /// `own` opens the beacon keys that a trust update brings.
+  /// `own` decrypts the beacon keys that a trust update brings.
   TrustFiles(ShellContext& shell, BeaconChannel& beacons, LinkKey own);
 
-  /// The core is told of the outcome of these three.
+  /// The core gets the outcome of these three.
   void store(const StoreUpdate& store);
   void store(const StoreCertificate& store);
   void store(const StoreBoot& store);
-  /// A failure of these two is logged: what was stored before is as true.
+  /// A failure of these two is only logged: what was stored before still holds.
   void store(const StoreUtc& store);
   static void store(const StorePeers& store);
 
-  /// Reads keys/ now and whenever a file of it is written: a person may have put a certificate or a trust update there.
+  /// Reads keys/ now, and whenever a file in it is written: a person may have put a certificate or a trust update
+  /// there.
   void watch_keys();
 
  private:

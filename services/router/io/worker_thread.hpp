@@ -7,7 +7,7 @@
 
 namespace trb::router {
 
-/// Runs `work` on a thread that no signal is given to: the router's loop takes them, whichever thread they are sent to.
+/// Runs `work` on a thread that receives no signals: the router's loop takes them all.
 template <class Work>
 std::thread start_without_signals(Work&& work) {
   sigset_t all;

@@ -265,7 +265,7 @@ void TestFleet::connect_numbers(TestNode& node, const Dial& dial) {
   Effects there;
   Effects here;
   const bool cut = cuts_.count({node.id, there_is}) + cuts_.count({there_is, node.id}) > 0;
-  if (cut) return;  // nobody answers: the core's own patience ends it
+  if (cut) return;  // no answer comes: the core's own timeout ends it
   if (other == nodes_.end() || other->second->keys.link.public_key != dial.server_key) {
     node.core->links().on_ended(dial.link, LinkEnd::failed, now_of(node), here);
   } else if (!other->second->core->admission().admit(node.keys.link.public_key, now, there)) {
@@ -312,7 +312,7 @@ void TestFleet::break_lane(const std::string& listener, const std::string& speak
   carry_out(at(listener), effects);
 }
 
-/// What the two shells do when either closes a link: the listener's socket goes, the speaker cuts its connection.
+/// What the two shells do when either closes a link: the listener's socket closes, the speaker cuts its connection.
 void TestFleet::close_lanes(const TestNode& node, LinkId link) {
   for (auto lane = lanes_.begin(); lane != lanes_.end();) {
     const auto [listener, by] = lane->first;

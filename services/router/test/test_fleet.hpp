@@ -1,4 +1,4 @@
-// A fleet of router cores in memory, for tests: cables that carry LinkSend effects, a clock that moves when told.
+// A fleet of router cores in memory, for tests: cables that carry LinkSend effects, and a clock that the test moves.
 #pragma once
 
 #include <algorithm>
@@ -19,7 +19,7 @@ constexpr std::int64_t kStartUtc = 1'772'366'400'000'000'000;
 constexpr Duration kStep = std::chrono::milliseconds(10);
 constexpr Duration kInstant{1};
 
-/// What a fleet authority would have given a node.
+/// What a fleet authority would have issued to a node.
 struct TestKeys {
   SigningKey identity = make_signing_key();
   LinkKey link = make_link_key();
@@ -53,7 +53,7 @@ struct TestAuthority {
   }
 };
 
-/// One node: its core, and what its shell would have written down.
+/// One node: its core, and what its shell would have stored.
 struct TestNode {
   std::string id;
   TestKeys keys;
@@ -67,12 +67,12 @@ struct TestNode {
   std::vector<Bytes> beacons;
   std::string stored;  ///< what StorePeers would have written
   enum class Disk : unsigned char { good, full, silent } disk = Disk::good;
-  std::size_t stored_boots = 0;  ///< that were tried
+  std::size_t stored_boots = 0;  ///< attempts to store the boot number
   std::vector<StoreUpdate> stored_updates;
   std::vector<SignedRecord> stored_certificates;
   std::vector<UtcTime> stored_utc;
   std::vector<std::string> log;
-  std::vector<Message> delivered;  ///< that came by a link, for a service
+  std::vector<Message> delivered;  ///< for a service, received by a link
   Duration clock_off{};
 
   [[nodiscard]] std::uint64_t count(const std::string& name) const {
@@ -86,7 +86,7 @@ struct TestNode {
   [[nodiscard]] LinkId link_to(const std::string& other) const {
     return peer(other) == nullptr ? 0 : peer(other)->link;
   }
-  /// What it knows of the way to another node by relays.
+  /// What it knows about the way to another node by relays.
   [[nodiscard]] const RelayRoute& relay_route(const std::string& other) const {
     return core->relays().route(*peer(other));
   }
@@ -107,44 +107,45 @@ class TestFleet {
     std::uint64_t boot = 1;
     bool beacon = true;
     std::vector<std::string> seeds{};
-    std::vector<std::string> known{};                  ///< hints of the run before
+    std::vector<std::string> known{};                  ///< hints of the previous run
     std::map<std::string, std::string> seed_names{};   ///< id -> the HOST:PORT that its seed names
-    std::map<std::string, std::string> known_names{};  ///< of hints
+    std::map<std::string, std::string> known_names{};  ///< the same for hints
     bool disk_full = false;                            ///< also when it starts
-    bool relay = false;                                ///< its certificate lets it, too
+    bool relay = false;                                ///< its certificate allows it, too
     bool lane = true;
     bool seal_before_delivery = false;
-    Duration clock_off{};  ///< of the node's clock of UTC
+    Duration clock_off{};  ///< the error of the node's UTC clock
   };
 
   TestNode& start(const std::string& id, const Options& options);
   TestNode& start(const std::string& id) { return start(id, Options{}); }
   TestNode& at(const std::string& id) { return *nodes_.at(id); }
-  /// Where a node is at first, in numbers; it may not have been started yet.
+  /// A node's first numeric address; it need not have been started yet.
   std::string address(const std::string& id);
-  /// The keys of a node that may not have been started yet.
+  /// The keys of a node; it need not have been started yet.
   TestKeys& keys(const std::string& id);
 
-  /// What a name server knows of the hosts that seeds name: HOST:PORT -> address.
+  /// What a name server knows about the hosts that seeds name: HOST:PORT -> address.
   std::map<std::string, std::string> hosts;
   /// Lets time pass in small steps; every message that is due arrives.
   void run(Duration time);
-  /// Nothing sent from one node arrives at the other any more; nobody is told.
+  /// Nothing sent from one node to the other arrives any more; nobody is notified.
   void cut(const std::string& from, const std::string& to) { cuts_.insert({from, to}); }
   void heal() { cuts_.clear(); }
-  /// The node is at another address from now on: its connections lead nowhere and nobody is told, but its own router.
+  /// The node has another address from now on: its connections lead nowhere, and only its own router is notified.
   void move(const std::string& id, const std::string& address);
-  /// May change each message that one node sends the other, or have it lost (false).
+  /// May change each message that one node sends the other, or lose it (false).
   std::function<bool(const std::string& from, LinkId link, std::uint64_t& sequence, Message& message)> meddle;
-  /// A node that keeps to itself what it should send: nothing of it shows on the link.
+  /// A node that withholds what it should send: the link does not show it.
   std::function<bool(const std::string& from, const Message& message)> withhold;
-  /// A service of this node says something to another node, by the call that the shell makes.
+  /// A service of this node sends another node something, by the call that the shell makes.
   void say(const std::string& from, const std::string& to, const std::string& word, const Bytes& data);
-  /// The service that has connection 1 of this node asks another node something.
+  /// The service on connection 1 of this node requests something from another node.
   void ask(const std::string& from, const std::string& to, const std::string& word, const Bytes& data);
-  /// Lossy information by whatever way its core chooses; returns that way. What the lane carries arrives at once.
+  /// Sends lossy information by whichever way the core chooses; returns that way. What the lane carries arrives at
+  /// once.
   Routing stream(const std::string& from, const Message& message);
-  /// This node hears that one's lane.
+  /// Does this node receive that one's lane?
   [[nodiscard]] bool hears(const std::string& listener, const std::string& speaker) const {
     return lanes_.count({listener, at_const(listener).link_to(speaker)}) != 0;
   }
@@ -157,9 +158,9 @@ class TestFleet {
   [[nodiscard]] Now now_of(const TestNode& node) const { return {now.mono, now.utc + node.clock_off}; }
 
   void carry_out(TestNode& node, Effects& effects);
-  /// Hands a message to a node as one that came by a link, by the call that the shell makes.
+  /// Hands a message to a node as if it came by a link, by the call that the shell makes.
   Routing arrive(TestNode& node, LinkId link, std::uint64_t sequence, const Message& message);
-  /// What a connection of the node's bus sends, by the way that the shell takes.
+  /// A connection of the node's bus sends a message, by the call that the shell makes.
   Routing forward(TestNode& node, ConnectionId from, const Message& message);
 
  private:
@@ -194,9 +195,9 @@ class TestFleet {
   std::map<std::string, std::unique_ptr<TestNode>> nodes_;
   std::map<std::string, TestKeys> keys_;
   std::map<std::string, std::string> places_;     ///< HOST:PORT -> id
-  std::map<std::string, std::string> addresses_;  ///< by id, at first
+  std::map<std::string, std::string> addresses_;  ///< first addresses, by id
   std::map<LinkId, Wire> wires_;
-  std::map<std::pair<std::string, LinkId>, std::string> lanes_;  ///< (who listens, by which link) -> to whom
+  std::map<std::pair<std::string, LinkId>, std::string> lanes_;  ///< (listener, link) -> speaker
   std::set<std::pair<std::string, LinkId>> bound_;               ///< (node, link): accepted by its shell
   std::deque<Packet> packets_;
   std::deque<std::pair<std::string, Bytes>> beacons_;

@@ -1,4 +1,4 @@
-// A node whose inbox the test speaks to: it says Hello as the bee, or as whoever it likes.
+// A node to whose inbox the test connects: it sends Hello as the bee, or as any other node.
 #pragma once
 
 #include "services/router/test/test_fleet.hpp"

@@ -1,4 +1,4 @@
-// Two nodes of a fleet in memory have one link, the same on both sides.
+// Are two nodes of a fleet in memory linked by one link, the same on both sides?
 #pragma once
 
 #include <doctest/doctest.h>

@@ -38,7 +38,7 @@ struct RoutedPair {
   Message remote(const std::string& subtype, MessageType type = MessageType::command) const {
     return {.type = type, .subtype = subtype, .source = "bee", .target = "ant", .id = 9, .data = {}};
   }
-  /// A service asks; what it asks goes out.
+  /// A service requests something; the request goes out.
   Routing ask(ConnectionId from, std::uint64_t id, const std::string& target, const std::string& subtype = "move",
               MessageType type = MessageType::command) {
     Message question{.type = type, .subtype = subtype, .source = "ant", .target = target, .id = id, .data = {}};

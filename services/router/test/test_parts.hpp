@@ -1,4 +1,4 @@
-// The objects of a router by themselves, for their tests: a node "ant", its table, and whoever the test links it with.
+// The objects of a router by themselves, for their tests: a node "ant", its table, and the peers that the test links.
 #pragma once
 
 #include <doctest/doctest.h>

@@ -1,4 +1,4 @@
-// Fleets in memory in which two members talk by a relay, for the tests.
+// Fleets in memory in which two members communicate by a relay, for the tests.
 #pragma once
 
 #include <doctest/doctest.h>
@@ -38,7 +38,7 @@ struct Triangle {
     fleet.carry_out(node, effects);
   }
 
-  /// Put on the link from one node to another, as if the first one's router had.
+  /// Puts a message on the link from one node to another, as if the first node's router had sent it.
   void put(TestNode& from, const std::string& to, const Message& message) {
     Effects effects;
     effects.add(LinkSend{from.link_to(to), message});
@@ -46,7 +46,7 @@ struct Triangle {
     fleet.run(2 * kStep);
   }
 
-  /// What the shell does with a message of that scheduler.
+  /// That scheduler sends a message, as the shell handles it.
   static void say(TestFleet& fleet, TestNode& node, std::uint64_t number, const std::string& to = "bee") {
     Message message;
     message.type = MessageType::information;
@@ -91,7 +91,7 @@ struct Triangle {
     message.id = std::uint64_t{decode<ServiceWelcome>(welcome->message.data)->slot} << 48U | 77;
     return message;
   }
-  /// The codes of all that was Nacked to the services of a node.
+  /// The codes of all Nacks to the services of a node.
   static std::vector<std::string> nacks(const TestNode& node) {
     std::vector<std::string> out;
     for (const BusSend& sent : node.bus) {
@@ -114,7 +114,7 @@ struct Triangle {
   SignedRecord signed_by_ant(const RelayedFrame& frame) {
     return sign(kSignedRelayed, "ant", fleet.authority.fleet.id(), encode(frame), ant->keys.identity);
   }
-  /// As ant would make it; ant's own counts are far below.
+  /// As ant would make it; ant's own counts are far lower.
   RelayedFrame frame(std::uint64_t count, const Message& inner) const {
     const Bytes key = relay_key(ant->keys.link, bee->keys.link.public_key);
     return {"bee", 1, 1, 1000 + count, fleet.now.utc.ns + 5'000'000'000, {lock_relayed(key, encode_frame(inner))}};
@@ -127,7 +127,7 @@ struct TwoRelays {
   TestFleet fleet;
   TestNode* ant = nullptr;
   TestNode* bee = nullptr;
-  std::string first;  ///< carries what ant says
+  std::string first;  ///< carries ant's messages
   std::string other;
 
   TwoRelays() {
@@ -144,7 +144,7 @@ struct TwoRelays {
     other = first == "cloud" ? "dock" : "cloud";
     REQUIRE_FALSE(first.empty());
   }
-  /// A command that ant has given its relay and the relay has not passed on; its count.
+  /// A command that ant gave its relay and that the relay did not pass on; returns its count.
   std::uint64_t lost() {
     Message message;
     message.type = MessageType::command;

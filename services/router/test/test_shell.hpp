@@ -1,5 +1,5 @@
-// The parts of a router's shell over real sockets, for their tests: node "ant" in a folder of its own. What the core
-// orders is gathered, not carried out.
+// The parts of a router's shell over real sockets, for their tests: node "ant" in a folder of its own. The core's
+// orders are gathered, not carried out.
 #pragma once
 
 #include <doctest/doctest.h>
@@ -14,7 +14,7 @@
 
 namespace trb::router {
 
-/// A temporary folder with what a node's has; it is the working folder meanwhile.
+/// A temporary node folder with the usual files; it is the working directory meanwhile.
 class NodeFolder {
  public:
   NodeFolder() {
@@ -68,7 +68,7 @@ struct ShellParts {
     }
     return found;
   }
-  /// Turns the loop until the condition holds; false after five seconds.
+  /// Runs the loop until the condition holds; false after five seconds.
   template <class Condition>
   bool turn_until(Condition condition) {
     const MonotonicTime end = read_clocks().mono + std::chrono::seconds(5);
@@ -82,7 +82,7 @@ struct ShellParts {
   }
 
  private:
-  /// The sockets that a condition reads are not the loop's.
+  /// The loop does not watch the sockets that a condition reads.
   static constexpr Duration kLook = std::chrono::milliseconds(5);
   bool looks_ = false;
 };
@@ -91,7 +91,7 @@ struct ShellParts {
 struct BusClient {
   ShellParts& parts;
   Socket socket;
-  std::uint64_t slot = 0;  ///< of its welcome: the first bits of its ids
+  std::uint64_t slot = 0;  ///< from its welcome: the upper bits of its ids
   BusClient(ShellParts& of, const std::string& name)
       : parts(of), socket(Socket::bus_client(of.shell.zmq(), "ipc://bus/" + name + ".ipc")) {}
   void send(const std::string& subtype, const Bytes& data, MessageType type = MessageType::information) {
@@ -104,7 +104,7 @@ struct BusClient {
     message.data = data;
     send_frame(encode_frame(message));
   }
-  /// Once it is connected.
+  /// Only once it is connected.
   void send_frame(const Bytes& frame) {
     REQUIRE(parts.turn_until([&] { return socket.send(to_frame(frame)) == SendResult::sent; }));
   }

@@ -1,4 +1,4 @@
-// What the authority signs while a fleet is up, and three linked nodes that are told of it.
+// What the authority signs while a fleet is up, and three linked nodes that receive it.
 #pragma once
 
 #include <doctest/doctest.h>
@@ -14,7 +14,7 @@ inline SignedRecord sign_list(const TestAuthority& authority, RevocationList lis
   return sign(kSignedRevocations, "", authority.fleet.id(), encode(list), authority.key);
 }
 
-/// List `number`: these ids are out up to serial 1; the beacon key's box is for those that are named.
+/// List `number`: revokes these ids up to serial 1; the beacon key's box is for the named nodes.
 inline SignedRecord list_of(const TestAuthority& authority, std::uint64_t number,
                             const std::vector<std::string>& out_ids, const std::vector<std::string>& staying = {}) {
   RevocationList list;
@@ -64,7 +64,7 @@ struct Three {
   }
 };
 
-/// Of a node of that id, made anew: its keys are others.
+/// A new node of the same id, with other keys.
 inline Certificate of_another(const TestFleet& fleet, const std::string& id, std::uint64_t serial) {
   return fleet.authority.sign_node(id, Role::robot, serial).certificate;
 }

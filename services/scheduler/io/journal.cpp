@@ -91,7 +91,7 @@ Status JournalFile::bring_up_to_date() {
   }
   if (auto begun = run("BEGIN IMMEDIATE"); !begun) return begun;
   Status made = run(kTables);
-  // In one step with the tables: whatever dies meanwhile, it is not taken for a first start.
+  // In one transaction with the tables: a crash in between is not taken for a first start.
   lost_ = *version == 0 && file_exists(path_ + kKnown);
   if (made && lost_) made = note_lost();
   if (made && *version == 1) made = move_tombstones();
@@ -110,7 +110,7 @@ Status JournalFile::note_lost() {
   return finish(statement->get());
 }
 
-/// Version 1 kept the runs that are over as records, and of them nothing but that.
+/// Version 1 kept the runs that are over as tombstone records, and nothing else of them.
 Status JournalFile::move_tombstones() {
   auto read = compile("SELECT seq, kind, body FROM records WHERE kind = 'journal_tombstone' ORDER BY seq");
   if (!read) return read.error();
@@ -185,7 +185,7 @@ Status JournalFile::put_into_archive(const JournalRecord& record, const JournalA
   return make_room();
 }
 
-/// The oldest records go; what is known of their runs without them stays.
+/// Removes the oldest records; what is known of their runs without a record stays.
 Status JournalFile::make_room() {
   while (archived_ > archive_bytes_) {
     const auto size = number("SELECT LENGTH(record) FROM archive WHERE record IS NOT NULL ORDER BY seq LIMIT 1");
@@ -289,7 +289,7 @@ std::optional<RunView> JournalFile::view(const std::string& run) const {
 }
 
 std::vector<std::string> JournalFile::ids(const std::string& beginning, std::size_t most) const {
-  // An id is hexadecimal: nothing that begins so comes behind "g".
+  // An id is hexadecimal: no id with this beginning sorts after "g".
   auto statement = compile("SELECT run FROM archive WHERE run >= ? AND run < ? ORDER BY seq DESC LIMIT ?");
   std::vector<std::string> out;
   if (!statement) return out;

@@ -1,5 +1,5 @@
-// The scheduler's journal: one SQLite file, written before anything is sent about what it records. What is over is kept
-// in it, too: its archive.
+// The scheduler's journal: one SQLite file, written before anything based on it is sent. It also holds the archive: the
+// runs that are over.
 #pragma once
 
 #include <memory>
@@ -21,33 +21,33 @@ class JournalFile final : public Archive {
   static constexpr int kSchemaVersion = 2;
   static constexpr std::int64_t kArchiveBytes = std::int64_t{256} << 20U;
 
-  /// Opens or makes the file (WAL, synchronous=FULL); an older schema is brought up to date. `archive_bytes`: when the
-  /// records of the archive take more, the oldest go; that those runs are over stays known for as long as anything may
-  /// come for them. Errors: io_error, malformed (no database, a damaged one), version_mismatch; each names the file and
-  /// the hint.
+  /// Opens or creates the file (WAL, synchronous=FULL); an older schema is brought up to date. `archive_bytes`: when
+  /// the records of the archive take more, the oldest are removed; that those runs are over stays known as long as
+  /// messages for them may come. Errors: io_error, malformed (not a database, or damaged), version_mismatch; each names
+  /// the file and a cure.
   static Result<std::unique_ptr<JournalFile>> open(const std::string& path, std::int64_t archive_bytes = kArchiveBytes);
 
   JournalFile(const JournalFile&) = delete;
   JournalFile& operator=(const JournalFile&) = delete;
   ~JournalFile() override;
 
-  /// The file was made now, though one was there before (PATH.known says so): what that one held is lost, and the new
-  /// one says so (JournalLost).
+  /// The file is new, though one existed before (PATH.known exists): the old one's contents are lost, and the new one
+  /// records that (JournalLost).
   [[nodiscard]] bool was_lost() const { return lost_; }
 
-  /// Writes the records of one step in one transaction; JournalArchive takes the place of its run's records,
-  /// JournalTime and JournalLost of the one before. Errors: io_error, bad_value (not a journal record); then nothing of
-  /// the step is written.
+  /// Writes the records of one step in one transaction; JournalArchive replaces its run's records, JournalTime and
+  /// JournalLost replace the previous one. Errors: io_error, bad_value (not a journal record); then nothing of the step
+  /// is written.
   Status commit(const std::vector<Journal>& records);
 
   /// Every record in the order of writing, without the archive. Errors: malformed, io_error.
   Result<std::vector<JournalRecord>> load();
 
-  /// Forgets runs of the archive without a record for which nothing can come any more; done with each JournalTime.
-  /// Error: io_error.
+  /// Removes runs of the archive that have no record and for which no message can come any more; called with each
+  /// JournalTime. Error: io_error.
   Status prune(UtcTime steady);
 
-  // What cannot be read counts as not there; damage is told by open() and load().
+  // A record that cannot be read counts as missing; open() and load() report damage.
   [[nodiscard]] std::optional<Over> over(const std::string& run) const override;
   [[nodiscard]] std::optional<RunView> view(const std::string& run) const override;
   [[nodiscard]] std::vector<std::string> ids(const std::string& beginning, std::size_t most) const override;

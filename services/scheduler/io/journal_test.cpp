@@ -132,7 +132,7 @@ TEST_CASE("the archive keeps within its bytes: the oldest records go, and that t
     CHECK_FALSE((*file)->over("149"));
     CHECK((*file)->over("150"));
   }
-  // Opened with fewer, it makes room at the next run.
+  // Opened with fewer bytes, it makes room at the next run.
   auto file = JournalFile::open(folder.file(), kBytes / 10);
   REQUIRE(file.ok());
   REQUIRE((*file)->commit({{over_of("200", RunState::finished, 300)}}).ok());

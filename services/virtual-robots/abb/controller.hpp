@@ -33,7 +33,7 @@ class Controller {
   std::optional<std::string> advance(double now);
   std::optional<double> next_deadline() const { return arm_.next_deadline(); }
 
-  /** A motion error: the move ends with its text, and the motors go off; a WARNING is only told. */
+  /** A motion error: the move ends with its text, and the motors go off; a WARNING is only reported. */
   std::optional<std::string> raise_fault(const std::string& capability, const std::string& severity,
                                          const std::string& text, double now);
   void clear();

@@ -7,7 +7,7 @@
 
 namespace trb::virtual_robots::abb {
 
-/** A RAPID string holds so many characters. */
+/** The length of a RAPID string, in characters. */
 constexpr std::size_t kString = 80;
 
 /** "CODE PARAMETER ... #". */
@@ -17,7 +17,7 @@ struct Request {
   std::vector<std::string> parameters;
 };
 
-/** What one SocketReceive would give: up to the `#`, or 80 characters; nothing while neither is there. */
+/** What one SocketReceive would give: up to the `#`, or 80 characters; nothing while neither has come. */
 std::optional<std::string> take_string(std::string& bytes);
 Request parse(std::string_view text);
 
@@ -28,7 +28,7 @@ std::string unescape(std::string_view text);
 /** "CODE OK VALUES#". */
 std::string answer(int code, bool ok, std::string_view values);
 
-/** The parameters as numbers, if all of them are, and just so many. */
+/** The parameters as numbers, if all of them are numbers and there are exactly `count`. */
 std::optional<std::vector<double>> numbers(const Request& request, std::size_t count);
 
 }  // namespace trb::virtual_robots::abb

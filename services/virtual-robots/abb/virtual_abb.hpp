@@ -41,7 +41,7 @@ class VirtualAbb {
   Controller controller_;
   TcpServer program_;
   TcpServer service_;
-  std::uint64_t requester_ = 0;  ///< whose move is carried out
+  std::uint64_t requester_ = 0;  ///< the client whose move is under way
   Console console_;
 };
 

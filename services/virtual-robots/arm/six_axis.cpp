@@ -95,7 +95,7 @@ void SixAxis::resume(double now) {
   begin_step(now);
 }
 
-/** Begins where the last one has ended, so that lateness does not add up. */
+/** Begins where the last one has ended, so that delays do not add up. */
 void SixAxis::begin_step(double now) {
   begin_ = now;
   const Step& step = steps_[next_];

@@ -34,11 +34,11 @@ using Ranges = std::array<Range, kAxes>;
 extern const Ranges kKukaRanges;
 extern const Ranges kAbbRanges;
 
-/** The joint that is out of its range, told as "A2 60.0 is not in -190.0..45.0"; `letter`: how the make calls an axis.
+/** The joint that is out of its range, as "A2 60.0 is not in -190.0..45.0"; `letter`: the maker's name of an axis.
  */
 std::optional<std::string> out_of_range(const Joints& joints, const Ranges& ranges = kKukaRanges, char letter = 'A');
 
-/** What is fetched, put down and left, as every virtual arm does it. */
+/** The steps of fetching, putting down and leaving, the same for every virtual arm. */
 std::vector<Step> pick_steps(const Joints& at);
 std::vector<Step> grasp_and_put_down_steps(const Joints& at);
 extern const Joints kHome;
@@ -51,15 +51,15 @@ class SixAxis {
  public:
   explicit SixAxis(const Joints& at = kHome) : from_(at), to_(at) {}
 
-  /** The last steps are forgotten. */
+  /** Replaces the previous steps. */
   void start(std::vector<Step> steps, double now);
-  /** Stands still where the motion has got to; the steps are forgotten. */
+  /** Stands still where it is; the remaining steps are dropped. */
   void halt(double now);
   /** Stands still, and goes on with the same steps after resume. */
   void pause(double now);
   void resume(double now);
 
-  /** Carries out what is due. True: in this call the last step has ended. */
+  /** Carries out what is due. True: the last step ended in this call. */
   bool advance(double now);
   std::optional<double> next_deadline() const;
 
@@ -74,7 +74,7 @@ class SixAxis {
   double fraction(double now) const;
 
   std::vector<Step> steps_;
-  std::size_t next_ = 0;  ///< the step that is carried out
+  std::size_t next_ = 0;  ///< the step under way
   Joints from_;
   Joints to_;
   std::optional<Pose> pose_from_;

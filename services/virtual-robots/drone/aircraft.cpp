@@ -51,7 +51,7 @@ Phase Aircraft::phase() const {
 }
 
 void Aircraft::advance(double seconds) {
-  // A process that was stopped for an hour need not fly each of its steps.
+  // After a pause of an hour the process need not compute each step of the flight.
   double left = std::clamp(seconds, 0.0, 600.0);
   while (left > 0) {
     const double next = std::min(left, kStep_s);

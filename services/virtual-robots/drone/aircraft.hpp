@@ -4,10 +4,10 @@
 
 namespace trb::virtual_robots::drone {
 
-/** What the aircraft does, as the maker numbers it in navdata. */
+/** The aircraft's phase, numbered as in the maker's navdata. */
 enum class Phase : std::uint8_t { Cut = 0, Landed = 2, Flying = 3, Hovering = 4, TakingOff = 6, Landing = 8 };
 
-/** Parts of the largest tilt or speed, -1 to 1, as PCMD gives them: forward is a negative pitch, right and up positive.
+/** Fractions of the largest tilt or speed, -1 to 1, as in PCMD: forward is a negative pitch, right and up positive.
  */
 struct Stick {
   double roll = 0;
@@ -20,17 +20,17 @@ struct Stick {
 /** The body of a quadrocopter: a velocity that follows the stick, a battery that drains. Axes forward, right, up. */
 class Aircraft {
  public:
-  static constexpr double kLowBattery = 20;   ///< percent: it takes off no more
+  static constexpr double kLowBattery = 20;   ///< percent: it no longer takes off
   static constexpr double kEmptyBattery = 4;  ///< it lands by itself
   static constexpr double kHoverHeight_m = 0.8;
 
-  /** From the ground, or out of a landing. False when the battery is low or the motors are cut. */
+  /** From the ground, or during a landing. False when the battery is low or the motors are cut. */
   bool take_off();
   void land();
   void cut_motors();
-  /** After its motors were cut it stands on the ground. */
+  /** Puts it on the ground after its motors were cut. */
   void restore();
-  /** Without a stick it hovers. */
+  /** Without a stick command it hovers. */
   void steer(const Stick& stick) { stick_ = stick; }
   void set_battery(double percent) { battery_ = percent; }
   void set_ceiling(double metres) { ceiling_ = metres; }
@@ -59,7 +59,7 @@ class Aircraft {
   void fly(double seconds);
   void drain(double seconds);
 
-  Phase phase_ = Phase::Landed;  ///< never Hovering: that is Flying without a stick
+  Phase phase_ = Phase::Landed;  ///< never Hovering: that is Flying without a stick command
   Stick stick_;
   double ceiling_ = 3;
   double battery_ = 100;

@@ -16,7 +16,7 @@ bool is_name(std::string_view text) {
   return !text.empty();
 }
 
-/** Cuts at commas that stand outside of quotes; nothing when a quote is left open or stands within a word. */
+/** Splits at commas outside of quotes; nothing if a quote is not closed or stands within a word. */
 std::optional<std::vector<std::string>> split_arguments(std::string_view text) {
   std::vector<std::string> arguments;
   for (;;) {

@@ -40,7 +40,7 @@ void Controller::take(std::string_view datagram, double now) {
   tell_phase();
 }
 
-/** A number that does not rise is of a datagram that came too late; 1 is a client that has started anew. */
+/** A number that does not increase belongs to a late datagram; 1 is a client that has restarted. */
 bool Controller::is_new(const Command& command) {
   if (command.sequence <= last_sequence_ && command.sequence != 1) {
     events_.push_back("ignored " + command.name + " " + std::to_string(command.sequence) + " after " +
@@ -108,7 +108,7 @@ void Controller::take_config(const Command& command) {
   events_.push_back("config " + escape_line(key) + " " + escape_line(value));
 }
 
-/** Trimming, lights and figures: seen, but not imitated. */
+/** Trimming, lights and figures: accepted, but not imitated. */
 void Controller::take_other(const Command& command) {
   std::string event =
       command.name == "FTRIM" || command.name == "LED" || command.name == "ANIM" || command.name == "CALIB"

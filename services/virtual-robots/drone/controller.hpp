@@ -10,7 +10,7 @@
 namespace trb::virtual_robots::drone {
 
 /**
- * The drone's program: takes AT commands, flies, watches over its link. `now` is in seconds of the wall; the aircraft's
+ * The drone's program: takes AT commands, flies, watches its link. `now` is in seconds of real time; the aircraft's
  * time runs `speed` times faster, the watchdog's does not.
  */
 class Controller {
@@ -21,17 +21,17 @@ class Controller {
   Controller(double speed, double now) : speed_(speed), last_advance_(now), last_command_(now) {}
 
   void take(std::string_view datagram, double now);
-  /** Somebody wants navdata; somebody else than before is told nothing of the flight until it configures that. */
+  /** A client wants navdata; a new client gets no flight data until it configures that. */
   void wake(bool other_client);
   void advance(double now);
 
-  // What happens outside of the protocol.
+  // Events outside of the protocol.
   void fail_emergency();
   void raise(std::uint32_t bit) { injected_ |= bit; }
   void clear_faults();
   void set_battery(double percent) { aircraft_.set_battery(percent); }
 
-  /** The next navdata; its number rises with each call. */
+  /** The next navdata; its number increases with each call. */
   std::string navdata();
   const Aircraft& aircraft() const { return aircraft_; }
   std::vector<std::string> take_events();

@@ -1,4 +1,4 @@
-// The virtual drone by hand: bytes in, bytes out, no socket and no clock.
+// The virtual drone, driven by hand: bytes in, bytes out, no socket and no clock.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -9,7 +9,7 @@ using namespace trb::virtual_robots::drone;
 
 namespace {
 
-/** A drone, its wall clock, and a client that counts its commands. */
+/** A drone, its real-time clock, and a client that counts its commands. */
 class Pilot {
  public:
   explicit Pilot(double speed = 1) : drone_(speed, 0) { drone_.wake(true); }
@@ -19,7 +19,7 @@ class Pilot {
                 now_);
   }
   void raw(const std::string& datagram) { drone_.take(datagram, now_); }
-  /** The state sent as a real client sends it. */
+  /** The state, sent as a real client sends it. */
   void fly(double seconds, const std::string& reference, const std::string& motion = "0,0,0,0,0") {
     for (double t = 0; t < seconds - 1e-9; t += 0.03) {
       now_ += 0.03;
@@ -144,9 +144,9 @@ TEST_CASE("without a command for 2 s it hovers and says so, then it lands; COMWD
   CHECK(pilot.aircraft().phase() == Phase::Landing);
   pilot.pass(3);
   CHECK(pilot.aircraft().phase() == Phase::Landed);
-  pilot.sequence_ = 7;  // lower ones are taken again
+  pilot.sequence_ = 7;  // lower ones are accepted again
   pilot.send("REF", kAir);
-  CHECK(pilot.aircraft().phase() == Phase::Landed);  // its watchdog still bites
+  CHECK(pilot.aircraft().phase() == Phase::Landed);  // its watchdog still acts
   pilot.send("COMWDG");
   CHECK((pilot.state() & bits::kComWatchdog) == 0);
   pilot.send("REF", kAir);

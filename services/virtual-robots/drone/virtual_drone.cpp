@@ -45,7 +45,7 @@ void VirtualDrone::run(const Fd& end) {
 }
 
 void VirtualDrone::read_commands() {
-  // One byte more than is allowed shows that there was more.
+  // One byte more than is allowed, to detect longer datagrams.
   std::array<char, kLongestDatagram + 1> buffer;
   for (int i = 0; i < kMostDatagrams; ++i) {
     const ssize_t size = ::recv(commands_.get(), buffer.data(), buffer.size(), 0);
@@ -54,7 +54,7 @@ void VirtualDrone::read_commands() {
   }
 }
 
-/** Whoever says anything here is told navdata from now on; one at a time, the last that has asked. */
+/** A client that sends anything here gets navdata from now on; one at a time, the last one. */
 void VirtualDrone::read_wake_ups() {
   std::array<char, 64> buffer;
   for (int i = 0; i < kMostDatagrams; ++i) {
@@ -62,7 +62,7 @@ void VirtualDrone::read_wake_ups() {
     socklen_t length = sizeof from;
     const ssize_t size =
         ::recvfrom(navdata_.get(), buffer.data(), buffer.size(), 0, reinterpret_cast<sockaddr*>(&from), &length);
-    // An error may be a former client's port that is closed: there may be a datagram behind it.
+    // An error may concern a former client's closed port: another datagram may follow.
     if (size < 0 && (errno == EAGAIN || errno == EWOULDBLOCK)) return;
     if (size < 0) continue;
     const bool other =
@@ -93,7 +93,7 @@ void VirtualDrone::take_line(const std::string& line) {
   }
 }
 
-/** The drone has bits and no texts: a warning is the wind, what is urgent a tilt too far, all else cuts the motors. */
+/** The drone has bits and no texts: WARNING is wind, URGENT a tilt too far, all else cuts the motors. */
 void VirtualDrone::take_fault(const FaultOrder& order) {
   print_line("fault " + order.severity + " " + escape_line(order.text));
   if (order.severity == "WARNING") return controller_.raise(bits::kTooMuchWind);
@@ -104,7 +104,7 @@ void VirtualDrone::take_fault(const FaultOrder& order) {
 void VirtualDrone::send_navdata() {
   const double now = wall_seconds();
   if (now < next_navdata_) return;
-  // After a long pause of the process the missed packets are not sent one after the other.
+  // After a long pause of the process the missed packets are not sent all at once.
   next_navdata_ = std::max(next_navdata_ + kNavdataPeriod, now);
   controller_.advance(now);
   if (!client_) return;

@@ -14,7 +14,7 @@ namespace trb::virtual_robots::drone {
 
 struct Settings {
   std::string address = "127.0.2.6";
-  std::optional<std::uint16_t> port = 5556;  ///< of the commands; navdata two below; none: free ones
+  std::optional<std::uint16_t> port = 5556;  ///< for commands; navdata has this port minus 2; none: free ones
   double speed = 1;
   double battery = 100;
   std::optional<Endpoint> control;
@@ -40,7 +40,7 @@ class VirtualDrone {
   Fd navdata_;
   Console console_;
   Controller controller_;
-  std::optional<sockaddr_in> client_;  ///< who wants navdata
+  std::optional<sockaddr_in> client_;  ///< receives navdata
   double next_navdata_ = 0;
 };
 

@@ -3,7 +3,7 @@
 namespace trb::virtual_robots::kuka {
 namespace {
 
-/** Reads big-endian fields; what is not there makes it fail for good. */
+/** Reads big-endian fields; after a missing one every further read fails. */
 class Fields {
  public:
   explicit Fields(std::string_view bytes) : bytes_(bytes) {}

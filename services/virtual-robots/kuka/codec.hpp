@@ -7,7 +7,7 @@
 
 namespace trb::virtual_robots::kuka {
 
-/** What a client asks of the C3 server. */
+/** A client's request to the C3 server. */
 struct Request {
   std::uint16_t tag = 0;
   std::uint8_t type = 0;  ///< 0 read, 1 write; others are not implemented

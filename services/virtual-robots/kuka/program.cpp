@@ -12,9 +12,9 @@ namespace {
 constexpr std::size_t kRoom = 64;       ///< of the short texts
 constexpr std::size_t kDataRoom = 128;  ///< of the data
 constexpr std::size_t kMostSayings = 64;
-// What its camera sees.
+// The result of its camera.
 constexpr const char* kSeen = R"({"place":"table1"})";
-// What a message came to: TRB_RESULT.
+// The result of a message: TRB_RESULT.
 constexpr int kWell = 0;
 constexpr int kStopped = 2;
 constexpr int kInjected = 3;
@@ -55,7 +55,7 @@ void Program::declare_variables() {
   v.declare("TRB_POS", Type::Pos, "");
   v.declare("$OV_PRO", Type::Int, "100");
   v.declare("$STOPMESS", Type::Bool, "FALSE");
-  v.declare("$ALARM_STOP", Type::Bool, "TRUE");  // like the controller's output: FALSE while the emergency stop is hit
+  v.declare("$ALARM_STOP", Type::Bool, "TRUE");  // as on the controller: FALSE while the emergency stop is pressed
   v.declare_live("$MODE_OP", [] { return std::string("#EX"); });
   v.declare_live("$PRO_STATE1", [this] { return std::string(running_ ? "#P_ACTIVE" : "#P_RESET"); });
   v.declare_live("$AXIS_ACT", [this] { return axis_text(); });
@@ -88,7 +88,7 @@ void Program::advance(double now) {
   if (!skill_ && variables_.flag("TRB_COMMAND") && !variables_.flag("TRB_DONE")) take_message(now);
 }
 
-/** The interrupt of trb.src: brakes, throws away what it holds, and says so. */
+/** The interrupt of trb.src: brakes, drops the message under way, and reports that. */
 void Program::follow_stop(double now) {
   const bool stop = variables_.flag("TRB_STOP");
   if (stop == variables_.flag("TRB_STOPPED")) return;
@@ -115,7 +115,7 @@ void Program::take_message(double now) {
   number_ = variables_.number("TRB_NUMBER");
   emit("message " + type + " " + escape_line(subtype) + " " + variables_.text("TRB_SOURCE") + " " +
        variables_.text("TRB_SIZE") + " " + escape_line(data));
-  // Refused: the end is told before it is taken, so that its sender is answered with it.
+  // Refused: the end is signalled before the message is taken, so that its sender gets it as the answer.
   if (type == "request") {
     answer(subtype);
   } else {
@@ -181,7 +181,7 @@ void Program::say(std::string type, std::string subtype, std::string target, std
   sayings_.push_back({std::move(type), std::move(subtype), std::move(target), escape_field(data), size});
 }
 
-/** One chunk, once the node has read the last one. */
+/** Sends one chunk, once the node has read the last one. */
 void Program::tell_next() {
   if (sayings_.empty() || variables_.flag("TRB_OUT")) return;
   Saying& saying = sayings_.front();

@@ -11,7 +11,7 @@
 
 namespace trb::virtual_robots::kuka {
 
-/** A skill that fails: the Nth time that it could begin, or every time. */
+/** A skill that fails: the Nth call that could begin, or every one. */
 struct Failure {
   std::string skill;
   std::optional<int> call;
@@ -19,7 +19,7 @@ struct Failure {
 
 /**
  * The controller and the program trb.src on it (config/robots/kuka): takes messages from the variables, moves the arm,
- * and tells the end. `now` is robot time in seconds.
+ * and reports the end. `now` is robot time in seconds.
  */
 class Program {
  public:
@@ -27,26 +27,26 @@ class Program {
 
   Variables& variables() { return variables_; }
 
-  /** Everything that is due, after every write too. */
+  /** Does everything that is due; also after every write. */
   void advance(double now);
   std::optional<double> next_deadline() const;
 
-  /** The controller stops the program with a message; `capability` and `severity` as trb.src tells them. */
+  /** The controller stops the program with a message; `capability` and `severity` as trb.src reports them. */
   void raise_fault(const std::string& capability, const std::string& severity, const std::string& text, double now);
   /** A person clears the message and starts the program again: it goes on where it was. */
   void clear(double now);
   /** A person selects the program, or cancels it. */
   void select(bool running, double now);
-  /** A message of the robot's own. */
+  /** Sends a message of the robot's own. */
   void say(std::string type, std::string subtype, std::string target, std::string data);
 
-  /** What it did, each a line for stdout. */
+  /** Its events, each a line for stdout. */
   std::vector<std::string> take_events();
 
  private:
   struct Saying {
-    std::string type, subtype, target, data;  ///< the data escaped, as far as it is not yet told
-    std::size_t size = 0;                     ///< of all of it, before escaping
+    std::string type, subtype, target, data;  ///< the data escaped, the part that is not yet sent
+    std::size_t size = 0;                     ///< of all the data, before escaping
   };
   void declare_variables();
   void follow_stop(double now);
@@ -64,13 +64,13 @@ class Program {
   Variables variables_;
   arm::SixAxis arm_;
   std::vector<Failure> failures_;
-  std::vector<int> calls_;  ///< of each failure's skill
+  std::vector<int> calls_;  ///< number of calls, for each failure's skill
   double now_ = 0;
   bool running_ = true;
-  std::string held_;  ///< the chunks so far, as they came
+  std::string held_;  ///< the chunks so far, as received
   std::optional<std::string> skill_;
   bool closed_ = false;
-  long long number_ = 0;  ///< of the message that is carried out
+  long long number_ = 0;  ///< of the message under way
   std::deque<Saying> sayings_;
   std::vector<std::string> events_;
 };

@@ -8,7 +8,7 @@ using namespace trb::virtual_robots::kuka;
 
 namespace {
 
-/** A node that hands messages over as config/robots/kuka/README says. */
+/** A node that sends messages as config/robots/kuka/README describes. */
 struct Node {
   explicit Node(std::vector<Failure> failures = {}) : program(std::move(failures)) { program.advance(0); }
 

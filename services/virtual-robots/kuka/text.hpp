@@ -9,7 +9,7 @@ namespace trb::virtual_robots::kuka {
 std::string escape_field(std::string_view text);
 std::string unescape_field(std::string_view text);
 
-/** How much of an escaped text fits into so many characters without cutting an escape. */
+/** How many characters of an escaped text fit into `most` without cutting an escape. */
 std::size_t whole_escapes(std::string_view escaped, std::size_t most);
 
 }  // namespace trb::virtual_robots::kuka

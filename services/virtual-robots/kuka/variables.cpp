@@ -18,7 +18,7 @@ bool is_structure(Type type) {
   return type == Type::Axis || type == Type::Pos;
 }
 
-/** A text in quotes of printable characters: without them. */
+/** The contents of a quoted text of printable characters. */
 std::optional<std::string> quoted(std::string_view text) {
   if (text.size() < 2 || text.front() != '"' || text.back() != '"') return std::nullopt;
   text = text.substr(1, text.size() - 2);
@@ -82,7 +82,7 @@ void Variables::declare_live(const std::string& name, std::function<std::string(
   variables_[name].live = std::move(value);
 }
 
-/** Texts are arrays and are named with []; a structure's component behind a dot. */
+/** Texts are arrays and are named with []; a structure's component follows a dot. */
 std::string Variables::key_of(std::string_view name, std::string& component) const {
   std::string wanted = upper(trim(name));
   const bool array = wanted.ends_with("[]");

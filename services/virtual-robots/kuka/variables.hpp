@@ -14,20 +14,20 @@ enum class Type { Bool, Int, Real, Text, Axis, Pos, Enum };
 /** A structure's components in KRL's order: A1 … A6, or X Y Z A B C S T, then E1 … E6. */
 const std::vector<std::string>& components_of(Type type);
 
-/** The variables of a controller, with their types, read and written as the controller does it: as text. */
+/** The variables of a controller, with their types, read and written as text, as on the controller. */
 class Variables {
  public:
-  /** A variable that is stored. `room`: of a text, in characters. */
+  /** A stored variable. `room`: of a text, in characters. */
   void declare(const std::string& name, Type type, const std::string& value, std::size_t room = 0);
-  /** One that is only read: what it is at that moment. */
+  /** A read-only variable: `value` gives its present value. */
   void declare_live(const std::string& name, std::function<std::string()> value);
 
-  /** The value as the controller prints it; nothing: no such variable. Upper and lower case are the same. */
+  /** The value as the controller prints it; nothing: no such variable. Case does not matter. */
   std::optional<std::string> read(std::string_view name) const;
-  /** False: no such variable, of another type, read-only, or too long. */
+  /** False: no such variable, wrong type, read-only, or too long. */
   bool write(std::string_view name, std::string_view value);
 
-  // For the program on the robot, which knows its own variables.
+  // For the program on the robot, which uses its own variables.
   bool flag(const std::string& name) const { return text(name) == "TRUE"; }
   long long number(const std::string& name) const;
   /** A stored value; a text without its quotes. */
@@ -45,7 +45,7 @@ class Variables {
     std::size_t room = 0;
     std::function<std::string()> live;
   };
-  /** Which variable is meant; empty: none. */
+  /** The stored name of the variable; empty: there is none. */
   std::string key_of(std::string_view name, std::string& component) const;
 
   std::map<std::string, Variable> variables_;

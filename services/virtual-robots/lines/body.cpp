@@ -13,7 +13,7 @@ constexpr double kSpeed = 1.0;
 constexpr double kShortestDrive = 0.2;
 constexpr double kSecondsPerPercent = 60.0;
 
-/** The way from one yaw to another on the short side. */
+/** The angle from one yaw to another, the shorter way. */
 double turn(double from, double to) {
   return std::remainder(to - from, 2 * std::numbers::pi);
 }
@@ -85,7 +85,7 @@ void Body::request(const Message& message, double now) {
   emit(Answer{message.subtype, message.peer, data});
 }
 
-/** Counts the calls that could have begun, so that `--fail skill:2` means the second real attempt. */
+/** Counts only the calls that could begin, so that `--fail skill:2` means the second real attempt. */
 bool Body::fails(const std::string& skill) {
   const int call = ++calls_[skill];
   const auto found = settings_.failures.find(skill);

@@ -21,11 +21,11 @@ struct Pose {
 std::optional<Pose> parse_pose(std::string_view text, char separator);
 std::string format_pose(const Pose& pose);
 
-/** Which calls of a skill fail; an empty set of calls stands for all of them. */
+/** Which calls of a skill fail; an empty set means all. */
 using Failures = std::map<std::string, std::set<int>>;
 
 struct BodySettings {
-  /** Seconds a skill takes; go_to works without an entry and then takes its way at 1 m/s. */
+  /** Seconds that a skill takes; go_to needs no entry and then drives at 1 m/s. */
   std::map<std::string, double> skills;
   Pose start;
   double battery = 100;
@@ -53,7 +53,7 @@ struct Answer {
   std::string data;
 };
 
-/** What the body has done or has to say. */
+/** What the body has done or has to send. */
 using BodyEvent = std::variant<Started, Done, Failed, Answer>;
 
 /** The robot behind the channel: carries out one skill at a time. `now` is robot time in seconds. */

@@ -10,7 +10,7 @@ namespace {
 
 using Lines = std::vector<std::string>;
 
-/** A body, its clock, and what it has said: `SUBTYPE DATA`, for an answer with `-> TARGET` behind it. */
+/** A body, its clock, and its messages: `SUBTYPE DATA`, for an answer with `-> TARGET` behind it. */
 struct Bench {
   explicit Bench(BodySettings settings = {}) : body(std::move(settings)) {}
 

@@ -8,7 +8,7 @@ namespace {
 
 constexpr std::size_t kPrefix = 4;
 
-/** Shares of the delay: a border is seen after half of it, so that a late sender or reader costs no border. */
+/** Parts of the delay: a border is seen after half of it, so that a late sender or reader costs no border. */
 constexpr double kBorderShare = 0.5;
 
 std::string escape_of(char c) {
@@ -113,7 +113,7 @@ std::string FieldReader::take(std::size_t begin, std::size_t size, std::size_t u
   return buffer_.substr(begin, size);
 }
 
-/** Drops what has been given out; once per read, not once per field, so that many short fields stay cheap. */
+/** Drops what was returned already; once per read, not once per field, so that many short fields stay cheap. */
 void FieldReader::compact() {
   buffer_.erase(0, used_);
   searched_ -= std::min(searched_, used_);

@@ -12,7 +12,7 @@ enum class Framing { Newline, Length, Delay };
 
 std::optional<Framing> parse_framing(std::string_view name);
 
-/** How fields are cut out of a stream of bytes. */
+/** How a stream of bytes is split into fields. */
 struct FrameRules {
   Framing framing = Framing::Newline;
   double delay_s = 0.01;
@@ -28,7 +28,7 @@ struct Field {
   bool bad_escape = false;
 };
 
-/** Collects bytes and gives out fields. */
+/** Collects bytes and returns fields. */
 class FieldReader {
  public:
   explicit FieldReader(const FrameRules& rules) : rules_(rules) {}
@@ -38,10 +38,10 @@ class FieldReader {
   /** The next complete field; with the delay framing a field is complete after half of the delay without a byte. */
   std::optional<Field> next(double now);
 
-  /** When a field becomes complete by silence alone. */
+  /** When a field becomes complete only because nothing follows. */
   std::optional<double> next_deadline() const;
 
-  /** A field is over kLargestField; nothing behind it can be read any more. */
+  /** A field is longer than kLargestField; nothing after it can be read. */
   bool overflowed() const { return overflowed_; }
 
   void clear();
@@ -61,10 +61,10 @@ class FieldReader {
   bool overflowed_ = false;
 };
 
-/** One field as it goes over the wire. */
+/** One field as it is sent. */
 std::string frame_field(std::string_view field, const FrameRules& rules);
 
-/** Data cut into framed chunks: at least one, no escape cut, each within chunk_bytes unless that is shorter than one.
+/** Data in framed chunks: at least one, no escape cut, each within chunk_bytes unless an escape is longer.
  */
 std::vector<std::string> frame_data(std::string_view data, const FrameRules& rules);
 

@@ -17,7 +17,7 @@ void Link::dial(double now) {
     socket_ = start_connect(node_, source_);
     state_ = State::Connecting;
   } catch (const std::system_error&) {
-    // A source address that is not there yet, or a refusal on the spot: the same as a refusal later.
+    // A source address that does not exist yet, or an immediate refusal: treated like a later refusal.
     close(now);
   }
 }

@@ -18,15 +18,15 @@ class Link {
   int fd() const { return socket_.get(); }
   double retry_at() const { return retry_at_; }
 
-  /** Dials when it is time to. */
+  /** Dials when it is due. */
   void dial(double now);
 
-  /** After the connecting socket has become writable; true when the connection is up. */
+  /** Call it once the connecting socket is writable; true when the connection is up. */
   bool finish_dial(double now);
 
   void close(double now);
 
-  /** Bytes that wait for the socket to take them. */
+  /** Are there bytes that the socket has not taken yet? */
   bool has_output() const { return !output_.empty(); }
   void add_output(std::string_view bytes) { output_ += bytes; }
 

@@ -4,7 +4,7 @@
 
 namespace trb::virtual_robots::lines {
 
-/** A message in words, whatever the encoding on the wire. The peer is its source or its target; empty: the own node. */
+/** A message in words, whatever its encoding. The peer is its source or its target; empty: the own node. */
 struct Message {
   std::string type;
   std::string subtype;

@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::array<std::string_view, 4> kSeverities = {"WARNING", "URGENT", "CRITICAL", "FATAL"};
 
-/** The number that stands for a word in numeric data; 0 where it has none. */
+/** The number of a word in numeric data; 0 if it has none. */
 std::string number_in_data(const Vocabulary& vocabulary, const std::string& word) {
   return vocabulary.codes.subtype_number(word).value_or("0");
 }

@@ -11,7 +11,7 @@
 
 namespace trb::virtual_robots::lines {
 
-/** The message a body event is told with; a start has none. */
+/** The message that reports a body event; a start has none. */
 std::optional<Message> message_of(const BodyEvent& event, const Vocabulary& vocabulary);
 
 /** The line on stdout; an answer has none. */
@@ -24,7 +24,7 @@ std::optional<Message> parse_say(std::string_view words);
 /** `CAPABILITY [SEVERITY [TEXT...]]`. */
 std::optional<Message> parse_fault(std::string_view words, const Vocabulary& vocabulary);
 
-/** The capability's fault is over. */
+/** The message that reports the end of the capability's fault. */
 Message fault_over(const std::string& capability, const Vocabulary& vocabulary);
 
 }  // namespace trb::virtual_robots::lines

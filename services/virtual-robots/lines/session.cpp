@@ -7,7 +7,7 @@
 namespace trb::virtual_robots::lines {
 namespace {
 
-/** The places of the fields of a message; everything behind the size is data. */
+/** The positions of a message's fields; all fields behind the size are data. */
 enum Place : std::size_t { kType, kSubtype, kSource, kSize };
 
 }  // namespace
@@ -22,7 +22,7 @@ void Session::restart() {
 }
 
 void Session::receive(std::string_view bytes, double now) {
-  // A field that became complete before these bytes came must not be glued to them.
+  // A field that was complete before these bytes came must not be joined with them.
   advance(now);
   if (hung_ || !fault_.empty()) return;
   reader_.add(bytes, now);
@@ -79,7 +79,7 @@ void Session::take_size(const std::string& text) {
   }
   size_ = static_cast<std::size_t>(*size);
   if (size_ > kLargestMessage) fault_ = "message_too_long";
-  // With the delay framing an empty chunk cannot be seen: the size alone tells that it has been sent.
+  // With the delay framing an empty chunk cannot be seen: only the size shows that it was sent.
   if (size_ == 0 && delayed()) take_field({});
 }
 

@@ -23,7 +23,7 @@ struct MessageReceived {
 };
 struct StopReceived {};
 struct ReleaseReceived {};
-/** Something the node must not do, or a word the robot cannot say; the connection may go on. */
+/** Something that the node must not do, or a word that the robot cannot send; the connection may go on. */
 struct Violation {
   std::string what;
 };
@@ -34,13 +34,13 @@ struct SessionSettings {
   FrameRules frame;
   Vocabulary vocabulary;
   bool acknowledge = true;
-  /** Stands for "my own node" where an empty field cannot be seen, with the delay framing. */
+  /** Means "my own node" with the delay framing, where an empty field cannot be sent. */
   std::string own_name;
-  /** After so many messages nothing is read any more; 0: never. */
+  /** After this many messages it stops reading; 0: never. */
   std::size_t hang_after = 0;
 };
 
-/** The robot's end of a field channel: bytes and time in, bytes and events out. `now` is the wall clock in seconds. */
+/** The robot's end of a field channel: bytes and time in, bytes and events out. `now` is real time in seconds. */
 class Session {
  public:
   static constexpr std::size_t kLargestMessage = std::size_t{16} * 1024 * 1024;
@@ -48,7 +48,7 @@ class Session {
 
   explicit Session(SessionSettings settings) : settings_(std::move(settings)), reader_(settings_.frame) {}
 
-  /** Forgets the half-done of the last connection. */
+  /** Drops the unfinished messages of the last connection. */
   void restart();
 
   void receive(std::string_view bytes, double now);

@@ -16,7 +16,7 @@ std::vector<std::string> lines_of(Session& session) {
   return out;
 }
 
-/** Only the messages, without the fields they were made of. */
+/** Only the messages, without their fields. */
 std::vector<Message> messages_of(Session& session) {
   std::vector<Message> out;
   for (const SessionEvent& event : session.take_events()) {

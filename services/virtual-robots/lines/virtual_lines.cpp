@@ -9,7 +9,7 @@
 namespace trb::virtual_robots::lines {
 namespace {
 
-/** Messages kept while there is no connection; the oldest go first. */
+/** Messages kept while there is no connection; the oldest are dropped first. */
 constexpr std::size_t kMostHeld = 64;
 
 }  // namespace
@@ -40,7 +40,7 @@ pollfd VirtualLines::poll_entry() const {
   if (link_.state() == Link::State::Connecting) return {link_.fd(), POLLOUT, 0};
   const int reading = may_read() ? POLLIN : 0;
   const int writing = link_.has_output() ? POLLOUT : 0;
-  // A slow reader must not see a hang-up before its time, or poll would return at once again and again.
+  // A slow reader must not poll for a hang-up before it may read, or poll would return at once again and again.
   const bool asleep = reading == 0 && writing == 0 && !session_.hung();
   return {asleep ? -1 : link_.fd(), static_cast<short>(reading | writing), 0};
 }

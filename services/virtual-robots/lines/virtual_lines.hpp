@@ -26,7 +26,7 @@ struct Settings {
   std::optional<Endpoint> control;
 };
 
-/** Link, session and body in one loop. The session lives in wall time, the body in robot time. */
+/** Link, session and body in one loop. The session uses real time, the body robot time. */
 class VirtualLines {
  public:
   explicit VirtualLines(const Settings& settings);
@@ -40,7 +40,7 @@ class VirtualLines {
   void read_link();
   void disconnect(std::string_view reason);
   void take_console_line(const std::string& line);
-  /** The message that tells it, if the words are a fault. */
+  /** The message that reports it, if the words are a fault. */
   std::optional<Message> take_fault(std::string_view words);
   void clear_faults();
   void say(const Message& message);
@@ -58,7 +58,7 @@ class VirtualLines {
   Body body_;
   Console console_;
   std::deque<Message> held_;
-  std::set<std::string> faults_;  ///< the capabilities whose faults were told
+  std::set<std::string> faults_;  ///< the capabilities whose faults were reported
   double next_read_ = 0;
   bool quit_ = false;
 };

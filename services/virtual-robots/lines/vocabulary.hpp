@@ -22,7 +22,7 @@ struct Vocabulary {
   std::string_view stopped() const { return numeric ? "-1" : "!stopped"; }
   std::string_view released() const { return numeric ? "-2" : "!released"; }
 
-  /** The word for a type field; nothing when it is no type. */
+  /** The word for a type field; nothing if it is not a type. */
   std::optional<std::string> type_word(const std::string& field) const;
 
   /** Type, subtype, target and size of a message. A word without a number is returned instead, as KIND:WORD. */

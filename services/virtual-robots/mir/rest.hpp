@@ -11,10 +11,10 @@ struct Answer {
   std::string body;  ///< JSON; empty: none
 };
 
-/** The robot's REST interface 2.0, as far as a client that drives missions needs it. */
+/** The robot's REST interface 2.0, as far as a client that starts missions needs it. */
 class Rest {
  public:
-  /** `authorization`: what a client must send; empty: anybody may. */
+  /** `authorization`: what a client must send; empty: any client is allowed. */
   Rest(Robot& robot, std::string authorization) : robot_(robot), authorization_(std::move(authorization)) {}
 
   Answer answer(const std::string& method, const std::string& target, const std::string& authorization,
@@ -32,7 +32,7 @@ class Rest {
   std::string authorization_;
 };
 
-/** "Basic BASE64(USER:SHA-256 of PASSWORD in hexadecimal)", as the maker has it. */
+/** "Basic BASE64(USER:SHA-256 of PASSWORD in hexadecimal)", as on the maker's robot. */
 std::string authorization_of(const std::string& user, const std::string& password);
 
 }  // namespace trb::virtual_robots::mir

@@ -9,14 +9,14 @@
 
 namespace trb::virtual_robots::mir {
 
-/** In metres and degrees of the map, as the robot's own page shows them. */
+/** In metres and degrees of the map, as on the robot's own web page. */
 struct Position {
   double x = 0;
   double y = 0;
   double orientation = 0;
 };
 
-/** What state_id says; others exist on a real one. */
+/** The values of state_id; a real robot has more. */
 enum class State { Ready = 3, Pause = 4, Executing = 5, EmergencyStop = 10, Error = 12 };
 
 enum class QueueState { Pending, Executing, Done, Aborted };
@@ -48,7 +48,7 @@ struct RobotSettings {
 };
 
 /**
- * A MiR's mission queue and motion: one mission at a time, the oldest first; paused it stands and goes on later. Knows
+ * A MiR's mission queue and motion: one mission at a time, the oldest first; paused, it stands. It uses
  * neither sockets nor clocks.
  */
 class Robot {
@@ -60,10 +60,10 @@ class Robot {
   std::optional<double> next_deadline() const;
 
   const std::vector<Mission>& missions() const { return missions_; }
-  /** Nothing without such a mission. */
+  /** Nothing if there is no such mission. */
   const QueueEntry* queue(const std::string& mission);
   const std::map<std::int64_t, QueueEntry>& entries() const { return entries_; }
-  /** All that is not over is Aborted. */
+  /** All missions that are not over become Aborted. */
   void abort_all();
   bool abort(std::int64_t id);
 
@@ -92,7 +92,7 @@ class Robot {
   RobotSettings settings_;
   std::vector<Mission> missions_;
   std::map<std::int64_t, QueueEntry> entries_;
-  std::deque<std::int64_t> waiting_;  ///< the first one is carried out
+  std::deque<std::int64_t> waiting_;  ///< the first one is under way
   std::int64_t last_id_ = 0;
   Position at_;
   double battery_;

@@ -223,7 +223,7 @@ std::string Controller::sip() {
   const double turning = drive_.turn() * kHalfWheelbase;
   const int tenths = whole(voltage() * 10);
   PacketWriter out(moving_ ? 0x33 : 0x32);
-  // Past 32767 the robot's counters wrap, as a word does.
+  // Beyond 32767 the robot's counters wrap, like a 16-bit word.
   out.word(whole(at.x)).word(whole(at.y)).word(whole(at.heading * 2048 / std::numbers::pi));
   out.word(whole(drive_.speed() - turning)).word(whole(drive_.speed() + turning));
   out.byte(tenths).word(stall_bits()).word(0).word(flag_bits()).byte(0);

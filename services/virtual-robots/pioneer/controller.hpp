@@ -10,19 +10,19 @@
 
 namespace trb::virtual_robots::pioneer {
 
-/** What is wrong with the robot; each ends its motion. */
+/** The faults of the robot; each ends its motion. */
 enum class Fault : std::uint8_t { None, Stall, MotorsOff, StopButton };
 
 struct Start {
   std::string name = "Pioneer";
-  Position place;       ///< in the hall, metres and radians: where the odometry is 0, 0, 0
+  Position place;       ///< in the hall, metres and radians: the odometry's origin
   double charge = 100;  ///< percent
 };
 
 /**
- * The microcontroller of a Pioneer 3: synchronisation, commands, packets, and the wheels that it drives. It is what it
- * is whoever is connected, as behind the serial-to-network bridge of a real one: a client that vanishes leaves it open.
- * `wall` is in seconds of the wire's clock, which the watchdog goes by; the robot's own time may run faster.
+ * The microcontroller of a Pioneer 3: synchronisation, commands, packets, and the wheels that it drives. Its state
+ * does not depend on TCP, as behind a real robot's serial-to-network bridge: a client that vanishes leaves it open.
+ * `wall` is real time in seconds, which the watchdog uses; the robot's own time may run faster.
  */
 class Controller {
  public:
@@ -31,7 +31,7 @@ class Controller {
 
   explicit Controller(const Start& start);
 
-  /** What a client has sent; returns the answers. */
+  /** Takes a client's bytes; returns the answers. */
   std::string take(std::string_view bytes, double wall);
   /** Lets the robot's time pass. */
   void advance(double robot_seconds, double wall);

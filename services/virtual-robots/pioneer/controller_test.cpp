@@ -31,7 +31,7 @@ struct Bench {
     send(command(4, 1));
     lines();
   }
-  /** The client keeps the robot awake meanwhile. */
+  /** The client sends signs of life meanwhile. */
   void wait(double seconds) {
     for (double left = seconds; left > 1e-9; left -= 0.1) {
       send(command(0));
@@ -55,7 +55,7 @@ struct Bench {
   int stall() { return word(15); }
   int flags() { return word(19); }
   Lines lines() { return robot.take_lines(); }
-  /** True if it has said last that it stands there, within 2 mm and 0.002 radians. */
+  /** True if it last reported that it stands there, within 2 mm and 0.002 radians. */
   bool stands_at(double x, double y, double heading) {
     const Lines said = lines();
     double at[3] = {};

@@ -22,7 +22,7 @@ double approach(double speed, double wanted, const Drive::Limits& limits, double
   return speed + std::clamp(wanted - speed, -change, change);
 }
 
-/** The speed at which a servo nears a goal: it can still stop there. */
+/** The speed at which a servo approaches a goal: it can still stop there. */
 double nearing(double left, const Drive::Limits& limits) {
   return std::copysign(std::min(limits.speed, std::sqrt(2 * limits.deceleration * std::abs(left))), left);
 }

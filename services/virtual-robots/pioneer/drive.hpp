@@ -13,7 +13,7 @@ struct Position {
 
 /**
  * The motion of two driven wheels, with limits of speed and acceleration. Driving and turning are two servos, each with
- * a setpoint of its own: a speed, or a way (heading) still to go. Time is in seconds.
+ * a setpoint of its own: a speed, or a distance (angle) still to go. Time is in seconds.
  */
 class Drive {
  public:
@@ -31,11 +31,11 @@ class Drive {
 
   /** Ends both setpoints and brakes; `hard`: as fast as the wheels can. */
   void stop(bool hard);
-  /** Still at once: stalled, or the motors are off. */
+  /** Stops at once: stalled, or the motors are off. */
   void block();
   /** While held the robot brakes and stands, its setpoints are kept. */
   void hold(bool held) { held_ = held; }
-  /** The robot says from now on that it is at 0, 0, 0. */
+  /** The robot reports 0, 0, 0 here from now on. */
   void set_origin() { position_ = {}; }
 
   void advance(double seconds);
@@ -57,8 +57,8 @@ class Drive {
   double turn_ = 0;
   double wanted_speed_ = 0;
   double wanted_turn_ = 0;           ///< radians/s
-  std::optional<double> way_left_;   ///< mm; wins over the wanted speed
-  std::optional<double> turn_goal_;  ///< radians; wins over the wanted turn
+  std::optional<double> way_left_;   ///< mm; has priority over the wanted speed
+  std::optional<double> turn_goal_;  ///< radians; has priority over the wanted turn
   bool held_ = false;
   bool hard_ = false;
 };

@@ -19,7 +19,7 @@ Command command_of(std::string_view contents) {
   const int type = contents.size() > 1 ? at(contents, 1) : 0;
   if ((type == kPositive || type == kNegative) && contents.size() >= 4) {
     const int size = at(contents, 2) | at(contents, 3) << 8;
-    // An argument is a signed word, so that a positive one past 32767 comes out negative, as on the robot.
+    // An argument is a signed word: a positive one beyond 32767 comes out negative, as on the robot.
     command.value = type == kNegative ? -size : static_cast<std::int16_t>(size);
   }
   if (type == kString && contents.size() >= 3) command.text = contents.substr(3, at(contents, 2));

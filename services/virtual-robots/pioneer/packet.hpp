@@ -8,7 +8,7 @@
 
 namespace trb::virtual_robots::pioneer {
 
-/** What a client asks: a number and, if it has one, an argument. */
+/** A client's command: a number and, if it has one, an argument. */
 struct Command {
   int number = 0;
   std::optional<int> value;         ///< of an integer, with its sign
@@ -21,7 +21,7 @@ class PacketWriter {
   explicit PacketWriter(int type) { byte(type); }
   PacketWriter& byte(int value);
   PacketWriter& word(int value);
-  /** With a zero byte behind it. */
+  /** Followed by a zero byte. */
   PacketWriter& text(std::string_view value);
   /** FA FB, the count, the contents, the checksum with its high byte first. */
   std::string packet() const;
@@ -30,7 +30,7 @@ class PacketWriter {
   std::string bytes_;
 };
 
-/** Cuts what a client sends into commands. Bytes between packets and packets with a wrong checksum are dropped. */
+/** Splits a client's bytes into commands. Bytes between packets and packets with a wrong checksum are dropped. */
 class CommandReader {
  public:
   std::vector<Command> add(std::string_view bytes);

@@ -16,7 +16,7 @@ constexpr double kLowCharge = 10;  // percent: under the 11.5 V at which a Pione
 
 VirtualPioneer::VirtualPioneer(const Settings& settings)
     : speed_(settings.speed),
-      // The robot's packets are of its own time, or a client would be blind on a fast robot.
+      // The packets follow the robot's own time, or a client would get too few from a fast robot.
       sip_period_(std::max(kShortestPeriod, Controller::kSipPeriod / std::max(1.0, settings.speed))),
       controller_(settings.start),
       listener_(listen_on({settings.address, settings.port})),
@@ -42,7 +42,7 @@ void VirtualPioneer::run(const Fd& end) {
 
 void VirtualPioneer::pass_time() {
   const double now = wall_seconds();
-  // A process that was stopped for long has not driven meanwhile.
+  // While the process was paused for long, the robot did not drive.
   controller_.advance(std::min(now - last_, 1.0) * speed_, now);
   last_ = now;
 }
@@ -96,7 +96,7 @@ void VirtualPioneer::take_line(const std::string& line) {
   controller_.set_charge(std::clamp(*percent, 0.0, 100.0));
 }
 
-/** Each severity fails as a Pioneer can. */
+/** Each severity is one of a Pioneer's own faults. */
 void VirtualPioneer::fault(std::string_view words) {
   const auto order = parse_fault_order(words);
   if (!order) return print_line("unknown_line");

@@ -39,7 +39,7 @@ class VirtualPioneer {
   void send_sip();
 
   double speed_;
-  double sip_period_;  ///< seconds of the wall's clock
+  double sip_period_;  ///< seconds of real time
   double last_ = wall_seconds();
   double next_sip_ = last_;
   Controller controller_;

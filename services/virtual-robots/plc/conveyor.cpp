@@ -75,7 +75,7 @@ void Conveyor::take_box(double now) {
 
 void Conveyor::fault(FaultCode code, double now) {
   advance(now);
-  // The worse one stays: a warm motor does not hide an emergency stop.
+  // The worse fault stays: a warm motor does not hide an emergency stop.
   if (stops_belt(fault_) && !stops_belt(code)) return;
   fault_ = code;
   events_.push_back("fault " + std::string(name_of(code)));
@@ -106,7 +106,7 @@ std::optional<double> Conveyor::next_deadline() const {
 double Conveyor::position_mm(double now) const {
   if (!box_) return 0;
   const double way = running_ ? speed_ * (now - since_) : 0;
-  // A microsecond before the end is the end: a deadline that was rounded must not be met again.
+  // A microsecond before the end counts as the end: a rounded deadline must not be due again.
   const double position = start_mm_ + std::max(way, 0.0);
   return position >= settings_.length_mm - 1e-3 ? settings_.length_mm : position;
 }

@@ -10,14 +10,14 @@ namespace trb::virtual_robots::plc {
 
 enum class BeltState : std::uint16_t { Ready = 0, Running = 1, BoxAtExit = 2, Fault = 3 };
 
-/** What the controller shows in its fault register; 0 is none. */
+/** The values of the controller's fault register; 0 is none. */
 enum class FaultCode : std::uint16_t { None = 0, MotorOverload = 1, EmergencyStop = 2, BeltSlips = 3, MotorHot = 4 };
 
 std::string_view name_of(FaultCode code);
 
 struct ConveyorSettings {
   double length_mm = 2000;
-  /** A belt that starts with nothing on its way gets a box at its entry; one that waits at the exit has been taken. */
+  /** A belt that starts without a box gets one at its entry; a box that waits at the exit is taken away. */
   bool brings_boxes = false;
 };
 
@@ -32,14 +32,14 @@ class Conveyor {
 
   explicit Conveyor(const ConveyorSettings& settings) : settings_(settings) {}
 
-  // The controller's side.
+  // For the controller.
   bool may_run() const { return !stops_belt(fault_); }
   void run(bool on, double now);
   void set_speed(std::uint16_t mm_per_s, double now);
-  /** Acknowledges a motor overload; not what still lasts. */
+  /** Acknowledges a motor overload, but no fault that still lasts. */
   void reset(double now);
 
-  // What happens to it.
+  // Events from outside.
   void place_box(double now);
   void take_box(double now);
   void fault(FaultCode code, double now);
@@ -65,7 +65,7 @@ class Conveyor {
 
  private:
   static bool stops_belt(FaultCode code);
-  /** Where the box is now becomes where it starts from. */
+  /** Continues from the box's present position. */
   void settle(double now);
   void halt(const std::string& why, double now);
 

@@ -108,7 +108,7 @@ TEST_CASE("boxes are brought where that is asked for") {
   }
   conveyor.run(true, 20);
   conveyor.run(false, 21);
-  conveyor.run(true, 22);  // the box that is under way stays the same
+  conveyor.run(true, 22);  // the same box stays on its way
   CHECK(conveyor.position_mm(22) == 500);
   CHECK(conveyor.boxes() == 2);
 }

@@ -1,4 +1,4 @@
-// libmodbus' own client against trb-virtual-plc: a party that knows nothing of this project.
+// libmodbus' own client against trb-virtual-plc: independent of this project's code.
 #include <doctest/doctest.h>
 #include <modbus.h>
 #include <poll.h>
@@ -43,7 +43,7 @@ class Plc {
     ::close(stdout_);
   }
 
-  /** Waits for a line that begins so, 10 s at most. */
+  /** Waits for a line that begins with this, 10 s at most. */
   std::string line_with(const std::string& begin) {
     for (;;) {
       const std::size_t end = text_.find('\n');

@@ -8,7 +8,7 @@ namespace trb::virtual_robots::plc {
 /** The four tables of a Modbus server. */
 enum class Table { Coils, DiscreteInputs, InputRegisters, HoldingRegisters };
 
-/** Why a request is not carried out; the number travels. */
+/** Why a request is not carried out; the number is sent. */
 enum class Exception : std::uint8_t {
   None = 0,
   IllegalFunction = 1,
@@ -17,7 +17,7 @@ enum class Exception : std::uint8_t {
   DeviceFailure = 4,
 };
 
-/** What the requests act on. A bit is 0 or 1. */
+/** The registers on which requests act. A bit is 0 or 1. */
 class Memory {
  public:
   Memory() = default;
@@ -25,9 +25,9 @@ class Memory {
   Memory& operator=(const Memory&) = delete;
   virtual ~Memory() = default;
 
-  /** Nothing where there is no such bit or register. */
+  /** Nothing if there is no such bit or register. */
   virtual std::optional<std::uint16_t> read(Table table, std::uint16_t address) const = 0;
-  /** Whether write() may follow. */
+  /** Is a write() of this value allowed? */
   virtual Exception check(Table table, std::uint16_t address, std::uint16_t value) const = 0;
   virtual void write(Table table, std::uint16_t address, std::uint16_t value) = 0;
 };

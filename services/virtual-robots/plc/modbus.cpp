@@ -38,7 +38,7 @@ std::string packed(const std::vector<std::uint16_t>& bits) {
   return out;
 }
 
-/** One request. The functions return the answer behind the function code, or set the exception. */
+/** One request. The functions return the answer after the function code, or set the exception. */
 class Request {
  public:
   Request(std::string_view pdu, Memory& memory) : pdu_(pdu), function_(byte_at(pdu, 0)), memory_(memory) {}

@@ -5,7 +5,7 @@
 
 namespace trb::virtual_robots::plc {
 
-/** Where the conveyor's controller shows what; the README has the table. */
+/** The addresses of the conveyor's values; the README has the table. */
 class Registers : public Memory {
  public:
   explicit Registers(Conveyor& conveyor) : conveyor_(conveyor) {}

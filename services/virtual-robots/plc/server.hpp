@@ -21,7 +21,7 @@ class Server {
 
   std::uint16_t port() const { return port_of(listener_); }
   void add_to_poll(std::vector<pollfd>& polled);
-  /** Serves what poll found, beginning at the place add_to_poll began. */
+  /** Serves what poll found, from the place where add_to_poll began. */
   void serve(const std::vector<pollfd>& polled, Memory& memory);
 
  private:

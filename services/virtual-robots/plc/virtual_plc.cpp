@@ -5,7 +5,7 @@
 namespace trb::virtual_robots::plc {
 namespace {
 
-/** A motor and a belt know no capabilities: how bad it is says what has happened. */
+/** Motor and belt have no capabilities: the severity selects the fault. */
 FaultCode code_of(const std::string& severity) {
   if (severity == "WARNING") return FaultCode::MotorHot;
   if (severity == "URGENT") return FaultCode::BeltSlips;
@@ -23,7 +23,7 @@ void VirtualPlc::run(const Fd& end) {
     std::vector<pollfd> polled = console_.to_poll(end);
     server_.add_to_poll(polled);
     if (!Console::wait(polled, clock_.deadline(conveyor_.next_deadline()))) return;
-    // The scan: first what time has done, then what is asked.
+    // The scan: first the passage of time, then the requests.
     conveyor_.advance(clock_.now());
     registers_.set_time(clock_.now());
     server_.serve(polled, registers_);

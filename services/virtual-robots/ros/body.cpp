@@ -67,7 +67,7 @@ void Body::begin_task(std::vector<Leg> legs, double now) {
   task_ = Task::Working;
 }
 
-/** A base that is broken keeps the arm on it from nothing. */
+/** A broken base does not keep its arm from working. */
 bool Body::can_do(const std::vector<Leg>& legs) const {
   const bool drives = std::any_of(legs.begin(), legs.end(), [](const Leg& leg) { return leg.goal.has_value(); });
   return arm_fault_.empty() && (fault_.empty() || !drives);

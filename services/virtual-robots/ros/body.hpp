@@ -25,8 +25,8 @@ struct Velocity {
 enum class Task { Idle = 0, Working = 1, Failed = 2 };
 
 /**
- * A mobile base with an arm, without ROS. It is driven by velocities, which hold only for a while, or to goals; the
- * arm's tasks drive it, too. Every time is robot time in seconds, and never goes back.
+ * A mobile base with an arm, without ROS. It is driven by velocities, each valid for a short time, or to goals; the
+ * arm's tasks drive it, too. All times are robot time in seconds, and never decrease.
  */
 class Body {
  public:
@@ -38,12 +38,12 @@ class Body {
   /** Drives to `from`, takes the box, drives to `to`, puts it down. */
   void fetch(const Pose& from, const Pose& to, double now);
   void load_out(double now);
-  /** Stands still; the task, if there is one, has failed. */
+  /** Stands still; a running task has failed. */
   void cancel(double now);
-  /** Of the base: stands, and drives nowhere until it is cleared. Of the arm: a task has failed, and none is taken. */
+  /** Of the base: it stands and does not drive until cleared. Of the arm: its task fails, and no new one begins. */
   void fault(const std::string& text, double now);
   void arm_fault(const std::string& text, double now);
-  /** A fault of the base, half way to the next goal. */
+  /** A fault of the base, halfway to the next goal. */
   void fail_next_goal(const std::string& text) { next_goal_fault_ = text; }
   void clear();
 
@@ -62,7 +62,7 @@ class Body {
  private:
   struct Leg {
     double seconds = 0;
-    std::optional<Pose> goal;  // none: it stands and its arm works
+    std::optional<Pose> goal;  // none: it stands while its arm works
   };
   void begin_task(std::vector<Leg> legs, double now);
   [[nodiscard]] bool can_do(const std::vector<Leg>& legs) const;

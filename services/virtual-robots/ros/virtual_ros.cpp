@@ -117,7 +117,7 @@ class VirtualRos {
   }
 
   void take_line(const std::string& line) {
-    tell_task();  // what a task has just begun, and a fault ends at once, is told as both
+    tell_task();  // a task that a fault ends as soon as it begins is reported as begun and as failed
     std::string_view words = line;
     const std::string_view order = take_word(words);
     if (order == "quit") {
@@ -138,7 +138,7 @@ class VirtualRos {
     }
   }
 
-  /** It stands, unless that is a mere warning, and an error topic says why: the arm's for what the arm does. */
+  /** It stands, unless the fault is a warning; an error topic gives the reason: the arm's for the arm's part. */
   void take_fault(const FaultOrder& order) {
     const std::string text = order.text.empty() ? order.capability + " failed" : order.text;
     if (order.severity == "WARNING") {
@@ -241,7 +241,7 @@ class VirtualRos {
   bool quit_ = false;
 };
 
-/** False if the end comes first. Without a master NodeHandle's constructor would block for ever. */
+/** False if the end comes first. Without a master NodeHandle's constructor would block without end. */
 bool wait_for_master(const Fd& end) {
   bool told = false;
   while (!roscpp::master::check()) {

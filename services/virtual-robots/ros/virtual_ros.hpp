@@ -19,7 +19,7 @@ struct Settings {
   std::optional<Endpoint> control;
 };
 
-/** Waits for the ROS master, then is a robot there until `end` becomes readable or `quit` is read. */
+/** Waits for the ROS master, then runs the robot until `end` becomes readable or `quit` is read. */
 void run_virtual_ros(const Settings& settings, const Fd& end);
 
 }  // namespace trb::virtual_robots::ros

@@ -18,7 +18,7 @@ Endpoint control_endpoint(std::string_view text) {
   const std::size_t colon = text.rfind(':');
   const std::string_view port = colon == std::string_view::npos ? std::string_view{} : text.substr(colon + 1);
   const bool any_port = port == "auto" || port == "0";
-  // Any valid port stands in for "auto" while the address is checked.
+  // Any valid port replaces "auto" while the address is checked.
   auto endpoint = parse_endpoint(any_port ? std::string(text.substr(0, colon)) + ":1" : std::string(text));
   if (!endpoint) throw OptionError("--control needs HOST:PORT, the host as four numbers: " + std::string(text));
   if (any_port) endpoint->port = 0;
@@ -37,7 +37,7 @@ void ControlPort::announce() const {
 
 std::vector<std::string> ControlPort::read() {
   std::vector<std::string> lines;
-  // One byte more than is allowed shows that there was more.
+  // One byte more than is allowed, to detect longer lines.
   std::array<char, kLongestLine + 1> buffer;
   for (int i = 0; i < kMostLines; ++i) {
     const ssize_t size = ::recv(socket_.get(), buffer.data(), buffer.size(), 0);

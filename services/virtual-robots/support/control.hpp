@@ -11,8 +11,8 @@
 namespace trb::virtual_robots {
 
 /**
- * The lines that a virtual robot takes on stdin, as datagrams on a UDP port: one datagram is one line, with or without
- * a newline at its end. Nothing is answered: as with stdin, stdout tells what became of a line.
+ * The same lines as on stdin, as datagrams on a UDP port: one datagram is one line, with or without
+ * a newline at its end. There is no answer: as with stdin, stdout shows the outcome.
  */
 class ControlPort {
  public:
@@ -27,7 +27,7 @@ class ControlPort {
   /** Prints `control PORT`, if there is one. */
   void announce() const;
 
-  /** What has come, at most 16 lines a call. One that is too long, or has several, comes as an empty one. */
+  /** The lines that have come, at most 16 a call. A datagram too long, or of several lines, counts as an empty one. */
   std::vector<std::string> read();
 
  private:
@@ -37,7 +37,7 @@ class ControlPort {
 /** `--control HOST:PORT`, port `auto` or 0 for a free one. */
 Option control_option(std::optional<Endpoint>& where);
 
-/** What `fault CAPABILITY [SEVERITY [TEXT...]]` asks for. */
+/** The order `fault CAPABILITY [SEVERITY [TEXT...]]`. */
 struct FaultOrder {
   std::string capability;
   std::string severity = "CRITICAL";  ///< WARNING, URGENT, CRITICAL or FATAL

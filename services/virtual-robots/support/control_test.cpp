@@ -9,7 +9,7 @@ using namespace trb::virtual_robots;
 
 namespace {
 
-/** Somebody who sends datagrams to a control port. */
+/** Sends datagrams to a control port. */
 class Sender {
  public:
   explicit Sender(const ControlPort& port) : port_(port) {

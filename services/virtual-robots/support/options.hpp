@@ -26,7 +26,7 @@ bool parse_options(const std::vector<std::string>& arguments, const std::vector<
 
 std::string describe_options(std::string_view program, std::string_view purpose, const std::vector<Option>& options);
 
-/** A number with nothing behind it, finite and within the borders; throws OptionError. */
+/** A finite number within the limits, with nothing behind it; throws OptionError. */
 double number_option(std::string_view text, double lowest, double highest);
 
 }  // namespace trb::virtual_robots

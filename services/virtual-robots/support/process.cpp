@@ -36,7 +36,7 @@ class LineWriter {
   void flush() {
     std::size_t written = 0;
     while (written < kept_.size() && takes_more()) {
-      // A pipe that poll calls writable takes this much without waiting.
+      // A pipe that poll reports as writable takes this much without blocking.
       const ssize_t count = ::write(1, kept_.data() + written, std::min<std::size_t>(kept_.size() - written, PIPE_BUF));
       if (count < 0 && errno != EINTR && errno != EAGAIN) broken_ = true;
       if (count <= 0) break;
@@ -58,7 +58,7 @@ class LineWriter {
   bool broken_ = false;
 };
 
-/** One for the process, as there is one stdout. */
+/** The process's only one, as there is only one stdout. */
 LineWriter& stdout_lines() {
   static LineWriter writer;
   return writer;
@@ -71,7 +71,7 @@ double wall_seconds() {
 }
 
 bool die_with_parent(int parent) {
-  // The order matters: a parent that died before the prctl sends no signal, but then getppid has changed.
+  // The order matters: no signal comes if the parent died before the prctl, but then getppid has changed.
   ::prctl(PR_SET_PDEATHSIG, SIGTERM);
   return ::getppid() == parent;
 }

@@ -13,7 +13,7 @@ class RobotClock {
   explicit RobotClock(double speed) : speed_(speed) {}
 
   double now() const { return (wall_seconds() - begin_) * speed_; }
-  /** When it is `step` here, in seconds of the steady clock; never, without one. */
+  /** The robot time `step` in seconds of the steady clock; never, without one. */
   double deadline(std::optional<double> step) const {
     return step ? begin_ + *step / speed_ : std::numeric_limits<double>::infinity();
   }

@@ -14,16 +14,16 @@ namespace trb::virtual_robots {
 /** The program of a virtual robot. */
 struct RobotProgram {
   std::string name;             ///< "trb-virtual-ur"
-  std::string what;             ///< what it is, for --help
-  std::vector<Option> options;  ///< its own; --die-with-parent comes behind them
-  /** Runs until `end` is readable. An OptionError: what the options say together makes no sense. */
+  std::string what;             ///< its description, for --help
+  std::vector<Option> options;  ///< its own; --die-with-parent is added
+  /** Runs until `end` is readable. Throws OptionError if the options do not fit together. */
   std::function<void(const Fd& end)> run;
 };
 
-/** The exit status: 0, or 2 after a line on stderr, or 1 if the parent has gone already. */
+/** Returns the exit status: 0, or 2 after a line on stderr, or 1 if the parent has already ended. */
 int robot_main(int argc, char** argv, RobotProgram program);
 
-// Options that most of them have.
+// Options that most robots have.
 Option address_option(std::string& address, const std::string& preset = "127.0.2.2");
 Option speed_option(double& speed);
 

@@ -31,7 +31,7 @@ struct Endpoint {
   std::uint16_t port = 0;
 };
 
-/** `ADDRESS:PORT`, the address as four numbers. */
+/** `ADDRESS:PORT`, a numeric IPv4 address. */
 std::optional<Endpoint> parse_endpoint(std::string_view text);
 
 /** A listening, non-blocking socket; port 0 lets the system choose. Throws std::system_error. */
@@ -48,7 +48,7 @@ Fd accept_client(const Fd& listener);
 /** Starts to connect without waiting; an empty `from` leaves the source address to the system. Throws. */
 Fd start_connect(const Endpoint& to, const std::string& from);
 
-/** After a connecting socket has become writable: 0, or the errno it failed with. */
+/** Call it once a connecting socket is writable: 0, or the errno of the failure. */
 int connect_result(const Fd& socket);
 
 /** Outcome of one read or write. */

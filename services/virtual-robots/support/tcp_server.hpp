@@ -21,13 +21,13 @@ class TcpServer {
 
   struct Client {
     Fd socket;
-    std::uint64_t id = 0;  ///< never used again
-    std::string input;     ///< what has come; the owner takes from its front
+    std::uint64_t id = 0;  ///< never reused
+    std::string input;     ///< received bytes; the owner removes them from its front
     std::string output;
     bool gone = false;
   };
 
-  /** What becomes of a client too many: it is dropped at once, or is not accepted until another one leaves. */
+  /** What happens to a client too many: it is dropped at once, or is not accepted until another one leaves. */
   enum class Extra { Dropped, Waits };
 
   /** Port 0: a free one. Throws std::system_error. */
@@ -38,14 +38,14 @@ class TcpServer {
 
   void add_to_poll(std::vector<pollfd>& polled);
 
-  /** Reads what poll found; `taken` is called with each client that has said something. */
+  /** Reads what poll found; `taken` is called with each client that has sent something. */
   void serve(const std::vector<pollfd>& polled, const std::function<void(Client&)>& taken);
 
-  /** Queues bytes; a client that reads nothing of a megabyte is dropped. */
+  /** Queues bytes; a client with a megabyte of unread output is dropped. */
   void send(Client& client, std::string_view bytes);
   /** The client of that id, if it is still there. */
   Client* find(std::uint64_t id);
-  /** Prints `client_dropped REASON`; the client goes with the next serve. */
+  /** Prints `client_dropped REASON`; the client is removed by the next serve. */
   static void drop(Client& client, std::string_view reason);
 
  private:
@@ -56,7 +56,7 @@ class TcpServer {
   Fd listener_;
   std::size_t most_clients_;
   Extra extra_;
-  std::list<Client> clients_;  ///< in a list, so that a client stays where it is
+  std::list<Client> clients_;  ///< a list, so that a client keeps its address
   std::uint64_t last_id_ = 0;
   std::size_t poll_begin_ = 0;
 };

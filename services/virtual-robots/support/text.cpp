@@ -16,7 +16,7 @@ std::optional<Number> parse_whole(std::string_view text) {
   return value;
 }
 
-/** Length of the UTF-8 character of two to four bytes at the front; 0 where there is none. */
+/** Length of the UTF-8 character of two to four bytes at the front; 0 if there is none. */
 std::size_t wide_character(std::string_view text) {
   const auto first = static_cast<unsigned char>(text.front());
   const std::size_t length = first >= 0xf0 && first <= 0xf4 ? 4 : first >= 0xe0 ? 3 : first >= 0xc2 ? 2 : 0;

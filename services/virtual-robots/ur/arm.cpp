@@ -7,7 +7,7 @@
 namespace trb::virtual_robots::ur {
 namespace {
 
-/** How far the base sways out and back in a motion to a pose, so that a watcher sees a motion at all. */
+/** How far the base sways in a motion to a pose, so that a watcher sees a motion. */
 constexpr double kPoseSway = 0.001;
 
 double move_duration(double distance, const MoveStep& step, double default_speed, double shortest) {

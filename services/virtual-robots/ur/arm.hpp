@@ -4,7 +4,7 @@
 
 namespace trb::virtual_robots::ur {
 
-/** What the joints do at one moment. */
+/** The joints' state at one moment. */
 struct JointState {
   Joints position{};
   Joints target{};
@@ -22,7 +22,7 @@ class Arm {
   /** Starts a motion and returns when it ends. */
   double start(const MoveStep& step, double now);
 
-  /** Stands still where the motion has got to. */
+  /** Stands still where it is. */
   void halt(double now);
 
   JointState at(double now) const;

@@ -10,7 +10,7 @@ namespace {
 
 /** The code of "the robot is not in operation", which is sent with the refusal of a program. */
 constexpr int kNotRunningCode = 100;
-/** Of a fault that is brought about by word; no code of the maker's. */
+/** The code of an injected fault; not one of the maker's. */
 constexpr int kInjectedCode = 999;
 
 }  // namespace
@@ -72,7 +72,7 @@ void Controller::raise_error(ErrorLevel level, std::string text, double now) {
 }
 
 void Controller::start(Program program, double now) {
-  // A real controller stops the running program before it takes the next one, and says so.
+  // A real controller stops the running program before it takes the next one, and reports that.
   stop_program(now);
   emit(ProgramStarted{program.name});
   program_ = std::move(program);
@@ -82,7 +82,7 @@ void Controller::start(Program program, double now) {
 }
 
 void Controller::run_secondary(const Program& program) {
-  // The compiler lets no step that takes time into a secondary program, so the running one is not disturbed.
+  // The compiler allows no step that takes time in a secondary program, so the running one is not disturbed.
   emit(SecondaryRun{program.name});
   for (const Step& step : program.steps) run_step(step);
 }
@@ -97,7 +97,7 @@ void Controller::advance(double now) {
   }
 }
 
-/** Begins a step where the last one ended, so that lateness does not add up over a program. */
+/** Begins a step where the last one ended, so that delays do not add up over a program. */
 void Controller::run_step(const Step& step) {
   if (const auto* move = std::get_if<MoveStep>(&step)) {
     emit(MoveStarted{*move});

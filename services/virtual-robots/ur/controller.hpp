@@ -15,13 +15,13 @@ class Controller {
  public:
   explicit Controller(RobotMode mode = RobotMode::Running) : mode_(mode) {}
 
-  /** A whole program or one line, as the intake cuts them. */
+  /** A whole program or one line, as split by the intake. */
   void take(std::string_view script, double now);
 
-  /** What happens outside of the scripts; Normal lifts a stop of either kind. */
+  /** Events outside of the scripts; Normal clears a stop of either kind. */
   void set_safety(SafetyMode mode, double now);
 
-  /** An error message of the controller's, in its own words; the arm goes on. */
+  /** An error message of the controller; the arm goes on. */
   void raise_error(ErrorLevel level, std::string text, double now);
 
   /** Carries out everything that is due. */

@@ -6,7 +6,7 @@ using namespace trb::virtual_robots::ur;
 
 namespace {
 
-/** A controller, the clock of its test, and the lines it has printed since the last look. */
+/** A controller, the clock of its test, and the lines printed since the last look. */
 struct Bench {
   explicit Bench(RobotMode mode = RobotMode::Running) : controller(mode) {}
 

@@ -17,7 +17,7 @@ std::string safety_answer(SafetyMode mode) {
   return mode == SafetyMode::ProtectiveStop ? "PROTECTIVE_STOP" : "ROBOT_EMERGENCY_STOP";
 }
 
-/** A word of the dashboard's, the controller's own line for it, and the answer. */
+/** A word of the dashboard, the controller's own line for it, and the answer. */
 struct Order {
   std::string_view line;
   std::string_view command;

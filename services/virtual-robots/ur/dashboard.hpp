@@ -13,10 +13,10 @@ namespace trb::virtual_robots::ur {
 
 constexpr std::string_view kDashboardGreeting = "Connected: Universal Robots Dashboard Server";
 
-/** What the dashboard answers to one line, and does to the controller for it. */
+/** The dashboard's answer to one line; applies it to the controller. */
 std::string dashboard_answer(std::string_view line, Controller& controller, double now);
 
-/** The dashboard's port: a greeting, then a line for each line. It never waits: the loop around it polls. */
+/** The dashboard's port: a greeting, then one answer per line. It never waits: the loop around it polls. */
 class Dashboard {
  public:
   static constexpr std::size_t kMostClients = 8;
@@ -28,7 +28,7 @@ class Dashboard {
   std::uint16_t port() const { return port_of(listener_); }
   void add_to_poll(std::vector<pollfd>& polled);
 
-  /** Serves what poll found, beginning at the place add_to_poll began. */
+  /** Serves what poll found, from the place where add_to_poll began. */
   void serve(const std::vector<pollfd>& polled, Controller& controller, double now);
 
  private:
@@ -36,7 +36,7 @@ class Dashboard {
     Fd socket;
     std::string input;
     std::string output;
-    bool leaves = false;  ///< once its output is out
+    bool leaves = false;  ///< once its output is sent
     bool gone = false;
   };
 

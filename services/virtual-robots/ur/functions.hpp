@@ -5,7 +5,7 @@
 
 namespace trb::virtual_robots::ur {
 
-/** Turns a call into the step it stands for. Throws CompileFailure: unknown function, wrong arguments. */
+/** Converts a call to its step. Throws CompileFailure: unknown function, wrong arguments. */
 Step bind_call(const ScriptLine& line, const Call& call);
 
 }  // namespace trb::virtual_robots::ur

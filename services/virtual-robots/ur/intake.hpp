@@ -6,7 +6,7 @@
 
 namespace trb::virtual_robots::ur {
 
-/** Cuts the bytes of one client into what the controller acts on: whole programs and single lines. */
+/** Splits the bytes of one client into the controller's input: whole programs and single lines. */
 class Intake {
  public:
   static constexpr std::size_t kLongestLine = std::size_t{64} * 1024;
@@ -15,7 +15,7 @@ class Intake {
   /** The scripts that have become complete, in order. */
   std::vector<std::string> take(std::string_view bytes);
 
-  /** Why the client must go: `line_too_long` or `program_too_long`; empty while all is well. */
+  /** Why the client must be dropped: `line_too_long` or `program_too_long`; empty: no fault. */
   const std::string& fault() const { return fault_; }
 
  private:

@@ -28,7 +28,7 @@ class Bytes {
     return *this;
   }
 
-  /** The bytes behind their own length, which counts itself. */
+  /** The bytes preceded by their length, which includes itself. */
   std::string with_length() const { return Bytes().u32(static_cast<std::uint32_t>(bytes_.size() + 4)).bytes_ + bytes_; }
 
  private:

@@ -14,7 +14,7 @@ enum class SafetyMode : std::uint8_t { Normal = 1, ProtectiveStop = 3, Emergency
 
 enum class ErrorLevel : std::uint8_t { Warning = 2, Violation = 3, Fault = 4 };
 
-/** What a RobotState packet tells. */
+/** The contents of a RobotState packet. */
 struct RobotState {
   RobotMode mode = RobotMode::Running;
   SafetyMode safety = SafetyMode::Normal;
@@ -22,7 +22,7 @@ struct RobotState {
   JointState joints;
 };
 
-// Each function returns one whole packet, big-endian, its length in front. `time_us` is in microseconds.
+// Each function returns one complete packet, big-endian, its length first. `time_us` is in microseconds.
 
 std::string version_packet();
 std::string robot_state_packet(const RobotState& state, std::uint64_t time_us);

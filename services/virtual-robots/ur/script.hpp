@@ -19,7 +19,7 @@ struct Pose {
 using Value = std::variant<double, bool, std::string, std::vector<double>, Pose>;
 using Variables = std::map<std::string, Value, std::less<>>;
 
-/** movej or movel; a time above 0 wins over the speed. */
+/** movej or movel; a time above 0 has priority over the speed. */
 struct MoveStep {
   std::string function;
   std::variant<Joints, Pose> target;
@@ -40,10 +40,10 @@ struct TextStep {
   std::string text;
 };
 
-/** stopj, stopl: a straight-line program is never in motion when it gets there, so only the event is left. */
+/** stopj, stopl: a straight-line program has come to rest before this step, so only the event is left. */
 struct HaltStep {};
 
-/** set_tcp, set_payload: checked and accepted, without an effect that a client could see. */
+/** set_tcp, set_payload: checked and accepted, without a visible effect. */
 struct SettingStep {
   std::string function;
 };
@@ -56,19 +56,19 @@ struct Program {
   std::vector<Step> steps;
 };
 
-/** What is wrong with a script and where; lines and columns count from 1. */
+/** The error of a script and its place; lines and columns count from 1. */
 struct ScriptError {
   int line = 0;
   int column = 0;
   std::string text;
 };
 
-/** The error on its way out of the compiler. */
+/** Carries the error out of the compiler. */
 struct CompileFailure {
   ScriptError error;
 };
 
-/** Where a line stands in its script, for the errors about it. */
+/** The place of a line in its script, for errors. */
 struct ScriptLine {
   int number = 1;
   std::string_view text;

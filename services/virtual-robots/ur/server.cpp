@@ -17,7 +17,7 @@ struct Offset {
 
 constexpr Offset kOffsets[] = {{1, true, false}, {2, false, false}, {11, true, true}, {12, false, true}};
 
-/** A port the system holds free at the moment, so that its neighbours probably are free as well. */
+/** A port that is free at the moment, so that its neighbours probably are free as well. */
 std::uint16_t probable_base(const std::string& address) {
   const std::uint16_t port = port_of(listen_on({address, 0}));
   return static_cast<std::uint16_t>(std::min<int>(port, 65500) - 1);
@@ -91,7 +91,7 @@ void Server::read_from(Client& client, std::vector<std::string>& scripts) {
   std::string bytes;
   const Transfer transfer = read_some(client.socket, bytes, 16384);
   client.gone = transfer.kind == Transfer::Kind::Closed;
-  // What comes in on a read-only port is read, so that the client can close in order, and thrown away.
+  // Input on a read-only port is read, so that the client can close in order, and discarded.
   if (client.read_only) return;
   for (std::string& script : client.intake.take(bytes)) scripts.push_back(std::move(script));
   if (!client.intake.fault().empty()) drop(client, client.intake.fault());

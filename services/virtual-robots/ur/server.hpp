@@ -19,7 +19,7 @@ class Server {
   static constexpr std::size_t kMostClients = 16;
   static constexpr std::size_t kLargestOutput = std::size_t{1024} * 1024;
 
-  /** Listens on base+1, +2, +11 and +12, and on base-1 for the dashboard; without a base, on the first that are free.
+  /** Listens on base+1, +2, +11 and +12, and on base-1 for the dashboard; without a base, on free ports.
    */
   Server(const std::string& address, std::optional<std::uint16_t> base);
 
@@ -31,13 +31,13 @@ class Server {
 
   void add_to_poll(std::vector<pollfd>& polled);
 
-  /** Serves what poll found, beginning at the place add_to_poll began; returns the scripts received, in order. */
+  /** Serves what poll found, from the place where add_to_poll began; returns the received scripts, in order. */
   std::vector<std::string> serve(const std::vector<pollfd>& polled);
 
   void send_to_primary(std::string_view packet) { send(packet, true); }
   void send_to_all(std::string_view packet) { send(packet, false); }
 
-  /** Packets for the clients that are new since the last call. */
+  /** Sends packets to the clients that are new since the last call. */
   void greet(std::string_view packets);
 
  private:

@@ -24,7 +24,7 @@ std::vector<double> parse_list(Cursor& cursor, const Variables& variables) {
   cursor.expect_symbol('[');
   if (cursor.take_symbol(']')) return numbers;
   do {
-    // A list in a list is refused here already: it would let a long line recurse deeply.
+    // A list in a list is refused here: it would let a long line recurse deeply.
     if (cursor.peek().text == "[") cursor.fail();
     const int column = cursor.peek().column;
     const Value value = parse_value(cursor, variables);
@@ -68,7 +68,7 @@ Value parse_value(Cursor& cursor, const Variables& variables) {
   }
 }
 
-/** `key=value` or a value; a key is only known as one by the `=` behind it, so the cursor may have to go back. */
+/** `key=value` or a value; only the `=` behind it marks a key, so the cursor may have to go back. */
 Argument parse_argument(Cursor& cursor, const Variables& variables) {
   Argument argument;
   argument.column = cursor.peek().column;

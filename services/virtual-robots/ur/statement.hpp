@@ -9,7 +9,7 @@
 
 namespace trb::virtual_robots::ur {
 
-/** One argument of a call; the key is empty when it is given by its place. */
+/** One argument of a call; the key is empty for a positional one. */
 struct Argument {
   std::string key;
   Value value;
@@ -22,7 +22,7 @@ struct Call {
   std::vector<Argument> arguments;
 };
 
-/** The tokens of a line, and the errors about them. */
+/** The tokens of a line, and errors about them. */
 class Cursor {
  public:
   using Place = std::size_t;
@@ -47,7 +47,7 @@ class Cursor {
   Place at_ = 0;
 };
 
-/** Parses a line: an assignment goes into the variables, a call is returned, a blank line is nothing. */
+/** Parses a line: an assignment sets a variable, a call is returned, a blank line is nothing. */
 std::optional<Call> parse_statement(const ScriptLine& line, Variables& variables);
 
 }  // namespace trb::virtual_robots::ur

@@ -12,7 +12,7 @@ bool is_digit(char c) {
   return c >= '0' && c <= '9';
 }
 
-/** Length of the name, number or string at the front; 0 where it does not end. */
+/** Length of the name, number or string at the front; 0 if it has no end. */
 std::size_t name_length(std::string_view rest) {
   std::size_t length = 1;
   while (length < rest.size() && (is_letter(rest[length]) || is_digit(rest[length]))) ++length;

@@ -61,7 +61,7 @@ void VirtualUr::take_console_line(const std::string& line) {
   }
 }
 
-/** An arm's controller knows no capabilities: whatever fails stops the whole arm, or is a mere warning. */
+/** An arm's controller has no capabilities: a fault stops the whole arm, or is only a warning. */
 void VirtualUr::take_fault(const FaultOrder& order) {
   const bool warning = order.severity == "WARNING";
   const bool fatal = order.severity == "FATAL";
@@ -81,7 +81,7 @@ void VirtualUr::tell_events() {
 void VirtualUr::send_state() {
   const double now = wall_seconds();
   if (now < next_state_) return;
-  // After a long pause of the process the missed packets are not sent one after the other.
+  // After a long pause of the process the missed packets are not sent all at once.
   next_state_ = std::max(next_state_ + kStatePeriod, now);
   server_.send_to_all(robot_state_packet(controller_.state(clock_.now()), time_us()));
 }

@@ -40,7 +40,7 @@ def rounds_of(options):
 
 
 def figures_of(lines):
-    """By what is measured: the medians of each way, and of each round's ratios to the index."""
+    """For each measurement: the medians of each method, and of each round's ratios to the index."""
     figures = {}
     for what in dict.fromkeys(line["what"] for line in lines):
         rounds = [line for line in lines if line["what"] == what]

@@ -7,7 +7,7 @@
 namespace trb::bench {
 namespace {
 
-/// Robots that have all of the skills, ascending, as a person who knows SQLite writes it.
+/// Robots that have all of the skills, ascending, as a person who knows SQLite would write it.
 std::string sql_of(Database::Question question) {
   std::string sql;
   if (question == Database::kGroup) {
@@ -55,7 +55,7 @@ sqlite3_stmt* Database::prepare(const std::string& sql) {
   return statement;
 }
 
-/// In the order of the table, which is how it becomes compact.
+/// In the order of the table, so that the table becomes compact.
 void Database::fill(const Hall& hall) {
   std::vector<std::vector<std::uint32_t>> robots(kSkills);
   for (std::size_t i = 0; i < hall.size(); ++i) {

@@ -1,4 +1,4 @@
-// A made-up fleet for the benchmark of the capability index, and the ways to ask it that stand beside the index.
+// A made-up fleet for the benchmark of the capability index, and the methods that are compared with the index.
 #pragma once
 
 #include <array>
@@ -36,9 +36,9 @@ class Hall {
 
   [[nodiscard]] std::unique_ptr<resilience::FleetIndex> index() const;
 
-  /// The bare loop: 256 bits and a flag a robot, looked at one by one.
+  /// The bare loop: checks 256 bits and a flag per robot, one by one.
   void loop(const Skills& asked, std::vector<resilience::RobotNumber>& out) const;
-  /// The bare loop that ranks as well, by the same shares as resilience::shortlist(), in two passes.
+  /// The bare loop that also ranks, by the same shares as resilience::shortlist(), in two passes.
   [[nodiscard]] std::vector<resilience::Scored> ten_best(const Skills& asked, const resilience::Weights& weights,
                                                          resilience::HallPoint place, std::size_t most) const;
 

@@ -28,7 +28,7 @@ constexpr const char* kHelp =
 constexpr std::size_t kRanked = 10'000;
 constexpr std::size_t kBest = 10;
 
-/// Each way answers the same questions; what it finds must be what the others find.
+/// A method: each one answers the same queries, and must find what the others find.
 struct Way {
   const char* name;
   int repeats;
@@ -57,7 +57,7 @@ void check_same(const std::vector<Way>& ways, const Hall& hall) {
   }
 }
 
-/// Ways in another order each round, so that none always follows the same neighbour.
+/// The methods run in another order each round, so that none always follows the same one.
 void measure(const char* what, const std::vector<Way>& ways, const Hall& hall, int rounds) {
   check_same(ways, hall);
   for (int round = 0; round < rounds; ++round) {
@@ -88,7 +88,7 @@ void questions(std::size_t robots, int rounds) {
   measure("query", ways, hall, rounds);
 }
 
-/// Every robot has all that is asked for: as many answers as robots, the most that there is to write down.
+/// Every robot has all that is asked for: as many results as robots, the most that there is to write.
 void everybody(std::size_t robots, int rounds) {
   const Hall hall(robots, 1);
   const auto index = hall.index();

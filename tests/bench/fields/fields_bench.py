@@ -32,7 +32,7 @@ GOAL = 0.01
 
 
 class Fleet(roads.Fleet):
-    """One node whose robot sends, and one for each way of telling fields apart."""
+    """One node whose robot sends, and one for each framing of fields."""
 
     CHANNELS = {"sender": {"framing": "newline", "acknowledge": False},
                 "lines": {"framing": "newline", "acknowledge": True, "ack_timeout_s": 10},
@@ -169,7 +169,7 @@ def main():
     result = measure(arguments, core)
     print_table(result)
     say()
-    # With few messages a time tells nothing; that all of them arrive, each field alone, is asked in any case.
+    # With few messages the time means nothing; that all arrive, each field alone, is checked in any case.
     met = [{"goal": "P4", "what": what, "value": value, "wanted": wanted, "met": good}
            for what, value, wanted, good in goals(result)]
     for row in met[2:] if arguments.quick else met:

@@ -46,7 +46,7 @@ class Driver {
     while (reader.tally().messages + reader.tally().lost < messages) {
       std::string bytes;
       const std::uint64_t heard = reader.tally().messages + reader.tally().lost;
-      // By the half window, so that the roads of many messages are shared, as under load.
+      // By half windows, so that many messages share the work, as under load.
       if (sent - heard <= window / 2) {
         for (; sent < messages && sent - heard < window; ++sent) bytes += message(target, first + sent);
         send_all(bytes);

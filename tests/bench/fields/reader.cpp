@@ -67,7 +67,7 @@ class AcknowledgingReader final : public Reader {
   std::size_t place_ = 0;
 };
 
-/// The stream tells what has come, the reads what a robot can make of it.
+/// The whole stream shows what has come, the single reads what a robot can make of it.
 class GapReader final : public Reader {
  public:
   GapReader(int fd, const std::string& source) : Reader(fd) {
@@ -86,7 +86,7 @@ class GapReader final : public Reader {
     std::size_t borders = 0;
     for (std::size_t base = 0; base < held_.size(); base += ends_.back()) {
       for (const std::size_t end : ends_) {
-        // A border is seen if a read ends there.
+        // A border is detected if a read ends there.
         if (base + end > from && base + end <= held_.size()) ++borders;
       }
     }

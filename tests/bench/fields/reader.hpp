@@ -1,4 +1,4 @@
-// A robot that reads fields, as slowly as it is told to, and counts what it can make of them.
+// A robot that reads fields at a given slowness, and counts the messages that it can decode.
 #pragma once
 
 #include <cstdint>
@@ -7,7 +7,7 @@
 
 namespace trb::bench {
 
-/// How slow: after every so many reads it does something else for so long; 0 reads: never.
+/// After `every` reads it is busy for this long; 0 reads: never.
 struct Slowness {
   double busy_ms = 0;
   std::uint64_t every = 0;
@@ -15,10 +15,10 @@ struct Slowness {
 
 struct Tally {
   std::uint64_t messages = 0;  ///< whole, in their order, with their own data
-  std::uint64_t lost = 0;      ///< numbers that were passed over
+  std::uint64_t lost = 0;      ///< numbers that were skipped
   std::uint64_t reads = 0;
   std::uint64_t fields = 0;        ///< that came alone
-  std::uint64_t concatenated = 0;  ///< borders between two fields that were not seen
+  std::uint64_t concatenated = 0;  ///< borders between two fields that were not detected
 };
 
 class Reader {
@@ -28,7 +28,7 @@ class Reader {
   Reader& operator=(const Reader&) = delete;
   virtual ~Reader() = default;
 
-  /// Reads once what is there; acknowledges what it must. Throws if the connection or the stream is of no use any more.
+  /// Reads once what is there; acknowledges what it must. Throws if the connection or the stream is unusable.
   virtual void read() = 0;
   [[nodiscard]] int fd() const { return fd_; }
   [[nodiscard]] const Tally& tally() const { return tally_; }
@@ -55,7 +55,7 @@ std::string data_of(std::uint64_t number);
 
 /// Framing "newline": a field is a line, each is acknowledged, and each must be the one that it should be.
 std::unique_ptr<Reader> acknowledging_reader(int fd, const std::string& source);
-/// Framing "delay", as in the paper: whatever one read gives is taken for a field.
+/// Framing "delay", as in the paper: the result of one read counts as a field.
 std::unique_ptr<Reader> gap_reader(int fd, const std::string& source);
 
 }  // namespace trb::bench

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""What a stream on the lossy lane costs the control messages of the same two nodes: their round trip idle and beside the
-lane, in turns, in one run. Control has one core, the load the other: see README.md.
+"""What a stream on the lossy lane costs the control messages of the same two nodes: their round trip idle and beside
+the lane, in turns, in one run. Control has one core, the load the other: see README.md.
 """
 import argparse
 import json
@@ -30,7 +30,7 @@ GOAL = 1.2
 
 
 def stream(folder, node, to, asked, rate, size):
-    """The load's process: until it is ended. A rate of 0: as much as the bus takes."""
+    """The load's process; runs until it is ended. A rate of 0: as much as the bus takes."""
     os.sched_setaffinity(0, LOAD)
     fleet = type("Nodes", (), {"dir": staticmethod(lambda name: pathlib.Path(folder) / name)})
     probe = Probe(zmq.Context(), fleet, node)
@@ -47,7 +47,7 @@ def stream(folder, node, to, asked, rate, size):
 
 
 def hear(folder, node):
-    """The asker's process: asks the streamer's node, says the id that is answered, then hears what comes."""
+    """The requester's process: requests from the streamer's node, prints the answered id, then receives."""
     os.sched_setaffinity(0, LOAD)
     fleet = type("Nodes", (), {"dir": staticmethod(lambda name: pathlib.Path(folder) / name)})
     probe = Probe(zmq.Context(), fleet, node)
@@ -59,7 +59,7 @@ def hear(folder, node):
 
 
 def pin(pid):
-    """Everything of a router on control's core, but the lane's own I/O thread."""
+    """Pins all threads of a router to control's core, except the lane's own I/O thread."""
     for task in (pathlib.Path("/proc") / str(pid) / "task").iterdir():
         lane = (task / "comm").read_text().strip() == "ZMQbg/IO/1"
         os.sched_setaffinity(int(task.name), LOAD if lane else CONTROL)

@@ -19,7 +19,7 @@ constexpr std::size_t kDataSize = 48;
 constexpr std::size_t kDigits = 16;
 constexpr std::chrono::milliseconds kPatience{2000};
 
-/// 48 bytes of text: a number, then filling.
+/// 48 bytes of text: a number, then padding.
 Frame message_of(std::uint64_t number) {
   Frame frame(kDataSize);
   std::array<char, kDigits + 1> digits{};
@@ -82,7 +82,7 @@ class Driver {
  private:
   void send() { out_.send(message_of(sent_++)); }
 
-  /// Takes one message. Those before it that have not come are lost: a road keeps the order.
+  /// Receives one message. Missing ones before it are lost: a road keeps the order.
   bool take() {
     if (!in_.receive(frame_)) return false;
     const std::uint64_t number = number_of(frame_);
@@ -106,8 +106,8 @@ class Driver {
   End& in_;
   Frame frame_;
   std::uint64_t sent_ = 0;
-  std::uint64_t heard_ = 0;  ///< in this order
-  std::uint64_t next_ = 0;   ///< the number after the last one heard
+  std::uint64_t heard_ = 0;  ///< received, in order
+  std::uint64_t next_ = 0;   ///< the number after the last one received
 };
 
 }  // namespace

@@ -17,7 +17,7 @@ Socket value_of(Result<Socket> socket) {
   return std::move(*socket);
 }
 
-/// Sends at last what was refused: a socket sees only now and then that its peer has made room, unless it is asked.
+/// Finally sends what was refused: a socket notices only now and then that its peer has room, unless it is polled.
 template <class F>
 void insist(Socket& socket, const F& send) {
   const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(2);
@@ -29,7 +29,7 @@ void insist(Socket& socket, const F& send) {
   throw std::runtime_error("a message was refused: the queue is full or the peer gone");
 }
 
-/// A client's first word; it also tells when the connection stands, since an unconnected socket refuses.
+/// A client's first message; it also shows when the connection is up, since an unconnected socket refuses it.
 void say_hello(Socket& socket) {
   insist(socket, [&] { return socket.send(Frame()); });
 }
@@ -71,7 +71,7 @@ class ServerEnd final : public End {
   Bytes client_;
 };
 
-/// ZAP is asked once a connection: the loop that serves it is not needed on the road.
+/// ZAP is asked once per connection: the loop that serves it is not needed afterwards.
 void admit_one(Context& context, Socket& inbox) {
   Loop loop;
   const ZapServer zap(context, loop, [](BytesView, BytesView) { return true; });

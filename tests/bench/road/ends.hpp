@@ -1,4 +1,4 @@
-// The ends of a bench road: where messages of one frame come from or go to, by ipc, CURVE or a robot's TCP.
+// The ends of a bench road: senders and receivers of messages of one frame, by ipc, CURVE or a robot's TCP.
 #pragma once
 
 #include <memory>
@@ -18,19 +18,19 @@ class End {
 
   /// The next message, if there is one.
   virtual bool receive(Frame& frame) = 0;
-  /// Throws if the message could not be taken: nothing may be lost.
+  /// Throws if the message could not be sent: nothing may be lost.
   virtual void send(Frame&& frame) = 0;
   /// Sends what send() has only collected.
   virtual void flush() {}
   [[nodiscard]] virtual zmq::pollitem_t item() = 0;
 
-  /// Waits until there may be something to receive; false if there was nothing for so long.
+  /// Waits until there may be something to receive; false if nothing came in this time.
   bool wait(std::chrono::milliseconds longest);
 };
 
-/// A service's end of the bus: a DEALER that connects by ipc, and says an empty message so that it is known.
+/// A service's end of the bus: a DEALER that connects by ipc, and sends an empty message so that it is known.
 std::unique_ptr<End> bus_client(Context& context, const std::string& path);
-/// The router's end of the bus: a ROUTER that binds by ipc; sends go to the one client that was heard last.
+/// The router's end of the bus: a ROUTER that binds by ipc; it sends to the client that it last received from.
 std::unique_ptr<End> bus_server(Context& context, const std::string& path);
 /// The inbox of a router, with ZAP. Prints "listening KEY" with its public key, then waits for its one client.
 std::unique_ptr<End> curve_server(Context& context, const std::string& address);

@@ -11,7 +11,7 @@ void relay(End& in, End& out) {
     zmq::poll(items, std::chrono::milliseconds(-1));
     while (in.receive(frame)) out.send(std::move(frame));
     out.flush();
-    // Only hellos come from there: receiving is how they are noticed.
+    // Only Hellos come from there: they are noticed by receiving.
     if (items[1].revents != 0) out.receive(frame);
   }
 }

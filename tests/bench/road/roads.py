@@ -33,12 +33,12 @@ class Road:
         return json.loads(line)
 
     def usage(self):
-        """Of each process: microseconds of CPU and voluntary context switches so far."""
+        """Per process: microseconds of CPU and voluntary context switches so far."""
         return {name: (cpu_us(pid), switches(pid)) for name, pid in self.pids.items()}
 
 
 def cpu_us(pid):
-    """All threads together; by the scheduler's nanoseconds where the kernel tells them, else by clock ticks."""
+    """All threads together; by the scheduler's nanoseconds where the kernel has them, else by clock ticks."""
     try:
         tasks = pathlib.Path(f"/proc/{pid}/task").glob("*/schedstat")
         return sum(int(task.read_text().split()[0]) for task in tasks) / 1000 or ticks_us(pid)
@@ -61,7 +61,7 @@ def switches(pid):
 
 
 class Fleet(trb_fleet.Fleet):
-    """a: its robot speaks fields; b: its robot is spoken to in its own words."""
+    """a: its robot has the field channel; b: its robot is commanded in direct mode."""
 
     MODES = {"a": "fields", "b": "bench"}
     FILES = {
@@ -101,7 +101,7 @@ class Fleet(trb_fleet.Fleet):
 
 
 def without_seals(programs, folder):
-    """The programs of a node whose router is the build that does not seal: there is no such setting."""
+    """The programs of a node whose router was built without seals: there is no such setting."""
     folder.mkdir()
     for name, source in (("trb", "trb"), ("trb-mode-adapter", "trb-mode-adapter"),
                          ("trb-router", "trb-bench-router-unsealed")):
@@ -158,7 +158,7 @@ class Roads:
         return Road("floor", self.start("drive-bus", *buses), pids)
 
     def bare(self):
-        """The floor with a process and a TCP connection more at each end: the road without what TalkRoBots does."""
+        """The floor with one more process and TCP connection at each end: the road without the work of TalkRoBots."""
         node, robot = f"127.{self.octet}.3.2:40000", f"127.{self.octet}.3.3:{VENDOR_PORT}"
         pids, buses = self.routers("bare", f"127.{self.octet}.3.2:45002")
         driver = self.start("drive-tcp", node, "", robot, until="listening")

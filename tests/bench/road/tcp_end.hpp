@@ -5,7 +5,7 @@
 
 namespace trb::bench {
 
-/// HOST:PORT taken apart; throws if it is none.
+/// HOST:PORT split; throws if it is not valid.
 struct TcpAddress {
   std::string host;
   std::uint16_t port = 0;
@@ -14,12 +14,12 @@ TcpAddress tcp_address(const std::string& text);
 
 /// A listener of one connection. Prints "listening".
 int tcp_listen(const TcpAddress& at);
-/// The one connection; waits for it.
+/// Waits for the one connection.
 int tcp_accept(int listener);
-/// Connects, from that local address if it is not empty; tries for 5 s.
+/// Connects, from `from` if it is not empty; tries for 5 s.
 int tcp_dial(const TcpAddress& to, const std::string& from);
 
-/// Owns the connection. `head` goes before each message that is sent.
+/// Owns the connection. `head` is sent before each message.
 std::unique_ptr<End> tcp_end(int fd, std::string head);
 
 }  // namespace trb::bench

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""What 200 sensors at 10 Hz and 50 remote streams of them cost the control messages of the same two nodes: their round trip
-idle and beside the sensors, in turns, in one run. Control has one core, the sensors the other: see README.md.
+"""What 200 sensors at 10 Hz and 50 remote streams of them cost the control messages of the same two nodes: their round
+trip idle and beside the sensors, in turns, in one run. Control has one core, the sensors the other: see README.md.
 """
 import argparse
 import json
@@ -30,7 +30,7 @@ RULE = {"match": {"subsystem": "hwmon", "attributes": {"name": ["lm75*"]}}, "rea
 
 
 class Load:
-    """The sensors' side of FROM and those who watch it at TO: all of it on the load's core, at work or standing still."""
+    """The sensors' side of FROM and its watchers at TO: all of it on the load's core, running or stopped."""
 
     def __init__(self, fleet, side, sensors, streams):
         self.fleet, self.side = fleet, side
@@ -61,13 +61,13 @@ class Load:
         return ticks / os.sysconf("SC_CLK_TCK")
 
     def values(self):
-        """How many values all watchers have heard so far."""
+        """How many values all watchers have received so far."""
         for watcher in self.watchers:
             watcher.pump(0)
         return sum(len(watcher.lines) for watcher in self.watchers)
 
     def still(self, still):
-        """Stopped they cost nothing. Long enough, and leases end: the turns are short."""
+        """Stopped processes cost nothing. The turns are short, because leases would end."""
         for pid in self.pids():
             os.kill(pid, 19 if still else 18)
 
@@ -88,7 +88,7 @@ def measure(asker, load, questions, rounds, seconds):
         idle.append(ask())
         load.still(False)
         end = time.monotonic() + 0.5
-        while time.monotonic() < end:  # what has waited meanwhile is over
+        while time.monotonic() < end:  # drops what has waited meanwhile
             ask(10)
         before, began, burnt = load.values(), time.monotonic(), load.cpu_s()
         rows = []
@@ -132,7 +132,7 @@ def main():
     with tempfile.TemporaryDirectory(prefix="trb-sensors-") as folder:
         fleet, side = make_fleet(folder, options.programs)
         try:
-            os.sched_setaffinity(0, LOAD)  # what is started from here on inherits it; the routers are moved
+            os.sched_setaffinity(0, LOAD)  # processes started from here on inherit it; the routers are moved
             fleet.bring_up(FROM, TO)
             os.sched_setaffinity(0, CONTROL)
             for node in (FROM, TO):

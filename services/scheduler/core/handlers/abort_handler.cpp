@@ -31,7 +31,7 @@ void AbortHandler::handle(const RunAbort& body, const Inbound& from, Step step) 
   if (auto order = run->checks().abort(body.order); !order) return refuse(from, order.error(), step);
   const Status open = here ? check_not_over(*run, state_of(*run, executor_, step.clock())) : Done{};
   if (!open) return refuse(from, open.error(), step);
-  // Everything is done: there is nothing to end.
+  // Everything is done: nothing is left to abort.
   if (run->orders().has_ended()) {
     return lookup_.refuse_over(run->id(), {RunState::finished, run->orders().end_record()}, from, step);
   }

@@ -19,11 +19,11 @@ class AbortHandler {
   void handle(const RunAbort& body, const Inbound& from, Step step);
   void handle(const AbortConfirmed& body, const Inbound& from, Step step);
 
-  /// At a step's end: confirms an abort once nothing of the run is done here any more.
+  /// At a step's end: confirms an abort once nothing of the run is under way here.
   void confirm(Run& run, Step step) const;
-  /// At a step's end: has the order signed that a failed task makes this node give.
+  /// At a step's end: has this node's order signed when a failed task ends the run.
   void order_on_failure(Run& run, Step step) const;
-  /// Keeps that order once it is signed; false if the record is none.
+  /// Keeps that order once it is signed; false if the record is no such order.
   bool keep_signed(Run& run, const SignedRecord& record, Step step);
 
  private:

@@ -22,7 +22,7 @@ Result<std::vector<Held>> check_all(const std::vector<SignedRecord>& records, co
 
 }  // namespace
 
-/// What a baton carries, checked.
+/// The contents of a baton, checked.
 struct BatonHandler::Content {
   std::vector<bool> final_tasks;
   std::vector<bool> skipped_tasks;
@@ -80,7 +80,7 @@ void BatonHandler::handle(const BatonJournaled& body, const Inbound& from, Step 
   if (body.epoch == 0 || body.epoch > run->epochs().current()) {
     return refuse(from, fail(Errc::conflict, "run " + body.run + ": of another epoch"), step);
   }
-  // A task that has gone and come back in a later epoch has to be passed again.
+  // A task that has left and come back in a later epoch has to be passed again.
   if (!run->epochs().is_of_epoch(body.tasks, body.epoch)) return step.out.count("late.baton_journaled");
   run->deliveries().forget_refusal(from.source);
   journal_.keep_delivery(*run, DeliveryKind::baton, from, body.tasks, body.epoch, step);
@@ -94,7 +94,7 @@ void BatonHandler::on_refusal(const Nack& nack, const Inbound& from, Step step) 
   if (is_full && run->members().contains(from.source)) run->deliveries().note_refusal(from.source, nack.what);
 }
 
-/// Who refuses a baton may be in a later epoch, and the decider that would send it may be gone.
+/// A member that refuses a baton may be in a later epoch, and the decider that would send it may be gone.
 void BatonHandler::request_decisions(Run& run, const Inbound& from, Step step) {
   const std::vector<std::string> owed = run.deliveries().pending().creditors(DeliveryKind::baton);
   if (std::ranges::find(owed, from.source) == owed.end()) return;

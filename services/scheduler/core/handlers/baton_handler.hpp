@@ -1,4 +1,4 @@
-// Batons: what another node passes on to this one, and the answers to what this one has passed on.
+// Batons: those that other nodes pass to this one, and the answers to those that this one passed on.
 #pragma once
 
 #include "common/actor/takes.hpp"
@@ -17,7 +17,7 @@ class BatonHandler {
 
   void handle(const Baton& body, const Inbound& from, Step step);
   void handle(const BatonJournaled& body, const Inbound& from, Step step);
-  /// A member does not take its baton.
+  /// A member refuses its baton.
   void on_refusal(const Nack& nack, const Inbound& from, Step step);
 
  private:

@@ -12,7 +12,7 @@ bool same_source(const Run& run, TaskIndex task, const Inquiry& inquiry) {
   return source_of(run.tasks()[task].when.front()) == source_of(inquiry.condition());
 }
 
-/// One inquiry for each source that these tasks' conditions read, and no other.
+/// Keeps exactly one inquiry for each source that these tasks' conditions read.
 void match_inquiries(Run& run, const std::vector<TaskIndex>& tasks, const std::string& node) {
   std::vector<Inquiry>& inquiries = run.work().inquiries();
   std::erase_if(inquiries, [&](const Inquiry& one) {

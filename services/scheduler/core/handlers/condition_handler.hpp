@@ -1,4 +1,4 @@
-// Conditions of tasks: this node asks who has the sensor, then the sensor, and has its choice signed.
+// Conditions of tasks: this node searches the sensor's node, reads the sensor, and has its choice signed.
 #pragma once
 
 #include "common/actor/route_pages.hpp"
@@ -9,7 +9,7 @@ namespace trb::scheduler {
 
 class ConditionHandler {
  public:
-  /// To what this node has asked itself.
+  /// Answers to requests of this node.
   using Answers = Takes<RouteTable, SensorReading>;
 
   /// All must outlive it.
@@ -18,10 +18,10 @@ class ConditionHandler {
 
   void handle(const RouteTable& body, const Inbound& from, Step step);
   void handle(const SensorReading& body, const Inbound& from, Step step);
-  /// A sensor's node does not answer.
+  /// A sensor's node refuses or does not answer.
   void on_refusal(const Nack& nack, const Inbound& from, Step step);
 
-  /// At a step's end: asks for the values that the run's conditions wait for.
+  /// At a step's end: requests the values for which the run's conditions wait.
   void inquire(Run& run, Step step) const;
   /// Keeps a choice once it is signed; false if the record is none.
   bool keep_signed(Run& run, const SignedRecord& record, Step step);
@@ -33,7 +33,7 @@ class ConditionHandler {
   std::string node_;
   const RunStore& runs_;
   RunJournal& journal_;
-  RoutePages routes_;  ///< of the own router
+  RoutePages routes_;  ///< from the own router
 };
 
 }  // namespace trb::scheduler

@@ -13,7 +13,7 @@ namespace {
 
 using Names = std::vector<std::string>;
 
-/// The ridgeback evaluates the conditions, and has done the task before them.
+/// The ridgeback evaluates the conditions, and has done the preceding task.
 struct Choosing {
   Choosing() { known.finish("bring"); }
 

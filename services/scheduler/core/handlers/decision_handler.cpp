@@ -5,7 +5,7 @@
 namespace trb::scheduler {
 namespace {
 
-/// Of an epoch that is known: it must be that very decision.
+/// A decision of a known epoch must be exactly the known one.
 Status check_known(const Run& run, std::uint32_t epoch, const SignedRecord& record) {
   if (run.epochs().records()[epoch - 2].payload == record.payload) return Done{};
   return fail(Errc::conflict, "run " + run.id() + ": epoch " + std::to_string(epoch) + " was decided otherwise",
@@ -68,7 +68,7 @@ Status DecisionHandler::check_release(const Run& run, const ReleaseTasks& body, 
 }
 
 void DecisionHandler::handle(const ReleaseTasks& body, const Inbound& from, Step step) {
-  // Whom the run has not reached yet gives its tasks back all the same: the run may be paused long before it does.
+  // A node that does not know the run yet also gives its tasks back: the run may be paused long before it reaches it.
   Run* run = lookup_.find_or_defer(body.run, {}, from, step);
   if (run == nullptr) return;
   if (auto checked = check_release(*run, body, from); !checked) return refuse(from, checked.error(), step);

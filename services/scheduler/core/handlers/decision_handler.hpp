@@ -1,4 +1,4 @@
-// Decisions, which make the next epoch, and tasks that are asked back before one.
+// Decisions, which start the next epoch, and tasks that are asked back before one.
 #pragma once
 
 #include "common/actor/takes.hpp"
@@ -20,7 +20,7 @@ class DecisionHandler {
   void handle(const ReleaseTasks& body, const Inbound& from, Step step);
 
  private:
-  /// `here`: by this node, which has to look at what it knows of the tasks.
+  /// `here`: made by this node, which checks it against what it knows of the tasks.
   Status keep(Run& run, const SignedRecord& record, bool here, Step step);
   [[nodiscard]] Status check_release(const Run& run, const ReleaseTasks& body, const Inbound& from) const;
 

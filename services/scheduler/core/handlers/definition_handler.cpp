@@ -11,7 +11,7 @@ Error unexpected() {
 
 }  // namespace
 
-/// There is time and place for it.
+/// The run is not expired, and there is room for it.
 Status DefinitionHandler::check_new(const Run& run, Step step) const {
   if (run.definition().expired(step.steady)) {
     return fail(Errc::expired, "run " + run.id() + " has expired before it came here",

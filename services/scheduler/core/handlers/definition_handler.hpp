@@ -1,4 +1,4 @@
-// How a run becomes known: it is submitted here, or a baton came of it and its definition follows.
+// How a run becomes known: it is submitted here, or its baton comes and its definition follows.
 #pragma once
 
 #include "common/actor/takes.hpp"

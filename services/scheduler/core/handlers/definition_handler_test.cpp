@@ -12,7 +12,7 @@ namespace {
 
 const std::string kNewRun(32, 'b');
 
-/// Besides the run that is known there is another, which is not.
+/// Besides the known run there is another, unknown one.
 struct Intake {
   SignedRecord new_start(Duration life = seconds(3600)) {
     return known.signers.fleet.make_start(chain({"drone"}), "ur3", life, kNewRun);

@@ -8,7 +8,7 @@ namespace {
 
 constexpr auto kEnd = PendingSignatures::Word::end;
 
-/// Everything is done, and nothing of it has to be looked at.
+/// Everything is done, and nothing has to be looked at by a person.
 bool is_done(const Run& run) {
   return run.facts().all_final() && !run.orders().has_new_double() && !run.orders().is_held_for_doubles();
 }

@@ -19,7 +19,7 @@ struct Ending {
     handler.seek_end(known.run(), known.step(out));
     return out;
   }
-  /// Everything that the node owes has been journaled elsewhere.
+  /// Everything that the node owes was journaled elsewhere.
   void settle_all() {
     PendingDeliveries& pending = known.run().deliveries().pending();
     for (const DeliveryKind kind : {DeliveryKind::baton, DeliveryKind::results}) pending.drop(kind);

@@ -1,4 +1,4 @@
-// Orders to abort, to hold and to let go on: a person's, and those that a node gives by itself.
+// Orders to abort, to hold and to let go on: a person's, and a node's own.
 #include <doctest/doctest.h>
 
 #include "services/scheduler/core/handlers/abort_handler.hpp"
@@ -65,7 +65,7 @@ TEST_CASE("a task whose failure ends the run makes its robot order the abort, on
   CHECK(sent<SignRequest>(ordering.at_end_of_step()).empty());
   ordering.known.add(ordering.known.result("task-0", "ur3", TaskOutcome::failed));
   const SignedRecord order = signed_by(ordering.known.signers, "ur3", ordering.at_end_of_step());
-  CHECK(sent<SignRequest>(ordering.at_end_of_step()).empty());  // asked already
+  CHECK(sent<SignRequest>(ordering.at_end_of_step()).empty());  // already requested
   Outbox out;
   CHECK_FALSE(ordering.aborts.keep_signed(ordering.known.run(), ordering.known.abort(), ordering.known.step(out)));
   CHECK(ordering.aborts.keep_signed(ordering.known.run(), order, ordering.known.step(out)));
@@ -108,7 +108,7 @@ TEST_CASE("an order is owed to a member until it has journaled that one") {
   Ordering ordering;
   ordering.known.send(ordering.pauses, "cloud", RunPause{ordering.known.pause(3, true)});
   const PendingDeliveries& pending = ordering.known.run().deliveries().pending();
-  CHECK_FALSE(pending.owes(DeliveryKind::pause, "cloud"));  // it has told of it
+  CHECK_FALSE(pending.owes(DeliveryKind::pause, "cloud"));  // it has sent the order itself
   ordering.known.send(ordering.pauses, "drone", PauseJournaled{kKnownRun, 2});
   CHECK(pending.owes(DeliveryKind::pause, "drone"));
   ordering.known.send(ordering.pauses, "drone", PauseJournaled{kKnownRun, 3});

@@ -50,7 +50,7 @@ void PauseHandler::handle(const RunPause& body, const Inbound& from, Step step) 
 void PauseHandler::confirm(Run& run, const PauseOrder& order, const Inbound& from, Step step) {
   const std::uint32_t known = run.orders().pause()->number;
   step.out.information(from.source, PauseJournaled{run.id(), known});
-  // Who sends the order that counts has it.
+  // The sender of the valid order already has it.
   if (order.number == known && run.deliveries().pending().owes(DeliveryKind::pause, from.source)) {
     journal_.keep_delivery(run, DeliveryKind::pause, from, {}, run.epochs().current(), step);
   }

@@ -1,5 +1,5 @@
-// Orders that hold a run and let it go on: a person's, and the judge's own when a task was done twice. What runs is
-// finished; nothing is begun.
+// Orders that hold a run and let it go on: a person's, and the judge's own when a task was done twice. Running tasks
+// are finished; none is begun.
 #pragma once
 
 #include "common/actor/takes.hpp"
@@ -20,14 +20,14 @@ class PauseHandler {
   void handle(const RunPause& body, const Inbound& from, Step step);
   void handle(const PauseJournaled& body, const Inbound& from, Step step);
 
-  /// At a step's end: the judge has the order signed that a task done twice makes it give. It holds the run everywhere
-  /// until a person has looked.
+  /// At a step's end: the judge has its order signed if a task was done twice. It holds the run everywhere until a
+  /// person has looked.
   void hold_for_doubles(Run& run, Step step) const;
-  /// Keeps that order once it is signed; false if the record is none.
+  /// Keeps that order once it is signed; false if the record is no such order.
   bool keep_signed(Run& run, const SignedRecord& record, Step step);
 
  private:
-  /// Of a person's order on this node.
+  /// For a person's order on this node.
   [[nodiscard]] Status check_state(const Run& run, Step step) const;
   [[nodiscard]] static Status check_doubles(const Run& run, const PauseOrder& order);
   void confirm(Run& run, const PauseOrder& order, const Inbound& from, Step step);

@@ -47,7 +47,7 @@ Result<std::string> QueryHandler::choose(const std::string& beginning) const {
 }
 
 void QueryHandler::handle(const RunQuery& body, const Inbound& from, Step step) {
-  // A whole id, as programs ask by, is looked for in nothing but its place.
+  // A complete id, as programs send it, is found directly.
   const bool is_whole = runs_.find(body.run) != nullptr || archive_.over(body.run);
   const auto id = is_whole ? Result<std::string>(body.run) : choose(body.run);
   if (!id) return refuse(from, id.error(), step);

@@ -1,4 +1,4 @@
-// What a person sees of runs: answers to questions, and changes for those that watch.
+// A person's view of runs: answers to queries, and changes for watchers.
 #pragma once
 
 #include "common/actor/takes.hpp"
@@ -26,7 +26,7 @@ class QueryHandler {
   void notify_watchers(Step step);
 
  private:
-  /// By a beginning of its id that no other has; the newest of all if nothing is named.
+  /// Finds a run by a unique beginning of its id; the newest of all if nothing is named.
   [[nodiscard]] Result<std::string> choose(const std::string& beginning) const;
   [[nodiscard]] Result<std::string> newest() const;
   [[nodiscard]] RunTable open_runs(Step step) const;

@@ -5,7 +5,7 @@
 namespace trb::scheduler {
 namespace {
 
-/// What a refused command was to deliver. Batons are not given up: who has no place for a run gets it later.
+/// What a refused command was to deliver. Batons are not given up: a node without room for a run gets it later.
 std::optional<DeliveryKind> delivery_of(const std::string& subtype) {
   if (subtype == Results::kSubtype) return DeliveryKind::results;
   if (subtype == RunAbort::kSubtype) return DeliveryKind::abort;
@@ -28,7 +28,8 @@ void RefusalHandler::handle(const Nack& body, const Inbound& from, Step step) {
   if (body.code == errc_name(Errc::expired)) give_up_delivery(body, from, step);
 }
 
-/// For a peer the run is over, and it will never journal what it is owed. Its claim alone is not believed.
+/// The peer refuses because the run is over for it: it will never journal what it is owed. Its claim alone is not
+/// trusted.
 void RefusalHandler::give_up_delivery(const Nack& nack, const Inbound& from, Step step) const {
   Run* run = runs_.find(nack.about);
   const auto kind = delivery_of(nack.subtype);

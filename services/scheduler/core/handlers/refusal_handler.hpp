@@ -1,4 +1,4 @@
-// What others refuse to do for this node.
+// Refusals of other nodes and services.
 #pragma once
 
 #include "common/actor/takes.hpp"
@@ -10,7 +10,7 @@ namespace trb::scheduler {
 
 class RefusalHandler {
  public:
-  /// To what this node has asked itself.
+  /// Answers to requests of this node.
   using Answers = Takes<Nack>;
 
   /// All must outlive it.

@@ -8,17 +8,17 @@
 namespace trb::scheduler {
 namespace {
 
-/// A robot reports these on the attempt that it makes.
+/// The states that a robot's node reports during an attempt.
 bool is_under_way(TaskState state) {
   return state == TaskState::initializing || state == TaskState::running || state == TaskState::paused;
 }
 
-/// The node that evaluates a condition reports that it waits.
+/// Does the node that evaluates a condition report that the task waits for it?
 bool tells_of_condition(const Run& run, TaskIndex task, const TaskProgress& body) {
   return body.state == TaskState::waiting && run.definition().is_conditional(task);
 }
 
-/// An earlier attempt's result says nothing about this one.
+/// The result of an earlier attempt says nothing about this one.
 bool is_late(const Run& run, TaskIndex task, const TaskProgress& body) {
   const HeldResult* held = run.results().of(task);
   return held != nullptr && (is_final(held->result.outcome) || held->result.key.attempt >= body.key.attempt);
@@ -70,7 +70,7 @@ void ResultHandler::handle(const Results& body, const Inbound& from, Step step) 
     refuse(from, choices.error(), step);
   }
   if (from.reply_to != 0) {
-    // An answer without anything to keep: that giver does not hold what its baton spoke of.
+    // An answer without keys: that giver does not hold the results that its baton named.
     if (journaled.keys.empty()) run->work().requests().drop_results_of(from.source);
   } else if (!journaled.keys.empty()) {
     step.out.information(from.source, std::move(journaled));
@@ -82,7 +82,7 @@ void ResultHandler::handle(const ResultsJournaled& body, const Inbound& from, St
   for (const AttemptKey& key : body.keys) {
     const Run* run = runs_.find(key.run);
     const auto task = run == nullptr ? std::nullopt : run->index_of(key.task);
-    // What has been replaced by another attempt since it was sent is still owed.
+    // A result that was replaced by another attempt's since it was sent is still owed.
     const bool current = task && run->results().of(*task) != nullptr && run->results().of(*task)->result.key == key;
     if (current) {
       by_run[key.run].push_back(*task);

@@ -21,7 +21,7 @@ class ResultHandler {
   void handle(const TaskProgress& body, const Inbound& from, Step step);
 
  private:
-  /// Each adds what it keeps; returns the last error.
+  /// Each one adds what it keeps; returns the last error.
   Status keep_choices(Run& run, const Results& body, Step step);
   Status keep_results(Run& run, const Results& body, std::vector<AttemptKey>& kept, Step step);
 

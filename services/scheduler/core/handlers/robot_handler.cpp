@@ -36,7 +36,7 @@ void RobotHandler::handle(const Outcome& body, const Inbound& from, Step step) {
   confirm_old(body, step);
 }
 
-/// Whether its result is held or no run wants it: the mode-adapter need not send it again.
+/// Whether its result is held or no run needs it: the mode-adapter need not send it again.
 void RobotHandler::confirm_old(const Outcome& body, Step step) {
   const Run* run = runs_.find(body.key.run);
   const auto task = run == nullptr ? std::nullopt : run->index_of(body.key.task);

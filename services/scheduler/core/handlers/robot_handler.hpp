@@ -1,4 +1,4 @@
-// What the own mode-adapter reports on the robot and its attempt, and the router's signature of the attempt's result.
+// Reports of the own mode-adapter on the robot and its attempt, and the router's signature of the attempt's result.
 #pragma once
 
 #include "common/actor/takes.hpp"
@@ -8,13 +8,13 @@
 
 namespace trb::scheduler {
 
-/// The clouds are notified of how far the attempt has come.
+/// Notifies the cloud nodes of the attempt's progress.
 void notify_progress(const Run& run, const AttemptKey& key, TaskState state, Step step);
 
 class RobotHandler {
  public:
   using Taken = Takes<AdapterState, ExecutionState, Outcome>;
-  /// To what this node has asked itself.
+  /// Answers to requests of this node.
   using Answers = Takes<Ack>;
 
   /// All must outlive it.

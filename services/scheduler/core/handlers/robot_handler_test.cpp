@@ -1,4 +1,4 @@
-// The robot's attempt: what begins it, what the mode-adapter says of it, and its signed result.
+// The robot's attempt: what begins it, the mode-adapter's reports, and its signed result.
 #include "services/scheduler/core/handlers/robot_handler.hpp"
 
 #include <doctest/doctest.h>
