@@ -1,0 +1,67 @@
+#include "services/cloud-gateway/core/access/audit_chain.hpp"
+
+#include "proto/body.hpp"
+#include "proto/make_shape.hpp"
+#include "proto/value.hpp"
+#include "services/cloud-gateway/core/access/hash.hpp"
+
+namespace trb::gateway {
+namespace {
+
+/// Calls visit(text, bound) for each text of a record, by its field table.
+template <class Record, class Visit>
+void for_each_text(Record& record, const Visit& visit) {
+  for (const FieldEntry& entry : AuditRecord::fields())
+    if (entry.shape->kind == FieldKind::text) visit(as<std::string>(behind(&record, entry.offset)), entry.max);
+}
+
+}  // namespace
+
+Bytes audit_head_payload(const AuditHead& head) {
+  return pack(make_shape<AuditHead>(), &head);
+}
+
+Result<AuditHead> read_audit_head(BytesView payload) {
+  AuditHead out;
+  if (Error error = unpack(make_shape<AuditHead>(), payload, &out); error.code != Errc::ok) return error;
+  return out;
+}
+
+Bytes audit_start(BytesView fleet, std::string_view node) {
+  Bytes all(fleet);
+  all += node;
+  return purpose_digest("gateway_audit_start", all);
+}
+
+Bytes audit_hash(BytesView previous, const AuditRecord& record) {
+  Bytes all(previous);
+  all += pack(make_shape<AuditRecord>(), &record);
+  return purpose_digest("gateway_audit", all);
+}
+
+bool is_canonical(const AuditRecord& record) {
+  bool out = true;
+  for_each_text(
+      record, [&](const std::string& text, std::uint32_t most) { out = out && text.size() <= most && is_utf8(text); });
+  return out;
+}
+
+AuditChain::AuditChain(Bytes start) : start_(std::move(start)), hash_(start_) {}
+
+AuditChain::AuditChain(Bytes start, const AuditRow& last)
+    : start_(std::move(start)), hash_(last.hash), number_(last.record.number) {}
+
+AuditRow AuditChain::append(AuditRecord record) {
+  record.number = ++number_;
+  for_each_text(record, [](std::string& text, std::uint32_t most) {
+    if (text.size() > most || !is_utf8(text)) text = cut_utf8(text, most);
+  });
+  hash_ = audit_hash(hash_, record);
+  return {std::move(record), hash_};
+}
+
+AuditHead AuditChain::head(UtcTime now) const {
+  return {{start_}, number_, {hash_}, now.ns};
+}
+
+}  // namespace trb::gateway

@@ -1,0 +1,29 @@
+// What a store has to write down, in the order in which it happened.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace trb::gateway {
+
+/// A row is as told now; without one it is gone.
+template <class Row>
+struct Change {
+  std::string key;
+  std::optional<Row> row;
+};
+
+template <class Row>
+class ChangeList {
+ public:
+  void put(std::string key, Row row) { changes_.push_back({std::move(key), std::move(row)}); }
+  void drop(std::string key) { changes_.push_back({std::move(key), std::nullopt}); }
+  std::vector<Change<Row>> take() { return std::exchange(changes_, {}); }
+
+ private:
+  std::vector<Change<Row>> changes_;
+};
+
+}  // namespace trb::gateway

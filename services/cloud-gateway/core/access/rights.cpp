@@ -1,0 +1,165 @@
+#include "services/cloud-gateway/core/access/rights.hpp"
+
+#include <algorithm>
+#include <iterator>
+#include <optional>
+
+#include "proto/field.hpp"
+
+namespace trb::gateway {
+namespace {
+
+using enum Method;
+using enum Effect;
+using enum Least;
+
+constexpr Route kRoutes[] = {
+    // Without signing in: what a balancer, a stranger's tool and the page before the sign-in need.
+    {get, "/api/v1/health", anyone, reads},
+    {get, "/api/v1/ready", anyone, reads},
+    {get, "/api/v1/openapi.json", anyone, reads},
+    {post, "/api/v1/session", anyone, changes},
+
+    // One's own; the last column: for people alone
+    {get, "/api/v1/session", viewer, reads},
+    {delete_, "/api/v1/session", viewer, changes, true},
+    {get, "/api/v1/me", viewer, reads},
+    {put, "/api/v1/me/password", viewer, changes, true},
+    {delete_, "/api/v1/me/sessions", viewer, changes, true},
+
+    {get, "/api/v1/users", admin, reads},
+    {post, "/api/v1/users", admin, changes, true},
+    {get, "/api/v1/users/{user}", admin, reads},
+    {patch, "/api/v1/users/{user}", admin, changes, true},
+    {put, "/api/v1/users/{user}/password", admin, changes, true},
+    {delete_, "/api/v1/users/{user}", admin, changes, true},
+    {get, "/api/v1/tokens", admin, reads},
+    {post, "/api/v1/tokens", admin, changes, true},
+    {delete_, "/api/v1/tokens/{token}", admin, changes, true},
+
+    {get, "/api/v1/robots", viewer, reads},
+    {get, "/api/v1/robots/{robot}", viewer, reads},
+    {get, "/api/v1/robots/{robot}/history", viewer, reads},
+    {get, "/api/v1/robots/{robot}/live", viewer, reads},
+    {get, "/api/v1/robots/{robot}/skills", viewer, reads},
+    {post, "/api/v1/robots/{robot}/stop", operator_, changes},
+    {post, "/api/v1/robots/{robot}/release", operator_, changes},
+    {post, "/api/v1/robots/{robot}/repaired", operator_, changes},
+    {post, "/api/v1/robots/{robot}/retired", operator_, changes},
+    {post, "/api/v1/robots/{robot}/returned", operator_, changes},
+    {post, "/api/v1/stop", operator_, changes},
+    {get, "/api/v1/places", viewer, reads},
+
+    {get, "/api/v1/messages", viewer, reads},
+    {post, "/api/v1/messages", operator_, changes},
+    {post, "/api/v1/messages/requests", operator_, changes},
+
+    {get, "/api/v1/sensors", viewer, reads},
+    {get, "/api/v1/sensors/{node}/{sensor}", viewer, reads},
+    {get, "/api/v1/sensors/{node}/{sensor}/value", viewer, reads},
+    {get, "/api/v1/sensors/{node}/{sensor}/history", viewer, reads},
+    {get, "/api/v1/sensors/{node}/{sensor}/history.csv", viewer, reads},
+
+    // A check is computed here; a preflight asks the robots.
+    {get, "/api/v1/scenarios", viewer, reads},
+    {post, "/api/v1/scenarios", operator_, changes},
+    {post, "/api/v1/scenarios/check", viewer, reads},
+    {post, "/api/v1/scenarios/preflight", operator_, changes},
+    {post, "/api/v1/scenarios/import", operator_, changes},
+    {get, "/api/v1/scenarios/{scenario}", viewer, reads},
+    {put, "/api/v1/scenarios/{scenario}", operator_, changes},
+    {delete_, "/api/v1/scenarios/{scenario}", operator_, changes},
+    {get, "/api/v1/scenarios/{scenario}/export", viewer, reads},
+
+    {get, "/api/v1/runs", viewer, reads},
+    {post, "/api/v1/runs", operator_, changes},
+    {get, "/api/v1/runs/{run}", viewer, reads},
+    {get, "/api/v1/runs/{run}/proof", viewer, reads},
+    {post, "/api/v1/runs/{run}/pause", operator_, changes},
+    {post, "/api/v1/runs/{run}/resume", operator_, changes},
+    {post, "/api/v1/runs/{run}/abort", operator_, changes},
+    {post, "/api/v1/runs/{run}/tasks/{task}/move", operator_, changes},
+    {post, "/api/v1/runs/{run}/tasks/{task}/retry", operator_, changes},
+    {post, "/api/v1/runs/{run}/tasks/{task}/skip", operator_, changes},
+
+    // A ranking asks the robots anew.
+    {get, "/api/v1/alerts", viewer, reads},
+    {get, "/api/v1/alerts/{alert}", viewer, reads},
+    {post, "/api/v1/alerts/{alert}/ranking", operator_, changes},
+    {post, "/api/v1/alerts/{alert}/decision", operator_, changes},
+    {get, "/api/v1/policy", viewer, reads},
+    {put, "/api/v1/policy", admin, changes},
+    {get, "/api/v1/criteria", viewer, reads},
+    {put, "/api/v1/criteria", admin, changes},
+    {get, "/api/v1/minimums", viewer, reads},
+    {put, "/api/v1/minimums", admin, changes},
+
+    {get, "/api/v1/archive", viewer, reads},
+    {get, "/api/v1/archive/{run}", viewer, reads},
+    {post, "/api/v1/ahp", viewer, reads},
+
+    // The doctor knocks at addresses; the audit has those of people.
+    {get, "/api/v1/nodes", viewer, reads},
+    {get, "/api/v1/nodes/{node}", viewer, reads},
+    {get, "/api/v1/services", viewer, reads},
+    {get, "/api/v1/links", viewer, reads},
+    {get, "/api/v1/doctor", operator_, reads},
+    {get, "/api/v1/audit", admin, reads},
+    {get, "/api/v1/audit/head", admin, reads},
+    {get, "/metrics", viewer, reads},
+
+    // Which topics, and who may drive, the topics' own rights say.
+    {get, "/api/v1/live", viewer, upgrades},
+};
+
+bool is_parameter(std::string_view segment) {
+  return segment.starts_with('{');
+}
+
+/// The next segment of a pattern; `rest` is what follows it.
+std::string_view take_segment(std::string_view& rest) {
+  rest.remove_prefix(1);
+  const std::size_t end = std::min(rest.find('/'), rest.size());
+  const std::string_view out = rest.substr(0, end);
+  rest.remove_prefix(end);
+  return out;
+}
+
+/// The parameters, if the pattern fits.
+std::optional<PathParameters> fit(std::string_view pattern, std::span<const std::string> segments) {
+  PathParameters out;
+  for (const std::string& segment : segments) {
+    if (pattern.empty()) return std::nullopt;
+    const std::string_view expected = take_segment(pattern);
+    if (is_parameter(expected)) {
+      out.emplace(expected.substr(1, expected.size() - 2), segment);
+    } else if (expected != segment) {
+      return std::nullopt;
+    }
+  }
+  if (!pattern.empty()) return std::nullopt;
+  return out;
+}
+
+}  // namespace
+
+std::span<const Route> routes() {
+  return kRoutes;
+}
+
+Match match_route(std::string_view method, std::span<const std::string> segments) {
+  if (method == "HEAD") method = name_of(get);
+  Match out;
+  for (const Route& route : kRoutes) {
+    auto parameters = fit(route.path, segments);
+    if (!parameters) continue;
+    if (std::ranges::find(out.others, route.method) == out.others.end()) out.others.push_back(route.method);
+    if (name_of(route.method) != method) continue;
+    out.route = &route;
+    out.parameters = std::move(*parameters);
+  }
+  if (out.route != nullptr) out.others.clear();
+  return out;
+}
+
+}  // namespace trb::gateway

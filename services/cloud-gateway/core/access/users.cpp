@@ -1,0 +1,110 @@
+#include "services/cloud-gateway/core/access/users.hpp"
+
+#include <algorithm>
+
+namespace trb::gateway {
+namespace {
+
+constexpr std::size_t kStampBytes = 16;
+
+bool is_lower(char c) {
+  return c >= 'a' && c <= 'z';
+}
+
+Error last_admin(const std::string& name) {
+  return fail(Errc::conflict, "user '" + name + "' is the last admin that is not disabled",
+              "make another user an admin first");
+}
+
+}  // namespace
+
+bool is_valid_user_name(std::string_view name) {
+  const auto fits = [](char c) { return is_lower(c) || (c >= '0' && c <= '9') || c == '.' || c == '_' || c == '-'; };
+  return !name.empty() && name.size() <= kMaxUserName && is_lower(name.front()) && std::ranges::all_of(name, fits);
+}
+
+Status check_new_password(std::string_view user, std::string_view password) {
+  if (password.size() < kMinPassword)
+    return fail(Errc::bad_value, "password: shorter than 12 bytes", "take a few words");
+  if (password.size() > kMaxPassword) return fail(Errc::bad_value, "password: over 256 bytes");
+  if (!user.empty() && password.find(user) != std::string_view::npos && password.size() - user.size() < kMinPassword)
+    return fail(Errc::bad_value, "password: little more than the user's name", "take a few words");
+  return Done{};
+}
+
+void Users::restore(User user) {
+  std::string name = user.name;
+  users_.insert_or_assign(std::move(name), std::move(user));
+}
+
+Status Users::add(const std::string& name, UserRole role, std::string password_hash, UtcTime now) {
+  if (!is_valid_user_name(name)) {
+    return fail(Errc::bad_value, "name: no name of a user",
+                "begin with a lower-case letter, then lower-case letters, digits, '.', '_' or '-'; 32 at most");
+  }
+  if (password_hash.empty()) return fail(Errc::missing, "password of '" + name + "'");
+  if (users_.contains(name)) return fail(Errc::duplicate, "user '" + name + "' exists", "take another name");
+  if (users_.size() >= kMaxUsers) {
+    return fail(Errc::queue_full, "there are " + std::to_string(kMaxUsers) + " users", "remove one who has left");
+  }
+  User& user = users_[name];
+  user = {name, role, std::move(password_hash), false, now, {}};
+  return changed(user);
+}
+
+Status Users::set_role(const std::string& name, UserRole role) {
+  const auto at = users_.find(name);
+  if (at == users_.end()) return unknown(name);
+  if (at->second.role == role) return Done{};
+  if (is_last_admin(at->second)) return last_admin(name);
+  at->second.role = role;
+  return changed(at->second);
+}
+
+Status Users::set_password(const std::string& name, std::string password_hash) {
+  const auto at = users_.find(name);
+  if (at == users_.end()) return unknown(name);
+  if (password_hash.empty()) return fail(Errc::missing, "password of '" + name + "'");
+  at->second.password_hash = std::move(password_hash);
+  return changed(at->second);
+}
+
+Status Users::set_disabled(const std::string& name, bool disabled) {
+  const auto at = users_.find(name);
+  if (at == users_.end()) return unknown(name);
+  if (at->second.disabled == disabled) return Done{};
+  if (disabled && is_last_admin(at->second)) return last_admin(name);
+  at->second.disabled = disabled;
+  return changed(at->second);
+}
+
+Status Users::remove(const std::string& name) {
+  const auto at = users_.find(name);
+  if (at == users_.end()) return unknown(name);
+  if (is_last_admin(at->second)) return last_admin(name);
+  users_.erase(at);
+  changes_.drop(name);
+  return Done{};
+}
+
+const User* Users::find(std::string_view name) const {
+  const auto at = users_.find(name);
+  return at == users_.end() ? nullptr : &at->second;
+}
+
+Error Users::unknown(const std::string& name) {
+  return fail(Errc::missing, "there is no user '" + name + "'", "the list of users has them all");
+}
+
+bool Users::is_last_admin(const User& user) const {
+  const auto serves = [](const auto& row) { return row.second.role == UserRole::admin && !row.second.disabled; };
+  return user.role == UserRole::admin && !user.disabled && std::ranges::count_if(users_, serves) == 1;
+}
+
+Status Users::changed(User& user) {
+  user.stamp = random_(kStampBytes);
+  changes_.put(user.name, user);
+  return Done{};
+}
+
+}  // namespace trb::gateway

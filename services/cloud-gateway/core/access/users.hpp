@@ -1,0 +1,77 @@
+// The people who may sign in.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <map>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "common/base/result.hpp"
+#include "common/base/time.hpp"
+#include "services/cloud-gateway/core/access/change_list.hpp"
+#include "services/cloud-gateway/core/access/hash.hpp"
+
+namespace trb::gateway {
+
+/// Each may what those before it may.
+enum class UserRole : std::uint8_t { viewer = 0, operator_ = 1, admin = 2 };
+constexpr auto enum_names(UserRole) {
+  return std::array<std::string_view, 3>{"viewer", "operator", "admin"};
+}
+
+struct User {
+  std::string name;
+  UserRole role = UserRole::viewer;
+  std::string password_hash;  ///< as the hasher made it, with its own parameters
+  bool disabled = false;
+  UtcTime since;
+  Bytes stamp;  ///< drawn anew when role, password or `disabled` changes: sessions of another stamp are over
+  bool operator==(const User&) const = default;
+};
+
+constexpr std::size_t kMaxUserName = 32;
+/// A fleet's people are dozens; the bound keeps what is read at the start small.
+constexpr std::size_t kMaxUsers = 1000;
+/// Longer ones are refused before they cost a hash.
+constexpr std::size_t kMaxPassword = 256;
+/// Without a second factor a short one is guessed.
+constexpr std::size_t kMinPassword = 12;
+
+/// A lower-case letter, then lower-case letters, digits, '.', '_' or '-'; 32 at most. One case, so that no two names
+/// look alike; no ':', so that no user passes for "token:NAME" in the audit.
+bool is_valid_user_name(std::string_view name);
+/// Errors: bad_value.
+Status check_new_password(std::string_view user, std::string_view password);
+
+/// Names, roles and hashes. Errors: bad_value, duplicate, missing (no such user), queue_full (no room), conflict (it is
+/// the last admin). To ask for what is so already is no error and no change.
+class Users {
+ public:
+  explicit Users(RandomBytes random) : random_(std::move(random)) {}
+
+  /// As the store has it; tells no change.
+  void restore(User user);
+
+  Status add(const std::string& name, UserRole role, std::string password_hash, UtcTime now);
+  Status set_role(const std::string& name, UserRole role);
+  Status set_password(const std::string& name, std::string password_hash);
+  Status set_disabled(const std::string& name, bool disabled);
+  Status remove(const std::string& name);
+
+  [[nodiscard]] const User* find(std::string_view name) const;
+  [[nodiscard]] const std::map<std::string, User, std::less<>>& all() const { return users_; }
+  std::vector<Change<User>> take_changes() { return changes_.take(); }
+
+ private:
+  static Error unknown(const std::string& name);
+  [[nodiscard]] bool is_last_admin(const User& user) const;
+  Status changed(User& user);
+
+  RandomBytes random_;
+  std::map<std::string, User, std::less<>> users_;
+  ChangeList<User> changes_;
+};
+
+}  // namespace trb::gateway
