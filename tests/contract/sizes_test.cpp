@@ -41,17 +41,17 @@ std::uint64_t largest(const Shape& shape, std::uint32_t max) {
 /// Bodies that exceed a message by their fields' bounds, and what keeps them within one.
 const std::map<std::string, std::string> kBounded = {
     // Between nodes and services.
-    {"alert_table", "resilience AlertBook::table: fit"},
-    {"baton", "scheduler run_facts.cpp: kMostPassed; passing.cpp: pack_results"},
-    {"definition", "scheduler Run::check_decision"},
+    {"alert_table", "resilience alert_book: fit"},
+    {"baton", "scheduler run/deliveries: kMostPassed; delivery_sender: pack_results"},
+    {"definition", "scheduler run/decision_checks"},
     {"fleet_news", "router TrustUpdates: kMaxUpdate"},
-    {"hello", "router RouterCore::send_hello: kMaxHelloSize"},
-    {"neighbours", "router RouterCore::tell_neighbours: 64 certificates, each signed by the authority"},
-    {"node_profile", "router RouterCore::make_fit, on_robot_profile, take_profile: kMaxProfileSize"},
-    {"results", "scheduler passing.cpp: pack_results"},
-    {"route_table", "router RouterCore::route_table: pages"},
-    {"run_table", "scheduler Book::kMaxRuns, 512 of 1.4 kB; pages of 500"},
-    {"run_view", "scheduler view.cpp: fit"},
+    {"hello", "router handshake: kMaxHelloSize"},
+    {"neighbours", "router reachable_peers: kMostAtOnce certificates, each signed by the authority"},
+    {"node_profile", "router local_profile, link_inbox: kMaxProfileSize"},
+    {"results", "scheduler delivery_sender: pack_results"},
+    {"route_table", "router answers: pages"},
+    {"run_table", "scheduler RunStore::kMaxRuns, 512 of 1.4 kB; pages of 500"},
+    {"run_view", "scheduler view: fit"},
     // Never messages of their own: they are contents of a SignedRecord, 512 kB at most, or rows of a database.
     {"alert", "alert_table; the database"},
     {"decision", "SignRequest::payload"},
