@@ -1,0 +1,27 @@
+// The alerts that the own resilience tells of.
+#pragma once
+
+#include <set>
+#include <string>
+
+#include "common/actor/outbox.hpp"
+#include "services/cloud-gateway/core/live/row_book.hpp"
+
+namespace trb::gateway {
+
+class AlertRows {
+ public:
+  static constexpr std::size_t kMaxAlerts = 256;
+
+  explicit AlertRows(RowBook& book) : book_(book) {}
+
+  /// All there are: what is missing is not there any more.
+  void take(const AlertTable& table, Now now, Outbox& out);
+  void on_silence(Now now);
+
+ private:
+  RowBook& book_;
+  std::set<std::string> alerts_;
+};
+
+}  // namespace trb::gateway

@@ -1,0 +1,84 @@
+// One client: how far it has seen each of its topics, and at most one frame that it has not taken yet.
+#pragma once
+
+#include <map>
+#include <optional>
+#include <vector>
+
+#include "services/cloud-gateway/core/live/block_maker.hpp"
+#include "services/cloud-gateway/core/live/message_lane.hpp"
+
+namespace trb::gateway {
+
+/// Why a topic begins anew.
+enum class NoticeKind : std::uint8_t { dropped = 0, too_old, restarted };
+constexpr auto enum_names(NoticeKind) {
+  return std::array<std::string_view, 3>{"dropped", "too_old", "restarted"};
+}
+
+struct Notice {
+  NoticeKind kind{};
+  Topic topic;
+  bool operator==(const Notice&) const = default;
+};
+
+struct Frame {
+  std::uint64_t count = 0;  ///< of this client: 1, 2, 3 ...
+  std::uint64_t head = 0;   ///< every topic without a block, and each whose block has no `more`, is known up to it
+  UtcTime time;
+  std::vector<Notice> notices;
+  std::vector<SharedBlock> blocks;
+  std::vector<SharedBytes> messages;
+  std::uint64_t left_out = 0;  ///< messages, before these
+  std::size_t size = 0;        ///< about, in bytes
+  [[nodiscard]] bool is_empty() const { return notices.empty() && blocks.empty() && messages.empty() && left_out == 0; }
+};
+
+/// Where a client has stood when it was cut off.
+struct Resume {
+  std::uint64_t instance = 0;
+  std::uint64_t number = 0;
+};
+
+class ClientFeed {
+ public:
+  static constexpr std::size_t kMaxTopics = 64;
+  static constexpr std::size_t kMaxQueue = 1U << 20U;
+  static constexpr std::size_t kMaxFrame = 512U << 10U;  ///< with less, another block still goes into it
+  static constexpr Duration kQuiet = std::chrono::seconds(1);
+
+  /// A topic that it has already stays as it is. Errors: queue_full.
+  Status subscribe(const Topic& topic, std::uint64_t from, std::optional<NoticeKind> notice);
+  void unsubscribe(const Topic& topic);
+  /// Makes a frame if there is something to tell and the last one was taken. True: there is one to take now.
+  bool pump(BlockMaker& blocks, const MessageLane& lane, Now now);
+  std::optional<Frame> take();
+  /// There is more to tell at once.
+  [[nodiscard]] bool is_behind() const { return behind_; }
+  [[nodiscard]] bool has(TopicKind kind) const;
+  [[nodiscard]] std::vector<Topic> topics() const;
+
+ private:
+  struct Seen {
+    std::uint64_t from = 0;
+    bool is_snapshot = true;
+  };
+  void restart(Seen& seen, const Topic& topic, NoticeKind kind);
+  void fill_blocks(Frame& frame, BlockMaker& blocks);
+  void fill_block(Frame& frame, const Topic& topic, Seen& seen, BlockMaker& blocks);
+  void fill_messages(Frame& frame, const MessageLane& lane);
+  void drop_if_full(BlockMaker& blocks, Now now);
+
+  std::map<Topic, Seen> topics_;
+  std::vector<Notice> notices_;
+  std::optional<Frame> waiting_;
+  std::optional<Topic> next_;   ///< the first topic that the last frame had no room for
+  std::uint64_t left_out_ = 0;  ///< messages of a frame that was dropped
+  std::uint64_t count_ = 0;
+  std::optional<MonotonicTime> made_at_;
+  MonotonicTime looked_at_;
+  bool behind_ = false;
+  bool skipped_ = false;  ///< the last frame was not taken when the next one was due
+};
+
+}  // namespace trb::gateway

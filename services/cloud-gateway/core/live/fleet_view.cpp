@@ -1,0 +1,116 @@
+#include "services/cloud-gateway/core/live/fleet_view.hpp"
+
+namespace trb::gateway {
+
+FleetView::FleetView(RowBook& book) : book_(book) {}
+
+std::vector<std::string> FleetView::hears() {
+  std::vector<std::string> out;
+  for (const std::string_view word : {RobotState::kSubtype, RobotConnection::kSubtype, RobotFault::kSubtype,
+                                      PeerJoined::kSubtype, PeerExpired::kSubtype, NodeSensors::kSubtype}) {
+    out.emplace_back(word);
+  }
+  return out;
+}
+
+void FleetView::on_welcome(const std::string& node, Now now) {
+  node_ = node;
+  questions_.on_welcome(node, now);
+}
+
+void FleetView::on(const Inbound& message, Now now, Outbox& out) {
+  if (message.type != MessageType::information) return;
+  if (!on_robot(message, now, out) && !on_own_node(message, now, out)) out.count("dropped.unexpected");
+}
+
+/// False: it is something else. The source is proven, so a node speaks of its own robot alone.
+bool FleetView::on_robot(const Inbound& message, Now now, Outbox& out) {
+  const std::string& from = message.source;
+  const auto take = [&](const auto& word) { return nodes_.take_word(from, word, now, out), true; };
+  return visit(
+      Overloaded{[&](const RobotState& word) { return take(word); }, [&](const RobotFault& word) { return take(word); },
+                 [&](const RobotConnection& word) { return questions_.want_routes(now), take(word); },
+                 [&](const SensorReading& reading) {
+                   return readings_.take(from, reading, nodes_.live_of(from), now, out), true;
+                 },
+                 [](const auto&) { return false; }},
+      message.body);
+}
+
+/// False: it is something else. Of another node it is dropped.
+bool FleetView::on_own_node(const Inbound& message, Now now, Outbox& out) {
+  const bool own = message.source == node_;
+  const auto take = [&](const auto& effect) { return own ? effect() : out.count("dropped.foreign"), true; };
+  const auto heard = [&](Source& source) { source.heard = now.mono; };
+  return visit(
+      Overloaded{
+          [&](const RouteTable& page) { return take([&] { on_page(page, now, out); }); },
+          [&](const PeerJoined& body) {
+            return take([&] { nodes_.take(body, now, out), questions_.want_routes(now); });
+          },
+          [&](const PeerExpired& body) { return take([&] { nodes_.take(body, now), questions_.want_routes(now); }); },
+          [&](const NodeSensors& body) { return take([&] { nodes_.take(node_, body.sensors, now, out); }); },
+          [&](const RunTable& body) { return take([&] { heard(runs_heard_), runs_.take(body, now, out); }); },
+          [&](const RunChanged& body) { return take([&] { on_run(body, now, out); }); },
+          [&](const RunView& body) { return take([&] { questions_.drop_run(body.run), runs_.take(body, now, out); }); },
+          [&](const AlertTable& body) { return take([&] { heard(alerts_heard_), alerts_.take(body, now, out); }); },
+          [](const auto&) { return false; }},
+      message.body);
+}
+
+void FleetView::on_page(const RouteTable& page, Now now, Outbox& out) {
+  RoutePages::Taken taken = pages_.take(page);
+  if (taken.next) out.request(node_, std::move(*taken.next));
+  if (!taken.whole) return;
+  routes_heard_.heard = now.mono;
+  nodes_.take(std::move(*taken.whole), now, out);
+}
+
+void FleetView::on_run(const RunChanged& changed, Now now, Outbox& out) {
+  runs_.take(changed, now, out);
+  if (watched_runs_.contains(changed.run.run)) questions_.want_run(changed.run.run, now);
+}
+
+void FleetView::watch_runs(std::set<std::string> runs, Now now) {
+  for (const std::string& run : runs) {
+    if (!watched_runs_.contains(run)) questions_.want_run(run, now);
+  }
+  watched_runs_ = std::move(runs);
+}
+
+void FleetView::tick(Now now, Outbox& out) {
+  watch_silence(now);
+  readings_.tick(now);
+  book_.tick(now);
+  look_for_lost(now);
+  questions_.tick(now, out);
+}
+
+/// A run of which not even its end is known any more is shown no longer.
+void FleetView::look_for_lost(Now now) {
+  for (const std::string& run : questions_.take_given_up()) {
+    if (runs_.lost().contains(run)) runs_.forget(run, now);
+  }
+  for (const std::string& run : runs_.lost()) questions_.want_run(run, now);
+}
+
+void FleetView::watch_silence(Now now) {
+  const auto end = [&](Source& source, auto& rows) {
+    if (!source.is_over(now)) return;
+    source.heard.reset();
+    rows.on_silence(now);
+  };
+  end(routes_heard_, nodes_);
+  end(runs_heard_, runs_);
+  end(alerts_heard_, alerts_);
+}
+
+std::optional<MonotonicTime> FleetView::next_deadline() const {
+  std::optional<MonotonicTime> out = earlier(questions_.next_deadline(), readings_.next_deadline());
+  for (const Source* source : {&routes_heard_, &runs_heard_, &alerts_heard_}) {
+    if (source->heard) out = earlier(out, *source->heard + source->limit);
+  }
+  return earlier(out, book_.next_deadline());
+}
+
+}  // namespace trb::gateway

@@ -1,0 +1,68 @@
+// What the gateway knows of the fleet. A message becomes rows; README.md has the table of what late, repeated and
+// foreign ones do.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "common/actor/inbound.hpp"
+#include "common/actor/route_pages.hpp"
+#include "services/cloud-gateway/core/live/alert_rows.hpp"
+#include "services/cloud-gateway/core/live/fleet_questions.hpp"
+#include "services/cloud-gateway/core/live/node_rows.hpp"
+#include "services/cloud-gateway/core/live/reading_rows.hpp"
+#include "services/cloud-gateway/core/live/run_rows.hpp"
+
+namespace trb::gateway {
+
+class FleetView {
+ public:
+  static constexpr Duration kRoutesSilence = std::chrono::seconds(10);
+  static constexpr Duration kRunsSilence = std::chrono::seconds(15);
+  static constexpr Duration kAlertsSilence = std::chrono::seconds(10);
+
+  explicit FleetView(RowBook& book);
+
+  /// Information that the service wants a copy of.
+  static std::vector<std::string> hears();
+
+  void on_welcome(const std::string& node, Now now);
+  void on(const Inbound& message, Now now, Outbox& out);
+  void tick(Now now, Outbox& out);
+  [[nodiscard]] std::optional<MonotonicTime> next_deadline() const;
+
+  /// Clients look at the whole of these runs: each is asked for now, and at each change of it.
+  void watch_runs(std::set<std::string> runs, Now now);
+
+ private:
+  /// One of the own node's services, and when it was heard last.
+  struct Source {
+    Duration limit{};
+    std::optional<MonotonicTime> heard;  ///< nothing: what it said does not look live any more
+    bool is_over(Now now) const { return heard && now.mono - *heard >= limit; }
+  };
+  bool on_robot(const Inbound& message, Now now, Outbox& out);
+  bool on_own_node(const Inbound& message, Now now, Outbox& out);
+  void on_page(const RouteTable& page, Now now, Outbox& out);
+  void on_run(const RunChanged& changed, Now now, Outbox& out);
+  void look_for_lost(Now now);
+  void watch_silence(Now now);
+
+  RowBook& book_;
+  std::string node_;
+  NodeRows nodes_{book_};
+  RunRows runs_{book_};
+  AlertRows alerts_{book_};
+  ReadingRows readings_{book_};
+  FleetQuestions questions_;
+  RoutePages pages_;
+  std::set<std::string> watched_runs_;
+  Source routes_heard_{kRoutesSilence, {}};
+  Source runs_heard_{kRunsSilence, {}};
+  Source alerts_heard_{kAlertsSilence, {}};
+};
+
+}  // namespace trb::gateway

@@ -1,0 +1,107 @@
+#include "services/cloud-gateway/core/live/idempotency.hpp"
+
+#include <algorithm>
+
+namespace trb::gateway {
+namespace {
+
+bool is_key(const std::string& key) {
+  return !key.empty() && key.size() <= Idempotency::kMaxKey &&
+         std::all_of(key.begin(), key.end(), [](char c) { return c > ' ' && c < '\x7f'; });
+}
+
+}  // namespace
+
+void Idempotency::restore(std::vector<StoredRequest> requests, UtcTime last) {
+  time_.restore(last);
+  for (StoredRequest& one : requests) {
+    const RequestKey key = one.key;
+    if (one.answer) answered_.insert({one.since, key});
+    if (requests_.insert_or_assign(key, Known{one, !one.answer}).second) ++by_user_[key.user];
+  }
+}
+
+Status Idempotency::check(const RequestKey& key, const std::string& effect) const {
+  if (effect.size() > kMaxEffect) return fail(Errc::too_large, "effect: " + std::to_string(effect.size()) + " bytes");
+  const auto mine = by_user_.find(key.user);
+  const bool too_many = mine != by_user_.end() && mine->second >= kMaxOfUser;
+  if (too_many || requests_.size() >= kMaxInAll) {
+    return fail(Errc::queue_full,
+                too_many ? "Idempotency-Key: " + std::to_string(kMaxOfUser) + " of this user are kept"
+                         : "Idempotency-Key: " + std::to_string(kMaxInAll) + " are kept",
+                "each is kept for 24 h: try again later");
+  }
+  return Done{};
+}
+
+Result<Idempotency::Begun> Idempotency::begin(const RequestKey& key, const Bytes& digest, std::string effect, Now now) {
+  if (!is_key(key.key)) {
+    return fail(Errc::bad_value, "Idempotency-Key: no key of 1 to 255 visible characters", "send a new UUID");
+  }
+  const UtcTime at = time_.at(now);
+  if (const auto known = requests_.find(key); known != requests_.end()) return repeat(known->second, digest);
+  if (const Status status = check(key, effect); !status) return status.error();
+  StoredRequest store{key, digest, std::move(effect), at, std::nullopt};
+  requests_[key] = {store, false};
+  ++by_user_[key.user];
+  return Begun{Act{std::move(store)}};
+}
+
+Result<Idempotency::Begun> Idempotency::repeat(const Known& known, const Bytes& digest) {
+  if (known.stored.digest != digest) {
+    return fail(Errc::conflict, "Idempotency-Key: it was used for another request", "use a new key for a new request");
+  }
+  if (known.stored.answer) return Begun{*known.stored.answer};
+  return Begun{Wait{kWait}};
+}
+
+std::optional<StoredRequest> Idempotency::finish(const RequestKey& key, StoredAnswer answer) {
+  const auto at = requests_.find(key);
+  if (at == requests_.end() || at->second.stored.answer) return std::nullopt;
+  if (answer.body.size() > kMaxAnswer) answer.body.clear();
+  at->second.stored.answer = std::move(answer);
+  at->second.is_unsure = false;
+  answered_.insert({at->second.stored.since, key});
+  return at->second.stored;
+}
+
+bool Idempotency::release(const RequestKey& key) {
+  const auto at = requests_.find(key);
+  if (at == requests_.end() || at->second.stored.answer) return false;
+  erase(key);
+  return true;
+}
+
+void Idempotency::erase(const RequestKey& key) {
+  if (requests_.erase(key) == 0) return;
+  const auto mine = by_user_.find(key.user);
+  if (--mine->second == 0) by_user_.erase(mine);
+}
+
+std::vector<StoredRequest> Idempotency::unsure() const {
+  std::vector<StoredRequest> out;
+  for (const auto& [key, known] : requests_) {
+    if (known.is_unsure) out.push_back(known.stored);
+  }
+  return out;
+}
+
+std::vector<RequestKey> Idempotency::take_expired(Now now) {
+  std::vector<RequestKey> out;
+  const UtcTime at = time_.at(now);
+  while (!answered_.empty() && answered_.begin()->first + kLife <= at) {
+    out.push_back(answered_.begin()->second);
+    answered_.erase(answered_.begin());
+    erase(out.back());
+  }
+  return out;
+}
+
+/// As the machine's time has it: if that is wrong, it is looked once too early.
+std::optional<MonotonicTime> Idempotency::next_deadline(Now now) const {
+  if (answered_.empty()) return std::nullopt;
+  const Duration left{(answered_.begin()->first + kLife).ns - now.utc.ns};
+  return now.mono + std::max<Duration>(left, std::chrono::seconds(1));
+}
+
+}  // namespace trb::gateway

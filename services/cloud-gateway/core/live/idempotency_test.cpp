@@ -1,0 +1,142 @@
+// A request that is repeated: while it runs, afterwards, after kill -9.
+#include "services/cloud-gateway/core/live/idempotency.hpp"
+
+#include <doctest/doctest.h>
+
+using namespace trb;
+using namespace trb::gateway;
+
+namespace {
+
+const RequestKey kAnn{"ann", "key-1"};
+const StoredAnswer kAnswer{201, "{\"run\":\"3f\"}"};
+
+Now at(double s) {
+  return {MonotonicTime{} + seconds(s), UtcTime{1'700'000'000'000'000'000} + seconds(s)};
+}
+
+template <class T>
+const T* got(const Result<Idempotency::Begun>& begun) {
+  return begun ? std::get_if<T>(&*begun) : nullptr;
+}
+
+}  // namespace
+
+TEST_CASE("the first request acts, a repeat meanwhile waits, one afterwards has the same answer") {
+  Idempotency keys;
+  const auto begun = keys.begin(kAnn, "digest", "run 3f", at(0));
+  REQUIRE(got<Idempotency::Act>(begun));
+  CHECK(got<Idempotency::Act>(begun)->store.effect == "run 3f");
+  CHECK_FALSE(got<Idempotency::Act>(begun)->store.answer);
+  CHECK(got<Idempotency::Wait>(keys.begin(kAnn, "digest", "run 4f", at(1))));
+  const auto stored = keys.finish(kAnn, kAnswer);
+  REQUIRE(stored);
+  CHECK(stored->answer == kAnswer);
+  CHECK(stored->effect == "run 3f");
+  const auto again = keys.begin(kAnn, "digest", "run 5f", at(2));
+  REQUIRE(got<StoredAnswer>(again));
+  CHECK(*got<StoredAnswer>(again) == kAnswer);
+  CHECK_FALSE(keys.finish(kAnn, {500, ""}));
+}
+
+TEST_CASE("the same key with another request is refused, running or answered; another user's key is his own") {
+  Idempotency keys;
+  (void)keys.begin(kAnn, "digest", "", at(0));
+  CHECK(keys.begin(kAnn, "other", "", at(0)).error().code == Errc::conflict);
+  keys.finish(kAnn, kAnswer);
+  CHECK(keys.begin(kAnn, "other", "", at(0)).error().code == Errc::conflict);
+  CHECK(got<Idempotency::Act>(keys.begin({"bob", "key-1"}, "other", "", at(0))));
+}
+
+TEST_CASE("killed after the answer was stored: the repeat has it") {
+  Idempotency before;
+  (void)before.begin(kAnn, "digest", "run 3f", at(0));
+  const auto stored = before.finish(kAnn, kAnswer);
+  Idempotency after;
+  after.restore({*stored}, at(1).utc);
+  CHECK(*got<StoredAnswer>(after.begin(kAnn, "digest", "", at(2))) == kAnswer);
+  CHECK(after.unsure().empty());
+}
+
+TEST_CASE("killed before the intent was stored: the repeat acts") {
+  Idempotency after;
+  after.restore({}, at(1).utc);
+  CHECK(got<Idempotency::Act>(after.begin(kAnn, "digest", "", at(2))));
+}
+
+TEST_CASE("killed between: nobody acts again until somebody knows whether it was done") {
+  Idempotency before;
+  const auto begun = before.begin(kAnn, "digest", "run 3f", at(0));
+  const StoredRequest intent = got<Idempotency::Act>(begun)->store;
+  Idempotency after;
+  after.restore({intent}, at(1).utc);
+  CHECK(got<Idempotency::Wait>(after.begin(kAnn, "digest", "", at(2))));
+  CHECK(after.begin(kAnn, "other", "", at(2)).error().code == Errc::conflict);
+  REQUIRE(after.unsure().size() == 1);
+  CHECK(after.unsure()[0].effect == "run 3f");
+  SUBCASE("it was: it is answered as it would have been") {
+    REQUIRE(after.finish(kAnn, kAnswer));
+    CHECK(after.unsure().empty());
+    CHECK(*got<StoredAnswer>(after.begin(kAnn, "digest", "", at(3))) == kAnswer);
+  }
+  SUBCASE("it provably was not: the repeat acts") {
+    CHECK(after.release(kAnn));
+    CHECK(got<Idempotency::Act>(after.begin(kAnn, "digest", "run 4f", at(3))));
+  }
+}
+
+TEST_CASE("what was answered is never released") {
+  Idempotency keys;
+  (void)keys.begin(kAnn, "digest", "", at(0));
+  keys.finish(kAnn, kAnswer);
+  CHECK_FALSE(keys.release(kAnn));
+  CHECK_FALSE(keys.release({"ann", "unknown"}));
+}
+
+TEST_CASE("a key lives 24 h from its intent; what runs stays") {
+  Idempotency keys;
+  (void)keys.begin(kAnn, "digest", "", at(0));
+  (void)keys.begin({"ann", "runs"}, "digest", "", at(0));
+  keys.finish(kAnn, kAnswer);
+  CHECK(keys.next_deadline(at(1)) == at(86'400).mono);
+  CHECK(keys.take_expired(at(86'399)).empty());
+  CHECK(keys.take_expired(at(86'400)) == std::vector<RequestKey>{kAnn});
+  CHECK(got<Idempotency::Act>(keys.begin(kAnn, "digest", "", at(86'401))));
+  CHECK(got<Idempotency::Wait>(keys.begin({"ann", "runs"}, "digest", "", at(86'401))));
+}
+
+TEST_CASE("a clock that is set ahead by a year ends no key") {
+  Idempotency keys;
+  (void)keys.begin(kAnn, "digest", "", at(0));
+  keys.finish(kAnn, kAnswer);
+  Now wrong = at(10);
+  wrong.utc = wrong.utc + std::chrono::hours(24 * 365);
+  CHECK(keys.take_expired(wrong).empty());
+}
+
+TEST_CASE("bounds: a full user is refused, others are not, and nothing is forgotten for it") {
+  Idempotency keys;
+  for (std::size_t i = 0; i < Idempotency::kMaxOfUser; ++i) {
+    (void)keys.begin({"ann", std::to_string(i)}, "d", "", at(0));
+    keys.finish({"ann", std::to_string(i)}, kAnswer);
+  }
+  CHECK(keys.begin({"ann", "more"}, "d", "", at(1)).error().code == Errc::queue_full);
+  CHECK(got<StoredAnswer>(keys.begin({"ann", "0"}, "d", "", at(1))));
+  CHECK(got<Idempotency::Act>(keys.begin({"bob", "1"}, "d", "", at(1))));
+  for (int user = 0; user < 3; ++user) {
+    for (std::size_t i = 0; i < Idempotency::kMaxOfUser; ++i) {
+      (void)keys.begin({"user" + std::to_string(user), std::to_string(i)}, "d", "", at(1));
+    }
+  }
+  CHECK(keys.begin({"carol", "1"}, "d", "", at(1)).error().text().find("20000 are kept") != std::string::npos);
+}
+
+TEST_CASE("keys that are none are refused, an answer that is too long is kept without its body") {
+  Idempotency keys;
+  for (const std::string& key : {std::string(), std::string(256, 'x'), std::string("a b"), std::string("a\n")}) {
+    CHECK(keys.begin({"ann", key}, "d", "", at(0)).error().code == Errc::bad_value);
+  }
+  CHECK(keys.begin(kAnn, "d", std::string(2000, 'x'), at(0)).error().code == Errc::too_large);
+  (void)keys.begin(kAnn, "d", "", at(0));
+  CHECK(keys.finish(kAnn, {200, std::string(5000, 'x')})->answer == StoredAnswer{200, ""});
+}

@@ -1,0 +1,41 @@
+// The last value of each sensor that is watched.
+#pragma once
+
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+
+#include "common/actor/outbox.hpp"
+#include "services/cloud-gateway/core/live/row_book.hpp"
+
+namespace trb::gateway {
+
+class ReadingRows {
+ public:
+  static constexpr Duration kShortest = std::chrono::seconds(3);  ///< before a value is late
+  static constexpr Duration kLongest = std::chrono::hours(1);
+
+  explicit ReadingRows(RowBook& book) : book_(book) {}
+
+  /// Of a sensor that its node has named. `live`: what its node is.
+  void take(const std::string& node, const SensorReading& reading, Live live, Now now, Outbox& out);
+  /// A value that is three of its periods old is late.
+  void tick(Now now);
+  [[nodiscard]] std::optional<MonotonicTime> next_deadline() const;
+
+ private:
+  struct Seen {
+    std::uint64_t watch = 0;
+    std::uint64_t count = 0;
+    MonotonicTime at;
+    MonotonicTime due;
+  };
+  void expect_next(const RowKey& key, Seen& seen, Now now);
+
+  RowBook& book_;
+  std::map<RowKey, Seen> seen_;
+  std::set<std::pair<MonotonicTime, RowKey>> due_;
+};
+
+}  // namespace trb::gateway
