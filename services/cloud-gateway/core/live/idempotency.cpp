@@ -12,9 +12,9 @@ bool is_key(const std::string& key) {
 
 }  // namespace
 
-void Idempotency::restore(std::vector<StoredRequest> requests, UtcTime last) {
+void Idempotency::restore(const std::vector<StoredRequest>& requests, UtcTime last) {
   time_.restore(last);
-  for (StoredRequest& one : requests) {
+  for (const StoredRequest& one : requests) {
     const RequestKey key = one.key;
     if (one.answer) answered_.insert({one.since, key});
     if (requests_.insert_or_assign(key, Known{one, !one.answer}).second) ++by_user_[key.user];

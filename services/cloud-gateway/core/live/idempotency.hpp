@@ -59,7 +59,7 @@ class Idempotency {
   using Begun = std::variant<Act, StoredAnswer, Wait>;
 
   /// What was on disk; `last`: the steady time that was kept last. What has no answer is unsure.
-  void restore(std::vector<StoredRequest> requests, UtcTime last);
+  void restore(const std::vector<StoredRequest>& requests, UtcTime last);
   /// Errors: bad_value (no key of 1 to 255 visible characters), conflict (the key was used for another request),
   /// too_large (the effect), queue_full.
   Result<Begun> begin(const RequestKey& key, const Bytes& digest, std::string effect, Now now);

@@ -35,6 +35,7 @@ struct Shown {
 
 std::vector<Route> many(int robots) {
   std::vector<Route> out;
+  out.reserve(static_cast<std::size_t>(robots));
   for (int i = 0; i < robots; ++i) out.push_back(route("robot" + std::to_string(i)));
   return out;
 }
@@ -119,6 +120,7 @@ TEST_CASE("a change is encoded once for all clients, and those who keep up share
   Hall hall;
   hall.table(many(100));
   std::vector<ClientId> clients;
+  clients.reserve(50);
   for (int i = 0; i < 50; ++i) clients.push_back(hall.client("fleet"));
   hall.wait(std::chrono::milliseconds(100));
   CHECK(hall.clients.pump(hall.now).size() == 50);

@@ -58,7 +58,7 @@ Status check(const Topic& topic) {
                 "use its 32 hexadecimal digits");
   }
   if (topic.kind != TopicKind::sensor) return Done{};
-  if (const Status node = check_id("topic: sensor: node", topic.id); !node) return node;
+  if (Status node = check_id("topic: sensor: node", topic.id); !node) return node;
   if (is_sensor_name(topic.name)) return Done{};
   return fail(Errc::bad_value, "topic: sensor: " + in_quotes(topic.name) + " is no sensor's name",
               "use a letter or '_', then letters, digits or '_', 64 at most");

@@ -57,6 +57,7 @@ int main() {
   JsonEncoder encoder;
   Subscriptions clients{hall.book, encoder, 42};
   std::vector<Route> routes;
+  routes.reserve(kRobots);
   for (int i = 0; i < kRobots; ++i) routes.push_back(route("robot" + std::to_string(i)));
   hall.table(routes);
   std::vector<ClientId> ids;
