@@ -35,13 +35,6 @@ struct Door : Parts {
   RequestVerdict verdict(const RequestHead& head) { return check.check(head, now.utc).verdict; }
 };
 
-std::string filled(std::string_view pattern) {
-  std::string out(pattern);
-  for (std::size_t at = out.find('{'); at != std::string::npos; at = out.find('{'))
-    out.replace(at, out.find('}') - at + 1, "value-1");
-  return out;
-}
-
 }  // namespace
 
 TEST_CASE("every row with nobody and with each role, by cookie and by token") {

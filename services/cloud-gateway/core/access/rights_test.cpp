@@ -8,6 +8,7 @@
 
 #include "proto/field.hpp"
 #include "services/cloud-gateway/core/access/path.hpp"
+#include "services/cloud-gateway/core/access/test/gateway_parts.hpp"
 
 using namespace trb;
 using namespace trb::gateway;
@@ -22,14 +23,6 @@ std::set<std::string> rows_with(bool (*fits)(const Route&)) {
   std::set<std::string> out;
   for (const Route& route : routes())
     if (fits(route)) out.insert(std::string(name_of(route.method)) + " " + std::string(route.path));
-  return out;
-}
-
-/// The pattern with a value for each parameter.
-std::string filled(std::string_view pattern) {
-  std::string out(pattern);
-  for (std::size_t at = out.find('{'); at != std::string::npos; at = out.find('{'))
-    out.replace(at, out.find('}') - at + 1, "value-1");
   return out;
 }
 

@@ -8,7 +8,7 @@
 namespace trb::gateway {
 namespace {
 
-Bytes key_of(std::string_view id) {
+Bytes session_key(std::string_view id) {
   return purpose_digest("gateway_session", id);
 }
 
@@ -22,7 +22,7 @@ void Sessions::restore(Session session) {
 NewSession Sessions::open(const User& user, UtcTime now) {
   make_room(user.name);
   const std::string id = new_secret(random_);
-  Session session{key_of(id), user.name, user.stamp, now, now};
+  Session session{session_key(id), user.name, user.stamp, now, now};
   changes_.put(session.key, session);
   Bytes key = session.key;
   sessions_.insert_or_assign(std::move(key), std::move(session));
@@ -31,7 +31,7 @@ NewSession Sessions::open(const User& user, UtcTime now) {
 
 const Session* Sessions::find(std::string_view id, const Users& users, UtcTime now) {
   if (id.size() != kSecretDigits) return nullptr;
-  const auto at = sessions_.find(key_of(id));
+  const auto at = sessions_.find(session_key(id));
   if (at == sessions_.end()) return nullptr;
   Session& session = at->second;
   if (!is_open(session, users, now)) {
@@ -46,7 +46,7 @@ const Session* Sessions::find(std::string_view id, const Users& users, UtcTime n
 }
 
 void Sessions::end(std::string_view id) {
-  if (const auto at = sessions_.find(key_of(id)); at != sessions_.end()) drop(at);
+  if (const auto at = sessions_.find(session_key(id)); at != sessions_.end()) drop(at);
 }
 
 void Sessions::end_all_of(std::string_view user) {

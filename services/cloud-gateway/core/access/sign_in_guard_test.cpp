@@ -9,7 +9,7 @@ using namespace std::chrono_literals;
 
 namespace {
 
-struct Door {
+struct GuardedDoor {
   MonotonicTime now{Duration(1h).count()};
   SignInGuard guard;
 
@@ -29,7 +29,7 @@ struct Door {
 }  // namespace
 
 TEST_CASE("given five failures from one address, then that name waits there and everywhere, and others do not") {
-  Door door;
+  GuardedDoor door;
   int tries = 0;
   while (door.fails("ann", "evil")) ++tries;
   CHECK(tries == 6);  // the sixth begins the wait
@@ -40,7 +40,7 @@ TEST_CASE("given five failures from one address, then that name waits there and 
 }
 
 TEST_CASE("given many names from one address, then the address waits, and other addresses do not") {
-  Door door;
+  GuardedDoor door;
   int tries = 0;
   while (door.fails("u" + std::to_string(tries), "evil")) ++tries;
   CHECK(tries == 21);
@@ -50,7 +50,7 @@ TEST_CASE("given many names from one address, then the address waits, and other 
 
 TEST_CASE(
     "given a thousand addresses that guess a name for a day, then the user still comes in from his desk at once") {
-  Door door;
+  GuardedDoor door;
   REQUIRE(door.succeeds("ann", "desk"));
   int tries = 0;
   for (int second = 0; second < 24 * 3600; second += 10) {
@@ -63,7 +63,7 @@ TEST_CASE(
 }
 
 TEST_CASE("given somebody guesses from the user's own address, then the user waits for a minute at most") {
-  Door door;
+  GuardedDoor door;
   REQUIRE(door.succeeds("ann", "hall"));
   for (int i = 0; i < 1000; ++i) {
     door.fails("ann", "hall");
@@ -75,7 +75,7 @@ TEST_CASE("given somebody guesses from the user's own address, then the user wai
 }
 
 TEST_CASE("tries during a wait are not counted: nobody makes it longer") {
-  Door door;
+  GuardedDoor door;
   while (door.fails("ann", "evil")) {
   }
   const Duration before = door.guard.wait("ann", "evil", door.now);
@@ -84,7 +84,7 @@ TEST_CASE("tries during a wait are not counted: nobody makes it longer") {
 }
 
 TEST_CASE("given an attacker signs in as himself between guesses, then his address is not cleared by it") {
-  Door door;
+  GuardedDoor door;
   int tries = 0;
   for (int i = 0; i < 100; ++i) {
     tries += door.fails("u" + std::to_string(i), "evil") ? 1 : 0;
@@ -94,7 +94,7 @@ TEST_CASE("given an attacker signs in as himself between guesses, then his addre
 }
 
 TEST_CASE("given many tries at once, then each counts before any has ended") {
-  Door door;
+  GuardedDoor door;
   std::vector<Attempt> attempts;
   while (door.may("ann", "evil")) attempts.push_back(door.guard.begin("ann", "evil", door.now));
   CHECK(attempts.size() == 6);
@@ -104,7 +104,7 @@ TEST_CASE("given many tries at once, then each counts before any has ended") {
 }
 
 TEST_CASE("a pair that becomes known while it tries gives back what it took as a stranger") {
-  Door door;
+  GuardedDoor door;
   const Attempt first = door.guard.begin("ann", "desk", door.now);
   const Attempt second = door.guard.begin("ann", "desk", door.now);
   door.guard.succeeded(first);
@@ -113,7 +113,7 @@ TEST_CASE("a pair that becomes known while it tries gives back what it took as a
 }
 
 TEST_CASE("known are the last eight addresses of a user, through a restart, until he is removed") {
-  Door door;
+  GuardedDoor door;
   for (int i = 0; i < 9; ++i) REQUIRE(door.succeeds("ann", "a" + std::to_string(i)));
   CHECK_FALSE(door.guard.is_known("ann", "a0"));
   CHECK(door.guard.is_known("ann", "a1"));
@@ -127,7 +127,7 @@ TEST_CASE("known are the last eight addresses of a user, through a restart, unti
 }
 
 TEST_CASE("given ten thousand names and addresses, then memory is bounded and the guessed name still waits") {
-  Door door;
+  GuardedDoor door;
   for (int i = 0; i < 9; ++i) door.guard.begin("ann", "e" + std::to_string(i), door.now);
   for (int i = 0; i < 10'000; ++i)
     door.guard.begin("u" + std::to_string(i % 6'000), "s" + std::to_string(i), door.now + std::chrono::nanoseconds(i));

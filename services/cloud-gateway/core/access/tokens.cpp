@@ -3,7 +3,7 @@
 namespace trb::gateway {
 namespace {
 
-Bytes key_of(std::string_view secret) {
+Bytes token_key(std::string_view secret) {
   return purpose_digest("gateway_token", secret);
 }
 
@@ -23,7 +23,7 @@ Result<std::string> Tokens::make(const TokenWish& wish, UtcTime now) {
     return fail(Errc::queue_full, "there are " + std::to_string(kMaxTokens) + " tokens", "revoke one");
   }
   std::string secret = std::string(kTokenPrefix) + new_secret(random_);
-  const Token token{wish.name, wish.role, wish.read_only, wish.made_by, now, now + wish.life, key_of(secret)};
+  const Token token{wish.name, wish.role, wish.read_only, wish.made_by, now, now + wish.life, token_key(secret)};
   tokens_.emplace(wish.name, token);
   names_[token.key] = wish.name;
   changes_.put(wish.name, token);
@@ -38,7 +38,7 @@ Status Tokens::revoke(const std::string& name) {
 
 const Token* Tokens::find(std::string_view secret, UtcTime now) const {
   if (secret.size() != kTokenPrefix.size() + kSecretDigits || !secret.starts_with(kTokenPrefix)) return nullptr;
-  const auto name = names_.find(key_of(secret));
+  const auto name = names_.find(token_key(secret));
   if (name == names_.end()) return nullptr;
   const Token& token = tokens_.at(name->second);
   return now < token.ends ? &token : nullptr;

@@ -38,4 +38,12 @@ struct Parts {
   Tokens tokens{random};
 };
 
+/// A route's pattern with a value for each parameter.
+inline std::string filled(std::string_view pattern) {
+  std::string out(pattern);
+  for (std::size_t at = out.find('{'); at != std::string::npos; at = out.find('{'))
+    out.replace(at, out.find('}') - at + 1, "value-1");
+  return out;
+}
+
 }  // namespace trb::gateway
