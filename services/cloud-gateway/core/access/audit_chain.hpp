@@ -1,4 +1,4 @@
-// The audit: who did what, each record hashed with the one before.
+// The audit log: who did what. Each record's hash covers the one before.
 #pragma once
 
 #include <cstdint>
@@ -12,15 +12,15 @@
 
 namespace trb::gateway {
 
-/// Who did what; the chain gives it its number.
+/// Who did what; the chain sets the number.
 struct AuditRecord {
-  std::uint64_t number = 0;  ///< from 1, none left out
-  std::int64_t time = 0;     ///< UTC ns, as the clock was: the order is the numbers'
-  std::string who;           ///< "ann", "token:exporter"; the name that was given, of a sign-in that was refused
+  std::uint64_t number = 0;  ///< from 1, without gaps
+  std::int64_t time = 0;     ///< UTC ns, as the clock was; `number` gives the order
+  std::string who;           ///< "ann", "token:exporter"; for a refused sign-in: the name given
   std::string from;          ///< address
   std::string action;        ///< "POST /api/v1/runs/{run}/abort"
   std::string about;         ///< "run-17"
-  std::string outcome;       ///< "done", or the code of the problem
+  std::string outcome;       ///< "done", or the problem's code
   bool operator==(const AuditRecord&) const = default;
   template <class T = AuditRecord>
   static FieldTable fields() {
@@ -36,9 +36,9 @@ struct AuditRow {
   Bytes hash;
 };
 
-/// Where a chain stands. Its node's router signs the payload with purpose kSignedAuditHead.
+/// The last record of a chain. The node's router signs the payload with purpose kSignedAuditHead.
 struct AuditHead {
-  Blob start;                ///< audit_start(): of which chain
+  Blob start;                ///< audit_start(): identifies the chain
   std::uint64_t number = 0;  ///< of the last record; 0: none yet
   Blob hash;
   std::int64_t time = 0;  ///< UTC ns
@@ -55,21 +55,21 @@ Bytes audit_head_payload(const AuditHead& head);
 /// Errors: malformed, too_large, bad_value.
 Result<AuditHead> read_audit_head(BytesView payload);
 
-/// What stands before the first record of this node's chain in this fleet: no row of another chain fits.
+/// The hash before the first record. It differs for each node and fleet, so no row of another chain fits.
 Bytes audit_start(BytesView fleet, std::string_view node);
-/// BLAKE2b over the hash before and the record's msgpack, for this purpose alone.
+/// BLAKE2b over the previous hash and the record's msgpack, for this purpose alone.
 Bytes audit_hash(BytesView previous, const AuditRecord& record);
-/// Its texts are UTF-8 within their bounds, so that its msgpack has all of it: of another one a part were not hashed.
+/// All texts are UTF-8 and within their bounds. The msgpack of any other record would leave a part unhashed.
 bool is_canonical(const AuditRecord& record);
 
 class AuditChain {
  public:
   explicit AuditChain(Bytes start);
-  /// Goes on behind the last row that is stored.
+  /// Continues after the last stored row.
   AuditChain(Bytes start, const AuditRow& last);
 
-  /// Gives the record its number, cuts what is over its bound, and hashes it. The row has to be stored before what it
-  /// tells of is answered.
+  /// Sets the record's number, cuts texts that are too long, and hashes the record. Store the row before you answer the
+  /// request that it records.
   AuditRow append(AuditRecord record);
   [[nodiscard]] AuditHead head(UtcTime now) const;
   [[nodiscard]] std::uint64_t number() const { return number_; }

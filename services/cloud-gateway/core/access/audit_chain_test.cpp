@@ -21,7 +21,7 @@ AuditRecord abort_of(const std::string& run) {
 TEST_CASE("records are numbered from 1, and each hash rests on all before") {
   AuditChain chain(audit_start(kFleet, "cloud"));
   AuditRecord numbered = abort_of("run-1");
-  numbered.number = 77;  // the chain's is taken
+  numbered.number = 77;  // the chain sets its own
   const AuditRow first = chain.append(numbered);
   const AuditRow second = chain.append(abort_of("run-1"));
   CHECK(first.record.number == 1);
@@ -33,7 +33,7 @@ TEST_CASE("records are numbered from 1, and each hash rests on all before") {
 
 TEST_CASE("the hash is what it was in every release: who verifies has old records") {
   AuditChain chain(audit_start(kFleet, "cloud"));
-  // Made by Python's hashlib and struct from what audit_chain.hpp says.
+  // Made with Python's hashlib and struct, as audit_chain.hpp describes.
   CHECK(to_hex(chain.append(abort_of("run-1")).hash) ==
         "8bb4dbd5a7653fa4c2743e83987e1e382b4ba3684d957748edbe7890169f9010");
 }

@@ -1,4 +1,4 @@
-// When the audit's head is signed.
+// When the head of the audit log is signed.
 #pragma once
 
 #include <optional>
@@ -10,14 +10,14 @@ namespace trb::gateway {
 constexpr Duration kHeadEvery = std::chrono::minutes(1);
 constexpr Duration kHeadAnswer = std::chrono::seconds(10);
 
-/// idle  | a minute since the last was asked for, and a new record | asked: the head is to be signed
+/// idle  | a minute since the last request, and a new record       | asked: sign the head
 /// asked | signed                                                  | idle
-/// asked | 10 s: refused, or no answer                             | asked anew, with the head as it is then
-/// idle  | signed, late or again                                   | idle: a signature of an older head is still good
-/// After a start the first head is due at once; signed_to() tells what was covered before.
+/// asked | 10 s: refused, or no answer                             | asked again, with the newest head
+/// idle  | signed, late or repeated                                | idle: a signature of an older head stays valid
+/// After a start the first head is due at once; call signed_to() for what was covered before.
 class AuditHeads {
  public:
-  /// The head to be signed, if it is time.
+  /// The head to sign, if one is due.
   std::optional<AuditHead> due(const AuditChain& chain, Now now);
   /// A signature over the head with this number is stored.
   void signed_to(std::uint64_t number);

@@ -57,10 +57,10 @@ TEST_CASE("given no signature comes for 10 s, then it is asked for again, with w
   CHECK(desk.due() == 0);
   desk.pass(1s);
   CHECK(desk.due() == 2);
-  desk.heads.signed_to(1);  // the first one comes after all: it covers what it covers
+  desk.heads.signed_to(1);  // the first signature arrives late: it still counts
   CHECK(desk.heads.covered() == 1);
   desk.heads.signed_to(2);
-  desk.heads.signed_to(1);  // and again
+  desk.heads.signed_to(1);  // and repeated
   CHECK(desk.heads.covered() == 2);
 }
 

@@ -51,7 +51,7 @@ class Verifier {
     return check_heads_here();
   }
 
-  /// The heads that were signed when the chain stood here.
+  /// Checks the heads that were signed at this record.
   bool check_heads_here() {
     const auto [first, last] = heads_.equal_range(report_.good);
     for (auto at = first; at != last; ++at) {

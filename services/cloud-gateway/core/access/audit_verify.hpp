@@ -1,4 +1,4 @@
-// Whether an audit is what was written: for anybody, with its rows, signed heads and the fleet's public key alone.
+// Checks that nobody changed an audit log. It needs only the rows, the signed heads and the fleet's public key.
 #pragma once
 
 #include <array>
@@ -12,11 +12,11 @@ namespace trb::gateway {
 
 enum class AuditFaultKind : std::uint8_t {
   other_chain,   ///< a head of another node or fleet
-  missing,       ///< the record with this number is not there; what comes next is later
-  out_of_order,  ///< a record where another number must stand: moved, repeated or put in
-  altered,       ///< the record is not what was hashed, or its text is no record's
-  other_head,    ///< rows that fit each other, and not the head that was signed: hashed anew from somewhere on
-  truncated,     ///< a signed head tells of a record behind the last
+  missing,       ///< no record with this number; the next one has a higher number
+  out_of_order,  ///< a record with a wrong number: moved, repeated or inserted
+  altered,       ///< the record does not match its hash, or is not canonical
+  other_head,    ///< rows match each other but not the signed head: somebody computed the hashes again
+  truncated,     ///< a signed head covers a record after the last one
 };
 constexpr auto enum_names(AuditFaultKind) {
   return std::array<std::string_view, 6>{"other_chain", "missing",    "out_of_order",
@@ -30,12 +30,12 @@ struct AuditFault {
 };
 
 struct AuditReport {
-  std::uint64_t good = 0;     ///< records from the first on that fit
-  std::uint64_t covered = 0;  ///< of these, proven by a signed head; later ones whoever has the store may still change
+  std::uint64_t good = 0;     ///< records that fit, counted from the first
+  std::uint64_t covered = 0;  ///< of these, proven by a signed head; whoever has the store can still change later ones
   std::optional<AuditFault> fault;
 };
 
-/// `rows`: from number 1 on, as they are stored. `heads`: whose signatures the caller has checked, in any order.
+/// `rows`: from number 1 on, as stored. `heads`: in any order; the caller has checked their signatures.
 AuditReport verify_audit(BytesView start, std::span<const AuditRow> rows, std::span<const AuditHead> heads);
 
 }  // namespace trb::gateway

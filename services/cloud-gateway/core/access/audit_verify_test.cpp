@@ -16,7 +16,7 @@ struct Store {
   std::vector<AuditRow> rows;
   std::vector<AuditHead> heads;
 
-  /// Ten records; heads over the fourth and the eighth.
+  /// Ten records; signed heads at the fourth and the eighth.
   Store() {
     AuditChain chain(start);
     for (int i = 1; i <= 10; ++i) {
@@ -30,7 +30,7 @@ struct Store {
     const auto found = report().fault;
     return found ? std::string(name_of(found->kind)) + " " + std::to_string(found->number) : "none";
   }
-  /// As one does who knows how the chain is made.
+  /// As an attacker does who knows how the chain is made.
   void hash_anew() {
     Bytes hash = start;
     for (std::size_t i = 0; i < rows.size(); ++i) {

@@ -1,4 +1,4 @@
-// What a store has to write down, in the order in which it happened.
+// Changes that the store must write, in their order.
 #pragma once
 
 #include <optional>
@@ -8,7 +8,7 @@
 
 namespace trb::gateway {
 
-/// A row is as told now; without one it is gone.
+/// The row's new value; no row: it was removed.
 template <class Row>
 struct Change {
   std::string key;

@@ -1,4 +1,4 @@
-// Tries that failed, of many keys, in bounded memory.
+// Failed tries for each of many keys, in bounded memory.
 #pragma once
 
 #include <cstdint>
@@ -16,20 +16,20 @@ struct FailureRule {
   std::size_t room = 4096;  ///< keys
 };
 
-/// After so long without a try a key is as one that was never heard of.
+/// After this time without a try a key is forgotten.
 constexpr Duration kForgetFailures = std::chrono::hours(1);
 
-/// In a full table the key with the fewest failures goes, of several the one tried longest ago: to wash a key out, one
-/// has to fail as often at every other one.
+/// A full table drops the key with the fewest failures; of several, the one tried longest ago. To push a key out, an
+/// attacker has to fail as often with every other key.
 class FailureTable {
  public:
   explicit FailureTable(FailureRule rule) : rule_(rule) {}
 
-  /// How long this key has to wait; 0: it may try.
+  /// How long this key has to wait; 0: no wait.
   [[nodiscard]] Duration wait(std::string_view key, MonotonicTime now) const;
-  /// A try counts as a failure when it begins, so that many at once are counted too.
+  /// Counts a try as a failure when it begins, so that parallel tries count too.
   void count(std::string_view key, MonotonicTime now);
-  /// One was none. Of a key that was washed out: nothing.
+  /// One try was no failure. Does nothing for a key that was dropped.
   void take_back(std::string_view key);
 
   [[nodiscard]] std::size_t size() const { return rows_.size(); }

@@ -1,4 +1,4 @@
-// Failures of many keys: waits that grow and end, and a table that is full.
+// Failures of many keys: waits grow and end; the table fills up.
 #include "services/cloud-gateway/core/access/failure_table.hpp"
 
 #include <doctest/doctest.h>

@@ -1,4 +1,4 @@
-// Secrets that are shown once, and what is kept of them.
+// Secrets that are shown once, and the hashes that are kept of them.
 #pragma once
 
 #include <functional>
@@ -9,7 +9,7 @@
 
 namespace trb::gateway {
 
-/// So many random bytes. A core has none of its own.
+/// Returns this many random bytes. A core has no source of them.
 using RandomBytes = std::function<Bytes(std::size_t)>;
 
 constexpr std::size_t kSecretBytes = 32;
@@ -18,7 +18,7 @@ constexpr std::size_t kSecretDigits = 2 * kSecretBytes;
 /// 256 random bits as 64 hexadecimal digits.
 std::string new_secret(const RandomBytes& random);
 
-/// BLAKE2b-256 for one purpose: the hash of a session's id is never that of a token or of an audit record.
+/// BLAKE2b-256 for one purpose: a session id never has the same hash as a token or an audit record.
 Bytes purpose_digest(std::string_view purpose, BytesView bytes);
 
 }  // namespace trb::gateway

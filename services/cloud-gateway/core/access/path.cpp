@@ -17,7 +17,7 @@ Error refuse(std::string_view what) {
   return fail(Errc::malformed, "path: " + std::string(what), "take the paths of /api/v1/openapi.json as they are");
 }
 
-/// The two digits behind a '%', in either case.
+/// Decodes the two digits after a '%', in either case.
 Result<char> unescape(std::string_view digits) {
   std::string lower(digits);
   for (char& c : lower)

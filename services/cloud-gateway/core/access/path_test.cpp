@@ -1,4 +1,4 @@
-// Paths, honest and hostile.
+// Valid and hostile paths.
 #include "services/cloud-gateway/core/access/path.hpp"
 
 #include <doctest/doctest.h>

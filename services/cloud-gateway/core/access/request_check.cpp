@@ -69,7 +69,7 @@ RequestVerdict RequestCheck::decide(const RequestHead& head, UtcTime now, Reques
   out.parameters = std::move(match.parameters);
   out.allow = std::move(match.others);
   if (out.route == nullptr) return out.allow.empty() ? RequestVerdict::not_found : RequestVerdict::method_not_allowed;
-  // A balancer asks for health by any name.
+  // A load balancer may use any host name.
   const bool harmless = out.route->least == Least::anyone && out.route->effect == Effect::reads;
   if (harmless) return RequestVerdict::allowed;
   if (!is_own_host(head)) return RequestVerdict::wrong_host;
@@ -79,7 +79,7 @@ RequestVerdict RequestCheck::decide(const RequestHead& head, UtcTime now, Reques
 }
 
 RequestVerdict RequestCheck::identify(const RequestHead& head, UtcTime now, RequestDecision& out) {
-  // Who signs in may still have the cookie of a session that is over.
+  // A user who signs in may still have the cookie of an ended session.
   if (out.route->least == Least::anyone) return RequestVerdict::allowed;
   if (head.session && head.bearer) return RequestVerdict::two_identities;
   if (head.bearer) {
@@ -100,7 +100,7 @@ bool RequestCheck::is_own_host(const RequestHead& head) const {
 }
 
 bool RequestCheck::is_own_origin(const RequestHead& head) const {
-  // The very address that was asked: a page of another address of ours is another site to the browser.
+  // It must be the requested address: to the browser, a page of our other address is another site.
   return head.origin && is_same_name(authority_of(*head.origin), head.host) &&
          std::ranges::any_of(origins_, [&](const std::string& own) { return is_same_name(own, *head.origin); });
 }
@@ -108,7 +108,7 @@ bool RequestCheck::is_own_origin(const RequestHead& head) const {
 RequestVerdict RequestCheck::check_forgery(const RequestHead& head, const RequestDecision& so_far) const {
   const Route& route = *so_far.route;
   const bool plain = route.method == Method::get && route.effect == Effect::reads;
-  // A browser says its Origin with all of these; a program with a token need not, but one that is said must be right.
+  // A browser sends Origin with all of these. A program with a token may omit it, but a wrong one is refused.
   const bool by_token = !so_far.who.name.empty() && so_far.who.session.empty();
   const bool must_say = !plain && !by_token;
   if ((must_say || (!plain && head.origin)) && !is_own_origin(head)) return RequestVerdict::wrong_origin;

@@ -1,4 +1,4 @@
-// Whether a request may be served, and as whose.
+// Decides whether a request may be served, and for whom.
 #pragma once
 
 #include <cstdint>
@@ -13,24 +13,24 @@
 
 namespace trb::gateway {
 
-/// The parts of a request that decide. A header that is not there is nothing; one that is there twice the shell
-/// refuses.
+/// The parts of a request that the check needs. A missing header is nullopt; the shell refuses repeated
+/// headers.
 struct RequestHead {
   std::string_view method;
   std::string_view target;
   std::string_view host;
-  std::optional<std::string_view> session;  ///< of the cookie
-  std::optional<std::string_view> bearer;   ///< of Authorization
+  std::optional<std::string_view> session;  ///< from the cookie
+  std::optional<std::string_view> bearer;   ///< from Authorization
   std::optional<std::string_view> origin;
   std::optional<std::string_view> csrf;
 };
 
-/// As whom a request is served.
+/// The user or token for whom a request is served.
 struct Principal {
   std::string name;  ///< "ann", "token:exporter"; empty: nobody
   UserRole role = UserRole::viewer;
-  Bytes session;           ///< its key, for a cookie
-  bool read_only = false;  ///< of a token: what comes later by a WebSocket may change nothing
+  Bytes session;           ///< the session's key, if a cookie was sent
+  bool read_only = false;  ///< for a token: its WebSocket messages may change nothing either
 };
 
 enum class RequestVerdict : std::uint8_t {
@@ -40,14 +40,14 @@ enum class RequestVerdict : std::uint8_t {
   not_signed_in,   ///< 401
   wrong_host,      ///< 403, as all below
   wrong_origin,    ///< not from this gateway's own page
-  wrong_csrf,      ///< no CSRF value, or not that of the session
+  wrong_csrf,      ///< no CSRF value, or not the session's
   role_too_low,
-  people_only,  ///< a token asks for what only who has signed in may
+  people_only,  ///< a token; only a user who has signed in may do this
   read_only_token,
   not_found,           ///< 404
   method_not_allowed,  ///< 405
 };
-/// The stable codes of problems.
+/// Stable problem codes.
 constexpr auto enum_names(RequestVerdict) {
   return std::array<std::string_view, 12>{"allowed",     "bad_path",        "two_identities", "not_signed_in",
                                           "wrong_host",  "wrong_origin",    "wrong_csrf",     "role_too_low",
@@ -59,17 +59,17 @@ int status_of(RequestVerdict verdict);
 struct RequestDecision {
   RequestVerdict verdict = RequestVerdict::not_found;
   std::string hint;
-  const Route* route = nullptr;  ///< of every path and method that is there, also if it is refused
+  const Route* route = nullptr;  ///< set for every existing path and method, also if refused
   PathParameters parameters;
   Principal who;              ///< as soon as it is known
-  std::vector<Method> allow;  ///< of method_not_allowed
+  std::vector<Method> allow;  ///< for method_not_allowed
 };
 
-/// In this order, and the first that fails answers: path, route, host, identity, Origin, CSRF, role, what tokens may
-/// not. The routes are no secret, so a stranger is told 404 and 405 too; whether a thing is there he is never told.
+/// Checks in this order; the first failure is the answer: path, route, host, identity, Origin, CSRF, role, token
+/// limits. Routes are not secret, so a stranger gets 404 and 405 too; he never learns whether an item exists.
 class RequestCheck {
  public:
-  /// `origins`: by which addresses people reach this gateway, "https://hall.example:8443".
+  /// `origins`: the addresses by which people reach this gateway, "https://hall.example:8443".
   RequestCheck(std::vector<std::string> origins, const Users& users, Sessions& sessions, const Tokens& tokens)
       : origins_(std::move(origins)), users_(users), sessions_(sessions), tokens_(tokens) {}
 

@@ -1,4 +1,4 @@
-// A request comes: from whom, from where, for what; and what it is answered.
+// Requests by sender, origin and route, and the answer to each.
 #include "services/cloud-gateway/core/access/request_check.hpp"
 
 #include "proto/field.hpp"
@@ -27,7 +27,7 @@ struct Door : Parts {
     const std::string name = std::string(name_of(role)) + (read_only ? "-ro" : "");
     return *tokens.make({name, role, read_only, std::chrono::hours(1), "admin"}, now.utc);
   }
-  /// As the page sends it.
+  /// A request as the page sends it.
   RequestHead page(const std::string& user, std::string_view method, std::string_view target) {
     const NewSession& own = ids.at(user);
     return {method, target, kHost, own.id, {}, kOrigin, own.csrf};
@@ -138,7 +138,7 @@ TEST_CASE("given a token that is wrong, over or revoked, then 401, also for who 
   };
   CHECK(me(secret) == RequestVerdict::allowed);
   CHECK(me("trb_" + std::string(64, '0')) == RequestVerdict::not_signed_in);
-  CHECK(me(door.ids.at("admin").id) == RequestVerdict::not_signed_in);  // a cookie's id is no token
+  CHECK(me(door.ids.at("admin").id) == RequestVerdict::not_signed_in);  // a session id is no token
   door.pass(std::chrono::hours(1));
   CHECK(me(secret) == RequestVerdict::not_signed_in);
 }
@@ -164,7 +164,7 @@ TEST_CASE("sign-in and upgrade need the Origin too, and what is read does not") 
   CHECK(door.verdict({"POST", "/api/v1/session", kHost, {}, {}, {}, {}}) == RequestVerdict::wrong_origin);
   CHECK(door.verdict({"POST", "/api/v1/session", kHost, {}, "trb_x", {}, {}}) == RequestVerdict::wrong_origin);
   RequestHead live = door.page("viewer", "GET", "/api/v1/live");
-  live.csrf.reset();  // a browser's WebSocket bears no header
+  live.csrf.reset();  // a browser's WebSocket cannot send the header
   CHECK(door.verdict(live) == RequestVerdict::allowed);
   live.origin = "https://evil";
   CHECK(door.verdict(live) == RequestVerdict::wrong_origin);

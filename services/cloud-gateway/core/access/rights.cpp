@@ -14,13 +14,13 @@ using enum Effect;
 using enum Least;
 
 constexpr Route kRoutes[] = {
-    // Without signing in: what a balancer, a stranger's tool and the page before the sign-in need.
+    // Without a sign-in: for load balancers, other people's tools and the page before the sign-in.
     {get, "/api/v1/health", anyone, reads},
     {get, "/api/v1/ready", anyone, reads},
     {get, "/api/v1/openapi.json", anyone, reads},
     {post, "/api/v1/session", anyone, changes},
 
-    // One's own; the last column: for people alone
+    // The user's own account; last column: no tokens
     {get, "/api/v1/session", viewer, reads},
     {delete_, "/api/v1/session", viewer, changes, true},
     {get, "/api/v1/me", viewer, reads},
@@ -60,7 +60,7 @@ constexpr Route kRoutes[] = {
     {get, "/api/v1/sensors/{node}/{sensor}/history", viewer, reads},
     {get, "/api/v1/sensors/{node}/{sensor}/history.csv", viewer, reads},
 
-    // A check is computed here; a preflight asks the robots.
+    // A check is computed here; a preflight sends requests to the robots.
     {get, "/api/v1/scenarios", viewer, reads},
     {post, "/api/v1/scenarios", operator_, changes},
     {post, "/api/v1/scenarios/check", viewer, reads},
@@ -82,7 +82,7 @@ constexpr Route kRoutes[] = {
     {post, "/api/v1/runs/{run}/tasks/{task}/retry", operator_, changes},
     {post, "/api/v1/runs/{run}/tasks/{task}/skip", operator_, changes},
 
-    // A ranking asks the robots anew.
+    // A ranking sends new requests to the robots.
     {get, "/api/v1/alerts", viewer, reads},
     {get, "/api/v1/alerts/{alert}", viewer, reads},
     {post, "/api/v1/alerts/{alert}/ranking", operator_, changes},
@@ -98,7 +98,7 @@ constexpr Route kRoutes[] = {
     {get, "/api/v1/archive/{run}", viewer, reads},
     {post, "/api/v1/ahp", viewer, reads},
 
-    // The doctor knocks at addresses; the audit has those of people.
+    // The doctor connects to addresses; the audit log has people's addresses.
     {get, "/api/v1/nodes", viewer, reads},
     {get, "/api/v1/nodes/{node}", viewer, reads},
     {get, "/api/v1/services", viewer, reads},
@@ -108,7 +108,7 @@ constexpr Route kRoutes[] = {
     {get, "/api/v1/audit/head", admin, reads},
     {get, "/metrics", viewer, reads},
 
-    // Which topics, and who may drive, the topics' own rights say.
+    // Each topic has rights of its own, also for who may drive.
     {get, "/api/v1/live", viewer, upgrades},
 };
 
@@ -125,7 +125,7 @@ std::string_view take_segment(std::string_view& rest) {
   return out;
 }
 
-/// The parameters, if the pattern fits.
+/// The parameters, if the pattern matches.
 std::optional<PathParameters> fit(std::string_view pattern, std::span<const std::string> segments) {
   PathParameters out;
   for (const std::string& segment : segments) {

@@ -1,4 +1,4 @@
-// The table of routes, by itself.
+// The table of routes alone.
 #include "services/cloud-gateway/core/access/rights.hpp"
 
 #include <doctest/doctest.h>

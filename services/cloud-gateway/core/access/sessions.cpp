@@ -63,7 +63,7 @@ std::string Sessions::csrf_of(std::string_view id) {
 }
 
 bool Sessions::is_csrf_of(std::string_view id, std::string_view csrf) {
-  // Hashes of both: where they first differ depends on nothing that the asker can steer.
+  // Compares hashes: the client cannot control where they first differ.
   if (csrf.size() != kSecretDigits) return false;
   return purpose_digest("gateway_compare", csrf) == purpose_digest("gateway_compare", csrf_of(id));
 }

@@ -1,4 +1,4 @@
-// Who is signed in: opaque ids in a cookie, of which only hashes are kept.
+// Who is signed in. The cookie has an opaque id; the gateway keeps only its hash.
 #pragma once
 
 #include <map>
@@ -13,27 +13,27 @@ namespace trb::gateway {
 struct Session {
   Bytes key;  ///< hash of the id; never leaves the gateway
   std::string user;
-  Bytes stamp;  ///< the user's, as it was at the sign-in
+  Bytes stamp;  ///< the user's stamp at the sign-in
   UtcTime made;
   UtcTime used;  ///< moves in steps of kUseStep
 };
 
-/// What the browser gets; the id is nowhere else.
+/// What the browser receives; the id is kept nowhere else.
 struct NewSession {
   std::string id;
   std::string csrf;
   UtcTime ends;  ///< at the latest
 };
 
-/// NIST SP 800-63B (AAL2): 30 minutes without use, 12 hours in all. A page that is open asks by itself, so a wall
-/// screen goes on through a shift.
+/// NIST SP 800-63B (AAL2): 30 minutes without use, 12 hours in all. An open page sends requests by itself, so a
+/// wall screen stays signed in for a shift.
 constexpr Duration kSessionIdle = std::chrono::minutes(30);
 constexpr Duration kSessionLife = std::chrono::hours(12);
-/// Use is noted once a minute, for each note is a write; so a session may be over a minute early.
+/// Use is stored once a minute at most, to save writes; so a session may end a minute early.
 constexpr Duration kUseStep = std::chrono::minutes(1);
-/// Clocks of two gateways differ by this at most; a session from further ahead is over, for it would live too long.
+/// Clocks of two gateways differ by this at most. A session from further in the future ends, or it would live too long.
 constexpr Duration kClockSlack = std::chrono::minutes(1);
-/// A desk, a phone, a wall screen, and some that were forgotten.
+/// A desk, a phone, a wall screen, and some forgotten ones.
 constexpr std::size_t kSessionsOfUser = 8;
 constexpr std::size_t kSessions = 4096;
 
@@ -41,37 +41,37 @@ constexpr std::size_t kSessions = 4096;
 /// open | used within 30 min                            | open
 /// open | 30 min unused, 12 h, or made in the future    | over
 /// open | signed out                                    | over
-/// open | its user's stamp is another, or he is gone    | over
-/// open | the 9th of the user comes, this is his oldest | over
-/// open | the 4,097th of all comes, this is unused for longest | over
-/// The last, and not a refusal: only who knows a password opens one, and has 8 at most; an operator who comes in an
-/// emergency matters more than who has not looked for longest. A row that is over is gone for good.
-/// Times are steady UTC. An id is hashed first and looked up by its hash: what the time of a lookup tells is a prefix
-/// of a hash, which helps nobody to an id.
+/// open | its user's stamp changed, or he was removed   | over
+/// open | the user opens a 9th, this is his oldest      | over
+/// open | the 4,097th is opened, this is unused for longest | over
+/// The last rule does not refuse the new session: opening one takes a password, and each user has 8 at most. A new
+/// operator in an emergency matters more than the longest unused session. An ended session is removed for good.
+/// Times are steady UTC. An id is looked up by its hash: the look-up time reveals at most a prefix of a hash, which
+/// does not help to find an id.
 class Sessions {
  public:
   explicit Sessions(RandomBytes random) : random_(std::move(random)) {}
 
-  /// As the store has it; tells no change.
+  /// Takes a row from the store; adds no change.
   void restore(Session session);
 
   NewSession open(const User& user, UtcTime now);
-  /// The session of this id if it is open, and notes its use.
+  /// The session with this id if it is open; records its use.
   const Session* find(std::string_view id, const Users& users, UtcTime now);
-  /// Of no session: nothing.
+  /// No such session: does nothing.
   void end(std::string_view id);
   void end_all_of(std::string_view user);
-  /// To be called now and then, and after each change of a user: those that are over go, though nobody asks for them.
+  /// Removes ended sessions. Call it now and then, and after each change of a user.
   void tick(const Users& users, UtcTime now);
 
-  /// What a change by this session has to bear in its header. Made from the id: nothing to keep, nothing to guess
-  /// without the cookie, and it does not tell the cookie.
+  /// The header value for each change by this session. It is derived from the id: nothing is stored, nobody can guess
+  /// it without the cookie, and it does not reveal the cookie.
   static std::string csrf_of(std::string_view id);
-  /// Does not tell by its time how much of it was right.
+  /// Its run time does not reveal how much of the value was right.
   static bool is_csrf_of(std::string_view id, std::string_view csrf);
 
   [[nodiscard]] std::size_t size() const { return sessions_.size(); }
-  /// A key that is dropped is also the word to cut what lives by that session.
+  /// For each dropped key, also close the connections of that session.
   std::vector<Change<Session>> take_changes() { return changes_.take(); }
 
  private:

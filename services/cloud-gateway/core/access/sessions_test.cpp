@@ -1,4 +1,4 @@
-// A session from its sign-in to each of its ends.
+// Sessions from the sign-in to each way to end.
 #include "services/cloud-gateway/core/access/sessions.hpp"
 
 #include <set>
@@ -88,7 +88,7 @@ TEST_CASE("given role, password or flag of the user change, then all his session
     const std::string other = hall.sign_in("bob");
     REQUIRE(change(hall.users));
     CHECK_FALSE(hall.is_open(desk));
-    hall.sessions.tick(hall.users, hall.now.utc);  // nobody asks for the phone's
+    hall.sessions.tick(hall.users, hall.now.utc);  // the phone sends no request
     CHECK(hall.sessions.size() == 1);
     CHECK_FALSE(hall.is_open(phone));
     CHECK(hall.is_open(other));

@@ -5,7 +5,7 @@
 namespace trb::gateway {
 namespace {
 
-/// What no user can be called shares one row: it must not fill the tables.
+/// All invalid user names share one row, so they cannot fill the tables.
 std::string_view guarded_name(const SignInRequest& request) {
   return is_valid_user_name(request.user) ? std::string_view(request.user) : std::string_view();
 }
@@ -19,7 +19,7 @@ std::int64_t whole_seconds(Duration wait) {
 void SignIn::request(SignInRequest request, Now now, SignInEffects& out) {
   if (pending_.contains(request.id)) return;
   if (request.password.size() > kMaxPassword) {
-    // It fits nobody, and its length is the asker's own: nothing is told by answering at once.
+    // It matches no user, and the client knows its length: an immediate answer reveals nothing.
     out.answers.push_back({request.id, SignInOutcome::refused, 0, {}});
     return;
   }

@@ -14,19 +14,19 @@
 
 namespace trb::gateway {
 
-using SignInId = std::uint64_t;  ///< of a request, chosen by the shell; never used twice
+using SignInId = std::uint64_t;  ///< the request's, chosen by the shell; never used twice
 
 struct SignInRequest {
   SignInId id = 0;
   std::string user;
   std::string password;
-  std::string source;       ///< address of the asker; IPv6 by its /64
-  std::string old_session;  ///< what the browser still has: it ends when the new one begins
+  std::string source;       ///< the client's address; for IPv6 its /64
+  std::string old_session;  ///< the browser's previous one: it ends when the new one begins
 };
 
 enum class SignInOutcome : std::uint8_t {
   signed_in,
-  refused,      ///< no such user, wrong password, disabled: nobody is told which
+  refused,      ///< no such user, wrong password, disabled: the answer does not say which
   wait,         ///< too many failures
   busy,         ///< too many at once
   unavailable,  ///< the check failed or took too long
@@ -38,11 +38,11 @@ constexpr auto enum_names(SignInOutcome) {
 struct SignInAnswer {
   SignInId id = 0;
   SignInOutcome outcome{};
-  std::int64_t retry_after_s = 0;     ///< of wait, busy and unavailable
-  std::optional<NewSession> session;  ///< of signed_in
+  std::int64_t retry_after_s = 0;     ///< for wait, busy and unavailable
+  std::optional<NewSession> session;  ///< for signed_in
 };
 
-/// Does the password fit the hash? To be answered by SignIn::checked() with the same id.
+/// Does the password match the hash? Answer with SignIn::checked() and the same id.
 struct PasswordCheck {
   SignInId id = 0;
   std::string hash;
@@ -50,45 +50,45 @@ struct PasswordCheck {
 };
 enum class CheckResult : std::uint8_t { right, wrong, failed };
 
-/// What the shell has to do.
+/// What the shell must do.
 struct SignInEffects {
   std::vector<PasswordCheck> checks;
   std::vector<SignInAnswer> answers;
 };
 
-/// A check takes 70 ms of a core and 64 MB: two at once leave the loop its own.
+/// A check takes 70 ms of a core and 64 MB: two at once leave the loop a core.
 constexpr std::size_t kChecksAtOnce = 2;
-/// So the last in the queue waits for half a second.
+/// So the last check in the queue waits for half a second.
 constexpr std::size_t kQueuedChecks = 16;
-/// Places of the queue that only a known pair of name and address gets.
+/// Places in the queue that are kept for known pairs of name and address.
 constexpr std::size_t kPlacesForKnown = 4;
-/// Of one address, running and queued, unknown pairs; and of one known pair.
+/// Running and queued: for the unknown pairs of one address, and for one known pair.
 constexpr std::size_t kChecksOfSource = 4;
 constexpr Duration kSignInTime = std::chrono::seconds(10);
 constexpr std::int64_t kBusyRetry_s = 2;
 
 /// -       | request, its name or address has to wait    | answered `wait`
 /// -       | request, no place is left                   | answered `busy`
-/// -       | request                                     | queued; running if fewer than two do
+/// -       | request                                     | queued; running if fewer than two run
 /// queued  | a place is free                             | running, with the hash as it is now
-/// queued  | 10 s, or the asker leaves                   | -, `unavailable`; the try does not count
-/// running | right, and the user is as at its start      | -, `signed_in`; with a new session
+/// queued  | 10 s, or the client leaves                  | -, `unavailable`; the try does not count
+/// running | right, and the user is unchanged            | -, `signed_in`; with a new session
 /// running | wrong; or right, and he was changed         | -, `refused`
 /// running | failed                                      | -, `unavailable`; the try does not count
-/// running | 10 s, or the asker leaves                   | late: keeps its place, for the check still runs
+/// running | 10 s, or the client leaves                  | late: keeps its place, as the check still runs
 /// late    | any result                                  | -, no session
-/// -       | a result, or a repeated one                 | nothing
-/// An unknown or disabled user costs the same check, against a hash that nobody's password fits, and the answer is the
+/// -       | unknown or repeated result                  | nothing
+/// For an unknown or disabled user the check runs too, against a hash that no password matches, and the answer is the
 /// same. `now.utc` is steady.
 class SignIn {
  public:
-  /// `dummy_hash` is made with the parameters of all others.
+  /// `dummy_hash` is made with the same parameters as all others.
   SignIn(const Users& users, Sessions& sessions, SignInGuard& guard, std::string dummy_hash)
       : users_(users), sessions_(sessions), guard_(guard), dummy_hash_(std::move(dummy_hash)) {}
 
   void request(SignInRequest request, Now now, SignInEffects& out);
   void checked(SignInId id, CheckResult result, Now now, SignInEffects& out);
-  /// The asker has closed his connection.
+  /// The client has closed its connection.
   void left(SignInId id, Now now, SignInEffects& out);
   void tick(Now now, SignInEffects& out);
   [[nodiscard]] std::optional<MonotonicTime> next_deadline() const;
@@ -98,7 +98,7 @@ class SignIn {
   struct Pending {
     SignInRequest request;
     Attempt attempt;
-    Bytes stamp;  ///< of the user whose hash is checked; empty: nobody's
+    Bytes stamp;  ///< of the user whose hash is checked; empty: no user
     MonotonicTime deadline;
     State state = State::queued;
   };
@@ -116,7 +116,7 @@ class SignIn {
   std::string dummy_hash_;
   Rows pending_;
   std::deque<SignInId> queue_;
-  std::size_t running_ = 0;  ///< late ones too
+  std::size_t running_ = 0;  ///< including late ones
 };
 
 }  // namespace trb::gateway

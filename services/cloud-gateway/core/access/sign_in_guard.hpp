@@ -1,4 +1,4 @@
-// Who may try a password now.
+// Rate limit: who may try a password now.
 #pragma once
 
 #include <map>
@@ -10,7 +10,7 @@
 
 namespace trb::gateway {
 
-/// Somebody forgets a password some times; a hall's operators may share one address.
+/// People mistype passwords; a hall's operators may share one address.
 constexpr FailureRule kUserFailures{.free = 5, .most = std::chrono::minutes(15), .room = 4096};
 constexpr FailureRule kSourceFailures{.free = 20, .most = std::chrono::minutes(15), .room = 4096};
 constexpr FailureRule kPairFailures{.free = 5, .most = std::chrono::minutes(1), .room = 4096};
@@ -23,34 +23,34 @@ struct Attempt {
   bool known = false;
 };
 
-/// Limits against guessing, by the name that was given (whether there is such a user or not) and by the address.
+/// Limits password guessing by the given name (whether the user exists or not) and by the address.
 ///
-/// the pair of name and address | is judged by
+/// the pair of name and address | is limited by
 /// -----------------------------|---------------------------------------------------------------------
-/// unknown                      | the name's failures and the address's, both from unknown pairs alone
-/// known (signed in before)     | its own failures, and nothing else
+/// unknown                      | the failures of the name and of the address, both of unknown pairs alone
+/// known (signed in before)     | its own failures alone
 ///
-/// So who guesses a name from elsewhere makes strangers wait, not the user at his desk; who guesses from the user's own
-/// address makes him wait for a minute at most. A success takes back its own try and no other: nobody clears
-/// an address by signing in as himself. A try in a wait is refused and not counted.
+/// So guessing from elsewhere makes strangers wait, not the user at his desk. Guessing from the user's own address
+/// makes him wait for a minute at most. A success takes back its own try alone: nobody clears an address by
+/// signing in as himself. A try during a wait is refused and not counted.
 class SignInGuard {
  public:
   [[nodiscard]] bool is_known(std::string_view user, std::string_view source) const;
-  /// 0: he may try.
+  /// 0: no wait.
   [[nodiscard]] Duration wait(std::string_view user, std::string_view source, MonotonicTime now) const;
-  /// Counts it as a failure until it is known to be none.
+  /// Counts the attempt as a failure until it succeeds or is cancelled.
   Attempt begin(std::string_view user, std::string_view source, MonotonicTime now);
   void succeeded(const Attempt& attempt);
   /// No password was checked.
   void cancel(const Attempt& attempt);
 
-  /// Known pairs outlive a restart: else one that comes during an attack would lock out everybody.
+  /// Known pairs survive a restart: else a restart during an attack would lock everybody out.
   void restore_known(const std::string& user, const std::string& source) { remember(user, source); }
   /// The user was removed.
   void forget_user(const std::string& user);
-  /// By user, the last one first.
+  /// Addresses by user, the newest first.
   [[nodiscard]] const std::map<std::string, std::vector<std::string>, std::less<>>& known() const { return known_; }
-  /// What is kept of failures, for a test of its bounds.
+  /// Number of stored failure rows, to test the bounds.
   [[nodiscard]] std::size_t rows() const { return users_.size() + sources_.size() + pairs_.size(); }
 
  private:

@@ -1,4 +1,4 @@
-// Somebody guesses: from one address, from many, from the user's own; and the user comes in.
+// Guessing from one address, from many, from the user's own; the user can still sign in.
 #include "services/cloud-gateway/core/access/sign_in_guard.hpp"
 
 #include <doctest/doctest.h>
@@ -58,7 +58,7 @@ TEST_CASE(
     door.now = door.now + 10s;
     if (second % 3600 == 0) CHECK(door.succeeds("ann", "desk"));
   }
-  CHECK(tries < 120);  // what a day of guessing gets
+  CHECK(tries < 120);  // tries in a day of guessing
   CHECK_FALSE(door.may("ann", "new phone"));
 }
 

@@ -1,4 +1,4 @@
-// A sign-in: the request, the check on a pool, the answer; and all that can come between.
+// A sign-in: the request, the check on a pool, the answer, and what can happen in between.
 #include "services/cloud-gateway/core/access/sign_in.hpp"
 
 #include "services/cloud-gateway/core/access/test/gateway_parts.hpp"
@@ -32,7 +32,7 @@ struct Gate : Parts {
     REQUIRE(out.answers.size() == 1);
     return out.answers.front();
   }
-  /// Two checks run, for others.
+  /// Two checks run, for other users.
   void fill_pool() {
     ask("x1", "there1");
     ask("x2", "there2");
@@ -91,7 +91,7 @@ TEST_CASE("given the browser has a session already, also one that somebody plant
   const std::string planted = gate.sign_in("root");
   const SignInId wrong = gate.ask("ann", "desk", planted);
   gate.end(wrong, CheckResult::wrong);
-  CHECK(gate.is_open(planted));  // who fails has proven nothing
+  CHECK(gate.is_open(planted));  // a failed sign-in ends no session
   gate.end(gate.ask("ann", "desk", planted), CheckResult::right);
   CHECK(gate.only_answer().session->id != planted);
   CHECK_FALSE(gate.is_open(planted));
@@ -153,7 +153,7 @@ TEST_CASE("given strangers fill the queue, then the user at his desk has a place
   CHECK(taken == static_cast<int>(kChecksOfSource));
   for (int i = 0; i < 100; ++i) gate.ask("v" + std::to_string(i), "evil" + std::to_string(i));
   CHECK(gate.only_answer().outcome == SignInOutcome::busy);
-  gate.ask("root", "desk");  // known is the pair, not the address
+  gate.ask("root", "desk");  // the pair is known, not the address
   CHECK(gate.only_answer().outcome == SignInOutcome::busy);
   gate.ask("ann", "desk");
   CHECK(gate.out.answers.empty());
@@ -168,7 +168,7 @@ TEST_CASE("given too many failures, then it is refused with its wait and costs n
   CHECK(gate.only_answer().retry_after_s == 1);
   for (int i = 0; i < 6; ++i) gate.end(gate.ask("nobody", "cellar"), CheckResult::wrong);
   gate.ask("nobody", "cellar");
-  CHECK(gate.only_answer().outcome == SignInOutcome::wait);  // a name without a user waits as one with
+  CHECK(gate.only_answer().outcome == SignInOutcome::wait);  // an unknown user waits like a known one
   CHECK(gate.only_answer().retry_after_s == 1);
 }
 

@@ -13,7 +13,7 @@ namespace trb::gateway {
 struct Token {
   std::string name;
   UserRole role = UserRole::viewer;
-  bool read_only = false;  ///< may change nothing, whatever its role sees
+  bool read_only = false;  ///< may change nothing, whatever its role
   std::string made_by;
   UtcTime made;
   UtcTime ends;
@@ -28,29 +28,29 @@ struct TokenWish {
   std::string made_by;
 };
 
-/// What a secret begins with: who searches files for leaked ones finds it.
+/// Each secret begins with this, so that a scan for leaked secrets finds it.
 constexpr std::string_view kTokenPrefix = "trb_";
-/// A machine's token is renewed once a year at least, else one that leaked is good for ever.
+/// A machine's token must be renewed once a year at least: else a leaked one is valid for ever.
 constexpr Duration kTokenLife = std::chrono::hours(24 * 365);
 constexpr std::size_t kMaxTokens = 256;
 
-/// -     | made                | valid; the secret is told once
-/// valid | its end comes       | over, still listed: its name is not free
+/// -     | made                | valid; the secret is shown once
+/// valid | it expires          | over, still listed: its name is not free
 /// valid | revoked             | gone
 /// over  | revoked, or its room is needed | gone
-/// A token is the machine's and stays when the user leaves who made it. Times are steady UTC.
+/// A token belongs to the machine; it stays when the user who made it leaves. Times are steady UTC.
 class Tokens {
  public:
   explicit Tokens(RandomBytes random) : random_(std::move(random)) {}
 
-  /// As the store has it; tells no change.
+  /// Takes a row from the store; adds no change.
   void restore(Token token);
 
-  /// The secret, which is not kept. Errors: bad_value (name, life), duplicate, queue_full.
+  /// Returns the secret, which is not kept. Errors: bad_value (name, life), duplicate, queue_full.
   Result<std::string> make(const TokenWish& wish, UtcTime now);
   /// Errors: missing.
   Status revoke(const std::string& name);
-  /// The valid token of this secret. Hashed first, as a session's id.
+  /// The valid token with this secret; looked up by hash, like a session.
   [[nodiscard]] const Token* find(std::string_view secret, UtcTime now) const;
 
   [[nodiscard]] const std::map<std::string, Token>& all() const { return tokens_; }

@@ -1,4 +1,4 @@
-// A machine's token from its making to its end.
+// A machine's token from creation to its end.
 #include "services/cloud-gateway/core/access/tokens.hpp"
 
 #include "services/cloud-gateway/core/access/test/gateway_parts.hpp"

@@ -15,7 +15,7 @@
 
 namespace trb::gateway {
 
-/// Each may what those before it may.
+/// Each role includes those before it.
 enum class UserRole : std::uint8_t { viewer = 0, operator_ = 1, admin = 2 };
 constexpr auto enum_names(UserRole) {
   return std::array<std::string_view, 3>{"viewer", "operator", "admin"};
@@ -27,31 +27,31 @@ struct User {
   std::string password_hash;  ///< as the hasher made it, with its own parameters
   bool disabled = false;
   UtcTime since;
-  Bytes stamp;  ///< drawn anew when role, password or `disabled` changes: sessions of another stamp are over
+  Bytes stamp;  ///< new when role, password or `disabled` changes: sessions with another stamp end
   bool operator==(const User&) const = default;
 };
 
 constexpr std::size_t kMaxUserName = 32;
-/// A fleet's people are dozens; the bound keeps what is read at the start small.
+/// A fleet has dozens of users; the bound keeps the load at the start small.
 constexpr std::size_t kMaxUsers = 1000;
 /// Longer ones are refused before they cost a hash.
 constexpr std::size_t kMaxPassword = 256;
-/// Without a second factor a short one is guessed.
+/// Without a second factor a short one can be guessed.
 constexpr std::size_t kMinPassword = 12;
 
 /// A lower-case letter, then lower-case letters, digits, '.', '_' or '-'; 32 at most. One case, so that no two names
-/// look alike; no ':', so that no user passes for "token:NAME" in the audit.
+/// look alike; no ':', so that no user looks like "token:NAME" in the audit log.
 bool is_valid_user_name(std::string_view name);
 /// Errors: bad_value.
 Status check_new_password(std::string_view user, std::string_view password);
 
 /// Names, roles and hashes. Errors: bad_value, duplicate, missing (no such user), queue_full (no room), conflict (it is
-/// the last admin). To ask for what is so already is no error and no change.
+/// the last admin). A call without effect is no error and no change.
 class Users {
  public:
   explicit Users(RandomBytes random) : random_(std::move(random)) {}
 
-  /// As the store has it; tells no change.
+  /// Takes a row from the store; adds no change.
   void restore(User user);
 
   Status add(const std::string& name, UserRole role, std::string password_hash, UtcTime now);

@@ -1,4 +1,4 @@
-// People come, change and go; one admin always stays.
+// Users are added, changed and removed; one admin always stays.
 #include "services/cloud-gateway/core/access/users.hpp"
 
 #include "services/cloud-gateway/core/access/test/gateway_parts.hpp"
@@ -45,8 +45,8 @@ TEST_CASE("given two admins, then one may go in any way, and the last in none") 
   CHECK(hall.users.set_role("ann", UserRole::operator_).error().code == Errc::conflict);
   CHECK(hall.users.set_disabled("ann", true).error().code == Errc::conflict);
   CHECK(hall.users.find("ann")->role == UserRole::admin);
-  CHECK(hall.users.set_role("ann", UserRole::admin));  // what is so already is no fault
-  CHECK(hall.users.remove("bob"));                     // one who is disabled does not count
+  CHECK(hall.users.set_role("ann", UserRole::admin));  // a repeated change is no error
+  CHECK(hall.users.remove("bob"));                     // a disabled one does not count
   REQUIRE(hall.users.set_role("eve", UserRole::admin));
   CHECK(hall.users.remove("ann"));
   CHECK(hall.users.find("ann") == nullptr);

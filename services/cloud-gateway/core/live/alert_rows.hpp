@@ -1,4 +1,4 @@
-// The alerts that the own resilience tells of.
+// Rows of the alerts that this node's resilience reports.
 #pragma once
 
 #include <set>
@@ -15,7 +15,7 @@ class AlertRows {
 
   explicit AlertRows(RowBook& book) : book_(book) {}
 
-  /// All there are: what is missing is not there any more.
+  /// The whole table: alerts missing in it are removed.
   void take(const AlertTable& table, Now now, Outbox& out);
   void on_silence(Now now);
 

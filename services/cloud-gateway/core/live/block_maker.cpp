@@ -12,7 +12,7 @@ const SharedBytes& BlockMaker::bytes_of(const Row& row) {
   return row.bytes;
 }
 
-/// In the order of numbers, until `visit` says false.
+/// Visits rows in order of number until `visit` returns false.
 template <class Visit>
 void BlockMaker::each_behind(const Topic& topic, std::uint64_t from, Visit visit) const {
   const RowStream stream = stream_of(topic);

@@ -1,4 +1,4 @@
-// What a client lacks of a topic, made once for all who stand at the same number of it.
+// The rows of a topic that a client lacks, made once for all clients at the same position.
 #pragma once
 
 #include <map>
@@ -13,28 +13,28 @@ namespace trb::gateway {
 
 struct Block {
   Topic topic;
-  bool begins = false;  ///< a snapshot begins: what was known of the topic is to be forgotten
+  bool begins = false;  ///< a snapshot begins: the client forgets its rows of this topic
   bool is_snapshot = false;
-  bool more = false;     ///< further blocks follow; what is shown is whole without
-  std::uint64_t to = 0;  ///< the topic is known up to this number
+  bool more = false;     ///< further blocks follow; false: the topic is complete
+  std::uint64_t to = 0;  ///< the client then knows the topic up to this number
   std::vector<SharedBytes> rows;
   std::size_t size = 0;        ///< of all rows
-  mutable SharedBytes joined;  ///< of io: the block as it goes out, made by the first client that is sent it
+  mutable SharedBytes joined;  ///< for the shell: the encoded block, kept when it is first sent
 };
 using SharedBlock = std::shared_ptr<const Block>;
 
 class BlockMaker {
  public:
-  static constexpr std::size_t kMaxBlock = 256U << 10U;  ///< or one row that is larger
+  static constexpr std::size_t kMaxBlock = 256U << 10U;  ///< or one larger row
 
-  /// Both outlive it.
+  /// Both must outlive it.
   BlockMaker(const RowBook& book, RowEncoder& encoder) : book_(book), encoder_(encoder) {}
 
-  /// What stands behind `from`; nullptr: nothing, and it is no snapshot that has to say so.
+  /// The rows after `from`; nullptr: none, and no snapshot, which is sent even if empty.
   SharedBlock block(const Topic& topic, std::uint64_t from, bool is_snapshot);
-  /// How many bytes stand behind `from`; counts no further than `enough`.
+  /// The size of all rows after `from`, in bytes; stops counting at `enough`.
   std::size_t waiting(const Topic& topic, std::uint64_t from, std::size_t enough);
-  /// What is behind `from` can no longer be told in full: a removal is forgotten.
+  /// The changes after `from` are incomplete: a removal was already forgotten.
   [[nodiscard]] bool is_too_old(const Topic& topic, std::uint64_t from) const;
   [[nodiscard]] const RowBook& book() const { return book_; }
   /// How often a row was encoded.
@@ -49,7 +49,7 @@ class BlockMaker {
   const RowBook& book_;
   RowEncoder& encoder_;
   std::map<std::tuple<Topic, std::uint64_t, bool>, SharedBlock> made_;
-  std::uint64_t made_at_ = 0;  ///< the head that they belong to
+  std::uint64_t made_at_ = 0;  ///< the head for which `made_` is valid
   std::uint64_t encoded_ = 0;
 };
 

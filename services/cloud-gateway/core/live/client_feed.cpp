@@ -54,7 +54,7 @@ std::optional<Frame> ClientFeed::take() {
   return std::exchange(waiting_, std::nullopt);
 }
 
-/// What had no room in the last frame comes first in this one.
+/// Topics that had no room in the last frame come first in this one.
 void ClientFeed::fill_blocks(Frame& frame, BlockMaker& blocks) {
   const auto first = next_ ? topics_.lower_bound(*next_) : topics_.begin();
   next_.reset();
@@ -86,7 +86,7 @@ void ClientFeed::fill_block(Frame& frame, const Topic& topic, Seen& seen, BlockM
   frame.blocks.push_back(block);
 }
 
-/// They stand behind the rows, of which nothing may be missing.
+/// Messages come after the rows: messages may be left out, rows may not.
 void ClientFeed::fill_messages(Frame& frame, const MessageLane& lane) {
   const auto at = topics_.find({TopicKind::messages, {}, {}});
   if (at == topics_.end()) return;
@@ -102,7 +102,7 @@ void ClientFeed::restart(Seen& seen, const Topic& topic, NoticeKind kind) {
   notices_.push_back({kind, topic});
 }
 
-/// A snapshot under way is as large as it is, and counts for nothing: else it would begin again and again.
+/// A snapshot under way does not count: else a large one would restart again and again.
 void ClientFeed::drop_if_full(BlockMaker& blocks, Now now) {
   if (now.mono - looked_at_ < kQuiet) return;
   looked_at_ = now.mono;

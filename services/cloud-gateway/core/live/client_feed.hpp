@@ -1,4 +1,4 @@
-// One client: how far it has seen each of its topics, and at most one frame that it has not taken yet.
+// One client: its position in each of its topics, and at most one frame that it has not taken yet.
 #pragma once
 
 #include <map>
@@ -10,7 +10,7 @@
 
 namespace trb::gateway {
 
-/// Why a topic begins anew.
+/// Why a topic restarts.
 enum class NoticeKind : std::uint8_t { dropped = 0, too_old, restarted };
 constexpr auto enum_names(NoticeKind) {
   return std::array<std::string_view, 3>{"dropped", "too_old", "restarted"};
@@ -23,18 +23,18 @@ struct Notice {
 };
 
 struct Frame {
-  std::uint64_t count = 0;  ///< of this client: 1, 2, 3 ...
-  std::uint64_t head = 0;   ///< every topic without a block, and each whose block has no `more`, is known up to it
+  std::uint64_t count = 0;  ///< for this client: 1, 2, 3 ...
+  std::uint64_t head = 0;   ///< the client knows every topic up to it, except those whose block has `more`
   UtcTime time;
   std::vector<Notice> notices;
   std::vector<SharedBlock> blocks;
   std::vector<SharedBytes> messages;
-  std::uint64_t left_out = 0;  ///< messages, before these
-  std::size_t size = 0;        ///< about, in bytes
+  std::uint64_t left_out = 0;  ///< messages missing before these
+  std::size_t size = 0;        ///< approximate, in bytes
   [[nodiscard]] bool is_empty() const { return notices.empty() && blocks.empty() && messages.empty() && left_out == 0; }
 };
 
-/// Where a client has stood when it was cut off.
+/// The position of a client when its connection was lost.
 struct Resume {
   std::uint64_t instance = 0;
   std::uint64_t number = 0;
@@ -44,16 +44,16 @@ class ClientFeed {
  public:
   static constexpr std::size_t kMaxTopics = 64;
   static constexpr std::size_t kMaxQueue = 1U << 20U;
-  static constexpr std::size_t kMaxFrame = 512U << 10U;  ///< with less, another block still goes into it
+  static constexpr std::size_t kMaxFrame = 512U << 10U;  ///< below this, another block may be added
   static constexpr Duration kQuiet = std::chrono::seconds(1);
 
-  /// A topic that it has already stays as it is. Errors: queue_full.
+  /// No effect on a topic that is already subscribed. Errors: queue_full.
   Status subscribe(const Topic& topic, std::uint64_t from, std::optional<NoticeKind> notice);
   void unsubscribe(const Topic& topic);
-  /// Makes a frame if there is something to tell and the last one was taken. True: there is one to take now.
+  /// Makes a frame if there is news and the last frame was taken. True: there is a new frame to take.
   bool pump(BlockMaker& blocks, const MessageLane& lane, Now now);
   std::optional<Frame> take();
-  /// There is more to tell at once.
+  /// More can be sent at once.
   [[nodiscard]] bool is_behind() const { return behind_; }
   [[nodiscard]] bool has(TopicKind kind) const;
   [[nodiscard]] std::vector<Topic> topics() const;

@@ -17,7 +17,7 @@ bool is_etag_char(char c) {
   return byte == 0x21 || (byte >= 0x23 && byte != 0x7f);
 }
 
-/// Takes one entity tag from the front; nothing: there is none.
+/// Takes one entity tag from the front; nullopt: there is none.
 std::optional<ETag> take_tag(std::string_view& text) {
   ETag out;
   out.is_weak = text.starts_with("W/");

@@ -1,4 +1,4 @@
-// Entity tags, and the preconditions that are made of them (RFC 9110, sections 8.8.3, 13.1 and 13.2).
+// Entity tags, and the preconditions that use them (RFC 9110, sections 8.8.3, 13.1 and 13.2).
 #pragma once
 
 #include <cstdint>
@@ -17,7 +17,7 @@ struct ETag {
   bool operator==(const ETag&) const = default;
 };
 
-/// `instance`: of whoever counts the versions; 0: they are on disk, and go on after a restart.
+/// `instance`: of the service that counts the versions; 0: versions are on disk and survive a restart.
 ETag etag_of(std::uint64_t instance, std::uint64_t version);
 std::string text_of(const ETag& tag);
 bool is_same_strongly(const ETag& a, const ETag& b);
@@ -33,12 +33,12 @@ Result<TagCondition> parse_condition(std::string_view header, std::string_view t
 
 enum class Precondition : std::uint8_t { proceed = 0, not_modified, failed, required };
 
-/// What is asked of a representation; nothing of `now`: there is none yet.
+/// The preconditions of a request; `now` is nullopt if the resource does not exist yet.
 struct ConditionalRequest {
   std::optional<TagCondition> if_match;
   std::optional<TagCondition> if_none_match;
   bool is_read = true;          ///< GET or HEAD
-  bool needs_if_match = false;  ///< a change of what two may edit: without it it is refused (428, RFC 6585)
+  bool needs_if_match = false;  ///< two users may edit it: refused without a precondition (428, RFC 6585)
 };
 Precondition evaluate(const ConditionalRequest& request, const std::optional<ETag>& now);
 

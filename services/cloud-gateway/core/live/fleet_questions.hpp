@@ -1,4 +1,4 @@
-// What nobody tells unasked: the router's table, the scheduler's runs, the resilience's alerts.
+// What services send only on request: the router's table, the scheduler's runs, the resilience's alerts.
 #pragma once
 
 #include <map>
@@ -21,16 +21,16 @@ class FleetQuestions {
   static constexpr Duration kAlerts = std::chrono::seconds(1);
   static constexpr Duration kRunAgain = std::chrono::seconds(2);
   static constexpr int kTries = 5;
-  static constexpr std::size_t kMaxRuns = 256;  ///< asked for at a time
+  static constexpr std::size_t kMaxRuns = 256;  ///< requested at a time
 
   void on_welcome(std::string node, Now now);
-  /// Something has changed that the table alone tells.
+  /// Something has changed that only the table shows.
   void want_routes(Now now);
-  /// All of that run is wanted; asked kTries times, or until drop_run().
+  /// Requests the whole run, kTries times at most, until drop_run().
   void want_run(const std::string& run, Now now);
   void drop_run(const std::string& run) { runs_.erase(run); }
   void tick(Now now, Outbox& out);
-  /// The runs of which the scheduler has said nothing, however often it was asked, since the last call.
+  /// The runs that got no answer from the scheduler in all tries, since the last call.
   std::vector<std::string> take_given_up() { return std::exchange(given_up_, {}); }
   [[nodiscard]] std::optional<MonotonicTime> next_deadline() const;
 
@@ -42,7 +42,7 @@ class FleetQuestions {
   MonotonicTime runs_at_;
   MonotonicTime alerts_at_;
   struct AskedRun {
-    MonotonicTime at;  ///< when it is asked for (again)
+    MonotonicTime at;  ///< time of the next request
     int tries = 0;
   };
   std::map<std::string, AskedRun> runs_;

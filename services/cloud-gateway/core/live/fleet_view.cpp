@@ -23,7 +23,7 @@ void FleetView::on(const Inbound& message, Now now, Outbox& out) {
   if (!on_robot(message, now, out) && !on_own_node(message, now, out)) out.count("dropped.unexpected");
 }
 
-/// False: it is something else. The source is proven, so a node speaks of its own robot alone.
+/// False: another kind of message. The source is authenticated, so a node reports only on its own robot.
 bool FleetView::on_robot(const Inbound& message, Now now, Outbox& out) {
   const std::string& from = message.source;
   const auto take = [&](const auto& word) { return nodes_.take_word(from, word, now, out), true; };
@@ -37,7 +37,7 @@ bool FleetView::on_robot(const Inbound& message, Now now, Outbox& out) {
       message.body);
 }
 
-/// False: it is something else. Of another node it is dropped.
+/// False: another kind of message. Messages of other nodes are dropped.
 bool FleetView::on_own_node(const Inbound& message, Now now, Outbox& out) {
   const bool own = message.source == node_;
   const auto take = [&](const auto& effect) { return own ? effect() : out.count("dropped.foreign"), true; };
@@ -86,7 +86,7 @@ void FleetView::tick(Now now, Outbox& out) {
   questions_.tick(now, out);
 }
 
-/// A run of which not even its end is known any more is shown no longer.
+/// Removes a lost run if the scheduler does not answer; requests the others.
 void FleetView::look_for_lost(Now now) {
   for (const std::string& run : questions_.take_given_up()) {
     if (runs_.lost().contains(run)) runs_.forget(run, now);

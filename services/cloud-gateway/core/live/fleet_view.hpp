@@ -1,5 +1,5 @@
-// What the gateway knows of the fleet. A message becomes rows; README.md has the table of what late, repeated and
-// foreign ones do.
+// What the gateway knows of the fleet. Messages become rows; a table in README.md shows what late, repeated and
+// foreign messages do.
 #pragma once
 
 #include <array>
@@ -26,7 +26,7 @@ class FleetView {
 
   explicit FleetView(RowBook& book);
 
-  /// Information that the service wants a copy of.
+  /// The messages that the service subscribes to.
   static std::vector<std::string> hears();
 
   void on_welcome(const std::string& node, Now now);
@@ -34,14 +34,14 @@ class FleetView {
   void tick(Now now, Outbox& out);
   [[nodiscard]] std::optional<MonotonicTime> next_deadline() const;
 
-  /// Clients look at the whole of these runs: each is asked for now, and at each change of it.
+  /// Clients watch these runs in full: each is requested now and at each of its changes.
   void watch_runs(std::set<std::string> runs, Now now);
 
  private:
-  /// One of the own node's services, and when it was heard last.
+  /// A service of this node, and when its last message came.
   struct Source {
     Duration limit{};
-    std::optional<MonotonicTime> heard;  ///< nothing: what it said does not look live any more
+    std::optional<MonotonicTime> heard;  ///< nullopt: its rows are not shown as live
     bool is_over(Now now) const { return heard && now.mono - *heard >= limit; }
   };
   bool on_robot(const Inbound& message, Now now, Outbox& out);

@@ -1,4 +1,4 @@
-// What the gateway knows of a fleet, told in order, late, twice, by the wrong ones and by too many.
+// The fleet view with messages in order, late, repeated, from the wrong node and too many.
 #include <doctest/doctest.h>
 
 #include "services/cloud-gateway/core/live/test/hall.hpp"

@@ -97,7 +97,7 @@ std::vector<RequestKey> Idempotency::take_expired(Now now) {
   return out;
 }
 
-/// As the machine's time has it: if that is wrong, it is looked once too early.
+/// Uses the machine's clock: if that is wrong, one check comes too early.
 std::optional<MonotonicTime> Idempotency::next_deadline(Now now) const {
   if (answered_.empty()) return std::nullopt;
   const Duration left{(answered_.begin()->first + kLife).ns - now.utc.ns};

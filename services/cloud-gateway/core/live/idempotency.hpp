@@ -1,5 +1,5 @@
-// A start, a send, a decision is done once however often it is asked for, and answered alike each time. README.md has
-// what is on disk when, and what a restart makes of it.
+// Each start, send or decision is done once, however often it is requested, and each repeat gets the same answer.
+// README.md says what is on disk when, and what happens after a restart.
 #pragma once
 
 #include <map>
@@ -16,7 +16,7 @@
 
 namespace trb::gateway {
 
-/// A user's name and the Idempotency-Key that he has sent.
+/// The user's name and the Idempotency-Key of the request.
 struct RequestKey {
   std::string user;
   std::string key;
@@ -29,11 +29,11 @@ struct StoredAnswer {
   bool operator==(const StoredAnswer&) const = default;
 };
 
-/// What is on disk of a request; one with the same key takes the place of the one before.
+/// A request as it is on disk; a new one with the same key replaces it.
 struct StoredRequest {
   RequestKey key;
   Bytes digest;        ///< of method, path and body
-  std::string effect;  ///< what to look for if nobody knows whether it was done: chosen before it is
+  std::string effect;  ///< what to look for if it is not known whether it was done; chosen beforehand
   UtcTime since;       ///< steady
   std::optional<StoredAnswer> answer;
   bool operator==(const StoredRequest&) const = default;
@@ -49,7 +49,7 @@ class Idempotency {
   static constexpr Duration kLife = std::chrono::hours(24);
   static constexpr Duration kWait = std::chrono::seconds(1);
 
-  /// To be stored, then acted on.
+  /// Store it, then act.
   struct Act {
     StoredRequest store;
   };
@@ -58,23 +58,23 @@ class Idempotency {
   };
   using Begun = std::variant<Act, StoredAnswer, Wait>;
 
-  /// What was on disk; `last`: the steady time that was kept last. What has no answer is unsure.
+  /// Requests from disk; `last`: the last stored steady time. A request without an answer is unsure.
   void restore(const std::vector<StoredRequest>& requests, UtcTime last);
   /// Errors: bad_value (no key of 1 to 255 visible characters), conflict (the key was used for another request),
   /// too_large (the effect), queue_full.
   Result<Begun> begin(const RequestKey& key, const Bytes& digest, std::string effect, Now now);
-  /// It was done, or refused: to be stored before it is answered. Nothing: no such request runs. An answer over
+  /// The request was done or refused: store the result, then answer. Nullopt: no such request runs. An answer over
   /// kMaxAnswer is kept without its body.
   std::optional<StoredRequest> finish(const RequestKey& key, StoredAnswer answer);
-  /// It could not be stored, or it provably was not done: the key is free, and to be removed from the disk. False: it
-  /// is not known, or answered.
+  /// The request could not be stored, or was provably not done: frees the key; remove it from the disk. False: the key
+  /// is unknown or answered.
   bool release(const RequestKey& key);
-  /// Intents of which a restart does not know whether they were done: to be looked for, then finish() or release().
+  /// Intents that may or may not have been done before a restart: find out, then call finish() or release().
   [[nodiscard]] std::vector<StoredRequest> unsure() const;
-  /// The keys whose time is over: to be removed from the disk.
+  /// Expired keys: remove them from the disk.
   std::vector<RequestKey> take_expired(Now now);
   [[nodiscard]] std::optional<MonotonicTime> next_deadline(Now now) const;
-  /// To be kept now and then, for restore().
+  /// Store it now and then, for restore().
   UtcTime steady_time(Now now) { return time_.at(now); }
 
  private:

@@ -1,4 +1,4 @@
-// A request that is repeated: while it runs, afterwards, after kill -9.
+// Repeated requests: during the first, afterwards, after kill -9.
 #include "services/cloud-gateway/core/live/idempotency.hpp"
 
 #include <doctest/doctest.h>

@@ -1,5 +1,5 @@
-// What passes the router, for who watches. It is lossy: the newest are kept once for all, and who comes late is told
-// how many it has missed.
+// Messages that pass the router, for clients that watch. The lane is lossy: the newest are kept once for all clients,
+// and a late client receives the count of those it missed.
 #pragma once
 
 #include <deque>
@@ -22,9 +22,9 @@ class MessageLane {
   };
 
   void add(Bytes message);
-  /// How many there were.
+  /// Number of all messages so far.
   [[nodiscard]] std::uint64_t head() const { return head_; }
-  /// Those behind number `from`, of `most` bytes together.
+  /// The messages after number `from`, up to `most` bytes in all.
   [[nodiscard]] Taken take(std::uint64_t from, std::size_t most) const;
 
  private:

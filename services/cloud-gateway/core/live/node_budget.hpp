@@ -1,4 +1,4 @@
-// How much of one node is held, and how much of it is told: what a hostile member says costs the others nothing.
+// Limits one node's stored and published bytes, so that a hostile node costs the others nothing.
 #pragma once
 
 #include <cstddef>
@@ -13,9 +13,9 @@ class NodeBudget {
   static constexpr double kToldEachSecond = 32U << 10U;
   static constexpr double kToldAtOnce = 128U << 10U;
 
-  /// Exchanges `before` held bytes for `after`. False: over the bound, nothing has changed.
+  /// Replaces `before` stored bytes by `after`. False: over the bound, nothing changed.
   bool hold(std::size_t before, std::size_t after);
-  /// True: it may be told now, and is counted. A row that is larger than what is left goes, and is paid for later.
+  /// True: publish now; the bytes are counted. A row larger than the rest of the budget passes and delays later ones.
   bool tell(std::size_t bytes, MonotonicTime now);
   [[nodiscard]] std::size_t held() const { return held_; }
 

@@ -30,7 +30,7 @@ void NodeRows::take(RouteTable table, Now now, Outbox& out) {
   for (Route& route : table.routes) take_route(std::move(route), now, out);
 }
 
-/// A node that has joined between two pages may stand in none of them, so what was heard lately stays.
+/// A node that joined between two pages may be missing in both, so recently seen nodes stay.
 void NodeRows::remove_missing(const RouteTable& table, Now now) {
   const std::set<std::string> there = ids_of(table);
   for (auto at = nodes_.begin(); at != nodes_.end();) {
@@ -64,7 +64,7 @@ void NodeRows::take_route(Route route, Now now, Outbox& out) {
   take_profile(route.id, std::move(route.profile), now, out);
 }
 
-/// A table may have been made before what the robot itself has said since: only a profile that has changed counts.
+/// The table may be older than the robot's last message: only a changed profile counts.
 void NodeRows::take_profile(const std::string& node, NodeProfile profile, Now now, Outbox& out) {
   const RowKey key{RowKind::profile, node, {}};
   const RowKey robot{RowKind::robot, node, {}};
@@ -98,7 +98,7 @@ void NodeRows::take(const std::string& node, const std::vector<SensorInfo>& sens
   }
 }
 
-/// Its robot looks live again once somebody has said what it is now.
+/// Its robot is shown as live only after a new message about it.
 void NodeRows::take(const PeerJoined& joined, Now now, Outbox& out) {
   Known* known = know(joined.id, now, out);
   if (known == nullptr || joined.boot < known->boot) return;
@@ -124,7 +124,7 @@ void NodeRows::take(const PeerExpired& expired, Now now) {
   book_.put(key, std::move(row), Live::not_heard, now);
 }
 
-/// What has not been said again does not become live with its node.
+/// A node that becomes live does not make its rows live: each needs a new message.
 void NodeRows::set_live(const std::string& node, Live live, Now now) {
   const auto at = nodes_.find(node);
   if (at == nodes_.end()) return;

@@ -1,5 +1,5 @@
-// The fleet's nodes, their robots and their sensors, as rows. A node's rows look live as long as the own router says
-// that its lease runs.
+// The fleet's nodes, their robots and their sensors, as rows. A node's rows are shown as live as long as this node's
+// router reports that its lease runs.
 #pragma once
 
 #include <map>
@@ -14,17 +14,17 @@ namespace trb::gateway {
 class NodeRows {
  public:
   static constexpr std::size_t kMaxNodes = 2000;
-  static constexpr std::size_t kMaxSensors = 255;  ///< of one node
+  static constexpr std::size_t kMaxSensors = 255;  ///< for one node
   static constexpr Duration kForget = std::chrono::seconds(30);
 
   explicit NodeRows(RowBook& book) : book_(book) {}
 
-  /// The whole table of the own router.
+  /// The whole table of this node's router.
   void take(RouteTable table, Now now, Outbox& out);
   void take(const PeerJoined& joined, Now now, Outbox& out);
   void take(const PeerExpired& expired, Now now);
   void take(const std::string& node, const std::vector<SensorInfo>& sensors, Now now, Outbox& out);
-  /// RobotState, RobotConnection or RobotFault of that node's robot.
+  /// RobotState, RobotConnection or RobotFault of the robot of `node`.
   template <class Word>
   void take_word(const std::string& node, const Word& word, Now now, Outbox& out) {
     const Known* known = know(node, now, out);
@@ -33,7 +33,7 @@ class NodeRows {
     apply(row, word, now.utc);
     if (!book_.put({RowKind::robot, node, {}}, std::move(row), known->live, now)) out.count("refused.node_budget");
   }
-  /// Nothing is heard of the own router any more.
+  /// This node's router sends nothing any more.
   void on_silence(Now now);
 
   [[nodiscard]] Live live_of(const std::string& node) const;

@@ -5,7 +5,7 @@
 namespace trb::gateway {
 namespace {
 
-/// FNV-1a: it finds what was damaged or cut. Nothing rests on its being hard to make.
+/// FNV-1a: it detects damaged or cut cursors. It need not be hard to forge.
 std::string check_of(std::string_view list, std::string_view after) {
   std::uint64_t sum = 14695981039346656037ULL;
   const auto add = [&sum](std::string_view text) {

@@ -1,5 +1,5 @@
-// Where a page of a list ends, as the client gives it back. It names the last entry that was shown, not a count:
-// entries that come in between move nothing. It is a place and no right: who may see the list is checked at each page.
+// A cursor marks the end of a page; the client sends it back for the next one. It names the last entry, not a count,
+// so new entries do not shift the pages. It gives no rights: each page checks who may see the list.
 #pragma once
 
 #include <cstdint>
@@ -12,7 +12,7 @@
 namespace trb::gateway {
 
 struct PageCursor {
-  std::string list;   ///< the route and its filter, so that it goes with no other
+  std::string list;   ///< the route and its filter; the cursor is valid for no other
   std::string after;  ///< the last entry's key, in the order of the list
   bool operator==(const PageCursor&) const = default;
 };
@@ -22,17 +22,17 @@ inline constexpr std::uint32_t kMaxPage = 500;
 
 /// Opaque: digits and letters.
 std::string cursor_text(const PageCursor& cursor);
-/// Errors: malformed (no cursor, or a damaged one), bad_value (of another list), too_large.
+/// Errors: malformed (no cursor, or damaged), bad_value (another list's), too_large.
 Result<PageCursor> parse_cursor(std::string_view text, std::string_view list);
 
 template <class Entry>
 struct Page {
   std::vector<const Entry*> entries;
-  std::string next;  ///< empty: there are no more
+  std::string next;  ///< empty: this is the last page
 };
 
-/// The next `most` entries of a map that is in the order of its keys, from behind the cursor on; an empty text: from
-/// the first on. Errors: those of parse_cursor; bad_value (`most`).
+/// The next `most` entries after the cursor, of a map ordered by key; an empty cursor: from the first entry. Errors:
+/// those of parse_cursor; bad_value (`most`).
 template <class Map>
 Result<Page<typename Map::value_type>> page_of(const Map& map, std::string_view list, std::string_view cursor,
                                                std::uint32_t most) {

@@ -70,7 +70,7 @@ Problem problem_of_code(Errc code) {
   return {"/api/v1/problems/" + std::string(errc_name(code)), title_of(code), status_of(code), {}, {}};
 }
 
-/// True of "tasks[3].id"; false of words, of a header's name and of a file's.
+/// True for "tasks[3].id"; false for plain words, header names and file names.
 bool is_path(std::string_view text) {
   const auto is_part = [](char c) {
     return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_' || c == '.' || c == '[' || c == ']';
@@ -81,7 +81,7 @@ bool is_path(std::string_view text) {
 
 }  // namespace
 
-/// 0: the table misses it, which a test finds.
+/// 0: missing in the table; a test finds that.
 std::uint16_t status_of(Errc code) {
   const auto* at =
       std::find_if(kStatuses.begin(), kStatuses.end(), [&](const StatusRow& row) { return row.code == code; });

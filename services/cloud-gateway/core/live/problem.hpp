@@ -1,4 +1,4 @@
-// What is wrong with a request, all of it at once, as RFC 9457 has it. As data: io writes it.
+// All faults of a request at once, as an RFC 9457 problem. Only data: the shell encodes it.
 #pragma once
 
 #include <cstdint>
@@ -12,7 +12,7 @@
 namespace trb::gateway {
 
 struct ProblemFault {
-  std::string pointer;  ///< RFC 6901, into the request's body; empty: the whole of it
+  std::string pointer;  ///< RFC 6901, into the request's body; empty: the whole body
   std::string detail;
   std::string hint;
   bool operator==(const ProblemFault&) const = default;
@@ -29,9 +29,9 @@ struct Problem {
 /// The HTTP status of an expected failure.
 std::uint16_t status_of(Errc code);
 
-/// Where the text begins with a field's path ("tasks[3].id: ..."), the fault points there.
+/// If the text begins with a field's path ("tasks[3].id: ..."), the fault points there.
 Problem problem_of(const Error& error);
-/// All of them; `code` says what kind they are.
+/// A problem with all faults; `code` is their kind.
 Problem problem_of(const ConfigFaults& faults, Errc code = Errc::bad_value);
 
 /// "tasks[3].skills.go_to" as "/tasks/3/skills/go_to".

@@ -1,4 +1,4 @@
-// The last value of each sensor that is watched.
+// Rows with the last value of each watched sensor.
 #pragma once
 
 #include <map>
@@ -13,14 +13,14 @@ namespace trb::gateway {
 
 class ReadingRows {
  public:
-  static constexpr Duration kShortest = std::chrono::seconds(3);  ///< before a value is late
+  static constexpr Duration kShortest = std::chrono::seconds(3);  ///< shortest time until a value is late
   static constexpr Duration kLongest = std::chrono::hours(1);
 
   explicit ReadingRows(RowBook& book) : book_(book) {}
 
-  /// Of a sensor that its node has named. `live`: what its node is.
+  /// The sensor must be known from its node. `live`: the node's state.
   void take(const std::string& node, const SensorReading& reading, Live live, Now now, Outbox& out);
-  /// A value that is three of its periods old is late.
+  /// A value older than three of its periods becomes late.
   void tick(Now now);
   [[nodiscard]] std::optional<MonotonicTime> next_deadline() const;
 

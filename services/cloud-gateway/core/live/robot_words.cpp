@@ -6,7 +6,7 @@
 namespace trb::gateway {
 namespace {
 
-/// What is said again keeps its time.
+/// A repeated value keeps its time.
 void set_value(RobotRow& row, const RobotValueTold& told, UtcTime now) {
   const auto at = std::lower_bound(row.values.begin(), row.values.end(), told.name,
                                    [](const RobotValue& one, const std::string& name) { return one.name < name; });
@@ -19,7 +19,7 @@ void set_value(RobotRow& row, const RobotValueTold& told, UtcTime now) {
   }
 }
 
-/// As the node's profile has it: the end of a capability's faults is the end of all of them.
+/// As in the node's profile: one end message ends all faults of a capability.
 bool is_same(const RobotRowFault& one, const RobotFault& told) {
   return one.capability == told.capability && (told.ended || one.severity == told.severity);
 }

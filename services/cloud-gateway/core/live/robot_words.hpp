@@ -1,4 +1,4 @@
-// What a robot, or its node, says of it goes into its row.
+// Applies the messages of a robot and of its node to the robot's row.
 #pragma once
 
 #include "services/cloud-gateway/core/live/row.hpp"
@@ -10,7 +10,7 @@ inline constexpr std::size_t kMaxFaults = 64;
 
 void apply(RobotRow& row, const RobotState& state, UtcTime now);
 void apply(RobotRow& row, const RobotConnection& connection, UtcTime now);
-/// A fault that has ended is taken away, and one that ends before it was heard is none.
+/// Removes a fault that has ended; ignores the end of an unknown one.
 void apply(RobotRow& row, const RobotFault& fault, UtcTime now);
 void apply(RobotRow& row, const NodeProfile& profile, UtcTime now);
 

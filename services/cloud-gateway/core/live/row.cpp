@@ -5,7 +5,7 @@
 namespace trb::gateway {
 namespace {
 
-constexpr std::size_t kRowSize = 64;  ///< of what every row has
+constexpr std::size_t kRowSize = 64;  ///< of the fields that every row has
 
 Bytes comparable(RunSummary run) {
   run.left_s = 0;

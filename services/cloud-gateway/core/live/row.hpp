@@ -1,4 +1,4 @@
-// What one thing of the fleet looks like to a client, and where io keeps its bytes.
+// One item of the fleet as clients see it, and its encoded bytes.
 #pragma once
 
 #include <compare>
@@ -23,7 +23,7 @@ constexpr auto enum_names(RowKind) {
                                          "alert", "sensor", "reading", "teleop"};
 }
 
-/// README.md says when a row is what.
+/// README.md says when each value applies.
 enum class Live : std::uint8_t { live = 0, late, not_heard, refused };
 constexpr auto enum_names(Live) {
   return std::array<std::string_view, 4>{"live", "late", "not_heard", "refused"};
@@ -31,8 +31,8 @@ constexpr auto enum_names(Live) {
 
 struct RowKey {
   RowKind kind{};
-  std::string node;  ///< whose it is; empty: the own node's services tell it
-  std::string name;  ///< of a run, an alert, a sensor
+  std::string node;  ///< the owner; empty: from services of the gateway's own node
+  std::string name;  ///< of a run, alert or sensor
   auto operator<=>(const RowKey&) const = default;
 };
 
@@ -51,13 +51,13 @@ struct NodeRow {
 
 struct RobotValue {
   std::string name;
-  std::string value;  ///< JSON text, as the robot told it
+  std::string value;  ///< JSON text, as the robot sent it
   UtcTime changed;
   bool operator==(const RobotValue&) const = default;
 };
 
 struct RobotRowFault {
-  std::string capability;  ///< empty: of the whole robot
+  std::string capability;  ///< empty: the whole robot
   Severity severity{};
   std::string text;
   UtcTime since;
@@ -65,51 +65,51 @@ struct RobotRowFault {
 };
 
 struct RobotRow {
-  std::string connection;  ///< as NodeProfile::robot; empty: it has not said it yet
+  std::string connection;  ///< as NodeProfile::robot; empty: not received yet
   std::string detail;
   bool fenced = false;
   std::string control;
   std::vector<OutOfUse> out_of_use;
   std::vector<RobotValue> values;     ///< by name
   std::vector<RobotRowFault> faults;  ///< by capability and severity; one of each
-  bool cut = false;                   ///< it has said more values or faults than are kept
+  bool cut = false;                   ///< the robot sent more values or faults than are kept
   bool operator==(const RobotRow&) const = default;
 };
 
 struct TeleopRow {
-  std::string holder;  ///< the user who drives; empty: nobody
+  std::string holder;  ///< the driving user; empty: nobody
   double latency_s = 0;
   double speed_limit = 0;  ///< of the robot's full speed, 0 to 1
   bool operator==(const TeleopRow&) const = default;
 };
 
-/// std::monostate: it is not there any more.
+/// std::monostate: the row was removed.
 using RowContent = std::variant<std::monostate, NodeRow, RobotRow, NodeProfile, RunSummary, RunView, Alert, SensorInfo,
                                 SensorReading, TeleopRow>;
 
-/// True if a client sees no difference; what runs down by itself (left_s) is none.
+/// True if a client sees no difference; a countdown (left_s) does not count as one.
 bool same_content(const RowContent& a, const RowContent& b);
-/// About as many bytes as it takes, in memory and as JSON; never 0.
+/// Approximate size in bytes, in memory and as JSON; never 0.
 std::size_t size_of(const RowContent& content);
 
-/// Shared by every client that is sent them.
+/// Shared by all clients that they are sent to.
 using SharedBytes = std::shared_ptr<const Bytes>;
 
 struct Row {
   RowKey key;
   RowContent content;
-  std::uint64_t number = 0;   ///< when it was told last, by the book's count
+  std::uint64_t number = 0;   ///< the book's count when the row was last published
   std::uint64_t version = 0;  ///< of the content
-  Now heard;                  ///< when somebody said this content last
-  Now told;                   ///< what `heard` was when it was told
+  Now heard;                  ///< when this content was last received
+  Now told;                   ///< `heard` when the row was last published
   Live live{};
-  bool is_refused = false;    ///< its node has said something newer that was over the budget
+  bool is_refused = false;    ///< a newer content was refused: its node is over budget
   std::size_t size = 0;       ///< size_of(content)
-  mutable SharedBytes bytes;  ///< of what was told, once somebody wants it: BlockMaker
+  mutable SharedBytes bytes;  ///< the published row, encoded on demand by BlockMaker
   [[nodiscard]] bool is_removed() const { return std::holds_alternative<std::monostate>(content); }
 };
 
-/// Of io: it makes the bytes of a row once, for all clients.
+/// Implemented by the shell: encodes a row once for all clients.
 class RowEncoder {
  public:
   RowEncoder() = default;

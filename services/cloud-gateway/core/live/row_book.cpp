@@ -69,7 +69,7 @@ void RowBook::confirm(const RowKey& key, Live live, Now now) {
   if (now.mono - row.told.mono >= kTellAge) change(row, now, false);
 }
 
-/// What becomes of a node is told at once: the router bounds how often that is.
+/// A node's change of state is published at once: the router limits how often that is.
 void RowBook::set_live(const RowKey& key, Live live, Now now) {
   const auto at = rows_.find(key);
   if (at == rows_.end() || at->second.is_removed()) return;

@@ -1,5 +1,5 @@
-// Every row once, in the order in which it was told last. Who has seen the book up to a number lacks what stands behind
-// it: each row once, with its newest value.
+// Every row once, in the order of its last publication. A client at a number lacks the rows after that number: each
+// row once, with its newest value.
 #pragma once
 
 #include <functional>
@@ -14,7 +14,7 @@
 
 namespace trb::gateway {
 
-/// Rows that are read together, in one order of numbers.
+/// Rows that are read together, ordered by number.
 enum class RowStream : std::uint8_t { fleet = 0, alerts, teleop, single };
 RowStream stream_of(RowKind kind);
 
@@ -25,33 +25,33 @@ class RowBook {
 
   using Order = std::map<std::uint64_t, const Row*>;
 
-  /// The row is `content` from now on. False: its node is over its budget, the row has its old content and is
+  /// Sets the row's content. False: its node is over its budget, the row keeps its old content and becomes
   /// `refused`.
   bool put(const RowKey& key, RowContent content, Live live, Now now);
-  /// Somebody has said again what is known of it.
+  /// The same content was received again.
   void confirm(const RowKey& key, Live live, Now now);
   void set_live(const RowKey& key, Live live, Now now);
   void remove(const RowKey& key, Now now);
-  /// Tells what was held back.
+  /// Publishes rows that were held back.
   void tick(Now now);
   [[nodiscard]] std::optional<MonotonicTime> next_deadline() const { return next_; }
 
-  /// nullptr: it is not there, or not any more.
+  /// nullptr: no such row, or it was removed.
   [[nodiscard]] const Row* find(const RowKey& key) const;
-  /// Also one that was removed lately.
+  /// Finds recently removed rows too.
   [[nodiscard]] const Row* find_told(const RowKey& key) const;
   [[nodiscard]] const Order& order(RowStream stream) const { return orders_[index(stream)]; }
-  /// The number that was given last.
+  /// The last number given.
   [[nodiscard]] std::uint64_t head() const { return head_; }
-  /// Who has seen less than this may lack a removal that is forgotten.
+  /// A client below this number may lack a removal that is forgotten.
   [[nodiscard]] std::uint64_t oldest(RowStream stream) const { return removals_[index(stream)].oldest; }
-  /// By key, those of that kind; `visit` may not change the book.
+  /// Visits the rows of this kind by key; `visit` must not change the book.
   void each(RowKind kind, const std::function<void(const Row&)>& visit) const;
   /// The keys of one node's rows.
   [[nodiscard]] std::vector<RowKey> keys_of(const std::string& node) const;
 
  private:
-  /// What was removed lately, of one stream: a node whose sensors come and go takes no removal from the fleet's.
+  /// Recent removals of one stream. So a node whose sensors come and go pushes out no removal of the fleet stream.
   struct Removals {
     std::map<std::uint64_t, RowKey> rows;
     std::uint64_t oldest = 0;

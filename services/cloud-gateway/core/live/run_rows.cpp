@@ -73,7 +73,7 @@ void RunRows::note_over(const std::string& run, Now now) {
   if (over_.size() > kMaxOver) forget(std::string(over_.front()), now);
 }
 
-/// What it says of the whole run is newer than the summary.
+/// The full view of a run is newer than its summary.
 void RunRows::take(RunView view, Now now, Outbox& out) {
   const RunSummary* known = find(view.run);
   if (known == nullptr) return out.count("dropped.unexpected");

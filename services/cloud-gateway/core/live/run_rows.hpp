@@ -1,4 +1,4 @@
-// The runs that the own scheduler tells of.
+// Rows of the runs that this node's scheduler reports.
 #pragma once
 
 #include <deque>
@@ -18,15 +18,15 @@ class RunRows {
 
   explicit RunRows(RowBook& book) : book_(book) {}
 
-  /// All that are not over. It alone may go back in versions: the scheduler began anew.
+  /// All unfinished runs. Only this table may lower a version: the scheduler has restarted.
   void take(const RunTable& table, Now now, Outbox& out);
   void take(const RunChanged& changed, Now now, Outbox& out);
   void take(RunView view, Now now, Outbox& out);
-  /// The scheduler knows no such run.
+  /// The scheduler does not know this run.
   void forget(const std::string& run, Now now);
   void on_silence(Now now);
 
-  /// Runs that went out of the table without a word of their end: to be asked for.
+  /// Runs that left the table without a message of their end: request them.
   [[nodiscard]] const std::set<std::string>& lost() const { return lost_; }
 
  private:
@@ -37,8 +37,8 @@ class RunRows {
   RowBook& book_;
   std::set<std::string> runs_;
   std::set<std::string> lost_;
-  std::deque<std::string> over_;     ///< the oldest first
-  std::deque<std::string> details_;  ///< the one that was said longest ago first
+  std::deque<std::string> over_;     ///< oldest first
+  std::deque<std::string> details_;  ///< oldest first
 };
 
 }  // namespace trb::gateway

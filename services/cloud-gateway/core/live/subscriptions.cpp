@@ -54,7 +54,7 @@ std::set<std::string> Subscriptions::watched_runs() const {
   return out;
 }
 
-/// All clients at once: so those that keep up stand at the same number, and are sent the same blocks.
+/// Pumps all clients together: those that keep up are at the same position and share blocks.
 std::vector<ClientId> Subscriptions::pump(Now now) {
   std::vector<ClientId> out;
   if (const auto due = next_deadline(); !due || now.mono < *due) return out;

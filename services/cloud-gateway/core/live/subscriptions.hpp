@@ -1,4 +1,4 @@
-// All clients of the live stream: when frames are made, and by whom they are to be taken.
+// All clients of the live stream: when frames are made, and which clients have one to take.
 #pragma once
 
 #include <map>
@@ -19,24 +19,24 @@ class Subscriptions {
   static constexpr std::size_t kMaxClients = 1000;
   static constexpr Duration kFrame = std::chrono::milliseconds(100);
 
-  /// `instance`: random, of this start; never 0. Book and encoder outlive it.
+  /// `instance`: random for each start, never 0. Book and encoder must outlive it.
   Subscriptions(const RowBook& book, RowEncoder& encoder, std::uint64_t instance)
       : blocks_(book, encoder), instance_(instance) {}
 
   /// Errors: queue_full.
   Result<ClientId> open();
   void close(ClientId client);
-  /// Who may see the topic was checked before. Errors: unknown_target (no such client), queue_full.
+  /// The caller has checked the client's rights. Errors: unknown_target (no such client), queue_full.
   Status subscribe(ClientId client, const Topic& topic, std::optional<Resume> resume = {});
   void unsubscribe(ClientId client, const Topic& topic);
 
-  /// A message of the tap, as it is sent. To be made only while somebody watches.
+  /// An encoded message of the tap. Make it only while wants_messages() is true.
   void add_message(Bytes message);
   [[nodiscard]] bool wants_messages() const;
-  /// The runs whose whole somebody looks at.
+  /// The runs that a client watches in full.
   [[nodiscard]] std::set<std::string> watched_runs() const;
 
-  /// The clients that have a frame to take since now. Before the deadline it does nothing.
+  /// The clients with a new frame to take. Does nothing before the deadline.
   std::vector<ClientId> pump(Now now);
   std::optional<Frame> take(ClientId client);
   [[nodiscard]] std::optional<MonotonicTime> next_deadline() const;

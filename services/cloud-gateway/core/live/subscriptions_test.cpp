@@ -1,4 +1,4 @@
-// What clients of the live stream are told, and when.
+// What clients of the live stream receive, and when.
 #include "services/cloud-gateway/core/live/subscriptions.hpp"
 
 #include <doctest/doctest.h>
@@ -15,7 +15,7 @@ namespace {
 
 using Rows = std::vector<std::string>;
 
-/// What a client knows that does as it is told.
+/// The rows of a client that applies each frame.
 struct Shown {
   std::map<std::string, std::string> rows;  ///< by kind, node and name
   void take(const Frame& frame) {
@@ -180,7 +180,7 @@ TEST_CASE("over 1 MiB waits for a client: it is dropped, told so, and begins ane
     REQUIRE(frame);
     CHECK(frame->notices.empty());
   }
-  // The one frame that was made for it is of the snapshot that it was owed.
+  // The only frame made for it belongs to its snapshot.
   const auto frame = hall.clients.take(slow);
   REQUIRE(frame);
   CHECK(notices_of(*frame) == std::vector<NoticeKind>{NoticeKind::dropped});

@@ -1,4 +1,4 @@
-// The words that a client subscribes by: fleet, robot/ID, run/ID, alerts, sensor/NODE/NAME, messages, teleop.
+// The topics that a client can subscribe to: fleet, robot/ID, run/ID, alerts, sensor/NODE/NAME, messages, teleop.
 #pragma once
 
 #include <optional>
@@ -18,16 +18,16 @@ constexpr auto enum_names(TopicKind) {
 
 struct Topic {
   TopicKind kind{};
-  std::string id;    ///< of a robot or a run; a sensor's node
-  std::string name;  ///< of a sensor
+  std::string id;    ///< the robot, the run, or the sensor's node
+  std::string name;  ///< the sensor
   auto operator<=>(const Topic&) const = default;
 };
 
-/// Errors: bad_value, too_large; the text names the part.
+/// Errors: bad_value, too_large; the text names the wrong part.
 Result<Topic> parse_topic(std::string_view text);
 std::string text_of(const Topic& topic);
 
-/// Its rows are all those of that stream; `single`: those of keys_of(), and of messages none.
+/// A topic has all rows of this stream; for `single`: those of keys_of(); `messages` has none.
 RowStream stream_of(const Topic& topic);
 std::vector<RowKey> keys_of(const Topic& topic);
 

@@ -1,4 +1,4 @@
-// What the stories of the access have in common: time that a test moves, and bytes that are never the same twice.
+// Shared by the access tests: a clock that the test moves, and bytes that never repeat.
 #pragma once
 
 #include <doctest/doctest.h>

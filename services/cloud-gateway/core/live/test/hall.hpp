@@ -13,7 +13,7 @@ namespace trb::gateway::test {
 
 inline const std::string kRun = "0123456789abcdef0123456789abcdef";
 
-/// "robot pioneer1  v3 live", and as many dots as it is told to add.
+/// "robot pioneer1  v3 live", then `pad` dots.
 class TextEncoder final : public RowEncoder {
  public:
   Bytes encode(const Row& row) override {
@@ -87,7 +87,7 @@ struct Hall {
     now = {now.mono + time, now.utc + time};
     view.tick(now, out);
   }
-  /// nullptr: there is none.
+  /// nullptr: no such row.
   [[nodiscard]] const Row* row(RowKind kind, const std::string& node, const std::string& name = {}) const {
     return book.find({kind, node, name});
   }
@@ -109,7 +109,7 @@ struct Hall {
   void subscribe(ClientId id, const std::string& topic, std::optional<Resume> resume = {}) {
     (void)clients.subscribe(id, *parse_topic(topic), resume).ok();
   }
-  /// The client's next frame, 100 ms later; nothing: it is told nothing.
+  /// The client's next frame, 100 ms later; nullopt: none.
   std::optional<Frame> frame(ClientId id) {
     wait(std::chrono::milliseconds(100));
     clients.pump(now);

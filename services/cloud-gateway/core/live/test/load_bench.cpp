@@ -1,5 +1,5 @@
-// 1,000 robots with 10 changes a second, 50 clients of the fleet: how much of one core the pure part takes, with rows
-// as JSON of some 300 bytes and each block joined once, as io does.
+// 1,000 robots with 10 changes a second, 50 clients of the fleet: measures the load of the pure part on one core, with
+// JSON rows of some 300 bytes and each block joined once, as in the shell.
 #include <cstdio>
 #include <ctime>
 
@@ -67,7 +67,7 @@ int main() {
   }
   const ClientId stalled = ids.back();  // it never takes a frame
   std::size_t bytes = 0, frames = 0;
-  const std::clock_t begin = std::clock();  // of this process alone: others may be busy beside it
+  const std::clock_t begin = std::clock();  // CPU time of this process alone: others may run too
   for (int step = 0; step < kSteps; ++step) {
     for (int i = 0; i < kRobots; ++i) hall.say("robot" + std::to_string(i), state_of(i, step));
     if (step % 20 == 0) hall.table(routes);
