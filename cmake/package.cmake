@@ -9,14 +9,16 @@ set(SDK_INCLUDES ${CMAKE_INSTALL_INCLUDEDIR}/talkrobots)
 set(SDK_CMAKE ${CMAKE_INSTALL_LIBDIR}/cmake/talkrobots)
 # service, and what it is linked from. Only the headers of base, proto and actor are public besides its own.
 foreach(PART base proto actor fleet ranking security config log transport service)
-  set_target_properties(trb_${PART} PROPERTIES EXPORT_NAME ${PART})
+  # A unity file includes its sources by their whole paths, which a sanitizer then writes into the library.
+  set_target_properties(trb_${PART} PROPERTIES EXPORT_NAME ${PART} UNITY_BUILD OFF)
   install(TARGETS trb_${PART} EXPORT talkrobotsTargets COMPONENT sdk DESTINATION ${CMAKE_INSTALL_LIBDIR}
           INCLUDES DESTINATION ${SDK_INCLUDES})
 endforeach()
 target_compile_features(trb_base INTERFACE cxx_std_20)
 
 install(DIRECTORY proto DESTINATION ${SDK_INCLUDES} COMPONENT sdk FILES_MATCHING PATTERN *.hpp)
-install(DIRECTORY common/base common/actor DESTINATION ${SDK_INCLUDES}/common COMPONENT sdk FILES_MATCHING PATTERN *.hpp)
+install(DIRECTORY common/base common/actor DESTINATION ${SDK_INCLUDES}/common COMPONENT sdk FILES_MATCHING PATTERN *.hpp
+        PATTERN test EXCLUDE)
 install(FILES common/service/service.hpp common/service/version.hpp DESTINATION ${SDK_INCLUDES}/common/service COMPONENT sdk)
 install(FILES common/service/README.md LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT sdk)
 
