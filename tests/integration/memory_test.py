@@ -22,6 +22,7 @@ PICTURE = MEGABYTE - 256  # with its header below 1 MiB
 DESTINATION = 8  # MiB that may wait for one receiver; see shell_context.cpp
 NODE = 64
 RECEIVED = 128  # of one connection of the bus; see socket.hpp
+LINK_RECEIVED = 256  # of one link; how much of it is used depends on which of two threads a machine lets run faster
 REST = 32  # the log of proof's queue, a message of each link that is being encrypted, the heaps
 SANITIZED = b"__asan_init" in (support.PROGRAMS / "trb-router").read_bytes()
 
@@ -238,7 +239,7 @@ class Memory(unittest.TestCase):
             cat.hear()
             self.look()
         # The tap's messages, and those of the service that they were for.
-        self.assert_bounded(2 * DESTINATION + RECEIVED + REST)
+        self.assert_bounded(2 * DESTINATION + LINK_RECEIVED + REST)
         self.assertGreater(self.watch.rise(("dropped.",)).get("dropped.tap_full", 0), 0)
         tap.close()
         self.assert_given_back()
