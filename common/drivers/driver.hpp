@@ -11,6 +11,7 @@
 
 #include "common/actor/outbox.hpp"
 #include "common/base/time.hpp"
+#include "common/drivers/robot_outbox.hpp"
 #include "proto/bodies/bridge.hpp"
 #include "proto/bodies/robot.hpp"
 
@@ -90,7 +91,8 @@ struct EventFrom {
 /// Collects what a mode wants done and what it reports.
 struct DriverOut {
   Driver* mode;
-  Outbox& out;
+  Outbox& out;         ///< for the own node and the fleet
+  RobotOutbox& robot;  ///< for the robot
   std::vector<EventFrom>& events;
 
   void emit(DriverEvent event) const { events.push_back({mode, std::move(event)}); }

@@ -226,7 +226,7 @@ void ArcosDriver::tick(Now now, const DriverOut& out) {
 
 void ArcosDriver::give_up(const std::string& reason, Now now, const DriverOut& out) {
   out.refuse("robot_silent", reason);
-  out.out.close(Channel::command, reason);
+  out.robot.close(Channel::command, reason);
   const bool was_online = online();
   on_down(Channel::command, reason, now, out);
   // A robot that never answered is reported, too.

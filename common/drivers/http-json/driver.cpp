@@ -182,7 +182,7 @@ void HttpJsonDriver::begin_step(Now now, const DriverOut& out) {
 void HttpJsonDriver::send(const HttpRequest& request, Awaits whose, Now now, const DriverOut& out) {
   queue_.sent(whose);
   sent_at_ = now.mono;
-  out.out.write(Channel::command, encode(request, host_, authorization_));
+  out.robot.write(Channel::command, encode(request, host_, authorization_));
 }
 
 void HttpJsonDriver::on_up(Channel channel, Now now, const DriverOut& out) {
@@ -199,7 +199,7 @@ void HttpJsonDriver::on_bytes(Channel channel, BytesView bytes, Now now, const D
   const auto answers = reader_.add(bytes);
   if (!answers) {
     out.refuse("bad_packet", answers.error().text());
-    return out.out.close(Channel::command, answers.error().what);
+    return out.robot.close(Channel::command, answers.error().what);
   }
   for (const HttpAnswer& answer : *answers) on_answer(answer, now, out);
   pump(now, out);
@@ -216,7 +216,7 @@ void HttpJsonDriver::on_answer(const HttpAnswer& answer, Now now, const DriverOu
   up_ = false;
   lost_at_ = now.mono;
   lost_why_ = "the robot ends each connection";
-  out.out.close(Channel::command, lost_why_);
+  out.robot.close(Channel::command, lost_why_);
 }
 
 void HttpJsonDriver::on_poll(const HttpAnswer& answer, Now now, const DriverOut& out) {
@@ -305,7 +305,7 @@ void HttpJsonDriver::go_offline(const std::string& reason, const DriverOut& out)
 void HttpJsonDriver::tick(Now now, const DriverOut& out) {
   if (queue_.awaits() != Awaits::nothing && now.mono >= sent_at_ + timeout_) {
     const std::string reason = "no answer in time";
-    out.out.close(Channel::command, reason);
+    out.robot.close(Channel::command, reason);
     on_down(Channel::command, reason, now, out);
   }
   if (heard_ && lost_at_ && now.mono >= *lost_at_ + timeout_) go_offline(lost_why_, out);

@@ -155,7 +155,7 @@ void ModbusDriver::pump(Now now, const DriverOut& out) {
   const Awaits next = up_ ? queue_.next(now.mono >= poll_.due()) : Awaits::nothing;
   if (next == Awaits::nothing) return;
   queue_.sent(next);
-  out.out.write(Channel::command, encode(next == Awaits::poll ? poll_.call() : call_of(queue_.front())));
+  out.robot.write(Channel::command, encode(next == Awaits::poll ? poll_.call() : call_of(queue_.front())));
 }
 
 ModbusCall ModbusDriver::call_of(const Job& job) {

@@ -254,7 +254,7 @@ void RapidDriver::on_bytes(Channel channel, BytesView bytes, Now now, const Driv
 void RapidDriver::drop_connection(Channel channel, const std::string& counted, const std::string& reason, Now now,
                                   const DriverOut& out) {
   out.refuse(counted, "the connection to the robot's RAPID server is closed: " + reason);
-  out.out.close(channel, reason);
+  out.robot.close(channel, reason);
   on_down(channel, reason, now, out);
 }
 

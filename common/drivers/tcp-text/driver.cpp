@@ -83,7 +83,7 @@ Result<Progress> TcpTextDriver::hand_over(const Handover& message, Now now, cons
   out.out.count("to_robot." + std::string(message.subtype));
   if (!command->second.wrapped) {
     *text += '\n';
-    out.out.write(Channel::command, std::move(*text));
+    out.robot.write(Channel::command, std::move(*text));
     return Progress::handed_over;
   }
   const Status submitted = submit_program(message, *text, out);
@@ -95,7 +95,7 @@ Status TcpTextDriver::submit_program(const Handover& message, std::string_view l
   const std::string name = "trb_" + std::to_string(++programs_);
   std::string text = urscript_program(name, lines);
   if (!has_monitor_) {
-    out.out.write(Channel::command, std::move(text));
+    out.robot.write(Channel::command, std::move(text));
     return Done{};
   }
   return track_.submit({message.token, name, std::move(text), urscript_end_text(name), !message.skill.empty()}, out);
@@ -103,7 +103,7 @@ Status TcpTextDriver::submit_program(const Handover& message, std::string_view l
 
 void TcpTextDriver::write_line(std::string_view text, Now now, const DriverOut& out) {
   last_write_ = now.mono;
-  out.out.write(Channel::command, std::string(text) + "\n");
+  out.robot.write(Channel::command, std::string(text) + "\n");
 }
 
 void TcpTextDriver::forget(Token token, Now, const DriverOut& out) {
@@ -292,7 +292,7 @@ bool TcpTextDriver::surely_idle() const {
 
 void TcpTextDriver::drop_monitor(std::string_view counted, const std::string& reason, Now now, const DriverOut& out) {
   out.refuse(counted, "the monitor connection is closed: " + reason);
-  out.out.close(Channel::monitor, reason);
+  out.robot.close(Channel::monitor, reason);
   on_down(Channel::monitor, reason, now, out);
 }
 

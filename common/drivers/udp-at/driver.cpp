@@ -273,17 +273,17 @@ void AtDriver::write(Now now, const DriverOut& out) {
   Bytes datagram;
   for (const AtCall& call : std::exchange(calls_, {})) {
     const std::string line = at_line(call.name, ++sequence_, call.arguments);
-    if (datagram.size() + line.size() > kMaxDatagram) out.out.write(Channel::command, std::exchange(datagram, {}));
+    if (datagram.size() + line.size() > kMaxDatagram) out.robot.write(Channel::command, std::exchange(datagram, {}));
     datagram += line;
   }
-  if (!datagram.empty()) out.out.write(Channel::command, std::move(datagram));
+  if (!datagram.empty()) out.robot.write(Channel::command, std::move(datagram));
 }
 
 void AtDriver::tick(Now now, const DriverOut& out) {
   if (online_ && now.mono - told_ >= kLost) go_down("no navdata for 2 s", out);
   if (monitor_up_ && !online_ && now.mono >= next_wake_) {
     next_wake_ = now.mono + kWakePeriod;
-    out.out.write(Channel::monitor, Bytes(kWakeUp));
+    out.robot.write(Channel::monitor, Bytes(kWakeUp));
   }
   flight_.tick(now, out);
   const auto config = configs_.next_deadline();

@@ -18,7 +18,7 @@ class FakeService : public Service {
  public:
   [[nodiscard]] std::uint64_t instance() const override { return kInstance; }
   void on_journal(std::function<Status(const std::vector<Journal>&)>) override {}
-  void on_robot(std::function<void(const Outbox&)> output) override { outputs_.push_back(std::move(output)); }
+  void after_sends(std::function<void()> carry_out) override { after_sends_ = std::move(carry_out); }
   void watch(int fd, short events, std::function<void(short)> ready) override {
     watches_[fd] = {events, std::make_shared<std::function<void(short)>>(std::move(ready))};
   }
@@ -29,7 +29,7 @@ class FakeService : public Service {
   void step(const Effect& effect) override {
     Outbox out;
     effect(trb::now(), out);
-    for (const auto& output : outputs_) output(out);
+    if (after_sends_) after_sends_();
     for (std::string& name : out.counts) counts.push_back(std::move(name));
     for (Log& log : out.logs) logs.push_back(std::move(log.event));
   }
@@ -84,7 +84,7 @@ class FakeService : public Service {
 
   std::map<int, Watch> watches_;
   std::vector<Timer> timers_;
-  std::vector<std::function<void(const Outbox&)>> outputs_;
+  std::function<void()> after_sends_;
 };
 
 }  // namespace trb::adapter

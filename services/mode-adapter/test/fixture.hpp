@@ -124,10 +124,11 @@ class Fixture {
   // what has come out; each call removes it
   std::string written(Channel channel = Channel::field) {
     std::string bytes;
-    for (const RobotWrite& write : out.writes) {
+    collect();
+    for (const RobotWrite& write : robot.writes) {
       if (write.channel == channel) bytes += write.bytes;
     }
-    std::erase_if(out.writes, [&](const RobotWrite& write) { return write.channel == channel; });
+    std::erase_if(robot.writes, [&](const RobotWrite& write) { return write.channel == channel; });
     return bytes;
   }
   template <class T>
@@ -182,9 +183,16 @@ class Fixture {
   }
   std::string closed() {
     std::string reasons;
-    for (const RobotClose& close : out.closes) reasons += close.reason + ";";
-    out.closes.clear();
+    collect();
+    for (const RobotClose& close : robot.closes) reasons += close.reason + ";";
+    robot.closes.clear();
     return reasons;
+  }
+  /// What the robot has not been shown yet is in `robot` from now on.
+  void collect() {
+    RobotOutbox more = core.take_robot_output();
+    std::move(more.writes.begin(), more.writes.end(), std::back_inserter(robot.writes));
+    std::move(more.closes.begin(), more.closes.end(), std::back_inserter(robot.closes));
   }
 
   // an interpreter robot that acknowledges every field of a message
@@ -204,6 +212,7 @@ class Fixture {
   Status kept_status = Done{};
   ModeAdapterCore core;
   Outbox out;
+  RobotOutbox robot;
   Now now{{1'000'000'000}, {0}};
   std::uint64_t last_id = 0;
   std::uint32_t remaining_ms = kDefaultRemainingMs;

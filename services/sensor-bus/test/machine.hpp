@@ -21,7 +21,7 @@ class FakeService final : public Service {
  public:
   [[nodiscard]] std::uint64_t instance() const override { return 1; }
   void on_journal(std::function<Status(const std::vector<Journal>&)>) override {}
-  void on_robot(std::function<void(const Outbox&)>) override {}
+  void after_sends(std::function<void()>) override {}
   void watch(int fd, short events, std::function<void(short)> ready) override {
     watches_[fd] = {events, std::move(ready)};
   }

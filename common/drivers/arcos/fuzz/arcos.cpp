@@ -43,7 +43,7 @@ Settings pioneer() {
 }
 
 /// Every byte that goes to the robot is a packet.
-void check_writes(const Outbox& out) {
+void check_writes(const RobotOutbox& out) {
   ArcosReader reader;
   std::vector<ArcosPacket> packets;
   for (const RobotWrite& write : out.writes) reader.add(write.bytes, packets);
@@ -96,7 +96,7 @@ void converse(const Bytes& before, BytesView input) {
     core.on_bytes(Channel::command, part, now, out);
     core.tick(now, out);
   }
-  check_writes(out);
+  check_writes(core.take_robot_output());
 }
 
 /// The input as contents of reports with a right checksum: 40 bytes each.

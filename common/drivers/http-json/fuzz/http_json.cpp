@@ -24,7 +24,7 @@ Settings settings() {
 }
 
 /// Every byte that goes to the robot is a request, and there is one at a time.
-void check_writes(Outbox& out) {
+void check_writes(const RobotOutbox& out) {
   for (const RobotWrite& write : out.writes) {
     const bool line =
         write.bytes.starts_with("GET /") || write.bytes.starts_with("POST /") || write.bytes.starts_with("PUT /");
@@ -42,13 +42,15 @@ void converse(BytesView input) {
   core.on_bytes(Channel::command, "HTTP/1.1 200 OK\r\nContent-Length: 2\r\n\r\n{}", now, out);
   core.on({MessageType::command, "operator", "mir", 1, 0, 0, 5000, Opaque{"go", "1"}}, now, out);
   std::vector<Send> sends = out.sends;
+  static_cast<void>(core.take_robot_output());
   while (!input.empty()) {
     out = {};
     core.on_bytes(Channel::command, input.substr(0, 40), now, out);
     input.remove_prefix(std::min<std::size_t>(40, input.size()));
-    check_writes(out);
+    const RobotOutbox robot = core.take_robot_output();
+    check_writes(robot);
     sends.insert(sends.end(), out.sends.begin(), out.sends.end());
-    if (!out.closes.empty()) {
+    if (!robot.closes.empty()) {
       core.on_channel_down(Channel::command, "closed", now, out);
       core.on_channel_up(Channel::command, now, out);
     }

@@ -56,12 +56,13 @@ void answer_driver(BytesView input) {
   Driver& mode = **made;
   Outbox out;
   std::vector<EventFrom> events;
-  const DriverOut to{&mode, out, events};
+  RobotOutbox robot;
+  const DriverOut to{&mode, out, robot, events};
   Now now{{1'000'000'000}, {0}};
   mode.on_up(Channel::command, now, to);
   for (Token token = 1; !input.empty(); ++token) {
-    require(out.writes.size() <= 1, "one call at a time");
-    out.clear();
+    require(robot.writes.size() <= 1, "one call at a time");
+    robot = {};
     now.mono = now.mono + std::chrono::milliseconds(20);
     const auto size = std::min<std::size_t>(static_cast<unsigned char>(input.front()), input.size() - 1);
     if (token % 4 == 0) {

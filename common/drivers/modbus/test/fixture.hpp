@@ -50,13 +50,14 @@ struct PlcBench : Fixture {
   /// The calls since the last look; never more than one is unanswered.
   std::string asked() {
     std::string text;
-    for (const RobotWrite& write : out.writes) {
+    collect();
+    for (const RobotWrite& write : robot.writes) {
       const auto call = decode_modbus_call(write.bytes);
       REQUIRE(call.has_value());
       waiting = *call;
       text += (text.empty() ? "" : "; ") + text_of(*call);
     }
-    out.writes.clear();
+    robot.writes.clear();
     return text;
   }
   void answer_call(std::uint8_t exception = 0, const std::vector<std::uint16_t>& words = {}) {

@@ -42,7 +42,7 @@ DriverSettings settings() {
   return out;
 }
 
-void check_writes(const Outbox& out) {
+void check_writes(const RobotOutbox& out) {
   for (const RobotWrite& write : out.writes) {
     if (write.channel != Channel::command) continue;
     require(write.bytes.size() <= 1024, "a datagram fits the drone");
@@ -58,7 +58,8 @@ void hear(BytesView datagram) {
   Driver& mode = **made;
   Outbox out;
   std::vector<EventFrom> events;
-  const DriverOut to{&mode, out, events};
+  RobotOutbox robot;
+  const DriverOut to{&mode, out, robot, events};
   Now now{{10'000'000'000}, {0}};
   mode.on_up(Channel::command, now, to);
   mode.on_up(Channel::monitor, now, to);
@@ -80,7 +81,7 @@ void hear(BytesView datagram) {
     if (const auto* refused = std::get_if<Refused>(&from.event)) answered += refused->token == 2 ? 1 : 0;
   }
   require(answered == 1, "who waits for a setting is answered once");
-  check_writes(out);
+  check_writes(robot);
 }
 
 void read(BytesView datagram) {
