@@ -1,0 +1,39 @@
+// argon2id on a few threads beside the loop: a hash takes some 70 ms of a core.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "services/cloud-gateway/core/access/sign_in.hpp"
+
+namespace boost::asio {
+class io_context;
+}
+
+namespace trb::gateway {
+
+/// libsodium's crypto_pwhash_str with OPSLIMIT_INTERACTIVE and MEMLIMIT_INTERACTIVE (argon2id, 64 MiB); empty: no
+/// memory. For programs without a loop, and for the dummy hash.
+std::string hash_password(const std::string& password);
+
+class PasswordPool {
+ public:
+  /// Results come on the loop's thread. `threads`: kChecksAtOnce of sign_in.hpp.
+  PasswordPool(boost::asio::io_context& loop, std::size_t threads);
+  PasswordPool(const PasswordPool&) = delete;
+  PasswordPool& operator=(const PasswordPool&) = delete;
+  /// Waits for the work under way; drops the rest.
+  ~PasswordPool();
+
+  /// A check that throws or has no memory is `failed`. The password is wiped from memory afterwards.
+  void check(PasswordCheck check, std::function<void(SignInId, CheckResult)> done);
+  /// Empty: it could not be made.
+  void hash(std::string password, std::function<void(std::string hash)> done);
+
+ private:
+  struct Work;
+  std::shared_ptr<Work> work_;
+};
+
+}  // namespace trb::gateway
