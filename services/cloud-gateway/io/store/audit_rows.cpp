@@ -18,9 +18,9 @@ std::int64_t as_integer(std::uint64_t number) {
 
 Status append_row(SqliteFile& file, const AuditRow& row) {
   const AuditRecord& is = row.record;
-  const Status done = file.run(
-      "INSERT INTO audit(number, time, who, address, action, about, outcome, hash) VALUES(?,?,?,?,?,?,?,?)",
-      as_integer(is.number), is.time, is.who, is.from, is.action, is.about, is.outcome, BlobView{row.hash});
+  const Status done =
+      file.run("INSERT INTO audit(number, time, who, address, action, about, outcome, hash) VALUES(?,?,?,?,?,?,?,?)",
+               as_integer(is.number), is.time, is.who, is.from, is.action, is.about, is.outcome, BlobView{row.hash});
   if (done || done.error().code != Errc::conflict) return done;
   return fail(Errc::conflict,
               file.path() + ": audit record " + std::to_string(is.number) + " does not follow the last stored one",
@@ -37,25 +37,22 @@ AuditRow audit_row(const Columns& row) {
           row.text(7)};
 }
 
-/// The rows of a SELECT of all columns.
+/// `which`: what follows "FROM audit".
 template <class... Values>
-Result<std::vector<AuditRow>> audit_rows(SqliteFile& file, const char* sql, const Values&... values) {
+Result<std::vector<AuditRow>> audit_rows(SqliteFile& file, std::string_view which, const Values&... values) {
+  std::string sql = "SELECT number, time, who, address, action, about, outcome, hash FROM audit ";
+  sql += which;
   std::vector<AuditRow> out;
-  const Status done = file.rows(
-      sql,
-      [&](const Columns& row) -> Status {
-        out.push_back(audit_row(row));
-        return Done{};
-      },
-      values...);
-  if (!done) return done.error();
+  const auto take = [&](const Columns& row) -> Status {
+    out.push_back(audit_row(row));
+    return Done{};
+  };
+  if (Status done = file.rows(sql.c_str(), take, values...); !done) return done.error();
   return out;
 }
 
-#define TRB_AUDIT_COLUMNS "SELECT number, time, who, address, action, about, outcome, hash FROM audit "
-
 Status read_last(SqliteFile& file, std::optional<AuditRow>& out) {
-  auto rows = audit_rows(file, TRB_AUDIT_COLUMNS "ORDER BY number DESC LIMIT 1");
+  auto rows = audit_rows(file, "ORDER BY number DESC LIMIT 1");
   if (!rows) return rows.error();
   if (!rows->empty()) out = std::move(rows->front());
   return Done{};
@@ -86,15 +83,12 @@ Result<std::vector<AuditRow>> read_audit(SqliteFile& file, const AuditQuery& que
   }
   const std::int64_t before = as_integer(query.before.value_or(std::numeric_limits<std::uint64_t>::max()));
   const std::int64_t most = as_integer(query.most);
-  if (query.who.empty())
-    return audit_rows(file, TRB_AUDIT_COLUMNS "WHERE number < ? ORDER BY number DESC LIMIT ?", before, most);
-  return audit_rows(file, TRB_AUDIT_COLUMNS "WHERE who = ? AND number < ? ORDER BY number DESC LIMIT ?", query.who,
-                    before, most);
+  if (query.who.empty()) return audit_rows(file, "WHERE number < ? ORDER BY number DESC LIMIT ?", before, most);
+  return audit_rows(file, "WHERE who = ? AND number < ? ORDER BY number DESC LIMIT ?", query.who, before, most);
 }
 
 Result<std::vector<AuditRow>> read_audit_from(SqliteFile& file, std::uint64_t number, std::size_t most) {
-  return audit_rows(file, TRB_AUDIT_COLUMNS "WHERE number >= ? ORDER BY number LIMIT ?", as_integer(number),
-                    as_integer(most));
+  return audit_rows(file, "WHERE number >= ? ORDER BY number LIMIT ?", as_integer(number), as_integer(most));
 }
 
 Result<std::vector<SignedHead>> read_heads(SqliteFile& file) {

@@ -16,17 +16,29 @@ namespace trb::gateway {
 namespace {
 
 constexpr const char* kDamagedCure =
-    "move it away together with its -wal and -shm files, and bring a copy back; without one, users are made anew and the "
+    "move it away together with its -wal and -shm files, and bring a copy back; without one, users are made anew and "
+    "the "
     "audit log begins anew";
 
-/// The file belongs to its owner alone before SQLite writes into it; its -wal and -shm files get the same mode. One that
-/// is there already is not opened for this: closing it would end the locks that this process has on it.
+Error not_private(const std::string& path, const std::string& why) {
+  return fail(Errc::io_error, path + ": cannot be made private: " + why,
+              "give the folder and the file to the user who runs the gateway");
+}
+
+bool is_plain_file(const std::string& path) {
+  struct stat is {};
+  return ::stat(path.c_str(), &is) == 0 && S_ISREG(is.st_mode);
+}
+
+/// The file belongs to its owner alone before SQLite writes into it; its -wal and -shm files get the same mode. One
+/// that is there already is not opened for this: closing it would end the locks that this process has on it.
 Status make_private(const std::string& path) {
   const int made = ::open(path.c_str(), O_CREAT | O_EXCL | O_RDWR | O_CLOEXEC, 0600);
   if (made >= 0) ::close(made);
-  if ((made >= 0 || errno == EEXIST) && ::chmod(path.c_str(), 0600) == 0) return Done{};
-  return fail(Errc::io_error, path + ": cannot be made private: " + std::strerror(errno),
-              "give the folder and the file to the user who runs the gateway");
+  if (made < 0 && errno != EEXIST) return not_private(path, std::strerror(errno));
+  if (!is_plain_file(path)) return not_private(path, "it is no file");
+  if (::chmod(path.c_str(), 0600) != 0) return not_private(path, std::strerror(errno));
+  return Done{};
 }
 
 class GatewayFile final : public GatewayDb {
@@ -36,9 +48,8 @@ class GatewayFile final : public GatewayDb {
   Result<StoredState> load() override {
     StoredState out;
     // In one transaction: another gateway may write in between.
-    const Status done = file_->transact([&] {
-      return in_order([&] { return read_state(*file_, out); }, [&] { return read_end(*file_, out); });
-    });
+    const Status done = file_->transact(
+        [&] { return in_order([&] { return read_state(*file_, out); }, [&] { return read_end(*file_, out); }); });
     if (!done) return done.error();
     return out;
   }

@@ -1,0 +1,76 @@
+// A gateway's store in a folder of its own.
+#pragma once
+
+#include <doctest/doctest.h>
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "common/base/test/temporary_folder.hpp"
+#include "services/cloud-gateway/core/access/audit_chain.hpp"
+#include "services/cloud-gateway/io/store/gateway_db.hpp"
+
+namespace trb::gateway::test {
+
+struct StoreFolder : TemporaryFolder {
+  [[nodiscard]] std::string file() const { return path + "/gateway.db"; }
+};
+
+inline std::unique_ptr<GatewayDb> opened(const StoreFolder& folder) {
+  auto db = GatewayDb::open(folder.file());
+  REQUIRE_MESSAGE(db.ok(), (db ? "" : db.error().text()));
+  return std::move(*db);
+}
+
+inline StoredState loaded(GatewayDb& db) {
+  auto state = db.load();
+  REQUIRE_MESSAGE(state.ok(), (state ? "" : state.error().text()));
+  return std::move(*state);
+}
+
+/// The error of a batch that must be refused.
+inline Error refused(GatewayDb& db, const StoreBatch& batch) {
+  const Status saved = db.save(batch);
+  REQUIRE_FALSE(saved.ok());
+  return saved.error();
+}
+
+inline Change<User> put(User user) {
+  std::string name = user.name;
+  return {std::move(name), std::move(user)};
+}
+inline Change<Session> put(Session session) {
+  std::string key = session.key;
+  return {std::move(key), std::move(session)};
+}
+inline Change<Token> put(Token token) {
+  std::string name = token.name;
+  return {std::move(name), std::move(token)};
+}
+
+inline User user_of(const std::string& name, UserRole role = UserRole::viewer, bool disabled = false) {
+  return {name, role, "hash of " + name, disabled, {1'800'000'000'000'000'001}, Bytes("st\0mp", 5)};
+}
+
+inline Bytes chain_start() {
+  return audit_start("fleet", "cloud");
+}
+
+/// That many records in a row of "ann" and "bob" in turn.
+inline std::vector<AuditRow> records(AuditChain& chain, int count) {
+  std::vector<AuditRow> out;
+  for (int i = 0; i < count; ++i) {
+    const std::string who = chain.number() % 2 == 0 ? "ann" : "bob";
+    out.push_back(chain.append({0, 5, who, "10.0.0.1", "POST /api/v1/runs", "run-1", "done"}));
+  }
+  return out;
+}
+
+inline StoreBatch audit_batch(std::vector<AuditRow> rows) {
+  StoreBatch out;
+  out.audit = std::move(rows);
+  return out;
+}
+
+}  // namespace trb::gateway::test
