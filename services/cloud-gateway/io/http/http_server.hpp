@@ -25,8 +25,8 @@ struct HttpServerSettings {
 
 /// Bounds: 8 kB of headers; 10 s for the handshake and the headers; bodies as the handler allows, 1 MiB at most, 20 s;
 /// 60 s between requests; 20 s for a reply to be read. Over max_connections new ones are closed at once, so the oldest
-/// that waits for a request (no request under way, not a WebSocket) makes room first. A WebSocket that does not answer a
-/// ping within 30 s is closed.
+/// that waits for a request (no request under way, not a WebSocket) makes room first. A WebSocket that does not answer
+/// a ping within 30 s is closed.
 class HttpServer {
  public:
   /// Listens from now on. `loop` and `handler` must outlive it. Errors: io_error (address, port), bad_value
