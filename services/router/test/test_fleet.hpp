@@ -207,18 +207,9 @@ class TestFleet {
 };
 
 inline HeaderView header_of(const Message& message, std::uint64_t sequence = 0, LinkId link = 0) {
-  HeaderView view;
-  view.type = message.type;
-  view.flags = message.flags;
-  view.remaining_ms = message.remaining_ms;
+  HeaderView view = to_view(message);
   view.link = link;
   view.sequence = sequence;
-  view.subtype = message.subtype;
-  view.source = message.source;
-  view.target = message.target;
-  view.id = message.id;
-  view.reply_to = message.reply_to;
-  view.data = message.data;
   return view;
 }
 
