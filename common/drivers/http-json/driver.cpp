@@ -8,22 +8,12 @@ namespace {
 /// A stop whose connection is lost this often in a row counts as refused by the robot.
 constexpr std::size_t kStopsLost = 3;
 constexpr const char* kWouldNotStop = "stop refused";
-constexpr std::string_view kPosition = "position";
 
 std::map<std::string, HttpQuestion> questions_of(const HttpCommands& commands, const VendorCommands& vendor,
                                                  const Description& description) {
   std::map<std::string, HttpQuestion> out;
-  const auto add = [&](const std::string& name) {
-    const auto request = vendor.requests.find(name);
-    const auto question = commands.values.find(request == vendor.requests.end() ? name : request->second);
-    if (question != commands.values.end()) out.insert(*question);
-  };
-  for (const auto& [subtype, name] : vendor.requests) add(subtype);
-  for (const FaultRule& rule : description.faults) add(rule.value);
-  for (const std::string& name : description.sensors) add(name);
-  for (const Skill& skill : description.skills) {
-    if (skill.end.kind != EndKind::state && skill.end.kind != EndKind::position) continue;
-    add(skill.end.state.empty() ? std::string(kPosition) : skill.end.state);
+  for (const std::string& name : needed_values(vendor, description)) {
+    if (const auto question = commands.values.find(name); question != commands.values.end()) out.insert(*question);
   }
   return out;
 }
@@ -41,34 +31,13 @@ std::string text_of(const HttpWords& words) {
 }  // namespace
 
 HttpJsonDriver::HttpJsonDriver(const DriverSettings& settings, HttpCommands commands)
-    : own_id_(settings.id),
+    : WordsDriver(settings.id, settings.commands),
       host_(settings.host),
       authorization_(settings.authorization),
-      requests_(settings.commands.requests.begin(), settings.commands.requests.end()),
       poll_(questions_of(commands, settings.commands, settings.description), probe_of(commands),
             seconds(http_timing(settings.commands).poll_s)),
       timeout_(seconds(http_timing(settings.commands).timeout_s)) {
   commands_ = std::move(commands.commands);
-}
-
-bool HttpJsonDriver::knows(MessageType type, std::string_view subtype) const {
-  if (type == MessageType::command) return commands_.contains(subtype);
-  return type == MessageType::request && requests_.contains(subtype);
-}
-
-std::string_view HttpJsonDriver::name_of_value(std::string_view name) const {
-  const auto request = requests_.find(name);
-  return request == requests_.end() ? name : std::string_view(request->second);
-}
-
-const RobotValue* HttpJsonDriver::value(std::string_view name) const {
-  const HttpPoll::Known* known = poll_.find(name_of_value(name));
-  return known == nullptr || !known->value ? nullptr : &*known->value;
-}
-
-std::optional<Error> HttpJsonDriver::problem(std::string_view name) const {
-  const HttpPoll::Known* known = poll_.find(name_of_value(name));
-  return known == nullptr ? std::nullopt : known->problem;
 }
 
 Result<std::vector<HttpJsonDriver::Step>> HttpJsonDriver::fill(std::string_view subtype, BytesView data) const {
@@ -220,11 +189,7 @@ void HttpJsonDriver::on_answer(const HttpAnswer& answer, Now now, const DriverOu
 }
 
 void HttpJsonDriver::on_poll(const HttpAnswer& answer, Now now, const DriverOut& out) {
-  const HttpPoll::Changes changes = poll_.on_answer(answer, now);
-  for (const Error& problem : changes.problems) {
-    out.emit(FaultSaid{"", Severity::warning, problem.what + "; " + problem.hint});
-  }
-  if (changes.values) out.emit(ValuesHeard{});
+  poll_.on_answer(answer, now).report(out);
 }
 
 void HttpJsonDriver::on_step(const HttpAnswer& answer, const DriverOut& out) {

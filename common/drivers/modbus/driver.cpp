@@ -9,21 +9,11 @@ namespace trb::drivers {
 namespace {
 
 constexpr const char* kWouldNotStop = "stop refused";
-constexpr std::string_view kPosition = "position";
 
 ModbusPlaces polled_of(const ModbusPlaces& places, const VendorCommands& words, const Description& description) {
   ModbusPlaces polled;
-  const auto add = [&](const std::string& name) {
-    const auto request = words.requests.find(name);
-    const auto place = places.find(request == words.requests.end() ? name : request->second);
-    if (place != places.end()) polled.insert(*place);
-  };
-  for (const auto& [subtype, name] : words.requests) add(subtype);
-  for (const FaultRule& rule : description.faults) add(rule.value);
-  for (const std::string& name : description.sensors) add(name);
-  for (const Skill& skill : description.skills) {
-    if (skill.end.kind != EndKind::state && skill.end.kind != EndKind::position) continue;
-    add(skill.end.state.empty() ? std::string(kPosition) : skill.end.state);
+  for (const std::string& name : needed_values(words, description)) {
+    if (const auto place = places.find(name); place != places.end()) polled.insert(*place);
   }
   return polled;
 }
@@ -37,26 +27,10 @@ ModbusPlace probe_of(const ModbusCommands& commands) {
 }  // namespace
 
 ModbusDriver::ModbusDriver(const DriverSettings& settings, ModbusCommands commands)
-    : own_id_(settings.id),
-      requests_(settings.commands.requests.begin(), settings.commands.requests.end()),
+    : WordsDriver(settings.id, settings.commands),
       poll_(polled_of(commands.values, settings.commands, settings.description), probe_of(commands),
             seconds(modbus_settings(settings.commands).poll_s)) {
   commands_ = std::move(commands.commands);
-}
-
-bool ModbusDriver::knows(MessageType type, std::string_view subtype) const {
-  if (type == MessageType::command) return commands_.contains(subtype);
-  return type == MessageType::request && requests_.contains(subtype);
-}
-
-std::string_view ModbusDriver::name_of_value(std::string_view name) const {
-  const auto request = requests_.find(name);
-  return request == requests_.end() ? name : std::string_view(request->second);
-}
-
-const RobotValue* ModbusDriver::value(std::string_view name) const {
-  const ModbusPoll::Known* known = poll_.find(name_of_value(name));
-  return known == nullptr || !known->value ? nullptr : &*known->value;
 }
 
 Result<std::vector<ModbusDriver::Write>> ModbusDriver::fill(std::string_view subtype, BytesView data) const {
@@ -87,11 +61,6 @@ Result<Progress> ModbusDriver::hand_over(const Handover& message, Now now, const
   queue_.add({Purpose::command, message.token, !message.skill.empty(), std::move(*writes), 0});
   pump(now, out);
   return Progress::queued;
-}
-
-std::optional<Error> ModbusDriver::problem(std::string_view name) const {
-  const ModbusPoll::Known* known = poll_.find(name_of_value(name));
-  return known == nullptr ? std::nullopt : known->problem;
 }
 
 bool ModbusDriver::runs(Token token) const {
@@ -183,11 +152,7 @@ void ModbusDriver::on_bytes(Channel channel, BytesView bytes, Now now, const Dri
 }
 
 void ModbusDriver::on_poll(const ModbusAnswer& answer, Now now, const DriverOut& out) {
-  const ModbusPoll::Changes changes = poll_.on_answer(answer, now);
-  for (const Error& problem : changes.problems) {
-    out.emit(FaultSaid{"", Severity::warning, problem.what + "; " + problem.hint});
-  }
-  if (changes.values) out.emit(ValuesHeard{});
+  poll_.on_answer(answer, now).report(out);
 }
 
 void ModbusDriver::on_write(const ModbusAnswer& answer, const DriverOut& out) {

@@ -6,26 +6,27 @@
 #include <string>
 #include <vector>
 
-#include "common/drivers/driver.hpp"
 #include "common/drivers/modbus/commands.hpp"
 #include "common/drivers/modbus/poll.hpp"
 #include "common/drivers/request_queue.hpp"
+#include "common/drivers/words_driver.hpp"
 
 namespace trb::drivers {
 
-class ModbusDriver : public Driver {
+class ModbusDriver : public WordsDriver<std::vector<ModbusAssignment>> {
  public:
   /// Polls the values that requests and the description's faults, sensors and ends of skills need.
   ModbusDriver(const DriverSettings& settings, ModbusCommands commands);
 
   /// A connection alone is not enough: a hung device still accepts it.
   [[nodiscard]] bool online() const override { return up_ && heard_; }
-  [[nodiscard]] bool knows(MessageType type, std::string_view subtype) const override;
-  /// A command counts as over once the device has acknowledged every write.
-  [[nodiscard]] bool tells_end(std::string_view subtype) const override { return commands_.contains(subtype); }
-  [[nodiscard]] const RobotValue* value(std::string_view name) const override;
+  [[nodiscard]] const RobotValue* value(std::string_view name) const override {
+    return poll_.value(name_of_value(name));
+  }
   [[nodiscard]] bool answers_from_values() const override { return true; }
-  [[nodiscard]] std::optional<Error> problem(std::string_view name) const override;
+  [[nodiscard]] std::optional<Error> problem(std::string_view name) const override {
+    return poll_.problem(name_of_value(name));
+  }
 
   Result<Progress> hand_over(const Handover& message, Now now, const DriverOut& out) override;
   [[nodiscard]] bool runs(Token token) const override;
@@ -33,7 +34,6 @@ class ModbusDriver : public Driver {
   void halt(Token token, Now now, const DriverOut& out) override;
   Result<Token> stop(Now now, const DriverOut& out) override;
   Result<Token> release(Now now, const DriverOut& out) override;
-  [[nodiscard]] bool told_to_stop() const override { return told_to_stop_; }
 
   void on_up(Channel channel, Now now, const DriverOut& out) override;
   void on_down(Channel channel, const std::string& reason, Now now, const DriverOut& out) override;
@@ -50,7 +50,6 @@ class ModbusDriver : public Driver {
   using Queue = RequestQueue<Write>;
   using Job = Queue::Job;
 
-  [[nodiscard]] std::string_view name_of_value(std::string_view name) const;
   Result<std::vector<Write>> fill(std::string_view subtype, BytesView data) const;
   void pump(Now now, const DriverOut& out);
   static ModbusCall call_of(const Job& job);
@@ -61,15 +60,10 @@ class ModbusDriver : public Driver {
   void drop_for_stop(const DriverOut& out);
   [[nodiscard]] static Error lost(const Job& job, bool under_way, const std::string& reason);
 
-  std::string own_id_;
-  std::map<std::string, std::vector<ModbusAssignment>, std::less<>> commands_;
-  std::map<std::string, std::string, std::less<>> requests_;
   ModbusPoll poll_;
 
   bool up_ = false;
   bool heard_ = false;  ///< an answer was received on this connection
-  bool told_to_stop_ = false;
-  Token last_ticket_ = 0;
   Queue queue_;
 };
 
