@@ -9,10 +9,14 @@
 #include "common/drivers/http-json/commands.hpp"
 #include "common/drivers/http-json/poll.hpp"
 #include "common/drivers/http-json/wire.hpp"
-#include "common/drivers/request_queue.hpp"
-#include "common/drivers/words_driver.hpp"
+#include "common/drivers/polled_driver.hpp"
 
 namespace trb::drivers {
+
+struct HttpStep {
+  HttpWords words;
+  std::string body;  ///< with its placeholders filled
+};
 
 /// event               | nothing under way        | a command's request        | a value's
 /// --------------------|--------------------------|----------------------------|---------------------------
@@ -23,27 +27,13 @@ namespace trb::drivers {
 ///                     | only if that takes long  | whether it was taken; a    |
 ///                     |                          | stop is sent again         |
 /// stop                | at once                  | behind that one answer     | behind that one answer
-class HttpJsonDriver : public WordsDriver<std::vector<HttpWords>> {
+class HttpJsonDriver : public PolledDriver<std::vector<HttpWords>, HttpStep, HttpPoll> {
  public:
   HttpJsonDriver(const DriverSettings& settings, HttpCommands commands);
 
   /// Connections come and go with HTTP: the robot is online if it has answered, until no connection can be made for
   /// long.
   [[nodiscard]] bool online() const override { return heard_; }
-  [[nodiscard]] const RobotValue* value(std::string_view name) const override {
-    return poll_.value(name_of_value(name));
-  }
-  [[nodiscard]] bool answers_from_values() const override { return true; }
-  [[nodiscard]] std::optional<Error> problem(std::string_view name) const override {
-    return poll_.problem(name_of_value(name));
-  }
-
-  Result<Progress> hand_over(const Handover& message, Now now, const DriverOut& out) override;
-  [[nodiscard]] bool runs(Token token) const override;
-  void forget(Token token, Now now, const DriverOut& out) override;
-  void halt(Token token, Now now, const DriverOut& out) override;
-  Result<Token> stop(Now now, const DriverOut& out) override;
-  Result<Token> release(Now now, const DriverOut& out) override;
 
   void on_up(Channel channel, Now now, const DriverOut& out) override;
   void on_down(Channel channel, const std::string& reason, Now now, const DriverOut& out) override;
@@ -52,15 +42,9 @@ class HttpJsonDriver : public WordsDriver<std::vector<HttpWords>> {
   [[nodiscard]] std::optional<MonotonicTime> next_deadline() const override;
 
  private:
-  struct Step {
-    HttpWords words;
-    std::string body;  ///< with its placeholders filled
-  };
-  using Queue = RequestQueue<Step>;
-  using Job = Queue::Job;
-
-  Result<std::vector<Step>> fill(std::string_view subtype, BytesView data) const;
-  void pump(Now now, const DriverOut& out);
+  Result<std::vector<HttpStep>> fill(std::string_view subtype, BytesView data) const override;
+  void pump(Now now, const DriverOut& out) override;
+  [[nodiscard]] bool takes_orders() const override { return heard_; }
   void begin_step(Now now, const DriverOut& out);
   void send(const HttpRequest& request, Awaits whose, Now now, const DriverOut& out);
   void on_answer(const HttpAnswer& answer, Now now, const DriverOut& out);
@@ -71,20 +55,15 @@ class HttpJsonDriver : public WordsDriver<std::vector<HttpWords>> {
   void on_refused(const Job& job, Error error, const DriverOut& out);
   void on_lost_job(const std::string& reason, const DriverOut& out);
   static void say_would_not_stop(const Error& error, const DriverOut& out);
-  void drop_for_stop(const DriverOut& out);
   void go_offline(const std::string& reason, const DriverOut& out);
 
   std::string host_;
   std::string authorization_;
-  HttpPoll poll_;
   Duration timeout_;
 
-  bool up_ = false;
-  bool heard_ = false;
   MonotonicTime sent_at_{};
   std::optional<MonotonicTime> lost_at_;  ///< the last connection's end, until there is another one
   std::string lost_why_;
-  Queue queue_;
   Remembered remembered_;
   HttpReader reader_;
 };

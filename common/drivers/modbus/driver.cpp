@@ -27,16 +27,20 @@ ModbusPlace probe_of(const ModbusCommands& commands) {
 }  // namespace
 
 ModbusDriver::ModbusDriver(const DriverSettings& settings, ModbusCommands commands)
-    : WordsDriver(settings.id, settings.commands),
-      poll_(polled_of(commands.values, settings.commands, settings.description), probe_of(commands),
-            seconds(modbus_settings(settings.commands).poll_s)) {
+    : PolledDriver(settings,
+                   ModbusPoll(polled_of(commands.values, settings.commands, settings.description), probe_of(commands),
+                              seconds(modbus_settings(settings.commands).poll_s)),
+                   {.offline = "the robot's controller is not connected",
+                    .robot = "device",
+                    .answered = "the device had acknowledged",
+                    .steps = "writes"}) {
   commands_ = std::move(commands.commands);
 }
 
-Result<std::vector<ModbusDriver::Write>> ModbusDriver::fill(std::string_view subtype, BytesView data) const {
+Result<std::vector<ModbusWrite>> ModbusDriver::fill(std::string_view subtype, BytesView data) const {
   const auto found = commands_.find(subtype);
   if (found == commands_.end()) return fail(Errc::unknown_subtype, "commands.json has no such command");
-  std::vector<Write> out;
+  std::vector<ModbusWrite> out;
   for (const ModbusAssignment& one : found->second) {
     const auto number = modbus_data(one, data);
     if (!number) return number.error();
@@ -48,78 +52,6 @@ Result<std::vector<ModbusDriver::Write>> ModbusDriver::fill(std::string_view sub
   return out;
 }
 
-Result<Progress> ModbusDriver::hand_over(const Handover& message, Now now, const DriverOut& out) {
-  if (!online()) {
-    return fail(Errc::robot_offline, "the robot's controller is not connected",
-                "look at its power, network and address");
-  }
-  if (queue_.full()) return fail(Errc::queue_full, "too many commands wait for the device", "send fewer");
-  auto writes = fill(message.subtype, message.data);
-  if (!writes) return writes.error();
-  if (writes->empty()) return Progress::handed_over;
-  out.out.count("to_robot." + std::string(message.subtype));
-  queue_.add({Purpose::command, message.token, !message.skill.empty(), std::move(*writes), 0});
-  pump(now, out);
-  return Progress::queued;
-}
-
-bool ModbusDriver::runs(Token token) const {
-  return queue_.runs(token);
-}
-
-void ModbusDriver::forget(Token token, Now, const DriverOut&) {
-  queue_.forget(token);
-}
-
-void ModbusDriver::halt(Token token, Now now, const DriverOut& out) {
-  if (!queue_.halt(token) || !up_) return;
-  auto writes = fill("stop", {});
-  if (!writes || writes->empty()) {
-    return out.refuse("no_stop", "commands.json has no \"stop\" for this robot: the motion goes on");
-  }
-  out.out.count("to_robot.stop");
-  queue_.add_urgent({Purpose::halt, 0, false, std::move(*writes), 0});
-  pump(now, out);
-}
-
-Result<Token> ModbusDriver::stop(Now now, const DriverOut& out) {
-  drop_for_stop(out);
-  if (!up_) return fail(Errc::robot_offline, "the robot's controller is not connected");
-  auto writes = fill("stop", {});
-  if (!writes || writes->empty()) return fail(Errc::unknown_subtype, "commands.json has no \"stop\" for this robot");
-  told_to_stop_ = true;
-  const Token ticket = ++last_ticket_;
-  if (queue_.join_stop(ticket)) return ticket;
-  out.out.count("to_robot.stop");
-  queue_.add_urgent({Purpose::stop, ticket, false, std::move(*writes), 0});
-  pump(now, out);
-  return ticket;
-}
-
-/// The call in progress cannot be recalled; its answer is ignored.
-void ModbusDriver::drop_for_stop(const DriverOut& out) {
-  for (const Job& job : queue_.drop_for_stop()) {
-    const std::string written = std::to_string(job.done) + " of its " + std::to_string(job.steps.size()) + " writes";
-    out.emit(Refused{job.token, fail(Errc::fenced, "the robot was stopped when the device had acknowledged " + written,
-                                     "trb release " + own_id_)});
-  }
-}
-
-Result<Token> ModbusDriver::release(Now now, const DriverOut& out) {
-  if (!up_) return fail(Errc::robot_offline, "the robot's controller is not connected");
-  told_to_stop_ = false;
-  const Token ticket = ++last_ticket_;
-  auto writes = fill("release", {});
-  if (!writes || writes->empty()) {
-    out.emit(Released{ticket});
-    return ticket;
-  }
-  out.out.count("to_robot.release");
-  queue_.add_urgent({Purpose::release, ticket, false, std::move(*writes), 0});
-  pump(now, out);
-  return ticket;
-}
-
 void ModbusDriver::pump(Now now, const DriverOut& out) {
   const Awaits next = up_ ? queue_.next(now.mono >= poll_.due()) : Awaits::nothing;
   if (next == Awaits::nothing) return;
@@ -128,7 +60,7 @@ void ModbusDriver::pump(Now now, const DriverOut& out) {
 }
 
 ModbusCall ModbusDriver::call_of(const Job& job) {
-  const Write& write = job.steps[job.done];
+  const ModbusWrite& write = job.steps[job.done];
   return {true, write.place.kind, write.place.address, 0, write.words};
 }
 

@@ -8,32 +8,23 @@
 
 #include "common/drivers/modbus/commands.hpp"
 #include "common/drivers/modbus/poll.hpp"
-#include "common/drivers/request_queue.hpp"
-#include "common/drivers/words_driver.hpp"
+#include "common/drivers/polled_driver.hpp"
 
 namespace trb::drivers {
 
-class ModbusDriver : public WordsDriver<std::vector<ModbusAssignment>> {
+struct ModbusWrite {
+  std::string meant;  ///< "speed (holding 0)"
+  ModbusPlace place;
+  std::vector<std::uint16_t> words;
+};
+
+class ModbusDriver : public PolledDriver<std::vector<ModbusAssignment>, ModbusWrite, ModbusPoll> {
  public:
   /// Polls the values that requests and the description's faults, sensors and ends of skills need.
   ModbusDriver(const DriverSettings& settings, ModbusCommands commands);
 
   /// A connection alone is not enough: a hung device still accepts it.
   [[nodiscard]] bool online() const override { return up_ && heard_; }
-  [[nodiscard]] const RobotValue* value(std::string_view name) const override {
-    return poll_.value(name_of_value(name));
-  }
-  [[nodiscard]] bool answers_from_values() const override { return true; }
-  [[nodiscard]] std::optional<Error> problem(std::string_view name) const override {
-    return poll_.problem(name_of_value(name));
-  }
-
-  Result<Progress> hand_over(const Handover& message, Now now, const DriverOut& out) override;
-  [[nodiscard]] bool runs(Token token) const override;
-  void forget(Token token, Now now, const DriverOut& out) override;
-  void halt(Token token, Now now, const DriverOut& out) override;
-  Result<Token> stop(Now now, const DriverOut& out) override;
-  Result<Token> release(Now now, const DriverOut& out) override;
 
   void on_up(Channel channel, Now now, const DriverOut& out) override;
   void on_down(Channel channel, const std::string& reason, Now now, const DriverOut& out) override;
@@ -42,29 +33,15 @@ class ModbusDriver : public WordsDriver<std::vector<ModbusAssignment>> {
   [[nodiscard]] std::optional<MonotonicTime> next_deadline() const override;
 
  private:
-  struct Write {
-    std::string meant;  ///< "speed (holding 0)"
-    ModbusPlace place;
-    std::vector<std::uint16_t> words;
-  };
-  using Queue = RequestQueue<Write>;
-  using Job = Queue::Job;
-
-  Result<std::vector<Write>> fill(std::string_view subtype, BytesView data) const;
-  void pump(Now now, const DriverOut& out);
+  Result<std::vector<ModbusWrite>> fill(std::string_view subtype, BytesView data) const override;
+  void pump(Now now, const DriverOut& out) override;
+  [[nodiscard]] bool takes_orders() const override { return up_; }
   static ModbusCall call_of(const Job& job);
   void on_poll(const ModbusAnswer& answer, Now now, const DriverOut& out);
   void on_write(const ModbusAnswer& answer, const DriverOut& out);
   void on_done(const Job& job, const DriverOut& out);
   void on_exception(const Job& job, std::uint8_t exception, const DriverOut& out);
-  void drop_for_stop(const DriverOut& out);
   [[nodiscard]] static Error lost(const Job& job, bool under_way, const std::string& reason);
-
-  ModbusPoll poll_;
-
-  bool up_ = false;
-  bool heard_ = false;  ///< an answer was received on this connection
-  Queue queue_;
 };
 
 }  // namespace trb::drivers
