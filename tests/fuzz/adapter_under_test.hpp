@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -9,6 +10,17 @@
 #include "tests/fuzz/target.hpp"
 
 namespace trb::fuzz {
+
+/// A robot of that transport, without its commands.
+inline adapter::Settings robot_settings(const std::string& id, Mode mode, const std::string& transport,
+                                        const std::string& capability) {
+  adapter::Settings out;
+  out.id = id;
+  out.mode = mode;
+  out.description.capabilities = {capability};
+  out.commands.transport = transport;
+  return out;
+}
 
 struct AdapterUnderTest {
   explicit AdapterUnderTest(adapter::Settings settings)

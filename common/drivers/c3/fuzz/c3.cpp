@@ -17,12 +17,8 @@ Bytes reply(int tag, std::string_view value) {
 }
 
 Settings settings() {
-  Settings out;
-  out.id = "kuka";
-  out.mode = Mode::interpreter;
+  Settings out = robot_settings("kuka", Mode::interpreter, "c3", "grab");
   out.description.has_field_channel = true;
-  out.description.capabilities = {"grab"};
-  out.commands.transport = "c3";
   out.commands.commands = {{"stop", "TRB_STOP = TRUE"}, {"release", "TRB_STOP = FALSE"}};
   out.commands.values = {{"position", "$POS_ACT X Y"}};
   return out;

@@ -10,11 +10,7 @@ namespace {
 using namespace trb::adapter;
 
 Settings settings() {
-  Settings out;
-  out.id = "mir";
-  out.mode = Mode::direct;
-  out.description.capabilities = {"mobile"};
-  out.commands.transport = "http-json";
+  Settings out = robot_settings("mir", Mode::direct, "http-json", "mobile");
   out.commands.commands = {
       {"go", "POST /q {\"id\": {data}} -> q /id\nGET /q/<q>"}, {"stop", "PUT /s {}"}, {"release", ""}};
   out.commands.values = {{"position", "GET /s /x /y"}, {"state", "GET /q/<q> /state Done=1"}};
