@@ -119,6 +119,13 @@ class TestFleet {
 
   TestNode& start(const std::string& id, const Options& options);
   TestNode& start(const std::string& id) { return start(id, Options{}); }
+  /// Starts ant and bee and lets them run for that time, in which they find each other; returns ant.
+  TestNode& start_two(Duration time) {
+    TestNode& ant = start("ant");
+    start("bee");
+    run(time);
+    return ant;
+  }
   TestNode& at(const std::string& id) { return *nodes_.at(id); }
   /// A node's first numeric address; it need not have been started yet.
   std::string address(const std::string& id);
