@@ -31,7 +31,7 @@ void Outbox::nack(const Inbound& to, const Error& error, std::string about) {
 }
 
 bool Outbox::empty() const {
-  return journal.empty() && sends.empty() && writes.empty() && closes.empty() && logs.empty() && counts.empty();
+  return journal.empty() && sends.empty() && logs.empty() && counts.empty();
 }
 
 void Outbox::clear() {

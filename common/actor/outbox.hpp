@@ -1,4 +1,4 @@
-// What a core wants done, as values: the shell commits the journal records, then sends, then writes to the robot.
+// What a core wants done, as values: the shell commits the journal records, then sends.
 #pragma once
 
 #include <any>
@@ -29,30 +29,11 @@ struct Journal {
   std::any record;
 };
 
-/// A byte stream to the robot. `field`: the robot dialled TCP_PORT; `command` and `monitor`: the node dials the robot.
-enum class Channel : std::uint8_t { field = 0, command, monitor };
-constexpr auto enum_names(Channel) {
-  return std::array<std::string_view, 3>{"field", "command", "monitor"};
-}
-
-struct RobotWrite {
-  Channel channel{};
-  Bytes bytes;
-};
-
-/// Drop the connection; a dialled channel is dialled again by the shell, with back-off.
-struct RobotClose {
-  Channel channel{};
-  std::string reason;
-};
-
 /// Collects one step's effects. Also counts: counters are cheap and always on.
 class Outbox {
  public:
   std::vector<Journal> journal;
   std::vector<Send> sends;
-  std::vector<RobotWrite> writes;
-  std::vector<RobotClose> closes;
   std::vector<Log> logs;
   std::vector<std::string> counts;  ///< names of counters, each to be increased by one
 
@@ -65,8 +46,6 @@ class Outbox {
   /// that could not be delivered; never to an answer. `about`: Nack::about.
   void nack(const Inbound& to, const Error& error, std::string about = {});
   void record(std::any fact) { journal.push_back({std::move(fact)}); }
-  void write(Channel channel, Bytes bytes) { writes.push_back({channel, std::move(bytes)}); }
-  void close(Channel channel, std::string reason) { closes.push_back({channel, std::move(reason)}); }
   void log(LogLevel level, std::string event, std::string text) {
     logs.push_back({level, std::move(event), std::move(text)});
   }

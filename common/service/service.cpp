@@ -40,7 +40,7 @@ class ServiceShell final : public Service {
 
   [[nodiscard]] std::uint64_t instance() const override { return instance_; }
   void on_journal(std::function<Status(const std::vector<Journal>&)> commit) override { commit_ = std::move(commit); }
-  void on_robot(std::function<void(const Outbox&)> output) override { robot_.push_back(std::move(output)); }
+  void after_sends(std::function<void()> carry_out) override { after_sends_ = std::move(carry_out); }
   void watch(int fd, short events, std::function<void(short)> ready) override {
     loop_.add_fd(fd, events, std::move(ready));
   }
@@ -182,9 +182,7 @@ class ServiceShell final : public Service {
         count("dropped.no_router");
       }
     }
-    for (const auto& output : robot_) {
-      if (!(out.writes.empty() && out.closes.empty())) output(out);
-    }
+    if (after_sends_) after_sends_();
     for (const std::string& name : out.counts) count(name);
     for (const Log& line : out.logs) {
       log_limited(limit_, read_clocks().mono, to_level(line.level), line.event, line.text);
@@ -238,7 +236,7 @@ class ServiceShell final : public Service {
   Core* core_ = nullptr;
   Outbox outbox_;
   std::function<Status(const std::vector<Journal>&)> commit_;
-  std::vector<std::function<void(const Outbox&)>> robot_;
+  std::function<void()> after_sends_;
   std::function<bool()> idle_;
   std::optional<MonotonicTime> reload_check_;
   std::map<std::string, std::uint64_t> counts_;

@@ -40,9 +40,9 @@ class Service {
   /// Commits the records of one step; a failure ends the process, because nothing may be sent that rests on an
   /// unwritten record.
   virtual void on_journal(std::function<Status(const std::vector<Journal>&)> commit) = 0;
-  /// Carries out the RobotWrites and RobotCloses of a step, after its sends. There may be several: each handles its own
-  /// channels.
-  virtual void on_robot(std::function<void(const Outbox&)> output) = 0;
+  /// Called after each step, once its records are on disk and its messages are sent: for what the core wants done
+  /// besides, at its robot or its worker.
+  virtual void after_sends(std::function<void()> carry_out) = 0;
 
   /// Calls `ready` in the loop when the descriptor has any of the poll(2) events. One watch a descriptor; calling again
   /// with other events replaces it.
@@ -51,7 +51,8 @@ class Service {
   /// A deadline in addition to the core's: the loop wakes at next() and calls tick().
   virtual void timer(std::function<std::optional<MonotonicTime>()> next, std::function<void(Now)> tick) = 0;
 
-  /// Runs an effect on the core as one step of the loop: journal, sends, robot. For io that has received something.
+  /// Runs an effect on the core as one step of the loop: journal, sends, what is to be done after them. For io that has
+  /// received something.
   virtual void step(const Effect& effect) = 0;
 
   /// Runs until SIGTERM or SIGINT, or until SIGHUP finds `idle` true (0 = orderly, 75 = asked to start again).

@@ -54,7 +54,7 @@ void ArcosLink::sync_from_start(Now now, const DriverOut& out) {
 
 void ArcosLink::send(Bytes packets, Now now, const DriverOut& out) {
   last_sent_ = now.mono;
-  out.out.write(Channel::command, std::move(packets));
+  out.robot.write(Channel::command, std::move(packets));
 }
 
 const std::vector<ArcosPacket>& ArcosLink::hear(BytesView bytes, Now now, const DriverOut& out) {

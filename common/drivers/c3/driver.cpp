@@ -142,7 +142,7 @@ void C3Driver::on_bytes(Channel channel, BytesView bytes, Now now, const DriverO
 
 void C3Driver::drop_connection(const std::string& counted, const std::string& reason, Now now, const DriverOut& out) {
   out.refuse(counted, "the connection to the robot's C3 server is closed: " + reason);
-  out.out.close(Channel::command, reason);
+  out.robot.close(Channel::command, reason);
   on_down(Channel::command, reason, now, out);
 }
 

@@ -55,7 +55,7 @@ std::optional<MonotonicTime> C3Link::next_deadline() const {
 void C3Link::send(C3Ask ask, Now now, const DriverOut& out) {
   while (sent_.contains(++last_tag_)) {
   }
-  out.out.write(Channel::command, c3_request(last_tag_, ask.variable, ask.value));
+  out.robot.write(Channel::command, c3_request(last_tag_, ask.variable, ask.value));
   sent_.emplace(last_tag_, Sent{std::move(ask), now.mono});
 }
 

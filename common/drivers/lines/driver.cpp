@@ -195,7 +195,7 @@ void LinesDriver::take_fault(const FieldMessage& message, const DriverOut& out) 
 
 void LinesDriver::drop_connection(const std::string& reason, Now now, const DriverOut& out) {
   out.refuse(reason.substr(0, reason.find(':')), "the field channel is closed: " + reason);
-  out.out.close(Channel::field, reason);
+  out.robot.close(Channel::field, reason);
   on_down(Channel::field, reason, now, out);
 }
 

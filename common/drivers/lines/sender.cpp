@@ -117,7 +117,7 @@ void FieldSender::pump(Now now, const DriverOut& out) {
   Bytes bytes;
   write_urgents(bytes, now, out);
   while (may_begin(now)) write_field(bytes, now, out);
-  if (!bytes.empty()) out.out.write(Channel::field, std::move(bytes));
+  if (!bytes.empty()) out.robot.write(Channel::field, std::move(bytes));
 }
 
 void FieldSender::write_urgents(Bytes& bytes, Now now, const DriverOut& out) {

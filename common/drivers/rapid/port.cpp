@@ -14,7 +14,7 @@ bool RapidPort::ask(RapidAsk ask, Now now, const DriverOut& out) {
 
 void RapidPort::urge(RapidAsk ask, Now now, const DriverOut& out) {
   ask.sent_at = now.mono;
-  out.out.write(channel_, ask.text);
+  out.robot.write(channel_, ask.text);
   sent_.push_back(std::move(ask));
 }
 

@@ -38,32 +38,20 @@ std::string text_or_empty(const std::map<std::string, std::string>& words, const
 }  // namespace
 
 TcpTextDriver::TcpTextDriver(const VendorCommands& words, std::string own_id)
-    : own_id_(std::move(own_id)),
-      requests_(words.requests.begin(), words.requests.end()),
+    : WordsDriver(std::move(own_id), words),
       stop_text_(text_or_empty(words.commands, "stop")),
       release_text_(text_or_empty(words.commands, "release")),
       urscript_(words.language == "urscript"),
       wraps_(words.wrap == "urscript-program"),
       has_monitor_(words.monitor.has_value()) {
   for (const auto& [subtype, text] : words.commands) {
-    commands_.emplace(subtype, Command{VendorTemplate(text), wraps_ && !is_interface_command(text), text});
+    commands_.emplace(subtype, TcpCommand{VendorTemplate(text), wraps_ && !is_interface_command(text), text});
   }
-}
-
-bool TcpTextDriver::knows(MessageType type, std::string_view subtype) const {
-  if (type == MessageType::command) return commands_.contains(subtype);
-  return type == MessageType::request && requests_.contains(subtype);
 }
 
 bool TcpTextDriver::tells_end(std::string_view subtype) const {
   const auto found = commands_.find(subtype);
   return found != commands_.end() && found->second.wrapped && has_monitor_;
-}
-
-const RobotValue* TcpTextDriver::value(std::string_view name) const {
-  const auto request = requests_.find(name);
-  const auto found = values_.find(request == requests_.end() ? name : std::string_view(request->second));
-  return found == values_.end() ? nullptr : &found->second;
 }
 
 Result<Progress> TcpTextDriver::hand_over(const Handover& message, Now now, const DriverOut& out) {
@@ -83,7 +71,7 @@ Result<Progress> TcpTextDriver::hand_over(const Handover& message, Now now, cons
   out.out.count("to_robot." + std::string(message.subtype));
   if (!command->second.wrapped) {
     *text += '\n';
-    out.out.write(Channel::command, std::move(*text));
+    out.robot.write(Channel::command, std::move(*text));
     return Progress::handed_over;
   }
   const Status submitted = submit_program(message, *text, out);
@@ -95,7 +83,7 @@ Status TcpTextDriver::submit_program(const Handover& message, std::string_view l
   const std::string name = "trb_" + std::to_string(++programs_);
   std::string text = urscript_program(name, lines);
   if (!has_monitor_) {
-    out.out.write(Channel::command, std::move(text));
+    out.robot.write(Channel::command, std::move(text));
     return Done{};
   }
   return track_.submit({message.token, name, std::move(text), urscript_end_text(name), !message.skill.empty()}, out);
@@ -103,7 +91,7 @@ Status TcpTextDriver::submit_program(const Handover& message, std::string_view l
 
 void TcpTextDriver::write_line(std::string_view text, Now now, const DriverOut& out) {
   last_write_ = now.mono;
-  out.out.write(Channel::command, std::string(text) + "\n");
+  out.robot.write(Channel::command, std::string(text) + "\n");
 }
 
 void TcpTextDriver::forget(Token token, Now, const DriverOut& out) {
@@ -292,7 +280,7 @@ bool TcpTextDriver::surely_idle() const {
 
 void TcpTextDriver::drop_monitor(std::string_view counted, const std::string& reason, Now now, const DriverOut& out) {
   out.refuse(counted, "the monitor connection is closed: " + reason);
-  out.out.close(Channel::monitor, reason);
+  out.robot.close(Channel::monitor, reason);
   on_down(Channel::monitor, reason, now, out);
 }
 

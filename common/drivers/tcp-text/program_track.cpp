@@ -31,7 +31,7 @@ void ProgramTrack::send_next(const DriverOut& out) {
   if (sent_ || waiting_.empty()) return;
   sent_ = std::move(waiting_.front());
   waiting_.pop_front();
-  out.out.write(Channel::command, std::move(sent_->text));
+  out.robot.write(Channel::command, std::move(sent_->text));
 }
 
 void ProgramTrack::on_started(std::string_view name, const DriverOut& out) {

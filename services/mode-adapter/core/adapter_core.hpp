@@ -31,6 +31,8 @@ class ModeAdapterCore : public Core {
   void on_channel_up(Channel channel, Now now, Outbox& out);
   void on_channel_down(Channel channel, const std::string& reason, Now now, Outbox& out);
   void on_bytes(Channel channel, BytesView bytes, Now now, Outbox& out);
+  /// What the robot gets of the steps since the last call: to be carried out once their messages are sent.
+  [[nodiscard]] RobotOutbox take_robot_output() { return robot_.take_output(); }
   /// The process is about to end.
   void leave(Now now, Outbox& out);
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <utility>
 
 #include "common/drivers/lines/driver.hpp"
 #include "common/drivers/registry.hpp"
@@ -28,7 +29,9 @@ class RobotSide {
   /// Is it direct or ros, and not by fields?
   [[nodiscard]] bool is_native(const Driver& mode) const { return &mode == native_.get(); }
 
-  [[nodiscard]] DriverOut to(Driver& mode, Outbox& out) { return {&mode, out, events_}; }
+  [[nodiscard]] DriverOut to(Driver& mode, Outbox& out) { return {&mode, out, output_, events_}; }
+  /// What the drivers want done at the robot since the last call.
+  [[nodiscard]] RobotOutbox take_output() { return std::exchange(output_, {}); }
   /// The next event of the modes, in order; none: there are no more.
   std::optional<EventFrom> next_event() {
     if (taken_ < events_.size()) return std::move(events_[taken_++]);
@@ -51,6 +54,7 @@ class RobotSide {
   LinesDriver field_;
   std::unique_ptr<Driver> native_;
   Token last_token_ = 0;
+  RobotOutbox output_;
   std::vector<EventFrom> events_;
   std::size_t taken_ = 0;  ///< of the events
 };

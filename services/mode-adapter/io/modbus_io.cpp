@@ -114,11 +114,6 @@ Result<std::unique_ptr<ModbusIo>> ModbusIo::open(ModbusLink::Where where, Servic
 ModbusIo::ModbusIo(ModbusLink::Where where, Service& service, ModeAdapterCore& core, Descriptor ours, Descriptor theirs)
     : service_(service), core_(core), ours_(std::move(ours)) {
   service_.watch(ours_.get(), POLLIN, [this](short) { on_packets(); });
-  service_.on_robot([this](const Outbox& out) {
-    for (const RobotWrite& order : out.writes) {
-      if (order.channel == Channel::command) write(order.bytes);
-    }
-  });
   // Service::open has blocked the signals for this thread too: the loop takes them.
   thread_ = std::thread([worker = std::make_shared<Worker>(std::move(where), std::move(theirs))] { worker->run(); });
 }
@@ -127,6 +122,12 @@ ModbusIo::~ModbusIo() {
   service_.unwatch(ours_.get());
   ours_.reset();
   thread_.join();
+}
+
+void ModbusIo::carry_out(const RobotOutbox& out) {
+  for (const RobotWrite& order : out.writes) {
+    if (order.channel == Channel::command) write(order.bytes);
+  }
 }
 
 void ModbusIo::write(BytesView call) {

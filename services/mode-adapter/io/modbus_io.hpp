@@ -15,13 +15,15 @@ namespace trb::adapter {
 
 class ModbusIo {
  public:
-  /// From now on it dials, and makes the calls that the core writes to Channel::command. `service` and `core` must
-  /// outlive it. Errors: io_error.
+  /// From now on it dials. `service` and `core` must outlive it. Errors: io_error.
   static Result<std::unique_ptr<ModbusIo>> open(ModbusLink::Where where, Service& service, ModeAdapterCore& core);
   ModbusIo(const ModbusIo&) = delete;
   ModbusIo& operator=(const ModbusIo&) = delete;
   /// Waits for the call under way: at most 2 s.
   ~ModbusIo();
+
+  /// Makes the calls that the core writes to Channel::command.
+  void carry_out(const RobotOutbox& out);
 
  private:
   ModbusIo(ModbusLink::Where where, Service& service, ModeAdapterCore& core, Descriptor ours, Descriptor theirs);

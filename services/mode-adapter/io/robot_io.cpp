@@ -37,7 +37,6 @@ RobotIo::RobotIo(const RobotIoSettings& settings, Service& service, ModeAdapterC
     if (dialled.port) dialled.due = now().mono;
   }
   service_.watch(listener_.get(), POLLIN, [this](short) { accept_all(); });
-  service_.on_robot([this](const Outbox& out) { carry_out(out); });
   service_.timer([this] { return next_deadline(); }, [this](Now at) { tick(at); });
 }
 
@@ -179,7 +178,7 @@ void RobotIo::retry_later(RobotConnection& connection) {
   connection.due = now().mono + connection.back_off.next();
 }
 
-void RobotIo::carry_out(const Outbox& out) {
+void RobotIo::carry_out(const RobotOutbox& out) {
   for (const RobotWrite& order : out.writes) write(connection(order.channel), order.bytes);
   for (const RobotClose& order : out.closes) {
     push(connection(order.channel));

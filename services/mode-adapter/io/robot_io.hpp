@@ -25,14 +25,15 @@ struct RobotIoSettings {
 
 class RobotIo {
  public:
-  /// From now on it listens, dials and carries out the core's RobotWrites and RobotCloses. `service` and `core` must
-  /// outlive it. Errors: bad_value, io_error.
+  /// From now on it listens and dials. `service` and `core` must outlive it. Errors: bad_value, io_error.
   static Result<std::unique_ptr<RobotIo>> open(const RobotIoSettings& settings, Service& service,
                                                ModeAdapterCore& core);
   RobotIo(const RobotIo&) = delete;
   RobotIo& operator=(const RobotIo&) = delete;
   ~RobotIo();
 
+  /// Writes and closes what the core wants, on the channels that are open.
+  void carry_out(const RobotOutbox& out);
   [[nodiscard]] std::uint16_t listen_port() const { return local_port(listener_.get()); }
 
  private:
@@ -75,7 +76,6 @@ class RobotIo {
   void close(RobotConnection& connection);
   void retry_later(RobotConnection& connection);
 
-  void carry_out(const Outbox& out);
   void write(RobotConnection& connection, BytesView bytes);
   bool flush(RobotConnection& connection);
   bool push(RobotConnection& connection);

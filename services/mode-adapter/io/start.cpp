@@ -71,6 +71,12 @@ Result<int> start(NodeConfig config) {
   if (!io) return io.error();
   const auto modbus = wire == Wire::modbus ? ModbusIo::open(device, **service, core) : std::unique_ptr<ModbusIo>();
   if (!modbus) return modbus.error();
+  (*service)->after_sends([&] {
+    const RobotOutbox output = core.take_robot_output();
+    if (output.empty()) return;
+    (*io)->carry_out(output);
+    if (*modbus) (*modbus)->carry_out(output);
+  });
   const int ended = (*service)->run(core, [&core] { return core.idle(); });
   (*service)->step([&core](Now at, Outbox& out) { core.leave(at, out); });
   return ended;

@@ -33,14 +33,21 @@ inline Parameter make_parameter(const std::string& name, ParameterType type, con
   return parameter;
 }
 
+/// A robot of that transport, without its commands.
+inline Settings robot_settings(const std::string& id, const std::string& framework, Mode mode,
+                               const std::string& transport) {
+  Settings settings;
+  settings.id = id;
+  settings.framework = framework;
+  settings.mode = mode;
+  settings.commands.transport = transport;
+  settings.instance = kInstance;
+  return settings;
+}
+
 /// A mobile robot with the field channel.
 inline Settings pioneer() {
-  Settings settings;
-  settings.id = "pioneer";
-  settings.framework = "pioneer";
-  settings.mode = Mode::interpreter;
-  settings.commands.transport = "lines";
-  settings.instance = kInstance;
+  Settings settings = robot_settings("pioneer", "pioneer", Mode::interpreter, "lines");
   settings.description.capabilities = {"mobile"};
   settings.description.skills = {
       make_skill("go_to", "{place.x} {place.y}", {make_parameter("place", ParameterType::place)}),
@@ -51,12 +58,7 @@ inline Settings pioneer() {
 
 /// An arm that accepts URScript.
 inline Settings ur3() {
-  Settings settings;
-  settings.id = "ur3";
-  settings.framework = "ur";
-  settings.mode = Mode::direct;
-  settings.commands.transport = "tcp-text";
-  settings.instance = kInstance;
+  Settings settings = robot_settings("ur3", "ur", Mode::direct, "tcp-text");
   settings.description.capabilities = {"grab", "reach"};
   Parameter joints = make_parameter("joints", ParameterType::numbers, "rad");
   joints.count = 6;
@@ -124,10 +126,11 @@ class Fixture {
   // what has come out; each call removes it
   std::string written(Channel channel = Channel::field) {
     std::string bytes;
-    for (const RobotWrite& write : out.writes) {
+    collect();
+    for (const RobotWrite& write : robot.writes) {
       if (write.channel == channel) bytes += write.bytes;
     }
-    std::erase_if(out.writes, [&](const RobotWrite& write) { return write.channel == channel; });
+    std::erase_if(robot.writes, [&](const RobotWrite& write) { return write.channel == channel; });
     return bytes;
   }
   template <class T>
@@ -182,9 +185,16 @@ class Fixture {
   }
   std::string closed() {
     std::string reasons;
-    for (const RobotClose& close : out.closes) reasons += close.reason + ";";
-    out.closes.clear();
+    collect();
+    for (const RobotClose& close : robot.closes) reasons += close.reason + ";";
+    robot.closes.clear();
     return reasons;
+  }
+  /// What the robot has not been shown yet is in `robot` from now on.
+  void collect() {
+    RobotOutbox more = core.take_robot_output();
+    std::move(more.writes.begin(), more.writes.end(), std::back_inserter(robot.writes));
+    std::move(more.closes.begin(), more.closes.end(), std::back_inserter(robot.closes));
   }
 
   // an interpreter robot that acknowledges every field of a message
@@ -204,6 +214,7 @@ class Fixture {
   Status kept_status = Done{};
   ModeAdapterCore core;
   Outbox out;
+  RobotOutbox robot;
   Now now{{1'000'000'000}, {0}};
   std::uint64_t last_id = 0;
   std::uint32_t remaining_ms = kDefaultRemainingMs;

@@ -19,7 +19,9 @@ struct Node {
       : core(
             std::move(settings), [](bool) { return Status(Done{}); },
             [](const std::vector<Kept>&) { return Status(Done{}); }),
-        io(*RobotIo::open(roads, service, core)) {}
+        io(*RobotIo::open(roads, service, core)) {
+    service.after_sends([this] { io->carry_out(core.take_robot_output()); });
+  }
 
   [[nodiscard]] bool online() {
     std::string state;

@@ -50,6 +50,7 @@ struct DroneNode {
       : core(
             drone(), [](bool) { return Status(Done{}); }, [](const std::vector<Kept>&) { return Status(Done{}); }),
         io(*RobotIo::open({kLoopback, 0, kLoopback, commands, monitor, true}, service, core)) {
+    service.after_sends([this] { io->carry_out(core.take_robot_output()); });
     service.timer([this] { return core.next_deadline(); },
                   [this](Now) { service.step([this](Now at, Outbox& out) { core.tick(at, out); }); });
   }

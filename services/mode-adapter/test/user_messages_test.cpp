@@ -107,7 +107,7 @@ TEST_CASE("a Nack of the user's own word goes back to the robot, one of the midd
   UserMessagesBench bench;
   const Inbound message{MessageType::information, "ur3", "pioneer", 9, 3, 0, 0, Nack{}};
   bench.messages.on_nack(message, Nack{"offline", "greeting", "ur3", "no such node", "", ""}, bench.now, bench.out);
-  CHECK_FALSE(bench.out.writes.empty());
+  CHECK_FALSE(bench.robot.take_output().writes.empty());
   bench.messages.on_nack(message, Nack{"offline", "outcome", "ur3", "no such node", "", ""}, bench.now, bench.out);
   CHECK(bench.out.counts.back() == "refused.nack_outcome");
 }

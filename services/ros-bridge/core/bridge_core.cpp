@@ -97,7 +97,7 @@ void BridgeCore::begin_publish(const BridgeCommand& command, Now now, Outbox& ou
   if (waiting.size() >= kMaxWaiting) {
     return fail_event(command.token, fail(Errc::queue_full, "too many messages wait for the ROS master"), out);
   }
-  if (waiting.empty()) send_word(Word::look_up, {command.name}, out);
+  if (waiting.empty()) send_word(Word::look_up, {command.name});
   waiting.push_back(std::move(publication));
 }
 
@@ -122,8 +122,7 @@ void BridgeCore::publish(Publication publication, const std::string& name, Now n
   const std::uint64_t key = ++last_key_;
   send_word(Word::publish,
             {std::to_string(key), publication.topic, (*type)->name, (*type)->md5, full_definition(**type),
-             std::to_string(std::max<std::int64_t>(left, 0)), std::move(*wire)},
-            out);
+             std::to_string(std::max<std::int64_t>(left, 0)), std::move(*wire)});
   out.count("to_ros." + publication.topic);
   published_.emplace(key, std::move(publication));
 }
@@ -137,7 +136,7 @@ void BridgeCore::listen(const BridgeCommand& command, Now now, Outbox& out) {
   if (topic.listeners.size() >= kMaxWaiting) {
     return fail_event(command.token, fail(Errc::queue_full, "too many wait for " + command.name), out);
   }
-  if (known == topics_.end()) send_word(Word::subscribe, {command.name}, out);
+  if (known == topics_.end()) send_word(Word::subscribe, {command.name});
   topic.idle_since.reset();
   topic.listeners.push_back({command.token, command.paths, command.action == BridgeAction::watch,
                              now.mono + patience(command.timeout_s), now.mono});
@@ -167,7 +166,7 @@ void BridgeCore::on_worker_bytes(BytesView bytes, Now now, Outbox& out) {
   for (const WorkerMessage& message : messages) on_word(message, now, out);
   if (read) return;
   out.log(LogLevel::error, "worker_garbled", read.error().text());
-  out.close(Channel::command, "it cannot be understood");
+  output_.kill = true;
   on_worker_ended("the ROS worker could not be understood", now, out);
 }
 
@@ -288,7 +287,7 @@ void BridgeCore::forget_all() {
 
 void BridgeCore::tick(Now now, Outbox& out) {
   if (worker_ && now.mono - alive_ >= kHung) {
-    out.close(Channel::command, "it hangs");
+    output_.kill = true;
     on_worker_ended("the ROS master at " + settings_.master + " does not answer", now, out);
   }
   expire(now, out);
@@ -323,7 +322,7 @@ void BridgeCore::expire_listeners(Now now, Outbox& out) {
   }
   std::erase_if(topics_, [&](const auto& entry) {
     if (!entry.second.idle_since || now.mono - *entry.second.idle_since < kIdle) return false;
-    send_word(Word::unsubscribe, {entry.first}, out);
+    send_word(Word::unsubscribe, {entry.first});
     return true;
   });
 }
@@ -353,10 +352,6 @@ void BridgeCore::event(std::uint64_t token, BridgeResult result, std::string dat
     out.count("refused." + event.code);
   }
   out.information(settings_.id, std::move(event));
-}
-
-void BridgeCore::send_word(Word word, std::vector<Bytes> parts, Outbox& out) {
-  out.write(Channel::command, to_bytes({word, std::move(parts)}));
 }
 
 void BridgeCore::set_state(bool up, const std::string& detail, Now now, Outbox& out) {

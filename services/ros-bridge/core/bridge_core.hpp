@@ -4,6 +4,7 @@
 
 #include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "common/actor/core.hpp"
@@ -20,9 +21,17 @@ struct BridgeSettings {
   std::uint64_t instance = 0;
 };
 
+/// What the core wants done at its worker: bytes to write, and whether to kill it.
+struct WorkerOutput {
+  Bytes bytes;
+  bool kill = false;
+
+  [[nodiscard]] bool empty() const { return bytes.empty() && !kill; }
+};
+
 class BridgeCore : public Core {
  public:
-  /// `read` gives a type's definition. The worker is written to as Channel::command; closing that means: kill it.
+  /// `read` gives a type's definition.
   BridgeCore(BridgeSettings settings, TypeStore::Read read);
 
   void on_welcome(const NodeIdentity& node, Now now, Outbox& out) override;
@@ -33,6 +42,8 @@ class BridgeCore : public Core {
   void on_worker_started(Now now, Outbox& out);
   void on_worker_bytes(BytesView bytes, Now now, Outbox& out);
   void on_worker_ended(const std::string& reason, Now now, Outbox& out);
+  /// What the worker gets of the steps since the last call: to be carried out once their messages are sent.
+  [[nodiscard]] WorkerOutput take_worker_output() { return std::exchange(output_, {}); }
 
  private:
   struct Publication {
@@ -76,7 +87,7 @@ class BridgeCore : public Core {
   void fail_event(std::uint64_t token, const Error& error, Outbox& out) const {
     event(token, BridgeResult::failed, {}, error, out);
   }
-  static void send_word(Word word, std::vector<Bytes> parts, Outbox& out);
+  void send_word(Word word, std::vector<Bytes> parts) { output_.bytes += to_bytes({word, std::move(parts)}); }
   void forget_all();
   void set_state(bool up, const std::string& detail, Now now, Outbox& out);
   void send_state(Now now, Outbox& out);
@@ -85,6 +96,7 @@ class BridgeCore : public Core {
   TypeStore store_;
   std::map<std::string, RosTypePtr> heard_types_;  ///< by sum: from headers of connections
   WorkerReader reader_;
+  WorkerOutput output_;
   bool worker_ = false;
   bool up_ = false;
   bool welcomed_ = false;

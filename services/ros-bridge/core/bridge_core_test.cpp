@@ -51,7 +51,7 @@ struct Bench {
   }
   std::vector<WorkerMessage> said() {
     std::vector<WorkerMessage> messages;
-    for (const RobotWrite& write : std::exchange(out.writes, {})) REQUIRE(to_worker.add(write.bytes, messages));
+    REQUIRE(to_worker.add(core.take_worker_output().bytes, messages));
     return messages;
   }
   /// "TOKEN done", "TOKEN DATA" or "TOKEN CODE: WHAT", a line each.
@@ -163,7 +163,7 @@ TEST_CASE("a master that hangs is told of, and the worker that hangs with it is 
   Bench bench;
   bench.up();
   bench.wait(std::chrono::seconds(6));
-  REQUIRE(bench.out.closes.size() == 1);
+  REQUIRE(bench.core.take_worker_output().kill);
   bench.told();
   REQUIRE_FALSE(bench.states.empty());
   CHECK_FALSE(bench.states.back().up);
@@ -200,7 +200,7 @@ TEST_CASE("a worker's garbage ends it") {
   Bench bench;
   bench.up();
   bench.core.on_worker_bytes(Bytes("\xff\xff\xff\x7f", 4), bench.now, bench.out);
-  CHECK(bench.out.closes.size() == 1);
+  CHECK(bench.core.take_worker_output().kill);
   std::vector<WorkerMessage> none;
   for (const char* bytes : {"\x01\0\0\0\x63", "\x01\0\0\0\x05", "\x06\0\0\0\x06\x09\0\0\0x"}) {
     CHECK_FALSE(WorkerReader().add(Bytes(bytes, bytes[0] + 4), none));

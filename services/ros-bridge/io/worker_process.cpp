@@ -43,7 +43,9 @@ constexpr int kMasterIsNew = 3;
 
 WorkerProcess::WorkerProcess(Service& service, BridgeCore& core, std::vector<std::string> command)
     : service_(service), core_(core), command_(std::move(command)) {
-  service_.on_robot([this](const Outbox& outbox) { on_output(outbox); });
+  service_.after_sends([this] {
+    if (const WorkerOutput output = core_.take_worker_output(); !output.empty()) carry_out(output);
+  });
   service_.timer([this] { return pid_ == 0 ? std::optional(start_at_) : std::nullopt; },
                  [this](Now now) {
                    if (pid_ == 0 && now.mono >= start_at_) start(now);
@@ -79,20 +81,20 @@ void WorkerProcess::watch() {
   service_.watch(fd_, events, [this](short heard) { on_ready(heard); });
 }
 
-void WorkerProcess::on_output(const Outbox& outbox) {
-  for (const RobotWrite& write : outbox.writes) unsent_ += write.bytes;
+void WorkerProcess::carry_out(const WorkerOutput& output) {
+  unsent_ += output.bytes;
   if (fd_ < 0) {
     unsent_.clear();
     return;
   }
-  if (!outbox.closes.empty()) {
+  if (output.kill) {
     end();
     start_at_ = now().mono + kPause;
     return;
   }
   // A worker that reads nothing hangs; the core will see that it says nothing either.
   if (unsent_.size() > kMaxUnsent) unsent_.clear();
-  if (!outbox.writes.empty()) flush();
+  if (!output.bytes.empty()) flush();
 }
 
 void WorkerProcess::flush() {

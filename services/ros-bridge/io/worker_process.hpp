@@ -22,7 +22,7 @@ class WorkerProcess {
 
  private:
   void start(Now now);
-  void on_output(const Outbox& outbox);
+  void carry_out(const WorkerOutput& output);
   void on_ready(short events);
   void flush();
   void watch();

@@ -13,15 +13,16 @@ namespace trb::drivers {
 struct C3Bench {
   Now now;
   Outbox outbox;
+  RobotOutbox robot;
   std::vector<EventFrom> events;
-  DriverOut out{nullptr, outbox, events};
+  DriverOut out{nullptr, outbox, robot, events};
   C3Link link;
   C3PollTimes polls;
 
   /// Sent since the last call: "VARIABLE" for a read, "VARIABLE=VALUE" for a write, each followed by a space.
   std::string sent() {
     std::string all;
-    for (const RobotWrite& write : std::exchange(outbox.writes, {})) {
+    for (const RobotWrite& write : std::exchange(robot.writes, {})) {
       const std::string& bytes = write.bytes;
       const auto size = [&](std::size_t at) { return static_cast<unsigned char>(bytes[at + 1]); };
       const std::string name = bytes.substr(7, size(5));

@@ -92,7 +92,8 @@ void talk(const FieldChannel& channel, BytesView bytes, std::size_t step) {
   LinesDriver mode(channel, kOwnId);
   Outbox outbox;
   std::vector<EventFrom> events;
-  const DriverOut out{&mode, outbox, events};
+  RobotOutbox robot;
+  const DriverOut out{&mode, outbox, robot, events};
   Now now{{1'000'000'000}, {1'800'000'000'000'000'000}};
   mode.on_up(Channel::field, now, out);
   const bool handed = mode.hand_over({1, MessageType::command, "go", "cloud", "1 2", "go"}, now, out).ok();
@@ -112,7 +113,7 @@ void talk(const FieldChannel& channel, BytesView bytes, std::size_t step) {
     }
   }
   require(ended <= (handed ? 1 : 0), "a command ends once");
-  require(mode.online() || !outbox.closes.empty(), "a channel that is given up is closed");
+  require(mode.online() || !robot.closes.empty(), "a channel that is given up is closed");
 }
 
 Bytes lines(char channel, const char* text) {

@@ -46,9 +46,11 @@ TEST_CASE("drone: one step is one datagram, at most 1024 bytes of it") {
   settings.commands.commands["big"] = line + line + line;
   DroneFixture fixture(kOnGround, settings);
   CHECK(fixture.answer(fixture.command("big", "key")) == "nack too_large");
-  fixture.out.writes.clear();
+  fixture.collect();
+  fixture.robot.writes.clear();
   fixture.command("lights", "[3, 0.5, 2]");
-  CHECK(fixture.out.writes.size() == 1);
+  fixture.collect();
+  CHECK(fixture.robot.writes.size() == 1);
 }
 
 TEST_CASE("drone: a watchdog that has bitten is told that somebody is there") {
