@@ -158,6 +158,7 @@ TEST_CASE("http: what the robot refuses is told with its words; a sign-in that i
   CHECK(nack.what.find(R"(PUT /status was answered with 400: {"error": "no such state"})") != std::string::npos);
   CHECK(nack.what.find("the 1 requests before it were answered well") != std::string::npos);
   fixture.out = {};
+  fixture.written(Channel::command);
   fixture.wait(0.5);
   fixture.asked();
   fixture.answer_with(401);
