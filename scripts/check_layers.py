@@ -19,6 +19,7 @@ LAYERS = {
     "common/security": ["proto"],
     "common/log": ["common/base"],
     "common/metrics": ["common/base"],
+    "common/sqlite": ["common/base"],
     "common/ranking": ["proto"],
     "common/consensus": ["proto", "common/security"],
     "common/scenario": ["common/fleet", "common/security"],
@@ -29,10 +30,11 @@ LAYERS = {
     "common/operator": ["common/ranking", "common/scenario", "common/service"],
     "common/supervisor": ["common/transport"],
     "services": ["common/service", "common/operator", "common/supervisor", "common/drivers", "common/scenario",
-                 "common/ranking", "common/consensus", "common/metrics"],
+                 "common/ranking", "common/consensus", "common/metrics", "common/sqlite"],
 }
 CORE_FORBIDDEN = [
-    (r'<zmq', "zmq"), (r'<nlohmann', "a JSON library"), (r'<spdlog', "a logger"), (r'<sqlite3', "a database"),
+    (r'<zmq', "zmq"), (r'<nlohmann', "a JSON library"), (r'<spdlog', "a logger"),
+    (r'<sqlite3|common/sqlite/', "a database"),
     (r'<sys/socket|<netinet|<arpa/inet|<poll\.h|<unistd\.h|<sys/epoll', "sockets or descriptors"),
     (r'<sdbus-c|<systemd/|<libudev', "D-Bus or udev"),
     (r'<thread>|<mutex>|<condition_variable>|<atomic>|<future>', "threads"),

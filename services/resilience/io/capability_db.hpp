@@ -11,9 +11,9 @@
 #include <string>
 #include <vector>
 
+#include "common/sqlite/sqlite_file.hpp"
 #include "services/resilience/core/fleet.hpp"
 #include "services/resilience/core/history_reader.hpp"
-#include "services/resilience/io/sqlite.hpp"
 
 namespace trb::resilience {
 

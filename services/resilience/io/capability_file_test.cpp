@@ -1,10 +1,9 @@
 // The capability database's file: full disks, damage, other versions.
-#include <signal.h>
 #include <sqlite3.h>
-#include <sys/resource.h>
 
 #include <fstream>
 
+#include "common/sqlite/test/full_disk.hpp"
 #include "services/resilience/core/robot_state.hpp"
 #include "services/resilience/io/schema.hpp"
 #include "services/resilience/test/db_folder.hpp"
@@ -14,27 +13,6 @@ using namespace trb::resilience;
 using namespace trb::resilience::test;
 
 namespace {
-
-/// While it exists, no file of this process may grow beyond this size: a full disk.
-class FullDisk {
- public:
-  explicit FullDisk(rlim_t bytes) {
-    former_handler_ = ::signal(SIGXFSZ, SIG_IGN);
-    REQUIRE(::getrlimit(RLIMIT_FSIZE, &former_) == 0);
-    const rlimit limit{bytes, former_.rlim_max};
-    REQUIRE(::setrlimit(RLIMIT_FSIZE, &limit) == 0);
-  }
-  ~FullDisk() {
-    ::setrlimit(RLIMIT_FSIZE, &former_);
-    ::signal(SIGXFSZ, former_handler_);
-  }
-  FullDisk(const FullDisk&) = delete;
-  FullDisk& operator=(const FullDisk&) = delete;
-
- private:
-  rlimit former_{};
-  void (*former_handler_)(int) = nullptr;
-};
 
 void sql(const Folder& folder, const std::string& text) {
   sqlite3* db = nullptr;
@@ -64,7 +42,7 @@ TEST_CASE("a full disk: nothing half, nothing lost, and it goes on once there is
   REQUIRE(db->write(fleet, at_second(0)));
   for (int i = 0; i < 200; ++i) REQUIRE(fleet.on_route(route_of("r" + std::to_string(i), carrier()), at_second(1)));
   {
-    const FullDisk full(64 * 1024);
+    const trb::test::FullDisk full(64 * 1024);
     const Status written = db->write(fleet, at_second(2));
     REQUIRE_FALSE(written.ok());
     CHECK(written.error().code == Errc::io_error);

@@ -3,8 +3,8 @@
 
 #include <vector>
 
+#include "common/sqlite/sqlite_file.hpp"
 #include "services/resilience/core/fleet.hpp"
-#include "services/resilience/io/sqlite.hpp"
 
 namespace trb::resilience {
 

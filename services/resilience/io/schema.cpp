@@ -1,5 +1,7 @@
 #include "services/resilience/io/schema.hpp"
 
+#include "common/sqlite/migrate.hpp"
+
 namespace trb::resilience {
 namespace {
 
@@ -78,35 +80,13 @@ CREATE TABLE numbers(
 )",
 };
 
-Result<int> version_of(SqliteFile& file) {
-  int version = 0;
-  const Status read = file.rows("PRAGMA user_version", [&](const Columns& row) -> Status {
-    version = static_cast<int>(row.integer(0));
-    return Done{};
-  });
-  if (!read) return read.error();
-  return version;
-}
-
 }  // namespace
 
 Status migrate(SqliteFile& file) {
-  const auto version = version_of(file);
-  if (!version) return version.error();
-  if (*version == kSchemaVersion) return Done{};
-  if (*version < 0 || *version > kSchemaVersion) {
-    return fail(Errc::version_mismatch,
-                file.path() + ": schema version " + std::to_string(*version) + ", this build knows " +
-                    std::to_string(kSchemaVersion),
-                "start the build that wrote it, or move the file away: the fleet tells its capabilities anew, open "
-                "alerts are lost");
-  }
-  return file.transact([&]() -> Status {
-    for (int step = *version; step < kSchemaVersion; ++step) {
-      if (auto done = file.script(kSteps[step]); !done) return done;
-    }
-    return file.script(("PRAGMA user_version=" + std::to_string(kSchemaVersion)).c_str());
-  });
+  return trb::migrate(
+      file, kSteps,
+      "start the build that wrote it, or move the file away: the fleet tells its capabilities anew, open "
+      "alerts are lost");
 }
 
 }  // namespace trb::resilience

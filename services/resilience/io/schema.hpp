@@ -1,7 +1,7 @@
 // The tables of capability.db and their versions (PRAGMA user_version).
 #pragma once
 
-#include "services/resilience/io/sqlite.hpp"
+#include "common/sqlite/sqlite_file.hpp"
 
 namespace trb::resilience {
 

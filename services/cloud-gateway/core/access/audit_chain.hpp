@@ -34,6 +34,7 @@ struct AuditRecord {
 struct AuditRow {
   AuditRecord record;
   Bytes hash;
+  bool operator==(const AuditRow&) const = default;
 };
 
 /// The last record of a chain. The node's router signs the payload with purpose kSignedAuditHead.

@@ -16,6 +16,7 @@ struct Session {
   Bytes stamp;  ///< the user's stamp at the sign-in
   UtcTime made;
   UtcTime used;  ///< moves in steps of kUseStep
+  bool operator==(const Session&) const = default;
 };
 
 /// What the browser receives; the id is kept nowhere else.

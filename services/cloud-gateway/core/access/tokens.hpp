@@ -18,6 +18,7 @@ struct Token {
   UtcTime made;
   UtcTime ends;
   Bytes key;  ///< hash of the secret
+  bool operator==(const Token&) const = default;
 };
 
 struct TokenWish {

@@ -19,6 +19,7 @@ namespace trb::gateway {
 struct SignedHead {
   std::uint64_t number = 0;
   Bytes record;  ///< the encoded SignedRecord
+  bool operator==(const SignedHead&) const = default;
 };
 
 /// What a start finds.
@@ -29,10 +30,11 @@ struct StoredState {
   std::vector<StoredRequest> requests;
   std::optional<AuditRow> last_audit;
   std::uint64_t signed_to = 0;  ///< the highest number of a signed head
-  UtcTime steady;               ///< the last stored steady time
+  std::optional<UtcTime> steady;  ///< the last stored steady time; empty: none was stored yet
 };
 
-/// What is written together, in one transaction: all of it or nothing.
+/// What is written together, in one transaction: all of it or nothing. Requests are dropped before new ones are put, so
+/// that an expired key can be used again in the same batch.
 struct StoreBatch {
   std::vector<Change<User>> users;
   std::vector<Change<Session>> sessions;
@@ -45,16 +47,19 @@ struct StoreBatch {
   [[nodiscard]] bool empty() const;
 };
 
-/// Which audit records: the newest first, below `before`.
+/// Which audit records: the newest first, with numbers below `before`.
 struct AuditQuery {
   std::optional<std::uint64_t> before;
   std::size_t most = 100;  ///< 1 to 1000
   std::string who;         ///< empty: of everybody
 };
 
+/// The texts are stored as they are. Errors of every call: io_error (a full disk, no rights), malformed (damaged), each
+/// with a hint. After an error the object can be used further.
 class GatewayDb {
  public:
-  /// Opens or creates it (0600), migrates an older schema; a newer one is refused. Errors: io_error, malformed.
+  /// Opens or creates it. It has the mode 0600 from the beginning; an existing one gets it. Migrates an older schema.
+  /// Error besides: version_mismatch (a newer build wrote it).
   static Result<std::unique_ptr<GatewayDb>> open(const std::string& path);
   GatewayDb() = default;
   GatewayDb(const GatewayDb&) = delete;
@@ -62,10 +67,15 @@ class GatewayDb {
   virtual ~GatewayDb() = default;
 
   virtual Result<StoredState> load() = 0;
+  /// On disk once it returns Done. Error besides: conflict. It says that another gateway has changed the same store: the
+  /// batch would leave no enabled admin, or its audit records do not follow the last one (they have no gaps, and none is
+  /// ever replaced). The objects in memory are out of date then: end the process.
   virtual Status save(const StoreBatch& batch) = 0;
+  /// Error besides: bad_value (`most`).
   virtual Result<std::vector<AuditRow>> audit(const AuditQuery& query) = 0;
   /// For a check of the whole chain: `most` rows from that number on, in order.
   virtual Result<std::vector<AuditRow>> audit_from(std::uint64_t number, std::size_t most) = 0;
+  /// By number. Of several heads with the same number the first is kept: it covers the same records.
   virtual Result<std::vector<SignedHead>> heads() = 0;
 };
 

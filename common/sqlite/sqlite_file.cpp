@@ -1,11 +1,17 @@
-#include "services/resilience/io/sqlite.hpp"
+#include "common/sqlite/sqlite_file.hpp"
 
 #include <sqlite3.h>
 
-namespace trb::resilience {
+namespace trb {
 namespace {
 
 constexpr int kBusyMs = 1000;
+
+std::string cure_of(int code) {
+  if (code == SQLITE_CONSTRAINT) return "read what is there, and decide anew";
+  if (code == SQLITE_BUSY || code == SQLITE_LOCKED) return "another process writes to it: end that one, or try again";
+  return "check the disk's space and the file's rights";
+}
 
 }  // namespace
 
@@ -21,6 +27,10 @@ std::int64_t Columns::integer(int column) const {
 
 double Columns::real(int column) const {
   return sqlite3_column_double(statement_, column);
+}
+
+bool Columns::is_null(int column) const {
+  return sqlite3_column_type(statement_, column) == SQLITE_NULL;
 }
 
 Result<std::unique_ptr<SqliteFile>> SqliteFile::open(const std::string& path, std::string hint) {
@@ -102,12 +112,12 @@ void SqliteFile::bind(sqlite3_stmt* statement, int place, double number) {
 Error SqliteFile::problem(const std::string& what) const {
   const int code = sqlite3_errcode(db_);
   if (code == SQLITE_NOTADB || code == SQLITE_CORRUPT) return damaged(sqlite3_errmsg(db_));
-  return fail(Errc::io_error, path_ + ": " + what + ": " + sqlite3_errmsg(db_),
-              "check the disk's space and the file's rights");
+  const Errc kind = code == SQLITE_CONSTRAINT ? Errc::conflict : Errc::io_error;
+  return fail(kind, path_ + ": " + what + ": " + sqlite3_errmsg(db_), cure_of(code));
 }
 
 Error SqliteFile::damaged(const std::string& what) const {
   return fail(Errc::malformed, path_ + ": damaged: " + what, cure_);
 }
 
-}  // namespace trb::resilience
+}  // namespace trb

@@ -1,6 +1,7 @@
-// A SQLite file: prepared statements, values bound and read by type, errors with a hint.
+// A SQLite file: prepared statements, values bound and read by type, errors with a hint. For io; no core has one.
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <map>
 #include <memory>
@@ -14,7 +15,7 @@
 struct sqlite3;
 struct sqlite3_stmt;
 
-namespace trb::resilience {
+namespace trb {
 
 /// The columns of a row, from 0.
 class Columns {
@@ -23,6 +24,7 @@ class Columns {
   [[nodiscard]] std::string text(int column) const;  ///< also of a blob
   [[nodiscard]] std::int64_t integer(int column) const;
   [[nodiscard]] double real(int column) const;
+  [[nodiscard]] bool is_null(int column) const;
 
  private:
   sqlite3_stmt* statement_;
@@ -33,10 +35,12 @@ struct BlobView {
   std::string_view bytes;
 };
 
+/// One connection, used by one thread. Errors of every call: io_error (a full disk, no rights, another process that
+/// writes for over a second), malformed (damaged; with the hint), conflict (the tables refuse it: a key that is there
+/// already, a trigger). After an error the object can be used further.
 class SqliteFile {
  public:
-  /// Opens or creates the file: WAL, synchronous=FULL, foreign keys. `hint`: the cure for a damaged one. Errors:
-  /// io_error, malformed.
+  /// Opens or creates the file: WAL, synchronous=FULL, foreign keys. `hint`: the cure for a damaged one.
   static Result<std::unique_ptr<SqliteFile>> open(const std::string& path, std::string hint);
 
   SqliteFile(const SqliteFile&) = delete;
@@ -61,7 +65,8 @@ class SqliteFile {
     return step(*statement, each);
   }
 
-  /// Writes everything that `work` writes, or nothing. Within another transaction it is part of that one.
+  /// Writes everything that `work` writes, or nothing. Within another transaction it is part of that one,
+  /// whose work returns its error.
   Status transact(const std::function<Status()>& work);
 
   /// The number of rows that the last statement has changed.
@@ -77,6 +82,10 @@ class SqliteFile {
   Result<sqlite3_stmt*> prepared(const char* sql);
   Status step(sqlite3_stmt* statement, const EachRow& each);
   static void bind(sqlite3_stmt* statement, int place, std::string_view text);
+  // Without it a literal would be bound as bool.
+  static void bind(sqlite3_stmt* statement, int place, const char* text) {
+    bind(statement, place, std::string_view(text));
+  }
   static void bind(sqlite3_stmt* statement, int place, BlobView blob);
   static void bind(sqlite3_stmt* statement, int place, std::int64_t number);
   static void bind(sqlite3_stmt* statement, int place, std::uint32_t number) {
@@ -85,6 +94,11 @@ class SqliteFile {
   static void bind(sqlite3_stmt* statement, int place, double number);
   static void bind(sqlite3_stmt* statement, int place, bool flag) {
     bind(statement, place, std::int64_t{flag ? 1 : 0});
+  }
+  /// Empty: NULL, which is what a value that is not bound is.
+  template <class T>
+  static void bind(sqlite3_stmt* statement, int place, const std::optional<T>& value) {
+    if (value) bind(statement, place, *value);
   }
   [[nodiscard]] Error problem(const std::string& what) const;
 
@@ -95,4 +109,4 @@ class SqliteFile {
   bool in_transaction_ = false;
 };
 
-}  // namespace trb::resilience
+}  // namespace trb

@@ -1,0 +1,114 @@
+#include "services/cloud-gateway/io/store/audit_rows.hpp"
+
+#include <algorithm>
+#include <limits>
+
+#include "services/cloud-gateway/io/store/in_order.hpp"
+
+namespace trb::gateway {
+namespace {
+
+constexpr std::size_t kMostAudit = 1000;
+
+/// SQLite's integers have a sign; no record has a number above the highest one.
+std::int64_t as_integer(std::uint64_t number) {
+  constexpr auto kHighest = static_cast<std::uint64_t>(std::numeric_limits<std::int64_t>::max());
+  return static_cast<std::int64_t>(std::min(number, kHighest));
+}
+
+Status append_row(SqliteFile& file, const AuditRow& row) {
+  const AuditRecord& is = row.record;
+  const Status done = file.run(
+      "INSERT INTO audit(number, time, who, address, action, about, outcome, hash) VALUES(?,?,?,?,?,?,?,?)",
+      as_integer(is.number), is.time, is.who, is.from, is.action, is.about, is.outcome, BlobView{row.hash});
+  if (done || done.error().code != Errc::conflict) return done;
+  return fail(Errc::conflict,
+              file.path() + ": audit record " + std::to_string(is.number) + " does not follow the last stored one",
+              "another gateway uses this store: end one of the two, and start the other again");
+}
+
+Status append_head(SqliteFile& file, const SignedHead& head) {
+  return file.run("INSERT INTO heads(number, record) VALUES(?,?)", as_integer(head.number), BlobView{head.record});
+}
+
+AuditRow audit_row(const Columns& row) {
+  return {{static_cast<std::uint64_t>(row.integer(0)), row.integer(1), row.text(2), row.text(3), row.text(4),
+           row.text(5), row.text(6)},
+          row.text(7)};
+}
+
+/// The rows of a SELECT of all columns.
+template <class... Values>
+Result<std::vector<AuditRow>> audit_rows(SqliteFile& file, const char* sql, const Values&... values) {
+  std::vector<AuditRow> out;
+  const Status done = file.rows(
+      sql,
+      [&](const Columns& row) -> Status {
+        out.push_back(audit_row(row));
+        return Done{};
+      },
+      values...);
+  if (!done) return done.error();
+  return out;
+}
+
+#define TRB_AUDIT_COLUMNS "SELECT number, time, who, address, action, about, outcome, hash FROM audit "
+
+Status read_last(SqliteFile& file, std::optional<AuditRow>& out) {
+  auto rows = audit_rows(file, TRB_AUDIT_COLUMNS "ORDER BY number DESC LIMIT 1");
+  if (!rows) return rows.error();
+  if (!rows->empty()) out = std::move(rows->front());
+  return Done{};
+}
+
+Status read_signed_to(SqliteFile& file, std::uint64_t& out) {
+  return file.rows("SELECT coalesce(max(number), 0) FROM heads", [&](const Columns& row) -> Status {
+    out = static_cast<std::uint64_t>(row.integer(0));
+    return Done{};
+  });
+}
+
+}  // namespace
+
+Status write_audit(SqliteFile& file, const StoreBatch& batch) {
+  for (const AuditRow& row : batch.audit) {
+    if (Status done = append_row(file, row); !done) return done;
+  }
+  for (const SignedHead& head : batch.heads) {
+    if (Status done = append_head(file, head); !done) return done;
+  }
+  return Done{};
+}
+
+Result<std::vector<AuditRow>> read_audit(SqliteFile& file, const AuditQuery& query) {
+  if (query.most < 1 || query.most > kMostAudit) {
+    return fail(Errc::bad_value, "most: " + std::to_string(query.most), "use a number from 1 to 1000");
+  }
+  const std::int64_t before = as_integer(query.before.value_or(std::numeric_limits<std::uint64_t>::max()));
+  const std::int64_t most = as_integer(query.most);
+  if (query.who.empty())
+    return audit_rows(file, TRB_AUDIT_COLUMNS "WHERE number < ? ORDER BY number DESC LIMIT ?", before, most);
+  return audit_rows(file, TRB_AUDIT_COLUMNS "WHERE who = ? AND number < ? ORDER BY number DESC LIMIT ?", query.who,
+                    before, most);
+}
+
+Result<std::vector<AuditRow>> read_audit_from(SqliteFile& file, std::uint64_t number, std::size_t most) {
+  return audit_rows(file, TRB_AUDIT_COLUMNS "WHERE number >= ? ORDER BY number LIMIT ?", as_integer(number),
+                    as_integer(most));
+}
+
+Result<std::vector<SignedHead>> read_heads(SqliteFile& file) {
+  std::vector<SignedHead> out;
+  const Status done = file.rows("SELECT number, record FROM heads ORDER BY number", [&](const Columns& row) -> Status {
+    out.push_back({static_cast<std::uint64_t>(row.integer(0)), row.text(1)});
+    return Done{};
+  });
+  if (!done) return done.error();
+  return out;
+}
+
+Status read_end(SqliteFile& file, StoredState& out) {
+  return in_order([&] { return read_last(file, out.last_audit); }, [&] { return read_signed_to(file, out.signed_to); });
+}
+
+}  // namespace trb::gateway

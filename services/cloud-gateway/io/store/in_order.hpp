@@ -1,0 +1,16 @@
+// Steps that may fail, one after the other.
+#pragma once
+
+#include "common/base/result.hpp"
+
+namespace trb::gateway {
+
+/// Calls each step until one fails; the error is that one's.
+template <class... Steps>
+Status in_order(const Steps&... steps) {
+  Status out = Done{};
+  static_cast<void>(((out = steps()).ok() && ...));
+  return out;
+}
+
+}  // namespace trb::gateway
