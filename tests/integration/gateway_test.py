@@ -114,7 +114,7 @@ class Gateway(unittest.TestCase):
         one.sign_in("pia", GOOD)
         two.sign_in("pia", GOOD)
         self.assert_problem(one.ask("PUT", "/api/v1/me/password", {"old": "wrong wrong wrong", "new": GOOD + "!"}), 403)
-        self.assert_problem(one.ask("PUT", "/api/v1/me/password", {"old": GOOD, "new": "short"}), 400)
+        self.assert_problem(one.ask("PUT", "/api/v1/me/password", {"old": GOOD, "new": "short"}), 422)
         self.assertEqual(one.ask("PUT", "/api/v1/me/password", {"old": GOOD, "new": GOOD + "!"}).status, 204)
         self.assertEqual(two.ask("GET", "/api/v1/me").status, 401)
         self.assertEqual(two.sign_in("pia", GOOD).status, 401)
@@ -170,11 +170,11 @@ class Gateway(unittest.TestCase):
             self.assert_problem(ask("GET", path), 400, "bad_path")
         users = "/api/v1/users"
         self.assert_problem(ask("POST", users, b"{", Content_Type="application/json"), 400)
-        self.assert_problem(ask("POST", users, b"{}", Content_Type="text/plain"), 400)
-        self.assert_problem(ask("POST", users, {"name": "x", "role": "king", "password": GOOD}), 400)
-        self.assert_problem(ask("POST", users, {"name": "x", "role": "viewer", "password": GOOD, "more": 1}), 400)
-        self.assert_problem(ask("POST", users, {"name": "';drop table users--", "role": "viewer", "password": GOOD}), 400)
-        self.assert_problem(ask("GET", "/api/v1/robots?limit=0"), 400)
+        self.assert_problem(ask("POST", users, b"{}", Content_Type="text/plain"), 415)
+        self.assert_problem(ask("POST", users, {"name": "x", "role": "king", "password": GOOD}), 422)
+        self.assert_problem(ask("POST", users, {"name": "x", "role": "viewer", "password": GOOD, "more": 1}), 422)
+        self.assert_problem(ask("POST", users, {"name": "';drop table users--", "role": "viewer", "password": GOOD}), 422)
+        self.assert_problem(ask("GET", "/api/v1/robots?limit=0"), 422)
         self.assert_problem(ask("GET", "/api/v1/robots?cursor=zz"), 400)
 
     def test_ten_megabytes_are_refused_before_they_are_read(self):
@@ -214,11 +214,11 @@ class Gateway(unittest.TestCase):
         self.assertEqual(self.operator.ask("POST", "/api/v1/stop").json["robots"][0]["robot"], ROBOT)
 
     def test_a_run_is_started_once_whatever_is_killed(self):
-        checked = self.viewer.ask("POST", "/api/v1/scenarios/check", SCENARIO, Origin=None).json
+        checked = self.viewer.ask("POST", "/api/v1/scenarios/check", SCENARIO).json
         self.assertEqual((checked["good"], checked["faults"]), (True, []))
         wrong = {"name": "wrong", "tasks": [{"id": "go", "robot": ROBOT, "skill": "dance"}]}
         self.assertFalse(self.viewer.ask("POST", "/api/v1/scenarios/check", wrong).json["good"])
-        self.assert_problem(self.operator.ask("POST", "/api/v1/runs", {"scenario": wrong}), 400)
+        self.assert_problem(self.operator.ask("POST", "/api/v1/runs", {"scenario": wrong}), 422)
         start = {"scenario": SCENARIO, "priority": 3}
         first = self.operator.ask("POST", "/api/v1/runs", start, Idempotency_Key="one")
         self.assertEqual(first.status, 201, first.bytes)

@@ -36,7 +36,10 @@ void Access::restore(StoredState stored) {
   for (User& user : stored.users) users.restore(std::move(user));
   for (Session& session : stored.sessions) sessions.restore(std::move(session));
   for (Token& token : stored.tokens) tokens.restore(std::move(token));
-  requests.restore(stored.requests, stored.steady);
+  if (stored.steady) {
+    requests.restore(stored.requests, *stored.steady);
+    time.restore(*stored.steady);
+  }
   heads.signed_to(stored.signed_to);
 }
 

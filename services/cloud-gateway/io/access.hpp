@@ -49,6 +49,7 @@ class Access {
   AuditChain chain;
   AuditHeads heads;
   Idempotency requests;
+  SteadyTime time;  ///< UTC that does not jump: for sessions and tokens
 
  private:
   std::vector<AuditRow> noted_;

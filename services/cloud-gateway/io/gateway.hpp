@@ -39,11 +39,10 @@ struct Gateway {
   SignIns* sign_ins = nullptr;
   Counts counts{};
   std::map<ClientId, LiveSocket*> sockets{};  ///< each adds and removes itself
-  SteadyTime time{};
 
   [[nodiscard]] Now now() const { return session.now(); }
   /// UTC that does not jump: for sessions and tokens.
-  UtcTime steady() { return time.at(now()); }
+  UtcTime steady() { return access.time.at(now()); }
 };
 
 }  // namespace trb::gateway

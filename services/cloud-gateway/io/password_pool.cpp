@@ -45,17 +45,16 @@ CheckResult check_password(const std::string& hash, const std::string& password)
 
 std::string hash_password(const std::string& password) {
   char out[crypto_pwhash_STRBYTES] = {};
-  if (sodium_init() < 0 ||
-      crypto_pwhash_str(out, password.data(), password.size(), crypto_pwhash_OPSLIMIT_INTERACTIVE,
-                        crypto_pwhash_MEMLIMIT_INTERACTIVE) != 0)
+  if (sodium_init() < 0 || crypto_pwhash_str(out, password.data(), password.size(), crypto_pwhash_OPSLIMIT_INTERACTIVE,
+                                             crypto_pwhash_MEMLIMIT_INTERACTIVE) != 0)
     return {};
   return out;
 }
 
 /// Outlives the pool in the results that are posted.
 struct PasswordPool::Work : std::enable_shared_from_this<Work> {
-  using Result = std::function<void()>;           ///< called on the loop's thread
-  using Job = std::function<Result()>;            ///< called on a thread of the pool
+  using Result = std::function<void()>;  ///< called on the loop's thread
+  using Job = std::function<Result()>;   ///< called on a thread of the pool
   using Guard = boost::asio::executor_work_guard<boost::asio::io_context::executor_type>;
 
   explicit Work(boost::asio::io_context& io) : loop(io) {}

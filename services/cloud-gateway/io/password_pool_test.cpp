@@ -56,7 +56,8 @@ TEST_CASE("a new hash fits its password, also a short or an empty one") {
   int right = 0;
   for (const std::string password : {"short", ""}) {
     pool.hash(password, [&, password](std::string hash) {
-      pool.check({1, std::move(hash), password}, [&](SignInId, CheckResult result) { right += result == CheckResult::right; });
+      pool.check({1, std::move(hash), password},
+                 [&](SignInId, CheckResult result) { right += result == CheckResult::right; });
     });
   }
   loop.run();

@@ -15,6 +15,10 @@ std::string allow_of(const std::vector<Method>& methods) {
   return out;
 }
 
+bool is_json(const HttpRequest& request) {
+  return request.content_type && request.content_type->starts_with("application/json");
+}
+
 AuditRecord audit_of(const Call& call, int status, UtcTime now) {
   AuditRecord out;
   out.time = now.ns;
@@ -59,6 +63,10 @@ void Api::on_request(HttpRequest request, Reply reply) {
       std::move(request), std::move(decision),
       [this, reply = std::move(reply)](const Call& of, HttpReply with) { end(of, std::move(with), reply); });
   if (call->decision.verdict != RequestVerdict::allowed) return call->reply(refuse(call->decision));
+  if (!call->request.body.empty() && !is_json(call->request)) {
+    return call->reply(problem_reply(415, "media_type", "the body's Content-Type is not application/json",
+                                     "send Content-Type: application/json"));
+  }
   const Handler* handler = table_.find(*call->decision.route);
   if (handler != nullptr) return (*handler)(call);
   call->reply(problem_reply(501, "not_built", std::string(call->decision.route->path) + " is not built yet",

@@ -58,7 +58,8 @@ HttpReply problem_reply(const Error& error) {
 }
 
 HttpReply problem_reply(int status, std::string_view code, const std::string& detail, const std::string& hint) {
-  Problem out{"/problems/" + std::string(code), std::string(code), static_cast<std::uint16_t>(status), detail, {}};
+  Problem out{
+      "/api/v1/problems/" + std::string(code), std::string(code), static_cast<std::uint16_t>(status), detail, {}};
   if (!hint.empty()) out.errors.push_back({"", detail, hint});
   return problem_reply(out);
 }
@@ -109,10 +110,6 @@ void Call::reply(HttpReply reply) {
 }
 
 Result<Value> body_of(const Call& call) {
-  const std::string type = call.request.content_type.value_or("");
-  if (!type.starts_with(kJson)) {
-    return fail(Errc::bad_value, "Content-Type: '" + type.substr(0, 60) + "'", "send application/json");
-  }
   auto out = parse_json(call.request.body);
   if (out && !out->is_object()) return fail(Errc::bad_value, "the body is no object", R"(write {"name": ...})");
   return out;

@@ -53,7 +53,7 @@ class Call {
 };
 using CallPtr = std::shared_ptr<Call>;
 
-/// The request's body as a JSON object. Errors: malformed, too_large, bad_value (no object; another content type).
+/// The request's body as a JSON object. Errors: malformed, too_large, bad_value (no object).
 Result<Value> body_of(const Call& call);
 
 }  // namespace trb::gateway

@@ -49,8 +49,10 @@ std::size_t BodyReader::take_data(BytesView input) {
   body_ += input.substr(0, count);
   left_ -= count;
   if (left_ > 0) return count;
-  if (is_chunked_) part_ = Part::data_end;
-  else state_ = State::done;
+  if (is_chunked_)
+    part_ = Part::data_end;
+  else
+    state_ = State::done;
   return count;
 }
 

@@ -97,11 +97,7 @@ class WebSocketConnection final : public Connection,
 
 WebSocketConnection::WebSocketConnection(Tls stream, ConnectionOwner& owner, ConnectionId id,
                                          std::shared_ptr<WebSocketIn> in)
-    : stream_(std::move(stream)),
-      owner_(&owner),
-      id_(id),
-      in_(std::move(in)),
-      deadline_(stream_.get_executor()) {
+    : stream_(std::move(stream)), owner_(&owner), id_(id), in_(std::move(in)), deadline_(stream_.get_executor()) {
   stream_.set_option(websocket::stream_base::timeout{owner.times().head, owner.times().ping, true});
   stream_.set_option(websocket::stream_base::decorator([](websocket::response_type& reply) {
     for (const auto& [name, value] : security_headers())
@@ -288,12 +284,18 @@ void HttpConnection::start() {
 Duration HttpConnection::time_of(Phase phase) const {
   const HttpTimes& times = owner_->times();
   switch (phase) {
-    case Phase::waiting: return turn_ == 0 ? times.head : times.idle;
-    case Phase::body: return times.body;
-    case Phase::answering: return times.answer;
-    case Phase::replying: return times.reply;
-    case Phase::leaving: return times.linger;
-    default: return times.head;
+    case Phase::waiting:
+      return turn_ == 0 ? times.head : times.idle;
+    case Phase::body:
+      return times.body;
+    case Phase::answering:
+      return times.answer;
+    case Phase::replying:
+      return times.reply;
+    case Phase::leaving:
+      return times.linger;
+    default:
+      return times.head;
   }
 }
 
@@ -352,9 +354,12 @@ void HttpConnection::take_input() {
 
 void HttpConnection::take_head() {
   switch (parser_->feed(input_)) {
-    case RequestParser::State::more: return read();
-    case RequestParser::State::fault: return refuse(parser_->fault());
-    case RequestParser::State::done: return on_head();
+    case RequestParser::State::more:
+      return read();
+    case RequestParser::State::fault:
+      return refuse(parser_->fault());
+    case RequestParser::State::done:
+      return on_head();
   }
 }
 
@@ -382,11 +387,14 @@ void HttpConnection::begin_body() {
 
 void HttpConnection::take_body() {
   switch (body_.feed(input_)) {
-    case BodyReader::State::more: return read();
-    case BodyReader::State::done: return ask_handler();
+    case BodyReader::State::more:
+      return read();
+    case BodyReader::State::done:
+      return ask_handler();
     case BodyReader::State::too_large:
       return refuse({413, "body_too_large", "chunks over " + std::to_string(kMaxRequestBody) + " bytes", "send less"});
-    case BodyReader::State::malformed: return refuse(bad_request("a chunk that is none", "see RFC 9112, 7.1"));
+    case BodyReader::State::malformed:
+      return refuse(bad_request("a chunk that is none", "see RFC 9112, 7.1"));
   }
 }
 
@@ -465,8 +473,8 @@ void HttpConnection::leave() {
 void HttpConnection::drain(Problem problem) {
   if (phase_ == Phase::ended) return;
   if (problem) return end();
-  stream_.next_layer().async_read_some(
-      asio::buffer(chunk_), [self = shared_from_this()](Problem next, std::size_t) { self->drain(next); });
+  stream_.next_layer().async_read_some(asio::buffer(chunk_),
+                                       [self = shared_from_this()](Problem next, std::size_t) { self->drain(next); });
 }
 
 void HttpConnection::close() {

@@ -22,7 +22,7 @@ struct HttpRequest {
   std::string method;  ///< HEAD comes as GET: the server leaves the body of the reply out
   std::string target;
   std::string host;
-  std::string source;  ///< the client's address; for IPv6 its /64 ("2001:db8::/64")
+  std::string source;                  ///< the client's address; for IPv6 its /64 ("2001:db8::/64")
   std::optional<std::string> session;  ///< the value of the cookie kSessionCookie
   std::optional<std::string> bearer;
   std::optional<std::string> origin;
@@ -44,7 +44,7 @@ struct HttpReply {
   int status = 200;
   std::string content_type = "application/json";
   std::vector<std::pair<std::string, std::string>> headers{};  ///< besides those that every reply has
-  std::shared_ptr<const Bytes> body{};                          ///< null: none
+  std::shared_ptr<const Bytes> body{};                         ///< null: none
 };
 
 /// Sends the reply. Called once, on the loop's thread, now or later; the client may have gone by then, and the server

@@ -21,7 +21,7 @@ constexpr std::array kSecurityHeaders{
 };
 
 /// Besides the above: what the server writes, or leaves out.
-constexpr std::array kOwn{"connection", "content-length", "content-type",      "date", "keep-alive",
+constexpr std::array kOwn{"connection", "content-length", "content-type",      "date",   "keep-alive",
                           "server",     "trailer",        "transfer-encoding", "upgrade"};
 
 struct StatusRow {

@@ -12,9 +12,21 @@ using Fault = std::optional<HttpFault>;
 
 /// Those that may stand once.
 constexpr std::array kOnce{
-    "host",          "cookie",   "authorization", "origin",        "content-length",    "transfer-encoding",
-    "content-type",  "if-match", "if-none-match", "x-csrf-token",  "idempotency-key",   "expect",
-    "upgrade",       "sec-websocket-key",         "sec-websocket-version",
+    "host",
+    "cookie",
+    "authorization",
+    "origin",
+    "content-length",
+    "transfer-encoding",
+    "content-type",
+    "if-match",
+    "if-none-match",
+    "x-csrf-token",
+    "idempotency-key",
+    "expect",
+    "upgrade",
+    "sec-websocket-key",
+    "sec-websocket-version",
 };
 
 char lower(char c) {
@@ -56,7 +68,8 @@ std::size_t count_of(const RawHead& raw, std::string_view name) {
 
 /// Moves the header's value out of the list.
 std::optional<std::string> take(RawHead& raw, std::string_view name) {
-  const auto at = std::ranges::find_if(raw.headers, [&](const HeaderField& field) { return is_word(field.name, name); });
+  const auto at =
+      std::ranges::find_if(raw.headers, [&](const HeaderField& field) { return is_word(field.name, name); });
   if (at == raw.headers.end()) return std::nullopt;
   return std::move(at->value);
 }
@@ -78,8 +91,8 @@ Fault check_repeated(const RawHead& raw) {
 
 /// RFC 6265, 4.2.1: "a=1; b=2". Other cookies of this host are not ours.
 Fault read_cookies(RawHead& raw, HttpRequest& out) {
-  const auto cookies = take(raw, "cookie");
-  for (const std::string_view cookie : parts(cookies.value_or(""), ';')) {
+  const std::string cookies = take(raw, "cookie").value_or("");
+  for (const std::string_view cookie : parts(cookies, ';')) {
     const std::size_t equals = cookie.find('=');
     if (equals == std::string_view::npos || cookie.substr(0, equals) != kSessionCookie) continue;
     if (out.session) return bad_request("two cookies " + std::string(kSessionCookie), "remove this site's cookies");

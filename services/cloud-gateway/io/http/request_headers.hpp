@@ -1,4 +1,5 @@
-// From a request's line and headers to what the API and the server need of them. Pure: it knows no parser and no socket.
+// From a request's line and headers to what the API and the server need of them. Pure: it knows no parser and no
+// socket.
 #pragma once
 
 #include <cstdint>
@@ -35,8 +36,8 @@ struct ReadHead {
   std::optional<std::string> websocket_key;  ///< set: it asks to become a WebSocket (RFC 6455, 4.2.1)
 };
 
-/// Refuses (400) a repeated header of those that decide about rights, body or connection: two servers may take different
-/// ones of them (RFC 9112, 11.2). Refuses what can be read as two lengths of the body: Transfer-Encoding with
+/// Refuses (400) a repeated header of those that decide about rights, body or connection: two servers may take
+/// different ones of them (RFC 9112, 11.2). Refuses what can be read as two lengths of the body: Transfer-Encoding with
 /// Content-Length, or in HTTP/1.0 (6.1), or other than "chunked" (501). No Host in HTTP/1.1: 400 (3.2). Another Expect
 /// than 100-continue: 417. A WebSocket of another version than 13: 426.
 std::variant<ReadHead, HttpFault> read_head(RawHead raw);

@@ -78,7 +78,9 @@ TEST_CASE("what is not sent is missing, and the request's head points at the sam
 }
 
 TEST_CASE("the session is in our cookie alone, among others") {
-  const auto session = [](const std::string& cookies) { return accepted(raw_get({{"Cookie", cookies}})).request.session; };
+  const auto session = [](const std::string& cookies) {
+    return accepted(raw_get({{"Cookie", cookies}})).request.session;
+  };
   CHECK(session("__Host-trb=abc") == "abc");
   CHECK(session("a=1; __Host-trb=abc ;b=2") == "abc");
   CHECK(session("__Host-trb=") == "");
@@ -158,7 +160,8 @@ TEST_CASE("Expect: 100-continue is a question if there is a body; anything else 
 TEST_CASE("an upgrade needs GET, HTTP/1.1, version 13 and a key (RFC 6455, 4.2.1)") {
   CHECK(accepted(raw_get(websocket())).websocket_key == "dGhlIHNhbXBsZSBub25jZQ==");
   CHECK(refused(raw_get(websocket("dGhlIHNhbXBsZSBub25jZQ==", "8"))).status == 426);
-  for (const char* key : {"", "dGhl", "dGhlIHNhbXBsZSBub25jZQ=", "dGhlIHNhbXBsZSBub25j*Q==", "dGhlIHNhbXBsZSBub25jZQ==="})
+  for (const char* key :
+       {"", "dGhl", "dGhlIHNhbXBsZSBub25jZQ=", "dGhlIHNhbXBsZSBub25j*Q==", "dGhlIHNhbXBsZSBub25jZQ==="})
     CHECK(refused(raw_get(websocket(key))).status == 400);
   auto with_body = websocket();
   with_body.push_back({"Content-Length", "1"});

@@ -1,6 +1,5 @@
 #include "services/cloud-gateway/io/http/tls_files.hpp"
 
-
 #include <cstdio>
 
 #include "common/base/files.hpp"

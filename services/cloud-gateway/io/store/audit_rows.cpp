@@ -18,9 +18,9 @@ std::int64_t as_integer(std::uint64_t number) {
 
 Status append_row(SqliteFile& file, const AuditRow& row) {
   const AuditRecord& is = row.record;
-  const Status done = file.run(
-      "INSERT INTO audit(number, time, who, address, action, about, outcome, hash) VALUES(?,?,?,?,?,?,?,?)",
-      as_integer(is.number), is.time, is.who, is.from, is.action, is.about, is.outcome, BlobView{row.hash});
+  const Status done =
+      file.run("INSERT INTO audit(number, time, who, address, action, about, outcome, hash) VALUES(?,?,?,?,?,?,?,?)",
+               as_integer(is.number), is.time, is.who, is.from, is.action, is.about, is.outcome, BlobView{row.hash});
   if (done || done.error().code != Errc::conflict) return done;
   return fail(Errc::conflict,
               file.path() + ": audit record " + std::to_string(is.number) + " does not follow the last stored one",

@@ -6,8 +6,8 @@
 
 namespace trb::gateway {
 
-/// Appends the batch's audit records and heads. Call it within a transaction. Errors: conflict (a record does not follow
-/// the last one), and those of SqliteFile.
+/// Appends the batch's audit records and heads. Call it within a transaction. Errors: conflict (a record does not
+/// follow the last one), and those of SqliteFile.
 Status write_audit(SqliteFile& file, const StoreBatch& batch);
 
 /// The newest first. Errors: bad_value (`most`), and those of SqliteFile.

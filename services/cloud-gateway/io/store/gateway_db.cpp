@@ -16,11 +16,12 @@ namespace trb::gateway {
 namespace {
 
 constexpr const char* kDamagedCure =
-    "move it away together with its -wal and -shm files, and bring a copy back; without one, users are made anew and the "
+    "move it away together with its -wal and -shm files, and bring a copy back; without one, users are made anew and "
+    "the "
     "audit log begins anew";
 
-/// The file belongs to its owner alone before SQLite writes into it; its -wal and -shm files get the same mode. One that
-/// is there already is not opened for this: closing it would end the locks that this process has on it.
+/// The file belongs to its owner alone before SQLite writes into it; its -wal and -shm files get the same mode. One
+/// that is there already is not opened for this: closing it would end the locks that this process has on it.
 Status make_private(const std::string& path) {
   const int made = ::open(path.c_str(), O_CREAT | O_EXCL | O_RDWR | O_CLOEXEC, 0600);
   if (made >= 0) ::close(made);
@@ -36,9 +37,8 @@ class GatewayFile final : public GatewayDb {
   Result<StoredState> load() override {
     StoredState out;
     // In one transaction: another gateway may write in between.
-    const Status done = file_->transact([&] {
-      return in_order([&] { return read_state(*file_, out); }, [&] { return read_end(*file_, out); });
-    });
+    const Status done = file_->transact(
+        [&] { return in_order([&] { return read_state(*file_, out); }, [&] { return read_end(*file_, out); }); });
     if (!done) return done.error();
     return out;
   }

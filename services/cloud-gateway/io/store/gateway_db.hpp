@@ -29,7 +29,7 @@ struct StoredState {
   std::vector<Token> tokens;
   std::vector<StoredRequest> requests;
   std::optional<AuditRow> last_audit;
-  std::uint64_t signed_to = 0;  ///< the highest number of a signed head
+  std::uint64_t signed_to = 0;    ///< the highest number of a signed head
   std::optional<UtcTime> steady;  ///< the last stored steady time; empty: none was stored yet
 };
 
@@ -67,9 +67,9 @@ class GatewayDb {
   virtual ~GatewayDb() = default;
 
   virtual Result<StoredState> load() = 0;
-  /// On disk once it returns Done. Error besides: conflict. It says that another gateway has changed the same store: the
-  /// batch would leave no enabled admin, or its audit records do not follow the last one (they have no gaps, and none is
-  /// ever replaced). The objects in memory are out of date then: end the process.
+  /// On disk once it returns Done. Error besides: conflict. It says that another gateway has changed the same store:
+  /// the batch would leave no enabled admin, or its audit records do not follow the last one (they have no gaps, and
+  /// none is ever replaced). The objects in memory are out of date then: end the process.
   virtual Status save(const StoreBatch& batch) = 0;
   /// Error besides: bad_value (`most`).
   virtual Result<std::vector<AuditRow>> audit(const AuditQuery& query) = 0;

@@ -7,8 +7,8 @@
 namespace trb::gateway {
 namespace {
 
-// Never changed once released: a change is a further step. Times are UTC ns. The triggers stop mistakes, also of the one
-// who repairs by hand; who may write the file can drop them, and is revealed by the signed heads.
+// Never changed once released: a change is a further step. Times are UTC ns. The triggers stop mistakes, also of the
+// one who repairs by hand; who may write the file can drop them, and is revealed by the signed heads.
 constexpr std::array kGatewaySteps{
     R"(
 CREATE TABLE users(

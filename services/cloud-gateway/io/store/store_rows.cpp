@@ -105,37 +105,33 @@ Result<UserRole> role_in(const SqliteFile& file, std::int64_t role, const std::s
 }
 
 Status read_users(SqliteFile& file, std::vector<User>& out) {
-  return file.rows("SELECT name, role, password_hash, disabled, since, stamp FROM users ORDER BY name",
-                   [&](const Columns& row) -> Status {
-                     const auto role = role_in(file, row.integer(1), row.text(0));
-                     if (!role) return role.error();
-                     out.push_back({row.text(0), *role, row.text(2), row.integer(3) != 0, {row.integer(4)}, row.text(5)});
-                     return Done{};
-                   });
+  return file.rows(
+      "SELECT name, role, password_hash, disabled, since, stamp FROM users ORDER BY name",
+      [&](const Columns& row) -> Status {
+        const auto role = role_in(file, row.integer(1), row.text(0));
+        if (!role) return role.error();
+        out.push_back({row.text(0), *role, row.text(2), row.integer(3) != 0, {row.integer(4)}, row.text(5)});
+        return Done{};
+      });
 }
 
 Status read_sessions(SqliteFile& file, std::vector<Session>& out) {
-  return file.rows("SELECT key, user, stamp, made, used FROM sessions ORDER BY key",
-                   [&](const Columns& row) -> Status {
-                     out.push_back({row.text(0), row.text(1), row.text(2), {row.integer(3)}, {row.integer(4)}});
-                     return Done{};
-                   });
+  return file.rows("SELECT key, user, stamp, made, used FROM sessions ORDER BY key", [&](const Columns& row) -> Status {
+    out.push_back({row.text(0), row.text(1), row.text(2), {row.integer(3)}, {row.integer(4)}});
+    return Done{};
+  });
 }
 
 Status read_tokens(SqliteFile& file, std::vector<Token>& out) {
-  return file.rows("SELECT name, role, read_only, made_by, made, ends, key FROM tokens ORDER BY name",
-                   [&](const Columns& row) -> Status {
-                     const auto role = role_in(file, row.integer(1), row.text(0));
-                     if (!role) return role.error();
-                     out.push_back({row.text(0),
-                                    *role,
-                                    row.integer(2) != 0,
-                                    row.text(3),
-                                    {row.integer(4)},
-                                    {row.integer(5)},
-                                    row.text(6)});
-                     return Done{};
-                   });
+  return file.rows(
+      "SELECT name, role, read_only, made_by, made, ends, key FROM tokens ORDER BY name",
+      [&](const Columns& row) -> Status {
+        const auto role = role_in(file, row.integer(1), row.text(0));
+        if (!role) return role.error();
+        out.push_back(
+            {row.text(0), *role, row.integer(2) != 0, row.text(3), {row.integer(4)}, {row.integer(5)}, row.text(6)});
+        return Done{};
+      });
 }
 
 Result<std::optional<StoredAnswer>> answer_in(const SqliteFile& file, const Columns& row) {
@@ -148,17 +144,14 @@ Result<std::optional<StoredAnswer>> answer_in(const SqliteFile& file, const Colu
 }
 
 Status read_requests(SqliteFile& file, std::vector<StoredRequest>& out) {
-  return file.rows("SELECT user, key, digest, effect, since, status, body FROM requests ORDER BY user, key",
-                   [&](const Columns& row) -> Status {
-                     auto answer = answer_in(file, row);
-                     if (!answer) return answer.error();
-                     out.push_back({{row.text(0), row.text(1)},
-                                    row.text(2),
-                                    row.text(3),
-                                    {row.integer(4)},
-                                    std::move(*answer)});
-                     return Done{};
-                   });
+  return file.rows(
+      "SELECT user, key, digest, effect, since, status, body FROM requests ORDER BY user, key",
+      [&](const Columns& row) -> Status {
+        auto answer = answer_in(file, row);
+        if (!answer) return answer.error();
+        out.push_back({{row.text(0), row.text(1)}, row.text(2), row.text(3), {row.integer(4)}, std::move(*answer)});
+        return Done{};
+      });
 }
 
 Status read_steady(SqliteFile& file, std::optional<UtcTime>& out) {
@@ -174,11 +167,10 @@ Status read_steady(SqliteFile& file, std::optional<UtcTime>& out) {
 }  // namespace
 
 Status write_state(SqliteFile& file, const StoreBatch& batch) {
-  return in_order(
-      [&] { return write_users(file, batch.users); },
-      [&] { return write_changes(file, batch.sessions, "DELETE FROM sessions WHERE key = ?", blob_key); },
-      [&] { return write_changes(file, batch.tokens, "DELETE FROM tokens WHERE name = ?", text_key); },
-      [&] { return write_requests(file, batch); }, [&] { return write_steady(file, batch.steady); });
+  return in_order([&] { return write_users(file, batch.users); },
+                  [&] { return write_changes(file, batch.sessions, "DELETE FROM sessions WHERE key = ?", blob_key); },
+                  [&] { return write_changes(file, batch.tokens, "DELETE FROM tokens WHERE name = ?", text_key); },
+                  [&] { return write_requests(file, batch); }, [&] { return write_steady(file, batch.steady); });
 }
 
 Status read_state(SqliteFile& file, StoredState& out) {

@@ -6,8 +6,8 @@
 
 namespace trb::gateway {
 
-/// Writes all of the batch but audit records and heads. Call it within a transaction. Errors: conflict (no enabled admin
-/// would be left), and those of SqliteFile.
+/// Writes all of the batch but audit records and heads. Call it within a transaction. Errors: conflict (no enabled
+/// admin would be left), and those of SqliteFile.
 Status write_state(SqliteFile& file, const StoreBatch& batch);
 
 /// All but audit records and heads. Errors: those of SqliteFile; malformed (a row that no build has written).
