@@ -9,6 +9,7 @@
 #include "common/base/hex.hpp"
 #include "common/base/ids.hpp"
 #include "proto/body.hpp"
+#include "proto/field_reader.hpp"
 #include "proto/make_shape.hpp"
 #include "proto/message.hpp"
 #include "proto/value.hpp"
@@ -75,25 +76,14 @@ Value json_of(const Shape& shape, const void* value) {
 
 // ---- reading: returns false and sets `error`
 
-struct JsonReader {
-  std::string path;
-  Error error;
-
-  bool take(const Shape& shape, const Value& from, void* out, std::uint32_t max);
-
- private:
-  bool refuse(Errc code, std::string_view what) {
-    if (error.code == Errc::ok)
-      error = fail(code, (path.empty() ? std::string("body") : path) + ": " + std::string(what));
-    return false;
-  }
+struct JsonReader : FieldReader<JsonReader, Value> {
   bool needs(std::string_view what, const Value& from) {
     return refuse(Errc::malformed, "needs " + std::string(what) + ", got " + std::string(from.kind()));
   }
 
   template <class T>
   bool take_integer(const Value& from, T& out);
-  bool take_unsigned(const Value& from, std::uint64_t& out);
+  bool take_integer(const Value& from, std::uint64_t& out);
   bool take_enum(std::span<const std::string_view> names, const Value& from, std::uint8_t& out);
   bool take_list(const ListShape& shape, const Value& from, void* out, std::uint32_t max);
   bool take_fields(std::span<const FieldEntry> fields, const Value& from, void* out);
@@ -112,8 +102,8 @@ bool JsonReader::take_integer(const Value& from, T& out) {
   return true;
 }
 
-bool JsonReader::take_unsigned(const Value& from, std::uint64_t& out) {
-  if (!from.is_text()) return take_integer(from, out);
+bool JsonReader::take_integer(const Value& from, std::uint64_t& out) {
+  if (!from.is_text()) return take_integer<std::uint64_t>(from, out);
   const std::string& text = from.text();
   const char* const end = text.data() + text.size();
   const auto [stop, problem] = std::from_chars(text.data(), end, out);
@@ -187,34 +177,6 @@ bool JsonReader::take_fields(std::span<const FieldEntry> fields, const Value& fr
     path.resize(stem);
   }
   return true;
-}
-
-bool JsonReader::take(const Shape& shape, const Value& from, void* out, std::uint32_t max) {
-  switch (shape.kind) {
-    case FieldKind::boolean:
-      return take_bool(from, as<bool>(out));
-    case FieldKind::enumeration:
-      return take_enum(shape.names, from, as<std::uint8_t>(out));
-    case FieldKind::uint16:
-      return take_integer(from, as<std::uint16_t>(out));
-    case FieldKind::uint32:
-      return take_integer(from, as<std::uint32_t>(out));
-    case FieldKind::uint64:
-      return take_unsigned(from, as<std::uint64_t>(out));
-    case FieldKind::int64:
-      return take_integer(from, as<std::int64_t>(out));
-    case FieldKind::number:
-      return take_double(from, as<double>(out));
-    case FieldKind::text:
-      return take_text(from, as<std::string>(out), max);
-    case FieldKind::blob:
-      return take_blob(from, as<Blob>(out), max);
-    case FieldKind::list:
-      return take_list(shape.list, from, out, max);
-    case FieldKind::record:
-      break;
-  }
-  return take_fields(shape.fields, from, out);
 }
 
 Error read(const Shape& shape, const Value& from, void* out) {

@@ -215,17 +215,27 @@ Result<HeaderView> decode_frame_of_any_version(BytesView frame) {
 }
 
 Message to_message(const HeaderView& view) {
-  Message message;
-  message.type = view.type;
-  message.flags = view.flags;
-  message.remaining_ms = view.remaining_ms;
-  message.subtype = view.subtype;
-  message.source = view.source;
-  message.target = view.target;
-  message.id = view.id;
-  message.reply_to = view.reply_to;
-  message.data = view.data;
-  return message;
+  return {.type = view.type,
+          .flags = view.flags,
+          .remaining_ms = view.remaining_ms,
+          .subtype = std::string(view.subtype),
+          .source = std::string(view.source),
+          .target = std::string(view.target),
+          .id = view.id,
+          .reply_to = view.reply_to,
+          .data = Bytes(view.data)};
+}
+
+HeaderView to_view(const Message& message) {
+  return {.type = message.type,
+          .flags = message.flags,
+          .remaining_ms = message.remaining_ms,
+          .subtype = message.subtype,
+          .source = message.source,
+          .target = message.target,
+          .id = message.id,
+          .reply_to = message.reply_to,
+          .data = message.data};
 }
 
 std::uint32_t decode_remaining(BytesView frame) {

@@ -80,6 +80,8 @@ void stamp_version(char* frame, std::uint8_t version);
 
 /// Copies a view into a message with its own storage.
 Message to_message(const HeaderView& view);
+/// The inverse, with link and sequence 0; valid as long as the message.
+HeaderView to_view(const Message& message);
 
 /// The remaining time of a frame that decode_frame accepted.
 std::uint32_t decode_remaining(BytesView frame);

@@ -7,6 +7,7 @@
 #include <span>
 
 #include "proto/body.hpp"
+#include "proto/field_reader.hpp"
 #include "proto/shape.hpp"
 #include "proto/string_buffer.hpp"
 #include "proto/value.hpp"
@@ -100,19 +101,7 @@ void put(Packer& packer, const Shape& shape, const void* value, std::uint32_t ma
 
 // ---- unpacking: returns false after having set `error`
 
-struct MsgpackReader {
-  std::string path;
-  Error error;
-
-  bool refuse(Errc code, std::string_view what) {
-    if (error.code == Errc::ok)
-      error = fail(code, (path.empty() ? std::string("body") : path) + ": " + std::string(what));
-    return false;
-  }
-
-  bool take(const Shape& shape, const msgpack::object& from, void* out, std::uint32_t max);
-
- private:
+struct MsgpackReader : FieldReader<MsgpackReader, msgpack::object> {
   template <class T>
   bool take_integer(const msgpack::object& from, T& out);
   bool take_enum(std::span<const std::string_view> names, const msgpack::object& from, std::uint8_t& out);
@@ -207,34 +196,6 @@ bool MsgpackReader::take_fields(std::span<const FieldEntry> fields, const msgpac
     path.resize(stem);
   }
   return true;
-}
-
-bool MsgpackReader::take(const Shape& shape, const msgpack::object& from, void* out, std::uint32_t max) {
-  switch (shape.kind) {
-    case FieldKind::boolean:
-      return take_bool(from, as<bool>(out));
-    case FieldKind::enumeration:
-      return take_enum(shape.names, from, as<std::uint8_t>(out));
-    case FieldKind::uint16:
-      return take_integer(from, as<std::uint16_t>(out));
-    case FieldKind::uint32:
-      return take_integer(from, as<std::uint32_t>(out));
-    case FieldKind::uint64:
-      return take_integer(from, as<std::uint64_t>(out));
-    case FieldKind::int64:
-      return take_integer(from, as<std::int64_t>(out));
-    case FieldKind::number:
-      return take_double(from, as<double>(out));
-    case FieldKind::text:
-      return take_text(from, as<std::string>(out), max);
-    case FieldKind::blob:
-      return take_blob(from, as<Blob>(out), max);
-    case FieldKind::list:
-      return take_list(shape.list, from, out, max);
-    case FieldKind::record:
-      break;
-  }
-  return take_fields(shape.fields, from, out);
 }
 
 Result<msgpack::object_handle> parse(BytesView bytes) {

@@ -5,9 +5,7 @@ import pathlib
 import random
 import re
 import shutil
-import signal
 import statistics
-import sys
 import time
 
 import demo_fleet
@@ -295,7 +293,6 @@ def main():
     root = pathlib.Path(arguments.root).resolve()
     lock = demo_fleet.take_lock(root)
     shutil.rmtree(root / "evidence", ignore_errors=True)
-    signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))
     rows, tally = play_all(arguments, root)
     print_tally(tally)
     if arguments.json:
@@ -306,9 +303,4 @@ def main():
 
 
 if __name__ == "__main__":
-    try:
-        sys.exit(main())
-    except KeyboardInterrupt:
-        sys.exit(130)
-    except (RuntimeError, TimeoutError) as problem:
-        sys.exit(f"scripts/test-faults: {problem}")
+    trb_fleet.run_main(main, "scripts/test-faults")

@@ -14,6 +14,7 @@ import shutil
 import signal
 import socket
 import subprocess
+import sys
 import time
 
 REPO = pathlib.Path(__file__).resolve().parent.parent
@@ -47,6 +48,18 @@ CONTROL_PORT = 46000  # where a virtual robot is told to fail
 def end_with_parent():
     """In a child: SIGTERM when the parent ends."""
     ctypes.CDLL(None).prctl(1, signal.SIGTERM)
+
+
+def run_main(main, name):
+    """Runs a program's main and ends with its status; a failure is one line that names the program. SIGTERM ends it in
+    order, so that what it has started ends, too."""
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))
+    try:
+        sys.exit(main())
+    except KeyboardInterrupt:
+        sys.exit(130)
+    except (RuntimeError, TimeoutError) as problem:
+        sys.exit(f"{name}: {problem}")
 
 
 class Process:

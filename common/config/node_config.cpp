@@ -5,6 +5,7 @@
 #include <chrono>
 #include <filesystem>
 
+#include "common/config/cloud_file.hpp"
 #include "common/config/interfaces.hpp"
 #include "common/config/json_file.hpp"
 #include "common/config/ports.hpp"
@@ -42,6 +43,7 @@ class NodeChecker {
     check_value_names(out_.config, known_, node.description, out_.faults);
     read_sensor_files(out_.config.dir, out_.faults);
     read_resilience_file(out_.config.dir, out_.faults);
+    read_cloud_file(out_.config.dir, out_.faults);
     if (node.usable) keys();
     if (!out_.config.bus.empty()) check_bus_keys(out_.config.dir, bus_names(out_.config), out_.faults);
     if (!running) ports();

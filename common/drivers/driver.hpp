@@ -2,6 +2,7 @@
 // mode answers with events, never by calling back.
 #pragma once
 
+#include <map>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -109,6 +110,13 @@ struct RobotValue {
   std::string json;
   MonotonicTime heard;
 };
+using RobotValues = std::map<std::string, RobotValue, std::less<>>;
+
+/// The value of that name, or nullptr.
+inline const RobotValue* find_value(const RobotValues& values, std::string_view name) {
+  const auto found = values.find(name);
+  return found == values.end() ? nullptr : &found->second;
+}
 
 class Driver {
  public:
@@ -136,7 +144,7 @@ class Driver {
   /// True while a command handed over waits or is carried out, as far as the robot reports.
   [[nodiscard]] virtual bool runs(Token) const { return false; }
   /// No service waits for the message any more: it is dropped unless it is on its way already.
-  virtual void forget(Token token, Now now, const DriverOut& out) = 0;
+  virtual void forget(Token, Now, const DriverOut&) {}
   /// Ends the motion of one command, without a fence.
   virtual void halt(Token token, Now now, const DriverOut& out) = 0;
 
@@ -147,9 +155,10 @@ class Driver {
   /// True while the robot may still be in the stop that was ordered.
   [[nodiscard]] virtual bool told_to_stop() const = 0;
 
-  virtual void on_up(Channel channel, Now now, const DriverOut& out) = 0;
-  virtual void on_down(Channel channel, const std::string& reason, Now now, const DriverOut& out) = 0;
-  virtual void on_bytes(Channel channel, BytesView bytes, Now now, const DriverOut& out) = 0;
+  // Of the connections that the shell holds to the robot.
+  virtual void on_up(Channel, Now, const DriverOut&) {}
+  virtual void on_down(Channel, const std::string& /*reason*/, Now, const DriverOut&) {}
+  virtual void on_bytes(Channel, BytesView, Now, const DriverOut&) {}
   virtual void on_bridge(const BridgeEvent&, Now, const DriverOut&) {}
   virtual void on_bridge(const BridgeState&, Now, const DriverOut&) {}
   /// The process ends: sends the robot its last messages.

@@ -10,26 +10,22 @@ using namespace trb;
 
 namespace {
 
-struct ReadPlaces {
-  Places places;
+template <class T>
+struct FromFile {
+  T is;
   ConfigFaults faults;
 };
 
-ReadPlaces places_of(std::string_view text) {
-  ReadPlaces out;
-  out.places = read_places(*parse_json(text), "places.json", out.faults);
-  return out;
+FromFile<Places> places_of(std::string_view text) {
+  ConfigFaults faults;
+  Places places = read_places(*parse_json(text), "places.json", faults);
+  return {std::move(places), std::move(faults)};
 }
 
-struct ReadDescription {
-  Description description;
+FromFile<Description> description_of(std::string_view text) {
   ConfigFaults faults;
-};
-
-ReadDescription description_of(std::string_view text) {
-  ReadDescription out;
-  out.description = read_description(*parse_json(text), "robots/r.json", out.faults);
-  return out;
+  Description description = read_description(*parse_json(text), "robots/r.json", faults);
+  return {std::move(description), std::move(faults)};
 }
 
 }  // namespace
@@ -57,7 +53,7 @@ TEST_CASE("a long text is quoted short, and no character is cut in two") {
 TEST_CASE("places: poses in the hall's frame") {
   const auto read = places_of(R"({"places": {"table1": {"x": 1, "y": 2.5, "yaw": 1.57}}})");
   CHECK(to_text(read.faults).empty());
-  CHECK(read.places.at("table1") == Pose{1, 2.5, 0, 1.57});
+  CHECK(read.is.at("table1") == Pose{1, 2.5, 0, 1.57});
 }
 
 TEST_CASE("places: every fault is told, with its key and a cure") {
@@ -94,7 +90,7 @@ TEST_CASE("a whole description") {
       "lift": {"capability": "grab", "parameters": {"speed": {"type": "number", "unit": "m/s", "minimum": 0, "default": 0.1}},
                "command": {"subtype": "raise", "data": "{speed}"}, "end": {"kind": "state", "state": "lift", "equals": 1}}}})");
   REQUIRE(to_text(read.faults) == "");
-  const Description& d = read.description;
+  const Description& d = read.is;
   CHECK(d.maker == "ACME");
   CHECK(d.frame.length == 1000);
   CHECK(d.frame.angle == doctest::Approx(57.2957795));
@@ -125,7 +121,7 @@ TEST_CASE("a parameter's range, words and count are told to the fleet") {
       description_of(R"({"maker": "A", "model": "B", "capabilities": ["c"], "skills": {"s": {"capability": "c",
     "parameters": {"joints": {"type": "numbers", "count": 6, "maximum": 2}, "side": {"type": "text", "one_of": ["a", "b"]}},
     "end": {"kind": "acknowledgement"}}}})");
-  const auto infos = skill_infos(read.description);
+  const auto infos = skill_infos(read.is);
   REQUIRE(infos.size() == 1);
   CHECK(infos[0].parameters[0].range == std::vector<double>{-std::numeric_limits<double>::max(), 2});
   CHECK(infos[0].parameters[0].count == 6);
@@ -136,7 +132,7 @@ TEST_CASE("numbers of the robot are told with their units") {
   const auto head = std::string(R"({"maker": "A", "model": "B", "capabilities": [], "skills": {}, "numbers": )");
   const auto read = description_of(head + R"({"payload": {"value": 3, "unit": "kg"}, "axes": {"value": 6}}})");
   CHECK(read.faults.empty());
-  CHECK(read.description.numbers == std::vector<NamedNumber>{{"payload", 3, "kg"}, {"axes", 6, ""}});
+  CHECK(read.is.numbers == std::vector<NamedNumber>{{"payload", 3, "kg"}, {"axes", 6, ""}});
   const auto wrong = description_of(
       head + R"({"pay load": {"value": 3}, "reach": {"unit": "m"}, "mass": {"value": "3", "unti": "kg"}}})");
   const std::string text = to_text(wrong.faults);

@@ -30,6 +30,7 @@ constexpr SigningRight kSignatures[] = {
     {kSignedRunPause, true, true, {kProbe, "cloud-gateway", "scheduler"}},
     {kSignedRunEnd, true, true, {"scheduler"}},
     {kSignedDecision, false, true, {"resilience"}},
+    {kSignedAuditHead, false, true, {"cloud-gateway"}},
     {kSignedRequest, false, false, {}},
     {kSignedCertificate, false, false, {}},
     {kSignedRevocations, false, false, {}},

@@ -32,6 +32,8 @@ TEST_CASE("over a link goes what the table names for the role, and a user's own 
 TEST_CASE("a decision is the cloud's, a result the robot's, a certificate no node's") {
   CHECK(may_sign(Role::cloud, kSignedDecision));
   CHECK_FALSE(may_sign(Role::robot, kSignedDecision));
+  CHECK(may_sign(Role::cloud, kSignedAuditHead));
+  CHECK_FALSE(may_sign(Role::robot, kSignedAuditHead));
   CHECK(may_sign(Role::robot, kSignedResult));
   CHECK(may_sign(Role::cloud, kSignedResult));  // of a task that its decision skips
   for (const Role role : {Role::robot, Role::cloud}) {
@@ -47,6 +49,8 @@ TEST_CASE("a record is signed for the service that makes its kind alone") {
   CHECK(may_have_signed("cli", true, kSignedRunStart));
   CHECK_FALSE(may_have_signed("mode-adapter", false, kSignedRunStart));
   CHECK(may_have_signed("resilience", false, kSignedDecision));
+  CHECK(may_have_signed("cloud-gateway", false, kSignedAuditHead));
+  CHECK_FALSE(may_have_signed("resilience", false, kSignedAuditHead));
   for (const std::string_view purpose : {kSignedBeacon, kSignedSeal, kSignedRelayed, kSignedCertificate,
                                          kSignedRevocations, std::string_view("anything"), std::string_view()}) {
     CHECK_FALSE(may_have_signed("scheduler", false, purpose));

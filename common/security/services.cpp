@@ -13,7 +13,7 @@ constexpr ServiceRow kServices[] = {
     {"router", Runs::always, Runs::always},         {"mode-adapter", Runs::always, Runs::never},
     {"scheduler", Runs::always, Runs::always},      {"ros-bridge", Runs::if_named, Runs::never},
     {"sensor-bus", Runs::if_named, Runs::if_named}, {"resilience", Runs::if_named, Runs::if_named},
-    {"cloud-gateway", Runs::never, Runs::never},    {"simulator", Runs::never, Runs::never},
+    {"cloud-gateway", Runs::never, Runs::if_named}, {"simulator", Runs::never, Runs::never},
 };
 constexpr std::string_view kOnNoNode[] = {kProbe, "tap"};
 

@@ -83,9 +83,19 @@ ServiceHello hello() {
   return {"cli", {"wave"}, 7, 1, "test"};
 }
 
-}  // namespace
+/// A service's link and its router's end of it.
+struct Ends {
+  Folder folder;
+  Router router;
+  Context context;
+  BusLink link{context, ipc_bus("probe"), hello()};
 
-namespace {
+  void welcome() {
+    REQUIRE(hear(link, router, ServiceHello::kSubtype));
+    router.say(ServiceWelcome{"ant", "robot", 1, 1, 1});
+    REQUIRE(link_until(link, [&] { return link.up(); }));
+  }
+};
 
 /// Acknowledges messages, and counts its deadlines.
 class WavingCore final : public Core {
@@ -168,19 +178,17 @@ TEST_CASE("a service runs in the event loop of a program that has one of its own
 
 TEST_CASE("a service says hello until it is welcomed, then its messages bear its slot") {
   init_crypto();
-  Folder folder;
-  Router router;
-  Context context;
-  BusLink link(context, ipc_bus("probe"), hello());
-  CHECK(link.send(Send{.target = "ant", .body = Stop{}}).value() == 0);
-  const auto first = hear(link, router, ServiceHello::kSubtype);
+  Ends ends;
+  CHECK(ends.link.send(Send{.target = "ant", .body = Stop{}}).value() == 0);
+  const auto first = hear(ends.link, ends.router, ServiceHello::kSubtype);
   REQUIRE(first);
   CHECK(decode<ServiceHello>(first->data)->subtypes == std::vector<std::string>{"wave"});
-  router.say(ServiceWelcome{"ant", "robot", 0x1234, 1, 1});
-  REQUIRE(link_until(link, [&] { return link.up(); }));
-  const std::uint64_t id = link.send(Send{.type = MessageType::command, .target = "bee", .body = Stop{"x"}}).value();
+  ends.router.say(ServiceWelcome{"ant", "robot", 0x1234, 1, 1});
+  REQUIRE(link_until(ends.link, [&] { return ends.link.up(); }));
+  const std::uint64_t id =
+      ends.link.send(Send{.type = MessageType::command, .target = "bee", .body = Stop{"x"}}).value();
   CHECK((id >> 48U) == 0x1234);
-  const auto heard = hear(link, router, Stop::kSubtype);
+  const auto heard = hear(ends.link, ends.router, Stop::kSubtype);
   REQUIRE(heard);
   CHECK(heard->source == "ant");
   CHECK(heard->target == "bee");
@@ -189,36 +197,26 @@ TEST_CASE("a service says hello until it is welcomed, then its messages bear its
 
 TEST_CASE("of large messages for a router that stands still a few megabytes wait, small ones still have room") {
   init_crypto();
-  Folder folder;
-  Router router;
-  Context context;
-  BusLink link(context, ipc_bus("probe"), hello());
-  REQUIRE(hear(link, router, ServiceHello::kSubtype));
-  router.say(ServiceWelcome{"ant", "robot", 1, 1, 1});
-  REQUIRE(link_until(link, [&] { return link.up(); }));
+  Ends ends;
+  ends.welcome();
   Message picture;
   picture.type = MessageType::information;
   picture.subtype = "picture";
   picture.target = "bee";
   picture.data = Bytes(1'000'000, 'p');
   int sent = 0;
-  while (sent < 2 * kHighWaterMark && link.send(picture).value() != 0) ++sent;
+  while (sent < 2 * kHighWaterMark && ends.link.send(picture).value() != 0) ++sent;
   // The router's own end has received some as well.
   CHECK(sent < kReceiveHighWaterMark + 16);
-  CHECK(link.send(Send{.type = MessageType::command, .target = "bee", .body = Stop{"x"}}).value() != 0);
+  CHECK(ends.link.send(Send{.type = MessageType::command, .target = "bee", .body = Stop{"x"}}).value() != 0);
 }
 
 TEST_CASE("what its hearer would have to refuse does not leave, and the maker is told") {
   init_crypto();
-  Folder folder;
-  Router router;
-  Context context;
-  BusLink link(context, ipc_bus("probe"), hello());
-  REQUIRE(hear(link, router, ServiceHello::kSubtype));
-  router.say(ServiceWelcome{"ant", "robot", 1, 1, 1});
-  REQUIRE(link_until(link, [&] { return link.up(); }));
+  Ends ends;
+  ends.welcome();
   const auto refused = [&](Body body, const std::string& target = "bee") {
-    return link.send(Send{.type = MessageType::command, .target = target, .body = std::move(body)}).error();
+    return ends.link.send(Send{.type = MessageType::command, .target = target, .body = std::move(body)}).error();
   };
   RobotState state;
   state.values.resize(33);
@@ -233,8 +231,9 @@ TEST_CASE("what its hearer would have to refuse does not leave, and the maker is
   CHECK(refused(reading).code == Errc::bad_value);
   CHECK(refused(Stop{}, std::string(65, 'b')).code == Errc::malformed);
   // The largest message that may be sent arrives.
-  REQUIRE(link.send(Send{.target = "bee", .body = Opaque{"picture", std::string(kMaxDataSize, 'x')}}).value() != 0);
-  const auto heard = hear(link, router, "picture");
+  REQUIRE(ends.link.send(Send{.target = "bee", .body = Opaque{"picture", std::string(kMaxDataSize, 'x')}}).value() !=
+          0);
+  const auto heard = hear(ends.link, ends.router, "picture");
   REQUIRE(heard);
   CHECK(heard->data.size() == kMaxDataSize);
 }
@@ -280,44 +279,36 @@ TEST_CASE("a router that was started again is told hello again") {
 
 TEST_CASE("a link by which something far too large came is made again") {
   init_crypto();
-  Folder folder;
-  Router router;
-  Context context;
-  BusLink link(context, ipc_bus("probe"), hello());
-  REQUIRE(hear(link, router, ServiceHello::kSubtype));
-  router.say(ServiceWelcome{"ant", "robot", 1, 1, 1});
-  REQUIRE(link_until(link, [&] { return link.up(); }));
-  const Bytes first = router.peer;
-  REQUIRE(router.socket->send_to(router.peer, to_frame(Bytes(2U << 20U, 'x'))) == SendResult::sent);
+  Ends ends;
+  ends.welcome();
+  const Bytes first = ends.router.peer;
+  REQUIRE(ends.router.socket->send_to(ends.router.peer, to_frame(Bytes(2U << 20U, 'x'))) == SendResult::sent);
   // Its libzmq closes the connection and never reopens it: the service notices when its lease ends.
   const MonotonicTime end = read_clocks().mono + std::chrono::seconds(20);
-  while (router.peer == first && read_clocks().mono < end) {
-    link.tick(read_clocks());
-    (void)link.receive(read_clocks());
-    (void)router.receive();
+  while (ends.router.peer == first && read_clocks().mono < end) {
+    ends.link.tick(read_clocks());
+    (void)ends.link.receive(read_clocks());
+    (void)ends.router.receive();
   }
-  REQUIRE(router.peer != first);
-  router.say(ServiceWelcome{"ant", "robot", 2, 1, 1});
-  REQUIRE(link_until(link, [&] { return link.up() && link.welcome()->slot == 2; }));
+  REQUIRE(ends.router.peer != first);
+  ends.router.say(ServiceWelcome{"ant", "robot", 2, 1, 1});
+  REQUIRE(link_until(ends.link, [&] { return ends.link.up() && ends.link.welcome()->slot == 2; }));
 }
 
 TEST_CASE("a refusal is kept for the person, an answer goes to the one who waits") {
   init_crypto();
-  Folder folder;
-  Router router;
-  Context context;
-  BusLink link(context, ipc_bus("probe"), hello());
-  REQUIRE(hear(link, router, ServiceHello::kSubtype));
-  router.say(Nack{"already_claimed", "service_hello", "ant", "service 'cli' is running already", ""});
-  REQUIRE(link_until(link, [&] { return !link.refusal().empty(); }));
-  CHECK(link.refusal().find("already_claimed") == 0);
-  router.say(ServiceWelcome{"ant", "robot", 1, 1, 1});
-  REQUIRE(link_until(link, [&] { return link.up(); }));
-  CHECK(link.refusal().empty());
-  router.say(Ack{"stopped", ""});
+  Ends ends;
+  REQUIRE(hear(ends.link, ends.router, ServiceHello::kSubtype));
+  ends.router.say(Nack{"already_claimed", "service_hello", "ant", "service 'cli' is running already", ""});
+  REQUIRE(link_until(ends.link, [&] { return !ends.link.refusal().empty(); }));
+  CHECK(ends.link.refusal().find("already_claimed") == 0);
+  ends.router.say(ServiceWelcome{"ant", "robot", 1, 1, 1});
+  REQUIRE(link_until(ends.link, [&] { return ends.link.up(); }));
+  CHECK(ends.link.refusal().empty());
+  ends.router.say(Ack{"stopped", ""});
   std::optional<Message> got;
   const MonotonicTime end = read_clocks().mono + std::chrono::seconds(3);
-  while (!got && read_clocks().mono < end) got = link.receive(read_clocks());
+  while (!got && read_clocks().mono < end) got = ends.link.receive(read_clocks());
   REQUIRE(got);
   CHECK(got->subtype == "ack");
 }

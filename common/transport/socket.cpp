@@ -70,13 +70,23 @@ std::string hint_for(const zmq::error_t& problem) {
   return problem.num() == EMFILE ? "raise the limit of open files (ulimit -n)" : "";
 }
 
-Error refused(const std::string& endpoint, const zmq::error_t& problem) {
-  const std::string what = endpoint.empty() ? "a socket that others dial" : endpoint + ": cannot bind";
-  return fail(Errc::io_error, what + ": " + problem.what(), hint_for(problem));
+/// What binding it is about.
+std::string bound(const std::string& endpoint) {
+  return endpoint.empty() ? "a socket that others dial" : endpoint + ": cannot bind";
 }
 
 Error failed(const std::string& what, const zmq::error_t& problem) {
   return fail(Errc::io_error, what + ": " + problem.what(), hint_for(problem));
+}
+
+/// What `does` returns, or why libzmq refused it; `what` says what it was about.
+template <class Out, class Does>
+Out or_error(const std::string& what, const Does& does) {
+  try {
+    return does();
+  } catch (const zmq::error_t& problem) {
+    return failed(what, problem);
+  }
 }
 
 /// At startup a failure to create something ends the program.
@@ -97,6 +107,15 @@ zmq::context_t make_context(int io_threads) {
   // Otherwise a small message that waits keeps the 18 kB buffer alive that it was read into.
   if (zmq_ctx_set(context.handle(), kZeroCopyReceive, 0) != 0) throw zmq::error_t();
   return context;
+}
+
+/// A server of a node's own bus: with keys on a bus over TCP.
+void be_bus_server(zmq::socket_t& socket, const std::string& endpoint, const CurveKeys* curve) {
+  if (curve != nullptr) {
+    be_curve_server(socket, *curve, kBusDomain);
+    watch_bus(socket);
+  }
+  if (!endpoint.empty()) socket.bind(endpoint);
 }
 
 zmq::socket_t make_bus_client(Context& context, const std::string& endpoint, const CurveClient* curve) {
@@ -169,22 +188,16 @@ Socket Socket::bus_client(Context& context, const std::string& endpoint, const C
 }
 
 Result<Socket> Socket::bus_server(Context& context, const std::string& endpoint, const CurveKeys* curve) {
-  try {
+  return or_error<Result<Socket>>(bound(endpoint), [&] {
     zmq::socket_t socket = make(context, zmq::socket_type::router);
     socket.set(zmq::sockopt::router_mandatory, true);
-    if (curve != nullptr) {
-      be_curve_server(socket, *curve, kBusDomain);
-      watch_bus(socket);
-    }
-    if (!endpoint.empty()) socket.bind(endpoint);
+    be_bus_server(socket, endpoint, curve);
     return Socket(std::move(socket));
-  } catch (const zmq::error_t& problem) {
-    return refused(endpoint, problem);
-  }
+  });
 }
 
 Result<Socket> Socket::inbox(Context& context, const std::string& endpoint, const CurveKeys& keys) {
-  try {
+  return or_error<Result<Socket>>(bound(endpoint), [&] {
     zmq::socket_t socket = make(context, zmq::socket_type::router);
     socket.set(zmq::sockopt::router_mandatory, true);
     be_curve_server(socket, keys, kInboxDomain);
@@ -192,27 +205,20 @@ Result<Socket> Socket::inbox(Context& context, const std::string& endpoint, cons
     watch_connections(socket);
     if (!endpoint.empty()) socket.bind(endpoint);
     return Socket(std::move(socket));
-  } catch (const zmq::error_t& problem) {
-    return refused(endpoint, problem);
-  }
+  });
 }
 
 Result<Socket> Socket::dialler(Context& context, const CurveKeys& keys, BytesView server_key) {
-  try {
-    return Socket(make_dialler(context, keys, server_key));
-  } catch (const zmq::error_t& problem) {
-    return failed("a socket to dial with", problem);
-  }
+  return or_error<Result<Socket>>("a socket to dial with",
+                                  [&] { return Socket(make_dialler(context, keys, server_key)); });
 }
 
 Status Socket::bind(const std::string& endpoint) {
   *unseen_ = true;
-  try {
+  return or_error<Status>(bound(endpoint), [&] {
     socket_.bind(endpoint);
     return Done{};
-  } catch (const zmq::error_t& problem) {
-    return refused(endpoint, problem);
-  }
+  });
 }
 
 void Socket::unbind(const std::string& endpoint) {
@@ -223,12 +229,10 @@ void Socket::unbind(const std::string& endpoint) {
 
 Status Socket::dial(const std::string& endpoint) {
   *unseen_ = true;
-  try {
+  return or_error<Status>(endpoint, [&] {
     socket_.connect(endpoint);
     return Done{};
-  } catch (const zmq::error_t& problem) {
-    return failed(endpoint, problem);
-  }
+  });
 }
 
 Status Socket::dial_again(const std::string& endpoint) {
@@ -237,17 +241,11 @@ Status Socket::dial_again(const std::string& endpoint) {
 }
 
 Result<Socket> Socket::tap_server(Context& context, const std::string& endpoint, const CurveKeys* curve) {
-  try {
+  return or_error<Result<Socket>>(bound(endpoint), [&] {
     zmq::socket_t socket = make(context, zmq::socket_type::xpub);
-    if (curve != nullptr) {
-      be_curve_server(socket, *curve, kBusDomain);
-      watch_bus(socket);
-    }
-    if (!endpoint.empty()) socket.bind(endpoint);
+    be_bus_server(socket, endpoint, curve);
     return Socket(std::move(socket));
-  } catch (const zmq::error_t& problem) {
-    return refused(endpoint, problem);
-  }
+  });
 }
 
 Socket Socket::tap_client(Context& context, const std::string& endpoint, const CurveClient* curve) {
@@ -255,19 +253,12 @@ Socket Socket::tap_client(Context& context, const std::string& endpoint, const C
 }
 
 Result<Socket> Socket::lane_server(Context& context, const CurveKeys& keys) {
-  try {
-    return Socket(make_lane_server(context, keys));
-  } catch (const zmq::error_t& problem) {
-    return failed("the own lane's socket", problem);
-  }
+  return or_error<Result<Socket>>("the own lane's socket", [&] { return Socket(make_lane_server(context, keys)); });
 }
 
 Result<Socket> Socket::lane_client(Context& context, const CurveKeys& keys, BytesView server_key, BytesView topic) {
-  try {
-    return Socket(make_lane_client(context, keys, server_key, topic));
-  } catch (const zmq::error_t& problem) {
-    return failed("a lane's socket", problem);
-  }
+  return or_error<Result<Socket>>("a lane's socket",
+                                  [&] { return Socket(make_lane_client(context, keys, server_key, topic)); });
 }
 
 void Socket::let_listen(BytesView topic) {
@@ -277,13 +268,11 @@ void Socket::let_listen(BytesView topic) {
 }
 
 Result<Socket> Socket::pair_client(Context& context, const std::string& endpoint) {
-  try {
+  return or_error<Result<Socket>>(endpoint, [&] {
     zmq::socket_t socket = make(context, zmq::socket_type::pair);
     socket.connect(endpoint);
     return Socket(std::move(socket));
-  } catch (const zmq::error_t& problem) {
-    return failed(endpoint, problem);
-  }
+  });
 }
 
 bool Socket::receive(Frame& frame) {

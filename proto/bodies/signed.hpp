@@ -17,6 +17,7 @@ constexpr std::string_view kSignedRunEnd = "run_end";
 constexpr std::string_view kSignedResult = "result";
 constexpr std::string_view kSignedChoice = "choice";
 constexpr std::string_view kSignedDecision = "decision";
+constexpr std::string_view kSignedAuditHead = "audit_head";
 constexpr std::string_view kSignedRevocations = "revocation_list";
 constexpr std::string_view kSignedSeal = "seal";
 constexpr std::string_view kSignedRelayed = "relayed";

@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "common/ranking/ranking_json.hpp"
+#include "tests/fuzz/bits.hpp"
 #include "tests/fuzz/target.hpp"
 
 namespace trb::fuzz {
@@ -41,32 +42,18 @@ void check_answer(const RankingProblem& problem, const RankingAnswer& answer) {
   require(!sensitivity_text(answer).empty(), "the answer has its sentence");
 }
 
-/// Reads the input byte by byte; 0 when it is used up.
-class Bits {
- public:
-  explicit Bits(BytesView input) : input_(input) {}
-  std::size_t below(std::size_t count) {
-    if (input_.empty()) return 0;
-    const auto byte = static_cast<unsigned char>(input_.front());
-    input_.remove_prefix(1);
-    return byte % count;
-  }
-  double number() {
-    constexpr double kNumbers[] = {0,    1,     2,   0.5, 3,  1.0 / 3, 9,   1e9,     1e-9, 1e300,  5e-324,
-                                   1e10, -1e-9, 100, 7,   80, 4.2,     NAN, 1.7e308, 5,    1.0 / 7};
-    return kNumbers[below(std::size(kNumbers))];
-  }
-
- private:
-  BytesView input_;
-};
+double some_number(Bits& bits) {
+  constexpr double kNumbers[] = {0,    1,     2,   0.5, 3,  1.0 / 3, 9,   1e9,     1e-9, 1e300,  5e-324,
+                                 1e10, -1e-9, 100, 7,   80, 4.2,     NAN, 1.7e308, 5,    1.0 / 7};
+  return bits.one_of(kNumbers);
+}
 
 std::vector<Judgment> judgments_of(Bits& bits, const std::vector<std::string>& names) {
   std::vector<Judgment> out;
   const std::size_t left_out = bits.below(5);
   for (std::size_t i = 0; i < names.size(); ++i) {
     for (std::size_t j = i + 1; j < names.size(); ++j) {
-      if (left_out == 0 || bits.below(left_out + 1) != 0) out.push_back({names[i], names[j], bits.number()});
+      if (left_out == 0 || bits.below(left_out + 1) != 0) out.push_back({names[i], names[j], some_number(bits)});
     }
   }
   return out;
@@ -86,7 +73,7 @@ RankingProblem problem_of(BytesView input) {
     if (bits.below(3) == 0) {
       out.people[0].alternative_judgments.push_back({one.name, judgments_of(bits, out.alternatives)});
     } else {
-      for (std::size_t k = 0; k < out.alternatives.size(); ++k) one.values.push_back(bits.number());
+      for (std::size_t k = 0; k < out.alternatives.size(); ++k) one.values.push_back(some_number(bits));
     }
     out.criteria.push_back(std::move(one));
   }

@@ -8,6 +8,7 @@
 #include "common/scenario/repeat.hpp"
 #include "common/scenario/values.hpp"
 #include "proto/body.hpp"
+#include "tests/fuzz/bits.hpp"
 #include "tests/fuzz/target.hpp"
 
 namespace trb::fuzz {
@@ -71,26 +72,6 @@ void take(const Value& json, const std::string& result) {
     if (!is_repetition(task.id)) check_values(task, result);
   }
 }
-
-/// Reads the input byte by byte; 0 when it is used up.
-class Bits {
- public:
-  explicit Bits(BytesView input) : input_(input) {}
-  std::size_t below(std::size_t count) {
-    if (input_.empty()) return 0;
-    const auto byte = static_cast<unsigned char>(input_.front());
-    input_.remove_prefix(1);
-    return byte % count;
-  }
-  template <std::size_t N>
-  const char* one_of(const char* const (&words)[N]) {
-    return words[below(N)];
-  }
-  [[nodiscard]] std::string rest() const { return std::string(input_); }
-
- private:
-  BytesView input_;
-};
 
 /// A task that is mostly valid: mutated JSON rarely is.
 std::string task_of(Bits& bits, std::size_t number) {

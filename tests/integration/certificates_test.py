@@ -138,12 +138,7 @@ class Revoked(Life):
 
     def test_the_beacon_key_is_another_one(self):
         """The revoked node's beacons under the old key are ignored; a node that is signed now joins by beacon."""
-        listener = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
-        self.addCleanup(listener.close)
-        listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-        listener.setsockopt(socket.SOL_SOCKET, socket.SO_BROADCAST, 1)
-        listener.bind(("127.255.255.255", UDP_PORT))
-        listener.settimeout(8)
+        listener = support.beacon_listener(self, UDP_PORT, 8)
         sender = None
         while sender != self.fleet.address("cat"):
             old, (sender, _) = listener.recvfrom(4096)

@@ -88,18 +88,24 @@ class SensorFleet(RouterFleet):
         self.nodes[node] = trb_fleet.Process(command, self.root / f"up-{node}.log", env={**os.environ, **self.devices[node].env})
 
 
+def start_bus(case, node):
+    """A D-Bus of that node's own, until the test class ends; returns its folder."""
+    folder = tempfile.TemporaryDirectory(prefix="trb-bus-")
+    case.addClassCleanup(folder.cleanup)
+    case.buses[node] = Bus(pathlib.Path(folder.name))
+    case.buses[node].start()
+    case.addClassCleanup(case.buses[node].stop)
+    return pathlib.Path(folder.name)
+
+
 class Sensors(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         SensorFleet.buses = cls.buses = {}
         SensorFleet.devices = cls.devices = {}
         for node in NODES:
-            folder = tempfile.TemporaryDirectory(prefix="trb-bus-")
-            cls.addClassCleanup(folder.cleanup)
-            cls.buses[node] = Bus(pathlib.Path(folder.name))
-            cls.buses[node].start()
-            cls.addClassCleanup(cls.buses[node].stop)
-            cls.devices[node] = Devices(pathlib.Path(folder.name) / "devices.log")
+            folder = start_bus(cls, node)
+            cls.devices[node] = Devices(folder / "devices.log")
             cls.addClassCleanup(cls.devices[node].stop)
         cls.fleet = make_fleet(cls, SensorFleet, block=164, udp_port=50164,
                                services={node: ["router", "sensor-bus"] for node in NODES})
@@ -348,11 +354,7 @@ class Robots(unittest.TestCase):
         robots = {name: trb_fleet.ROBOTS[name] for name in ("pioneer1", "pioneer2")}
         RobotFleet.buses = cls.buses = {}
         for node in robots:
-            folder = tempfile.TemporaryDirectory(prefix="trb-bus-")
-            cls.addClassCleanup(folder.cleanup)
-            cls.buses[node] = Bus(pathlib.Path(folder.name))
-            cls.buses[node].start()
-            cls.addClassCleanup(cls.buses[node].stop)
+            start_bus(cls, node)
         cls.fleet = make_fleet(cls, RobotFleet, block=166, udp_port=50166, robots=robots, cloud=False)
         cls.fleet.start()
         cls.fleet.wait("the fleet forms", lambda: all(cls.fleet.formed(node) for node in robots), 20)

@@ -376,15 +376,6 @@ class Strangers(Door):
 
     # ---- beacons
 
-    def listener(self):
-        plain = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
-        self.addCleanup(plain.close)
-        plain.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-        plain.setsockopt(socket.SOL_SOCKET, socket.SO_BROADCAST, 1)
-        plain.bind(("127.255.255.255", UDP_PORT))
-        plain.settimeout(7)
-        return plain
-
     def beacon_from(self, plain, address):
         while True:
             datagram, sender = plain.recvfrom(4096)
@@ -392,7 +383,7 @@ class Strangers(Door):
                 return datagram
 
     def test_beacons(self):
-        plain = self.listener()
+        plain = support.beacon_listener(self, UDP_PORT, 7)
         sender = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
         self.addCleanup(sender.close)
         sender.setsockopt(socket.SOL_SOCKET, socket.SO_BROADCAST, 1)

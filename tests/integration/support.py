@@ -2,6 +2,7 @@
 import json
 import os
 import pathlib
+import socket
 import sys
 import tempfile
 import time
@@ -41,6 +42,17 @@ def make_fleet(case, kind=trb_fleet.Fleet, programs=PROGRAMS, **arguments):
     add_cleanup(fleet.stop)
     fleet.make()
     return fleet
+
+
+def beacon_listener(case, port, timeout_s):
+    """A socket that hears every beacon of this machine's fleet, and may shout itself."""
+    listener = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+    case.addCleanup(listener.close)
+    listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+    listener.setsockopt(socket.SOL_SOCKET, socket.SO_BROADCAST, 1)
+    listener.bind(("127.255.255.255", port))
+    listener.settimeout(timeout_s)
+    return listener
 
 
 class RouterFleet(trb_fleet.Fleet):

@@ -21,25 +21,11 @@ Error offline() {
 }  // namespace
 
 ArcosDriver::ArcosDriver(const DriverSettings& settings, ArcosCommands commands)
-    : own_id_(settings.id),
-      commands_(std::move(commands.commands)),
-      fields_(std::move(commands.values)),
-      requests_(settings.commands.requests.begin(), settings.commands.requests.end()) {}
-
-bool ArcosDriver::knows(MessageType type, std::string_view subtype) const {
-  if (type == MessageType::command) return commands_.contains(subtype);
-  return type == MessageType::request && requests_.contains(subtype);
-}
+    : WordsDriver(settings.id, settings.commands, std::move(commands.commands)), fields_(std::move(commands.values)) {}
 
 bool ArcosDriver::tells_end(std::string_view subtype) const {
   const auto found = commands_.find(subtype);
   return found != commands_.end() && !found->second.empty() && found->second.back().travel;
-}
-
-const RobotValue* ArcosDriver::value(std::string_view name) const {
-  const auto request = requests_.find(name);
-  const auto found = values_.find(request == requests_.end() ? name : std::string_view(request->second));
-  return found == values_.end() ? nullptr : &found->second;
 }
 
 Result<Progress> ArcosDriver::hand_over(const Handover& message, Now now, const DriverOut& out) {

@@ -10,27 +10,26 @@
 #include "common/drivers/arcos/order.hpp"
 #include "common/drivers/arcos/report.hpp"
 #include "common/drivers/arcos/state.hpp"
-#include "common/drivers/driver.hpp"
+#include "common/drivers/words_driver.hpp"
 
 namespace trb::drivers {
 
-class ArcosDriver : public Driver {
+class ArcosDriver : public WordsDriver<std::vector<ArcosStep>> {
  public:
   ArcosDriver(const DriverSettings& settings, ArcosCommands commands);
 
   [[nodiscard]] bool online() const override { return sip_.has_value(); }
-  [[nodiscard]] bool knows(MessageType type, std::string_view subtype) const override;
   [[nodiscard]] bool tells_end(std::string_view subtype) const override;
-  [[nodiscard]] const RobotValue* value(std::string_view name) const override;
+  [[nodiscard]] const RobotValue* value(std::string_view name) const override {
+    return find_value(values_, name_of_value(name));
+  }
   [[nodiscard]] bool answers_from_values() const override { return true; }
 
   Result<Progress> hand_over(const Handover& message, Now now, const DriverOut& out) override;
   [[nodiscard]] bool runs(Token token) const override { return journey_ && journey_->token == token; }
-  void forget(Token, Now, const DriverOut&) override {}
   void halt(Token token, Now now, const DriverOut& out) override;
   Result<Token> stop(Now now, const DriverOut& out) override;
   Result<Token> release(Now now, const DriverOut& out) override;
-  [[nodiscard]] bool told_to_stop() const override { return told_to_stop_; }
 
   void on_up(Channel channel, Now now, const DriverOut& out) override;
   void on_down(Channel channel, const std::string& reason, Now now, const DriverOut& out) override;
@@ -56,23 +55,18 @@ class ArcosDriver : public Driver {
   void confirm(Now now, const DriverOut& out);
   void give_up(const std::string& reason, Now now, const DriverOut& out);
 
-  std::string own_id_;
-  std::map<std::string, std::vector<ArcosStep>, std::less<>> commands_;
   std::map<std::string, std::vector<ArcosField>, std::less<>> fields_;  ///< by value
-  std::map<std::string, std::string, std::less<>> requests_;            ///< subtype -> value
 
   ArcosLink link_;
   std::optional<ArcosSip> sip_;  ///< the latest one of this connection
   ArcosOdometry odometry_;
   ArcosFaults faults_;
-  std::map<std::string, RobotValue, std::less<>> values_;
+  RobotValues values_;
   std::optional<Journey> journey_;
 
   bool motors_wanted_ = true;
   MonotonicTime enabled_at_;  ///< when ENABLE was sent
   MonotonicTime told_at_;     ///< when stop or release was sent
-  bool told_to_stop_ = false;
-  Token last_ticket_ = 0;
   std::optional<Token> stop_waits_;
   std::optional<Token> release_waits_;
 };

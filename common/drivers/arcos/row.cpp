@@ -7,13 +7,9 @@ namespace trb::drivers {
 void check_arcos(const NodeConfig& config, const FileFaults& faults);  // check.cpp
 
 DriverRow arcos_row() {
-  DriverRow row;
-  row.transport.name = "arcos";
-  row.transport.mode = Mode::interpreter;
-  row.transport.check = check_arcos;
-  row.wire = Wire::stream;
-  row.make = make_with<ArcosDriver, read_arcos_commands>;
-  return row;
+  return {.transport = {.name = "arcos", .mode = Mode::interpreter, .check = check_arcos},
+          .wire = Wire::stream,
+          .make = make_with<ArcosDriver, read_arcos_commands>};
 }
 
 }  // namespace trb::drivers

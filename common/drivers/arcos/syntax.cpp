@@ -4,6 +4,7 @@
 #include <array>
 #include <charconv>
 
+#include "common/drivers/text/next_word.hpp"
 #include "common/fleet/did_you_mean.hpp"
 
 namespace trb::drivers {
@@ -49,14 +50,6 @@ constexpr std::array<std::string_view, 17> kFields{
     "left",       "right",      "battery",        "state_of_charge", "stalled",
     "bumpers",    "motors",     "emergency_stop", "moving",          "compass",
     "digital_in", "digital_out"};
-
-std::string_view take_word(std::string_view& text) {
-  const std::size_t begin = std::min(text.find_first_not_of(' '), text.size());
-  const std::size_t end = std::min(text.find(' ', begin), text.size());
-  const std::string_view word = text.substr(begin, end - begin);
-  text.remove_prefix(std::min(text.find_first_not_of(' ', end), text.size()));
-  return word;
-}
 
 template <class Number>
 std::optional<Number> whole_number(std::string_view text) {
@@ -109,7 +102,7 @@ Result<ArcosStep> read_named(const Command& command, std::string_view rest) {
 
 /// `command N`, `command N NUMBER` or `command N "TEXT"`.
 Result<ArcosStep> read_numbered(std::string_view rest) {
-  const std::string_view word = take_word(rest);
+  const std::string_view word = next_word(rest);
   const auto number = whole_number<int>(word);
   // 0 to 2 belong to the connection: PULSE, OPEN and CLOSE.
   if (!number || *number < 3 || *number > 255) {
@@ -157,7 +150,7 @@ Result<ArcosStep> read_goto(std::string_view rest) {
   std::vector<std::string*> places{&travel.x, &travel.y, &travel.heading};
   std::size_t filled = 0;
   while (!rest.empty()) {
-    const std::string_view word = take_word(rest);
+    const std::string_view word = next_word(rest);
     if (word.find('=') != std::string_view::npos) {
       if (Status good = read_setting(word, travel); !good) return good.error();
       continue;
@@ -179,7 +172,7 @@ Result<ArcosStep> read_goto(std::string_view rest) {
 }
 
 Result<ArcosStep> read_step(std::string_view line) {
-  const std::string_view word = take_word(line);
+  const std::string_view word = next_word(line);
   if (word == "goto") return read_goto(line);
   if (word == "command") return read_numbered(line);
   const auto* const found = std::ranges::find(kCommands, word, &Command::name);
@@ -213,7 +206,7 @@ Result<std::vector<ArcosStep>> read_arcos_steps(std::string_view text) {
 Result<std::vector<ArcosField>> read_arcos_value(std::string_view text) {
   std::vector<ArcosField> fields;
   while (text.find_first_not_of(' ') != std::string_view::npos) {
-    const std::string_view word = take_word(text);
+    const std::string_view word = next_word(text);
     const auto* const found = std::ranges::find(kFields, word);
     if (found == kFields.end()) {
       return bad(in_quotes(word) + " is not told by the robot",

@@ -7,13 +7,9 @@ namespace trb::drivers {
 void check_c3(const NodeConfig& config, const FileFaults& faults);  // check.cpp
 
 DriverRow c3_row() {
-  DriverRow row;
-  row.transport.name = "c3";
-  row.transport.mode = Mode::interpreter;
-  row.transport.check = check_c3;
-  row.wire = Wire::stream;
-  row.make = make_with<C3Driver, read_c3_commands>;
-  return row;
+  return {.transport = {.name = "c3", .mode = Mode::interpreter, .check = check_c3},
+          .wire = Wire::stream,
+          .make = make_with<C3Driver, read_c3_commands>};
 }
 
 }  // namespace trb::drivers

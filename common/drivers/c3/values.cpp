@@ -11,11 +11,6 @@ constexpr std::size_t kMaxRequests = 64;
 
 }  // namespace
 
-const RobotValue* C3Values::find(std::string_view name) const {
-  const auto found = values_.find(name);
-  return found == values_.end() ? nullptr : &found->second;
-}
-
 Status C3Values::ask(const Handover& request, Now now, const DriverOut& out) {
   const std::string& name = requests_.find(request.subtype)->second;
   const auto question = std::ranges::find(questions_, name, &Question::name);

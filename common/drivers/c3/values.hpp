@@ -21,7 +21,7 @@ class C3Values {
       : link_(link), questions_(std::move(questions)), requests_(std::move(requests)) {}
 
   [[nodiscard]] bool answers(std::string_view subtype) const { return requests_.contains(subtype); }
-  [[nodiscard]] const RobotValue* find(std::string_view name) const;
+  [[nodiscard]] const RobotValue* find(std::string_view name) const { return find_value(values_, name); }
 
   /// A request that commands.json maps to a value: it is read from the robot. Errors: unknown_subtype, queue_full.
   Status ask(const Handover& request, Now now, const DriverOut& out);
@@ -47,7 +47,7 @@ class C3Values {
   std::vector<Question> questions_;
   Requests requests_;
   std::map<Token, Asked> asked_;
-  std::map<std::string, RobotValue, std::less<>> values_;
+  RobotValues values_;
   std::set<std::string, std::less<>> told_bad_;  ///< values that could not be read since the robot was connected
 };
 

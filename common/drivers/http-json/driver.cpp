@@ -8,22 +8,12 @@ namespace {
 /// A stop whose connection is lost this often in a row counts as refused by the robot.
 constexpr std::size_t kStopsLost = 3;
 constexpr const char* kWouldNotStop = "stop refused";
-constexpr std::string_view kPosition = "position";
 
 std::map<std::string, HttpQuestion> questions_of(const HttpCommands& commands, const VendorCommands& vendor,
                                                  const Description& description) {
   std::map<std::string, HttpQuestion> out;
-  const auto add = [&](const std::string& name) {
-    const auto request = vendor.requests.find(name);
-    const auto question = commands.values.find(request == vendor.requests.end() ? name : request->second);
-    if (question != commands.values.end()) out.insert(*question);
-  };
-  for (const auto& [subtype, name] : vendor.requests) add(subtype);
-  for (const FaultRule& rule : description.faults) add(rule.value);
-  for (const std::string& name : description.sensors) add(name);
-  for (const Skill& skill : description.skills) {
-    if (skill.end.kind != EndKind::state && skill.end.kind != EndKind::position) continue;
-    add(skill.end.state.empty() ? std::string(kPosition) : skill.end.state);
+  for (const std::string& name : needed_values(vendor, description)) {
+    if (const auto question = commands.values.find(name); question != commands.values.end()) out.insert(*question);
   }
   return out;
 }
@@ -41,118 +31,29 @@ std::string text_of(const HttpWords& words) {
 }  // namespace
 
 HttpJsonDriver::HttpJsonDriver(const DriverSettings& settings, HttpCommands commands)
-    : own_id_(settings.id),
+    : PolledDriver(settings,
+                   HttpPoll(questions_of(commands, settings.commands, settings.description), probe_of(commands),
+                            seconds(http_timing(settings.commands).poll_s)),
+                   {.offline = "the robot's controller does not answer",
+                    .robot = "robot",
+                    .answered = "it had answered",
+                    .steps = "requests"}),
       host_(settings.host),
       authorization_(settings.authorization),
-      requests_(settings.commands.requests.begin(), settings.commands.requests.end()),
-      poll_(questions_of(commands, settings.commands, settings.description), probe_of(commands),
-            seconds(http_timing(settings.commands).poll_s)),
       timeout_(seconds(http_timing(settings.commands).timeout_s)) {
   commands_ = std::move(commands.commands);
 }
 
-bool HttpJsonDriver::knows(MessageType type, std::string_view subtype) const {
-  if (type == MessageType::command) return commands_.contains(subtype);
-  return type == MessageType::request && requests_.contains(subtype);
-}
-
-std::string_view HttpJsonDriver::name_of_value(std::string_view name) const {
-  const auto request = requests_.find(name);
-  return request == requests_.end() ? name : std::string_view(request->second);
-}
-
-const RobotValue* HttpJsonDriver::value(std::string_view name) const {
-  const HttpPoll::Known* known = poll_.find(name_of_value(name));
-  return known == nullptr || !known->value ? nullptr : &*known->value;
-}
-
-std::optional<Error> HttpJsonDriver::problem(std::string_view name) const {
-  const HttpPoll::Known* known = poll_.find(name_of_value(name));
-  return known == nullptr ? std::nullopt : known->problem;
-}
-
-Result<std::vector<HttpJsonDriver::Step>> HttpJsonDriver::fill(std::string_view subtype, BytesView data) const {
+Result<std::vector<HttpStep>> HttpJsonDriver::fill(std::string_view subtype, BytesView data) const {
   const auto found = commands_.find(subtype);
   if (found == commands_.end()) return fail(Errc::unknown_subtype, "commands.json has no such command");
-  std::vector<Step> out;
+  std::vector<HttpStep> out;
   for (const HttpWords& words : found->second) {
     const auto body = words.body ? words.body->fill(data, json_literal) : Result<std::string>(std::string());
     if (!body) return fail(body.error().code, text_of(words) + ": " + body.error().what, body.error().hint);
     out.push_back({words, *body});
   }
   return out;
-}
-
-Result<Progress> HttpJsonDriver::hand_over(const Handover& message, Now now, const DriverOut& out) {
-  if (!online()) {
-    return fail(Errc::robot_offline, "the robot's controller does not answer",
-                "look at its power, network and address");
-  }
-  if (queue_.full()) return fail(Errc::queue_full, "too many commands wait for the robot", "send fewer");
-  auto steps = fill(message.subtype, message.data);
-  if (!steps) return steps.error();
-  if (steps->empty()) return Progress::handed_over;
-  out.out.count("to_robot." + std::string(message.subtype));
-  queue_.add({Purpose::command, message.token, !message.skill.empty(), std::move(*steps), 0});
-  pump(now, out);
-  return Progress::queued;
-}
-
-bool HttpJsonDriver::runs(Token token) const {
-  return queue_.runs(token);
-}
-
-void HttpJsonDriver::forget(Token token, Now, const DriverOut&) {
-  queue_.forget(token);
-}
-
-void HttpJsonDriver::halt(Token token, Now now, const DriverOut& out) {
-  if (!queue_.halt(token) || !online()) return;
-  auto steps = fill("stop", {});
-  if (!steps || steps->empty()) {
-    return out.refuse("no_stop", "commands.json has no \"stop\" for this robot: the motion goes on");
-  }
-  out.out.count("to_robot.stop");
-  queue_.add_urgent({Purpose::halt, 0, false, std::move(*steps), 0});
-  pump(now, out);
-}
-
-Result<Token> HttpJsonDriver::stop(Now now, const DriverOut& out) {
-  drop_for_stop(out);
-  if (!online() && !up_) return fail(Errc::robot_offline, "the robot's controller does not answer");
-  auto steps = fill("stop", {});
-  if (!steps || steps->empty()) return fail(Errc::unknown_subtype, "commands.json has no \"stop\" for this robot");
-  told_to_stop_ = true;
-  const Token ticket = ++last_ticket_;
-  if (queue_.join_stop(ticket)) return ticket;
-  out.out.count("to_robot.stop");
-  queue_.add_urgent({Purpose::stop, ticket, false, std::move(*steps), 0});
-  pump(now, out);
-  return ticket;
-}
-
-/// The request in progress cannot be recalled; its answer is ignored.
-void HttpJsonDriver::drop_for_stop(const DriverOut& out) {
-  for (const Job& job : queue_.drop_for_stop()) {
-    const std::string answered = std::to_string(job.done) + " of its " + std::to_string(job.steps.size()) + " requests";
-    out.emit(Refused{job.token, fail(Errc::fenced, "the robot was stopped when it had answered " + answered,
-                                     "trb release " + own_id_)});
-  }
-}
-
-Result<Token> HttpJsonDriver::release(Now now, const DriverOut& out) {
-  if (!online()) return fail(Errc::robot_offline, "the robot's controller does not answer");
-  told_to_stop_ = false;
-  const Token ticket = ++last_ticket_;
-  auto steps = fill("release", {});
-  if (!steps || steps->empty()) {
-    out.emit(Released{ticket});
-    return ticket;
-  }
-  out.out.count("to_robot.release");
-  queue_.add_urgent({Purpose::release, ticket, false, std::move(*steps), 0});
-  pump(now, out);
-  return ticket;
 }
 
 void HttpJsonDriver::pump(Now now, const DriverOut& out) {
@@ -169,7 +70,7 @@ void HttpJsonDriver::pump(Now now, const DriverOut& out) {
 
 void HttpJsonDriver::begin_step(Now now, const DriverOut& out) {
   const Job& job = queue_.front();
-  const Step& step = job.steps[job.done];
+  const HttpStep& step = job.steps[job.done];
   const auto target = step.words.path.fill(remembered_);
   if (target) return send({step.words.method, *target, step.body}, Awaits::job, now, out);
   const Job gone = queue_.pop();
@@ -220,11 +121,7 @@ void HttpJsonDriver::on_answer(const HttpAnswer& answer, Now now, const DriverOu
 }
 
 void HttpJsonDriver::on_poll(const HttpAnswer& answer, Now now, const DriverOut& out) {
-  const HttpPoll::Changes changes = poll_.on_answer(answer, now);
-  for (const Error& problem : changes.problems) {
-    out.emit(FaultSaid{"", Severity::warning, problem.what + "; " + problem.hint});
-  }
-  if (changes.values) out.emit(ValuesHeard{});
+  poll_.on_answer(answer, now).report(out);
 }
 
 void HttpJsonDriver::on_step(const HttpAnswer& answer, const DriverOut& out) {

@@ -6,13 +6,17 @@
 #include <string>
 #include <vector>
 
-#include "common/drivers/driver.hpp"
 #include "common/drivers/http-json/commands.hpp"
 #include "common/drivers/http-json/poll.hpp"
 #include "common/drivers/http-json/wire.hpp"
-#include "common/drivers/request_queue.hpp"
+#include "common/drivers/polled_driver.hpp"
 
 namespace trb::drivers {
+
+struct HttpStep {
+  HttpWords words;
+  std::string body;  ///< with its placeholders filled
+};
 
 /// event               | nothing under way        | a command's request        | a value's
 /// --------------------|--------------------------|----------------------------|---------------------------
@@ -23,27 +27,13 @@ namespace trb::drivers {
 ///                     | only if that takes long  | whether it was taken; a    |
 ///                     |                          | stop is sent again         |
 /// stop                | at once                  | behind that one answer     | behind that one answer
-class HttpJsonDriver : public Driver {
+class HttpJsonDriver : public PolledDriver<std::vector<HttpWords>, HttpStep, HttpPoll> {
  public:
   HttpJsonDriver(const DriverSettings& settings, HttpCommands commands);
 
   /// Connections come and go with HTTP: the robot is online if it has answered, until no connection can be made for
   /// long.
   [[nodiscard]] bool online() const override { return heard_; }
-  [[nodiscard]] bool knows(MessageType type, std::string_view subtype) const override;
-  /// A command counts as over once the robot has answered every request.
-  [[nodiscard]] bool tells_end(std::string_view subtype) const override { return commands_.contains(subtype); }
-  [[nodiscard]] const RobotValue* value(std::string_view name) const override;
-  [[nodiscard]] bool answers_from_values() const override { return true; }
-  [[nodiscard]] std::optional<Error> problem(std::string_view name) const override;
-
-  Result<Progress> hand_over(const Handover& message, Now now, const DriverOut& out) override;
-  [[nodiscard]] bool runs(Token token) const override;
-  void forget(Token token, Now now, const DriverOut& out) override;
-  void halt(Token token, Now now, const DriverOut& out) override;
-  Result<Token> stop(Now now, const DriverOut& out) override;
-  Result<Token> release(Now now, const DriverOut& out) override;
-  [[nodiscard]] bool told_to_stop() const override { return told_to_stop_; }
 
   void on_up(Channel channel, Now now, const DriverOut& out) override;
   void on_down(Channel channel, const std::string& reason, Now now, const DriverOut& out) override;
@@ -52,16 +42,9 @@ class HttpJsonDriver : public Driver {
   [[nodiscard]] std::optional<MonotonicTime> next_deadline() const override;
 
  private:
-  struct Step {
-    HttpWords words;
-    std::string body;  ///< with its placeholders filled
-  };
-  using Queue = RequestQueue<Step>;
-  using Job = Queue::Job;
-
-  [[nodiscard]] std::string_view name_of_value(std::string_view name) const;
-  Result<std::vector<Step>> fill(std::string_view subtype, BytesView data) const;
-  void pump(Now now, const DriverOut& out);
+  Result<std::vector<HttpStep>> fill(std::string_view subtype, BytesView data) const override;
+  void pump(Now now, const DriverOut& out) override;
+  [[nodiscard]] bool takes_orders() const override { return heard_; }
   void begin_step(Now now, const DriverOut& out);
   void send(const HttpRequest& request, Awaits whose, Now now, const DriverOut& out);
   void on_answer(const HttpAnswer& answer, Now now, const DriverOut& out);
@@ -72,25 +55,15 @@ class HttpJsonDriver : public Driver {
   void on_refused(const Job& job, Error error, const DriverOut& out);
   void on_lost_job(const std::string& reason, const DriverOut& out);
   static void say_would_not_stop(const Error& error, const DriverOut& out);
-  void drop_for_stop(const DriverOut& out);
   void go_offline(const std::string& reason, const DriverOut& out);
 
-  std::string own_id_;
   std::string host_;
   std::string authorization_;
-  std::map<std::string, std::vector<HttpWords>, std::less<>> commands_;
-  std::map<std::string, std::string, std::less<>> requests_;
-  HttpPoll poll_;
   Duration timeout_;
 
-  bool up_ = false;
-  bool heard_ = false;
-  bool told_to_stop_ = false;
   MonotonicTime sent_at_{};
   std::optional<MonotonicTime> lost_at_;  ///< the last connection's end, until there is another one
   std::string lost_why_;
-  Token last_ticket_ = 0;
-  Queue queue_;
   Remembered remembered_;
   HttpReader reader_;
 };

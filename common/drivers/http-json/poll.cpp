@@ -76,22 +76,14 @@ void HttpPoll::take(const std::string& name, const std::vector<HttpQuestion::Par
   // A text without a number would shift the numbers after it to another index.
   if (value.numbers.size() != parts.size()) value.numbers.clear();
   value.json = dump_json(parts.size() == 1 ? all.front() : Value{std::move(all)});
-  known_[name] = {std::move(value), {}};
-  changes.values = true;
-}
-
-void HttpPoll::lose(const std::string& name, const Error& problem, Changes& changes) {
-  Known& known = known_[name];
-  const bool is_new = !known.problem || known.problem->what != problem.what;
-  known = {{}, problem};
-  if (is_new) changes.problems.push_back(problem);
+  keep(name, std::move(value), changes);
 }
 
 void HttpPoll::forget(std::string_view name) {
   for (const Group& group : groups_) {
     const std::vector<std::string> names = group.path.names();
     if (std::ranges::find(names, name) == names.end()) continue;
-    for (const auto& [value, parts] : group.values) known_.erase(value);
+    for (const auto& [value, parts] : group.values) erase(value);
   }
 }
 
@@ -99,11 +91,6 @@ void HttpPoll::advance(Now now) {
   if (++at_ < groups_.size()) return;
   at_ = 0;
   due_ = std::max(due_ + period_, now.mono);
-}
-
-const HttpPoll::Known* HttpPoll::find(std::string_view name) const {
-  const auto found = known_.find(name);
-  return found == known_.end() ? nullptr : &found->second;
 }
 
 }  // namespace trb::drivers

@@ -6,23 +6,14 @@
 #include <string>
 #include <vector>
 
-#include "common/drivers/driver.hpp"
 #include "common/drivers/http-json/syntax.hpp"
 #include "common/drivers/http-json/wire.hpp"
+#include "common/drivers/polled_values.hpp"
 
 namespace trb::drivers {
 
-class HttpPoll {
+class HttpPoll : public PolledValues {
  public:
-  struct Known {
-    std::optional<RobotValue> value;
-    std::optional<Error> problem;  ///< why there is no value
-  };
-  struct Changes {
-    bool values = false;
-    std::vector<Error> problems;  ///< each is reported once, until the value is received again
-  };
-
   /// Without questions `probe` is requested, so that a lost robot is noticed; any answer to it is good.
   HttpPoll(std::map<std::string, HttpQuestion> questions, HttpPath probe, Duration period);
 
@@ -35,8 +26,6 @@ class HttpPoll {
   Changes on_answer(const HttpAnswer& answer, Now now);
   /// Values that depend on that name become unknown: it refers to something else from now on.
   void forget(std::string_view name);
-  /// Empty: it is not polled, or not received yet.
-  [[nodiscard]] const Known* find(std::string_view name) const;
 
  private:
   struct Group {
@@ -45,14 +34,12 @@ class HttpPoll {
   };
   void take(const std::string& name, const std::vector<HttpQuestion::Part>& parts, const Result<Value>& json, Now now,
             Changes& changes);
-  void lose(const std::string& name, const Error& problem, Changes& changes);
   void advance(Now now);
 
   Duration period_;
   std::vector<Group> groups_;
   std::size_t at_ = 0;
   MonotonicTime due_;  ///< when the current or next round begins
-  std::map<std::string, Known, std::less<>> known_;
 };
 
 /// The reason why an answer is an error, as text.

@@ -8,14 +8,10 @@ void check_http_json(const NodeConfig& config, const FileFaults& faults);  // ch
 void read_http_json_keys(ObjectReader& vendor, VendorCommands& into);      // check.cpp
 
 DriverRow http_json_row() {
-  DriverRow row;
-  row.transport.name = "http-json";
-  row.transport.mode = Mode::direct;
-  row.transport.check = check_http_json;
-  row.transport.read = read_http_json_keys;
-  row.wire = Wire::stream;
-  row.make = make_with<HttpJsonDriver, read_http_commands>;
-  return row;
+  return {
+      .transport = {.name = "http-json", .mode = Mode::direct, .check = check_http_json, .read = read_http_json_keys},
+      .wire = Wire::stream,
+      .make = make_with<HttpJsonDriver, read_http_commands>};
 }
 
 }  // namespace trb::drivers

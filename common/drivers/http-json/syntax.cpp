@@ -4,6 +4,8 @@
 #include <array>
 #include <charconv>
 
+#include "common/drivers/text/next_word.hpp"
+
 namespace trb::drivers {
 namespace {
 
@@ -25,15 +27,6 @@ bool is_name(std::string_view text) {
 
 bool is_pointer(std::string_view text) {
   return text.size() <= kMaxPointer && (text.empty() || text.front() == '/');
-}
-
-/// The next word, removed from the text together with the blanks around it.
-std::string_view take_word(std::string_view& text) {
-  const std::size_t begin = std::min(text.find_first_not_of(' '), text.size());
-  const std::size_t end = std::min(text.find(' ', begin), text.size());
-  const std::string_view word = text.substr(begin, end - begin);
-  text.remove_prefix(std::min(text.find_first_not_of(' ', end), text.size()));
-  return word;
 }
 
 std::string escaped(std::string_view text) {
@@ -58,8 +51,8 @@ Status take_memory(std::string_view& line, HttpWords& words) {
   // Not an arrow inside a text of the body.
   if (at == std::string_view::npos || line.find_first_of("\"}", at) != std::string_view::npos) return Done{};
   std::string_view rest = line.substr(at + kArrow.size());
-  words.remembers = take_word(rest);
-  words.pointer = take_word(rest);
+  words.remembers = next_word(rest);
+  words.pointer = next_word(rest);
   if (!is_name(words.remembers) || !is_pointer(words.pointer) || words.pointer.empty() || !rest.empty()) {
     return fail(Errc::bad_value, "'" + std::string(line.substr(at + 1, 60)) + "' names nothing to keep",
                 "write it as -> mission /id: a name, and where the answer says it");
@@ -81,12 +74,12 @@ Status check_body(const VendorTemplate& body) {
 Result<HttpWords> read_line(std::string_view line) {
   HttpWords words;
   if (Status kept = take_memory(line, words); !kept) return kept.error();
-  words.method = take_word(line);
+  words.method = next_word(line);
   if (std::ranges::find(kMethods, words.method) == kMethods.end()) {
     return fail(Errc::bad_value, "'" + words.method.substr(0, 20) + "' is no method",
                 "use GET, POST, PUT, PATCH or DELETE");
   }
-  auto path = HttpPath::read(take_word(line));
+  auto path = HttpPath::read(next_word(line));
   if (!path) return path.error();
   words.path = std::move(*path);
   if (line.empty()) return words;
@@ -179,12 +172,12 @@ Result<std::vector<HttpWords>> read_http_words(std::string_view text) {
 
 Result<HttpQuestion> read_http_question(std::string_view text) {
   HttpQuestion question;
-  if (take_word(text) != "GET") return fail(Errc::bad_value, "a value is read with GET", kQuestion);
-  auto path = HttpPath::read(take_word(text));
+  if (next_word(text) != "GET") return fail(Errc::bad_value, "a value is read with GET", kQuestion);
+  auto path = HttpPath::read(next_word(text));
   if (!path) return path.error();
   question.path = std::move(*path);
   while (!text.empty()) {
-    const std::string_view word = take_word(text);
+    const std::string_view word = next_word(text);
     if (is_pointer(word)) {
       question.parts.push_back({std::string(word), {}});
     } else if (const Status read = read_number_of_text(word, question.parts); !read) {

@@ -11,13 +11,8 @@ void check_lines(const NodeConfig&, const FileFaults&) {}
 }  // namespace
 
 DriverRow lines_row() {
-  DriverRow row;
-  row.transport.name = "lines";
-  row.transport.mode = Mode::interpreter;
-  row.transport.check = check_lines;
-  row.transport.names_values = false;
-  row.wire = Wire::none;
-  return row;
+  return {.transport = {.name = "lines", .mode = Mode::interpreter, .check = check_lines, .names_values = false},
+          .wire = Wire::none};
 }
 
 }  // namespace trb::drivers

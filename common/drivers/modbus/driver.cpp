@@ -9,21 +9,11 @@ namespace trb::drivers {
 namespace {
 
 constexpr const char* kWouldNotStop = "stop refused";
-constexpr std::string_view kPosition = "position";
 
 ModbusPlaces polled_of(const ModbusPlaces& places, const VendorCommands& words, const Description& description) {
   ModbusPlaces polled;
-  const auto add = [&](const std::string& name) {
-    const auto request = words.requests.find(name);
-    const auto place = places.find(request == words.requests.end() ? name : request->second);
-    if (place != places.end()) polled.insert(*place);
-  };
-  for (const auto& [subtype, name] : words.requests) add(subtype);
-  for (const FaultRule& rule : description.faults) add(rule.value);
-  for (const std::string& name : description.sensors) add(name);
-  for (const Skill& skill : description.skills) {
-    if (skill.end.kind != EndKind::state && skill.end.kind != EndKind::position) continue;
-    add(skill.end.state.empty() ? std::string(kPosition) : skill.end.state);
+  for (const std::string& name : needed_values(words, description)) {
+    if (const auto place = places.find(name); place != places.end()) polled.insert(*place);
   }
   return polled;
 }
@@ -37,32 +27,20 @@ ModbusPlace probe_of(const ModbusCommands& commands) {
 }  // namespace
 
 ModbusDriver::ModbusDriver(const DriverSettings& settings, ModbusCommands commands)
-    : own_id_(settings.id),
-      requests_(settings.commands.requests.begin(), settings.commands.requests.end()),
-      poll_(polled_of(commands.values, settings.commands, settings.description), probe_of(commands),
-            seconds(modbus_settings(settings.commands).poll_s)) {
+    : PolledDriver(settings,
+                   ModbusPoll(polled_of(commands.values, settings.commands, settings.description), probe_of(commands),
+                              seconds(modbus_settings(settings.commands).poll_s)),
+                   {.offline = "the robot's controller is not connected",
+                    .robot = "device",
+                    .answered = "the device had acknowledged",
+                    .steps = "writes"}) {
   commands_ = std::move(commands.commands);
 }
 
-bool ModbusDriver::knows(MessageType type, std::string_view subtype) const {
-  if (type == MessageType::command) return commands_.contains(subtype);
-  return type == MessageType::request && requests_.contains(subtype);
-}
-
-std::string_view ModbusDriver::name_of_value(std::string_view name) const {
-  const auto request = requests_.find(name);
-  return request == requests_.end() ? name : std::string_view(request->second);
-}
-
-const RobotValue* ModbusDriver::value(std::string_view name) const {
-  const ModbusPoll::Known* known = poll_.find(name_of_value(name));
-  return known == nullptr || !known->value ? nullptr : &*known->value;
-}
-
-Result<std::vector<ModbusDriver::Write>> ModbusDriver::fill(std::string_view subtype, BytesView data) const {
+Result<std::vector<ModbusWrite>> ModbusDriver::fill(std::string_view subtype, BytesView data) const {
   const auto found = commands_.find(subtype);
   if (found == commands_.end()) return fail(Errc::unknown_subtype, "commands.json has no such command");
-  std::vector<Write> out;
+  std::vector<ModbusWrite> out;
   for (const ModbusAssignment& one : found->second) {
     const auto number = modbus_data(one, data);
     if (!number) return number.error();
@@ -74,83 +52,6 @@ Result<std::vector<ModbusDriver::Write>> ModbusDriver::fill(std::string_view sub
   return out;
 }
 
-Result<Progress> ModbusDriver::hand_over(const Handover& message, Now now, const DriverOut& out) {
-  if (!online()) {
-    return fail(Errc::robot_offline, "the robot's controller is not connected",
-                "look at its power, network and address");
-  }
-  if (queue_.full()) return fail(Errc::queue_full, "too many commands wait for the device", "send fewer");
-  auto writes = fill(message.subtype, message.data);
-  if (!writes) return writes.error();
-  if (writes->empty()) return Progress::handed_over;
-  out.out.count("to_robot." + std::string(message.subtype));
-  queue_.add({Purpose::command, message.token, !message.skill.empty(), std::move(*writes), 0});
-  pump(now, out);
-  return Progress::queued;
-}
-
-std::optional<Error> ModbusDriver::problem(std::string_view name) const {
-  const ModbusPoll::Known* known = poll_.find(name_of_value(name));
-  return known == nullptr ? std::nullopt : known->problem;
-}
-
-bool ModbusDriver::runs(Token token) const {
-  return queue_.runs(token);
-}
-
-void ModbusDriver::forget(Token token, Now, const DriverOut&) {
-  queue_.forget(token);
-}
-
-void ModbusDriver::halt(Token token, Now now, const DriverOut& out) {
-  if (!queue_.halt(token) || !up_) return;
-  auto writes = fill("stop", {});
-  if (!writes || writes->empty()) {
-    return out.refuse("no_stop", "commands.json has no \"stop\" for this robot: the motion goes on");
-  }
-  out.out.count("to_robot.stop");
-  queue_.add_urgent({Purpose::halt, 0, false, std::move(*writes), 0});
-  pump(now, out);
-}
-
-Result<Token> ModbusDriver::stop(Now now, const DriverOut& out) {
-  drop_for_stop(out);
-  if (!up_) return fail(Errc::robot_offline, "the robot's controller is not connected");
-  auto writes = fill("stop", {});
-  if (!writes || writes->empty()) return fail(Errc::unknown_subtype, "commands.json has no \"stop\" for this robot");
-  told_to_stop_ = true;
-  const Token ticket = ++last_ticket_;
-  if (queue_.join_stop(ticket)) return ticket;
-  out.out.count("to_robot.stop");
-  queue_.add_urgent({Purpose::stop, ticket, false, std::move(*writes), 0});
-  pump(now, out);
-  return ticket;
-}
-
-/// The call in progress cannot be recalled; its answer is ignored.
-void ModbusDriver::drop_for_stop(const DriverOut& out) {
-  for (const Job& job : queue_.drop_for_stop()) {
-    const std::string written = std::to_string(job.done) + " of its " + std::to_string(job.steps.size()) + " writes";
-    out.emit(Refused{job.token, fail(Errc::fenced, "the robot was stopped when the device had acknowledged " + written,
-                                     "trb release " + own_id_)});
-  }
-}
-
-Result<Token> ModbusDriver::release(Now now, const DriverOut& out) {
-  if (!up_) return fail(Errc::robot_offline, "the robot's controller is not connected");
-  told_to_stop_ = false;
-  const Token ticket = ++last_ticket_;
-  auto writes = fill("release", {});
-  if (!writes || writes->empty()) {
-    out.emit(Released{ticket});
-    return ticket;
-  }
-  out.out.count("to_robot.release");
-  queue_.add_urgent({Purpose::release, ticket, false, std::move(*writes), 0});
-  pump(now, out);
-  return ticket;
-}
-
 void ModbusDriver::pump(Now now, const DriverOut& out) {
   const Awaits next = up_ ? queue_.next(now.mono >= poll_.due()) : Awaits::nothing;
   if (next == Awaits::nothing) return;
@@ -159,7 +60,7 @@ void ModbusDriver::pump(Now now, const DriverOut& out) {
 }
 
 ModbusCall ModbusDriver::call_of(const Job& job) {
-  const Write& write = job.steps[job.done];
+  const ModbusWrite& write = job.steps[job.done];
   return {true, write.place.kind, write.place.address, 0, write.words};
 }
 
@@ -183,11 +84,7 @@ void ModbusDriver::on_bytes(Channel channel, BytesView bytes, Now now, const Dri
 }
 
 void ModbusDriver::on_poll(const ModbusAnswer& answer, Now now, const DriverOut& out) {
-  const ModbusPoll::Changes changes = poll_.on_answer(answer, now);
-  for (const Error& problem : changes.problems) {
-    out.emit(FaultSaid{"", Severity::warning, problem.what + "; " + problem.hint});
-  }
-  if (changes.values) out.emit(ValuesHeard{});
+  poll_.on_answer(answer, now).report(out);
 }
 
 void ModbusDriver::on_write(const ModbusAnswer& answer, const DriverOut& out) {

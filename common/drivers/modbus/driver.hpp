@@ -6,34 +6,25 @@
 #include <string>
 #include <vector>
 
-#include "common/drivers/driver.hpp"
 #include "common/drivers/modbus/commands.hpp"
 #include "common/drivers/modbus/poll.hpp"
-#include "common/drivers/request_queue.hpp"
+#include "common/drivers/polled_driver.hpp"
 
 namespace trb::drivers {
 
-class ModbusDriver : public Driver {
+struct ModbusWrite {
+  std::string meant;  ///< "speed (holding 0)"
+  ModbusPlace place;
+  std::vector<std::uint16_t> words;
+};
+
+class ModbusDriver : public PolledDriver<std::vector<ModbusAssignment>, ModbusWrite, ModbusPoll> {
  public:
   /// Polls the values that requests and the description's faults, sensors and ends of skills need.
   ModbusDriver(const DriverSettings& settings, ModbusCommands commands);
 
   /// A connection alone is not enough: a hung device still accepts it.
   [[nodiscard]] bool online() const override { return up_ && heard_; }
-  [[nodiscard]] bool knows(MessageType type, std::string_view subtype) const override;
-  /// A command counts as over once the device has acknowledged every write.
-  [[nodiscard]] bool tells_end(std::string_view subtype) const override { return commands_.contains(subtype); }
-  [[nodiscard]] const RobotValue* value(std::string_view name) const override;
-  [[nodiscard]] bool answers_from_values() const override { return true; }
-  [[nodiscard]] std::optional<Error> problem(std::string_view name) const override;
-
-  Result<Progress> hand_over(const Handover& message, Now now, const DriverOut& out) override;
-  [[nodiscard]] bool runs(Token token) const override;
-  void forget(Token token, Now now, const DriverOut& out) override;
-  void halt(Token token, Now now, const DriverOut& out) override;
-  Result<Token> stop(Now now, const DriverOut& out) override;
-  Result<Token> release(Now now, const DriverOut& out) override;
-  [[nodiscard]] bool told_to_stop() const override { return told_to_stop_; }
 
   void on_up(Channel channel, Now now, const DriverOut& out) override;
   void on_down(Channel channel, const std::string& reason, Now now, const DriverOut& out) override;
@@ -42,35 +33,15 @@ class ModbusDriver : public Driver {
   [[nodiscard]] std::optional<MonotonicTime> next_deadline() const override;
 
  private:
-  struct Write {
-    std::string meant;  ///< "speed (holding 0)"
-    ModbusPlace place;
-    std::vector<std::uint16_t> words;
-  };
-  using Queue = RequestQueue<Write>;
-  using Job = Queue::Job;
-
-  [[nodiscard]] std::string_view name_of_value(std::string_view name) const;
-  Result<std::vector<Write>> fill(std::string_view subtype, BytesView data) const;
-  void pump(Now now, const DriverOut& out);
+  Result<std::vector<ModbusWrite>> fill(std::string_view subtype, BytesView data) const override;
+  void pump(Now now, const DriverOut& out) override;
+  [[nodiscard]] bool takes_orders() const override { return up_; }
   static ModbusCall call_of(const Job& job);
   void on_poll(const ModbusAnswer& answer, Now now, const DriverOut& out);
   void on_write(const ModbusAnswer& answer, const DriverOut& out);
   void on_done(const Job& job, const DriverOut& out);
   void on_exception(const Job& job, std::uint8_t exception, const DriverOut& out);
-  void drop_for_stop(const DriverOut& out);
   [[nodiscard]] static Error lost(const Job& job, bool under_way, const std::string& reason);
-
-  std::string own_id_;
-  std::map<std::string, std::vector<ModbusAssignment>, std::less<>> commands_;
-  std::map<std::string, std::string, std::less<>> requests_;
-  ModbusPoll poll_;
-
-  bool up_ = false;
-  bool heard_ = false;  ///< an answer was received on this connection
-  bool told_to_stop_ = false;
-  Token last_ticket_ = 0;
-  Queue queue_;
 };
 
 }  // namespace trb::drivers

@@ -39,8 +39,7 @@ bool ModbusPoll::continues(const Block& block, const ModbusPlace& place) {
 }
 
 void ModbusPoll::restart(Now now) {
-  // A problem that persists after a reconnection is not reported again.
-  for (auto& [name, known] : known_) known.value.reset();
+  drop_values();
   at_ = 0;
   due_ = now.mono;
 }
@@ -75,7 +74,7 @@ void ModbusPoll::take(const Block& block, const ModbusAnswer& answer, Now now, C
   for (const Item& item : block.items) {
     const std::string meant = item.name + " (" + to_text(item.place) + ")";
     if (answer.exception != 0) {
-      lose(item, modbus_exception(answer.exception, meant), changes);
+      lose(item.name, modbus_exception(answer.exception, meant), changes);
       continue;
     }
     const auto begin = static_cast<std::size_t>(item.place.address - first);
@@ -85,30 +84,17 @@ void ModbusPoll::take(const Block& block, const ModbusAnswer& answer, Now now, C
     }
     const auto number = modbus_number(item.place, words);
     if (!number) {
-      lose(item, fail(Errc::robot_error, item.name + ": " + number.error().what, number.error().hint), changes);
+      lose(item.name, fail(Errc::robot_error, item.name + ": " + number.error().what, number.error().hint), changes);
       continue;
     }
-    known_[item.name] = {RobotValue{{*number}, json_of(item.place, *number), now.mono}, {}};
-    changes.values = true;
+    keep(item.name, {{*number}, json_of(item.place, *number), now.mono}, changes);
   }
-}
-
-void ModbusPoll::lose(const Item& item, const Error& problem, Changes& changes) {
-  Known& known = known_[item.name];
-  const bool is_new = !known.problem || known.problem->what != problem.what;
-  known = {{}, problem};
-  if (is_new) changes.problems.push_back(problem);
 }
 
 void ModbusPoll::advance(Now now) {
   if (++at_ < blocks_.size()) return;
   at_ = 0;
   due_ = std::max(due_ + period_, now.mono);
-}
-
-const ModbusPoll::Known* ModbusPoll::find(std::string_view name) const {
-  const auto found = known_.find(name);
-  return found == known_.end() ? nullptr : &found->second;
 }
 
 }  // namespace trb::drivers

@@ -1,28 +1,17 @@
 // The values that are polled from a Modbus device, and the last result of each.
 #pragma once
 
-#include <map>
-#include <optional>
 #include <string>
 #include <vector>
 
-#include "common/drivers/driver.hpp"
 #include "common/drivers/modbus/call.hpp"
 #include "common/drivers/modbus/syntax.hpp"
+#include "common/drivers/polled_values.hpp"
 
 namespace trb::drivers {
 
-class ModbusPoll {
+class ModbusPoll : public PolledValues {
  public:
-  struct Known {
-    std::optional<RobotValue> value;
-    std::optional<Error> problem;  ///< why there is no value
-  };
-  struct Changes {
-    bool values = false;
-    std::vector<Error> problems;  ///< each is reported once, until the value is received again
-  };
-
   /// `probe` is polled if nothing else is, so that a lost device is noticed; any answer to it is good.
   ModbusPoll(const ModbusPlaces& polled, const ModbusPlace& probe, Duration period);
 
@@ -34,9 +23,6 @@ class ModbusPoll {
   [[nodiscard]] ModbusCall call() const;
   /// The answer to call().
   Changes on_answer(const ModbusAnswer& answer, Now now);
-
-  /// Empty: it is not polled, or not received yet.
-  [[nodiscard]] const Known* find(std::string_view name) const;
 
  private:
   struct Item {
@@ -52,7 +38,6 @@ class ModbusPoll {
   static bool continues(const Block& block, const ModbusPlace& place);
   void split(Block block);
   void take(const Block& block, const ModbusAnswer& answer, Now now, Changes& changes);
-  void lose(const Item& item, const Error& problem, Changes& changes);
   void advance(Now now);
 
   Duration period_;
@@ -60,7 +45,6 @@ class ModbusPoll {
   bool probes_ = false;  ///< the only block is the probe
   std::size_t at_ = 0;
   MonotonicTime due_;  ///< when the current or next round begins
-  std::map<std::string, Known, std::less<>> known_;
 };
 
 }  // namespace trb::drivers

@@ -8,14 +8,9 @@ void check_modbus(const NodeConfig& config, const FileFaults& faults);  // check
 void read_modbus_keys(ObjectReader& vendor, VendorCommands& into);      // check.cpp
 
 DriverRow modbus_row() {
-  DriverRow row;
-  row.transport.name = "modbus";
-  row.transport.mode = Mode::direct;
-  row.transport.check = check_modbus;
-  row.transport.read = read_modbus_keys;
-  row.wire = Wire::modbus;
-  row.make = make_with<ModbusDriver, read_modbus_vendor>;
-  return row;
+  return {.transport = {.name = "modbus", .mode = Mode::direct, .check = check_modbus, .read = read_modbus_keys},
+          .wire = Wire::modbus,
+          .make = make_with<ModbusDriver, read_modbus_vendor>};
 }
 
 }  // namespace trb::drivers

@@ -24,27 +24,15 @@ Error offline() {
 }  // namespace
 
 RapidDriver::RapidDriver(const DriverSettings& settings, const RapidCommands& commands)
-    : own_id_(settings.id),
-      capabilities_(settings.description.capabilities),
-      requests_(settings.commands.requests.begin(), settings.commands.requests.end()) {
+    : WordsDriver(settings.id, settings.commands), capabilities_(settings.description.capabilities) {
   for (const auto& [subtype, requests] : commands.commands) {
-    Words& words = commands_[subtype];
+    RapidCommand& words = commands_[subtype];
     for (const RapidRequest& one : requests) {
       words.requests.push_back({one.code, VendorTemplate(one.text)});
       words.items = std::max(words.items, words.requests.back().text.items());
     }
   }
   for (const auto& [name, question] : commands.values) questions_.push_back({name, question});
-}
-
-bool RapidDriver::knows(MessageType type, std::string_view subtype) const {
-  if (type == MessageType::command) return commands_.contains(subtype);
-  return type == MessageType::request && requests_.contains(subtype);
-}
-
-const RobotValue* RapidDriver::value(std::string_view name) const {
-  const auto found = values_.find(name);
-  return found == values_.end() ? nullptr : &found->second;
 }
 
 Result<std::vector<RapidDriver::Step>> RapidDriver::fill(std::string_view subtype, BytesView data) const {
@@ -59,7 +47,7 @@ Result<std::vector<RapidDriver::Step>> RapidDriver::fill(std::string_view subtyp
                 "give a JSON list of " + std::to_string(items) + " items");
   }
   std::vector<Step> steps;
-  for (const Request& request : words->second.requests) {
+  for (const RapidCommand::Request& request : words->second.requests) {
     auto text = request.text.fill(data, rapid_literal);
     if (!text) return text.error();
     if (text->size() > kRapidString) {

@@ -5,22 +5,29 @@
 #include <deque>
 #include <map>
 
-#include "common/drivers/driver.hpp"
 #include "common/drivers/driver_settings.hpp"
 #include "common/drivers/rapid/commands.hpp"
 #include "common/drivers/rapid/port.hpp"
 #include "common/drivers/text/vendor_template.hpp"
+#include "common/drivers/words_driver.hpp"
 
 namespace trb::drivers {
 
-class RapidDriver : public Driver {
+struct RapidCommand {
+  struct Request {
+    int code = 0;
+    VendorTemplate text;
+  };
+  std::vector<Request> requests;
+  std::size_t items = 0;  ///< of the data that the requests need
+};
+
+class RapidDriver : public WordsDriver<RapidCommand> {
  public:
   RapidDriver(const DriverSettings& settings, const RapidCommands& commands);
 
   [[nodiscard]] bool online() const override { return program_up_ && service_up_ && heard_; }
-  [[nodiscard]] bool knows(MessageType type, std::string_view subtype) const override;
-  [[nodiscard]] bool tells_end(std::string_view subtype) const override { return commands_.contains(subtype); }
-  [[nodiscard]] const RobotValue* value(std::string_view name) const override;
+  [[nodiscard]] const RobotValue* value(std::string_view name) const override { return find_value(values_, name); }
 
   Result<Progress> hand_over(const Handover& message, Now now, const DriverOut& out) override;
   [[nodiscard]] bool runs(Token token) const override;
@@ -28,7 +35,6 @@ class RapidDriver : public Driver {
   void halt(Token token, Now now, const DriverOut& out) override;
   Result<Token> stop(Now now, const DriverOut& out) override;
   Result<Token> release(Now now, const DriverOut& out) override;
-  [[nodiscard]] bool told_to_stop() const override { return told_to_stop_; }
 
   void on_up(Channel channel, Now now, const DriverOut& out) override;
   void on_down(Channel channel, const std::string& reason, Now now, const DriverOut& out) override;
@@ -37,14 +43,6 @@ class RapidDriver : public Driver {
   [[nodiscard]] std::optional<MonotonicTime> next_deadline() const override;
 
  private:
-  struct Request {
-    int code = 0;
-    VendorTemplate text;
-  };
-  struct Words {
-    std::vector<Request> requests;
-    std::size_t items = 0;
-  };
   struct Question {
     std::string name;
     RapidQuestion words;
@@ -104,10 +102,7 @@ class RapidDriver : public Driver {
   void on_request(const RapidPort::Answer& answer, const DriverOut& out);
   void remember(const std::string& name, std::vector<double> numbers, Now now);
 
-  std::string own_id_;
   std::vector<std::string> capabilities_;
-  std::map<std::string, Words, std::less<>> commands_;
-  std::map<std::string, std::string, std::less<>> requests_;
   std::vector<Question> questions_;
 
   RapidPort program_{Channel::command};
@@ -115,16 +110,14 @@ class RapidDriver : public Driver {
   bool program_up_ = false;
   bool service_up_ = false;
   bool heard_ = false;
-  bool told_to_stop_ = false;
   bool motors_ = true;
   std::string error_;  ///< the number and text of the robot's last error; empty: none
-  Token last_ticket_ = 0;
   std::uint64_t last_number_ = 0;
   std::optional<Turn> turn_;
   std::optional<Job> current_;
   std::deque<Job> jobs_;
   std::map<Token, Asked> asked_;
-  std::map<std::string, RobotValue, std::less<>> values_;
+  RobotValues values_;
   MonotonicTime next_poll_;
   MonotonicTime next_values_;
   std::optional<MonotonicTime> answer_by_;  ///< until then a motion that was ended must be answered

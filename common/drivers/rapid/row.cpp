@@ -7,14 +7,10 @@ namespace trb::drivers {
 void check_rapid(const NodeConfig& config, const FileFaults& faults);  // check.cpp
 
 DriverRow rapid_row() {
-  DriverRow row;
-  row.transport.name = "rapid";
-  row.transport.mode = Mode::interpreter;
-  row.transport.check = check_rapid;
-  row.transport.monitors = {"rapid-service"};
-  row.wire = Wire::stream;
-  row.make = make_with<RapidDriver, read_rapid_commands>;
-  return row;
+  return {
+      .transport = {.name = "rapid", .mode = Mode::interpreter, .check = check_rapid, .monitors = {"rapid-service"}},
+      .wire = Wire::stream,
+      .make = make_with<RapidDriver, read_rapid_commands>};
 }
 
 }  // namespace trb::drivers

@@ -44,31 +44,21 @@ bool is_watched(const Description& description, const std::string& name) {
 }  // namespace
 
 RosDriver::RosDriver(const DriverSettings& settings, const RosCommands& commands)
-    : own_id_(settings.id), instance_(settings.instance) {
+    : WordsDriver(settings.id, settings.commands), instance_(settings.instance) {
   for (const auto& [subtype, words] : commands.commands) {
     auto& publications = commands_[subtype];
     for (const RosPublication& one : words) publications.push_back({one.topic, one.type, VendorTemplate(one.data)});
   }
   for (const auto& [subtype, question] : commands.requests) {
-    requests_.emplace(subtype, Question{question, is_watched(settings.description, subtype)});
+    questions_.emplace(subtype, Question{question, is_watched(settings.description, subtype)});
   }
-}
-
-bool RosDriver::knows(MessageType type, std::string_view subtype) const {
-  if (type == MessageType::command) return commands_.contains(subtype);
-  return type == MessageType::request && requests_.contains(subtype);
-}
-
-const RobotValue* RosDriver::value(std::string_view name) const {
-  const auto found = values_.find(name);
-  return found == values_.end() ? nullptr : &found->second;
 }
 
 Result<std::vector<BridgeCommand>> RosDriver::fill(std::string_view subtype, BytesView data) const {
   std::vector<BridgeCommand> out;
   const auto found = commands_.find(subtype);
   if (found == commands_.end()) return fail(Errc::unknown_subtype, "commands.json has no such command");
-  for (const Publication& publication : found->second) {
+  for (const RosMessage& publication : found->second) {
     auto json = publication.data.fill(data, json_literal);
     if (!json) return json.error();
     BridgeCommand command;
@@ -109,8 +99,8 @@ Result<Progress> RosDriver::hand_over(const Handover& message, Now, const Driver
     return fail(Errc::queue_full, "too many messages wait for ROS", "send fewer");
   const std::string subtype(message.subtype);
   if (message.type == MessageType::request) {
-    const auto question = requests_.find(message.subtype);
-    if (question == requests_.end()) return fail(Errc::unknown_subtype, "commands.json has no such request");
+    const auto question = questions_.find(message.subtype);
+    if (question == questions_.end()) return fail(Errc::unknown_subtype, "commands.json has no such request");
     out.out.count("to_robot." + subtype);
     ask(question->second, BridgeAction::ask, {Purpose::request, message.token, subtype, std::string(message.source), 0},
         out);
@@ -218,7 +208,7 @@ void RosDriver::on_failed(std::uint64_t key, const Pending& pending, const Bridg
   if (pending.purpose == Purpose::command || pending.purpose == Purpose::request) {
     return out.emit(Refused{pending.token, error});
   }
-  if (pending.purpose == Purpose::watch) requests_.find(pending.subtype)->second.watch = 0;
+  if (pending.purpose == Purpose::watch) questions_.find(pending.subtype)->second.watch = 0;
   // A stop or release that nothing received stays unanswered: its requester is notified at its deadline.
   out.refuse("bridge", pending.subtype + ": " + error.text());
 }
@@ -236,20 +226,20 @@ void RosDriver::on_bridge(const BridgeState& state, Now now, const DriverOut& ou
 }
 
 void RosDriver::watch_all(const DriverOut& out) {
-  for (const auto& [subtype, question] : requests_) {
+  for (const auto& [subtype, question] : questions_) {
     if (question.always) watch(subtype, out);
   }
 }
 
 void RosDriver::watch(std::string_view subtype, const DriverOut& out) {
-  const auto at = requests_.find(subtype);
-  if (!up_ || at == requests_.end() || at->second.watch != 0) return;
+  const auto at = questions_.find(subtype);
+  if (!up_ || at == questions_.end() || at->second.watch != 0) return;
   at->second.watch = ask(at->second, BridgeAction::watch, {Purpose::watch, 0, at->first, {}, 0}, out);
 }
 
 void RosDriver::unwatch(std::string_view subtype, const DriverOut& out) {
-  const auto at = requests_.find(subtype);
-  if (!up_ || at == requests_.end() || at->second.always || at->second.watch == 0) return;
+  const auto at = questions_.find(subtype);
+  if (!up_ || at == questions_.end() || at->second.always || at->second.watch == 0) return;
   BridgeCommand command;
   command.instance = instance_;
   command.token = std::exchange(at->second.watch, 0);
@@ -263,7 +253,7 @@ void RosDriver::unwatch(std::string_view subtype, const DriverOut& out) {
 void RosDriver::go_down(const std::string& reason, const DriverOut& out) {
   up_ = false;
   values_.clear();
-  for (auto& [subtype, question] : requests_) question.watch = 0;
+  for (auto& [subtype, question] : questions_) question.watch = 0;
   for (const auto& [key, pending] : std::exchange(pending_, {})) {
     if (pending.purpose != Purpose::command && pending.purpose != Purpose::request) continue;
     out.emit(Refused{pending.token, fail(Errc::robot_offline, "the way to ROS was lost: " + reason,

@@ -6,22 +6,28 @@
 #include <string>
 #include <vector>
 
-#include "common/drivers/driver.hpp"
 #include "common/drivers/ros/commands.hpp"
 #include "common/drivers/text/vendor_template.hpp"
+#include "common/drivers/words_driver.hpp"
 #include "proto/bodies/bridge.hpp"
 
 namespace trb::drivers {
 
-class RosDriver : public Driver {
+/// What a command publishes.
+struct RosMessage {
+  std::string topic;
+  std::string type;
+  VendorTemplate data;
+};
+
+class RosDriver : public WordsDriver<std::vector<RosMessage>> {
  public:
   /// Watches the requests that ends of skills, faults and sensors need.
   RosDriver(const DriverSettings& settings, const RosCommands& commands);
 
   [[nodiscard]] bool online() const override { return up_; }
-  [[nodiscard]] bool knows(MessageType type, std::string_view subtype) const override;
   [[nodiscard]] bool tells_end(std::string_view) const override { return false; }
-  [[nodiscard]] const RobotValue* value(std::string_view name) const override;
+  [[nodiscard]] const RobotValue* value(std::string_view name) const override { return find_value(values_, name); }
 
   Result<Progress> hand_over(const Handover& message, Now now, const DriverOut& out) override;
   void watch(std::string_view subtype, const DriverOut& out) override;
@@ -30,22 +36,13 @@ class RosDriver : public Driver {
   void halt(Token token, Now now, const DriverOut& out) override;
   Result<Token> stop(Now now, const DriverOut& out) override;
   Result<Token> release(Now now, const DriverOut& out) override;
-  [[nodiscard]] bool told_to_stop() const override { return told_to_stop_; }
 
-  void on_up(Channel, Now, const DriverOut&) override {}
-  void on_down(Channel, const std::string&, Now, const DriverOut&) override {}
-  void on_bytes(Channel, BytesView, Now, const DriverOut&) override {}
   void on_bridge(const BridgeEvent& event, Now now, const DriverOut& out) override;
   void on_bridge(const BridgeState& state, Now now, const DriverOut& out) override;
   void tick(Now now, const DriverOut& out) override;
   [[nodiscard]] std::optional<MonotonicTime> next_deadline() const override;
 
  private:
-  struct Publication {
-    std::string topic;
-    std::string type;
-    VendorTemplate data;
-  };
   struct Question {
     RosQuestion words;
     bool always = false;      ///< watched as long as ROS is available
@@ -69,19 +66,15 @@ class RosDriver : public Driver {
   void watch_all(const DriverOut& out);
   void go_down(const std::string& reason, const DriverOut& out);
 
-  std::string own_id_;
   std::uint64_t instance_;
-  std::map<std::string, std::vector<Publication>, std::less<>> commands_;
-  std::map<std::string, Question, std::less<>> requests_;
+  std::map<std::string, Question, std::less<>> questions_;  ///< by the request's subtype
 
   bool up_ = false;
-  bool told_to_stop_ = false;
   std::uint64_t connection_ = 0;
   MonotonicTime heard_;  ///< when the bridge's last state was received
   std::uint64_t last_key_ = 0;
-  Token last_ticket_ = 0;
   std::map<std::uint64_t, Pending> pending_;  ///< by the bridge's token
-  std::map<std::string, RobotValue, std::less<>> values_;
+  RobotValues values_;
 };
 
 }  // namespace trb::drivers

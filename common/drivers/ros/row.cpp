@@ -7,13 +7,9 @@ namespace trb::drivers {
 void check_ros(const NodeConfig& config, const FileFaults& faults);  // check.cpp
 
 DriverRow ros_row() {
-  DriverRow row;
-  row.transport.name = "ros";
-  row.transport.mode = Mode::ros;
-  row.transport.check = check_ros;
-  row.wire = Wire::none;
-  row.make = make_with<RosDriver, read_ros_commands>;
-  return row;
+  return {.transport = {.name = "ros", .mode = Mode::ros, .check = check_ros},
+          .wire = Wire::none,
+          .make = make_with<RosDriver, read_ros_commands>};
 }
 
 }  // namespace trb::drivers

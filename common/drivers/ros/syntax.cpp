@@ -2,21 +2,13 @@
 
 #include <algorithm>
 
+#include "common/drivers/text/next_word.hpp"
 #include "proto/value.hpp"
 
 namespace trb::drivers {
 namespace {
 
 constexpr std::size_t kMaxFields = 32;
-
-/// The next word, removed from the text together with the blanks around it.
-std::string take_word(std::string_view& text) {
-  const std::size_t begin = std::min(text.find_first_not_of(' '), text.size());
-  const std::size_t end = std::min(text.find(' ', begin), text.size());
-  std::string word(text.substr(begin, end - begin));
-  text.remove_prefix(std::min(text.find_first_not_of(' ', end), text.size()));
-  return word;
-}
 
 bool is_name(std::string_view text) {
   return !text.empty() && text.size() <= 200 && std::ranges::all_of(text, [](char c) {
@@ -52,13 +44,13 @@ Result<std::vector<RosPublication>> read_ros_publications(std::string_view text)
     std::string_view line = text.substr(0, end);
     text.remove_prefix(std::min(end + 1, text.size()));
     RosPublication publication;
-    publication.topic = take_word(line);
+    publication.topic = next_word(line);
     if (publication.topic.empty()) continue;
     if (!is_name(publication.topic)) {
       return fail(Errc::bad_value, "'" + publication.topic.substr(0, 60) + "' is no topic", "write it as /cmd_vel");
     }
     if (!line.empty() && line.front() != '{' && line.front() != '[') {
-      publication.type = take_word(line);
+      publication.type = next_word(line);
       if (!is_name(publication.type) || std::ranges::count(publication.type, '/') != 1) {
         return fail(Errc::bad_value, "'" + publication.type.substr(0, 60) + "' is no message type",
                     "write it as geometry_msgs/Twist");
@@ -74,12 +66,12 @@ Result<std::vector<RosPublication>> read_ros_publications(std::string_view text)
 }
 
 Result<RosQuestion> read_ros_question(std::string_view text) {
-  RosQuestion question{take_word(text), {}};
+  RosQuestion question{std::string(next_word(text)), {}};
   if (!is_name(question.topic)) {
     return fail(Errc::bad_value, "'" + question.topic.substr(0, 60) + "' is no topic",
                 "write \"TOPIC\" or \"TOPIC FIELD ...\", for example \"/odom pose.pose.position.x\"");
   }
-  while (!text.empty()) question.fields.push_back(take_word(text));
+  while (!text.empty()) question.fields.emplace_back(next_word(text));
   if (question.fields.size() > kMaxFields) return fail(Errc::bad_value, "more than 32 fields", "ask for fewer");
   return question;
 }

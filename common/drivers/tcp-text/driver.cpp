@@ -38,32 +38,20 @@ std::string text_or_empty(const std::map<std::string, std::string>& words, const
 }  // namespace
 
 TcpTextDriver::TcpTextDriver(const VendorCommands& words, std::string own_id)
-    : own_id_(std::move(own_id)),
-      requests_(words.requests.begin(), words.requests.end()),
+    : WordsDriver(std::move(own_id), words),
       stop_text_(text_or_empty(words.commands, "stop")),
       release_text_(text_or_empty(words.commands, "release")),
       urscript_(words.language == "urscript"),
       wraps_(words.wrap == "urscript-program"),
       has_monitor_(words.monitor.has_value()) {
   for (const auto& [subtype, text] : words.commands) {
-    commands_.emplace(subtype, Command{VendorTemplate(text), wraps_ && !is_interface_command(text), text});
+    commands_.emplace(subtype, TcpCommand{VendorTemplate(text), wraps_ && !is_interface_command(text), text});
   }
-}
-
-bool TcpTextDriver::knows(MessageType type, std::string_view subtype) const {
-  if (type == MessageType::command) return commands_.contains(subtype);
-  return type == MessageType::request && requests_.contains(subtype);
 }
 
 bool TcpTextDriver::tells_end(std::string_view subtype) const {
   const auto found = commands_.find(subtype);
   return found != commands_.end() && found->second.wrapped && has_monitor_;
-}
-
-const RobotValue* TcpTextDriver::value(std::string_view name) const {
-  const auto request = requests_.find(name);
-  const auto found = values_.find(request == requests_.end() ? name : std::string_view(request->second));
-  return found == values_.end() ? nullptr : &found->second;
 }
 
 Result<Progress> TcpTextDriver::hand_over(const Handover& message, Now now, const DriverOut& out) {

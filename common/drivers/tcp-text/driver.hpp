@@ -5,21 +5,28 @@
 #include <map>
 
 #include "common/config/node_config.hpp"
-#include "common/drivers/driver.hpp"
 #include "common/drivers/tcp-text/program_track.hpp"
 #include "common/drivers/tcp-text/ur_monitor.hpp"
 #include "common/drivers/text/vendor_template.hpp"
+#include "common/drivers/words_driver.hpp"
 
 namespace trb::drivers {
 
-class TcpTextDriver : public Driver {
+struct TcpCommand {
+  VendorTemplate words;
+  bool wrapped = false;
+  std::string text;
+};
+
+class TcpTextDriver : public WordsDriver<TcpCommand> {
  public:
   TcpTextDriver(const VendorCommands& words, std::string own_id);
 
   [[nodiscard]] bool online() const override { return command_up_ && (!has_monitor_ || heard_); }
-  [[nodiscard]] bool knows(MessageType type, std::string_view subtype) const override;
   [[nodiscard]] bool tells_end(std::string_view subtype) const override;
-  [[nodiscard]] const RobotValue* value(std::string_view name) const override;
+  [[nodiscard]] const RobotValue* value(std::string_view name) const override {
+    return find_value(values_, name_of_value(name));
+  }
   [[nodiscard]] bool answers_from_values() const override { return true; }
 
   Result<Progress> hand_over(const Handover& message, Now now, const DriverOut& out) override;
@@ -28,7 +35,6 @@ class TcpTextDriver : public Driver {
   void halt(Token token, Now now, const DriverOut& out) override;
   Result<Token> stop(Now now, const DriverOut& out) override;
   Result<Token> release(Now now, const DriverOut& out) override;
-  [[nodiscard]] bool told_to_stop() const override { return told_to_stop_; }
 
   void on_up(Channel channel, Now now, const DriverOut& out) override;
   void on_down(Channel channel, const std::string& reason, Now now, const DriverOut& out) override;
@@ -37,12 +43,6 @@ class TcpTextDriver : public Driver {
   [[nodiscard]] std::optional<MonotonicTime> next_deadline() const override;
 
  private:
-  struct Command {
-    VendorTemplate words;
-    bool wrapped = false;
-    std::string text;
-  };
-
   Status submit_program(const Handover& message, std::string_view lines, const DriverOut& out);
   void write_line(std::string_view text, Now now, const DriverOut& out);
   void on_event(const UrEvent& event, Now now, const DriverOut& out);
@@ -60,9 +60,6 @@ class TcpTextDriver : public Driver {
   void confirm_stop(const DriverOut& out);
   void drop_monitor(std::string_view counted, const std::string& reason, Now now, const DriverOut& out);
 
-  std::string own_id_;
-  std::map<std::string, Command, std::less<>> commands_;
-  std::map<std::string, std::string, std::less<>> requests_;
   std::string stop_text_;
   std::string release_text_;
   bool urscript_;
@@ -72,7 +69,6 @@ class TcpTextDriver : public Driver {
   bool command_up_ = false;
   bool monitor_up_ = false;
   bool heard_ = false;  ///< a state was received on this monitor connection
-  bool told_to_stop_ = false;
   bool program_running_ = false;
   int safety_ = kUrSafetyNormal;
   int robot_mode_ = kUrModeRunning;
@@ -84,9 +80,8 @@ class TcpTextDriver : public Driver {
   MonotonicTime last_state_;
   MonotonicTime last_write_;
   std::uint64_t programs_ = 0;
-  Token last_ticket_ = 0;
   std::optional<Token> stop_waits_;
-  std::map<std::string, RobotValue, std::less<>> values_;
+  RobotValues values_;
   ProgramTrack track_;
   UrMonitor monitor_;
   std::vector<UrEvent> events_;

@@ -8,20 +8,18 @@ void check_tcp_text(const NodeConfig& config, const FileFaults& faults);  // che
 void read_tcp_text_keys(ObjectReader& vendor, VendorCommands& into);      // check.cpp
 
 DriverRow tcp_text_row() {
-  DriverRow row;
-  row.transport.name = "tcp-text";
-  row.transport.mode = Mode::direct;
-  row.transport.check = check_tcp_text;
-  row.transport.read = read_tcp_text_keys;
-  row.transport.monitors = {"ur-primary"};
-  row.transport.languages = {"urscript"};
-  row.transport.wraps = {"urscript-program"};
-  row.transport.monitored_values = {"joints", "robot_mode", "safety", "program_running"};
-  row.wire = Wire::stream;
-  row.make = [](const DriverSettings& settings) -> Result<std::unique_ptr<Driver>> {
-    return std::unique_ptr<Driver>(std::make_unique<TcpTextDriver>(settings.commands, settings.id));
-  };
-  return row;
+  return {.transport = {.name = "tcp-text",
+                        .mode = Mode::direct,
+                        .check = check_tcp_text,
+                        .read = read_tcp_text_keys,
+                        .monitors = {"ur-primary"},
+                        .languages = {"urscript"},
+                        .wraps = {"urscript-program"},
+                        .monitored_values = {"joints", "robot_mode", "safety", "program_running"}},
+          .wire = Wire::stream,
+          .make = [](const DriverSettings& settings) -> Result<std::unique_ptr<Driver>> {
+            return std::unique_ptr<Driver>(std::make_unique<TcpTextDriver>(settings.commands, settings.id));
+          }};
 }
 
 }  // namespace trb::drivers

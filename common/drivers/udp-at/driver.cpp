@@ -29,20 +29,13 @@ Error offline() {
 }  // namespace
 
 AtDriver::AtDriver(const DriverSettings& settings, AtCommands commands)
-    : own_id_(settings.id),
-      commands_(std::move(commands)),
-      names_(settings.commands.values.begin(), settings.commands.values.end()),
-      requests_(settings.commands.requests.begin(), settings.commands.requests.end()) {
+    : WordsDriver(settings.id, settings.commands, std::move(commands)),
+      names_(settings.commands.values.begin(), settings.commands.values.end()) {
   std::erase_if(commands_, [](const auto& command) { return command.second.empty(); });
   for (const auto& [subtype, lines] : commands_) {
     if (subtype == "stop") stop_lands_ = lines.front().action == AtAction::land;
     if (lines.front().action == AtAction::recover) recover_ = subtype;
   }
-}
-
-bool AtDriver::knows(MessageType type, std::string_view subtype) const {
-  if (type == MessageType::command) return commands_.contains(subtype);
-  return type == MessageType::request && requests_.contains(subtype);
 }
 
 bool AtDriver::tells_end(std::string_view subtype) const {
@@ -51,10 +44,9 @@ bool AtDriver::tells_end(std::string_view subtype) const {
 }
 
 const RobotValue* AtDriver::value(std::string_view name) const {
-  if (const auto request = requests_.find(name); request != requests_.end()) name = request->second;
-  if (const auto own = names_.find(name); own != names_.end()) name = own->second;
-  const auto found = values_.find(name);
-  return found == values_.end() ? nullptr : &found->second;
+  const std::string_view asked = name_of_value(name);
+  const auto own = names_.find(asked);
+  return find_value(values_, own == names_.end() ? asked : own->second);
 }
 
 Result<Progress> AtDriver::hand_over(const Handover& message, Now now, const DriverOut& out) {

@@ -8,15 +8,15 @@
 #include "common/drivers/udp-at/commands.hpp"
 #include "common/drivers/udp-at/configs.hpp"
 #include "common/drivers/udp-at/flight.hpp"
+#include "common/drivers/words_driver.hpp"
 
 namespace trb::drivers {
 
-class AtDriver : public Driver {
+class AtDriver : public WordsDriver<std::vector<AtLine>> {
  public:
   AtDriver(const DriverSettings& settings, AtCommands commands);
 
   [[nodiscard]] bool online() const override { return online_; }
-  [[nodiscard]] bool knows(MessageType type, std::string_view subtype) const override;
   [[nodiscard]] bool tells_end(std::string_view subtype) const override;
   [[nodiscard]] const RobotValue* value(std::string_view name) const override;
   [[nodiscard]] bool answers_from_values() const override { return true; }
@@ -27,7 +27,6 @@ class AtDriver : public Driver {
   void halt(Token token, Now now, const DriverOut& out) override;
   Result<Token> stop(Now now, const DriverOut& out) override;
   Result<Token> release(Now now, const DriverOut& out) override;
-  [[nodiscard]] bool told_to_stop() const override { return told_to_stop_; }
 
   void on_up(Channel channel, Now now, const DriverOut& out) override;
   void on_down(Channel channel, const std::string& reason, Now now, const DriverOut& out) override;
@@ -46,17 +45,13 @@ class AtDriver : public Driver {
   void confirm_stop(Now now, const DriverOut& out);
   void write(Now now, const DriverOut& out);
 
-  std::string own_id_;
-  AtCommands commands_;
   std::map<std::string, std::string, std::less<>> names_;  ///< of requests and values -> navdata's
-  std::map<std::string, std::string, std::less<>> requests_;
   bool stop_lands_ = false;
   std::string recover_;  ///< the subtype that does it
 
   bool command_up_ = false;
   bool monitor_up_ = false;
   bool online_ = false;
-  bool told_to_stop_ = false;
   std::uint32_t sequence_ = 0;  ///< of the last AT command
   ArNavdata drone_;             ///< as last received
   std::uint32_t known_faults_ = 0;
@@ -66,13 +61,12 @@ class AtDriver : public Driver {
   MonotonicTime next_demo_;
   MonotonicTime next_state_;
   bool watchdog_due_ = false;
-  Token last_ticket_ = 0;
   std::optional<Token> stop_waits_;
   MonotonicTime stopped_at_;
   std::vector<AtCall> calls_;  ///< for the next datagram
   AtFlight flight_;
   AtConfigs configs_;
-  std::map<std::string, RobotValue, std::less<>> values_;
+  RobotValues values_;
 };
 
 }  // namespace trb::drivers

@@ -32,7 +32,8 @@ struct Command {
   GROUP(robot_check)              \
   GROUP(robot_conform)            \
   GROUP(sensor)                   \
-  GROUP(alert)
+  GROUP(alert)                    \
+  GROUP(cloud)
 
 #define TRB_DECLARE_GROUP(Name) std::vector<Command> Name##_commands();
 TRB_COMMAND_GROUPS(TRB_DECLARE_GROUP)

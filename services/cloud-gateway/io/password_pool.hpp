@@ -1,6 +1,7 @@
 // argon2id on a few threads beside the loop: a hash takes some 70 ms of a core.
 #pragma once
 
+#include <cstddef>
 #include <functional>
 #include <memory>
 #include <string>
@@ -19,16 +20,18 @@ std::string hash_password(const std::string& password);
 
 class PasswordPool {
  public:
-  /// Results come on the loop's thread. `threads`: kChecksAtOnce of sign_in.hpp.
+  /// Results come on the loop's thread, and keep its run() from ending until they are there. `loop` must outlive this.
+  /// `threads`: kChecksAtOnce of sign_in.hpp.
   PasswordPool(boost::asio::io_context& loop, std::size_t threads);
   PasswordPool(const PasswordPool&) = delete;
   PasswordPool& operator=(const PasswordPool&) = delete;
-  /// Waits for the work under way; drops the rest.
+  /// On the loop's thread. Waits for the work under way; drops the rest. No result comes after that.
   ~PasswordPool();
 
-  /// A check that throws or has no memory is `failed`. The password is wiped from memory afterwards.
+  /// A check that has no memory, or whose hash is none of hash_password(), is `failed`. The password is wiped from
+  /// memory afterwards. The queue has no bound of its own: SignIn has one (kQueuedChecks).
   void check(PasswordCheck check, std::function<void(SignInId, CheckResult)> done);
-  /// Empty: it could not be made.
+  /// Empty: it could not be made. The password is wiped too.
   void hash(std::string password, std::function<void(std::string hash)> done);
 
  private:

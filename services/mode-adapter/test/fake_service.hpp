@@ -6,6 +6,7 @@
 #include <map>
 #include <memory>
 
+#include "common/service/test/loopless_service.hpp"
 #include "services/mode-adapter/io/robot_io.hpp"
 #include "services/mode-adapter/test/fixture.hpp"
 
@@ -14,10 +15,9 @@ namespace trb::adapter {
 inline constexpr const char* kLoopback = "127.0.0.1";
 
 /// As much of a service as the connections need: watches, timers, steps, and turns that the test requests.
-class FakeService : public Service {
+class FakeService : public LooplessService {
  public:
   [[nodiscard]] std::uint64_t instance() const override { return kInstance; }
-  void on_journal(std::function<Status(const std::vector<Journal>&)>) override {}
   void after_sends(std::function<void()> carry_out) override { after_sends_ = std::move(carry_out); }
   void watch(int fd, short events, std::function<void(short)> ready) override {
     watches_[fd] = {events, std::make_shared<std::function<void(short)>>(std::move(ready))};
@@ -33,12 +33,6 @@ class FakeService : public Service {
     for (std::string& name : out.counts) counts.push_back(std::move(name));
     for (Log& log : out.logs) logs.push_back(std::move(log.event));
   }
-  int run(Core&, std::function<bool()>) override { return 0; }
-  void start(Core&, std::function<bool()>) override {}
-  [[nodiscard]] int descriptor() const override { return -1; }
-  [[nodiscard]] std::optional<MonotonicTime> next_deadline() override { return std::nullopt; }
-  bool handle_ready() override { return false; }
-  [[nodiscard]] int exit_status() const override { return 0; }
 
   /// Runs turns until it is true, for 5 s at most.
   template <class Condition>

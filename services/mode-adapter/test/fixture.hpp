@@ -33,14 +33,21 @@ inline Parameter make_parameter(const std::string& name, ParameterType type, con
   return parameter;
 }
 
+/// A robot of that transport, without its commands.
+inline Settings robot_settings(const std::string& id, const std::string& framework, Mode mode,
+                               const std::string& transport) {
+  Settings settings;
+  settings.id = id;
+  settings.framework = framework;
+  settings.mode = mode;
+  settings.commands.transport = transport;
+  settings.instance = kInstance;
+  return settings;
+}
+
 /// A mobile robot with the field channel.
 inline Settings pioneer() {
-  Settings settings;
-  settings.id = "pioneer";
-  settings.framework = "pioneer";
-  settings.mode = Mode::interpreter;
-  settings.commands.transport = "lines";
-  settings.instance = kInstance;
+  Settings settings = robot_settings("pioneer", "pioneer", Mode::interpreter, "lines");
   settings.description.capabilities = {"mobile"};
   settings.description.skills = {
       make_skill("go_to", "{place.x} {place.y}", {make_parameter("place", ParameterType::place)}),
@@ -51,12 +58,7 @@ inline Settings pioneer() {
 
 /// An arm that accepts URScript.
 inline Settings ur3() {
-  Settings settings;
-  settings.id = "ur3";
-  settings.framework = "ur";
-  settings.mode = Mode::direct;
-  settings.commands.transport = "tcp-text";
-  settings.instance = kInstance;
+  Settings settings = robot_settings("ur3", "ur", Mode::direct, "tcp-text");
   settings.description.capabilities = {"grab", "reach"};
   Parameter joints = make_parameter("joints", ParameterType::numbers, "rad");
   joints.count = 6;

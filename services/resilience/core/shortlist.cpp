@@ -1,9 +1,9 @@
 #include "services/resilience/core/shortlist.hpp"
 
-#include <algorithm>
 #include <cmath>
 
 #include "common/ranking/shares.hpp"
+#include "services/resilience/core/best_scored.hpp"
 
 namespace trb::resilience {
 namespace {
@@ -20,25 +20,6 @@ double way(const Measures& of, HallPoint place) {
   return known_or(kWayStart + std::sqrt(east * east + north * north), kNever);
 }
 
-bool better(const Scored& a, const Scored& b) {
-  return a.score != b.score ? a.score > b.score : a.robot < b.robot;
-}
-
-std::vector<Scored> best_of(std::span<const RobotNumber> robots, std::span<const double> scores, std::size_t most) {
-  std::vector<Scored> best;  // a heap, the worst on top
-  for (std::size_t i = 0; i < robots.size() && most > 0; ++i) {
-    const Scored scored{robots[i], scores[i]};
-    if (best.size() == most && !better(scored, best.front())) continue;
-    best.push_back(scored);
-    std::push_heap(best.begin(), best.end(), better);
-    if (best.size() <= most) continue;
-    std::pop_heap(best.begin(), best.end(), better);
-    best.pop_back();
-  }
-  std::sort_heap(best.begin(), best.end(), better);
-  return best;
-}
-
 }  // namespace
 
 std::vector<Scored> shortlist(const FleetIndex& index, std::span<const RobotNumber> robots, const Weights& weights,
@@ -53,7 +34,9 @@ std::vector<Scored> shortlist(const FleetIndex& index, std::span<const RobotNumb
   add_shares(charges, Direction::benefit, weights.charge, scores);
   add_shares(ways, Direction::cost, weights.distance, scores);
   add_shares(availabilities, Direction::benefit, weights.availability, scores);
-  return best_of(robots, scores, most);
+  BestScored best(most);
+  for (std::size_t i = 0; i < robots.size(); ++i) best.add({robots[i], scores[i]});
+  return best.take();
 }
 
 }  // namespace trb::resilience

@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "services/resilience/core/best_scored.hpp"
 #include "services/resilience/core/robot_record.hpp"
 
 namespace trb::resilience {
@@ -14,12 +15,6 @@ struct Weights {
   double charge = 0;
   double distance = 0;
   double availability = 0;
-};
-
-struct Scored {
-  RobotNumber robot = 0;
-  double score = 0;
-  bool operator==(const Scored&) const = default;
 };
 
 /// Added to every distance, in m: else a robot at the place would take the distance's whole weight.

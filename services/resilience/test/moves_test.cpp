@@ -15,15 +15,19 @@ bool is_proposed(const Alert& alert, const std::string& robot) {
   return std::ranges::any_of(alert.proposals, [&](const Proposal& one) { return one.robot == robot; });
 }
 
+void add_decision(Fixture& fixture, std::uint32_t epoch) {
+  Decision decision;
+  decision.epoch = epoch;
+  decision.run = kRun;
+  SignedRecord record;
+  record.payload.bytes = encode(decision);
+  fixture.decisions.push_back(record);
+}
+
 /// Gives the run this many decisions of people.
 void fill_decisions(Fixture& fixture, std::uint32_t count) {
   for (std::uint32_t epoch = 2; epoch < count + 2; ++epoch) {
-    Decision decision;
-    decision.epoch = epoch;
-    decision.run = kRun;
-    SignedRecord record;
-    record.payload.bytes = encode(decision);
-    fixture.decisions.push_back(record);
+    add_decision(fixture, epoch);
     fixture.view.decisions.push_back({epoch, "cloud", "another", "bob", "", 0, {}});
   }
   fixture.view.epoch = count + 1;
@@ -90,12 +94,7 @@ TEST_CASE("moves that people have decided do not count, and the file says how ma
   settings.policy.max_moves = 1;
   auto fixture = paper(settings);
   fixture->view.decisions.push_back({2, "cloud", "a", "bob", "", 0, {{"t4", Ruling::move, "ridgeback", 2, {}}}});
-  Decision decision;
-  decision.epoch = 2;
-  decision.run = kRun;
-  SignedRecord record;
-  record.payload.bytes = encode(decision);
-  fixture->decisions.push_back(record);
+  add_decision(*fixture, 2);
   fixture->view.epoch = 2;
   fixture->task("t4").attempt = 2;
   fixture->changed();
@@ -153,12 +152,7 @@ TEST_CASE("64 attempts of a task are the most: after them it can only be left ou
 TEST_CASE("attempts that its robot may have made unheard are no more than 64: it can still be left out") {
   auto fixture = paper();
   fixture->start.scenario.tasks[3].retries = 5;
-  Decision decision;
-  decision.epoch = 2;
-  decision.run = kRun;
-  SignedRecord record;
-  record.payload.bytes = encode(decision);
-  fixture->decisions.push_back(record);
+  add_decision(*fixture, 2);
   fixture->view.decisions.push_back({2, "cloud", "a", "bob", "", 0, {{"t4", Ruling::retry, "ridgeback", 62, {}}}});
   fixture->view.epoch = 2;
   fixture->task("t4").attempt = 64;

@@ -9,12 +9,7 @@ using namespace trb::resilience::test;
 namespace {
 
 AlertDecide verdict_of(Verdict verdict, const std::string& alert, const std::string& robot = "") {
-  AlertDecide out;
-  out.verdict = verdict;
-  out.alert = alert;
-  out.robot = robot;
-  out.person = "ann";
-  return out;
+  return {.alert = alert, .verdict = verdict, .robot = robot, .person = "ann", .reason = ""};
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 // Changing addresses, and whom a node lets in and dials before they have met. Time is injected, nothing sleeps.
 #include <doctest/doctest.h>
 
+#include "services/router/test/name_dial.hpp"
 #include "services/router/test/test_fleet.hpp"
 #include "services/router/test/test_linked.hpp"
 
@@ -52,9 +53,7 @@ TEST_CASE("both sides let the link of a new address win, whoever dialled it") {
 
 TEST_CASE("a beacon about a linked peer at the same address changes nothing") {
   TestFleet fleet;
-  fleet.start("ant");
-  fleet.start("bee");
-  fleet.run(Seconds(1));
+  fleet.start_two(Seconds(1));
   const LinkId link = fleet.at("ant").link_to("bee");
   fleet.run(Seconds(60));
   CHECK(fleet.at("bee").beacons.size() > 10);
@@ -243,15 +242,9 @@ TEST_CASE("a dial to where a peer no longer is ends when its beacon tells anothe
 TEST_CASE("a dial whose name is not known ends at once, and one that is over is not counted") {
   TestFleet fleet;
   TestNode& ant = fleet.start("ant", {.beacon = false});
-  RouterConfig config = ant.core->config();
-  config.seeds.push_back({"hub.example:45000", fleet.keys("bee").link.public_key});
-  RouterCore core(std::move(config));
-  Effects effects;
-  core.start(fleet.now, effects);
-  core.tick(fleet.now, effects);
-  const auto* dial = std::get_if<Dial>(&effects.list.back());
-  REQUIRE(dial != nullptr);
-  const LinkId link = dial->link;
+  NameDial of(fleet, ant.core->config(), fleet.keys("bee").link.public_key);
+  RouterCore& core = of.core;
+  const LinkId link = of.link;
   Effects out;
   core.links().on_name_unknown(link, "no such name", fleet.now, out);
   core.links().on_name_unknown(link, "no such name", fleet.now, out);

@@ -10,9 +10,7 @@ using Seconds = std::chrono::seconds;
 
 TEST_CASE("replayed, foreign and damaged beacons are counted and lead nowhere") {
   TestFleet fleet;
-  TestNode& ant = fleet.start("ant");
-  fleet.start("bee");
-  fleet.run(Seconds(1));
+  TestNode& ant = fleet.start_two(Seconds(1));
   Effects effects;
   const Bytes first = fleet.at("bee").beacons.front();
   ant.core->beacons().on_beacon(first, fleet.now, effects);

@@ -1,6 +1,7 @@
 // Which peers are dialled, and two nodes that dial each other.
 #include <doctest/doctest.h>
 
+#include "services/router/test/name_dial.hpp"
 #include "services/router/test/test_inbox.hpp"
 
 using namespace trb;
@@ -76,19 +77,14 @@ TEST_CASE("who is at the door is not dialled: its own dial has its time to say H
 
 TEST_CASE("the name of a host that was dialled is nobody's good address") {
   TestFleet fleet;
-  RouterConfig config = fleet.start("ant", {.beacon = false}).core->config();
+  const RouterConfig& config = fleet.start("ant", {.beacon = false}).core->config();
   const TestKeys bee = fleet.keys("bee");
-  config.seeds.push_back({"hub.example:45000", bee.link.public_key});
-  RouterCore core(std::move(config));
-  Effects effects;
-  core.start(fleet.now, effects);
-  core.tick(fleet.now, effects);
-  const auto* dial = std::get_if<Dial>(&effects.list.back());
-  REQUIRE(dial != nullptr);
-  const LinkId link = dial->link;
+  NameDial of(fleet, config, bee.link.public_key);
+  RouterCore& core = of.core;
+  const LinkId link = of.link;
   const Hello hello{bee.record, 3, "", "1", kStartUtc, true, {}, 0, "behind", false, ""};
   core.inbox().on_message(link, bee.link.public_key, make_message(MessageType::information, "bee", "ant", hello), 1,
-                          fleet.now, effects);
+                          fleet.now, of.effects);
   REQUIRE(core.table().peers().at("bee").link == link);
   CHECK(core.table().peers().at("bee").good_address.empty());
 }

@@ -153,9 +153,7 @@ TEST_CASE("a good Hello is accepted once") {
 
 TEST_CASE("nobody speaks on another one's link, also on one that this node dialled") {
   TestFleet fleet;
-  TestNode& ant = fleet.start("ant");
-  fleet.start("bee");
-  fleet.run(Seconds(1));
+  TestNode& ant = fleet.start_two(Seconds(1));
   const LinkId link = ant.link_to("bee");
   REQUIRE(ant.core->table().link(link)->dialled);
   Effects effects;

@@ -11,9 +11,7 @@ TEST_CASE("a certificate that ends takes its link with it") {
   fleet.keys("bee").certificate.not_after = kStartUtc + 5'000'000'000;
   TestKeys& keys = fleet.keys("bee");
   keys.record = sign(kSignedCertificate, "", fleet.authority.fleet.id(), encode(keys.certificate), fleet.authority.key);
-  fleet.start("ant");
-  fleet.start("bee");
-  fleet.run(Seconds(1));
+  fleet.start_two(Seconds(1));
   check_linked(fleet, "ant", "bee");
   fleet.run(Seconds(8));
   CHECK(fleet.at("ant").link_to("bee") == 0);
@@ -21,9 +19,7 @@ TEST_CASE("a certificate that ends takes its link with it") {
 
 TEST_CASE("a frame that is none ends its link under a name of its own, not as a gap in the sequence") {
   TestFleet fleet;
-  fleet.start("ant");
-  fleet.start("bee");
-  fleet.run(milliseconds(500));
+  fleet.start_two(milliseconds(500));
   const LinkId link = fleet.at("bee").link_to("ant");
   Effects effects;
   fleet.at("bee").core->links().on_bad_frame(link, fail(Errc::malformed, "header: no array"), fleet.now, effects);

@@ -50,9 +50,8 @@ TEST_CASE("a peer that cannot be dialled is told of until a link to it is up") {
 
 TEST_CASE("a one-way cut is told apart from silence") {
   TestFleet fleet;
-  TestNode& ant = fleet.start("ant");
-  TestNode& bee = fleet.start("bee");
-  fleet.run(Seconds(5));
+  TestNode& ant = fleet.start_two(Seconds(5));
+  TestNode& bee = fleet.at("bee");
   REQUIRE(ant.link_to("bee") != 0);
   fleet.cut("ant", "bee");
   fleet.run(Seconds(14));
@@ -62,9 +61,8 @@ TEST_CASE("a one-way cut is told apart from silence") {
 
 TEST_CASE("a cut both ways is silence on both sides") {
   TestFleet fleet;
-  TestNode& ant = fleet.start("ant");
-  TestNode& bee = fleet.start("bee");
-  fleet.run(Seconds(5));
+  TestNode& ant = fleet.start_two(Seconds(5));
+  TestNode& bee = fleet.at("bee");
   REQUIRE(ant.link_to("bee") != 0);
   fleet.cut("ant", "bee");
   fleet.cut("bee", "ant");
@@ -286,9 +284,7 @@ TEST_CASE(
 
 TEST_CASE("a stranger's trouble bears no name that it has not proven") {
   TestFleet fleet;
-  TestNode& ant = fleet.start("ant");
-  fleet.start("bee");
-  fleet.run(Seconds(2));
+  TestNode& ant = fleet.start_two(Seconds(2));
   for (const std::string name : {"ant", "bee", "nobody"}) {
     TestKeys intruder = TestFleet().authority.sign_node(name, Role::robot);
     const Hello hello{intruder.record, 1, "x", "1", kStartUtc, true, {}, 0, "behind", false, ""};
@@ -312,9 +308,7 @@ TEST_CASE("a stranger's trouble bears no name that it has not proven") {
 
 TEST_CASE("a frame that is none leaves a row of the peer that sent it") {
   TestFleet fleet;
-  TestNode& ant = fleet.start("ant");
-  fleet.start("bee");
-  fleet.run(milliseconds(500));
+  TestNode& ant = fleet.start_two(milliseconds(500));
   Effects effects;
   ant.core->links().on_bad_frame(ant.link_to("bee"), fail(Errc::malformed, "header: no array"), fleet.now, effects);
   CHECK(has_error(ask(fleet, ant), "bee", "malformed"));

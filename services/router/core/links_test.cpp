@@ -8,9 +8,7 @@ using Seconds = std::chrono::seconds;
 
 TEST_CASE("two nodes meet by beacon: the smaller id dials, the greater waits") {
   TestFleet fleet;
-  fleet.start("ant");
-  fleet.start("bee");
-  fleet.run(milliseconds(500));
+  fleet.start_two(milliseconds(500));
   check_linked(fleet, "ant", "bee");
   CHECK(fleet.at("ant").dials.size() == 1);
   CHECK(fleet.at("bee").dials.empty());

@@ -15,8 +15,9 @@ std::string named_by(const SignRequest& request, std::string Body::*maker) {
   return body ? (*body).*maker : std::string();
 }
 
-/// Nothing: records of this kind are not signed.
-std::optional<std::string> maker_of(const SignRequest& request) {
+/// Nothing: records of this kind are not signed. The head of an audit log names its node by the start of its chain.
+std::optional<std::string> maker_of(const SignRequest& request, const std::string& own) {
+  if (request.kind == kSignedAuditHead) return own;
   if (request.kind == kSignedResult) return named_by(request, &TaskResult::robot);
   if (request.kind == kSignedChoice) return named_by(request, &Choice::by);
   if (request.kind == kSignedRunStart) return named_by(request, &RunStart::submitter);
@@ -144,7 +145,7 @@ Status LocalBus::may_sign_for(const Connection& from, const SignRequest& request
                     " node may not have a '" + request.kind + "' signed",
                 "trb help rights says who signs what");
   }
-  const auto maker = maker_of(request);
+  const auto maker = maker_of(request, node_.id());
   if (!maker) return fail(Errc::bad_value, "this version makes no records of the kind '" + request.kind + "'");
   if (*maker != node_.id())
     return fail(Errc::source_mismatch, "the record names '" + *maker + "', this node is '" + node_.id() + "'");

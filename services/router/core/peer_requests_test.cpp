@@ -45,9 +45,7 @@ TEST_CASE("a member that asks for tables without end is told no more than its by
 
 TEST_CASE("what a peer may not ask is Nacked if it asks, and not if it only tells or answers") {
   TestFleet fleet;
-  TestNode& ant = fleet.start("ant");
-  fleet.start("bee");
-  fleet.run(Seconds(1));
+  TestNode& ant = fleet.start_two(Seconds(1));
   const LinkId link = ant.link_to("bee");
   const auto nacks = [&](const Message& message) {
     Effects effects;

@@ -20,19 +20,6 @@ Message header_only(const HeaderView& header) {
   return to_message(view);
 }
 
-HeaderView view_of_header(const Message& message) {
-  HeaderView view;
-  view.type = message.type;
-  view.flags = message.flags;
-  view.remaining_ms = message.remaining_ms;
-  view.subtype = message.subtype;
-  view.source = message.source;
-  view.target = message.target;
-  view.id = message.id;
-  view.reply_to = message.reply_to;
-  return view;
-}
-
 }  // namespace
 
 // ---- which way
@@ -211,7 +198,7 @@ Result<Relaying> RelayRoutes::wrap(ConnectionId from, std::string_view target, c
 }
 
 void RelayRoutes::send(const std::string& to, const Message& message, Now now, Effects& out) {
-  auto relaying = wrap(0, to, view_of_header(message), encode_frame(message), now);
+  auto relaying = wrap(0, to, to_view(message), encode_frame(message), now);
   if (!relaying) return out.count("dropped." + std::string(errc_name(relaying.error().code)));
   out.add(LinkSend{relaying->link, std::move(relaying->message)});
 }
@@ -239,7 +226,7 @@ void RelayRoutes::on_refused(const Link& relay, const RelayRefused& told, Effect
 }
 
 void RelayRoutes::notify_lost(const Unconfirmed& question, Errc reason, Effects& out) {
-  if (question.from != 0) return bus_.nack(question.from, view_of_header(question.asked), reason, out);
+  if (question.from != 0) return bus_.nack(question.from, to_view(question.asked), reason, out);
   out.count("dropped." + std::string(errc_name(reason)));
 }
 

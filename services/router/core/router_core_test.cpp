@@ -83,9 +83,8 @@ TEST_CASE("a node that starts with a certificate that has ended says so at once;
 
 TEST_CASE("the table says of each node whether it is there, since when it is silent, and who dialled") {
   TestFleet fleet;
-  TestNode& ant = fleet.start("ant");
-  TestNode& bee = fleet.start("bee");
-  fleet.run(Seconds(2));
+  TestNode& ant = fleet.start_two(Seconds(2));
+  TestNode& bee = fleet.at("bee");
   const Route there = row(fleet, ant, "bee");
   CHECK(there.state == "ONLINE");
   CHECK(there.last_heard_s < 3);

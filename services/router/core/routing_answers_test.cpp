@@ -7,6 +7,20 @@ using Seconds = std::chrono::seconds;
 using To = Routing::To;
 using Pair = RoutedPair;
 
+namespace {
+
+Message answer_to_ant(const std::string& source, const std::string& subtype, std::uint64_t asked) {
+  return {.type = MessageType::information,
+          .subtype = subtype,
+          .source = source,
+          .target = "ant",
+          .id = 3,
+          .reply_to = asked,
+          .data = {}};
+}
+
+}  // namespace
+
 TEST_CASE("an answer goes to the slot that asked, and to no other") {
   Pair pair;
   Message answer = pair.remote("ack", MessageType::information);
@@ -26,13 +40,7 @@ TEST_CASE("a member that floods answers to what another was asked is refused, th
   CHECK(pair.ask(1, first | 9U, "bee", "stop").to == To::peer);
   const LinkId link = pair.ant.link_to("cat");
   const auto from_cat = [&](const std::string& subtype, std::uint64_t id) {
-    Message answer{.type = MessageType::information,
-                   .subtype = subtype,
-                   .source = "cat",
-                   .target = "ant",
-                   .id = 3,
-                   .reply_to = id,
-                   .data = {}};
+    const Message answer = answer_to_ant("cat", subtype, id);
     return pair.fleet.arrive(pair.ant, link, pair.ant.core->table().link(link)->heard + 1, answer);
   };
   for (std::uint64_t guess = 0; guess < 16; ++guess) CHECK(from_cat("ack", first | guess).reason == Errc::not_asked);
@@ -142,13 +150,7 @@ TEST_CASE("by a relay, too, only whom was asked answers, and not the relay itsel
   Message stop{.type = MessageType::command, .subtype = "stop", .source = "ant", .target = "bee", .id = id, .data = {}};
   REQUIRE(ant.core->routing().from_bus(1, header_of(stop)).to == To::relay);
   const auto by_relay = [&](const std::string& from, const std::string& subtype) {
-    Message answer{.type = MessageType::information,
-                   .subtype = subtype,
-                   .source = from,
-                   .target = "ant",
-                   .id = 3,
-                   .reply_to = id,
-                   .data = {}};
+    const Message answer = answer_to_ant(from, subtype, id);
     auto relaying = fleet.at(from).core->relays().wrap(0, "ant", header_of(answer), encode_frame(answer), fleet.now);
     REQUIRE(relaying.ok());
     Effects out;
@@ -161,13 +163,7 @@ TEST_CASE("by a relay, too, only whom was asked answers, and not the relay itsel
   CHECK(ant.count("refused.not_asked") == 1);
   CHECK(by_relay("bee", "ack") == 1);
   const auto by_cloud = [&](const std::string& subtype) {
-    Message answer{.type = MessageType::information,
-                   .subtype = subtype,
-                   .source = "cloud",
-                   .target = "ant",
-                   .id = 3,
-                   .reply_to = id,
-                   .data = {}};
+    const Message answer = answer_to_ant("cloud", subtype, id);
     const LinkId link = ant.link_to("cloud");
     return fleet.arrive(ant, link, ant.core->table().link(link)->heard + 1, answer);
   };

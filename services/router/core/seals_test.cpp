@@ -41,6 +41,17 @@ struct SealedPair {
       return true;
     };
   }
+  /// No seal of ant arrives from now on, and no gap in the numbers of its link shows it.
+  void lose_seals() {
+    fleet.meddle = [lost = std::map<LinkId, std::uint64_t>()](const std::string& from, LinkId link,
+                                                              std::uint64_t& sequence, Message& message) mutable {
+      if (from != "ant") return true;
+      const bool seal = message.subtype == Seal::kSubtype;
+      sequence -= lost[link];
+      lost[link] += seal ? 1 : 0;
+      return !seal;
+    };
+  }
   /// Checks that bee raised the alarm and ended the link, and that the two are linked again: ant is still a member.
   void check_alarm(const std::string& reason) {
     const LinkId before = ant.link_to("bee");
@@ -241,14 +252,7 @@ TEST_CASE("a message that was changed behind the link's encryption is found by i
 
 TEST_CASE("seals that stay away are missed at the 65th message, or at the second keep-alive") {
   SealedPair pair;
-  std::map<LinkId, std::uint64_t> lost;
-  pair.fleet.meddle = [&](const std::string& from, LinkId link, std::uint64_t& sequence, Message& message) {
-    if (from != "ant") return true;
-    const bool seal = message.subtype == Seal::kSubtype;
-    sequence -= lost[link];
-    lost[link] += seal ? 1 : 0;
-    return !seal;
-  };
+  pair.lose_seals();
   SUBCASE("many messages") {
     for (int i = 0; i < 100; ++i) pair.say("burst");
     pair.check_alarm("missing");
@@ -321,14 +325,7 @@ TEST_CASE("before_delivery: what waits for a seal when the link ends is counted,
 
 TEST_CASE("before_delivery: so many bytes wait for a seal and no more") {
   SealedPair pair(true);
-  std::map<LinkId, std::uint64_t> lost;
-  pair.fleet.meddle = [&](const std::string& from, LinkId link, std::uint64_t& sequence, Message& message) {
-    if (from != "ant") return true;
-    const bool seal = message.subtype == Seal::kSubtype;
-    sequence -= lost[link];
-    lost[link] += seal ? 1 : 0;
-    return !seal;
-  };
+  pair.lose_seals();
   const LinkId link = pair.bee.link_to("ant");
   const Bytes large(1'000'000, 'x');
   pair.fleet.run(milliseconds(50));

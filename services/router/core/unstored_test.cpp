@@ -41,6 +41,12 @@ struct Two {
                                           effects);
     fleet.carry_out(ant, effects);
   }
+  /// A new certificate of ant, with serial 5.
+  [[nodiscard]] SignedRecord renewed() const {
+    Certificate certificate = ant.keys.certificate;
+    certificate.serial = 5;
+    return sign(kSignedCertificate, "", fleet.authority.fleet.id(), encode(certificate), fleet.authority.key);
+  }
   [[nodiscard]] std::optional<Nack> nack() const {
     for (const BusSend& send : ant.bus) {
       if (send.message.subtype == Nack::kSubtype) return *decode<Nack>(send.message.data);
@@ -115,10 +121,7 @@ TEST_CASE("a list that is not on disk is in force, told to the others, not ackno
 TEST_CASE("a renewed certificate of this node that is not on disk is not acknowledged") {
   Two two;
   two.ant.disk = TestNode::Disk::full;
-  Certificate renewed = two.ant.keys.certificate;
-  renewed.serial = 5;
-  const SignedRecord record =
-      sign(kSignedCertificate, "", two.fleet.authority.fleet.id(), encode(renewed), two.fleet.authority.key);
+  const SignedRecord record = two.renewed();
   two.ask({{}, {record}});
   REQUIRE(two.nack());
   CHECK(two.ant.core->config().own.serial == 5);
@@ -135,10 +138,7 @@ TEST_CASE("a renewed certificate of this node that is not on disk is not acknowl
 TEST_CASE("a renewed certificate of this node is acknowledged when it is on disk, and not with the news beside it") {
   Two two;
   two.ant.disk = TestNode::Disk::silent;
-  Certificate renewed = two.ant.keys.certificate;
-  renewed.serial = 5;
-  const SignedRecord record =
-      sign(kSignedCertificate, "", two.fleet.authority.fleet.id(), encode(renewed), two.fleet.authority.key);
+  const SignedRecord record = two.renewed();
   two.ask({{}, {record}});
   const auto stored = [&](Kept what, const Status& done) {
     Effects effects;

@@ -119,6 +119,13 @@ class TestFleet {
 
   TestNode& start(const std::string& id, const Options& options);
   TestNode& start(const std::string& id) { return start(id, Options{}); }
+  /// Starts ant and bee and lets them run for that time, in which they find each other; returns ant.
+  TestNode& start_two(Duration time) {
+    TestNode& ant = start("ant");
+    start("bee");
+    run(time);
+    return ant;
+  }
   TestNode& at(const std::string& id) { return *nodes_.at(id); }
   /// A node's first numeric address; it need not have been started yet.
   std::string address(const std::string& id);
@@ -207,18 +214,9 @@ class TestFleet {
 };
 
 inline HeaderView header_of(const Message& message, std::uint64_t sequence = 0, LinkId link = 0) {
-  HeaderView view;
-  view.type = message.type;
-  view.flags = message.flags;
-  view.remaining_ms = message.remaining_ms;
+  HeaderView view = to_view(message);
   view.link = link;
   view.sequence = sequence;
-  view.subtype = message.subtype;
-  view.source = message.source;
-  view.target = message.target;
-  view.id = message.id;
-  view.reply_to = message.reply_to;
-  view.data = message.data;
   return view;
 }
 

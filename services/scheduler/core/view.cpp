@@ -92,6 +92,21 @@ TaskView task_view(const Run& run, const Executor& executor, TaskIndex task, Kno
   return view;
 }
 
+/// What a run's view and its summary both say.
+template <class Shown>
+Shown shown(const Run& run, const Executor& executor, Clock clock) {
+  Shown out;
+  out.run = run.id();
+  out.name = run.definition().start().scenario.name;
+  out.state = state_of(run, executor, clock);
+  out.waits_for = waits_for(run, executor, clock);
+  out.priority = run.definition().start().priority;
+  out.left_s = left_s(run, clock);
+  out.epoch = run.epochs().current();
+  out.created = run.definition().start().created;
+  return out;
+}
+
 }  // namespace
 
 RunState state_of(const Run& run, const Executor& executor, Clock clock) {
@@ -127,16 +142,8 @@ void fit(RunView& view) {
 }
 
 RunView view_of(const Run& run, const Executor& executor, Clock clock) {
-  RunView view;
-  view.run = run.id();
-  view.name = run.definition().start().scenario.name;
-  view.state = state_of(run, executor, clock);
-  view.waits_for = waits_for(run, executor, clock);
-  view.priority = run.definition().start().priority;
-  view.left_s = left_s(run, clock);
-  view.epoch = run.epochs().current();
+  auto view = shown<RunView>(run, executor, clock);
   view.submitter = run.definition().start().submitter;
-  view.created = run.definition().start().created;
   view.expires = run.definition().start().expires;
   for (std::size_t i = 0; i < run.epochs().decisions().size(); ++i) {
     const Decision& by = run.epochs().decisions()[i];
@@ -154,39 +161,29 @@ RunView view_of(const Run& run, const Executor& executor, Clock clock) {
 }
 
 RunSummary summary_of(const Run& run, const Executor& executor, Clock clock) {
-  RunSummary summary;
-  summary.run = run.id();
-  summary.name = run.definition().start().scenario.name;
-  summary.state = state_of(run, executor, clock);
-  summary.waits_for = waits_for(run, executor, clock);
-  summary.priority = run.definition().start().priority;
-  summary.left_s = left_s(run, clock);
-  summary.created = run.definition().start().created;
+  auto summary = shown<RunSummary>(run, executor, clock);
   summary.tasks = static_cast<std::uint32_t>(run.tasks().size());
   const std::vector<bool> known = run.known_final();
-  summary.epoch = run.epochs().current();
   summary.version = run.version();
   summary.tasks_final = static_cast<std::uint32_t>(std::count(known.begin(), known.end(), true));
   return summary;
 }
 
 RunSummary summary_of(const RunView& view) {
-  RunSummary summary;
-  summary.run = view.run;
-  summary.name = view.name;
-  summary.state = view.state;
-  summary.waits_for = view.waits_for;
-  summary.created = view.created;
-  summary.tasks = static_cast<std::uint32_t>(view.tasks.size());
-  summary.tasks_final =
-      static_cast<std::uint32_t>(std::count_if(view.tasks.begin(), view.tasks.end(), [](const auto& task) {
-        return task.state == TaskState::finished || task.state == TaskState::skipped;
-      }));
-  summary.epoch = view.epoch;
-  summary.priority = view.priority;
-  summary.left_s = view.left_s;
-  summary.over = view.over;
-  return summary;
+  const auto is_final = [](const TaskView& task) {
+    return task.state == TaskState::finished || task.state == TaskState::skipped;
+  };
+  return {.run = view.run,
+          .name = view.name,
+          .state = view.state,
+          .waits_for = view.waits_for,
+          .created = view.created,
+          .tasks = static_cast<std::uint32_t>(view.tasks.size()),
+          .tasks_final = static_cast<std::uint32_t>(std::ranges::count_if(view.tasks, is_final)),
+          .epoch = view.epoch,
+          .priority = view.priority,
+          .left_s = view.left_s,
+          .over = view.over};
 }
 
 }  // namespace trb::scheduler

@@ -11,6 +11,10 @@ using namespace trb::scheduler::test;
 
 namespace {
 
+struct DemoFleet : Fleet {
+  DemoFleet() { add_demonstration(*this); }
+};
+
 void submit_nine(Fleet& fleet, const std::string& node, Duration life = seconds(3600)) {
   fleet.ask(node, MessageType::command, RunSubmit{fleet.make_start(nine_tasks(), node, life, kRun)});
 }
@@ -42,8 +46,7 @@ std::optional<RunState> archived(Fleet& fleet, const std::string& node) {
 }  // namespace
 
 TEST_CASE("an abort stops what runs, starts nothing more and is done when every member has confirmed") {
-  Fleet fleet;
-  add_demonstration(fleet);
+  DemoFleet fleet;
   submit_nine(fleet, "cloud");
   REQUIRE(fleet.until([&] { return has_begun(fleet, "ur3"); }));
   fleet["drone"].cut = true;  // has never heard of the run
@@ -63,8 +66,7 @@ TEST_CASE("an abort stops what runs, starts nothing more and is done when every 
 }
 
 TEST_CASE("a robot that learns of a run only to abort it starts nothing of it") {
-  Fleet fleet;
-  add_demonstration(fleet);
+  DemoFleet fleet;
   fleet["ridgeback"].cut = true;
   submit_nine(fleet, "cloud");
   fleet.pass(seconds(1));
@@ -93,8 +95,7 @@ TEST_CASE("an abort survives the death of whoever ordered it, in bad weather") {
 }
 
 TEST_CASE("an abort while the mode-adapter starts anew is confirmed, and the task is interrupted") {
-  Fleet fleet;
-  add_demonstration(fleet);
+  DemoFleet fleet;
   submit_nine(fleet, "cloud");
   REQUIRE(fleet.until([&] { return has_begun(fleet, "ridgeback"); }));
   fleet["ridgeback"].adapter.restart();
@@ -104,8 +105,7 @@ TEST_CASE("an abort while the mode-adapter starts anew is confirmed, and the tas
 }
 
 TEST_CASE("an attempt that was commanded in vain is not commanded again after an abort") {
-  Fleet fleet;
-  add_demonstration(fleet);
+  DemoFleet fleet;
   fleet["ridgeback"].crash_at = 1;  // definition and start record are one step; the command is lost with it
   submit_nine(fleet, "cloud");
   REQUIRE(fleet.until([&] { return !fleet["ridgeback"].up; }));
@@ -120,8 +120,7 @@ TEST_CASE("an attempt that was commanded in vain is not commanded again after an
 }
 
 TEST_CASE("only a known, unfinished run can be aborted, and only by a member's own word") {
-  Fleet fleet;
-  add_demonstration(fleet);
+  DemoFleet fleet;
   abort(fleet, "cloud");
   CHECK(last_nack(fleet) == "unknown_run");
   submit_nine(fleet, "cloud");
@@ -138,8 +137,7 @@ TEST_CASE("only a known, unfinished run can be aborted, and only by a member's o
 }
 
 TEST_CASE("an expired run ends what runs, starts nothing more, and is kept with all its results") {
-  Fleet fleet;
-  add_demonstration(fleet);
+  DemoFleet fleet;
   submit_nine(fleet, "cloud", seconds(2.5));
   fleet.pass(seconds(10));
   CHECK(last_nack(fleet).empty());
@@ -161,8 +159,7 @@ TEST_CASE("an expired run ends what runs, starts nothing more, and is kept with 
 }
 
 TEST_CASE("what is owed of an expired run is owed a day longer, then given up") {
-  Fleet fleet;
-  add_demonstration(fleet);
+  DemoFleet fleet;
   submit_nine(fleet, "ridgeback", seconds(20));
   fleet["cloud"].cut = true;
   fleet.pass(seconds(3600));
@@ -174,8 +171,7 @@ TEST_CASE("what is owed of an expired run is owed a day longer, then given up") 
 }
 
 TEST_CASE("a run that has expired on arrival is refused") {
-  Fleet fleet;
-  add_demonstration(fleet);
+  DemoFleet fleet;
   const SignedRecord start = fleet.make_start(nine_tasks(), "cloud", seconds(1), kRun);
   fleet.pass(seconds(2));
   fleet.ask("cloud", MessageType::command, RunSubmit{start});
@@ -183,8 +179,7 @@ TEST_CASE("a run that has expired on arrival is refused") {
 }
 
 TEST_CASE("a clock that is 25 h ahead for 3 s ends no run, on no node") {
-  Fleet fleet;
-  add_demonstration(fleet);
+  DemoFleet fleet;
   fleet["ur3"].adapter.ending = TaskOutcome::failed;
   submit_nine(fleet, "cloud", seconds(24 * 3600));
   REQUIRE(fleet.until([&] { return fleet.view("cloud", kRun).state == RunState::paused; }));
@@ -207,8 +202,7 @@ TEST_CASE("a clock that is 25 h ahead for 3 s ends no run, on no node") {
 }
 
 TEST_CASE("a run that waits for a word when its time is over is kept with its results, and can be looked at") {
-  Fleet fleet;
-  add_demonstration(fleet);
+  DemoFleet fleet;
   fleet["ur3"].adapter.ending = TaskOutcome::failed;
   submit_nine(fleet, "cloud", seconds(24 * 3600));
   REQUIRE(fleet.until([&] { return fleet.view("cloud", kRun).state == RunState::paused; }));
@@ -247,8 +241,7 @@ TEST_CASE("a run that has FINISHED goes to every member's archive within minutes
 }
 
 TEST_CASE("only the judge's word ends a run, and none that is forged, of another run, or that says otherwise") {
-  Fleet fleet;
-  add_demonstration(fleet);
+  DemoFleet fleet;
   submit_nine(fleet, "cloud");
   REQUIRE(fleet.until([&] { return has_begun(fleet, "ridgeback"); }));
   const auto start = decode<RunStart>(get<JournalRun>(fleet["ridgeback"].journal[0]).start.payload.bytes);
@@ -271,8 +264,7 @@ TEST_CASE("only the judge's word ends a run, and none that is forged, of another
 }
 
 TEST_CASE("a day of runs fills nothing: only those that are open take a place") {
-  Fleet fleet;
-  add_demonstration(fleet);
+  DemoFleet fleet;
   const int runs = 540;
   for (int i = 0; i < runs; ++i) {
     char id[33];
@@ -303,8 +295,7 @@ TEST_CASE("a day of runs fills nothing: only those that are open take a place") 
 }
 
 TEST_CASE("a member that has no place for a run is named, and gets it when there is place") {
-  Fleet fleet;
-  add_demonstration(fleet);
+  DemoFleet fleet;
   fleet["ur3"].adapter.set(false, false);
   for (int i = 0; i < 512; ++i) {
     char id[33];

@@ -26,6 +26,16 @@ struct HeldStory {
     return fleet.view(node, kStoryRun).tasks[index];
   }
   std::size_t begun(const std::string& robot) { return fleet[robot].adapter.begun.size(); }
+  /// The cloud hears that ridgeback has done the first task a second time.
+  void tell_second_result() {
+    TaskResult second;
+    second.key = {kStoryRun, "task-0", 1, 2};
+    second.digest = decode<RunStart>(get<JournalRun>(fleet["cloud"].journal[0]).start.payload.bytes)->digest;
+    second.robot = "ridgeback";
+    second.outcome = TaskOutcome::finished;
+    const SignedRecord record = fleet.sign("ridgeback", kSignedResult, encode(second));
+    fleet.hear("cloud", "ridgeback", MessageType::command, Results{kStoryRun, {record}, {}});
+  }
   bool until(const std::function<bool()>& done, Duration limit = seconds(120)) { return fleet.until(done, limit); }
   Fleet fleet;
 };
@@ -115,13 +125,7 @@ TEST_CASE("a task done twice holds the run on every node, until a person has loo
   HeldStory story(chain({"ridgeback", "ur3", "drone", "drone"}));
   story.fleet["ur3"].adapter.skill_time = seconds(30);
   REQUIRE(story.until([&] { return story.begun("ur3") == 1; }));
-  TaskResult second;
-  second.key = {kStoryRun, "task-0", 1, 2};
-  second.digest = decode<RunStart>(get<JournalRun>(story.fleet["cloud"].journal[0]).start.payload.bytes)->digest;
-  second.robot = "ridgeback";
-  second.outcome = TaskOutcome::finished;
-  const SignedRecord record = story.fleet.sign("ridgeback", kSignedResult, encode(second));
-  story.fleet.hear("cloud", "ridgeback", MessageType::command, Results{kStoryRun, {record}, {}});
+  story.tell_second_result();
   CHECK(story.state("cloud") == RunState::paused);
   REQUIRE(story.until([&] { return story.fleet.view("drone", kStoryRun).paused_by == "cloud"; }, seconds(5)));
   story.fleet.pass(seconds(60));
@@ -158,13 +162,7 @@ TEST_CASE("who lets a run go on without having heard that a task was done twice 
   story.fleet.pass(seconds(1));
   story.fleet["drone"].cut = true;
   story.hold(2, false);
-  TaskResult second;
-  second.key = {kStoryRun, "task-0", 1, 2};
-  second.digest = decode<RunStart>(get<JournalRun>(story.fleet["cloud"].journal[0]).start.payload.bytes)->digest;
-  second.robot = "ridgeback";
-  second.outcome = TaskOutcome::finished;
-  const SignedRecord record = story.fleet.sign("ridgeback", kSignedResult, encode(second));
-  story.fleet.hear("cloud", "ridgeback", MessageType::command, Results{kStoryRun, {record}, {}});
+  story.tell_second_result();
   REQUIRE(story.until([&] { return story.fleet.view("ur3", kStoryRun).pause_number == 3; }, seconds(5)));
   // The drone has heard of the first order alone, and of somebody who counts on.
   story.hold(7, false, "drone");

@@ -12,15 +12,15 @@
 #include <string_view>
 #include <vector>
 
+#include "common/service/test/loopless_service.hpp"
 #include "services/sensor-bus/io/devices/devices.hpp"
 
 namespace trb::sensor::test {
 
 /// A loop that runs until what is waited for has come.
-class FakeService final : public Service {
+class FakeService final : public LooplessService {
  public:
   [[nodiscard]] std::uint64_t instance() const override { return 1; }
-  void on_journal(std::function<Status(const std::vector<Journal>&)>) override {}
   void after_sends(std::function<void()>) override {}
   void watch(int fd, short events, std::function<void(short)> ready) override {
     watches_[fd] = {events, std::move(ready)};
@@ -31,12 +31,6 @@ class FakeService final : public Service {
     tick_ = std::move(tick);
   }
   void step(const Effect&) override {}
-  int run(Core&, std::function<bool()>) override { return 0; }
-  void start(Core&, std::function<bool()>) override {}
-  [[nodiscard]] int descriptor() const override { return -1; }
-  [[nodiscard]] std::optional<MonotonicTime> next_deadline() override { return std::nullopt; }
-  bool handle_ready() override { return false; }
-  [[nodiscard]] int exit_status() const override { return 0; }
 
   [[nodiscard]] bool run_until(const std::function<bool()>& holds, double timeout_s = 5);
 

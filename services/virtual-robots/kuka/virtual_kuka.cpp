@@ -34,7 +34,7 @@ void VirtualKuka::serve(TcpServer::Client& client) {
     if (!request->well_formed) {
       // The lengths contradict each other: what follows may be anything.
       server_.send(client, reply(*request, "", Code::Protocol));
-      return TcpServer::drop(client, "bad_request");
+      return client.drop("bad_request");
     }
     server_.send(client, answer(*request));
     program_.advance(clock_.now());

@@ -55,7 +55,7 @@ void VirtualMir::take(TcpServer::Client& client) {
     boost::system::error_code problem;
     const std::size_t taken = parser.put(boost::asio::buffer(client.input.data(), client.input.size()), problem);
     client.input.erase(0, taken);
-    if (problem && problem != http::error::need_more) return TcpServer::drop(client, "no_http");
+    if (problem && problem != http::error::need_more) return client.drop("no_http");
     if (!parser.is_done()) {
       if (taken == 0 || problem) return;
       continue;
@@ -72,7 +72,7 @@ void VirtualMir::take(TcpServer::Client& client) {
     server_.send(client, head + (stays ? "" : "Connection: close\r\n") + "\r\n" + answer.body);
     if (of != http::status_class::successful) print_line("refused " + std::to_string(answer.status));
     intake->restart();
-    if (!stays) return TcpServer::drop(client, "closed");
+    if (!stays) return client.drop("closed");
   }
 }
 

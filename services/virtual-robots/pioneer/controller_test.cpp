@@ -67,6 +67,11 @@ struct Bench {
   double now = 100;
 };
 
+/** Its client is connected. */
+struct Connected : Bench {
+  Connected() { connect(); }
+};
+
 }  // namespace
 
 TEST_CASE("pioneer: three SYNCs are echoed, the last one with the robot's name, class and subclass") {
@@ -88,8 +93,7 @@ TEST_CASE("pioneer: a SYNC out of sequence begins again") {
 }
 
 TEST_CASE("pioneer: a MOVE speeds up, drives and stands where it was told to") {
-  Bench bench;
-  bench.connect();
+  Connected bench;
   bench.send(command(8, 1000));
   bench.wait(1);
   CHECK(bench.type() == 0x33);
@@ -102,8 +106,7 @@ TEST_CASE("pioneer: a MOVE speeds up, drives and stands where it was told to") {
 }
 
 TEST_CASE("pioneer: HEAD turns the shorter way, DHEAD on from there") {
-  Bench bench;
-  bench.connect();
+  Connected bench;
   bench.send(command(12, -90));
   bench.wait(0.5);
   CHECK(bench.left() > 0);
@@ -117,8 +120,7 @@ TEST_CASE("pioneer: HEAD turns the shorter way, DHEAD on from there") {
 }
 
 TEST_CASE("pioneer: STOP brakes within its limit, E_STOP harder") {
-  Bench bench;
-  bench.connect();
+  Connected bench;
   bench.send(command(11, 300));
   bench.wait(2);
   bench.send(command(29));
@@ -145,8 +147,7 @@ TEST_CASE("pioneer: SETO is the new origin, and the hall stays where it is") {
 }
 
 TEST_CASE("pioneer: its position wraps at 16 bits") {
-  Bench bench;
-  bench.connect();
+  Connected bench;
   bench.send(command(6, 1500));
   for (int i = 0; i < 7; ++i) {
     bench.send(command(8, 4900));
@@ -156,8 +157,7 @@ TEST_CASE("pioneer: its position wraps at 16 bits") {
 }
 
 TEST_CASE("pioneer: without a packet for 2 s it halts, and goes on with the next one") {
-  Bench bench;
-  bench.connect();
+  Connected bench;
   bench.send(command(11, 200));
   bench.wait(1);
   for (int i = 0; i < 30; ++i) bench.pass(0.1);
@@ -170,8 +170,7 @@ TEST_CASE("pioneer: without a packet for 2 s it halts, and goes on with the next
 }
 
 TEST_CASE("pioneer: with its motors off it does not move") {
-  Bench bench;
-  bench.connect();
+  Connected bench;
   bench.send(command(4, 0));
   CHECK((bench.flags() & 1) == 0);
   bench.send(command(11, 200));
@@ -183,8 +182,7 @@ TEST_CASE("pioneer: with its motors off it does not move") {
 }
 
 TEST_CASE("pioneer: each fault ends the motion as the robot's own would") {
-  Bench bench;
-  bench.connect();
+  Connected bench;
   bench.send(command(11, 200));
   bench.wait(1);
   bench.robot.set_fault(Fault::Stall, "a box");
@@ -202,8 +200,7 @@ TEST_CASE("pioneer: each fault ends the motion as the robot's own would") {
 }
 
 TEST_CASE("pioneer: CLOSE switches the motors off and waits for the next SYNC0") {
-  Bench bench;
-  bench.connect();
+  Connected bench;
   bench.send(command(11, 200));
   bench.wait(1);
   bench.send(command(2));
@@ -214,8 +211,7 @@ TEST_CASE("pioneer: CLOSE switches the motors off and waits for the next SYNC0")
 }
 
 TEST_CASE("pioneer: the battery drains, faster on the way") {
-  Bench bench;
-  bench.connect();
+  Connected bench;
   const auto tenths = [&] { return static_cast<unsigned char>(bench.robot.sip().at(14)); };
   CHECK(tenths() == 128);
   for (int i = 0; i < 360; ++i) bench.pass(10);
@@ -223,8 +219,7 @@ TEST_CASE("pioneer: the battery drains, faster on the way") {
 }
 
 TEST_CASE("pioneer: it tells its settings when it is asked for them") {
-  Bench bench;
-  bench.connect();
+  Connected bench;
   const std::string answer = bench.send(command(18));
   CHECK(answer.substr(3, 24) == std::string("\x20Pioneer\0p3dx-sh\0VIRTUAL\0", 25).substr(0, 24));
   CHECK(answer.size() == static_cast<unsigned char>(answer[2]) + 3U);

@@ -14,17 +14,14 @@ Server::Server(const Endpoint& where) : listener_(listen_on(where)) {}
 void Server::add_to_poll(std::vector<pollfd>& polled) {
   poll_begin_ = polled.size();
   polled.push_back({listener_.get(), POLLIN, 0});
-  for (const Client& client : clients_) {
-    const int events = client.output.empty() ? POLLIN : POLLIN | POLLOUT;
-    polled.push_back({client.socket.get(), static_cast<short>(events), 0});
-  }
+  for (const Client& client : clients_) polled.push_back(client.polled());
 }
 
 void Server::serve(const std::vector<pollfd>& polled, Memory& memory) {
   std::size_t at = poll_begin_ + 1;
   for (Client& client : clients_) {
     const short found = polled[at++].revents;
-    if (found & POLLOUT) flush(client);
+    if (found & POLLOUT) client.flush();
     if (!client.gone && (found & (POLLIN | POLLHUP | POLLERR))) read_from(client, memory);
   }
   std::erase_if(clients_, [](const Client& client) { return client.gone; });
@@ -35,7 +32,9 @@ void Server::accept_one() {
   Fd socket = accept_client(listener_);
   if (!socket) return;
   if (clients_.size() == kMostClients) return print_line("client_dropped too_many_clients");
-  clients_.push_back({std::move(socket), {}, {}, false});
+  Client client;
+  client.socket = std::move(socket);
+  clients_.push_back(std::move(client));
 }
 
 void Server::read_from(Client& client, Memory& memory) {
@@ -44,22 +43,10 @@ void Server::read_from(Client& client, Memory& memory) {
   client.gone = transfer.kind == Transfer::Kind::Closed;
   if (client.gone) return;
   client.output += client.intake.take(bytes, memory);
-  flush(client);
+  client.flush();
   if (client.gone) return;
-  if (client.intake.broken()) drop(client, "no_modbus");
-  if (client.output.size() > kLargestOutput) drop(client, "does_not_read");
-}
-
-void Server::flush(Client& client) {
-  if (client.output.empty()) return;
-  const Transfer transfer = write_some(client.socket, client.output);
-  if (transfer.kind == Transfer::Kind::Closed) client.gone = true;
-  client.output.erase(0, transfer.bytes);
-}
-
-void Server::drop(Client& client, std::string_view reason) {
-  client.gone = true;
-  print_line("client_dropped " + std::string(reason));
+  if (client.intake.broken()) client.drop("no_modbus");
+  if (client.output.size() > kLargestOutput) client.drop("does_not_read");
 }
 
 }  // namespace trb::virtual_robots::plc

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "services/virtual-robots/plc/modbus.hpp"
-#include "services/virtual-robots/support/socket.hpp"
+#include "services/virtual-robots/support/tcp_client.hpp"
 
 namespace trb::virtual_robots::plc {
 
@@ -25,17 +25,12 @@ class Server {
   void serve(const std::vector<pollfd>& polled, Memory& memory);
 
  private:
-  struct Client {
-    Fd socket;
+  struct Client : TcpClient {
     Intake intake;
-    std::string output;
-    bool gone = false;
   };
 
   void accept_one();
   void read_from(Client& client, Memory& memory);
-  void flush(Client& client);
-  void drop(Client& client, std::string_view reason);
 
   Fd listener_;
   std::vector<Client> clients_;

@@ -1,7 +1,5 @@
 #include "services/virtual-robots/support/tcp_server.hpp"
 
-#include "services/virtual-robots/support/process.hpp"
-
 namespace trb::virtual_robots {
 
 TcpServer::TcpServer(const Endpoint& where, std::size_t most_clients, Extra extra)
@@ -11,16 +9,14 @@ void TcpServer::add_to_poll(std::vector<pollfd>& polled) {
   poll_begin_ = polled.size();
   const bool full = extra_ == Extra::Waits && clients_.size() >= most_clients_;
   polled.push_back({full ? -1 : listener_.get(), POLLIN, 0});
-  for (const Client& client : clients_) {
-    polled.push_back({client.socket.get(), static_cast<short>(client.output.empty() ? POLLIN : POLLIN | POLLOUT), 0});
-  }
+  for (const Client& client : clients_) polled.push_back(client.polled());
 }
 
 void TcpServer::serve(const std::vector<pollfd>& polled, const std::function<void(Client&)>& taken) {
   std::size_t at = poll_begin_ + 1;
   for (Client& client : clients_) {
     const short found = polled[at++].revents;
-    if (found & POLLOUT) flush(client);
+    if (found & POLLOUT) client.flush();
     if (client.gone || !(found & (POLLIN | POLLHUP | POLLERR))) continue;
     read_from(client);
     if (!client.input.empty()) taken(client);
@@ -37,7 +33,7 @@ void TcpServer::accept_all() {
     client.socket = std::move(socket);
     client.id = ++last_id_;
     if (clients_.size() == most_clients_) {
-      drop(client, "too_many_clients");
+      client.drop("too_many_clients");
     } else {
       clients_.push_back(std::move(client));
     }
@@ -51,8 +47,8 @@ void TcpServer::read_from(Client& client) {
 void TcpServer::send(Client& client, std::string_view bytes) {
   if (client.gone) return;
   client.output += bytes;
-  flush(client);
-  if (client.output.size() > kLargestOutput) drop(client, "does_not_read");
+  client.flush();
+  if (client.output.size() > kLargestOutput) client.drop("does_not_read");
 }
 
 TcpServer::Client* TcpServer::find(std::uint64_t id) {
@@ -60,17 +56,6 @@ TcpServer::Client* TcpServer::find(std::uint64_t id) {
     if (client.id == id && !client.gone) return &client;
   }
   return nullptr;
-}
-
-void TcpServer::flush(Client& client) {
-  const Transfer transfer = write_some(client.socket, client.output);
-  if (transfer.kind == Transfer::Kind::Closed) client.gone = true;
-  client.output.erase(0, transfer.bytes);
-}
-
-void TcpServer::drop(Client& client, std::string_view reason) {
-  client.gone = true;
-  print_line("client_dropped " + std::string(reason));
 }
 
 }  // namespace trb::virtual_robots

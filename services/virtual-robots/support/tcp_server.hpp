@@ -10,7 +10,7 @@
 #include <string_view>
 #include <vector>
 
-#include "services/virtual-robots/support/socket.hpp"
+#include "services/virtual-robots/support/tcp_client.hpp"
 
 namespace trb::virtual_robots {
 
@@ -19,12 +19,9 @@ class TcpServer {
  public:
   static constexpr std::size_t kLargestOutput = std::size_t{1024} * 1024;
 
-  struct Client {
-    Fd socket;
+  struct Client : TcpClient {
     std::uint64_t id = 0;  ///< never reused
     std::string input;     ///< received bytes; the owner removes them from its front
-    std::string output;
-    bool gone = false;
   };
 
   /** What happens to a client too many: it is dropped at once, or is not accepted until another one leaves. */
@@ -45,13 +42,10 @@ class TcpServer {
   void send(Client& client, std::string_view bytes);
   /** The client of that id, if it is still there. */
   Client* find(std::uint64_t id);
-  /** Prints `client_dropped REASON`; the client is removed by the next serve. */
-  static void drop(Client& client, std::string_view reason);
 
  private:
   void accept_all();
   void read_from(Client& client);
-  static void flush(Client& client);
 
   Fd listener_;
   std::size_t most_clients_;

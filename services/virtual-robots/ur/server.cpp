@@ -52,10 +52,7 @@ bool Server::listen_from(const std::string& address, std::uint16_t base) {
 void Server::add_to_poll(std::vector<pollfd>& polled) {
   poll_begin_ = polled.size();
   for (const Port& port : ports_) polled.push_back({port.listener.get(), POLLIN, 0});
-  for (const Client& client : clients_) {
-    const int events = client.output.empty() ? POLLIN : POLLIN | POLLOUT;
-    polled.push_back({client.socket.get(), static_cast<short>(events), 0});
-  }
+  for (const Client& client : clients_) polled.push_back(client.polled());
 }
 
 std::vector<std::string> Server::serve(const std::vector<pollfd>& polled) {
@@ -63,7 +60,7 @@ std::vector<std::string> Server::serve(const std::vector<pollfd>& polled) {
   std::size_t at = poll_begin_ + ports_.size();
   for (Client& client : clients_) {
     const short found = polled[at++].revents;
-    if (found & POLLOUT) flush(client);
+    if (found & POLLOUT) client.flush();
     if (!client.gone && (found & (POLLIN | POLLHUP | POLLERR))) read_from(client, scripts);
   }
   forget_gone();
@@ -94,7 +91,7 @@ void Server::read_from(Client& client, std::vector<std::string>& scripts) {
   // Input on a read-only port is read, so that the client can close in order, and discarded.
   if (client.read_only) return;
   for (std::string& script : client.intake.take(bytes)) scripts.push_back(std::move(script));
-  if (!client.intake.fault().empty()) drop(client, client.intake.fault());
+  if (!client.intake.fault().empty()) client.drop(client.intake.fault());
 }
 
 void Server::greet(std::string_view packets) {
@@ -116,19 +113,8 @@ void Server::send(std::string_view packet, bool primary_only) {
 void Server::queue(Client& client, std::string_view packet) {
   if (client.gone) return;
   client.output += packet;
-  flush(client);
-  if (client.output.size() > kLargestOutput) drop(client, "does_not_read");
-}
-
-void Server::flush(Client& client) {
-  const Transfer transfer = write_some(client.socket, client.output);
-  if (transfer.kind == Transfer::Kind::Closed) client.gone = true;
-  client.output.erase(0, transfer.bytes);
-}
-
-void Server::drop(Client& client, std::string_view reason) {
-  client.gone = true;
-  print_line("client_dropped " + std::string(reason));
+  client.flush();
+  if (client.output.size() > kLargestOutput) client.drop("does_not_read");
 }
 
 void Server::forget_gone() {

@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "services/virtual-robots/support/socket.hpp"
+#include "services/virtual-robots/support/tcp_client.hpp"
 #include "services/virtual-robots/ur/intake.hpp"
 
 namespace trb::virtual_robots::ur {
@@ -47,22 +47,17 @@ class Server {
     bool read_only = false;
   };
 
-  struct Client {
-    Fd socket;
+  struct Client : TcpClient {
     bool primary = false;
     bool read_only = false;
     bool greeted = false;
-    bool gone = false;
     Intake intake;
-    std::string output;
   };
 
   bool listen_from(const std::string& address, std::uint16_t base);
   void accept_from(const Port& port);
   void read_from(Client& client, std::vector<std::string>& scripts);
   void queue(Client& client, std::string_view packet);
-  void flush(Client& client);
-  void drop(Client& client, std::string_view reason);
   void send(std::string_view packet, bool primary_only);
   void forget_gone();
 

@@ -44,10 +44,6 @@ double way(const Measures& of, HallPoint place) {
   return resilience::kWayStart + std::sqrt(east * east + north * north);
 }
 
-bool better(const Scored& a, const Scored& b) {
-  return a.score != b.score ? a.score > b.score : a.robot < b.robot;
-}
-
 }  // namespace
 
 std::vector<std::string> words_of(const Skills& skills) {
@@ -107,22 +103,15 @@ std::vector<Scored> Hall::ten_best(const Skills& asked, const Weights& weights, 
     nearness += 1 / way(robot.measures, place);
     availabilities += robot.measures.availability;
   }
-  std::vector<Scored> best;
+  resilience::BestScored best(most);
   for (std::size_t i = 0; i < robots_.size(); ++i) {
     if (!has(robots_[i], mask)) continue;
     const Measures& of = robots_[i].measures;
-    const Scored scored{static_cast<RobotNumber>(i), weights.charge * of.charge / charges +
-                                                         weights.distance / way(of, place) / nearness +
-                                                         weights.availability * of.availability / availabilities};
-    if (best.size() == most && !better(scored, best.front())) continue;
-    best.push_back(scored);
-    std::push_heap(best.begin(), best.end(), better);
-    if (best.size() <= most) continue;
-    std::pop_heap(best.begin(), best.end(), better);
-    best.pop_back();
+    best.add({static_cast<RobotNumber>(i), weights.charge * of.charge / charges +
+                                               weights.distance / way(of, place) / nearness +
+                                               weights.availability * of.availability / availabilities});
   }
-  std::sort_heap(best.begin(), best.end(), better);
-  return best;
+  return best.take();
 }
 
 }  // namespace trb::bench

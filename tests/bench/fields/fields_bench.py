@@ -4,7 +4,6 @@ import json
 import os
 import pathlib
 import platform
-import signal
 import statistics
 import subprocess
 import sys
@@ -148,17 +147,11 @@ def parse():
     parser.add_argument("--quick", action="store_true", help="few messages: only that nothing is lost or concatenated")
     parser.add_argument("--json", metavar="FILE", help="write every figure of every round as JSON")
     parser.add_argument("--programs", type=pathlib.Path, required=True, help=argparse.SUPPRESS)
-    arguments = parser.parse_args()
-    if arguments.rounds is None:
-        arguments.rounds = 1 if arguments.quick else 5
-    if arguments.rounds < 1:
-        parser.error("--rounds: at least 1")
-    return arguments
+    return roads.with_rounds(parser)
 
 
 def main():
     arguments = parse()
-    signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))
     core = min(os.sched_getaffinity(0))
     began = time.monotonic()
     say(f"== {arguments.rounds} rounds, 48 bytes of data a message, {WINDOW} messages in flight; "
@@ -184,9 +177,4 @@ def main():
 
 
 if __name__ == "__main__":
-    try:
-        sys.exit(main())
-    except KeyboardInterrupt:
-        sys.exit(130)
-    except (RuntimeError, TimeoutError) as problem:
-        sys.exit(f"scripts/bench fields: {problem}")
+    trb_fleet.run_main(main, "scripts/bench fields")

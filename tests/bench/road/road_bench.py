@@ -4,13 +4,12 @@ import json
 import os
 import pathlib
 import platform
-import signal
 import statistics
-import sys
 import tempfile
 import time
 
 import roads
+import trb_fleet  # found by roads
 
 WINDOW = 256
 ROADS = ("floor", "bare", "unsealed", "unlogged", "sealed", "each")
@@ -171,17 +170,11 @@ def parse():
     parser.add_argument("--quick", action="store_true", help="few messages, only to see that it works")
     parser.add_argument("--json", metavar="FILE", help="write every figure of every round as JSON")
     parser.add_argument("--programs", required=True, help=argparse.SUPPRESS)
-    arguments = parser.parse_args()
-    if arguments.rounds is None:
-        arguments.rounds = 1 if arguments.quick else 5
-    if arguments.rounds < 1:
-        parser.error("--rounds: at least 1")
-    return arguments
+    return roads.with_rounds(parser)
 
 
 def main():
     arguments = parse()
-    signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))
     plan = QUICK if arguments.quick else FULL
     core = min(os.sched_getaffinity(0))
     began = time.monotonic()
@@ -204,9 +197,4 @@ def main():
 
 
 if __name__ == "__main__":
-    try:
-        sys.exit(main())
-    except KeyboardInterrupt:
-        sys.exit(130)
-    except (RuntimeError, TimeoutError) as problem:
-        sys.exit(f"scripts/bench: {problem}")
+    trb_fleet.run_main(main, "scripts/bench")

@@ -14,6 +14,16 @@ ORDER_PATIENCE_S = 60
 TICKS = os.sysconf("SC_CLK_TCK")
 
 
+def with_rounds(parser):
+    """The arguments, with as many rounds as are measured if none are given."""
+    arguments = parser.parse_args()
+    if arguments.rounds is None:
+        arguments.rounds = 1 if arguments.quick else 5
+    if arguments.rounds < 1:
+        parser.error("--rounds: at least 1")
+    return arguments
+
+
 class Road:
     """A driver and the processes between its two ends."""
 

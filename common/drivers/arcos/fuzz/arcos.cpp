@@ -2,8 +2,7 @@
 #include <cmath>
 
 #include "common/drivers/arcos/state.hpp"
-#include "services/mode-adapter/core/adapter_core.hpp"
-#include "tests/fuzz/target.hpp"
+#include "tests/fuzz/adapter_under_test.hpp"
 
 namespace trb::fuzz {
 namespace {
@@ -75,12 +74,9 @@ void cut(BytesView input) {
 
 /// The input is what the robot sends: from the connection on, and while a command is carried out.
 void converse(const Bytes& before, BytesView input) {
-  ModeAdapterCore core(
-      pioneer(), [](bool) { return Done{}; }, [](const std::vector<Kept>&) { return Status(Done{}); });
-  Outbox out;
-  Now now{{1'000'000'000}, {0}};
-  core.on_channel_up(Channel::command, now, out);
-  core.on_bytes(Channel::command, before, now, out);
+  AdapterUnderTest adapter(pioneer());
+  adapter.connect(Channel::command);
+  adapter.hear(Channel::command, before);
   Inbound order;
   order.type = MessageType::command;
   order.source = "operator";
@@ -88,15 +84,15 @@ void converse(const Bytes& before, BytesView input) {
   order.id = 1;
   order.remaining_ms = 1000;
   order.body = Opaque{"go_to", "[3000, -2000, 90]"};
-  core.on(order, now, out);
+  adapter.order(order);
   while (!input.empty()) {
     const BytesView part = input.substr(0, 64);
     input.remove_prefix(part.size());
-    now.mono = now.mono + std::chrono::milliseconds(200);
-    core.on_bytes(Channel::command, part, now, out);
-    core.tick(now, out);
+    adapter.now.mono = adapter.now.mono + std::chrono::milliseconds(200);
+    adapter.hear(Channel::command, part);
+    adapter.pass({});
   }
-  check_writes(core.take_robot_output());
+  check_writes(adapter.core.take_robot_output());
 }
 
 /// The input as contents of reports with a right checksum: 40 bytes each.

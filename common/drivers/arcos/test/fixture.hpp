@@ -9,17 +9,12 @@
 namespace trb::adapter {
 
 inline Settings pioneer3() {
-  Settings settings;
-  settings.id = "pioneer1";
-  settings.framework = "pioneer";
-  settings.mode = Mode::interpreter;
-  settings.instance = kInstance;
+  Settings settings = robot_settings("pioneer1", "pioneer", Mode::interpreter, "arcos");
   settings.description.capabilities = {"mobile"};
   settings.description.frame = {1000, 180 / M_PI, {1, 3, 0, 0}};
   settings.description.skills = {
       make_skill("go_to", "[{place.x}, {place.y}, {place.yaw}]", {make_parameter("place", ParameterType::place)})};
   settings.places = {{"dock", {1, 4, 0, M_PI / 2}}};
-  settings.commands.transport = "arcos";
   settings.commands.port = 8101;
   settings.commands.values = {{"position", "x y heading"}, {"battery", "battery"}, {"motors", "motors"}};
   settings.commands.commands = {{"go_to", "goto {0} {1} {2}"},

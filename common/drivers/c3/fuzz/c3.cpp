@@ -1,8 +1,7 @@
 // What a C3 server answers: the packets whole and in pieces, the KRL values in them, and the mode behind.
 #include "common/drivers/c3/krl.hpp"
 #include "common/drivers/c3/wire.hpp"
-#include "services/mode-adapter/core/adapter_core.hpp"
-#include "tests/fuzz/target.hpp"
+#include "tests/fuzz/adapter_under_test.hpp"
 
 namespace trb::fuzz {
 namespace {
@@ -18,12 +17,8 @@ Bytes reply(int tag, std::string_view value) {
 }
 
 Settings settings() {
-  Settings out;
-  out.id = "kuka";
-  out.mode = Mode::interpreter;
+  Settings out = robot_settings("kuka", Mode::interpreter, "c3", "grab");
   out.description.has_field_channel = true;
-  out.description.capabilities = {"grab"};
-  out.commands.transport = "c3";
   out.commands.commands = {{"stop", "TRB_STOP = TRUE"}, {"release", "TRB_STOP = FALSE"}};
   out.commands.values = {{"position", "$POS_ACT X Y"}};
   return out;
@@ -31,27 +26,12 @@ Settings settings() {
 
 /// The robot answers with the input, while a command is running.
 void converse(BytesView input) {
-  ModeAdapterCore core(
-      settings(), [](bool) { return Status(Done{}); }, [](const std::vector<Kept>&) { return Status(Done{}); });
-  Outbox out;
-  Now now{{1'000'000'000}, {0}};
-  core.on_channel_up(Channel::command, now, out);
-  core.on_bytes(Channel::command, reply(1, "FALSE"), now, out);
-  core.on({MessageType::command, "operator", "kuka", 1, 0, 0, 5000, Opaque{"wave", "1"}}, now, out);
-  while (!input.empty()) {
-    core.on_bytes(Channel::command, input.substr(0, 32), now, out);
-    input.remove_prefix(std::min<std::size_t>(32, input.size()));
-    now.mono = now.mono + std::chrono::milliseconds(60);
-    core.tick(now, out);
-  }
-  // Whatever was sent: a command has one answer, at its deadline at the latest.
-  now.mono = now.mono + std::chrono::seconds(20);
-  core.tick(now, out);
-  long answers = 0;
-  for (const Send& send : out.sends) {
-    if (send.reply_to == 1) ++answers;
-  }
-  require(answers == 1, "a command is answered once");
+  AdapterUnderTest adapter(settings());
+  adapter.connect(Channel::command);
+  adapter.hear(Channel::command, reply(1, "FALSE"));
+  adapter.order({MessageType::command, "operator", "kuka", 1, 0, 0, 5000, Opaque{"wave", "1"}});
+  adapter.hear_pieces(Channel::command, input, 32, std::chrono::milliseconds(60));
+  adapter.check_answered(1);
 }
 
 }  // namespace

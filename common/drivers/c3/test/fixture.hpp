@@ -8,11 +8,7 @@
 namespace trb::adapter {
 
 inline Settings kuka() {
-  Settings settings;
-  settings.id = "kuka";
-  settings.framework = "kuka";
-  settings.mode = Mode::interpreter;
-  settings.instance = kInstance;
+  Settings settings = robot_settings("kuka", "kuka", Mode::interpreter, "c3");
   settings.description.capabilities = {"grab", "reach"};
   settings.description.has_field_channel = true;
   settings.description.field_channel.chunk_bytes = 16;
@@ -20,7 +16,6 @@ inline Settings kuka() {
   joints.count = 2;
   settings.description.skills = {make_skill("reach", "{joints}", {joints}), make_skill("home", "")};
   settings.description.skills[0].subtype = "move";
-  settings.commands.transport = "c3";
   settings.commands.port = 7000;
   settings.commands.commands = {
       {"move", "TRB_AXIS = {E6AXIS: A1 {0}, A2 {1}}"}, {"stop", "TRB_STOP = TRUE"}, {"release", "TRB_STOP = FALSE"}};

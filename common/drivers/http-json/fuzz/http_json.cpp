@@ -2,8 +2,7 @@
 // under way.
 #include "common/drivers/http-json/syntax.hpp"
 #include "common/drivers/http-json/wire.hpp"
-#include "services/mode-adapter/core/adapter_core.hpp"
-#include "tests/fuzz/target.hpp"
+#include "tests/fuzz/adapter_under_test.hpp"
 
 namespace trb::fuzz {
 namespace {
@@ -11,11 +10,7 @@ namespace {
 using namespace trb::adapter;
 
 Settings settings() {
-  Settings out;
-  out.id = "mir";
-  out.mode = Mode::direct;
-  out.description.capabilities = {"mobile"};
-  out.commands.transport = "http-json";
+  Settings out = robot_settings("mir", Mode::direct, "http-json", "mobile");
   out.commands.commands = {
       {"go", "POST /q {\"id\": {data}} -> q /id\nGET /q/<q>"}, {"stop", "PUT /s {}"}, {"release", ""}};
   out.commands.values = {{"position", "GET /s /x /y"}, {"state", "GET /q/<q> /state Done=1"}};
@@ -34,35 +29,30 @@ void check_writes(const RobotOutbox& out) {
 }
 
 void converse(BytesView input) {
-  ModeAdapterCore core(
-      settings(), [](bool) { return Status(Done{}); }, [](const std::vector<Kept>&) { return Status(Done{}); });
-  Outbox out;
-  Now now{{1'000'000'000}, {0}};
-  core.on_channel_up(Channel::command, now, out);
-  core.on_bytes(Channel::command, "HTTP/1.1 200 OK\r\nContent-Length: 2\r\n\r\n{}", now, out);
-  core.on({MessageType::command, "operator", "mir", 1, 0, 0, 5000, Opaque{"go", "1"}}, now, out);
-  std::vector<Send> sends = out.sends;
-  static_cast<void>(core.take_robot_output());
+  AdapterUnderTest adapter(settings());
+  adapter.connect(Channel::command);
+  adapter.hear(Channel::command, "HTTP/1.1 200 OK\r\nContent-Length: 2\r\n\r\n{}");
+  adapter.order({MessageType::command, "operator", "mir", 1, 0, 0, 5000, Opaque{"go", "1"}});
+  std::vector<Send> sends = adapter.out.sends;
+  static_cast<void>(adapter.core.take_robot_output());
   while (!input.empty()) {
-    out = {};
-    core.on_bytes(Channel::command, input.substr(0, 40), now, out);
+    adapter.out = {};
+    adapter.hear(Channel::command, input.substr(0, 40));
     input.remove_prefix(std::min<std::size_t>(40, input.size()));
-    const RobotOutbox robot = core.take_robot_output();
+    const RobotOutbox robot = adapter.core.take_robot_output();
     check_writes(robot);
-    sends.insert(sends.end(), out.sends.begin(), out.sends.end());
+    sends.insert(sends.end(), adapter.out.sends.begin(), adapter.out.sends.end());
     if (!robot.closes.empty()) {
-      core.on_channel_down(Channel::command, "closed", now, out);
-      core.on_channel_up(Channel::command, now, out);
+      adapter.core.on_channel_down(Channel::command, "closed", adapter.now, adapter.out);
+      adapter.connect(Channel::command);
     }
-    now.mono = now.mono + std::chrono::milliseconds(110);
-    core.tick(now, out);
-    sends.insert(sends.end(), out.sends.begin(), out.sends.end());
+    adapter.pass(std::chrono::milliseconds(110));
+    sends.insert(sends.end(), adapter.out.sends.begin(), adapter.out.sends.end());
   }
-  out = {};
-  now.mono = now.mono + std::chrono::seconds(20);
-  core.tick(now, out);
-  core.tick(now, out);
-  require(core.next_deadline() > now.mono || !core.next_deadline(), "nothing stays due");
+  adapter.out = {};
+  adapter.pass(std::chrono::seconds(20));
+  adapter.pass({});
+  require(adapter.core.next_deadline() > adapter.now.mono || !adapter.core.next_deadline(), "nothing stays due");
 }
 
 }  // namespace

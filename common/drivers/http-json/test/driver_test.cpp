@@ -7,11 +7,7 @@ using namespace trb::adapter;
 namespace {
 
 Settings mir() {
-  Settings settings;
-  settings.id = "mir";
-  settings.framework = "mir";
-  settings.mode = Mode::direct;
-  settings.instance = kInstance;
+  Settings settings = robot_settings("mir", "mir", Mode::direct, "http-json");
   settings.host = "10.0.0.7";
   settings.authorization = "Basic c2VjcmV0";
   settings.description.capabilities = {"mobile"};
@@ -20,7 +16,6 @@ Settings mir() {
   settings.description.skills[0].end.state = "mission";
   settings.description.skills[0].end.equals = 2;
   settings.description.skills[0].end.fails_at = 3;
-  settings.commands.transport = "http-json";
   settings.commands.port = 80;
   settings.commands.values = {{"position", "GET /status /position/x /position/y"},
                               {"battery", "GET /status /battery_percentage"},
@@ -94,6 +89,11 @@ struct MirBench : Fixture {
   int queued = 6;
 };
 
+/// It has answered.
+struct OnlineMir : MirBench {
+  OnlineMir() { connect(); }
+};
+
 }  // namespace
 
 TEST_CASE("http: values of one path are asked for together, twice a second, and answered as numbers and JSON") {
@@ -113,8 +113,7 @@ TEST_CASE("http: values of one path are asked for together, twice a second, and 
 }
 
 TEST_CASE("http: a skill is queued, its number kept, and its end seen under that number") {
-  MirBench fixture;
-  fixture.connect();
+  OnlineMir fixture;
   fixture.deliver(MessageType::command, order("drive", R"({"mission": "to \"dock\""})"), "mir");
   CHECK(fixture.serve() == R"(POST /queue {"mission_id": "to \"dock\""})");
   fixture.live(1);
@@ -139,8 +138,7 @@ TEST_CASE("http: a skill is queued, its number kept, and its end seen under that
 }
 
 TEST_CASE("http: a command's requests go one after the other, and it is answered when all are") {
-  MirBench fixture;
-  fixture.connect();
+  OnlineMir fixture;
   const auto id = fixture.command("tidy", "");
   CHECK(fixture.asked() == "DELETE /queue");
   fixture.answer_with(204);
@@ -151,8 +149,7 @@ TEST_CASE("http: a command's requests go one after the other, and it is answered
 }
 
 TEST_CASE("http: what the robot refuses is told with its words; a sign-in that is wrong with the cure") {
-  MirBench fixture;
-  fixture.connect();
+  OnlineMir fixture;
   const auto id = fixture.command("tidy", "");
   fixture.answer_with(204);
   fixture.answer_with(400, R"({"error": "no such state"})");
@@ -161,6 +158,7 @@ TEST_CASE("http: what the robot refuses is told with its words; a sign-in that i
   CHECK(nack.what.find(R"(PUT /status was answered with 400: {"error": "no such state"})") != std::string::npos);
   CHECK(nack.what.find("the 1 requests before it were answered well") != std::string::npos);
   fixture.out = {};
+  fixture.written(Channel::command);
   fixture.wait(0.5);
   fixture.asked();
   fixture.answer_with(401);
@@ -171,8 +169,7 @@ TEST_CASE("http: what the robot refuses is told with its words; a sign-in that i
 }
 
 TEST_CASE("http: a stop waits for the one answer that is under way, and drops all that waits") {
-  MirBench fixture;
-  fixture.connect();
+  OnlineMir fixture;
   const auto first = fixture.command("tidy", "");
   const auto second = fixture.command("tidy", "");
   CHECK(fixture.asked() == "DELETE /queue");
@@ -192,8 +189,7 @@ TEST_CASE("http: a stop waits for the one answer that is under way, and drops al
 }
 
 TEST_CASE("http: a robot that refuses to stop is a critical fault") {
-  MirBench fixture;
-  fixture.connect();
+  OnlineMir fixture;
   fixture.deliver(MessageType::command, Stop{}, "operator");
   fixture.asked();
   fixture.answer_with(503);
@@ -203,8 +199,7 @@ TEST_CASE("http: a robot that refuses to stop is a critical fault") {
 }
 
 TEST_CASE("http: a stop whose connection is lost is sent again, before all else, and is no refusal") {
-  MirBench fixture;
-  fixture.connect();
+  OnlineMir fixture;
   const auto stop = fixture.deliver(MessageType::command, Stop{}, "operator");
   CHECK(fixture.asked() == R"(PUT /status {"state_id": 4})");
   fixture.down(Channel::command, "end of the stream");
@@ -218,8 +213,7 @@ TEST_CASE("http: a stop whose connection is lost is sent again, before all else,
 }
 
 TEST_CASE("http: a stop that three connections in turn do not answer is a critical fault, until one does") {
-  MirBench fixture;
-  fixture.connect();
+  OnlineMir fixture;
   fixture.deliver(MessageType::command, Stop{}, "operator");
   for (int i = 1; i <= 3; ++i) {
     CHECK(fixture.told<RobotFault>().empty());
@@ -237,8 +231,7 @@ TEST_CASE("http: a stop that three connections in turn do not answer is a critic
 }
 
 TEST_CASE("http: each halt has three connections of its own: what one before has lost is no fault of the next") {
-  MirBench fixture;
-  fixture.connect();
+  OnlineMir fixture;
   for (int attempt = 1; attempt <= 3; ++attempt) {
     fixture.deliver(MessageType::command, order("drive", R"({"mission": "dock"})", attempt), "mir");
     fixture.serve();
@@ -269,8 +262,7 @@ TEST_CASE("http: a robot that ends each connection is there all the same, and it
 }
 
 TEST_CASE("http: without an answer the connection is given up; what was under way may have been taken") {
-  MirBench fixture;
-  fixture.connect();
+  OnlineMir fixture;
   const auto id = fixture.command("tidy", "");
   const auto waiting = fixture.command("tidy", "");
   CHECK(fixture.asked() == "DELETE /queue");
@@ -286,8 +278,7 @@ TEST_CASE("http: without an answer the connection is given up; what was under wa
 }
 
 TEST_CASE("http: an answer that nobody asked for, and one that is no HTTP, do no harm") {
-  MirBench fixture;
-  fixture.connect();
+  OnlineMir fixture;
   fixture.answer_with(200, "{}");
   CHECK(fixture.counted("refused.bad_packet") == 1);
   fixture.hear(Channel::command, "SSH-2.0-OpenSSH_9.2\r\n\r\n");
@@ -296,8 +287,7 @@ TEST_CASE("http: an answer that nobody asked for, and one that is no HTTP, do no
 }
 
 TEST_CASE("http: a way that needs what no answer has told yet is refused, and nothing is sent") {
-  MirBench fixture;
-  fixture.connect();
+  OnlineMir fixture;
   const auto id = fixture.command("again", "");
   CHECK(fixture.nack_of(id).what.find("no answer has told 'mission' yet") != std::string::npos);
   CHECK(fixture.asked().empty());

@@ -6,7 +6,7 @@
 #include "common/drivers/modbus/syntax.hpp"
 #include "services/virtual-robots/plc/modbus.hpp"
 #include "services/virtual-robots/plc/registers.hpp"
-#include "tests/fuzz/target.hpp"
+#include "tests/fuzz/driver_under_test.hpp"
 
 namespace trb::fuzz {
 namespace {
@@ -51,18 +51,14 @@ DriverSettings settings() {
 
 /// Answers cut from the input: a length, then that many bytes.
 void answer_driver(BytesView input) {
-  const auto made = make_with<ModbusDriver, read_modbus_vendor>(settings());
-  require(made.ok(), "its commands can be read");
-  Driver& mode = **made;
-  Outbox out;
-  std::vector<EventFrom> events;
-  RobotOutbox robot;
-  const DriverOut to{&mode, out, robot, events};
+  DriverUnderTest driver(make_with<ModbusDriver, read_modbus_vendor>(settings()));
+  Driver& mode = *driver.mode;
+  const DriverOut to = driver.to();
   Now now{{1'000'000'000}, {0}};
   mode.on_up(Channel::command, now, to);
   for (Token token = 1; !input.empty(); ++token) {
-    require(robot.writes.size() <= 1, "one call at a time");
-    robot = {};
+    require(driver.robot.writes.size() <= 1, "one call at a time");
+    driver.robot = {};
     now.mono = now.mono + std::chrono::milliseconds(20);
     const auto size = std::min<std::size_t>(static_cast<unsigned char>(input.front()), input.size() - 1);
     if (token % 4 == 0) {

@@ -32,8 +32,7 @@ TEST_CASE("modbus: a connection alone is no robot: it counts once it has answere
 }
 
 TEST_CASE("modbus: a command writes its registers in their order and is answered once the device has taken all") {
-  PlcBench fixture;
-  fixture.connect();
+  OnlinePlc fixture;
   const auto id = fixture.command("jog", "[0.25, true]");
   CHECK(fixture.asked() == "write holding 0 250");
   CHECK(fixture.answer(id).empty());
@@ -47,8 +46,7 @@ TEST_CASE("modbus: a command writes its registers in their order and is answered
 }
 
 TEST_CASE("modbus: two commands at once are written one after the other, none is lost or mixed") {
-  PlcBench fixture;
-  fixture.connect();
+  OnlinePlc fixture;
   const auto first = fixture.command("jog", "[0.25, 1]");
   const auto second = fixture.command("jog", "[0.5, 0]");
   CHECK(fixture.serve() == "holding 0 250; coil 0 1; holding 0 500; coil 0 0");
@@ -57,8 +55,7 @@ TEST_CASE("modbus: two commands at once are written one after the other, none is
 }
 
 TEST_CASE("modbus: data is numbers; anything else is refused before something is written") {
-  PlcBench fixture;
-  fixture.connect();
+  OnlinePlc fixture;
   const std::vector<std::pair<std::string, std::string>> cases = {
       {R"("0.25")", "the data holds a text '0.25', and Modbus carries numbers only"},
       {R"("x\" = 1\nrunning = 1")", "Modbus carries numbers only"},
@@ -85,8 +82,7 @@ TEST_CASE("modbus: data is numbers; anything else is refused before something is
 }
 
 TEST_CASE("modbus: an exception names the register, itself and the cure, and the rest is not written") {
-  PlcBench fixture;
-  fixture.connect();
+  OnlinePlc fixture;
   const auto id = fixture.command("run", "0.25");
   fixture.asked();
   fixture.answer_call(3);
@@ -149,8 +145,7 @@ TEST_CASE("modbus: a value that the device does not have is told once as a warni
 }
 
 TEST_CASE("modbus: a message whose sender waits no more is not written") {
-  PlcBench fixture;
-  fixture.connect();
+  OnlinePlc fixture;
   const auto first = fixture.command("set_speed", "0.25");
   fixture.remaining_ms = 100;
   const auto second = fixture.command("set_speed", "0.5");
@@ -163,8 +158,7 @@ TEST_CASE("modbus: a message whose sender waits no more is not written") {
 }
 
 TEST_CASE("modbus: the queue is bounded, and commands without end do not keep values from being told") {
-  PlcBench fixture;
-  fixture.connect();
+  OnlinePlc fixture;
   for (int i = 0; i < 64; ++i) fixture.command("set_speed", "0.5");
   CHECK(fixture.answer(fixture.command("set_speed", "0.5")) == "nack queue_full");
   fixture.wait(0.1);

@@ -9,18 +9,13 @@
 namespace trb::adapter {
 
 inline Settings conveyor() {
-  Settings settings;
-  settings.id = "conveyor";
-  settings.framework = "plc";
-  settings.mode = Mode::direct;
-  settings.instance = kInstance;
+  Settings settings = robot_settings("conveyor", "plc", Mode::direct, "modbus");
   settings.description.capabilities = {"convey"};
   settings.description.skills = {make_skill("run", "{speed}", {make_parameter("speed", ParameterType::number, "m/s")}),
                                  make_skill("reset", "")};
   settings.description.skills[0].end.kind = EndKind::state;
   settings.description.skills[0].end.state = "at_exit";
   settings.description.skills[0].end.equals = 1;
-  settings.commands.transport = "modbus";
   settings.commands.values = {{"running", "coil 0"},          {"at_exit", "discrete 3"},
                               {"speed", "holding 0 * 0.001"}, {"position", "input 0 * 0.001"},
                               {"boxes", "input 1 uint32"},    {"unused", "input 99"}};
@@ -106,5 +101,10 @@ inline std::string online(Fixture& fixture) {
 constexpr ModbusKind kHolding = ModbusKind::holding;
 constexpr ModbusKind kInput = ModbusKind::input;
 constexpr ModbusKind kDiscrete = ModbusKind::discrete;
+
+/// It has answered.
+struct OnlinePlc : PlcBench {
+  OnlinePlc() { connect(); }
+};
 
 }  // namespace trb::adapter

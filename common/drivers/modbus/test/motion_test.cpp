@@ -5,8 +5,7 @@ using namespace trb;
 using namespace trb::adapter;
 
 TEST_CASE("modbus: a skill ends when the value is as its description says") {
-  PlcBench fixture;
-  fixture.connect();
+  OnlinePlc fixture;
   fixture.deliver(MessageType::command, order("run", R"({"speed": 0.5})"), "conveyor");
   CHECK(fixture.serve() == "holding 0 500; coil 0 1");
   fixture.live(3);
@@ -17,8 +16,7 @@ TEST_CASE("modbus: a skill ends when the value is as its description says") {
 }
 
 TEST_CASE("modbus: a skill that ends with an acknowledgement ends when the device has acknowledged the write") {
-  PlcBench fixture;
-  fixture.connect();
+  OnlinePlc fixture;
   fixture.deliver(MessageType::command, order("reset", ""), "conveyor");
   CHECK(fixture.asked() == "write coil 1 1");
   CHECK(fixture.told<Outcome>().empty());
@@ -27,8 +25,7 @@ TEST_CASE("modbus: a skill that ends with an acknowledgement ends when the devic
 }
 
 TEST_CASE("modbus: a skill whose write is refused has failed, with the device's reason") {
-  PlcBench fixture;
-  fixture.connect();
+  OnlinePlc fixture;
   fixture.deliver(MessageType::command, order("run", R"({"speed": 0.5})"), "conveyor");
   fixture.asked();
   fixture.answer_call(4);
@@ -38,8 +35,7 @@ TEST_CASE("modbus: a skill whose write is refused has failed, with the device's 
 }
 
 TEST_CASE("modbus: a stop overtakes what waits, and is answered when the device has taken it") {
-  PlcBench fixture;
-  fixture.connect();
+  OnlinePlc fixture;
   const auto under_way = fixture.command("jog", "[0.25, 1]");
   const auto waiting = fixture.command("set_speed", "0.5");
   CHECK(fixture.asked() == "write holding 0 250");
@@ -62,8 +58,7 @@ TEST_CASE("modbus: a stop overtakes what waits, and is answered when the device 
 }
 
 TEST_CASE("modbus: a stop comes before the values that are due") {
-  PlcBench fixture;
-  fixture.connect();
+  OnlinePlc fixture;
   fixture.wait(0.1);
   CHECK(fixture.asked() == "read discrete 3 x1");
   fixture.deliver(MessageType::command, Stop{""});
@@ -75,8 +70,7 @@ TEST_CASE("modbus: a stop comes before the values that are due") {
 }
 
 TEST_CASE("modbus: a stop that the device refuses is told to everybody and is not called confirmed") {
-  PlcBench fixture;
-  fixture.connect();
+  OnlinePlc fixture;
   const auto id = fixture.deliver(MessageType::command, Stop{""});
   fixture.asked();
   fixture.answer_call(4);
@@ -93,8 +87,7 @@ TEST_CASE("modbus: a stop that the device refuses is told to everybody and is no
 
 TEST_CASE(
     "modbus: a device that goes in the middle of a write leaves it open whether it was done; nothing is repeated") {
-  PlcBench fixture;
-  fixture.connect();
+  OnlinePlc fixture;
   const auto under_way = fixture.command("jog", "[0.25, 1]");
   const auto waiting = fixture.command("set_speed", "0.5");
   fixture.asked();
@@ -111,8 +104,7 @@ TEST_CASE(
 }
 
 TEST_CASE("modbus: what a device told before it went answers no request") {
-  PlcBench fixture;
-  fixture.connect();
+  OnlinePlc fixture;
   fixture.down(Channel::command, "closed by the device");
   CHECK(fixture.answer(fixture.send(MessageType::request, "speed", "")) == "nack robot_offline");
   fixture.up(Channel::command);
@@ -120,8 +112,7 @@ TEST_CASE("modbus: what a device told before it went answers no request") {
 }
 
 TEST_CASE("modbus: a skill whose device goes is interrupted, not failed: nobody knows how far it came") {
-  PlcBench fixture;
-  fixture.connect();
+  OnlinePlc fixture;
   fixture.deliver(MessageType::command, order("run", R"({"speed": 0.5})"), "conveyor");
   fixture.serve();
   fixture.live(1);
@@ -134,8 +125,7 @@ TEST_CASE("modbus: a skill whose device goes is interrupted, not failed: nobody 
 }
 
 TEST_CASE("modbus: a robot that was stopped while it was away is stopped when it comes back") {
-  PlcBench fixture;
-  fixture.connect();
+  OnlinePlc fixture;
   fixture.down(Channel::command, "closed by the device");
   const auto id = fixture.deliver(MessageType::command, Stop{""});
   fixture.wait(0.01);
@@ -145,8 +135,7 @@ TEST_CASE("modbus: a robot that was stopped while it was away is stopped when it
 }
 
 TEST_CASE("modbus: a skill that times out is stopped without a fence") {
-  PlcBench fixture;
-  fixture.connect();
+  OnlinePlc fixture;
   fixture.deliver(MessageType::command, order("run", R"({"speed": 0.5})"), "conveyor");
   CHECK(fixture.serve() == "holding 0 500; coil 0 1");
   fixture.live(9.8);

@@ -1,7 +1,6 @@
 // What a RAPID server answers: texts whole and in pieces, and the mode behind, on both connections.
 #include "common/drivers/rapid/wire.hpp"
-#include "services/mode-adapter/core/adapter_core.hpp"
-#include "tests/fuzz/target.hpp"
+#include "tests/fuzz/adapter_under_test.hpp"
 
 namespace trb::fuzz {
 namespace {
@@ -9,11 +8,7 @@ namespace {
 using namespace trb::adapter;
 
 Settings settings() {
-  Settings out;
-  out.id = "abb";
-  out.mode = Mode::interpreter;
-  out.description.capabilities = {"grab"};
-  out.commands.transport = "rapid";
+  Settings out = robot_settings("abb", Mode::interpreter, "rapid", "grab");
   out.commands.commands = {{"move", "2 1 1"}, {"stop", "service 91"}, {"release", "service 92"}};
   out.commands.values = {{"joints", "service 4 0 1"}, {"position", "3 0"}};
   return out;
@@ -21,27 +16,13 @@ Settings settings() {
 
 /// The robot sends the input on that connection, while a move is running.
 void converse(Channel channel, BytesView input) {
-  ModeAdapterCore core(
-      settings(), [](bool) { return Status(Done{}); }, [](const std::vector<Kept>&) { return Status(Done{}); });
-  Outbox out;
-  Now now{{1'000'000'000}, {0}};
-  core.on_channel_up(Channel::command, now, out);
-  core.on_channel_up(Channel::monitor, now, out);
-  core.on_bytes(Channel::monitor, "90 1 0 0 1 0#", now, out);
-  core.on({MessageType::command, "operator", "abb", 1, 0, 0, 5000, Opaque{"move", ""}}, now, out);
-  while (!input.empty()) {
-    core.on_bytes(channel, input.substr(0, 16), now, out);
-    input.remove_prefix(std::min<std::size_t>(16, input.size()));
-    now.mono = now.mono + std::chrono::milliseconds(110);
-    core.tick(now, out);
-  }
-  now.mono = now.mono + std::chrono::seconds(20);
-  core.tick(now, out);
-  long answers = 0;
-  for (const Send& send : out.sends) {
-    if (send.reply_to == 1) ++answers;
-  }
-  require(answers == 1, "a command is answered once");
+  AdapterUnderTest adapter(settings());
+  adapter.connect(Channel::command);
+  adapter.connect(Channel::monitor);
+  adapter.hear(Channel::monitor, "90 1 0 0 1 0#");
+  adapter.order({MessageType::command, "operator", "abb", 1, 0, 0, 5000, Opaque{"move", ""}});
+  adapter.hear_pieces(channel, input, 16, std::chrono::milliseconds(110));
+  adapter.check_answered(1);
 }
 
 }  // namespace

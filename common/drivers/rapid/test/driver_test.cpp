@@ -8,14 +8,9 @@ using namespace trb::adapter;
 namespace {
 
 Settings abb() {
-  Settings settings;
-  settings.id = "abb";
-  settings.framework = "abb";
-  settings.mode = Mode::interpreter;
-  settings.instance = kInstance;
+  Settings settings = robot_settings("abb", "abb", Mode::interpreter, "rapid");
   settings.description.capabilities = {"grab", "reach"};
   settings.description.skills = {make_skill("home", "")};
-  settings.commands.transport = "rapid";
   settings.commands.port = 5000;
   settings.commands.monitor = Monitor{"rapid-service", 5001};
   settings.commands.commands = {{"move", "2 {0} {1}"}, {"pick", "2 {0} {1}\n20 1"}, {"home", "2 0 0"},

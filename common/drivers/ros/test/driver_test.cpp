@@ -7,12 +7,7 @@ using namespace trb::adapter;
 namespace {
 
 Settings ridgeback() {
-  Settings settings;
-  settings.id = "ridgeback";
-  settings.framework = "ros";
-  settings.mode = Mode::ros;
-  settings.commands.transport = "ros";
-  settings.instance = kInstance;
+  Settings settings = robot_settings("ridgeback", "ros", Mode::ros, "ros");
   settings.description.capabilities = {"mobile"};
   settings.description.skills = {
       make_skill("go_to", "[{place.x}, {place.y}]", {make_parameter("place", ParameterType::place)})};

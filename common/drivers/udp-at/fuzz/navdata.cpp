@@ -4,7 +4,7 @@
 #include "common/drivers/udp-at/commands.hpp"
 #include "common/drivers/udp-at/driver.hpp"
 #include "common/drivers/udp-at/values.hpp"
-#include "tests/fuzz/target.hpp"
+#include "tests/fuzz/driver_under_test.hpp"
 
 namespace trb::fuzz {
 namespace {
@@ -53,13 +53,9 @@ void check_writes(const RobotOutbox& out) {
 /// The mode receives it in the middle of a take-off and of a setting; it must keep sending AT, and answer every
 /// command.
 void hear(BytesView datagram) {
-  const auto made = make_with<AtDriver, read_at_commands>(settings());
-  require(made.ok(), "its commands can be read");
-  Driver& mode = **made;
-  Outbox out;
-  std::vector<EventFrom> events;
-  RobotOutbox robot;
-  const DriverOut to{&mode, out, robot, events};
+  DriverUnderTest driver(make_with<AtDriver, read_at_commands>(settings()));
+  Driver& mode = *driver.mode;
+  const DriverOut to = driver.to();
   Now now{{10'000'000'000}, {0}};
   mode.on_up(Channel::command, now, to);
   mode.on_up(Channel::monitor, now, to);
@@ -76,12 +72,12 @@ void hear(BytesView datagram) {
   }
   require(!mode.online(), "silence is noticed");
   int answered = 0;
-  for (const EventFrom& from : events) {
+  for (const EventFrom& from : driver.events) {
     if (const auto* taken = std::get_if<HandedOver>(&from.event)) answered += taken->token == 2 ? 1 : 0;
     if (const auto* refused = std::get_if<Refused>(&from.event)) answered += refused->token == 2 ? 1 : 0;
   }
   require(answered == 1, "who waits for a setting is answered once");
-  check_writes(robot);
+  check_writes(driver.robot);
 }
 
 void read(BytesView datagram) {

@@ -54,13 +54,8 @@ inline std::string navdata(std::uint32_t sequence, const Sky& sky) {
 }
 
 inline Settings drone() {
-  Settings settings;
-  settings.id = "drone";
-  settings.framework = "ardrone";
-  settings.mode = Mode::direct;
-  settings.instance = kInstance;
+  Settings settings = robot_settings("drone", "ardrone", Mode::direct, "udp-at");
   settings.description.capabilities = {"fly"};
-  settings.commands.transport = "udp-at";
   settings.commands.port = 5556;
   settings.commands.monitor = Monitor{"ar-navdata", 5554};
   settings.commands.commands = {{"take_off", "REF take_off"},

@@ -8,6 +8,7 @@
 #include "common/base/bytes.hpp"
 #include "common/base/result.hpp"
 #include "common/base/time.hpp"
+#include "proto/bodies/signed.hpp"
 #include "proto/field.hpp"
 
 namespace trb::gateway {
@@ -50,7 +51,6 @@ struct AuditHead {
                       field("time", &T::time)};
   }
 };
-constexpr std::string_view kSignedAuditHead = "audit_head";
 
 Bytes audit_head_payload(const AuditHead& head);
 /// Errors: malformed, too_large, bad_value.

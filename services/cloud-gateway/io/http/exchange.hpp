@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <variant>
 #include <vector>
@@ -18,10 +19,10 @@ namespace trb::gateway {
 /// A request with its body. Header values are as sent; a header that is missing is nullopt, and one of these that is
 /// repeated was refused before.
 struct HttpRequest {
-  std::string method;
+  std::string method;  ///< HEAD comes as GET: the server leaves the body of the reply out
   std::string target;
   std::string host;
-  std::string source;  ///< the client's address; for IPv6 its /64
+  std::string source;                  ///< the client's address; for IPv6 its /64 ("2001:db8::/64")
   std::optional<std::string> session;  ///< the value of the cookie kSessionCookie
   std::optional<std::string> bearer;
   std::optional<std::string> origin;
@@ -32,6 +33,7 @@ struct HttpRequest {
   std::optional<std::string> idempotency_key;
   Bytes body;
 
+  /// Valid as long as this object.
   [[nodiscard]] RequestHead head() const;
 };
 
@@ -42,10 +44,11 @@ struct HttpReply {
   int status = 200;
   std::string content_type = "application/json";
   std::vector<std::pair<std::string, std::string>> headers{};  ///< besides those that every reply has
-  std::shared_ptr<const Bytes> body{};                          ///< null: none
+  std::shared_ptr<const Bytes> body{};                         ///< null: none
 };
 
-/// Sends the reply. Called once, on the loop's thread, now or later; the client may have gone by then.
+/// Sends the reply. Called once, on the loop's thread, now or later; the client may have gone by then, and the server
+/// too: then nothing happens, as for a second call.
 using Reply = std::function<void(HttpReply)>;
 
 /// A client's WebSocket, as the API sees it. All calls on the loop's thread.
@@ -55,9 +58,11 @@ class WebSocketOut {
   WebSocketOut(const WebSocketOut&) = delete;
   WebSocketOut& operator=(const WebSocketOut&) = delete;
   virtual ~WebSocketOut() = default;
-  /// A text message of these parts, one after the other. Call it only when nothing is being sent: on_sent() tells.
+  /// A text message of these parts, one after the other; UTF-8. Call it only when nothing is being sent: on_sent()
+  /// tells. A client that does not take it within HttpTimes::reply is dropped.
   virtual void send(std::vector<std::shared_ptr<const Bytes>> parts) = 0;
-  /// Closes it with a code of RFC 6455, 7.4; on_closed() follows.
+  /// Closes it with a code of RFC 6455, 7.4; on_closed() follows, on_message() and on_sent() do not. Over 123 bytes of
+  /// the reason are cut off (5.5.1). A second call does nothing.
   virtual void close(std::uint16_t code, const std::string& reason) = 0;
 };
 
@@ -68,12 +73,13 @@ class WebSocketIn {
   WebSocketIn(const WebSocketIn&) = delete;
   WebSocketIn& operator=(const WebSocketIn&) = delete;
   virtual ~WebSocketIn() = default;
+  /// The client has the server's consent: messages may be sent.
   virtual void on_open(std::shared_ptr<WebSocketOut> out) = 0;
   /// A text message of kMaxWebSocketMessage at most; a longer one, or a binary one, closes the socket.
   virtual void on_message(BytesView text) = 0;
   /// All that was given to send() is with the kernel.
   virtual void on_sent() = 0;
-  /// Nothing follows; `out` must not be used any more.
+  /// Called once, also if it never opened. Nothing follows; `out` must not be used any more.
   virtual void on_closed() = 0;
 };
 constexpr std::size_t kMaxWebSocketMessage = 4096;
@@ -87,7 +93,7 @@ class HttpHandler {
   virtual ~HttpHandler() = default;
 
   /// What to refuse before the body is read: a request that may have none of that size. nullopt: read it.
-  /// `body_size`: as announced; 0 if not.
+  /// `body_size`: as announced; 0 if not (chunked, or no body). Asked for every request but an upgrade.
   virtual std::optional<HttpReply> before_body(const HttpRequest& request, std::uint64_t body_size) = 0;
   virtual void on_request(HttpRequest request, Reply reply) = 0;
   /// A request to become a WebSocket: the end that it talks to, or why not.

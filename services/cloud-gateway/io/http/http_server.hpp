@@ -6,6 +6,7 @@
 #include <string>
 
 #include "common/base/result.hpp"
+#include "common/base/time.hpp"
 #include "services/cloud-gateway/io/http/exchange.hpp"
 
 namespace boost::asio {
@@ -14,6 +15,31 @@ class io_context;
 
 namespace trb::gateway {
 
+/// The request line and the headers of a request. Browsers send below 2 kB; this is what most servers take.
+constexpr std::size_t kMaxRequestHead = 8192;
+/// Bodies of requests: the longest of ours, a scenario, is far below.
+constexpr std::size_t kMaxRequestBody = 1U << 20U;
+
+/// How long a client may take. A slow one holds a connection, of which there are max_connections; so each wait ends.
+/// Tests take milliseconds.
+struct HttpTimes {
+  /// For the TLS handshake, then for the first byte of the first request, then for its headers: a slow mobile network
+  /// takes 2 s for each.
+  Duration head = std::chrono::seconds(10);
+  /// For a body: 1 MiB at 0.5 Mbit/s.
+  Duration body = std::chrono::seconds(20);
+  /// From a reply to the next request: browsers keep connections open for about that.
+  Duration idle = std::chrono::seconds(60);
+  /// For the handler's reply: longer than all of its own waits, so that only a lost one ends here (503).
+  Duration answer = std::chrono::seconds(60);
+  /// For a reply, or a message of a WebSocket, to be taken by the client.
+  Duration reply = std::chrono::seconds(20);
+  /// From the last reply until the connection is cut off: a client that still sends must be able to read it.
+  Duration linger = std::chrono::seconds(2);
+  /// Without any data from a WebSocket's client: it is pinged after half of that, and closed after all of it.
+  Duration ping = std::chrono::seconds(30);
+};
+
 struct HttpServerSettings {
   std::string address = "127.0.0.1";  ///< a number
   std::uint16_t port = 8443;          ///< 0: any free one
@@ -21,26 +47,28 @@ struct HttpServerSettings {
   std::string key_file;               ///< PEM
   std::size_t max_connections = 1024;
   std::size_t max_of_source = 64;  ///< connections of one address (for IPv6: one /64)
+  HttpTimes times{};
 };
 
-/// Bounds: 8 kB of headers; 10 s for the handshake and the headers; bodies as the handler allows, 1 MiB at most, 20 s;
-/// 60 s between requests; 20 s for a reply to be read. Over max_connections new ones are closed at once, so the oldest
-/// that waits for a request (no request under way, not a WebSocket) makes room first. A WebSocket that does not answer a
-/// ping within 30 s is closed.
+/// Bounds: kMaxRequestHead, kMaxRequestBody, HttpTimes. Over max_connections the one that has waited longest for a
+/// request (no request under way, not a WebSocket) is closed; if there is none, the new one. Over max_of_source the new
+/// one is closed.
 class HttpServer {
  public:
   /// Listens from now on. `loop` and `handler` must outlive it. Errors: io_error (address, port), bad_value
-  /// (certificate or key that cannot be read or do not fit).
+  /// (certificate or key that cannot be read or do not fit; an address that is no number).
   static Result<std::unique_ptr<HttpServer>> open(boost::asio::io_context& loop, const HttpServerSettings& settings,
                                                   HttpHandler& handler);
   HttpServer() = default;
   HttpServer(const HttpServer&) = delete;
   HttpServer& operator=(const HttpServer&) = delete;
+  /// Cuts all connections off. WebSockets get their on_closed() now; after that the handler is not called any more.
   virtual ~HttpServer() = default;
 
   [[nodiscard]] virtual std::uint16_t port() const = 0;
   [[nodiscard]] virtual std::size_t connections() const = 0;
-  /// Stops listening; ends WebSockets with 1001 and idle connections; replies under way are finished.
+  /// Stops listening; ends WebSockets with 1001 and idle connections; requests under way are finished and answered. The
+  /// loop has no more work of this server when connections() is 0, after the slowest time of HttpTimes at most.
   virtual void stop() = 0;
 };
 

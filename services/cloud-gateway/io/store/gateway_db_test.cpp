@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "services/cloud-gateway/core/access/test/gateway_parts.hpp"
 #include "services/cloud-gateway/io/store/test/store_folder.hpp"
 
 using namespace trb;
@@ -224,6 +225,27 @@ TEST_CASE("the last enabled admin stays, though two gateways share the store") {
 
   loss.users.push_back(put(user_of("cid", UserRole::admin)));  // an heir in the same batch
   CHECK(two->save(loss));
+}
+
+TEST_CASE("each of two gateways believes in the other's admin: the second change is refused") {
+  const StoreFolder folder;
+  const auto db = opened(folder);
+  Parts one;
+  one.add("ann", UserRole::admin);
+  one.add("bob", UserRole::admin);
+  const auto save = [&](Users& users) {
+    StoreBatch batch;
+    batch.users = users.take_changes();
+    return db->save(batch);
+  };
+  REQUIRE(save(one.users));
+  Parts two;
+  for (const User& user : loaded(*db).users) two.users.restore(user);
+  REQUIRE(one.users.set_disabled("ann", true));
+  REQUIRE(save(one.users));
+  REQUIRE(two.users.set_role("bob", UserRole::viewer));
+  CHECK(save(two.users).error().code == Errc::conflict);
+  CHECK(loaded(*db).users[1].role == UserRole::admin);
 }
 
 TEST_CASE("a store without an admin takes other users") {

@@ -1,0 +1,115 @@
+#include "services/cloud-gateway/io/api/api.hpp"
+
+#include "services/cloud-gateway/io/api/once.hpp"
+#include "services/cloud-gateway/io/live_socket.hpp"
+
+namespace trb::gateway {
+namespace {
+
+/// A scenario is the largest of all bodies.
+constexpr std::uint64_t kMaxBody = 1U << 20U;
+
+std::string allow_of(const std::vector<Method>& methods) {
+  std::string out;
+  for (const Method method : methods) out += (out.empty() ? "" : ", ") + std::string(name_of(method));
+  return out;
+}
+
+bool is_json(const HttpRequest& request) {
+  return request.content_type && request.content_type->starts_with("application/json");
+}
+
+AuditRecord audit_of(const Call& call, int status, UtcTime now) {
+  AuditRecord out;
+  out.time = now.ns;
+  out.who = call.actor.empty() ? call.who().name : call.actor;
+  out.from = call.request.source;
+  out.action = std::string(name_of(call.decision.route->method)) + " " + std::string(call.decision.route->path);
+  for (const auto& [name, value] : call.decision.parameters) out.about += (out.about.empty() ? "" : " ") + value;
+  out.outcome = status < 400 ? "done" : "refused: " + std::to_string(status);
+  return out;
+}
+
+}  // namespace
+
+const Handler* HandlerTable::find(const Route& route) const {
+  const auto at = rows_.find({route.method, route.path});
+  return at == rows_.end() ? nullptr : &at->second;
+}
+
+Api::Api(Gateway& gateway) : gateway_(gateway) {
+  add_status_routes(gateway, table_);
+  add_session_routes(gateway, table_);
+  add_user_routes(gateway, table_);
+  add_token_routes(gateway, table_);
+  add_fleet_routes(gateway, table_);
+  add_robot_routes(gateway, table_);
+  add_run_routes(gateway, table_);
+  add_alert_routes(gateway, table_);
+  add_audit_routes(gateway, table_);
+}
+
+std::optional<HttpReply> Api::before_body(const HttpRequest& request, std::uint64_t body_size) {
+  const RequestDecision decision = gateway_.access.check.check(request.head(), gateway_.steady());
+  if (decision.verdict != RequestVerdict::allowed) return refuse(decision);
+  if (body_size <= kMaxBody) return std::nullopt;
+  return problem_reply(413, "too_large", "the body has " + std::to_string(body_size) + " bytes",
+                       "send at most " + std::to_string(kMaxBody));
+}
+
+void Api::on_request(HttpRequest request, Reply reply) {
+  RequestDecision decision = gateway_.access.check.check(request.head(), gateway_.steady());
+  const auto call = std::make_shared<Call>(
+      std::move(request), std::move(decision),
+      [this, reply = std::move(reply)](const Call& of, HttpReply with) { end(of, std::move(with), reply); });
+  if (call->decision.verdict != RequestVerdict::allowed) return call->reply(refuse(call->decision));
+  if (!call->request.body.empty() && !is_json(call->request)) {
+    return call->reply(problem_reply(415, "media_type", "the body's Content-Type is not application/json",
+                                     "send Content-Type: application/json"));
+  }
+  const Handler* handler = table_.find(*call->decision.route);
+  if (handler != nullptr) return (*handler)(call);
+  call->reply(problem_reply(501, "not_built", std::string(call->decision.route->path) + " is not built yet",
+                            "the command line has it: trb help"));
+}
+
+void Api::end(const Call& call, HttpReply reply, const Reply& send) {
+  const Route* route = call.decision.route;
+  const bool is_known = !call.who().name.empty() || !call.actor.empty();
+  if (route != nullptr && route->effect == Effect::changes && is_known) {
+    gateway_.access.note(audit_of(call, reply.status, gateway_.now().utc));
+  }
+  keep_answer(gateway_, call, reply);
+  if (Status written = gateway_.access.commit(); !written) {
+    gateway_.on_unwritten(written.error());
+    reply = problem_reply(503, "not_written", "the gateway's database could not be written", "see its log; try again");
+  }
+  ++gateway_.counts.replies[reply.status];
+  send(std::move(reply));
+}
+
+HttpReply Api::refuse(const RequestDecision& decision) const {
+  HttpReply out = problem_reply(status_of(decision.verdict), name_of(decision.verdict),
+                                "the request was refused: " + std::string(name_of(decision.verdict)), decision.hint);
+  if (!decision.allow.empty()) out.headers.emplace_back("Allow", allow_of(decision.allow));
+  if (decision.verdict == RequestVerdict::not_signed_in) out.headers.emplace_back("WWW-Authenticate", "Bearer");
+  return out;
+}
+
+std::variant<std::shared_ptr<WebSocketIn>, HttpReply> Api::on_upgrade(const HttpRequest& request) {
+  const RequestDecision decision = gateway_.access.check.check(request.head(), gateway_.steady());
+  if (decision.verdict != RequestVerdict::allowed) return refuse(decision);
+  if (decision.route->effect != Effect::upgrades) {
+    return problem_reply(400, "no_websocket", "this route is no WebSocket", "/api/v1/live is one");
+  }
+  auto opened = LiveSocket::open(gateway_, request);
+  if (!opened) return problem_reply(opened.error());
+  return std::shared_ptr<WebSocketIn>(std::move(*opened));
+}
+
+HttpReply Api::refusal(int status, const std::string& code, const std::string& detail, const std::string& hint) {
+  ++gateway_.counts.replies[status];
+  return problem_reply(status, code, detail, hint);
+}
+
+}  // namespace trb::gateway

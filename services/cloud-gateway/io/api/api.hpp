@@ -1,0 +1,56 @@
+// The API: each route of core/access/rights with the function that answers it.
+#pragma once
+
+#include <functional>
+#include <map>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include "services/cloud-gateway/io/api/call.hpp"
+#include "services/cloud-gateway/io/gateway.hpp"
+
+namespace trb::gateway {
+
+using Handler = std::function<void(const CallPtr&)>;
+
+/// Filled once, at the start.
+class HandlerTable {
+ public:
+  void add(Method method, std::string_view path, Handler handler) { rows_[{method, path}] = std::move(handler); }
+  [[nodiscard]] const Handler* find(const Route& route) const;
+
+ private:
+  std::map<std::pair<Method, std::string_view>, Handler> rows_;
+};
+
+// Each group adds its routes; the gateway outlives them.
+void add_status_routes(Gateway& gateway, HandlerTable& table);
+void add_session_routes(Gateway& gateway, HandlerTable& table);
+void add_user_routes(Gateway& gateway, HandlerTable& table);
+void add_token_routes(Gateway& gateway, HandlerTable& table);
+void add_fleet_routes(Gateway& gateway, HandlerTable& table);
+void add_robot_routes(Gateway& gateway, HandlerTable& table);
+void add_run_routes(Gateway& gateway, HandlerTable& table);
+void add_alert_routes(Gateway& gateway, HandlerTable& table);
+void add_audit_routes(Gateway& gateway, HandlerTable& table);
+
+/// Checks each request, calls its function, notes each change in the audit log, and replies once that is on disk.
+class Api final : public HttpHandler {
+ public:
+  explicit Api(Gateway& gateway);
+
+  std::optional<HttpReply> before_body(const HttpRequest& request, std::uint64_t body_size) override;
+  void on_request(HttpRequest request, Reply reply) override;
+  std::variant<std::shared_ptr<WebSocketIn>, HttpReply> on_upgrade(const HttpRequest& request) override;
+  HttpReply refusal(int status, const std::string& code, const std::string& detail, const std::string& hint) override;
+
+ private:
+  HttpReply refuse(const RequestDecision& decision) const;
+  void end(const Call& call, HttpReply reply, const Reply& send);
+
+  Gateway& gateway_;
+  HandlerTable table_;
+};
+
+}  // namespace trb::gateway

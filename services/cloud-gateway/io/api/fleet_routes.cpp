@@ -1,0 +1,59 @@
+// nodes, sensors, places.
+#include <set>
+
+#include "common/operator/read_sensor.hpp"
+#include "services/cloud-gateway/io/api/api.hpp"
+#include "services/cloud-gateway/io/api/lists.hpp"
+#include "services/cloud-gateway/io/json_text.hpp"
+
+namespace trb::gateway {
+namespace {
+
+RowKey sensor_key(RowKind kind, const Call& call) {
+  return {kind, call.parameter("node"), call.parameter("sensor")};
+}
+
+/// The last value that was received, if somebody watches the sensor; else its node is asked for the next one.
+void read_value(Gateway& gateway, const CallPtr& call) {
+  if (gateway.book.find(sensor_key(RowKind::reading, *call)) != nullptr) {
+    return reply_row(gateway, call, sensor_key(RowKind::reading, *call));
+  }
+  op::SensorWish wish;
+  wish.name = call->parameter("sensor");
+  wish.node = call->parameter("node");
+  op::look_up_sensor(gateway.session, wish, [&gateway, call](const Result<op::FoundSensor>& found) {
+    if (!found) return call->fail(found.error());
+    op::read_sensor(gateway.session, *found, std::nullopt, op::kAnswerWait, [call](const Result<SensorReading>& value) {
+      if (!value) return call->fail(value.error());
+      call->reply(json_reply(json_record(*value)));
+    });
+  });
+}
+
+void list_places(const Gateway& gateway, const CallPtr& call) {
+  std::set<std::string> names;
+  gateway.book.each(RowKind::profile, [&](const Row& row) {
+    const auto* profile = std::get_if<NodeProfile>(&row.content);
+    if (profile != nullptr) names.insert(profile->places.begin(), profile->places.end());
+  });
+  JsonList out;
+  for (const std::string& name : names) out.add(json_quoted(name));
+  call->reply(json_reply(JsonObject().raw("places", out.done()).done()));
+}
+
+}  // namespace
+
+void add_fleet_routes(Gateway& gateway, HandlerTable& table) {
+  table.add(Method::get, "/api/v1/nodes", [&](const CallPtr& call) { reply_rows(gateway, call, RowKind::node); });
+  table.add(Method::get, "/api/v1/nodes/{node}", [&](const CallPtr& call) {
+    reply_row(gateway, call, {RowKind::node, call->parameter("node"), ""});
+  });
+  table.add(Method::get, "/api/v1/sensors", [&](const CallPtr& call) { reply_rows(gateway, call, RowKind::sensor); });
+  table.add(Method::get, "/api/v1/sensors/{node}/{sensor}",
+            [&](const CallPtr& call) { reply_row(gateway, call, sensor_key(RowKind::sensor, *call)); });
+  table.add(Method::get, "/api/v1/sensors/{node}/{sensor}/value",
+            [&](const CallPtr& call) { read_value(gateway, call); });
+  table.add(Method::get, "/api/v1/places", [&](const CallPtr& call) { list_places(gateway, call); });
+}
+
+}  // namespace trb::gateway

@@ -1,0 +1,55 @@
+#include "services/cloud-gateway/io/api/members.hpp"
+
+#include <algorithm>
+
+namespace trb::gateway {
+namespace {
+
+Error wrong_member(std::string_view name, const Value& found, std::string_view wanted) {
+  return fail(Errc::bad_value, std::string(name) + ": is a " + std::string(found.kind()),
+              "write a " + std::string(wanted));
+}
+
+}  // namespace
+
+Result<Members> Members::of(const Call& call, std::initializer_list<std::string_view> names) {
+  auto json = body_of(call);
+  if (!json) return json.error();
+  for (const auto& [name, value] : json->object()) {
+    if (std::ranges::find(names, name) != names.end()) continue;
+    std::string all;
+    for (const std::string_view one : names) all += (all.empty() ? "" : ", ") + std::string(one);
+    return fail(Errc::bad_value, name.substr(0, 60) + ": there is no such member", "use: " + all);
+  }
+  return Members(std::move(*json));
+}
+
+Result<std::string> Members::text(std::string_view name, std::size_t most) const {
+  const Value* found = json_.find(name);
+  if (found == nullptr) return fail(Errc::missing, std::string(name) + ": is missing", "add it");
+  if (!found->is_text()) return wrong_member(name, *found, "text");
+  if (found->text().size() <= most) return found->text();
+  return fail(Errc::too_large, std::string(name) + ": has " + std::to_string(found->text().size()) + " bytes",
+              "use at most " + std::to_string(most));
+}
+
+Result<std::string> Members::text_or(std::string_view name, std::size_t most, std::string otherwise) const {
+  return has(name) ? text(name, most) : Result<std::string>(std::move(otherwise));
+}
+
+Result<bool> Members::flag_or(std::string_view name, bool otherwise) const {
+  const Value* found = json_.find(name);
+  if (found == nullptr) return otherwise;
+  return found->is_bool() ? Result<bool>(found->boolean()) : wrong_member(name, *found, "true or false");
+}
+
+Result<std::int64_t> Members::number_or(std::string_view name, std::int64_t otherwise, std::int64_t from,
+                                        std::int64_t to) const {
+  const Value* found = json_.find(name);
+  if (found == nullptr) return otherwise;
+  if (found->is_integer() && found->integer() >= from && found->integer() <= to) return found->integer();
+  return fail(Errc::bad_value, std::string(name) + ": is out of range",
+              "use a whole number from " + std::to_string(from) + " to " + std::to_string(to));
+}
+
+}  // namespace trb::gateway

@@ -1,0 +1,68 @@
+#include "services/cloud-gateway/io/api/once.hpp"
+
+#include "common/log/log.hpp"
+#include "services/cloud-gateway/core/access/hash.hpp"
+
+namespace trb::gateway {
+namespace {
+
+Bytes digest_of(const HttpRequest& request) {
+  return purpose_digest("idempotency", request.method + " " + request.target + "\n" + request.body);
+}
+
+void reply_stored(Call& call, const StoredAnswer& stored) {
+  HttpReply out = stored.body.empty() ? empty_reply(stored.status) : json_reply(stored.body, stored.status);
+  if (stored.status >= 400) out.content_type = "application/problem+json";
+  out.headers.emplace_back("Idempotent-Replay", "true");
+  call.reply(std::move(out));
+}
+
+void reply_busy(Call& call, Duration retry_after) {
+  HttpReply out = problem_reply(409, "under_way", "the first request with this Idempotency-Key is under way",
+                                "repeat it with the same key");
+  const auto s = std::chrono::duration_cast<std::chrono::seconds>(retry_after).count();
+  out.headers.emplace_back("Retry-After", std::to_string(std::max<std::int64_t>(s, 1)));
+  call.reply(std::move(out));
+}
+
+/// The intent is on disk before anything is done.
+void act_on_record(Gateway& gateway, Call& call, StoredRequest store, const std::function<void()>& act) {
+  call.once = store.key;
+  gateway.access.keep(std::move(store));
+  if (Status written = gateway.access.commit(); !written) return call.fail(written.error());
+  act();
+}
+
+StoredAnswer answer_of(const HttpReply& reply) {
+  return {static_cast<std::uint16_t>(reply.status), reply.body == nullptr ? Bytes() : *reply.body};
+}
+
+}  // namespace
+
+void do_once(Gateway& gateway, const CallPtr& call, std::string effect, const std::function<void()>& act) {
+  if (!call->request.idempotency_key) return act();
+  const RequestKey key{call->who().name, *call->request.idempotency_key};
+  auto begun = gateway.access.requests.begin(key, digest_of(call->request), std::move(effect), gateway.now());
+  if (!begun) return call->fail(begun.error());
+  if (auto* stored = std::get_if<StoredAnswer>(&*begun)) return reply_stored(*call, *stored);
+  if (auto* wait = std::get_if<Idempotency::Wait>(&*begun)) return reply_busy(*call, wait->retry_after);
+  act_on_record(gateway, *call, std::move(std::get<Idempotency::Act>(*begun).store), act);
+}
+
+void keep_answer(Gateway& gateway, const Call& call, const HttpReply& reply) {
+  if (!call.once) return;
+  if (auto stored = gateway.access.requests.finish(*call.once, answer_of(reply)))
+    gateway.access.keep(std::move(*stored));
+}
+
+Status settle_unsure(Access& access) {
+  for (const StoredRequest& one : access.requests.unsure()) {
+    const HttpReply reply = problem_reply(503, "not_confirmed", "the gateway ended before it was known: " + one.effect,
+                                          "look whether it was done, then use a new Idempotency-Key");
+    log_event(Level::warning, "not_confirmed", one.key.user + ": " + one.effect);
+    if (auto stored = access.requests.finish(one.key, answer_of(reply))) access.keep(std::move(*stored));
+  }
+  return access.commit();
+}
+
+}  // namespace trb::gateway

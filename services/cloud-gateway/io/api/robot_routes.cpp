@@ -1,0 +1,122 @@
+// robots: read, stop, release, repaired, retired, returned.
+#include "common/operator/order_robots.hpp"
+#include "proto/bodies/robot.hpp"
+#include "services/cloud-gateway/io/api/api.hpp"
+#include "services/cloud-gateway/io/api/lists.hpp"
+#include "services/cloud-gateway/io/api/members.hpp"
+#include "services/cloud-gateway/io/api/once.hpp"
+#include "services/cloud-gateway/io/json_text.hpp"
+
+namespace trb::gateway {
+namespace {
+
+constexpr std::size_t kMaxReason = 255;
+constexpr Duration kStopWait = std::chrono::seconds(3);
+
+RowKey robot_key(RowKind kind, const Call& call) {
+  return {kind, call.parameter("robot"), ""};
+}
+
+bool is_robot(const Gateway& gateway, const std::string& id) {
+  return gateway.book.find({RowKind::robot, id, ""}) != nullptr;
+}
+
+std::vector<std::string> all_robots(const Gateway& gateway) {
+  std::vector<std::string> out;
+  gateway.book.each(RowKind::robot, [&](const Row& row) { out.push_back(row.key.node); });
+  return out;
+}
+
+/// The optional body {"reason": TEXT}. A stop without a body is a stop.
+Result<std::string> reason_in(const Call& call, std::string otherwise) {
+  if (call.request.body.empty()) return otherwise;
+  const auto body = Members::of(call, {"reason"});
+  if (!body) return body.error();
+  return body->text_or("reason", kMaxReason, std::move(otherwise));
+}
+
+std::string json_orders(const std::vector<op::RobotOrder>& orders) {
+  JsonList out;
+  for (const op::RobotOrder& one : orders) {
+    out.add(JsonObject().text("robot", one.robot).text("state", one.state).text("text", one.text).done());
+  }
+  return JsonObject().raw("robots", out.done()).done();
+}
+
+void give_order(Gateway& gateway, const CallPtr& call, const std::vector<std::string>& robots, const Body& body) {
+  op::order_robots(gateway.session, robots, body, kStopWait,
+                   [call](const std::vector<op::RobotOrder>& orders) { call->reply(json_reply(json_orders(orders))); });
+}
+
+template <class Order>
+void order_one(Gateway& gateway, const CallPtr& call) {
+  const auto reason = reason_in(*call, "by " + call->who().name);
+  if (!reason) return call->fail(reason.error());
+  if (!is_robot(gateway, call->parameter("robot"))) {
+    return call->reply(problem_reply(404, "missing", "there is no such robot", "GET /api/v1/robots"));
+  }
+  give_order(gateway, call, {call->parameter("robot")}, Order{*reason});
+}
+
+/// A stop for all does not wait for a list of the fleet: those that are known are told at once.
+void stop_all(Gateway& gateway, const CallPtr& call) {
+  const auto reason = reason_in(*call, "by " + call->who().name);
+  if (!reason) return call->fail(reason.error());
+  give_order(gateway, call, all_robots(gateway), Stop{*reason});
+}
+
+void tell_robot(Gateway& gateway, const CallPtr& call, Body body) {
+  gateway.session.command(call->parameter("robot"), std::move(body), [call](const Result<Message>& answer) {
+    if (!answer) return call->fail(answer.error());
+    call->reply(empty_reply());
+  });
+}
+
+void retire(Gateway& gateway, const CallPtr& call) {
+  const auto body = Members::of(*call, {"reason"});
+  if (!body) return call->fail(body.error());
+  const auto reason = body->text("reason", kMaxReason);
+  if (!reason) return call->fail(reason.error());
+  tell_robot(gateway, call, TakeOutOfUse{{"", {}, *reason, 0, true, call->who().name}});
+}
+
+void repaired(Gateway& gateway, const CallPtr& call) {
+  if (call->request.body.empty()) return tell_robot(gateway, call, TakeIntoUse{"", false, call->who().name});
+  const auto body = Members::of(*call, {"capability"});
+  if (!body) return call->fail(body.error());
+  const auto capability = body->text_or("capability", 64, "");
+  if (!capability) return call->fail(capability.error());
+  tell_robot(gateway, call, TakeIntoUse{*capability, false, call->who().name});
+}
+
+/// Each is done once for an Idempotency-Key.
+Handler once(Gateway& gateway, void (*act)(Gateway&, const CallPtr&)) {
+  return [&gateway, act](const CallPtr& call) {
+    const std::string effect = std::string(call->decision.route->path) + " " + call->parameter("robot");
+    do_once(gateway, call, effect, [&gateway, act, call] { act(gateway, call); });
+  };
+}
+
+void returned(Gateway& gateway, const CallPtr& call) {
+  tell_robot(gateway, call, TakeIntoUse{"", true, call->who().name});
+}
+
+}  // namespace
+
+void add_robot_routes(Gateway& gateway, HandlerTable& table) {
+  table.add(Method::get, "/api/v1/robots", [&](const CallPtr& call) { reply_rows(gateway, call, RowKind::robot); });
+  for (const char* path : {"/api/v1/robots/{robot}", "/api/v1/robots/{robot}/live"}) {
+    table.add(Method::get, path,
+              [&](const CallPtr& call) { reply_row(gateway, call, robot_key(RowKind::robot, *call)); });
+  }
+  table.add(Method::get, "/api/v1/robots/{robot}/skills",
+            [&](const CallPtr& call) { reply_row(gateway, call, robot_key(RowKind::profile, *call)); });
+  table.add(Method::post, "/api/v1/robots/{robot}/stop", once(gateway, order_one<Stop>));
+  table.add(Method::post, "/api/v1/robots/{robot}/release", once(gateway, order_one<Release>));
+  table.add(Method::post, "/api/v1/stop", once(gateway, stop_all));
+  table.add(Method::post, "/api/v1/robots/{robot}/retired", once(gateway, retire));
+  table.add(Method::post, "/api/v1/robots/{robot}/repaired", once(gateway, repaired));
+  table.add(Method::post, "/api/v1/robots/{robot}/returned", once(gateway, returned));
+}
+
+}  // namespace trb::gateway

@@ -1,0 +1,178 @@
+// runs, archive, check and preflight of a scenario.
+#include "common/operator/abort_run.hpp"
+#include "common/operator/list_runs.hpp"
+#include "common/operator/pause_run.hpp"
+#include "common/operator/plan_run.hpp"
+#include "common/operator/scenario_check.hpp"
+#include "common/operator/submit_run.hpp"
+#include "services/cloud-gateway/io/api/api.hpp"
+#include "services/cloud-gateway/io/api/lists.hpp"
+#include "services/cloud-gateway/io/api/members.hpp"
+#include "services/cloud-gateway/io/api/once.hpp"
+#include "services/cloud-gateway/io/json_text.hpp"
+
+namespace trb::gateway {
+namespace {
+
+constexpr const char* kFile = "scenario";
+constexpr std::size_t kMaxReason = 1024;
+constexpr std::int64_t kExpiresH = 24;
+constexpr std::int64_t kMaxExpiresH = 24 * 30;
+
+void reply_view(const CallPtr& call, const Result<RunView>& view) {
+  if (!view) return call->fail(view.error());
+  call->reply(json_reply(to_json(*view)));
+}
+
+void show_run(Gateway& gateway, const CallPtr& call) {
+  gateway.session.ask_node<RunView>(RunQuery{call->parameter("run")},
+                                    [call](const Result<RunView>& view) { reply_view(call, view); });
+}
+
+void list_archive(Gateway& gateway, const CallPtr& call) {
+  op::list_runs(gateway.session, true, [call](const Result<RunTable>& table) {
+    if (!table) return call->fail(table.error());
+    call->reply(json_reply(to_json(*table)));
+  });
+}
+
+Result<std::string> reason_of(const Call& call) {
+  if (call.request.body.empty()) return "by " + call.who().name;
+  const auto body = Members::of(call, {"reason"});
+  if (!body) return body.error();
+  return body->text_or("reason", kMaxReason, "by " + call.who().name);
+}
+
+void pause(Gateway& gateway, const CallPtr& call) {
+  const auto reason = reason_of(*call);
+  if (!reason) return call->fail(reason.error());
+  op::pause_run(gateway.session, call->parameter("run"), *reason,
+                [call](const Result<RunView>& view) { reply_view(call, view); });
+}
+
+void resume(Gateway& gateway, const CallPtr& call) {
+  const auto reason = reason_of(*call);
+  if (!reason) return call->fail(reason.error());
+  op::resume_run(gateway.session, call->parameter("run"), *reason,
+                 [call](const Result<RunView>& view) { reply_view(call, view); });
+}
+
+void abort_it(Gateway& gateway, const CallPtr& call) {
+  const auto reason = reason_of(*call);
+  if (!reason) return call->fail(reason.error());
+  op::abort_run(gateway.session, {call->parameter("run"), *reason},
+                [call](const Result<RunView>& view) { reply_view(call, view); });
+}
+
+HttpReply faults_reply(const ConfigFaults& faults) {
+  return problem_reply(problem_of(faults));
+}
+
+ConfigFaults stopping(const ConfigFaults& faults) {
+  ConfigFaults out;
+  for (const ConfigFault& one : faults) {
+    if (!one.may_wait) out.push_back(one);
+  }
+  return out;
+}
+
+std::string json_faults_of(const ConfigFaults& faults) {
+  JsonList out;
+  for (const ConfigFault& one : faults) {
+    JsonObject fault;
+    fault.text("pointer", pointer_of(one.key)).text("detail", one.what).text("hint", one.hint);
+    out.add(fault.flag("warning", one.may_wait).done());
+  }
+  return out.done();
+}
+
+/// The scenario in the body's member "scenario", or the whole body.
+Result<Scenario> scenario_of(const Value& json, ConfigFaults& faults) {
+  const Value* inner = json.find("scenario");
+  return op::parse_scenario(dump_json(inner != nullptr ? *inner : json), kFile, faults);
+}
+
+std::string json_check(const op::ScenarioCheck& check) {
+  JsonList alone;
+  for (const auto& one : check.without_spare) {
+    alone.add(JsonObject().text("task", one.task).text("robot", one.robot).text("why", one.why).done());
+  }
+  JsonObject out;
+  out.flag("good", stopping(check.faults).empty()).raw("faults", json_faults_of(check.faults));
+  return out.raw("without_spare", alone.done()).done();
+}
+
+void check(Gateway& gateway, const CallPtr& call) {
+  const auto body = body_of(*call);
+  if (!body) return call->fail(body.error());
+  ConfigFaults faults;
+  auto scenario = scenario_of(*body, faults);
+  if (!scenario) return call->fail(scenario.error());
+  if (!stopping(faults).empty()) return call->reply(json_reply(json_check({faults, {}})));
+  op::check_with_fleet(gateway.session, std::move(*scenario), kFile, [call](const Result<op::ScenarioCheck>& checked) {
+    if (!checked) return call->fail(checked.error());
+    call->reply(json_reply(json_check(*checked)));
+  });
+}
+
+void submit(Gateway& gateway, const CallPtr& call, op::RunPlan plan, const op::RunTerms& terms) {
+  op::submit_run(gateway.session, std::move(plan), terms, [call](const Result<std::string>& run) {
+    if (!run) return call->fail(run.error());
+    HttpReply out = json_reply(JsonObject().text("run", *run).done(), 201);
+    out.headers.emplace_back("Location", "/api/v1/runs/" + *run);
+    call->reply(std::move(out));
+  });
+}
+
+Result<op::RunTerms> terms_of(const Members& body) {
+  const auto hours = body.number_or("expires_h", kExpiresH, 1, kMaxExpiresH);
+  if (!hours) return hours.error();
+  const auto priority = body.number_or("priority", 0, 0, 9);
+  if (!priority) return priority.error();
+  return op::RunTerms{static_cast<double>(*hours), static_cast<std::uint32_t>(*priority)};
+}
+
+void plan_and_submit(Gateway& gateway, const CallPtr& call, Scenario scenario, const op::RunTerms& terms) {
+  op::plan_run(gateway.session, std::move(scenario), kFile, [&gateway, call, terms](Result<op::RunPlan> plan) {
+    if (!plan) return call->fail(plan.error());
+    if (!stopping(plan->faults).empty()) return call->reply(faults_reply(stopping(plan->faults)));
+    submit(gateway, call, std::move(*plan), terms);
+  });
+}
+
+/// {"scenario": SCENARIO, "priority": 0 to 9, "expires_h": HOURS}
+void start_run(Gateway& gateway, const CallPtr& call) {
+  const auto body = Members::of(*call, {"scenario", "priority", "expires_h"});
+  if (!body) return call->fail(body.error());
+  const Value* given = body->value("scenario");
+  if (given == nullptr) return call->fail(fail(Errc::missing, "scenario: is missing", "add the scenario's object"));
+  const auto terms = terms_of(*body);
+  if (!terms) return call->fail(terms.error());
+  ConfigFaults faults;
+  auto scenario = scenario_of(*given, faults);
+  if (!scenario) return call->fail(scenario.error());
+  if (!stopping(faults).empty()) return call->reply(faults_reply(stopping(faults)));
+  plan_and_submit(gateway, call, std::move(*scenario), *terms);
+}
+
+Handler once_for_run(Gateway& gateway, void (*act)(Gateway&, const CallPtr&)) {
+  return [&gateway, act](const CallPtr& call) {
+    const std::string effect = std::string(call->decision.route->path) + " " + call->parameter("run");
+    do_once(gateway, call, effect, [&gateway, act, call] { act(gateway, call); });
+  };
+}
+
+}  // namespace
+
+void add_run_routes(Gateway& gateway, HandlerTable& table) {
+  table.add(Method::get, "/api/v1/runs", [&](const CallPtr& call) { reply_rows(gateway, call, RowKind::run); });
+  table.add(Method::get, "/api/v1/runs/{run}", [&](const CallPtr& call) { show_run(gateway, call); });
+  table.add(Method::get, "/api/v1/archive", [&](const CallPtr& call) { list_archive(gateway, call); });
+  table.add(Method::post, "/api/v1/runs", once_for_run(gateway, start_run));
+  table.add(Method::post, "/api/v1/runs/{run}/pause", once_for_run(gateway, pause));
+  table.add(Method::post, "/api/v1/runs/{run}/resume", once_for_run(gateway, resume));
+  table.add(Method::post, "/api/v1/runs/{run}/abort", once_for_run(gateway, abort_it));
+  table.add(Method::post, "/api/v1/scenarios/check", [&](const CallPtr& call) { check(gateway, call); });
+}
+
+}  // namespace trb::gateway

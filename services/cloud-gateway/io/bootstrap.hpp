@@ -1,0 +1,15 @@
+// The first password: made at the node's console, taken over by the gateway.
+#pragma once
+
+#include <string>
+
+#include "services/cloud-gateway/io/access.hpp"
+
+namespace trb::gateway {
+
+/// NODE_DIR/keys/gateway.password, which `trb cloud password` writes (0600): {"user": NAME, "hash": HASH}. If it is
+/// there, its user becomes an enabled admin with that password, and the file is removed once that is on disk. Errors:
+/// malformed, io_error.
+Status take_bootstrap(const std::string& node_dir, Access& access, UtcTime now);
+
+}  // namespace trb::gateway

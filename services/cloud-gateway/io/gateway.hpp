@@ -1,0 +1,48 @@
+// What the routes work with: who may what, what the fleet looks like, and how to act on it.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <string>
+
+#include "common/base/steady_time.hpp"
+#include "common/operator/session.hpp"
+#include "services/cloud-gateway/core/live/fleet_view.hpp"
+#include "services/cloud-gateway/core/live/subscriptions.hpp"
+#include "services/cloud-gateway/io/access.hpp"
+#include "services/cloud-gateway/io/json_rows.hpp"
+#include "services/cloud-gateway/io/password_pool.hpp"
+
+namespace trb::gateway {
+
+/// For /metrics: by what has happened, since the start.
+struct Counts {
+  std::map<int, std::uint64_t> replies;  ///< by status
+  std::uint64_t frames = 0;              ///< of the live stream
+};
+
+class LiveSocket;
+class SignIns;
+
+struct Gateway {
+  Access& access;
+  GatewayDb& db;
+  PasswordPool& passwords;
+  op::Session& session;  ///< with the node's router, in the name of the operator
+  RowBook& book;
+  FleetView& fleet;
+  Subscriptions& clients;
+  std::string node_dir;
+  std::function<bool()> is_ready;                  ///< the node's router is there
+  std::function<void(const Error&)> on_unwritten;  ///< a commit has failed: the process ends
+  SignIns* sign_ins = nullptr;
+  Counts counts{};
+  std::map<ClientId, LiveSocket*> sockets{};  ///< each adds and removes itself
+
+  [[nodiscard]] Now now() const { return session.now(); }
+  /// UTC that does not jump: for sessions and tokens.
+  UtcTime steady() { return access.time.at(now()); }
+};
+
+}  // namespace trb::gateway

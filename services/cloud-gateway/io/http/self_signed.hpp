@@ -1,0 +1,32 @@
+// Certificates as PEM, made and looked at with OpenSSL. No files.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "common/base/bytes.hpp"
+#include "common/base/result.hpp"
+#include "common/base/time.hpp"
+
+namespace trb::gateway {
+
+struct PemPair {
+  std::string certificate;
+  std::string key;  ///< PKCS 8, not encrypted
+};
+
+/// Days: the most that browsers take of a certificate that no public authority has signed.
+constexpr int kCertificateDays = 825;
+
+/// EC P-256, signed by itself, for a server and not for an authority (RFC 5280, 4.2.1). `names`: host names and numeric
+/// addresses, one at least. Valid from an hour before `now`, as clocks differ. Errors: bad_value (a name), io_error
+/// (OpenSSL).
+Result<PemPair> make_self_signed(const std::vector<std::string>& names, UtcTime now);
+
+/// False too for what is no PEM.
+bool is_key_of(BytesView certificate, BytesView key);
+
+/// SHA-256 of the first certificate (DER), "AB:CD:...". Errors: malformed.
+Result<std::string> fingerprint_of(BytesView certificate);
+
+}  // namespace trb::gateway

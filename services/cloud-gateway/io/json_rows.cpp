@@ -1,0 +1,97 @@
+#include "services/cloud-gateway/io/json_rows.hpp"
+
+#include "services/cloud-gateway/io/json_text.hpp"
+
+namespace trb::gateway {
+namespace {
+
+std::string json_node(const NodeRow& node) {
+  return JsonObject()
+      .text("role", name_of(node.role))
+      .text("state", node.state)
+      .text("address", node.address)
+      .text("version", node.version)
+      .text("clock", node.clock)
+      .text("via", node.via)
+      .text("reason", node.reason)
+      .done();
+}
+
+/// A robot may send anything as a value: what is no JSON is shown as a text.
+std::string json_value(const std::string& sent) {
+  const auto parsed = parse_json(sent);
+  return parsed ? dump_json(*parsed) : json_quoted(sent);
+}
+
+std::string json_values(const std::vector<RobotValue>& values) {
+  JsonList list;
+  for (const RobotValue& one : values) {
+    list.add(
+        JsonObject().text("name", one.name).raw("value", json_value(one.value)).time("changed", one.changed).done());
+  }
+  return list.done();
+}
+
+std::string json_faults(const std::vector<RobotRowFault>& faults) {
+  JsonList list;
+  for (const RobotRowFault& one : faults) {
+    list.add(JsonObject()
+                 .text("capability", one.capability)
+                 .text("severity", name_of(one.severity))
+                 .text("text", one.text)
+                 .time("since", one.since)
+                 .done());
+  }
+  return list.done();
+}
+
+std::string json_robot(const RobotRow& robot) {
+  JsonList out_of_use;
+  for (const OutOfUse& one : robot.out_of_use) out_of_use.add(json_record(one));
+  return JsonObject()
+      .text("connection", robot.connection)
+      .text("detail", robot.detail)
+      .flag("fenced", robot.fenced)
+      .text("control", robot.control)
+      .raw("out_of_use", out_of_use.done())
+      .raw("values", json_values(robot.values))
+      .raw("faults", json_faults(robot.faults))
+      .flag("cut", robot.cut)
+      .done();
+}
+
+std::string json_teleop(const TeleopRow& teleop) {
+  return JsonObject()
+      .text("holder", teleop.holder)
+      .raw("latency_s", dump_json(Value{teleop.latency_s}))
+      .raw("speed_limit", dump_json(Value{teleop.speed_limit}))
+      .done();
+}
+
+struct ContentWriter {
+  std::string operator()(std::monostate) const { return "null"; }
+  std::string operator()(const NodeRow& row) const { return json_node(row); }
+  std::string operator()(const RobotRow& row) const { return json_robot(row); }
+  std::string operator()(const TeleopRow& row) const { return json_teleop(row); }
+  template <class Record>
+  std::string operator()(const Record& row) const {
+    return json_record(row);
+  }
+};
+
+}  // namespace
+
+std::string json_content(const RowContent& content) {
+  return std::visit(ContentWriter{}, content);
+}
+
+std::string json_row(const Row& row) {
+  JsonObject out;
+  out.text("kind", name_of(row.key.kind)).text("node", row.key.node).text("name", row.key.name);
+  out.number("number", row.number);
+  if (row.is_removed()) return out.flag("removed", true).done();
+  out.number("version", row.version).text("live", name_of(row.live)).time("heard", row.told.utc);
+  return out.raw("content", json_content(row.content)).done();
+}
+
+}  // namespace trb::gateway

@@ -1,0 +1,18 @@
+// Rows as JSON: for the API and for the live stream alike.
+#pragma once
+
+#include "services/cloud-gateway/core/live/row.hpp"
+
+namespace trb::gateway {
+
+/// {"kind", "node", "name", "number", "version", "live", "heard", "content"}; a removed row: {"kind", "node", "name",
+/// "number", "removed": true}.
+std::string json_row(const Row& row);
+std::string json_content(const RowContent& content);
+
+class JsonRows final : public RowEncoder {
+ public:
+  Bytes encode(const Row& row) override { return json_row(row); }
+};
+
+}  // namespace trb::gateway

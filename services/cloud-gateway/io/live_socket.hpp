@@ -1,0 +1,56 @@
+// A client of /api/v1/live: its words in, its frames out.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "proto/value.hpp"
+#include "services/cloud-gateway/io/gateway.hpp"
+#include "services/cloud-gateway/io/http/exchange.hpp"
+
+namespace trb::gateway {
+
+/// The client sends {"subscribe": TOPIC, "instance": N, "from": N} (the last two to resume) or {"unsubscribe": TOPIC}.
+/// It receives {"error": PROBLEM} for a word that is wrong, and frames:
+/// {"count", "head", "instance", "time", "notices": [{"topic", "kind"}], "blocks": [{"topic", "begins", "more", "to",
+/// "rows": [ROW]}], "messages": [...], "left_out"}.
+///
+/// -      | the socket is open   | idle
+/// idle   | a frame is due       | sending
+/// idle   | a wrong word         | sending (the problem)
+/// sending| all is sent          | idle; the next frame, if one is due
+/// any    | session or user ends | closed, 4401
+/// any    | 20 wrong words       | closed, 1008
+class LiveSocket final : public WebSocketIn, public std::enable_shared_from_this<LiveSocket> {
+ public:
+  /// Errors: queue_full (too many clients).
+  static Result<std::shared_ptr<LiveSocket>> open(Gateway& gateway, HttpRequest request);
+  ~LiveSocket() override;
+
+  void on_open(std::shared_ptr<WebSocketOut> out) override;
+  void on_message(BytesView text) override;
+  void on_sent() override;
+  void on_closed() override;
+
+  /// A frame may be due.
+  void pump();
+  /// Closes it if its session has ended, or its user may not see the fleet any more. Counts as a use of the session: a
+  /// wall screen stays signed in.
+  void check_rights();
+
+ private:
+  LiveSocket(Gateway& gateway, HttpRequest request, ClientId client);
+  Status obey(const Value& word);
+  void send(Bytes text);
+  void refuse(const Error& error);
+
+  Gateway& gateway_;
+  HttpRequest request_;  ///< checked again now and then
+  ClientId client_;
+  std::shared_ptr<WebSocketOut> out_;
+  bool sending_ = false;
+  int wrong_ = 0;
+  Bytes problem_;  ///< waits until what is being sent is sent; the newest one only
+};
+
+}  // namespace trb::gateway

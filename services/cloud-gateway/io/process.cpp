@@ -1,0 +1,111 @@
+#include "services/cloud-gateway/io/process.hpp"
+
+#include <boost/asio/executor_work_guard.hpp>
+
+#include "common/log/log.hpp"
+#include "services/cloud-gateway/io/live_socket.hpp"
+#include "services/cloud-gateway/io/loop_bridge.hpp"
+
+namespace trb::gateway {
+namespace {
+
+/// Expired sessions and keys, commits of what reads have changed, rights of open streams.
+constexpr Duration kHouse = std::chrono::seconds(5);
+constexpr Duration kLastReplies = std::chrono::seconds(2);
+
+LoopBridge::Driven driven_by(Service& service) {
+  return {service.descriptor(), [&service] { return service.next_deadline(); },
+          [&service] { return service.handle_ready(); }};
+}
+
+LoopBridge::Driven driven_by(Loop& loop) {
+  return {loop.descriptor(), [&loop] { return loop.next_deadline(); }, [&loop] { return loop.handle_ready(); }};
+}
+
+std::string all_of(const std::vector<std::string>& texts) {
+  std::string out;
+  for (const std::string& one : texts) out += (out.empty() ? "" : " ") + one;
+  return out;
+}
+
+}  // namespace
+
+Process::Process(Service& service, GatewayDb& db, Access& access, std::string node_dir)
+    : service_(service),
+      db_(db),
+      access_(access),
+      node_dir_(std::move(node_dir)),
+      passwords_(loop_, kChecksAtOnce),
+      clients_(book_, encoder_, service.instance() | 1U),
+      core_(book_, view_, access) {}
+
+Gateway Process::gateway_of(op::Session& session) {
+  return {access_, db_, passwords_, session, book_, view_, clients_, node_dir_, {}, {}};
+}
+
+Result<int> Process::run(const HttpServerSettings& settings, const std::vector<std::string>& origins) {
+  auto person = op::BusSession::open("gateway");
+  if (!person) return person.error();
+  Gateway gateway = gateway_of((*person)->session());
+  gateway.is_ready = [&person] { return (*person)->is_up(); };
+  gateway.on_unwritten = [this](const Error& error) { end_unwritten(error); };
+  SignIns sign_ins(gateway);
+  gateway.sign_ins = &sign_ins;
+  Api api(gateway);
+  const auto server = HttpServer::open(loop_, settings, api);
+  if (!server) return server.error();
+  log_event(Level::info, "listening", all_of(origins));
+  service_.start(core_);
+  add_timers(gateway, sign_ins);
+  drive(**person);
+  (*server)->stop();
+  loop_.run_for(kLastReplies);
+  return unwritten_ ? 1 : service_.exit_status();
+}
+
+void Process::add_timers(Gateway& gateway, SignIns& sign_ins) {
+  service_.timer([this] { return clients_.next_deadline(); }, [this, &gateway](Now) { pump(gateway); });
+  service_.timer([this] { return access_.sign_in.next_deadline(); }, [&sign_ins](Now) { sign_ins.tick(); });
+  service_.timer([this] { return std::optional(house_kept_ + kHouse); },
+                 [this, &gateway](Now now) { keep_house(gateway, now); });
+}
+
+/// One handler at a time, and between two of them what is ready on the bus: deadlines change by either.
+void Process::drive(op::BusSession& person) {
+  LoopBridge bus(loop_, driven_by(service_));
+  LoopBridge asked(loop_, driven_by(person.loop()));
+  const auto work = boost::asio::make_work_guard(loop_);
+  while (!unwritten_) {
+    const MonotonicTime now = trb::now().mono;
+    if (!bus.serve(now) || !asked.serve(now)) return;
+    const auto due = earlier(bus.next_deadline(), asked.next_deadline());
+    if (!due) {
+      loop_.run_one();
+    } else {
+      loop_.run_one_for(std::max(Duration::zero(), *due - trb::now().mono));
+    }
+  }
+}
+
+void Process::pump(Gateway& gateway) {
+  view_.watch_runs(clients_.watched_runs(), gateway.now());
+  for (const ClientId client : clients_.pump(gateway.now())) {
+    if (const auto at = gateway.sockets.find(client); at != gateway.sockets.end()) at->second->pump();
+  }
+}
+
+void Process::keep_house(Gateway& gateway, Now now) {
+  house_kept_ = now.mono;
+  access_.tick(now, gateway.steady());
+  std::vector<LiveSocket*> open;
+  for (const auto& [client, socket] : gateway.sockets) open.push_back(socket);
+  for (LiveSocket* socket : open) socket->check_rights();
+  if (Status written = access_.commit(); !written) end_unwritten(written.error());
+}
+
+void Process::end_unwritten(const Error& error) {
+  log_event(Level::error, "not_written", error.text());
+  unwritten_ = true;
+}
+
+}  // namespace trb::gateway

@@ -1,0 +1,51 @@
+// The gateway's parts on one thread: HTTP, the bus, an operator's session, the database.
+#pragma once
+
+#include <boost/asio/io_context.hpp>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "common/operator/io/bus_session.hpp"
+#include "common/service/service.hpp"
+#include "services/cloud-gateway/io/api/api.hpp"
+#include "services/cloud-gateway/io/gateway_core.hpp"
+#include "services/cloud-gateway/io/http/http_server.hpp"
+#include "services/cloud-gateway/io/sign_ins.hpp"
+
+namespace trb::gateway {
+
+class Process {
+ public:
+  Process(Service& service, GatewayDb& db, Access& access, std::string node_dir);
+  Process(const Process&) = delete;
+  Process& operator=(const Process&) = delete;
+
+  /// Until it is told to end, or the database cannot be written (1). Errors: those of HttpServer::open and
+  /// BusSession::open.
+  Result<int> run(const HttpServerSettings& server, const std::vector<std::string>& origins);
+
+ private:
+  Gateway gateway_of(op::Session& session);
+  void add_timers(Gateway& gateway, SignIns& sign_ins);
+  void drive(op::BusSession& person);
+  void pump(Gateway& gateway);
+  void keep_house(Gateway& gateway, Now now);
+  void end_unwritten(const Error& error);
+
+  Service& service_;
+  GatewayDb& db_;
+  Access& access_;
+  std::string node_dir_;
+  boost::asio::io_context loop_{1};
+  PasswordPool passwords_;
+  RowBook book_;
+  FleetView view_{book_};
+  JsonRows encoder_;
+  Subscriptions clients_;
+  GatewayCore core_;
+  MonotonicTime house_kept_;
+  bool unwritten_ = false;
+};
+
+}  // namespace trb::gateway

@@ -1,0 +1,30 @@
+// The sign-ins under way: their requests' replies, and the password checks on the pool.
+#pragma once
+
+#include <map>
+
+#include "services/cloud-gateway/io/api/call.hpp"
+#include "services/cloud-gateway/io/gateway.hpp"
+
+namespace trb::gateway {
+
+class SignIns {
+ public:
+  explicit SignIns(Gateway& gateway) : gateway_(gateway) {}
+
+  void request(const CallPtr& call, std::string user, std::string password);
+  void tick();
+
+ private:
+  void carry_out(SignInEffects effects);
+  void answer(const SignInAnswer& answer);
+
+  Gateway& gateway_;
+  std::map<SignInId, CallPtr> calls_;
+  SignInId last_ = 0;
+};
+
+/// {"user", "role", "csrf", "ends"?}: of a signed-in person.
+std::string json_session(const User& user, const std::string& csrf);
+
+}  // namespace trb::gateway

@@ -1,0 +1,26 @@
+// A driver alone, with all that it reports and writes, for the targets of drivers.
+#pragma once
+
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "common/drivers/driver.hpp"
+#include "tests/fuzz/target.hpp"
+
+namespace trb::fuzz {
+
+struct DriverUnderTest {
+  explicit DriverUnderTest(Result<std::unique_ptr<drivers::Driver>> made) {
+    require(made.ok(), "its commands can be read");
+    mode = std::move(*made);
+  }
+  [[nodiscard]] drivers::DriverOut to() { return {mode.get(), out, robot, events}; }
+
+  std::unique_ptr<drivers::Driver> mode;
+  Outbox out;
+  std::vector<drivers::EventFrom> events;
+  RobotOutbox robot;
+};
+
+}  // namespace trb::fuzz

@@ -1,0 +1,296 @@
+"""The cloud's gateway over HTTPS: a real fleet, its page's requests, and those of people who mean harm.
+
+Addresses 127.0.242.x, 127.0.243.x.
+"""
+import json
+import os
+import pathlib
+import signal
+import sys
+import unittest
+
+import support
+import trb_fleet
+from trb_fleet import CLOUD
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "support"))
+import gateway_client  # noqa: E402
+
+ROBOT = "pioneer1"
+SCENARIO = {"name": "short", "tasks": [{"id": "go", "robot": ROBOT, "skill": "go_to", "data": {"place": "dock"}}]}
+GOOD = "a good long password"
+
+
+class Fleet(trb_fleet.Fleet):
+    def node_json(self, node):
+        out = super().node_json(node)
+        if node == CLOUD:
+            out["services"].append("cloud-gateway")
+        return out
+
+
+class Gateway(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.fleet = support.make_fleet(cls, Fleet, block=242, udp_port=50242, robots={ROBOT: trb_fleet.ROBOTS[ROBOT]},
+                                       speed=20)
+        cls.port = trb_fleet.free_port()
+        (cls.fleet.dir(CLOUD) / "cloud.json").write_text(json.dumps({"listen": f"127.0.0.1:{cls.port}"}))
+        cls.fleet.start()
+        cls.fleet.wait_formed()
+        cls.certificate = cls.fleet.dir(CLOUD) / "keys/gateway.crt"
+        cls.fleet.wait("the gateway is ready", cls.is_ready, 20)
+        made = cls.fleet.json("cloud", "password", cls.fleet.dir(CLOUD))
+        cls.secrets = [made["password"]]
+        cls.admin = cls.client()
+        assert cls.admin.sign_in("admin", made["password"]).status == 201
+        cls.fleet.wait("the robot is shown online", cls.is_online, 20)
+        for name, role in (("vic", "viewer"), ("olga", "operator")):
+            answer = cls.admin.ask("POST", "/api/v1/users", {"name": name, "role": role, "password": GOOD})
+            assert answer.status == 201, answer.bytes
+        cls.viewer, cls.operator = cls.client(), cls.client()
+        assert cls.viewer.sign_in("vic", GOOD).status == 201
+        assert cls.operator.sign_in("olga", GOOD).status == 201
+
+    @classmethod
+    def client(cls, token=None):
+        return gateway_client.Client(cls.port, cls.certificate, token)
+
+    @classmethod
+    def is_online(cls):
+        answer = cls.admin.ask("GET", f"/api/v1/robots/{ROBOT}")
+        return answer.status == 200 and answer.json["content"]["connection"] == "ONLINE"
+
+    @classmethod
+    def is_ready(cls):
+        try:
+            return cls.client().ask("GET", "/api/v1/ready").status == 200
+        except (OSError, FileNotFoundError):
+            return False
+
+    def kill_gateway(self):
+        pid = self.fleet.pid(CLOUD, "cloud-gateway")
+        os.kill(pid, signal.SIGKILL)
+        self.fleet.wait("another gateway", lambda: self.fleet.pid(CLOUD, "cloud-gateway") not in (None, pid) and
+                        self.is_ready(), 20)
+
+    def assert_problem(self, answer, status, code=None):
+        self.assertEqual(answer.status, status, answer.bytes)
+        self.assertEqual(answer.headers["Content-Type"], "application/problem+json")
+        self.assertTrue(answer.json["errors"][0]["hint"], answer.bytes)
+        if code:
+            self.assertTrue(answer.json["type"].endswith(code), answer.bytes)
+
+    # ---- sign-in
+
+    def test_the_cookie_is_for_this_page_alone(self):
+        for trait in ("Secure", "HttpOnly", "SameSite=Strict", "Path=/"):
+            self.assertIn(trait, self.admin.set_cookie)
+        self.assertTrue(self.admin.set_cookie.startswith("__Host-"))
+        self.assertEqual(self.admin.ask("GET", "/api/v1/me").json["role"], "admin")
+
+    def test_a_sign_in_gives_a_new_session_and_a_sign_out_ends_it(self):
+        client = self.client()
+        client.cookie = "0" * 64  # one that somebody has planted
+        self.assertEqual(client.sign_in("vic", GOOD).status, 201)
+        self.assertNotEqual(client.cookie, "0" * 64)
+        self.assertEqual(client.ask("DELETE", "/api/v1/session").status, 204)
+        self.assert_problem(client.ask("GET", "/api/v1/robots"), 401, "not_signed_in")
+
+    def test_guessing_has_to_wait(self):
+        self.admin.ask("POST", "/api/v1/users", {"name": "gus", "role": "viewer", "password": GOOD})
+        statuses = [self.client().sign_in("gus", f"wrong {i} wrong wrong").status for i in range(7)]
+        self.assertEqual(set(statuses), {401, 429})
+        refused = self.client().sign_in("gus", GOOD)
+        self.assert_problem(refused, 429, "wait")
+        self.assertGreater(int(refused.headers["Retry-After"]), 0)
+
+    def test_an_unknown_user_is_refused_as_a_wrong_password_is(self):
+        wrong, unknown = self.client().sign_in("olga", "wrong wrong wrong"), self.client().sign_in("nobody", "wrong wrong wrong")
+        self.assertEqual((wrong.status, wrong.bytes), (unknown.status, unknown.bytes))
+
+    def test_a_new_password_ends_the_sessions(self):
+        self.admin.ask("POST", "/api/v1/users", {"name": "pia", "role": "viewer", "password": GOOD})
+        one, two = self.client(), self.client()
+        one.sign_in("pia", GOOD)
+        two.sign_in("pia", GOOD)
+        self.assert_problem(one.ask("PUT", "/api/v1/me/password", {"old": "wrong wrong wrong", "new": GOOD + "!"}), 403)
+        self.assert_problem(one.ask("PUT", "/api/v1/me/password", {"old": GOOD, "new": "short"}), 422)
+        self.assertEqual(one.ask("PUT", "/api/v1/me/password", {"old": GOOD, "new": GOOD + "!"}).status, 204)
+        self.assertEqual(two.ask("GET", "/api/v1/me").status, 401)
+        self.assertEqual(two.sign_in("pia", GOOD).status, 401)
+        self.assertEqual(two.sign_in("pia", GOOD + "!").status, 201)
+
+    def test_the_last_admin_stays(self):
+        self.assert_problem(self.admin.ask("DELETE", "/api/v1/users/admin"), 409)
+        self.assert_problem(self.admin.ask("PATCH", "/api/v1/users/admin", {"role": "viewer"}), 409)
+
+    # ---- rights
+
+    def test_nobody_without_a_session(self):
+        stranger = self.client()
+        for path in ("/api/v1/robots", "/api/v1/users", "/metrics", "/api/v1/audit"):
+            self.assert_problem(stranger.ask("GET", path), 401, "not_signed_in")
+        self.assertEqual(stranger.live().status, 401)
+        self.assertEqual(stranger.ask("GET", "/api/v1/health").status, 200)
+
+    def test_each_role_has_its_own(self):
+        self.assert_problem(self.viewer.ask("POST", f"/api/v1/robots/{ROBOT}/stop"), 403, "role_too_low")
+        self.assert_problem(self.operator.ask("GET", "/api/v1/users"), 403, "role_too_low")
+        self.assertEqual(self.viewer.ask("GET", "/api/v1/robots").status, 200)
+
+    def test_another_page_changes_nothing(self):
+        stop = f"/api/v1/robots/{ROBOT}/stop"
+        self.assert_problem(self.operator.ask("POST", stop, Origin="https://evil.example"), 403, "wrong_origin")
+        self.assert_problem(self.operator.ask("POST", stop, X_CSRF_Token=None), 403, "wrong_csrf")
+        self.assert_problem(self.operator.ask("POST", stop, X_CSRF_Token="0" * 64), 403, "wrong_csrf")
+        self.assert_problem(self.operator.ask("POST", stop, Host="evil.example"), 403, "wrong_host")
+        self.assertEqual(self.operator.live(Origin="https://evil.example").status, 403)
+
+    def test_a_token(self):
+        made = self.admin.ask("POST", "/api/v1/tokens", {"name": "exporter", "role": "operator", "read_only": True, "days": 1})
+        self.assertEqual(made.status, 201)
+        program = self.client(made.json["secret"])
+        self.secrets.append(made.json["secret"])
+        self.assertIn("trb_gateway_rows{kind=\"robot\"} 1", program.ask("GET", "/metrics").bytes.decode())
+        self.assert_problem(program.ask("POST", "/api/v1/stop"), 403, "read_only_token")
+        self.assertNotIn("secret", self.admin.ask("GET", "/api/v1/tokens").json["tokens"][0])
+        self.assertEqual(self.admin.ask("DELETE", "/api/v1/tokens/exporter").status, 204)
+        self.assertEqual(program.ask("GET", "/metrics").status, 401)
+
+    # ---- requests that are wrong
+
+    def test_wrong_requests_are_told_what_is_wrong(self):
+        ask = self.admin.ask
+        self.assert_problem(ask("GET", "/api/v1/robots/nobody"), 404)
+        self.assert_problem(ask("GET", "/api/v1/none"), 404, "not_found")
+        refused = ask("DELETE", "/api/v1/robots")
+        self.assert_problem(refused, 405, "method_not_allowed")
+        self.assertEqual(refused.headers["Allow"], "GET")
+        for path in ("/api/v1/robots/../users", "/api/v1/robots/%2e%2e/users", "/api/v1//robots", "/api/v1/robots/%00"):
+            self.assert_problem(ask("GET", path), 400, "bad_path")
+        users = "/api/v1/users"
+        self.assert_problem(ask("POST", users, b"{", Content_Type="application/json"), 400)
+        self.assert_problem(ask("POST", users, b"{}", Content_Type="text/plain"), 415)
+        self.assert_problem(ask("POST", users, {"name": "x", "role": "king", "password": GOOD}), 422)
+        self.assert_problem(ask("POST", users, {"name": "x", "role": "viewer", "password": GOOD, "more": 1}), 422)
+        self.assert_problem(ask("POST", users, {"name": "';drop table users--", "role": "viewer", "password": GOOD}), 422)
+        self.assert_problem(ask("GET", "/api/v1/robots?limit=0"), 422)
+        self.assert_problem(ask("GET", "/api/v1/robots?cursor=zz"), 400)
+
+    def test_ten_megabytes_are_refused_before_they_are_read(self):
+        try:
+            self.assert_problem(self.admin.ask("POST", "/api/v1/users", b"x" * 10_000_000), 413)
+        except (BrokenPipeError, ConnectionResetError):
+            pass  # it was closed while this still sent
+        self.assertEqual(self.admin.ask("GET", "/api/v1/me").status, 200)
+
+    def test_every_answer_is_safe_to_show(self):
+        answer = self.admin.ask("GET", "/api/v1/robots")
+        self.assertIn("default-src 'self'", answer.headers["Content-Security-Policy"])
+        self.assertNotIn("unsafe", answer.headers["Content-Security-Policy"])
+        self.assertEqual(answer.headers["X-Content-Type-Options"], "nosniff")
+        self.assertIsNone(answer.headers["Server"])
+
+    # ---- the fleet
+
+    def test_a_robot_and_what_has_not_changed(self):
+        listed = self.viewer.ask("GET", "/api/v1/robots").json
+        self.assertEqual([row["node"] for row in listed["items"]], [ROBOT])
+        self.assertEqual(listed["items"][0]["content"]["connection"], "ONLINE")
+        skills = self.viewer.ask("GET", f"/api/v1/robots/{ROBOT}/skills")
+        self.assertIn("go_to", [skill["name"] for skill in skills.json["content"]["skills"]])
+        again = self.viewer.ask("GET", f"/api/v1/robots/{ROBOT}/skills", If_None_Match=skills.headers["ETag"])
+        self.assertEqual((again.status, again.bytes), (304, b""))
+        self.assertEqual({row["node"] for row in self.viewer.ask("GET", "/api/v1/nodes").json["items"]}, {ROBOT, CLOUD})
+        self.assertIn("dock", self.viewer.ask("GET", "/api/v1/places").json["places"])
+
+    def test_stop_and_release(self):
+        self.addCleanup(self.fleet.trb, "release", ROBOT, node=CLOUD)
+        stopped = self.operator.ask("POST", f"/api/v1/robots/{ROBOT}/stop", {"reason": "a box on the way"})
+        self.assertEqual([row["state"] for row in stopped.json["robots"]], ["confirmed"])
+        self.fleet.wait("it is shown as stopped", lambda: self.viewer.ask(
+            "GET", f"/api/v1/robots/{ROBOT}").json["content"]["fenced"], 10)
+        self.assertEqual(self.operator.ask("POST", f"/api/v1/robots/{ROBOT}/release").json["robots"][0]["state"], "confirmed")
+        self.assertEqual(self.operator.ask("POST", "/api/v1/stop").json["robots"][0]["robot"], ROBOT)
+
+    def test_a_run_is_started_once_whatever_is_killed(self):
+        checked = self.viewer.ask("POST", "/api/v1/scenarios/check", SCENARIO).json
+        self.assertEqual((checked["good"], checked["faults"]), (True, []))
+        wrong = {"name": "wrong", "tasks": [{"id": "go", "robot": ROBOT, "skill": "dance"}]}
+        self.assertFalse(self.viewer.ask("POST", "/api/v1/scenarios/check", wrong).json["good"])
+        self.assert_problem(self.operator.ask("POST", "/api/v1/runs", {"scenario": wrong}), 422)
+        start = {"scenario": SCENARIO, "priority": 3}
+        first = self.operator.ask("POST", "/api/v1/runs", start, Idempotency_Key="one")
+        self.assertEqual(first.status, 201, first.bytes)
+        run = first.json["run"]
+        self.kill_gateway()
+        again = self.operator.ask("POST", "/api/v1/runs", start, Idempotency_Key="one")
+        self.assertEqual((again.status, again.json["run"]), (201, run))
+        other = self.operator.ask("POST", "/api/v1/runs", {"scenario": SCENARIO}, Idempotency_Key="one")
+        self.assert_problem(other, 409)
+        self.fleet.wait("the run is over", lambda: self.viewer.ask("GET", f"/api/v1/runs/{run}").json["state"] == "FINISHED", 40)
+        archive = self.viewer.ask("GET", "/api/v1/archive").json["runs"]
+        self.assertEqual([one["run"] for one in archive].count(run), 1)
+
+    # ---- the live stream
+
+    def test_a_snapshot_then_what_changes(self):
+        live = self.viewer.live()
+        self.assertEqual(live.status, 101)
+        self.addCleanup(live.close)
+        live.say({"subscribe": "fleet"})
+        frame = live.until(lambda heard: heard.get("blocks"))
+        block = frame["blocks"][0]
+        self.assertTrue(block["begins"] and block["snapshot"])
+        self.assertIn(("robot", ROBOT), [(row["kind"], row["node"]) for row in block["rows"]])
+        self.addCleanup(self.fleet.trb, "release", ROBOT, node=CLOUD)
+        self.fleet.trb("stop", ROBOT, node=CLOUD)
+
+        def shows_the_stop(heard):
+            return any(row["kind"] == "robot" and row["content"]["fenced"]
+                       for part in heard.get("blocks", []) for row in part["rows"])
+        live.until(shows_the_stop)
+
+    def test_wrong_words_are_refused_and_too_many_end_it(self):
+        live = self.viewer.live()
+        self.addCleanup(live.close)
+        live.say({"subscribe": "secrets"})
+        self.assertIn("error", live.until(lambda heard: "error" in heard))
+        for _ in range(21):
+            live.say(b"{")
+        self.assertEqual(live.until(lambda heard: "closed" in heard)["closed"], 1008)
+
+    def test_who_is_signed_out_sees_nothing_more(self):
+        client = self.client()
+        client.sign_in("vic", GOOD)
+        live = client.live()
+        self.addCleanup(live.close)
+        live.say({"subscribe": "fleet"})
+        client.ask("DELETE", "/api/v1/session")
+        self.assertEqual(live.until(lambda heard: "closed" in heard)["closed"], 4401)
+
+    # ---- the audit log
+
+    def test_what_was_done_is_on_record_and_signed(self):
+        self.operator.ask("POST", f"/api/v1/robots/{ROBOT}/release")
+        records = self.admin.ask("GET", "/api/v1/audit?limit=1000").json["records"]
+        newest = records[0]
+        self.assertEqual((newest["who"], newest["action"], newest["about"], newest["outcome"]),
+                         ("olga", "POST /api/v1/robots/{robot}/release", ROBOT, "done"))
+        self.assertEqual([one["number"] for one in records], list(range(len(records), 0, -1)))
+        self.fleet.wait("a signed head", lambda: self.admin.ask("GET", "/api/v1/audit/head").json["signed_to"] > 0, 20)
+
+    def test_no_secret_is_written_anywhere(self):
+        self.secrets += [GOOD, self.admin.cookie, self.operator.cookie, self.admin.csrf]
+        for path in self.fleet.dir(CLOUD).rglob("*"):
+            if path.is_file():
+                kept = path.read_bytes()
+                for secret in self.secrets:
+                    self.assertNotIn(secret.encode(), kept, path)
+        self.assertEqual((self.fleet.dir(CLOUD) / "keys/gateway.key").stat().st_mode & 0o777, 0o600)
+        self.assertEqual((self.fleet.dir(CLOUD) / "state/gateway.db").stat().st_mode & 0o777, 0o600)
+
+
+if __name__ == "__main__":
+    support.main()

@@ -1,0 +1,141 @@
+"""A browser's and a program's side of the gateway: HTTPS with a cookie jar of one, and the live stream."""
+import base64
+import http.client
+import json
+import os
+import socket
+import ssl
+import struct
+
+
+class Answer:
+    def __init__(self, response):
+        self.status = response.status
+        self.headers = response.headers
+        self.bytes = response.read()
+
+    @property
+    def json(self):
+        return json.loads(self.bytes)
+
+
+class Client:
+    """One browser, or one program with a token. Keeps cookie and CSRF value as a page does."""
+
+    def __init__(self, port, certificate, token=None):
+        self.port = port
+        self.tls = ssl.create_default_context(cafile=certificate)
+        self.token = token
+        self.cookie = None
+        self.csrf = None
+
+    @property
+    def origin(self):
+        return f"https://localhost:{self.port}"
+
+    def headers(self, changes):
+        out = {}
+        if self.token:
+            out["Authorization"] = f"Bearer {self.token}"
+        if self.cookie:
+            out["Cookie"] = f"__Host-trb={self.cookie}"
+        if changes and not self.token:
+            out["Origin"] = self.origin
+            if self.csrf:
+                out["X-CSRF-Token"] = self.csrf
+        return out
+
+    def ask(self, method, path, body=None, **more):
+        """`more`: headers with '_' for '-'; None takes one away."""
+        headers = self.headers(method not in ("GET", "HEAD"))
+        data = body
+        if body is not None and not isinstance(body, bytes):
+            data = json.dumps(body).encode()
+            headers["Content-Type"] = "application/json"
+        for name, value in more.items():
+            name = name.replace("_", "-")
+            headers = {known: had for known, had in headers.items() if known.lower() != name.lower()}
+            if value is not None:
+                headers[name] = value
+        connection = http.client.HTTPSConnection("localhost", self.port, context=self.tls, timeout=20)
+        try:
+            connection.request(method, path, data, headers)
+            return Answer(connection.getresponse())
+        finally:
+            connection.close()
+
+    def sign_in(self, user, password):
+        answer = self.ask("POST", "/api/v1/session", {"user": user, "password": password})
+        if answer.status == 201:
+            self.set_cookie = answer.headers["Set-Cookie"]
+            self.cookie = self.set_cookie.split(";")[0].split("=", 1)[1]
+            self.csrf = answer.json["csrf"]
+        return answer
+
+    def live(self, **more):
+        return Live(self, more)
+
+
+class Live:
+    """The live stream: RFC 6455, as much of it as this needs."""
+
+    def __init__(self, client, more):
+        raw = socket.create_connection(("localhost", client.port), timeout=20)
+        self.socket = client.tls.wrap_socket(raw, server_hostname="localhost")
+        self.buffer = b""
+        headers = {"Host": f"localhost:{client.port}", "Upgrade": "websocket", "Connection": "Upgrade",
+                   "Sec-WebSocket-Version": "13", "Sec-WebSocket-Key": base64.b64encode(os.urandom(16)).decode(),
+                   "Origin": client.origin, **client.headers(False), **more}
+        text = "GET /api/v1/live HTTP/1.1\r\n" + "".join(f"{name}: {value}\r\n" for name, value in headers.items())
+        self.socket.sendall((text + "\r\n").encode())
+        while b"\r\n\r\n" not in self.buffer:
+            self.buffer += self.socket.recv(65536)
+        head, self.buffer = self.buffer.split(b"\r\n\r\n", 1)
+        self.status = int(head.split(b" ")[1])
+
+    def say(self, word):
+        data = word if isinstance(word, bytes) else json.dumps(word).encode()
+        mask = os.urandom(4)
+        size = bytes([0x80 | len(data)]) if len(data) < 126 else b"\xfe" + struct.pack(">H", len(data))
+        self.socket.sendall(b"\x81" + size + mask + bytes(byte ^ mask[i % 4] for i, byte in enumerate(data)))
+
+    def take(self, count):
+        while len(self.buffer) < count:
+            got = self.socket.recv(1 << 20)
+            if not got:
+                raise EOFError("the gateway has closed the connection")
+            self.buffer += got
+        out, self.buffer = self.buffer[:count], self.buffer[count:]
+        return out
+
+    def frame(self):
+        """(opcode, bytes) of the next frame."""
+        first, second = self.take(2)
+        size = second & 0x7F
+        if size == 126:
+            size = struct.unpack(">H", self.take(2))[0]
+        elif size == 127:
+            size = struct.unpack(">Q", self.take(8))[0]
+        return first & 0x0F, self.take(size)
+
+    def hear(self):
+        """The next message; a close as {"closed": CODE}."""
+        while True:
+            kind, data = self.frame()
+            if kind == 8:
+                return {"closed": struct.unpack(">H", data[:2])[0]}
+            if kind == 9:
+                self.socket.sendall(b"\x8a" + bytes([0x80 | len(data)]) + b"\0\0\0\0" + data)
+            elif kind in (0, 1):
+                return json.loads(data)
+
+    def until(self, found, most=200):
+        """The first message for which that is true."""
+        for _ in range(most):
+            message = self.hear()
+            if found(message):
+                return message
+        raise TimeoutError("not heard")
+
+    def close(self):
+        self.socket.close()
