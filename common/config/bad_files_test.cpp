@@ -143,34 +143,36 @@ TEST_CASE("a description watches what the robot tells, and nothing else") {
 TEST_CASE("node.json: values") {
   const std::string key(64, '0');
   check_changes(
-      "lines", {{"node.json", R"("id": "r1")", R"("id": "R 1")", "id", "is no id"},
-                {"node.json", R"("id": "r1", )", "", "id", "is missing"},
-                {"node.json", R"("id": "r1")", R"("id": 7)", "id", "whole number"},
-                {"node.json", R"("beacon": true)", R"("beacon": "yes")", "beacon", "is a text"},
-                {"node.json", R"("beacon": true)", R"("becon": true)", "becon", "no key"},
-                {"node.json", R"("framework": "lines")", R"("framework": "line")", "framework", "not in profile.json"},
-                {"node.json", R"("framework": "lines", )", "", "framework", "is missing"},
-                {"node.json", R"("description": "robots/r.json",)", "", "description", "is missing"},
-                {"node.json", R"("id": "r1")", R"("id": "r1", "role": "boss")", "role", "'boss'"},
-                {"node.json", R"("127.0.77.9")", R"("the-robot")", "robot.host", "no IPv4 address"},
-                {"node.json", R"("host": "127.0.77.9", )", "", "robot.host", "is missing"},
-                {"node.json", R"("interface": "lo")", R"("interface": "lo", "fault_injection": "6000")",
-                 "robot.fault_injection", "no address with a port"},
-                {"node.json", R"("interface": "lo")", R"("interface": "lo", "fault_injection": "robot:6000")",
-                 "robot.fault_injection", "no address with a port"},
-                {"node.json", R"("interface": "lo")", R"("interface": "eth99")", "robot.interface", "no interface"},
-                {"node.json", R"("scheduler"])", R"("resilient"])", "services", "no service of this version"},
-                {"node.json", R"("scheduler"])", R"("router"])", "services[2]", "occurs twice"},
-                {"node.json", R"(["router", )", "[", "services", "has no \"router\""},
-                {"node.json", R"("seeds": [])", R"("seeds": [{"address": "10.0.0.1", "key": ")" + key + "\"}]",
-                 "seeds[0].address", "no HOST:PORT"},
-                {"node.json", R"("seeds": [])", R"("seeds": [{"address": "10.0.0.1:70000", "key": ")" + key + "\"}]",
-                 "seeds[0].address", "no HOST:PORT"},
-                {"node.json", R"("seeds": [])", R"("seeds": [{"address": "10.0.0.1:1", "key": "12"}])", "seeds[0].key",
-                 "no link key"},
-                {"node.json", R"("seeds": [])",
-                 R"("seeds": [{"address": "a:1", "key": ")" + key + R"("}, {"address": "a:1", "key": ")" + key + "\"}]",
-                 "seeds[1].address", "occurs twice"}});
+      "lines",
+      {{"node.json", R"("id": "r1")", R"("id": "R 1")", "id", "is no id"},
+       {"node.json", R"("id": "r1", )", "", "id", "is missing"},
+       {"node.json", R"("id": "r1")", R"("id": 7)", "id", "whole number"},
+       {"node.json", R"("beacon": true)", R"("beacon": "yes")", "beacon", "is a text"},
+       {"node.json", R"("beacon": true)", R"("becon": true)", "becon", "no key"},
+       {"node.json", R"("framework": "lines")", R"("framework": "line")", "framework", "not in profile.json"},
+       {"node.json", R"("framework": "lines", )", "", "framework", "is missing"},
+       {"node.json", R"("description": "robots/r.json",)", "", "description", "is missing"},
+       {"node.json", R"("id": "r1")", R"("id": "r1", "role": "boss")", "role", "'boss'"},
+       {"node.json", R"("127.0.77.9")", R"("the-robot")", "robot.host", "no IPv4 address"},
+       {"node.json", R"("host": "127.0.77.9", )", "", "robot.host", "is missing"},
+       {"node.json", R"("interface": "lo")", R"("interface": "lo", "fault_injection": "6000")", "robot.fault_injection",
+        "no address with a port"},
+       {"node.json", R"("interface": "lo")", R"("interface": "lo", "fault_injection": "robot:6000")",
+        "robot.fault_injection", "no address with a port"},
+       {"node.json", R"("interface": "lo")", R"("interface": "eth99")", "robot.interface", "no interface"},
+       {"node.json", R"("scheduler"])", R"("resilient"])", "services", "no service of this version"},
+       {"node.json", R"("scheduler"])", R"("cloud-gateway"])", "services", "a robot's node has no cloud-gateway"},
+       {"node.json", R"("scheduler"])", R"("router"])", "services[2]", "occurs twice"},
+       {"node.json", R"(["router", )", "[", "services", "has no \"router\""},
+       {"node.json", R"("seeds": [])", R"("seeds": [{"address": "10.0.0.1", "key": ")" + key + "\"}]",
+        "seeds[0].address", "no HOST:PORT"},
+       {"node.json", R"("seeds": [])", R"("seeds": [{"address": "10.0.0.1:70000", "key": ")" + key + "\"}]",
+        "seeds[0].address", "no HOST:PORT"},
+       {"node.json", R"("seeds": [])", R"("seeds": [{"address": "10.0.0.1:1", "key": "12"}])", "seeds[0].key",
+        "no link key"},
+       {"node.json", R"("seeds": [])",
+        R"("seeds": [{"address": "a:1", "key": ")" + key + R"("}, {"address": "a:1", "key": ")" + key + "\"}]",
+        "seeds[1].address", "occurs twice"}});
 }
 
 TEST_CASE("node.json: services of an operator's own have names of their own, and programs") {
@@ -210,6 +212,14 @@ TEST_CASE("node.json: a cloud node has no robot") {
   CHECK(faults[0].key == "framework");
   CHECK(faults[1].key == "services");
   check_cures(faults);
+}
+
+TEST_CASE("node.json: a cloud node that names the gateway has it") {
+  const NodeFolder folder("cloud");
+  folder.write("node.json", R"({"id":"cloud","role":"cloud","services":["router","cloud-gateway"]})");
+  const NodeCheck check = folder.check(true);
+  CHECK(to_text(without_keys(check.faults)) == "");
+  CHECK(check.config.has_service("cloud-gateway"));
 }
 
 TEST_CASE("network.json: values") {

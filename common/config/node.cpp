@@ -99,6 +99,9 @@ void check_service(const std::string& name, const std::vector<std::string>& know
   if (role == Role::cloud && name == "mode-adapter") {
     return faults.add("services", "a cloud node has no robot, so no mode-adapter", "remove \"mode-adapter\"");
   }
+  if (role == Role::robot && name == "cloud-gateway") {
+    return faults.add("services", "a robot's node has no cloud-gateway", "name it in a cloud node's node.json");
+  }
   faults.add("services", in_quotes(name) + " is no service of this version",
              did_you_mean(name, known, "put your own into \"own_services\", or use some of"));
 }

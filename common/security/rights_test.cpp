@@ -1,6 +1,8 @@
 // The one table of who may what.
 #include <doctest/doctest.h>
 
+#include <algorithm>
+
 #include "common/base/files.hpp"
 #include "common/security/rights.hpp"
 #include "common/security/services.hpp"
@@ -32,8 +34,6 @@ TEST_CASE("over a link goes what the table names for the role, and a user's own 
 TEST_CASE("a decision is the cloud's, a result the robot's, a certificate no node's") {
   CHECK(may_sign(Role::cloud, kSignedDecision));
   CHECK_FALSE(may_sign(Role::robot, kSignedDecision));
-  CHECK(may_sign(Role::cloud, kSignedAuditHead));
-  CHECK_FALSE(may_sign(Role::robot, kSignedAuditHead));
   CHECK(may_sign(Role::robot, kSignedResult));
   CHECK(may_sign(Role::cloud, kSignedResult));  // of a task that its decision skips
   for (const Role role : {Role::robot, Role::cloud}) {
@@ -43,14 +43,31 @@ TEST_CASE("a decision is the cloud's, a result the robot's, a certificate no nod
   }
 }
 
+TEST_CASE("the head of an audit log is signed by a cloud node, for its gateway alone") {
+  CHECK(may_sign(Role::cloud, kSignedAuditHead));
+  CHECK_FALSE(may_sign(Role::robot, kSignedAuditHead));
+  CHECK(may_have_signed("cloud-gateway", false, kSignedAuditHead));
+  for (const std::string_view service : {"scheduler", "resilience", "router", "fault-tally", ""}) {
+    CHECK_FALSE(may_have_signed(service, false, kSignedAuditHead));
+  }
+  CHECK_FALSE(may_have_signed("cloud-gateway", true, kSignedAuditHead));  // a probe that uses that name
+}
+
+TEST_CASE("the gateway runs on a cloud node that names it, on no robot's") {
+  const auto runs = [](const std::vector<std::string>& services, const char* name) {
+    return std::ranges::find(services, name) != services.end();
+  };
+  CHECK(runs(services_of(Role::cloud), "cloud-gateway"));
+  CHECK_FALSE(runs(default_services_of(Role::cloud), "cloud-gateway"));
+  CHECK_FALSE(runs(services_of(Role::robot), "cloud-gateway"));
+}
+
 TEST_CASE("a record is signed for the service that makes its kind alone") {
   CHECK(may_have_signed("scheduler", false, kSignedResult));
   CHECK_FALSE(may_have_signed("scheduler", true, kSignedResult));  // a probe that uses that name
   CHECK(may_have_signed("cli", true, kSignedRunStart));
   CHECK_FALSE(may_have_signed("mode-adapter", false, kSignedRunStart));
   CHECK(may_have_signed("resilience", false, kSignedDecision));
-  CHECK(may_have_signed("cloud-gateway", false, kSignedAuditHead));
-  CHECK_FALSE(may_have_signed("resilience", false, kSignedAuditHead));
   for (const std::string_view purpose : {kSignedBeacon, kSignedSeal, kSignedRelayed, kSignedCertificate,
                                          kSignedRevocations, std::string_view("anything"), std::string_view()}) {
     CHECK_FALSE(may_have_signed("scheduler", false, purpose));

@@ -44,7 +44,12 @@ ROBOT_NODE = {
     "services": ["router", "mode-adapter", "scheduler"],
     "own_services": {"fault-tally": "bin/fault-tally"},
 }
-CLOUD_NODE = {"id": "cloud", "role": "cloud", "services": ["router", "scheduler"], "bus": "tcp://10.0.0.1:46000"}
+CLOUD_NODE = {
+    "id": "cloud",
+    "role": "cloud",
+    "services": ["router", "scheduler", "cloud-gateway"],
+    "bus": "tcp://10.0.0.1:46000",
+}
 
 FAULTY = {
     "maker": "M",
@@ -77,6 +82,7 @@ BAD = [
     ("node", ROBOT_NODE, ["own_services", "Fault Tally"], "bin/fault-tally"),
     ("node", CLOUD_NODE, ["framework"], "ur"),
     ("node", CLOUD_NODE, ["services"], ["router", "mode-adapter"]),
+    ("node", ROBOT_NODE, ["services"], ["router", "cloud-gateway"]),
     ("network", "network.json", ["TCP_PORT"], 70000),
     ("network", "network.json", ["HOST_INT"], None),
     ("network", "network.json", ["HOST_INTERFACE"], "eth0"),

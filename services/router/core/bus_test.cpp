@@ -174,6 +174,7 @@ TEST_CASE("each kind of record is signed for its one maker") {
     CHECK(asks(from, kSignedRunAbort) == (person || from == 1 || from == 3 ? "signed_record" : "not_permitted"));
     CHECK(asks(from, kSignedRunPause) == (person || from == 1 ? "signed_record" : "not_permitted"));
     CHECK(asks(from, kSignedDecision) == "not_permitted");  // it is no cloud node
+    CHECK(asks(from, kSignedAuditHead) == "not_permitted");
     for (const auto kind : {kSignedCertificate, kSignedRequest, kSignedBeacon})
       CHECK(asks(from, kind) == "not_permitted");
   }
@@ -259,6 +260,24 @@ TEST_CASE("a decision is signed on a cloud node for its resilience, and names th
   };
   CHECK(asks("ant") == "signed_record");
   CHECK(asks("bee") == "source_mismatch");
+}
+
+TEST_CASE("the head of an audit log is signed on a cloud node, for its gateway alone") {
+  Bus bus;
+  RouterConfig config = bus.ant.core->config();
+  config.role = Role::cloud;
+  bus.ant.core = std::make_unique<RouterCore>(std::move(config));
+  REQUIRE(bus.hello(1, "cloud-gateway") == "service_welcome");
+  REQUIRE(bus.hello(2, "resilience") == "service_welcome");
+  REQUIRE(bus.hello(3, "cloud-gateway", {}, true) == "service_welcome");  // a probe of that name
+  const auto asks = [&](ConnectionId from) { return bus.ask(from, SignRequest{"audit_head", {"a head"}}); };
+  REQUIRE(asks(1) == "signed_record");
+  const auto record = decode<SignedRecord>(bus.ant.bus.back().message.data);
+  CHECK(record->kind == kSignedAuditHead);
+  CHECK(record->signer == "ant");
+  CHECK(record->payload.bytes == "a head");
+  CHECK(asks(2) == "not_permitted");
+  CHECK(asks(3) == "not_permitted");
 }
 
 TEST_CASE("a service that says that it is alive is told of which start this router is") {
