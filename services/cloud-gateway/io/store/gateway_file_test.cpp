@@ -38,15 +38,15 @@ Error no_store(const StoreFolder& folder) {
   return state.error();
 }
 
-/// While it exists, this process has the rights of nobody, and the folder cannot be written.
+/// While it exists, the folder cannot be written; root, who could, has the rights of nobody.
 class ReadOnly {
  public:
   explicit ReadOnly(const StoreFolder& folder) : path_(folder.path) {
     REQUIRE(::chmod(path_.c_str(), 0555) == 0);
-    if (::geteuid() == 0) REQUIRE(::seteuid(kNobody) == 0);
+    if (former_ == 0) REQUIRE(::seteuid(kNobody) == 0);
   }
   ~ReadOnly() {
-    if (::geteuid() == kNobody) CHECK(::seteuid(0) == 0);
+    CHECK(::seteuid(former_) == 0);
     ::chmod(path_.c_str(), 0700);
   }
   ReadOnly(const ReadOnly&) = delete;
@@ -55,6 +55,7 @@ class ReadOnly {
  private:
   static constexpr uid_t kNobody = 65534;
   std::string path_;
+  uid_t former_ = ::geteuid();
 };
 
 }  // namespace
