@@ -424,7 +424,9 @@ void HttpConnection::on_reply(std::uint64_t turn, HttpReply reply) {
 }
 
 void HttpConnection::refuse(const HttpFault& fault) {
-  send(owner_->handler().refusal(fault.status, fault.code, fault.detail, fault.hint), false);
+  HttpReply reply = owner_->handler().refusal(fault.status, fault.code, fault.detail, fault.hint);
+  if (fault.status == 426) reply.headers.emplace_back("Sec-WebSocket-Version", "13");  // RFC 6455, 4.4
+  send(std::move(reply), false);
 }
 
 /// `keep_alive`: all of the request was read.
@@ -444,9 +446,10 @@ void HttpConnection::send(HttpReply reply, bool keep_alive) {
 }
 
 void HttpConnection::write() {
-  const BytesView body = reply_body_ ? BytesView(*reply_body_) : BytesView();
-  const std::array buffers{asio::const_buffer(reply_head_.data(), reply_head_.size()),
-                           asio::const_buffer(body.data(), body.size())};
+  // No array: in Boost 1.74 an array of two has an empty buffer in front when the head is sent, and of that flat_stream
+  // writes nothing and says that all is done: a reply over 16 kB would end with its head.
+  std::vector<asio::const_buffer> buffers{{reply_head_.data(), reply_head_.size()}};
+  if (reply_body_) buffers.emplace_back(reply_body_->data(), reply_body_->size());
   asio::async_write(stream_, buffers,
                     [self = shared_from_this()](Problem problem, std::size_t) { self->on_written(problem); });
 }

@@ -1,123 +1,13 @@
-// The server over real sockets. What its parts refuse is told beside them, and by tests/integration/gateway_test.py.
+// The server over real sockets. What its parts refuse is told beside them, and by tests/integration/gateway_test.py;
+// its WebSockets by web_socket_test.cpp.
 #include "services/cloud-gateway/io/http/http_server.hpp"
 
-#include <doctest/doctest.h>
-#include <openssl/ssl.h>
-
-#include <boost/asio/io_context.hpp>
-#include <boost/asio/ip/tcp.hpp>
-#include <memory>
-
-#include "common/base/test/temporary_folder.hpp"
-#include "services/cloud-gateway/io/http/tls_files.hpp"
+#include "services/cloud-gateway/io/http/test/server_bench.hpp"
 
 using namespace trb;
 using namespace trb::gateway;
 
 namespace {
-
-/// Answers each request with its own path; refuses bodies over 100 bytes; keeps its WebSockets' texts.
-class EchoHandler final : public HttpHandler {
- public:
-  std::optional<HttpReply> before_body(const HttpRequest&, std::uint64_t body_size) override {
-    if (body_size <= 100) return std::nullopt;
-    return refusal(413, "too_large", "", "");
-  }
-  void on_request(HttpRequest request, Reply reply) override {
-    HttpReply out;
-    out.body = std::make_shared<const Bytes>(request.target + " " + request.body);
-    reply(std::move(out));
-  }
-  std::variant<std::shared_ptr<WebSocketIn>, HttpReply> on_upgrade(const HttpRequest&) override {
-    return refusal(403, "no_websocket", "", "");
-  }
-  HttpReply refusal(int status, const std::string& code, const std::string&, const std::string&) override {
-    HttpReply out;
-    out.status = status;
-    out.body = std::make_shared<const Bytes>(code);
-    return out;
-  }
-};
-
-/// A client that never waits: it is pumped together with the server's loop.
-class TlsClient {
- public:
-  TlsClient(boost::asio::io_context& loop, std::uint16_t port) : loop_(loop), socket_(loop) {
-    socket_.connect({boost::asio::ip::address_v4::loopback(), port});
-    socket_.non_blocking(true);
-    tls_ = SSL_new(context());
-    SSL_set_fd(tls_, socket_.native_handle());
-    SSL_set_connect_state(tls_);
-  }
-  TlsClient(const TlsClient&) = delete;
-  TlsClient& operator=(const TlsClient&) = delete;
-  ~TlsClient() { SSL_free(tls_); }
-
-  void say(const std::string& text) {
-    REQUIRE(until([&] { return SSL_write(tls_, text.data(), static_cast<int>(text.size())) > 0; }));
-  }
-  /// All that comes until this text is in it, or the connection ends.
-  std::string hear(const std::string& end) {
-    std::string out;
-    until([&] {
-      char buffer[4096];
-      const int got = SSL_read(tls_, buffer, sizeof buffer);
-      if (got > 0) out.append(buffer, static_cast<std::size_t>(got));
-      const int error = got > 0 ? SSL_ERROR_NONE : SSL_get_error(tls_, got);
-      ended = error != SSL_ERROR_NONE && error != SSL_ERROR_WANT_READ;
-      return ended || out.find(end) != std::string::npos;
-    });
-    return out;
-  }
-  bool ended = false;
-
- private:
-  static SSL_CTX* context() {
-    static const std::unique_ptr<SSL_CTX, void (*)(SSL_CTX*)> made(SSL_CTX_new(TLS_client_method()), SSL_CTX_free);
-    return made.get();
-  }
-  template <class Condition>
-  bool until(Condition condition) {
-    const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(10);
-    while (!condition()) {
-      if (end < std::chrono::steady_clock::now()) return false;
-      loop_.run_for(std::chrono::milliseconds(1));
-      loop_.restart();
-    }
-    return true;
-  }
-
-  boost::asio::io_context& loop_;
-  boost::asio::ip::tcp::socket socket_;
-  SSL* tls_ = nullptr;
-};
-
-struct ServerBench {
-  explicit ServerBench(HttpServerSettings settings = {}) {
-    const auto files = provide_tls_files(folder.path, {"localhost"}, UtcTime{1'800'000'000'000'000'000});
-    REQUIRE(files);
-    settings.port = 0;
-    settings.certificate_file = files->certificate;
-    settings.key_file = files->key;
-    auto opened = HttpServer::open(loop, settings, handler);
-    REQUIRE(opened);
-    server = std::move(*opened);
-  }
-  TlsClient client() { return TlsClient(loop, server->port()); }
-  /// The server has no connection any more, 10 s from now at the latest.
-  bool until_alone() {
-    for (int turns = 0; turns < 10'000 && server->connections() > 0; ++turns) {
-      loop.run_for(std::chrono::milliseconds(1));
-      loop.restart();
-    }
-    return server->connections() == 0;
-  }
-
-  TemporaryFolder folder;
-  boost::asio::io_context loop;
-  EchoHandler handler;
-  std::unique_ptr<HttpServer> server;
-};
 
 HttpServerSettings impatient() {
   HttpServerSettings out;
@@ -127,7 +17,7 @@ HttpServerSettings impatient() {
   return out;
 }
 
-const std::string kGet = "GET /a HTTP/1.1\r\nHost: localhost\r\n\r\n";
+const std::string kGet = get("/a");
 
 }  // namespace
 
@@ -199,4 +89,226 @@ TEST_CASE("server: when it stops, idle connections end and nobody else comes in"
   bench.server->stop();
   client.hear("never");
   CHECK(client.ended);
+}
+
+TEST_CASE("server: two requests at once get their answers in order") {
+  ServerBench bench;
+  TlsClient client = bench.client();
+  client.say(get("/a") + post("/b", "Content-Length: 2", "hi") + get("/c"));
+  const std::string answers = client.hear("/c ");
+  CHECK(answers.find("/a ") < answers.find("/b hi"));
+  CHECK(answers.find("/b hi") < answers.find("/c "));
+}
+
+TEST_CASE("server: chunks are put together, in as many pieces as they come") {
+  ServerBench bench;
+  TlsClient client = bench.client();
+  client.say(post("/a", "Transfer-Encoding: chunked", "2\r\nhi"));
+  for (const char c : std::string("\r\n3;x\r\n ho\r\n0\r\nHost: evil\r\n\r\n")) client.say(std::string(1, c));
+  CHECK(client.hear("/a hi ho").starts_with("HTTP/1.1 200"));
+  client.say(get("/b"));
+  CHECK(client.hear("/b ").starts_with("HTTP/1.1 200"));
+}
+
+TEST_CASE("server: chunks over 1 MiB are refused, and the client is let go") {
+  ServerBench bench;
+  TlsClient client = bench.client();
+  client.say(post("/a", "Transfer-Encoding: chunked", "100001\r\n"));
+  CHECK(client.hear("never").starts_with("HTTP/1.1 413"));
+  CHECK(client.ended);
+}
+
+TEST_CASE("server: who asks whether to send the body is told; what is refused is never asked for") {
+  ServerBench bench;
+  TlsClient client = bench.client();
+  client.say(post("/a", "Expect: 100-continue\r\nContent-Length: 2"));
+  CHECK(client.hear("\r\n\r\n") == "HTTP/1.1 100 Continue\r\n\r\n");
+  client.say("hi");
+  CHECK(client.hear("/a hi").starts_with("HTTP/1.1 200"));
+  client.say(post("/a", "Expect: 100-continue\r\nContent-Length: 101"));
+  const std::string refused = client.hear("never");
+  CHECK(refused.starts_with("HTTP/1.1 413"));
+  CHECK(refused.find("Connection: close") != std::string::npos);
+}
+
+TEST_CASE("server: a refusal is read even if the client goes on to send the body") {
+  ServerBench bench;
+  TlsClient client = bench.client();
+  client.say(post("/a", "Content-Length: 100000", std::string(100'000, 'x')));
+  CHECK(client.hear("too_large").starts_with("HTTP/1.1 413"));
+}
+
+TEST_CASE("server: a body over 1 MiB is refused without asking the handler") {
+  ServerBench bench;
+  TlsClient client = bench.client();
+  client.say(post("/a", "Content-Length: 1048577"));
+  CHECK(client.hear("never").ends_with("body_too_large"));
+}
+
+TEST_CASE("server: headers or a body that do not come in time are answered 408") {
+  for (const auto& [which, begun] : {std::pair(&HttpTimes::head, std::string("GET / HT")),
+                                     std::pair(&HttpTimes::body, post("/a", "Content-Length: 3", "hi"))}) {
+    ServerBench bench(with_time(which, std::chrono::milliseconds(200)));
+    TlsClient client = bench.client();
+    client.say(begun);
+    CHECK(client.hear("never").starts_with("HTTP/1.1 408"));
+    CHECK(client.ended);
+  }
+}
+
+TEST_CASE("server: given the handler never answers, then 503; its late answer is nothing") {
+  ServerBench bench(with_time(&HttpTimes::answer, std::chrono::milliseconds(50)));
+  TlsClient client = bench.client();
+  client.say(get("/later"));
+  CHECK(client.hear("never").starts_with("HTTP/1.1 503"));
+  bench.handler.kept.at(0)({});
+  client.shut_down();
+  CHECK(bench.until_alone());
+}
+
+TEST_CASE("server: a second answer to a request is nothing") {
+  ServerBench bench;
+  TlsClient client = bench.client();
+  client.say(get("/later"));
+  REQUIRE(bench.until([&] { return bench.handler.kept.size() == 1; }));
+  bench.handler.kept.at(0)({200, "text/plain", {}, shared_bytes("first")});
+  bench.handler.kept.at(0)({200, "text/plain", {}, shared_bytes("second")});
+  CHECK(client.hear("first").ends_with("first"));
+  client.say(get("/later"));
+  REQUIRE(bench.until([&] { return bench.handler.kept.size() == 2; }));
+  bench.handler.kept.at(0)({200, "text/plain", {}, shared_bytes("second")});
+  bench.handler.kept.at(1)({200, "text/plain", {}, shared_bytes("third")});
+  CHECK(client.hear("third").find("second") == std::string::npos);
+}
+
+TEST_CASE("server: given a reply's header has a line end, then nothing of it is sent, but a 500") {
+  ServerBench bench;
+  TlsClient client = bench.client();
+  client.say(get("/two-lines"));
+  const std::string answer = client.hear("bad_reply");
+  CHECK(answer.starts_with("HTTP/1.1 500"));
+  CHECK(answer.find("Set-Cookie") == std::string::npos);
+}
+
+TEST_CASE("server: 204 has no body, and the connection goes on") {
+  ServerBench bench;
+  TlsClient client = bench.client();
+  client.say(get("/empty") + get("/a"));
+  const std::string answers = client.hear("/a ");
+  CHECK(answers.starts_with("HTTP/1.1 204"));
+  CHECK(answers.find("\r\n\r\nHTTP/1.1 200") != std::string::npos);
+}
+
+TEST_CASE("server: who does not read his reply is let go") {
+  ServerBench bench(with_time(&HttpTimes::reply, std::chrono::milliseconds(300)));
+  TlsClient client = bench.client();
+  client.say(get("/large"));
+  REQUIRE(bench.until([&] { return bench.server->connections() == 1; }));
+  CHECK(bench.until_alone());
+}
+
+TEST_CASE("server: a large reply comes whole") {
+  ServerBench bench;
+  TlsClient client = bench.client();
+  client.say(get("/large", "Connection: close\r\n"));
+  const std::string answer = client.hear("never");
+  CHECK(answer.size() > (16U << 20U));
+  CHECK(client.ended);
+}
+
+TEST_CASE("server: when it is full, the one that waits longest makes room; who is served stays") {
+  HttpServerSettings settings;
+  settings.max_connections = 2;
+  ServerBench bench(settings);
+  TlsClient idle = bench.client();
+  idle.say(kGet);
+  idle.hear("/a ");
+  TlsClient busy = bench.client();
+  busy.say(get("/later"));
+  REQUIRE(bench.until([&] { return bench.handler.kept.size() == 1; }));
+  TlsClient third = bench.client();
+  third.say(get("/later"));
+  CHECK(idle.is_dropped());
+  REQUIRE(bench.until([&] { return bench.handler.kept.size() == 2; }));
+  TlsClient fourth = bench.client();
+  CHECK(fourth.is_dropped());
+  CHECK(bench.server->connections() == 2);
+  for (const Reply& reply : bench.handler.kept) reply({});
+  CHECK(busy.hear("\r\n\r\n").starts_with("HTTP/1.1 200"));
+  CHECK(third.hear("\r\n\r\n").starts_with("HTTP/1.1 200"));
+}
+
+TEST_CASE("server: TLS 1.2 is spoken; what is older, or no TLS at all, is not") {
+  ServerBench bench;
+  TlsClient client(bench.loop, bench.server->port(), TLS1_2_VERSION);
+  client.say(kGet);
+  CHECK(client.hear("/a ").starts_with("HTTP/1.1 200"));
+  TlsClient old(bench.loop, bench.server->port(), TLS1_1_VERSION);
+  CHECK(old.is_dropped());
+  boost::asio::ip::tcp::socket plain(bench.loop);
+  plain.connect({boost::asio::ip::address_v4::loopback(), bench.server->port()});
+  plain.send(boost::asio::buffer(kGet));
+  plain.non_blocking(true);
+  boost::system::error_code problem;
+  char byte = 0;
+  const auto has_ended = [&] {
+    plain.receive(boost::asio::buffer(&byte, 1), 0, problem);
+    return problem && problem != boost::asio::error::would_block;
+  };
+  CHECK(bench.until(has_ended));
+}
+
+TEST_CASE("server: when it stops, a request under way is finished and is the last of its connection") {
+  ServerBench bench;
+  TlsClient client = bench.client();
+  client.say(get("/later"));
+  REQUIRE(bench.until([&] { return bench.handler.kept.size() == 1; }));
+  bench.server->stop();
+  CHECK(bench.server->connections() == 1);
+  bench.handler.kept.at(0)({200, "text/plain", {}, shared_bytes("done")});
+  const std::string answer = client.hear("never");
+  CHECK(answer.find("Connection: close") != std::string::npos);
+  CHECK(answer.ends_with("done"));
+  client.shut_down();
+  CHECK(bench.until_alone());
+}
+
+TEST_CASE("server: given it goes while requests are under way, then their answers are nothing") {
+  ServerBench bench;
+  TlsClient idle = bench.client();
+  idle.say(kGet);
+  idle.hear("/a ");
+  TlsClient busy = bench.client();
+  busy.say(get("/later"));
+  REQUIRE(bench.until([&] { return bench.handler.kept.size() == 1; }));
+  bench.server.reset();
+  bench.handler.kept.at(0)({});
+  CHECK(idle.is_dropped());
+  CHECK(busy.is_dropped());
+}
+
+TEST_CASE("server: what it cannot open it says, with the cure") {
+  ServerBench bench;
+  HttpServerSettings settings;
+  settings.port = bench.server->port();
+  settings.certificate_file = bench.folder.path + "/keys/gateway.crt";
+  settings.key_file = bench.folder.path + "/keys/gateway.key";
+  const auto refused = [&](const HttpServerSettings& with) {
+    const auto opened = HttpServer::open(bench.loop, with, bench.handler);
+    REQUIRE_FALSE(opened);
+    CHECK_FALSE(opened.error().hint.empty());
+    return opened.error().code;
+  };
+  CHECK(refused(settings) == Errc::io_error);  // the port is taken
+  settings.port = 0;
+  auto wrong = settings;
+  wrong.address = "localhost";
+  CHECK(refused(wrong) == Errc::bad_value);
+  wrong = settings;
+  wrong.certificate_file += ".old";
+  CHECK(refused(wrong) == Errc::bad_value);
+  TemporaryFolder other;
+  wrong = settings;
+  wrong.key_file = provide_tls_files(other.path, {"localhost"}, UtcTime{1})->key;
+  CHECK(refused(wrong) == Errc::bad_value);
 }
