@@ -44,6 +44,8 @@ CORE_FORBIDDEN = [
 ]
 CORE_CALLS = [(r'\b(system|steady|high_resolution)_clock::now|clock_gettime|\btime\(nullptr\)', "a clock")]
 ZMQ_HEADER = re.compile(r'<zmq')
+# They cost a compiler seconds to half a minute, and bring sockets along: of a service only its io/ has them.
+NETWORK_HEADER = re.compile(r'<(boost|openssl)/')
 INCLUDE = re.compile(r'^\s*#\s*include\s*([<"][^>"]+[>"])')
 # A benchmark measures bare sockets beside ours; everything else reaches libzmq through common/transport.
 MAY_INCLUDE_ZMQ = ("common/transport/", "tests/bench/")
@@ -113,6 +115,8 @@ def check_include(path, line, included, faults):
         faults.append(f"{where}: a service's core includes {included}: the configuration's reader")
     if ZMQ_HEADER.search(included) and not path.startswith(MAY_INCLUDE_ZMQ):
         faults.append(f"{where}: {included} belongs to common/transport alone")
+    if NETWORK_HEADER.search(included) and service_of(path) not in (None, "virtual-robots") and "/io/" not in path:
+        faults.append(f"{where}: {included} belongs to a service's io/")
     if path.startswith("common/service/service.hpp") and re.search(r'zmq|nlohmann|spdlog|transport|/log', included):
         faults.append(f"{where}: the public header must not show {included}")
     if not included.startswith('"'):
