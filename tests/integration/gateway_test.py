@@ -121,6 +121,14 @@ class Gateway(unittest.TestCase):
         self.assertEqual(two.sign_in("pia", GOOD).status, 401)
         self.assertEqual(two.sign_in("pia", GOOD + "!").status, 201)
 
+    def test_a_session_that_was_taken_over_does_not_tell_the_password(self):
+        self.admin.ask("POST", "/api/v1/users", {"name": "max", "role": "viewer", "password": GOOD})
+        client = self.client()
+        client.sign_in("max", GOOD)
+        wrong = {"old": "wrong wrong wrong", "new": GOOD + "!"}
+        statuses = [client.ask("PUT", "/api/v1/me/password", wrong).status for _ in range(8)]
+        self.assertEqual((statuses[:5], statuses[-1]), ([403] * 5, 429))
+
     def test_the_last_admin_stays(self):
         self.assert_problem(self.admin.ask("DELETE", "/api/v1/users/admin"), 409)
         self.assert_problem(self.admin.ask("PATCH", "/api/v1/users/admin", {"role": "viewer"}), 409)
@@ -279,6 +287,9 @@ class Gateway(unittest.TestCase):
         self.assertEqual((newest["who"], newest["action"], newest["about"], newest["outcome"]),
                          ("olga", "POST /api/v1/robots/{robot}/release", ROBOT, "done"))
         self.assertEqual([one["number"] for one in records], list(range(len(records), 0, -1)))
+        self.viewer.ask("POST", f"/api/v1/robots/{ROBOT}/stop")
+        refused = self.admin.ask("GET", "/api/v1/audit?limit=1").json["records"][0]
+        self.assertEqual((refused["who"], refused["outcome"]), ("vic", "refused: 403"))
         self.fleet.wait("a signed head", lambda: self.admin.ask("GET", "/api/v1/audit/head").json["signed_to"] > 0, 20)
 
     def test_no_secret_is_written_anywhere(self):

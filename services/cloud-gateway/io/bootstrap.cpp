@@ -22,8 +22,8 @@ const std::string* text_in(const Value& json, std::string_view key) {
 
 }  // namespace
 
-Status take_bootstrap(const std::string& node_dir, Access& access, UtcTime now) {
-  const std::string path = node_dir + "/keys/gateway.password";
+Status take_bootstrap(Gateway& gateway) {
+  const std::string path = gateway.node_dir + "/keys/gateway.password";
   if (!file_exists(path)) return Done{};
   const auto text = read_file(path, 4096);
   if (!text) return text.error();
@@ -33,8 +33,8 @@ Status take_bootstrap(const std::string& node_dir, Access& access, UtcTime now) 
   if (user == nullptr || hash == nullptr) {
     return fail(Errc::malformed, path + ": no user and hash", "make it anew: trb cloud password NODE_DIR");
   }
-  if (Status made = make_admin(access.users, *user, *hash, now); !made) return made;
-  if (Status written = access.commit(); !written) return written;
+  if (Status made = make_admin(gateway.access.users, *user, *hash, gateway.now().utc); !made) return made;
+  if (Status written = gateway.commit(); !written) return written;
   std::error_code left;
   std::filesystem::remove(path, left);
   return left ? Status(fail(Errc::io_error, path + ": " + left.message(), "remove it by hand")) : Status(Done{});

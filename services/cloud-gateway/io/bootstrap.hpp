@@ -3,13 +3,13 @@
 
 #include <string>
 
-#include "services/cloud-gateway/io/access.hpp"
+#include "services/cloud-gateway/io/gateway.hpp"
 
 namespace trb::gateway {
 
 /// NODE_DIR/keys/gateway.password, which `trb cloud password` writes (0600): {"user": NAME, "hash": HASH}. If it is
 /// there, its user becomes an enabled admin with that password, and the file is removed once that is on disk. Errors:
 /// malformed, io_error.
-Status take_bootstrap(const std::string& node_dir, Access& access, UtcTime now);
+Status take_bootstrap(Gateway& gateway);
 
 }  // namespace trb::gateway

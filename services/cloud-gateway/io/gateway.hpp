@@ -40,6 +40,12 @@ struct Gateway {
   Counts counts{};
   std::map<ClientId, LiveSocket*> sockets{};  ///< each adds and removes itself
 
+  /// Access::commit(). If it fails the process ends: what memory holds is not on disk.
+  Status commit() {
+    Status written = access.commit();
+    if (!written) on_unwritten(written.error());
+    return written;
+  }
   [[nodiscard]] Now now() const { return session.now(); }
   /// UTC that does not jump: for sessions and tokens.
   UtcTime steady() { return access.time.at(now()); }

@@ -17,6 +17,9 @@
 namespace trb::gateway {
 namespace {
 
+/// Four seconds of two threads. SignIn lets kQueuedChecks wait; the rest is for people who change passwords.
+constexpr std::size_t kMostWaiting = 64;
+
 /// Also what a move has left in the string itself.
 void wipe(std::string& secret) {
   secret.resize(secret.capacity());
@@ -58,7 +61,7 @@ struct PasswordPool::Work : std::enable_shared_from_this<Work> {
   using Guard = boost::asio::executor_work_guard<boost::asio::io_context::executor_type>;
 
   explicit Work(boost::asio::io_context& io) : loop(io) {}
-  void add(Job job);
+  bool add(Job job);  ///< false: too many wait
   void run();
   void post(Result result);
   void end();
@@ -71,12 +74,14 @@ struct PasswordPool::Work : std::enable_shared_from_this<Work> {
   std::vector<std::thread> threads;
 };
 
-void PasswordPool::Work::add(Job job) {
+bool PasswordPool::Work::add(Job job) {
   {
     const std::lock_guard lock(mutex);
+    if (jobs.size() >= kMostWaiting) return false;
     jobs.emplace_back(std::move(job), Guard(loop.get_executor()));
   }
   changed.notify_one();
+  return true;
 }
 
 void PasswordPool::Work::run() {
@@ -119,16 +124,19 @@ PasswordPool::~PasswordPool() {
 void PasswordPool::check(PasswordCheck check, std::function<void(SignInId, CheckResult)> done) {
   const auto password = std::make_shared<const Secret>(check.password);
   // `done` moves on to the result, so that what it holds ends on the loop's thread.
-  work_->add([password, id = check.id, hash = std::move(check.hash), done = std::move(done)]() mutable -> Work::Result {
-    return [id, done = std::move(done), result = check_password(hash, password->text)] { done(id, result); };
-  });
+  const bool taken =
+      work_->add([password, id = check.id, hash = std::move(check.hash), done]() mutable -> Work::Result {
+        return [id, done = std::move(done), result = check_password(hash, password->text)] { done(id, result); };
+      });
+  if (!taken) work_->post([id = check.id, done = std::move(done)] { done(id, CheckResult::failed); });
 }
 
 void PasswordPool::hash(std::string password, std::function<void(std::string hash)> done) {
   const auto secret = std::make_shared<const Secret>(password);
-  work_->add([secret, done = std::move(done)]() mutable -> Work::Result {
+  const bool taken = work_->add([secret, done]() mutable -> Work::Result {
     return [done = std::move(done), made = hash_password(secret->text)] { done(made); };
   });
+  if (!taken) work_->post([done = std::move(done)] { done({}); });
 }
 
 }  // namespace trb::gateway

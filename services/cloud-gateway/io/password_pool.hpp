@@ -28,8 +28,9 @@ class PasswordPool {
   /// On the loop's thread. Waits for the work under way; drops the rest. No result comes after that.
   ~PasswordPool();
 
+  /// At most 64 wait: a further check is `failed`, a further hash empty.
   /// A check that has no memory, or whose hash is none of hash_password(), is `failed`. The password is wiped from
-  /// memory afterwards. The queue has no bound of its own: SignIn has one (kQueuedChecks).
+  /// memory afterwards.
   void check(PasswordCheck check, std::function<void(SignInId, CheckResult)> done);
   /// Empty: it could not be made. The password is wiped too.
   void hash(std::string password, std::function<void(std::string hash)> done);

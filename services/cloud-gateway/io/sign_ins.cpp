@@ -28,7 +28,7 @@ std::string json_session(const User& user, const std::string& csrf) {
 
 void SignIns::request(const CallPtr& call, std::string user, std::string password) {
   // Somebody at the node's console may have made a password a moment ago.
-  if (Status taken = take_bootstrap(gateway_.node_dir, gateway_.access, gateway_.now().utc); !taken) {
+  if (Status taken = take_bootstrap(gateway_); !taken) {
     return call->fail(taken.error());
   }
   const SignInId id = ++last_;

@@ -19,13 +19,16 @@ bool is_json(const HttpRequest& request) {
   return request.content_type && request.content_type->starts_with("application/json");
 }
 
-AuditRecord audit_of(const Call& call, int status, UtcTime now) {
+/// What somebody did, or was refused; nothing: it changes nothing, or nobody is known.
+std::optional<AuditRecord> audit_of(const RequestDecision& decision, const std::string& who, const std::string& source,
+                                    int status, UtcTime now) {
+  if (decision.route == nullptr || decision.route->effect != Effect::changes || who.empty()) return std::nullopt;
   AuditRecord out;
   out.time = now.ns;
-  out.who = call.actor.empty() ? call.who().name : call.actor;
-  out.from = call.request.source;
-  out.action = std::string(name_of(call.decision.route->method)) + " " + std::string(call.decision.route->path);
-  for (const auto& [name, value] : call.decision.parameters) out.about += (out.about.empty() ? "" : " ") + value;
+  out.who = who;
+  out.from = source;
+  out.action = std::string(name_of(decision.route->method)) + " " + std::string(decision.route->path);
+  for (const auto& [name, value] : decision.parameters) out.about += (out.about.empty() ? "" : " ") + value;
   out.outcome = status < 400 ? "done" : "refused: " + std::to_string(status);
   return out;
 }
@@ -51,7 +54,8 @@ Api::Api(Gateway& gateway) : gateway_(gateway) {
 
 std::optional<HttpReply> Api::before_body(const HttpRequest& request, std::uint64_t body_size) {
   const RequestDecision decision = gateway_.access.check.check(request.head(), gateway_.steady());
-  if (decision.verdict != RequestVerdict::allowed) return refuse(decision);
+  if (decision.verdict != RequestVerdict::allowed)
+    return on_record(decision, decision.who.name, request.source, refuse(decision));
   if (body_size <= kMaxBody) return std::nullopt;
   return problem_reply(413, "too_large", "the body has " + std::to_string(body_size) + " bytes",
                        "send at most " + std::to_string(kMaxBody));
@@ -74,18 +78,21 @@ void Api::on_request(HttpRequest request, Reply reply) {
 }
 
 void Api::end(const Call& call, HttpReply reply, const Reply& send) {
-  const Route* route = call.decision.route;
-  const bool is_known = !call.who().name.empty() || !call.actor.empty();
-  if (route != nullptr && route->effect == Effect::changes && is_known) {
-    gateway_.access.note(audit_of(call, reply.status, gateway_.now().utc));
-  }
   keep_answer(gateway_, call, reply);
-  if (Status written = gateway_.access.commit(); !written) {
-    gateway_.on_unwritten(written.error());
+  const std::string& who = call.actor.empty() ? call.who().name : call.actor;
+  send(on_record(call.decision, who, call.request.source, std::move(reply)));
+}
+
+HttpReply Api::on_record(const RequestDecision& decision, const std::string& who, const std::string& source,
+                         HttpReply reply) {
+  if (auto record = audit_of(decision, who, source, reply.status, gateway_.now().utc)) {
+    gateway_.access.note(std::move(*record));
+  }
+  if (!gateway_.commit()) {
     reply = problem_reply(503, "not_written", "the gateway's database could not be written", "see its log; try again");
   }
   ++gateway_.counts.replies[reply.status];
-  send(std::move(reply));
+  return reply;
 }
 
 HttpReply Api::refuse(const RequestDecision& decision) const {

@@ -48,6 +48,9 @@ class Api final : public HttpHandler {
  private:
   HttpReply refuse(const RequestDecision& decision) const;
   void end(const Call& call, HttpReply reply, const Reply& send);
+  /// Notes what was done or refused, commits, and counts; the reply may be sent then.
+  HttpReply on_record(const RequestDecision& decision, const std::string& who, const std::string& source,
+                      HttpReply reply);
 
   Gateway& gateway_;
   HandlerTable table_;

@@ -29,7 +29,7 @@ void reply_busy(Call& call, Duration retry_after) {
 void act_on_record(Gateway& gateway, Call& call, StoredRequest store, const std::function<void()>& act) {
   call.once = store.key;
   gateway.access.keep(std::move(store));
-  if (Status written = gateway.access.commit(); !written) return call.fail(written.error());
+  if (Status written = gateway.commit(); !written) return call.fail(written.error());
   act();
 }
 

@@ -50,6 +50,20 @@ void set_own_password(Gateway& gateway, const CallPtr& call, std::string passwor
   });
 }
 
+void on_old_password(Gateway& gateway, const CallPtr& call, const Attempt& attempt, CheckResult result,
+                     const std::string& password) {
+  if (result == CheckResult::failed) {
+    gateway.access.guard.cancel(attempt);
+    return call->reply(problem_reply(503, "unavailable", "the password could not be checked", "try again"));
+  }
+  if (result == CheckResult::wrong) {
+    return call->reply(problem_reply(403, "wrong_password", "the old password is wrong", "try again"));
+  }
+  gateway.access.guard.succeeded(attempt);
+  set_own_password(gateway, call, password);
+}
+
+/// Whoever has taken over a session must not guess its user's password here: wrong ones wait as at a sign-in.
 void change_password(Gateway& gateway, const CallPtr& call) {
   const auto body = Members::of(*call, {"old", "new"});
   if (!body) return call->fail(body.error());
@@ -60,10 +74,14 @@ void change_password(Gateway& gateway, const CallPtr& call) {
   const User* user = gateway.access.users.find(call->who().name);
   if (user == nullptr) return call->reply(problem_reply(404, "missing", "there is no such user", "sign in again"));
   if (Status good = check_new_password(user->name, *password); !good) return call->fail(good.error());
+  const MonotonicTime now = gateway.now().mono;
+  if (gateway.access.guard.wait(user->name, call->request.source, now) > Duration::zero()) {
+    return call->reply(problem_reply(429, "wait", "too many wrong passwords", "try again in a minute"));
+  }
+  const Attempt attempt = gateway.access.guard.begin(user->name, call->request.source, now);
   gateway.passwords.check({0, user->password_hash, *old},
-                          [&gateway, call, password = *password](SignInId, CheckResult result) {
-                            if (result == CheckResult::right) return set_own_password(gateway, call, password);
-                            call->reply(problem_reply(403, "wrong_password", "the old password is wrong", "try again"));
+                          [&gateway, call, attempt, password = *password](SignInId, CheckResult result) {
+                            on_old_password(gateway, call, attempt, result, password);
                           });
 }
 
