@@ -1,10 +1,7 @@
 // cloud password: the first sign-in at a gateway, and the way back in.
-#include <sodium.h>
-
-#include <array>
-
 #include "common/base/files.hpp"
 #include "common/security/keys.hpp"
+#include "common/security/password_hash.hpp"
 #include "services/cli/commands/command.hpp"
 #include "services/cli/io/print.hpp"
 
@@ -22,15 +19,6 @@ std::string new_password() {
   return out;
 }
 
-Result<std::string> hash_of(const std::string& password) {
-  std::array<char, crypto_pwhash_STRBYTES> out{};
-  if (crypto_pwhash_str(out.data(), password.data(), password.size(), crypto_pwhash_OPSLIMIT_INTERACTIVE,
-                        crypto_pwhash_MEMLIMIT_INTERACTIVE) != 0) {
-    return fail(Errc::io_error, "no memory for a password's hash", "64 MB must be free");
-  }
-  return std::string(out.data());
-}
-
 int run_password(const Arguments& arguments) {
   init_crypto();
   const std::string& dir = arguments.words[0];
@@ -39,9 +27,11 @@ int run_password(const Arguments& arguments) {
     return print_error(arguments, fail(Errc::missing, dir + ": no node.json", "give the folder of the cloud node"));
   }
   const std::string password = new_password();
-  const auto hash = hash_of(password);
-  if (!hash) return print_error(arguments, hash.error());
-  const Value json{Value::Object{{"user", Value{user}}, {"hash", Value{*hash}}}};
+  const std::string hash = hash_password(password);
+  if (hash.empty()) {
+    return print_error(arguments, fail(Errc::io_error, "no memory for a password's hash", "64 MB must be free"));
+  }
+  const Value json{Value::Object{{"user", Value{user}}, {"hash", Value{hash}}}};
   const std::string path = dir + "/keys/gateway.password";
   if (Status written = write_file(path, dump_json(json) + "\n"); !written)
     return print_error(arguments, written.error());

@@ -1,7 +1,7 @@
 #include "services/cloud-gateway/io/access.hpp"
 
 #include "common/security/keys.hpp"
-#include "services/cloud-gateway/io/password_pool.hpp"
+#include "common/security/password_hash.hpp"
 
 namespace trb::gateway {
 namespace {

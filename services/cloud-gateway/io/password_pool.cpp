@@ -14,6 +14,8 @@
 #include <utility>
 #include <vector>
 
+#include "common/security/password_hash.hpp"
+
 namespace trb::gateway {
 namespace {
 
@@ -45,14 +47,6 @@ CheckResult check_password(const std::string& hash, const std::string& password)
 }
 
 }  // namespace
-
-std::string hash_password(const std::string& password) {
-  char out[crypto_pwhash_STRBYTES] = {};
-  if (sodium_init() < 0 || crypto_pwhash_str(out, password.data(), password.size(), crypto_pwhash_OPSLIMIT_INTERACTIVE,
-                                             crypto_pwhash_MEMLIMIT_INTERACTIVE) != 0)
-    return {};
-  return out;
-}
 
 /// Outlives the pool in the results that are posted.
 struct PasswordPool::Work : std::enable_shared_from_this<Work> {

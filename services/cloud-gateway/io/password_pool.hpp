@@ -14,10 +14,6 @@ class io_context;
 
 namespace trb::gateway {
 
-/// libsodium's crypto_pwhash_str with OPSLIMIT_INTERACTIVE and MEMLIMIT_INTERACTIVE (argon2id, 64 MiB); empty: no
-/// memory. For programs without a loop, and for the dummy hash.
-std::string hash_password(const std::string& password);
-
 class PasswordPool {
  public:
   /// Results come on the loop's thread, and keep its run() from ending until they are there. `loop` must outlive this.

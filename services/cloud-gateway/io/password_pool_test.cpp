@@ -1,6 +1,8 @@
 // Passwords are checked beside the loop, and results come on it.
 #include "services/cloud-gateway/io/password_pool.hpp"
 
+#include "common/security/password_hash.hpp"
+
 #include <doctest/doctest.h>
 
 #include <boost/asio/io_context.hpp>
@@ -8,6 +10,7 @@
 #include <map>
 #include <thread>
 
+using namespace trb;
 using namespace trb::gateway;
 
 namespace {
