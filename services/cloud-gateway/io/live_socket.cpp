@@ -109,7 +109,7 @@ Status LiveSocket::obey(const Value& word) {
 }
 
 void LiveSocket::refuse(const Error& error) {
-  if (++wrong_ > kMaxWrong && out_ != nullptr) return out_->close(kPolicy, "too many wrong words");
+  if (++wrong_ > kMaxWrong && out_ != nullptr) return end(kPolicy, "too many wrong words");
   problem_ = "{\"error\":" + *problem_reply(error).body + "}";
   pump();
 }
@@ -141,7 +141,13 @@ void LiveSocket::on_closed() {
 
 void LiveSocket::check_rights() {
   const RequestDecision decision = gateway_.access.check.check(request_.head(), gateway_.steady());
-  if (decision.verdict != RequestVerdict::allowed && out_ != nullptr) out_->close(kNotSignedIn, "signed out");
+  if (decision.verdict != RequestVerdict::allowed && out_ != nullptr) end(kNotSignedIn, "signed out");
+}
+
+/// Its topics end now, also if the client never answers the close.
+void LiveSocket::end(std::uint16_t code, const std::string& reason) {
+  gateway_.clients.close(client_);
+  out_->close(code, reason);
 }
 
 }  // namespace trb::gateway

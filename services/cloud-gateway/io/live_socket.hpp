@@ -43,6 +43,7 @@ class LiveSocket final : public WebSocketIn, public std::enable_shared_from_this
   Status obey(const Value& word);
   void send(Bytes text);
   void refuse(const Error& error);
+  void end(std::uint16_t code, const std::string& reason);
 
   Gateway& gateway_;
   HttpRequest request_;  ///< checked again now and then

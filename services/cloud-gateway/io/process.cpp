@@ -11,6 +11,8 @@ namespace {
 
 /// Expired sessions and keys, commits of what reads have changed, rights of open streams.
 constexpr Duration kHouse = std::chrono::seconds(5);
+/// A page's numbers are exact up to 2^53: it sends the instance back to resume.
+constexpr std::uint64_t kExactInJson = (1ULL << 53U) - 1;
 constexpr Duration kLastReplies = std::chrono::seconds(2);
 
 LoopBridge::Driven driven_by(Service& service) {
@@ -36,7 +38,7 @@ Process::Process(Service& service, GatewayDb& db, Access& access, std::string no
       access_(access),
       node_dir_(std::move(node_dir)),
       passwords_(loop_, kChecksAtOnce),
-      clients_(book_, encoder_, service.instance() | 1U),
+      clients_(book_, encoder_, (service.instance() & kExactInJson) | 1U),
       core_(book_, view_, access) {}
 
 Gateway Process::gateway_of(op::Session& session) {
@@ -65,6 +67,8 @@ Result<int> Process::run(const HttpServerSettings& settings, const std::vector<s
 
 void Process::add_timers(Gateway& gateway, SignIns& sign_ins) {
   service_.timer([this] { return clients_.next_deadline(); }, [this, &gateway](Now) { pump(gateway); });
+  service_.timer([this] { return clients_.topics_changed() ? std::optional(MonotonicTime{}) : std::nullopt; },
+                 [this](Now now) { follow_topics(now); });
   service_.timer([this] { return access_.sign_in.next_deadline(); }, [&sign_ins](Now) { sign_ins.tick(); });
   service_.timer([this] { return std::optional(house_kept_ + kHouse); },
                  [this, &gateway](Now now) { keep_house(gateway, now); });
@@ -88,10 +92,17 @@ void Process::drive(op::BusSession& person) {
 }
 
 void Process::pump(Gateway& gateway) {
-  view_.watch_runs(clients_.watched_runs(), gateway.now());
+  follow_topics(gateway.now());
   for (const ClientId client : clients_.pump(gateway.now())) {
     if (const auto at = gateway.sockets.find(client); at != gateway.sockets.end()) at->second->pump();
   }
+}
+
+/// What clients watch is requested; what the last of them has left is ended.
+void Process::follow_topics(Now now) {
+  static_cast<void>(clients_.take_topics_changed());
+  view_.watch_runs(clients_.watched_runs(), now);
+  view_.watch_sensors(clients_.watched_sensors(now), now);
 }
 
 void Process::keep_house(Gateway& gateway, Now now) {

@@ -30,6 +30,7 @@ class Process {
   void add_timers(Gateway& gateway, SignIns& sign_ins);
   void drive(op::BusSession& person);
   void pump(Gateway& gateway);
+  void follow_topics(Now now);
   void keep_house(Gateway& gateway, Now now);
   void end_unwritten(const Error& error);
 

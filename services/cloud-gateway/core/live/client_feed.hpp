@@ -46,6 +46,7 @@ class ClientFeed {
   static constexpr std::size_t kMaxQueue = 1U << 20U;
   static constexpr std::size_t kMaxFrame = 512U << 10U;  ///< below this, another block may be added
   static constexpr Duration kQuiet = std::chrono::seconds(1);
+  static constexpr Duration kStalled = std::chrono::seconds(10);
 
   /// No effect on a topic that is already subscribed. Errors: queue_full.
   Status subscribe(const Topic& topic, std::uint64_t from, std::optional<NoticeKind> notice);
@@ -55,6 +56,8 @@ class ClientFeed {
   std::optional<Frame> take();
   /// More can be sent at once.
   [[nodiscard]] bool is_behind() const { return behind_; }
+  /// Its last frame was not taken for so long that nobody can be looking.
+  [[nodiscard]] bool is_stalled(Now now) const { return waiting_ && made_at_ && now.mono - *made_at_ >= kStalled; }
   [[nodiscard]] bool has(TopicKind kind) const;
   [[nodiscard]] std::vector<Topic> topics() const;
 

@@ -16,6 +16,7 @@ std::vector<std::string> FleetView::hears() {
 void FleetView::on_welcome(const std::string& node, Now now) {
   node_ = node;
   questions_.on_welcome(node, now);
+  streams_.on_welcome(now);
 }
 
 void FleetView::on(const Inbound& message, Now now, Outbox& out) {
@@ -30,11 +31,15 @@ bool FleetView::on_robot(const Inbound& message, Now now, Outbox& out) {
   return visit(
       Overloaded{[&](const RobotState& word) { return take(word); }, [&](const RobotFault& word) { return take(word); },
                  [&](const RobotConnection& word) { return questions_.want_routes(now), take(word); },
-                 [&](const SensorReading& reading) {
-                   return readings_.take(from, reading, nodes_.live_of(from), now, out), true;
-                 },
+                 [&](const SensorReading& reading) { return on_reading(from, reading, now, out), true; },
                  [](const auto&) { return false; }},
       message.body);
+}
+
+/// What was under way when its stream ended would bring back a value that nobody keeps up to date.
+void FleetView::on_reading(const std::string& node, const SensorReading& reading, Now now, Outbox& out) {
+  if (!streams_.has({node, reading.sensor})) return out.count("dropped.not_watched");
+  readings_.take(node, reading, nodes_.live_of(node), now, out);
 }
 
 /// False: another kind of message. Messages of other nodes are dropped.
@@ -78,8 +83,13 @@ void FleetView::watch_runs(std::set<std::string> runs, Now now) {
   watched_runs_ = std::move(runs);
 }
 
+void FleetView::watch_sensors(const std::set<SensorId>& sensors, Now now) {
+  for (const SensorId& over : streams_.want(sensors, now)) book_.remove({RowKind::reading, over.node, over.name}, now);
+}
+
 void FleetView::tick(Now now, Outbox& out) {
   watch_silence(now);
+  streams_.tick(now, out);
   readings_.tick(now);
   book_.tick(now);
   look_for_lost(now);
@@ -110,7 +120,7 @@ std::optional<MonotonicTime> FleetView::next_deadline() const {
   for (const Source* source : {&routes_heard_, &runs_heard_, &alerts_heard_}) {
     if (source->heard) out = earlier(out, *source->heard + source->limit);
   }
-  return earlier(out, book_.next_deadline());
+  return earlier(earlier(out, streams_.next_deadline()), book_.next_deadline());
 }
 
 }  // namespace trb::gateway

@@ -15,6 +15,7 @@
 #include "services/cloud-gateway/core/live/node_rows.hpp"
 #include "services/cloud-gateway/core/live/reading_rows.hpp"
 #include "services/cloud-gateway/core/live/run_rows.hpp"
+#include "services/cloud-gateway/core/live/sensor_streams.hpp"
 
 namespace trb::gateway {
 
@@ -36,6 +37,8 @@ class FleetView {
 
   /// Clients watch these runs in full: each is requested now and at each of its changes.
   void watch_runs(std::set<std::string> runs, Now now);
+  /// Clients watch these sensors: their values are requested, and those of others are not taken.
+  void watch_sensors(const std::set<SensorId>& sensors, Now now);
 
  private:
   /// A service of this node, and when its last message came.
@@ -45,6 +48,7 @@ class FleetView {
     bool is_over(Now now) const { return heard && now.mono - *heard >= limit; }
   };
   bool on_robot(const Inbound& message, Now now, Outbox& out);
+  void on_reading(const std::string& node, const SensorReading& reading, Now now, Outbox& out);
   bool on_own_node(const Inbound& message, Now now, Outbox& out);
   void on_page(const RouteTable& page, Now now, Outbox& out);
   void on_run(const RunChanged& changed, Now now, Outbox& out);
@@ -57,6 +61,7 @@ class FleetView {
   RunRows runs_{book_};
   AlertRows alerts_{book_};
   ReadingRows readings_{book_};
+  SensorStreams streams_{book_};
   FleetQuestions questions_;
   RoutePages pages_;
   std::set<std::string> watched_runs_;

@@ -78,6 +78,7 @@ TEST_CASE("a node's lease runs out: nothing of it looks live, and a word that wa
   Hall hall;
   hall.table({with_sensor("pioneer1")});
   hall.tell("pioneer1", "battery", "80");
+  hall.watch("pioneer1", "dht22");
   hall.say("pioneer1", reading(21, 1));
   hall.say("cloud", PeerExpired{"pioneer1", "10 s unheard"});
   for (const RowKind kind : {RowKind::node, RowKind::robot, RowKind::profile}) {
@@ -194,6 +195,7 @@ TEST_CASE("a table of two pages is taken when it is whole") {
 TEST_CASE("readings: a late one is dropped, a repeated one confirms, silence of three periods makes it late") {
   Hall hall;
   hall.table({with_sensor("pioneer1")});
+  hall.view.watch_sensors({{"pioneer1", "dht22"}, {"pioneer1", "made_up"}}, hall.now);
   hall.say("pioneer1", reading(21, 1));
   hall.wait(seconds(1));
   hall.say("pioneer1", reading(22, 3));
@@ -218,6 +220,7 @@ TEST_CASE("readings: a late one is dropped, a repeated one confirms, silence of 
 TEST_CASE("a sensor is unplugged: it and its value are gone") {
   Hall hall;
   hall.table({with_sensor("pioneer1")});
+  hall.watch("pioneer1", "dht22");
   hall.say("pioneer1", reading(21, 1));
   hall.table({route("pioneer1")});
   CHECK(hall.row(RowKind::sensor, "pioneer1", "dht22") == nullptr);

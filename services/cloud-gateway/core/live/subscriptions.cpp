@@ -3,6 +3,15 @@
 #include <algorithm>
 
 namespace trb::gateway {
+namespace {
+
+void add_sensors(const ClientFeed& client, std::set<SensorId>& out) {
+  for (const Topic& topic : client.topics()) {
+    if (topic.kind == TopicKind::sensor) out.insert({topic.id, topic.name});
+  }
+}
+
+}  // namespace
 
 Result<ClientId> Subscriptions::open() {
   if (clients_.size() == kMaxClients) {
@@ -13,7 +22,7 @@ Result<ClientId> Subscriptions::open() {
 }
 
 void Subscriptions::close(ClientId client) {
-  clients_.erase(client);
+  if (clients_.erase(client) > 0) topics_changed_ = true;
 }
 
 std::optional<NoticeKind> Subscriptions::why_not(const Topic& topic, const Resume& resume) const {
@@ -25,14 +34,28 @@ std::optional<NoticeKind> Subscriptions::why_not(const Topic& topic, const Resum
 Status Subscriptions::subscribe(ClientId client, const Topic& topic, std::optional<Resume> resume) {
   const auto at = clients_.find(client);
   if (at == clients_.end()) return fail(Errc::unknown_target, "client: there is none of that number");
+  if (Status room = check_room(topic); !room) return room;
+  topics_changed_ = true;
   if (topic.kind == TopicKind::messages) return at->second.subscribe(topic, lane_.head(), {});
   if (!resume) return at->second.subscribe(topic, 0, {});
   const auto notice = why_not(topic, *resume);
   return at->second.subscribe(topic, notice ? 0 : resume->number, notice);
 }
 
+Status Subscriptions::check_room(const Topic& topic) const {
+  if (topic.kind != TopicKind::sensor) return Done{};
+  std::set<SensorId> sensors{{topic.id, topic.name}};
+  for (const auto& [id, client] : clients_) add_sensors(client, sensors);
+  if (sensors.size() <= SensorStreams::kMaxStreams) return Done{};
+  return fail(Errc::queue_full, "topic: " + std::to_string(SensorStreams::kMaxStreams) + " sensors are watched",
+              "close the view of one");
+}
+
 void Subscriptions::unsubscribe(ClientId client, const Topic& topic) {
-  if (const auto at = clients_.find(client); at != clients_.end()) at->second.unsubscribe(topic);
+  const auto at = clients_.find(client);
+  if (at == clients_.end()) return;
+  at->second.unsubscribe(topic);
+  topics_changed_ = true;
 }
 
 void Subscriptions::add_message(Bytes message) {
@@ -50,6 +73,14 @@ std::set<std::string> Subscriptions::watched_runs() const {
     for (const Topic& topic : client.topics()) {
       if (topic.kind == TopicKind::run) out.insert(topic.id);
     }
+  }
+  return out;
+}
+
+std::set<SensorId> Subscriptions::watched_sensors(Now now) const {
+  std::set<SensorId> out;
+  for (const auto& [id, client] : clients_) {
+    if (!client.is_stalled(now)) add_sensors(client, out);
   }
   return out;
 }

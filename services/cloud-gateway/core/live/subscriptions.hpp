@@ -6,9 +6,11 @@
 #include <set>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "services/cloud-gateway/core/live/client_feed.hpp"
+#include "services/cloud-gateway/core/live/sensor_streams.hpp"
 
 namespace trb::gateway {
 
@@ -26,7 +28,8 @@ class Subscriptions {
   /// Errors: queue_full.
   Result<ClientId> open();
   void close(ClientId client);
-  /// The caller has checked the client's rights. Errors: unknown_target (no such client), queue_full.
+  /// The caller has checked the client's rights. Errors: unknown_target (no such client), queue_full (topics
+  /// of this client; sensors of all clients).
   Status subscribe(ClientId client, const Topic& topic, std::optional<Resume> resume = {});
   void unsubscribe(ClientId client, const Topic& topic);
 
@@ -35,6 +38,11 @@ class Subscriptions {
   [[nodiscard]] bool wants_messages() const;
   /// The runs that a client watches in full.
   [[nodiscard]] std::set<std::string> watched_runs() const;
+  /// The sensors that a client watches; one that has stalled watches none.
+  [[nodiscard]] std::set<SensorId> watched_sensors(Now now) const;
+  /// True if a topic was added or left since the last call.
+  bool take_topics_changed() { return std::exchange(topics_changed_, false); }
+  [[nodiscard]] bool topics_changed() const { return topics_changed_; }
 
   /// The clients with a new frame to take. Does nothing before the deadline.
   std::vector<ClientId> pump(Now now);
@@ -46,12 +54,14 @@ class Subscriptions {
  private:
   [[nodiscard]] std::optional<NoticeKind> why_not(const Topic& topic, const Resume& resume) const;
   [[nodiscard]] bool has_news() const;
+  [[nodiscard]] Status check_room(const Topic& topic) const;
 
   BlockMaker blocks_;
   MessageLane lane_;
   std::uint64_t instance_;
   std::map<ClientId, ClientFeed> clients_;
   ClientId last_client_ = 0;
+  bool topics_changed_ = false;
   std::optional<MonotonicTime> pumped_at_;
   std::uint64_t pumped_head_ = 0;
   std::uint64_t pumped_messages_ = 0;

@@ -83,6 +83,7 @@ struct Hall {
   void tell(const std::string& robot, const std::string& name, const std::string& value) {
     say(robot, RobotState{{{name, value}}});
   }
+  void watch(const std::string& node, const std::string& sensor) { view.watch_sensors({{node, sensor}}, now); }
   void wait(Duration time) {
     now = {now.mono + time, now.utc + time};
     view.tick(now, out);

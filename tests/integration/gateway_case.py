@@ -1,0 +1,83 @@
+"""A fleet with the gateway on its cloud node, and an admin, an operator and a viewer who are signed in: what the gateway's
+tests share."""
+import json
+import os
+import pathlib
+import signal
+import sys
+import unittest
+
+import support
+import trb_fleet
+from trb_fleet import CLOUD
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "support"))
+import gateway_client  # noqa: E402
+
+ROBOT = "pioneer1"
+SCENARIO = {"name": "short", "tasks": [{"id": "go", "robot": ROBOT, "skill": "go_to", "data": {"place": "dock"}}]}
+GOOD = "a good long password"
+
+
+class Fleet(trb_fleet.Fleet):
+    def node_json(self, node):
+        out = super().node_json(node)
+        if node == CLOUD:
+            out["services"].append("cloud-gateway")
+        return out
+
+
+class GatewayCase(unittest.TestCase):
+    block, udp_port = 0, 0  # each test file has its own
+    fleet_kind = Fleet
+
+    @classmethod
+    def setUpClass(cls):
+        cls.fleet = support.make_fleet(cls, cls.fleet_kind, block=cls.block, udp_port=cls.udp_port,
+                                       robots={ROBOT: trb_fleet.ROBOTS[ROBOT]}, speed=20)
+        cls.port = trb_fleet.free_port()
+        (cls.fleet.dir(CLOUD) / "cloud.json").write_text(json.dumps({"listen": f"127.0.0.1:{cls.port}"}))
+        cls.fleet.start()
+        cls.fleet.wait_formed()
+        cls.certificate = cls.fleet.dir(CLOUD) / "keys/gateway.crt"
+        cls.fleet.wait("the gateway is ready", cls.is_ready, 20)
+        made = cls.fleet.json("cloud", "password", cls.fleet.dir(CLOUD))
+        cls.secrets = [made["password"]]
+        cls.admin = cls.client()
+        assert cls.admin.sign_in("admin", made["password"]).status == 201
+        cls.fleet.wait("the robot is shown online", cls.is_online, 20)
+        for name, role in (("vic", "viewer"), ("olga", "operator")):
+            answer = cls.admin.ask("POST", "/api/v1/users", {"name": name, "role": role, "password": GOOD})
+            assert answer.status == 201, answer.bytes
+        cls.viewer, cls.operator = cls.client(), cls.client()
+        assert cls.viewer.sign_in("vic", GOOD).status == 201
+        assert cls.operator.sign_in("olga", GOOD).status == 201
+
+    @classmethod
+    def client(cls, token=None):
+        return gateway_client.Client(cls.port, cls.certificate, token)
+
+    @classmethod
+    def is_online(cls):
+        answer = cls.admin.ask("GET", f"/api/v1/robots/{ROBOT}")
+        return answer.status == 200 and answer.json["content"]["connection"] == "ONLINE"
+
+    @classmethod
+    def is_ready(cls):
+        try:
+            return cls.client().ask("GET", "/api/v1/ready").status == 200
+        except (OSError, FileNotFoundError):
+            return False
+
+    def kill_gateway(self):
+        pid = self.fleet.pid(CLOUD, "cloud-gateway")
+        os.kill(pid, signal.SIGKILL)
+        self.fleet.wait("another gateway", lambda: self.fleet.pid(CLOUD, "cloud-gateway") not in (None, pid) and
+                        self.is_ready(), 20)
+
+    def assert_problem(self, answer, status, code=None):
+        self.assertEqual(answer.status, status, answer.bytes)
+        self.assertEqual(answer.headers["Content-Type"], "application/problem+json")
+        self.assertTrue(answer.json["errors"][0]["hint"], answer.bytes)
+        if code:
+            self.assertTrue(answer.json["type"].endswith(code), answer.bytes)
