@@ -1,0 +1,93 @@
+import { describe, expect, it } from 'vitest';
+import { allPages, Client, urlOf } from './client';
+import { Problem } from './problem';
+
+interface Sent {
+  url: string;
+  init: RequestInit;
+}
+
+/** A gateway that gives these answers one after the other. */
+function gateway(...answers: (Response | Error)[]): { client: Client; sent: Sent[] } {
+  const sent: Sent[] = [];
+  const client = new Client(async (url, init) => {
+    sent.push({ url, init });
+    const next = answers.shift();
+    if (next === undefined || next instanceof Error) throw next ?? new Error('no more answers');
+    return next;
+  });
+  return { client, sent };
+}
+
+function json(body: unknown, status = 200, headers: Record<string, string> = {}): Response {
+  const type = status < 400 ? 'application/json' : 'application/problem+json';
+  return new Response(JSON.stringify(body), { status, headers: { 'Content-Type': type, ...headers } });
+}
+
+const header = (sent: Sent | undefined, name: string) => new Headers(sent?.init.headers).get(name);
+
+describe('an address', () => {
+  it('has its parameters escaped, so that no id becomes another path', () => {
+    expect(urlOf('/api/v1/robots/{robot}', { robot: '../users' })).toBe('/api/v1/robots/..%2Fusers');
+    expect(urlOf('/api/v1/robots', {}, { limit: 5, cursor: undefined, name: 'a b' })).toBe('/api/v1/robots?limit=5&name=a+b');
+  });
+
+  it('is refused without its parameter', () => {
+    expect(() => urlOf('/api/v1/robots/{robot}')).toThrow('robot is missing');
+  });
+});
+
+describe('a request', () => {
+  it('carries the CSRF value if it changes something', async () => {
+    const { client, sent } = gateway(json({}), json({}));
+    client.csrf = 'abc';
+    await client.get('/api/v1/robots');
+    await client.post('/api/v1/stop', { idempotencyKey: 'one', body: { reason: 'smoke' } });
+    expect(header(sent[0], 'X-CSRF-Token')).toBeNull();
+    expect(header(sent[1], 'X-CSRF-Token')).toBe('abc');
+    expect(header(sent[1], 'Idempotency-Key')).toBe('one');
+    expect(sent[1]?.init.body).toBe('{"reason":"smoke"}');
+  });
+
+  it('gives back the version, and names the one that a change is based on', async () => {
+    const { client, sent } = gateway(json({}, 200, { ETag: '"7"' }), new Response(null, { status: 204 }));
+    const { etag } = await client.send('GET', '/api/v1/scenarios/x');
+    await client.send('PUT', '/api/v1/scenarios/x', { ifMatch: etag, body: {} });
+    expect(header(sent[1], 'If-Match')).toBe('"7"');
+  });
+
+  it('that is refused throws all faults', async () => {
+    const faults = [{ pointer: '/tasks/0/robot', detail: 'there is no robot ur4', hint: 'did you mean ur3?' }];
+    const { client } = gateway(json({ type: '/api/v1/problems/bad_value', detail: 'one fault', errors: faults }, 422));
+    const problem = (await client.post('/x').catch((error: unknown) => error)) as Problem;
+    expect(problem).toBeInstanceOf(Problem);
+    expect([problem.status, problem.code, problem.hints]).toEqual([422, 'bad_value', ['did you mean ur3?']]);
+    expect(problem.at('/tasks/0/robot')).toEqual(faults);
+  });
+
+  it('that has to wait says how long', async () => {
+    const { client } = gateway(json({ type: 'wait', detail: 'no sign-in now' }, 429, { 'Retry-After': '12' }));
+    await expect(client.post('/x')).rejects.toMatchObject({ retryAfterS: 12 });
+  });
+
+  it('without an answer is a problem too', async () => {
+    const { client } = gateway(new TypeError('Failed to fetch'));
+    await expect(client.get('/x')).rejects.toMatchObject({ isUnreachable: true });
+  });
+
+  it('whose session is over leads to the sign-in, once', async () => {
+    const { client } = gateway(json({}, 401), json({}, 401));
+    let times = 0;
+    client.onSignedOut = () => ++times;
+    client.csrf = 'abc';
+    await expect(client.get('/x')).rejects.toMatchObject({ status: 401 });
+    await expect(client.get('/x')).rejects.toMatchObject({ status: 401 });
+    expect([times, client.csrf]).toEqual([1, '']);
+  });
+});
+
+it('reads a list to its last page', async () => {
+  const { client, sent } = gateway(json({ items: [1, 2], next: 'abc' }), json({ items: [3], next: '' }));
+  expect(await allPages(client, '/api/v1/robots')).toEqual([1, 2, 3]);
+  expect(sent[1]?.url).toBe('/api/v1/robots?limit=100&cursor=abc');
+});

@@ -1,0 +1,53 @@
+/** RFC 9457, as the gateway answers each refused request. */
+export interface Fault {
+  pointer: string;
+  detail: string;
+  hint: string;
+}
+
+export class Problem extends Error {
+  constructor(
+    readonly status: number,
+    readonly code: string,
+    readonly detail: string,
+    readonly faults: Fault[] = [],
+    readonly retryAfterS = 0,
+  ) {
+    super(detail);
+    this.name = 'Problem';
+  }
+
+  /** The gateway has the route, but it does nothing yet. */
+  get isNotBuilt(): boolean {
+    return this.status === 501;
+  }
+
+  /** No answer came: the gateway cannot be reached. */
+  get isUnreachable(): boolean {
+    return this.status === 0;
+  }
+
+  get hints(): string[] {
+    return this.faults.map((fault) => fault.hint).filter((hint) => hint !== '');
+  }
+
+  /** The faults of one member of the request, by its JSON pointer. */
+  at(pointer: string): Fault[] {
+    return this.faults.filter((fault) => fault.pointer === pointer);
+  }
+}
+
+export function unreachable(): Problem {
+  return new Problem(0, 'unreachable', 'the gateway cannot be reached');
+}
+
+export async function problemOf(response: Response): Promise<Problem> {
+  const retry = Number(response.headers.get('Retry-After') ?? 0) || 0;
+  try {
+    const body = await response.json();
+    const code = String(body.type ?? '').split('/').pop() ?? '';
+    return new Problem(response.status, code, String(body.detail ?? body.title ?? ''), body.errors ?? [], retry);
+  } catch {
+    return new Problem(response.status, 'http', `HTTP ${response.status}`, [], retry);
+  }
+}

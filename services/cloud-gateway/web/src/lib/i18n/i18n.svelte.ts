@@ -1,0 +1,60 @@
+/** The words of the chosen language: t('hall.title'), t('common.shown', {shown: 3, all: 9}). */
+import { en, type Key, type Words } from './en';
+import { fr } from './fr';
+
+export type Language = 'en' | 'fr';
+export const languages: Record<Language, { name: string; words: Words }> = {
+  en: { name: 'English', words: en },
+  fr: { name: 'Français', words: fr },
+};
+
+const KEPT = 'trb.language';
+
+function first(): Language {
+  const kept = localStorage.getItem(KEPT);
+  if (kept === 'en' || kept === 'fr') return kept;
+  return navigator.language.startsWith('fr') ? 'fr' : 'en';
+}
+
+class Speech {
+  language = $state<Language>(first());
+
+  choose(language: Language): void {
+    this.language = language;
+    localStorage.setItem(KEPT, language);
+    document.documentElement.lang = language;
+  }
+}
+
+export const speech = new Speech();
+
+export function t(key: Key, values: Record<string, string | number> = {}): string {
+  const [section, word] = key.split('.') as [keyof Words, string];
+  const text = (languages[speech.language].words[section] as Record<string, string>)[word] ?? key;
+  return text.replace(/\{(\w+)\}/g, (whole, name: string) => String(values[name] ?? whole));
+}
+
+/** A key that a view makes from data; the word itself if there is none. */
+export function tOr(section: keyof Words, word: string): string {
+  return (languages[speech.language].words[section] as Record<string, string>)[word] ?? word;
+}
+
+export function formatNumber(value: number, digits = 2): string {
+  return value.toLocaleString(speech.language, { maximumFractionDigits: digits });
+}
+
+/** 4 s, 12 min, 3 h. */
+export function formatAge(seconds: number): string {
+  if (seconds < 60) return `${Math.round(seconds)} s`;
+  if (seconds < 3600) return `${Math.round(seconds / 60)} min`;
+  return `${Math.round(seconds / 3600)} h`;
+}
+
+/** The hour of the day, 24 h; with the date if it was another day. UTC ns, or ISO 8601. */
+export function formatTime(time: number | string): string {
+  const date = new Date(typeof time === 'number' ? time / 1e6 : time);
+  if (Number.isNaN(date.getTime())) return '';
+  const hour = date.toLocaleTimeString(speech.language, { hour12: false });
+  const isToday = date.toDateString() === new Date().toDateString();
+  return isToday ? hour : `${date.toLocaleDateString(speech.language)} ${hour}`;
+}

@@ -1,0 +1,168 @@
+import { describe, expect, it } from 'vitest';
+import { LiveCore, SIGNED_OUT, type Frame } from './core';
+
+const INSTANCE = '17239847298374982731'; // more bits than a number of JavaScript has
+
+function robot(node: string, number: number, fenced = false) {
+  return {
+    kind: 'robot', node, name: '', number, version: number, live: 'live', heard: '2026-01-01T00:00:00.000Z',
+    content: { fenced },
+  };
+}
+
+function gone(node: string, number: number) {
+  return { kind: 'robot', node, name: '', number, removed: true };
+}
+
+function frame(head: number, ...blocks: Partial<Frame['blocks'][number]>[]): string {
+  const whole = blocks.map((block) => ({
+    topic: 'fleet', begins: false, snapshot: false, more: false, to: head, rows: [], ...block,
+  }));
+  const text = JSON.stringify({ count: 1, head, instance: 0, time: '', notices: [], left_out: 0, messages: [], blocks: whole });
+  return text.replace('"instance":0', `"instance":${INSTANCE}`);
+}
+
+function snapshot(...rows: unknown[]) {
+  return { begins: true, snapshot: true, rows: rows as never[] };
+}
+
+function delta(...rows: unknown[]) {
+  return { rows: rows as never[] };
+}
+
+/** A page that shows the fleet, connected at time 0. */
+function openPage(): LiveCore {
+  const core = new LiveCore();
+  core.use('fleet');
+  expect(core.start(0).connect).toBe(true);
+  expect(core.opened(0).send).toEqual(['{"subscribe":"fleet"}']);
+  return core;
+}
+
+const ids = (core: LiveCore) => [...core.rows('fleet').values()].map((row) => row.node);
+
+describe('rows', () => {
+  it('shows a snapshot once it is whole', () => {
+    const core = openPage();
+    core.heard(frame(5, { ...snapshot(robot('ur3', 4)), more: true }), 10);
+    expect(ids(core)).toEqual([]);
+    core.heard(frame(5, { snapshot: true, rows: [robot('drone', 5)] as never[] }), 20);
+    expect(ids(core)).toEqual(['ur3', 'drone']);
+    expect(core.isKnown('fleet')).toBe(true);
+  });
+
+  it('applies changes and removals', () => {
+    const core = openPage();
+    core.heard(frame(5, snapshot(robot('ur3', 4), robot('drone', 5))), 10);
+    core.heard(frame(7, delta(robot('ur3', 6, true), gone('drone', 7))), 20);
+    expect([...core.rows('fleet').values()].map((row) => row.content)).toEqual([{ fenced: true }]);
+  });
+
+  it('keeps the old rows until a new snapshot is whole, and drops what it lacks', () => {
+    const core = openPage();
+    core.heard(frame(5, snapshot(robot('ur3', 4), robot('drone', 5))), 10);
+    core.heard(frame(9, { ...snapshot(robot('ur3', 8)), more: true }), 20);
+    expect(ids(core)).toEqual(['ur3', 'drone']);
+    core.heard(frame(9, { snapshot: true, rows: [] }), 30);
+    expect(ids(core)).toEqual(['ur3']);
+  });
+
+  it('ignores a block of a topic that was left a moment ago', () => {
+    const core = openPage();
+    core.leave('fleet');
+    core.heard(frame(5, snapshot(robot('ur3', 4))), 10);
+    expect(ids(core)).toEqual([]);
+  });
+});
+
+describe('topics', () => {
+  it('are subscribed by their first user and ended by their last one', () => {
+    const core = openPage();
+    expect(core.use('alerts').send).toEqual(['{"subscribe":"alerts"}']);
+    expect(core.use('alerts').send).toEqual([]);
+    expect(core.leave('alerts').send).toEqual([]);
+    expect(core.leave('alerts').send).toEqual(['{"unsubscribe":"alerts"}']);
+    expect(core.leave('alerts').send).toEqual([]);
+  });
+});
+
+describe('a lost connection', () => {
+  it('is noticed after 3 s without a frame', () => {
+    const core = openPage();
+    core.heard(frame(5, snapshot(robot('ur3', 4))), 1000);
+    expect(core.tick(3900).close).toBeUndefined();
+    expect(core.isLost).toBe(false);
+    expect(core.tick(4000).close).toBe(true);
+    expect(core.isLost).toBe(true);
+  });
+
+  it('keeps what it shows, and resumes at its number with every bit of the instance', () => {
+    const core = openPage();
+    core.heard(frame(5, snapshot(robot('ur3', 4))), 1000);
+    core.closed(1006, 1100);
+    expect(ids(core)).toEqual(['ur3']);
+    expect(core.tick(1200).connect).toBeUndefined();
+    expect(core.tick(1350).connect).toBe(true);
+    expect(core.opened(1400).send).toEqual([`{"subscribe":"fleet","instance":${INSTANCE},"from":5}`]);
+    core.heard(frame(6, delta(robot('drone', 6))), 1500);
+    expect(ids(core)).toEqual(['ur3', 'drone']);
+  });
+
+  it('does not resume a topic of which it has no whole snapshot', () => {
+    const core = openPage();
+    core.heard(frame(5, { ...snapshot(robot('ur3', 4)), more: true }), 1000);
+    core.closed(1006, 1100);
+    core.tick(1350);
+    expect(core.opened(1400).send).toEqual(['{"subscribe":"fleet"}']);
+  });
+
+  it('tries again with longer waits, 2 s at most, for ever', () => {
+    const core = openPage();
+    const waits: number[] = [];
+    for (let now = 0, i = 0; i < 6; ++i) {
+      core.closed(1006, now);
+      const from = now;
+      while (core.tick(now).connect === undefined) now += 50;
+      waits.push(now - from);
+    }
+    expect(waits).toEqual([250, 500, 1000, 2000, 2000, 2000]);
+  });
+
+  it('gives a connection 3 s to open', () => {
+    const core = new LiveCore();
+    core.start(0);
+    expect(core.tick(2900).close).toBeUndefined();
+    expect(core.tick(3000).close).toBe(true);
+    expect(core.tick(3250).connect).toBe(true);
+  });
+
+  it('starts anew when the gateway has', () => {
+    const core = openPage();
+    core.heard(frame(500, snapshot(robot('ur3', 4))), 1000);
+    const restarted = JSON.parse(frame(3, snapshot(robot('drone', 2)))) as Frame;
+    restarted.notices = [{ topic: 'fleet', kind: 'restarted' }];
+    core.heard(JSON.stringify(restarted), 2000);
+    expect(ids(core)).toEqual(['drone']);
+  });
+});
+
+describe('a sign-out', () => {
+  it('forgets everything and does not connect again', () => {
+    const core = openPage();
+    core.heard(frame(5, snapshot(robot('ur3', 4))), 1000);
+    core.closed(SIGNED_OUT, 1100);
+    expect(core.phase).toBe('off');
+    expect(ids(core)).toEqual([]);
+    expect(core.tick(9000)).toEqual({ send: [] });
+  });
+});
+
+describe('a refused word', () => {
+  it('is told, and changes no row', () => {
+    const core = openPage();
+    const told: string[] = [];
+    core.onError = (detail) => told.push(detail);
+    core.heard('{"error":{"detail":"topic: \'secrets\' is none"}}', 10);
+    expect(told).toEqual(["topic: 'secrets' is none"]);
+  });
+});

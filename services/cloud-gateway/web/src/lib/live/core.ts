@@ -1,0 +1,208 @@
+/**
+ * The page's side of /api/v1/live, without a socket or a clock: words and times in, words to send and waits out.
+ *
+ * | State      | Event                        | Does                                              | Next       |
+ * |------------|------------------------------|---------------------------------------------------|------------|
+ * | off        | start                        | connect                                           | connecting |
+ * | connecting | opened                       | subscribe every topic, resume those that are known | open       |
+ * | connecting | closed, 3 s without an answer | wait 0.25 s, doubled each time, 2 s at most       | waiting    |
+ * | open       | frame                        | rows of its blocks                                | open       |
+ * | open       | closed, 3 s without a frame  | as above                                          | waiting    |
+ * | waiting    | the wait is over             | connect                                           | connecting |
+ * | any        | closed with 4401, stop       | forget everything                                 | off        |
+ */
+import type { RemovedRow, Row } from '../api/types';
+
+export const SIGNED_OUT = 4401;
+const QUIET_MS = 3000; // the gateway sends a frame each second, even if nothing has changed
+const FIRST_WAIT_MS = 250;
+const MOST_WAIT_MS = 2000;
+
+export type Phase = 'off' | 'connecting' | 'open' | 'waiting';
+export type Notice = 'dropped' | 'too_old' | 'restarted';
+
+interface Block {
+  topic: string;
+  begins: boolean;
+  snapshot: boolean;
+  more: boolean;
+  to: number;
+  rows: (Row | RemovedRow)[];
+}
+
+export interface Frame {
+  count: number;
+  head: number;
+  time: string;
+  notices: { topic: string; kind: Notice }[];
+  left_out: number;
+  messages: unknown[];
+  blocks: Block[];
+}
+
+export interface Act {
+  connect?: true;
+  close?: true;
+  send: string[];
+}
+
+export type Rows = Map<string, Row>;
+
+export function keyOf(row: { kind: string; node: string; name: string }): string {
+  return `${row.kind}/${row.node}/${row.name}`;
+}
+
+/** Rows of one topic. A snapshot replaces the rows only once it is whole: nobody sees half a fleet. */
+class TopicTable {
+  rows: Rows = new Map();
+  isKnown = false;
+  users = 0;
+  private coming: Rows | null = null;
+
+  take(block: Block): void {
+    if (block.snapshot && block.begins) this.coming = new Map();
+    const rows = this.coming ?? this.rows;
+    for (const row of block.rows) put(rows, row);
+    if (block.more || this.coming === null) return;
+    this.rows = this.coming;
+    this.coming = null;
+    this.isKnown = true;
+  }
+
+  restart(): void {
+    this.coming = null;
+  }
+}
+
+function put(rows: Rows, row: Row | RemovedRow): void {
+  if ('removed' in row) rows.delete(keyOf(row));
+  else rows.set(keyOf(row), row);
+}
+
+/** The instance has 64 bits: as a number of JavaScript it would lose some. */
+function instanceIn(text: string): string {
+  return /"instance":(\d+)/.exec(text.slice(0, 300))?.[1] ?? '';
+}
+
+export class LiveCore {
+  phase: Phase = 'off';
+  /** When the last frame came, by the clock of now(); nothing: none yet. */
+  heardAt: number | null = null;
+  leftOut = 0;
+  onRows: (topic: string) => void = () => {};
+  onMessages: (messages: unknown[], leftOut: number) => void = () => {};
+  onError: (detail: string) => void = () => {};
+
+  private readonly topics = new Map<string, TopicTable>();
+  private instance = '';
+  private resumeFrom = 0;
+  private wait = FIRST_WAIT_MS;
+  private since = 0;
+
+  /** True: what is shown may be old, and nothing newer comes at the moment. */
+  get isLost(): boolean {
+    return this.phase !== 'open' || this.heardAt === null;
+  }
+
+  start(now: number): Act {
+    if (this.phase !== 'off') return { send: [] };
+    return this.connect(now);
+  }
+
+  stop(): Act {
+    this.forget();
+    return { close: true, send: [] };
+  }
+
+  opened(now: number): Act {
+    this.phase = 'open';
+    this.since = now;
+    return { send: [...this.topics].map(([topic, table]) => this.subscription(topic, table)) };
+  }
+
+  closed(code: number, now: number): Act {
+    if (code === SIGNED_OUT) this.forget();
+    if (this.phase === 'off' || this.phase === 'waiting') return { send: [] };
+    this.phase = 'waiting';
+    this.since = now;
+    return { send: [] };
+  }
+
+  tick(now: number): Act {
+    if (this.phase === 'waiting' && now - this.since >= this.wait) {
+      this.wait = Math.min(this.wait * 2, MOST_WAIT_MS);
+      return this.connect(now);
+    }
+    const quiet = now - Math.max(this.since, this.phase === 'open' ? (this.heardAt ?? 0) : 0);
+    if ((this.phase !== 'open' && this.phase !== 'connecting') || quiet < QUIET_MS) return { send: [] };
+    this.phase = 'waiting';
+    this.since = now;
+    return { close: true, send: [] };
+  }
+
+  /** The first user of a topic subscribes it, the last one ends it. */
+  use(topic: string): Act {
+    const table = this.topics.get(topic) ?? new TopicTable();
+    this.topics.set(topic, table);
+    const isNew = ++table.users === 1;
+    return { send: isNew && this.phase === 'open' ? [this.subscription(topic, table)] : [] };
+  }
+
+  leave(topic: string): Act {
+    const table = this.topics.get(topic);
+    if (table === undefined || --table.users > 0) return { send: [] };
+    this.topics.delete(topic);
+    return { send: this.phase === 'open' ? [JSON.stringify({ unsubscribe: topic })] : [] };
+  }
+
+  rows(topic: string): Rows {
+    return this.topics.get(topic)?.rows ?? new Map();
+  }
+
+  isKnown(topic: string): boolean {
+    return this.topics.get(topic)?.isKnown ?? false;
+  }
+
+  heard(text: string, now: number): void {
+    const word = JSON.parse(text) as Frame & { error?: { detail?: string } };
+    if (word.error !== undefined) return this.onError(word.error.detail ?? '');
+    this.heardAt = now;
+    this.wait = FIRST_WAIT_MS;
+    this.instance = instanceIn(text);
+    for (const notice of word.notices) this.topics.get(notice.topic)?.restart();
+    for (const block of word.blocks) this.take(block);
+    if (word.messages.length > 0 || word.left_out > 0) this.onMessages(word.messages, word.left_out);
+    if (!word.blocks.some((block) => block.more)) this.resumeFrom = word.head;
+  }
+
+  private take(block: Block): void {
+    const table = this.topics.get(block.topic);
+    if (table === undefined) return; // left a moment ago
+    table.take(block);
+    this.onRows(block.topic);
+  }
+
+  private subscription(topic: string, table: TopicTable): string {
+    const word = JSON.stringify({ subscribe: topic });
+    if (!table.isKnown || this.instance === '') return word;
+    return `${word.slice(0, -1)},"instance":${this.instance},"from":${this.resumeFrom}}`;
+  }
+
+  private connect(now: number): Act {
+    this.phase = 'connecting';
+    this.since = now;
+    return { connect: true, send: [] };
+  }
+
+  private forget(): void {
+    this.phase = 'off';
+    this.instance = '';
+    this.heardAt = null;
+    this.wait = FIRST_WAIT_MS;
+    for (const table of this.topics.values()) {
+      table.rows = new Map();
+      table.isKnown = false;
+      table.restart();
+    }
+  }
+}

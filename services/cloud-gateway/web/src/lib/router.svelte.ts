@@ -1,0 +1,31 @@
+/** The address after '#': #/robots/ur3 is the view `robots` with the part `ur3`. */
+class Router {
+  parts = $state<string[]>(partsOf(location.hash));
+
+  constructor() {
+    addEventListener('hashchange', () => (this.parts = partsOf(location.hash)));
+  }
+}
+
+export function partsOf(hash: string): string[] {
+  return hash.replace(/^#\/?/, '').split('/').filter((part) => part !== '').map(decoded);
+}
+
+/** The address of a view: hrefOf('robots', 'ur3'). */
+export function hrefOf(...parts: string[]): string {
+  return `#/${parts.map(encodeURIComponent).join('/')}`;
+}
+
+function decoded(part: string): string {
+  try {
+    return decodeURIComponent(part);
+  } catch {
+    return part; // a wrong escape that somebody has typed
+  }
+}
+
+export const router = new Router();
+
+export function go(...parts: string[]): void {
+  location.hash = hrefOf(...parts);
+}

@@ -1,0 +1,69 @@
+/** Who is signed in. Nothing is kept in the browser but the cookie, which no script can read. */
+import { api, Problem } from './api/client';
+import type { Role, Session } from './api/types';
+import { live } from './live/live.svelte';
+
+const ROLES: Role[] = ['viewer', 'operator', 'admin'];
+
+export type SignInState = 'asking' | 'out' | 'ended' | 'in';
+
+class SessionStore {
+  state = $state<SignInState>('asking');
+  user = $state('');
+  role = $state<Role>('viewer');
+  /** The gateway could not be asked whether there is a session. */
+  isUnreachable = $state(false);
+
+  constructor() {
+    api.onSignedOut = () => this.end('ended');
+  }
+
+  may(least: Role): boolean {
+    return ROLES.indexOf(this.role) >= ROLES.indexOf(least);
+  }
+
+  /** The session of the cookie, if there is one. */
+  async find(): Promise<void> {
+    try {
+      this.begin(await api.get<Session>('/api/v1/session'));
+    } catch (problem) {
+      this.isUnreachable = problem instanceof Problem && problem.isUnreachable;
+      this.state = 'out';
+    }
+  }
+
+  async signIn(user: string, password: string): Promise<void> {
+    this.begin(await api.post<Session>('/api/v1/session', { body: { user, password } }));
+  }
+
+  async signOut(): Promise<void> {
+    await this.leave('/api/v1/session');
+  }
+
+  async signOutEverywhere(): Promise<void> {
+    await this.leave('/api/v1/me/sessions');
+  }
+
+  private async leave(path: string): Promise<void> {
+    await api.send('DELETE', path);
+    api.csrf = '';
+    this.end('out');
+  }
+
+  private begin(session: Session): void {
+    api.csrf = session.csrf;
+    this.user = session.user;
+    this.role = session.role;
+    this.isUnreachable = false;
+    this.state = 'in';
+    live.start();
+  }
+
+  private end(state: SignInState): void {
+    live.stop();
+    this.state = state;
+    this.user = '';
+  }
+}
+
+export const session = new SessionStore();

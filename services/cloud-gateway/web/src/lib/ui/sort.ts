@@ -1,0 +1,23 @@
+export type Cell = string | number | null;
+export interface Column<Item> {
+  key: string;
+  label: string;
+  /** What it is sorted by, and shown as if the table has no cell of its own for it. */
+  value: (item: Item) => Cell;
+  /** Numbers stand at the right. */
+  isNumber?: boolean;
+}
+
+function compare(a: Cell, b: Cell): number {
+  if (a === null || b === null) return Number(a === null) - Number(b === null);
+  if (typeof a === 'number' && typeof b === 'number') return a - b;
+  return String(a).localeCompare(String(b), undefined, { numeric: true });
+}
+
+/** Stable; what has no value comes last in both directions. */
+export function sorted<Item>(items: Item[], column: Column<Item>, isDown: boolean): Item[] {
+  return items
+    .map((item) => ({ item, cell: column.value(item) }))
+    .sort((a, b) => compare(a.cell, b.cell) * (isDown && a.cell !== null && b.cell !== null ? -1 : 1))
+    .map((one) => one.item);
+}

@@ -1,0 +1,24 @@
+/** Every view of the page: a line each. Heavy ones are loaded when they are opened. */
+import type { Component } from 'svelte';
+import type { Role } from '../lib/api/types';
+import type { Key } from '../lib/i18n/en';
+
+export interface View {
+  /** The first part of its address: #/robots/ur3 is `robots`. */
+  path: string;
+  title: Key;
+  /** Its component gets `parts`, the rest of the address; most need none. */
+  load: () => Promise<{ default: Component<any> }>;
+  /** In the navigation. */
+  isListed?: boolean;
+  /** Who may open it; everybody, without it. */
+  least?: Role;
+}
+
+export const views: View[] = [
+  { path: 'hall', title: 'hall.title', load: () => import('./hall/Hall.svelte'), isListed: true },
+  { path: 'robots', title: 'robot.title', load: () => import('./robot/Robot.svelte') },
+  { path: 'tokens', title: 'tokens.title', load: () => import('./tokens/Tokens.svelte') },
+];
+
+export const FIRST = 'hall';
