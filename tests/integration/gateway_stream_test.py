@@ -112,6 +112,91 @@ class Stream(GatewayCase):
         self.assertIn("error", live.until(lambda heard: "error" in heard))
         self.assertEqual([order for order in self.tap.bodies("sensor_watch") if order["sensor"] == "none"], [])
 
+    # ---- messages
+
+    def send(self, client=None, key=None, **body):
+        more = {"Idempotency_Key": key} if key else {}
+        return (client or self.operator).ask("POST", "/api/v1/messages", body, **more)
+
+    def request(self, subtype, **more):
+        return self.operator.ask("POST", "/api/v1/messages/requests", {"target": ROBOT, "subtype": subtype, **more})
+
+    def messages(self, query=""):
+        answer = self.viewer.ask("GET", f"/api/v1/messages{query}")
+        self.assertEqual(answer.status, 200, answer.bytes)
+        return answer.json
+
+    def test_a_command_reaches_the_robot_and_is_seen_on_its_way(self):
+        sent = self.send(target=ROBOT, type="command", subtype="move", data={"linear": {"x": 0.1}}, take=True)
+        self.assertEqual(sent.status, 200, sent.bytes)
+        self.assertEqual((sent.json["answer"]["source"], sent.json["answer"]["subtype"]), (ROBOT, "ack"))
+        seen = self.messages(f"?robot={ROBOT}&subtype=move&type=command")["items"][0]
+        self.assertEqual((seen["target"], seen["phase"], seen["data"]), (ROBOT, "task", '{"linear":{"x":0.1}}'))
+        record = self.admin.ask("GET", "/api/v1/audit?limit=1").json["records"][0]
+        self.assertEqual((record["who"], record["about"], record["outcome"]), ("olga", f"{ROBOT} command move", "done"))
+
+    def test_a_robots_answer_comes_back_whatever_it_is(self):
+        answer = self.request("battery")
+        self.assertEqual(answer.status, 200, answer.bytes)
+        self.assertEqual(answer.json["answer"]["source"], ROBOT)
+        self.assertEqual(self.request("no_such_word", timeout_s=1).json["answer"]["data"], "unknown")
+
+    def test_a_send_with_a_key_is_done_once(self):
+        greeting = {"target": ROBOT, "type": "information", "subtype": "greeting", "data": "hello once"}
+        before = len(self.messages("?subtype=greeting&limit=500")["items"])
+        first, again = (self.send(key="greet", **greeting) for _ in range(2))
+        self.assertEqual((first.status, again.status, again.headers["Idempotent-Replay"]), (200, 200, "true"))
+        self.fleet.wait("it is seen", lambda: len(self.messages("?subtype=greeting&limit=500")["items"]) > before, 5)
+        seen = {(row["id"]) for row in self.messages("?subtype=greeting&limit=500")["items"] if row["direction"] != "<"}
+        self.assertEqual(len(seen) - before, 1)
+        self.assert_problem(self.send(key="greet", **{**greeting, "data": "another"}), 409)
+
+    def test_who_may_not_send_and_what_may_not_be_sent(self):
+        good = {"target": ROBOT, "type": "information", "subtype": "greeting", "data": "hello"}
+        self.assert_problem(self.send(self.viewer, **good), 403, "role_too_low")
+        for wrong, status in (({"target": "nobody"}, 404), ({"target": 5}, 422), ({"type": "request"}, 422),
+                              ({"type": "none"}, 422), ({"type": "shout"}, 422), ({"subtype": "two words"}, 422),
+                              ({"subtype": "../../etc"}, 422), ({"subtype": "x" * 65}, 413), ({"timeout_s": 31}, 422),
+                              ({"timeout_s": 0}, 422), ({"more": 1}, 422), ({"take": "yes"}, 422),
+                              # The node would sign and decide in the name of anybody:
+                              ({"subtype": "sign_request"}, 403), ({"subtype": "alert_decide"}, 403),
+                              ({"subtype": "stop"}, 403), ({"subtype": "run_decision"}, 403)):
+            with self.subTest(wrong):
+                self.assert_problem(self.send(**{**good, **wrong}), status)
+        for missing in ("target", "type", "subtype"):
+            with self.subTest(missing):
+                self.assert_problem(self.send(**{name: value for name, value in good.items() if name != missing}), 400)
+        self.assert_problem(self.request("sign_request"), 403)
+
+    def test_recent_messages_in_pages_and_by_filters(self):
+        for i in range(5):
+            self.send(target=ROBOT, type="information", subtype="paged", data=str(i))
+        first = self.messages("?subtype=paged&limit=2")
+        second = self.messages(f"?subtype=paged&limit=2&cursor={first['next']}")
+        numbers = [row["number"] for row in first["items"] + second["items"]]
+        self.assertEqual(numbers, sorted(numbers, reverse=True))
+        self.assertEqual(len(set(numbers)), 4)
+        self.assertEqual(self.messages("?subtype=<script>")["items"], [])
+        self.assertEqual({row["phase"] for row in self.messages("?phase=upkeep")["items"]}, {"upkeep"})
+        self.assertNotIn("upkeep", {row["phase"] for row in self.messages()["items"]})
+        self.assertGreater(first["phases"]["upkeep"], 0)
+        self.assertGreaterEqual(first["phases"]["task"], 5)
+        for wrong in ("?phase=lunch", "?type=shout", "?limit=0", "?limit=501", "?cursor=x", "?limit=-1"):
+            self.assert_problem(self.viewer.ask("GET", f"/api/v1/messages{wrong}"), 422)
+
+    def test_messages_are_heard_live_with_the_count_of_each_phase(self):
+        live = self.open_live()
+        live.say({"subscribe": "messages"})
+        live.until(lambda heard: "head" in heard)
+        self.send(target=ROBOT, type="information", subtype="live_word", data="<b>&")
+
+        def heard_it(frame):
+            return any(one["subtype"] == "live_word" for one in frame.get("messages", []))
+        frame = live.until(heard_it)
+        word = next(one for one in frame["messages"] if one["subtype"] == "live_word")
+        self.assertEqual((word["target"], word["data"], word["type"]), (ROBOT, "<b>&", "information"))
+        self.assertGreater(frame["phases"]["task"], 0)
+
 
 if __name__ == "__main__":
     support.main()

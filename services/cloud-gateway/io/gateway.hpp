@@ -9,6 +9,7 @@
 #include "common/base/steady_time.hpp"
 #include "common/operator/session.hpp"
 #include "services/cloud-gateway/core/live/fleet_view.hpp"
+#include "services/cloud-gateway/core/live/message_log.hpp"
 #include "services/cloud-gateway/core/live/subscriptions.hpp"
 #include "services/cloud-gateway/io/access.hpp"
 #include "services/cloud-gateway/io/json_rows.hpp"
@@ -33,6 +34,7 @@ struct Gateway {
   RowBook& book;
   FleetView& fleet;
   Subscriptions& clients;
+  MessageLog& messages;  ///< what has passed this node's router
   std::string node_dir;
   std::function<bool()> is_ready;                  ///< the node's router is there
   std::function<void(const Error&)> on_unwritten;  ///< a commit has failed: the process ends

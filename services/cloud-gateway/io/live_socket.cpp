@@ -1,6 +1,7 @@
 #include "services/cloud-gateway/io/live_socket.hpp"
 
 #include "services/cloud-gateway/io/api/call.hpp"
+#include "services/cloud-gateway/io/json_messages.hpp"
 #include "services/cloud-gateway/io/json_text.hpp"
 
 namespace trb::gateway {
@@ -37,9 +38,11 @@ std::string json_notices(const std::vector<Notice>& notices) {
 }
 
 /// {"count": ..., "blocks": [ and what follows it; the blocks themselves are shared with other clients.
-std::vector<SharedPart> parts_of(const Frame& frame, std::uint64_t instance) {
+std::vector<SharedPart> parts_of(const Frame& frame, const Gateway& gateway) {
   JsonObject head;
-  head.number("count", frame.count).number("head", frame.head).number("instance", instance).time("time", frame.time);
+  head.number("count", frame.count).number("head", frame.head).number("instance", gateway.clients.instance());
+  head.time("time", frame.time);
+  if (!frame.messages.empty()) head.raw("phases", json_phases(gateway.messages.counts()));
   head.raw("notices", json_notices(frame.notices)).number("left_out", frame.left_out);
   JsonList messages;
   for (const SharedBytes& one : frame.messages) messages.add(*one);
@@ -126,7 +129,7 @@ void LiveSocket::pump() {
   if (!frame) return;
   sending_ = true;
   ++gateway_.counts.frames;
-  out_->send(parts_of(*frame, gateway_.clients.instance()));
+  out_->send(parts_of(*frame, gateway_));
 }
 
 void LiveSocket::on_sent() {

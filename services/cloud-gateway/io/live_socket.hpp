@@ -13,7 +13,7 @@ namespace trb::gateway {
 /// The client sends {"subscribe": TOPIC, "instance": N, "from": N} (the last two to resume) or {"unsubscribe": TOPIC}.
 /// It receives {"error": PROBLEM} for a word that is wrong, and frames:
 /// {"count", "head", "instance", "time", "notices": [{"topic", "kind"}], "blocks": [{"topic", "begins", "more", "to",
-/// "rows": [ROW]}], "messages": [...], "left_out"}.
+/// "rows": [ROW]}], "messages": [MESSAGE], "left_out"}; with messages also "phases", how many of each have passed.
 ///
 /// -      | the socket is open   | idle
 /// idle   | a frame is due       | sending

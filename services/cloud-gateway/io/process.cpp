@@ -3,6 +3,7 @@
 #include <boost/asio/executor_work_guard.hpp>
 
 #include "common/log/log.hpp"
+#include "services/cloud-gateway/io/json_messages.hpp"
 #include "services/cloud-gateway/io/live_socket.hpp"
 #include "services/cloud-gateway/io/loop_bridge.hpp"
 
@@ -42,12 +43,14 @@ Process::Process(Service& service, GatewayDb& db, Access& access, std::string no
       core_(book_, view_, access) {}
 
 Gateway Process::gateway_of(op::Session& session) {
-  return {access_, db_, passwords_, session, book_, view_, clients_, node_dir_, {}, {}};
+  return {access_, db_, passwords_, session, book_, view_, clients_, messages_, node_dir_, {}, {}};
 }
 
 Result<int> Process::run(const HttpServerSettings& settings, const std::vector<std::string>& origins) {
   auto person = op::BusSession::open("gateway");
   if (!person) return person.error();
+  const auto tap = open_tap(**person);
+  if (!tap) return tap.error();
   Gateway gateway = gateway_of((*person)->session());
   gateway.is_ready = [&person] { return (*person)->is_up(); };
   gateway.on_unwritten = [this](const Error& error) { end_unwritten(error); };
@@ -72,6 +75,20 @@ void Process::add_timers(Gateway& gateway, SignIns& sign_ins) {
   service_.timer([this] { return access_.sign_in.next_deadline(); }, [&sign_ins](Now) { sign_ins.tick(); });
   service_.timer([this] { return std::optional(house_kept_ + kHouse); },
                  [this, &gateway](Now now) { keep_house(gateway, now); });
+}
+
+Result<std::unique_ptr<op::Tap>> Process::open_tap(op::BusSession& person) {
+  const auto address = tap_address();
+  if (!address) return address.error();
+  return std::make_unique<op::Tap>(person.context(), person.loop(), *address, op::TapFilter{.all = true},
+                                   [this](const op::TapRecord& record) { return on_passed(record); });
+}
+
+/// Encoded for the live stream only while somebody looks.
+bool Process::on_passed(const op::TapRecord& record) {
+  const PassedMessage& passed = messages_.add(record.direction, record.time, record.header);
+  if (passed.phase != CostPhase::upkeep && clients_.wants_messages()) clients_.add_message(json_message(passed));
+  return true;
 }
 
 /// One handler at a time, and between two of them what is ready on the bus: deadlines change by either.

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "common/operator/io/bus_session.hpp"
+#include "common/operator/io/tap.hpp"
 #include "common/service/service.hpp"
 #include "services/cloud-gateway/io/api/api.hpp"
 #include "services/cloud-gateway/io/gateway_core.hpp"
@@ -28,6 +29,8 @@ class Process {
  private:
   Gateway gateway_of(op::Session& session);
   void add_timers(Gateway& gateway, SignIns& sign_ins);
+  Result<std::unique_ptr<op::Tap>> open_tap(op::BusSession& person);
+  bool on_passed(const op::TapRecord& record);
   void drive(op::BusSession& person);
   void pump(Gateway& gateway);
   void follow_topics(Now now);
@@ -44,6 +47,7 @@ class Process {
   FleetView view_{book_};
   JsonRows encoder_;
   Subscriptions clients_;
+  MessageLog messages_;
   GatewayCore core_;
   MonotonicTime house_kept_;
   bool unwritten_ = false;

@@ -33,6 +33,11 @@ std::optional<AuditRecord> audit_of(const RequestDecision& decision, const std::
   return out;
 }
 
+/// What a request is about besides its path's parameters.
+void add_about(AuditRecord& record, const std::string& about) {
+  if (!about.empty()) record.about += (record.about.empty() ? "" : " ") + about;
+}
+
 }  // namespace
 
 const Handler* HandlerTable::find(const Route& route) const {
@@ -49,6 +54,7 @@ Api::Api(Gateway& gateway) : gateway_(gateway) {
   add_robot_routes(gateway, table_);
   add_run_routes(gateway, table_);
   add_alert_routes(gateway, table_);
+  add_message_routes(gateway, table_);
   add_audit_routes(gateway, table_);
 }
 
@@ -80,12 +86,13 @@ void Api::on_request(HttpRequest request, Reply reply) {
 void Api::end(const Call& call, HttpReply reply, const Reply& send) {
   keep_answer(gateway_, call, reply);
   const std::string& who = call.actor.empty() ? call.who().name : call.actor;
-  send(on_record(call.decision, who, call.request.source, std::move(reply)));
+  send(on_record(call.decision, who, call.request.source, std::move(reply), call.about));
 }
 
 HttpReply Api::on_record(const RequestDecision& decision, const std::string& who, const std::string& source,
-                         HttpReply reply) {
+                         HttpReply reply, const std::string& about) {
   if (auto record = audit_of(decision, who, source, reply.status, gateway_.now().utc)) {
+    add_about(*record, about);
     gateway_.access.note(std::move(*record));
   }
   if (!gateway_.commit()) {

@@ -33,6 +33,7 @@ void add_fleet_routes(Gateway& gateway, HandlerTable& table);
 void add_robot_routes(Gateway& gateway, HandlerTable& table);
 void add_run_routes(Gateway& gateway, HandlerTable& table);
 void add_alert_routes(Gateway& gateway, HandlerTable& table);
+void add_message_routes(Gateway& gateway, HandlerTable& table);
 void add_audit_routes(Gateway& gateway, HandlerTable& table);
 
 /// Checks each request, calls its function, notes each change in the audit log, and replies once that is on disk.
@@ -50,7 +51,7 @@ class Api final : public HttpHandler {
   void end(const Call& call, HttpReply reply, const Reply& send);
   /// Notes what was done or refused, commits, and counts; the reply may be sent then.
   HttpReply on_record(const RequestDecision& decision, const std::string& who, const std::string& source,
-                      HttpReply reply);
+                      HttpReply reply, const std::string& about = {});
 
   Gateway& gateway_;
   HandlerTable table_;

@@ -33,6 +33,8 @@ class Call {
 
   std::string actor;  ///< for the audit log, of a request that signs somebody in
 
+  std::string about;  ///< for the audit log, besides the parameters of the path
+
   std::optional<RequestKey> once;  ///< its answer is kept for repeats with this key
 
   [[nodiscard]] const Principal& who() const { return decision.who; }
