@@ -13,6 +13,7 @@ from trb_fleet import CLOUD
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "support"))
 import gateway_client  # noqa: E402
+import gateway_contract  # noqa: E402
 
 ROBOT = "pioneer1"
 SCENARIO = {"name": "short", "tasks": [{"id": "go", "robot": ROBOT, "skill": "go_to", "data": {"place": "dock"}}]}
@@ -30,6 +31,7 @@ class Fleet(trb_fleet.Fleet):
 class GatewayCase(unittest.TestCase):
     block, udp_port = 0, 0  # each test file has its own
     fleet_kind = Fleet
+    contract = gateway_contract.Contract()
 
     @classmethod
     def setUpClass(cls):
@@ -55,7 +57,7 @@ class GatewayCase(unittest.TestCase):
 
     @classmethod
     def client(cls, token=None):
-        return gateway_client.Client(cls.port, cls.certificate, token)
+        return gateway_client.Client(cls.port, cls.certificate, token, cls.contract)
 
     @classmethod
     def is_online(cls):

@@ -128,6 +128,12 @@ class Gateway(GatewayCase):
         self.assertEqual(answer.headers["X-Content-Type-Options"], "nosniff")
         self.assertIsNone(answer.headers["Server"])
 
+    def test_the_description_is_served(self):
+        answer = self.client().ask("GET", "/api/v1/openapi.json")
+        self.assertEqual((answer.status, answer.json), (200, self.contract.document))
+        again = self.client().ask("GET", "/api/v1/openapi.json", If_None_Match=answer.headers["ETag"])
+        self.assertEqual((again.status, again.bytes), (304, b""))
+
     # ---- the fleet
 
     def test_a_robot_and_what_has_not_changed(self):

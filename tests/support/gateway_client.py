@@ -22,10 +22,12 @@ class Answer:
 class Client:
     """One browser, or one program with a token. Keeps cookie and CSRF value as a page does."""
 
-    def __init__(self, port, certificate, token=None):
+    def __init__(self, port, certificate, token=None, contract=None):
+        """`contract` (gateway_contract) sees every answer."""
         self.port = port
         self.tls = ssl.create_default_context(cafile=certificate)
         self.token = token
+        self.contract = contract
         self.cookie = None
         self.csrf = None
 
@@ -60,9 +62,12 @@ class Client:
         connection = http.client.HTTPSConnection("localhost", self.port, context=self.tls, timeout=20)
         try:
             connection.request(method, path, data, headers)
-            return Answer(connection.getresponse())
+            answer = Answer(connection.getresponse())
         finally:
             connection.close()
+        if self.contract:
+            self.contract.check(method, path, data, answer)
+        return answer
 
     def sign_in(self, user, password):
         answer = self.ask("POST", "/api/v1/session", {"user": user, "password": password})
@@ -80,6 +85,7 @@ class Live:
     """The live stream: RFC 6455, as much of it as this needs."""
 
     def __init__(self, client, more):
+        self.contract = client.contract
         raw = socket.create_connection(("localhost", client.port), timeout=20)
         self.socket = client.tls.wrap_socket(raw, server_hostname="localhost")
         self.buffer = b""
@@ -127,7 +133,12 @@ class Live:
             if kind == 9:
                 self.socket.sendall(b"\x8a" + bytes([0x80 | len(data)]) + b"\0\0\0\0" + data)
             elif kind in (0, 1):
-                return json.loads(data)
+                return self.checked(json.loads(data))
+
+    def checked(self, message):
+        if self.contract:
+            self.contract.check_live(message)
+        return message
 
     def until(self, found, most=200):
         """The first message for which that is true."""

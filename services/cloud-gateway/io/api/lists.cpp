@@ -2,8 +2,8 @@
 
 #include <map>
 
-#include "services/cloud-gateway/core/live/etag.hpp"
 #include "services/cloud-gateway/core/live/page_cursor.hpp"
+#include "services/cloud-gateway/io/api/conditional.hpp"
 #include "services/cloud-gateway/io/json_text.hpp"
 
 namespace trb::gateway {
@@ -15,21 +15,6 @@ std::map<std::string, const Row*> rows_by_key(const RowBook& book, RowKind kind)
   std::map<std::string, const Row*> out;
   book.each(kind, [&](const Row& row) { out[row.key.node + "/" + row.key.name] = &row; });
   return out;
-}
-
-Result<Precondition> judge(const Call& call, const ETag& tag) {
-  ConditionalRequest conditions;
-  if (call.request.if_none_match) {
-    auto condition = parse_condition("If-None-Match", *call.request.if_none_match);
-    if (!condition) return condition.error();
-    conditions.if_none_match = std::move(*condition);
-  }
-  if (call.request.if_match) {
-    auto condition = parse_condition("If-Match", *call.request.if_match);
-    if (!condition) return condition.error();
-    conditions.if_match = std::move(*condition);
-  }
-  return evaluate(conditions, tag);
 }
 
 }  // namespace
@@ -52,14 +37,7 @@ void reply_row(const Gateway& gateway, const CallPtr& call, const RowKey& key) {
     const std::string what(name_of(key.kind));
     return call->reply(problem_reply(404, "missing", "there is no such " + what, "look at the list one level up"));
   }
-  const ETag tag = etag_of(gateway.clients.instance(), row->version);
-  const auto judged = judge(*call, tag);
-  if (!judged) return call->fail(judged.error());
-  HttpReply out = *judged == Precondition::not_modified ? empty_reply(304)
-                  : *judged == Precondition::failed ? problem_reply(412, "changed", "it has changed", "read it again")
-                                                    : json_reply(json_row(*row));
-  out.headers.emplace_back("ETag", text_of(tag));
-  call->reply(std::move(out));
+  reply_tagged(call, etag_of(gateway.clients.instance(), row->version), json_reply(json_row(*row)));
 }
 
 }  // namespace trb::gateway
