@@ -4,6 +4,7 @@ import { defineConfig } from 'vitest/config';
 // TRB_GATEWAY: the gateway that `npm run dev` shows. Its certificate is its own.
 const gateway = process.env.TRB_GATEWAY ?? 'https://localhost:8443';
 const proxy = { target: gateway, changeOrigin: true, secure: false, headers: { Origin: gateway } };
+const proxies = { '/api': { ...proxy, ws: true }, '/metrics': proxy };
 
 export default defineConfig({
   plugins: [svelte()],
@@ -14,6 +15,7 @@ export default defineConfig({
     modulePreload: { polyfill: false },
     reportCompressedSize: true,
   },
-  server: { proxy: { '/api': { ...proxy, ws: true }, '/metrics': proxy } },
+  server: { proxy: proxies },
+  preview: { proxy: proxies },
   test: { include: ['src/**/*.test.ts'] },
 });

@@ -1,8 +1,9 @@
-/** Who is signed in. Nothing is kept in the browser but the cookie, which no script can read. */
+/** Who is signed in. The browser keeps the cookie, which no script can read, and that there was a sign-in. */
 import { api, Problem } from './api/client';
 import type { Role, Session } from './api/types';
 import { live } from './live/live.svelte';
 
+const KEPT = 'trb.signedIn';
 const ROLES: Role[] = ['viewer', 'operator', 'admin'];
 
 export type SignInState = 'asking' | 'out' | 'ended' | 'in';
@@ -24,6 +25,7 @@ class SessionStore {
 
   /** The session of the cookie, if there is one. */
   async find(): Promise<void> {
+    if (localStorage.getItem(KEPT) === null) return this.end('out'); // a question would be refused, and logged as a fault
     try {
       this.begin(await api.get<Session>('/api/v1/session'));
     } catch (problem) {
@@ -56,11 +58,13 @@ class SessionStore {
     this.role = session.role;
     this.isUnreachable = false;
     this.state = 'in';
+    localStorage.setItem(KEPT, '1');
     live.start();
   }
 
   private end(state: SignInState): void {
     live.stop();
+    localStorage.removeItem(KEPT);
     this.state = state;
     this.user = '';
   }

@@ -1,0 +1,28 @@
+/** What an operator orders of one robot. Each is done once, also if it is sent twice. */
+import { api, newKey } from '../../lib/api/client';
+import type { RobotOrder } from '../../lib/api/types';
+import { t, tOr } from '../../lib/i18n/i18n.svelte';
+import { toasts } from '../../lib/toasts.svelte';
+
+export type Order = 'stop' | 'release' | 'repaired' | 'retired' | 'returned';
+
+interface Answer {
+  robots?: RobotOrder[];
+}
+
+export async function order(robot: string, what: Order, body?: Record<string, string>): Promise<void> {
+  try {
+    const ask = { path: { robot }, idempotencyKey: newKey(), ...(body ? { body } : {}) };
+    const answer = await api.post<Answer | undefined>(`/api/v1/robots/{robot}/${what}`, ask);
+    tell(robot, what, answer?.robots?.[0]);
+  } catch (problem) {
+    toasts.problem(problem);
+  }
+}
+
+/** Only what the robot's node has confirmed is told as done. */
+function tell(robot: string, what: Order, told: RobotOrder | undefined): void {
+  const done = `${robot}: ${tOr('robot', `done_${what}`)}`;
+  if (told === undefined || told.state === 'confirmed') toasts.done(done);
+  else toasts.fault(t('robot.notConfirmed', { robot, state: told.state === 'sent' ? t('stop.sent') : t('stop.unreachable') }), [told.text]);
+}
