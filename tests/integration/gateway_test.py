@@ -145,7 +145,9 @@ class Gateway(GatewayCase):
         again = self.viewer.ask("GET", f"/api/v1/robots/{ROBOT}/skills", If_None_Match=skills.headers["ETag"])
         self.assertEqual((again.status, again.bytes), (304, b""))
         self.assertEqual({row["node"] for row in self.viewer.ask("GET", "/api/v1/nodes").json["items"]}, {ROBOT, CLOUD})
-        self.assertIn("dock", self.viewer.ask("GET", "/api/v1/places").json["places"])
+        places = self.viewer.ask("GET", "/api/v1/places").json
+        self.assertIn("dock", places["places"])
+        self.assertIn({"name": "table1", "x": 2.0, "y": 1.0, "z": 0.0, "yaw": 0.0}, places["poses"])
 
     def test_stop_and_release(self):
         self.addCleanup(self.fleet.trb, "release", ROBOT, node=CLOUD)
@@ -193,6 +195,16 @@ class Gateway(GatewayCase):
             return any(row["kind"] == "robot" and row["content"]["fenced"]
                        for part in heard.get("blocks", []) for row in part["rows"])
         live.until(shows_the_stop)
+
+    def test_who_looks_at_the_fleet_sees_where_its_robots_are(self):
+        live = self.viewer.live()
+        self.addCleanup(live.close)
+        live.say({"subscribe": "fleet"})
+
+        def shows_the_place(heard):
+            return any(value["name"] == "position" for part in heard.get("blocks", []) for row in part["rows"]
+                       if row["kind"] == "robot" for value in row["content"]["values"])
+        live.until(shows_the_place)
 
     def test_wrong_words_are_refused_and_too_many_end_it(self):
         live = self.viewer.live()

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "common/base/steady_time.hpp"
+#include "common/fleet/places.hpp"
 #include "common/operator/session.hpp"
 #include "services/cloud-gateway/core/live/fleet_view.hpp"
 #include "services/cloud-gateway/core/live/message_log.hpp"
@@ -36,6 +37,7 @@ struct Gateway {
   Subscriptions& clients;
   MessageLog& messages;  ///< what has passed this node's router
   std::string node_dir;
+  const Places& places;                            ///< of the hall, from this node's places.json
   std::function<bool()> is_ready;                  ///< the node's router is there
   std::function<void(const Error&)> on_unwritten;  ///< a commit has failed: the process ends
   SignIns* sign_ins = nullptr;

@@ -33,17 +33,18 @@ std::string all_of(const std::vector<std::string>& texts) {
 
 }  // namespace
 
-Process::Process(Service& service, GatewayDb& db, Access& access, std::string node_dir)
+Process::Process(Service& service, GatewayDb& db, Access& access, std::string node_dir, Places places)
     : service_(service),
       db_(db),
       access_(access),
       node_dir_(std::move(node_dir)),
+      places_(std::move(places)),
       passwords_(loop_, kChecksAtOnce),
       clients_(book_, encoder_, (service.instance() & kExactInJson) | 1U),
       core_(book_, view_, access) {}
 
 Gateway Process::gateway_of(op::Session& session) {
-  return {access_, db_, passwords_, session, book_, view_, clients_, messages_, node_dir_, {}, {}};
+  return {access_, db_, passwords_, session, book_, view_, clients_, messages_, node_dir_, places_, {}, {}};
 }
 
 Result<int> Process::run(const HttpServerSettings& settings, const std::vector<std::string>& origins) {
@@ -120,6 +121,7 @@ void Process::follow_topics(Now now) {
   static_cast<void>(clients_.take_topics_changed());
   view_.watch_runs(clients_.watched_runs(), now);
   view_.watch_sensors(clients_.watched_sensors(now), now);
+  view_.watch_robots(clients_.watches_robots(now), now);
 }
 
 void Process::keep_house(Gateway& gateway, Now now) {

@@ -18,7 +18,7 @@ namespace trb::gateway {
 
 class Process {
  public:
-  Process(Service& service, GatewayDb& db, Access& access, std::string node_dir);
+  Process(Service& service, GatewayDb& db, Access& access, std::string node_dir, Places places);
   Process(const Process&) = delete;
   Process& operator=(const Process&) = delete;
 
@@ -41,6 +41,7 @@ class Process {
   GatewayDb& db_;
   Access& access_;
   std::string node_dir_;
+  Places places_;
   boost::asio::io_context loop_{1};
   PasswordPool passwords_;
   RowBook book_;

@@ -55,7 +55,7 @@ Result<int> start(NodeConfig config) {
   if (!server) return server.error();
   const auto service = Service::open({config.dir, "cloud-gateway", {}, FleetView::hears()});
   if (!service) return service.error();
-  Process process(**service, **db, **access, config.dir);
+  Process process(**service, **db, **access, config.dir, std::move(config.places));
   return process.run(*server, cloud.origins());
 }
 

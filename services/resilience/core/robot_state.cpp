@@ -62,20 +62,6 @@ std::optional<double> within(const Reported<std::string>& told, double highest) 
   return numbers[0] / highest * 100;
 }
 
-/// What 100 % is in a robot's `battery`; nothing: its unit is not known, or it does not measure charge.
-std::optional<double> full_battery(const NodeProfile& profile) {
-  if (profile.mode == "ros") return 1.0;
-  if (profile.transport == "udp-at") return 100.0;
-  // The user's own program, with fields.
-  if (profile.mode == "interpreter" && (profile.transport.empty() || profile.transport == "lines")) return 100.0;
-  return std::nullopt;
-}
-
-bool moves(const NodeProfile& profile) {
-  return std::ranges::any_of(profile.capabilities,
-                             [](const std::string& word) { return word == "mobile" || word == "fly"; });
-}
-
 bool is_in_hall(double x, double y) {
   return std::abs(x) <= kFarthest && std::abs(y) <= kFarthest;
 }
@@ -91,12 +77,6 @@ std::optional<Reported<double>> charge_of(const RobotRecord& robot) {
   if (at == robot.values.end() || !full) return std::nullopt;
   const auto percent = within(at->second, *full);
   return percent ? std::optional(Reported<double>{*percent, at->second.at}) : std::nullopt;
-}
-
-std::string_view charge_request(const NodeProfile& profile) {
-  const auto& names = profile.sensors;
-  const bool tells_percent = std::ranges::find(names, kChargeRequests[0]) != names.end();
-  return tells_percent || !full_battery(profile) ? kChargeRequests[0] : kChargeRequests[1];
 }
 
 std::optional<Reported<HallPoint>> position_of(const RobotRecord& robot) {

@@ -5,6 +5,7 @@
 #include <string>
 #include <string_view>
 
+#include "common/fleet/charge.hpp"
 #include "services/resilience/core/robot_record.hpp"
 
 namespace trb::resilience {
@@ -28,11 +29,5 @@ namespace trb::resilience {
 
 /// A value that the robot sends as a number, {"NAME": number} or plain words. Unknown: it sends none, or anything else.
 [[nodiscard]] std::optional<Reported<double>> number_of(const RobotRecord& robot, std::string_view name);
-
-/// Subtypes of the requests that refresh charge and position, as commands.json names them for every robot.
-inline constexpr std::string_view kChargeRequests[] = {"state_of_charge", "battery"};
-inline constexpr std::string_view kPositionRequest = "position";
-/// The one of kChargeRequests whose answer charge_of() can read, as far as the robot's profile shows.
-[[nodiscard]] std::string_view charge_request(const NodeProfile& profile);
 
 }  // namespace trb::resilience

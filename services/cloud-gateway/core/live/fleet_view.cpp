@@ -1,6 +1,11 @@
 #include "services/cloud-gateway/core/live/fleet_view.hpp"
 
 namespace trb::gateway {
+namespace {
+
+constexpr std::size_t kMaxAnswer = 1024;  ///< as of RobotState
+
+}  // namespace
 
 FleetView::FleetView(RowBook& book) : book_(book) {}
 
@@ -32,8 +37,15 @@ bool FleetView::on_robot(const Inbound& message, Now now, Outbox& out) {
       Overloaded{[&](const RobotState& word) { return take(word); }, [&](const RobotFault& word) { return take(word); },
                  [&](const RobotConnection& word) { return questions_.want_routes(now), take(word); },
                  [&](const SensorReading& reading) { return on_reading(from, reading, now, out), true; },
+                 [&](const Opaque& answer) { return on_answer(from, answer, now, out), true; },
                  [](const auto&) { return false; }},
       message.body);
+}
+
+void FleetView::on_answer(const std::string& robot, const Opaque& answer, Now now, Outbox& out) {
+  if (!robots_.has_asked(robot, answer.subtype) || answer.data.size() > kMaxAnswer)
+    return out.count("dropped.not_asked");
+  nodes_.take_word(robot, RobotState{{{answer.subtype, answer.data}}}, now, out);
 }
 
 /// What was under way when its stream ended would bring back a value that nobody keeps up to date.
@@ -90,6 +102,7 @@ void FleetView::watch_sensors(const std::set<SensorId>& sensors, Now now) {
 void FleetView::tick(Now now, Outbox& out) {
   watch_silence(now);
   streams_.tick(now, out);
+  robots_.tick(now, out);
   readings_.tick(now);
   book_.tick(now);
   look_for_lost(now);
@@ -120,7 +133,7 @@ std::optional<MonotonicTime> FleetView::next_deadline() const {
   for (const Source* source : {&routes_heard_, &runs_heard_, &alerts_heard_}) {
     if (source->heard) out = earlier(out, *source->heard + source->limit);
   }
-  return earlier(earlier(out, streams_.next_deadline()), book_.next_deadline());
+  return earlier(earlier(earlier(out, streams_.next_deadline()), robots_.next_deadline()), book_.next_deadline());
 }
 
 }  // namespace trb::gateway

@@ -14,6 +14,7 @@
 #include "services/cloud-gateway/core/live/fleet_questions.hpp"
 #include "services/cloud-gateway/core/live/node_rows.hpp"
 #include "services/cloud-gateway/core/live/reading_rows.hpp"
+#include "services/cloud-gateway/core/live/robot_questions.hpp"
 #include "services/cloud-gateway/core/live/run_rows.hpp"
 #include "services/cloud-gateway/core/live/sensor_streams.hpp"
 
@@ -39,6 +40,8 @@ class FleetView {
   void watch_runs(std::set<std::string> runs, Now now);
   /// Clients watch these sensors: their values are requested, and those of others are not taken.
   void watch_sensors(const std::set<SensorId>& sensors, Now now);
+  /// Clients look at the fleet, or at nobody: robots are asked for their place and charge.
+  void watch_robots(bool wanted, Now now) { robots_.want(wanted, now); }
 
  private:
   /// A service of this node, and when its last message came.
@@ -49,6 +52,7 @@ class FleetView {
   };
   bool on_robot(const Inbound& message, Now now, Outbox& out);
   void on_reading(const std::string& node, const SensorReading& reading, Now now, Outbox& out);
+  void on_answer(const std::string& robot, const Opaque& answer, Now now, Outbox& out);
   bool on_own_node(const Inbound& message, Now now, Outbox& out);
   void on_page(const RouteTable& page, Now now, Outbox& out);
   void on_run(const RunChanged& changed, Now now, Outbox& out);
@@ -63,6 +67,7 @@ class FleetView {
   ReadingRows readings_{book_};
   SensorStreams streams_{book_};
   FleetQuestions questions_;
+  RobotQuestions robots_{book_};
   RoutePages pages_;
   std::set<std::string> watched_runs_;
   Source routes_heard_{kRoutesSilence, {}};

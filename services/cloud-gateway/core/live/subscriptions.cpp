@@ -85,6 +85,13 @@ std::set<SensorId> Subscriptions::watched_sensors(Now now) const {
   return out;
 }
 
+bool Subscriptions::watches_robots(Now now) const {
+  return std::ranges::any_of(clients_, [&](const auto& one) {
+    const ClientFeed& client = one.second;
+    return !client.is_stalled(now) && (client.has(TopicKind::fleet) || client.has(TopicKind::robot));
+  });
+}
+
 /// Pumps all clients together: those that keep up are at the same position and share blocks.
 std::vector<ClientId> Subscriptions::pump(Now now) {
   std::vector<ClientId> out;

@@ -38,6 +38,8 @@ class Subscriptions {
   [[nodiscard]] bool wants_messages() const;
   /// The runs that a client watches in full.
   [[nodiscard]] std::set<std::string> watched_runs() const;
+  /// True if a client watches the fleet or a robot; one that has stalled watches none.
+  [[nodiscard]] bool watches_robots(Now now) const;
   /// The sensors that a client watches; one that has stalled watches none.
   [[nodiscard]] std::set<SensorId> watched_sensors(Now now) const;
   /// True if a topic was added or left since the last call.

@@ -52,6 +52,16 @@ void read_value(Gateway& gateway, const CallPtr& call) {
   });
 }
 
+std::string json_pose(const std::string& name, const Pose& pose) {
+  JsonObject out;
+  out.text("name", name);
+  for (const auto& [key, value] : {std::pair("x", pose.x), {"y", pose.y}, {"z", pose.z}, {"yaw", pose.yaw}}) {
+    out.raw(key, dump_json(Value{value}));
+  }
+  return out.done();
+}
+
+/// The names that robots know, and the poses of the hall.
 void list_places(const Gateway& gateway, const CallPtr& call) {
   std::set<std::string> names;
   gateway.book.each(RowKind::profile, [&](const Row& row) {
@@ -60,7 +70,9 @@ void list_places(const Gateway& gateway, const CallPtr& call) {
   });
   JsonList out;
   for (const std::string& name : names) out.add(json_quoted(name));
-  call->reply(json_reply(JsonObject().raw("places", out.done()).done()));
+  JsonList poses;
+  for (const auto& [name, pose] : gateway.places) poses.add(json_pose(name, pose));
+  call->reply(json_reply(JsonObject().raw("places", out.done()).raw("poses", poses.done()).done()));
 }
 
 }  // namespace
