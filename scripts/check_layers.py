@@ -20,6 +20,7 @@ LAYERS = {
     "common/log": ["common/base"],
     "common/metrics": ["common/base"],
     "common/sqlite": ["common/base"],
+    "common/audit": ["common/security"],
     "common/ranking": ["proto"],
     "common/consensus": ["proto", "common/security"],
     "common/scenario": ["common/fleet", "common/security"],
@@ -30,7 +31,7 @@ LAYERS = {
     "common/operator": ["common/ranking", "common/scenario", "common/service"],
     "common/supervisor": ["common/transport"],
     "services": ["common/service", "common/operator", "common/supervisor", "common/drivers", "common/scenario",
-                 "common/ranking", "common/consensus", "common/metrics", "common/sqlite"],
+                 "common/ranking", "common/consensus", "common/metrics", "common/sqlite", "common/audit"],
 }
 CORE_FORBIDDEN = [
     (r'<zmq', "zmq"), (r'<nlohmann', "a JSON library"), (r'<spdlog', "a logger"),

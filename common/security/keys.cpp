@@ -58,6 +58,15 @@ Bytes digest(BytesView bytes) {
   return out;
 }
 
+Bytes purpose_digest(std::string_view purpose, BytesView bytes) {
+  Bytes all = "talkrobots";
+  all += '\0';
+  all += purpose;
+  all += '\0';
+  all += bytes;
+  return digest(all);
+}
+
 Bytes fleet_id(BytesView authority_key) {
   return digest(authority_key).substr(0, 16);
 }

@@ -34,6 +34,9 @@ std::uint64_t random_u64();
 /// BLAKE2b-256.
 Bytes digest(BytesView bytes);
 
+/// BLAKE2b-256 for one purpose: a session id never has the same hash as a token or an audit record.
+Bytes purpose_digest(std::string_view purpose, BytesView bytes);
+
 /// The fleet's id: the first 16 bytes of the digest of the authority's public key.
 Bytes fleet_id(BytesView authority_key);
 

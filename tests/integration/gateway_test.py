@@ -238,6 +238,23 @@ class Gateway(GatewayCase):
         self.assertEqual((refused["who"], refused["outcome"]), ("vic", "refused: 403"))
         self.fleet.wait("a signed head", lambda: self.admin.ask("GET", "/api/v1/audit/head").json["signed_to"] > 0, 20)
 
+    def test_a_third_party_verifies_the_exported_log_with_the_fleets_public_key(self):
+        self.assertEqual(self.viewer.ask("GET", "/api/v1/audit/export").status, 403)
+        self.assert_problem(self.admin.ask("GET", "/api/v1/audit/export?from=x"), 422, "bad_value")
+        self.operator.ask("POST", f"/api/v1/robots/{ROBOT}/release")
+        self.fleet.wait("a signed head", lambda: self.admin.ask("GET", "/api/v1/audit/head").json["signed_to"] > 0, 20)
+        export = self.admin.ask("GET", "/api/v1/audit/export")
+        self.assertEqual(export.headers["Content-Type"], "application/x-ndjson")
+        file = self.fleet.root / "audit.jsonl"
+        file.write_bytes(export.bytes)
+        report = self.fleet.json("audit", "verify", file, "--fleet", self.fleet.authority_dir())
+        self.assertEqual((report["node"], report["good"], report.get("fault")), (CLOUD, report["records"], None))
+        self.assertGreater(report["covered"], 0)
+        file.write_bytes(export.bytes.replace(b'"olga"', b'"gulo"', 1))
+        forged = self.fleet.trb("audit", "verify", file, "--fleet", self.fleet.authority_dir(), check=False)
+        self.assertEqual(forged.returncode, 1)
+        self.assertIn("FAULT altered, record ", forged.stdout)
+
     def test_no_secret_is_written_anywhere(self):
         self.secrets += [GOOD, self.admin.cookie, self.operator.cookie, self.admin.csrf]
         for path in self.fleet.dir(CLOUD).rglob("*"):

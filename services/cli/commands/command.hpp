@@ -28,6 +28,7 @@ struct Command {
   GROUP(trust_update)             \
   GROUP(doctor)                   \
   GROUP(proof)                    \
+  GROUP(audit)                    \
   GROUP(rank)                     \
   GROUP(robot_check)              \
   GROUP(robot_conform)            \

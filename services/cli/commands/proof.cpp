@@ -6,8 +6,8 @@
 
 #include "common/base/files.hpp"
 #include "common/base/hex.hpp"
-#include "common/security/authority.hpp"
 #include "common/security/proof.hpp"
+#include "services/cli/commands/authority_words.hpp"
 #include "services/cli/commands/command.hpp"
 #include "services/cli/core/table.hpp"
 #include "services/cli/io/print.hpp"
@@ -16,27 +16,6 @@ namespace trb::cli {
 namespace {
 
 constexpr std::size_t kMaxFile = 128U << 20U;  ///< a router's are of 64 MiB at most
-constexpr std::size_t kKeySize = 32;
-
-Result<FleetAuthority> authority_of(const Arguments& arguments) {
-  if (arguments.has("--key")) {
-    auto key = from_hex(arguments.get("--key"));
-    if (!key || key->size() != kKeySize) {
-      return fail(Errc::bad_value, "--key: needs 64 hexadecimal digits",
-                  "copy the authority key that trb fleet show FLEET_DIR prints");
-    }
-    return FleetAuthority{"", std::move(*key)};
-  }
-  if (!arguments.has("--fleet")) {
-    return fail(Errc::missing, "whose proof is to be believed?",
-                "give --fleet FLEET_DIR, or --key with the authority key that trb fleet show prints");
-  }
-  std::string dir = arguments.get("--fleet");
-  constexpr std::string_view kFile = "fleet.json";
-  if (dir.ends_with(kFile)) dir.resize(dir.size() - kFile.size());
-  return read_fleet(dir.empty() ? "." : dir);
-}
-
 /// The files named, and those of the folders named, in the order of their names.
 std::vector<std::string> files_of(const std::vector<std::string>& words) {
   std::vector<std::string> out;

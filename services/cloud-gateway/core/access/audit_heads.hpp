@@ -3,7 +3,7 @@
 
 #include <optional>
 
-#include "services/cloud-gateway/core/access/audit_chain.hpp"
+#include "common/audit/audit_chain.hpp"
 
 namespace trb::gateway {
 

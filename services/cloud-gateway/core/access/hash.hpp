@@ -18,7 +18,4 @@ constexpr std::size_t kSecretDigits = 2 * kSecretBytes;
 /// 256 random bits as 64 hexadecimal digits.
 std::string new_secret(const RandomBytes& random);
 
-/// BLAKE2b-256 for one purpose: a session id never has the same hash as a token or an audit record.
-Bytes purpose_digest(std::string_view purpose, BytesView bytes);
-
 }  // namespace trb::gateway

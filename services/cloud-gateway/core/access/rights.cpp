@@ -105,6 +105,7 @@ constexpr Route kRoutes[] = {
     {get, "/api/v1/links", viewer, reads},
     {get, "/api/v1/doctor", operator_, reads},
     {get, "/api/v1/audit", admin, reads},
+    {get, "/api/v1/audit/export", admin, reads},
     {get, "/api/v1/audit/head", admin, reads},
     {get, "/metrics", viewer, reads},
 

@@ -58,7 +58,7 @@ TEST_CASE("what anyone and what only an admin may is written out: a row that joi
   CHECK(rows_with([](const Route& r) { return r.least == Least::admin && !r.people_only; }) ==
         std::set<std::string>{"PUT /api/v1/policy", "PUT /api/v1/criteria", "PUT /api/v1/minimums", "GET /api/v1/users",
                               "GET /api/v1/users/{user}", "GET /api/v1/tokens", "GET /api/v1/audit",
-                              "GET /api/v1/audit/head"});
+                              "GET /api/v1/audit/export", "GET /api/v1/audit/head"});
   CHECK(rows_with([](const Route& r) { return r.people_only; }) ==
         std::set<std::string>{"DELETE /api/v1/session", "PUT /api/v1/me/password", "DELETE /api/v1/me/sessions",
                               "POST /api/v1/users", "PATCH /api/v1/users/{user}", "DELETE /api/v1/users/{user}",

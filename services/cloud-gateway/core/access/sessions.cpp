@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "common/base/hex.hpp"
+#include "common/security/keys.hpp"
 
 namespace trb::gateway {
 namespace {

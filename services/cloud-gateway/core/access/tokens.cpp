@@ -1,5 +1,7 @@
 #include "services/cloud-gateway/core/access/tokens.hpp"
 
+#include "common/security/keys.hpp"
+
 namespace trb::gateway {
 namespace {
 

@@ -1,5 +1,8 @@
-// audit, audit/head.
+// audit, its export, audit/head.
+#include "common/audit/audit_export.hpp"
 #include "common/base/hex.hpp"
+#include "common/security/node_keys.hpp"
+#include "proto/body.hpp"
 #include "services/cloud-gateway/io/api/api.hpp"
 #include "services/cloud-gateway/io/json_text.hpp"
 
@@ -7,6 +10,7 @@ namespace trb::gateway {
 namespace {
 
 constexpr std::uint64_t kMaxAuditPage = 1000;
+constexpr std::size_t kExportPage = 5000;  ///< some 2 MB
 
 std::string json_audit(const AuditRow& row) {
   const AuditRecord& record = row.record;
@@ -33,6 +37,41 @@ void list_audit(Gateway& gateway, const CallPtr& call) {
   call->reply(json_reply(JsonObject().raw("records", records.done()).done()));
 }
 
+/// The lines of a page: the certificate, then the records with the heads that cover them.
+Result<std::string> export_lines(Gateway& gateway, const std::vector<AuditRow>& rows) {
+  const auto keys = load_node_keys(gateway.node_dir);
+  if (!keys) return keys.error();
+  std::string out = audit_certificate_line(keys->certificate_record);
+  for (const AuditRow& row : rows) out += audit_line(row);
+  if (rows.empty()) return out;
+  const auto heads = gateway.db.heads(rows.front().record.number, rows.back().record.number);
+  if (!heads) return heads.error();
+  for (const SignedHead& head : *heads) {
+    const auto record = decode<SignedRecord>(head.record);
+    if (!record) return record.error();
+    out += audit_head_line(*record);
+  }
+  return out;
+}
+
+/// For `trb audit verify`: from record `?from=` on, oldest first; the header Link names the next page, if there is one.
+void export_audit(Gateway& gateway, const CallPtr& call) {
+  const auto from = call->query_number("from", 1, std::numeric_limits<std::int64_t>::max());
+  if (!from) return call->fail(from.error());
+  const auto rows = gateway.db.audit_from(*from, kExportPage);
+  if (!rows) return call->fail(rows.error());
+  auto lines = export_lines(gateway, *rows);
+  if (!lines) return call->fail(lines.error());
+  HttpReply out;
+  out.content_type = "application/x-ndjson";
+  out.body = std::make_shared<const Bytes>(std::move(*lines));
+  if (rows->size() == kExportPage) {
+    const std::string next = std::to_string(rows->back().record.number + 1);
+    out.headers.emplace_back("Link", "</api/v1/audit/export?from=" + next + ">; rel=\"next\"");
+  }
+  call->reply(std::move(out));
+}
+
 void show_head(const Gateway& gateway, const CallPtr& call) {
   const AuditHead head = gateway.access.chain.head(gateway.now().utc);
   JsonObject out;
@@ -44,6 +83,7 @@ void show_head(const Gateway& gateway, const CallPtr& call) {
 
 void add_audit_routes(Gateway& gateway, HandlerTable& table) {
   table.add(Method::get, "/api/v1/audit", [&](const CallPtr& call) { list_audit(gateway, call); });
+  table.add(Method::get, "/api/v1/audit/export", [&](const CallPtr& call) { export_audit(gateway, call); });
   table.add(Method::get, "/api/v1/audit/head", [&](const CallPtr& call) { show_head(gateway, call); });
 }
 

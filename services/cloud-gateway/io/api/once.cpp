@@ -1,7 +1,7 @@
 #include "services/cloud-gateway/io/api/once.hpp"
 
 #include "common/log/log.hpp"
-#include "services/cloud-gateway/core/access/hash.hpp"
+#include "common/security/keys.hpp"
 
 namespace trb::gateway {
 namespace {

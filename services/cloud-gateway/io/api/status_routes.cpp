@@ -1,6 +1,6 @@
 // health, ready, openapi.json, metrics.
 #include "common/base/hex.hpp"
-#include "services/cloud-gateway/core/access/hash.hpp"
+#include "common/security/keys.hpp"
 #include "services/cloud-gateway/io/api/api.hpp"
 #include "services/cloud-gateway/io/api/conditional.hpp"
 #include "services/cloud-gateway/io/json_text.hpp"

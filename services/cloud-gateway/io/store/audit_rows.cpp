@@ -91,12 +91,14 @@ Result<std::vector<AuditRow>> read_audit_from(SqliteFile& file, std::uint64_t nu
   return audit_rows(file, "WHERE number >= ? ORDER BY number LIMIT ?", as_integer(number), as_integer(most));
 }
 
-Result<std::vector<SignedHead>> read_heads(SqliteFile& file) {
+Result<std::vector<SignedHead>> read_heads(SqliteFile& file, std::uint64_t first, std::uint64_t last) {
   std::vector<SignedHead> out;
-  const Status done = file.rows("SELECT number, record FROM heads ORDER BY number", [&](const Columns& row) -> Status {
+  const auto take = [&](const Columns& row) -> Status {
     out.push_back({static_cast<std::uint64_t>(row.integer(0)), row.text(1)});
     return Done{};
-  });
+  };
+  const Status done = file.rows("SELECT number, record FROM heads WHERE number BETWEEN ? AND ? ORDER BY number", take,
+                                as_integer(first), as_integer(last));
   if (!done) return done.error();
   return out;
 }

@@ -15,7 +15,7 @@ Result<std::vector<AuditRow>> read_audit(SqliteFile& file, const AuditQuery& que
 /// `most` rows from that number on, in order.
 Result<std::vector<AuditRow>> read_audit_from(SqliteFile& file, std::uint64_t number, std::size_t most);
 /// By number.
-Result<std::vector<SignedHead>> read_heads(SqliteFile& file);
+Result<std::vector<SignedHead>> read_heads(SqliteFile& file, std::uint64_t first, std::uint64_t last);
 
 /// The last record, and the highest number of a signed head.
 Status read_end(SqliteFile& file, StoredState& out);

@@ -3,7 +3,7 @@
 
 #include <limits>
 
-#include "services/cloud-gateway/core/access/audit_verify.hpp"
+#include "common/audit/audit_verify.hpp"
 #include "services/cloud-gateway/io/store/test/store_folder.hpp"
 
 using namespace trb;
@@ -118,7 +118,7 @@ TEST_CASE("records and heads are never changed, replaced or removed") {
   CHECK(said(store.folder, "DELETE FROM heads") == "signed heads are never removed");
   CHECK(said(store.folder, "INSERT OR REPLACE INTO heads VALUES(2, x'00')").empty());
   CHECK(*store.db->audit_from(1, 100) == rows);
-  CHECK(*store.db->heads() == std::vector<SignedHead>{{2, "signed"}});
+  CHECK(*store.db->heads(0, 1000) == std::vector<SignedHead>{{2, "signed"}});
 }
 
 TEST_CASE("a head that comes twice is kept once, and heads come by number") {
@@ -127,6 +127,8 @@ TEST_CASE("a head that comes twice is kept once, and heads come by number") {
   batch.heads = {{9, "nine"}, {4, "four"}, {4, "four, signed again"}};
   REQUIRE(store.db->save(batch));
   REQUIRE(store.db->save(batch));
-  CHECK(*store.db->heads() == std::vector<SignedHead>{{4, "four"}, {9, "nine"}});
+  CHECK(*store.db->heads(0, 1000) == std::vector<SignedHead>{{4, "four"}, {9, "nine"}});
+  CHECK(*store.db->heads(5, 9) == std::vector<SignedHead>{{9, "nine"}});
+  CHECK(store.db->heads(5, 8)->empty());
   CHECK(loaded(*store.db).signed_to == 9);
 }

@@ -65,7 +65,9 @@ class GatewayFile final : public GatewayDb {
   Result<std::vector<AuditRow>> audit_from(std::uint64_t number, std::size_t most) override {
     return read_audit_from(*file_, number, most);
   }
-  Result<std::vector<SignedHead>> heads() override { return read_heads(*file_); }
+  Result<std::vector<SignedHead>> heads(std::uint64_t first, std::uint64_t last) override {
+    return read_heads(*file_, first, last);
+  }
 
  private:
   std::unique_ptr<SqliteFile> file_;

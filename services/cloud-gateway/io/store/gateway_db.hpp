@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "common/audit/audit_chain.hpp"
 #include "common/base/result.hpp"
-#include "services/cloud-gateway/core/access/audit_chain.hpp"
 #include "services/cloud-gateway/core/access/sessions.hpp"
 #include "services/cloud-gateway/core/access/tokens.hpp"
 #include "services/cloud-gateway/core/access/users.hpp"
@@ -75,8 +75,9 @@ class GatewayDb {
   virtual Result<std::vector<AuditRow>> audit(const AuditQuery& query) = 0;
   /// For a check of the whole chain: `most` rows from that number on, in order.
   virtual Result<std::vector<AuditRow>> audit_from(std::uint64_t number, std::size_t most) = 0;
-  /// By number. Of several heads with the same number the first is kept: it covers the same records.
-  virtual Result<std::vector<SignedHead>> heads() = 0;
+  /// Those of records `first` to `last`, by number. Of several heads with the same number the first is kept: it covers
+  /// the same records.
+  virtual Result<std::vector<SignedHead>> heads(std::uint64_t first, std::uint64_t last) = 0;
 };
 
 }  // namespace trb::gateway

@@ -6,8 +6,8 @@
 #include <filesystem>
 #include <fstream>
 
+#include "common/audit/audit_verify.hpp"
 #include "common/sqlite/test/full_disk.hpp"
-#include "services/cloud-gateway/core/access/audit_verify.hpp"
 #include "services/cloud-gateway/io/store/test/store_folder.hpp"
 
 using namespace trb;

@@ -7,7 +7,7 @@
 #include <array>
 #include <cerrno>
 
-#include "services/cloud-gateway/core/access/audit_verify.hpp"
+#include "common/audit/audit_verify.hpp"
 #include "services/cloud-gateway/io/store/test/store_folder.hpp"
 
 using namespace trb;

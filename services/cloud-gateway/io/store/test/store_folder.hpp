@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "common/audit/audit_chain.hpp"
 #include "common/base/test/temporary_folder.hpp"
-#include "services/cloud-gateway/core/access/audit_chain.hpp"
 #include "services/cloud-gateway/io/store/gateway_db.hpp"
 
 namespace trb::gateway::test {

@@ -1,5 +1,5 @@
 // Somebody has the store and changes it; a third party has the signed heads.
-#include "services/cloud-gateway/core/access/audit_verify.hpp"
+#include "common/audit/audit_verify.hpp"
 
 #include <doctest/doctest.h>
 
@@ -7,7 +7,7 @@
 #include "proto/field.hpp"
 
 using namespace trb;
-using namespace trb::gateway;
+using namespace trb;
 
 namespace {
 

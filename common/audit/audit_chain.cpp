@@ -1,11 +1,11 @@
-#include "services/cloud-gateway/core/access/audit_chain.hpp"
+#include "common/audit/audit_chain.hpp"
 
+#include "common/security/keys.hpp"
 #include "proto/body.hpp"
 #include "proto/make_shape.hpp"
 #include "proto/value.hpp"
-#include "services/cloud-gateway/core/access/hash.hpp"
 
-namespace trb::gateway {
+namespace trb {
 namespace {
 
 /// Calls visit(text, bound) for each text of a record, by its field table.
@@ -64,4 +64,4 @@ AuditHead AuditChain::head(UtcTime now) const {
   return {{start_}, number_, {hash_}, now.ns};
 }
 
-}  // namespace trb::gateway
+}  // namespace trb

@@ -11,7 +11,7 @@
 #include "proto/bodies/signed.hpp"
 #include "proto/field.hpp"
 
-namespace trb::gateway {
+namespace trb {
 
 /// Who did what; the chain sets the number.
 struct AuditRecord {
@@ -81,4 +81,4 @@ class AuditChain {
   std::uint64_t number_ = 0;
 };
 
-}  // namespace trb::gateway
+}  // namespace trb

@@ -1,8 +1,8 @@
-#include "services/cloud-gateway/core/access/audit_verify.hpp"
+#include "common/audit/audit_verify.hpp"
 
 #include <map>
 
-namespace trb::gateway {
+namespace trb {
 namespace {
 
 using Heads = std::multimap<std::uint64_t, const AuditHead*>;
@@ -83,4 +83,4 @@ AuditReport verify_audit(BytesView start, std::span<const AuditRow> rows, std::s
   return Verifier(start, heads).run(rows);
 }
 
-}  // namespace trb::gateway
+}  // namespace trb

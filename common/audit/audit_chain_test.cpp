@@ -1,12 +1,12 @@
 // The audit grows.
-#include "services/cloud-gateway/core/access/audit_chain.hpp"
+#include "common/audit/audit_chain.hpp"
 
 #include <doctest/doctest.h>
 
 #include "common/base/hex.hpp"
 
 using namespace trb;
-using namespace trb::gateway;
+using namespace trb;
 
 namespace {
 

@@ -6,9 +6,9 @@
 #include <span>
 #include <string>
 
-#include "services/cloud-gateway/core/access/audit_chain.hpp"
+#include "common/audit/audit_chain.hpp"
 
-namespace trb::gateway {
+namespace trb {
 
 enum class AuditFaultKind : std::uint8_t {
   other_chain,   ///< a head of another node or fleet
@@ -38,4 +38,4 @@ struct AuditReport {
 /// `rows`: from number 1 on, as stored. `heads`: in any order; the caller has checked their signatures.
 AuditReport verify_audit(BytesView start, std::span<const AuditRow> rows, std::span<const AuditHead> heads);
 
-}  // namespace trb::gateway
+}  // namespace trb

@@ -1,0 +1,120 @@
+#include "common/audit/audit_export.hpp"
+
+#include <algorithm>
+
+#include "common/base/hex.hpp"
+#include "proto/body.hpp"
+#include "proto/make_shape.hpp"
+#include "proto/value.hpp"
+
+namespace trb {
+namespace {
+
+constexpr std::string_view kRecord = "record";
+constexpr std::string_view kHash = "hash";
+constexpr std::string_view kHead = "head";
+constexpr std::string_view kCertificate = "certificate";
+
+std::string line_of(std::string_view kind, const std::string& json, const std::string& more = "") {
+  return "{\"" + std::string(kind) + "\":" + json + more + "}\n";
+}
+
+/// What an export contains, as it is: nothing is checked yet.
+struct Lines {
+  std::vector<AuditRow> rows;
+  std::vector<SignedRecord> heads;
+  std::optional<SignedRecord> certificate;
+};
+
+template <class T>
+Result<T> member(const Value& line, std::string_view name) {
+  const Value* found = line.find(name);
+  if (found == nullptr) return fail(Errc::missing, std::string(name) + " is missing", "export the log anew");
+  T out;
+  if (Error error = read_json(make_shape<T>(), dump_json(*found), &out); error.code != Errc::ok) return error;
+  return out;
+}
+
+Result<AuditRow> row_of(const Value& line) {
+  auto record = member<AuditRecord>(line, kRecord);
+  if (!record) return record.error();
+  const Value* hash = line.find(kHash);
+  auto bytes = from_hex(hash != nullptr && hash->is_text() ? hash->text() : "-");
+  if (!bytes) return fail(Errc::malformed, "hash is not hexadecimal", "export the log anew");
+  return AuditRow{std::move(*record), std::move(*bytes)};
+}
+
+Status take(const Value& line, Lines& out) {
+  if (line.find(kRecord) != nullptr) {
+    auto row = row_of(line);
+    if (!row) return row.error();
+    out.rows.push_back(std::move(*row));
+    return Done{};
+  }
+  const bool is_head = line.find(kHead) != nullptr;
+  auto record = member<SignedRecord>(line, is_head ? kHead : kCertificate);
+  if (!record) return record.error();
+  if (is_head) {
+    out.heads.push_back(std::move(*record));
+  } else {
+    out.certificate = std::move(*record);
+  }
+  return Done{};
+}
+
+Result<Lines> lines_of(std::string_view text) {
+  Lines out;
+  for (std::size_t number = 1; !text.empty(); ++number) {
+    const std::string_view line = text.substr(0, text.find('\n'));
+    text.remove_prefix(std::min(text.size(), line.size() + 1));
+    if (line.empty()) continue;
+    const auto value = parse_json(line);
+    const Status taken = value ? take(*value, out) : Status(value.error());
+    if (!taken)
+      return fail(Errc::malformed, "line " + std::to_string(number) + ": " + taken.error().what, taken.error().hint);
+  }
+  return out;
+}
+
+/// The head, if the node has signed it.
+std::optional<AuditHead> head_of(const SignedRecord& record, const Certificate& signer, BytesView fleet) {
+  if (!verify(record, kSignedAuditHead, fleet, signer.identity_key.bytes)) return std::nullopt;
+  auto head = read_audit_head(record.payload.bytes);
+  if (!head) return std::nullopt;
+  return std::move(*head);
+}
+
+}  // namespace
+
+std::string audit_line(const AuditRow& row) {
+  return line_of(kRecord, write_json(make_shape<AuditRecord>(), &row.record),
+                 ",\"" + std::string(kHash) + "\":\"" + to_hex(row.hash) + "\"");
+}
+
+std::string audit_head_line(const SignedRecord& head) {
+  return line_of(kHead, to_json(head));
+}
+
+std::string audit_certificate_line(const SignedRecord& certificate) {
+  return line_of(kCertificate, to_json(certificate));
+}
+
+Result<AuditCheck> check_audit_export(std::string_view text, const FleetAuthority& authority) {
+  auto lines = lines_of(text);
+  if (!lines) return lines.error();
+  if (!lines->certificate) {
+    return fail(Errc::missing, "the export has no certificate of the node",
+                "export the log anew, from its first record on");
+  }
+  const auto signer = open_certificate_any_time(*lines->certificate, authority);
+  if (!signer) return signer.error();
+  std::vector<AuditHead> heads;
+  for (const SignedRecord& record : lines->heads) {
+    if (auto head = head_of(record, *signer, authority.id())) heads.push_back(std::move(*head));
+  }
+  AuditCheck out{signer->id, {}, lines->rows.size(), heads.size(), lines->heads.size() - heads.size()};
+  out.report = verify_audit(audit_start(authority.id(), signer->id), lines->rows, heads);
+  return out;
+}
+
+}  // namespace trb

@@ -1,0 +1,33 @@
+// An audit log as a file for a third party: a line of JSON for each record, signed head and certificate.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "common/audit/audit_verify.hpp"
+#include "common/security/keys.hpp"
+
+namespace trb {
+
+/// {"record": {"number": 1, ...}, "hash": "64 hexadecimal digits"}
+std::string audit_line(const AuditRow& row);
+/// {"head": SignedRecord}: a head that the node's router has signed.
+std::string audit_head_line(const SignedRecord& head);
+/// {"certificate": SignedRecord}: of the node whose gateway wrote the log.
+std::string audit_certificate_line(const SignedRecord& certificate);
+
+struct AuditCheck {
+  std::string node;  ///< whose log it is, by its certificate
+  AuditReport report;
+  std::size_t records = 0;
+  std::size_t heads = 0;        ///< with a valid signature
+  std::size_t other_heads = 0;  ///< of another key of the node, or of nobody's: they prove nothing
+};
+
+/// Reads the lines of an export (several joined exports of one log are one) and checks all of it. A certificate counts
+/// whatever its dates are: the log may be older than the certificate, and its reader may come later. Of several
+/// certificates the last counts. Errors: malformed (with the line's number), missing (no certificate), and those of
+/// open_certificate.
+Result<AuditCheck> check_audit_export(std::string_view text, const FleetAuthority& authority);
+
+}  // namespace trb

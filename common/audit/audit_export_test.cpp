@@ -1,0 +1,118 @@
+// A third party has the exported log and the fleet's public key, and nothing else.
+#include "common/audit/audit_export.hpp"
+
+#include <doctest/doctest.h>
+
+#include "proto/body.hpp"
+
+using namespace trb;
+
+namespace {
+
+/// A cloud's gateway with five records, the third and the fifth signed by its router.
+struct Cloud {
+  FleetAuthority authority;
+  SigningKey node;
+  SignedRecord certificate;
+  AuditChain chain;
+  std::vector<AuditRow> rows;
+  std::vector<SignedRecord> heads;
+
+  Cloud() : chain(Bytes()) {
+    init_crypto();
+    const SigningKey root = make_signing_key();
+    authority = {"hall", root.public_key};
+    node = make_signing_key();
+    Certificate is;
+    is.fleet = {authority.id()};
+    is.serial = 7;
+    is.id = "cloud";
+    is.role = Role::cloud;
+    is.identity_key = {node.public_key};
+    is.link_key = {Bytes(32, 'l')};
+    is.not_after = 1;  // long ago: the log is read later
+    certificate = sign(kSignedCertificate, "", authority.id(), encode(is), root);
+    chain = AuditChain(audit_start(authority.id(), "cloud"));
+    for (int i = 1; i <= 5; ++i) {
+      rows.push_back(chain.append({0, i, "ann \"quoted\"\n", "10.0.0.7", "POST /api/v1/stop", "arm", "done"}));
+      if (i == 3 || i == 5) heads.push_back(sign_head(node));
+    }
+  }
+  [[nodiscard]] SignedRecord sign_head(const SigningKey& key) const {
+    return sign(kSignedAuditHead, "cloud", authority.id(), audit_head_payload(chain.head({9})), key);
+  }
+  [[nodiscard]] std::string text() const {
+    std::string out = audit_certificate_line(certificate);
+    for (const AuditRow& row : rows) out += audit_line(row);
+    for (const SignedRecord& head : heads) out += audit_head_line(head);
+    return out;
+  }
+  [[nodiscard]] AuditCheck check() const {
+    auto out = check_audit_export(text(), authority);
+    REQUIRE(out.ok());
+    return *out;
+  }
+};
+
+Errc refusal(const std::string& text, const FleetAuthority& authority) {
+  const auto out = check_audit_export(text, authority);
+  return out ? Errc::ok : out.error().code;
+}
+
+}  // namespace
+
+TEST_CASE("given the log as it was exported, then all of it is proven, and one knows whose it is") {
+  const Cloud cloud;
+  const AuditCheck check = cloud.check();
+  CHECK_FALSE(check.report.fault);
+  CHECK(check.node == "cloud");
+  CHECK(check.records == 5);
+  CHECK(check.report.covered == 5);
+  CHECK(check.heads == 2);
+}
+
+TEST_CASE("given two pages that were joined, each with the certificate, then they are one log") {
+  const Cloud cloud;
+  CHECK(check_audit_export(audit_certificate_line(cloud.certificate) + "\n" + cloud.text(), cloud.authority).ok());
+}
+
+TEST_CASE("given a record was changed and all behind it hashed anew, then a signed head tells") {
+  Cloud cloud;
+  AuditChain again(audit_start(cloud.authority.id(), "cloud"));
+  for (AuditRow& row : cloud.rows) {
+    if (row.record.number == 2) row.record.who = "bob";
+    row = again.append(row.record);
+  }
+  REQUIRE(cloud.check().report.fault);
+  CHECK(cloud.check().report.fault->kind == AuditFaultKind::other_head);
+}
+
+TEST_CASE("given the last records were cut away, then a signed head tells how many there were") {
+  Cloud cloud;
+  cloud.rows.pop_back();
+  REQUIRE(cloud.check().report.fault);
+  CHECK(cloud.check().report.fault->kind == AuditFaultKind::truncated);
+}
+
+TEST_CASE("given a head that another key has signed, then it proves nothing and accuses nobody") {
+  Cloud cloud;
+  cloud.heads = {cloud.sign_head(make_signing_key())};
+  const AuditCheck check = cloud.check();
+  CHECK_FALSE(check.report.fault);
+  CHECK(check.other_heads == 1);
+  CHECK(check.report.covered == 0);
+}
+
+TEST_CASE("given another fleet's key, or no certificate, or lines that are none, then it is said") {
+  const Cloud cloud;
+  CHECK(refusal(cloud.text(), {"other", make_signing_key().public_key}) != Errc::ok);
+  CHECK(refusal(audit_line(cloud.rows[0]), cloud.authority) == Errc::missing);
+  for (const char* wrong :
+       {"{", "{}", "{\"record\":{}}", "{\"record\":3,\"hash\":\"00\"}", "[1]", "{\"head\":\"x\"}"}) {
+    CAPTURE(wrong);
+    const auto out = check_audit_export(cloud.text() + wrong, cloud.authority);
+    REQUIRE_FALSE(out.ok());
+    CHECK(out.error().code == Errc::malformed);
+    CHECK(out.error().what.find("line 9: ") == 0);
+  }
+}
