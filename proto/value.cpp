@@ -69,13 +69,14 @@ class Builder : public nlohmann::json_sax<json> {
 
   bool count() {
     if (++values_ > limits_.values)
-      return refuse(fail(Errc::too_large, "more than " + std::to_string(limits_.values) + " values"));
+      return refuse(
+          fail(Errc::too_large, "more than " + std::to_string(limits_.values) + " values", "send less at once"));
     return true;
   }
 
   bool open(Value value) {
     if (stack_.size() >= limits_.depth)
-      return refuse(fail(Errc::too_large, "nested deeper than " + std::to_string(limits_.depth)));
+      return refuse(fail(Errc::too_large, "nested deeper than " + std::to_string(limits_.depth), "nest less deeply"));
     if (!count()) return false;
     stack_.push_back({std::move(value), {}, {}});
     return true;
@@ -158,7 +159,8 @@ std::string_view Value::kind() const {
 }
 
 Result<Value> parse_json(std::string_view text, const ParseLimits& limits) {
-  if (text.size() > limits.bytes) return fail(Errc::too_large, "more than " + std::to_string(limits.bytes) + " bytes");
+  if (text.size() > limits.bytes)
+    return fail(Errc::too_large, "more than " + std::to_string(limits.bytes) + " bytes", "send less at once");
   if (!is_utf8(text)) return fail(Errc::malformed, "not UTF-8", "save the file as UTF-8");
   Builder builder(text, limits);
   json::sax_parse(text, &builder);

@@ -30,12 +30,14 @@ Access::Access(GatewayDb& db, std::vector<std::string> origins, const Bytes& cha
       tokens(random_bytes),
       sign_in(users, sessions, guard, hash_password(new_secret(random_bytes))),
       check(std::move(origins), users, sessions, tokens),
-      chain(chain_of(chain_start, stored.last_audit)) {}
+      chain(chain_of(chain_start, stored.last_audit)),
+      scenarios(random_bytes) {}
 
 void Access::restore(StoredState stored) {
   for (User& user : stored.users) users.restore(std::move(user));
   for (Session& session : stored.sessions) sessions.restore(std::move(session));
   for (Token& token : stored.tokens) tokens.restore(std::move(token));
+  for (StoredScenario& scenario : stored.scenarios) scenarios.restore(std::move(scenario));
   if (stored.steady) {
     requests.restore(stored.requests, *stored.steady);
     time.restore(*stored.steady);
@@ -57,6 +59,7 @@ Status Access::commit() {
   batch.users = users.take_changes();
   batch.sessions = sessions.take_changes();
   batch.tokens = tokens.take_changes();
+  batch.scenarios = scenarios.take_changes();
   batch.audit = std::exchange(noted_, {});
   batch.heads = std::exchange(signed_, {});
   batch.requests = std::exchange(kept_, {});

@@ -1,4 +1,4 @@
-// Users, sessions, tokens, sign-ins and the audit log, kept in the database.
+// Users, sessions, tokens, sign-ins, stored scenarios and the audit log, kept in the database.
 #pragma once
 
 #include <memory>
@@ -49,6 +49,7 @@ class Access {
   AuditChain chain;
   AuditHeads heads;
   Idempotency requests;
+  ScenarioShelf scenarios;
   SteadyTime time;  ///< UTC that does not jump: for sessions and tokens
 
  private:

@@ -1,20 +1,19 @@
-// runs, archive, check and preflight of a scenario.
+// runs, archive.
 #include "common/operator/abort_run.hpp"
 #include "common/operator/list_runs.hpp"
 #include "common/operator/pause_run.hpp"
 #include "common/operator/plan_run.hpp"
-#include "common/operator/scenario_check.hpp"
 #include "common/operator/submit_run.hpp"
 #include "services/cloud-gateway/io/api/api.hpp"
 #include "services/cloud-gateway/io/api/lists.hpp"
 #include "services/cloud-gateway/io/api/members.hpp"
 #include "services/cloud-gateway/io/api/once.hpp"
+#include "services/cloud-gateway/io/api/scenario_body.hpp"
 #include "services/cloud-gateway/io/json_text.hpp"
 
 namespace trb::gateway {
 namespace {
 
-constexpr const char* kFile = "scenario";
 constexpr std::size_t kMaxReason = 1024;
 constexpr std::int64_t kExpiresH = 24;
 constexpr std::int64_t kMaxExpiresH = 24 * 30;
@@ -64,57 +63,6 @@ void abort_it(Gateway& gateway, const CallPtr& call) {
                 [call](const Result<RunView>& view) { reply_view(call, view); });
 }
 
-HttpReply faults_reply(const ConfigFaults& faults) {
-  return problem_reply(problem_of(faults));
-}
-
-ConfigFaults stopping(const ConfigFaults& faults) {
-  ConfigFaults out;
-  for (const ConfigFault& one : faults) {
-    if (!one.may_wait) out.push_back(one);
-  }
-  return out;
-}
-
-std::string json_faults_of(const ConfigFaults& faults) {
-  JsonList out;
-  for (const ConfigFault& one : faults) {
-    JsonObject fault;
-    fault.text("pointer", pointer_of(one.key)).text("detail", one.what).text("hint", one.hint);
-    out.add(fault.flag("warning", one.may_wait).done());
-  }
-  return out.done();
-}
-
-/// The scenario in the body's member "scenario", or the whole body.
-Result<Scenario> scenario_of(const Value& json, ConfigFaults& faults) {
-  const Value* inner = json.find("scenario");
-  return op::parse_scenario(dump_json(inner != nullptr ? *inner : json), kFile, faults);
-}
-
-std::string json_check(const op::ScenarioCheck& check) {
-  JsonList alone;
-  for (const auto& one : check.without_spare) {
-    alone.add(JsonObject().text("task", one.task).text("robot", one.robot).text("why", one.why).done());
-  }
-  JsonObject out;
-  out.flag("good", stopping(check.faults).empty()).raw("faults", json_faults_of(check.faults));
-  return out.raw("without_spare", alone.done()).done();
-}
-
-void check(Gateway& gateway, const CallPtr& call) {
-  const auto body = body_of(*call);
-  if (!body) return call->fail(body.error());
-  ConfigFaults faults;
-  auto scenario = scenario_of(*body, faults);
-  if (!scenario) return call->fail(scenario.error());
-  if (!stopping(faults).empty()) return call->reply(json_reply(json_check({faults, {}})));
-  op::check_with_fleet(gateway.session, std::move(*scenario), kFile, [call](const Result<op::ScenarioCheck>& checked) {
-    if (!checked) return call->fail(checked.error());
-    call->reply(json_reply(json_check(*checked)));
-  });
-}
-
 void submit(Gateway& gateway, const CallPtr& call, op::RunPlan plan, const op::RunTerms& terms) {
   op::submit_run(gateway.session, std::move(plan), terms, [call](const Result<std::string>& run) {
     if (!run) return call->fail(run.error());
@@ -133,7 +81,7 @@ Result<op::RunTerms> terms_of(const Members& body) {
 }
 
 void plan_and_submit(Gateway& gateway, const CallPtr& call, Scenario scenario, const op::RunTerms& terms) {
-  op::plan_run(gateway.session, std::move(scenario), kFile, [&gateway, call, terms](Result<op::RunPlan> plan) {
+  op::plan_run(gateway.session, std::move(scenario), kScenarioFile, [&gateway, call, terms](Result<op::RunPlan> plan) {
     if (!plan) return call->fail(plan.error());
     if (!stopping(plan->faults).empty()) return call->reply(faults_reply(stopping(plan->faults)));
     submit(gateway, call, std::move(*plan), terms);
@@ -149,10 +97,9 @@ void start_run(Gateway& gateway, const CallPtr& call) {
   const auto terms = terms_of(*body);
   if (!terms) return call->fail(terms.error());
   ConfigFaults faults;
-  auto scenario = scenario_of(*given, faults);
-  if (!scenario) return call->fail(scenario.error());
+  Scenario scenario = scenario_of(*given, faults);
   if (!stopping(faults).empty()) return call->reply(faults_reply(stopping(faults)));
-  plan_and_submit(gateway, call, std::move(*scenario), *terms);
+  plan_and_submit(gateway, call, std::move(scenario), *terms);
 }
 
 Handler once_for_run(Gateway& gateway, void (*act)(Gateway&, const CallPtr&)) {
@@ -172,7 +119,6 @@ void add_run_routes(Gateway& gateway, HandlerTable& table) {
   table.add(Method::post, "/api/v1/runs/{run}/pause", once_for_run(gateway, pause));
   table.add(Method::post, "/api/v1/runs/{run}/resume", once_for_run(gateway, resume));
   table.add(Method::post, "/api/v1/runs/{run}/abort", once_for_run(gateway, abort_it));
-  table.add(Method::post, "/api/v1/scenarios/check", [&](const CallPtr& call) { check(gateway, call); });
 }
 
 }  // namespace trb::gateway

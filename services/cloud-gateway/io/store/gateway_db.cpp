@@ -77,7 +77,7 @@ class GatewayFile final : public GatewayDb {
 
 bool StoreBatch::empty() const {
   return users.empty() && sessions.empty() && tokens.empty() && requests.empty() && dropped_requests.empty() &&
-         audit.empty() && heads.empty() && !steady;
+         scenarios.empty() && audit.empty() && heads.empty() && !steady;
 }
 
 Result<std::unique_ptr<GatewayDb>> GatewayDb::open(const std::string& path) {

@@ -12,6 +12,7 @@
 #include "services/cloud-gateway/core/access/tokens.hpp"
 #include "services/cloud-gateway/core/access/users.hpp"
 #include "services/cloud-gateway/core/live/idempotency.hpp"
+#include "services/cloud-gateway/core/scenarios/scenario_shelf.hpp"
 
 namespace trb::gateway {
 
@@ -28,6 +29,7 @@ struct StoredState {
   std::vector<Session> sessions;
   std::vector<Token> tokens;
   std::vector<StoredRequest> requests;
+  std::vector<StoredScenario> scenarios;
   std::optional<AuditRow> last_audit;
   std::uint64_t signed_to = 0;    ///< the highest number of a signed head
   std::optional<UtcTime> steady;  ///< the last stored steady time; empty: none was stored yet
@@ -41,6 +43,7 @@ struct StoreBatch {
   std::vector<Change<Token>> tokens;
   std::vector<StoredRequest> requests;
   std::vector<RequestKey> dropped_requests;
+  std::vector<Change<StoredScenario>> scenarios;
   std::vector<AuditRow> audit;
   std::vector<SignedHead> heads;
   std::optional<UtcTime> steady;

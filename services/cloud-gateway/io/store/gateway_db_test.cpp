@@ -26,6 +26,14 @@ StoredRequest request_of(const std::string& user, const std::string& key) {
   return {{user, key}, Bytes("\0digest", 7), "run-7", {17}, std::nullopt};
 }
 
+StoredScenario scenario_of(const std::string& id) {
+  return {id,
+          {"{\"name\": \"'; DROP TABLE scenarios --\", \"tasks\": [{}]}\n", "'; DROP TABLE scenarios --", 1},
+          3,
+          "ann",
+          {19}};
+}
+
 /// Something of each kind.
 StoreBatch full_batch() {
   AuditChain chain(chain_start());
@@ -36,6 +44,7 @@ StoreBatch full_batch() {
   out.requests = {request_of("ann", "1"), request_of("ann", "2"), request_of("bob", "1")};
   out.requests[1].answer = StoredAnswer{201, Bytes("{\"id\":\"\0\"}", 10)};
   out.requests[2].answer = StoredAnswer{0, ""};
+  out.scenarios = {{"a1", scenario_of("a1")}, {"b2", scenario_of("b2")}};
   out.audit = records(chain, 3);
   out.heads = {{2, Bytes("\0signed", 7)}};
   out.steady = UtcTime{kLastNs};
@@ -54,6 +63,7 @@ void check_holds(const StoredState& state, const StoreBatch& batch) {
   CHECK(state.sessions == rows_of(batch.sessions));
   CHECK(state.tokens == rows_of(batch.tokens));
   CHECK(state.requests == batch.requests);
+  CHECK(state.scenarios == rows_of(batch.scenarios));
   CHECK(state.last_audit == batch.audit.back());
   CHECK(state.signed_to == 2);
   CHECK(state.steady == batch.steady);
@@ -69,6 +79,7 @@ TEST_CASE("a new store is empty") {
   CHECK(state.sessions.empty());
   CHECK(state.tokens.empty());
   CHECK(state.requests.empty());
+  CHECK(state.scenarios.empty());
   CHECK_FALSE(state.last_audit);
   CHECK(state.signed_to == 0);
   CHECK_FALSE(state.steady);
@@ -117,6 +128,7 @@ TEST_CASE("what is dropped is gone, what is not there to be dropped is no error"
   drops.users = {{"bob", std::nullopt}, {"nobody", std::nullopt}};
   drops.sessions = {{Bytes("\0k1", 3), std::nullopt}};
   drops.tokens = {{"screen", std::nullopt}};
+  drops.scenarios = {{"a1", std::nullopt}};
   drops.dropped_requests = {{"ann", "1"}, {"bob", "7"}};
   REQUIRE(db->save(drops));
   REQUIRE(db->save(drops));
@@ -125,6 +137,7 @@ TEST_CASE("what is dropped is gone, what is not there to be dropped is no error"
   CHECK(state.sessions == std::vector<Session>{session_of("k2", "bob")});
   CHECK(state.tokens == std::vector<Token>{token_of("exporter")});
   CHECK(state.requests.size() == 2);
+  CHECK(state.scenarios == std::vector<StoredScenario>{scenario_of("b2")});
 }
 
 TEST_CASE("an expired key that is dropped and used again in one batch stays") {

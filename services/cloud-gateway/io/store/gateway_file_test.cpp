@@ -124,10 +124,26 @@ TEST_CASE("a file of a newer build is refused with a cure, and left as it is") {
   do_sql(folder, "PRAGMA user_version=99");
   const Error error = no_store(folder);
   CHECK(error.code == Errc::version_mismatch);
-  CHECK(error.what.find("schema version 99, this build knows 1") != std::string::npos);
+  CHECK(error.what.find("schema version 99, this build knows 2") != std::string::npos);
   CHECK(error.hint.find("start the build that wrote it") != std::string::npos);
-  do_sql(folder, "PRAGMA user_version=1");
+  do_sql(folder, "PRAGMA user_version=2");
   CHECK(GatewayDb::open(folder.file()));
+}
+
+TEST_CASE("a file of the first build is brought up to date, and keeps what it has") {
+  const StoreFolder folder;
+  {
+    StoreBatch batch;
+    batch.users = {put(user_of("ann", UserRole::admin))};
+    REQUIRE(opened(folder)->save(batch));
+  }
+  do_sql(folder, "DROP TABLE scenarios; PRAGMA user_version=1");
+  const auto db = opened(folder);
+  StoreBatch batch;
+  batch.scenarios = {{"a1", StoredScenario{"a1", {"{}", "one", 0}, 1, "ann", {1}}}};
+  REQUIRE(db->save(batch));
+  CHECK(loaded(*db).users == std::vector<User>{user_of("ann", UserRole::admin)});
+  CHECK(loaded(*db).scenarios.size() == 1);
 }
 
 TEST_CASE("a damaged file is refused with a cure: no database, rows that nobody writes") {
@@ -142,6 +158,10 @@ TEST_CASE("a damaged file is refused with a cure: no database, rows that nobody 
   SUBCASE("a token's role that is none") {
     opened(folder);
     do_sql(folder, "INSERT INTO tokens VALUES('eve', -1, 0, '', 0, 0, x'')");
+  }
+  SUBCASE("a scenario of no version") {
+    opened(folder);
+    do_sql(folder, "INSERT INTO scenarios VALUES('a1', '{}', '', 0, 0, '', 0)");
   }
   SUBCASE("a status that is none") {
     opened(folder);

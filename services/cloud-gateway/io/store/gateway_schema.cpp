@@ -39,6 +39,11 @@ CREATE TRIGGER head_once BEFORE INSERT ON heads WHEN EXISTS(SELECT 1 FROM heads 
 CREATE TRIGGER head_stays BEFORE UPDATE ON heads BEGIN SELECT raise(ABORT, 'signed heads are never changed'); END;
 CREATE TRIGGER head_kept BEFORE DELETE ON heads BEGIN SELECT raise(ABORT, 'signed heads are never removed'); END;
 )",
+    R"(
+CREATE TABLE scenarios(
+  id TEXT PRIMARY KEY, text TEXT NOT NULL, name TEXT NOT NULL, tasks INTEGER NOT NULL, version INTEGER NOT NULL,
+  who TEXT NOT NULL, changed INTEGER NOT NULL) STRICT;
+)",
 };
 
 }  // namespace

@@ -2,6 +2,7 @@
 
 #include <limits>
 
+#include "proto/bodies/run.hpp"
 #include "services/cloud-gateway/io/store/in_order.hpp"
 
 namespace trb::gateway {
@@ -37,6 +38,13 @@ Status put_row(SqliteFile& file, const StoredRequest& request) {
   return file.run(
       "INSERT OR REPLACE INTO requests(user, key, digest, effect, since, status, body) VALUES(?,?,?,?,?,?,?)",
       request.key.user, request.key.key, BlobView{request.digest}, request.effect, request.since.ns, status, body);
+}
+
+Status put_row(SqliteFile& file, const StoredScenario& scenario) {
+  return file.run(
+      "INSERT OR REPLACE INTO scenarios(id, text, name, tasks, version, who, changed) VALUES(?,?,?,?,?,?,?)",
+      scenario.id, scenario.scenario.text, scenario.scenario.name, scenario.scenario.tasks,
+      static_cast<std::int64_t>(scenario.version), scenario.by, scenario.changed.ns);
 }
 
 /// `drop`: DELETE of the row with this key.
@@ -154,6 +162,20 @@ Status read_requests(SqliteFile& file, std::vector<StoredRequest>& out) {
       });
 }
 
+Status read_scenarios(SqliteFile& file, std::vector<StoredScenario>& out) {
+  return file.rows(
+      "SELECT id, text, name, tasks, version, who, changed FROM scenarios ORDER BY id",
+      [&](const Columns& row) -> Status {
+        if (row.integer(3) < 0 || row.integer(3) > kMaxTasks || row.integer(4) < 1) {
+          return file.damaged("scenario '" + row.text(0) + "'");
+        }
+        ScenarioText text{row.text(1), row.text(2), static_cast<std::uint32_t>(row.integer(3))};
+        out.push_back(
+            {row.text(0), std::move(text), static_cast<std::uint64_t>(row.integer(4)), row.text(5), {row.integer(6)}});
+        return Done{};
+      });
+}
+
 Status read_steady(SqliteFile& file, std::optional<UtcTime>& out) {
   return file.rows(
       "SELECT value FROM meta WHERE name = ?",
@@ -170,13 +192,15 @@ Status write_state(SqliteFile& file, const StoreBatch& batch) {
   return in_order([&] { return write_users(file, batch.users); },
                   [&] { return write_changes(file, batch.sessions, "DELETE FROM sessions WHERE key = ?", blob_key); },
                   [&] { return write_changes(file, batch.tokens, "DELETE FROM tokens WHERE name = ?", text_key); },
-                  [&] { return write_requests(file, batch); }, [&] { return write_steady(file, batch.steady); });
+                  [&] { return write_requests(file, batch); },
+                  [&] { return write_changes(file, batch.scenarios, "DELETE FROM scenarios WHERE id = ?", text_key); },
+                  [&] { return write_steady(file, batch.steady); });
 }
 
 Status read_state(SqliteFile& file, StoredState& out) {
   return in_order([&] { return read_users(file, out.users); }, [&] { return read_sessions(file, out.sessions); },
                   [&] { return read_tokens(file, out.tokens); }, [&] { return read_requests(file, out.requests); },
-                  [&] { return read_steady(file, out.steady); });
+                  [&] { return read_scenarios(file, out.scenarios); }, [&] { return read_steady(file, out.steady); });
 }
 
 }  // namespace trb::gateway

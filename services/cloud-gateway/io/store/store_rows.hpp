@@ -1,4 +1,4 @@
-// Converts what the gateway keeps to rows, and back: users, sessions, tokens, requests, the steady time.
+// Converts what the gateway keeps to rows, and back: users, sessions, tokens, requests, scenarios, the steady time.
 #pragma once
 
 #include "common/sqlite/sqlite_file.hpp"
