@@ -5,7 +5,7 @@ import { openAlarms } from './alarms';
 function alert(id: string, severity: Alert['severity'], time: number, state: Alert['state'] = 'OPEN'): Alert {
   return {
     id, severity, time, state, run: '', name: '', robot: 'ur3', capability: '', cause: 'robot_fault', text: '', tasks: [],
-    expires: 0, needs_word: false, person: '', reason: '', waits_for: '',
+    expires: 0, needs_word: false, proposals: [], unfit: [], policy: 'ask', verdict: 'none', epoch: 0, person: '', reason: '', waits_for: '',
   };
 }
 

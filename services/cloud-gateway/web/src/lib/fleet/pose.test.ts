@@ -1,8 +1,8 @@
 import { describe, expect, it } from 'vitest';
-import type { Profile, RobotContent } from '../api/types';
+import type { Profile, RobotContent, RobotValue } from '../api/types';
 import { chargeOf, poseOf } from './pose';
 
-function robot(values: Record<string, unknown>): RobotContent {
+function robot(values: Record<string, RobotValue['value']>): RobotContent {
   const list = Object.entries(values).map(([name, value]) => ({ name, value, changed: '' }));
   return { connection: 'ONLINE', detail: '', fenced: false, control: '', out_of_use: [], values: list, faults: [], cut: false };
 }
@@ -21,6 +21,10 @@ describe('the place of a robot', () => {
     const pose = poseOf(robot({ position: [1500, -500, 90] }), pioneer);
     expect(pose?.x).toBeCloseTo(1.5);
     expect(pose?.y).toBeCloseTo(4.5);
+  });
+
+  it.each([[[1, 2]], [{ x: 1, y: 2 }], ['1 2 0.5'], ['1,2']])('is read from %j', (position) => {
+    expect(poseOf(robot({ position: position as RobotValue['value'] }), profile({}))).toEqual({ x: 1, y: 2 });
   });
 
   it('is its frame if it does not move, and unknown if nobody described that', () => {

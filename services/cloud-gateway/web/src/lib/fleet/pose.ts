@@ -1,7 +1,7 @@
 /** Where a robot is in the hall, and how much charge it has, from what it sends in its own units. */
 import type { Profile, RobotContent } from '../api/types';
 
-/** Metres; x to the east, y to the north; heading in radians counter-clockwise from east. */
+/** Metres; x to the east, y to the north. */
 export interface Pose {
   x: number;
   y: number;
@@ -13,9 +13,18 @@ function valueOf(robot: RobotContent, name: string): unknown {
   return robot.values.find((value) => value.name === name)?.value;
 }
 
+/** [x, y, ...], {"x", "y"}, or words "x y ..." as robots with fields send it. */
 function numbersOf(value: unknown): number[] {
-  const list = Array.isArray(value) ? value : [value];
+  const list = listOf(value);
   return list.every((one) => typeof one === 'number' && Number.isFinite(one)) ? (list as number[]) : [];
+}
+
+function listOf(value: unknown): unknown[] {
+  if (Array.isArray(value)) return value;
+  if (typeof value === 'string') return value.split(/[ ,]+/).filter((word) => word !== '').map(Number);
+  if (typeof value !== 'object' || value === null) return [value];
+  const { x, y } = value as Record<string, unknown>;
+  return [x, y];
 }
 
 /** What neither drives nor flies stands at the origin of its frame. */

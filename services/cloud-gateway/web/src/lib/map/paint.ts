@@ -52,7 +52,7 @@ export function paint(pen: CanvasRenderingContext2D, camera: Camera, places: Pla
   const shown = marks.filter((mark) => isInPicture(toPicture(camera, mark), camera));
   for (const mark of shown) paintTrail(pen, camera, mark, colours);
   for (const mark of shown) paintMark(pen, toPicture(camera, mark), mark, colours);
-  paintLabels(pen, camera, shown, colours);
+  paintLabels(pen, camera, shown, places, colours);
   paintScale(pen, camera, colours);
 }
 
@@ -70,8 +70,6 @@ function paintPlace(pen: CanvasRenderingContext2D, camera: Camera, place: Place,
   pen.moveTo(x, y - 5);
   pen.lineTo(x, y + 5);
   pen.stroke();
-  pen.fillStyle = colours.muted;
-  pen.fillText(place.name, x + 7, y - 5);
 }
 
 function paintTrail(pen: CanvasRenderingContext2D, camera: Camera, mark: Mark, colours: Colours): void {
@@ -128,19 +126,6 @@ function paintRing(pen: CanvasRenderingContext2D, at: Point, colours: Colours): 
   pen.stroke();
 }
 
-/** The selected robot's first; one that would cover another is left out: the table has them all. */
-function paintLabels(pen: CanvasRenderingContext2D, camera: Camera, marks: Mark[], colours: Colours): void {
-  const taken: Rect[] = [];
-  const isCrowded = marks.length > MOST_LABELS;
-  for (const mark of [...marks].sort((a, b) => Number(b.isSelected) - Number(a.isSelected))) {
-    if (isCrowded && !mark.isSelected) return;
-    const rect = rectOf(pen, toPicture(camera, mark), mark.lines);
-    if (taken.some((other) => overlap(rect, other))) continue;
-    taken.push(rect);
-    paintLabel(pen, rect, mark.lines, colours);
-  }
-}
-
 interface Rect {
   x: number;
   y: number;
@@ -148,19 +133,47 @@ interface Rect {
   height: number;
 }
 
-function rectOf(pen: CanvasRenderingContext2D, at: Point, lines: string[]): Rect {
+/** Where nothing else is: right of its thing, left, above, below; nothing: the label is left out. */
+function roomFor(pen: CanvasRenderingContext2D, at: Point, lines: string[], away: number, taken: Rect[]): Rect | undefined {
   const width = Math.max(...lines.map((line) => pen.measureText(line).width));
-  return { x: at.x + RADIUS + 10, y: at.y + 3, width, height: lines.length * LINE };
+  const height = lines.length * LINE;
+  const places = [
+    { x: at.x + away, y: at.y - height / 2 },
+    { x: at.x - away - width, y: at.y - height / 2 },
+    { x: at.x - width / 2, y: at.y - away - height },
+    { x: at.x - width / 2, y: at.y + away },
+  ];
+  return places.map((place) => ({ ...place, width, height })).find((rect) => !taken.some((other) => overlap(rect, other)));
+}
+
+/** The selected robot's first, places last. What finds no room is left out: the table has all robots. */
+function paintLabels(pen: CanvasRenderingContext2D, camera: Camera, marks: Mark[], places: Place[], colours: Colours): void {
+  const taken: Rect[] = marks.map((mark) => around(toPicture(camera, mark)));
+  const label = (at: Point, lines: string[], away: number, colour: string) => {
+    const rect = roomFor(pen, at, lines, away, taken);
+    if (rect === undefined) return;
+    taken.push(rect);
+    paintLabel(pen, rect, lines, colour, colours.ground);
+  };
+  const isCrowded = marks.length > MOST_LABELS;
+  for (const mark of [...marks].sort((a, b) => Number(b.isSelected) - Number(a.isSelected))) {
+    if (!isCrowded || mark.isSelected) label(toPicture(camera, mark), mark.lines, RADIUS + 8, colours.text);
+  }
+  if (!isCrowded) for (const place of places) label(toPicture(camera, place), [place.name], 8, colours.muted);
+}
+
+function around(at: Point): Rect {
+  return { x: at.x - RADIUS, y: at.y - RADIUS, width: 2 * RADIUS, height: 2 * RADIUS };
 }
 
 function overlap(a: Rect, b: Rect): boolean {
   return a.x < b.x + b.width && b.x < a.x + a.width && a.y < b.y + b.height && b.y < a.y + a.height;
 }
 
-function paintLabel(pen: CanvasRenderingContext2D, rect: Rect, lines: string[], colours: Colours): void {
+function paintLabel(pen: CanvasRenderingContext2D, rect: Rect, lines: string[], colour: string, halo: string): void {
   pen.lineWidth = 4;
-  pen.strokeStyle = colours.ground;
-  pen.fillStyle = colours.text;
+  pen.strokeStyle = halo;
+  pen.fillStyle = colour;
   lines.forEach((line, i) => {
     const y = rect.y + 13 + i * LINE;
     pen.strokeText(line, rect.x, y);
