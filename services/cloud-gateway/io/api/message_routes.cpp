@@ -10,7 +10,7 @@
 namespace trb::gateway {
 namespace {
 
-constexpr std::uint64_t kPage = 100;
+constexpr std::uint64_t kMessagePage = 100;
 constexpr std::uint64_t kMaxMessagePage = 500;
 constexpr std::int64_t kWait_s = 5;
 constexpr std::int64_t kMaxWait_s = 30;
@@ -33,7 +33,7 @@ Result<std::optional<E>> query_name(const Call& call, std::string_view key) {
 Status read_page(const Call& call, MessageQuery& out) {
   const auto before = call.query_number("cursor", out.before, out.before);
   if (!before) return before.error();
-  const auto limit = call.query_number("limit", kPage, kMaxMessagePage);
+  const auto limit = call.query_number("limit", kMessagePage, kMaxMessagePage);
   if (!limit) return limit.error();
   if (*limit == 0) return fail(Errc::bad_value, "limit: 0", "use 1 to " + std::to_string(kMaxMessagePage));
   out.before = *before;

@@ -10,7 +10,7 @@
 namespace trb::gateway {
 namespace {
 
-constexpr std::size_t kMaxReason = 255;
+constexpr std::size_t kMaxUseReason = 255;
 constexpr Duration kStopWait = std::chrono::seconds(3);
 
 RowKey robot_key(RowKind kind, const Call& call) {
@@ -32,7 +32,7 @@ Result<std::string> reason_in(const Call& call, std::string otherwise) {
   if (call.request.body.empty()) return otherwise;
   const auto body = Members::of(call, {"reason"});
   if (!body) return body.error();
-  return body->text_or("reason", kMaxReason, std::move(otherwise));
+  return body->text_or("reason", kMaxUseReason, std::move(otherwise));
 }
 
 std::string json_orders(const std::vector<op::RobotOrder>& orders) {
@@ -75,7 +75,7 @@ void tell_robot(Gateway& gateway, const CallPtr& call, Body body) {
 void retire(Gateway& gateway, const CallPtr& call) {
   const auto body = Members::of(*call, {"reason"});
   if (!body) return call->fail(body.error());
-  const auto reason = body->text("reason", kMaxReason);
+  const auto reason = body->text("reason", kMaxUseReason);
   if (!reason) return call->fail(reason.error());
   tell_robot(gateway, call, TakeOutOfUse{{"", {}, *reason, 0, true, call->who().name}});
 }

@@ -14,7 +14,7 @@
 namespace trb::gateway {
 namespace {
 
-constexpr std::size_t kMaxReason = 1024;
+constexpr std::size_t kMaxRunReason = 1024;
 constexpr std::int64_t kExpiresH = 24;
 constexpr std::int64_t kMaxExpiresH = 24 * 30;
 
@@ -39,7 +39,7 @@ Result<std::string> reason_of(const Call& call) {
   if (call.request.body.empty()) return "by " + call.who().name;
   const auto body = Members::of(call, {"reason"});
   if (!body) return body.error();
-  return body->text_or("reason", kMaxReason, "by " + call.who().name);
+  return body->text_or("reason", kMaxRunReason, "by " + call.who().name);
 }
 
 void pause(Gateway& gateway, const CallPtr& call) {

@@ -12,7 +12,7 @@
 namespace trb::gateway {
 namespace {
 
-constexpr std::uint64_t kPage = 100;
+constexpr std::uint64_t kScenarioPage = 100;
 
 JsonObject json_info(const StoredScenario& one) {
   JsonObject out;
@@ -36,7 +36,7 @@ const StoredScenario* scenario_in_path(const Gateway& gateway, const Call& call)
 
 /// By name.
 void list_scenarios(const Gateway& gateway, const CallPtr& call) {
-  const auto limit = call->query_number("limit", kPage, kMaxPage);
+  const auto limit = call->query_number("limit", kScenarioPage, kMaxPage);
   if (!limit) return call->fail(limit.error());
   std::map<std::string, const StoredScenario*> by_name;
   for (const auto& [id, one] : gateway.access.scenarios.all()) by_name[one.scenario.name + "/" + id] = &one;
