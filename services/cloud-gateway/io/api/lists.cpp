@@ -9,7 +9,7 @@
 namespace trb::gateway {
 namespace {
 
-constexpr std::uint64_t kLists.cppPage = 100;
+constexpr std::uint64_t kRowsPage = 100;
 
 std::map<std::string, const Row*> rows_by_key(const RowBook& book, RowKind kind) {
   std::map<std::string, const Row*> out;
@@ -20,7 +20,7 @@ std::map<std::string, const Row*> rows_by_key(const RowBook& book, RowKind kind)
 }  // namespace
 
 void reply_rows(const Gateway& gateway, const CallPtr& call, RowKind kind) {
-  const auto limit = call->query_number("limit", kLists.cppPage, kMaxPage);
+  const auto limit = call->query_number("limit", kRowsPage, kMaxPage);
   if (!limit) return call->fail(limit.error());
   const auto rows = rows_by_key(gateway.book, kind);
   const auto page =
