@@ -37,6 +37,8 @@ struct Now {
 
 /// ISO 8601 with milliseconds, "2026-03-01T12:00:00.250Z".
 std::string to_iso8601(UtcTime time);
+/// The inverse, of years 1970 to 2200: with no fraction, or one of 1 to 9 digits. Nothing else.
+std::optional<UtcTime> from_iso8601(std::string_view text);
 
 /// The earlier of two optional deadlines.
 inline std::optional<MonotonicTime> earlier(std::optional<MonotonicTime> a, std::optional<MonotonicTime> b) {

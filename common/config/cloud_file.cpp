@@ -10,6 +10,8 @@ namespace trb {
 namespace {
 
 constexpr std::size_t kMaxNames = 16;
+constexpr std::int64_t kMaxDays = 3650;
+constexpr std::int64_t kMaxMegabytes = 1'000'000;
 constexpr const char* kListenHint = R"(write "127.0.0.1:8443", or "0.0.0.0:8443" for every interface)";
 
 void take_listen(const std::string& text, const FileFaults& faults, CloudSettings& out) {
@@ -36,6 +38,15 @@ void take_names(std::vector<std::string> names, const FileFaults& faults, CloudS
   out.names = std::move(names);
 }
 
+void take_history(const Value& json, const FileFaults& faults, CloudSettings& out) {
+  ObjectReader reader(json, "history", faults);
+  if (const auto days = reader.integer("days", Need::optional, 1, kMaxDays))
+    out.history_days = static_cast<std::uint32_t>(*days);
+  if (const auto size = reader.integer("megabytes", Need::optional, 1, kMaxMegabytes))
+    out.history_mb = static_cast<std::uint32_t>(*size);
+  reader.refuse_unknown_keys();
+}
+
 /// As it stands in a URL.
 std::string in_url(const std::string& host) {
   return host.find(':') == std::string::npos ? host : "[" + host + "]";
@@ -58,6 +69,7 @@ CloudSettings read_cloud(const Value& json, const std::string& file, ConfigFault
   ObjectReader reader(json, "", sink);
   if (const auto listen = reader.text("listen", Need::optional)) take_listen(*listen, sink, out);
   take_names(reader.texts("names", Need::optional, kMaxNames), sink, out);
+  if (const Value* history = reader.value("history", Need::optional)) take_history(*history, sink, out);
   reader.refuse_unknown_keys();
   return out;
 }

@@ -45,4 +45,15 @@ TEST_CASE("cloud.json: what is wrong is named with the cure") {
   CHECK(cloud_of(R"({"listen": "127.0.0.1"})").faults.size() == 1);
   CHECK(cloud_of(R"({"names": ["good", "Bad Name", "-x", "a..b"]})").faults.size() == 3);
   CHECK(cloud_of(R"({"port": 1})").faults.size() == 1);
+  CHECK(cloud_of(R"({"history": {"days": 0}})").faults.at(0).key == "history.days");
+  CHECK(cloud_of(R"({"history": {"megabytes": 1.5, "years": 1}})").faults.size() == 2);
+  CHECK(cloud_of(R"({"history": 30})").faults.size() == 1);
+}
+
+TEST_CASE("cloud.json: how much history is kept") {
+  CHECK(cloud_of("{}").settings.history_days == 30);
+  const ReadCloud read = cloud_of(R"({"history": {"days": 7, "megabytes": 64}})");
+  CHECK(read.faults.empty());
+  CHECK(read.settings.history_days == 7);
+  CHECK(read.settings.history_mb == 64);
 }

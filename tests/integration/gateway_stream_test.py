@@ -2,13 +2,15 @@
 
 Addresses 127.0.250.x, 127.0.251.x.
 """
+import concurrent.futures
+import os
+import signal
 import subprocess
-import unittest
 
 import support
 import sensor_side
 import trb_fleet
-from gateway_case import GOOD, ROBOT, Fleet, GatewayCase
+from gateway_case import CLOUD, GOOD, ROBOT, SCENARIO, Fleet, GatewayCase
 
 SENSOR = "humidity"
 TOPIC = f"sensor/{ROBOT}/{SENSOR}"
@@ -196,6 +198,130 @@ class Stream(GatewayCase):
         word = next(one for one in frame["messages"] if one["subtype"] == "live_word")
         self.assertEqual((word["target"], word["data"], word["type"]), (ROBOT, "<b>&", "information"))
         self.assertGreater(frame["phases"]["task"], 0)
+
+    # ---- histories
+
+    def history(self, path, query="", status=200):
+        answer = self.viewer.ask("GET", f"/api/v1/{path}/history{query}")
+        self.assertEqual(answer.status, status, answer.bytes)
+        return answer.json
+
+    def wait_recorded(self, path, query, found):
+        self.fleet.wait(f"{path} {query} in the history", lambda: any(
+            found(one) for one in self.history(path, query)["items"]), 10)
+
+    def test_a_robots_history_has_its_stops_and_survives_kill_9(self):
+        self.addCleanup(self.fleet.trb, "release", ROBOT, node=CLOUD)
+        robot = f"robots/{ROBOT}"
+        self.assertIn("ONLINE", [one["value"] for one in self.history(robot, "?kind=connection")["items"]])
+        self.operator.ask("POST", f"/api/v1/robots/{ROBOT}/stop", {"reason": "a box"})
+        self.wait_recorded(robot, "?kind=fence", lambda one: one["value"] is True)
+        before = self.history(robot, "?kind=fence")["items"]
+        # Half a second to the batch, and the time to write it: what is in a page is on disk.
+        self.kill_gateway()
+        after = self.history(robot, "?kind=fence")["items"]
+        self.assertEqual(after[-len(before):], before)
+
+    def test_a_robots_history_has_its_tasks(self):
+        started = self.operator.ask("POST", "/api/v1/runs", {"scenario": SCENARIO})
+        self.assertEqual(started.status, 201, started.bytes)
+        task = f"{started.json['run']}/go"
+        self.wait_recorded(f"robots/{ROBOT}", "?kind=task",
+                           lambda one: (one["about"], one["value"], one["detail"]) == (task, "FINISHED", "go_to"))
+
+    def test_the_readings_of_a_watched_sensor_are_kept_and_given_as_csv(self):
+        live = self.open_live()
+        self.watch(live)
+        sensor = f"sensors/{ROBOT}/{SENSOR}"
+        self.fleet.wait("some readings", lambda: len(self.history(sensor)["items"]) >= 5, 10)
+        live.close()
+        self.wait_stream(False)
+        page = self.history(sensor, "?limit=3")
+        times = [one["time"] for one in page["items"]]
+        self.assertEqual(times, sorted(times, reverse=True))
+        self.assertEqual((page["items"][0]["unit"], page["items"][0]["quality"]), ("percent", "good"))
+        older = self.history(sensor, f"?limit=3&cursor={page['next']}")["items"]
+        self.assertLess(older[0]["time"], times[-1])
+        since = self.history(sensor, f"?from={times[1]}&limit=5000")["items"]
+        self.assertEqual([one["time"] for one in since][-1], times[1])
+        csv = self.viewer.ask("GET", f"/api/v1/{sensor}/history.csv")
+        self.assertEqual(csv.headers["Content-Type"], "text/csv; charset=utf-8")
+        lines = csv.bytes.decode().split("\r\n")
+        self.assertEqual(lines[0], "time,value,unit,quality")
+        self.assertRegex(lines[1], r'^20\d\d-.*Z,[0-9.]+,"percent","good"$')
+
+    def test_wrong_questions_about_the_past(self):
+        for path in ("robots/nobody", f"sensors/{ROBOT}/none", "sensors/nobody/none"):
+            self.history(path, status=404)
+        self.history("sensors/x'--/y", status=400)
+        for query in ("?limit=0", "?limit=5001", "?kind=lunch", "?from=yesterday", "?to=2026-02-30T00:00:00Z"):
+            self.history(f"robots/{ROBOT}", query, status=422)
+        self.history(f"robots/{ROBOT}", "?cursor=zz", status=400)
+        mine = self.history(f"robots/{ROBOT}", "?limit=1")["next"]
+        self.history(f"sensors/{ROBOT}/{SENSOR}", f"?cursor={mine}", status=422)
+        self.assertEqual(self.client().ask("GET", f"/api/v1/robots/{ROBOT}/history").status, 401)
+
+    # ---- nodes
+
+    def test_services_and_links(self):
+        table = self.viewer.ask("GET", "/api/v1/services").json
+        self.assertEqual(table["node"], CLOUD)
+        self.assertEqual({one["service"]: one["state"] for one in table["services"]}["cloud-gateway"], "up")
+        of_robot = self.viewer.ask("GET", f"/api/v1/services?node={ROBOT}").json
+        self.assertIn("mode-adapter", [one["service"] for one in of_robot["services"]])
+        links = self.viewer.ask("GET", "/api/v1/links").json
+        self.assertEqual([(one["peer"], one["state"]) for one in links["links"]], [(ROBOT, "ONLINE")])
+        self.assert_problem(self.viewer.ask("GET", "/api/v1/services?node=nobody"), 404)
+
+    def test_the_doctor_connects_to_no_stranger(self):
+        report = self.operator.ask("GET", "/api/v1/doctor").json
+        problems = [one for one in report["findings"] if one["severity"] == "problem"]
+        self.assertEqual((report["node"], report["well"]), (CLOUD, not problems))
+        self.assertEqual(self.operator.ask("GET", f"/api/v1/doctor?peer={ROBOT}").status, 200)
+        self.assert_problem(self.operator.ask("GET", "/api/v1/doctor?peer=127.0.0.1:22"), 404)
+        self.assert_problem(self.viewer.ask("GET", "/api/v1/doctor"), 403, "role_too_low")
+
+    def test_the_doctor_examines_for_one_at_a_time_and_names_who_hangs(self):
+        hangs = self.fleet.pid(ROBOT, "router")
+        os.kill(hangs, signal.SIGSTOP)  # an echo is awaited for 2 s
+        try:
+            with concurrent.futures.ThreadPoolExecutor() as pool:
+                asked = [pool.submit(self.operator.ask, "GET", "/api/v1/doctor") for _ in range(2)]
+                done, refused = sorted((one.result() for one in asked), key=lambda answer: answer.status)
+        finally:
+            os.kill(hangs, signal.SIGCONT)
+        self.assert_problem(refused, 429, "busy")
+        self.assertGreater(int(refused.headers["Retry-After"]), 0)
+        self.assertIn(ROBOT, [one["subject"] for one in done.json["findings"]])
+        self.assertFalse(done.json["well"])
+        self.fleet.wait("the robot is back", self.is_online, 20)
+
+    # ---- a decision without an alert
+
+    def test_a_person_skips_a_task_that_waits(self):
+        self.addCleanup(self.fleet.trb, "release", ROBOT, node=CLOUD)
+        self.operator.ask("POST", f"/api/v1/robots/{ROBOT}/stop")
+        run = self.operator.ask("POST", "/api/v1/runs", {"scenario": SCENARIO}).json["run"]
+        task = f"/api/v1/runs/{run}/tasks/go"
+        decide = self.operator.ask
+        self.assert_problem(self.viewer.ask("POST", f"{task}/skip"), 403, "role_too_low")
+        self.assert_problem(decide("POST", f"{task}/move", {"robot": ROBOT}), 400)
+        self.assert_problem(decide("POST", f"{task}/move", {"reason": "it is near"}), 400)
+        self.assert_problem(decide("POST", f"/api/v1/runs/{'0' * 32}/tasks/go/skip"), 404)
+        self.fleet.wait("who decides knows the run, and no such task", lambda: decide(
+            "POST", f"/api/v1/runs/{run}/tasks/none/skip").status == 422, 10)
+        self.assert_problem(decide("POST", f"{task}/skip", {"stands": "yes"}), 422)
+        self.assert_problem(decide("POST", f"{task}/move", {"robot": "nobody", "reason": "it is near"}), 404)
+        self.assert_problem(decide("POST", f"{task}/retry"), 409)
+        skipped = decide("POST", f"{task}/skip", {"reason": "not today"}, Idempotency_Key="skip-it")
+        self.assertEqual(skipped.status, 200, skipped.bytes)
+        again = decide("POST", f"{task}/skip", {"reason": "not today"}, Idempotency_Key="skip-it")
+        self.assertEqual((again.status, again.bytes), (200, skipped.bytes))
+        self.fleet.wait("the run is over", lambda: self.viewer.ask(
+            "GET", f"/api/v1/runs/{run}").json["state"] == "FINISHED", 20)
+        view = self.viewer.ask("GET", f"/api/v1/runs/{run}").json
+        self.assertEqual([one["state"] for one in view["tasks"]], ["SKIPPED"])
+        self.assertEqual([one["person"] for one in view["decisions"]], ["olga"])
 
 
 if __name__ == "__main__":

@@ -8,11 +8,14 @@
 
 #include "common/base/steady_time.hpp"
 #include "common/fleet/places.hpp"
+#include "common/operator/io/doctor.hpp"
 #include "common/operator/session.hpp"
+#include "services/cloud-gateway/core/history/history_recorder.hpp"
 #include "services/cloud-gateway/core/live/fleet_view.hpp"
 #include "services/cloud-gateway/core/live/message_log.hpp"
 #include "services/cloud-gateway/core/live/subscriptions.hpp"
 #include "services/cloud-gateway/io/access.hpp"
+#include "services/cloud-gateway/io/history_desk.hpp"
 #include "services/cloud-gateway/io/json_rows.hpp"
 #include "services/cloud-gateway/io/password_pool.hpp"
 
@@ -36,11 +39,14 @@ struct Gateway {
   FleetView& fleet;
   Subscriptions& clients;
   MessageLog& messages;  ///< what has passed this node's router
+  HistoryDesk& history;
+  const HistoryRecorder& recorder;
   std::string node_dir;
   const Places& places;                            ///< of the hall, from this node's places.json
   std::function<bool()> is_ready;                  ///< the node's router is there
   std::function<void(const Error&)> on_unwritten;  ///< a commit has failed: the process ends
   SignIns* sign_ins = nullptr;
+  op::Doctor* doctor = nullptr;
   Counts counts{};
   std::map<ClientId, LiveSocket*> sockets{};  ///< each adds and removes itself
 

@@ -33,7 +33,8 @@ std::string all_of(const std::vector<std::string>& texts) {
 
 }  // namespace
 
-Process::Process(Service& service, GatewayDb& db, Access& access, std::string node_dir, Places places)
+Process::Process(Service& service, GatewayDb& db, std::unique_ptr<HistoryStore> history, Access& access,
+                 std::string node_dir, Places places)
     : service_(service),
       db_(db),
       access_(access),
@@ -41,10 +42,14 @@ Process::Process(Service& service, GatewayDb& db, Access& access, std::string no
       places_(std::move(places)),
       passwords_(loop_, kChecksAtOnce),
       clients_(book_, encoder_, (service.instance() & kExactInJson) | 1U),
-      core_(book_, view_, access) {}
+      history_(loop_, std::move(history)),
+      core_(book_, view_, access) {
+  book_.observe(recorder_);
+}
 
 Gateway Process::gateway_of(op::Session& session) {
-  return {access_, db_, passwords_, session, book_, view_, clients_, messages_, node_dir_, places_, {}, {}};
+  return {access_,   db_,      passwords_, session,   book_,   view_, clients_,
+          messages_, history_, recorder_,  node_dir_, places_, {},    {}};
 }
 
 Result<int> Process::run(const HttpServerSettings& settings, const std::vector<std::string>& origins) {
@@ -57,6 +62,8 @@ Result<int> Process::run(const HttpServerSettings& settings, const std::vector<s
   gateway.on_unwritten = [this](const Error& error) { end_unwritten(error); };
   SignIns sign_ins(gateway);
   gateway.sign_ins = &sign_ins;
+  op::Doctor doctor((*person)->loop(), &(*person)->session(), nullptr);
+  gateway.doctor = &doctor;
   Api api(gateway);
   const auto server = HttpServer::open(loop_, settings, api);
   if (!server) return server.error();
@@ -66,6 +73,7 @@ Result<int> Process::run(const HttpServerSettings& settings, const std::vector<s
   drive(**person);
   (*server)->stop();
   loop_.run_for(kLastReplies);
+  write_history(trb::now());
   return unwritten_ ? 1 : service_.exit_status();
 }
 
@@ -74,6 +82,9 @@ void Process::add_timers(Gateway& gateway, SignIns& sign_ins) {
   service_.timer([this] { return clients_.topics_changed() ? std::optional(MonotonicTime{}) : std::nullopt; },
                  [this](Now now) { follow_topics(now); });
   service_.timer([this] { return access_.sign_in.next_deadline(); }, [&sign_ins](Now) { sign_ins.tick(); });
+  // A batch that is being written wakes the loop when it is done.
+  service_.timer([this] { return history_.is_writing() ? std::nullopt : recorder_.next_deadline(); },
+                 [this](Now now) { record(now); });
   service_.timer([this] { return std::optional(house_kept_ + kHouse); },
                  [this, &gateway](Now now) { keep_house(gateway, now); });
 }
@@ -119,14 +130,33 @@ void Process::pump(Gateway& gateway) {
 /// What clients watch is requested; what the last of them has left is ended.
 void Process::follow_topics(Now now) {
   static_cast<void>(clients_.take_topics_changed());
-  view_.watch_runs(clients_.watched_runs(), now);
+  std::set<std::string> runs = recorded_runs(book_);
+  runs.merge(clients_.watched_runs());
+  view_.watch_runs(std::move(runs), now);
   view_.watch_sensors(clients_.watched_sensors(now), now);
   view_.watch_robots(clients_.watches_robots(now), now);
+}
+
+void Process::record(Now now) {
+  recorder_.tick(now);
+  if (recorder_.is_due(now) && !history_.is_writing()) write_history(now);
+}
+
+/// A history that cannot be written ends nothing: it is told once, and what is lost is counted.
+void Process::write_history(Now now) {
+  std::vector<HistoryEntry> batch = recorder_.take();
+  const std::size_t size = batch.size();
+  history_.add(std::move(batch), now.utc, [this, size](const Status& written) {
+    if (!written) recorder_.count_lost(size);
+    if (!written && !is_history_lost_) log_event(Level::error, "history_not_written", written.error().text());
+    is_history_lost_ = !written;
+  });
 }
 
 void Process::keep_house(Gateway& gateway, Now now) {
   house_kept_ = now.mono;
   access_.tick(now, gateway.steady());
+  follow_topics(now);
   std::vector<LiveSocket*> open;
   for (const auto& [client, socket] : gateway.sockets) open.push_back(socket);
   for (LiveSocket* socket : open) socket->check_rights();

@@ -18,7 +18,8 @@ namespace trb::gateway {
 
 class Process {
  public:
-  Process(Service& service, GatewayDb& db, Access& access, std::string node_dir, Places places);
+  Process(Service& service, GatewayDb& db, std::unique_ptr<HistoryStore> history, Access& access, std::string node_dir,
+          Places places);
   Process(const Process&) = delete;
   Process& operator=(const Process&) = delete;
 
@@ -34,6 +35,8 @@ class Process {
   void drive(op::BusSession& person);
   void pump(Gateway& gateway);
   void follow_topics(Now now);
+  void record(Now now);
+  void write_history(Now now);
   void keep_house(Gateway& gateway, Now now);
   void end_unwritten(const Error& error);
 
@@ -49,6 +52,9 @@ class Process {
   JsonRows encoder_;
   Subscriptions clients_;
   MessageLog messages_;
+  HistoryRecorder recorder_;
+  HistoryDesk history_;
+  bool is_history_lost_ = false;
   GatewayCore core_;
   MonotonicTime house_kept_;
   bool unwritten_ = false;

@@ -31,6 +31,10 @@ Result<HttpServerSettings> server_settings(const NodeConfig& config, const Cloud
   return out;
 }
 
+HistoryLimits limits_of(const CloudSettings& cloud) {
+  return {std::chrono::hours(24) * cloud.history_days, std::uint64_t{cloud.history_mb} << 20U};
+}
+
 Result<std::unique_ptr<Access>> open_access(const NodeConfig& config, const CloudSettings& cloud, GatewayDb& db) {
   const auto keys = load_node_keys(config.dir);
   if (!keys) return keys.error();
@@ -49,13 +53,15 @@ Result<int> start(NodeConfig config) {
   if (auto made = make_private_dir(config.dir + "/state"); !made) return made.error();
   const auto db = GatewayDb::open(config.dir + "/state/gateway.db");
   if (!db) return db.error();
+  auto history = open_history_file(config.dir + "/state/history.db", limits_of(cloud));
+  if (!history) return history.error();
   const auto access = open_access(config, cloud, **db);
   if (!access) return access.error();
   const auto server = server_settings(config, cloud);
   if (!server) return server.error();
   const auto service = Service::open({config.dir, "cloud-gateway", {}, FleetView::hears()});
   if (!service) return service.error();
-  Process process(**service, **db, **access, config.dir, std::move(config.places));
+  Process process(**service, **db, std::move(*history), **access, config.dir, std::move(config.places));
   return process.run(*server, cloud.origins());
 }
 

@@ -26,10 +26,10 @@ struct PassedMessage {
 };
 
 struct MessageQuery {
-  std::string node;  ///< its source or target; empty: any
-  std::string subtype;
-  std::optional<MessageType> type;
-  std::optional<CostPhase> phase;  ///< empty: all but upkeep
+  std::string node{};  ///< its source or target; empty: any
+  std::string subtype{};
+  std::optional<MessageType> type{};
+  std::optional<CostPhase> phase{};  ///< empty: all but upkeep
   std::uint64_t before = std::numeric_limits<std::uint64_t>::max();
   std::size_t most = 100;
 };

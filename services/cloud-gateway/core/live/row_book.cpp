@@ -39,13 +39,14 @@ bool RowBook::put(const RowKey& key, RowContent content, Live live, Now now) {
   }
   Row& row = insert(key);
   const bool at_once = row.live != live && row.live != Live::refused;
-  row.content = std::move(content);
+  const RowContent former = std::exchange(row.content, std::move(content));
   row.size = size;
   row.live = live;
   row.is_refused = false;
   row.heard = now;
   ++row.version;
   change(row, now, at_once);
+  if (observer_ != nullptr) observer_->changed(row, former, now);
   return true;
 }
 
@@ -85,7 +86,8 @@ void RowBook::remove(const RowKey& key, Now now) {
   if (at == rows_.end() || at->second.is_removed()) return;
   Row& row = at->second;
   if (is_budgeted(key)) budgets_[key.node].hold(row.size, 0);
-  row.content = std::monostate{};
+  const RowContent former = std::exchange(row.content, std::monostate{});
+  if (observer_ != nullptr) observer_->changed(row, former, now);
   row.is_refused = false;
   row.size = 0;
   row.heard = now;

@@ -18,6 +18,16 @@ namespace trb::gateway {
 enum class RowStream : std::uint8_t { fleet = 0, alerts, teleop, single };
 RowStream stream_of(RowKind kind);
 
+/// Told of each change of a row's content, also of its removal; `before`: std::monostate for a new row.
+class RowObserver {
+ public:
+  RowObserver() = default;
+  RowObserver(const RowObserver&) = delete;
+  RowObserver& operator=(const RowObserver&) = delete;
+  virtual ~RowObserver() = default;
+  virtual void changed(const Row& row, const RowContent& before, Now now) = 0;
+};
+
 class RowBook {
  public:
   static constexpr std::size_t kMaxRemoved = 1000;
@@ -25,6 +35,8 @@ class RowBook {
 
   using Order = std::map<std::uint64_t, const Row*>;
 
+  /// The observer must outlive the book; it must not change it.
+  void observe(RowObserver& observer) { observer_ = &observer; }
   /// Sets the row's content. False: its node is over its budget, the row keeps its old content and becomes
   /// `refused`.
   bool put(const RowKey& key, RowContent content, Live live, Now now);
@@ -71,6 +83,7 @@ class RowBook {
   std::set<RowKey> held_back_;
   std::optional<MonotonicTime> next_;
   std::uint64_t head_ = 0;
+  RowObserver* observer_ = nullptr;
 };
 
 }  // namespace trb::gateway

@@ -57,6 +57,9 @@ Api::Api(Gateway& gateway) : gateway_(gateway) {
   add_run_routes(gateway, table_);
   add_alert_routes(gateway, table_);
   add_message_routes(gateway, table_);
+  add_history_routes(gateway, table_);
+  add_node_routes(gateway, table_);
+  add_task_routes(gateway, table_);
   add_audit_routes(gateway, table_);
 }
 

@@ -36,6 +36,9 @@ void add_scenario_routes(Gateway& gateway, HandlerTable& table);
 void add_run_routes(Gateway& gateway, HandlerTable& table);
 void add_alert_routes(Gateway& gateway, HandlerTable& table);
 void add_message_routes(Gateway& gateway, HandlerTable& table);
+void add_history_routes(Gateway& gateway, HandlerTable& table);
+void add_node_routes(Gateway& gateway, HandlerTable& table);
+void add_task_routes(Gateway& gateway, HandlerTable& table);
 void add_audit_routes(Gateway& gateway, HandlerTable& table);
 
 /// Checks each request, calls its function, notes each change in the audit log, and replies once that is on disk.

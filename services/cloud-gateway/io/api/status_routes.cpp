@@ -38,6 +38,8 @@ std::string metrics_of(const Gateway& gateway) {
     out += "trb_gateway_rows{kind=\"" + std::string(name_of(kind)) + "\"} " +
            std::to_string(rows_of(gateway.book, kind)) + "\n";
   }
+  out += "# TYPE trb_gateway_history_lost_total counter\ntrb_gateway_history_lost_total " +
+         std::to_string(gateway.recorder.lost()) + "\n";
   return out + "# TYPE trb_gateway_sessions gauge\ntrb_gateway_sessions " +
          std::to_string(gateway.access.sessions.size()) + "\n";
 }

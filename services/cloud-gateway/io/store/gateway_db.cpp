@@ -1,15 +1,9 @@
 #include "services/cloud-gateway/io/store/gateway_db.hpp"
 
-#include <fcntl.h>
-#include <sys/stat.h>
-#include <unistd.h>
-
-#include <cerrno>
-#include <cstring>
-
 #include "services/cloud-gateway/io/store/audit_rows.hpp"
 #include "services/cloud-gateway/io/store/gateway_schema.hpp"
 #include "services/cloud-gateway/io/store/in_order.hpp"
+#include "services/cloud-gateway/io/store/private_file.hpp"
 #include "services/cloud-gateway/io/store/store_rows.hpp"
 
 namespace trb::gateway {
@@ -19,27 +13,6 @@ constexpr const char* kDamagedCure =
     "move it away together with its -wal and -shm files, and bring a copy back; without one, users are made anew and "
     "the "
     "audit log begins anew";
-
-Error not_private(const std::string& path, const std::string& why) {
-  return fail(Errc::io_error, path + ": cannot be made private: " + why,
-              "give the folder and the file to the user who runs the gateway");
-}
-
-bool is_plain_file(const std::string& path) {
-  struct stat is {};
-  return ::stat(path.c_str(), &is) == 0 && S_ISREG(is.st_mode);
-}
-
-/// The file belongs to its owner alone before SQLite writes into it; its -wal and -shm files get the same mode. One
-/// that is there already is not opened for this: closing it would end the locks that this process has on it.
-Status make_private(const std::string& path) {
-  const int made = ::open(path.c_str(), O_CREAT | O_EXCL | O_RDWR | O_CLOEXEC, 0600);
-  if (made >= 0) ::close(made);
-  if (made < 0 && errno != EEXIST) return not_private(path, std::strerror(errno));
-  if (!is_plain_file(path)) return not_private(path, "it is no file");
-  if (::chmod(path.c_str(), 0600) != 0) return not_private(path, std::strerror(errno));
-  return Done{};
-}
 
 class GatewayFile final : public GatewayDb {
  public:

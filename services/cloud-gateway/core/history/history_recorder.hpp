@@ -1,0 +1,63 @@
+// Changes of rows become entries of the history, which its owner writes in batches.
+#pragma once
+
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "services/cloud-gateway/core/history/history_entry.hpp"
+#include "services/cloud-gateway/core/live/row_book.hpp"
+
+namespace trb::gateway {
+
+/// A robot's states are recorded at each change, its values (battery, pose ...) every 5 s at most, the newest then.
+/// Readings are recorded as they come: a stream has ten a second at most. What waits is bounded: what comes then is
+/// counted and lost.
+class HistoryRecorder final : public RowObserver {
+ public:
+  static constexpr Duration kFlush = std::chrono::milliseconds(500);  ///< what a kill may cost, and the time to write
+  static constexpr Duration kValue = std::chrono::seconds(5);
+  static constexpr std::size_t kMaxWaiting = 20'000;
+  static constexpr std::size_t kMaxText = 1024;
+
+  void changed(const Row& row, const RowContent& before, Now now) override;
+  /// Values whose 5 s are over.
+  void tick(Now now);
+  [[nodiscard]] bool is_due(Now now) const { return since_ && now.mono - *since_ >= kFlush; }
+  [[nodiscard]] std::optional<MonotonicTime> next_deadline() const;
+  std::vector<HistoryEntry> take();
+  /// A batch that could not be written.
+  void count_lost(std::uint64_t entries) { lost_ += entries; }
+  [[nodiscard]] std::uint64_t lost() const { return lost_; }
+
+ private:
+  struct Value {
+    MonotonicTime recorded;
+    std::optional<HistoryEntry> waiting{};
+  };
+  using ValueKey = std::pair<std::string, std::string>;  ///< the robot and the value's name
+
+  void on_node(const Row& row, const NodeRow& node, const RowContent& before, Now now);
+  void on_robot(const Row& row, const RobotRow& robot, const RobotRow& before, Now now);
+  void on_faults(const Row& row, const RobotRow& robot, const RobotRow& before, Now now);
+  void on_use(const Row& row, const RobotRow& robot, const RobotRow& before, Now now);
+  void on_values(const Row& row, const RobotRow& robot, const RobotRow& before, Now now);
+  void on_run(const RunView& run, const RowContent& before, Now now);
+  void on_reading(const Row& row, const SensorReading& reading, Now now);
+  void forget(const std::string& robot);
+  void add(HistoryEntry entry, Now now);
+
+  std::vector<HistoryEntry> waiting_;
+  std::optional<MonotonicTime> since_;  ///< the oldest that waits
+  std::map<ValueKey, Value> values_;
+  std::set<std::pair<MonotonicTime, ValueKey>> due_;
+  std::uint64_t lost_ = 0;
+};
+
+/// The runs whose tasks are recorded: under way, and not too large to be requested at each of their changes.
+std::set<std::string> recorded_runs(const RowBook& book);
+
+}  // namespace trb::gateway

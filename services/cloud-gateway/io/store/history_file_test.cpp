@@ -1,0 +1,172 @@
+// The history's file: pages, retention by age and by size, full disks, kill -9.
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <array>
+#include <filesystem>
+
+#include "common/base/files.hpp"
+#include "common/sqlite/test/full_disk.hpp"
+#include "services/cloud-gateway/io/store/history_store.hpp"
+#include "services/cloud-gateway/io/store/test/store_folder.hpp"
+
+using namespace trb;
+using namespace trb::gateway;
+using namespace trb::gateway::test;
+
+namespace {
+
+constexpr std::int64_t kSecond = 1'000'000'000;
+constexpr UtcTime kNow{1'800'000'000 * kSecond};
+
+std::string history_path(const TemporaryFolder& folder) {
+  return folder.path + "/history.db";
+}
+
+std::unique_ptr<HistoryStore> opened(const TemporaryFolder& folder, const HistoryLimits& limits = {}) {
+  auto store = open_history_file(history_path(folder), limits);
+  REQUIRE_MESSAGE(store.ok(), (store ? "" : store.error().text()));
+  return std::move(*store);
+}
+
+HistoryEntry value_of(std::int64_t second, const std::string& node = "ur3", const std::string& value = "1") {
+  return {{kNow.ns + second * kSecond}, node, "", HistoryKind::value, "battery", value, ""};
+}
+
+std::vector<HistoryEntry> values(std::int64_t from, std::int64_t count, const std::string& value = "1") {
+  std::vector<HistoryEntry> out;
+  for (std::int64_t i = 0; i < count; ++i) out.push_back(value_of(from + i, "ur3", value));
+  return out;
+}
+
+HistoryPage found(HistoryStore& store, const HistoryQuery& query) {
+  auto page = store.find(query);
+  REQUIRE_MESSAGE(page.ok(), (page ? "" : page.error().text()));
+  return std::move(*page);
+}
+
+/// The seconds after kNow of the entries.
+std::vector<std::int64_t> seconds_of(const HistoryPage& page) {
+  std::vector<std::int64_t> out;
+  for (const HistoryEntry& one : page.entries) out.push_back((one.time.ns - kNow.ns) / kSecond);
+  return out;
+}
+
+using Seconds = std::vector<std::int64_t>;
+
+}  // namespace
+
+TEST_CASE("entries come back as they were, the newest first, each robot's and sensor's alone") {
+  const TemporaryFolder folder;
+  const auto store = opened(folder);
+  const HistoryEntry fault{{kNow.ns + 5}, "ur3", "", HistoryKind::fault, "arm", R"("'; DROP TABLE history--")",
+                           "CRITICAL"};
+  const HistoryEntry reading{kNow, "ur3", "dht22", HistoryKind::reading, "degC", "21.5", "good"};
+  REQUIRE(store->add({value_of(0), reading, value_of(0, "drone"), fault}, kNow));
+  const HistoryPage page = found(*store, {.node = "ur3"});
+  REQUIRE(page.entries.size() == 2);
+  CHECK(page.entries[0] == fault);
+  CHECK(page.entries[1] == value_of(0));
+  CHECK(found(*store, {.node = "ur3", .sensor = "dht22"}).entries == std::vector{reading});
+  CHECK(found(*store, {.node = "ur3' OR '1'='1"}).entries.empty());
+}
+
+TEST_CASE("pages follow each other, entries of one moment too; times and kinds are filters") {
+  const TemporaryFolder folder;
+  const auto store = opened(folder);
+  std::vector<HistoryEntry> entries = values(0, 3);
+  entries.push_back(value_of(2));
+  entries.push_back(value_of(2));
+  REQUIRE(store->add(entries, kNow));
+  HistoryQuery query{.node = "ur3", .most = 2};
+  Seconds all;
+  for (int pages = 0; pages < 3; ++pages) {
+    const HistoryPage page = found(*store, query);
+    for (const std::int64_t second : seconds_of(page)) all.push_back(second);
+    CHECK(page.next.has_value() == (pages < 2));
+    if (page.next) query.before = *page.next;
+  }
+  CHECK(all == Seconds{2, 2, 2, 1, 0});
+  CHECK(seconds_of(found(*store, {.node = "ur3", .from = kNow.ns + kSecond, .to = kNow.ns + kSecond})) == Seconds{1});
+  CHECK(found(*store, {.node = "ur3", .kind = HistoryKind::fault}).entries.empty());
+  CHECK(found(*store, {.node = "ur3", .kind = HistoryKind::value}).entries.size() == 5);
+}
+
+TEST_CASE("what is older than its age goes, also much of it in one step") {
+  const TemporaryFolder folder;
+  const auto store = opened(folder, {.age = std::chrono::hours(1)});
+  REQUIRE(store->add(values(-9000, 5000), kNow));
+  const HistoryPage kept = found(*store, {.node = "ur3", .most = 10'000});
+  CHECK(seconds_of(kept).size() == 0);
+  REQUIRE(store->add(values(-3603, 5), kNow));
+  CHECK(seconds_of(found(*store, {.node = "ur3"})) == Seconds{-3599, -3600});
+}
+
+TEST_CASE("what is over the size goes, the oldest first, and the file stays as large") {
+  const TemporaryFolder folder;
+  constexpr std::uint64_t kBytes = 1U << 20U;
+  const auto store = opened(folder, {.age = std::chrono::hours(24), .bytes = kBytes});
+  for (int batch = 0; batch < 40; ++batch) REQUIRE(store->add(values(batch * 500, 500, std::string(100, '1')), kNow));
+  const HistoryPage kept = found(*store, {.node = "ur3", .most = 100'000});
+  CHECK(kept.entries.size() > 1000);
+  CHECK(kept.entries.size() < 15'000);
+  CHECK(seconds_of(kept).front() == 40 * 500 - 1);
+  CHECK(std::filesystem::file_size(history_path(folder)) < kBytes + kBytes / 4);
+}
+
+TEST_CASE("the file belongs to its owner alone; a damaged one is told with the cure") {
+  const TemporaryFolder folder;
+  opened(folder);
+  CHECK((std::filesystem::status(history_path(folder)).permissions() & std::filesystem::perms::all) ==
+        (std::filesystem::perms::owner_read | std::filesystem::perms::owner_write));
+  std::filesystem::resize_file(history_path(folder), 0);
+  std::filesystem::remove(history_path(folder) + "-wal");
+  REQUIRE(write_file(history_path(folder), std::string(8192, 'x'), 0600));
+  const auto damaged = open_history_file(history_path(folder), {});
+  REQUIRE_FALSE(damaged.ok());
+  CHECK(damaged.error().code == Errc::malformed);
+  CHECK_FALSE(damaged.error().hint.empty());
+}
+
+TEST_CASE("a full disk: the batch is lost as a whole, and the next is written once there is room") {
+  const TemporaryFolder folder;
+  const auto store = opened(folder);
+  REQUIRE(store->add(values(0, 1), kNow));
+  {
+    const trb::test::FullDisk full(100'000);
+    CHECK_FALSE(store->add(values(1, 5000, std::string(500, '1')), kNow).ok());
+  }
+  CHECK(found(*store, {.node = "ur3"}).entries.size() == 1);
+  REQUIRE(store->add(values(2, 1), kNow));
+  CHECK(seconds_of(found(*store, {.node = "ur3"})) == Seconds{2, 0});
+}
+
+TEST_CASE("kill -9 in a loop of batches: every batch that was added is there, none in part") {
+  const TemporaryFolder folder;
+  std::array<int, 2> ends{};
+  REQUIRE(::pipe(ends.data()) == 0);
+  const pid_t child = ::fork();
+  REQUIRE(child >= 0);
+  if (child == 0) {
+    auto store = open_history_file(history_path(folder), {});
+    for (std::int64_t i = 0; store && (*store)->add(values(i * 10, 10), kNow); ++i) {
+      if (::write(ends[1], "+", 1) != 1) break;
+    }
+    ::_exit(1);
+  }
+  ::close(ends[1]);
+  std::size_t added = 0;
+  char mark = 0;
+  while (added < 20 && ::read(ends[0], &mark, 1) == 1) ++added;
+  ::kill(child, SIGKILL);
+  while (::read(ends[0], &mark, 1) == 1) ++added;
+  ::close(ends[0]);
+  int status = 0;
+  REQUIRE(::waitpid(child, &status, 0) == child);
+  REQUIRE(WIFSIGNALED(status));
+  const std::size_t kept = found(*opened(folder), {.node = "ur3", .most = 1'000'000}).entries.size();
+  CHECK(kept % 10 == 0);
+  CHECK(kept >= added * 10);
+  CHECK(kept <= added * 10 + 10);
+}
