@@ -3,8 +3,10 @@
 Addresses 127.0.250.x, 127.0.251.x.
 """
 import concurrent.futures
+import json
 import os
 import signal
+import socket
 import subprocess
 
 import support
@@ -260,6 +262,19 @@ class Stream(GatewayCase):
         mine = self.history(f"robots/{ROBOT}", "?limit=1")["next"]
         self.history(f"sensors/{ROBOT}/{SENSOR}", f"?cursor={mine}", status=422)
         self.assertEqual(self.client().ask("GET", f"/api/v1/robots/{ROBOT}/history").status, 401)
+
+    # ---- sign-ins
+
+    def test_who_leaves_during_a_sign_in_leaves_no_place_taken(self):
+        self.admin.ask("POST", "/api/v1/users", {"name": "lea", "role": "viewer", "password": GOOD})
+        for i in range(12):  # four of an address may wait for their turn, 70 ms of a core each
+            body = json.dumps({"user": f"gone{i}", "password": "wrong wrong wrong"})
+            raw = socket.create_connection(("localhost", self.port), timeout=20)
+            with self.viewer.tls.wrap_socket(raw, server_hostname="localhost") as client:
+                client.sendall((f"POST /api/v1/session HTTP/1.1\r\nHost: localhost:{self.port}\r\n"
+                                f"Origin: {self.viewer.origin}\r\nContent-Type: application/json\r\n"
+                                f"Content-Length: {len(body)}\r\n\r\n{body}").encode())
+        self.assertEqual(self.client().sign_in("lea", GOOD).status, 201)
 
     # ---- nodes
 

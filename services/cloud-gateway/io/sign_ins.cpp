@@ -34,10 +34,18 @@ void SignIns::request(const CallPtr& call, std::string user, std::string passwor
   const SignInId id = ++last_;
   call->actor = user;
   calls_[id] = call;
+  if (call->request.client != nullptr) call->request.client->on_left = [this, id] { leave(id); };
   SignInEffects effects;
   gateway_.access.sign_in.request(
       {id, std::move(user), std::move(password), call->request.source, call->request.session.value_or("")},
       {gateway_.now().mono, gateway_.steady()}, effects);
+  carry_out(std::move(effects));
+}
+
+void SignIns::leave(SignInId id) {
+  if (calls_.erase(id) == 0) return;
+  SignInEffects effects;
+  gateway_.access.sign_in.left(id, {gateway_.now().mono, gateway_.steady()}, effects);
   carry_out(std::move(effects));
 }
 

@@ -16,6 +16,8 @@ class SignIns {
   void tick();
 
  private:
+  /// The client has closed its connection: nobody waits for the result.
+  void leave(SignInId id);
   void carry_out(SignInEffects effects);
   void answer(const SignInAnswer& answer);
 

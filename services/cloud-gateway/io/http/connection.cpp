@@ -1,5 +1,7 @@
 #include "services/cloud-gateway/io/http/connection.hpp"
 
+#include <poll.h>
+
 #include <array>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
@@ -246,6 +248,9 @@ class HttpConnection final : public Connection, public std::enable_shared_from_t
   void take_body();
   void upgrade();
   void ask_handler();
+  void watch_client();
+  void look_at_client(Problem problem, std::uint64_t turn);
+  [[nodiscard]] bool has_hung_up();
   void on_reply(std::uint64_t turn, HttpReply reply);
   void refuse(const HttpFault& fault);
   void send(HttpReply reply, bool keep_alive);
@@ -270,6 +275,7 @@ class HttpConnection final : public Connection, public std::enable_shared_from_t
   std::string input_;
   std::optional<RequestParser> parser_;
   ReadHead head_;
+  std::shared_ptr<ClientWatch> client_;  ///< while the handler answers
   BodyReader body_ = BodyReader::of_size(0);
   std::string reply_head_;
   std::shared_ptr<const Bytes> reply_body_;
@@ -414,9 +420,30 @@ void HttpConnection::upgrade() {
 void HttpConnection::ask_handler() {
   head_.request.body = body_.take();
   enter(Phase::answering);
+  client_ = std::make_shared<ClientWatch>();
+  head_.request.client = client_;
+  watch_client();
   owner_->handler().on_request(std::move(head_.request), [weak = weak_from_this(), turn = turn_](HttpReply reply) {
     if (const auto self = weak.lock()) self->on_reply(turn, std::move(reply));
   });
+}
+
+/// Nothing is read while the handler answers: the socket alone tells that its client is gone.
+void HttpConnection::watch_client() {
+  stream_.next_layer().async_wait(tcp::socket::wait_read, [self = shared_from_this(), turn = turn_](Problem problem) {
+    self->look_at_client(problem, turn);
+  });
+}
+
+/// Bytes may be the end of TLS, whose FIN follows, or the next request: then nobody looks any more.
+void HttpConnection::look_at_client(Problem problem, std::uint64_t turn) {
+  if (problem || phase_ != Phase::answering || turn != turn_) return;
+  if (client_->on_left && has_hung_up()) end();
+}
+
+bool HttpConnection::has_hung_up() {
+  pollfd look{stream_.next_layer().native_handle(), POLLRDHUP, 0};
+  return ::poll(&look, 1, 0) > 0 && (look.revents & (POLLRDHUP | POLLHUP | POLLERR)) != 0;
 }
 
 void HttpConnection::on_reply(std::uint64_t turn, HttpReply reply) {
@@ -431,6 +458,7 @@ void HttpConnection::refuse(const HttpFault& fault) {
 
 /// `keep_alive`: all of the request was read.
 void HttpConnection::send(HttpReply reply, bool keep_alive) {
+  client_ = nullptr;
   keep_alive_ = keep_alive && head_.keep_alive && !owner_->is_stopping();
   auto head = reply_head(reply, keep_alive_, utc_now());
   if (!head) {
@@ -485,6 +513,8 @@ void HttpConnection::close() {
   deadline_.cancel();
   Problem ignored;
   stream_.next_layer().close(ignored);
+  const auto client = std::exchange(client_, nullptr);
+  if (client != nullptr && client->on_left) client->on_left();
 }
 
 void HttpConnection::end() {

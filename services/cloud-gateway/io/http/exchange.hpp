@@ -16,6 +16,12 @@
 
 namespace trb::gateway {
 
+/// A request whose answer takes a while, and what to do if its client does not wait for it.
+struct ClientWatch {
+  /// Called once, if the client closes its connection before the reply. Whoever sets it gives up the reply.
+  std::function<void()> on_left;
+};
+
 /// A request with its body. Header values are as sent; a header that is missing is nullopt, and one of these that is
 /// repeated was refused before.
 struct HttpRequest {
@@ -32,6 +38,7 @@ struct HttpRequest {
   std::optional<std::string> if_none_match;
   std::optional<std::string> idempotency_key;
   Bytes body;
+  std::shared_ptr<ClientWatch> client{};  ///< of a request that the handler answers; null: nobody looks
 
   /// Valid as long as this object.
   [[nodiscard]] RequestHead head() const;

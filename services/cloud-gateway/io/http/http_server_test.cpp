@@ -312,3 +312,30 @@ TEST_CASE("server: what it cannot open it says, with the cure") {
   wrong.key_file = provide_tls_files(other.path, {"localhost"}, UtcTime{1})->key;
   CHECK(refused(wrong) == Errc::bad_value);
 }
+
+TEST_CASE("a client that leaves before its answer is noticed by a handler that looks") {
+  ServerBench bench;
+  TlsClient client = bench.client();
+  client.say(get("/watched"));
+  REQUIRE(bench.until([&] { return bench.handler.kept.size() == 1; }));
+  CHECK(bench.handler.left == 0);
+  client.shut_down();
+  CHECK(bench.until([&] { return bench.handler.left == 1; }));
+  CHECK(bench.until_alone());
+  bench.handler.kept[0]({});  // it is late: nothing happens
+  CHECK(bench.handler.left == 1);
+}
+
+TEST_CASE("a client that has its answer, or has sent its next request, has not left") {
+  ServerBench bench;
+  TlsClient client = bench.client();
+  client.say(get("/watched") + get("/next"));
+  REQUIRE(bench.until([&] { return bench.handler.kept.size() == 1; }));
+  HttpReply answer;
+  answer.body = shared_bytes("answered");
+  bench.handler.kept[0](answer);
+  CHECK(client.hear("/next ").find("answered") != std::string::npos);
+  client.shut_down();
+  CHECK(bench.until_alone());
+  CHECK(bench.handler.left == 0);
+}

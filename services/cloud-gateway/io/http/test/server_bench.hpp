@@ -64,7 +64,8 @@ struct EchoHandler final : HttpHandler {
     if (request.target == "/empty") out = {204, "", {}, nullptr};
     if (request.target == "/two-lines") out.headers = {{"X-Name", "ann\r\nSet-Cookie: a=b"}};
     if (request.target == "/large") out.body = shared_bytes(Bytes(16U << 20U, 'x'));
-    if (request.target == "/later") return kept.push_back(std::move(reply));
+    if (request.target == "/watched") request.client->on_left = [this] { ++left; };
+    if (request.target == "/later" || request.target == "/watched") return kept.push_back(std::move(reply));
     reply(std::move(out));
   }
   std::variant<std::shared_ptr<WebSocketIn>, HttpReply> on_upgrade(const HttpRequest& request) override {
@@ -75,6 +76,7 @@ struct EchoHandler final : HttpHandler {
     return {status, "text/plain", {}, shared_bytes(code)};
   }
   std::vector<Reply> kept;
+  int left = 0;
   std::vector<std::shared_ptr<EchoSocket>> sockets;
 };
 
