@@ -19,7 +19,7 @@ PassedMessage passed(char direction, UtcTime time, HeaderView header) {
   return out;
 }
 
-bool matches(const PassedMessage& one, const MessageQuery& query) {
+bool is_asked_for(const PassedMessage& one, const MessageQuery& query) {
   const Message& message = one.message;
   return (query.node.empty() || message.source == query.node || message.target == query.node) &&
          (query.subtype.empty() || message.subtype == query.subtype) && (!query.type || message.type == *query.type) &&
@@ -59,7 +59,7 @@ MessageLog::Found MessageLog::find(const MessageQuery& query) const {
                        [](const PassedMessage& one, std::uint64_t before) { return one.number < before; });
   Found out;
   for (auto at = std::make_reverse_iterator(first); at != all.rend(); ++at) {
-    if (!matches(*at, query)) continue;
+    if (!is_asked_for(*at, query)) continue;
     if (out.messages.size() == query.most) {
       out.next = out.messages.back()->number;
       break;

@@ -11,7 +11,7 @@ using namespace trb::gateway::test;
 
 namespace {
 
-Route with_sensor(const std::string& id, const std::string& state = "ONLINE", const std::string& kind = "humidity") {
+Route sensor_node(const std::string& id, const std::string& state = "ONLINE", const std::string& kind = "humidity") {
   Route out = route(id, state);
   SensorInfo sensor;
   sensor.name = "dht22";
@@ -22,7 +22,7 @@ Route with_sensor(const std::string& id, const std::string& state = "ONLINE", co
 
 /// A hall whose clients' topics are followed as the process does it.
 struct Watched : Hall {
-  Watched() { table({with_sensor("pioneer1")}); }
+  Watched() { table({sensor_node("pioneer1")}); }
   /// The leases of the orders that were sent since the last call.
   std::vector<double> orders() {
     if (clients.take_topics_changed()) view.watch_sensors(clients.watched_sensors(now), now);
@@ -79,12 +79,12 @@ TEST_CASE("a stream is renewed every 3 s, and ordered anew of a router that has 
 
 TEST_CASE("a node that is away is asked nothing, its rows say so, and the stream begins when it is back") {
   Watched hall;
-  hall.table({with_sensor("pioneer1", "OFFLINE")});
+  hall.table({sensor_node("pioneer1", "OFFLINE")});
   const ClientId client = hall.client("sensor/pioneer1/dht22");
   CHECK(hall.orders() == Leases{});
   CHECK(hall.live(RowKind::sensor, "pioneer1", "dht22") == Live::not_heard);
   CHECK(rows_of(*hall.frame(client)) == std::vector<std::string>{"sensor pioneer1 dht22 v1 not_heard"});
-  hall.table({with_sensor("pioneer1")});
+  hall.table({sensor_node("pioneer1")});
   hall.now.mono = hall.now.mono + SensorStreams::kLook;
   CHECK(hall.orders() == Leases{10});
 }
@@ -94,7 +94,7 @@ TEST_CASE("an unknown sensor and a camera are not ordered") {
   hall.client("sensor/pioneer1/made_up");
   hall.client("sensor/nobody/dht22");
   CHECK(hall.orders() == Leases{});
-  hall.table({with_sensor("pioneer2", "ONLINE", "image")});
+  hall.table({sensor_node("pioneer2", "ONLINE", "image")});
   hall.client("sensor/pioneer2/dht22");
   CHECK(hall.orders() == Leases{});
 }
@@ -108,7 +108,7 @@ TEST_CASE("a client that takes no frame for 10 s keeps no stream; when it does i
   hall.view.watch_sensors(hall.clients.watched_sensors(hall.now), hall.now);
   hall.out.clear();
   CHECK(hall.orders() == Leases{0});
-  hall.table({with_sensor("pioneer1")});  // the router tells its table every 2 s
+  hall.table({sensor_node("pioneer1")});  // the router tells its table every 2 s
   CHECK(hall.clients.take(stalled));
   hall.view.watch_sensors(hall.clients.watched_sensors(hall.now), hall.now);
   CHECK(hall.orders() == Leases{10});
