@@ -140,6 +140,5 @@ TEST_CASE("the fleet's bodies are described as they are sent") {
   check_record<OutOfUse>("OutOfUse");
   check_record<ServiceEntry>("Service");
   check_record<LinkErrorRow>("LinkError");
-  check_record<RobotEvent>("RobotEvent");
   check_record<Ack>("Ack");
 }
