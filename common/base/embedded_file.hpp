@@ -9,6 +9,7 @@ namespace trb {
 struct EmbeddedFile {
   std::string_view name;  ///< its path below the embedded folder
   std::string_view bytes;
+  std::string_view gzipped;
 };
 
 }  // namespace trb

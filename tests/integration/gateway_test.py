@@ -2,8 +2,12 @@
 
 Addresses 127.0.242.x, 127.0.243.x.
 """
+import gzip
+
 import support
 from gateway_case import CLOUD, GOOD, ROBOT, SCENARIO, GatewayCase
+
+DIST = support.REPO / "services/cloud-gateway/web/dist"
 
 
 class Gateway(GatewayCase):
@@ -133,6 +137,43 @@ class Gateway(GatewayCase):
         self.assertEqual((answer.status, answer.json), (200, self.contract.document))
         again = self.client().ask("GET", "/api/v1/openapi.json", If_None_Match=answer.headers["ETag"])
         self.assertEqual((again.status, again.bytes), (304, b""))
+
+    # ---- the page
+
+    def test_anyone_may_load_the_page_and_a_browser_asks_before_it_takes_the_old_one(self):
+        stranger = self.client()
+        page = stranger.ask("GET", "/")
+        self.assertEqual((page.status, page.bytes), (200, (DIST / "index.html").read_bytes()))
+        self.assertEqual(page.headers["Content-Type"], "text/html; charset=utf-8")
+        self.assertEqual(page.headers["Cache-Control"], "no-cache")
+        self.assertNotIn("unsafe", page.headers["Content-Security-Policy"])
+        again = stranger.ask("GET", "/", If_None_Match=page.headers["ETag"])
+        self.assertEqual((again.status, again.bytes), (304, b""))
+        head = stranger.ask("HEAD", "/")
+        self.assertEqual((head.status, head.bytes, head.headers["ETag"]), (200, b"", page.headers["ETag"]))
+
+    def test_each_file_of_the_page_is_served_as_it_is_or_gzipped(self):
+        for file in (path for path in DIST.rglob("*") if path.is_file() and path.name != "index.html"):
+            path = "/" + str(file.relative_to(DIST))
+            plain = self.client().ask("GET", path)
+            self.assertEqual((plain.status, plain.bytes), (200, file.read_bytes()), path)
+            self.assertIsNone(plain.headers["Content-Encoding"])
+            packed = self.client().ask("GET", path, Accept_Encoding="gzip, deflate, br")
+            self.assertEqual(packed.headers["Content-Encoding"], "gzip")
+            self.assertEqual(gzip.decompress(packed.bytes), file.read_bytes(), path)
+            self.assertNotEqual(packed.headers["ETag"], plain.headers["ETag"])
+            self.assertEqual(packed.headers["Vary"], "Accept-Encoding")
+            self.assertEqual("immutable" in packed.headers["Cache-Control"], path.startswith("/assets/"))
+
+    def test_nothing_else_is_served_as_a_file(self):
+        for path in ("/index.html", "/assets", "/assets/none.js", "/assets/index.js.map", "/keys/gateway.key", "/favicon.ico"):
+            self.assert_problem(self.client().ask("GET", path), 404)
+        for path in ("/assets/../keys/gateway.key", "/assets/..%2f..%2fkeys", "/assets/%2e%2e", "//", "/assets/", "/assets/a%00.js"):
+            self.assert_problem(self.client().ask("GET", path), 400, "bad_path")
+        for method in ("POST", "PUT", "DELETE"):
+            refused = self.admin.ask(method, "/")
+            self.assert_problem(refused, 405, "method_not_allowed")
+            self.assertEqual(refused.headers["Allow"], "GET")
 
     # ---- the fleet
 

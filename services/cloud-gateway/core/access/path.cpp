@@ -53,6 +53,7 @@ Result<std::vector<std::string>> split_path(std::string_view target) {
   std::string_view rest = target.substr(0, target.find('?'));
   if (!rest.starts_with('/')) return refuse("no '/' at its beginning");
   std::vector<std::string> out;
+  if (rest == "/") return out;
   while (!rest.empty()) {
     rest.remove_prefix(1);
     const std::size_t end = std::min(rest.find('/'), rest.size());

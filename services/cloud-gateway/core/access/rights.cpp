@@ -18,6 +18,9 @@ constexpr Route kRoutes[] = {
     {get, "/api/v1/health", anyone, reads},
     {get, "/api/v1/ready", anyone, reads},
     {get, "/api/v1/openapi.json", anyone, reads},
+    {get, "/", anyone, reads},
+    {get, "/favicon.svg", anyone, reads},
+    {get, "/assets/{file}", anyone, reads},
     {post, "/api/v1/session", anyone, changes},
 
     // The user's own account; last column: no tokens
@@ -129,6 +132,7 @@ std::string_view take_segment(std::string_view& rest) {
 /// The parameters, if the pattern matches.
 std::optional<PathParameters> fit(std::string_view pattern, std::span<const std::string> segments) {
   PathParameters out;
+  if (pattern == "/") pattern = {};  // no segment at all
   for (const std::string& segment : segments) {
     if (pattern.empty()) return std::nullopt;
     const std::string_view expected = take_segment(pattern);

@@ -53,8 +53,8 @@ TEST_CASE("every family of the API is there") {
 
 TEST_CASE("what anyone and what only an admin may is written out: a row that joins them is seen") {
   CHECK(rows_with([](const Route& r) { return r.least == Least::anyone; }) ==
-        std::set<std::string>{"GET /api/v1/health", "GET /api/v1/ready", "GET /api/v1/openapi.json",
-                              "POST /api/v1/session"});
+        std::set<std::string>{"GET /api/v1/health", "GET /api/v1/ready", "GET /api/v1/openapi.json", "GET /",
+                              "GET /favicon.svg", "GET /assets/{file}", "POST /api/v1/session"});
   CHECK(rows_with([](const Route& r) { return r.least == Least::admin && !r.people_only; }) ==
         std::set<std::string>{"PUT /api/v1/policy", "PUT /api/v1/criteria", "PUT /api/v1/minimums", "GET /api/v1/users",
                               "GET /api/v1/users/{user}", "GET /api/v1/tokens", "GET /api/v1/audit",
@@ -106,6 +106,6 @@ TEST_CASE("a wrong method is told the right ones; a path that is not there has n
     CHECK_FALSE(match(method, "/api/v1/robots").others.empty());
   }
   for (const char* path : {"/api", "/api/v1", "/api/v2/robots", "/API/v1/robots", "/api/v1/robots/a/b/c", "/robots",
-                           "/api/v1/robot", "/metrics/x"})
+                           "/api/v1/robot", "/metrics/x", "/index.html", "/assets", "/assets/a/b", "/favicon.ico"})
     CHECK(match("GET", path).others.empty());
 }

@@ -61,6 +61,7 @@ Api::Api(Gateway& gateway) : gateway_(gateway) {
   add_node_routes(gateway, table_);
   add_task_routes(gateway, table_);
   add_audit_routes(gateway, table_);
+  add_page_routes(table_);
 }
 
 std::optional<HttpReply> Api::before_body(const HttpRequest& request, std::uint64_t body_size) {

@@ -1,10 +1,6 @@
-// health, ready, openapi.json, metrics.
-#include "common/base/hex.hpp"
-#include "common/security/keys.hpp"
+// health, ready, metrics.
 #include "services/cloud-gateway/io/api/api.hpp"
-#include "services/cloud-gateway/io/api/conditional.hpp"
 #include "services/cloud-gateway/io/json_text.hpp"
-#include "services/cloud-gateway/io/openapi.hpp"
 
 namespace trb::gateway {
 namespace {
@@ -12,11 +8,6 @@ namespace {
 void ready(const Gateway& gateway, const CallPtr& call) {
   if (gateway.is_ready()) return call->reply(json_reply(R"({"status":"ready"})"));
   call->reply(problem_reply(503, "no_router", "this node's router does not answer", "see trb service list"));
-}
-
-void show_openapi(const CallPtr& call) {
-  static const ETag kTag{to_hex(purpose_digest("openapi", openapi_json())).substr(0, 32), false};
-  reply_tagged(call, kTag, json_reply(std::string(openapi_json())));
 }
 
 std::size_t rows_of(const RowBook& book, RowKind kind) {
@@ -55,7 +46,6 @@ void metrics(const Gateway& gateway, const CallPtr& call) {
 void add_status_routes(Gateway& gateway, HandlerTable& table) {
   table.add(Method::get, "/api/v1/health", [](const CallPtr& call) { call->reply(json_reply(R"({"status":"ok"})")); });
   table.add(Method::get, "/api/v1/ready", [&](const CallPtr& call) { ready(gateway, call); });
-  table.add(Method::get, "/api/v1/openapi.json", show_openapi);
   table.add(Method::get, "/metrics", [&](const CallPtr& call) { metrics(gateway, call); });
 }
 

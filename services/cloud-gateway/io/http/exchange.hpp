@@ -37,6 +37,7 @@ struct HttpRequest {
   std::optional<std::string> if_match;
   std::optional<std::string> if_none_match;
   std::optional<std::string> idempotency_key;
+  bool accepts_gzip = false;  ///< Accept-Encoding has it, and not with q=0
   Bytes body;
   std::shared_ptr<ClientWatch> client{};  ///< of a request that the handler answers; null: nobody looks
 

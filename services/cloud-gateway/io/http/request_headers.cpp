@@ -109,6 +109,17 @@ void read_authorization(RawHead& raw, HttpRequest& out) {
   out.bearer = trimmed(std::string_view(*text).substr(space));
 }
 
+/// RFC 9110, 12.5.3: "gzip, br;q=0.5". Refused with q=0; other weights do not matter, for there are two forms alone.
+bool accepts_gzip(const std::optional<std::string>& codings) {
+  if (!codings) return false;
+  return std::ranges::any_of(parts(*codings, ','), [](std::string_view coding) {
+    const auto words = parts(coding, ';');
+    const bool is_refused = words.size() > 1 && (is_word(words[1].substr(0, 2), "q=")) &&
+                            words[1].find_first_not_of("0.", 2) == std::string_view::npos;
+    return is_word(words[0], "gzip") && !is_refused;
+  });
+}
+
 Fault read_request(RawHead& raw, ReadHead& out) {
   HttpRequest& request = out.request;
   out.is_head = raw.method == "HEAD";
@@ -120,6 +131,7 @@ Fault read_request(RawHead& raw, ReadHead& out) {
   request.if_match = take(raw, "if-match");
   request.if_none_match = take(raw, "if-none-match");
   request.idempotency_key = take(raw, "idempotency-key");
+  request.accepts_gzip = accepts_gzip(take_list(raw, "accept-encoding"));
   read_authorization(raw, request);
   return read_cookies(raw, request);
 }

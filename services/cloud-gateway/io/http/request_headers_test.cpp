@@ -177,3 +177,16 @@ TEST_CASE("what is no upgrade to a WebSocket is a plain request") {
   old.version = 10;
   CHECK_FALSE(accepted(old).websocket_key);
 }
+
+TEST_CASE("gzip is accepted if Accept-Encoding has it, and not with the weight 0") {
+  for (const char* yes : {"gzip", "br, GZIP", "deflate,gzip;q=0.5, *;q=0", "gzip; q=1.000"}) {
+    CAPTURE(yes);
+    CHECK(accepted(raw_get({{"Accept-Encoding", yes}})).request.accepts_gzip);
+  }
+  for (const char* no : {"", "br", "gzip;q=0", "gzip ; Q=0.000", "x-gzip", "identity", "*"}) {
+    CAPTURE(no);
+    CHECK_FALSE(accepted(raw_get({{"Accept-Encoding", no}})).request.accepts_gzip);
+  }
+  CHECK_FALSE(accepted(raw_get({})).request.accepts_gzip);
+  CHECK(accepted(raw_get({{"Accept-Encoding", "br"}, {"accept-encoding", "gzip"}})).request.accepts_gzip);
+}

@@ -1,6 +1,4 @@
 // The API's description names the routes that there are, and describes the bodies as proto does.
-#include "services/cloud-gateway/io/openapi.hpp"
-
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -15,6 +13,7 @@
 #include "proto/make_shape.hpp"
 #include "proto/value.hpp"
 #include "services/cloud-gateway/core/access/rights.hpp"
+#include "services/cloud-gateway/io/page/page_files.hpp"
 
 using namespace trb;
 using namespace trb::gateway;
@@ -22,7 +21,7 @@ using namespace trb::gateway;
 namespace {
 
 const Value& document() {
-  static const auto parsed = parse_json(openapi_json());
+  static const auto parsed = parse_json(*find_page_file("/api/v1/openapi.json")->plain);
   REQUIRE_MESSAGE(parsed.ok(), (parsed ? "" : parsed.error().text()));
   return *parsed;
 }
