@@ -39,7 +39,7 @@
   X(AbortConfirmed) X(RunEnd) X(RunOver) X(NeedEnd) X(RunQuery) X(RunView) X(RunListRequest) X(RunTable) X(Choice)                                 \
   X(Decision) X(RunDecision) X(DecisionJournaled) X(ReleaseTasks) X(PauseOrder) X(RunPause) X(PauseJournaled)      \
   X(RunWatch) X(RunChanged) X(Alert) X(AlertListRequest) X(AlertTable) X(AlertDecide)                        \
-  X(HistoryListRequest) X(HistoryTable)
+  X(HistoryListRequest) X(HistoryTable) X(AlertRankRequest) X(AlertRanking)
 // clang-format on
 
 namespace trb {

@@ -171,6 +171,63 @@ struct AlertDecide {
   }
 };
 
+/// How much a criterion counts.
+struct WeighedCriterion {
+  std::string criterion;
+  double weight = 0;
+  bool operator==(const WeighedCriterion&) const = default;
+  template <class T = WeighedCriterion>
+  static FieldTable fields() {
+    return FieldTable{field("criterion", &T::criterion, 64), field("weight", &T::weight)};
+  }
+};
+
+/// If a criterion's weight passes this value, coming from its present one, another robot is first.
+struct WeightFlip {
+  std::string criterion;
+  double weight = 0;  ///< 0 to 1, a share of all
+  std::string winner;
+  bool operator==(const WeightFlip&) const = default;
+  template <class T = WeightFlip>
+  static FieldTable fields() {
+    return FieldTable{field("criterion", &T::criterion, 64), field("weight", &T::weight),
+                      field("winner", &T::winner, 64)};
+  }
+};
+
+constexpr std::uint32_t kMaxRankedCriteria = 16;
+
+/// How would an open alert's candidates be ranked by other weights? On the decider's own bus. Values that are old are
+/// requested from the robots. Answered by AlertRanking at once, or a Nack; the alert stays as it is.
+struct AlertRankRequest {
+  static constexpr std::string_view kSubtype = "alert_rank";
+  static constexpr Travel kTravel = on_bus(CostPhase::upkeep, {kProbe, "cloud-gateway"});
+  std::string alert;                      ///< the id, or a unique beginning of it
+  std::vector<WeighedCriterion> weights;  ///< only their ratio counts; one that is left out counts nothing; empty:
+                                          ///< those in force
+  template <class T = AlertRankRequest>
+  static FieldTable fields() {
+    return FieldTable{field("alert", &T::alert, 64), field("weights", &T::weights, kMaxRankedCriteria)};
+  }
+};
+
+struct AlertRanking {
+  static constexpr std::string_view kSubtype = "alert_ranking";
+  static constexpr Travel kTravel = on_bus(CostPhase::upkeep, {"resilience"});
+  std::string alert;
+  std::vector<WeighedCriterion> weights;  ///< shares of all
+  std::vector<Proposal> proposals;        ///< best first
+  std::vector<Unfit> unfit;
+  std::vector<WeightFlip> flips;  ///< by criterion, then weight
+  bool complete = false;          ///< no robot's answer is awaited
+  template <class T = AlertRanking>
+  static FieldTable fields() {
+    return FieldTable{field("alert", &T::alert, 64),         field("weights", &T::weights, kMaxRankedCriteria),
+                      field("proposals", &T::proposals, 64), field("unfit", &T::unfit, 64),
+                      field("flips", &T::flips, 512),        field("complete", &T::complete)};
+  }
+};
+
 /// Asks a node's trb-resilience for what it has recorded about its fleet's robots.
 struct HistoryListRequest {
   static constexpr std::string_view kSubtype = "history_list";

@@ -197,6 +197,11 @@ TEST_CASE("alerts and what is decided on them") {
   CHECK(to_hex(encode(AlertDecide{"a", Verdict::override_, "p1", "Ann", "why", true, "r", {"go"}})) ==
         "98a16102a27031a3416e6ea3776879c3a17291a2676f");
   CHECK(to_hex(encode(AlertListRequest{true})) == "91c3");
+  CHECK(to_hex(encode(AlertRankRequest{"a", {{"b", 1}}})) == "92a1619192a162cb3ff0000000000000");
+  CHECK(to_hex(encode(AlertRanking{"a", {}, {}, {}, {{"b", 0.5, "r"}}, true})) ==
+        "96a161909090"
+        "9193a162cb3fe0000000000000a172"
+        "c3");
   CHECK(to_hex(encode(HistoryListRequest{"ur3", 7})) == "92a375723307");
   CHECK(to_hex(encode(HistoryTable{{{9, "ur3", "fault", "x"}}})) == "91919409a3757233a56661756c74a178");
   CHECK(to_hex(encode(RunWatch{10})) == "91cb4024000000000000");

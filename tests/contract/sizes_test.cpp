@@ -41,6 +41,7 @@ std::uint64_t largest(const Shape& shape, std::uint32_t max) {
 /// Bodies that exceed a message by their fields' bounds, and what keeps them within one.
 const std::map<std::string, std::string> kBounded = {
     // Between nodes and services.
+    {"alert_ranking", "resilience proposer: rank_by"},
     {"alert_table", "resilience alert_book: fit"},
     {"baton", "scheduler run/deliveries: kMostPassed; delivery_sender: pack_results"},
     {"definition", "scheduler run/decision_checks"},

@@ -31,12 +31,13 @@ class Fleet(trb_fleet.Fleet):
 class GatewayCase(unittest.TestCase):
     block, udp_port = 0, 0  # each test file has its own
     fleet_kind = Fleet
+    robots = (ROBOT,)
     contract = gateway_contract.Contract()
 
     @classmethod
     def setUpClass(cls):
         cls.fleet = support.make_fleet(cls, cls.fleet_kind, block=cls.block, udp_port=cls.udp_port,
-                                       robots={ROBOT: trb_fleet.ROBOTS[ROBOT]}, speed=20)
+                                       robots={name: trb_fleet.ROBOTS[name] for name in cls.robots}, speed=20)
         cls.port = trb_fleet.free_port()
         (cls.fleet.dir(CLOUD) / "cloud.json").write_text(json.dumps({"listen": f"127.0.0.1:{cls.port}"}))
         cls.fleet.start()

@@ -1,4 +1,4 @@
-"""What operators work with in the gateway: stored scenarios, rankings.
+"""What operators work with in the gateway: stored scenarios, preflight, rankings.
 
 Addresses 127.0.236.x, 127.0.237.x.
 """
@@ -8,6 +8,7 @@ import pathlib
 import support
 from gateway_case import CLOUD, ROBOT, SCENARIO, GatewayCase
 
+SPARE = "pioneer2"
 SCENARIOS = "/api/v1/scenarios"
 FILES = pathlib.Path(support.REPO) / "config/scenarios"
 RANKING = json.loads((pathlib.Path(support.REPO) / "config/rank/paper-figure-8.json").read_text())
@@ -16,17 +17,16 @@ HOSTILE_NAME = "<script>alert(1)</script>\"; filename=\"../x\r\n'); DROP TABLE s
 
 class Work(GatewayCase):
     block, udp_port = 236, 50236
+    robots = (ROBOT, SPARE, "turtlebot")
 
     # ---- stored scenarios
 
     def store(self, scenario=None, client=None, **more):
-        stored = (client or self.operator).ask("POST", SCENARIOS, scenario or SCENARIO, **more)
-        if stored.status == 201:
-            self.addCleanup(self.remove, stored.json["id"])
-        return stored
+        return (client or self.operator).ask("POST", SCENARIOS, scenario or SCENARIO, **more)
 
-    def remove(self, scenario):
-        self.operator.ask("DELETE", f"{SCENARIOS}/{scenario}", If_Match="*")
+    def tearDown(self):
+        for one in self.operator.ask("GET", f"{SCENARIOS}?limit=500").json["items"]:
+            self.operator.ask("DELETE", f"{SCENARIOS}/{one['id']}", If_Match="*")
 
     def test_a_scenario_is_stored_read_changed_and_deleted(self):
         stored = self.store()
@@ -69,7 +69,6 @@ class Work(GatewayCase):
                 sent = path.read_bytes()
                 stored = self.operator.ask("POST", f"{SCENARIOS}/import", sent, Content_Type="application/json")
                 self.assertEqual(stored.status, 201, stored.bytes)
-                self.addCleanup(self.remove, stored.json["id"])
                 got = self.viewer.ask("GET", stored.headers["Location"] + "/export")
                 self.assertEqual(got.bytes, sent)
                 self.assertEqual(got.headers["Content-Disposition"], f'attachment; filename="{path.name}"')
@@ -91,6 +90,7 @@ class Work(GatewayCase):
         first = self.viewer.ask("GET", f"{SCENARIOS}?limit=3").json
         second = self.viewer.ask("GET", f"{SCENARIOS}?limit=3&cursor={first['next']}").json
         self.assertEqual([one["name"] for one in first["items"] + second["items"]], ["a", "a", "b", "c"])
+        self.assertEqual(len({one["id"] for one in first["items"] + second["items"]}), 4)
         self.assertEqual(second["next"], "")
         self.assert_problem(self.viewer.ask("GET", f"{SCENARIOS}?limit=0"), 422)
         self.assert_problem(self.viewer.ask("GET", f"{SCENARIOS}?cursor=zz"), 400)
@@ -134,6 +134,85 @@ class Work(GatewayCase):
         self.assert_problem(self.viewer.ask("POST", "/api/v1/ahp"), 400)
         many = [{"id": f"robot{i}", "values": {"battery": 1}} for i in range(5000)]
         self.assert_problem(ask(alternatives=many), 413)
+
+    # ---- preflight
+
+    def preflight(self, scenario=None, client=None):
+        return (client or self.operator).ask("POST", f"{SCENARIOS}/preflight", scenario or SCENARIO)
+
+    def test_a_preflight_asks_the_robots(self):
+        done = self.preflight()
+        self.assertEqual((done.status, done.json["ready"], done.json["faults"]), (200, True, []), done.bytes)
+        robot, = done.json["robots"]
+        self.assertEqual((robot["robot"], robot["tasks"], robot["answers"], robot["why"]), (ROBOT, ["go"], True, []))
+        self.assertLess(robot["answer_ms"], 3000)
+
+    def test_a_preflight_tells_what_would_keep_the_run_from_beginning(self):
+        self.addCleanup(self.operator.ask, "POST", f"/api/v1/robots/{ROBOT}/release")
+        self.operator.ask("POST", f"/api/v1/robots/{ROBOT}/stop")
+        self.fleet.wait("the stop is told", lambda: not self.preflight().json["ready"], 10)
+        self.assertIn("stopped", self.preflight().json["robots"][0]["why"][0])
+        condition = {"sensor": "temperature", "of": SPARE, "op": ">", "value": 20, "unit": "degC"}
+        guarded = {**SCENARIO, "tasks": [{**SCENARIO["tasks"][0], "robot": SPARE, "when": condition}]}
+        sensor, = self.preflight(guarded).json["sensors"]
+        self.assertEqual((sensor["task"], sensor["ready"]), ("go", False))
+        self.assertTrue(sensor["why"])
+
+    def test_a_preflight_of_what_has_faults_names_them_all_and_asks_nobody(self):
+        wrong = {"name": "wrong", "tasks": [{"id": "a", "robot": "nobody", "skill": "go_to"},
+                                            {"id": "b", "robot": ROBOT, "skill": "dance"}]}
+        done = self.preflight(wrong).json
+        self.assertEqual((done["ready"], done["robots"]), (False, []))
+        self.assertLessEqual({"/tasks/0/robot", "/tasks/1/skill"}, {one["pointer"] for one in done["faults"]})
+        self.assertFalse(self.preflight({"name": "half", "tasks": []}).json["ready"])
+        self.assert_problem(self.preflight(client=self.viewer), 403, "role_too_low")
+        self.assert_problem(self.operator.ask("POST", f"{SCENARIOS}/preflight", b"[]", Content_Type="application/json"), 422)
+
+    # ---- an alert's candidates
+
+    def rank(self, alert, wish=None, client=None):
+        return (client or self.operator).ask("POST", f"/api/v1/alerts/{alert}/ranking", wish)
+
+    def open_alert(self):
+        """The robot cannot drive any more, and a run needs it."""
+        self.addCleanup(self.operator.ask, "POST", f"/api/v1/robots/{ROBOT}/repaired")
+        self.fleet.trb("robot", "fault", ROBOT, "mobile", "--text", "wheel is off", node=CLOUD)
+        run = self.operator.ask("POST", "/api/v1/runs", {"scenario": SCENARIO})
+        self.assertEqual(run.status, 201, run.bytes)
+        self.addCleanup(self.operator.ask, "POST", f"/api/v1/runs/{run.json['run']}/abort")
+
+        def of_run():
+            return [row for row in self.viewer.ask("GET", "/api/v1/alerts").json["items"]
+                    if row["content"]["run"] == run.json["run"] and len(row["content"]["proposals"]) == 2]
+        self.fleet.wait("the alert with two candidates", of_run, 20)
+        return of_run()[0]["content"]
+
+    def test_an_alerts_candidates_by_other_weights(self):
+        alert = self.open_alert()
+        self.assertEqual({one["robot"] for one in alert["proposals"]}, {SPARE, "turtlebot"})
+        by_place = self.rank(alert["id"], {"weights": {"distance": 1}})
+        self.assertEqual(by_place.status, 200, by_place.bytes)
+        self.assertEqual([one["weight"] for one in by_place.json["weights"]], [0, 1, 0])
+        self.assertTrue(by_place.json["complete"])
+        self.assertAlmostEqual(sum(one["score"] for one in by_place.json["proposals"]), 1)
+        self.assertEqual({one["robot"] for one in by_place.json["proposals"]}, {SPARE, "turtlebot"})
+        judged = self.rank(alert["id"], {"judgments": [["battery", "distance", 9], ["distance", "availability", 9],
+                                                       ["availability", "battery", 9]]}).json
+        self.assertGreater(judged["consistency"]["cr"], 0.1)  # they contradict each other, and are ranked all the same
+        for one in judged["weights"]:
+            self.assertAlmostEqual(one["weight"], 1 / 3, places=3)
+        same = self.rank(alert["id"]).json
+        self.assertEqual([one["robot"] for one in same["proposals"]], [one["robot"] for one in alert["proposals"]])
+        for wrong, status in (({"weights": {"colour": 1}}, 422), ({"weights": {"battery": -1}}, 422),
+                              ({"weights": {"battery": 0}}, 422), ({"weights": {}}, 422), ({"weights": [1]}, 422),
+                              ({"weights": {"battery": "1"}}, 422), ({"judgments": []}, 422), ({"more": 1}, 422),
+                              ({"judgments": [["battery", "distance"]]}, 422), ({"judgments": [["a", "b", 3]]}, 422),
+                              ({"judgments": [["battery", "distance", 0]]}, 422),
+                              ({"weights": {"battery": 1}, "judgments": [["battery", "distance", 1]]}, 422)):
+            with self.subTest(wrong):
+                self.assert_problem(self.rank(alert["id"], wrong), status)
+        self.assert_problem(self.rank(alert["id"], client=self.viewer), 403, "role_too_low")
+        self.assert_problem(self.rank("f" * 16), 404)
 
 
 if __name__ == "__main__":

@@ -17,12 +17,6 @@ std::string json_node(const NodeRow& node) {
       .done();
 }
 
-/// A robot may send anything as a value: what is no JSON is shown as a text.
-std::string json_value(const std::string& sent) {
-  const auto parsed = parse_json(sent);
-  return parsed ? dump_json(*parsed) : json_quoted(sent);
-}
-
 std::string json_values(const std::vector<RobotValue>& values) {
   JsonList list;
   for (const RobotValue& one : values) {
@@ -80,6 +74,11 @@ struct ContentWriter {
 };
 
 }  // namespace
+
+std::string json_value(const std::string& sent) {
+  const auto parsed = parse_json(sent);
+  return parsed ? dump_json(*parsed) : json_quoted(sent);
+}
 
 std::string json_content(const RowContent& content) {
   return std::visit(ContentWriter{}, content);

@@ -96,6 +96,39 @@ double worth(const ReplacementCriterion& criterion, double value) {
   return std::clamp((value - criterion.worst) / (criterion.best - criterion.worst), 0.0, 1.0);
 }
 
+namespace {
+
+constexpr double kMaxWeight = 1e9;
+
+Status set_weight(Criteria& criteria, const WeighedCriterion& given) {
+  const auto at = std::ranges::find(criteria, given.criterion, &ReplacementCriterion::name);
+  if (at == criteria.end()) {
+    std::string all;
+    for (const ReplacementCriterion& one : criteria) all += (all.empty() ? "" : ", ") + one.name;
+    return fail(Errc::bad_value, "weights: there is no criterion '" + given.criterion + "'", "use: " + all);
+  }
+  if (std::isfinite(given.weight) && given.weight >= 0 && given.weight <= kMaxWeight) {
+    at->weight = given.weight;
+    return Done{};
+  }
+  return fail(Errc::bad_value, "weights." + given.criterion + ": is no weight", "use a number from 0 to 1e9");
+}
+
+}  // namespace
+
+Result<Criteria> weighed(Criteria criteria, const std::vector<WeighedCriterion>& weights) {
+  if (weights.empty()) return criteria;
+  for (ReplacementCriterion& one : criteria) one.weight = 0;
+  for (const WeighedCriterion& one : weights) {
+    if (Status set = set_weight(criteria, one); !set) return set.error();
+  }
+  double sum = 0;
+  for (const ReplacementCriterion& one : criteria) sum += one.weight;
+  if (!(sum > 0)) return fail(Errc::bad_value, "weights: all count nothing", "give one of them a weight over 0");
+  for (ReplacementCriterion& one : criteria) one.weight /= sum;
+  return criteria;
+}
+
 std::string sensor_value(std::string_view sensor) {
   return std::string(kSensor) + std::string(sensor);
 }

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "common/config/resilience_file.hpp"
+#include "proto/bodies/resilience.hpp"
 #include "services/resilience/core/candidates.hpp"
 
 namespace trb::resilience {
@@ -32,6 +33,9 @@ struct Measured {
 /// The same for all criteria that matter.
 [[nodiscard]] std::string why_out(const Criteria& criteria, const std::vector<TaskNeed>& needs,
                                   const RobotRecord& robot, const std::optional<HallPoint>& place);
+/// The criteria with these weights, as shares of all; one that is left out counts nothing. No weights: unchanged.
+/// Errors: bad_value.
+Result<Criteria> weighed(Criteria criteria, const std::vector<WeighedCriterion>& weights);
 [[nodiscard]] bool has_bounds(const Criteria& criteria);
 
 /// From 0 (the worst, or not known) to 1 (the best possible).

@@ -4,7 +4,10 @@
 #include <cmath>
 #include <set>
 
+#include "proto/body.hpp"
+#include "proto/message.hpp"
 #include "proto/value.hpp"
+#include "services/resilience/core/ranker.hpp"
 #include "services/resilience/core/robot_state.hpp"
 #include "services/resilience/core/run_problems.hpp"
 
@@ -39,18 +42,57 @@ std::vector<std::size_t> movable(Alert& alert, const WatchedRun& run) {
 void Proposer::propose(Alert& alert, const WatchedRun& run, Now now) {
   Inquiry& inquiry = alerts_.work(alert.id).inquiry;
   inquiry.on_ranked(now);
-  const CoreSettings& settings = situation_.settings();
-  alert.expires = (now.utc + settings.resilience.expires).ns;
+  alert.expires = (now.utc + situation_.settings().resilience.expires).ns;
+  inquiry.set_bounded(fill(alert, run, criteria(), now));
+}
+
+std::vector<std::string> Proposer::fill(Alert& alert, const WatchedRun& run, const Criteria& by, Now now) const {
   alert.proposals.clear();
   alert.unfit.clear();
   const std::vector<std::size_t> tasks = movable(alert, run);
-  if (tasks.empty()) return;
+  if (tasks.empty()) return {};
   const auto needs = needs_of(run, tasks, alert.robot);
-  if (!needs) return add_unfit(alert, {alert.robot, cut_utf8(needs.error().what, 255)});
-  Ways ways = find_ways(situation_.fleet(), *needs, settings.places, criteria(), now.utc);
-  inquiry.set_bounded(std::move(ways.bounded));
+  if (!needs) {
+    add_unfit(alert, {alert.robot, cut_utf8(needs.error().what, 255)});
+    return {};
+  }
+  Ways ways = find_ways(situation_.fleet(), *needs, situation_.settings().places, by, now.utc);
   alert.proposals = std::move(ways.proposals);
   for (Unfit& one : ways.unfit) add_unfit(alert, std::move(one));
+  return std::move(ways.bounded);
+}
+
+Result<AlertRanking> Proposer::rank_by(const Alert& alert, const std::vector<WeighedCriterion>& weights, Now now,
+                                       Outbox& out) {
+  const WatchedRun* run = situation_.runs().find(alert.run);
+  if (!is_open(alert) || !may_be_ruled(alert) || run == nullptr || !run->is_known()) {
+    return fail(Errc::conflict, "there is nothing to rank for alert " + alert.id, "look at the open alerts");
+  }
+  const auto by = weighed(criteria(), weights);
+  if (!by) return by.error();
+  ask_values(alert, now, out);
+  Alert other = alert;
+  fill(other, *run, *by, now);
+  AlertRanking answer{alert.id, {}, other.proposals, other.unfit, flips_of(std::move(other), *run, *by, now), false};
+  for (const ReplacementCriterion& one : *by) answer.weights.push_back({one.name, one.weight});
+  const Inquiry& inquiry = alerts_.work(alert.id).inquiry;
+  // A message bounds them: an alert may have many tasks, and each proposal names them all.
+  while (answer.proposals.size() > 1 && encode(answer).size() > kMaxDataSize / 2) {
+    answer.proposals.resize(answer.proposals.size() / 2);
+  }
+  answer.complete = inquiry.is_complete() || !inquiry.takes_answers(now);
+  return answer;
+}
+
+/// Of robots that take all the tasks over; between several proposals of shared tasks there is no choice.
+std::vector<WeightFlip> Proposer::flips_of(Alert alert, const WatchedRun& run, const Criteria& by, Now now) const {
+  const auto needs = needs_of(run, movable(alert, run), alert.robot);
+  std::vector<std::string> robots;
+  for (const Proposal& one : alert.proposals) {
+    if (!one.robot.empty()) robots.push_back(one.robot);
+  }
+  if (!needs || robots.empty()) return {};
+  return weight_flips({situation_.fleet(), situation_.settings().places, by, now.utc}, needs->tasks, std::move(robots));
 }
 
 void Proposer::refresh(Alert& alert, const WatchedRun& run, Now now, Outbox& out) {

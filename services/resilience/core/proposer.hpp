@@ -13,6 +13,9 @@ class Proposer {
 
   /// Makes the alert's proposals anew. The run is_known().
   void propose(Alert& alert, const WatchedRun& run, Now now);
+  /// Ranks the alert's candidates by other weights, and requests what is old; the alert stays as it is. Errors:
+  /// conflict (nobody can take it over, or its run is not known yet), bad_value (weights).
+  Result<AlertRanking> rank_by(const Alert& alert, const std::vector<WeighedCriterion>& weights, Now now, Outbox& out);
   /// Requests values that are unknown or old, from robots that are proposed or that only a bound excludes.
   void ask_values(const Alert& alert, Now now, Outbox& out);
   /// Requests and proposes anew: once after the start, if a proposal is stale, and if no robot could do it.
@@ -30,6 +33,9 @@ class Proposer {
 
  private:
   [[nodiscard]] const Criteria& criteria() const { return situation_.settings().resilience.criteria; }
+  /// The alert's candidates by these criteria; returns the robots that only a bound excludes.
+  std::vector<std::string> fill(Alert& alert, const WatchedRun& run, const Criteria& by, Now now) const;
+  std::vector<WeightFlip> flips_of(Alert alert, const WatchedRun& run, const Criteria& by, Now now) const;
   void ask_robot(const RobotRecord& robot, Duration fresh, Inquiry& inquiry, Now now, Outbox& out) const;
   void on_value(Now now, Outbox& out);
   [[nodiscard]] bool is_asked_for(const std::string& subtype) const;

@@ -29,6 +29,27 @@ class Ranker {
 
   std::vector<Ranked> rank(std::vector<std::string> robots, std::size_t most) {
     if (robots.empty()) return {};
+    measure_all(std::move(robots), most);
+    return explain();
+  }
+
+  std::vector<WeightFlip> flips(std::vector<std::string> robots) {
+    if (robots.size() < 2) return {};
+    const std::size_t count = robots.size();
+    measure_all(std::move(robots), count);
+    RankingProblem asked = problem();
+    asked.options.sensitivity = true;
+    std::vector<WeightFlip> out;
+    const auto answer = trb::rank(asked);
+    if (!answer) return out;  // impossible, as below
+    for (const Sensitivity& one : answer->sensitivity) {
+      for (const WinnerChange& change : one.changes) out.push_back({one.criterion, change.weight, change.winner});
+    }
+    return out;
+  }
+
+ private:
+  void measure_all(std::vector<std::string> robots, std::size_t most) {
     const RobotRecord& first = *of_.fleet.find(robots.front());
     place_ = place_of(first, needs_, of_.places);
     for (const ReplacementCriterion& one : of_.criteria) {
@@ -38,10 +59,8 @@ class Ranker {
     robots_ = best_of(std::move(robots), most);
     notes_.assign(robots_.size(), "");
     for (Column& column : columns_) fill(column);
-    return explain();
   }
 
- private:
   /// Without a place the distance has no weight; if it was the only criterion, all are equal.
   void weigh() {
     double sum = 0;
@@ -196,6 +215,11 @@ std::optional<HallPoint> place_of(const RobotRecord& robot, const std::vector<Ta
 std::vector<Ranked> rank(const Ranking& of, const std::vector<TaskNeed>& needs, std::vector<std::string> robots,
                          std::size_t most) {
   return Ranker(of, needs).rank(std::move(robots), most);
+}
+
+std::vector<WeightFlip> weight_flips(const Ranking& of, const std::vector<TaskNeed>& needs,
+                                     std::vector<std::string> robots) {
+  return Ranker(of, needs).flips(std::move(robots));
 }
 
 }  // namespace trb::resilience

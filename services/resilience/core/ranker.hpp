@@ -30,4 +30,8 @@ struct Ranking {
 std::vector<Ranked> rank(const Ranking& of, const std::vector<TaskNeed>& needs, std::vector<std::string> robots,
                          std::size_t most);
 
+/// With which weight of a criterion another of these robots would be first; its siblings are scaled in proportion.
+std::vector<WeightFlip> weight_flips(const Ranking& of, const std::vector<TaskNeed>& needs,
+                                     std::vector<std::string> robots);
+
 }  // namespace trb::resilience

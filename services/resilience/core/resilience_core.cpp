@@ -74,6 +74,14 @@ void ResilienceCore::handle(const AlertDecide& body, const Inbound& from, Now no
   out.nack(from, taken.error());
 }
 
+void ResilienceCore::handle(const AlertRankRequest& body, const Inbound& from, Now now, Outbox& out) {
+  const auto alert = alerts_.book().choose(body.alert);
+  if (!alert) return out.nack(from, alert.error());
+  auto ranking = proposer_.rank_by(**alert, body.weights, now, out);
+  if (!ranking) return out.nack(from, ranking.error());
+  out.reply(from, std::move(*ranking));
+}
+
 void ResilienceCore::handle(const HistoryListRequest& body, const Inbound& from, Now, Outbox& out) const {
   if (history_ == nullptr) return out.nack(from, fail(Errc::no_service, "this node keeps no history"));
   if (body.most == 0 || body.most > kMostEvents) {

@@ -23,7 +23,7 @@ class ResilienceCore final : public Core {
   ResilienceCore(const ResilienceCore&) = delete;  ///< its parts refer to each other
   ResilienceCore& operator=(const ResilienceCore&) = delete;
 
-  using Taken = Takes<AlertListRequest, AlertDecide, HistoryListRequest>;
+  using Taken = Takes<AlertListRequest, AlertDecide, AlertRankRequest, HistoryListRequest>;
   /// Information of which the service wants a copy.
   static std::vector<std::string> hears();
 
@@ -41,6 +41,7 @@ class ResilienceCore final : public Core {
   void on_request(const Inbound& message, Now now, Outbox& out);
   void handle(const AlertListRequest& body, const Inbound& from, Now now, Outbox& out);
   void handle(const AlertDecide& body, const Inbound& from, Now now, Outbox& out);
+  void handle(const AlertRankRequest& body, const Inbound& from, Now now, Outbox& out);
   void handle(const HistoryListRequest& body, const Inbound& from, Now now, Outbox& out) const;
 
   void on_information(const Inbound& message, Now now, Outbox& out);

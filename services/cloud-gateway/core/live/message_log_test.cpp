@@ -8,7 +8,7 @@ using namespace trb::gateway;
 
 namespace {
 
-struct Log {
+struct FilledLog {
   MessageLog log;
   std::uint64_t add(const std::string& subtype, const std::string& source, const std::string& target,
                     const Bytes& data = {}, MessageType type = MessageType::information) {
@@ -32,7 +32,7 @@ using Numbers = std::vector<std::uint64_t>;
 }  // namespace
 
 TEST_CASE("the newest message comes first; keep-alives are shown on request alone") {
-  Log log;
+  FilledLog log;
   log.add("move", "cloud", "ur3", "[1]", MessageType::command);
   log.add("keep_alive", "ur3", "cloud");
   log.add("robot_state", "ur3", "*");
@@ -42,7 +42,7 @@ TEST_CASE("the newest message comes first; keep-alives are shown on request alon
 }
 
 TEST_CASE("filters: a node as source or target, a subtype, a type, a phase") {
-  Log log;
+  FilledLog log;
   log.add("move", "cloud", "ur3", "[1]", MessageType::command);
   log.add("move", "cloud", "drone", "[1]", MessageType::command);
   log.add("ready", "ur3", "cloud");
@@ -54,7 +54,7 @@ TEST_CASE("filters: a node as source or target, a subtype, a type, a phase") {
 }
 
 TEST_CASE("pages follow each other without gap or repeat while more arrives") {
-  Log log;
+  FilledLog log;
   for (int i = 0; i < 5; ++i) log.add("move", "cloud", "ur3");
   const auto first = log.log.find({.most = 2});
   CHECK(first.next == 4);
@@ -68,7 +68,7 @@ TEST_CASE("pages follow each other without gap or repeat while more arrives") {
 }
 
 TEST_CASE("each phase of Equation 12 is counted, also what is no longer kept") {
-  Log log;
+  FilledLog log;
   for (std::size_t i = 0; i < MessageLog::kMaxMessages + 10; ++i) log.add("move", "cloud", "ur3");
   for (int i = 0; i < 3; ++i) log.add("keep_alive", "ur3", "cloud");
   CHECK(log.log.counts()[static_cast<std::size_t>(CostPhase::task)] == MessageLog::kMaxMessages + 10);
@@ -78,7 +78,7 @@ TEST_CASE("each phase of Equation 12 is counted, also what is no longer kept") {
 }
 
 TEST_CASE("a picture is not kept, and large messages push out the oldest") {
-  Log log;
+  FilledLog log;
   const std::uint64_t picture = log.add("picture", "drone", "cloud", Bytes(MessageLog::kMaxData + 1, 'x'));
   const PassedMessage* kept = log.log.find({}).messages.at(0);
   CHECK(kept->number == picture);

@@ -52,6 +52,7 @@ Api::Api(Gateway& gateway) : gateway_(gateway) {
   add_token_routes(gateway, table_);
   add_fleet_routes(gateway, table_);
   add_robot_routes(gateway, table_);
+  add_preflight_route(gateway, table_);
   add_rank_routes(gateway, table_);
   add_scenario_routes(gateway, table_);
   add_run_routes(gateway, table_);

@@ -31,6 +31,7 @@ void add_user_routes(Gateway& gateway, HandlerTable& table);
 void add_token_routes(Gateway& gateway, HandlerTable& table);
 void add_fleet_routes(Gateway& gateway, HandlerTable& table);
 void add_robot_routes(Gateway& gateway, HandlerTable& table);
+void add_preflight_route(Gateway& gateway, HandlerTable& table);
 void add_rank_routes(Gateway& gateway, HandlerTable& table);
 void add_scenario_routes(Gateway& gateway, HandlerTable& table);
 void add_run_routes(Gateway& gateway, HandlerTable& table);

@@ -83,7 +83,7 @@ Result<op::RunTerms> terms_of(const Members& body) {
 void plan_and_submit(Gateway& gateway, const CallPtr& call, Scenario scenario, const op::RunTerms& terms) {
   op::plan_run(gateway.session, std::move(scenario), kScenarioFile, [&gateway, call, terms](Result<op::RunPlan> plan) {
     if (!plan) return call->fail(plan.error());
-    if (!stopping(plan->faults).empty()) return call->reply(faults_reply(stopping(plan->faults)));
+    if (!faults_that_stop(plan->faults).empty()) return call->reply(faults_reply(faults_that_stop(plan->faults)));
     submit(gateway, call, std::move(*plan), terms);
   });
 }
@@ -98,7 +98,7 @@ void start_run(Gateway& gateway, const CallPtr& call) {
   if (!terms) return call->fail(terms.error());
   ConfigFaults faults;
   Scenario scenario = scenario_of(*given, faults);
-  if (!stopping(faults).empty()) return call->reply(faults_reply(stopping(faults)));
+  if (!faults_that_stop(faults).empty()) return call->reply(faults_reply(faults_that_stop(faults)));
   plan_and_submit(gateway, call, std::move(scenario), *terms);
 }
 

@@ -9,14 +9,6 @@ Scenario scenario_of(const Value& json, ConfigFaults& faults) {
   return op::parse_scenario(dump_json(inner != nullptr ? *inner : json), kScenarioFile, faults);
 }
 
-ConfigFaults stopping(const ConfigFaults& faults) {
-  ConfigFaults out;
-  for (const ConfigFault& one : faults) {
-    if (!one.may_wait) out.push_back(one);
-  }
-  return out;
-}
-
 HttpReply faults_reply(const ConfigFaults& faults) {
   return problem_reply(problem_of(faults));
 }

@@ -14,8 +14,6 @@ constexpr const char* kScenarioFile = "scenario";
 /// The scenario in the object's member "scenario", or the object itself. Its faults are added to `faults`.
 Scenario scenario_of(const Value& json, ConfigFaults& faults);
 
-/// The faults that prevent a run.
-ConfigFaults stopping(const ConfigFaults& faults);
 /// A problem with all of them.
 HttpReply faults_reply(const ConfigFaults& faults);
 

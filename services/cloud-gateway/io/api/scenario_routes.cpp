@@ -70,7 +70,7 @@ void store(Gateway& gateway, const CallPtr& call) {
 void import_file(Gateway& gateway, const CallPtr& call) {
   ConfigFaults faults;
   op::parse_scenario(call->request.body, kScenarioFile, faults);
-  if (!stopping(faults).empty()) return call->reply(faults_reply(stopping(faults)));
+  if (!faults_that_stop(faults).empty()) return call->reply(faults_reply(faults_that_stop(faults)));
   store(gateway, call);
 }
 
@@ -120,7 +120,7 @@ void export_file(const Gateway& gateway, const CallPtr& call) {
 
 std::string json_check(const op::ScenarioCheck& check) {
   JsonObject out;
-  out.flag("good", stopping(check.faults).empty()).raw("faults", json_scenario_faults(check.faults));
+  out.flag("good", faults_that_stop(check.faults).empty()).raw("faults", json_scenario_faults(check.faults));
   return out.raw("without_spare", json_no_spares(check.without_spare)).done();
 }
 
@@ -129,7 +129,7 @@ void check(Gateway& gateway, const CallPtr& call) {
   if (!body) return call->fail(body.error());
   ConfigFaults faults;
   Scenario scenario = scenario_of(*body, faults);
-  if (!stopping(faults).empty()) return call->reply(json_reply(json_check({faults, {}})));
+  if (!faults_that_stop(faults).empty()) return call->reply(json_reply(json_check({faults, {}})));
   op::check_with_fleet(gateway.session, std::move(scenario), kScenarioFile,
                        [call](const Result<op::ScenarioCheck>& checked) {
                          if (!checked) return call->fail(checked.error());
