@@ -82,8 +82,8 @@ Status Users::remove(const std::string& name) {
   const auto at = users_.find(name);
   if (at == users_.end()) return unknown(name);
   if (is_last_admin(at->second)) return last_admin(name);
+  changes_.drop(name);  // first: the name may be the row's own
   users_.erase(at);
-  changes_.drop(name);
   return Done{};
 }
 

@@ -94,8 +94,8 @@ Status ScenarioShelf::remove(const std::string& id) {
   const auto at = scenarios_.find(id);
   if (at == scenarios_.end()) return no_scenario();
   size_ -= at->second.scenario.text.size();
+  changes_.drop(id);  // first: the id may be the row's own
   scenarios_.erase(at);
-  changes_.drop(id);
   return Done{};
 }
 
