@@ -11,6 +11,7 @@ import sys
 import time
 
 import demo_fault
+import demo_page
 import demo_place
 import fleet_cost
 import sensor_side
@@ -244,6 +245,7 @@ def start(fleet, fault):
         say("  " + line)
     for line in fleet.trb("robot", "list", node=trb_fleet.CLOUD).stdout.splitlines():
         say("  " + line)
+    demo_page.open_to_people(fleet, say)
 
 
 def main():
@@ -257,7 +259,7 @@ def main():
     began = time.monotonic()
     with trb_fleet.Fleet(root, arguments.programs, block=place.block, udp_port=place.udp_port,
                          robots=demo_fault.ROBOTS if arguments.fault else trb_fleet.DEMO_ROBOTS,
-                         speed=arguments.speed) as fleet:
+                         speed=arguments.speed, gateway_port=demo_page.take_port()) as fleet:
         sensor_side.SensorSide(fleet, SENSOR_NODE)
         fault = None
         if arguments.fault:

@@ -7,7 +7,7 @@ TICKS = os.sysconf("SC_CLK_TCK")
 GROUPS = {
     "trb": "supervisors", "trb-router": "routers", "trb-mode-adapter": "mode-adapters", "trb-ros-bridge": "ROS bridges",
     "trb-ros-worker": "ROS bridges", "trb-sensor-bus": "sensor-buses", "trb-scheduler": "schedulers",
-    "trb-resilience": "resilience",
+    "trb-resilience": "resilience", "trb-cloud-gateway": "gateway",
     "rosmaster": "ROS master",
 }
 

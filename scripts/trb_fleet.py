@@ -152,7 +152,8 @@ def answers(address):
 
 
 class Fleet:
-    def __init__(self, root, programs, block=1, udp_port=50000, robots=None, speed=1.0, name="demo", cloud=True):
+    def __init__(self, root, programs, block=1, udp_port=50000, robots=None, speed=1.0, name="demo", cloud=True,
+                 gateway_port=None):
         self.root = pathlib.Path(root)
         self.programs = pathlib.Path(programs)
         self.block = block
@@ -160,6 +161,7 @@ class Fleet:
         self.robots = dict(ROBOTS if robots is None else robots)
         self.speed = speed
         self.name = name
+        self.gateway_port = gateway_port  # of the cloud's page on 127.0.0.1; None: there is no gateway
         self.node_names = list(self.robots) + ([CLOUD] if cloud else [])
         self.nodes = {}
         self.virtual = {}
@@ -236,6 +238,8 @@ class Fleet:
         (folder / "node.json").write_text(json.dumps(self.with_sensors(node, self.node_json(node)), indent=2) + "\n")
         if node in self.sensor_sides:
             shutil.copytree(config / "sensors", folder / "sensors", ignore=shutil.ignore_patterns("*.md"))
+        if node == CLOUD and self.gateway_port:
+            (folder / "cloud.json").write_text(json.dumps({"listen": f"127.0.0.1:{self.gateway_port}"}) + "\n")
         if node in self.robots:
             (folder / "robots").mkdir()
             shutil.copy(self.description(node), folder / "robots")
@@ -248,7 +252,8 @@ class Fleet:
 
     def node_json(self, node):
         if node not in self.robots:
-            return {"id": node, "role": "cloud", "services": ["router", "scheduler", "resilience"]}
+            gateway = ["cloud-gateway"] if self.gateway_port else []
+            return {"id": node, "role": "cloud", "services": ["router", "scheduler", "resilience", *gateway]}
         framework, description, _ = self.robots[node]
         robot = {"host": self.robot_address(node), "interface": self.address(node),
                  "fault_injection": f"{self.robot_address(node)}:{CONTROL_PORT}"}

@@ -2,10 +2,16 @@
 Equation 12, and that it leaves nothing behind."""
 import json
 import os
+import pathlib
+import re
 import signal
+import sys
 import unittest
 
 import support
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "support"))
+import gateway_client  # noqa: E402
 
 BLOCK = support.take_block(60)
 TASKS = [
@@ -71,6 +77,18 @@ class Demo(support.Demonstration, unittest.TestCase):
                 self.assertGreaterEqual(observed[phase], least, f"{phase}: {messages}")
         self.assertEqual(observed["fail"], 0)
         self.assertLessEqual(observed["sensor"], 20)  # the arm reports its mode and safety, too
+
+    def test_people_sign_in_at_the_page_with_what_is_printed(self):
+        child = self.start("--speed", "4")
+        line = self.read_until(child, "== the page: ").splitlines()[-1]
+        _, port, user, password = re.search(r"(https://localhost:(\d+)/) +sign in as (\w+), password (\S+)", line).groups()
+        client = gateway_client.Client(int(port), self.root / "nodes/cloud/keys/gateway.crt")
+        self.assertEqual(client.sign_in(user, password).status, 201)
+        self.assertIn(b"<html", client.ask("GET", "/").bytes)
+        robots = client.ask("GET", "/api/v1/robots").json
+        self.assertEqual(len(robots["items"]), 9, robots)
+        os.killpg(child.pid, signal.SIGINT)
+        child.communicate(timeout=60)
 
     def test_ctrl_c_leaves_nothing_behind(self):
         child = self.start("--speed", "4")

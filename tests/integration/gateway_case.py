@@ -1,6 +1,5 @@
 """A fleet with the gateway on its cloud node, and an admin, an operator and a viewer who are signed in: what the gateway's
 tests share."""
-import json
 import os
 import pathlib
 import signal
@@ -20,26 +19,18 @@ SCENARIO = {"name": "short", "tasks": [{"id": "go", "robot": ROBOT, "skill": "go
 GOOD = "a good long password"
 
 
-class Fleet(trb_fleet.Fleet):
-    def node_json(self, node):
-        out = super().node_json(node)
-        if node == CLOUD:
-            out["services"].append("cloud-gateway")
-        return out
-
-
 class GatewayCase(unittest.TestCase):
     block, udp_port = 0, 0  # each test file has its own
-    fleet_kind = Fleet
+    fleet_kind = trb_fleet.Fleet
     robots = (ROBOT,)
     contract = gateway_contract.Contract()
 
     @classmethod
     def setUpClass(cls):
         cls.fleet = support.make_fleet(cls, cls.fleet_kind, block=cls.block, udp_port=cls.udp_port,
-                                       robots={name: trb_fleet.ROBOTS[name] for name in cls.robots}, speed=20)
-        cls.port = trb_fleet.free_port()
-        (cls.fleet.dir(CLOUD) / "cloud.json").write_text(json.dumps({"listen": f"127.0.0.1:{cls.port}"}))
+                                       robots={name: trb_fleet.ROBOTS[name] for name in cls.robots}, speed=20,
+                                       gateway_port=trb_fleet.free_port())
+        cls.port = cls.fleet.gateway_port
         cls.fleet.start()
         cls.fleet.wait_formed()
         cls.certificate = cls.fleet.dir(CLOUD) / "keys/gateway.crt"

@@ -12,13 +12,13 @@ import subprocess
 import support
 import sensor_side
 import trb_fleet
-from gateway_case import CLOUD, GOOD, ROBOT, SCENARIO, Fleet, GatewayCase
+from gateway_case import CLOUD, GOOD, ROBOT, SCENARIO, GatewayCase
 
 SENSOR = "humidity"
 TOPIC = f"sensor/{ROBOT}/{SENSOR}"
 
 
-class SensorFleet(Fleet):
+class SensorFleet(trb_fleet.Fleet):
     """The robot's node has a sensor-bus; a program feeds it."""
 
     def __init__(self, *where, **more):
