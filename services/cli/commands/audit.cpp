@@ -53,7 +53,7 @@ Result<std::string> text_of(const std::vector<std::string>& names) {
     const auto file = read_file(name, kMaxFile - out.size());
     if (!file) return fail(file.error().code, file.error().what, "name the files that the gateway exported");
     out += *file;
-    if (!out.ends_with('\n')) out += '\n';
+    if (!out.ends_with('\n') && out.size() < kMaxFile) out += '\n';
   }
   return out;
 }
