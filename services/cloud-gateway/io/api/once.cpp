@@ -10,7 +10,7 @@ Bytes digest_of(const HttpRequest& request) {
   return purpose_digest("idempotency", request.method + " " + request.target + "\n" + request.body);
 }
 
-void reply_stored(Call& call, const StoredAnswer& stored) {
+void reply_again(Call& call, const StoredAnswer& stored) {
   HttpReply out = stored.body.empty() ? empty_reply(stored.status) : json_reply(stored.body, stored.status);
   if (stored.status >= 400) out.content_type = "application/problem+json";
   out.headers.emplace_back("Idempotent-Replay", "true");
@@ -44,7 +44,7 @@ void do_once(Gateway& gateway, const CallPtr& call, std::string effect, const st
   const RequestKey key{call->who().name, *call->request.idempotency_key};
   auto begun = gateway.access.requests.begin(key, digest_of(call->request), std::move(effect), gateway.now());
   if (!begun) return call->fail(begun.error());
-  if (auto* stored = std::get_if<StoredAnswer>(&*begun)) return reply_stored(*call, *stored);
+  if (auto* stored = std::get_if<StoredAnswer>(&*begun)) return reply_again(*call, *stored);
   if (auto* wait = std::get_if<Idempotency::Wait>(&*begun)) return reply_busy(*call, wait->retry_after);
   act_on_record(gateway, *call, std::move(std::get<Idempotency::Act>(*begun).store), act);
 }

@@ -48,7 +48,7 @@ void list_scenarios(const Gateway& gateway, const CallPtr& call) {
   call->reply(json_reply(JsonObject().raw("items", items.done()).text("next", page->next).done()));
 }
 
-void reply_stored(const CallPtr& call, const Result<const StoredScenario*>& stored, int status) {
+void reply_scenario(const CallPtr& call, const Result<const StoredScenario*>& stored, int status) {
   if (!stored) return call->fail(stored.error());
   const StoredScenario& one = **stored;
   HttpReply out = json_reply(json_info(one).done(), status);
@@ -62,7 +62,7 @@ void store(Gateway& gateway, const CallPtr& call) {
   if (!draft) return call->fail(draft.error());
   call->about = in_quotes(draft->name);
   do_once(gateway, call, "scenario " + call->about, [&gateway, call, draft = std::move(*draft)]() mutable {
-    reply_stored(call, gateway.access.scenarios.add(std::move(draft), call->who().name, gateway.now().utc), 201);
+    reply_scenario(call, gateway.access.scenarios.add(std::move(draft), call->who().name, gateway.now().utc), 201);
   });
 }
 
@@ -87,7 +87,7 @@ void change_scenario(Gateway& gateway, const CallPtr& call) {
   auto draft = read_draft(call->request.body);
   if (!draft) return call->fail(draft.error());
   call->about = in_quotes(draft->name);
-  reply_stored(call, gateway.access.scenarios.change(one->id, std::move(*draft), call->who().name, gateway.now().utc),
+  reply_scenario(call, gateway.access.scenarios.change(one->id, std::move(*draft), call->who().name, gateway.now().utc),
                200);
 }
 
