@@ -88,7 +88,7 @@ void change_scenario(Gateway& gateway, const CallPtr& call) {
   if (!draft) return call->fail(draft.error());
   call->about = in_quotes(draft->name);
   reply_scenario(call, gateway.access.scenarios.change(one->id, std::move(*draft), call->who().name, gateway.now().utc),
-               200);
+                 200);
 }
 
 void delete_scenario(Gateway& gateway, const CallPtr& call) {
