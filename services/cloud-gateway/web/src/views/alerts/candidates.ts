@@ -1,0 +1,58 @@
+/** Who could take over, as it is shown: bars by criterion, and what a person would decide by choosing him. */
+import type { Alert, Schemas } from '../../lib/api/types';
+
+export type Proposal = Schemas['Proposal'];
+
+export interface Bar {
+  key: string;
+  criterion: string;
+  robot: string;
+  value: number;
+  unit: string;
+  weight: number;
+  contribution: number;
+  /** 0 to 1: of the longest bar of all candidates, so that their lengths compare. */
+  length: number;
+}
+
+export interface Candidate {
+  key: string;
+  /** Of one robot, or of several that share the tasks. */
+  name: string;
+  proposal: Proposal;
+  bars: Bar[];
+  /** His place by the weights in force, from 1; nothing: he is not proposed. */
+  placeInForce: number | null;
+}
+
+export function keyOf(proposal: Proposal): string {
+  return proposal.robot || proposal.tasks.map((one) => `${one.task}=${one.robot}`).join(',');
+}
+
+export function candidatesOf(shown: Proposal[], inForce: Proposal[]): Candidate[] {
+  const longest = Math.max(...shown.flatMap((one) => one.parts.map((part) => part.contribution)), 1e-9);
+  const places = inForce.map(keyOf);
+  return shown.map((proposal) => {
+    const key = keyOf(proposal);
+    const place = places.indexOf(key);
+    return {
+      key, proposal, name: nameOf(proposal), placeInForce: place < 0 ? null : place + 1,
+      bars: proposal.parts.map((part, i) => ({ ...part, key: `${part.robot} ${part.criterion} ${i}`, length: Math.max(0, part.contribution) / longest })),
+    };
+  });
+}
+
+/** Choosing a proposed robot accepts the proposal; one that only other weights bring up is an override. */
+export function choiceOf(alert: Alert, proposal: Proposal): { verdict: 'accept' | 'override'; robot: string } | null {
+  if (proposal.robot !== '') {
+    const isProposed = alert.proposals.some((one) => one.robot === proposal.robot);
+    return { verdict: isProposed ? 'accept' : 'override', robot: proposal.robot };
+  }
+  // Shared tasks have no robot to name: only the best is accepted without one.
+  const best = alert.proposals[0];
+  return best !== undefined && keyOf(best) === keyOf(proposal) ? { verdict: 'accept', robot: '' } : null;
+}
+
+function nameOf(proposal: Proposal): string {
+  return proposal.robot || [...new Set(proposal.tasks.map((one) => one.robot))].join(' + ');
+}

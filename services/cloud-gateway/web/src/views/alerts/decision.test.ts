@@ -1,0 +1,44 @@
+import { expect, it } from 'vitest';
+import type { Alert, Row } from '../../lib/api/types';
+import { openAlarms } from '../../lib/fleet/alarms';
+import { bodyOf, inOrder, isRanked, isUndecided, standsAgain, verdictsOf, winnerOf } from './decision';
+
+const alert = (of: Partial<Alert>): Alert => ({
+  id: 'a', severity: 'CRITICAL', time: 1, state: 'OPEN', run: 'r', name: 'paper', robot: 'ridgeback', capability: 'mobile', cause: 'robot_fault',
+  text: '', tasks: [], expires: 0, needs_word: false, proposals: [], unfit: [], policy: 'ask', verdict: 'none', epoch: 0, person: '', reason: '',
+  waits_for: '', ...of,
+});
+const decided = alert({
+  state: 'RELEASING', verdict: 'override', person: 'ann', reason: 'it is free',
+  proposals: [{ robot: 'drone', tasks: [], score: 0, parts: [], note: '', merit: 0 }],
+});
+
+it('offers what makes sense', () => {
+  expect(verdictsOf(alert({ run: '' }))).toEqual(['retry']);
+  expect(verdictsOf(alert({ cause: 'run_ends' }))).toEqual(['abort']);
+  expect(verdictsOf(alert({ cause: 'robot_wanted' }))).not.toContain('retry');
+  expect(verdictsOf(alert({}))).toEqual(['accept', 'override', 'retry', 'skip', 'abort']);
+  expect([alert({}), alert({ state: 'DECIDED' }), alert({ run: '' })].map(isRanked)).toEqual([true, false, false]);
+  expect([alert({ state: 'EXPIRED' }), decided].map(isUndecided)).toEqual([true, false]);
+});
+
+it('sends no empty member', () => {
+  expect(bodyOf({ verdict: 'accept', robot: '', reason: '', stands: false })).toEqual({ verdict: 'accept' });
+});
+
+it('repeats a verdict with the word that the robot stands', () => {
+  expect(standsAgain(decided)).toEqual({ verdict: 'override', robot: 'drone', reason: 'it is free', stands: true });
+  expect(standsAgain(alert({}))).toBeNull();
+});
+
+it('names who was first', () => {
+  expect([winnerOf(decided, 'bob'), winnerOf(decided, 'ann'), winnerOf(alert({}), 'bob')]).toEqual(['ann', null, null]);
+});
+
+it('lists open alerts by priority and first cause, then what is over, the newest first', () => {
+  const rows = [
+    alert({ id: 'old', state: 'CLOSED', time: 1 }), alert({ id: 'later', time: 9 }), alert({ id: 'new', state: 'DECIDED', time: 8 }),
+    alert({ id: 'first', time: 2 }),
+  ].map((content) => ({ content }) as Row<Alert>);
+  expect(inOrder(rows, openAlarms).map((row) => row.content.id)).toEqual(['first', 'later', 'new', 'old']);
+});

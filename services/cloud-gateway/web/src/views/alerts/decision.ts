@@ -1,0 +1,62 @@
+/** What a person may decide on an alert, and what became of it. */
+import type { Alert, Row, Schemas } from '../../lib/api/types';
+
+export type Decision = Schemas['AlertDecision'];
+export type Verdict = Decision['verdict'];
+
+const NOT_RULED = ['double_execution', 'run_ends'];
+const STILL_OPEN: Alert['state'][] = ['OPEN', 'EXPIRED', 'RELEASING'];
+
+export function isOpen(alert: Alert): boolean {
+  return STILL_OPEN.includes(alert.state);
+}
+
+/** Nobody has decided yet. */
+export function isUndecided(alert: Alert): boolean {
+  return isOpen(alert) && alert.verdict === 'none';
+}
+
+/** The verdicts that make sense; the gateway has the last word. */
+export function verdictsOf(alert: Alert): Verdict[] {
+  if (alert.run === '') return ['retry']; // no run needs the robot: there is nothing to move or to skip
+  if (NOT_RULED.includes(alert.cause)) return ['abort'];
+  if (alert.cause === 'robot_wanted') return ['accept', 'override', 'skip', 'abort']; // nothing has failed
+  return ['accept', 'override', 'retry', 'skip', 'abort'];
+}
+
+/** Its candidates can be ranked. */
+export function isRanked(alert: Alert): boolean {
+  return isOpen(alert) && verdictsOf(alert).includes('accept');
+}
+
+/** The same verdict again, with the word that the failed robot stands. */
+export function standsAgain(alert: Alert): Decision | null {
+  if (alert.verdict === 'none') return null;
+  return { verdict: alert.verdict, robot: chosenRobot(alert), reason: alert.reason, stands: true };
+}
+
+/** Who takes over by the decision; empty: nobody, or several. */
+export function chosenRobot(alert: Alert): string {
+  return alert.verdict === 'accept' || alert.verdict === 'override' ? (alert.proposals[0]?.robot ?? '') : '';
+}
+
+/** Only what the gateway needs: no empty member. */
+export function bodyOf(decision: Decision): Decision {
+  const out: Decision = { verdict: decision.verdict };
+  if (decision.robot) out.robot = decision.robot;
+  if (decision.reason) out.reason = decision.reason;
+  if (decision.stands) out.stands = true;
+  return out;
+}
+
+/** Somebody else was first: who. */
+export function winnerOf(alert: Alert, me: string): string | null {
+  return alert.verdict !== 'none' && alert.person !== me ? alert.person : null;
+}
+
+/** What matters first: open ones by priority and first cause, then what is over, newest first. */
+export function inOrder(rows: Row<Alert>[], openFirst: (alerts: Alert[]) => Alert[]): Row<Alert>[] {
+  const open = openFirst(rows.map((row) => row.content)).map((alert) => alert.id);
+  const place = (row: Row<Alert>) => (open.includes(row.content.id) ? open.indexOf(row.content.id) : open.length);
+  return [...rows].sort((a, b) => place(a) - place(b) || b.content.time - a.content.time);
+}
