@@ -1,6 +1,6 @@
 import { expect, it } from 'vitest';
 import type { Alert } from '../../lib/api/types';
-import { candidatesOf, choiceOf, type Proposal } from './candidates';
+import { candidatesOf, choiceOf, whoOf, type Proposal } from './candidates';
 
 function proposal(robot: string, contributions: number[], tasks: [string, string][] = [['go', robot]]): Proposal {
   return {
@@ -27,4 +27,10 @@ it('accepts who is proposed, overrides with who is not, and takes shared tasks o
   expect(choiceOf(alert, full)).toEqual({ verdict: 'override', robot: 'full' });
   expect(choiceOf(alert, shared)).toBeNull();
   expect(choiceOf({ proposals: [shared] } as unknown as Alert, shared)).toEqual({ verdict: 'accept', robot: '' });
+});
+
+it('asks for another ranking when others can take over, not when they only change places', () => {
+  const alert = (proposals: Proposal[], unfit: Alert['unfit'] = []) => ({ proposals, unfit }) as unknown as Alert;
+  expect(whoOf(alert([near, full]))).toBe(whoOf(alert([full, near])));
+  expect(whoOf(alert([near], [{ robot: 'full', why: 'it has failed' }]))).not.toBe(whoOf(alert([near, full])));
 });

@@ -53,6 +53,14 @@ export function choiceOf(alert: Alert, proposal: Proposal): { verdict: 'accept' 
   return best !== undefined && keyOf(best) === keyOf(proposal) ? { verdict: 'accept', robot: '' } : null;
 }
 
+/**
+ * Who is proposed and who is not fit. If that changes, the ranking that is shown is outdated; values alone change with
+ * each answer of a robot, also with those that a ranking has asked for.
+ */
+export function whoOf(alert: Alert): string {
+  return [...alert.proposals.map(keyOf).sort(), '/', ...alert.unfit.map((one) => `${one.robot} ${one.why}`).sort()].join('\n');
+}
+
 function nameOf(proposal: Proposal): string {
   return proposal.robot || [...new Set(proposal.tasks.map((one) => one.robot))].join(' + ');
 }

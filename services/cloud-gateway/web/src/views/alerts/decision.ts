@@ -54,6 +54,16 @@ export function winnerOf(alert: Alert, me: string): string | null {
   return alert.verdict !== 'none' && alert.person !== me ? alert.person : null;
 }
 
+/** Whose decision an answer tells of: the same verdict of another person is answered like one's own. */
+export function deciderIn(text: string): string | null {
+  return /was decided by '([^']+)'/.exec(text)?.[1] ?? null;
+}
+
+/** Hints for who sits at a command line are none for who looks at a page. */
+export function pageHints(hints: string[]): string[] {
+  return hints.filter((hint) => !/(^|\W)--[a-z]|\btrb /.test(hint));
+}
+
 /** What matters first: open ones by priority and first cause, then what is over, newest first. */
 export function inOrder(rows: Row<Alert>[], openFirst: (alerts: Alert[]) => Alert[]): Row<Alert>[] {
   const open = openFirst(rows.map((row) => row.content)).map((alert) => alert.id);

@@ -1,6 +1,7 @@
 /** The ranking of one open alert by other weights or judgments, asked for as they are moved. The alert stays as it is. */
 import { api, Problem } from '../../lib/api/client';
 import type { Schemas } from '../../lib/api/types';
+import { pageHints } from './decision';
 import { Latest } from './latest';
 import type { Judgments, Weight } from './weighing';
 
@@ -13,6 +14,8 @@ export class LiveRanking {
   inForce = $state.raw<Weight[]>([]);
   problem = $state('');
   isBusy = $state(false);
+  /** When it was answered: ISO 8601. */
+  at = $state('');
   private wish: Wish = null;
   private readonly abort = new AbortController();
   private readonly latest = new Latest<Wish>((wish) => this.send(wish));
@@ -52,9 +55,10 @@ export class LiveRanking {
       const ask = { path: { alert: this.alert }, body: bodyOf(wish), signal: this.abort.signal };
       this.answer = await api.post<Ranking>('/api/v1/alerts/{alert}/ranking', ask);
       if (wish === null) this.inForce = this.answer.weights;
+      this.at = new Date().toISOString();
       this.problem = '';
     } catch (error) {
-      if (!this.abort.signal.aborted) this.problem = error instanceof Problem ? [error.detail, ...error.hints].join('. ') : String(error);
+      if (!this.abort.signal.aborted) this.problem = error instanceof Problem ? [error.detail, ...pageHints(error.hints)].join('. ') : String(error);
     }
     this.isBusy = false;
   }
