@@ -18,6 +18,7 @@ export interface View {
 export const views: View[] = [
   { path: 'hall', title: 'hall.title', load: () => import('./hall/Hall.svelte'), isListed: true },
   { path: 'robots', title: 'robot.title', load: () => import('./robot/Robot.svelte') },
+  { path: 'runs', title: 'runs.title', load: () => import('./runs/Runs.svelte'), isListed: true },
   { path: 'alerts', title: 'alerts.title', load: () => import('./alerts/Alerts.svelte'), isListed: true },
   { path: 'tokens', title: 'tokens.title', load: () => import('./tokens/Tokens.svelte') },
 ];

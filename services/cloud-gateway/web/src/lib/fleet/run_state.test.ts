@@ -1,0 +1,32 @@
+import { describe, expect, it } from 'vitest';
+import type { RunDetail, TaskView } from '../api/types';
+import { runOrders, shortId, taskOrders } from './run_state';
+
+const run = (state: RunDetail['state'], paused_by = '') => ({ state, paused_by }) as RunDetail;
+const task = (state: TaskView['state']) => ({ state }) as TaskView;
+
+describe('what may be ordered', () => {
+  it('pauses what runs, and resumes what a person holds', () => {
+    expect(runOrders(run('RUNNING'))).toEqual(['pause', 'abort']);
+    expect(runOrders(run('PAUSED', 'olga'))).toEqual(['resume', 'abort']);
+  });
+
+  it('resumes nothing that waits for an alert: nobody has paused it', () => {
+    expect(runOrders(run('PAUSED'))).toEqual(['pause', 'abort']);
+  });
+
+  it('orders nothing of a run that is over', () => {
+    for (const state of ['FINISHED', 'ABORTED', 'EXPIRED'] as const) {
+      expect(runOrders(run(state))).toEqual([]);
+      expect(taskOrders(run(state), task('FAILED'))).toEqual([]);
+    }
+  });
+
+  it('tries again only what has failed', () => {
+    expect(taskOrders(run('RUNNING'), task('FAILED'))).toContain('retry');
+    expect(taskOrders(run('RUNNING'), task('WAITING'))).toEqual(['move', 'skip']);
+    expect(taskOrders(run('RUNNING'), task('FINISHED'))).toEqual([]);
+  });
+
+  it('shortens an id', () => expect(shortId('60cd4110aa55')).toBe('60cd4110'));
+});
