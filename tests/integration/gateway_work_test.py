@@ -214,6 +214,58 @@ class Work(GatewayCase):
         self.assert_problem(self.rank(alert["id"], client=self.viewer), 403, "role_too_low")
         self.assert_problem(self.rank("f" * 16), 404)
 
+    # ---- who replaces a robot
+
+    def resilience_file(self, text):
+        """What the cloud node's resilience.json says until the test ends; None: there is none."""
+        path = self.fleet.dir(CLOUD) / "resilience.json"
+        before = path.read_bytes() if path.exists() else None
+        self.addCleanup(lambda: path.unlink(missing_ok=True) if before is None else path.write_bytes(before))
+        path.unlink(missing_ok=True)
+        if text is not None:
+            path.write_text(text)
+
+    def settings(self):
+        return [self.viewer.ask("GET", f"/api/v1/{name}") for name in ("policy", "criteria", "minimums")]
+
+    def test_without_a_file_people_decide_and_the_weights_are_those_of_figure_8(self):
+        self.resilience_file(None)
+        policy, criteria, minimums = (answer.json for answer in self.settings())
+        self.assertEqual((policy["mode"], policy["bind"], policy["max_moves"], policy["expires_s"]),
+                         ("ask", "automatic", 2, 600))
+        weights = {name: one["weight"] for name, one in criteria["criteria"].items()}
+        self.assertAlmostEqual(sum(weights.values()), 1)
+        self.assertGreater(weights["distance"], weights["battery"])
+        self.assertGreater(weights["battery"], weights["availability"])
+        self.assertEqual(minimums, {})
+
+    def test_policy_criteria_and_minimums_are_those_of_the_file(self):
+        self.resilience_file((FILES.parent / "resilience/payload.json").read_text())
+        policy, criteria, minimums = (answer.json for answer in self.settings())
+        self.assertEqual((policy["mode"], policy["conditions"]["min_score"]), ("automatic", 0.5))
+        payload = criteria["criteria"]["payload"]
+        self.assertEqual((payload["from"], payload["unit"], payload["best"], payload["worst"], payload["capabilities"]),
+                         ("description", "kg", 10, 0, ["grab"]))
+        self.assertAlmostEqual(payload["weight"], 1 / 3)
+        self.assertEqual(minimums, {"battery": {"at_least": 20}})
+
+    def test_a_version_that_is_known_is_not_sent_again_until_the_file_changes(self):
+        self.resilience_file('{"policy": {"mode": "ask"}}')
+        tag = self.viewer.ask("GET", "/api/v1/policy").headers["ETag"]
+        self.assertEqual(self.viewer.ask("GET", "/api/v1/policy", If_None_Match=tag).status, 304)
+        self.resilience_file('{"policy": {"mode": "automatic"}}')
+        changed = self.viewer.ask("GET", "/api/v1/policy", If_None_Match=tag)
+        self.assertEqual((changed.status, changed.json["mode"]), (200, "automatic"))
+
+    def test_a_file_with_faults_is_reported_and_not_taken_for_the_default(self):
+        for wrong in ("{", "[]", '{"policy": {}}', '{"criteria": {"battery": -1}}', '{"more": 1}', "[" * 5000,
+                      '{"criteria": {"<script>": 1}}', '{"expires_s": "long"}'):
+            with self.subTest(wrong[:40]):
+                self.resilience_file(wrong)
+                for answer in self.settings():
+                    self.assert_problem(answer, 500, "file_faulty")
+        self.assertEqual(self.client().ask("GET", "/api/v1/policy").status, 401)
+
 
 if __name__ == "__main__":
     support.main()

@@ -62,6 +62,7 @@ Api::Api(Gateway& gateway) : gateway_(gateway) {
   add_node_routes(gateway, table_);
   add_task_routes(gateway, table_);
   add_audit_routes(gateway, table_);
+  add_policy_routes(gateway, table_);
   add_page_routes(table_);
 }
 

@@ -41,6 +41,7 @@ void add_history_routes(Gateway& gateway, HandlerTable& table);
 void add_node_routes(Gateway& gateway, HandlerTable& table);
 void add_task_routes(Gateway& gateway, HandlerTable& table);
 void add_audit_routes(Gateway& gateway, HandlerTable& table);
+void add_policy_routes(Gateway& gateway, HandlerTable& table);
 void add_page_routes(HandlerTable& table);
 
 /// Checks each request, calls its function, notes each change in the audit log, and replies once that is on disk.
