@@ -36,7 +36,7 @@
   X(Stop) X(Release) X(BridgeCommand) X(BridgeEvent) X(BridgeState)                                                \
   X(Scenario) X(RunStart) X(TaskResult) X(AbortOrder) X(RunSubmit) X(RunAccepted) X(Baton) X(BatonJournaled)       \
   X(NeedDefinition) X(Definition) X(NeedResults) X(Results) X(ResultsJournaled) X(TaskProgress) X(RunAbort)        \
-  X(AbortConfirmed) X(RunEnd) X(RunOver) X(NeedEnd) X(RunQuery) X(RunView) X(RunListRequest) X(RunTable) X(Choice)                                 \
+  X(AbortConfirmed) X(RunEnd) X(RunOver) X(NeedEnd) X(RunQuery) X(RunView) X(RunListRequest) X(RunTable) X(RunProofRequest) X(RunRecords) X(Choice)                                 \
   X(Decision) X(RunDecision) X(DecisionJournaled) X(ReleaseTasks) X(PauseOrder) X(RunPause) X(PauseJournaled)      \
   X(RunWatch) X(RunChanged) X(Alert) X(AlertListRequest) X(AlertTable) X(AlertDecide)                        \
   X(HistoryListRequest) X(HistoryTable) X(AlertRankRequest) X(AlertRanking)

@@ -15,6 +15,8 @@ constexpr std::uint32_t kMaxMembers = 1000;
 constexpr std::uint32_t kMaxPriority = 9;
 /// Orders that count for a run: one to hold it or let it continue, one to abort it.
 constexpr std::uint32_t kMaxOrders = 2;
+/// Start, end, 64 decisions, the orders, and a choice and a result for each task are fewer.
+constexpr std::uint32_t kMaxRunRecords = 4000;
 
 /// A parameter whose value comes from an earlier task's result.
 struct ValueFrom {
@@ -491,6 +493,33 @@ struct RunQuery {
   template <class T = RunQuery>
   static FieldTable fields() {
     return FieldTable{field("run", &T::run, 64)};
+  }
+};
+
+/// Asks for what is signed of a run, open or over, from its record `first` on (request). Answered by RunRecords.
+struct RunProofRequest {
+  static constexpr std::string_view kSubtype = "run_proof";
+  static constexpr Travel kTravel = on_bus(CostPhase::upkeep, {kProbe, "cloud-gateway"});
+  std::string run;          ///< as in RunQuery
+  std::uint32_t first = 0;  ///< how many records the asker has
+  template <class T = RunProofRequest>
+  static FieldTable fields() {
+    return FieldTable{field("run", &T::run, 64), field("first", &T::first)};
+  }
+};
+
+/// A page of a run's signed records: its start, then decisions, orders, choices, results and its end, as far as this
+/// node knows them. If `count` has changed since the previous page, the pages do not fit together.
+struct RunRecords {
+  static constexpr std::string_view kSubtype = "run_records";
+  static constexpr Travel kTravel = on_bus(CostPhase::upkeep, {"scheduler"});
+  std::string run;
+  std::uint32_t count = 0;  ///< of all
+  std::vector<SignedRecord> records;
+  template <class T = RunRecords>
+  static FieldTable fields() {
+    return FieldTable{field("run", &T::run, 64), field("count", &T::count),
+                      field("records", &T::records, kMaxRunRecords)};
   }
 };
 

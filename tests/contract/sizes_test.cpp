@@ -51,6 +51,7 @@ const std::map<std::string, std::string> kBounded = {
     {"node_profile", "router local_profile, link_inbox: kMaxProfileSize"},
     {"results", "scheduler delivery_sender: pack_results"},
     {"route_table", "router answers: pages"},
+    {"run_records", "scheduler signed_records: page_of"},
     {"run_table", "scheduler RunStore::kMaxRuns, 512 of 1.4 kB; pages of 500"},
     {"run_view", "scheduler view: fit"},
     // Never messages of their own: they are contents of a SignedRecord, 512 kB at most, or rows of a database.

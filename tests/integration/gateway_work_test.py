@@ -214,6 +214,38 @@ class Work(GatewayCase):
         self.assert_problem(self.rank(alert["id"], client=self.viewer), 403, "role_too_low")
         self.assert_problem(self.rank("f" * 16), 404)
 
+    # ---- what a third party can verify
+
+    def finished_run(self):
+        run = self.operator.ask("POST", "/api/v1/runs", {"scenario": SCENARIO}).json["run"]
+        self.fleet.wait("the run is over", lambda: self.viewer.ask("GET", f"/api/v1/runs/{run}").json["state"] == "FINISHED",
+                        40)
+        return run
+
+    def verify(self, proof):
+        path = self.fleet.root / "proof.json"
+        path.write_text(proof)
+        done = self.fleet.trb("run", "verify", path, "--fleet", self.fleet.authority_dir(), "--json", check=False)
+        return done.returncode, json.loads(done.stdout)
+
+    def test_the_proof_of_a_run_convinces_a_third_party(self):
+        run = self.finished_run()
+        answer = self.viewer.ask("GET", f"/api/v1/runs/{run}/proof")
+        self.assertEqual((answer.status, answer.json["run"], answer.json["complete"]), (200, run, True))
+        kinds = [record["kind"] for record in answer.json["records"]]
+        self.assertEqual((kinds[0], kinds[-1], kinds.count("result")), ("run_start", "run_end", len(SCENARIO["tasks"])))
+        text = json.dumps(answer.json)
+        code, report = self.verify(text)
+        self.assertEqual((code, report["complete"], report["faults"]), (0, True, []))
+        self.assertEqual(json.loads(self.fleet.trb("run", "proof", run, node=CLOUD).stdout), answer.json)
+        signature = answer.json["records"][1]["signature"]
+        code, report = self.verify(text.replace(signature, signature[:-1] + ("0" if signature[-1] != "0" else "1")))
+        self.assertEqual((code, report["complete"], len(report["faults"])), (1, False, 1))
+
+    def test_a_proof_of_what_is_no_run_is_refused(self):
+        self.assert_problem(self.viewer.ask("GET", f"/api/v1/runs/{'b' * 32}/proof"), 404)
+        self.assertEqual(self.client().ask("GET", f"/api/v1/runs/{'b' * 32}/proof").status, 401)
+
     # ---- who replaces a robot
 
     def resilience_file(self, text):

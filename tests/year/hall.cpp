@@ -250,28 +250,29 @@ void Hall::decide(const Alert& alert) {
 /// Runs that are over are removed; none of their results may be missing.
 void Hall::count_ended() {
   for (auto at = open_.begin(); at != open_.end();) {
-    const auto view = fleet_["cloud"].archive->view(at->first);
-    if (!view) {
+    const auto record = fleet_["cloud"].archive->record(at->first);
+    if (!record) {
       ++at;
       continue;
     }
-    figures.finished += view->state == RunState::finished ? 1 : 0;
-    figures.aborted += view->state == RunState::aborted ? 1 : 0;
-    figures.expired += view->state == RunState::expired || view->state == RunState::aborting ? 1 : 0;
-    figures.decisions += view->decisions.size();
+    const RunView& view = record->view;
+    figures.finished += view.state == RunState::finished ? 1 : 0;
+    figures.aborted += view.state == RunState::aborted ? 1 : 0;
+    figures.expired += view.state == RunState::expired || view.state == RunState::aborting ? 1 : 0;
+    figures.decisions += view.decisions.size();
     const auto is_open = [](const TaskView& task) {
       return task.state != TaskState::finished && task.state != TaskState::skipped;
     };
-    const bool lost = view->tasks.size() != at->second.tasks ||
-                      (view->state == RunState::finished && std::ranges::any_of(view->tasks, is_open)) ||
-                      std::ranges::any_of(view->tasks, [&](const TaskView& task) {
+    const bool lost = view.tasks.size() != at->second.tasks ||
+                      (view.state == RunState::finished && std::ranges::any_of(view.tasks, is_open)) ||
+                      std::ranges::any_of(view.tasks, [&](const TaskView& task) {
                         return at->second.done.contains(task.id) && !at->second.unknown.contains(task.id) &&
-                               task.state != TaskState::finished && view->state == RunState::finished;
+                               task.state != TaskState::finished && view.state == RunState::finished;
                       });
     if (lost) {
       ++figures.lost;
-      tell("run " + at->first + " is " + std::string(name_of(view->state)) + " without all that was done" +
-           what_differs(*view, at->second.done));
+      tell("run " + at->first + " is " + std::string(name_of(view.state)) + " without all that was done" +
+           what_differs(view, at->second.done));
     }
     for (const std::string& robot : robots_) fleet_[robot].adapter.forget(at->first);
     at = open_.erase(at);

@@ -3,7 +3,13 @@
 
 #include <cstdio>
 
+#include "common/base/files.hpp"
 #include "common/operator/list_runs.hpp"
+#include "common/operator/run_records.hpp"
+#include "common/scenario/run_proof.hpp"
+#include "common/scenario/run_proof_file.hpp"
+#include "common/security/node_keys.hpp"
+#include "services/cli/commands/authority_words.hpp"
 #include "services/cli/commands/command.hpp"
 #include "services/cli/core/table.hpp"
 #include "services/cli/io/print.hpp"
@@ -11,6 +17,8 @@
 
 namespace trb::cli {
 namespace {
+
+constexpr std::size_t kMaxProof = 64U << 20U;
 
 std::string seconds_text(double s) {
   char out[32];
@@ -99,6 +107,64 @@ int show_run(const Arguments& arguments) {
   return kGood;
 }
 
+int prove_run(const Arguments& arguments) {
+  auto probe = open_probe(arguments);
+  if (!probe) return kFailed;
+  const auto keys = load_node_keys(".");  // the probe stands in the node's folder
+  if (!keys) return print_error(arguments, keys.error());
+  const auto read = probe->wait<RunRecords>(
+      [&](op::Session& session, const auto& done) { op::read_run_records(session, arguments.words[0], done); });
+  if (!read) return print_error(arguments, read.error());
+  print_line(write_run_proof(read->run, read->records, keys->authority));
+  return kGood;
+}
+
+void print_proof(const RunProof& proof) {
+  std::vector<std::vector<std::string>> rows{{"TIME", "SIGNED BY", "RECORD", "SAYS"}};
+  for (const ProvenRecord& record : proof.records) {
+    rows.push_back({time_or_dash(record.time.ns), record.signer, record.kind, record.what});
+  }
+  print(format_table(rows));
+  for (const std::string& fault : proof.faults) print_line(coloured(Colour::bad, "FAULT " + fault));
+  print_line("run " + or_dash(proof.run) + ": " + std::to_string(proof.records.size()) + " records proven, " +
+             std::to_string(proof.final_tasks) + " of " + std::to_string(proof.tasks) + " tasks with a final result, " +
+             (proof.has_ended ? "its end is signed" : "no signed end"));
+}
+
+Value to_value(const ProvenRecord& record) {
+  return Value{Value::Object{{"time", Value{time_or_dash(record.time.ns)}},
+                             {"signer", Value{record.signer}},
+                             {"kind", Value{record.kind}},
+                             {"what", Value{record.what}}}};
+}
+
+void print_proof_json(const RunProof& proof) {
+  Value::List records;
+  for (const ProvenRecord& record : proof.records) records.push_back(to_value(record));
+  Value::List faults;
+  for (const std::string& fault : proof.faults) faults.push_back(Value{fault});
+  print_json(Value{Value::Object{{"run", Value{proof.run}},
+                                 {"complete", Value{proof.is_complete()}},
+                                 {"tasks", Value{static_cast<std::int64_t>(proof.tasks)}},
+                                 {"final_tasks", Value{static_cast<std::int64_t>(proof.final_tasks)}},
+                                 {"ended", Value{proof.has_ended}},
+                                 {"records", Value{std::move(records)}},
+                                 {"faults", Value{std::move(faults)}}}});
+}
+
+int verify_run(const Arguments& arguments) {
+  init_crypto();
+  const auto authority = authority_of(arguments);
+  if (!authority) return print_error(arguments, authority.error());
+  const auto text = read_file(arguments.words[0], kMaxProof);
+  if (!text) return print_error(arguments, text.error());
+  const auto records = read_run_proof(*text);
+  if (!records) return print_error(arguments, records.error());
+  const RunProof proof = check_run_proof(*records, *authority);
+  arguments.has("--json") ? print_proof_json(proof) : print_proof(proof);
+  return proof.faults.empty() ? kGood : kFailed;
+}
+
 const std::string kNode = "--node DIR|the node to ask (else TRB_NODE, else this folder)";
 const std::string kJson = "--json|for programs";
 
@@ -139,6 +205,26 @@ std::vector<Command> run_commands() {
         1,
         1},
        show_run},
+      {{"run", "proof"},
+       {"run proof RUN",
+        "What is signed of a run, as a file for a third party: its start, decisions, results, its end. Also of a run "
+        "that\nis over. trb run verify checks it.",
+        {kNode},
+        {"trb run proof 3f2a > run.json"},
+        1,
+        1},
+       prove_run},
+      {{"run", "verify"},
+       {"run verify FILE",
+        "Shows who ordered, who decided and who did what in a run, to anybody who has the fleet's public key. FILE is "
+        "of\ntrb run proof, or of the gateway's GET /api/v1/runs/RUN/proof. Exit status 0: every record is proven; 1: "
+        "one is not,\nand it says which.",
+        {"--fleet FLEET_DIR|the fleet's public half, fleet.json", "--key HEX|the authority's public key instead",
+         kJson},
+        {"trb run verify run.json --fleet ~/hall-3-authority"},
+        1,
+        1},
+       verify_run},
   };
 }
 

@@ -123,6 +123,7 @@ struct JournalArchive {
   std::vector<SignedRecord> orders;
   SignedRecord end;        ///< the RunEnd; an empty kind: there is none
   std::int64_t until = 0;  ///< by the node's steady time, UTC ns
+  SignedRecord start{};    ///< the RunStart; an empty kind: an earlier version wrote the record
   template <class T = JournalArchive>
   static FieldTable fields() {
     return FieldTable{field("view", &T::view),
@@ -131,7 +132,8 @@ struct JournalArchive {
                       field("decisions", &T::decisions, 64),
                       field("orders", &T::orders, kMaxOrders),
                       field("end", &T::end),
-                      field("until", &T::until)};
+                      field("until", &T::until),
+                      field("start", &T::start)};
   }
 };
 

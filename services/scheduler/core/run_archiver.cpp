@@ -1,7 +1,6 @@
 #include "services/scheduler/core/run_archiver.hpp"
 
-#include <algorithm>
-
+#include "services/scheduler/core/signed_records.hpp"
 #include "services/scheduler/core/view.hpp"
 
 namespace trb::scheduler {
@@ -14,15 +13,7 @@ JournalArchive record_of(const Run& run, const Executor& executor, Step step) {
   JournalArchive fact;
   fact.view = view_of(run, executor, step.clock());
   fact.view.over = step.now.utc.ns;
-  for (const TaskIndex task : run.results().tasks()) {
-    fact.results.push_back(run.results().of(task)->record);
-    const HeldChoice* choice = run.facts().choice_on(task);
-    const bool is_new = choice != nullptr && std::ranges::find(fact.choices, choice->record) == fact.choices.end();
-    if (is_new) fact.choices.push_back(choice->record);
-  }
-  fact.decisions = run.epochs().records();
-  fact.orders = run.orders().records();
-  if (run.orders().has_ended()) fact.end = run.orders().end_record();
+  put_signed_records(run, fact);
   fact.until = run.definition().buried_until().ns;
   return fact;
 }

@@ -279,13 +279,13 @@ std::optional<Over> JournalFile::over(const std::string& run) const {
   return out;
 }
 
-std::optional<RunView> JournalFile::view(const std::string& run) const {
+std::optional<JournalArchive> JournalFile::record(const std::string& run) const {
   auto statement = compile("SELECT record FROM archive WHERE run = ? AND record IS NOT NULL");
   if (!statement) return std::nullopt;
   bind_text(statement->get(), 1, run);
   if (sqlite3_step(statement->get()) != SQLITE_ROW) return std::nullopt;
   auto record = decode_record(JournalArchive::kKind, column(statement->get(), 0));
-  return record ? std::optional(std::move(std::get<JournalArchive>(*record).view)) : std::nullopt;
+  return record ? std::optional(std::move(std::get<JournalArchive>(*record))) : std::nullopt;
 }
 
 std::vector<std::string> JournalFile::ids(const std::string& beginning, std::size_t most) const {

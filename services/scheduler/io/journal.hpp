@@ -49,7 +49,7 @@ class JournalFile final : public Archive {
 
   // A record that cannot be read counts as missing; open() and load() report damage.
   [[nodiscard]] std::optional<Over> over(const std::string& run) const override;
-  [[nodiscard]] std::optional<RunView> view(const std::string& run) const override;
+  [[nodiscard]] std::optional<JournalArchive> record(const std::string& run) const override;
   [[nodiscard]] std::vector<std::string> ids(const std::string& beginning, std::size_t most) const override;
   [[nodiscard]] ArchivePage page(const std::string& after, std::size_t most) const override;
 

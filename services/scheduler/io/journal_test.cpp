@@ -97,8 +97,8 @@ TEST_CASE(
   CHECK(journal->over("a1")->end.kind == "run_end");
   CHECK(journal->over("a2")->end.kind.empty());
   CHECK_FALSE(journal->over("b1"));
-  CHECK(journal->view("a1")->waits_for == "nothing");
-  CHECK_FALSE(journal->view("b1"));
+  CHECK(journal->record("a1")->view.waits_for == "nothing");
+  CHECK_FALSE(journal->record("b1"));
   CHECK(journal->ids("a", 9) == std::vector<std::string>{"a2", "a1"});
   CHECK(journal->ids("", 1) == std::vector<std::string>{"a2"});
   CHECK(journal->ids("a1", 9) == std::vector<std::string>{"a1"});
@@ -125,8 +125,8 @@ TEST_CASE("the archive keeps within its bytes: the oldest records go, and that t
     }
     CHECK((*file)->page("", 100).runs.size() < 60);
     CHECK((*file)->page("", 100).runs.size() > 10);
-    CHECK((*file)->view("199"));
-    CHECK_FALSE((*file)->view("100"));
+    CHECK((*file)->record("199"));
+    CHECK_FALSE((*file)->record("100"));
     CHECK((*file)->over("100")->state == RunState::finished);
     REQUIRE((*file)->commit({{JournalTime{149}}}).ok());
     CHECK_FALSE((*file)->over("149"));
@@ -175,7 +175,7 @@ TEST_CASE("a file of the version before is brought up to date: its tombstones ar
   const auto journal = opened(folder);
   CHECK(journal->load()->size() == 1);
   CHECK(journal->over("a")->state == RunState::aborted);
-  CHECK_FALSE(journal->view("a"));
+  CHECK_FALSE(journal->record("a"));
   REQUIRE(journal->commit({{JournalTime{100}}}).ok());
   CHECK_FALSE(journal->over("a"));
 }
@@ -198,8 +198,8 @@ TEST_CASE("a file that an earlier build has written is read: its rows as they st
   CHECK(std::get<JournalDelivered>((*records)[1]).what == "baton");
   CHECK(std::get<JournalTime>((*records)[2]).steady == 5);
   CHECK(std::get<JournalLost>((*records)[3]).over);
-  REQUIRE(journal->view("r"));
-  CHECK(journal->view("r")->state == RunState::finished);
+  REQUIRE(journal->record("r"));
+  CHECK(journal->record("r")->view.state == RunState::finished);
 }
 
 TEST_CASE("a step is written whole or not at all") {

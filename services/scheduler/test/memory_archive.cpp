@@ -29,10 +29,10 @@ std::optional<Over> MemoryArchive::over(const std::string& run) const {
   return found == over_.end() ? std::nullopt : std::optional(found->second.over);
 }
 
-std::optional<RunView> MemoryArchive::view(const std::string& run) const {
+std::optional<JournalArchive> MemoryArchive::record(const std::string& run) const {
   const auto found = over_.find(run);
   if (found == over_.end() || found->second.record == 0) return std::nullopt;
-  return records_.at(found->second.record).view;
+  return records_.at(found->second.record);
 }
 
 std::vector<std::string> MemoryArchive::ids(const std::string& beginning, std::size_t limit) const {

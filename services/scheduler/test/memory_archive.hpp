@@ -22,7 +22,7 @@ class MemoryArchive final : public Archive {
   std::size_t most = 100'000;  ///< records that are kept; the oldest go
 
   [[nodiscard]] std::optional<Over> over(const std::string& run) const override;
-  [[nodiscard]] std::optional<RunView> view(const std::string& run) const override;
+  [[nodiscard]] std::optional<JournalArchive> record(const std::string& run) const override;
   [[nodiscard]] std::vector<std::string> ids(const std::string& beginning, std::size_t limit) const override;
   [[nodiscard]] ArchivePage page(const std::string& after, std::size_t limit) const override;
 

@@ -3,7 +3,10 @@
 #include "common/operator/list_runs.hpp"
 #include "common/operator/pause_run.hpp"
 #include "common/operator/plan_run.hpp"
+#include "common/operator/run_records.hpp"
 #include "common/operator/submit_run.hpp"
+#include "common/scenario/run_proof_file.hpp"
+#include "common/security/node_keys.hpp"
 #include "services/cloud-gateway/io/api/api.hpp"
 #include "services/cloud-gateway/io/api/lists.hpp"
 #include "services/cloud-gateway/io/api/members.hpp"
@@ -26,6 +29,15 @@ void reply_view(const CallPtr& call, const Result<RunView>& view) {
 void show_run(Gateway& gateway, const CallPtr& call) {
   gateway.session.ask_node<RunView>(RunQuery{call->parameter("run")},
                                     [call](const Result<RunView>& view) { reply_view(call, view); });
+}
+
+void show_proof(Gateway& gateway, const CallPtr& call) {
+  op::read_run_records(gateway.session, call->parameter("run"), [&gateway, call](const Result<RunRecords>& read) {
+    if (!read) return call->fail(read.error());
+    const auto keys = load_node_keys(gateway.node_dir);
+    if (!keys) return call->fail(keys.error());
+    call->reply(json_reply(write_run_proof(read->run, read->records, keys->authority)));
+  });
 }
 
 void list_archive(Gateway& gateway, const CallPtr& call) {
@@ -114,6 +126,7 @@ Handler once_for_run(Gateway& gateway, void (*act)(Gateway&, const CallPtr&)) {
 void add_run_routes(Gateway& gateway, HandlerTable& table) {
   table.add(Method::get, "/api/v1/runs", [&](const CallPtr& call) { reply_rows(gateway, call, RowKind::run); });
   table.add(Method::get, "/api/v1/runs/{run}", [&](const CallPtr& call) { show_run(gateway, call); });
+  table.add(Method::get, "/api/v1/runs/{run}/proof", [&](const CallPtr& call) { show_proof(gateway, call); });
   table.add(Method::get, "/api/v1/archive", [&](const CallPtr& call) { list_archive(gateway, call); });
   table.add(Method::post, "/api/v1/runs", once_for_run(gateway, start_run));
   table.add(Method::post, "/api/v1/runs/{run}/pause", once_for_run(gateway, pause));

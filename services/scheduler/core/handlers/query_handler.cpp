@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "services/scheduler/core/refusal.hpp"
+#include "services/scheduler/core/signed_records.hpp"
 #include "services/scheduler/core/view.hpp"
 
 namespace trb::scheduler {
@@ -46,18 +47,42 @@ Result<std::string> QueryHandler::choose(const std::string& beginning) const {
   return matches.front();
 }
 
-void QueryHandler::handle(const RunQuery& body, const Inbound& from, Step step) {
+Result<std::string> QueryHandler::find(const std::string& name) const {
   // A complete id, as programs send it, is found directly.
-  const bool is_whole = runs_.find(body.run) != nullptr || archive_.over(body.run);
-  const auto id = is_whole ? Result<std::string>(body.run) : choose(body.run);
+  const bool is_whole = runs_.find(name) != nullptr || archive_.over(name);
+  return is_whole ? Result<std::string>(name) : choose(name);
+}
+
+Error QueryHandler::gone(const std::string& run) const {
+  const auto over = archive_.over(run);
+  return fail(Errc::expired, "run " + run + " is over" + (over ? ": " + std::string(name_of(over->state)) : "") +
+                                 "; its record has made room for younger ones");
+}
+
+void QueryHandler::handle(const RunQuery& body, const Inbound& from, Step step) {
+  const auto id = find(body.run);
   if (!id) return refuse(from, id.error(), step);
   if (const Run* run = runs_.find(*id)) return step.out.reply(from, view_of(*run, executor_, step.clock()));
-  if (auto view = archive_.view(*id)) return step.out.reply(from, std::move(*view));
-  const auto over = archive_.over(*id);
-  refuse(from,
-         fail(Errc::expired, "run " + *id + " is over" + (over ? ": " + std::string(name_of(over->state)) : "") +
-                                 "; its record has made room for younger ones"),
-         step);
+  if (auto record = archive_.record(*id)) return step.out.reply(from, std::move(record->view));
+  refuse(from, gone(*id), step);
+}
+
+void QueryHandler::handle(const RunProofRequest& body, const Inbound& from, Step step) {
+  const auto id = find(body.run);
+  if (!id) return refuse(from, id.error(), step);
+  std::optional<JournalArchive> fact;
+  if (const Run* run = runs_.find(*id)) {
+    put_signed_records(*run, fact.emplace());
+  } else if (fact = archive_.record(*id); !fact) {
+    return refuse(from, gone(*id), step);
+  }
+  const std::vector<SignedRecord> all = signed_records_of(*fact);
+  if (all.empty()) {
+    return refuse(from, fail(Errc::missing, "an earlier version has archived run " + *id + " without its start"), step);
+  }
+  RunRecords page = page_of(all, body.first);
+  page.run = *id;
+  step.out.reply(from, std::move(page));
 }
 
 RunTable QueryHandler::open_runs(Step step) const {

@@ -12,13 +12,14 @@ namespace trb::scheduler {
 
 class QueryHandler {
  public:
-  using Taken = Takes<RunQuery, RunListRequest, RunWatch>;
+  using Taken = Takes<RunQuery, RunProofRequest, RunListRequest, RunWatch>;
 
   /// All must outlive it.
   QueryHandler(const RunStore& runs, const Archive& archive, const Executor& executor, Watchers& watchers)
       : runs_(runs), archive_(archive), executor_(executor), watchers_(watchers) {}
 
   void handle(const RunQuery& body, const Inbound& from, Step step);
+  void handle(const RunProofRequest& body, const Inbound& from, Step step);
   void handle(const RunListRequest& body, const Inbound& from, Step step);
   void handle(const RunWatch& body, const Inbound& from, Step step);
 
@@ -26,8 +27,11 @@ class QueryHandler {
   void notify_watchers(Step step);
 
  private:
-  /// Finds a run by a unique beginning of its id; the newest of all if nothing is named.
+  /// Finds a run by its id, or a unique beginning of it; the newest of all if nothing is named.
+  [[nodiscard]] Result<std::string> find(const std::string& name) const;
   [[nodiscard]] Result<std::string> choose(const std::string& beginning) const;
+  /// Its record has made room for younger ones.
+  [[nodiscard]] Error gone(const std::string& run) const;
   [[nodiscard]] Result<std::string> newest() const;
   [[nodiscard]] RunTable open_runs(Step step) const;
 

@@ -2,6 +2,7 @@
 
 #include <doctest/doctest.h>
 
+#include "services/scheduler/core/signed_records.hpp"
 #include "services/scheduler/test/known_run.hpp"
 
 using namespace trb;
@@ -35,6 +36,45 @@ TEST_CASE("a run is found by its id, by a beginning of it, or as the newest") {
     CHECK(views[0].run == kKnownRun);
   }
   CHECK(nacks(showing.ask(RunQuery{"b"})) == std::vector<std::string>{"unknown_run"});
+}
+
+TEST_CASE("what is signed of a run is there while it is open, and when it is over") {
+  Showing showing;
+  showing.known.finish("task-0");
+  const auto open = sent<RunRecords>(showing.ask(RunProofRequest{kKnownRun.substr(0, 4)}));
+  REQUIRE(open.size() == 1);
+  CHECK(open[0].run == kKnownRun);
+  REQUIRE(open[0].records.size() == 2);
+  CHECK(open[0].records[0] == showing.known.start);
+  CHECK(open[0].records[1].kind == kSignedResult);
+  JournalArchive fact;
+  fact.view.run = kKnownRun;
+  SUBCASE("from its archive") {
+    put_signed_records(showing.known.run(), fact);
+    showing.known.runs.remove(kKnownRun);
+    showing.known.archive.put(fact);
+    const auto over = sent<RunRecords>(showing.ask(RunProofRequest{kKnownRun, 1}));
+    REQUIRE(over.size() == 1);
+    CHECK(over[0].count == 2);
+    CHECK(over[0].records == std::vector{open[0].records[1]});
+  }
+  SUBCASE("unless an earlier version kept it without its start") {
+    showing.known.runs.remove(kKnownRun);
+    showing.known.archive.put(fact);
+    CHECK(nacks(showing.ask(RunProofRequest{kKnownRun})) == std::vector<std::string>{"missing"});
+  }
+  SUBCASE("or it is not known") {
+    CHECK(nacks(showing.ask(RunProofRequest{"b"})) == std::vector<std::string>{"unknown_run"});
+  }
+}
+
+TEST_CASE("a page has as many records as fit a message, one at least") {
+  const std::vector<SignedRecord> all(5, {"result", "ur3", {Bytes(200'000, 'x')}, {}});
+  CHECK(page_of(all, 0).records.size() == 2);
+  CHECK(page_of(all, 4).records.size() == 1);
+  CHECK(page_of(all, 5).records.empty());
+  CHECK(page_of(all, 4'000'000'000).records.empty());
+  CHECK(page_of({{"run_start", "cloud", {Bytes(524'288, 'x')}, {}}}, 0).records.size() == 1);
 }
 
 TEST_CASE("open runs are listed with how many there may be; a page has a bound") {
