@@ -11,6 +11,8 @@ export interface Ask {
   path?: Record<string, string>;
   query?: Query;
   body?: unknown;
+  /** A body that goes byte by byte as it is: JSON that somebody else wrote. */
+  text?: string;
   /** Of the version that a change is based on. */
   ifMatch?: string;
   /** A start, send or decision with it is done once, however often it is sent. */
@@ -77,11 +79,12 @@ export class Client {
   private initOf(method: Method, ask: Ask): RequestInit {
     const headers: Record<string, string> = { Accept: 'application/json' };
     if (method !== 'GET' && this.csrf !== '') headers['X-CSRF-Token'] = this.csrf;
-    if (ask.body !== undefined) headers['Content-Type'] = 'application/json';
+    if (ask.body !== undefined || ask.text !== undefined) headers['Content-Type'] = 'application/json';
     if (ask.ifMatch) headers['If-Match'] = ask.ifMatch;
     if (ask.idempotencyKey) headers['Idempotency-Key'] = ask.idempotencyKey;
     const init: RequestInit = { method, headers, credentials: 'same-origin', cache: 'no-cache' };
-    if (ask.body !== undefined) init.body = JSON.stringify(ask.body);
+    if (ask.text !== undefined) init.body = ask.text;
+    else if (ask.body !== undefined) init.body = JSON.stringify(ask.body);
     if (ask.signal) init.signal = ask.signal;
     return init;
   }

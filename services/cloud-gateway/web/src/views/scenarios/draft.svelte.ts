@@ -1,0 +1,85 @@
+/** A scenario under work: its text, its steps back and forth, and the version of the gateway that it is based on. */
+import { parsed, textOf, type Scenario } from './scenario_model';
+
+const MOST_STEPS = 100;
+
+export class Draft {
+  text = $state('');
+  etag = $state('');
+  private saved = $state('');
+  private past = $state.raw<string[]>([]);
+  private future = $state.raw<string[]>([]);
+  private isTyping = false;
+
+  constructor(text: string, etag = '') {
+    this.text = text;
+    this.saved = text;
+    this.etag = etag;
+  }
+
+  /** Nothing, while the text is no scenario. */
+  readonly scenario = $derived(parsed(this.text));
+  readonly isChanged = $derived(this.text !== this.saved);
+  readonly canUndo = $derived(this.past.length > 0);
+  readonly canRedo = $derived(this.future.length > 0);
+
+  /** A step of its own. A change that changes nothing is none. */
+  change(to: (scenario: Scenario) => Scenario): void {
+    const now = this.scenario;
+    if (now === null) return;
+    const next = to(now);
+    if (next === now) return;
+    this.isTyping = false;
+    this.step(textOf(next));
+  }
+
+  /** Letters that follow each other are one step. */
+  type(text: string): void {
+    if (text === this.text) return;
+    if (this.isTyping) {
+      this.text = text;
+      return;
+    }
+    this.isTyping = true;
+    this.step(text);
+  }
+
+  endTyping(): void {
+    this.isTyping = false;
+  }
+
+  undo(): void {
+    const before = this.past.at(-1);
+    if (before === undefined) return;
+    this.past = this.past.slice(0, -1);
+    this.future = [...this.future, this.text];
+    this.show(before);
+  }
+
+  redo(): void {
+    const next = this.future.at(-1);
+    if (next === undefined) return;
+    this.future = this.future.slice(0, -1);
+    this.past = [...this.past, this.text];
+    this.show(next);
+  }
+
+  wasSaved(etag: string): void {
+    this.saved = this.text;
+    this.etag = etag;
+  }
+
+  private step(text: string): void {
+    this.past = [...this.past, this.text].slice(-MOST_STEPS);
+    this.future = [];
+    this.text = text;
+  }
+
+  private show(text: string): void {
+    this.isTyping = false;
+    this.text = text;
+  }
+}
+
+/** Drafts that are not saved yet stay while the page is open: who comes back finds his own. */
+export const drafts = new Map<string, Draft>();

@@ -1,0 +1,51 @@
+import { describe, expect, it } from 'vitest';
+import { Draft } from './draft.svelte';
+import { textOf, withTask } from './scenario_model';
+
+const begin = textOf({ name: 'x', tasks: [] });
+
+describe('a draft', () => {
+  it('goes back and forth step by step', () => {
+    const draft = new Draft(begin);
+    draft.change((one) => withTask(one, { id: 'a' }));
+    draft.change((one) => withTask(one, { id: 'b' }));
+    draft.undo();
+    expect(draft.scenario?.tasks.map((task) => task.id)).toEqual(['a']);
+    draft.redo();
+    expect(draft.scenario?.tasks).toHaveLength(2);
+    draft.undo();
+    draft.change((one) => withTask(one, { id: 'c' }));
+    expect(draft.canRedo).toBe(false);
+    draft.undo();
+    draft.undo();
+    draft.undo();
+    expect(draft.text).toBe(begin);
+    expect(draft.canUndo).toBe(false);
+  });
+
+  it('takes what is typed in one go as one step', () => {
+    const draft = new Draft(begin);
+    draft.type(`${begin} `);
+    draft.type(`${begin}  `);
+    draft.endTyping();
+    draft.type('{');
+    expect(draft.scenario).toBeNull();
+    draft.undo();
+    expect(draft.text).toBe(`${begin}  `);
+    draft.undo();
+    expect(draft.text).toBe(begin);
+  });
+
+  it('is as it was saved until something changes', () => {
+    const draft = new Draft(begin, '"1"');
+    expect(draft.isChanged).toBe(false);
+    draft.change((one) => one);
+    expect(draft.canUndo).toBe(false);
+    draft.change((one) => ({ ...one, name: 'y' }));
+    expect(draft.isChanged).toBe(true);
+    draft.wasSaved('"2"');
+    expect([draft.isChanged, draft.etag]).toEqual([false, '"2"']);
+    draft.undo();
+    expect(draft.isChanged).toBe(true);
+  });
+});
