@@ -18,8 +18,14 @@ export interface View {
 export const views: View[] = [
   { path: 'hall', title: 'hall.title', load: () => import('./hall/Hall.svelte'), isListed: true },
   { path: 'robots', title: 'robot.title', load: () => import('./robot/Robot.svelte') },
+  { path: 'scenarios', title: 'scenarios.title', load: () => import('./scenarios/Scenarios.svelte'), isListed: true },
   { path: 'runs', title: 'runs.title', load: () => import('./runs/Runs.svelte'), isListed: true },
   { path: 'alerts', title: 'alerts.title', load: () => import('./alerts/Alerts.svelte'), isListed: true },
+  { path: 'messages', title: 'messages.title', load: () => import('./messages/Messages.svelte'), isListed: true },
+  { path: 'audit', title: 'audit.title', load: () => import('./audit/Audit.svelte'), isListed: true, least: 'admin' },
+  { path: 'users', title: 'users.title', load: () => import('./users/Users.svelte'), isListed: true, least: 'admin' },
+  { path: 'access', title: 'access.title', load: () => import('./access/Access.svelte'), isListed: true, least: 'admin' },
+  { path: 'about', title: 'about.title', load: () => import('./about/About.svelte'), isListed: true },
   { path: 'tokens', title: 'tokens.title', load: () => import('./tokens/Tokens.svelte') },
 ];
 
