@@ -11,6 +11,8 @@ export interface View {
   load: () => Promise<{ default: Component<any> }>;
   /** In the navigation. */
   isListed?: boolean;
+  /** In the menu of who is signed in: what is seldom needed. */
+  isInMenu?: boolean;
   /** Who may open it; everybody, without it. */
   least?: Role;
 }
@@ -22,10 +24,10 @@ export const views: View[] = [
   { path: 'runs', title: 'runs.title', load: () => import('./runs/Runs.svelte'), isListed: true },
   { path: 'alerts', title: 'alerts.title', load: () => import('./alerts/Alerts.svelte'), isListed: true },
   { path: 'messages', title: 'messages.title', load: () => import('./messages/Messages.svelte'), isListed: true },
-  { path: 'audit', title: 'audit.title', load: () => import('./audit/Audit.svelte'), isListed: true, least: 'admin' },
-  { path: 'users', title: 'users.title', load: () => import('./users/Users.svelte'), isListed: true, least: 'admin' },
-  { path: 'access', title: 'access.title', load: () => import('./access/Access.svelte'), isListed: true, least: 'admin' },
-  { path: 'about', title: 'about.title', load: () => import('./about/About.svelte'), isListed: true },
+  { path: 'audit', title: 'audit.title', load: () => import('./audit/Audit.svelte'), isInMenu: true, least: 'admin' },
+  { path: 'users', title: 'users.title', load: () => import('./users/Users.svelte'), isInMenu: true, least: 'admin' },
+  { path: 'access', title: 'access.title', load: () => import('./access/Access.svelte'), isInMenu: true, least: 'admin' },
+  { path: 'about', title: 'about.title', load: () => import('./about/About.svelte'), isInMenu: true },
   { path: 'tokens', title: 'tokens.title', load: () => import('./tokens/Tokens.svelte') },
 ];
 

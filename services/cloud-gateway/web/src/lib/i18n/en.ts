@@ -22,6 +22,10 @@ export const en = {
     read: 'Read again',
   },
   shell: {
+    more: 'More views',
+    changePassword: 'Change my password',
+    oldPassword: 'Password until now',
+    passwordChanged: 'Your password is changed. Sign in with the new one.',
     skip: 'Skip to content',
     navigation: 'Views',
     connected: 'Connected',

@@ -24,6 +24,10 @@ export const fr: Words = {
     read: 'Relire',
   },
   shell: {
+    more: 'Autres vues',
+    changePassword: 'Changer mon mot de passe',
+    oldPassword: 'Mot de passe actuel',
+    passwordChanged: 'Votre mot de passe est changé. Connectez-vous avec le nouveau.',
     skip: 'Aller au contenu',
     navigation: 'Vues',
     connected: 'Connecté',
