@@ -94,7 +94,14 @@ def run_scenario(fleet, fault=None):
         if fault and not fault.follow():
             child.terminate()
         time.sleep(0.02)
-    return fleet.json("scenario", "watch", "--once", node=trb_fleet.CLOUD, check=False)
+    return fleet.json("scenario", "watch", own_run(fleet), "--once", node=trb_fleet.CLOUD, check=False)
+
+
+def own_run(fleet):
+    """The newest run of this scenario: in the page, people may have started others meanwhile."""
+    name = json.loads(pathlib.Path(SCENARIO).read_text())["name"]
+    runs = fleet.json("run", "list", "--all", node=trb_fleet.CLOUD)["runs"]
+    return max((run for run in runs if run["name"] == name), key=lambda run: run["created"])["run"]
 
 
 def wait_acknowledged(fleet):
