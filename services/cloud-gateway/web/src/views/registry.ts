@@ -23,6 +23,7 @@ export const views: View[] = [
   { path: 'scenarios', title: 'scenarios.title', load: () => import('./scenarios/Scenarios.svelte'), isListed: true },
   { path: 'runs', title: 'runs.title', load: () => import('./runs/Runs.svelte'), isListed: true },
   { path: 'alerts', title: 'alerts.title', load: () => import('./alerts/Alerts.svelte'), isListed: true },
+  { path: 'sensors', title: 'sensors.title', load: () => import('./sensors/Sensors.svelte'), isListed: true },
   { path: 'messages', title: 'messages.title', load: () => import('./messages/Messages.svelte'), isListed: true },
   { path: 'audit', title: 'audit.title', load: () => import('./audit/Audit.svelte'), isInMenu: true, least: 'admin' },
   { path: 'users', title: 'users.title', load: () => import('./users/Users.svelte'), isInMenu: true, least: 'admin' },

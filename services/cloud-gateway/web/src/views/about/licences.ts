@@ -7,6 +7,7 @@ export interface Part {
 
 export const parts: Part[] = [
   { name: 'svelte', version: '5.57.3', licence: 'MIT' },
+  { name: 'uplot', version: '1.6.32', licence: 'MIT' },
   { name: 'esm-env', version: '1.2.2', licence: 'MIT' },
   { name: 'clsx', version: '2.1.1', licence: 'MIT' },
 ];
