@@ -25,7 +25,16 @@ class Reading : public std::enable_shared_from_this<Reading> {
       all_.count = page.count;
     }
     if (page.run != all_.run || page.count != all_.count) return restart();
-    for (SignedRecord& record : page.records) all_.records.push_back(std::move(record));
+    for (SignedRecord& record : page.records) {
+      bytes_ += record.payload.bytes.size();
+      all_.records.push_back(std::move(record));
+    }
+    if (bytes_ > kMostProofBytes) {
+      return done_(
+          fail(Errc::too_large,
+               "run " + all_.run + ": what is signed of it has more than " + std::to_string(kMostProofBytes) + " bytes",
+               "let its tasks give shorter results"));
+    }
     if (all_.records.size() == all_.count) return done_(std::move(all_));
     // A scheduler that sends nothing must not be asked for ever.
     const bool wrong = page.records.empty() || all_.records.size() > all_.count || all_.count > kMaxRunRecords;
@@ -39,6 +48,7 @@ class Reading : public std::enable_shared_from_this<Reading> {
       return done_(fail(Errc::conflict, "run " + run_ + " changes while it is read", "try again when it is quiet"));
     }
     all_ = {};
+    bytes_ = 0;
     ask();
   }
 
@@ -46,6 +56,7 @@ class Reading : public std::enable_shared_from_this<Reading> {
   std::string run_;
   const Callback<RunRecords> done_;
   RunRecords all_;
+  std::size_t bytes_ = 0;  ///< of its payloads
   int restarts_ = 0;
 };
 

@@ -47,6 +47,12 @@ TEST_CASE("a run's records are read page after page") {
     }
     CHECK(ending.error().code == Errc::conflict);
   }
+  SUBCASE("nor of more bytes than a reader has room for") {
+    RunRecords large = page(3, {"c"});
+    large.records[0].payload.bytes = Bytes(kMostProofBytes + 1, 'x');
+    node.answer(large);
+    CHECK(ending.error().code == Errc::too_large);
+  }
   SUBCASE("an error of any page is the run's") {
     node.refuse(Errc::expired, "it has made room");
     CHECK(ending.error().code == Errc::expired);

@@ -4,6 +4,7 @@
 #include <map>
 #include <set>
 
+#include "common/scenario/condition.hpp"
 #include "common/scenario/decision_rule.hpp"
 #include "common/scenario/graph.hpp"
 #include "common/scenario/run_start.hpp"
@@ -93,24 +94,29 @@ class Checker {
     return fail(Errc::bad_value, "no record of a run, or a second start");
   }
 
-  /// Opens the certificates too: from here on they are the members' alone.
-  Status add_members(const std::vector<Member>& members) {
+  using Members = std::map<std::string, Certificate>;
+
+  /// The members together with these, none of them twice.
+  Result<Members> with(const std::vector<Member>& members) const {
+    Members out = members_;
     for (const Member& member : members) {
       auto certificate = open_certificate_any_time(member.certificate, authority_);
       if (!certificate) return certificate.error();
       if (certificate->id != member.id) return fail(Errc::source_mismatch, "member '" + member.id + "' is another");
-      if (!members_.emplace(member.id, std::move(*certificate)).second) {
+      if (!out.emplace(member.id, std::move(*certificate)).second) {
         return fail(Errc::duplicate, "member '" + member.id + "' occurs twice");
       }
     }
-    return Done{};
+    return out;
   }
 
   Proven take_start(const SignedRecord& record) {
     auto start = decode<RunStart>(record.payload.bytes);
     if (!start) return start.error();
     if (auto checked = check_run_start(*start); !checked) return checked.error();
-    if (auto added = add_members(start->members); !added) return added.error();
+    auto members = with(start->members);
+    if (!members) return members.error();
+    members_ = std::move(*members);
     if (auto opened = open<RunStart>(record, kSignedRunStart); !opened) return opened.error();
     if (start->submitter != record.signer) return fail(Errc::source_mismatch, "its submitter is another");
     start_ = std::move(*start);
@@ -146,15 +152,20 @@ class Checker {
     const bool follows = decision->digest == start_.digest && decision->epoch == robots_.size() + 1 &&
                          decision->previous.bytes == last_decision_;
     if (!follows) return fail(Errc::conflict, "it does not follow the decision before");
-    if (auto added = add_members(decision->members); !added) return added.error();
+    auto members = with(decision->members);
+    if (!members) return members.error();
     auto robots = robots_.back();
     for (const TaskRuling& ruling : decision->tasks) {
       const auto task = tasks_.find(ruling.task);
-      if (task == tasks_.end() || !members_.contains(ruling.robot)) {
-        return fail(Errc::bad_value, "ruling on '" + ruling.task + "': no such task or robot");
-      }
+      const auto robot = members->find(ruling.robot);
+      // What is skipped goes to the decider, all else to a robot.
+      const bool fits =
+          task != tasks_.end() && robot != members->end() &&
+          (ruling.ruling == Ruling::skip ? rule_.may_decide(ruling.robot) : robot->second.role == Role::robot);
+      if (!fits) return fail(Errc::bad_value, "ruling on '" + ruling.task + "': no such task or robot");
       robots[task->second] = ruling.robot;
     }
+    members_ = std::move(*members);
     robots_.push_back(std::move(robots));
     last_decision_ = digest(record.payload.bytes);
     return ProvenRecord{record.kind, record.signer, {decision->time}, words_of(*decision)};
@@ -182,6 +193,11 @@ class Checker {
           task != tasks_.end() &&
           robots_[choice->epoch - 1][chooser_of(start_.scenario, static_cast<TaskIndex>(task->second))] == choice->by;
       if (!theirs) return fail(Errc::not_permitted, "the choice on task '" + chosen.task + "' is another's");
+      const std::vector<Condition>& when = start_.scenario.tasks[task->second].when;
+      if (when.empty() || !believe(when.front(), choice->reading) ||
+          holds(when.front(), choice->reading) != chosen.holds) {
+        return fail(Errc::bad_value, "the choice on task '" + chosen.task + "': its own reading says otherwise");
+      }
     }
     return ProvenRecord{record.kind, record.signer, {choice->time}, words_of(*choice)};
   }
@@ -195,6 +211,10 @@ class Checker {
     const bool theirs = task != tasks_.end() && result->robot == record.signer &&
                         robots_[result->epoch - 1][task->second] == record.signer;
     if (!theirs) return fail(Errc::not_permitted, "task '" + result->key.task + "' was not its own");
+    const bool is_cloud = members_.at(record.signer).role == Role::cloud;
+    if (is_cloud && result->outcome != TaskOutcome::skipped && result->outcome != TaskOutcome::released) {
+      return fail(Errc::not_permitted, "a cloud node does no task: it can skip '" + result->key.task + "'");
+    }
     if (is_final(result->outcome)) final_.insert(task->second);
     return ProvenRecord{record.kind, record.signer, {result->ended}, words_of(*result)};
   }
@@ -203,6 +223,7 @@ class Checker {
     const auto end = open_own<RunEnd>(record, kSignedRunEnd);
     if (!end) return end.error();
     if (record.signer != rule_.judge()) return fail(Errc::not_permitted, "'" + rule_.judge() + "' says it, no other");
+    if (end->state != RunState::finished) return fail(Errc::bad_value, "only FINISHED is said so");
     if (end->digest != start_.digest) return fail(Errc::conflict, "it is of another run");
     proof_.has_ended = true;
     return ProvenRecord{record.kind, record.signer, {end->time}, std::string(name_of(end->state))};
@@ -212,7 +233,7 @@ class Checker {
   RunProof proof_;
   RunStart start_;
   DecisionRule rule_;
-  std::map<std::string, Certificate> members_;
+  Members members_;
   std::map<std::string, std::size_t> tasks_;      ///< id -> place
   std::vector<std::vector<std::string>> robots_;  ///< of each task, by epoch
   Bytes last_decision_;                           ///< the digest of its payload

@@ -21,7 +21,6 @@ class Hall {
     authority_key_ = make_signing_key();
     authority = {"hall", authority_key_.public_key};
     std::vector<Member> members{add("cloud", Role::cloud), add("ant", Role::robot), add("bee", Role::robot)};
-    stranger_ = make_signing_key();
     Scenario scenario;
     scenario.name = "two";
     for (const char* robot : {"ant", "bee"}) {
@@ -48,14 +47,15 @@ class Hall {
     out.outcome = outcome;
     return sign(robot, kSignedResult, encode(out));
   }
-  [[nodiscard]] SignedRecord decision(const std::string& by = "cloud", std::uint32_t epoch = 2) const {
+  [[nodiscard]] SignedRecord decision(const std::string& by = "cloud", std::uint32_t epoch = 2,
+                                      Ruling ruling = Ruling::move, const std::string& robot = "ant") const {
     Decision out;
     out.run = start_.run;
     out.digest = start_.digest;
     out.epoch = epoch;
     out.by = by;
     out.person = "olga";
-    out.tasks = {{"of-bee", Ruling::move, "ant", 2, Evidence::result}};
+    out.tasks = {{"of-bee", ruling, robot, 2, Evidence::result}};
     return sign(by, kSignedDecision, encode(out));
   }
   [[nodiscard]] SignedRecord end(const std::string& by = "cloud") const {
@@ -80,7 +80,6 @@ class Hall {
   }
 
   SigningKey authority_key_;
-  SigningKey stranger_;
   std::map<std::string, SigningKey> keys_;
   RunStart start_;
 };
@@ -117,6 +116,15 @@ TEST_CASE("a decision gives a task to another robot, whose result counts from th
   CHECK(hall.check({hall.start(), hall.decision("ant")}).faults.size() == 1);
   CHECK(hall.check({hall.start(), hall.decision("cloud", 3)}).faults.size() == 1);
   CHECK(hall.check({hall.start(), hall.decision(), hall.decision()}).faults.size() == 1);
+}
+
+TEST_CASE("a cloud node skips a task that a decision gives it, and does none") {
+  const Hall hall;
+  const SignedRecord skip = hall.decision("cloud", 2, Ruling::skip, "cloud");
+  CHECK(hall.check({hall.start(), skip, hall.result("of-bee", "cloud", 2, TaskOutcome::skipped)}).final_tasks == 1);
+  CHECK(hall.check({hall.start(), skip, hall.result("of-bee", "cloud", 2)}).faults.size() == 1);
+  CHECK(hall.check({hall.start(), hall.decision("cloud", 2, Ruling::move, "cloud")}).faults.size() == 1);
+  CHECK(hall.check({hall.start(), hall.decision("cloud", 2, Ruling::skip, "ant")}).faults.size() == 1);
 }
 
 TEST_CASE("what is changed, another's or of another fleet is named by its place") {
