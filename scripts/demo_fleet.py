@@ -94,14 +94,15 @@ def run_scenario(fleet, fault=None):
         if fault and not fault.follow():
             child.terminate()
         time.sleep(0.02)
-    return fleet.json("scenario", "watch", own_run(fleet), "--once", node=trb_fleet.CLOUD, check=False)
+    return fleet.json("scenario", "watch", *own_run(fleet), "--once", node=trb_fleet.CLOUD, check=False)
 
 
 def own_run(fleet):
-    """The newest run of this scenario: in the page, people may have started others meanwhile."""
+    """The newest run of this scenario, if there is one: in the page, people may have started others meanwhile."""
     name = json.loads(pathlib.Path(SCENARIO).read_text())["name"]
     runs = fleet.json("run", "list", "--all", node=trb_fleet.CLOUD)["runs"]
-    return max((run for run in runs if run["name"] == name), key=lambda run: run["created"])["run"]
+    own = sorted((run for run in runs if run["name"] == name), key=lambda run: run["created"])
+    return [run["run"] for run in own[-1:]]
 
 
 def wait_acknowledged(fleet):
