@@ -26,6 +26,14 @@ function json(body: unknown, status = 200, headers: Record<string, string> = {})
 
 const header = (sent: Sent | undefined, name: string) => new Headers(sent?.init.headers).get(name);
 
+it('sends what somebody else wrote byte by byte', async () => {
+  const { client, sent } = gateway(json({ id: 'a' }, 201));
+  const text = '{ "tasks": [],\n  "name": "x" }';
+  await client.post('/api/v1/scenarios/import', { text });
+  expect(sent[0]!.init.body).toBe(text);
+  expect(header(sent[0], 'Content-Type')).toBe('application/json');
+});
+
 describe('an address', () => {
   it('has its parameters escaped, so that no id becomes another path', () => {
     expect(urlOf('/api/v1/robots/{robot}', { robot: '../users' })).toBe('/api/v1/robots/..%2Fusers');

@@ -1,6 +1,6 @@
 /** A skill as a scenario of one task, for this robot and no other. */
-import type { Scenario } from '../scenarios/scenario_model';
-import { emptyScenario, freshId } from '../scenarios/scenario_model';
+import type { Scenario } from '../../lib/scenario/scenario_model';
+import { emptyScenario, freshId } from '../../lib/scenario/scenario_model';
 
 export function oneTask(robot: string, skill: string, data: Record<string, unknown>): Scenario {
   const task = { id: freshId(emptyScenario(), skill), robot, skill, pinned: true };

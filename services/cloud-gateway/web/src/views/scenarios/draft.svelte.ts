@@ -1,5 +1,5 @@
 /** A scenario under work: its text, its steps back and forth, and the version of the gateway that it is based on. */
-import { parsed, textOf, type Scenario } from './scenario_model';
+import { parsed, textOf, type Scenario } from '../../lib/scenario/scenario_model';
 
 const MOST_STEPS = 100;
 

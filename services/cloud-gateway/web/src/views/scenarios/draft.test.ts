@@ -1,6 +1,6 @@
 import { describe, expect, it } from 'vitest';
 import { Draft } from './draft.svelte';
-import { textOf, withTask } from './scenario_model';
+import { textOf, withTask } from '../../lib/scenario/scenario_model';
 
 const begin = textOf({ name: 'x', tasks: [] });
 
