@@ -6,7 +6,8 @@ import { live } from './live/live.svelte';
 const KEPT = 'trb.signedIn';
 const ROLES: Role[] = ['viewer', 'operator', 'admin'];
 
-export type SignInState = 'asking' | 'out' | 'ended' | 'in';
+/** `unsafe`: signed in with a password that somebody else made; only a new one opens the rest. */
+export type SignInState = 'asking' | 'out' | 'ended' | 'unsafe' | 'in';
 
 class SessionStore {
   state = $state<SignInState>('asking');
@@ -38,6 +39,13 @@ class SessionStore {
     this.begin(await api.post<Session>('/api/v1/session', { body: { user, password } }));
   }
 
+  /** The sessions end with the old password; this one is followed by a new one. */
+  async changePassword(old: string, fresh: string): Promise<void> {
+    const user = this.user;
+    await api.send('PUT', '/api/v1/me/password', { body: { old, new: fresh } });
+    await this.signIn(user, fresh);
+  }
+
   async signOut(): Promise<void> {
     await this.leave('/api/v1/session');
   }
@@ -57,9 +65,9 @@ class SessionStore {
     this.user = session.user;
     this.role = session.role;
     this.isUnreachable = false;
-    this.state = 'in';
     localStorage.setItem(KEPT, '1');
-    live.start();
+    this.state = session.must_change_password ? 'unsafe' : 'in';
+    if (this.state === 'in') live.start();
   }
 
   private end(state: SignInState): void {

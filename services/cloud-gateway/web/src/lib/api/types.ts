@@ -27,6 +27,11 @@ export type NodeContent = Schemas['NodeContent'];
 export type RobotContent = Schemas['RobotContent'];
 export type RobotValue = Schemas['RobotValue'];
 export type RobotFault = Schemas['RobotFault'];
+export type Drivable = Schemas['Drivable'];
+/** Who drives a robot by hand. */
+export type Teleop = Schemas['TeleopContent'];
+/** What becomes of this page's own drive. */
+export type DriveAnswer = Schemas['LiveDrive']['drive'];
 export type OutOfUse = Schemas['OutOfUse'];
 export type Profile = Schemas['Profile'];
 export type Frame = Schemas['RobotFrame'];
@@ -37,6 +42,9 @@ export type RunSummary = Schemas['RunSummary'];
 export type RunDetail = Schemas['RunView'];
 export type TaskView = Schemas['TaskView'];
 export type Alert = Schemas['Alert'];
+export type Alarm = Schemas['Alarm'];
+/** An alert, and what people have done with it as an alarm. */
+export type AlertRow = Row<Alert> & { alarm: Alarm };
 
 /** What became of an order to each robot. */
 export type RobotOrder = Schemas['RobotOrder'];

@@ -4,14 +4,14 @@ import { chargeOf, poseOf } from './pose';
 
 function robot(values: Record<string, RobotValue['value']>): RobotContent {
   const list = Object.entries(values).map(([name, value]) => ({ name, value, changed: '' }));
-  return { connection: 'ONLINE', detail: '', fenced: false, control: '', out_of_use: [], values: list, faults: [], cut: false };
+  return { connection: 'ONLINE', detail: '', fenced: false, control: '', out_of_use: [], values: list, faults: [], cut: false, drives: [] };
 }
 
 function profile(is: Partial<Profile>): Profile {
   return {
     framework: '', mode: '', transport: '', maker: '', model: '', capabilities: ['mobile'], sensors: [], skills: [],
     places: [], robot: 'ONLINE', detail: '', fenced: false, control: '', plugged: [], frame: { length: 1, x: 0, y: 0, yaw: 0 },
-    out_of_use: [], numbers: [], ...is,
+    out_of_use: [], numbers: [], drives: [], ...is,
   };
 }
 

@@ -4,12 +4,16 @@ import { api } from '../api/client';
 import type { Profile, Row } from '../api/types';
 
 const MOST_AT_ONCE = 4;
+const TOGETHER_MS = 100;
 
 class Profiles {
   private readonly known = new SvelteMap<string, Profile>();
   private wanted = new Set<string>();
   private asked = new Set<string>();
   private waiting = 0;
+  /** Received and not yet shown: each change has the whole hall looked at, so they come together. */
+  private readonly coming = new Map<string, Profile>();
+  private timer = 0;
 
   get(robot: string): Profile | undefined {
     return this.known.get(robot);
@@ -23,10 +27,20 @@ class Profiles {
     this.next();
   }
 
+  private take(robot: string, profile: Profile): void {
+    this.coming.set(robot, profile);
+    this.timer ||= window.setTimeout(() => {
+      this.timer = 0;
+      for (const [one, of] of this.coming) if (this.asked.has(one)) this.known.set(one, of);
+      this.coming.clear();
+    }, TOGETHER_MS);
+  }
+
   private forget(robot: string): void {
     this.asked.delete(robot);
     this.wanted.delete(robot);
     this.known.delete(robot);
+    this.coming.delete(robot);
   }
 
   private next(): void {
@@ -42,7 +56,7 @@ class Profiles {
   private async read(robot: string): Promise<void> {
     try {
       const row = await api.get<Row<Profile>>('/api/v1/robots/{robot}/skills', { path: { robot } });
-      this.known.set(robot, row.content);
+      this.take(robot, row.content);
     } catch {
       this.asked.delete(robot); // asked for again with the next change of the list
     } finally {

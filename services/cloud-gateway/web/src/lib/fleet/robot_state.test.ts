@@ -4,7 +4,7 @@ import { robotSeverity, robotState, stateOrder } from './robot_state';
 
 function robot(content: Partial<RobotContent> = {}, live: Live = 'live'): Row<RobotContent> {
   const whole = {
-    connection: 'ONLINE', detail: '', fenced: false, control: '', out_of_use: [], values: [], faults: [], cut: false, ...content,
+    connection: 'ONLINE', detail: '', fenced: false, control: '', out_of_use: [], values: [], faults: [], cut: false, drives: [], ...content,
   };
   return { kind: 'robot', node: 'ur3', name: '', number: 1, version: 1, live, heard: '', content: whole };
 }

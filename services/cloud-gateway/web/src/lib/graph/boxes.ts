@@ -36,3 +36,8 @@ export function boxesOf(placed: readonly Placed[], gapX: number): Boxes {
     at: (px, py) => placed.findIndex((_, box) => px >= x(box) && px <= x(box) + WIDE && py >= y(box) && py <= y(box) + HIGH),
   };
 }
+
+/** A box of which an edge is in sight counts as shown for a browser: who gets there by Tab would see nothing of it. */
+export function shownWhole(event: FocusEvent): void {
+  (event.currentTarget as HTMLElement).scrollIntoView({ block: 'nearest', inline: 'nearest' });
+}

@@ -39,8 +39,13 @@ export function tOr(section: keyof Words, word: string): string {
   return (languages[speech.language].words[section] as Record<string, string>)[word] ?? word;
 }
 
+const formats = new Map<string, Intl.NumberFormat>(); // to make one takes far longer than to use it
+
 export function formatNumber(value: number, digits = 2): string {
-  return value.toLocaleString(speech.language, { maximumFractionDigits: digits });
+  const key = `${speech.language} ${digits}`;
+  const format = formats.get(key) ?? new Intl.NumberFormat(speech.language, { maximumFractionDigits: digits });
+  formats.set(key, format);
+  return format.format(value);
 }
 
 /** 4 s, 12 min, 3 h. */

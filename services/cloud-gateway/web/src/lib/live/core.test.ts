@@ -166,3 +166,14 @@ describe('a refused word', () => {
     expect(told).toEqual(["topic: 'secrets' is none"]);
   });
 });
+
+describe('news of a drive', () => {
+  it('is told, is no frame, and changes no row', () => {
+    const core = openPage();
+    const told: unknown[] = [];
+    core.onDrive = (answer) => told.push(answer);
+    core.heard('{"drive":{"robot":"ur3","sequence":4,"state":"driving","round_trip_s":0.01}}', 10);
+    expect(told).toEqual([{ robot: 'ur3', sequence: 4, state: 'driving', round_trip_s: 0.01 }]);
+    expect(core.heardAt).toBeNull();
+  });
+});

@@ -11,7 +11,7 @@
  * | waiting    | the wait is over             | connect                                           | connecting |
  * | any        | closed with 4401, stop       | forget everything                                 | off        |
  */
-import type { RemovedRow, Row } from '../api/types';
+import type { DriveAnswer, RemovedRow, Row } from '../api/types';
 
 export const SIGNED_OUT = 4401;
 const QUIET_MS = 3000; // the gateway sends a frame each second, even if nothing has changed
@@ -92,6 +92,7 @@ export class LiveCore {
   onRows: (topic: string) => void = () => {};
   onMessages: (messages: unknown[], leftOut: number) => void = () => {};
   onError: (detail: string) => void = () => {};
+  onDrive: (answer: DriveAnswer) => void = () => {};
 
   private readonly topics = new Map<string, TopicTable>();
   private instance = '';
@@ -164,8 +165,9 @@ export class LiveCore {
   }
 
   heard(text: string, now: number): void {
-    const word = JSON.parse(text) as Frame & { error?: { detail?: string } };
+    const word = JSON.parse(text) as Frame & { error?: { detail?: string }; drive?: DriveAnswer };
     if (word.error !== undefined) return this.onError(word.error.detail ?? '');
+    if (word.drive !== undefined) return this.onDrive(word.drive);
     this.heardAt = now;
     this.wait = FIRST_WAIT_MS;
     this.instance = instanceIn(text);

@@ -2,10 +2,12 @@
 import { onDestroy } from 'svelte';
 import { SvelteMap } from 'svelte/reactivity';
 import { api } from '../api/client';
-import type { Row } from '../api/types';
+import type { DriveAnswer, Row } from '../api/types';
 import { LiveCore, SIGNED_OUT, type Act, type Phase, type Rows } from './core';
 
 const TICK_MS = 100;
+/** More than this has not left the page yet: the connection stalls, and what is said now would come late. */
+const MOST_UNSENT = 2048;
 
 type MessageListener = (messages: unknown[], leftOut: number) => void;
 
@@ -20,12 +22,14 @@ class LiveStream {
   private readonly core = new LiveCore();
   private readonly versions = new SvelteMap<string, number>();
   private readonly listeners = new Set<MessageListener>();
+  private readonly drivers = new Set<(answer: DriveAnswer) => void>();
   private socket: WebSocket | null = null;
   private timer = 0;
 
   constructor() {
     this.core.onRows = (topic) => this.versions.set(topic, (this.versions.get(topic) ?? 0) + 1);
     this.core.onMessages = (messages, leftOut) => this.listeners.forEach((each) => each(messages, leftOut));
+    this.core.onDrive = (answer) => this.drivers.forEach((each) => each(answer));
     this.core.onError = (detail) => (this.refused = detail);
   }
 
@@ -68,6 +72,18 @@ class LiveStream {
   listen(listener: MessageListener): () => void {
     this.listeners.add(listener);
     return () => this.listeners.delete(listener);
+  }
+
+  /** A word of driving; false: it was not sent, and is not sent later. */
+  say(word: string): boolean {
+    if (this.core.phase !== 'open' || this.socket === null || this.socket.bufferedAmount > MOST_UNSENT) return false;
+    this.socket.send(word);
+    return true;
+  }
+
+  onDrive(listener: (answer: DriveAnswer) => void): () => void {
+    this.drivers.add(listener);
+    return () => this.drivers.delete(listener);
   }
 
   private act(act: Act): void {

@@ -20,7 +20,8 @@ export interface Mark extends Point {
   id: string;
   state: RobotState;
   course: number | null;
-  lines: string[];
+  /** Its label; asked for only if there is room for labels. */
+  lines: () => string[];
   trail: Point[];
   isSelected: boolean;
 }
@@ -157,7 +158,7 @@ function paintLabels(pen: CanvasRenderingContext2D, camera: Camera, marks: Mark[
   };
   const isCrowded = marks.length > MOST_LABELS;
   for (const mark of [...marks].sort((a, b) => Number(b.isSelected) - Number(a.isSelected))) {
-    if (!isCrowded || mark.isSelected) label(toPicture(camera, mark), mark.lines, RADIUS + 8, colours.text);
+    if (!isCrowded || mark.isSelected) label(toPicture(camera, mark), mark.lines(), RADIUS + 8, colours.text);
   }
   if (!isCrowded) for (const place of places) label(toPicture(camera, place), [place.name], 8, colours.muted);
 }

@@ -1,5 +1,5 @@
 import { expect, it } from 'vitest';
-import type { Alert, Row } from '../../lib/api/types';
+import type { Alert, AlertRow } from '../../lib/api/types';
 import { openAlarms } from '../../lib/fleet/alarms';
 import { bodyOf, deciderIn, inOrder, isRanked, isUndecided, pageHints, standsAgain, verdictsOf, winnerOf } from './decision';
 
@@ -45,6 +45,6 @@ it('lists open alerts by priority and first cause, then what is over, the newest
   const rows = [
     alert({ id: 'old', state: 'CLOSED', time: 1 }), alert({ id: 'later', time: 9 }), alert({ id: 'new', state: 'DECIDED', time: 8 }),
     alert({ id: 'first', time: 2 }),
-  ].map((content) => ({ content }) as Row<Alert>);
+  ].map((content) => ({ content, alarm: { priority: 2, source: content.id, first: '', chatters: false, times: 1 } }) as AlertRow);
   expect(inOrder(rows, openAlarms).map((row) => row.content.id)).toEqual(['first', 'later', 'new', 'old']);
 });

@@ -1,15 +1,13 @@
 /** What a person may decide on an alert, and what became of it. */
-import type { Alert, Row, Schemas } from '../../lib/api/types';
+import type { Alert, AlertRow, Schemas } from '../../lib/api/types';
+import { isOpen } from '../../lib/fleet/alarms';
+
+export { isOpen };
 
 export type Decision = Schemas['AlertDecision'];
 export type Verdict = Decision['verdict'];
 
 const NOT_RULED = ['double_execution', 'run_ends'];
-const STILL_OPEN: Alert['state'][] = ['OPEN', 'EXPIRED', 'RELEASING'];
-
-export function isOpen(alert: Alert): boolean {
-  return STILL_OPEN.includes(alert.state);
-}
 
 /** Nobody has decided yet. */
 export function isUndecided(alert: Alert): boolean {
@@ -65,8 +63,8 @@ export function pageHints(hints: string[]): string[] {
 }
 
 /** What matters first: open ones by priority and first cause, then what is over, newest first. */
-export function inOrder(rows: Row<Alert>[], openFirst: (alerts: Alert[]) => Alert[]): Row<Alert>[] {
-  const open = openFirst(rows.map((row) => row.content)).map((alert) => alert.id);
-  const place = (row: Row<Alert>) => (open.includes(row.content.id) ? open.indexOf(row.content.id) : open.length);
+export function inOrder(rows: AlertRow[], openFirst: (rows: AlertRow[]) => AlertRow[]): AlertRow[] {
+  const open = openFirst(rows).map((row) => row.content.id);
+  const place = (row: AlertRow) => (open.includes(row.content.id) ? open.indexOf(row.content.id) : open.length);
   return [...rows].sort((a, b) => place(a) - place(b) || b.content.time - a.content.time);
 }

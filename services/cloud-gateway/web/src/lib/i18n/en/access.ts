@@ -1,0 +1,20 @@
+export const access = {
+  access: {
+    title: 'Access',
+    all: 'Tokens of programs',
+    none: 'No program has a token.',
+    create: 'Make a token',
+    once: 'The token {name} is shown this once',
+    copy: 'Copy',
+    copied: 'Copied',
+    hide: 'I have kept it',
+    readOnly: 'read only',
+    madeBy: 'Made by',
+    ends: 'Ends',
+    revoke: 'Revoke',
+    askRevoke: 'The program that uses it is refused from now on.',
+    nameHint: 'Of the program that gets it',
+    days: 'Days',
+    daysHint: '1 to 365',
+  },
+};

@@ -1,0 +1,40 @@
+/** All words of the page in English. `{name}` is filled in. A file for each view, with its sections; fr has the same keys. */
+import { about } from './about';
+import { access } from './access';
+import { alerts } from './alerts';
+import { audit } from './audit';
+import { control } from './control';
+import { hall } from './hall';
+import { messages } from './messages';
+import { robot } from './robot';
+import { runs } from './runs';
+import { scenarios } from './scenarios';
+import { sensors } from './sensors';
+import { settings } from './settings';
+import { shell } from './shell';
+import { states } from './states';
+import { tokens } from './tokens';
+import { users } from './users';
+
+export const en = {
+  ...shell,
+  ...states,
+  ...tokens,
+  ...hall,
+  ...robot,
+  ...alerts,
+  ...runs,
+  ...scenarios,
+  ...users,
+  ...settings,
+  ...access,
+  ...audit,
+  ...messages,
+  ...about,
+  ...control,
+  ...sensors,
+};
+
+/** The same keys, other words. */
+export type Words = { [Section in keyof typeof en]: { [Key in keyof (typeof en)[Section]]: string } };
+export type Key = { [Section in keyof Words]: `${Section}.${Extract<keyof Words[Section], string>}` }[keyof Words];

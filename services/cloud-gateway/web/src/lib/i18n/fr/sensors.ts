@@ -1,0 +1,26 @@
+import type { Words } from '../en';
+
+export const sensors: Pick<Words, 'sensors'> = {
+  sensors: {
+    title: 'Capteurs',
+    none: 'Aucun capteur n’est branché.',
+    sensor: 'Capteur',
+    kind: 'Genre',
+    unit: 'Unité',
+    device: 'Appareil',
+    away: 'silencieux',
+    value: 'Valeur',
+    window: 'Affiché',
+    minute: '1 minute',
+    tenMinutes: '10 minutes',
+    hour: '1 heure',
+    day: '1 jour',
+    least: 'Minimum',
+    most: 'Maximum',
+    mean: 'Moyenne',
+    csv: 'Télécharger ce qui est enregistré (CSV)',
+    picture: 'Ce que voit {sensor} de {node}',
+    noPicture: 'Aucune image n’arrive.',
+    pictureAge: 'L’image date de {age}.',
+  },
+};

@@ -1,0 +1,58 @@
+/** The stories, one after the other, of one fleet: node stories.mjs SETTINGS; run.py starts it. */
+import { mkdirSync } from 'node:fs';
+import { join } from 'node:path';
+import { startBrowser } from './person.mjs';
+import { alarms, changesSettings } from './story_alarm.mjs';
+import { signsIn } from './story_sign_in.mjs';
+import { drives } from './story_control.mjs';
+import { hostileTexts } from './story_hostile.mjs';
+import { paper } from './story_paper.mjs';
+import { connectionLost, everyView, everyViewInFrench, keyboardAlone, stopsAll } from './story_views.mjs';
+
+const settings = JSON.parse(process.argv[2]);
+const stories = [
+  ['somebody signs in by keyboard alone; a wrong password is told', signsIn],
+  ['the paper, section 6.1: a run, a fault, a decision', paper],
+  ['an alarm is seen, shelved with a reason, taken back; in a dialog "Stop all" is within reach', alarms],
+  ['an admin changes who decides, and is told what is out of bounds', changesSettings],
+  ['a robot is driven by hand, stopped, handed over, and stands when its page is gone', drives],
+  ['every view in each size and colour: axe, console, origin', everyView],
+  ['every view in French', everyViewInFrench],
+  ['every control of every view is reached by Tab, and shows the focus', keyboardAlone],
+  ['Shift+Esc stops all, in every view', stopsAll],
+  ['hostile texts of robots, sensors, scenarios, users, messages are shown as text', hostileTexts],
+  ['the gateway is killed: the page says so within 3 s, and is back by itself within 3 s', connectionLost],
+].filter(([title]) => title.includes(settings.only));
+
+const began = Date.now();
+const browser = await startBrowser();
+const people = [];
+let failed = 0;
+for (const [title, story] of stories) {
+  const start = Date.now();
+  const before = people.length;
+  const faults = [];
+  let told = '';
+  try {
+    told = (await story(browser, settings, people)) ?? '';
+  } catch (error) {
+    faults.push(error.stack);
+    await keepPicture(people.at(-1), title);
+  }
+  for (const person of people) faults.push(...person.faults.splice(0));
+  for (const person of people.splice(before)) await person.context.close();
+  const unique = [...new Set(faults)];
+  console.log(`${unique.length === 0 ? 'ok  ' : 'FAIL'} ${title} (${((Date.now() - start) / 1000).toFixed(1)} s)${told ? `: ${told}` : ''}`);
+  for (const fault of unique) console.log(`     ${fault}`);
+  failed += unique.length === 0 ? 0 : 1;
+}
+await browser.close();
+console.log(`== the page in Chromium: ${stories.length - failed} of ${stories.length} stories as they should be, ${((Date.now() - began) / 1000).toFixed(0)} s`);
+process.exit(failed === 0 ? 0 : 1);
+
+async function keepPicture(person, title) {
+  if (!settings.pictures || !person) return;
+  mkdirSync(settings.pictures, { recursive: true });
+  const name = title.replaceAll(/[^a-z]+/gi, '-').slice(0, 40);
+  await person.page.screenshot({ path: join(settings.pictures, `failed-${name}.png`), caret: 'initial' }).catch(() => undefined);
+}

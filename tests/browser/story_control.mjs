@@ -1,0 +1,132 @@
+/** A robot is driven by hand: keys move it, letting go stops it, and it passes from one person to another. */
+import { mkdirSync } from 'node:fs';
+import { join } from 'node:path';
+import { Person } from './person.mjs';
+import { order } from './starter.mjs';
+
+const ROBOT = 'pioneer2';
+const DRIVE_MS = 15000;
+/** From an event in the page until the robot itself has stood. */
+const STANDS_MS = 500;
+/** Until the view shows where it stands. */
+const SHOWN_MS = 1500;
+/** What the machine may add to it: the browser, the starter and a fleet share its cores. */
+const MACHINE_MS = 500;
+
+export async function drives(browser, settings, people) {
+  const olga = await Person.arrive(browser, settings, 'olga');
+  const admin = await Person.arrive(browser, settings, 'admin');
+  people.push(olga, admin);
+  for (const one of [olga, admin]) {
+    await one.enter();
+    await one.go(`#/control/${ROBOT}`);
+    await place(one.page);
+  }
+  const [winner, loser] = await bothBegin(olga, admin);
+  const took = {};
+  took.key = await driveAnd(winner, 'the key is let go', () => winner.page.keyboard.up('w'), 'control-driving');
+  await showsPlace(winner);
+  took.blur = await driveAnd(winner, 'the window loses the focus', () => winner.page.evaluate(() => dispatchEvent(new Event('blur'))));
+  await winner.page.keyboard.up('w');
+  await handOver(winner, loser);
+  took.stop = await driveAnd(loser, 'Shift+Esc', () => loser.page.keyboard.press('Shift+Escape'));
+  await loser.page.keyboard.up('w');
+  await stopped(loser);
+  await begin(winner);
+  await loser.page.getByText(`${winner.name} drives it`).waitFor();
+  took.page = await driveAnd(winner, 'the page is closed', () => winner.page.close());
+  await loser.page.getByText('Nobody drives it').waitFor();
+  return Object.entries(took).map(([cause, ms]) => `${cause} ${ms} ms`).join(', ');
+}
+
+/** Both press it at once: one drives, the other is told who does. */
+async function bothBegin(...people) {
+  const at = Date.now() + 500;
+  await Promise.all(people.map((one) => one.page.getByRole('button', { name: 'Begin to drive' }).evaluate(async (button, when) => {
+    await new Promise((done) => setTimeout(done, when - Date.now()));
+    button.click();
+  }, at)));
+  const winner = await Promise.any(people.map(async (one) => {
+    await one.page.getByText(`You drive ${ROBOT}`).waitFor({ timeout: DRIVE_MS });
+    return one;
+  }));
+  const loser = people.find((one) => one !== winner);
+  await loser.page.getByText(`${winner.name} drives it`).waitFor();
+  return [winner, loser];
+}
+
+async function begin(person) {
+  await person.page.getByRole('button', { name: 'Begin to drive' }).press('Enter');
+  await person.page.getByText(`You drive ${ROBOT}`).waitFor({ timeout: DRIVE_MS });
+}
+
+/** Where the view says that the robot is, in metres. */
+async function place(page) {
+  const text = page.locator('dd').filter({ hasText: /^x .* m, y .* m$/ });
+  await text.waitFor();
+  const [, x, y] = /x (\S+) m, y (\S+) m/.exec((await text.textContent()).replaceAll('−', '-').replaceAll('\u00a0', ' '));
+  return [Number(x), Number(y)];
+}
+
+/** By key, until the view shows that it has moved; then `event`. How long the robot itself, asked by its own console, moved on. */
+async function driveAnd(person, what, event, pictured = '') {
+  const { page } = person;
+  const from = await place(page);
+  await page.keyboard.down('w');
+  await moved(person, from, 0.1);
+  if (pictured) await picture(person, pictured);
+  await order('await_moving', ROBOT);
+  const at = Date.now();
+  await event();
+  const ms = Math.max(0, Math.round((await order('last_move', ROBOT)) - at));
+  if (ms > STANDS_MS + MACHINE_MS) person.faults.push(`it moves on for ${ms} ms after ${what}`);
+  return ms;
+}
+
+/** The view's place is where the robot itself says that it has come to stand. */
+async function showsPlace({ page, faults }) {
+  const [, [x, y]] = await order('where', ROBOT);
+  const end = Date.now() + SHOWN_MS;
+  for (;;) {
+    const shown = await place(page);
+    if (Math.hypot(x - shown[0], y - shown[1]) < 0.02) return;
+    if (Date.now() > end) return faults.push(`it stands at ${x}, ${y}, and is shown at ${shown}`);
+    await page.waitForTimeout(50);
+  }
+}
+
+async function moved({ page }, from, metres) {
+  const end = Date.now() + DRIVE_MS;
+  while (Date.now() < end) {
+    await page.waitForTimeout(50); // it is sampled while it drives
+    const [x, y] = await place(page);
+    if (Math.hypot(x - from[0], y - from[1]) >= metres) return;
+  }
+  const said = await page.locator('main [role=status], main [role=alert]').allTextContents();
+  throw new Error(`it has not moved by ${metres} m from ${from}: ${said.map((text) => text.trim()).join(' ')}`);
+}
+
+/** Somebody asks, the driver hands over, the other one begins. */
+async function handOver(driver, other) {
+  await other.page.getByRole('button', { name: 'Ask for it' }).press('Enter');
+  await driver.page.getByText(`${other.name} asks for this robot`).waitFor();
+  await driver.page.getByRole('button', { name: `Hand over to ${other.name}` }).press('Enter');
+  await other.page.getByText('It was handed over to you').waitFor();
+  await begin(other);
+  await driver.page.getByText(`${other.name} drives it`).waitFor();
+}
+
+/** The drive is over, the page says so, and no key moves a robot that is stopped. */
+async function stopped({ page }) {
+  await page.getByText(/Stopped: (\d+) of \1 have confirmed/).waitFor();
+  await page.getByText('Nobody drives it').waitFor();
+  await page.locator('.head').getByText('stopped').first().waitFor();
+  await order('release');
+  await page.locator('.head').getByText('stopped').first().waitFor({ state: 'detached' });
+}
+
+async function picture({ page, settings }, name) {
+  if (!settings.pictures) return;
+  mkdirSync(settings.pictures, { recursive: true });
+  await page.screenshot({ path: join(settings.pictures, `${name}.png`), caret: 'initial' });
+}

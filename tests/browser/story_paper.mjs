@@ -1,0 +1,136 @@
+/** Section 6.1 of the paper, as its operator lives it in the page, from the drawing of the scenario to the audit. */
+import { look } from './look.mjs';
+import { Person } from './person.mjs';
+import { order } from './starter.mjs';
+import { draw } from './story_draw.mjs';
+
+const RUN_MS = 60000;
+const SENSOR_MS = 20000;
+
+export async function paper(browser, settings, people) {
+  const olga = await Person.arrive(browser, settings, 'olga');
+  people.push(olga);
+  await olga.enter();
+
+  await draw(olga, JSON.parse(await order('scenario')));
+  await preflight(olga);
+  await save(olga);
+  const robot = await order('fail_robot');
+  const run = await start(olga);
+  await watch(olga, robot);
+  await unplug(olga);
+  const decided = await decide(olga, robot);
+  const state = await order('await_run', run);
+  if (state !== 'FINISHED') throw new Error(`the run is ${state}`);
+  await seeEnd(olga, run);
+  await audited(browser, settings, people);
+  return decided;
+}
+
+async function preflight(olga) {
+  const { page } = olga;
+  await page.getByRole('button', { name: 'Ask the robots' }).press('Enter');
+  await page.waitForSelector('h2:has-text("A run could begin now")', { timeout: SENSOR_MS });
+  await look(olga, 'editor-preflight');
+}
+
+async function save(olga) {
+  const { page } = olga;
+  await page.getByRole('button', { name: 'Save', exact: true }).press('Enter');
+  await page.waitForFunction(() => !location.hash.endsWith('/new'));
+}
+
+async function start(olga) {
+  const { page } = olga;
+  const button = page.getByRole('button', { name: '▶ Run' });
+  await page.waitForSelector('main :text("can run")');
+  await button.press('Enter');
+  await page.waitForFunction(() => location.hash.startsWith('#/runs/'));
+  return page.evaluate(() => location.hash.split('/')[2]);
+}
+
+/** The run goes on before his eyes, until a robot stands. */
+async function watch(olga, robot) {
+  const { page } = olga;
+  const box = (id, state) => page.waitForSelector(`button:has(strong:text-is("${id}")):has-text("${state}")`, { timeout: RUN_MS });
+  await box('fetch_box', 'finished');
+  await box('put_box_down', 'finished');
+  await box('go_to_ur3', 'failed');
+  await page.waitForSelector(`a.alarm:has-text("${robot}")`, { timeout: RUN_MS });
+  await page.waitForSelector(`main a:has-text("${robot}")`);
+  await look(olga, 'run-fault');
+  await olga.go('#/hall');
+  await look(olga, 'hall-fault');
+}
+
+/** The thermometer of the conveyor is pulled out, and plugged in again. */
+async function unplug(olga) {
+  const { page } = olga;
+  await olga.go('#/sensors');
+  await page.waitForSelector('main tr:has-text("temperature"):has-text("ok")', { timeout: SENSOR_MS });
+  await order('unplug');
+  await page.waitForSelector('main tr:has-text("temperature"):has-text("ok")', { state: 'detached', timeout: SENSOR_MS });
+  await look(olga, 'sensors-unplugged');
+  await order('plug');
+  await page.waitForSelector('main tr:has-text("temperature"):has-text("ok")', { timeout: SENSOR_MS });
+}
+
+/** The alarm leads to the alert; all by keyboard. */
+async function decide(olga, robot) {
+  const { page } = olga;
+  await olga.tabTo('a.alarm');
+  await page.keyboard.press('Enter');
+  await page.waitForSelector(`h1:has-text("${robot}")`);
+  await page.waitForSelector('input[type=range]');
+  await look(olga, 'alert-open');
+  await judge(olga);
+  const first = () => page.textContent('ol > li:first-child strong');
+  const best = await first();
+  const other = await weighUntilAnotherIsFirst(olga, first, best);
+  await olga.tabTo('ol > li:first-child button');
+  await page.keyboard.press('Enter');
+  await page.waitForSelector('dialog[open] form');
+  await look(olga, 'alert-decide');
+  await olga.tabTo('dialog[open] button[type=submit]');
+  await page.keyboard.press('Enter');
+  await page.waitForSelector('main :text("by olga")', { timeout: RUN_MS });
+  return `${best} was best, by other weights ${other}; decided by olga`;
+}
+
+/** By pairs, and back to the sliders. */
+async function judge(olga) {
+  const { page } = olga;
+  await page.getByLabel('Judgments by pairs').check();
+  await page.waitForSelector('main table select');
+  await page.waitForSelector('main :text("Consistency ratio")');
+  await look(olga, 'alert-pairs');
+  await page.getByRole('button', { name: 'As in force' }).press('Enter');
+  await page.waitForSelector('input[type=range]');
+}
+
+/** Moves the sliders by keys. With one at its end, its criterion alone counts. */
+async function weighUntilAnotherIsFirst(olga, first, best) {
+  const { page } = olga;
+  const sliders = page.locator('input[type=range]');
+  for (let i = 0; i < (await sliders.count()); i++) {
+    await sliders.nth(i).press('End');
+    const changed = await page.waitForFunction(
+      (was) => document.querySelector('ol > li:first-child strong')?.textContent !== was, best, { timeout: 4000 }).catch(() => null);
+    if (changed) return first();
+  }
+  throw new Error(`${best} stays first, whatever counts`);
+}
+
+async function seeEnd(olga, run) {
+  await olga.go(`#/runs/${run}`);
+  await olga.page.waitForSelector('main :text("finished")');
+  await olga.page.waitForSelector('main section:has(h2:text-is("Decisions")):has-text("olga")');
+}
+
+async function audited(browser, settings, people) {
+  const admin = await Person.arrive(browser, settings, 'admin');
+  people.push(admin);
+  await admin.enter();
+  await admin.go('#/audit');
+  await admin.page.waitForSelector('main tr:has-text("olga"):has-text("decision")');
+}

@@ -1,0 +1,98 @@
+/** What holds in every view, whichever views there are: they are read from the navigation. */
+import { walk } from './keyboard.mjs';
+import { look } from './look.mjs';
+import { Person } from './person.mjs';
+import { order } from './starter.mjs';
+
+const WITHIN_MS = 3000;
+
+/** An admin, who is shown every view there is. */
+async function admin(browser, settings, people) {
+  const person = await Person.arrive(browser, settings, 'admin');
+  people.push(person);
+  await person.enter();
+  return person;
+}
+
+/** Calls `what` in each listed view, and in one (or `most`) of each kind that these lead to. */
+export async function inEachView(person, what, { most = 1 } = {}) {
+  const todo = [...(await person.listed())];
+  const counts = new Map();
+  for (const hash of todo) {
+    await person.go(hash);
+    await person.page.waitForTimeout(300); // rows come by the live stream
+    for (const link of await person.details()) {
+      const kind = link.split('/')[1];
+      const count = counts.get(kind) ?? 0;
+      if (count >= most || todo.includes(link)) continue;
+      todo.push(link);
+      counts.set(kind, count + 1);
+    }
+    await what(hash, hash.split('/').length > 2 ? `${hash.split('/')[1]}-one` : hash.split('/')[1]);
+  }
+  return todo;
+}
+
+export async function everyView(browser, settings, people) {
+  const person = await admin(browser, settings, people);
+  const views = await inEachView(person, (_, name) => look(person, name));
+  return views.join(' ');
+}
+
+/** French words are longer, and nobody who writes the page reads them by chance. */
+export async function everyViewInFrench(browser, settings, people) {
+  const person = await admin(browser, settings, people);
+  await person.page.evaluate(() => localStorage.setItem('trb.language', 'fr'));
+  await person.page.reload();
+  const views = await inEachView(person, (_, name) => look(person, `${name}-fr`, { short: true }));
+  const lang = await person.page.evaluate(() => document.documentElement.lang);
+  if (lang !== 'fr') person.faults.push(`the document says that its language is "${lang}"`);
+  return `${views.length} views`;
+}
+
+export async function keyboardAlone(browser, settings, people) {
+  const person = await admin(browser, settings, people);
+  let controls = 0;
+  await inEachView(person, async () => (controls += await walk(person)));
+  return `${controls} controls`;
+}
+
+export async function stopsAll(browser, settings, people) {
+  const person = await admin(browser, settings, people);
+  let slowest = 0;
+  await inEachView(person, async (hash) => {
+    const start = Date.now();
+    const asked = person.page.waitForRequest((one) => one.method() === 'POST' && one.url().endsWith('/api/v1/stop'), { timeout: 1000 });
+    await person.page.keyboard.press('Shift+Escape');
+    await asked.catch(() => person.faults.push(`Shift+Esc does nothing in ${hash}`));
+    slowest = Math.max(slowest, Date.now() - start);
+  });
+  await person.page.waitForSelector('text=/Stopped: (\\d+) of \\1 have confirmed/');
+  await person.go('#/hall');
+  await person.page.waitForSelector('li:has-text("stopped")');
+  await order('release');
+  await person.page.waitForSelector('.counts li:has-text("stopped")', { state: 'detached' });
+  return `asked after at most ${slowest} ms`;
+}
+
+export async function connectionLost(browser, settings, people) {
+  const person = await admin(browser, settings, people);
+  const { page } = person;
+  await person.go('#/hall');
+  person.expected.push(/Failed to load resource|WebSocket connection to/);
+  await order('kill_gateway');
+  const killed = Date.now();
+  await page.waitForSelector('[role=alert]:has-text("Connection lost")', { timeout: 10000 });
+  await page.waitForSelector('main.stale');
+  const lost = Date.now() - killed;
+  await page.waitForTimeout(2500);
+  const aged = await page.textContent('.lost:has-text("old")');
+  const ready = await order('revive_gateway');
+  await page.waitForSelector('.connection:not(.lost)', { state: 'attached', timeout: 15000 });
+  await page.waitForSelector('main:not(.stale)');
+  const back = Math.max(0, Date.now() - ready);
+  if (lost > WITHIN_MS) person.faults.push(`the loss is told after ${lost} ms`);
+  if (back > WITHIN_MS) person.faults.push(`it is back ${back} ms after the gateway`);
+  if (!(await page.$('main table tbody tr:nth-child(9)'))) person.faults.push('not all robots are shown again');
+  return `told after ${lost} ms ("${aged.trim()}"), back ${Math.round(back)} ms after the gateway`;
+}
